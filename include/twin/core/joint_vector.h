@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace twin {
+
+/// Number of joints of the arm.
+inline constexpr std::size_t kJoints = 7;
+
+/// One value per joint, base to wrist (joint 1 first). Unit given where it is used: rad, rad/s,
+/// rad/s^2, rad/s^3 or Nm. A plain array, not an Eigen type: it crosses thread exchanges, logs and
+/// the wire by copy of its bytes, and its layout must not depend on the vector instructions a
+/// user's own code is compiled for.
+using JointVector = std::array<double, kJoints>;
+
+/// Three Cartesian components, x y z.
+using Vector3 = std::array<double, 3>;
+
+/// Six Cartesian components: a twist [v; w] in m/s and rad/s, or a wrench [f; m] in N and Nm.
+using Vector6 = std::array<double, 6>;
+
+/// 3 x 3 matrix, column-major: element (row r, column c) is index 3 c + r.
+using Matrix3 = std::array<double, 9>;
+
+/// Homogeneous transform, 4 x 4 column-major: element (row r, column c) is index 4 c + r,
+/// translation in 12, 13, 14. `X_AB` (or Franka's `A_T_B`) maps coordinates in frame B to
+/// coordinates in frame A.
+using Transform = std::array<double, 16>;
+
+/// Angle of the third joint (rad) and the sign of the elbow flip (-1, 0 or +1). Source: FCI
+/// protocol 5, robot state.
+using Elbow = std::array<double, 2>;
+
+/// The identity transform.
+inline constexpr Transform kIdentityTransform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+}  // namespace twin

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace twin {
+
+/// What the robot does as a whole. Values are those of the robot state on the wire. Source: FCI
+/// protocol 5.
+enum class RobotMode : std::uint8_t {
+  kOther = 0,
+  kIdle = 1,
+  kMove = 2,
+  kGuiding = 3,
+  kReflex = 4,
+  kUserStopped = 5,
+  kAutomaticErrorRecovery = 6,
+};
+
+/// Where the reference of the running motion comes from. Values are those of the robot *state* (a
+/// Move request numbers them one lower).
+enum class MotionGeneratorMode : std::uint8_t {
+  kIdle = 0,
+  kJointPosition = 1,
+  kJointVelocity = 2,
+  kCartesianPosition = 3,
+  kCartesianVelocity = 4,
+};
+
+/// Which controller turns the reference into torque. kOther is shown while no motion runs.
+enum class ControllerMode : std::uint8_t {
+  kJointImpedance = 0,
+  kCartesianImpedance = 1,
+  kExternalController = 2,
+  kOther = 3,
+};
+
+/// The pair a motion is started with.
+struct MotionModes {
+  ControllerMode controller = ControllerMode::kJointImpedance;
+  MotionGeneratorMode generator = MotionGeneratorMode::kJointPosition;
+};
+
+/// Names as clients of the real robot print them ("Idle", "Move", "User stopped", ...).
+[[nodiscard]] std::string_view Name(RobotMode mode) noexcept;
+/// Names in snake case ("joint_position", ...), as scenarios write them.
+[[nodiscard]] std::string_view Name(MotionGeneratorMode mode) noexcept;
+/// Names in snake case ("joint_impedance", ...), as scenarios write them.
+[[nodiscard]] std::string_view Name(ControllerMode mode) noexcept;
+
+}  // namespace twin

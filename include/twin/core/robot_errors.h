@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace twin {
+
+/// The 41 errors of the robot's controller; the value is the index into `errors` and
+/// `reflex_reason` of the robot state. The comment says what raises it. Source: FCI protocol 5,
+/// error table.
+enum class RobotError : std::uint8_t {
+  kJointPositionLimitsViolation = 0,      ///< measured joint position beyond its limit
+  kCartesianPositionLimitsViolation = 1,  ///< virtual wall
+  kSelfCollisionAvoidanceViolation = 2,   ///< configuration about to self-collide
+  kJointVelocityViolation = 3,            ///< measured joint velocity above its limit
+  kCartesianVelocityViolation = 4,        ///< measured Cartesian velocity above its limit
+  kForceControlSafetyViolation = 5,       ///< safety threshold exceeded in force control
+  kJointReflex = 6,                       ///< external joint torque above the upper threshold
+  kCartesianReflex = 7,                   ///< external Cartesian force above the upper threshold
+  kMaxGoalPoseDeviationViolation = 8,     ///< internal generator missed its goal
+  kMaxPathPoseDeviationViolation = 9,     ///< internal generator left its path
+  kCartesianVelocityProfileSafetyViolation =
+      10,  ///< velocity profile of an internal motion exceeded
+  kJointPositionMotionGeneratorStartPoseInvalid =
+      11,  ///< first q_c too far from the current position
+  kJointMotionGeneratorPositionLimitsViolation =
+      12,  ///< commanded joint position outside its limits
+  kJointMotionGeneratorVelocityLimitsViolation = 13,  ///< commanded joint velocity above its limit
+  kJointMotionGeneratorVelocityDiscontinuity =
+      14,  ///< commanded joint acceleration above its limit
+  kJointMotionGeneratorAccelerationDiscontinuity = 15,  ///< commanded joint jerk above its limit
+  kCartesianPositionMotionGeneratorStartPoseInvalid = 16,
+  kCartesianMotionGeneratorElbowLimitViolation = 17,
+  kCartesianMotionGeneratorVelocityLimitsViolation = 18,
+  kCartesianMotionGeneratorVelocityDiscontinuity = 19,
+  kCartesianMotionGeneratorAccelerationDiscontinuity = 20,
+  kCartesianMotionGeneratorElbowSignInconsistent = 21,
+  kCartesianMotionGeneratorStartElbowInvalid = 22,
+  kForceControllerDesiredForceToleranceViolation = 23,
+  kStartElbowSignInconsistent = 24,
+  kCommunicationConstraintsViolation = 25,  ///< 20 command packets lost in a row
+  kPowerLimitViolation = 26,
+  kCartesianMotionGeneratorJointPositionLimitsViolation = 27,
+  kCartesianMotionGeneratorJointVelocityLimitsViolation = 28,
+  kCartesianMotionGeneratorJointVelocityDiscontinuity = 29,
+  kCartesianMotionGeneratorJointAccelerationDiscontinuity = 30,
+  kCartesianPositionMotionGeneratorInvalidFrame = 31,
+  kControllerTorqueDiscontinuity = 32,  ///< commanded torque rate above its limit
+  kJointP2pInsufficientTorqueForPlanning = 33,
+  kTauJRangeViolation = 34,
+  kInstabilityDetected = 35,
+  kJointMoveInWrongDirection = 36,
+  kCartesianSplineMotionGeneratorViolation = 37,
+  kJointViaMotionGeneratorPlanningJointLimitViolation = 38,
+  kBaseAccelerationInitializationTimeout = 39,
+  kBaseAccelerationInvalidReading = 40,
+};
+
+/// Number of errors.
+inline constexpr std::size_t kRobotErrorCount = 41;
+
+/// A set of errors, indexed by RobotError.
+using RobotErrors = std::bitset<kRobotErrorCount>;
+
+/// Name as clients of the real robot print it. Mind: index 31 ends in `_flag`, index 34 has a
+/// capital J.
+[[nodiscard]] std::string_view Name(RobotError error) noexcept;
+
+/// Names of all errors in the set, as libfranka prints them: `["name_a", "name_b"]`.
+[[nodiscard]] std::string FormatErrors(const RobotErrors& errors);
+
+/// What the real robot only names: the value that broke a limit, where and when. Trivially
+/// copyable; made in the cycle.
+struct Violation {
+  RobotError error{};
+  std::int8_t axis = -1;  ///< joint 0..6 or Cartesian axis 0..5; -1 when no single axis is to blame
+  double value = 0;       ///< the offending value, in the unit of `limit`
+  double limit = 0;       ///< the bound it broke, signed like the value
+  std::uint64_t message_id = 0;  ///< id of the robot state of the cycle that raised it
+};
+
+/// One sentence: error, joint, value, limit, unit, cycle, and how the value was computed.
+[[nodiscard]] std::string Describe(const Violation& violation);
+
+}  // namespace twin

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+
+#include "twin/core/joint_vector.h"
+#include "twin/core/modes.h"
+#include "twin/core/robot_errors.h"
+
+namespace twin {
+
+/// What the robot reports every millisecond. Names, units and frames are Franka's. Source: FCI
+/// protocol 5, robot state.
+///
+/// Frames: O base, F flange, NE nominal end effector, EE end effector, K stiffness frame. Suffix
+/// _d: desired, after the robot's kinematic completion; _c: last commanded value. All SI and rad;
+/// poses are 4 x 4 column-major. A field that no mode of the running backend estimates stays zero.
+struct RobotState {
+  std::uint64_t message_id = 0;  ///< milliseconds since robot start, +1 per cycle
+
+  Transform O_T_EE = kIdentityTransform;    ///< measured pose of EE in O
+  Transform O_T_EE_d = kIdentityTransform;  ///< desired pose of EE in O
+  Transform F_T_EE = kIdentityTransform;    ///< EE in F = F_T_NE NE_T_EE
+  Transform EE_T_K = kIdentityTransform;    ///< K in EE
+  Transform F_T_NE = kIdentityTransform;    ///< NE in F
+  Transform NE_T_EE = kIdentityTransform;   ///< EE in NE
+
+  double m_ee = 0;      ///< end effector: mass
+  Matrix3 I_ee{};       ///< inertia about its centre of mass, flange axes
+  Vector3 F_x_Cee{};    ///< centre of mass in F
+  double m_load = 0;    ///< load: mass
+  Matrix3 I_load{};     ///< inertia about its centre of mass, flange axes
+  Vector3 F_x_Cload{};  ///< centre of mass in F
+
+  Elbow elbow{};    ///< measured
+  Elbow elbow_d{};  ///< desired
+
+  JointVector tau_J{};    ///< measured link-side torque, gravity included
+  JointVector tau_J_d{};  ///< desired torque without gravity and friction
+  JointVector dtau_J{};   ///< derivative of tau_J, Nm/s
+  JointVector q{};        ///< measured position
+  JointVector q_d{};      ///< desired position
+  JointVector dq{};       ///< measured velocity
+  JointVector dq_d{};     ///< desired velocity
+  JointVector ddq_d{};    ///< desired acceleration
+
+  JointVector joint_contact{};
+  Vector6 cartesian_contact{};
+  JointVector joint_collision{};
+  Vector6 cartesian_collision{};
+  JointVector tau_ext_hat_filtered{};  ///< filtered external joint torque
+  Vector6 O_F_ext_hat_K{};  ///< external wrench at K, base axes; positive: robot pushes on its
+                            ///< environment
+  Vector6 K_F_ext_hat_K{};  ///< the same in K axes
+
+  Vector6 O_dP_EE_d{};           ///< desired twist of EE, base axes
+  Vector3 O_ddP_O{0, 0, -9.81};  ///< gravity in O
+  Elbow elbow_c{};
+  Elbow delbow_c{};
+  Elbow ddelbow_c{};
+  Transform O_T_EE_c = kIdentityTransform;
+  Vector6 O_dP_EE_c{};
+  Vector6 O_ddP_EE_c{};
+
+  JointVector theta{};   ///< motor position
+  JointVector dtheta{};  ///< motor velocity
+
+  MotionGeneratorMode motion_generator_mode = MotionGeneratorMode::kIdle;
+  ControllerMode controller_mode = ControllerMode::kOther;
+  RobotErrors errors;         ///< current errors
+  RobotErrors reflex_reason;  ///< errors that ended the previous motion
+  RobotMode robot_mode = RobotMode::kOther;
+  double control_command_success_rate =
+      0;  ///< share of the last 100 commands received; 0 when no motion runs
+};
+
+}  // namespace twin

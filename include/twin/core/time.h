@@ -1,0 +1,41 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace twin {
+
+/// Span of time, in whole nanoseconds.
+using Duration = std::chrono::nanoseconds;
+
+/// Tag of the run's own time line; it starts at zero when the run starts. Whether it is virtual
+/// (lockstep) or the monotonic clock (realtime) is decided by the drive; nothing else may depend on
+/// it.
+struct RunTimeline {
+  using rep = Duration::rep;
+  using period = Duration::period;
+  using duration = Duration;
+  using time_point = std::chrono::time_point<RunTimeline, Duration>;
+  static constexpr bool is_steady = true;
+};
+
+/// An instant of the run.
+using Time = RunTimeline::time_point;
+
+/// The cycle of the robot's controller, T_delta = 1 ms (paper section 2; FCI protocol 5).
+inline constexpr Duration kCycle = std::chrono::milliseconds(1);
+
+/// The same cycle in seconds, for difference quotients.
+inline constexpr double kCycleSeconds = 1e-3;
+
+/// Seconds as a double, for arithmetic on quantities; never for keeping time.
+constexpr double ToSeconds(Duration d) {
+  return std::chrono::duration<double>(d).count();
+}
+
+/// Nearest nanosecond to `seconds`, ties away from zero.
+constexpr Duration FromSeconds(double seconds) {
+  return Duration(static_cast<std::int64_t>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5)));
+}
+
+}  // namespace twin

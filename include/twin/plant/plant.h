@@ -1,0 +1,26 @@
+#pragma once
+
+#include "twin/core/joint_interface.h"
+#include "twin/core/realtime.h"
+
+namespace twin::plant {
+
+/// The arm's body: torque in, joint motion out, one millisecond at a time.
+///
+/// Threads: one thread. Real-time: Step() is noexcept and allocates nothing.
+class Plant {
+ public:
+  virtual ~Plant() = default;
+
+  /// Puts the arm at rest at `q` (rad) and restarts plant time and noise. Does not throw.
+  virtual void Reset(const JointVector& q) = 0;
+
+  /// Advances by exactly 1 ms under `drive`, held constant over the step; sensors() then tells the
+  /// outcome.
+  virtual void Step(const JointDrive& drive) noexcept TWIN_REALTIME = 0;
+
+  /// The sensors after the last Step() or Reset().
+  [[nodiscard]] virtual const JointSensors& sensors() const noexcept = 0;
+};
+
+}  // namespace twin::plant

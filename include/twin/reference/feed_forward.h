@@ -1,0 +1,49 @@
+#pragma once
+
+#include "twin/core/joint_vector.h"
+#include "twin/core/realtime.h"
+#include "twin/core/time.h"
+#include "twin/reference/joint_target.h"
+
+namespace twin::reference {
+
+/// Which elapsed time divides the difference of two deposits.
+enum class FeedForwardTime : std::uint8_t {
+  kSource,   ///< the source's own, between the two deposits: the mean velocity over a jittered
+             ///< interval is right to first order
+  kNominal,  ///< the source's nominal period: jitter passes through unchanged; kept to show the
+             ///< difference
+};
+
+/// Gives a deposited joint position its velocity, at the place where commands are deposited:
+///   dq_ext = (q_ext(i) - q_ext(i-1)) / (t(i) - t(i-1)),
+/// t the source's own time. Formed where commands are consumed instead, a deposit consumed twice or
+/// skipped would become a velocity spike. A source that knows its velocity bypasses this. Source:
+/// the paper's section on reference generation.
+///
+/// Before the second deposit dq_ext = 0. A deposit whose time does not rise keeps the last
+/// velocity.
+///
+/// Threads: the depositing thread. Real-time: Next() is noexcept, O(1), allocates nothing.
+class FeedForward {
+ public:
+  /// @param nominal_period  used by kNominal; > 0.
+  explicit FeedForward(FeedForwardTime time = FeedForwardTime::kSource,
+                       Duration nominal_period = kCycle);
+
+  /// Forgets the last deposit.
+  void Reset() noexcept;
+
+  /// @returns the target with its velocity formed; ddq zero.
+  [[nodiscard]] JointTarget Next(Time source_time, const JointVector& q) noexcept TWIN_REALTIME;
+
+ private:
+  FeedForwardTime time_;
+  double nominal_s_;
+  bool has_last_ = false;
+  Time last_time_{};
+  JointVector last_q_{};
+  JointVector dq_{};
+};
+
+}  // namespace twin::reference

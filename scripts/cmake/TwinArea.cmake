@@ -1,0 +1,23 @@
+# One library per area: twin_add_area(core SOURCES a.cc PUBLIC fmt::fmt PRIVATE ...) makes twin_core, alias twin::core.
+# Areas depend only on areas before them (include/twin/README.md lists the order; a test checks it).
+function(twin_add_area name)
+  cmake_parse_arguments(AREA "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  set(target twin_${name})
+  if(AREA_SOURCES)
+    add_library(${target} STATIC ${AREA_SOURCES})
+    set(scope PUBLIC)
+    target_link_libraries(${target} PRIVATE twin_warnings ${AREA_PRIVATE})
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(twin::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                                                $<INSTALL_INTERFACE:include>)
+  target_compile_features(${target} ${scope} cxx_std_20)
+  target_link_libraries(${target} ${scope} ${AREA_PUBLIC})
+  set_property(GLOBAL APPEND PROPERTY TWIN_AREAS ${target})
+endfunction()

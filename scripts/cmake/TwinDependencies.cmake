@@ -1,0 +1,25 @@
+# Everything we use from Debian 12, in one place.
+find_package(Threads REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(Protobuf REQUIRED)
+find_package(PNG REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+find_package(urdfdom REQUIRED)
+find_package(assimp REQUIRED)
+
+# Debian's mujoco package names a qhull include folder that does not exist; its headers are in the default path anyway.
+find_package(mujoco 2.2.2 REQUIRED)
+set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "")
+
+if(TWIN_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+if(TWIN_BUILD_BENCH)
+  find_package(benchmark REQUIRED)
+endif()

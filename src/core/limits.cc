@@ -1,0 +1,38 @@
+#include "twin/core/limits.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+
+namespace twin {
+namespace {
+
+void RequirePositive(const char* field, const JointVector& values) {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (std::isfinite(values[i]) && values[i] > 0) continue;
+    throw InputError(
+        fmt::format("joint limits: {} of joint {} is {}; it must be a finite number above 0", field,
+                    i + 1, values[i]));
+  }
+}
+
+}  // namespace
+
+void JointLimits::Validate() const {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (std::isfinite(q_min[i]) && std::isfinite(q_max[i]) && q_min[i] < q_max[i]) continue;
+    throw InputError(
+        fmt::format("joint limits: position range of joint {} is [{}, {}]; q_min must be below "
+                    "q_max, both finite",
+                    i + 1, q_min[i], q_max[i]));
+  }
+  RequirePositive("dq_max", dq_max);
+  RequirePositive("ddq_max", ddq_max);
+  RequirePositive("dddq_max", dddq_max);
+  RequirePositive("tau_max", tau_max);
+  RequirePositive("dtau_max", dtau_max);
+}
+
+}  // namespace twin

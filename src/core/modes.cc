@@ -1,0 +1,39 @@
+#include "twin/core/modes.h"
+
+namespace twin {
+
+std::string_view Name(RobotMode mode) noexcept {
+  switch (mode) {
+    case RobotMode::kOther: return "Other";
+    case RobotMode::kIdle: return "Idle";
+    case RobotMode::kMove: return "Move";
+    case RobotMode::kGuiding: return "Guiding";
+    case RobotMode::kReflex: return "Reflex";
+    case RobotMode::kUserStopped: return "User stopped";
+    case RobotMode::kAutomaticErrorRecovery: return "Automatic error recovery";
+  }
+  return "unknown";
+}
+
+std::string_view Name(MotionGeneratorMode mode) noexcept {
+  switch (mode) {
+    case MotionGeneratorMode::kIdle: return "idle";
+    case MotionGeneratorMode::kJointPosition: return "joint_position";
+    case MotionGeneratorMode::kJointVelocity: return "joint_velocity";
+    case MotionGeneratorMode::kCartesianPosition: return "cartesian_position";
+    case MotionGeneratorMode::kCartesianVelocity: return "cartesian_velocity";
+  }
+  return "unknown";
+}
+
+std::string_view Name(ControllerMode mode) noexcept {
+  switch (mode) {
+    case ControllerMode::kJointImpedance: return "joint_impedance";
+    case ControllerMode::kCartesianImpedance: return "cartesian_impedance";
+    case ControllerMode::kExternalController: return "external";
+    case ControllerMode::kOther: return "other";
+  }
+  return "unknown";
+}
+
+}  // namespace twin
