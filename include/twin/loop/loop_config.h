@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "twin/core/time.h"
+#include "twin/reference/feed_forward.h"
+#include "twin/rt/delay_model.h"
+
+namespace twin::loop {
+
+/// What stands between the deposited target and the command.
+enum class Generator : std::uint8_t {
+  kNone,   ///< the deposited value goes out as it is: a raw stream
+  kJoint,  ///< the paper's joint reference generator
+};
+
+/// The control tick's chain.
+struct TickConfig {
+  Generator generator = Generator::kJoint;
+  double lambda = 1e-3;          ///< correction per cycle of the reference generator, in (0, 1]
+  bool rate_matching = true;     ///< moving average over N = ceil(1000 / source rate) cycles
+  double source_rate_hz = 1000;  ///< f_EXT, in [1, 1000]: the rate of the controller loop
+  /// The finished command is sent once the target is at rest and every q_d is this close to it,
+  /// rad.
+  double finish_tolerance_rad = 1e-4;
+  rt::DelayModel cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
+
+  /// @throws InputError naming field, value and range.
+  void Validate() const;
+};
+
+/// The periodic loop that runs the user's controller, on its own clock.
+struct ControllerLoopConfig {
+  double rate_hz = 1000;      ///< in [1, 1000]
+  double clock_ppm = 0;       ///< how much faster this clock runs than INT's, in [-1000, 1000]
+  Duration phase{};           ///< of its first wake-up against INT's grid, >= 0
+  rt::DelayModel wake_delay;  ///< lockstep: how late it wakes after its deadline
+  rt::DelayModel cost;        ///< lockstep: time from wake-up to deposit
+  /// Which elapsed time forms the feed-forward velocity at the deposit.
+  reference::FeedForwardTime feed_forward = reference::FeedForwardTime::kSource;
+
+  /// @throws InputError naming field, value and range.
+  void Validate() const;
+};
+
+}  // namespace twin::loop

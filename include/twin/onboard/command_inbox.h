@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "twin/core/realtime.h"
+#include "twin/core/robot_command.h"
+#include "twin/core/time.h"
+
+namespace twin::onboard {
+
+/// Decides which of the commands that have arrived counts for a cycle.
+///
+/// In the cycle after state k was sent, a command counts if its message_id is k and it arrived by
+/// the deadline; of several the newest. An older id is late, a newer one invalid: both are dropped.
+/// The robot's exact comparison is not public; this one follows its public timing rule (a command
+/// that misses its cycle is dropped). Source: FCI protocol 5, "When a command counts as lost".
+///
+/// Threads: one. Real-time: noexcept, allocates nothing; at most kCapacity commands wait, the
+/// oldest gives way.
+class CommandInbox {
+ public:
+  static constexpr std::size_t kCapacity = 32;
+
+  /// A command has arrived. Arrival times do not fall.
+  void Push(const RobotCommand& command, Time arrival) noexcept TWIN_REALTIME;
+
+  /// Takes everything that arrived by `deadline`; commands that arrived later stay for the next
+  /// call.
+  /// @param answered_id  id of the last state sent.
+  /// @returns the command that counts, valid until the next Push, or null.
+  [[nodiscard]] const RobotCommand* Select(std::uint64_t answered_id,
+                                           Time deadline) noexcept TWIN_REALTIME;
+
+  /// Commands thrown away by the last Select() and by overflow since the Select() before it.
+  [[nodiscard]] std::uint32_t dropped() const noexcept { return dropped_; }
+
+ private:
+  struct Arrived {
+    RobotCommand command;
+    Time arrival{};
+  };
+  std::array<Arrived, kCapacity> arrived_{};
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
+  std::uint32_t overflown_ = 0;
+  std::uint32_t dropped_ = 0;
+};
+
+}  // namespace twin::onboard

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+
+#include "twin/core/joint_vector.h"
+#include "twin/core/limits.h"
+#include "twin/model/arm_model.h"
+
+namespace twin::onboard {
+
+/// Everything INT, the robot's own controller, is parametrised with. Defaults are the Panda's with
+/// a Franka Hand, where published; the joint limits are data of the robot and have none.
+struct IntConfig {
+  JointLimits limits;
+
+  /// Stiffness of the internal joint impedance controller, Nm/rad, each in [0, 14250].
+  JointVector K_theta{3000, 3000, 3000, 2500, 2500, 2000, 2000};
+  /// Damping ratio of that controller, in (0, 2]. The robot's own is not public.
+  double damping_ratio = 1.0;
+  /// Reflected rotor inertia that INT's feed-forward and damping take into account, kg m^2, >= 0.
+  JointVector rotor_inertia{};
+
+  /// End effector: mass, centre of mass and inertia in flange axes.
+  model::Payload end_effector;
+  /// Nominal end effector in the flange frame.
+  Transform F_T_NE = kIdentityTransform;
+
+  /// Lost commands in a row that end the motion.
+  std::uint32_t abort_after_lost = 20;
+  /// Cycles after the start of a motion within which its first command must come. Not public; a
+  /// prudent bound, so that a client that dies between Move and its first command does not block
+  /// the robot for ever.
+  std::uint32_t first_command_timeout_cycles = 1000;
+  /// Largest distance of the first q_c from q_d, rad. Not public; what a simulator of the
+  /// successor uses.
+  double start_pose_tolerance_rad = 0.1;
+
+  /// @throws InputError naming field, value and range.
+  void Validate() const;
+};
+
+}  // namespace twin::onboard

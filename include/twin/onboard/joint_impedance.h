@@ -1,0 +1,42 @@
+#pragma once
+
+#include "twin/core/joint_interface.h"
+#include "twin/core/realtime.h"
+#include "twin/model/arm_model.h"
+#include "twin/onboard/joint_reference.h"
+
+namespace twin::onboard {
+
+/// Torque of INT's internal joint impedance controller.
+struct ImpedanceTorque {
+  JointVector tau_J_d{};  ///< without gravity, as the robot state reports it, Nm
+  JointVector tau{};      ///< gravity compensation included: what the drives apply, Nm
+};
+
+/// INT's internal joint impedance controller:
+///   tau_J_d = (M(q) + B) ddq_d + c(q, dq) + K_theta (q_d - q) + D (dq_d - dq),
+///   tau     = tau_J_d + g(q),
+///   D_ii    = 2 zeta sqrt(K_theta_ii (M_ii(q) + B_ii)),
+/// B the reflected rotor inertia. The feed-forward of ddq_d makes the arm follow an admissible
+/// reference without lag; it acts on the reference as INT holds it, extrapolated cycles included.
+/// Friction is not compensated here: the plant models what is left after the robot's own
+/// compensation. Source of the structure: the paper's section on FCI timing (torque from B(q), C,
+/// f, g); damping and gains are ours, the robot's are not public.
+///
+/// Threads: any (immutable). Real-time: noexcept, allocates nothing.
+class JointImpedance {
+ public:
+  JointImpedance(const JointVector& K_theta, double damping_ratio, const JointVector& rotor_inertia)
+      : K_theta_(K_theta), damping_ratio_(damping_ratio), rotor_inertia_(rotor_inertia) {}
+
+  [[nodiscard]] ImpedanceTorque Torque(const JointReference& reference, const JointSensors& sensors,
+                                       const model::ArmModel& arm,
+                                       const model::Payload& payload) const noexcept TWIN_REALTIME;
+
+ private:
+  JointVector K_theta_;
+  double damping_ratio_;
+  JointVector rotor_inertia_;
+};
+
+}  // namespace twin::onboard

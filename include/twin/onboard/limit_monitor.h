@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "twin/core/limits.h"
+#include "twin/core/realtime.h"
+#include "twin/core/robot_errors.h"
+#include "twin/onboard/joint_reference.h"
+
+namespace twin::onboard {
+
+/// The violations of one cycle; of each error the first joint that broke it.
+class Violations {
+ public:
+  void Add(const Violation& violation) noexcept {
+    if (size_ < items_.size()) items_[size_++] = violation;
+  }
+  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
+  [[nodiscard]] std::span<const Violation> items() const noexcept { return {items_.data(), size_}; }
+
+ private:
+  std::array<Violation, 4> items_{};
+  std::size_t size_ = 0;
+};
+
+/// INT compares with this relative tolerance, so that a stream that goes to a limit exactly is not
+/// refused for rounding.
+inline constexpr double kLimitTolerance = 1e-9;
+
+/// Checks one step of a joint reference against the limits.
+///
+/// Precedence: discontinuity before envelope. When acceleration or jerk is beyond its limit, the
+/// errors of those two are reported, each by its own cause (a step breaks both), and position and
+/// velocity are not looked at: they are consequences. Otherwise velocity and position are checked,
+/// each for itself. Source: FCI protocol 5, error table and conditions.
+///
+/// Threads: any. Real-time: noexcept, allocates nothing.
+///
+/// @param next        the step's result, its dddq_d filled.
+/// @param message_id  id the violations carry.
+[[nodiscard]] Violations CheckStep(const JointReference& next, const JointLimits& limits,
+                                   std::uint64_t message_id) noexcept TWIN_REALTIME;
+
+}  // namespace twin::onboard

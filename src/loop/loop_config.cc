@@ -1,0 +1,29 @@
+#include "twin/loop/loop_config.h"
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+
+namespace twin::loop {
+namespace {
+
+void RequireInRange(const char* field, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw InputError(fmt::format("{} is {}; it must lie in [{}, {}]", field, value, low, high));
+}
+
+}  // namespace
+
+void TickConfig::Validate() const {
+  RequireInRange("tick: lambda", lambda, 1e-9, 1);
+  RequireInRange("tick: source_rate_hz", source_rate_hz, 1, 1000);
+  RequireInRange("tick: finish_tolerance_rad", finish_tolerance_rad, 1e-9, 1e-2);
+}
+
+void ControllerLoopConfig::Validate() const {
+  RequireInRange("controller: rate_hz", rate_hz, 1, 1000);
+  RequireInRange("controller: clock_ppm", clock_ppm, -1000, 1000);
+  RequireInRange("controller: phase (ms)", ToSeconds(phase) * 1e3, 0, 1000);
+}
+
+}  // namespace twin::loop

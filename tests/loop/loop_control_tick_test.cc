@@ -1,0 +1,170 @@
+#include "twin/loop/control_tick.h"
+
+#include <gtest/gtest.h>
+
+#include "support/realtime_guard.h"
+#include "twin/core/error.h"
+
+namespace twin::loop {
+namespace {
+
+constexpr MotionModes kPosition{ControllerMode::kJointImpedance,
+                                MotionGeneratorMode::kJointPosition};
+
+class ControlTickTest : public ::testing::Test {
+ protected:
+  RobotState State(bool moving) {
+    RobotState state;
+    state.message_id = ++id_;
+    state.q_d = q_d_;
+    if (moving) {
+      state.robot_mode = RobotMode::kMove;
+      state.controller_mode = kPosition.controller;
+      state.motion_generator_mode = kPosition.generator;
+    } else {
+      state.robot_mode = RobotMode::kIdle;
+    }
+    return state;
+  }
+  void Put(const JointVector& q, std::uint64_t based_on, bool finished = false) {
+    Deposit deposit;
+    deposit.target.q = q;
+    deposit.based_on = based_on;
+    deposit.finished = finished;
+    exchange_.deposits.Publish(deposit);
+  }
+
+  Exchange exchange_;
+  TickConfig config_;
+  JointVector q_d_{};
+  std::uint64_t id_ = 0;
+};
+
+TEST_F(ControlTickTest, PublishesEveryState) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  EXPECT_EQ(tick.Tick(State(false), Time(kCycle)), nullptr);
+  ASSERT_TRUE(exchange_.states.Refresh());
+  EXPECT_EQ(exchange_.states.value().state.message_id, 1u);
+  EXPECT_EQ(exchange_.states.value().read, Time(kCycle));
+  EXPECT_EQ(tick.record().action, rt::TickAction::kPublished);
+}
+
+TEST_F(ControlTickTest, AStaleDepositNeverPassesTheGate) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  EXPECT_EQ(tick.Tick(State(false), {}), nullptr);
+  JointVector far{};
+  far[0] = 0.1;
+  Put(far, id_);
+  tick.Activate(kPosition);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(tick.Tick(State(true), {}), nullptr);
+}
+
+TEST_F(ControlTickTest, OpensOnceTheControllerHasSeenAStateOfTheMotion) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  EXPECT_EQ(tick.Tick(State(true), {}), nullptr);
+  Put(q_d_, id_);
+  const RobotCommand* command = tick.Tick(State(true), {});
+  ASSERT_NE(command, nullptr);
+  EXPECT_EQ(command->message_id, id_);
+  EXPECT_EQ(command->q_c, q_d_);
+  EXPECT_EQ(tick.record().action, rt::TickAction::kWritten);
+}
+
+TEST_F(ControlTickTest, NeverAnswersTheFirstStateOfAMotion) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  Put(q_d_, 1000);
+  EXPECT_EQ(tick.Tick(State(true), {}), nullptr);
+  EXPECT_NE(tick.Tick(State(true), {}), nullptr);
+}
+
+TEST_F(ControlTickTest, ClosesAgainWhenTheMotionIsOver) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(tick.Tick(State(true), {}));
+  Put(q_d_, id_);
+  ASSERT_NE(tick.Tick(State(true), {}), nullptr);
+  EXPECT_EQ(tick.Tick(State(false), {}), nullptr);
+}
+
+TEST_F(ControlTickTest, CorrectsTheReferenceByLambda) {
+  config_.lambda = 0.25;
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(tick.Tick(State(true), {}));
+  JointVector target{};
+  target[2] = 4e-3;
+  Put(target, id_);
+  const RobotCommand* command = tick.Tick(State(true), {});
+  ASSERT_NE(command, nullptr);
+  EXPECT_DOUBLE_EQ(command->q_c[2], 1e-3);
+}
+
+TEST_F(ControlTickTest, ARawStreamGoesOutAsItIs) {
+  config_.generator = Generator::kNone;
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(tick.Tick(State(true), {}));
+  const JointVector target{1, 2, 3, 4, 5, 6, 7};
+  Put(target, id_);
+  const RobotCommand* command = tick.Tick(State(true), {});
+  ASSERT_NE(command, nullptr);
+  EXPECT_EQ(command->q_c, target);
+}
+
+TEST_F(ControlTickTest, FinishesOnlyWhenTheReferenceHasArrived) {
+  config_.lambda = 0.5;
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(tick.Tick(State(true), {}));
+  JointVector goal{};
+  goal[0] = 1e-3;
+  Put(goal, id_, true);
+  int commands = 0;
+  const RobotCommand* command = nullptr;
+  do {
+    command = tick.Tick(State(true), {});
+    ASSERT_NE(command, nullptr);
+    q_d_ = command->q_c;
+    ASSERT_LT(++commands, 20);
+  } while (!command->motion_generation_finished);
+  // The error halves each cycle: 1e-3 / 2^4 is the first below the tolerance of 1e-4, seen one
+  // later.
+  EXPECT_EQ(commands, 5);
+  EXPECT_EQ(tick.record().action, rt::TickAction::kFinished);
+}
+
+TEST_F(ControlTickTest, CountsStatesThatNeverCame) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  static_cast<void>(tick.Tick(State(false), {}));
+  id_ += 3;
+  static_cast<void>(tick.Tick(State(false), {}));
+  EXPECT_EQ(tick.record().skipped_states, 3u);
+}
+
+TEST_F(ControlTickTest, RefusesAGeneratorThatDoesNotFitTheInterface) {
+  EXPECT_THROW(ControlTick(config_, control::CommandInterface::kJointVelocity, exchange_),
+               InputError);
+}
+
+TEST_F(ControlTickTest, AllocatesAndLocksNothingInTenThousandTicks) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(tick.Tick(State(true), {}));
+  Put(q_d_, id_);
+  const test::RealtimeGuard guard;
+  std::uint64_t written = 0;
+  for (int i = 0; i < 10000; ++i) {
+    Put(q_d_, id_);
+    written += tick.Tick(State(true), Time(kCycle * i)) != nullptr ? 1u : 0u;
+  }
+  const test::RealtimeGuard::Counts counts = guard.counts();
+  EXPECT_EQ(counts.allocations, 0);
+  EXPECT_EQ(counts.frees, 0);
+  EXPECT_EQ(counts.locks, 0);
+  EXPECT_EQ(written, 10000u);
+}
+
+}  // namespace
+}  // namespace twin::loop
