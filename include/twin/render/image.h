@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace twin::render {
+
+/// One colour of 8 bits per channel: red, green, blue.
+using Rgb = std::array<std::uint8_t, 3>;
+
+/// A picture: 8-bit RGB, sRGB as displayed, rows from top to bottom, no padding.
+struct Image {
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
+  std::vector<std::uint8_t> rgb;
+
+  Image() = default;
+  /// A picture filled with `colour`.
+  Image(int width_px, int height_px, Rgb colour = {})
+      : width(width_px), height(height_px), rgb(Pixels() * 3) {
+    for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = colour[i % 3];
+  }
+
+  [[nodiscard]] std::size_t Pixels() const noexcept {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+  /// @pre 0 <= column < width, 0 <= row < height; row 0 is the topmost.
+  [[nodiscard]] std::size_t Offset(int column, int row) const noexcept {
+    return 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                static_cast<std::size_t>(column));
+  }
+  /// @returns the bytes of a row. @pre 0 <= row < height
+  [[nodiscard]] std::span<std::uint8_t> Row(int row) {
+    return std::span(rgb).subspan(Offset(0, row), 3 * static_cast<std::size_t>(width));
+  }
+  [[nodiscard]] std::span<const std::uint8_t> Row(int row) const {
+    return std::span(rgb).subspan(Offset(0, row), 3 * static_cast<std::size_t>(width));
+  }
+  [[nodiscard]] Rgb at(int column, int row) const noexcept {
+    const std::size_t i = Offset(column, row);
+    return {rgb[i], rgb[i + 1], rgb[i + 2]};
+  }
+  bool operator==(const Image&) const = default;
+};
+
+/// Which body each pixel shows: MuJoCo body id (0 is the world), or kBackground. Rows from top to
+/// bottom.
+struct SegmentationImage {
+  static constexpr std::int32_t kBackground = -1;
+
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
+  std::vector<std::int32_t> body;
+
+  /// @pre 0 <= column < width, 0 <= row < height; row 0 is the topmost.
+  [[nodiscard]] std::int32_t at(int column, int row) const noexcept {
+    return body[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                static_cast<std::size_t>(column)];
+  }
+  bool operator==(const SegmentationImage&) const = default;
+};
+
+}  // namespace twin::render

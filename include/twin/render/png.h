@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+
+#include "twin/render/image.h"
+
+namespace twin::render {
+
+/// Writes `image` as an 8-bit RGB PNG; the same image gives the same bytes. The file is written as
+/// `<path>.partial` and renamed when it is whole.
+/// @throws EnvironmentError when the file cannot be written.
+void WritePng(const std::filesystem::path& path, const Image& image);
+
+/// Reads a PNG as 8-bit RGB; transparency is laid over black.
+/// @throws InputError when the file is missing or not a PNG.
+[[nodiscard]] Image ReadPng(const std::filesystem::path& path);
+
+}  // namespace twin::render

@@ -1,0 +1,53 @@
+#include "render/frame_worker.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace twin::render {
+namespace {
+
+std::string Caption(Time time) {
+  return fmt::format("t = {:.2f} s", ToSeconds(time.time_since_epoch()));
+}
+
+}  // namespace
+
+FrameWorker::FrameWorker(const mjModel_& model, const Snapshots& snapshots,
+                         const RenderSettings& settings, std::size_t first, std::size_t stride)
+    : model_(model), snapshots_(snapshots), settings_(settings), first_(first), stride_(stride) {
+  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+}
+
+Image FrameWorker::Take() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return ready_.has_value() || error_; });
+  if (!ready_) std::rethrow_exception(error_);
+  Image image = std::move(*ready_);
+  ready_.reset();
+  changed_.notify_all();
+  return image;
+}
+
+void FrameWorker::Run(const std::stop_token& stop) {
+  try {
+    Renderer renderer(model_, settings_);
+    for (std::size_t i = first_; i < snapshots_.size(); i += stride_) {
+      if (!Put(renderer.Render(snapshots_.qpos(i), Caption(snapshots_.time(i))), stop)) return;
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    error_ = std::current_exception();
+    changed_.notify_all();
+  }
+}
+
+bool FrameWorker::Put(Image image, const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  if (!changed_.wait(lock, stop, [this] { return !ready_.has_value(); })) return false;
+  ready_ = std::move(image);
+  changed_.notify_all();
+  return true;
+}
+
+}  // namespace twin::render

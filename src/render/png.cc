@@ -1,0 +1,77 @@
+#include "twin/render/png.h"
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include "twin/core/check.h"
+#include "twin/core/error.h"
+
+namespace twin::render {
+namespace {
+
+png_image EmptyPng() {
+  png_image png;
+  std::memset(&png, 0, sizeof png);
+  png.version = PNG_IMAGE_VERSION;
+  png.format = PNG_FORMAT_RGB;
+  return png;
+}
+
+std::vector<char> Encode(const Image& image) {
+  png_image png = EmptyPng();
+  png.width = static_cast<png_uint_32>(image.width);
+  png.height = static_cast<png_uint_32>(image.height);
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::vector<char> bytes(size);
+  const int ok = png_image_write_to_memory(&png, bytes.data(), &size, /*convert_to_8bit=*/0,
+                                           image.rgb.data(), /*row_stride=*/0, nullptr);
+  TWIN_CHECK(ok != 0);
+  bytes.resize(size);
+  return bytes;
+}
+
+}  // namespace
+
+void WritePng(const std::filesystem::path& path, const Image& image) {
+  TWIN_CHECK(image.width > 0 && image.height > 0 && image.rgb.size() == 3 * image.Pixels());
+  const std::vector<char> bytes = Encode(image);
+  std::filesystem::path partial = path;
+  partial += ".partial";
+  errno = 0;
+  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) {
+    throw EnvironmentError(fmt::format(
+        "{}: cannot be written ({}). Choose an output folder that exists, may be written and has "
+        "room",
+        partial.string(), std::strerror(errno)));
+  }
+  std::error_code error;
+  std::filesystem::rename(partial, path, error);
+  if (error) {
+    throw EnvironmentError(
+        fmt::format("{}: cannot be given its name ({})", path.string(), error.message()));
+  }
+}
+
+Image ReadPng(const std::filesystem::path& path) {
+  png_image png = EmptyPng();
+  if (png_image_begin_read_from_file(&png, path.c_str()) == 0) {
+    throw InputError(fmt::format("{}: not a readable PNG ({})", path.string(), png.message));
+  }
+  png.format = PNG_FORMAT_RGB;
+  Image image(static_cast<int>(png.width), static_cast<int>(png.height));
+  const png_color black{0, 0, 0};
+  if (png_image_finish_read(&png, &black, image.rgb.data(), /*row_stride=*/0, nullptr) == 0) {
+    throw InputError(fmt::format("{}: not a whole PNG ({})", path.string(), png.message));
+  }
+  return image;
+}
+
+}  // namespace twin::render

@@ -1,0 +1,111 @@
+#include "twin/render/clip.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "render/temp_folder.h"
+#include "render/test_model.h"
+#include "twin/core/error.h"
+#include "twin/render/png.h"
+
+namespace twin::render {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Advances by a second at each reading.
+class CountingClock final : public Clock {
+ public:
+  [[nodiscard]] Time Now() const noexcept override {
+    return Time(std::chrono::seconds(++seconds_));
+  }
+
+ private:
+  mutable int seconds_ = 0;
+};
+
+/// Eleven frames of the arm of kArmMjcf, swinging.
+class ClipTest : public testing::Test {
+ protected:
+  ClipTest() : model_(kArmMjcf), recorder_(milliseconds(400), 25, model_.qpos_size()) {
+    for (int t = 0; t <= 400; ++t) {
+      model_.SetQpos(0, 2e-3 * t);
+      recorder_.Capture(Time(milliseconds(t)), model_);
+    }
+    settings_.render.width = 160;
+    settings_.render.height = 120;
+    settings_.render.camera = "side";
+    settings_.sheet_pictures = 4;
+    settings_.sheet.columns = 2;
+    settings_.sheet.border_px = 2;
+  }
+
+  ClipStats RenderTo(const ClipPaths& paths, const ClipProgress& progress = {}) {
+    return RenderClip(model_.model(), recorder_.snapshots(), settings_, paths, CountingClock(),
+                      progress);
+  }
+
+  TestModel model_;
+  SnapshotRecorder recorder_;
+  ClipSettings settings_;
+  TempFolder folder_;
+};
+
+TEST_F(ClipTest, IsTheSameBytesWithAnyNumberOfThreads) {
+  settings_.render_threads = 1;
+  RenderTo({folder_ / "a.mp4", folder_ / "a.png"});
+  settings_.render_threads = 3;
+  RenderTo({folder_ / "b.mp4", folder_ / "b.png"});
+  EXPECT_GT(ReadBytes(folder_ / "a.mp4").size(), 1000U);
+  EXPECT_EQ(ReadBytes(folder_ / "a.mp4"), ReadBytes(folder_ / "b.mp4"));
+  EXPECT_EQ(ReadBytes(folder_ / "a.png"), ReadBytes(folder_ / "b.png"));
+}
+
+TEST_F(ClipTest, PutsEvenlySpacedFramesOnTheSheetFirstAndLastIncluded) {
+  RenderTo({{}, folder_ / "sheet.png"});
+  Renderer renderer(model_.model(), settings_.render);
+  std::vector<Image> expected;
+  for (const auto& [frame, caption] :
+       {std::pair{0, "t = 0.00 s"}, {3, "t = 0.12 s"}, {6, "t = 0.24 s"}, {10, "t = 0.40 s"}}) {
+    const auto qpos = recorder_.snapshots().qpos(static_cast<std::size_t>(frame));
+    expected.push_back(HalveImage(renderer.Render(qpos, caption)));
+  }
+  EXPECT_EQ(ReadPng(folder_ / "sheet.png"), ComposeContactSheet(expected, settings_.sheet));
+}
+
+TEST_F(ClipTest, ReportsEveryFrameInOrderAndTheTimeByTheClockGiven) {
+  std::vector<std::size_t> done;
+  const ClipStats stats =
+      RenderTo({{}, folder_ / "sheet.png"}, [&](std::size_t n, std::size_t total) {
+        done.push_back(n);
+        EXPECT_EQ(total, 11U);
+      });
+  ASSERT_EQ(done.size(), 11U);
+  for (std::size_t i = 0; i < done.size(); ++i) EXPECT_EQ(done[i], i + 1);
+  EXPECT_EQ(stats.frames, 11U);
+  EXPECT_EQ(stats.seconds, 1);
+}
+
+TEST_F(ClipTest, PassesOnWhatARenderingThreadThrows) {
+  settings_.render.camera = "no such camera";
+  EXPECT_THROW(RenderTo({{}, folder_ / "sheet.png"}), InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "sheet.png"));
+}
+
+TEST_F(ClipTest, StopsItsThreadsWhenFfmpegFails) {
+  settings_.ffmpeg = "false";
+  EXPECT_THROW(RenderTo({folder_ / "a.mp4", {}}), EnvironmentError);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.mp4"));
+}
+
+TEST_F(ClipTest, RefusesSettingsOutOfRange) {
+  settings_.render_threads = 0;
+  EXPECT_THROW(RenderTo({{}, folder_ / "sheet.png"}), InputError);
+  settings_.render_threads = 1;
+  settings_.sheet_pictures = 0;
+  EXPECT_THROW(RenderTo({{}, folder_ / "sheet.png"}), InputError);
+}
+
+}  // namespace
+}  // namespace twin::render

@@ -1,0 +1,66 @@
+#include "twin/render/png.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "render/temp_folder.h"
+#include "twin/core/error.h"
+
+namespace twin::render {
+namespace {
+
+/// Every value of every channel, in no order.
+Image Pattern(int width, int height) {
+  Image image(width, height);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+    image.rgb[i] = static_cast<std::uint8_t>((i * 2654435761U) >> 13U);
+  }
+  return image;
+}
+
+TEST(PngTest, ReadsBackWhatWasWritten) {
+  const TempFolder folder;
+  const Image image = Pattern(37, 23);
+  WritePng(folder / "a.png", image);
+  EXPECT_EQ(ReadPng(folder / "a.png"), image);
+}
+
+TEST(PngTest, WritesTheSameBytesForTheSameImage) {
+  const TempFolder folder;
+  WritePng(folder / "a.png", Pattern(64, 48));
+  WritePng(folder / "b.png", Pattern(64, 48));
+  EXPECT_EQ(ReadBytes(folder / "a.png"), ReadBytes(folder / "b.png"));
+}
+
+TEST(PngTest, LeavesNoPartialFileBehind) {
+  const TempFolder folder;
+  WritePng(folder / "a.png", Pattern(8, 8));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.png.partial"));
+}
+
+TEST(PngTest, NamesTheFileThatCannotBeWritten) {
+  const TempFolder folder;
+  try {
+    WritePng(folder / "missing/a.png", Pattern(8, 8));
+    FAIL() << "nothing was thrown";
+  } catch (const EnvironmentError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("missing/a.png.partial"));
+    EXPECT_THAT(e.what(), testing::HasSubstr("No such file"));
+  }
+}
+
+TEST(PngTest, RefusesWhatIsNoWholePng) {
+  const TempFolder folder;
+  EXPECT_THROW((void)ReadPng(folder / "missing.png"), InputError);
+  WritePng(folder / "a.png", Pattern(64, 48));
+  const std::string bytes = ReadBytes(folder / "a.png");
+  std::ofstream(folder / "cut.png", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  EXPECT_THROW((void)ReadPng(folder / "cut.png"), InputError);
+  std::ofstream(folder / "text.png") << "not a picture";
+  EXPECT_THROW((void)ReadPng(folder / "text.png"), InputError);
+}
+
+}  // namespace
+}  // namespace twin::render
