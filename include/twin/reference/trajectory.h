@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
 #include "twin/core/time.h"
 #include "twin/reference/joint_target.h"
@@ -13,19 +15,23 @@ namespace twin::reference {
 /// One point the arm passes through.
 struct Waypoint {
   JointVector q{};  ///< rad
-  std::optional<Duration>
-      at;  ///< time from the start; given for all points (strictly rising, the first 0) or for none
-  bool stop = false;  ///< come to rest here
-  std::string where;  ///< where it was read ("canonical.yaml:14"), for messages; may be empty
+  /// Time from the start; given for all points (strictly rising, the first 0) or for none.
+  std::optional<Duration> at{};
+  bool stop = false;    ///< come to rest here
+  std::string where{};  ///< where it was read ("canonical.yaml:14"), for messages; may be empty
 };
 
-/// How fast an untimed trajectory runs.
+/// How fast an untimed trajectory runs. The points are spaced in time by their distance, each
+/// distance the time its slowest joint would need at its velocity limit; then all times are
+/// stretched by one factor. Beside timed points only `duration` is read: it must equal the last
+/// point's time.
 struct Timing {
-  std::optional<Duration> duration;  ///< total time; the points are spaced by their distance
-  double velocity_scale =
-      0.5;  ///< without a duration: the fastest uniform pace at which peak velocity,
-  double acceleration_scale = 0.2;  ///< acceleration
-  double jerk_scale = 0.1;  ///< and jerk stay within these shares of the limits, each in (0, 1]
+  std::optional<Duration> duration{};  ///< total time, above 0
+  /// Without a duration: the fastest uniform pace at which peak velocity, acceleration and jerk
+  /// stay within these shares of the limits, each in (0, 1].
+  double velocity_scale = 0.5;
+  double acceleration_scale = 0.2;
+  double jerk_scale = 0.1;
 };
 
 /// Largest magnitude of a quantity over a trajectory, per joint, as a share of its limit.
@@ -35,19 +41,45 @@ struct PeakShares {
   JointVector jerk{};
 };
 
+/// One quintic per joint on [begin, begin + length_s].
+struct QuinticSegment {
+  Duration begin{};                                ///< since the start of the trajectory
+  double length_s = 0;                             ///< > 0
+  std::array<std::array<double, 6>, kJoints> c{};  ///< q(t) = sum c[joint][i] x^i, x = t - begin
+                                                   ///< in seconds; rad/s^i
+};
+
+/// Largest share of a velocity, acceleration or jerk limit that a trajectory may use. The rest is
+/// for rounding: a sampled position is off by a few units in its last place, some 4e-16 rad, so its
+/// third difference at 1 ms by 8 x 4e-16 rad / (1 ms)^3 = 3e-6 rad/s^3. That is below a thousandth
+/// of what this leaves of the smallest jerk limit, 1e-6 x 3750 rad/s^3.
+inline constexpr double kAdmissibleShare = 1.0 - 1e-6;
+
+/// Least distance of a trajectory from the position limits, rad.
+inline constexpr double kPositionMargin = 1e-9;
+
 /// A joint-space path through waypoints: a quintic spline, at rest (dq = ddq = 0) at both ends and
-/// at every stop, with continuous derivatives up to the fourth in between.
+/// at every stop, with continuous derivatives up to the fourth in between. Among all paths through
+/// the points at these times it has the least integral of jerk squared.
 ///
 /// Its jerk is bounded, so the backward differences at 1 ms that INT forms, averages of the
-/// derivatives over one, two and three periods, never exceed the derivatives' own peaks. The peaks
-/// are found at the roots of the next derivative, not by sampling.
+/// derivatives over one, two and three periods, never exceed the derivatives' own peaks, whatever
+/// the phase of the sampling. The peaks are found at the roots of the next derivative, not by
+/// sampling, and must stay within kAdmissibleShare of the limits.
+///
+/// Every point's time is a whole number of nanoseconds; computed times are rounded to that before
+/// the spline is laid. Construction takes time and memory in proportion to the number of points
+/// (about 0.5 kB each).
 ///
 /// Threads: immutable after construction, any thread. Real-time: Sample() is noexcept, O(log
 /// points), allocates nothing.
 class Trajectory {
  public:
+  /// @param limits  valid (JointLimits::Validate).
   /// @throws InputError when: fewer than two points; a value is not finite; a point or the path
-  /// between points is outside the position limits; times do not rise; the path breaks a velocity,
+  /// between points is not inside the position limits by kPositionMargin; only some points have a
+  /// time, or times do not rise from 0; two neighbours of an untimed path coincide; a share or the
+  /// duration is out of range or the whole takes more than a day; the path breaks a velocity,
   /// acceleration or jerk limit. The text names the point or time, joint, value, limit and the cure
   /// (e.g. the shortest admissible duration).
   Trajectory(const std::vector<Waypoint>& waypoints, const Timing& timing,
@@ -67,14 +99,7 @@ class Trajectory {
   [[nodiscard]] const JointVector& goal() const noexcept { return goal_; }
 
  private:
-  /// One quintic per joint on [begin_s, begin_s + length_s]: sum of c[joint][i] (t - begin_s)^i.
-  struct Segment {
-    double begin_s = 0;
-    double length_s = 0;
-    std::array<std::array<double, 6>, kJoints> c{};
-  };
-
-  std::vector<Segment> segments_;
+  std::vector<QuinticSegment> segments_;
   Duration duration_{};
   PeakShares peaks_;
   JointVector start_{};

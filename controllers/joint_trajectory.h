@@ -1,0 +1,58 @@
+#pragma once
+
+#include "twin/control/controller.h"
+#include "twin/reference/trajectory.h"
+
+namespace twin::controllers {
+
+/// How a JointTrajectoryController gives the path.
+struct JointTrajectoryOptions {
+  control::CommandInterface command_interface = control::CommandInterface::kJointPosition;
+  /// Position interface only: give the path's own velocity with each position. Otherwise it is
+  /// formed where the command is deposited, from successive positions and their times.
+  bool give_velocity = false;
+};
+
+/// Follows a trajectory in its own time, open loop:
+///   (q, dq, ddq)(now) = trajectory(now - t_0),   t_0 = `now` of the first Update after Activate.
+/// A late or skipped update delays nothing: the next one is where the path is by then. The robot's
+/// own position loop does the tracking. On the velocity interface the command is dq, and the path's
+/// position is for the record: a start off the path stays an offset.
+///
+/// After the end the goal is given at rest and `finished` is set, for as long as Update is called.
+///
+/// Threads: all calls from the controller loop's thread. Real-time: Update() is noexcept, O(log
+/// points), allocates nothing.
+class JointTrajectoryController final : public control::Controller {
+ public:
+  /// Largest distance of a joint from the path's first point at activation, rad. A reference
+  /// generator with lambda = 1e-3 takes it in with a first step of 1e-6 rad, jerk 1e3 rad/s^3,
+  /// inside every joint's limit.
+  static constexpr double kStartTolerance = 1e-3;
+
+  explicit JointTrajectoryController(reference::Trajectory trajectory,
+                                     const JointTrajectoryOptions& options = {});
+
+  [[nodiscard]] control::CommandInterface command_interface() const noexcept override {
+    return options_.command_interface;
+  }
+
+  /// @throws InputError naming the joint, its q_d, the first point and the cure when a joint is
+  /// further than kStartTolerance from the path's first point (or q_d is not a number).
+  void Activate(const RobotState& state, Time now) override;
+
+  void Update(const RobotState& state, Time now,
+              control::ControllerOutput& output) noexcept TWIN_REALTIME override;
+
+  void Deactivate() noexcept override { is_running_ = false; }
+
+  [[nodiscard]] const reference::Trajectory& trajectory() const noexcept { return trajectory_; }
+
+ private:
+  reference::Trajectory trajectory_;
+  JointTrajectoryOptions options_;
+  bool is_running_ = false;  ///< start_ is set
+  Time start_{};             ///< t_0
+};
+
+}  // namespace twin::controllers

@@ -1,0 +1,26 @@
+#include "twin/reference/joint_reference_generator.h"
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/core/time.h"
+
+namespace twin::reference {
+
+JointReferenceGenerator::JointReferenceGenerator(double lambda) : lambda_(lambda) {
+  if (lambda > 0 && lambda <= 1) return;
+  throw InputError(fmt::format(
+      "joint reference generator: lambda is {}; it must lie in (0, 1] (the paper's is 1e-3)",
+      lambda));
+}
+
+JointVector JointReferenceGenerator::Next(const JointVector& q_d,
+                                          const JointTarget& target) const noexcept {
+  JointVector q_s;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    q_s[j] = q_d[j] + kCycleSeconds * target.dq[j] + lambda_ * (target.q[j] - q_d[j]);
+  }
+  return q_s;
+}
+
+}  // namespace twin::reference

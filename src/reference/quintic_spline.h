@@ -1,0 +1,18 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "twin/reference/trajectory.h"
+
+namespace twin::reference::internal {
+
+/// Lays a quintic spline through the waypoints: dq = ddq = 0 at both ends and at every stop,
+/// continuous derivatives up to the fourth at the points between. O(points).
+///
+/// @param waypoints  at least two; positions and stops are used.
+/// @param knots      one time per waypoint, the first 0, strictly rising.
+[[nodiscard]] std::vector<QuinticSegment> FitSpline(std::span<const Waypoint> waypoints,
+                                                    std::span<const Duration> knots);
+
+}  // namespace twin::reference::internal
