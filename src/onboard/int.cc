@@ -225,9 +225,9 @@ void Int::FillDesired(RobotState& state) const noexcept {
   state.q_d = reference_.q_d;
   state.dq_d = reference_.dq_d;
   state.ddq_d = reference_.ddq_d;
-  state.O_T_EE_d = arm_.Pose(model::Frame::kEndEffector, reference_.q_d, F_T_EE_);
-  state.O_dP_EE_d =
-      arm_.Twist(model::Frame::kEndEffector, reference_.q_d, reference_.dq_d, F_T_EE_);
+  const model::Configuration q_d(reference_.q_d);
+  state.O_T_EE_d = arm_.Pose(model::Frame::kEndEffector, q_d, F_T_EE_);
+  state.O_dP_EE_d = arm_.Twist(model::Frame::kEndEffector, q_d, reference_.dq_d, F_T_EE_);
   state.O_T_EE_c = state.O_T_EE_d;
   state.O_dP_EE_c = state.O_dP_EE_d;
   state.elbow_d = model::ElbowOf(reference_.q_d);

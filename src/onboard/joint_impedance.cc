@@ -10,9 +10,11 @@ ImpedanceTorque JointImpedance::Torque(const JointReference& reference, const Jo
   constexpr Vector3 kNoGravity{0, 0, 0};
   const JointVector& q = sensors.q;
   const JointVector& dq = sensors.dq;
-  const JointVector g = arm.Gravity(q, payload);
-  const JointVector dynamics = arm.InverseDynamics(q, dq, reference.ddq_d, payload, kNoGravity);
-  const model::JointMatrix M = arm.MassMatrix(q, payload);
+  const model::Configuration configuration(q);
+  const JointVector g = arm.Gravity(configuration, payload);
+  const JointVector dynamics =
+      arm.InverseDynamics(configuration, dq, reference.ddq_d, payload, kNoGravity);
+  const model::JointMatrix M = arm.MassMatrix(configuration, payload);
 
   ImpedanceTorque torque;
   for (std::size_t i = 0; i < kJoints; ++i) {

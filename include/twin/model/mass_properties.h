@@ -1,0 +1,39 @@
+#pragma once
+
+#include "twin/core/joint_vector.h"
+
+namespace twin::model {
+
+/// Symmetric 3 x 3 matrix by its upper triangle; for an inertia, kg m^2.
+struct SymmetricMatrix3 {
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+};
+
+/// Inertial parameters of one link, in its own joint frame (modified DH).
+struct LinkParameters {
+  double m = 0;        ///< mass, kg
+  Vector3 com{};       ///< centre of mass in the joint frame
+  SymmetricMatrix3 I;  ///< about the centre of mass, axes of the joint frame
+};
+
+/// Mass moments of a rigid body about the origin of a frame, in its axes: what the dynamics are
+/// linear in, so that bodies fixed to each other simply add.
+struct MassMoments {
+  double m = 0;        ///< zeroth: mass, kg
+  Vector3 h{};         ///< first: mass times centre of mass, kg m
+  SymmetricMatrix3 I;  ///< second: inertia about the frame's origin
+
+  /// Moments of a body of mass m, centre of mass c and inertia I_c about it: h = m c,
+  /// I = I_c - m [c]x^2.
+  [[nodiscard]] static constexpr MassMoments Of(double m, const Vector3& c,
+                                                const SymmetricMatrix3& I_c) noexcept {
+    const Vector3 h{m * c[0], m * c[1], m * c[2]};
+    return {m,
+            h,
+            {I_c.xx + h[1] * c[1] + h[2] * c[2], I_c.xy - h[0] * c[1], I_c.xz - h[0] * c[2],
+             I_c.yy + h[0] * c[0] + h[2] * c[2], I_c.yz - h[1] * c[2],
+             I_c.zz + h[0] * c[0] + h[1] * c[1]}};
+  }
+};
+
+}  // namespace twin::model
