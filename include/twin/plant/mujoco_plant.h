@@ -50,7 +50,12 @@ struct MujocoPlantOptions {
 /// The arm in MuJoCo: URDF, meshes and scene composed into one compiled model, stepped by 1 ms.
 ///
 /// tau_J is the torque behind the gear: the applied torque less the rotor's inertial torque,
-/// armature * ddq. theta equals q (rigid joints).
+/// armature * ddq, of the step that ends there; after Reset() it is the torque of gravity. theta
+/// equals q (rigid joints). data() holds poses and contacts of the state that sensors() shows.
+///
+/// A motion that the engine calls unstable (NaN or huge values) halts the arm: sensors() keeps its
+/// last sound values, every further Step() only adds to warning_count(), and Reset() makes a new
+/// start.
 class MujocoPlant : public Plant, public TruthProbe {
  public:
   /// Composes (or takes from the cache) and compiles.
@@ -66,6 +71,13 @@ class MujocoPlant : public Plant, public TruthProbe {
   /// @returns the torque that holds the arm against gravity at `q`, from the compiled model (for
   /// checks against our own).
   [[nodiscard]] virtual JointVector GravityTorque(const JointVector& q) = 0;
+
+  /// @returns how often the engine has warned since Create(): while compiling, and in steps. Zero
+  /// in every healthy run. Real-time: noexcept, O(1).
+  [[nodiscard]] virtual std::uint64_t warning_count() const noexcept = 0;
+
+  /// @returns what it warned of, a line each; empty when warning_count() is zero.
+  [[nodiscard]] virtual std::string DescribeWarnings() const = 0;
 };
 
 }  // namespace twin::plant

@@ -1,0 +1,34 @@
+#include "twin/plant/engine.h"
+
+#include <mujoco/mujoco.h>
+
+namespace twin::plant {
+namespace {
+
+// MuJoCo's handlers carry no context; the collector is found by thread.
+thread_local EngineWarnings* innermost = nullptr;
+
+[[noreturn]] void ThrowFault(const char* text) {
+  throw EngineFault(text);
+}
+
+}  // namespace
+
+void RecordEngineWarning(const char* text) {
+  if (innermost != nullptr) innermost->texts_.emplace_back(text);
+}
+
+void InstallEngineHandlers() noexcept {
+  mju_user_error = ThrowFault;
+  mju_user_warning = RecordEngineWarning;
+}
+
+EngineWarnings::EngineWarnings() noexcept : outer_(innermost) {
+  innermost = this;
+}
+
+EngineWarnings::~EngineWarnings() {
+  innermost = outer_;
+}
+
+}  // namespace twin::plant

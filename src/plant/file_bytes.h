@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace twin::plant {
+
+/// @returns the whole file. @throws InputError naming the file and `what` it is when it cannot be
+/// read.
+[[nodiscard]] std::string ReadFileBytes(const std::filesystem::path& file, std::string_view what);
+
+/// Fingerprint of a sequence of byte strings, for cache keys and the integrity of cached files; no
+/// defence against an adversary. MurmurHash3 x64 128 (Appleby, public domain), chained over the
+/// strings: each one's digest and length enter the next one's seed.
+class ContentHash {
+ public:
+  /// Adds one string; its boundaries count: ("ab", "c") differs from ("a", "bc").
+  void Add(std::string_view bytes) noexcept;
+
+  /// @returns 32 hexadecimal digits.
+  [[nodiscard]] std::string Hex() const;
+
+ private:
+  std::uint64_t h1_ = 0;
+  std::uint64_t h2_ = 0;
+};
+
+}  // namespace twin::plant

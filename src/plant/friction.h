@@ -1,0 +1,34 @@
+#pragma once
+
+#include "twin/core/joint_vector.h"
+#include "twin/core/realtime.h"
+
+namespace twin::plant {
+
+/// What is left of friction on the link side after the robot's own compensation of motor and gear:
+///   tau_f(dq) = phi1 / (1 + exp(-phi2 (dq + phi3))) - phi1 / (1 + exp(-phi2 phi3)),
+/// opposed to dq and zero at rest. Source: Gaz, Cognetti, Oliva, Robuffo Giordano, De Luca,
+/// "Dynamic Identification of the Franka Emika Panda Robot with Retrieval of Feasible Parameters
+/// Using Penalty-Based Optimization", RA-L 2019, supplementary material.
+///
+/// Threads: any (stateless). Real-time: noexcept, allocates nothing.
+/// @param dq  7, joint order, rad/s. @returns Nm; the joint's motion is slowed by it.
+[[nodiscard]] JointVector ResidualFriction(const JointVector& dq) noexcept TWIN_REALTIME;
+
+/// Torque at which a joint at rest begins to move, Nm. Measured through the FCI on one Panda by a
+/// ramp of external torque up to 0.5 deg of motion, so an upper estimate. Source: franka_emulator
+/// (RWTH, MIT licence), model.urdf of 2021-11-20.
+inline constexpr JointVector kBreakawayTorque{0.8315,  0.99845, 0.8923, 1.29255,
+                                              0.81225, 0.58725, 0.4132};
+
+/// Viscous friction that goes with it, Nm s/rad. Source: Gaz et al. 2019, supplementary table III,
+/// row "OSI" (the row whose figure for joint 6 is positive).
+inline constexpr JointVector kViscousFriction{0.0628, 0.2088,    0.0361, 0.2174,
+                                              0.1021, 1.6128e-4, 0.0632};
+
+/// Inertia of the drives' rotors seen at the link, kg m^2. Source: README of Drake's
+/// franka_description, as provided by Franka for its FR3; nothing is published for the Panda.
+inline constexpr JointVector kArmature{0.605721456, 0.605721456, 0.462474144, 0.462474144,
+                                       0.205544064, 0.205544064, 0.205544064};
+
+}  // namespace twin::plant

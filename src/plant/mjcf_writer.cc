@@ -1,0 +1,208 @@
+#include "plant/mjcf_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "plant/friction.h"
+
+namespace twin::plant {
+namespace {
+
+// Sizes: room for the joints' own constraints and 100 contacts of 4 rows. Classes copy their
+// settings before the scene's own defaults are read, so those do not reach the robot.
+constexpr std::string_view kPreamble = R"(<mujoco model="{}">
+  <size njmax="420" nconmax="100"/>
+  <option cone="elliptic" impratio="10"/>
+  <visual>
+    <global offwidth="1280" offheight="960"/>
+    <quality shadowsize="2048" offsamples="4"/>
+  </visual>
+  <default>
+    <default class="twin_visual">
+      <mesh scale="1 1 1"/>
+      <geom contype="0" conaffinity="0" group="2" mass="0"/>
+    </default>
+    <default class="twin_collision">
+      <mesh scale="1 1 1"/>
+      <geom group="3" mass="0" rgba="0.6 0.6 0.9 0.5"/>
+      <joint limited="true" range="-1 1"
+             solreffriction="0.004 1" solimpfriction="0.999 0.999 0.001 0.5 2"/>
+    </default>
+  </default>
+)";
+
+constexpr std::string_view kClosing = R"(  <include file="{}"/>
+  <option timestep="0.001" integrator="Euler" solver="Newton"/>
+</mujoco>
+)";
+
+std::string Row(const auto& values) {
+  return fmt::format("{}", fmt::join(values, " "));
+}
+
+std::string PoseAttributes(const Pose& pose) {
+  return fmt::format(R"(pos="{}" quat="{}")", Row(pose.p), Row(pose.quat));
+}
+
+/// Writes one document; the members are what its parts share.
+class Writer {
+ public:
+  Writer(const ModelSources& sources, const MeshAssets& visual, const MeshAssets& collision)
+      : sources_(sources), visual_(visual), collision_(collision) {}
+
+  std::string Write() {
+    Line(kPreamble, sources_.robot.name);
+    std::string bodies;
+    std::swap(bodies, text_);
+    Line("  <worldbody>\n");
+    Body(sources_.robot.links.front());
+    Line("  </worldbody>\n");
+    std::swap(bodies, text_);  // assets are known once the bodies are written
+    Assets();
+    text_ += bodies;
+    Excludes();
+    Line(kClosing, kSceneFile);
+    return std::move(text_);
+  }
+
+ private:
+  template <typename... Args>
+  void Line(std::string_view format, const Args&... args) {
+    fmt::format_to(std::back_inserter(text_), fmt::runtime(format), args...);
+  }
+
+  std::string Material(const Colour& colour) {
+    auto found = std::find(colours_.begin(), colours_.end(), colour);
+    if (found == colours_.end()) found = colours_.insert(colours_.end(), colour);
+    return fmt::format("twin_colour_{}", found - colours_.begin());
+  }
+
+  void Assets() {
+    Line("  <asset>\n");
+    for (std::size_t i = 0; i < colours_.size(); ++i) {
+      Line(
+          "    <material name=\"twin_colour_{}\" rgba=\"{}\" specular=\"0.35\" "
+          "shininess=\"0.4\"/>\n",
+          i, Row(colours_[i]));
+    }
+    for (const auto& [name, line] : meshes_) text_ += line;
+    Line("  </asset>\n");
+  }
+
+  /// @returns name of the mesh asset; the same file at the same scale is one asset.
+  std::string Mesh(const MeshAsset& asset, const Vector3& scale, std::string_view use) {
+    std::string name = fmt::format("{}_{}", asset.file, fmt::join(scale, "_"));
+    meshes_[name] =
+        fmt::format("    <mesh name=\"{}\" class=\"twin_{}\" file=\"{}\" scale=\"{}\"/>\n", name,
+                    use, asset.file, Row(scale));
+    return name;
+  }
+
+  void Geom(const Shape& shape, std::string_view use, const std::string& name) {
+    if (shape.kind == ShapeKind::kMesh) {
+      const MeshAssets& assets = use == "visual" ? visual_ : collision_;
+      int part = 0;
+      for (const MeshAsset& asset : assets.at(shape.mesh_uri)) {
+        Line("<geom name=\"{}_{}\" class=\"twin_{}\" type=\"mesh\" mesh=\"{}\" {}{}/>\n", name,
+             part++, use, Mesh(asset, shape.size, use), PoseAttributes(shape.X_LS),
+             Look(shape.colour.value_or(asset.colour), use));
+      }
+      return;
+    }
+    static constexpr std::array<std::string_view, 5> kTypes{"mesh", "box", "cylinder", "capsule",
+                                                            "sphere"};
+    Line("<geom name=\"{}\" class=\"twin_{}\" type=\"{}\" size=\"{}\" {}{}/>\n", name, use,
+         kTypes[static_cast<std::size_t>(shape.kind)], Row(shape.size), PoseAttributes(shape.X_LS),
+         Look(shape.colour.value_or(Colour{0.8, 0.8, 0.8, 1}), use));
+  }
+
+  std::string Look(const Colour& colour, std::string_view use) {
+    if (use != "visual") return {};
+    return fmt::format(" material=\"{}\"", Material(colour));
+  }
+
+  void Body(const Link& link) {
+    Line("<body name=\"{}\" {}>\n", link.name, PoseAttributes(link.X_PL));
+    // A link without mass says so, or the engine would derive one from its shapes.
+    const Inertial inertial = link.inertial.value_or(Inertial{});
+    const Matrix3& I = inertial.I;
+    if (inertial.mass > 0) {
+      Line("<inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{}\"/>\n", Row(inertial.com),
+           inertial.mass, Row(std::array{I[0], I[4], I[8], I[3], I[6], I[7]}));
+    } else {
+      Line("<inertial pos=\"0 0 0\" mass=\"0\" diaginertia=\"0 0 0\"/>\n");
+    }
+    if (link.joint_kind == JointKind::kRevolute) Joint(link);
+    int number = 0;
+    for (const Shape& shape : link.visual) {
+      Geom(shape, "visual", fmt::format("{}_visual_{}", link.name, number++));
+    }
+    number = 0;
+    for (const Shape& shape : link.collision) {
+      Geom(shape, "collision", fmt::format("{}_collision_{}", link.name, number++));
+    }
+    for (const Link& child : sources_.robot.links) {
+      if (child.parent == link.name) Body(child);
+    }
+    Line("</body>\n");
+  }
+
+  void Joint(const Link& link) {
+    const bool breakaway = sources_.friction == FrictionProfile::kBreakaway;
+    Line(
+        "<joint name=\"{}\" class=\"twin_collision\" type=\"hinge\" axis=\"{}\" armature=\"{}\" "
+        "frictionloss=\"{}\" damping=\"{}\"/>\n",
+        link.joint, Row(link.axis), sources_.armature ? kArmature[joint_] : 0.0,
+        breakaway ? kBreakawayTorque[joint_] : 0.0, breakaway ? kViscousFriction[joint_] : 0.0);
+    ++joint_;
+  }
+
+  /// Number of joints between the root and each link.
+  std::map<std::string, int> JointDepths() const {
+    std::map<std::string, int> depths;
+    for (const Link& link : sources_.robot.links) {
+      const int own = link.joint_kind == JointKind::kRevolute ? 1 : 0;
+      depths[link.name] = (link.parent.empty() ? 0 : depths.at(link.parent)) + own;
+    }
+    return depths;
+  }
+
+  /// Links no more than two joints apart do not collide with one another: the hulls of their shapes
+  /// overlap in poses that the joint limits allow, the links themselves do not. (MoveIt's SRDF of
+  /// the Panda leaves out the same pairs.)
+  void Excludes() {
+    const auto depths = JointDepths();
+    Line("  <contact>\n");
+    for (const Link& a : sources_.robot.links) {
+      for (const Link& b : sources_.robot.links) {
+        const int apart = depths.at(b.name) - depths.at(a.name);
+        if (apart < 1 || apart > 2 || a.collision.empty() || b.collision.empty()) continue;
+        Line("    <exclude body1=\"{}\" body2=\"{}\"/>\n", a.name, b.name);
+      }
+    }
+    Line("  </contact>\n");
+  }
+
+  const ModelSources& sources_;
+  const MeshAssets& visual_;
+  const MeshAssets& collision_;
+  std::string text_;
+  std::vector<Colour> colours_;
+  std::map<std::string, std::string> meshes_;
+  std::size_t joint_ = 0;
+};
+
+}  // namespace
+
+std::string WriteMjcf(const ModelSources& sources, const MeshAssets& visual,
+                      const MeshAssets& collision) {
+  return Writer(sources, visual, collision).Write();
+}
+
+}  // namespace twin::plant

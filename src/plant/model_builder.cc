@@ -1,0 +1,190 @@
+#include "plant/model_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "plant/mesh_import.h"
+#include "plant/mjcf_writer.h"
+#include "twin/core/error.h"
+#include "twin/core/time.h"
+#include "twin/plant/engine.h"
+
+namespace twin::plant {
+namespace {
+
+constexpr int kErrorSize = 1000;
+
+/// MuJoCo's files in memory. The structure itself takes 2 MB, hence not on the stack.
+class VirtualFiles {
+ public:
+  VirtualFiles() : vfs_(std::make_unique<mjVFS>()) { mj_defaultVFS(vfs_.get()); }
+  ~VirtualFiles() { mj_deleteVFS(vfs_.get()); }
+  VirtualFiles(const VirtualFiles&) = delete;
+  VirtualFiles& operator=(const VirtualFiles&) = delete;
+
+  /// @param name  not yet in use.
+  void Add(const std::string& name, std::string_view bytes) {
+    if (mj_makeEmptyFileVFS(vfs_.get(), name.c_str(), static_cast<int>(bytes.size())) != 0) {
+      throw InputError(fmt::format("the model has too many files: no room for {}", name));
+    }
+    const int index = mj_findFileVFS(vfs_.get(), name.c_str());
+    std::memcpy(vfs_->filedata[index], bytes.data(), bytes.size());
+  }
+  [[nodiscard]] const mjVFS* get() const noexcept { return vfs_.get(); }
+
+ private:
+  std::unique_ptr<mjVFS> vfs_;
+};
+
+bool HasMesh(const std::vector<Shape>& shapes, const std::string& uri) {
+  for (const Shape& shape : shapes) {
+    if (shape.kind == ShapeKind::kMesh && shape.mesh_uri == uri) return true;
+  }
+  return false;
+}
+
+/// Imports every mesh for the uses it has.
+void ImportMeshes(const ModelSources& sources, MeshAssets& visual, MeshAssets& collision) {
+  int number = 0;
+  for (const auto& [uri, mesh] : sources.meshes) {
+    bool seen = false;
+    bool touched = false;
+    for (const Link& link : sources.robot.links) {
+      seen = seen || HasMesh(link.visual, uri);
+      touched = touched || HasMesh(link.collision, uri);
+    }
+    const auto name = [&number](std::string_view use) {
+      return fmt::format("panda_twin_{}_{}.msh", use, number++);
+    };
+    if (seen) {
+      for (const MeshPart& part : ImportVisualMesh(mesh.bytes, mesh.file.string())) {
+        visual[uri].push_back({name("visual"), EncodeMsh(part), part.colour});
+      }
+    }
+    if (touched) {
+      const MeshPart part = ImportCollisionMesh(mesh.bytes, mesh.file.string());
+      collision[uri].push_back({name("collision"), EncodeMsh(part), part.colour});
+    }
+  }
+}
+
+void AddAssets(const MeshAssets& assets, VirtualFiles& files) {
+  for (const auto& [uri, parts] : assets) {
+    for (const MeshAsset& part : parts) files.Add(part.file, part.msh);
+  }
+}
+
+std::string SceneName(const ModelSources& sources) {
+  return sources.scene_file.empty() ? "the built-in scene" : sources.scene_file.string();
+}
+
+bool Near(double a, double b) {
+  return std::abs(a - b) <= 1e-9 * (1 + std::abs(b));
+}
+
+/// @returns what of `link` the compiled body has differently; empty when nothing.
+std::string Difference(const mjModel& model, int body, const Link& link) {
+  const Inertial wanted = link.inertial.value_or(Inertial{});
+  if (!Near(model.body_mass[body], wanted.mass)) {
+    return fmt::format("mass {} kg instead of {}", model.body_mass[body], wanted.mass);
+  }
+  const double trace = wanted.I[0] + wanted.I[4] + wanted.I[8];
+  const mjtNum* inertia = model.body_inertia + std::ptrdiff_t{3} * body;
+  if (!Near(inertia[0] + inertia[1] + inertia[2], trace)) return "another inertia";
+  for (int k = 0; k < 3; ++k) {
+    if (!Near(model.body_pos[3 * body + k], link.X_PL.p[k])) return "another place";
+    if (link.inertial && !Near(model.body_ipos[3 * body + k], wanted.com[k])) {
+      return "another centre of mass";
+    }
+  }
+  return {};
+}
+
+/// A scene's compiler settings hold for the whole document (MJCF has one <compiler>), so they could
+/// change the robot silently.
+void RequireRobotUnchanged(const ModelSources& sources, const mjModel& model) {
+  for (const Link& link : sources.robot.links) {
+    const int body = mj_name2id(&model, mjOBJ_BODY, link.name.c_str());
+    const std::string difference = body < 0 ? "no body" : Difference(model, body, link);
+    if (difference.empty()) continue;
+    throw InputError(fmt::format(
+        "{}: the scene changes the robot: link '{}' gets {}. Its <compiler> must not set "
+        "coordinate, "
+        "fusestatic, inertiafromgeom, boundmass, boundinertia, balanceinertia or settotalmass",
+        SceneName(sources), link.name, difference));
+  }
+  if (model.opt.timestep != kCycleSeconds) throw EngineFault("the step is not 1 ms");
+}
+
+void SetJointRanges(const ModelSources& sources, mjModel& model) {
+  for (const Link& link : sources.robot.links) {
+    if (link.joint_kind != JointKind::kRevolute) continue;
+    const std::ptrdiff_t joint = mj_name2id(&model, mjOBJ_JOINT, link.joint.c_str());
+    model.jnt_range[2 * joint] = link.q_min;
+    model.jnt_range[2 * joint + 1] = link.q_max;
+  }
+}
+
+}  // namespace
+
+BuiltModel BuildModel(const ModelSources& sources) {
+  MeshAssets visual;
+  MeshAssets collision;
+  ImportMeshes(sources, visual, collision);
+  VirtualFiles files;
+  AddAssets(visual, files);
+  AddAssets(collision, files);
+  files.Add(kSceneFile, sources.scene_text);
+  // The document stands in the scene's folder, so that files the scene names are found.
+  const std::string name = (sources.scene_file.parent_path() / "panda_twin_model.xml").string();
+  files.Add("panda_twin_model.xml", WriteMjcf(sources, visual, collision));
+
+  std::string message(kErrorSize, '\0');
+  const EngineWarnings warnings;
+  BuiltModel built;
+  try {
+    built.model.reset(mj_loadXML(name.c_str(), files.get(), message.data(), kErrorSize));
+    mj_freeLastXML();  // otherwise the engine keeps a copy of every mesh
+  } catch (const EngineFault& fault) {
+    message = fault.what();
+  }
+  message.resize(std::strlen(message.c_str()));
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  if (!built.model) {
+    throw InputError(fmt::format("{}: the engine does not accept robot and scene: {}",
+                                 SceneName(sources), message));
+  }
+  built.warnings = warnings.texts();
+  if (!message.empty()) built.warnings.push_back(message);
+  RequireRobotUnchanged(sources, *built.model);
+  SetJointRanges(sources, *built.model);
+  return built;
+}
+
+std::string SerializeModel(const mjModel& model) {
+  std::string bytes(static_cast<std::size_t>(mj_sizeModel(&model)), '\0');
+  mj_saveModel(&model, nullptr, bytes.data(), static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+ModelPointer DeserializeModel(const std::string& bytes) {
+  VirtualFiles files;
+  files.Add("panda_twin_model.mjb", bytes);
+  ModelPointer model;
+  try {
+    const EngineWarnings warnings;
+    model.reset(mj_loadModel("panda_twin_model.mjb", files.get()));
+    if (model && warnings.texts().empty()) return model;
+  } catch (const EngineFault&) {
+    model.reset();
+  }
+  throw EnvironmentError(
+      "the engine cannot load a model it has compiled itself; pass --rebuild-cache");
+}
+
+}  // namespace twin::plant

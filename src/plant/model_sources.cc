@@ -1,0 +1,146 @@
+#include "plant/model_sources.h"
+
+#include <string_view>
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include "plant/file_bytes.h"
+#include "plant/primitive_shapes.h"
+#include "twin/core/error.h"
+
+namespace twin::plant {
+namespace {
+
+/// Part of every key: raised whenever the same sources are composed differently.
+constexpr std::string_view kComposition = "panda-twin composition 1";
+
+constexpr std::string_view kPlainScene = R"(<mujoco>
+  <worldbody>
+    <light pos="0 0 3" directional="true"/>
+    <geom name="floor" type="plane" size="3 3 0.1" rgba="0.7 0.7 0.7 1"/>
+  </worldbody>
+</mujoco>
+)";
+
+constexpr std::string_view kPackageScheme = "package://";
+
+/// @param options  for the mesh package. @param folder  of the URDF.
+std::filesystem::path ResolveMesh(const std::string& uri, const MujocoPlantOptions& options,
+                                  const std::filesystem::path& folder) {
+  if (!uri.starts_with(kPackageScheme)) return folder / uri;
+  const std::size_t slash = uri.find('/', kPackageScheme.size());
+  if (slash == std::string::npos) throw InputError(fmt::format("'{}' names no file", uri));
+  return options.mesh_package / uri.substr(slash + 1);
+}
+
+/// Reads one URDF, hashes its files, and adds its meshes or puts primitives in their place.
+class DescriptionReader {
+ public:
+  DescriptionReader(const MujocoPlantOptions& options, ModelSources& sources, ContentHash& hash)
+      : options_(options), sources_(sources), hash_(hash) {}
+
+  RobotDescription Read(const std::filesystem::path& urdf) {
+    const std::string text = ReadFileBytes(urdf, "the robot's URDF");
+    hash_.Add(text);
+    RobotDescription robot = ParseUrdf(text, urdf.string());
+    if (sources_.uses_meshes) {
+      for (const Link& link : robot.links) {
+        for (const Shape& shape : link.visual) ReadMesh(shape, link, urdf);
+        for (const Shape& shape : link.collision) ReadMesh(shape, link, urdf);
+      }
+    } else {
+      const auto file = urdf.parent_path() / "primitives.yaml";
+      const std::string shapes = ReadFileBytes(
+          file, "the primitive shapes, which stand in for the meshes where the package is missing");
+      hash_.Add(shapes);
+      UsePrimitives(shapes, file.string(), robot);
+    }
+    return robot;
+  }
+
+ private:
+  void ReadMesh(const Shape& shape, const Link& link, const std::filesystem::path& urdf) {
+    if (shape.kind != ShapeKind::kMesh || sources_.meshes.contains(shape.mesh_uri)) return;
+    MeshFile mesh;
+    try {
+      mesh.file = ResolveMesh(shape.mesh_uri, options_, urdf.parent_path());
+      mesh.bytes = ReadFileBytes(mesh.file, fmt::format("mesh '{}'", shape.mesh_uri));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format(
+          "{}: link '{}': {}. Run scripts/setup to fetch the meshes again, or name no mesh package "
+          "to run on primitive shapes",
+          urdf.string(), link.name, error.what()));
+    }
+    hash_.Add(shape.mesh_uri);
+    hash_.Add(mesh.bytes);
+    sources_.meshes.emplace(shape.mesh_uri, std::move(mesh));
+  }
+
+  const MujocoPlantOptions& options_;
+  ModelSources& sources_;
+  ContentHash& hash_;
+};
+
+/// The arm is one chain of seven revolute joints; whatever else is there is fixed to it.
+void RequireSevenJoints(const RobotDescription& robot, const std::filesystem::path& urdf) {
+  std::map<std::string, std::size_t> depths;
+  std::size_t joints = 0;
+  bool chain = true;
+  for (const Link& link : robot.links) {
+    const std::size_t depth = link.parent.empty() ? 0 : depths.at(link.parent);
+    const bool moves = link.joint_kind == JointKind::kRevolute;
+    chain = chain && (!moves || depth == joints);
+    joints += moves ? 1 : 0;
+    depths[link.name] = depth + (moves ? 1 : 0);
+  }
+  if (chain && joints == kJoints) return;
+  throw InputError(
+      fmt::format("{}: robot '{}' has {} revolute joints{}; the arm must be one chain of {}",
+                  urdf.string(), robot.name, joints, chain ? "" : " on several branches", kJoints));
+}
+
+/// Whether an attribute of the MJCF names a file: file="...", fileright="..." and their like. May
+/// err on the side of yes.
+bool NamesFiles(std::string_view mjcf) {
+  constexpr std::string_view kAttribute = "file";
+  for (std::size_t at = mjcf.find(kAttribute); at != std::string_view::npos;
+       at = mjcf.find(kAttribute, at + 1)) {
+    const std::size_t name_end = mjcf.find_first_of(" \t\r\n=", at);
+    const std::size_t next = mjcf.find_first_not_of(" \t\r\n", name_end);
+    if (next != std::string_view::npos && mjcf[next] == '=') return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+ModelSources ReadModelSources(const MujocoPlantOptions& options) {
+  ModelSources sources;
+  sources.friction = options.friction;
+  sources.armature = options.armature;
+  sources.uses_meshes =
+      !options.mesh_package.empty() && std::filesystem::is_directory(options.mesh_package);
+  ContentHash hash;
+  hash.Add(kComposition);
+  hash.Add(fmt::format("mujoco {} friction {} armature {} hand {} meshes {}", mj_version(),
+                       static_cast<int>(options.friction), options.armature,
+                       static_cast<int>(options.hand), sources.uses_meshes));
+  DescriptionReader reader(options, sources, hash);
+  sources.robot = reader.Read(options.urdf);
+  RequireSevenJoints(sources.robot, options.urdf);
+  if (options.hand == HandKind::kFrankaHand) {
+    const auto urdf = options.urdf.parent_path() / ".." / "hand" / "hand.urdf";
+    Mount(sources.robot, reader.Read(urdf), urdf.string());
+    RequireSevenJoints(sources.robot, urdf);
+  }
+  sources.scene_file = options.scene;
+  sources.scene_text =
+      options.scene.empty() ? std::string(kPlainScene) : ReadFileBytes(options.scene, "the scene");
+  sources.scene_is_self_contained = !NamesFiles(sources.scene_text);
+  hash.Add(sources.scene_text);
+  sources.key = hash.Hex();
+  return sources;
+}
+
+}  // namespace twin::plant

@@ -1,0 +1,237 @@
+#include "twin/plant/mujoco_plant.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "plant/friction.h"
+#include "plant/model_builder.h"
+#include "plant/model_cache.h"
+#include "plant/model_sources.h"
+#include "twin/core/check.h"
+#include "twin/core/error.h"
+#include "twin/core/random.h"
+#include "twin/plant/engine.h"
+
+namespace twin::plant {
+namespace {
+
+/// Where the arm's joints are in the engine's vectors.
+struct JointAddress {
+  int qpos = 0;
+  int dof = 0;
+};
+
+class EnginePlant final : public MujocoPlant {
+ public:
+  EnginePlant(const MujocoPlantOptions& options, const ModelSources& sources, BuiltModel built)
+      : friction_(options.friction),
+        noise_(options.noise),
+        random_(options.seed, RandomStream::kSensorNoise),
+        uses_meshes_(sources.uses_meshes),
+        model_(std::move(built.model)),
+        load_warnings_(std::move(built.warnings)),
+        data_(mj_makeData(model_.get())) {
+    std::size_t i = 0;
+    for (const Link& link : sources.robot.links) {
+      if (link.joint_kind != JointKind::kRevolute) continue;
+      const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, link.joint.c_str());
+      joints_[i].qpos = model_->jnt_qposadr[joint];
+      joints_[i].dof = model_->jnt_dofadr[joint];
+      armature_[i] = model_->dof_armature[joints_[i].dof];
+      ++i;
+    }
+  }
+
+  void Reset(const JointVector& q) override;
+  void Step(const JointDrive& drive) noexcept TWIN_REALTIME override;
+  [[nodiscard]] const JointSensors& sensors() const noexcept override { return sensors_; }
+
+  [[nodiscard]] const mjModel& model() const noexcept override { return *model_; }
+  [[nodiscard]] const mjData& data() const noexcept override { return *data_; }
+  [[nodiscard]] std::size_t qpos_size() const noexcept override {
+    return static_cast<std::size_t>(model_->nq);
+  }
+  void CopyQpos(std::span<double> out) const noexcept override {
+    std::copy_n(data_->qpos, out.size(), out.begin());
+  }
+
+  [[nodiscard]] bool uses_meshes() const noexcept override { return uses_meshes_; }
+  [[nodiscard]] JointVector GravityTorque(const JointVector& q) override;
+  [[nodiscard]] std::uint64_t warning_count() const noexcept override {
+    return load_warnings_.size() + step_warnings_;
+  }
+  [[nodiscard]] std::string DescribeWarnings() const override;
+
+ private:
+  /// Reads the joints into sensors_ and adds the noise of this tick.
+  void Sense(const JointVector& tau_J) noexcept TWIN_REALTIME;
+  /// Moves the engine's warnings into ours. @returns false when there was one that spoils the
+  /// motion.
+  bool TakeWarnings() noexcept TWIN_REALTIME;
+
+  const FrictionProfile friction_;
+  const SensorNoise noise_;
+  const Random random_;
+  const bool uses_meshes_;
+  ModelPointer model_;
+  std::vector<std::string> load_warnings_;
+  DataPointer data_;
+  DataPointer gravity_data_;  ///< made when first asked
+  std::array<JointAddress, kJoints> joints_{};
+  JointVector armature_{};
+  JointSensors sensors_;
+  std::uint64_t tick_ = 0;  ///< steps since the last Reset(); the key of the noise
+  std::array<std::uint64_t, mjNWARNING> warnings_{};
+  std::uint64_t faults_ = 0;  ///< steps in which the engine would have ended the process
+  std::uint64_t step_warnings_ = 0;
+  bool halted_ = false;
+};
+
+void EnginePlant::Reset(const JointVector& q) {
+  mj_resetData(model_.get(), data_.get());
+  for (std::size_t i = 0; i < kJoints; ++i) data_->qpos[joints_[i].qpos] = q[i];
+  tick_ = 0;
+  halted_ = false;
+  try {
+    mj_forward(model_.get(), data_.get());
+  } catch (const EngineFault&) {
+    ++faults_;
+    ++step_warnings_;
+    halted_ = true;
+  }
+  halted_ = !TakeWarnings() || halted_;
+  // At rest the brakes or the controller carry the arm's weight: that is what the torque sensors
+  // show.
+  JointVector tau_J{};
+  for (std::size_t i = 0; i < kJoints; ++i) tau_J[i] = data_->qfrc_bias[joints_[i].dof];
+  Sense(tau_J);
+}
+
+void EnginePlant::Step(const JointDrive& drive) noexcept {
+  if (halted_) {
+    ++step_warnings_;
+    return;
+  }
+  JointVector dq{};
+  for (std::size_t i = 0; i < kJoints; ++i) dq[i] = data_->qvel[joints_[i].dof];
+  const JointVector friction =
+      friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    data_->qfrc_applied[joints_[i].dof] = drive.tau[i] - friction[i];
+  }
+  JointVector tau_J{};
+  try {
+    // The two halves in this order leave poses and contacts of the new state in data().
+    mj_step2(model_.get(), data_.get());
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      tau_J[i] = drive.tau[i] - armature_[i] * data_->qacc[joints_[i].dof];
+    }
+    mj_step1(model_.get(), data_.get());
+  } catch (const EngineFault&) {
+    ++faults_;
+    ++step_warnings_;
+    halted_ = true;
+  }
+  halted_ = !TakeWarnings() || halted_;
+  if (halted_) return;
+  ++tick_;
+  Sense(tau_J);
+}
+
+void EnginePlant::Sense(const JointVector& tau_J) noexcept {
+  sensors_.tau_J = tau_J;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    sensors_.q[i] = data_->qpos[joints_[i].qpos];
+    sensors_.dq[i] = data_->qvel[joints_[i].dof];
+  }
+  const auto add = [this](double deviation, std::uint32_t first_draw, JointVector& values) {
+    if (deviation == 0) return;
+    for (std::uint32_t i = 0; i < kJoints; ++i) {
+      values[i] += deviation * random_.Normal(tick_, first_draw + i);
+    }
+  };
+  add(noise_.q_rad, 0, sensors_.q);
+  add(noise_.dq_rad_per_s, kJoints, sensors_.dq);
+  add(noise_.tau_J_Nm, 2 * kJoints, sensors_.tau_J);
+  sensors_.theta = sensors_.q;
+  sensors_.dtheta = sensors_.dq;
+}
+
+bool EnginePlant::TakeWarnings() noexcept {
+  for (int i = 0; i < mjNWARNING; ++i) {
+    const int number = data_->warning[i].number;
+    if (number == 0) continue;
+    warnings_[i] += static_cast<std::uint64_t>(number);
+    step_warnings_ += static_cast<std::uint64_t>(number);
+    data_->warning[i].number = 0;
+    // The engine answers these by putting everything back to its initial state.
+    if (i == mjWARN_BADQPOS || i == mjWARN_BADQVEL || i == mjWARN_BADQACC) return false;
+  }
+  return true;
+}
+
+std::string EnginePlant::DescribeWarnings() const {
+  std::string text;
+  for (const std::string& warning : load_warnings_) text += warning + '\n';
+  for (int i = 0; i < mjNWARNING; ++i) {
+    if (warnings_[i] == 0) continue;
+    text += fmt::format("{} (times: {})\n", mju_warningText(i, data_->warning[i].lastinfo),
+                        warnings_[i]);
+  }
+  if (faults_ > 0) text += fmt::format("the engine failed in a step (times: {})\n", faults_);
+  if (halted_) text += "the arm is halted since: no step is taken until the next Reset\n";
+  return text;
+}
+
+JointVector EnginePlant::GravityTorque(const JointVector& q) {
+  if (!gravity_data_) gravity_data_.reset(mj_makeData(model_.get()));
+  mjData* data = gravity_data_.get();
+  for (std::size_t i = 0; i < kJoints; ++i) data->qpos[joints_[i].qpos] = q[i];
+  mj_kinematics(model_.get(), data);
+  mj_comPos(model_.get(), data);
+  mj_comVel(model_.get(), data);  // of velocity zero
+  mj_rne(model_.get(), data, 0, data->qfrc_bias);
+  JointVector g{};
+  for (std::size_t i = 0; i < kJoints; ++i) g[i] = data->qfrc_bias[joints_[i].dof];
+  return g;
+}
+
+BuiltModel LoadOrBuild(const MujocoPlantOptions& options, const ModelSources& sources) {
+  if (options.cache.empty() || !sources.scene_is_self_contained) return BuildModel(sources);
+  const ModelCache cache(options.cache);
+  if (!options.rebuild_cache) {
+    if (const auto bytes = cache.Load(sources.key)) return {DeserializeModel(*bytes), {}};
+  }
+  BuiltModel built = BuildModel(sources);
+  // A model with warnings is compiled anew each time, so that they are seen each time.
+  if (built.warnings.empty()) cache.Store(sources.key, SerializeModel(*built.model));
+  return built;
+}
+
+}  // namespace
+
+std::unique_ptr<MujocoPlant> MujocoPlant::Create(const MujocoPlantOptions& options) {
+  InstallEngineHandlers();
+  if (mj_version() != mjVERSION_HEADER) {
+    throw EnvironmentError(
+        fmt::format("MuJoCo {} is installed, but this program was built for {}; rebuild it, or "
+                    "install that one",
+                    mj_version(), mjVERSION_HEADER));
+  }
+  try {
+    const ModelSources sources = ReadModelSources(options);
+    auto plant = std::make_unique<EnginePlant>(options, sources, LoadOrBuild(options, sources));
+    plant->Reset({0, -0.78539816339744831, 0, -2.3561944901923448, 0, 1.5707963267948966,
+                  0.78539816339744831});
+    return plant;
+  } catch (const EngineFault& fault) {
+    throw EnvironmentError(
+        fmt::format("the engine failed while it set up the model: {}", fault.what()));
+  }
+}
+
+}  // namespace twin::plant

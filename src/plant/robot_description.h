@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "twin/core/joint_vector.h"
+
+namespace twin::plant {
+
+/// Red, green, blue, opacity; each in [0, 1].
+using Colour = std::array<double, 4>;
+
+/// Where a frame is in its parent. Quaternion w x y z, unit length.
+struct Pose {
+  Vector3 p{};
+  std::array<double, 4> quat{1, 0, 0, 0};
+};
+
+/// Mass properties of one link, in the link's frame.
+struct Inertial {
+  double mass = 0;
+  Vector3 com{};
+  Matrix3 I{};  ///< about the centre of mass, axes of the link frame
+};
+
+/// What a shape is; the comment says what its `size` holds.
+enum class ShapeKind {
+  kMesh,      ///< scale along x, y, z
+  kBox,       ///< half extents
+  kCylinder,  ///< radius, half length along z
+  kCapsule,   ///< radius, half length along z without the caps
+  kSphere,    ///< radius
+};
+
+/// One visual or collision shape of a link.
+struct Shape {
+  ShapeKind kind = ShapeKind::kMesh;
+  Vector3 size{1, 1, 1};
+  Pose X_LS;                     ///< shape in the link's frame
+  std::string mesh_uri;          ///< only for meshes
+  std::optional<Colour> colour;  ///< absent: the mesh file's own
+};
+
+/// How a link is attached to its parent.
+enum class JointKind { kFixed, kRevolute };
+
+/// One link and the joint that carries it.
+struct Link {
+  std::string name;
+  std::string parent;  ///< empty for the root
+  std::string joint;   ///< name of the joint to the parent
+  JointKind joint_kind = JointKind::kFixed;
+  Pose X_PL;       ///< link in its parent at joint position zero
+  Vector3 axis{};  ///< of the joint, link frame
+  double q_min = 0;
+  double q_max = 0;
+  std::optional<Inertial> inertial;
+  std::vector<Shape> visual;
+  std::vector<Shape> collision;
+};
+
+/// A tree of links, parents before their children. Root first.
+struct RobotDescription {
+  std::string name;
+  std::vector<Link> links;
+
+  /// @returns null when there is none of that name.
+  [[nodiscard]] const Link* Find(const std::string& link) const noexcept;
+};
+
+/// Reads a URDF.
+/// @param text   the document. @param where  its file, for messages.
+/// @throws InputError naming file and element: what urdfdom reports, or what is not supported
+/// (joints other than fixed and revolute).
+[[nodiscard]] RobotDescription ParseUrdf(const std::string& text, const std::string& where);
+
+/// Mounts `tool` on `robot`: the tool's root names the link of the robot that carries it.
+/// @param where  the tool's file, for messages. @throws InputError for an unknown mount or a name
+/// that is taken.
+void Mount(RobotDescription& robot, const RobotDescription& tool, const std::string& where);
+
+}  // namespace twin::plant

@@ -1,0 +1,136 @@
+#include "twin/robot/robot.h"
+
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "robot/robot_fixture.h"
+#include "twin/core/error.h"
+
+namespace twin::robot {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// The workstation's end of a robot: answers every state after a fixed time.
+class Workstation final : public rt::EventHandler {
+ public:
+  void OnEvent(Time now, std::uint64_t id) noexcept override {
+    if (answer_after >= Duration::zero() && id > 3) {
+      events->Schedule(now + answer_after, rt::EventOrder::kTickDone, answer, id);
+    }
+  }
+
+  class Answer final : public rt::EventHandler {
+   public:
+    void OnEvent(Time, std::uint64_t id) noexcept override {
+      RobotCommand command;
+      command.message_id = id;
+      command.q_c = test::kReady;
+      robot->Send(command);
+    }
+    Robot* robot = nullptr;
+  };
+
+  rt::EventQueue* events = nullptr;
+  Answer answer;
+  Duration answer_after{-1};
+};
+
+/// Keeps the last cycle.
+class LastCycle final : public rt::RecordSink {
+ public:
+  void Put(const rt::CycleRecord& record) noexcept override { last = record; }
+  void Put(const rt::TickRecord&) noexcept override {}
+  rt::CycleRecord last;
+};
+
+class RobotTest : public ::testing::Test {
+ protected:
+  void Make(const RobotConfig& config, std::unique_ptr<plant::Plant> plant) {
+    robot_ = std::make_unique<Robot>(config, std::move(plant), events_, workstation_, &cycle_);
+    workstation_.events = &events_;
+    workstation_.answer.robot = robot_.get();
+  }
+  void RunFor(Duration duration) {
+    const Time until = events_.Now() + duration;
+    while (events_.Now() < until) ASSERT_TRUE(events_.RunNext());
+  }
+
+  rt::EventQueue events_;
+  Workstation workstation_;
+  LastCycle cycle_;
+  std::unique_ptr<Robot> robot_;
+};
+
+TEST_F(RobotTest, SendsOneStateEveryMillisecond) {
+  Make(test::PandaRobot(), std::make_unique<plant::IdealPlant>());
+  RunFor(milliseconds(50));
+  EXPECT_EQ(cycle_.last.state.message_id, 50u);
+  EXPECT_EQ(cycle_.last.at, Time(milliseconds(50)));
+}
+
+TEST_F(RobotTest, TakesACommandThatArrivesExactlyAtTheDeadlineAndDropsALaterOne) {
+  // Round trip: 80 us + answer + 80 us; deadline: 1000 us - d_INT.
+  for (const int late_ns : {0, 1}) {
+    RobotConfig config = test::PandaRobot();
+    config.link.d_INT = microseconds(100);
+    workstation_ = Workstation();
+    workstation_.answer_after = microseconds(1000 - 100 - 160) + Duration(late_ns);
+    events_ = rt::EventQueue();
+    Make(config, std::make_unique<plant::IdealPlant>());
+    ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+    RunFor(milliseconds(20));
+    EXPECT_EQ(cycle_.last.fate, late_ns == 0 ? rt::CommandFate::kServed : rt::CommandFate::kNone);
+    EXPECT_EQ(cycle_.last.dropped, late_ns == 0 ? 0u : 1u);
+  }
+}
+
+TEST_F(RobotTest, HoldsStillAtRestForTenSeconds) {
+  const RobotConfig config = test::PandaRobot();
+  Make(config, plant::MujocoPlant::Create(config.plant));
+  RunFor(seconds(10));
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    EXPECT_NEAR(cycle_.last.state.q[i], test::kReady[i], 1e-4) << "joint " << i + 1;
+  }
+}
+
+TEST_F(RobotTest, HoldsStillWithTheHandMounted) {
+  RobotConfig config = test::PandaRobot();
+  config.plant.hand = plant::HandKind::kFrankaHand;
+  config.onboard.end_effector = {0.73, {-0.01, 0, 0.03}, {0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017}};
+  Make(config, plant::MujocoPlant::Create(config.plant));
+  RunFor(seconds(2));
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    EXPECT_NEAR(cycle_.last.state.q[i], test::kReady[i], 1e-4) << "joint " << i + 1;
+  }
+}
+
+TEST_F(RobotTest, RefusesAStartOutsideTheJointRange) {
+  RobotConfig config = test::PandaRobot();
+  config.q_start[3] = 0.5;
+  try {
+    Make(config, std::make_unique<plant::IdealPlant>());
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("joint 4"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(RobotTest, RefusesALinkOutOfRangeByName) {
+  RobotConfig config = test::PandaRobot();
+  config.link.command_loss = 1.5;
+  try {
+    Make(config, std::make_unique<plant::IdealPlant>());
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("command_loss"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace twin::robot
