@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace twin::record {
+
+/// How an MCAP file is written.
+struct McapWriterOptions {
+  std::string library = "panda-twin";  ///< text of the header; must name no machine and no time
+  std::size_t chunk_bytes =
+      std::size_t{512} * 1024;  ///< a chunk ends before it would hold more, uncompressed
+  int zstd_level = 1;           ///< compression of the chunks, 1 (fast) .. 19
+};
+
+/// What a finished file holds.
+struct McapTotals {
+  std::uint64_t messages = 0;
+  std::uint64_t chunks = 0;
+  std::uint64_t bytes = 0;  ///< length of the file
+};
+
+/// Writes an MCAP file: chunks of zstd with CRC-32, message, chunk, attachment and metadata
+/// indexes, statistics, summary with its own CRC. Source: https://mcap.dev/spec.
+///
+///     magic Header  Schema.. Channel.. Metadata.. Attachment..  (Chunk MessageIndex..)..  DataEnd
+///     summary: Schema.. Channel.. Statistics ChunkIndex.. AttachmentIndex.. MetadataIndex..
+///     SummaryOffset.. Footer magic
+///
+/// The file is `<path>.partial` until Finish(). A chunk and its indexes go out with one write(2),
+/// and everything else as soon as it is added: whoever kills the process loses the open chunk at
+/// most. The same calls give the same bytes.
+///
+/// Threads: one thread. Real-time: no. Errors: EnvironmentError with path, cause and cure when the
+/// file cannot be made or written; after one, only destruction is allowed.
+class McapWriter {
+ public:
+  /// Creates `<path>.partial` and writes the header.
+  explicit McapWriter(const std::filesystem::path& path, const McapWriterOptions& options = {});
+  /// Without Finish(): leaves `<path>.partial`, without the open chunk.
+  ~McapWriter();
+
+  /// @param encoding  "protobuf" means that `data` is a serialized FileDescriptorSet.
+  /// @returns the schema's id.
+  std::uint16_t AddSchema(std::string_view name, std::string_view encoding, std::string_view data);
+
+  /// @returns the channel's id.
+  std::uint16_t AddChannel(std::uint16_t schema, std::string_view topic,
+                           std::string_view message_encoding);
+
+  /// Texts must be UTF-8.
+  void AddMetadata(std::string_view name, const std::map<std::string, std::string>& entries);
+
+  /// @param log_time_ns  on the run's time line.
+  void AddAttachment(std::string_view name, std::string_view media_type, std::string_view data,
+                     std::uint64_t log_time_ns = 0);
+
+  /// Adds a message of `size` bytes to the open chunk, which it ends first if it is full.
+  /// @returns the place for its data; to be filled before the next call of this object.
+  std::span<std::byte> AddMessage(std::uint16_t channel, std::uint64_t log_time_ns,
+                                  std::size_t size);
+
+  /// Ends the open chunk, if it holds anything, and writes it.
+  void Flush();
+
+  /// Writes what is left, the summary and the footer, and renames the file to `path`. Call once.
+  McapTotals Finish();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace twin::record

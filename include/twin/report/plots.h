@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "twin/core/limits.h"
+
+namespace twin::report {
+
+/// Draws a log as SVG, with gnuplot, into `folder`, which is made when missing:
+///   joints.svg      q and q_d of each joint, between its limits
+///   velocities.svg  dq and dq_d of each joint, against its limits
+///   jerk.svg        dddq_d of each joint, against its limits
+///   served.svg      cycles served and held, commands dropped, d_EXT, success rate
+/// A log of any length gives files of at most some 100 kB: of the samples that fall into the same
+/// place, the lowest and the highest are drawn, so that no peak is lost. The same log gives the
+/// same bytes, with the same version of gnuplot. Files of these names are replaced; each is
+/// `.partial` until it is whole.
+///
+/// Threads: one thread. Real-time: no; runs gnuplot from PATH and waits for it.
+/// @param log  as record::Recorder wrote it; that of a killed run is drawn as far as it goes.
+/// @returns the paths of the files, in the order above.
+/// @throws InputError when the log is damaged or holds no cycle, or the limits are not valid;
+/// EnvironmentError when gnuplot is missing or fails, or a file cannot be read or written.
+std::vector<std::filesystem::path> WritePlots(const std::filesystem::path& log,
+                                              const JointLimits& limits,
+                                              const std::filesystem::path& folder);
+
+}  // namespace twin::report

@@ -1,0 +1,60 @@
+#include "record/csv_file.h"
+
+#include <iterator>
+
+namespace twin::record {
+namespace {
+
+/// Text gathered between two writes.
+constexpr std::size_t kBufferBytes = 1 << 18;
+
+}  // namespace
+
+CsvFile::CsvFile(const std::filesystem::path& path) : file_(path, PartialFile::Leftover::kRemove) {
+  buffer_.reserve(kBufferBytes);
+}
+
+void CsvFile::Add(std::string_view text) {
+  Separate();
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
+    buffer_.append(text);
+    return;
+  }
+  buffer_.push_back('"');
+  for (const char c : text) {
+    if (c == '"') buffer_.push_back('"');
+    buffer_.push_back(c);
+  }
+  buffer_.push_back('"');
+}
+
+void CsvFile::AddNames(std::string_view name, std::size_t size) {
+  for (std::size_t i = 0; i < size; ++i) {
+    Separate();
+    fmt::format_to(std::back_inserter(buffer_), "{}[{}]", name, i);
+  }
+}
+
+void CsvFile::AddValues(std::span<const double> values) {
+  for (const double value : values) Add(value);
+}
+
+void CsvFile::EndRow() {
+  buffer_.push_back('\n');
+  row_begun_ = false;
+  if (buffer_.size() < kBufferBytes) return;
+  file_.Write(std::as_bytes(std::span(buffer_.data(), buffer_.size())));
+  buffer_.clear();
+}
+
+void CsvFile::Commit() {
+  file_.Write(std::as_bytes(std::span(buffer_.data(), buffer_.size())));
+  file_.Commit();
+}
+
+void CsvFile::Separate() {
+  if (row_begun_) buffer_.push_back(',');
+  row_begun_ = true;
+}
+
+}  // namespace twin::record

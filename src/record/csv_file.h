@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "record/partial_file.h"
+
+namespace twin::record {
+
+/// A CSV file being written, `.partial` until Commit() and removed when that is never reached.
+///
+/// Threads: one thread. Real-time: no. Errors: those of PartialFile.
+class CsvFile {
+ public:
+  explicit CsvFile(const std::filesystem::path& path);
+
+  /// Appends a field of the row.
+  template <class Number>
+  void Add(Number value) {
+    Separate();
+    fmt::format_to(std::back_inserter(buffer_), "{}", value);
+  }
+  /// Text is quoted where it must be.
+  void Add(std::string_view text);
+  /// `name[0]`, `name[1]` ...
+  void AddNames(std::string_view name, std::size_t size);
+  void AddValues(std::span<const double> values);
+  void EndRow();
+
+  void Commit();
+
+ private:
+  void Separate();
+
+  PartialFile file_;
+  fmt::memory_buffer buffer_;
+  bool row_begun_ = false;
+};
+
+}  // namespace twin::record

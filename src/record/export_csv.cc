@@ -1,0 +1,181 @@
+#include "twin/record/export_csv.h"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "record/csv_file.h"
+#include "record/log_config.h"
+#include "record/log_fields.h"
+#include "twin/core/error.h"
+#include "twin/core/modes.h"
+#include "twin/core/robot_errors.h"
+#include "twin/record/log_reader.h"
+
+namespace twin::record {
+namespace {
+
+std::string_view Name(rt::CommandFate fate) {
+  switch (fate) {
+    case rt::CommandFate::kNone: return "none";
+    case rt::CommandFate::kServed: return "served";
+    case rt::CommandFate::kHeld: return "held";
+  }
+  return "unknown";
+}
+
+std::string_view Name(rt::TickAction action) {
+  switch (action) {
+    case rt::TickAction::kPublished: return "published";
+    case rt::TickAction::kWritten: return "written";
+    case rt::TickAction::kFinished: return "finished";
+    case rt::TickAction::kSkipped: return "skipped";
+  }
+  return "unknown";
+}
+
+std::string Names(const RobotErrors& errors) {
+  std::string names;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (!errors[i]) continue;
+    if (!names.empty()) names += '|';
+    names += twin::Name(static_cast<RobotError>(i));
+  }
+  return names;
+}
+
+std::int64_t Nanoseconds(Time time) {
+  return time.time_since_epoch().count();
+}
+
+template <class Record, class Table>
+void AddVectorNames(CsvFile& csv, const Table& table) {
+  const Record record{};
+  for (const auto& field : table) csv.AddNames(field.name, field.values(record).size());
+}
+
+template <class Record, class Table>
+void AddVectors(CsvFile& csv, const Table& table, const Record& record) {
+  for (const auto& field : table) csv.AddValues(field.values(record));
+}
+
+/// The files of one export.
+class CsvFiles {
+ public:
+  explicit CsvFiles(const std::filesystem::path& folder)
+      : cycles_(folder / "cycles.csv"),
+        configs_(folder / "config.csv"),
+        ticks_(folder / "ticks.csv"),
+        events_(folder / "events.csv") {
+    AddHeadings();
+  }
+
+  void operator()(const rt::CycleRecord& record) {
+    if (!config_ || !SameConfig(*config_, record.state)) AddConfig(record);
+    const RobotState& state = record.state;
+    cycles_.Add(Nanoseconds(record.at));
+    cycles_.Add(state.message_id);
+    cycles_.Add(Name(record.fate));
+    cycles_.Add(record.lost_in_row);
+    cycles_.Add(record.dropped);
+    cycles_.Add(twin::Name(state.robot_mode));
+    cycles_.Add(twin::Name(state.motion_generator_mode));
+    cycles_.Add(twin::Name(state.controller_mode));
+    cycles_.Add(std::string_view(Names(state.errors)));
+    cycles_.Add(std::string_view(Names(state.reflex_reason)));
+    cycles_.Add(state.control_command_success_rate);
+    cycles_.Add(std::string_view(record.violated ? Describe(record.violation) : std::string()));
+    AddVectors(cycles_, kCycleFields, record);
+    cycles_.EndRow();
+    ++written_.cycles;
+  }
+
+  void operator()(const rt::TickRecord& record) {
+    ticks_.Add(Nanoseconds(record.read));
+    ticks_.Add(Nanoseconds(record.written));
+    ticks_.Add(record.message_id);
+    ticks_.Add(Name(record.action));
+    ticks_.Add(record.skipped_states);
+    ticks_.Add(Nanoseconds(record.deposit_time));
+    ticks_.Add(record.command.message_id);
+    ticks_.Add(record.command.valid_elbow ? 1 : 0);
+    ticks_.Add(record.command.motion_generation_finished ? 1 : 0);
+    AddVectors(ticks_, kTickFields, record);
+    AddVectors(ticks_, kCommandFields, record.command);
+    ticks_.EndRow();
+    ++written_.ticks;
+  }
+
+  void operator()(const EventRecord& event) {
+    events_.Add(Nanoseconds(event.at));
+    events_.Add(std::string_view(event.kind));
+    events_.Add(std::string_view(event.text));
+    events_.EndRow();
+    ++written_.events;
+  }
+
+  CsvExport Commit() {
+    for (CsvFile* file : {&cycles_, &configs_, &ticks_, &events_}) file->Commit();
+    return written_;
+  }
+
+ private:
+  static void AddTexts(CsvFile& csv, std::initializer_list<std::string_view> names) {
+    for (const std::string_view name : names) csv.Add(name);
+  }
+
+  void AddHeadings() {
+    AddTexts(cycles_, {"at_ns", "message_id", "fate", "lost_in_row", "dropped", "robot_mode",
+                       "motion_generator_mode", "controller_mode", "errors", "reflex_reason",
+                       "control_command_success_rate", "violation"});
+    AddVectorNames<rt::CycleRecord>(cycles_, kCycleFields);
+    AddTexts(configs_, {"at_ns", "m_ee", "m_load"});
+    AddVectorNames<RobotState>(configs_, kConfigFields);
+    AddTexts(ticks_,
+             {"read_ns", "written_ns", "message_id", "action", "skipped_states", "deposit_time_ns",
+              "command_message_id", "valid_elbow", "motion_generation_finished"});
+    AddVectorNames<rt::TickRecord>(ticks_, kTickFields);
+    AddVectorNames<RobotCommand>(ticks_, kCommandFields);
+    AddTexts(events_, {"at_ns", "kind", "text"});
+    for (CsvFile* file : {&cycles_, &configs_, &ticks_, &events_}) file->EndRow();
+  }
+
+  void AddConfig(const rt::CycleRecord& record) {
+    config_ = record.state;
+    configs_.Add(Nanoseconds(record.at));
+    configs_.Add(record.state.m_ee);
+    configs_.Add(record.state.m_load);
+    AddVectors(configs_, kConfigFields, record.state);
+    configs_.EndRow();
+  }
+
+  CsvFile cycles_;
+  CsvFile configs_;
+  CsvFile ticks_;
+  CsvFile events_;
+  std::optional<RobotState> config_;
+  CsvExport written_;
+};
+
+}  // namespace
+
+CsvExport ExportCsv(const std::filesystem::path& log, const std::filesystem::path& folder) {
+  LogReader reader(log);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw EnvironmentError(fmt::format("cannot create folder {}: {}; choose another one",
+                                       folder.string(), error.message()));
+  }
+  CsvFiles files(folder);
+  LogEntry entry;
+  while (reader.Next(entry)) std::visit(files, entry);
+  CsvExport written = files.Commit();
+  written.truncated = reader.truncated();
+  return written;
+}
+
+}  // namespace twin::record

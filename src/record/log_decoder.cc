@@ -1,0 +1,135 @@
+#include "record/log_decoder.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+
+namespace twin::record {
+namespace {
+
+/// Far above any message of ours (about 2 kB).
+constexpr std::size_t kMaxMessageBytes = std::size_t{64} * 1024;
+
+template <class Message>
+void Parse(std::span<const std::byte> data, Message& message) {
+  if (data.size() > kMaxMessageBytes) {
+    throw InputError(fmt::format("a message of {} bytes; at most {} are accepted", data.size(),
+                                 kMaxMessageBytes));
+  }
+  if (!message.ParseFromArray(data.data(), static_cast<int>(data.size()))) {
+    throw InputError(fmt::format("not a message of type {}", message.GetTypeName()));
+  }
+}
+
+template <class Table, class Record, class Message>
+void DecodeVectors(const Table& table, Message& message, Record& record) {
+  for (const auto& field : table) {
+    const auto& from = *field.repeated(message);
+    const auto to = field.mutable_values(record);
+    if (from.empty()) {
+      std::ranges::fill(to, 0.0);
+      continue;
+    }
+    if (static_cast<std::size_t>(from.size()) != to.size()) {
+      throw InputError(fmt::format("{} has {} values; it must have {} or none", field.name,
+                                   from.size(), to.size()));
+    }
+    std::ranges::copy(from, to.begin());
+  }
+}
+
+/// @returns the enumerator of ours with the number that the message holds.
+template <class Enum>
+Enum DecodeEnum(const char* field, int value, bool valid) {
+  if (!valid) throw InputError(fmt::format("{} has the unknown value {}", field, value));
+  return static_cast<Enum>(value);
+}
+
+RobotError DecodeError(int value) {
+  return DecodeEnum<RobotError>("an error", value, pb::RobotError_IsValid(value));
+}
+
+RobotErrors DecodeErrors(const google::protobuf::RepeatedField<int>& numbers) {
+  RobotErrors errors;
+  for (const int number : numbers) errors.set(static_cast<std::size_t>(DecodeError(number)));
+  return errors;
+}
+
+Violation DecodeViolation(const pb::Violation& message) {
+  if (message.axis() < -1 || message.axis() >= static_cast<int>(kJoints)) {
+    throw InputError(fmt::format("axis of a violation is {}; it must be in [-1, {}]",
+                                 message.axis(), kJoints - 1));
+  }
+  return {.error = DecodeError(message.error()),
+          .axis = static_cast<std::int8_t>(message.axis()),
+          .value = message.value(),
+          .limit = message.limit(),
+          .message_id = message.message_id()};
+}
+
+Time ToTime(std::int64_t ns) {
+  return Time(Duration(ns));
+}
+
+}  // namespace
+
+void LogDecoder::TakeConfig(std::span<const std::byte> data) {
+  Parse(data, config_message_);
+  config_.m_ee = config_message_.m_ee();
+  config_.m_load = config_message_.m_load();
+  DecodeVectors(kConfigFields, config_message_, config_);
+}
+
+void LogDecoder::Decode(std::span<const std::byte> data, rt::CycleRecord& record) {
+  Parse(data, cycle_);
+  record = {};
+  RobotState& state = record.state;
+  state = config_;
+  record.at = ToTime(cycle_.at_ns());
+  state.message_id = cycle_.message_id();
+  record.fate =
+      DecodeEnum<rt::CommandFate>("fate", cycle_.fate(), pb::CommandFate_IsValid(cycle_.fate()));
+  record.lost_in_row = cycle_.lost_in_row();
+  record.dropped = cycle_.dropped();
+  state.robot_mode = DecodeEnum<RobotMode>("robot_mode", cycle_.robot_mode(),
+                                           pb::RobotMode_IsValid(cycle_.robot_mode()));
+  state.motion_generator_mode = DecodeEnum<MotionGeneratorMode>(
+      "motion_generator_mode", cycle_.motion_generator_mode(),
+      pb::MotionGeneratorMode_IsValid(cycle_.motion_generator_mode()));
+  state.controller_mode =
+      DecodeEnum<ControllerMode>("controller_mode", cycle_.controller_mode(),
+                                 pb::ControllerMode_IsValid(cycle_.controller_mode()));
+  state.errors = DecodeErrors(cycle_.errors());
+  state.reflex_reason = DecodeErrors(cycle_.reflex_reason());
+  state.control_command_success_rate = cycle_.control_command_success_rate();
+  record.violated = cycle_.has_violation();
+  if (record.violated) record.violation = DecodeViolation(cycle_.violation());
+  DecodeVectors(kCycleFields, cycle_, record);
+}
+
+void LogDecoder::Decode(std::span<const std::byte> data, rt::TickRecord& record) {
+  Parse(data, tick_);
+  record = {};
+  record.read = ToTime(tick_.read_ns());
+  record.written = ToTime(tick_.written_ns());
+  record.message_id = tick_.message_id();
+  record.action =
+      DecodeEnum<rt::TickAction>("action", tick_.action(), pb::TickAction_IsValid(tick_.action()));
+  record.skipped_states = tick_.skipped_states();
+  record.deposit_time = ToTime(tick_.deposit_time_ns());
+  pb::Command& command = *tick_.mutable_command();
+  record.command.message_id = command.message_id();
+  record.command.valid_elbow = command.valid_elbow();
+  record.command.motion_generation_finished = command.motion_generation_finished();
+  DecodeVectors(kCommandFields, command, record.command);
+  DecodeVectors(kTickFields, tick_, record);
+}
+
+void LogDecoder::Decode(std::span<const std::byte> data, EventRecord& record) {
+  Parse(data, event_);
+  record = {.at = ToTime(event_.at_ns()), .kind = event_.kind(), .text = event_.text()};
+}
+
+}  // namespace twin::record

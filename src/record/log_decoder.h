@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <variant>
+
+#include "record/log_fields.h"
+#include "twin/core/robot_state.h"
+#include "twin/record/log_records.h"
+#include "twin/rt/cycle_record.h"
+
+namespace twin::record {
+
+/// Turns the messages of log.proto back into records. Nobody vouches for their bytes: lengths,
+/// enumerators and ranges are checked, and what does not fit is an InputError naming the field.
+///
+/// Threads: one thread. Real-time: no.
+class LogDecoder {
+ public:
+  /// Keeps the configuration; it goes into the states of the cycles that follow.
+  void TakeConfig(std::span<const std::byte> data);
+  void Decode(std::span<const std::byte> data, rt::CycleRecord& record);
+  void Decode(std::span<const std::byte> data, rt::TickRecord& record);
+  void Decode(std::span<const std::byte> data, EventRecord& record);
+
+ private:
+  RobotState config_;  ///< default but for the configuration
+  pb::Cycle cycle_;
+  pb::Config config_message_;
+  pb::Tick tick_;
+  pb::Event event_;
+};
+
+}  // namespace twin::record

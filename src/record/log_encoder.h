@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "record/log_fields.h"
+#include "twin/core/robot_state.h"
+#include "twin/record/log_records.h"
+#include "twin/record/mcap_writer.h"
+#include "twin/rt/cycle_record.h"
+
+namespace twin::record {
+
+/// Turns records into the messages of log.proto and adds them to an MCAP file. Messages are reused,
+/// so that nothing is allocated per record.
+///
+/// Threads: one thread. Real-time: no. Errors: those of McapWriter.
+class LogEncoder {
+ public:
+  /// Adds schemas, channels, metadata and the scenario. @param writer  must outlive the encoder.
+  LogEncoder(McapWriter& writer, const RunInfo& run);
+
+  /// Adds the cycle, and before it the configuration when that is new.
+  void Add(const rt::CycleRecord& record);
+  void Add(const rt::TickRecord& record);
+  /// Bytes that are not UTF-8 become '?'.
+  void Add(Time at, std::string_view kind, std::string_view text);
+
+ private:
+  void AddConfig(Time at, const RobotState& state);
+  template <class Message>
+  void Write(std::uint16_t channel, Time at, const Message& message);
+
+  McapWriter& writer_;
+  std::uint16_t cycle_channel_ = 0;
+  std::uint16_t config_channel_ = 0;
+  std::uint16_t tick_channel_ = 0;
+  std::uint16_t event_channel_ = 0;
+  bool has_config_ = false;
+  RobotState config_;  ///< whose configuration was written last
+  pb::Cycle cycle_;
+  pb::Config config_message_;
+  pb::Tick tick_;
+  pb::Event event_;
+};
+
+}  // namespace twin::record

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+#include <google/protobuf/repeated_field.h>
+
+#include "record/log.pb.h"
+#include "twin/core/robot_command.h"
+#include "twin/core/robot_state.h"
+#include "twin/rt/cycle_record.h"
+
+namespace twin::record {
+
+/// Messages of the log, generated from log.proto.
+namespace pb = ::panda_twin;
+
+/// A fixed-size vector of a record and the repeated field of the message that carries it.
+template <class Record, class Message>
+struct VectorField {
+  std::string_view name;
+  std::span<const double> (*values)(const Record&);
+  std::span<double> (*mutable_values)(Record&);
+  google::protobuf::RepeatedField<double>* (*repeated)(Message&);
+};
+
+/// `Member` of a record; of a cycle also a member of the robot state in it.
+template <auto Member, class Record>
+constexpr auto& Get(Record& record) {
+  if constexpr (requires { record.*Member; }) {
+    return record.*Member;
+  } else {
+    return record.state.*Member;
+  }
+}
+
+/// Pairs the vector `Member` with the repeated field that `Mutable` gives.
+template <class Record, class Message, auto Member, auto Mutable>
+constexpr VectorField<Record, Message> Pair(std::string_view name) {
+  return {
+      .name = name,
+      .values = [](const Record& r) { return std::span<const double>(Get<Member>(r)); },
+      .mutable_values = [](Record& r) { return std::span<double>(Get<Member>(r)); },
+      .repeated = [](Message& m) { return (m.*Mutable)(); },
+  };
+}
+
+template <auto Member, auto Mutable>
+constexpr auto CycleField(std::string_view name) {
+  return Pair<rt::CycleRecord, pb::Cycle, Member, Mutable>(name);
+}
+template <auto Member, auto Mutable>
+constexpr auto ConfigField(std::string_view name) {
+  return Pair<RobotState, pb::Config, Member, Mutable>(name);
+}
+template <auto Member, auto Mutable>
+constexpr auto TickField(std::string_view name) {
+  return Pair<rt::TickRecord, pb::Tick, Member, Mutable>(name);
+}
+template <auto Member, auto Mutable>
+constexpr auto CommandField(std::string_view name) {
+  return Pair<RobotCommand, pb::Command, Member, Mutable>(name);
+}
+
+// clang-format off
+/// Vectors of topic /robot/cycle.
+inline constexpr std::array kCycleFields = {
+    CycleField<&RobotState::q, &pb::Cycle::mutable_q>("q"),
+    CycleField<&RobotState::q_d, &pb::Cycle::mutable_q_d>("q_d"),
+    CycleField<&RobotState::dq, &pb::Cycle::mutable_dq>("dq"),
+    CycleField<&RobotState::dq_d, &pb::Cycle::mutable_dq_d>("dq_d"),
+    CycleField<&RobotState::ddq_d, &pb::Cycle::mutable_ddq_d>("ddq_d"),
+    CycleField<&rt::CycleRecord::dddq_d, &pb::Cycle::mutable_dddq_d>("dddq_d"),
+    CycleField<&RobotState::theta, &pb::Cycle::mutable_theta>("theta"),
+    CycleField<&RobotState::dtheta, &pb::Cycle::mutable_dtheta>("dtheta"),
+    CycleField<&RobotState::tau_J, &pb::Cycle::mutable_tau_j>("tau_J"),
+    CycleField<&RobotState::tau_J_d, &pb::Cycle::mutable_tau_j_d>("tau_J_d"),
+    CycleField<&RobotState::dtau_J, &pb::Cycle::mutable_dtau_j>("dtau_J"),
+    CycleField<&RobotState::tau_ext_hat_filtered, &pb::Cycle::mutable_tau_ext_hat_filtered>(
+        "tau_ext_hat_filtered"),
+    CycleField<&RobotState::joint_contact, &pb::Cycle::mutable_joint_contact>("joint_contact"),
+    CycleField<&RobotState::joint_collision, &pb::Cycle::mutable_joint_collision>(
+        "joint_collision"),
+    CycleField<&RobotState::cartesian_contact, &pb::Cycle::mutable_cartesian_contact>(
+        "cartesian_contact"),
+    CycleField<&RobotState::cartesian_collision, &pb::Cycle::mutable_cartesian_collision>(
+        "cartesian_collision"),
+    CycleField<&RobotState::O_T_EE, &pb::Cycle::mutable_o_t_ee>("O_T_EE"),
+    CycleField<&RobotState::O_T_EE_d, &pb::Cycle::mutable_o_t_ee_d>("O_T_EE_d"),
+    CycleField<&RobotState::O_T_EE_c, &pb::Cycle::mutable_o_t_ee_c>("O_T_EE_c"),
+    CycleField<&RobotState::O_F_ext_hat_K, &pb::Cycle::mutable_o_f_ext_hat_k>("O_F_ext_hat_K"),
+    CycleField<&RobotState::K_F_ext_hat_K, &pb::Cycle::mutable_k_f_ext_hat_k>("K_F_ext_hat_K"),
+    CycleField<&RobotState::O_dP_EE_d, &pb::Cycle::mutable_o_dp_ee_d>("O_dP_EE_d"),
+    CycleField<&RobotState::O_dP_EE_c, &pb::Cycle::mutable_o_dp_ee_c>("O_dP_EE_c"),
+    CycleField<&RobotState::O_ddP_EE_c, &pb::Cycle::mutable_o_ddp_ee_c>("O_ddP_EE_c"),
+    CycleField<&RobotState::elbow, &pb::Cycle::mutable_elbow>("elbow"),
+    CycleField<&RobotState::elbow_d, &pb::Cycle::mutable_elbow_d>("elbow_d"),
+    CycleField<&RobotState::elbow_c, &pb::Cycle::mutable_elbow_c>("elbow_c"),
+    CycleField<&RobotState::delbow_c, &pb::Cycle::mutable_delbow_c>("delbow_c"),
+    CycleField<&RobotState::ddelbow_c, &pb::Cycle::mutable_ddelbow_c>("ddelbow_c"),
+};
+
+/// Vectors of topic /robot/config.
+inline constexpr std::array kConfigFields = {
+    ConfigField<&RobotState::I_ee, &pb::Config::mutable_i_ee>("I_ee"),
+    ConfigField<&RobotState::F_x_Cee, &pb::Config::mutable_f_x_cee>("F_x_Cee"),
+    ConfigField<&RobotState::I_load, &pb::Config::mutable_i_load>("I_load"),
+    ConfigField<&RobotState::F_x_Cload, &pb::Config::mutable_f_x_cload>("F_x_Cload"),
+    ConfigField<&RobotState::F_T_EE, &pb::Config::mutable_f_t_ee>("F_T_EE"),
+    ConfigField<&RobotState::EE_T_K, &pb::Config::mutable_ee_t_k>("EE_T_K"),
+    ConfigField<&RobotState::F_T_NE, &pb::Config::mutable_f_t_ne>("F_T_NE"),
+    ConfigField<&RobotState::NE_T_EE, &pb::Config::mutable_ne_t_ee>("NE_T_EE"),
+    ConfigField<&RobotState::O_ddP_O, &pb::Config::mutable_o_ddp_o>("O_ddP_O"),
+};
+
+/// Vectors of topic /ext/tick, without the command's.
+inline constexpr std::array kTickFields = {
+    TickField<&rt::TickRecord::q_ext, &pb::Tick::mutable_q_ext>("q_ext"),
+    TickField<&rt::TickRecord::dq_ext, &pb::Tick::mutable_dq_ext>("dq_ext"),
+};
+
+/// Vectors of the command in a tick.
+inline constexpr std::array kCommandFields = {
+    CommandField<&RobotCommand::q_c, &pb::Command::mutable_q_c>("q_c"),
+    CommandField<&RobotCommand::dq_c, &pb::Command::mutable_dq_c>("dq_c"),
+    CommandField<&RobotCommand::O_T_EE_c, &pb::Command::mutable_o_t_ee_c>("O_T_EE_c"),
+    CommandField<&RobotCommand::O_dP_EE_c, &pb::Command::mutable_o_dp_ee_c>("O_dP_EE_c"),
+    CommandField<&RobotCommand::elbow_c, &pb::Command::mutable_elbow_c>("elbow_c"),
+    CommandField<&RobotCommand::tau_J_d, &pb::Command::mutable_tau_j_d>("tau_J_d"),
+};
+// clang-format on
+
+/// Names of the topics.
+inline constexpr std::string_view kCycleTopic = "/robot/cycle";
+inline constexpr std::string_view kConfigTopic = "/robot/config";
+inline constexpr std::string_view kTickTopic = "/ext/tick";
+inline constexpr std::string_view kEventTopic = "/event";
+
+/// Names of the metadata record about the run, its keys, and the attachment with the scenario.
+inline constexpr const char* kRunMetadata = "run";
+inline constexpr const char* kScenarioKey = "scenario";
+inline constexpr const char* kSeedKey = "seed";
+inline constexpr const char* kVersionKey = "version";
+inline constexpr const char* kDriveKey = "drive";
+inline constexpr const char* kScenarioAttachment = "scenario.yaml";
+
+}  // namespace twin::record

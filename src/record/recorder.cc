@@ -1,0 +1,173 @@
+#include "twin/record/recorder.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "record/log_encoder.h"
+#include "twin/record/mcap_writer.h"
+#include "twin/rt/spsc_ring.h"
+
+namespace twin::record {
+namespace {
+
+/// Records a ring holds, 3 MB of them.
+constexpr std::size_t kRingRecords = 1024;
+
+/// Records written between two looks at whether a producer waits.
+constexpr std::size_t kBatch = 128;
+
+/// Pause of the writer when the ring is empty. In it the fastest lockstep run puts a few hundred
+/// records; a wake-up by the producer instead would cost it a system call for nearly each.
+constexpr std::chrono::microseconds kIdlePause(1000);
+
+/// A text of bounded length, so that it crosses the ring without allocation.
+template <std::size_t kCapacity>
+struct BoundedText {
+  std::array<char, kCapacity> bytes;
+  std::size_t size;
+
+  void Set(std::string_view text) noexcept {
+    size = std::min(text.size(), kCapacity);
+    std::copy_n(text.begin(), size, bytes.begin());
+  }
+  [[nodiscard]] std::string_view Get() const noexcept { return {bytes.data(), size}; }
+};
+
+struct EventItem {
+  Time at;
+  BoundedText<31> kind;
+  BoundedText<2000> text;
+};
+
+using Item = std::variant<rt::CycleRecord, rt::TickRecord, EventItem>;
+static_assert(std::is_trivially_copyable_v<Item>);
+
+}  // namespace
+
+class Recorder::Ring : public rt::SpscRing<Item> {
+  using SpscRing::SpscRing;
+};
+
+class Recorder::Writer {
+ public:
+  Writer(const std::filesystem::path& path, const RunInfo& run, std::size_t chunk_bytes)
+      : mcap_(path, {.library = "panda-twin " + run.version, .chunk_bytes = chunk_bytes}),
+        encoder_(mcap_, run) {}
+
+  void operator()(const rt::CycleRecord& record) { encoder_.Add(record); }
+  void operator()(const rt::TickRecord& record) { encoder_.Add(record); }
+  void operator()(const EventItem& event) {
+    encoder_.Add(event.at, event.kind.Get(), event.text.Get());
+  }
+
+  void Flush() { mcap_.Flush(); }
+  McapTotals Finish() { return mcap_.Finish(); }
+
+ private:
+  McapWriter mcap_;
+  LogEncoder encoder_;
+};
+
+Recorder::Recorder(const std::filesystem::path& path, const RunInfo& run, FullRing full_ring,
+                   std::size_t chunk_bytes)
+    : full_ring_(full_ring),
+      writer_(std::make_unique<Writer>(path, run, chunk_bytes)),
+      ring_(std::make_unique<Ring>(kRingRecords)),
+      tick_ring_(full_ring == FullRing::kDrop ? std::make_unique<Ring>(kRingRecords) : nullptr),
+      thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+
+Recorder::~Recorder() {
+  StopThread();
+  if (writer_ == nullptr || failure_ != nullptr) return;
+  try {
+    writer_->Flush();
+  } catch (const std::exception&) {
+    // The file stays .partial, which says that it is not whole.
+  }
+}
+
+void Recorder::Put(const rt::CycleRecord& record) noexcept {
+  Push(*ring_, [&record](Item& slot) { slot.emplace<rt::CycleRecord>(record); });
+}
+
+void Recorder::Put(const rt::TickRecord& record) noexcept {
+  Push(tick_ring_ != nullptr ? *tick_ring_ : *ring_,
+       [&record](Item& slot) { slot.emplace<rt::TickRecord>(record); });
+}
+
+void Recorder::Event(Time at, std::string_view kind, std::string_view text) noexcept {
+  Push(*ring_, [&](Item& slot) {
+    auto& event = slot.emplace<EventItem>();
+    event.at = at;
+    event.kind.Set(kind);
+    event.text.Set(text);
+  });
+}
+
+template <class Fill>
+void Recorder::Push(Ring& ring, Fill&& fill) noexcept {
+  while (true) {
+    const std::uint32_t seen = drained_.load(std::memory_order_acquire);
+    if (ring.TryPushWith(fill)) return;
+    if (full_ring_ == FullRing::kDrop) {
+      dropped_.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    drained_.wait(seen, std::memory_order_acquire);
+  }
+}
+
+void Recorder::Run(const std::stop_token& stop) {
+  while (true) {
+    // Asked before the rings are looked at: what was put before the request is then written.
+    const bool last = stop.stop_requested();
+    if (Drain() > 0) continue;
+    if (last) return;
+    std::this_thread::sleep_for(kIdlePause);
+  }
+}
+
+std::size_t Recorder::Drain() {
+  const auto write = [this](const Item& item) {
+    if (failure_ != nullptr) return;
+    try {
+      std::visit(*writer_, item);
+    } catch (...) {
+      failure_ = std::current_exception();
+    }
+  };
+  std::size_t count = 0;
+  while (count < kBatch && ring_->TryPopWith(write)) ++count;
+  if (tick_ring_ != nullptr) {
+    while (count < 2 * kBatch && tick_ring_->TryPopWith(write)) ++count;
+  }
+  if (count > 0) {
+    drained_.fetch_add(1, std::memory_order_release);
+    drained_.notify_one();
+  }
+  return count;
+}
+
+void Recorder::StopThread() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+}
+
+RecordingSummary Recorder::Finish() {
+  StopThread();
+  const std::unique_ptr<Writer> writer = std::move(writer_);
+  if (failure_ != nullptr) std::rethrow_exception(failure_);
+  const McapTotals totals = writer->Finish();
+  return {.messages = totals.messages,
+          .bytes = totals.bytes,
+          .dropped = dropped_.load(std::memory_order_relaxed)};
+}
+
+}  // namespace twin::record

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace twin::report {
+
+/// A point of a curve.
+struct Sample {
+  double time = 0;  ///< s
+  double value = 0;
+};
+
+/// Curves of any length, kept in bounded memory for drawing: consecutive samples share a bin, of
+/// which the lowest and the highest are kept with their times. When the bins run out, neighbours
+/// are merged; so the number of samples need not be known.
+///
+/// Samples that are not finite are left out. Threads: one thread. Real-time: no.
+class Envelope {
+ public:
+  /// @param curves  how many are sampled together. @param max_bins  even, at least 2.
+  Envelope(std::size_t curves, std::size_t max_bins);
+
+  /// Adds one sample of each curve. @param time  s, not below that of the sample before.
+  void Add(double time, std::span<const double> values);
+
+  /// What is to be drawn of a curve, in order of time: at most two points per bin.
+  [[nodiscard]] std::vector<Sample> Curve(std::size_t curve) const;
+
+ private:
+  struct Extremes {
+    Sample lowest;
+    Sample highest;
+    bool empty = true;
+
+    void Add(const Sample& sample);
+  };
+
+  void MergeNeighbours();
+
+  const std::size_t curves_;
+  const std::size_t max_bins_;
+  std::size_t samples_per_bin_ = 1;
+  std::size_t samples_in_last_ = 0;
+  std::vector<Extremes> bins_;  ///< of bin b and curve c: b * curves_ + c
+};
+
+}  // namespace twin::report

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "report/run_data.h"
+#include "twin/core/limits.h"
+
+namespace twin::report {
+
+// The scripts of the plots with one panel per joint; see plots.h.
+
+[[nodiscard]] std::string PositionScript(const RunData& run, const JointLimits& limits);
+[[nodiscard]] std::string VelocityScript(const RunData& run, const JointLimits& limits);
+[[nodiscard]] std::string JerkScript(const RunData& run, const JointLimits& limits);
+
+/// Script of served.svg.
+[[nodiscard]] std::string ServedScript(const RunData& run);
+
+}  // namespace twin::report

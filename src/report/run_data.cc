@@ -1,0 +1,114 @@
+#include "report/run_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/core/time.h"
+
+namespace twin::report {
+namespace {
+
+/// Spans that fit side by side into a panel.
+constexpr std::size_t kMaxSpans = 300;
+
+double Seconds(Time time) {
+  return ToSeconds(time.time_since_epoch());
+}
+
+FateCounts CountsOf(const rt::CycleRecord& cycle) {
+  return {.begin = Seconds(cycle.at),
+          .served = cycle.fate == rt::CommandFate::kServed ? 1U : 0U,
+          .held = cycle.fate == rt::CommandFate::kHeld ? 1U : 0U,
+          .none = cycle.fate == rt::CommandFate::kNone ? 1U : 0U,
+          .dropped = cycle.dropped};
+}
+
+/// Raises `peaks` to the magnitudes of `values`; those that are not finite do not count.
+void UpdatePeaks(JointVector& peaks, const JointVector& values) {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (std::isfinite(values[i])) peaks[i] = std::max(peaks[i], std::abs(values[i]));
+  }
+}
+
+/// Takes the records of a log as std::visit gives them.
+class Collector {
+ public:
+  explicit Collector(RunData& run) : run_(run) {}
+
+  void operator()(const rt::CycleRecord& cycle) {
+    const double time = Seconds(cycle.at);
+    if (run_.total.cycles() == 0) run_.begin = time;
+    run_.end = time;
+    run_.total.Add(CountsOf(cycle));
+    run_.longest_loss = std::max(run_.longest_loss, cycle.lost_in_row);
+    run_.fates.Add(cycle);
+    UpdatePeaks(run_.peak_dq_d, cycle.state.dq_d);
+    UpdatePeaks(run_.peak_dddq_d, cycle.dddq_d);
+    run_.q.Add(time, cycle.state.q);
+    run_.q_d.Add(time, cycle.state.q_d);
+    run_.dq.Add(time, cycle.state.dq);
+    run_.dq_d.Add(time, cycle.state.dq_d);
+    run_.dddq_d.Add(time, cycle.dddq_d);
+    if (cycle.state.robot_mode == RobotMode::kMove) {
+      run_.success_rate.Add(time, std::array{cycle.state.control_command_success_rate});
+    }
+  }
+
+  void operator()(const rt::TickRecord& tick) {
+    if (tick.written == tick.read) return;
+    run_.d_EXT.Add(Seconds(tick.read), std::array{ToSeconds(tick.written - tick.read) * 1e6});
+  }
+
+  void operator()(const record::EventRecord&) {}
+
+ private:
+  RunData& run_;
+};
+
+}  // namespace
+
+void FateCounts::Add(const FateCounts& other) {
+  served += other.served;
+  held += other.held;
+  none += other.none;
+  dropped += other.dropped;
+}
+
+void FateHistory::Add(const rt::CycleRecord& cycle) {
+  const FateCounts counts = CountsOf(cycle);
+  if (!spans_.empty() && spans_.back().cycles() < cycles_per_span_) {
+    spans_.back().Add(counts);
+    return;
+  }
+  if (spans_.size() == kMaxSpans) {
+    for (std::size_t i = 0; i < kMaxSpans / 2; ++i) {
+      spans_[i] = spans_[2 * i];
+      spans_[i].Add(spans_[2 * i + 1]);
+    }
+    spans_.resize(kMaxSpans / 2);
+    cycles_per_span_ *= 2;
+  }
+  spans_.push_back(counts);
+}
+
+RunData ReadRun(const std::filesystem::path& log) {
+  record::LogReader reader(log);
+  RunData run;
+  Collector collector(run);
+  record::LogEntry entry;
+  while (reader.Next(entry)) std::visit(collector, entry);
+  if (run.total.cycles() == 0) {
+    throw InputError(
+        fmt::format("{} holds no cycle of the robot, so there is nothing to plot; "
+                    "name the log of a run that began",
+                    log.string()));
+  }
+  run.scenario = reader.run().scenario;
+  run.truncated = reader.truncated();
+  return run;
+}
+
+}  // namespace twin::report

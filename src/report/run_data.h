@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "report/envelope.h"
+#include "twin/core/joint_vector.h"
+#include "twin/record/log_reader.h"
+
+namespace twin::report {
+
+/// Cycles by their fate, over a span of cycles.
+struct FateCounts {
+  double begin = 0;  ///< s
+  std::uint64_t served = 0;
+  std::uint64_t held = 0;
+  std::uint64_t none = 0;
+  std::uint64_t dropped = 0;  ///< commands
+
+  [[nodiscard]] std::uint64_t cycles() const { return served + held + none; }
+  void Add(const FateCounts& other);
+};
+
+/// Counts of a run over time, in bounded memory: like Envelope, spans are merged when they are too
+/// many.
+class FateHistory {
+ public:
+  void Add(const rt::CycleRecord& cycle);
+
+  /// All spans but the last hold the same number of cycles.
+  [[nodiscard]] const std::vector<FateCounts>& spans() const { return spans_; }
+  [[nodiscard]] std::uint64_t cycles_per_span() const { return cycles_per_span_; }
+
+ private:
+  std::uint64_t cycles_per_span_ = 10;
+  std::vector<FateCounts> spans_;
+};
+
+/// What the plots of a run need of its log.
+struct RunData {
+  /// Bins of an envelope: about the pixels of a panel.
+  static constexpr std::size_t kBins = 400;
+
+  std::string scenario;
+  bool truncated = false;
+  double begin = 0;  ///< s
+  double end = 0;    ///< s
+  FateCounts total;
+  std::uint32_t longest_loss = 0;  ///< most cycles held in a row
+  JointVector peak_dq_d{};         ///< magnitude, rad/s
+  JointVector peak_dddq_d{};       ///< magnitude, rad/s^3
+
+  Envelope q{kJoints, kBins};
+  Envelope q_d{kJoints, kBins};
+  Envelope dq{kJoints, kBins};
+  Envelope dq_d{kJoints, kBins};
+  Envelope dddq_d{kJoints, kBins};
+  Envelope success_rate{1, 2 * kBins};  ///< while a motion runs
+  Envelope d_EXT{1, 2 * kBins};         ///< us, of ticks that wrote a command
+  FateHistory fates;
+};
+
+/// Reads a log in one pass. @throws InputError when it is damaged or holds no cycle;
+/// EnvironmentError when it cannot be read.
+[[nodiscard]] RunData ReadRun(const std::filesystem::path& log);
+
+}  // namespace twin::report

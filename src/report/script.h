@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "report/envelope.h"
+#include "report/run_data.h"
+
+namespace twin::report {
+
+// Colours that stay apart for colour-blind readers and in grey.
+inline constexpr std::string_view kReferenceColour = "#0b3c6f";  ///< dark blue: q_d and the like
+inline constexpr std::string_view kMeasuredColour = "#f0a030";   ///< amber: what was measured
+inline constexpr std::string_view kLimitColour = "#c0272d";      ///< red, dashed
+inline constexpr std::string_view kServedColour = "#9cc3e6";     ///< light blue
+inline constexpr std::string_view kHeldColour = "#d1495b";       ///< red
+inline constexpr std::string_view kQuietColour = "#e3e3e3";      ///< grey: no motion
+
+/// A gnuplot script in the making.
+class Script {
+ public:
+  /// Begins an SVG of `columns` by `rows` panels under one title.
+  Script(int width, int height, std::string_view title, int rows, int columns);
+
+  /// Adds a line.
+  template <class... Arguments>
+  void Line(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    text_ += fmt::format(format, std::forward<Arguments>(arguments)...);
+    text_ += '\n';
+  }
+
+  /// Adds data under the name `$name`. A curve without samples gets one that is not drawn, since
+  /// gnuplot takes no empty data.
+  void Curve(std::string_view name, const Envelope& envelope, std::size_t curve);
+
+  /// Ends the drawing. @returns the whole script.
+  [[nodiscard]] std::string End();
+
+ private:
+  std::string text_;
+};
+
+/// `text` as a string of gnuplot's: quoted, without control characters.
+[[nodiscard]] std::string Quote(std::string_view text);
+
+/// "name of the scenario: what", and that the log is cut short where it is.
+[[nodiscard]] std::string Title(const RunData& run, std::string_view what);
+
+/// Range of the time axis; never empty.
+[[nodiscard]] std::string TimeRange(const RunData& run);
+
+}  // namespace twin::report

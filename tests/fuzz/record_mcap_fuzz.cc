@@ -1,0 +1,19 @@
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "twin/core/error.h"
+#include "twin/record/log_reader.h"
+
+/// Reads any bytes as a log: an InputError is the only way in which that may fail. Entry of
+/// libFuzzer; record_fuzz_test calls it too.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    twin::record::LogReader reader(std::as_bytes(std::span(data, size)), "fuzz");
+    twin::record::LogEntry entry;
+    while (reader.Next(entry)) {
+    }
+  } catch (const twin::InputError&) {
+  }
+  return 0;
+}

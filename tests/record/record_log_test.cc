@@ -1,0 +1,233 @@
+#include <gmock/gmock.h>
+#include <google/protobuf/descriptor.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "record/log_fields.h"
+#include "record/sample_records.h"
+#include "record/temporary_folder.h"
+#include "record/utf8.h"
+#include "twin/core/error.h"
+#include "twin/record/log_reader.h"
+#include "twin/record/mcap_writer.h"
+#include "twin/record/recorder.h"
+
+namespace twin::record {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// All entries of a log.
+std::vector<LogEntry> Entries(const std::filesystem::path& path) {
+  LogReader reader(path);
+  std::vector<LogEntry> entries;
+  LogEntry entry;
+  while (reader.Next(entry)) entries.push_back(entry);
+  return entries;
+}
+
+/// Compares bit by bit. The numbers of a robot state stand side by side without a gap, so that a
+/// quantity which the log forgets is found without naming it here.
+void ExpectSame(const rt::CycleRecord& a, const rt::CycleRecord& b) {
+  constexpr std::size_t kBegin = offsetof(RobotState, O_T_EE);
+  constexpr std::size_t kEnd = offsetof(RobotState, dtheta) + sizeof(JointVector);
+  const auto bytes = [](const RobotState& state) {
+    return std::string(reinterpret_cast<const char*>(&state) + kBegin, kEnd - kBegin);
+  };
+  EXPECT_EQ(bytes(a.state), bytes(b.state));
+  EXPECT_EQ(a.at, b.at);
+  EXPECT_EQ(a.state.message_id, b.state.message_id);
+  EXPECT_EQ(a.state.robot_mode, b.state.robot_mode);
+  EXPECT_EQ(a.state.motion_generator_mode, b.state.motion_generator_mode);
+  EXPECT_EQ(a.state.controller_mode, b.state.controller_mode);
+  EXPECT_EQ(a.state.errors, b.state.errors);
+  EXPECT_EQ(a.state.reflex_reason, b.state.reflex_reason);
+  EXPECT_EQ(a.state.control_command_success_rate, b.state.control_command_success_rate);
+  EXPECT_EQ((std::bit_cast<std::array<std::uint64_t, kJoints>>(a.dddq_d)),
+            (std::bit_cast<std::array<std::uint64_t, kJoints>>(b.dddq_d)));
+  EXPECT_EQ(a.fate, b.fate);
+  EXPECT_EQ(a.lost_in_row, b.lost_in_row);
+  EXPECT_EQ(a.dropped, b.dropped);
+  EXPECT_EQ(a.violated, b.violated);
+  EXPECT_EQ(a.violation.error, b.violation.error);
+  EXPECT_EQ(a.violation.axis, b.violation.axis);
+  EXPECT_EQ(a.violation.value, b.violation.value);
+  EXPECT_EQ(a.violation.limit, b.violation.limit);
+  EXPECT_EQ(a.violation.message_id, b.violation.message_id);
+}
+
+void ExpectSame(const rt::TickRecord& a, const rt::TickRecord& b) {
+  EXPECT_EQ(a.message_id, b.message_id);
+  EXPECT_EQ(a.read, b.read);
+  EXPECT_EQ(a.written, b.written);
+  EXPECT_EQ(a.action, b.action);
+  EXPECT_EQ(a.skipped_states, b.skipped_states);
+  EXPECT_EQ(a.deposit_time, b.deposit_time);
+  EXPECT_EQ(a.q_ext, b.q_ext);
+  EXPECT_EQ(a.dq_ext, b.dq_ext);
+  EXPECT_EQ(a.command.message_id, b.command.message_id);
+  EXPECT_EQ(a.command.q_c, b.command.q_c);
+  EXPECT_EQ(a.command.dq_c, b.command.dq_c);
+  EXPECT_EQ(a.command.O_T_EE_c, b.command.O_T_EE_c);
+  EXPECT_EQ(a.command.O_dP_EE_c, b.command.O_dP_EE_c);
+  EXPECT_EQ(a.command.elbow_c, b.command.elbow_c);
+  EXPECT_EQ(a.command.valid_elbow, b.command.valid_elbow);
+  EXPECT_EQ(a.command.motion_generation_finished, b.command.motion_generation_finished);
+  EXPECT_EQ(a.command.tau_J_d, b.command.tau_J_d);
+}
+
+/// Records one cycle and reads it back.
+rt::CycleRecord ThereAndBack(const rt::CycleRecord& cycle) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  recorder.Put(cycle);
+  recorder.Finish();
+  return std::get<rt::CycleRecord>(Entries(folder / "a.mcap").at(0));
+}
+
+TEST(LogReaderTest, GivesBackEveryRecordBitByBitInOrder) {
+  const TemporaryFolder folder;
+  constexpr int kCycles = 1200;
+  {
+    Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+    for (int k = 0; k < kCycles; ++k) {
+      recorder.Put(SampleCycle(static_cast<std::uint64_t>(k)));
+      recorder.Put(SampleTick(static_cast<std::uint64_t>(k)));
+    }
+    recorder.Finish();
+  }
+  const auto entries = Entries(folder / "a.mcap");
+  ASSERT_EQ(entries.size(), 2U * kCycles);
+  for (std::size_t k = 0; k < kCycles; ++k) {
+    ExpectSame(std::get<rt::CycleRecord>(entries[2 * k]), SampleCycle(k));
+    ExpectSame(std::get<rt::TickRecord>(entries[2 * k + 1]), SampleTick(k));
+    ASSERT_FALSE(HasFailure()) << "cycle " << k;
+  }
+}
+
+TEST(LogReaderTest, GivesBackDefaultsAndZerosWithTheirSign) {
+  rt::CycleRecord cycle;
+  cycle.state.q[0] = -0.0;
+  cycle.state.m_ee = -0.0;
+  cycle.state.O_T_EE_c = {};
+  cycle.state.dq[2] = std::numeric_limits<double>::denorm_min();
+  ExpectSame(ThereAndBack(cycle), cycle);
+}
+
+TEST(LogReaderTest, GivesBackWhatIsNotANumberWithItsBits) {
+  rt::CycleRecord cycle;
+  cycle.state.q.fill(std::numeric_limits<double>::quiet_NaN());
+  cycle.dddq_d[6] = -std::numeric_limits<double>::infinity();
+  ExpectSame(ThereAndBack(cycle), cycle);
+}
+
+TEST(LogReaderTest, TellsWhatWasRun) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  recorder.Event(Time(Duration(5)), "mode", "Idle -> Move");
+  recorder.Finish();
+  const LogReader reader(folder / "a.mcap");
+  EXPECT_EQ(reader.run().scenario, "sample");
+  EXPECT_EQ(reader.run().seed, 18446744073709551615ULL);
+  EXPECT_EQ(reader.run().version, "0.1.0");
+  EXPECT_EQ(reader.run().drive, "lockstep");
+  EXPECT_EQ(reader.run().scenario_yaml, SampleRun().scenario_yaml);
+  const auto event = std::get<EventRecord>(Entries(folder / "a.mcap").at(0));
+  EXPECT_EQ(event.at, Time(Duration(5)));
+  EXPECT_EQ(event.kind, "mode");
+  EXPECT_EQ(event.text, "Idle -> Move");
+}
+
+/// A file with one message of the given bytes.
+std::string FailureOf(std::string_view topic, std::string_view type, std::string_view data) {
+  const TemporaryFolder folder;
+  McapWriter writer(folder / "a.mcap");
+  writer.AddMetadata(kRunMetadata, {{kSeedKey, "1"}});
+  const auto schema = writer.AddSchema(type, "protobuf", "");
+  const auto channel = writer.AddChannel(schema, topic, "protobuf");
+  std::memcpy(writer.AddMessage(channel, 0, data.size()).data(), data.data(), data.size());
+  writer.Finish();
+  try {
+    Entries(folder / "a.mcap");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no failure";
+}
+
+TEST(LogReaderTest, NamesTheFieldOfAMessageThatIsNotAcceptable) {
+  pb::Cycle cycle;
+  EXPECT_EQ(FailureOf(kCycleTopic, "panda_twin.Cycle", cycle.SerializeAsString()), "no failure");
+  cycle.add_q(1);
+  EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", cycle.SerializeAsString()),
+              HasSubstr("message 1 of the file, on topic /robot/cycle: q has 1 values; it must "
+                        "have 7 or none"));
+  cycle.Clear();
+  cycle.set_fate(static_cast<pb::CommandFate>(3));
+  EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", cycle.SerializeAsString()),
+              HasSubstr("fate has the unknown value 3"));
+  cycle.Clear();
+  cycle.add_errors(static_cast<pb::RobotError>(41));
+  EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", cycle.SerializeAsString()),
+              HasSubstr("an error has the unknown value 41"));
+  cycle.Clear();
+  cycle.mutable_violation()->set_axis(7);
+  EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", cycle.SerializeAsString()),
+              HasSubstr("axis of a violation is 7; it must be in [-1, 6]"));
+  EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", "\xff\xff"),
+              HasSubstr("not a message of type panda_twin.Cycle"));
+  EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Tick", ""), HasSubstr("panda_twin.Tick"));
+  EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", std::string(70'000, 'x')),
+              HasSubstr("at most 65536"));
+}
+
+TEST(LogReaderTest, PassesOverTopicsItDoesNotKnow) {
+  EXPECT_EQ(FailureOf("/other", "other.Type", "whatever"), "no failure");
+}
+
+TEST(LogReaderTest, RefusesAnMcapFileThatIsNoLog) {
+  const TemporaryFolder folder;
+  McapWriter(folder / "a.mcap").Finish();
+  EXPECT_THROW(LogReader(folder / "a.mcap"), InputError);
+}
+
+// The schema is what other programs decode a log by: its enumerators must be those of core.
+TEST(LogSchemaTest, NumbersErrorsAsTheRobotDoes) {
+  ASSERT_EQ(pb::RobotError_descriptor()->value_count(), static_cast<int>(kRobotErrorCount));
+  for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
+    const auto* value = pb::RobotError_descriptor()->FindValueByNumber(static_cast<int>(i));
+    ASSERT_NE(value, nullptr);
+    EXPECT_EQ(value->name(), twin::Name(static_cast<RobotError>(i)));
+  }
+}
+
+TEST(LogSchemaTest, NumbersModesAndFatesAsCoreAndRtDo) {
+  EXPECT_EQ(pb::COMMAND_FATE_HELD, static_cast<int>(rt::CommandFate::kHeld));
+  EXPECT_EQ(pb::TICK_ACTION_SKIPPED, static_cast<int>(rt::TickAction::kSkipped));
+  EXPECT_EQ(pb::ROBOT_MODE_AUTOMATIC_ERROR_RECOVERY,
+            static_cast<int>(RobotMode::kAutomaticErrorRecovery));
+  EXPECT_EQ(pb::MOTION_GENERATOR_MODE_CARTESIAN_VELOCITY,
+            static_cast<int>(MotionGeneratorMode::kCartesianVelocity));
+  EXPECT_EQ(pb::CONTROLLER_MODE_OTHER, static_cast<int>(ControllerMode::kOther));
+}
+
+TEST(Utf8Test, KeepsWellFormedTextAndReplacesTheRest) {
+  EXPECT_EQ(ToUtf8("a \xc3\xbc \xe2\x82\xac \xf0\x9f\xa4\x96"),
+            "a \xc3\xbc \xe2\x82\xac \xf0\x9f\xa4\x96");
+  EXPECT_EQ(ToUtf8("cut \xe2\x82"), "cut ??");
+  EXPECT_EQ(ToUtf8("latin \xfc, stray \x80"), "latin ?, stray ?");
+  EXPECT_EQ(ToUtf8("overlong \xc0\xaf \xe0\x80\x80"), "overlong ?? ???");
+  EXPECT_EQ(ToUtf8("surrogate \xed\xa0\x80"), "surrogate ???");
+  EXPECT_EQ(ToUtf8("too high \xf4\x90\x80\x80"), "too high ????");
+}
+
+}  // namespace
+}  // namespace twin::record

@@ -1,0 +1,258 @@
+#include "twin/record/recorder.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "record/sample_records.h"
+#include "record/temporary_folder.h"
+#include "support/realtime_guard.h"
+#include "twin/core/error.h"
+#include "twin/record/log_reader.h"
+
+namespace twin::record {
+namespace {
+
+using ::testing::HasSubstr;
+
+void PutCycles(Recorder& recorder, std::uint64_t count) {
+  for (std::uint64_t k = 0; k < count; ++k) {
+    recorder.Put(SampleCycle(k));
+    recorder.Put(SampleTick(k));
+  }
+}
+
+/// Number of records of a log, after checking that they are SampleCycle and SampleTick in turn.
+std::uint64_t CountInOrder(LogReader& reader) {
+  std::uint64_t count = 0;
+  LogEntry entry;
+  for (; reader.Next(entry); ++count) {
+    const std::uint64_t k = count / 2;
+    if (count % 2 == 0) {
+      EXPECT_EQ(std::get<rt::CycleRecord>(entry).state.q, SampleCycle(k).state.q);
+    } else {
+      EXPECT_EQ(std::get<rt::TickRecord>(entry).q_ext, SampleTick(k).q_ext);
+    }
+  }
+  return count;
+}
+
+std::string LogOf(std::uint64_t cycles) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  PutCycles(recorder, cycles);
+  recorder.Event(Time(Duration(1)), "mode", "Move -> Idle");
+  const RecordingSummary summary = recorder.Finish();
+  std::string bytes = ReadText(folder / "a.mcap");
+  EXPECT_EQ(summary.bytes, bytes.size());
+  return bytes;
+}
+
+TEST(RecorderTest, SameRecordsGiveSameBytes) {
+  EXPECT_EQ(LogOf(3000), LogOf(3000));
+}
+
+TEST(RecorderTest, CountsWhatItWrote) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  PutCycles(recorder, 100);
+  recorder.Event(Time(), "mode", "Idle");
+  const RecordingSummary summary = recorder.Finish();
+  EXPECT_EQ(summary.messages, 100U + 100U + 1U + 1U) << "cycles, ticks, one event, one config";
+  EXPECT_EQ(summary.dropped, 0U);
+}
+
+/// A cycle of a joint motion with sensor noise: nothing Cartesian is commanded, nothing touches.
+rt::CycleRecord JointMotionCycle(std::uint64_t k) {
+  rt::CycleRecord cycle = SampleCycle(k);
+  RobotState& s = cycle.state;
+  const RobotState still;
+  s.O_T_EE_c = still.O_T_EE_c;
+  s.joint_contact = s.joint_collision = {};
+  s.cartesian_contact = s.cartesian_collision = s.O_dP_EE_c = s.O_ddP_EE_c = {};
+  s.elbow_c = s.delbow_c = s.ddelbow_c = {};
+  return cycle;
+}
+
+TEST(RecorderTest, TheCanonicalRunTakesAtMostThirtyMegabytes) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  for (std::uint64_t k = 0; k < 18'320; ++k) {
+    recorder.Put(JointMotionCycle(k));
+    rt::TickRecord tick = SampleTick(k);
+    tick.command.O_T_EE_c = {};
+    tick.command.O_dP_EE_c = {};
+    tick.command.elbow_c = {};
+    tick.command.tau_J_d = {};
+    recorder.Put(tick);
+  }
+  EXPECT_LE(recorder.Finish().bytes, 30'000'000U);
+}
+
+TEST(RecorderTest, CutsLongEventsAndKeepsThemReadable) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  // The cut falls into a character of two bytes.
+  recorder.Event(Time(), "mode", std::string(1999, 'x') + "\xc3\xbc and more");
+  recorder.Finish();
+  LogReader reader(folder / "a.mcap");
+  LogEntry entry;
+  ASSERT_TRUE(reader.Next(entry));
+  EXPECT_EQ(std::get<EventRecord>(entry).text, std::string(1999, 'x') + "?");
+}
+
+TEST(RecorderTest, WithoutFinishLeavesAllThatWasPutInThePartialFile) {
+  const TemporaryFolder folder;
+  { PutCycles(*std::make_unique<Recorder>(folder / "a.mcap", SampleRun(), FullRing::kWait), 50); }
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.mcap"));
+  LogReader reader(folder / "a.mcap.partial");
+  EXPECT_TRUE(reader.truncated());
+  EXPECT_EQ(CountInOrder(reader), 100U);
+}
+
+TEST(RecorderTest, AllocatesNothingAndLocksNothingInPut) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  const rt::CycleRecord cycle = SampleCycle(0);
+  const rt::TickRecord tick = SampleTick(0);
+  const test::RealtimeGuard guard;
+  for (int k = 0; k < 2000; ++k) {
+    recorder.Put(cycle);
+    recorder.Put(tick);
+    recorder.Event(Time(), "mode", "Move");
+  }
+  EXPECT_EQ(guard.counts(), test::RealtimeGuard::Counts{});
+}
+
+/// A file on a disk that is stuck: a pipe, into which a writer may put 64 kB before it blocks.
+class StuckFile {
+ public:
+  explicit StuckFile(const std::filesystem::path& path) {
+    EXPECT_EQ(::mkfifo(path.c_str(), 0600), 0);
+    pipe_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
+  }
+  ~StuckFile() {
+    reader_ = {};  // ended before its pipe is closed
+    ::close(pipe_);
+  }
+  StuckFile(const StuckFile&) = delete;
+  StuckFile& operator=(const StuckFile&) = delete;
+
+  /// From here on the disk takes what it is given.
+  void Release() {
+    reader_ = std::jthread([pipe = pipe_](const std::stop_token& stop) {
+      std::vector<char> buffer(1 << 16);
+      while (!stop.stop_requested()) {
+        if (::read(pipe, buffer.data(), buffer.size()) <= 0) std::this_thread::yield();
+      }
+    });
+  }
+
+ private:
+  int pipe_ = -1;
+  std::jthread reader_;
+};
+
+TEST(RecorderTest, InRealtimeDropsAndCountsWhatAStuckDiskCannotTake) {
+  const TemporaryFolder folder;
+  StuckFile file(folder / "a.mcap.partial");
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kDrop);
+  // Two rings of 1024, and a chunk of 512 kB: of 4000 cycles most find their ring full.
+  PutCycles(recorder, 4000);
+  file.Release();
+  const RecordingSummary summary = recorder.Finish();
+  EXPECT_GT(summary.dropped, 2U * (4000 - 1024 - 512));
+  EXPECT_LT(summary.dropped, 2U * 4000);
+}
+
+TEST(RecorderTest, InLockstepWaitsForASlowDiskAndLosesNothing) {
+  const TemporaryFolder folder;
+  StuckFile file(folder / "a.mcap.partial");
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  std::jthread producer([&recorder] { PutCycles(recorder, 2000); });
+  file.Release();
+  producer.join();
+  const RecordingSummary summary = recorder.Finish();
+  EXPECT_EQ(summary.dropped, 0U);
+  EXPECT_EQ(summary.messages, 2U * 2000 + 4) << "and one config for each 500 cycles";
+}
+
+/// No file of this process may grow beyond a size, while this lives.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit limit{.rlim_cur = bytes, .rlim_max = old_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+
+ private:
+  rlimit old_{};
+  void (*old_handler_)(int);
+};
+
+TEST(RecorderTest, KeepsAFailureForFinishAndHoldsUpNobody) {
+  const TemporaryFolder folder;
+  const FileSizeLimit limit(200'000);
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  PutCycles(recorder, 3000);
+  try {
+    recorder.Finish();
+    FAIL() << "no exception";
+  } catch (const EnvironmentError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("cannot write"));
+    EXPECT_THAT(error.what(), HasSubstr("a.mcap.partial: File too large"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.mcap"));
+}
+
+TEST(RecorderTest, RefusesAFolderThatIsMissing) {
+  EXPECT_THROW(Recorder("/nonexistent/a.mcap", SampleRun(), FullRing::kWait), EnvironmentError);
+}
+
+/// Records in a child process until it is killed. @returns after the file held `bytes` bytes.
+void RecordAndKill(const std::filesystem::path& path, std::uintmax_t bytes) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    Recorder recorder(path, SampleRun(), FullRing::kWait);
+    PutCycles(recorder, 1'000'000);
+    ::_exit(0);
+  }
+  auto partial = path;
+  partial += ".partial";
+  std::error_code missing;
+  while (!std::filesystem::exists(partial, missing) ||
+         std::filesystem::file_size(partial, missing) < bytes) {
+    ASSERT_EQ(::waitpid(child, nullptr, WNOHANG), 0) << "the recording ended too early";
+    std::this_thread::yield();
+  }
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+}
+
+TEST(RecorderTest, KilledWhileRecordingKeepsAllButTheOpenChunk) {
+  const TemporaryFolder folder;
+  RecordAndKill(folder / "a.mcap", 3'000'000);
+  const auto size = std::filesystem::file_size(folder / "a.mcap.partial");
+  LogReader reader(folder / "a.mcap.partial");
+  EXPECT_TRUE(reader.truncated());
+  EXPECT_EQ(reader.run().scenario, "sample");
+  // A cycle and its tick are 2.6 kB at most: what is read back fills the file but for one chunk.
+  EXPECT_GE(CountInOrder(reader) / 2 * 2600, size - Recorder::kChunkBytes);
+}
+
+}  // namespace
+}  // namespace twin::record

@@ -1,0 +1,167 @@
+#include "twin/report/plots.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "record/temporary_folder.h"
+#include "report/gnuplot.h"
+#include "report/script.h"
+#include "support/panda_limits.h"
+#include "twin/core/error.h"
+#include "twin/core/random.h"
+#include "twin/record/recorder.h"
+
+namespace twin::report {
+namespace {
+
+using record::ReadText;
+using record::TemporaryFolder;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* kScenario = "a<b & 'c' \"d\" \\ {e_f}\n$g `h`";
+
+/// A noisy run: nothing in it is easy to draw in few points.
+void Record(const std::filesystem::path& path, int cycles, double odd_value = 0) {
+  record::Recorder recorder(path,
+                            {.scenario = kScenario,
+                             .seed = 1,
+                             .version = "0.1.0",
+                             .drive = "lockstep",
+                             .scenario_yaml = ""},
+                            record::FullRing::kWait);
+  const Random random(1, RandomStream::kTest);
+  rt::CycleRecord cycle;
+  rt::TickRecord tick;
+  for (int k = 0; k < cycles; ++k) {
+    cycle.at = Time(k * kCycle);
+    for (std::uint32_t i = 0; i < kJoints; ++i) {
+      const double value = random.Normal(static_cast<std::uint64_t>(k), i);
+      cycle.state.q[i] = cycle.state.q_d[i] = value;
+      cycle.state.dq[i] = cycle.state.dq_d[i] = cycle.dddq_d[i] = value;
+    }
+    if (k == 3) cycle.dddq_d[0] = cycle.state.q[1] = odd_value;
+    cycle.fate = k % 50 == 0 ? rt::CommandFate::kHeld : rt::CommandFate::kServed;
+    cycle.state.robot_mode = RobotMode::kMove;
+    cycle.state.control_command_success_rate = 0.98;
+    recorder.Put(cycle);
+    tick.read = cycle.at;
+    tick.written = cycle.at + Duration(20'000 + k % 13);
+    recorder.Put(tick);
+  }
+  recorder.Finish();
+}
+
+TEST(WritePlotsTest, DrawsFourFilesOfBoundedSize) {
+  const TemporaryFolder folder;
+  Record(folder / "a.mcap", 18'320);
+  const auto paths = WritePlots(folder / "a.mcap", test::PandaLimits(), folder / "plots");
+  ASSERT_EQ(paths.size(), 4U);
+  for (const auto& path : paths) {
+    EXPECT_GT(std::filesystem::file_size(path), 10'000U) << path;
+    EXPECT_LT(std::filesystem::file_size(path), 500'000U) << path;
+    EXPECT_THAT(ReadText(path), HasSubstr("</svg>"));
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "plots")) {
+    EXPECT_EQ(entry.path().extension(), ".svg") << "something was left behind";
+  }
+}
+
+TEST(WritePlotsTest, SameLogGivesSameBytes) {
+  const TemporaryFolder folder;
+  Record(folder / "a.mcap", 300);
+  const auto first = WritePlots(folder / "a.mcap", test::PandaLimits(), folder / "1");
+  const auto second = WritePlots(folder / "a.mcap", test::PandaLimits(), folder / "2");
+  for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(ReadText(first[i]), ReadText(second[i]));
+}
+
+TEST(WritePlotsTest, ShowsTheNameOfTheScenarioAsItIs) {
+  const TemporaryFolder folder;
+  Record(folder / "a.mcap", 10);
+  const auto paths = WritePlots(folder / "a.mcap", test::PandaLimits(), folder.path());
+  EXPECT_THAT(ReadText(paths[0]),
+              HasSubstr("a&lt;b &amp; 'c' \"d\" \\ {e_f} $g `h`: joint positions"));
+}
+
+TEST(WritePlotsTest, TellsThatTheRunWasKilled) {
+  const TemporaryFolder folder;
+  Record(folder / "a.mcap", 10);
+  std::filesystem::resize_file(folder / "a.mcap",
+                               std::filesystem::file_size(folder / "a.mcap") - 1);
+  const auto paths = WritePlots(folder / "a.mcap", test::PandaLimits(), folder.path());
+  EXPECT_THAT(ReadText(paths[0]), HasSubstr("the run was killed"));
+}
+
+TEST(WritePlotsTest, DrawsARunOfOneCycleAndNumbersThatAreNone) {
+  const TemporaryFolder folder;
+  Record(folder / "one.mcap", 1);
+  EXPECT_NO_THROW(WritePlots(folder / "one.mcap", test::PandaLimits(), folder.path()));
+  for (const double odd : {std::numeric_limits<double>::infinity(),
+                           std::numeric_limits<double>::quiet_NaN(), 1e300, 1e-320}) {
+    Record(folder / "odd.mcap", 10, odd);
+    EXPECT_NO_THROW(WritePlots(folder / "odd.mcap", test::PandaLimits(), folder.path())) << odd;
+  }
+}
+
+TEST(WritePlotsTest, RefusesALogWithoutCycles) {
+  const TemporaryFolder folder;
+  Record(folder / "a.mcap", 0);
+  EXPECT_THROW(WritePlots(folder / "a.mcap", test::PandaLimits(), folder.path()), InputError);
+}
+
+TEST(WritePlotsTest, RefusesLimitsThatAreNone) {
+  const TemporaryFolder folder;
+  Record(folder / "a.mcap", 1);
+  EXPECT_THROW(WritePlots(folder / "a.mcap", JointLimits{}, folder.path()), InputError);
+}
+
+TEST(WritePlotsTest, ReportsAFolderThatCannotBeMade) {
+  const TemporaryFolder folder;
+  Record(folder / "a.mcap", 1);
+  EXPECT_THROW(WritePlots(folder / "a.mcap", test::PandaLimits(), folder / "a.mcap" / "plots"),
+               EnvironmentError);
+}
+
+TEST(DrawSvgTest, NamesTheCureWhenGnuplotIsMissing) {
+  const TemporaryFolder folder;
+  const std::string path = ::getenv("PATH");
+  ::setenv("PATH", folder.path().c_str(), 1);
+  std::string text;
+  try {
+    DrawSvg("", folder / "a.svg");
+  } catch (const EnvironmentError& error) {
+    text = error.what();
+  }
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_THAT(text, HasSubstr("apt-get install gnuplot-nox"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(DrawSvgTest, PassesOnWhatGnuplotComplainsAbout) {
+  const TemporaryFolder folder;
+  try {
+    DrawSvg("set terminal svg\nplot nonsense\n", folder / "a.svg");
+    FAIL() << "no exception";
+  } catch (const EnvironmentError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("undefined variable: nonsense"));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(DrawSvgTest, NoticesAPictureThatIsNotWhole) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(DrawSvg("set terminal svg\n", folder / "a.svg"), EnvironmentError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(ScriptTest, QuotesForGnuplot) {
+  EXPECT_EQ(Quote("it's\ta \\ \x7f"), "'it''s a \\  '");
+}
+
+}  // namespace
+}  // namespace twin::report
