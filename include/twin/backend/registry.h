@@ -7,10 +7,13 @@
 #include <vector>
 
 #include "twin/backend/backend.h"
-#include "twin/plant/truth_probe.h"
 #include "twin/robot/robot_config.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/event_queue.h"
+
+namespace twin::plant {
+class TruthProbe;
+}  // namespace twin::plant
 
 namespace twin::backend {
 

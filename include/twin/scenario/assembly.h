@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string_view>
+
+#include "twin/backend/registry.h"
+#include "twin/control/registry.h"
+#include "twin/core/joint_vector.h"
+#include "twin/core/time.h"
+#include "twin/loop/run_report.h"
+#include "twin/reference/trajectory.h"
+#include "twin/robot/robot_config.h"
+#include "twin/rt/cycle_record.h"
+#include "twin/scenario/data_directory.h"
+#include "twin/scenario/robot_data.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::scenario {
+
+/// What the program offers: filled from explicit lists by its main. Must outlive every run.
+struct Catalogue {
+  const backend::Registry& backends;
+  const control::ControllerRegistry& controllers;
+};
+
+/// Where a run gets its files from.
+struct RunFiles {
+  std::filesystem::path models;        ///< DataDirectory::models
+  std::filesystem::path mesh_package;  ///< empty: primitive shapes
+  std::filesystem::path cache;         ///< of compiled models; empty: none
+  bool rebuild_cache = false;
+};
+
+/// What the run tells while it goes on; all may be empty. Called on the run's thread, outside the
+/// tick.
+struct RunHooks {
+  /// About once per simulated 100 ms: the run's time, and the length of the planned motion.
+  std::function<void(Time now, Duration planned)> progress;
+  /// Changes worth a line: when, which kind, what.
+  std::function<void(Time now, std::string_view kind, std::string_view text)> event;
+  /// Set from a signal handler: the motion is stopped and the run ends. May be null.
+  const volatile bool* interrupted = nullptr;
+};
+
+/// What became of the commands of a motion, as INT saw them.
+struct CycleCounts {
+  std::uint64_t served = 0;        ///< cycles with a command in time
+  std::uint64_t held = 0;          ///< cycles without one
+  std::uint64_t dropped = 0;       ///< commands that came late, doubled or with a wrong id
+  std::uint64_t longest_loss = 0;  ///< most held cycles in a row
+};
+
+/// What a run came to. Everything in it repeats with the scenario, bit by bit.
+struct RunResult {
+  loop::RunReport report;
+  JointVector goal{};      ///< last waypoint, rad
+  double final_error = 0;  ///< largest distance of a joint from it at the end, rad
+  CycleCounts counts;
+  /// Fingerprint of all states INT sent, in order: the physics, without the log's format.
+  std::uint64_t states_hash = 0;
+};
+
+/// The robot's configuration that a scenario asks for.
+/// @throws InputError when a field is out of range.
+[[nodiscard]] robot::RobotConfig MakeRobotConfig(const Scenario& scenario, const RobotData& robot,
+                                                 const RunFiles& files);
+
+/// The scenario's trajectory, checked against the robot's limits. @throws InputError as Trajectory.
+[[nodiscard]] reference::Trajectory MakeTrajectory(const Scenario& scenario,
+                                                   const RobotData& robot);
+
+/// Checks all of a scenario short of running it: names, robot, trajectory, scene file.
+/// @throws InputError as Run does.
+void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files);
+
+/// A scenario made ready to run: event queue, drive, connected backend, trajectory, controller.
+///
+/// Threads: one thread.
+class Run {
+ public:
+  /// Builds and connects.
+  /// @param sink  gets the records of cycles and ticks; may be null; must outlive the run.
+  /// @throws InputError for an unknown backend, controller or robot, a trajectory that breaks a
+  /// limit, and what the backend's factory finds wrong; EnvironmentError from the latter.
+  Run(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
+      rt::RecordSink* sink);
+  ~Run();
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  [[nodiscard]] const backend::Connection& connection() const noexcept;
+  [[nodiscard]] const reference::Trajectory& trajectory() const noexcept;
+  [[nodiscard]] const RobotData& robot() const noexcept;
+
+  /// Runs the motion to its end. To be called once.
+  /// @throws RobotFault when the motion is refused, InputError when it cannot start from where the
+  /// robot is. A motion that starts and then fails is no exception: the report says how it ended.
+  [[nodiscard]] RunResult Execute(const RunHooks& hooks = {});
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace twin::scenario

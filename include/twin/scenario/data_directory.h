@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace twin::scenario {
+
+/// Where the twin's data may be.
+struct DataSearch {
+  std::filesystem::path executable;  ///< the running program
+  std::filesystem::path models;      ///< given by the user; empty: sought
+  std::filesystem::path meshes;      ///< given by the user; empty: sought
+};
+
+/// Where it is.
+struct DataDirectory {
+  std::filesystem::path models;                        ///< robots, scenes, scenarios
+  std::filesystem::path mesh_package;                  ///< panda_description; empty: not there
+  std::vector<std::filesystem::path> mesh_candidates;  ///< where the meshes were sought
+};
+
+/// Finds the data beside the program, wherever it was put:
+///   models   as given; else <program>/../share/panda_twin/models (installed); else
+///            <program>/../../models (a build folder two levels below the source tree)
+///   meshes   as given; else share/panda_twin/panda_description; else .data/panda_description of
+///            the source tree. They may be missing: the arm is then drawn in primitive shapes.
+/// A folder of models has a folder `robots`; a mesh package has a folder `meshes`.
+/// @throws InputError when a folder that was given is none; EnvironmentError when no models are
+/// found. Both say where was looked and what to do.
+[[nodiscard]] DataDirectory FindDataDirectory(const DataSearch& search);
+
+}  // namespace twin::scenario

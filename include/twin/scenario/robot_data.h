@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "twin/core/joint_vector.h"
+#include "twin/core/limits.h"
+#include "twin/model/arm_model.h"
+#include "twin/plant/mujoco_plant.h"
+
+namespace twin::scenario {
+
+/// What is known of a robot, read from its folder below models/robots.
+struct RobotData {
+  std::string name;             ///< "panda"
+  std::filesystem::path urdf;   ///< <name>/<name>.urdf
+  JointLimits limits;           ///< from <name>/limits.yaml
+  JointVector rotor_inertia{};  ///< from <name>/drives.yaml; seen at the link, kg m^2
+  model::Payload end_effector;  ///< of the mounted hand, flange axes; all zero without one
+  Transform F_T_NE = kIdentityTransform;  ///< nominal end effector in the flange frame
+};
+
+/// Reads the joint limits of a limits.yaml:
+///   joints:
+///     q_min: {unit: rad, values: [7 numbers]}   # and q_max, dq_max, ddq_max, dddq_max, tau_max,
+///                                               # dtau_max
+/// @throws InputError naming file, line and key.
+[[nodiscard]] JointLimits LoadJointLimits(const std::filesystem::path& file);
+
+/// @param models  the models folder. @param name  folder below models/robots.
+/// @throws InputError when there is no such robot (names those there are), or naming file, line and
+/// key of what is wrong in its data.
+[[nodiscard]] RobotData LoadRobotData(const std::filesystem::path& models, std::string_view name,
+                                      plant::HandKind hand);
+
+}  // namespace twin::scenario

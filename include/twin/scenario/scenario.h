@@ -1,0 +1,157 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "twin/control/controller.h"
+#include "twin/core/joint_vector.h"
+#include "twin/core/time.h"
+#include "twin/loop/loop_config.h"
+#include "twin/onboard/int_config.h"
+#include "twin/plant/mujoco_plant.h"
+#include "twin/reference/feed_forward.h"
+#include "twin/reference/trajectory.h"
+#include "twin/robot/robot_config.h"
+#include "twin/rt/delay_model.h"
+
+namespace twin::scenario {
+
+/// Who advances time.
+enum class Drive : std::uint8_t {
+  kLockstep,  ///< a seeded event queue on a virtual clock: repeatable to the byte
+};
+
+/// @throws InputError when there is no such drive.
+[[nodiscard]] Drive DriveFromName(std::string_view name);
+
+/// How long something takes: rt::DelayModel as a value that can be compared and written down.
+struct Delay {
+  enum class Kind : std::uint8_t { kConstant, kLogNormal };
+  Kind kind = Kind::kConstant;
+  Duration constant{};  ///< kConstant, >= 0
+  Duration median{};    ///< kLogNormal, > 0: of the part above the offset
+  double sigma = 0;     ///< kLogNormal, in [0, 5]: standard deviation of its logarithm
+  Duration offset{};    ///< kLogNormal, >= 0: least delay
+
+  /// @throws InputError when a parameter is outside its range.
+  [[nodiscard]] rt::DelayModel Model() const;
+  bool operator==(const Delay&) const = default;
+};
+
+struct RobotSection {
+  std::string model = "panda";  ///< folder below models/robots
+  plant::HandKind hand = plant::HandKind::kFrankaHand;
+  std::optional<JointVector> q_start;  ///< rad; absent: the first waypoint
+  bool operator==(const RobotSection&) const = default;
+};
+
+struct PlantSection {
+  robot::PlantKind kind = robot::PlantKind::kMujoco;
+  plant::FrictionProfile friction = plant::FrictionProfile::kResidual;
+  bool armature = true;
+  double noise_q = 0;      ///< rad, standard deviation, >= 0
+  double noise_dq = 0;     ///< rad/s
+  double noise_tau_J = 0;  ///< Nm
+  bool operator==(const PlantSection&) const = default;
+};
+
+struct LinkSection {
+  Delay state_delay;
+  Delay command_delay;
+  double state_loss_percent = 0;    ///< in [0, 100]
+  double command_loss_percent = 0;  ///< in [0, 100]
+  Duration d_INT = robot::LinkConfig().d_INT;
+  bool operator==(const LinkSection&) const = default;
+};
+
+struct OnboardSection {
+  JointVector K_theta = onboard::IntConfig().K_theta;         ///< Nm/rad
+  double damping_ratio = onboard::IntConfig().damping_ratio;  ///< in (0, 2]
+  std::uint32_t abort_after_lost = onboard::IntConfig().abort_after_lost;
+  bool operator==(const OnboardSection&) const = default;
+};
+
+struct TickSection {
+  loop::Generator generator = loop::Generator::kJoint;
+  double lambda = 1e-3;  ///< in (0, 1]
+  bool rate_matching = true;
+  Delay cost;
+  bool operator==(const TickSection&) const = default;
+};
+
+struct ControllerSection {
+  std::string type = "joint_trajectory";  ///< name in the controller registry
+  double rate_hz = 1000;                  ///< in [1, 1000]
+  double clock_drift_ppm = 0;             ///< in [-1000, 1000]
+  Duration phase{};                       ///< >= 0
+  Delay wake_delay;
+  Delay cost;
+  reference::FeedForwardTime feed_forward = reference::FeedForwardTime::kSource;
+  bool operator==(const ControllerSection&) const = default;
+};
+
+struct MotionSection {
+  control::CommandInterface interface = control::CommandInterface::kJointPosition;
+  std::vector<reference::Waypoint> waypoints;  ///< at least two
+  reference::Timing timing;                    ///< used when the waypoints carry no times
+  /// Where the waypoints were read is no part of the comparison.
+  bool operator==(const MotionSection& other) const;
+};
+
+/// What the video shows; drawn after the run, never on its path.
+struct RenderSection {
+  bool enabled = true;
+  int width = 640;     ///< pixels, even, in [16, 4096]
+  int height = 480;    ///< pixels, even, in [16, 4096]
+  int fps = 25;        ///< in [1, 240]
+  std::string camera;  ///< a camera of the scene; empty: the free camera below
+  double azimuth = 142 * std::numbers::pi / 180;    ///< rad
+  double elevation = -18 * std::numbers::pi / 180;  ///< rad
+  double distance = 2.05;                           ///< m, > 0
+  Vector3 lookat{0.18, 0, 0.46};                    ///< m, in the world
+  bool operator==(const RenderSection&) const = default;
+};
+
+/// Everything that describes a run. Two equal scenarios, run by the same program, give the same
+/// bytes in every log.
+struct Scenario {
+  std::string name;         ///< letters, digits, '_' and '-'; names the output folder
+  std::string description;  ///< one or more sentences for people; may be empty
+  std::uint64_t seed = 1;   ///< of every random number of the run
+  std::string backend = "mujoco";
+  Drive drive = Drive::kLockstep;
+  std::filesystem::path
+      scene;  ///< MJCF of the world, in the models folder or absolute; may be empty
+  RobotSection robot;
+  PlantSection plant;
+  LinkSection link;
+  OnboardSection onboard;
+  TickSection tick;
+  ControllerSection controller;
+  MotionSection motion;
+  RenderSection render;
+  bool record = true;  ///< write the log
+
+  /// Checks what can be checked without the robot's data.
+  /// @throws InputError naming section, field, value and range.
+  void Validate() const;
+
+  bool operator==(const Scenario&) const = default;
+};
+
+/// Reads a scenario and the waypoint file it names (relative to it), and validates.
+/// @throws InputError "<file>:<line>: <key>: ..." for anything that is not as it should be.
+[[nodiscard]] Scenario Load(const std::filesystem::path& path);
+
+/// As Load, from text. @param file  its name in messages; a waypoint file is sought beside it.
+[[nodiscard]] Scenario Parse(const std::string& text, const std::filesystem::path& file);
+
+/// Canonical text: every field, waypoints included, so that it stands alone. Parse(ToYaml(s)) == s.
+[[nodiscard]] std::string ToYaml(const Scenario& scenario);
+
+}  // namespace twin::scenario

@@ -1,0 +1,27 @@
+#include "cli/advice.h"
+
+namespace twin::cli {
+
+std::string_view Advice(RobotError error) noexcept {
+  switch (error) {
+    case RobotError::kCommunicationConstraintsViolation:
+      return "too many commands in a row came late or not at all: a command counts only when state "
+             "delay + tick.cost + command delay + link.d_INT stay below 1 ms; lower the delays or "
+             "the losses";
+    case RobotError::kJointPositionMotionGeneratorStartPoseInvalid:
+      return "let the trajectory start where the robot is (robot.q_start), or leave q_start out";
+    case RobotError::kJointPositionLimitsViolation:
+    case RobotError::kJointMotionGeneratorPositionLimitsViolation:
+      return "keep the trajectory further away from the joint's position limit";
+    case RobotError::kJointVelocityViolation:
+    case RobotError::kJointMotionGeneratorVelocityLimitsViolation:
+      return "give the trajectory more time";
+    case RobotError::kJointMotionGeneratorVelocityDiscontinuity:
+    case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
+      return "the commands that reached the robot were not smooth: use tick.generator joint and "
+             "tick.rate_matching true, feed_forward source, a gentler trajectory, or less jitter";
+    default: return "see the plots and the log for what led to it";
+  }
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "cli/exit_code.h"
+#include "twin/scenario/assembly.h"
+
+namespace twin::cli {
+
+/// What the host tells the program. The environment is read in main, and nowhere else.
+struct Host {
+  std::filesystem::path executable;
+  std::filesystem::path cache;  ///< folder of compiled models
+  std::string path;             ///< the search path of programs
+};
+
+/// Where the user says the data is; empty: sought.
+struct DataFlags {
+  std::filesystem::path models;
+  std::filesystem::path meshes;
+};
+
+struct RunFlags {
+  std::filesystem::path scenario;
+  std::optional<std::uint64_t> seed;
+  std::filesystem::path out;  ///< empty: out/<scenario's name>
+  std::optional<std::string> backend;
+  std::optional<std::string> drive;
+  bool no_video = false;
+  bool rebuild_cache = false;
+  bool quiet = false;
+  DataFlags data;
+};
+
+struct ValidateFlags {
+  std::filesystem::path scenario;
+  DataFlags data;
+};
+
+struct ExportFlags {
+  std::filesystem::path log;
+  std::filesystem::path out;  ///< empty: csv beside the log
+};
+
+/// Runs a scenario and writes what came of it. @throws twin::Error.
+[[nodiscard]] ExitCode RunCommand(const RunFlags& flags, const Host& host,
+                                  const scenario::Catalogue& catalogue);
+
+/// Checks a scenario without running it. @throws twin::Error.
+[[nodiscard]] ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,
+                                       const scenario::Catalogue& catalogue);
+
+/// Says what this host offers. @throws nothing of ours.
+[[nodiscard]] ExitCode CheckCommand(const DataFlags& flags, const Host& host);
+
+/// Writes a log as CSV. @throws twin::Error.
+[[nodiscard]] ExitCode ExportCommand(const ExportFlags& flags);
+
+/// Version, MuJoCo's version and the compiler, for people.
+[[nodiscard]] std::string VersionText();
+
+}  // namespace twin::cli

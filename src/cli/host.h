@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace twin::cli {
+
+/// @param path  a search path as in $PATH. @returns the program's file; empty when there is none.
+[[nodiscard]] std::filesystem::path FindProgram(std::string_view name, std::string_view path);
+
+/// @throws EnvironmentError with `cure` when the program is not in `path`.
+void RequireProgram(std::string_view name, std::string_view path, std::string_view cure);
+
+/// First line of a file of /proc or /sys; empty when it cannot be read.
+[[nodiscard]] std::string FirstLine(const std::filesystem::path& file);
+
+}  // namespace twin::cli

@@ -1,0 +1,50 @@
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "cli/program.h"
+#include "controllers/joint_trajectory.h"
+#include "plugins/mujoco/mujoco_backend.h"
+#include "twin/backend/registry.h"
+#include "twin/control/registry.h"
+
+namespace {
+
+std::string Environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? std::string() : std::string(value);
+}
+
+/// $XDG_CACHE_HOME/panda-twin, else ~/.cache/panda-twin, else no cache.
+std::filesystem::path CacheFolder() {
+  const std::string base = Environment("XDG_CACHE_HOME");
+  if (base.starts_with('/')) return std::filesystem::path(base) / "panda-twin";
+  const std::string home = Environment("HOME");
+  if (home.starts_with('/')) return std::filesystem::path(home) / ".cache" / "panda-twin";
+  return {};
+}
+
+std::unique_ptr<twin::control::Controller> MakeJointTrajectory(
+    const twin::control::ControllerRequest& request) {
+  twin::controllers::JointTrajectoryOptions options;
+  options.command_interface = request.interface;
+  return std::make_unique<twin::controllers::JointTrajectoryController>(request.trajectory,
+                                                                        options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  twin::backend::Registry backends;
+  twin::plugins::RegisterMujoco(backends);
+  twin::control::ControllerRegistry controllers;
+  controllers.Add("joint_trajectory", &MakeJointTrajectory);
+
+  twin::cli::Host host;
+  std::error_code error;
+  host.executable = std::filesystem::read_symlink("/proc/self/exe", error);
+  host.cache = CacheFolder();
+  host.path = Environment("PATH");
+  return twin::cli::RunProgram(argc, argv, host, {backends, controllers});
+}

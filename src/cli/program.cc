@@ -1,0 +1,174 @@
+#include "cli/program.h"
+
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "cli/interrupt.h"
+#include "twin/core/error.h"
+
+namespace twin::cli {
+namespace {
+
+constexpr const char* kFooter = R"(Start here:
+  panda-twin check                                       does this host have all it takes?
+  panda-twin run models/scenarios/canonical.yaml         the main example; results in out/canonical
+  panda-twin run SCENARIO.yaml --seed 7 --out /tmp/a     other random numbers, another folder
+  panda-twin validate my.yaml                            is my scenario sound? (no run)
+  panda-twin export out/canonical/run.mcap               the log as CSV tables
+
+A scenario is a YAML file that describes a run: robot, link, controller, motion. Start from one in
+models/scenarios; every quantity in it carries its unit, and what is wrong is named by file and line.
+
+A run writes run.mcap (every cycle; opens in Foxglove), scenario.yaml (the scenario, complete),
+plots/*.svg, video.mp4, contact_sheet.png, summary.json (repeats with the seed, byte by byte) and
+timing.json (wall-clock figures, which do not). Files are called *.partial until they are whole.
+
+Exit codes:
+  0 ok   1 the run aborted, or a check failed   2 usage   3 bad input   4 environment
+  130 interrupted (the motion was stopped and the log completed))";
+
+constexpr const char* kRunFooter =
+    R"(The folder of results is made when missing. Results of an earlier run in it are removed when the motion
+starts, never before all input has been found good; other files there stay.)";
+
+/// All flags of all commands.
+struct Flags {
+  RunFlags run;
+  ValidateFlags validate;
+  DataFlags check;
+  ExportFlags exported;
+};
+
+void AddDataFlags(CLI::App& app, DataFlags& flags) {
+  app.add_option("--data", flags.models, "Folder of models, if not beside the program")
+      ->type_name("DIR");
+  app.add_option("--meshes", flags.meshes, "Folder panda_description with the robot's meshes")
+      ->type_name("DIR");
+}
+
+/// CLI11 would take -1 as a large number. @returns what is wrong; empty when nothing is.
+std::string CheckWholeNumber(const std::string& text) {
+  const bool good = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  return good ? "" : fmt::format("\"{}\" is not a whole number", text);
+}
+
+CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
+  CLI::App* run = app.add_subcommand("run", "Run a scenario and write log, plots and video");
+  run->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
+  run->add_option("--seed", flags.seed, "Seed of all random numbers, instead of the scenario's")
+      ->check(&CheckWholeNumber);
+  run->add_option("--out", flags.out, "Folder of results (default: out/<name of the scenario>)")
+      ->type_name("DIR");
+  run->add_option("--backend", flags.backend, "Backend, instead of the scenario's (mujoco)");
+  run->add_option("--drive", flags.drive, "Who advances time (lockstep)");
+  run->add_flag("--no-video", flags.no_video, "Make no video and no contact sheet");
+  run->add_flag("--rebuild-cache", flags.rebuild_cache, "Compile the robot's model anew");
+  run->add_flag("--quiet", flags.quiet, "No progress and no summary; errors only");
+  AddDataFlags(*run, flags.data);
+  run->footer(kRunFooter);
+  return run;
+}
+
+CLI::App* AddValidate(CLI::App& app, ValidateFlags& flags) {
+  CLI::App* validate = app.add_subcommand("validate", "Check a scenario without running it");
+  validate->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
+  AddDataFlags(*validate, flags.data);
+  return validate;
+}
+
+CLI::App* AddCheck(CLI::App& app, DataFlags& flags) {
+  CLI::App* check = app.add_subcommand("check", "Say what this host offers, and what is missing");
+  AddDataFlags(*check, flags);
+  return check;
+}
+
+CLI::App* AddExport(CLI::App& app, ExportFlags& flags) {
+  CLI::App* exported = app.add_subcommand("export", "Write a log as CSV tables");
+  exported->add_option("log", flags.log, "Log of a run (run.mcap)")->required()->type_name("FILE");
+  exported->add_option("--out", flags.out, "Folder of the tables (default: csv beside the log)")
+      ->type_name("DIR");
+  return exported;
+}
+
+/// One line, whatever the text holds.
+void PrintError(std::string_view text) {
+  std::string line(text);
+  for (char& c : line) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  while (line.ends_with(' ')) line.pop_back();
+  std::fflush(stdout);
+  fmt::print(stderr, "panda-twin: error: {}\n", line);
+}
+
+/// Runs `command` and turns what it throws into an exit code.
+template <typename Command>
+int Guarded(Command command) {
+  try {
+    return command();
+  } catch (const Interrupted&) {
+    PrintError("interrupted");
+    return kInterrupted;
+  } catch (const InputError& error) {
+    PrintError(error.what());
+    return kBadInput;
+  } catch (const EnvironmentError& error) {
+    PrintError(error.what());
+    return kEnvironment;
+  } catch (const Error& error) {
+    PrintError(error.what());
+    return kFailed;
+  } catch (const std::bad_alloc&) {
+    PrintError("out of memory; close other programs or use a smaller scenario");
+    return kEnvironment;
+  } catch (const std::exception& error) {
+    PrintError(fmt::format("internal error, please report it: {}", error.what()));
+    return kFailed;
+  }
+}
+
+}  // namespace
+
+std::string VersionText() {
+#if defined(__clang__)
+  constexpr const char* kCompiler = "clang " __clang_version__;
+#else
+  constexpr const char* kCompiler = "g++ " __VERSION__;
+#endif
+  return fmt::format("panda-twin {}\nMuJoCo {}\n{}", TWIN_VERSION, TWIN_MUJOCO_VERSION, kCompiler);
+}
+
+int RunProgram(int argc, const char* const* argv, const Host& host,
+               const scenario::Catalogue& catalogue) {
+  CLI::App app("A digital twin of the Franka Emika Panda and its 1 kHz control stack.",
+               "panda-twin");
+  app.footer(kFooter);
+  app.set_version_flag("--version", &VersionText, "Show the version and exit");
+  app.require_subcommand(1);
+  Flags flags;
+  const CLI::App* run = AddRun(app, flags.run);
+  const CLI::App* validate = AddValidate(app, flags.validate);
+  const CLI::App* check = AddCheck(app, flags.check);
+  AddExport(app, flags.exported);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& done) {  // --help, --version
+    return app.exit(done);
+  } catch (const CLI::ParseError& error) {
+    PrintError(fmt::format("{}; see panda-twin --help", error.what()));
+    return kUsage;
+  }
+  return Guarded([&]() -> int {
+    if (run->parsed()) return RunCommand(flags.run, host, catalogue);
+    if (validate->parsed()) return ValidateCommand(flags.validate, host, catalogue);
+    if (check->parsed()) return CheckCommand(flags.check, host);
+    return ExportCommand(flags.exported);
+  });
+}
+
+}  // namespace twin::cli

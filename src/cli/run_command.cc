@@ -1,0 +1,234 @@
+#include <sys/resource.h>
+
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "cli/commands.h"
+#include "cli/host.h"
+#include "cli/interrupt.h"
+#include "cli/progress.h"
+#include "cli/result_folder.h"
+#include "cli/summary.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/record/recorder.h"
+#include "twin/render/clip.h"
+#include "twin/render/snapshots.h"
+#include "twin/report/plots.h"
+#include "twin/scenario/data_directory.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::cli {
+namespace {
+
+/// Where a run's records go: to the log, and to the camera. Connected once the run is assembled,
+/// before its first cycle.
+class Records final : public rt::RecordSink {
+ public:
+  void Connect(record::Recorder* log, render::SnapshotRecorder* camera,
+               const plant::TruthProbe* truth) noexcept {
+    log_ = log;
+    camera_ = camera;
+    truth_ = truth;
+  }
+  void Put(const rt::CycleRecord& record) noexcept override {
+    if (camera_ != nullptr) camera_->Capture(record.at, *truth_);
+    if (log_ != nullptr) log_->Put(record);
+  }
+  void Put(const rt::TickRecord& record) noexcept override {
+    if (log_ != nullptr) log_->Put(record);
+  }
+
+ private:
+  record::Recorder* log_ = nullptr;
+  render::SnapshotRecorder* camera_ = nullptr;
+  const plant::TruthProbe* truth_ = nullptr;
+};
+
+scenario::Scenario LoadWithFlags(const RunFlags& flags) {
+  scenario::Scenario scenario = scenario::Load(flags.scenario);
+  if (flags.seed) scenario.seed = *flags.seed;
+  if (flags.backend) scenario.backend = *flags.backend;
+  if (flags.drive) scenario.drive = scenario::DriveFromName(*flags.drive);
+  return scenario;
+}
+
+double PeakMemoryMb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+/// One run from its flags to its results.
+class Session {
+ public:
+  Session(const RunFlags& flags, const Host& host, const scenario::Catalogue& catalogue)
+      : flags_(flags),
+        scenario_(LoadWithFlags(flags)),
+        out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out) {
+    RequirePrograms(host);
+    const auto data =
+        scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes});
+    run_.emplace(
+        scenario_, catalogue,
+        scenario::RunFiles{data.models, data.mesh_package, host.cache, flags.rebuild_cache},
+        &records_);
+    if (scenario_.plant.kind == robot::PlantKind::kMujoco && !run_->connection().uses_meshes) {
+      fmt::print(
+          stderr,
+          "panda-twin: note: the robot's meshes were not found; it is simulated and drawn in "
+          "primitive shapes (scripts/setup fetches them; or name them with --meshes)\n");
+    }
+    out_.Prepare();
+    times_.prepare_s = SecondsSince(Time());
+  }
+
+  ExitCode Execute();
+
+ private:
+  void RequirePrograms(const Host& host) const;
+  void Move();
+  void WriteResults();
+  void MakePlots();
+  void MakeVideo();
+  /// --no-video is no part of the scenario: log and plots are the same with and without.
+  [[nodiscard]] bool wants_video() const { return scenario_.render.enabled && !flags_.no_video; }
+  [[nodiscard]] bool makes_video() const {
+    return wants_video() && run_->connection().truth != nullptr;
+  }
+  [[nodiscard]] double SecondsSince(Time begin) const { return ToSeconds(clock_.Now() - begin); }
+  [[nodiscard]] Progress MakeProgress(const char* what) const {
+    return Progress(what, Progress::StyleOfStdout(flags_.quiet), clock_);
+  }
+
+  const MonotonicClock clock_;
+  const RunFlags& flags_;
+  const scenario::Scenario scenario_;
+  const ResultFolder out_;
+  const InterruptGuard interrupt_;
+  WallTimes times_;
+  Records records_;
+  std::optional<scenario::Run> run_;
+  std::optional<render::SnapshotRecorder> camera_;
+  scenario::RunResult result_;
+};
+
+void Session::RequirePrograms(const Host& host) const {
+  if (wants_video() && scenario_.plant.kind == robot::PlantKind::kMujoco) {
+    RequireProgram("ffmpeg", host.path, "apt-get install ffmpeg, or run with --no-video");
+  }
+  if (scenario_.record) {
+    RequireProgram("gnuplot", host.path, "apt-get install gnuplot-nox, or say record: false");
+  }
+}
+
+ExitCode Session::Execute() {
+  interrupt_.ThrowIfInterrupted();
+  out_.Clear();
+  try {
+    Move();
+    WriteResults();
+  } catch (...) {
+    out_.RemovePartial();
+    interrupt_.ThrowIfInterrupted();  // whatever else that led to
+    throw;
+  }
+  const bool interrupted = interrupt_.interrupted();
+  if (!flags_.quiet) {
+    fmt::print("{}  {:<13}{}\n", SummaryText(scenario_, result_, interrupted, times_), "files",
+               out_.folder().string());
+  }
+  if (result_.report.succeeded()) return kOk;
+  if (interrupted) throw Interrupted();
+  std::string text = result_.report.failure;
+  for (const Violation& violation : result_.report.violations) text += "; " + Describe(violation);
+  throw RobotFault(text);
+}
+
+void Session::Move() {
+  std::optional<record::Recorder> log;
+  if (scenario_.record) {
+    log.emplace(out_.log(),
+                record::RunInfo{scenario_.name, scenario_.seed, TWIN_VERSION, "lockstep",
+                                scenario::ToYaml(scenario_)},
+                record::FullRing::kWait);
+  }
+  const scenario::Run& run = *run_;
+  if (makes_video()) {
+    // The reference generator settles behind the plan: frames of that second belong to the video.
+    constexpr Duration kSettling = std::chrono::seconds(1);
+    camera_.emplace(run.trajectory().duration() + kSettling, scenario_.render.fps,
+                    run.connection().truth->qpos_size());
+  }
+  records_.Connect(log ? &*log : nullptr, camera_ ? &*camera_ : nullptr, run.connection().truth);
+
+  Progress progress = MakeProgress("run");
+  const Time begin = clock_.Now();
+  scenario::RunHooks hooks;
+  hooks.interrupted = interrupt_.flag();
+  hooks.progress = [&](Time now, Duration planned) {
+    const double simulated = ToSeconds(now.time_since_epoch());
+    progress.Show(simulated / ToSeconds(planned),
+                  fmt::format("{:.1f} of {:.1f} s, {:.1f} x real time", simulated,
+                              ToSeconds(planned), simulated / SecondsSince(begin)));
+  };
+  if (log) {
+    hooks.event = [&](Time at, std::string_view kind, std::string_view text) {
+      log->Event(at, kind, text);
+    };
+  }
+  result_ = run_->Execute(hooks);
+  times_.run_s = SecondsSince(begin);
+  times_.real_time_factor = ToSeconds(result_.report.simulated) / times_.run_s;
+  if (log) (void)log->Finish();
+}
+
+void Session::WriteResults() {
+  const bool interrupted = interrupt_.interrupted();
+  WriteWholeFile(out_.scenario(), scenario::ToYaml(scenario_));
+  WriteWholeFile(out_.summary(), SummaryJson(scenario_, result_, interrupted));
+  if (!interrupted && scenario_.record) MakePlots();
+  if (!interrupted && makes_video()) MakeVideo();
+  times_.peak_memory_mb = PeakMemoryMb();
+  WriteWholeFile(out_.timing(), TimingJson(times_));
+}
+
+void Session::MakePlots() {
+  const Time begin = clock_.Now();
+  if (!flags_.quiet) fmt::print("plots ...\n");
+  report::WritePlots(out_.log(), run_->robot().limits, out_.plots());
+  times_.plots_s = SecondsSince(begin);
+}
+
+void Session::MakeVideo() {
+  const auto& wanted = scenario_.render;
+  const render::Snapshots& snapshots = camera_->snapshots();
+  if (snapshots.size() == 0) return;
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  render::ClipSettings settings;
+  settings.render.width = wanted.width;
+  settings.render.height = wanted.height;
+  settings.render.camera = wanted.camera;
+  settings.render.free_camera = {wanted.azimuth * kDegrees, wanted.elevation * kDegrees,
+                                 wanted.distance, wanted.lookat};
+  Progress progress = MakeProgress("video");
+  const render::ClipStats stats = render::RenderClip(
+      run_->connection().truth->model(), snapshots, settings, {out_.video(), out_.contact_sheet()},
+      clock_, [&](std::size_t done, std::size_t total) {
+        interrupt_.ThrowIfInterrupted();
+        progress.Show(static_cast<double>(done) / static_cast<double>(total),
+                      fmt::format("{} of {} frames", done, total));
+      });
+  times_.video_s = stats.seconds;
+}
+
+}  // namespace
+
+ExitCode RunCommand(const RunFlags& flags, const Host& host, const scenario::Catalogue& catalogue) {
+  return Session(flags, host, catalogue).Execute();
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+
+#include "twin/core/time.h"
+#include "twin/scenario/assembly.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::cli {
+
+/// Wall-clock figures of a run; they differ from run to run.
+struct WallTimes {
+  double prepare_s = 0;  ///< scenario read, model composed or taken from the cache
+  double run_s = 0;      ///< the motion
+  double plots_s = 0;
+  double video_s = 0;
+  double real_time_factor = 0;  ///< simulated time over run_s
+  double peak_memory_mb = 0;    ///< largest resident size of the process
+};
+
+/// "success", "aborted", "interrupted" or "failed".
+[[nodiscard]] std::string OutcomeOf(const scenario::RunResult& result, bool interrupted);
+
+/// summary.json: what repeats with scenario and seed, byte by byte.
+[[nodiscard]] std::string SummaryJson(const scenario::Scenario& scenario,
+                                      const scenario::RunResult& result, bool interrupted);
+
+/// timing.json: what does not.
+[[nodiscard]] std::string TimingJson(const WallTimes& times);
+
+/// The block a run ends with on the terminal.
+[[nodiscard]] std::string SummaryText(const scenario::Scenario& scenario,
+                                      const scenario::RunResult& result, bool interrupted,
+                                      const WallTimes& times);
+
+}  // namespace twin::cli

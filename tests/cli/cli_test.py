@@ -1,0 +1,322 @@
+#!/usr/bin/env python3
+"""Runs the real program on good and bad input: cli_test.py PROGRAM SOURCE_TREE [unittest options].
+
+For every bad input: the exact exit code, exactly one error line, and nothing half-written.
+"""
+
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM = ""
+SOURCE = pathlib.Path()
+
+READY = "[0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]"
+MOVED = "[0.1, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]"
+
+SHORT = f"""name: short
+plant:
+  kind: ideal
+link:
+  command_loss: 0 %
+tick:
+  lambda: 0.001
+motion:
+  trajectory:
+    unit: rad
+    duration: 1 s
+    waypoints:
+      - {{q: {READY}}}
+      - {{q: {MOVED}}}
+render:
+  enabled: false
+"""
+
+
+class CliTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="panda_twin_cli_"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.out = self.folder / "out"
+        self.environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
+
+    def call(self, *arguments):
+        return subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment,
+                              capture_output=True, text=True, timeout=120)
+
+    def scenario(self, text=SHORT):
+        path = self.folder / "scenario.yaml"
+        path.write_text(text)
+        return path
+
+    def run_scenario(self, text=SHORT, *more, models=None):
+        return self.call("run", self.scenario(text), "--out", self.out, "--data",
+                         models or SOURCE / "models", *more)
+
+    def files(self):
+        """What the run left, relative to its folder of results."""
+        if not self.out.is_dir():
+            return set()
+        return {str(p.relative_to(self.out)) for p in self.out.rglob("*") if p.is_file()}
+
+    def assert_error(self, done, code, says):
+        """Exactly one error line, which says `says`, and the code."""
+        lines = [line for line in done.stderr.splitlines() if "error:" in line]
+        self.assertEqual(len(lines), 1, done.stderr)
+        self.assertTrue(lines[0].startswith("panda-twin: error: "), lines)
+        self.assertIn(says, lines[0])
+        self.assertEqual(done.returncode, code, done.stderr)
+
+    def assert_refused(self, done, code, says):
+        """An error before the run: nothing was written at all."""
+        self.assert_error(done, code, says)
+        self.assertEqual(self.files(), set())
+
+    def spoil(self, old, new):
+        self.assertIn(old, SHORT)
+        return SHORT.replace(old, new, 1)
+
+    def models_copy(self):
+        copy = self.folder / "models"
+        shutil.copytree(SOURCE / "models", copy)
+        return copy
+
+
+class BadScenario(CliTest):
+    def test_unknown_key(self):
+        done = self.run_scenario(self.spoil("lambda", "lamda"))
+        self.assert_refused(done, 3, 'scenario.yaml:7: tick: unknown key "lamda"; did you mean')
+
+    def test_wrong_unit(self):
+        done = self.run_scenario(self.spoil("1 s", "1 Hz"))
+        self.assert_refused(done, 3, 'scenario.yaml:11: motion.trajectory.duration: unit "Hz"')
+
+    def test_waypoint_not_a_number(self):
+        done = self.run_scenario(self.spoil("[0.1,", "[.nan,"))
+        self.assert_refused(done, 3, "scenario.yaml:14: motion.trajectory.waypoints[2].q[1]: ")
+
+    def test_waypoint_outside_the_limits(self):
+        done = self.run_scenario(self.spoil("[0.1,", "[2.9,"))
+        self.assert_refused(done, 3, "scenario.yaml:14")
+        self.assertIn("joint 1", done.stderr)
+        self.assertIn("2.8973", done.stderr)
+
+    def test_inadmissible_trajectory(self):
+        done = self.run_scenario(self.spoil("1 s", "10 ms"))
+        self.assert_refused(done, 3, "trajectory: ")
+        self.assertIn("limit", done.stderr)
+
+    def test_unknown_backend(self):
+        done = self.run_scenario(SHORT, "--backend", "gazebo")
+        self.assert_refused(done, 3, 'backend "gazebo"')
+        self.assertIn("mujoco", done.stderr)
+
+    def test_drive_of_a_later_version(self):
+        done = self.run_scenario(SHORT, "--drive", "realtime")
+        self.assert_refused(done, 3, "not part of this version")
+
+    def test_missing_file(self):
+        done = self.call("run", "nowhere.yaml", "--out", self.out)
+        self.assert_refused(done, 3, "nowhere.yaml")
+
+    def test_folder_instead_of_a_file(self):
+        done = self.call("run", self.folder, "--out", self.out)
+        self.assert_refused(done, 3, str(self.folder))
+
+    def test_validate_finds_the_same(self):
+        path = self.scenario(self.spoil("1 s", "10 ms"))
+        done = self.call("validate", path, "--data", SOURCE / "models")
+        self.assert_error(done, 3, "trajectory: ")
+
+    def test_leaves_earlier_results_alone(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        before = {name: (self.out / name).read_bytes() for name in self.files()}
+        self.assert_error(self.run_scenario(self.spoil("1 s", "10 ms")), 3, "trajectory: ")
+        self.assertEqual({name: (self.out / name).read_bytes() for name in self.files()}, before)
+
+
+class BadData(CliTest):
+    MUJOCO = SHORT.replace("kind: ideal", "kind: mujoco")
+
+    def test_truncated_urdf(self):
+        models = self.models_copy()
+        urdf = models / "robots" / "panda" / "panda.urdf"
+        urdf.write_bytes(urdf.read_bytes()[: urdf.stat().st_size // 2])
+        self.assert_refused(self.run_scenario(self.MUJOCO, models=models), 3, "panda.urdf")
+
+    def test_missing_mesh(self):
+        (self.folder / "package" / "meshes").mkdir(parents=True)
+        done = self.run_scenario(self.MUJOCO, "--meshes", self.folder / "package")
+        self.assert_refused(done, 3, "mesh")
+
+    def test_missing_mesh_package(self):
+        done = self.run_scenario(self.MUJOCO, "--meshes", self.folder / "nowhere")
+        self.assert_refused(done, 3, "--meshes")
+
+    def test_missing_scene(self):
+        done = self.run_scenario("scene: scenes/nowhere.xml\n" + self.MUJOCO)
+        self.assert_refused(done, 3, "nowhere.xml")
+
+    def test_missing_models(self):
+        done = self.run_scenario(SHORT, models=self.folder)
+        self.assert_refused(done, 3, "--data")
+
+    def test_corrupt_cache(self):
+        self.assertEqual(self.run_scenario(self.MUJOCO).returncode, 0)
+        cached = [p for p in (self.folder / "cache").rglob("*") if p.is_file()]
+        self.assertTrue(cached)
+        for path in cached:
+            content = bytearray(path.read_bytes())
+            content[len(content) // 2] ^= 0xFF
+            path.write_bytes(content)
+        shutil.rmtree(self.out)
+        self.assert_refused(self.run_scenario(self.MUJOCO), 4, "cache")
+        done = self.run_scenario(self.MUJOCO, "--rebuild-cache")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+
+class BadEnvironment(CliTest):
+    def test_output_folder_below_a_file(self):
+        (self.folder / "file").write_text("")
+        self.out = self.folder / "file" / "out"
+        self.assert_refused(self.run_scenario(), 4, "cannot be written")
+
+    def test_output_folder_that_is_a_file(self):
+        self.out.write_text("")
+        self.assert_refused(self.run_scenario(), 4, "cannot be written")
+
+    @unittest.skipIf(os.geteuid() == 0, "nothing is forbidden to root")
+    def test_output_folder_without_permission(self):
+        self.out.mkdir()
+        self.out.chmod(0o500)
+        self.assert_refused(self.run_scenario(), 4, "cannot be written")
+
+    def test_missing_gnuplot(self):
+        self.environment["PATH"] = str(self.folder)
+        self.assert_refused(self.run_scenario(), 4, "apt-get install gnuplot-nox")
+
+
+class BadUsage(CliTest):
+    def test_usage(self):
+        for arguments in [[], ["fly"], ["run"], ["run", "a.yaml", "--sead", "3"],
+                          ["run", "a.yaml", "--seed", "-1"], ["run", "a.yaml", "--seed", "x"]]:
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.call(*arguments), 2, "see panda-twin --help")
+
+    def test_export_of_what_is_no_log(self):
+        (self.folder / "run.mcap").write_bytes(b"not a log")
+        done = self.call("export", self.folder / "run.mcap", "--out", self.out)
+        self.assert_refused(done, 3, "run.mcap")
+
+    def test_help_and_version(self):
+        for arguments in [["--help"], ["run", "--help"], ["--version"]]:
+            done = self.call(*arguments)
+            self.assertEqual(done.returncode, 0)
+            self.assertEqual(done.stderr, "")
+        self.assertIn("MuJoCo 2.2.2", self.call("--version").stdout)
+
+
+class GoodRun(CliTest):
+    RESULTS = {"run.mcap", "scenario.yaml", "summary.json", "timing.json", "plots/joints.svg",
+               "plots/velocities.svg", "plots/jerk.svg", "plots/served.svg"}
+
+    def test_writes_its_results_whole(self):
+        done = self.run_scenario()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, "")
+        self.assertEqual(self.files(), self.RESULTS)
+        summary = json.loads((self.out / "summary.json").read_text())
+        self.assertEqual(summary["outcome"], "success")
+        self.assertLess(summary["final_error_rad"], 1e-3)
+        json.loads((self.out / "timing.json").read_text())
+        self.assertIn("final error", done.stdout)
+        self.assertIn("100 %", done.stdout)
+
+    def test_quiet_prints_nothing(self):
+        done = self.run_scenario(SHORT, "--quiet")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+
+    def test_resolved_scenario_gives_the_same_run(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        first = (self.out / "run.mcap").read_bytes()
+        again = self.folder / "again"
+        done = self.call("run", self.out / "scenario.yaml", "--out", again, "--data",
+                         SOURCE / "models")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((again / "run.mcap").read_bytes(), first)
+
+    def test_removes_results_of_an_earlier_run(self):
+        self.out.mkdir()
+        for name in ["video.mp4", "run.mcap.partial", "notes.txt"]:
+            (self.out / name).write_text("old")
+        self.assertEqual(self.run_scenario().returncode, 0)
+        self.assertEqual(self.files(), self.RESULTS | {"notes.txt"})
+
+    def test_exports_its_log(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        done = self.call("export", self.out / "run.mcap")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue((self.out / "csv" / "cycles.csv").is_file())
+
+    def test_validates_every_example(self):
+        for path in sorted((SOURCE / "models" / "scenarios").glob("*.yaml")):
+            if path.name.endswith(".hash.yaml"):
+                continue
+            done = self.call("validate", path, "--data", SOURCE / "models")
+            self.assertEqual(done.returncode, 0, done.stderr)
+
+
+class EndedEarly(CliTest):
+    def test_aborted_motion_keeps_a_whole_log(self):
+        # Commands that need 800 us beside a d_INT of 100 us and a state delay of 200 us are all late.
+        text = self.spoil("command_loss: 0 %", "command_delay: 800 us\n  state_delay: 200 us")
+        done = self.run_scenario(text)
+        self.assert_error(done, 1, "")
+        self.assertEqual(self.files(), GoodRun.RESULTS)
+        summary = json.loads((self.out / "summary.json").read_text())
+        self.assertEqual(summary["outcome"], "aborted")
+
+    def test_jerky_commands_name_joint_and_limit(self):
+        # No generator, and a clock that is sampled late at random: jerk beyond the limits.
+        text = self.spoil("lambda: 0.001", "generator: none")
+        text = text.replace("motion:", "controller:\n  wake_delay: {log_normal: {median: 50 us, "
+                            "sigma: 1}}\nmotion:")
+        done = self.run_scenario(text)
+        self.assert_error(done, 1, "joint_motion_generator_")
+        self.assertIn("limit", done.stderr)
+        self.assertIn("what to do", done.stdout)
+
+    def interrupt(self, sig):
+        # A minute of motion, so that there is time to interrupt it.
+        path = self.scenario(SHORT.replace("1 s", "60 s"))
+        process = subprocess.Popen(
+            [PROGRAM, "run", path, "--out", self.out, "--data", SOURCE / "models"], cwd=self.folder,
+            env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process.stdout.readline()  # the first tenth is done
+        process.send_signal(sig)
+        stdout, stderr = process.communicate(timeout=60)
+        return subprocess.CompletedProcess([], process.returncode, stdout, stderr)
+
+    def test_interrupt_stops_the_motion_and_completes_the_log(self):
+        for sig in [signal.SIGINT, signal.SIGTERM]:
+            with self.subTest(signal=sig):
+                self.assert_error(self.interrupt(sig), 130, "interrupted")
+                self.assertEqual(self.files(),
+                                 {"run.mcap", "scenario.yaml", "summary.json", "timing.json"})
+                summary = json.loads((self.out / "summary.json").read_text())
+                self.assertEqual(summary["outcome"], "interrupted")
+                done = self.call("export", self.out / "run.mcap")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertNotIn("killed", done.stdout)
+                shutil.rmtree(self.out)
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

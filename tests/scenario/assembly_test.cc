@@ -1,0 +1,175 @@
+#include "twin/scenario/assembly.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "controllers/joint_trajectory.h"
+#include "plugins/mujoco/mujoco_backend.h"
+#include "scenario/scenario_examples.h"
+#include "twin/core/error.h"
+
+namespace twin::scenario {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// A short motion of the ideal plant over a link with jitter; the tests change it.
+Scenario ShortScenario() {
+  return Parse(R"(name: short
+plant: {kind: ideal}
+link:
+  state_delay: {log_normal: {median: 60 us, sigma: 0.4}}
+  command_delay: {log_normal: {median: 60 us, sigma: 0.4}}
+tick: {cost: 13 us}
+controller: {clock_drift: 20 ppm, cost: 60 us}
+motion:
+  trajectory:
+    unit: rad
+    velocity_scale: 0.1
+    acceleration_scale: 0.1
+    waypoints:
+      - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+      - {q: [0.1, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+)",
+               "short.yaml");
+}
+
+class AssemblyTest : public ::testing::Test {
+ protected:
+  AssemblyTest() {
+    plugins::RegisterMujoco(backends_);
+    controllers_.Add("joint_trajectory", [](const control::ControllerRequest& request) {
+      controllers::JointTrajectoryOptions options;
+      options.command_interface = request.interface;
+      return std::make_unique<controllers::JointTrajectoryController>(request.trajectory, options);
+    });
+  }
+
+  [[nodiscard]] RunResult Execute(const Scenario& scenario, const RunHooks& hooks = {}) const {
+    scenario::Run run(scenario, {backends_, controllers_}, files_, nullptr);
+    return run.Execute(hooks);
+  }
+
+  backend::Registry backends_;
+  control::ControllerRegistry controllers_;
+  const RunFiles files_{std::filesystem::path(TWIN_SOURCE_DIR) / "models", {}, {}, false};
+};
+
+TEST_F(AssemblyTest, BringsTheArmToTheLastWaypoint) {
+  const RunResult result = Execute(ShortScenario());
+  EXPECT_EQ(result.report.end, backend::MotionEnd::kSuccess) << result.report.failure;
+  EXPECT_LT(result.final_error, 1e-3);
+  EXPECT_GT(result.counts.served, 100u);
+}
+
+TEST_F(AssemblyTest, RepeatsWithTheSeedAndDiffersWithAnother) {
+  Scenario scenario = ShortScenario();
+  const std::uint64_t first = Execute(scenario).states_hash;
+  EXPECT_EQ(Execute(scenario).states_hash, first);
+  scenario.seed = 2;
+  EXPECT_NE(Execute(scenario).states_hash, first);
+}
+
+TEST_F(AssemblyTest, RunsTheVelocityInterface) {
+  Scenario scenario = ShortScenario();
+  scenario.motion.interface = control::CommandInterface::kJointVelocity;
+  scenario.tick.generator = loop::Generator::kNone;
+  scenario.controller.clock_drift_ppm = 0;
+  scenario.controller.phase = std::chrono::microseconds(500);
+  const RunResult result = Execute(scenario);
+  EXPECT_EQ(result.report.end, backend::MotionEnd::kSuccess) << result.report.failure;
+  EXPECT_LT(result.final_error, 1e-3);
+}
+
+TEST_F(AssemblyTest, ReportsAMotionThatLosesAllItsCommands) {
+  Scenario scenario = ShortScenario();
+  scenario.link.command_delay = {.kind = Delay::Kind::kConstant,
+                                 .constant = std::chrono::milliseconds(2)};
+  const RunResult result = Execute(scenario);
+  EXPECT_NE(result.report.end, backend::MotionEnd::kSuccess);
+  EXPECT_FALSE(result.report.failure.empty());
+}
+
+TEST_F(AssemblyTest, StopsWhenInterrupted) {
+  volatile bool interrupted = false;
+  RunHooks hooks;
+  hooks.interrupted = &interrupted;
+  hooks.progress = [&](Time now, Duration planned) {
+    EXPECT_GT(planned, Duration::zero());
+    if (now > Time(std::chrono::milliseconds(150))) interrupted = true;
+  };
+  const RunResult result = Execute(ShortScenario(), hooks);
+  EXPECT_EQ(result.report.end, backend::MotionEnd::kPreempted);
+  EXPECT_EQ(result.report.failure, "interrupted");
+}
+
+TEST_F(AssemblyTest, StartsWhereTheScenarioSays) {
+  Scenario scenario = ShortScenario();
+  scenario.robot.q_start = scenario.motion.waypoints.front().q;
+  (*scenario.robot.q_start)[0] += 0.05;
+  EXPECT_THAT([&] { (void)Execute(scenario); },
+              ThrowsMessage<InputError>(HasSubstr("joint 1 of the robot is at 0.05")));
+}
+
+TEST_F(AssemblyTest, RefusesAStartOutsideTheLimits) {
+  Scenario scenario = ShortScenario();
+  scenario.robot.q_start = JointVector{};
+  EXPECT_THAT([&] { (void)Execute(scenario); },
+              ThrowsMessage<InputError>(HasSubstr("robot.q_start: joint 4 is at 0 rad")));
+}
+
+TEST_F(AssemblyTest, NamesTheWaypointThatIsOutsideTheLimits) {
+  Scenario scenario = ShortScenario();
+  scenario.motion.waypoints[1].q[3] = 0.5;
+  EXPECT_THAT([&] { (void)Execute(scenario); },
+              ThrowsMessage<InputError>(HasSubstr("short.yaml:15")));
+}
+
+TEST_F(AssemblyTest, NamesWhatThereIsForAnUnknownBackendOrController) {
+  Scenario scenario = ShortScenario();
+  scenario.backend = "gazebo";
+  EXPECT_THAT([&] { (void)Execute(scenario); },
+              ThrowsMessage<InputError>(HasSubstr("there is: mujoco")));
+  scenario = ShortScenario();
+  scenario.controller.type = "pid";
+  EXPECT_THAT([&] { (void)Execute(scenario); },
+              ThrowsMessage<InputError>(HasSubstr("there are: joint_trajectory")));
+}
+
+TEST_F(AssemblyTest, ChecksWithoutRunning) {
+  Scenario scenario = ShortScenario();
+  EXPECT_NO_THROW(Check(scenario, {backends_, controllers_}, files_));
+  scenario.scene = "scenes/nowhere.xml";
+  EXPECT_THAT(
+      [&] {
+        Check(scenario, {backends_, controllers_}, files_);
+      },
+      ThrowsMessage<InputError>(HasSubstr("nowhere.xml")));
+}
+
+TEST_F(AssemblyTest, TellsTheRobotAllTheScenarioSays) {
+  const Scenario scenario = Parse(test::FullText(), "full.yaml");
+  const RobotData robot = LoadRobotData(files_.models, "panda", scenario.robot.hand);
+  const robot::RobotConfig config = MakeRobotConfig(scenario, robot, files_);
+  EXPECT_EQ(config.plant_kind, robot::PlantKind::kIdeal);
+  EXPECT_EQ(config.seed, 42u);
+  EXPECT_EQ(config.q_start, *scenario.robot.q_start);
+  EXPECT_EQ(config.link.command_loss, 0.02);
+  EXPECT_EQ(config.link.d_INT, std::chrono::microseconds(50));
+  EXPECT_EQ(config.onboard.abort_after_lost, 19u);
+  EXPECT_EQ(config.onboard.damping_ratio, 0.7);
+  EXPECT_EQ(config.onboard.limits.dq_max, robot.limits.dq_max);
+  EXPECT_EQ(config.onboard.rotor_inertia, JointVector{}) << "armature is off";
+  EXPECT_EQ(config.plant.friction, plant::FrictionProfile::kBreakaway);
+  EXPECT_EQ(config.plant.hand, plant::HandKind::kNone);
+  EXPECT_EQ(config.plant.scene, files_.models / "scenes/floor.xml");
+  EXPECT_EQ(config.plant.noise.tau_J_Nm, 0.3);
+}
+
+}  // namespace
+}  // namespace twin::scenario

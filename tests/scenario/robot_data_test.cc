@@ -1,0 +1,118 @@
+#include "twin/scenario/robot_data.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "plant/file_bytes.h"
+#include "plant/friction.h"
+#include "plant/robot_description.h"
+#include "twin/core/error.h"
+
+namespace twin::scenario {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+const std::filesystem::path kModels = std::filesystem::path(TWIN_SOURCE_DIR) / "models";
+
+/// A file that is gone when the test is over.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& text)
+      : path_(std::filesystem::path(::testing::TempDir()) / "robot_data_test_limits.yaml") {
+    std::ofstream(path_) << text;
+  }
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string LimitsText() {
+  return plant::ReadFileBytes(kModels / "robots" / "panda" / "limits.yaml", "limits");
+}
+
+TEST(RobotDataTest, HasTheLimitsFrankaPublishes) {
+  const RobotData robot = LoadRobotData(kModels, "panda", plant::HandKind::kFrankaHand);
+  EXPECT_EQ(robot.limits.q_max[5], 3.7525);
+  EXPECT_EQ(robot.limits.q_min[3], -3.0718);
+  EXPECT_EQ(robot.limits.dq_max, (JointVector{2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61}));
+  EXPECT_EQ(robot.limits.ddq_max, (JointVector{15, 7.5, 10, 12.5, 15, 20, 20}));
+  EXPECT_EQ(robot.limits.dddq_max, (JointVector{7500, 3750, 5000, 6250, 7500, 10000, 10000}));
+  EXPECT_EQ(robot.limits.tau_max, (JointVector{87, 87, 87, 87, 12, 12, 12}));
+  EXPECT_EQ(robot.limits.dtau_max[6], 1000);
+  EXPECT_TRUE(std::filesystem::exists(robot.urdf));
+}
+
+TEST(RobotDataTest, GivesIntTheRotorsTheSimulatedDrivesHave) {
+  const RobotData robot = LoadRobotData(kModels, "panda", plant::HandKind::kNone);
+  EXPECT_EQ(robot.rotor_inertia, plant::kArmature);
+}
+
+TEST(RobotDataTest, SaysOfTheHandWhatItsBodyHas) {
+  const RobotData robot = LoadRobotData(kModels, "panda", plant::HandKind::kFrankaHand);
+  const auto file = kModels / "robots" / "hand" / "hand.urdf";
+  const auto hand = plant::ParseUrdf(plant::ReadFileBytes(file, "hand"), file.string());
+  const plant::Link& body = *hand.Find("panda_hand");
+  // Hand axes are flange axes turned by -45 deg about z.
+  const double c = std::sqrt(0.5);
+  const Vector3& com = body.inertial->com;
+  EXPECT_EQ(robot.end_effector.m, body.inertial->mass);
+  EXPECT_NEAR(robot.end_effector.F_x_C[0], c * com[0] + c * com[1], 1e-12);
+  EXPECT_NEAR(robot.end_effector.F_x_C[1], -c * com[0] + c * com[1], 1e-12);
+  EXPECT_NEAR(robot.end_effector.F_x_C[2], com[2], 1e-12);
+  // R I R^T with R the turn by -45 deg: the entries of the flange's inertia from the hand's.
+  const Matrix3& I = body.inertial->I;
+  EXPECT_NEAR(robot.end_effector.I[0], (I[0] + I[4]) / 2 + I[1], 1e-12);
+  EXPECT_NEAR(robot.end_effector.I[4], (I[0] + I[4]) / 2 - I[1], 1e-12);
+  EXPECT_NEAR(robot.end_effector.I[8], I[8], 1e-12);
+}
+
+TEST(RobotDataTest, PutsTheNominalEndEffectorBetweenTheFingerTips) {
+  const RobotData robot = LoadRobotData(kModels, "panda", plant::HandKind::kFrankaHand);
+  const double c = std::sqrt(0.5);
+  const Transform expected{c, -c, 0, 0, c, c, 0, 0, 0, 0, 1, 0, 0, 0, 0.1034, 1};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(robot.F_T_NE[i], expected[i], 1e-15) << i;
+  }
+}
+
+TEST(RobotDataTest, HasNoEndEffectorWithoutAHand) {
+  const RobotData robot = LoadRobotData(kModels, "panda", plant::HandKind::kNone);
+  EXPECT_EQ(robot.end_effector.m, 0);
+  EXPECT_EQ(robot.F_T_NE, kIdentityTransform);
+}
+
+TEST(RobotDataTest, NamesTheRobotsThereAre) {
+  EXPECT_THAT([] { (void)LoadRobotData(kModels, "pandas", plant::HandKind::kNone); },
+              ThrowsMessage<InputError>(HasSubstr("\"pandas\" is unknown; ")));
+  EXPECT_THAT([] { (void)LoadRobotData(kModels, "pandas", plant::HandKind::kNone); },
+              ThrowsMessage<InputError>(HasSubstr(" has: panda")));
+}
+
+TEST(RobotDataTest, RefusesALimitInTheWrongUnit) {
+  std::string text = LimitsText();
+  text.replace(text.find("unit: rad/s,"), 12, "unit: rad,  ");
+  const TemporaryFile file(text);
+  EXPECT_THAT(
+      [&] { (void)LoadJointLimits(file.path()); },
+      ThrowsMessage<InputError>(HasSubstr("joints.dq_max.unit: unit \"rad\" does not fit")));
+}
+
+TEST(RobotDataTest, RefusesARangeThatIsUpsideDown) {
+  std::string text = LimitsText();
+  text.replace(text.find("-1.7628"), 7, "+1.9628");
+  const TemporaryFile file(text);
+  EXPECT_THAT([&] { (void)LoadJointLimits(file.path()); },
+              ThrowsMessage<InputError>(HasSubstr("q_min must be below q_max")));
+}
+
+}  // namespace
+}  // namespace twin::scenario
