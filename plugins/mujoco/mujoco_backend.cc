@@ -115,6 +115,7 @@ backend::Connection Connect(const backend::Request& request) {
   }
   auto plant = plant::MujocoPlant::Create(request.robot.plant);
   connection.truth = plant.get();
+  connection.engine_warnings = [source = plant.get()] { return source->DescribeWarnings(); };
   connection.uses_meshes = plant->uses_meshes();
   connection.backend = std::make_unique<MujocoBackend>(request, std::move(plant), "MuJoCo plant");
   return connection;

@@ -8,7 +8,6 @@
 #include "scenario/cycle_summary.h"
 #include "twin/core/error.h"
 #include "twin/loop/lockstep_drive.h"
-#include "twin/plant/truth_probe.h"
 #include "twin/rt/event_queue.h"
 
 namespace twin::scenario {
@@ -190,11 +189,9 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
   result.final_error = LargestDistance(result.report.q_final, result.goal);
   result.counts = summary_.counts();
   result.states_hash = summary_.states_hash();
-  const plant::TruthProbe* truth = connection_.truth;
-  if (truth != nullptr && truth->warning_count() > 0) {
-    result.report.failure = fmt::format(
-        "the simulation itself became unsound ({} warnings of the engine): {}",
-        truth->warning_count(), truth->DescribeWarnings());
+  const std::string warnings = connection_.engine_warnings ? connection_.engine_warnings() : "";
+  if (!warnings.empty()) {
+    result.report.failure = "the simulation itself became unsound: " + warnings;
   }
   return result;
 }

@@ -36,8 +36,6 @@ class TestModel final : public plant::TruthProbe {
   void CopyQpos(std::span<double> out) const noexcept override {
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = data_->qpos[i];
   }
-  [[nodiscard]] std::uint64_t warning_count() const noexcept override { return 0; }
-  [[nodiscard]] std::string DescribeWarnings() const override { return {}; }
   [[nodiscard]] std::vector<double> Qpos() const { return {data_->qpos, data_->qpos + model_->nq}; }
   void SetQpos(std::size_t i, double value) { data_->qpos[i] = value; }
 

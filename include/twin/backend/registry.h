@@ -31,6 +31,9 @@ struct Connection {
   std::unique_ptr<Backend> backend;
   const plant::TruthProbe* truth =
       nullptr;               ///< owned by the backend; null for hardware and the ideal plant
+  /// What the simulation itself complained of since it was connected, for people; empty: nothing.
+  /// Empty function: there is no simulation.
+  std::function<std::string()> engine_warnings;
   bool uses_meshes = false;  ///< false: the arm is drawn in primitive shapes
 };
 

@@ -71,6 +71,13 @@ class MujocoPlant : public Plant, public TruthProbe {
   /// @returns the torque that holds the arm against gravity at `q`, from the compiled model (for
   /// checks against our own).
   [[nodiscard]] virtual JointVector GravityTorque(const JointVector& q) = 0;
+
+  /// @returns how often the engine has warned since Create(): while compiling, and in steps. Zero
+  /// in every healthy run. Real-time: noexcept, O(1).
+  [[nodiscard]] virtual std::uint64_t warning_count() const noexcept = 0;
+
+  /// @returns what it warned of, a line each; empty when warning_count() is zero.
+  [[nodiscard]] virtual std::string DescribeWarnings() const = 0;
 };
 
 }  // namespace twin::plant

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <string>
 
 struct mjModel_;
 struct mjData_;
@@ -26,13 +24,6 @@ class TruthProbe {
   [[nodiscard]] virtual std::size_t qpos_size() const noexcept = 0;
   /// Copies the generalised positions. @pre out.size() == qpos_size().
   virtual void CopyQpos(std::span<double> out) const noexcept = 0;
-
-  /// @returns how often the engine has warned since Create(): while compiling, and in steps. Zero
-  /// in every healthy run. Real-time: noexcept, O(1).
-  [[nodiscard]] virtual std::uint64_t warning_count() const noexcept = 0;
-
-  /// @returns what it warned of, a line each; empty when warning_count() is zero.
-  [[nodiscard]] virtual std::string DescribeWarnings() const = 0;
 };
 
 }  // namespace twin::plant
