@@ -19,6 +19,7 @@ set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ""
 
 if(TWIN_BUILD_TESTS)
   find_package(GTest REQUIRED)
+  find_package(nlohmann_json REQUIRED)
 endif()
 if(TWIN_BUILD_BENCH)
   find_package(benchmark REQUIRED)

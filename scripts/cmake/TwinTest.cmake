@@ -1,20 +1,53 @@
 # A test program: twin_add_test(rt_event_queue_test LABELS unit LINK twin::rt). Source: <name>.cc beside the CMakeLists, or SOURCES.
-# Every test is named here, never globbed.
+# Every test is named here, never globbed. A program in which no test would run fails (tests/support/test_main.cc).
+#
+# A test that is a Python script: twin_add_script_test(name SCRIPT check.py ARGS ... LABELS unit NEEDS panda-twin).
+#
+# Labels: unit (seconds, no network, no GPU), contract, stress (threads; also for tsan), video, package (installs), bench, slow.
+# The target unit_tests builds all that label unit needs.
+
+# The tests' Python: .venv, made by scripts/setup, has the packages of scripts/requirements-test.txt.
+if(EXISTS ${PROJECT_SOURCE_DIR}/.venv/bin/python)
+  set(TWIN_PYTHON ${PROJECT_SOURCE_DIR}/.venv/bin/python)
+else()
+  set(TWIN_PYTHON python3)
+endif()
+
+if(TWIN_BUILD_TESTS)
+  add_custom_target(unit_tests)
+endif()
+
 function(twin_add_test name)
   cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LABELS;LINK" ${ARGN})
   if(NOT TEST_SOURCES)
     set(TEST_SOURCES ${name}.cc)
   endif()
+  add_executable(${name} ${TEST_SOURCES})
+  target_link_libraries(${name} PRIVATE twin_warnings ${TEST_LINK} GTest::gmock twin_test_main)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/src)
+  target_compile_definitions(${name} PRIVATE TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  twin_register_test(${name} COMMAND ${name} LABELS "${TEST_LABELS}" TIMEOUT "${TEST_TIMEOUT}" NEEDS ${name})
+endfunction()
+
+function(twin_add_script_test name)
+  cmake_parse_arguments(TEST "" "SCRIPT;TIMEOUT" "ARGS;LABELS;NEEDS" ${ARGN})
+  cmake_path(ABSOLUTE_PATH TEST_SCRIPT BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+  twin_register_test(${name} COMMAND ${TWIN_PYTHON} -B ${TEST_SCRIPT} ${TEST_ARGS}
+                     LABELS "${TEST_LABELS}" TIMEOUT "${TEST_TIMEOUT}" NEEDS ${TEST_NEEDS})
+endfunction()
+
+# What both have in common: label (unit unless told), time limit in seconds (120 unless told), part in unit_tests.
+function(twin_register_test name)
+  cmake_parse_arguments(TEST "" "TIMEOUT" "COMMAND;LABELS;NEEDS" ${ARGN})
   if(NOT TEST_LABELS)
     set(TEST_LABELS unit)
   endif()
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 120)
   endif()
-  add_executable(${name} ${TEST_SOURCES})
-  target_link_libraries(${name} PRIVATE twin_warnings ${TEST_LINK} GTest::gmock GTest::gtest_main)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/src)
-  target_compile_definitions(${name} PRIVATE TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  add_test(NAME ${name} COMMAND ${name})
+  add_test(NAME ${name} COMMAND ${TEST_COMMAND})
   set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT})
+  if(TEST_NEEDS AND "unit" IN_LIST TEST_LABELS)
+    add_dependencies(unit_tests ${TEST_NEEDS})
+  endif()
 endfunction()

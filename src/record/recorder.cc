@@ -11,6 +11,7 @@
 
 #include "record/log_encoder.h"
 #include "twin/record/mcap_writer.h"
+#include "twin/rt/pause.h"
 #include "twin/rt/spsc_ring.h"
 
 namespace twin::record {
@@ -129,7 +130,7 @@ void Recorder::Run(const std::stop_token& stop) {
     const bool last = stop.stop_requested();
     if (Drain() > 0) continue;
     if (last) return;
-    std::this_thread::sleep_for(kIdlePause);
+    rt::Pause(kIdlePause);
   }
 }
 

@@ -1,0 +1,201 @@
+// What a cycle costs, as shares of a bare mj_step of the same model, measured in one run.
+//
+//   int_share    INT alone (cycle and state), no plant             at most 0.4
+//   cycle_share  tick + link + INT + plant + state, in lockstep    at most 1.6
+//   record_share the same with every cycle and tick recorded, over cycle_share    at most 1.2
+//
+// The repetitions are interleaved, the shares are of their medians. Exits with 1 when
+// a share is too large: absolute times of a shared machine say little, ratios hold.
+
+#include <benchmark/benchmark.h>
+#include <mujoco/mujoco.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plugins/mujoco/mujoco_backend.h"
+#include "support/panda_limits.h"
+#include "twin/loop/lockstep_drive.h"
+#include "twin/onboard/int.h"
+#include "twin/plant/mujoco_plant.h"
+#include "twin/record/recorder.h"
+
+namespace twin {
+namespace {
+
+constexpr double kMaxIntShare = 0.4;
+constexpr double kMaxCycleShare = 1.6;
+constexpr double kMaxRecordShare = 1.2;
+constexpr int kBatch = 1000;
+constexpr JointVector kReady{
+    0, -0.785398163397, 0, -2.356194490192, 0, 1.570796326795, 0.785398163397};
+
+robot::RobotConfig Robot() {
+  robot::RobotConfig config;
+  config.onboard.limits = test::PandaLimits();
+  config.onboard.rotor_inertia = {0.605721456, 0.605721456, 0.462474144, 0.462474144,
+                                  0.205544064, 0.205544064, 0.205544064};
+  config.plant.urdf = TWIN_SOURCE_DIR "/models/robots/panda/panda.urdf";
+  config.plant.hand = plant::HandKind::kNone;
+  config.link.state_delay =
+      rt::DelayModel(rt::LogNormalDelay{std::chrono::microseconds(80), 0.3, {}});
+  config.link.command_delay =
+      rt::DelayModel(rt::LogNormalDelay{std::chrono::microseconds(80), 0.3, {}});
+  config.q_start = kReady;
+  return config;
+}
+
+void BareMjStep(benchmark::State& state) {
+  const auto plant = plant::MujocoPlant::Create(Robot().plant);
+  const mjModel& model = plant->model();
+  const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&model), &mj_deleteData);
+  const JointVector hold = plant->GravityTorque(kReady);
+  for (auto _ : state) {
+    mj_resetData(&model, data.get());
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      data->qpos[i] = kReady[i];
+      data->qfrc_applied[i] = hold[i];
+    }
+    for (int k = 0; k < kBatch; ++k) mj_step(&model, data.get());
+  }
+  state.SetItemsProcessed(state.iterations() * kBatch);
+}
+
+void IntAlone(benchmark::State& state) {
+  onboard::Int interface_controller(Robot().onboard, kReady);
+  JointSensors sensors{kReady, {}, {}, kReady, {}};
+  RobotState robot_state;
+  static_cast<void>(interface_controller.Move({}));
+  RobotCommand command;
+  command.q_c = kReady;
+  for (auto _ : state) {
+    for (int k = 0; k < kBatch; ++k) {
+      benchmark::DoNotOptimize(interface_controller.Cycle(&command, sensors));
+      interface_controller.FillState(sensors, robot_state);
+      benchmark::ClobberMemory();
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * kBatch);
+}
+
+/// Holds the arm and never ends.
+class Hold final : public control::Controller {
+ public:
+  control::CommandInterface command_interface() const noexcept override {
+    return control::CommandInterface::kJointPosition;
+  }
+  void Activate(const RobotState&, Time) override {}
+  void Update(const RobotState&, Time, control::ControllerOutput& output) noexcept override {
+    output.target.q = kReady;
+  }
+  void Deactivate() noexcept override {}
+};
+
+/// Ten simulated seconds; `recorded` writes a log as a run does, its completion included.
+void RunCycles(benchmark::State& state, bool recorded) {
+  const robot::RobotConfig robot = Robot();
+  const std::filesystem::path log = std::filesystem::temp_directory_path() / "cycle_bench.mcap";
+  backend::Registry registry;
+  plugins::RegisterMujoco(registry);
+  Hold hold;
+  std::int64_t cycles = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    auto events = std::make_unique<rt::EventQueue>();
+    auto drive = std::make_unique<loop::LockstepDrive>();
+    std::unique_ptr<record::Recorder> recorder;
+    if (recorded) {
+      recorder =
+          std::make_unique<record::Recorder>(log, record::RunInfo{}, record::FullRing::kWait);
+    }
+    backend::Connection connection =
+        registry.Find("mujoco")({robot, *events, drive->StateReady(), recorder.get()});
+    state.ResumeTiming();
+    const loop::RunReport report = drive->Run({*events,
+                                               *connection.backend,
+                                               hold,
+                                               MotionModes{},
+                                               loop::TickConfig{},
+                                               loop::ControllerLoopConfig{},
+                                               1,
+                                               std::chrono::seconds(10),
+                                               recorder.get(),
+                                               {},
+                                               {},
+                                               nullptr});
+    if (recorder) static_cast<void>(recorder->Finish());
+    cycles += report.simulated / kCycle;
+    state.PauseTiming();
+    connection = {};
+    state.ResumeTiming();
+  }
+  state.SetItemsProcessed(cycles);
+  std::filesystem::remove(log);
+}
+
+void WholeCycle(benchmark::State& state) {
+  RunCycles(state, false);
+}
+void RecordedCycle(benchmark::State& state) {
+  RunCycles(state, true);
+}
+
+BENCHMARK(BareMjStep)->UseRealTime();
+BENCHMARK(IntAlone)->UseRealTime();
+BENCHMARK(WholeCycle)->UseRealTime();
+BENCHMARK(RecordedCycle)->UseRealTime();
+
+/// Prints as usual and keeps the median time per item of each benchmark.
+class MedianReporter final : public benchmark::ConsoleReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    benchmark::ConsoleReporter::ReportRuns(runs);
+    for (const Run& run : runs) {
+      if (run.run_type != Run::RT_Aggregate || run.aggregate_name != "median") continue;
+      const auto items = run.counters.find("items_per_second");
+      if (items != run.counters.end()) {
+        seconds_per_item[run.run_name.function_name] = 1.0 / items->second.value;
+      }
+    }
+  }
+  std::map<std::string, double> seconds_per_item;
+};
+
+int Verdict(const MedianReporter& reporter) {
+  const double step = reporter.seconds_per_item.at("BareMjStep");
+  const double int_share = reporter.seconds_per_item.at("IntAlone") / step;
+  const double cycle = reporter.seconds_per_item.at("WholeCycle");
+  const double cycle_share = cycle / step;
+  const double record_share = reporter.seconds_per_item.at("RecordedCycle") / cycle;
+  std::printf("mj_step      %.2f us\n", step * 1e6);
+  std::printf("int_share    %.3f (at most %.1f)\n", int_share, kMaxIntShare);
+  std::printf("cycle_share  %.3f (at most %.1f)\n", cycle_share, kMaxCycleShare);
+  std::printf("record_share %.3f (at most %.1f)\n", record_share, kMaxRecordShare);
+  return int_share <= kMaxIntShare && cycle_share <= kMaxCycleShare &&
+                 record_share <= kMaxRecordShare
+             ? 0
+             : 1;
+}
+
+}  // namespace
+}  // namespace twin
+
+int main(int argc, char** argv) {
+  std::string repetitions = "--benchmark_repetitions=7";
+  std::string interleave = "--benchmark_enable_random_interleaving=true";
+  std::string min_time = "--benchmark_min_time=0.2";
+  std::vector<char*> arguments(argv, argv + argc);
+  for (std::string* flag : {&repetitions, &interleave, &min_time}) {
+    arguments.insert(arguments.begin() + 1, flag->data());
+  }
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  twin::MedianReporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  return twin::Verdict(reporter);
+}
