@@ -193,12 +193,16 @@ TEST_F(LockstepDriveTest, ALinkThatLosesEveryStateIsReported) {
   EXPECT_THROW(static_cast<void>(Run()), RobotFault);
 }
 
-/// Counts from its first record to its last what the thread allocates and locks.
+/// Counts what the thread allocates and locks over 10 000 cycles of a running motion.
 class GuardedSink final : public rt::RecordSink {
  public:
+  static constexpr int kFirst = 100;
+  static constexpr int kCycles = 10000;
+
   void Put(const rt::CycleRecord&) noexcept override {
-    if (cycles_++ == 100) start_ = guard_.counts();
-    if (cycles_ == 900) end_ = guard_.counts();
+    ++cycles_;
+    if (cycles_ == kFirst) start_ = guard_.counts();
+    if (cycles_ == kFirst + kCycles) end_ = guard_.counts();
   }
   void Put(const rt::TickRecord&) noexcept override {}
 
@@ -207,7 +211,12 @@ class GuardedSink final : public rt::RecordSink {
   test::RealtimeGuard::Counts start_, end_;
 };
 
-TEST_F(LockstepDriveTest, AllocatesAndLocksNothingWhileTheMotionRuns) {
+TEST_F(LockstepDriveTest, AllocatesAndLocksNothingInTenThousandCyclesOfTheWholeChain) {
+  robot_.plant_kind = robot::PlantKind::kMujoco;
+  robot_.plant.urdf = TWIN_SOURCE_DIR "/models/robots/panda/panda.urdf";
+  robot_.plant.hand = plant::HandKind::kNone;
+  robot_.onboard.rotor_inertia.fill(0.3);
+  swing_.endless = true;
   GuardedSink sink;
   rt::EventQueue events;
   LockstepDrive drive;
@@ -215,20 +224,22 @@ TEST_F(LockstepDriveTest, AllocatesAndLocksNothingWhileTheMotionRuns) {
   plugins::RegisterMujoco(registry);
   const backend::Connection connection =
       registry.Find("mujoco")({robot_, events, drive.StateReady(), &sink});
-  static_cast<void>(drive.Run({events,
-                               *connection.backend,
-                               swing_,
-                               MotionModes{},
-                               tick_,
-                               controller_,
-                               1,
-                               time_limit_,
-                               nullptr,
-                               {},
-                               {},
-                               nullptr}));
-  ASSERT_GT(sink.cycles_, 900);
+  const RunReport report = drive.Run({events,
+                                      *connection.backend,
+                                      swing_,
+                                      MotionModes{},
+                                      tick_,
+                                      controller_,
+                                      1,
+                                      seconds(11),
+                                      &sink,
+                                      {},
+                                      {},
+                                      nullptr});
+  EXPECT_EQ(report.end, backend::MotionEnd::kPreempted) << report.failure;
+  ASSERT_GT(sink.cycles_, GuardedSink::kFirst + GuardedSink::kCycles);
   EXPECT_EQ(sink.end_.allocations - sink.start_.allocations, 0);
+  EXPECT_EQ(sink.end_.frees - sink.start_.frees, 0);
   EXPECT_EQ(sink.end_.locks - sink.start_.locks, 0);
 }
 
