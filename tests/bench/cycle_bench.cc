@@ -153,6 +153,8 @@ BENCHMARK(RecordedCycle)->UseRealTime();
 /// Prints as usual and keeps the median time per item of each benchmark.
 class MedianReporter final : public benchmark::ConsoleReporter {
  public:
+  MedianReporter() : ConsoleReporter(OO_Tabular) {}
+
   void ReportRuns(const std::vector<Run>& runs) override {
     benchmark::ConsoleReporter::ReportRuns(runs);
     for (const Run& run : runs) {
