@@ -3,7 +3,7 @@
 #include <iterator>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "cli/advice.h"
 #include "twin/scenario/fingerprint.h"
@@ -11,29 +11,11 @@
 namespace twin::cli {
 namespace {
 
-/// A JSON string.
-std::string Quoted(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      quoted += '\\';
-      quoted += c;
-    } else if (byte < 0x20) {
-      quoted += fmt::format("\\u{:04x}", byte);
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + '"';
-}
+using Json = nlohmann::ordered_json;
 
-std::string ViolationsJson(const std::vector<Violation>& violations) {
-  std::string list;
-  for (const Violation& violation : violations) {
-    list += (list.empty() ? "" : ", ") + Quoted(Describe(violation));
-  }
-  return "[" + list + "]";
+/// Text of a file. Texts may hold bytes of a user's file names: what is no UTF-8 is replaced.
+std::string ToText(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
@@ -46,38 +28,42 @@ std::string OutcomeOf(const scenario::RunResult& result, bool interrupted) {
 
 std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunResult& result,
                         bool interrupted) {
-  std::string text = "{\n";
-  const auto put = [&](std::string_view key, const std::string& value) {
-    text += fmt::format("  \"{}\": {},\n", key, value);
+  Json violations = Json::array();
+  for (const Violation& violation : result.report.violations) {
+    violations.push_back(Describe(violation));
+  }
+  const Json summary{
+      {"scenario", scenario.name},
+      {"seed", scenario.seed},
+      {"version", TWIN_VERSION},
+      {"outcome", OutcomeOf(result, interrupted)},
+      {"failure", result.report.failure},
+      {"violations", violations},
+      {"simulated_s", ToSeconds(result.report.simulated)},
+      {"final_error_rad", result.final_error},
+      {"q_final_rad", result.report.q_final},
+      {"goal_rad", result.goal},
+      {"cycles_served", result.counts.served},
+      {"cycles_held", result.counts.held},
+      {"longest_loss_cycles", result.counts.longest_loss},
+      {"commands_dropped", result.counts.dropped},
+      {"commands_written", result.report.written},
+      {"states_lost", result.report.skipped_states},
+      {"libm", scenario::FormatHash(scenario::LibmFingerprint())},
+      {"states_hash", scenario::FormatHash(result.states_hash)},
   };
-  put("scenario", Quoted(scenario.name));
-  put("seed", fmt::format("{}", scenario.seed));
-  put("version", Quoted(TWIN_VERSION));
-  put("outcome", Quoted(OutcomeOf(result, interrupted)));
-  put("failure", Quoted(result.report.failure));
-  put("violations", ViolationsJson(result.report.violations));
-  put("simulated_s", fmt::format("{}", ToSeconds(result.report.simulated)));
-  put("final_error_rad", fmt::format("{}", result.final_error));
-  put("q_final_rad", fmt::format("[{}]", fmt::join(result.report.q_final, ", ")));
-  put("goal_rad", fmt::format("[{}]", fmt::join(result.goal, ", ")));
-  put("cycles_served", fmt::format("{}", result.counts.served));
-  put("cycles_held", fmt::format("{}", result.counts.held));
-  put("longest_loss_cycles", fmt::format("{}", result.counts.longest_loss));
-  put("commands_dropped", fmt::format("{}", result.counts.dropped));
-  put("commands_written", fmt::format("{}", result.report.written));
-  put("states_lost", fmt::format("{}", result.report.skipped_states));
-  put("libm", Quoted(scenario::FormatHash(scenario::LibmFingerprint())));
-  text +=
-      fmt::format("  \"states_hash\": {}\n}}\n", Quoted(scenario::FormatHash(result.states_hash)));
-  return text;
+  return ToText(summary);
 }
 
 std::string TimingJson(const WallTimes& times) {
-  return fmt::format(
-      "{{\n  \"prepare_s\": {:.6f},\n  \"run_s\": {:.6f},\n  \"plots_s\": {:.6f},\n"
-      "  \"video_s\": {:.6f},\n  \"real_time_factor\": {:.3f},\n  \"peak_memory_mb\": {:.1f}\n}}\n",
-      times.prepare_s, times.run_s, times.plots_s, times.video_s, times.real_time_factor,
-      times.peak_memory_mb);
+  return ToText({
+      {"prepare_s", times.prepare_s},
+      {"run_s", times.run_s},
+      {"plots_s", times.plots_s},
+      {"video_s", times.video_s},
+      {"real_time_factor", times.real_time_factor},
+      {"peak_memory_mb", times.peak_memory_mb},
+  });
 }
 
 std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunResult& result,

@@ -1,18 +1,8 @@
 #include "twin/loop/loop_config.h"
 
-#include <fmt/format.h>
-
-#include "twin/core/error.h"
+#include "twin/core/require.h"
 
 namespace twin::loop {
-namespace {
-
-void RequireInRange(const char* field, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw InputError(fmt::format("{} is {}; it must lie in [{}, {}]", field, value, low, high));
-}
-
-}  // namespace
 
 void TickConfig::Validate() const {
   RequireInRange("tick: lambda", lambda, 1e-9, 1);
@@ -23,7 +13,7 @@ void TickConfig::Validate() const {
 void ControllerLoopConfig::Validate() const {
   RequireInRange("controller: rate_hz", rate_hz, 1, 1000);
   RequireInRange("controller: clock_ppm", clock_ppm, -1000, 1000);
-  RequireInRange("controller: phase (ms)", ToSeconds(phase) * 1e3, 0, 1000);
+  RequireInRange("controller: phase (ms)", ToSeconds(phase) * 1e3, 0, 10000);
 }
 
 }  // namespace twin::loop

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "render/temp_folder.h"
 #include "render/test_model.h"
+#include "support/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/render/png.h"
 
@@ -49,7 +49,7 @@ class ClipTest : public testing::Test {
   TestModel model_;
   SnapshotRecorder recorder_;
   ClipSettings settings_;
-  TempFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(ClipTest, IsTheSameBytesWithAnyNumberOfThreads) {
@@ -57,9 +57,9 @@ TEST_F(ClipTest, IsTheSameBytesWithAnyNumberOfThreads) {
   RenderTo({folder_ / "a.mp4", folder_ / "a.png"});
   settings_.render_threads = 3;
   RenderTo({folder_ / "b.mp4", folder_ / "b.png"});
-  EXPECT_GT(ReadBytes(folder_ / "a.mp4").size(), 1000U);
-  EXPECT_EQ(ReadBytes(folder_ / "a.mp4"), ReadBytes(folder_ / "b.mp4"));
-  EXPECT_EQ(ReadBytes(folder_ / "a.png"), ReadBytes(folder_ / "b.png"));
+  EXPECT_GT(test::ReadText(folder_ / "a.mp4").size(), 1000U);
+  EXPECT_EQ(test::ReadText(folder_ / "a.mp4"), test::ReadText(folder_ / "b.mp4"));
+  EXPECT_EQ(test::ReadText(folder_ / "a.png"), test::ReadText(folder_ / "b.png"));
 }
 
 TEST_F(ClipTest, PutsEvenlySpacedFramesOnTheSheetFirstAndLastIncluded) {

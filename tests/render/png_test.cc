@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "render/temp_folder.h"
+#include "support/temporary_folder.h"
 #include "twin/core/error.h"
 
 namespace twin::render {
@@ -21,27 +21,27 @@ Image Pattern(int width, int height) {
 }
 
 TEST(PngTest, ReadsBackWhatWasWritten) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   const Image image = Pattern(37, 23);
   WritePng(folder / "a.png", image);
   EXPECT_EQ(ReadPng(folder / "a.png"), image);
 }
 
 TEST(PngTest, WritesTheSameBytesForTheSameImage) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   WritePng(folder / "a.png", Pattern(64, 48));
   WritePng(folder / "b.png", Pattern(64, 48));
-  EXPECT_EQ(ReadBytes(folder / "a.png"), ReadBytes(folder / "b.png"));
+  EXPECT_EQ(test::ReadText(folder / "a.png"), test::ReadText(folder / "b.png"));
 }
 
 TEST(PngTest, LeavesNoPartialFileBehind) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   WritePng(folder / "a.png", Pattern(8, 8));
   EXPECT_FALSE(std::filesystem::exists(folder / "a.png.partial"));
 }
 
 TEST(PngTest, NamesTheFileThatCannotBeWritten) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   try {
     WritePng(folder / "missing/a.png", Pattern(8, 8));
     FAIL() << "nothing was thrown";
@@ -52,10 +52,10 @@ TEST(PngTest, NamesTheFileThatCannotBeWritten) {
 }
 
 TEST(PngTest, RefusesWhatIsNoWholePng) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   EXPECT_THROW((void)ReadPng(folder / "missing.png"), InputError);
   WritePng(folder / "a.png", Pattern(64, 48));
-  const std::string bytes = ReadBytes(folder / "a.png");
+  const std::string bytes = test::ReadText(folder / "a.png");
   std::ofstream(folder / "cut.png", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
   EXPECT_THROW((void)ReadPng(folder / "cut.png"), InputError);
   std::ofstream(folder / "text.png") << "not a picture";

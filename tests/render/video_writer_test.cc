@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "render/temp_folder.h"
+#include "support/temporary_folder.h"
 #include "twin/core/error.h"
 
 namespace twin::render {
@@ -59,7 +59,7 @@ std::string Probe(const std::filesystem::path& path, const std::string& entries)
 }
 
 /// A stand-in for ffmpeg.
-std::filesystem::path Script(const TempFolder& folder, const std::string& body) {
+std::filesystem::path Script(const test::TemporaryFolder& folder, const std::string& body) {
   const std::filesystem::path path = folder / "ffmpeg.sh";
   std::ofstream(path) << "#!/bin/sh\n" << body << "\n";
   std::filesystem::permissions(path, std::filesystem::perms::owner_all);
@@ -79,7 +79,7 @@ std::string FailureOf(const std::filesystem::path& path, const VideoSettings& se
 }
 
 TEST(VideoWriterTest, WritesEveryFrameAsH264InBt709) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   WriteVideo(folder / "a.mp4");
   EXPECT_EQ(Probe(folder / "a.mp4",
                   "codec_name,width,height,pix_fmt,color_space,r_frame_rate,nb_read_frames"),
@@ -87,15 +87,15 @@ TEST(VideoWriterTest, WritesEveryFrameAsH264InBt709) {
 }
 
 TEST(VideoWriterTest, WritesTheSameBytesForTheSameFrames) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   WriteVideo(folder / "a.mp4");
   WriteVideo(folder / "b.mp4");
-  EXPECT_GT(ReadBytes(folder / "a.mp4").size(), 1000U);
-  EXPECT_EQ(ReadBytes(folder / "a.mp4"), ReadBytes(folder / "b.mp4"));
+  EXPECT_GT(test::ReadText(folder / "a.mp4").size(), 1000U);
+  EXPECT_EQ(test::ReadText(folder / "a.mp4"), test::ReadText(folder / "b.mp4"));
 }
 
 TEST(VideoWriterTest, KeepsColours) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   WriteVideo(folder / "a.mp4");
   const std::string rgb = Output("ffmpeg -v error -i '" + (folder / "a.mp4").string() +
                                  "' -f rawvideo -pix_fmt rgb24 -frames:v 1 -");
@@ -110,7 +110,7 @@ TEST(VideoWriterTest, KeepsColours) {
 }
 
 TEST(VideoWriterTest, IsPartialUntilItIsFinished) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   VideoWriter video(folder / "a.mp4", SmallSettings());
   video.Write(Frame(0));
   EXPECT_FALSE(std::filesystem::exists(folder / "a.mp4"));
@@ -120,7 +120,7 @@ TEST(VideoWriterTest, IsPartialUntilItIsFinished) {
 }
 
 TEST(VideoWriterTest, LeavesAPlayablePartialFileWhenItIsAbandoned) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   {
     VideoWriter video(folder / "a.mp4", SmallSettings());
     for (int i = 0; i < kFrames; ++i) video.Write(Frame(i));
@@ -130,9 +130,9 @@ TEST(VideoWriterTest, LeavesAPlayablePartialFileWhenItIsAbandoned) {
 }
 
 TEST(VideoWriterTest, WritesFragmentsThatPlayWithoutTheRestOfTheFile) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   WriteVideo(folder / "a.mp4");
-  std::string bytes = ReadBytes(folder / "a.mp4");
+  std::string bytes = test::ReadText(folder / "a.mp4");
   const std::size_t second_fragment = bytes.rfind("moof");  // frames 50 to 59
   ASSERT_NE(second_fragment, std::string::npos);
   std::ofstream(folder / "cut.mp4", std::ios::binary) << bytes.substr(0, second_fragment - 4);
@@ -140,7 +140,7 @@ TEST(VideoWriterTest, WritesFragmentsThatPlayWithoutTheRestOfTheFile) {
 }
 
 TEST(VideoWriterTest, SaysWhatToInstallWhenThereIsNoFfmpeg) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   VideoSettings settings = SmallSettings();
   settings.ffmpeg = "no-such-ffmpeg";
   const std::string text = FailureOf(folder / "a.mp4", settings);
@@ -149,7 +149,7 @@ TEST(VideoWriterTest, SaysWhatToInstallWhenThereIsNoFfmpeg) {
 }
 
 TEST(VideoWriterTest, PassesOnTheLastLinesOfAnFfmpegThatDiesInTheMiddle) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   VideoSettings settings = SmallSettings();
   settings.ffmpeg =
       Script(folder, "head -c 100000 >/dev/null; echo 'No space left on device' >&2; exit 1");
@@ -159,14 +159,14 @@ TEST(VideoWriterTest, PassesOnTheLastLinesOfAnFfmpegThatDiesInTheMiddle) {
 }
 
 TEST(VideoWriterTest, ReportsTheSignalThatEndedFfmpeg) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   VideoSettings settings = SmallSettings();
   settings.ffmpeg = Script(folder, "head -c 100000 >/dev/null; kill -9 $$");
   EXPECT_THAT(FailureOf(folder / "a.mp4", settings), testing::HasSubstr("signal 9"));
 }
 
 TEST(VideoWriterTest, ReportsAFailureThatShowsOnlyAtTheEnd) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   VideoSettings settings = SmallSettings();
   settings.ffmpeg = Script(folder, "cat >/dev/null; echo 'cannot write the index' >&2; exit 3");
   const std::string text = FailureOf(folder / "a.mp4", settings);
@@ -175,7 +175,7 @@ TEST(VideoWriterTest, ReportsAFailureThatShowsOnlyAtTheEnd) {
 }
 
 TEST(VideoWriterTest, ReportsAFolderThatIsNotThere) {
-  const TempFolder folder;
+  const test::TemporaryFolder folder;
   EXPECT_THAT(FailureOf(folder / "missing/a.mp4", SmallSettings()),
               testing::HasSubstr("No such file or directory"));
 }

@@ -30,7 +30,7 @@ struct Request {
 struct Connection {
   std::unique_ptr<Backend> backend;
   const plant::TruthProbe* truth =
-      nullptr;               ///< owned by the backend; null for hardware and the ideal plant
+      nullptr;  ///< owned by the backend; null for hardware and the ideal plant
   /// What the simulation itself complained of since it was connected, for people; empty: nothing.
   /// Empty function: there is no simulation.
   std::function<std::string()> engine_warnings;

@@ -6,10 +6,10 @@ namespace twin {
 
 /// What the arm's joint sensors report. Units rad, rad/s, Nm.
 struct JointSensors {
-  JointVector q{};      ///< link position
-  JointVector dq{};     ///< link velocity
-  JointVector tau_J{};  ///< link-side torque behind the gear: gravity, link inertia, friction of
-                        ///< the link and contact; not the rotor's inertia
+  JointVector q{};       ///< link position
+  JointVector dq{};      ///< link velocity
+  JointVector tau_J{};   ///< link-side torque behind the gear: gravity, link inertia, friction of
+                         ///< the link and contact; not the rotor's inertia
   JointVector theta{};   ///< motor position, seen at the link
   JointVector dtheta{};  ///< motor velocity, seen at the link
 };
