@@ -18,8 +18,11 @@ std::string_view Advice(RobotError error) noexcept {
       return "give the trajectory more time";
     case RobotError::kJointMotionGeneratorVelocityDiscontinuity:
     case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
-      return "the commands that reached the robot were not smooth: use tick.generator joint and "
-             "tick.rate_matching true, feed_forward source, a gentler trajectory, or less jitter";
+      return "the commands that reached the robot were not smooth. Raw streams need tick.generator "
+             "joint, slow sources tick.rate_matching true; behind both, what remains comes from "
+             "lost "
+             "messages (link) and from deposits that slide through the cycles (controller.phase, "
+             "clock_drift, wake_delay): fewer of them, or a gentler trajectory";
     default: return "see the plots and the log for what led to it";
   }
 }

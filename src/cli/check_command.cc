@@ -13,6 +13,7 @@
 
 #include "cli/commands.h"
 #include "cli/host.h"
+#include "cli/say.h"
 #include "twin/core/error.h"
 #include "twin/scenario/data_directory.h"
 
@@ -31,7 +32,8 @@ class Findings {
  public:
   void Add(Verdict verdict, std::string_view subject, const std::string& text) {
     constexpr std::array kMarks{"ok", "note", "FAIL"};
-    fmt::print("{:<5} {:<12} {}\n", kMarks[static_cast<std::size_t>(verdict)], subject, text);
+    Say(stdout,
+        fmt::format("{:<5} {:<12} {}\n", kMarks[static_cast<std::size_t>(verdict)], subject, text));
     failed_ = failed_ || verdict == Verdict::kMissing;
   }
   [[nodiscard]] bool failed() const noexcept { return failed_; }
@@ -149,6 +151,7 @@ ExitCode CheckCommand(const DataFlags& flags, const Host& host) {
   CheckProgram(findings, host, "gnuplot", "plots", "gnuplot-nox");
   CheckRenderer(findings);
   CheckData(findings, flags, host);
+  FinishOutput();
   if (!findings.failed()) return kOk;
   throw RobotFault("this host lacks what is marked FAIL above");
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.h"
+#include "cli/say.h"
 #include "twin/record/export_csv.h"
 
 namespace twin::cli {
@@ -8,11 +9,12 @@ namespace twin::cli {
 ExitCode ExportCommand(const ExportFlags& flags) {
   const std::filesystem::path out = flags.out.empty() ? flags.log.parent_path() / "csv" : flags.out;
   const record::CsvExport exported = record::ExportCsv(flags.log, out);
-  fmt::print("{}: {} cycles, {} ticks, {} events\n", out.string(), exported.cycles, exported.ticks,
-             exported.events);
+  Say(stdout, fmt::format("{}: {} cycles, {} ticks, {} events\n", out.string(), exported.cycles,
+                          exported.ticks, exported.events));
   if (exported.truncated) {
-    fmt::print("note: the run was killed before its log was finished; the last part is missing\n");
+    Say(stdout, "note: the run was killed before its log was finished; the last part is missing\n");
   }
+  FinishOutput();
   return kOk;
 }
 

@@ -1,3 +1,6 @@
+#include <fcntl.h>
+
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -33,9 +36,22 @@ std::unique_ptr<twin::control::Controller> MakeJointTrajectory(
                                                                         options);
 }
 
+/// A standard file that is closed must not become the log of a run: in its place stands one that
+/// fails as a closed one does.
+void OpenStandardFiles() {
+  for (int descriptor = 0; descriptor <= 2; ++descriptor) {
+    if (::fcntl(descriptor, F_GETFD) >= 0) continue;
+    // The lowest free number is taken, that is, this one.
+    if (::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY) < 0) std::abort();
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  OpenStandardFiles();
+  std::signal(SIGPIPE, SIG_IGN);  // `panda-twin run ... | head` completes its run
+
   twin::backend::Registry backends;
   twin::plugins::RegisterMujoco(backends);
   twin::control::ControllerRegistry controllers;

@@ -1,14 +1,19 @@
 #include "cli/program.h"
 
+#include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <limits>
 #include <new>
 #include <string>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "cli/interrupt.h"
+#include "cli/say.h"
 #include "twin/core/error.h"
 
 namespace twin::cli {
@@ -51,17 +56,24 @@ void AddDataFlags(CLI::App& app, DataFlags& flags) {
       ->type_name("DIR");
 }
 
-/// CLI11 would take -1 as a large number. @returns what is wrong; empty when nothing is.
-std::string CheckWholeNumber(const std::string& text) {
-  const bool good = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-  return good ? "" : fmt::format("\"{}\" is not a whole number", text);
+/// CLI11 would take -1 as a large number, clamp what is too large, and read 010 as octal.
+std::uint64_t ParseSeed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* const end = text.data() + text.size();
+  const auto [parsed, error] = std::from_chars(text.data(), end, seed);
+  if (error == std::errc() && parsed == end) return seed;
+  throw CLI::ValidationError("--seed",
+                             fmt::format("\"{}\" is not a whole number from 0 to {}", text,
+                                         std::numeric_limits<std::uint64_t>::max()));
 }
 
 CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
   CLI::App* run = app.add_subcommand("run", "Run a scenario and write log, plots and video");
   run->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
-  run->add_option("--seed", flags.seed, "Seed of all random numbers, instead of the scenario's")
-      ->check(&CheckWholeNumber);
+  run->add_option_function<std::string>(
+         "--seed", [&flags](const std::string& text) { flags.seed = ParseSeed(text); },
+         "Seed of all random numbers, instead of the scenario's")
+      ->type_name("UINT");
   run->add_option("--out", flags.out, "Folder of results (default: out/<name of the scenario>)")
       ->type_name("DIR");
   run->add_option("--backend", flags.backend, "Backend, instead of the scenario's (mujoco)");
@@ -103,7 +115,7 @@ void PrintError(std::string_view text) {
   }
   while (line.ends_with(' ')) line.pop_back();
   std::fflush(stdout);
-  fmt::print(stderr, "panda-twin: error: {}\n", line);
+  Say(stderr, fmt::format("panda-twin: error: {}\n", line));
 }
 
 /// Runs `command` and turns what it throws into an exit code.
@@ -158,7 +170,11 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& done) {  // --help, --version
-    return app.exit(done);
+    const int code = app.exit(done);
+    return Guarded([&] {
+      FinishOutput();
+      return code;
+    });
   } catch (const CLI::ParseError& error) {
     PrintError(fmt::format("{}; see panda-twin --help", error.what()));
     return kUsage;

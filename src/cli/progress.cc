@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "cli/say.h"
+
 namespace twin::cli {
 
 Progress::Style Progress::StyleOfStdout(bool quiet) {
@@ -19,7 +21,7 @@ Progress::Progress(std::string what, Style style, const Clock& clock)
     : what_(std::move(what)), style_(style), clock_(clock) {}
 
 Progress::~Progress() {
-  if (drawn_) fmt::print("\n");
+  if (drawn_) Say(stdout, "\n");
 }
 
 void Progress::Show(double share, std::string_view note) {
@@ -29,7 +31,7 @@ void Progress::Show(double share, std::string_view note) {
   const int tenths = static_cast<int>(share * 10);
   if (tenths <= tenths_) return;
   tenths_ = tenths;
-  fmt::print("{:<6}{:4d} %  {}\n", what_, 10 * tenths, note);
+  Say(stdout, fmt::format("{:<6}{:4d} %  {}\n", what_, 10 * tenths, note));
   std::fflush(stdout);
 }
 
@@ -44,8 +46,8 @@ void Progress::DrawBar(double share, std::string_view note) {
   complete_ = share >= 1;
   const int filled = static_cast<int>(share * kWidth);
   // \r and "erase to the end of the line" redraw it in place.
-  fmt::print("\r{:<6}[{:#<{}}{:.<{}}] {:3.0f} %  {}\x1b[K", what_, "", filled, "", kWidth - filled,
-             100 * share, note);
+  Say(stdout, fmt::format("\r{:<6}[{:#<{}}{:.<{}}] {:3.0f} %  {}\x1b[K", what_, "", filled, "",
+                          kWidth - filled, 100 * share, note));
   std::fflush(stdout);
 }
 

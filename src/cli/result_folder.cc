@@ -1,9 +1,15 @@
 #include "cli/result_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
 #include <fstream>
+#include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -20,44 +26,79 @@ namespace fs = std::filesystem;
       path.string(), why));
 }
 
+std::string LastError() {
+  return std::generic_category().message(errno);
+}
+
+fs::path PartialOf(fs::path file) {
+  return file += ".partial";
+}
+
+/// Makes a file of its own in `folder`, and removes it. @throws EnvironmentError when it cannot.
+void TryToWrite(const fs::path& folder) {
+  std::string probe = folder / ".panda-twin.XXXXXX";
+  const int descriptor = ::mkostemp(probe.data(), O_CLOEXEC);
+  if (descriptor < 0) FailToWrite(folder, LastError());
+  ::close(descriptor);
+  ::unlink(probe.c_str());
+}
+
 }  // namespace
 
 ResultFolder::ResultFolder(fs::path folder) : folder_(std::move(folder)) {}
 
-void ResultFolder::Prepare() const {
+ResultFolder::~ResultFolder() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void ResultFolder::Prepare() {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) FailToWrite(folder_, error.message());
   if (!fs::is_directory(folder_, error)) FailToWrite(folder_, "not a folder");
-  const fs::path probe = folder_ / "probe.partial";
-  if (!std::ofstream(probe)) FailToWrite(folder_, "permission denied");
-  fs::remove(probe, error);
+  Lock();
+  TryToWrite(folder_);
+  const fs::file_status plots_status = fs::symlink_status(plots(), error);
+  if (plots_status.type() == fs::file_type::not_found) return;
+  if (!fs::is_directory(plots(), error)) FailToWrite(plots(), "not a folder");
+  TryToWrite(plots());
+}
+
+void ResultFolder::Lock() {
+  lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0) FailToWrite(folder_, LastError());
+  // Where the file system knows no locks, a run goes without.
+  if (::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  throw EnvironmentError(fmt::format(
+      "another run writes into {}; wait for it or choose another --out", folder_.string()));
+}
+
+std::vector<fs::path> ResultFolder::Files() const {
+  std::vector<fs::path> files{log(), scenario(), video(), contact_sheet(), summary(), timing()};
+  for (const char* plot : {"joints.svg", "velocities.svg", "jerk.svg", "served.svg"}) {
+    files.push_back(plots() / plot);
+  }
+  return files;
 }
 
 void ResultFolder::Clear() const {
   RemovePartial();
-  std::vector<fs::path> old{log(), scenario(), video(), contact_sheet(), summary(), timing()};
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(plots(), error)) {
-    if (entry.path().extension() == ".svg") old.push_back(entry.path());
-  }
-  for (const fs::path& file : old) {
+  for (const fs::path& file : Files()) {
+    std::error_code error;
     fs::remove(file, error);
     if (error) FailToWrite(file, error.message());
   }
 }
 
-void ResultFolder::RemovePartial() const noexcept {
-  std::error_code error;
-  for (const fs::path& folder : {folder_, plots()}) {
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-      if (entry.path().extension() == ".partial") fs::remove(entry.path(), error);
-    }
+void ResultFolder::RemovePartial() const {
+  for (const fs::path& file : Files()) {
+    std::error_code ignored;
+    fs::remove(PartialOf(file), ignored);
   }
 }
 
 void WriteWholeFile(const fs::path& file, std::string_view text) {
-  const fs::path partial = file.string() + ".partial";
+  const fs::path partial = PartialOf(file);
   std::ofstream out(partial, std::ios::binary);
   out << text << std::flush;
   if (!out) FailToWrite(partial, "disk full or permission denied");

@@ -2,23 +2,30 @@
 
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
 namespace twin::cli {
 
 /// The folder a run writes to, with the names of what it writes.
 ///
 /// A folder never shows the results of two runs: Clear() takes away those of an earlier one, by
-/// name; other files are left alone.
+/// name; other files are left alone. From Prepare() on the folder is locked against other runs, as
+/// long as this lives.
 class ResultFolder {
  public:
   explicit ResultFolder(std::filesystem::path folder);
+  /// Unlocks the folder.
+  ~ResultFolder();
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
 
-  /// Makes the folder and tries that it can be written to. @throws EnvironmentError naming it.
-  void Prepare() const;
+  /// Makes the folder, locks it, and tries that it and its plots can be written to. Once.
+  /// @throws EnvironmentError naming it; also when another run writes into it.
+  void Prepare();
   /// Removes what an earlier run left. @throws EnvironmentError naming what cannot be removed.
   void Clear() const;
-  /// Removes all that is `.partial`.
-  void RemovePartial() const noexcept;
+  /// Removes those of a run's files that are not whole.
+  void RemovePartial() const;
 
   [[nodiscard]] const std::filesystem::path& folder() const noexcept { return folder_; }
   [[nodiscard]] std::filesystem::path log() const { return folder_ / "run.mcap"; }
@@ -32,7 +39,12 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path timing() const { return folder_ / "timing.json"; }
 
  private:
+  void Lock();
+  /// All that a run may write.
+  [[nodiscard]] std::vector<std::filesystem::path> Files() const;
+
   std::filesystem::path folder_;
+  int lock_ = -1;  ///< descriptor of the folder
 };
 
 /// Writes a file that is `.partial` until it is whole. @throws EnvironmentError naming the file.

@@ -1,6 +1,5 @@
 #include <sys/resource.h>
 
-#include <numbers>
 #include <optional>
 #include <string>
 
@@ -9,8 +8,10 @@
 #include "cli/commands.h"
 #include "cli/host.h"
 #include "cli/interrupt.h"
+#include "cli/picture.h"
 #include "cli/progress.h"
 #include "cli/result_folder.h"
+#include "cli/say.h"
 #include "cli/summary.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -77,11 +78,11 @@ class Session {
         scenario::RunFiles{data.models, data.mesh_package, host.cache, flags.rebuild_cache},
         &records_);
     if (scenario_.plant.kind == robot::PlantKind::kMujoco && !run_->connection().uses_meshes) {
-      fmt::print(
-          stderr,
+      Say(stderr,
           "panda-twin: note: the robot's meshes were not found; it is simulated and drawn in "
           "primitive shapes (scripts/setup fetches them; or name them with --meshes)\n");
     }
+    if (makes_video()) CheckPicture(*run_, scenario_.render);
     out_.Prepare();
     times_.prepare_s = SecondsSince(Time());
   }
@@ -107,7 +108,7 @@ class Session {
   const MonotonicClock clock_;
   const RunFlags& flags_;
   const scenario::Scenario scenario_;
-  const ResultFolder out_;
+  ResultFolder out_;
   const InterruptGuard interrupt_;
   WallTimes times_;
   Records records_;
@@ -138,8 +139,8 @@ ExitCode Session::Execute() {
   }
   const bool interrupted = interrupt_.interrupted();
   if (!flags_.quiet) {
-    fmt::print("{}  {:<13}{}\n", SummaryText(scenario_, result_, interrupted, times_), "files",
-               out_.folder().string());
+    Say(stdout, fmt::format("{}  {:<13}{}\n", SummaryText(scenario_, result_, interrupted, times_),
+                            "files", out_.folder().string()));
   }
   if (result_.report.succeeded()) return kOk;
   if (interrupted) throw Interrupted();
@@ -198,22 +199,16 @@ void Session::WriteResults() {
 
 void Session::MakePlots() {
   const Time begin = clock_.Now();
-  if (!flags_.quiet) fmt::print("plots ...\n");
+  if (!flags_.quiet) Say(stdout, "plots ...\n");
   report::WritePlots(out_.log(), run_->robot().limits, out_.plots());
   times_.plots_s = SecondsSince(begin);
 }
 
 void Session::MakeVideo() {
-  const auto& wanted = scenario_.render;
   const render::Snapshots& snapshots = camera_->snapshots();
   if (snapshots.size() == 0) return;
-  constexpr double kDegrees = 180 / std::numbers::pi;
   render::ClipSettings settings;
-  settings.render.width = wanted.width;
-  settings.render.height = wanted.height;
-  settings.render.camera = wanted.camera;
-  settings.render.free_camera = {wanted.azimuth * kDegrees, wanted.elevation * kDegrees,
-                                 wanted.distance, wanted.lookat};
+  settings.render = PictureOf(scenario_.render);
   Progress progress = MakeProgress("video");
   const render::ClipStats stats = render::RenderClip(
       run_->connection().truth->model(), snapshots, settings, {out_.video(), out_.contact_sheet()},

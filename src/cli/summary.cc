@@ -77,10 +77,10 @@ std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunR
   fmt::format_to(std::back_inserter(out), "{}: {}\n", scenario.name,
                  OutcomeOf(result, interrupted));
   for (const Violation& violation : result.report.violations) {
-    line("violation", Describe(violation));
     line("what to do", std::string(Advice(violation.error)));
   }
-  line("final error",
+  const bool arrived = result.report.end == backend::MotionEnd::kSuccess;
+  line(arrived ? "final error" : "to go",
        fmt::format("{:.2e} rad, largest of the joints, to the last waypoint", result.final_error));
   line("cycles",
        fmt::format("{} served, {} held ({:.2f} %, at most {} in a row); {} commands dropped",

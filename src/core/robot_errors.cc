@@ -70,9 +70,6 @@ Quantity QuantityOf(RobotError error) noexcept {
       return {"acceleration", "rad/s^2", "(dq - dq_d) / 1 ms"};
     case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
       return {"jerk", "rad/s^3", "(ddq - ddq_d) / 1 ms"};
-    case RobotError::kCommunicationConstraintsViolation:
-      return {"commands lost in a row", "cycles",
-              "cycles without a command that answers the last state in time"};
     default: return {"value", "", ""};
   }
 }
@@ -95,6 +92,13 @@ std::string FormatErrors(const RobotErrors& errors) {
 }
 
 std::string Describe(const Violation& violation) {
+  if (violation.error == RobotError::kCommunicationConstraintsViolation) {
+    return fmt::format(
+        "{}: {} cycles in a row without a command, at most {} are bridged; ended in the cycle of "
+        "state {} (a command counts when it answers the last state and arrives before the "
+        "deadline).",
+        Name(violation.error), violation.value, violation.limit - 1, violation.message_id);
+  }
   const Quantity quantity = QuantityOf(violation.error);
   std::string text{Name(violation.error)};
   text += violation.axis >= 0 ? fmt::format(": joint {}, ", violation.axis + 1) : std::string(": ");

@@ -81,6 +81,9 @@ bool ControlTick::PassesGate(const RobotState& state) noexcept {
 
 void ControlTick::Generate(const RobotState& state) noexcept {
   const Deposit& deposit = exchange_.deposits.value();
+  // The matcher's window is of cycles: those whose states were lost on the way count too.
+  const std::size_t missed = std::min<std::size_t>(record_.skipped_states, matcher_.window());
+  for (std::size_t i = 0; i < missed; ++i) static_cast<void>(matcher_.Next(deposit.target));
   matched_ = matcher_.Next(deposit.target);
   RobotCommand& command = record_.command;
   command.message_id = state.message_id;

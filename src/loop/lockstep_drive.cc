@@ -22,6 +22,8 @@ constexpr Duration kAfterSuccess = std::chrono::milliseconds(20);
 /// Longest wait for a first state, and for a stopped arm to come to rest.
 constexpr Duration kPatience = std::chrono::seconds(3);
 constexpr const char* kInterrupted = "interrupted";
+/// Without a state for so long, the backend is asked whether the motion has ended.
+constexpr Duration kSilence = std::chrono::milliseconds(500);
 constexpr Duration kProgressPeriod = std::chrono::milliseconds(100);
 
 class Motion;
@@ -67,6 +69,7 @@ class Motion final {
 
   void OnState(Time now) noexcept {
     if (!tick_loop_.OnState()) return;
+    last_state_ = now;
     ports_.tick_done.Schedule(run_.events, now + tick_loop_.cost(), rt::EventOrder::kTickDone);
     const bool in_motion = started_ && tick_.InMotion(tick_loop_.state());
     if (in_motion && !seen_in_motion_) {
@@ -115,7 +118,15 @@ class Motion final {
   void ReportProgress() {
     if (run_.events.Now() < next_progress_) return;
     next_progress_ = run_.events.Now() + kProgressPeriod;
+    NoticeSilentEnd();
     if (run_.progress) run_.progress(run_.events.Now());
+  }
+
+  /// The robot has ended the motion, but no state comes through that would say so.
+  void NoticeSilentEnd() {
+    const Time now = run_.events.Now();
+    if (!started_ || end_ || now - last_state_ < kSilence) return;
+    if (run_.backend.Describe().last_end != backend::MotionEnd::kNone) end_ = now;
   }
 
   void Tell(std::string_view kind, std::string_view text) {
@@ -136,6 +147,7 @@ class Motion final {
   bool seen_in_motion_ = false;
   bool stopping_ = false;
   std::optional<Time> end_;
+  Time last_state_{};  ///< when the last state was read
   Time next_progress_{};
 };
 
@@ -175,7 +187,7 @@ void Motion::StopEarly(RunReport& report, std::string why) {
   stopping_ = true;
   run_.backend.Stop();
   if (!RunUntil(run_.events.Now() + kPatience, [&] { return end_.has_value(); })) {
-    report.failure += "; the arm did not come to rest";
+    report.failure += "; no state has come through that shows the arm at rest";
   }
 }
 

@@ -16,9 +16,18 @@
 namespace twin::record::mcap {
 namespace {
 
+/// A name that leads to no file, which is the user's mistake; all else is the host's.
+bool NamesNoFile(int error) {
+  return error == ENOENT || error == ENOTDIR || error == ELOOP || error == ENAMETOOLONG;
+}
+
+std::string Explain(const std::filesystem::path& path, const std::string& cause) {
+  return fmt::format("cannot read {}: {}; name a log of a run, a file that you may read",
+                     path.string(), cause);
+}
+
 [[noreturn]] void Fail(const std::filesystem::path& path, const std::string& cause) {
-  throw EnvironmentError(fmt::format(
-      "cannot read {}: {}; name a log of a run, a file that you may read", path.string(), cause));
+  throw EnvironmentError(Explain(path, cause));
 }
 
 std::string LastError() {
@@ -28,8 +37,12 @@ std::string LastError() {
 class FileSource final : public Source {
  public:
   explicit FileSource(const std::filesystem::path& path) : path_(path) {
-    descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor_ < 0) Fail(path_, LastError());
+    // Not to wait for the writer of a named pipe.
+    descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor_ < 0) {
+      if (NamesNoFile(errno)) throw InputError(Explain(path_, LastError()));
+      Fail(path_, LastError());
+    }
     struct stat status {};
     const bool known = ::fstat(descriptor_, &status) == 0;
     if (known && S_ISREG(status.st_mode)) {
@@ -38,6 +51,7 @@ class FileSource final : public Source {
     }
     const std::string cause = known ? "it is not a file" : LastError();
     ::close(descriptor_);
+    if (known) throw InputError(Explain(path_, cause));
     Fail(path_, cause);
   }
   ~FileSource() override { ::close(descriptor_); }

@@ -22,7 +22,7 @@ class Source {
   virtual std::size_t ReadAt(std::uint64_t offset, std::span<std::byte> out) = 0;
 };
 
-/// @throws EnvironmentError when `path` is not a file that can be opened.
+/// @throws InputError when `path` names no file; EnvironmentError when it cannot be opened.
 [[nodiscard]] std::unique_ptr<Source> OpenFile(const std::filesystem::path& path);
 
 /// Reads from `bytes`, which must outlive the source.

@@ -53,6 +53,10 @@ void CheckPositions(const std::vector<Waypoint>& waypoints, const JointLimits& l
     Refuse("{} point{}; at least two are needed", waypoints.size(),
            waypoints.size() == 1 ? "" : "s");
   }
+  if (waypoints.size() > kMaxWaypoints) {
+    Refuse("{} points; at most {} are possible: give fewer, a spline goes through them",
+           waypoints.size(), kMaxWaypoints);
+  }
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
       const double q = waypoints[i].q[joint];

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,6 +22,9 @@ constexpr std::array<std::string_view, kColumns> kColumnNames{"time", "q1", "q2"
 constexpr std::string_view kHeader = "time,q1,q2,q3,q4,q5,q6,q7";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr double kLongestSeconds = 86400;
+
+/// No joint turns further than this, rad.
+constexpr double kLargestAngle = 2 * std::numbers::pi;
 
 std::string_view Trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
@@ -84,6 +88,11 @@ Waypoint ParseLine(std::string_view line, std::string where) {
   waypoint.at = FromSeconds(time_s);
   for (std::size_t j = 0; j < kJoints; ++j) {
     waypoint.q[j] = ParseNumber(fields.text[j + 1], where, j + 1);
+    if (std::abs(waypoint.q[j]) <= kLargestAngle) continue;
+    throw InputError(
+        fmt::format("{}: column {} is {} rad, more than a whole turn; positions are in "
+                    "rad, not in degrees",
+                    where, kColumnNames[j + 1], waypoint.q[j]));
   }
   waypoint.where = std::move(where);
   return waypoint;

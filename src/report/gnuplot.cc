@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -80,8 +81,18 @@ int RunGnuplot(const Descriptor& in, const Descriptor& out, const Descriptor& er
   std::string program = "gnuplot";
   std::string no_user_settings = "-d";
   char* const arguments[] = {program.data(), no_user_settings.data(), nullptr};
+  // What this program ignores, gnuplot need not.
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  ::sigaddset(&signals, SIGPIPE);
+  ::posix_spawnattr_setsigdefault(&attributes, &signals);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t process = 0;
-  const int failed = ::posix_spawnp(&process, program.c_str(), &files, nullptr, arguments, environ);
+  const int failed =
+      ::posix_spawnp(&process, program.c_str(), &files, &attributes, arguments, environ);
+  ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&files);
   if (failed != 0) {
     throw EnvironmentError(fmt::format(

@@ -71,9 +71,16 @@ loop::TickConfig MakeTick(const Scenario& scenario) {
   config.generator = scenario.tick.generator;
   config.lambda = scenario.tick.lambda;
   config.rate_matching = scenario.tick.rate_matching;
+  config.finish_tolerance_rad = scenario.tick.finish_tolerance;
   config.source_rate_hz = scenario.controller.rate_hz;
   config.cost = scenario.tick.cost.Model();
   config.Validate();
+  if (config.generator == loop::Generator::kJoint &&
+      scenario.motion.interface == control::CommandInterface::kJointVelocity) {
+    throw InputError(
+        "tick.generator: joint makes positions and does not go with motion.interface: "
+        "joint_velocity; say none, or leave it out");
+  }
   return config;
 }
 
@@ -95,6 +102,18 @@ MotionModes ModesOf(control::CommandInterface interface) {
                         ? MotionGeneratorMode::kJointPosition
                         : MotionGeneratorMode::kJointVelocity;
   return modes;
+}
+
+/// The motion must start where the arm rests; the controller would refuse it otherwise.
+void RequireStart(const JointVector& q_start, const reference::Trajectory& trajectory) {
+  constexpr double kTolerance = 1e-3;  // rad, what a trajectory controller lets pass
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (std::abs(q_start[i] - trajectory.start()[i]) <= kTolerance) continue;
+    throw InputError(fmt::format(
+        "robot.q_start: joint {} rests at {} rad but the trajectory starts at {} rad; let them "
+        "agree within {} rad, or leave q_start out",
+        i + 1, q_start[i], trajectory.start()[i], kTolerance));
+  }
 }
 
 double LargestDistance(const JointVector& a, const JointVector& b) {
@@ -128,8 +147,7 @@ void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles&
   (void)catalogue.backends.Find(scenario.backend);
   (void)catalogue.controllers.Find(scenario.controller.type);
   const RobotData robot = LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
-  (void)MakeTrajectory(scenario, robot);
-  (void)MakeRobotConfig(scenario, robot, files);
+  RequireStart(MakeRobotConfig(scenario, robot, files).q_start, MakeTrajectory(scenario, robot));
   (void)MakeTick(scenario);
   (void)MakeControllerLoop(scenario.controller);
   std::error_code error;
@@ -198,7 +216,7 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
 
 Run::Run(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
          rt::RecordSink* sink) {
-  scenario.Validate();
+  Check(scenario, catalogue, files);
   impl_ = std::make_unique<Impl>(scenario, catalogue, files, sink);
 }
 

@@ -90,7 +90,8 @@ void ReadLink(const YamlNode& node, LinkSection& link) {
   IfGiven(map, "command_loss", [&](const YamlNode& n) {
     link.command_loss_percent = n.Quantity(Dimension::kPercent, 0, 100);
   });
-  IfGiven(map, "d_INT", [&](const YamlNode& n) { link.d_INT = n.Time(Duration::zero(), kCycle); });
+  IfGiven(map, "d_INT",
+          [&](const YamlNode& n) { link.d_INT = n.Time(Duration::zero(), kCycle - Duration(1)); });
 }
 
 void ReadOnboard(const YamlNode& node, OnboardSection& onboard) {
@@ -112,11 +113,15 @@ void ReadOnboard(const YamlNode& node, OnboardSection& onboard) {
 }
 
 void ReadTick(const YamlNode& node, TickSection& tick) {
-  const YamlMap map = node.Map({"generator", "lambda", "rate_matching", "cost"});
+  const YamlMap map =
+      node.Map({"generator", "lambda", "rate_matching", "finish_tolerance", "cost"});
   IfGiven(map, "generator",
           [&](const YamlNode& n) { tick.generator = ReadChoice(n, kGeneratorNames); });
   IfGiven(map, "lambda", [&](const YamlNode& n) { tick.lambda = n.Number(1e-9, 1); });
   IfGiven(map, "rate_matching", [&](const YamlNode& n) { tick.rate_matching = n.Bool(); });
+  IfGiven(map, "finish_tolerance", [&](const YamlNode& n) {
+    tick.finish_tolerance = n.Quantity(Dimension::kAngle, 1e-9, 1e-2);
+  });
   IfGiven(map, "cost", [&](const YamlNode& n) { tick.cost = ReadDelay(n); });
 }
 
@@ -210,9 +215,12 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   IfGiven(map, "plant", [&](const YamlNode& n) { ReadPlant(n, scenario.plant); });
   IfGiven(map, "link", [&](const YamlNode& n) { ReadLink(n, scenario.link); });
   IfGiven(map, "int", [&](const YamlNode& n) { ReadOnboard(n, scenario.onboard); });
+  ReadMotion(map.Require("motion"), folder, scenario.motion);
+  if (scenario.motion.interface == control::CommandInterface::kJointVelocity) {
+    scenario.tick.generator = loop::Generator::kNone;
+  }
   IfGiven(map, "tick", [&](const YamlNode& n) { ReadTick(n, scenario.tick); });
   IfGiven(map, "controller", [&](const YamlNode& n) { ReadController(n, scenario.controller); });
-  ReadMotion(map.Require("motion"), folder, scenario.motion);
   IfGiven(map, "render", [&](const YamlNode& n) { ReadRender(n, scenario.render); });
   IfGiven(map, "record", [&](const YamlNode& n) { scenario.record = n.Bool(); });
   try {

@@ -73,9 +73,11 @@ void PutLinkAndOnboard(Text& out, const Scenario& s) {
 }
 
 void PutTickAndController(Text& out, const Scenario& s) {
-  Put(out, "tick:\n  generator: {}\n  lambda: {}\n  rate_matching: {}\n  cost: {}\n",
+  Put(out,
+      "tick:\n  generator: {}\n  lambda: {}\n  rate_matching: {}\n  finish_tolerance: {} rad\n  "
+      "cost: {}\n",
       NameOf(kGeneratorNames, s.tick.generator), FormatNumber(s.tick.lambda), s.tick.rate_matching,
-      DelayText(s.tick.cost));
+      FormatNumber(s.tick.finish_tolerance), DelayText(s.tick.cost));
   Put(out, "controller:\n  type: {}\n  rate: {} Hz\n  clock_drift: {} ppm\n  phase: {}\n",
       Quoted(s.controller.type), FormatNumber(s.controller.rate_hz),
       FormatNumber(s.controller.clock_drift_ppm), FormatDuration(s.controller.phase));

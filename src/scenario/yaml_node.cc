@@ -88,7 +88,7 @@ std::optional<std::string_view> Nearest(std::string_view word,
 }
 
 std::string ReadTextFile(const std::string& path) {
-  constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 20;
+  constexpr std::uintmax_t kMostBytes = 32 << 20;
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     throw InputError(fmt::format("{}: {}; give an existing YAML file", path,

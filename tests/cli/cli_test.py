@@ -4,6 +4,7 @@
 For every bad input: the exact exit code, exactly one error line, and nothing half-written.
 """
 
+import fcntl
 import json
 import os
 import pathlib
@@ -49,6 +50,15 @@ class CliTest(unittest.TestCase):
     def call(self, *arguments):
         return subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment,
                               capture_output=True, text=True, timeout=120)
+
+    def shell(self, redirected, *arguments):
+        """Calls the program with what sh makes of `redirected`, say ">&-"."""
+        return subprocess.run(["sh", "-c", f'exec "$0" "$@" {redirected}', PROGRAM,
+                               *map(str, arguments)], cwd=self.folder, env=self.environment,
+                              capture_output=True, text=True, timeout=120)
+
+    def run_arguments(self, text=SHORT):
+        return ["run", self.scenario(text), "--out", self.out, "--data", SOURCE / "models"]
 
     def scenario(self, text=SHORT):
         path = self.folder / "scenario.yaml"
@@ -197,6 +207,36 @@ class BadEnvironment(CliTest):
         self.out.chmod(0o500)
         self.assert_refused(self.run_scenario(), 4, "cannot be written")
 
+    def test_plots_that_are_a_file(self):
+        self.out.mkdir()
+        (self.out / "plots").write_text("mine")
+        self.assert_error(self.run_scenario(), 4, "plots: cannot be written (not a folder)")
+        self.assertEqual(self.files(), {"plots"})
+        self.assertEqual((self.out / "plots").read_text(), "mine")
+
+    def test_folder_another_run_writes_into(self):
+        self.out.mkdir()
+        descriptor = os.open(self.out, os.O_RDONLY)
+        self.addCleanup(os.close, descriptor)
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        done = self.run_scenario()
+        self.assert_refused(done, 4, f"another run writes into {self.out}; wait for it")
+        fcntl.flock(descriptor, fcntl.LOCK_UN)
+        self.assertEqual(self.run_scenario().returncode, 0)
+
+    def test_run_locks_its_folder_while_it_moves(self):
+        process = subprocess.Popen([PROGRAM, *map(str, self.run_arguments(SHORT.replace(
+            "1 s", "60 s")))], cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE, text=True)
+        process.stdout.readline()  # the first tenth is done
+        try:
+            self.assert_error(self.run_scenario(), 4, "another run writes into")
+            self.assertIn("run.mcap.partial", self.files())
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+
     def test_missing_gnuplot(self):
         self.environment["PATH"] = str(self.folder)
         self.assert_refused(self.run_scenario(), 4, "apt-get install gnuplot-nox")
@@ -205,7 +245,9 @@ class BadEnvironment(CliTest):
 class BadUsage(CliTest):
     def test_usage(self):
         for arguments in [[], ["fly"], ["run"], ["run", "a.yaml", "--sead", "3"],
-                          ["run", "a.yaml", "--seed", "-1"], ["run", "a.yaml", "--seed", "x"]]:
+                          ["run", "a.yaml", "--seed", "-1"], ["run", "a.yaml", "--seed", "x"],
+                          ["run", "a.yaml", "--seed", "0x10"], ["run", "a.yaml", "--seed", ""],
+                          ["run", "a.yaml", "--seed", "18446744073709551616"]]:
             with self.subTest(arguments=arguments):
                 self.assert_refused(self.call(*arguments), 2, "see panda-twin --help")
 
@@ -213,6 +255,13 @@ class BadUsage(CliTest):
         (self.folder / "run.mcap").write_bytes(b"not a log")
         done = self.call("export", self.folder / "run.mcap", "--out", self.out)
         self.assert_refused(done, 3, "run.mcap")
+
+    def test_export_of_what_is_no_file(self):
+        os.mkfifo(self.folder / "pipe")
+        for name in ["nope.mcap", ".", "pipe"]:
+            with self.subTest(name=name):
+                done = self.call("export", name, "--out", self.out)
+                self.assert_refused(done, 3, f"cannot read {name}: ")
 
     def test_help_and_version(self):
         for arguments in [["--help"], ["run", "--help"], ["--version"]]:
@@ -253,10 +302,33 @@ class GoodRun(CliTest):
 
     def test_removes_results_of_an_earlier_run(self):
         self.out.mkdir()
-        for name in ["video.mp4", "run.mcap.partial", "notes.txt"]:
+        for name in ["video.mp4", "run.mcap.partial", "contact_sheet.png.partial"]:
             (self.out / name).write_text("old")
         self.assertEqual(self.run_scenario().returncode, 0)
-        self.assertEqual(self.files(), self.RESULTS | {"notes.txt"})
+        self.assertEqual(self.files(), self.RESULTS)
+        (self.out / "plots" / "jerk.svg.partial").write_text("old")
+        self.assertEqual(self.run_scenario("record: false\n" + SHORT).returncode, 0)
+        self.assertEqual(self.files(), {"scenario.yaml", "summary.json", "timing.json"})
+
+    def test_leaves_files_alone_that_are_not_its_own(self):
+        (self.out / "plots").mkdir(parents=True)
+        victim = self.folder / "victim"
+        victim.write_text("mine")
+        mine = {"notes.txt", "download.partial", "plots/mine.svg", "plots/mine.partial"}
+        for name in mine:
+            (self.out / name).write_text("mine")
+        (self.out / "probe.partial").symlink_to(victim)
+        (self.out / "run.mcap.partial").symlink_to(victim)
+        self.assertEqual(self.run_scenario().returncode, 0)
+        self.assertEqual(victim.read_text(), "mine")
+        self.assertEqual(self.files(), self.RESULTS | mine | {"probe.partial"})
+        for name in mine:
+            self.assertEqual((self.out / name).read_text(), "mine")
+
+    def test_seed_is_taken_as_it_is_written(self):
+        for text, seed in [("18446744073709551615", 2**64 - 1), ("010", 10)]:
+            self.assertEqual(self.run_scenario(SHORT, "--seed", text).returncode, 0)
+            self.assertIn(f"seed: {seed}\n", (self.out / "scenario.yaml").read_text())
 
     def test_exports_its_log(self):
         self.assertEqual(self.run_scenario().returncode, 0)
@@ -270,6 +342,45 @@ class GoodRun(CliTest):
                 continue
             done = self.call("validate", path, "--data", SOURCE / "models")
             self.assertEqual(done.returncode, 0, done.stderr)
+
+
+class StandardFiles(CliTest):
+    """Output that nobody takes costs neither a run nor a file of its results."""
+
+    def test_run_does_not_need_them(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        log = (self.out / "run.mcap").read_bytes()
+        for redirected in [">&-", "2>&-", "<&- >&- 2>&-", ">/dev/full", ">/dev/full 2>/dev/full"]:
+            with self.subTest(redirected=redirected):
+                shutil.rmtree(self.out)
+                done = self.shell(redirected, *self.run_arguments())
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                self.assertEqual(self.files(), GoodRun.RESULTS)
+                self.assertEqual((self.out / "run.mcap").read_bytes(), log)
+
+    def test_run_outlives_the_reader_of_its_output(self):
+        reading, writing = os.pipe()
+        os.close(reading)
+        done = subprocess.run([PROGRAM, *map(str, self.run_arguments())], stdout=writing,
+                              stderr=subprocess.PIPE, env=self.environment, timeout=120)
+        os.close(writing)
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+        self.assertEqual(self.files(), GoodRun.RESULTS)
+
+    def test_error_that_cannot_be_shown_keeps_its_code(self):
+        for redirected in ["2>&-", "2>/dev/full", ">&- 2>&-"]:
+            with self.subTest(redirected=redirected):
+                self.assertEqual(self.shell(redirected, "run", "nowhere.yaml").returncode, 3)
+                self.assertEqual(self.shell(redirected, "fly").returncode, 2)
+
+    def test_lost_output_is_an_error_where_it_is_the_result(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        data = ["--data", SOURCE / "models"]
+        for arguments in [["validate", self.out / "scenario.yaml", *data], ["check", *data],
+                          ["export", self.out / "run.mcap"], ["--help"], ["--version"]]:
+            for redirected in [">/dev/full", ">&-"]:
+                with self.subTest(arguments=arguments, redirected=redirected):
+                    self.assert_error(self.shell(redirected, *arguments), 4, "standard output")
 
 
 class EndedEarly(CliTest):

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <thread>
 
 #include "twin/core/time.h"
@@ -31,6 +33,14 @@ TEST(TimeTest, CycleIsOneMillisecondInEitherUnit) {
   EXPECT_EQ(kCycle, Duration(1'000'000));
   EXPECT_EQ(FromSeconds(kCycleSeconds), kCycle);
   EXPECT_DOUBLE_EQ(ToSeconds(kCycle), kCycleSeconds);
+}
+
+TEST(TimeTest, FromSecondsSaturatesWhereSumsStayInRange) {
+  const Duration most = FromSeconds(1e300);
+  EXPECT_EQ(FromSeconds(std::numeric_limits<double>::infinity()), most);
+  EXPECT_EQ(FromSeconds(std::nan("")), most);
+  EXPECT_EQ(FromSeconds(-1e300), -most);
+  EXPECT_GT(most + most, most);
 }
 
 TEST(TimeTest, FromSecondsRoundsToTheNearestNanosecond) {

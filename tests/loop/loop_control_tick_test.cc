@@ -135,6 +135,27 @@ TEST_F(ControlTickTest, FinishesOnlyWhenTheReferenceHasArrived) {
   EXPECT_EQ(tick.record().action, rt::TickAction::kFinished);
 }
 
+TEST_F(ControlTickTest, RateMatchingKeepsItsPaceOverLostStates) {
+  // A source at 250 Hz steps by 4; behind the matcher the target rises by 1 a cycle, whether or not
+  // every state arrives.
+  config_.generator = Generator::kNone;
+  config_.source_rate_hz = 250;
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(tick.Tick(State(true), {}));
+  Put(JointVector{}, id_);
+  static_cast<void>(tick.Tick(State(true), {}));
+  JointVector target{};
+  target.fill(4);
+  Put(target, id_);
+  id_ += 2;  // two states are lost; the third finds the ramp where it would be without the loss
+  const RobotCommand* command = tick.Tick(State(true), {});
+  ASSERT_NE(command, nullptr);
+  EXPECT_DOUBLE_EQ(command->q_c[0], 3);
+  command = tick.Tick(State(true), {});
+  EXPECT_DOUBLE_EQ(command->q_c[0], 4);
+}
+
 TEST_F(ControlTickTest, CountsStatesThatNeverCame) {
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   static_cast<void>(tick.Tick(State(false), {}));

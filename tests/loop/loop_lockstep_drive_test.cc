@@ -188,6 +188,26 @@ TEST_F(LockstepDriveTest, AControllerThatRefusesToStartStartsNoMotion) {
   }
 }
 
+TEST_F(LockstepDriveTest, AnEndThatNoStateTellsOfIsNoticed) {
+  // Hardly a state comes through: the robot aborts for want of commands, and nobody tells.
+  robot_.link.state_loss = 0.999;
+  bool aborted = false;
+  for (std::uint64_t seed = 1; seed <= 20 && !aborted; ++seed) {
+    try {
+      const RunReport report = Run(seed);
+      aborted = report.end == backend::MotionEnd::kAborted;
+      if (aborted) {
+        EXPECT_NE(report.failure.find("communication_constraints_violation"), std::string::npos)
+            << report.failure;
+        EXPECT_LT(report.simulated, seconds(10)) << "it waited for its time limit";
+      }
+    } catch (const RobotFault&) {
+      // not even a first state within 3 s
+    }
+  }
+  EXPECT_TRUE(aborted);
+}
+
 TEST_F(LockstepDriveTest, ALinkThatLosesEveryStateIsReported) {
   robot_.link.state_loss = 1;
   EXPECT_THROW(static_cast<void>(Run()), RobotFault);

@@ -156,7 +156,7 @@ TEST_F(ReadWaypointsCsvTest, SurvivesSeededMutationsOfAGoodFile) {
   constexpr std::string_view kBytes = "0123456789.,-+eEnai \t\r\n\"';\0\xff\x80";
   int accepted = 0;
   int refused = 0;
-  for (std::uint64_t round = 0; round < 1000; ++round) {
+  for (std::uint64_t round = 0; round < 1500; ++round) {
     std::string content = kGood;
     const auto draws = random.Bits(round);
     for (std::uint32_t i = 0; i <= draws[0] % 4; ++i) {

@@ -113,7 +113,8 @@ TEST_F(AssemblyTest, StartsWhereTheScenarioSays) {
   scenario.robot.q_start = scenario.motion.waypoints.front().q;
   (*scenario.robot.q_start)[0] += 0.05;
   EXPECT_THAT([&] { (void)Execute(scenario); },
-              ThrowsMessage<InputError>(HasSubstr("joint 1 of the robot is at 0.05")));
+              ThrowsMessage<InputError>(
+                  HasSubstr("robot.q_start: joint 1 rests at 0.05 rad but the trajectory")));
 }
 
 TEST_F(AssemblyTest, RefusesAStartOutsideTheLimits) {

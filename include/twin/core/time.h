@@ -33,8 +33,12 @@ constexpr double ToSeconds(Duration d) {
   return std::chrono::duration<double>(d).count();
 }
 
-/// Nearest nanosecond to `seconds`, ties away from zero.
+/// Nearest nanosecond to `seconds`, ties away from zero; a hundred years when it is more (also for
+/// NaN), so that sums with it stay in range.
 constexpr Duration FromSeconds(double seconds) {
+  constexpr double kMost = 3.15e9;
+  if (!(seconds < kMost)) return Duration(static_cast<std::int64_t>(kMost * 1e9));
+  if (seconds < -kMost) return Duration(static_cast<std::int64_t>(-kMost * 1e9));
   return Duration(static_cast<std::int64_t>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5)));
 }
 

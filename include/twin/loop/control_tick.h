@@ -26,6 +26,9 @@ namespace twin::loop {
 /// from before can therefore never move the arm. Source: the paper's section on the asynchronous
 /// thread.
 ///
+/// The rate matcher's window is of INT's cycles: for every state that was lost on the way (a gap in
+/// message_id) it takes one more step, so that a slow source keeps its pace over losses.
+///
 /// Finish: once a deposit says finished, its (matched) target is at rest and q_d has come within
 /// finish_tolerance_rad of it, the commands carry motion_generation_finished until the motion ends.
 ///

@@ -23,8 +23,8 @@ struct CsvExport {
 /// RFC 4180, but lines end in LF.
 ///
 /// Threads: one thread. Real-time: no.
-/// @throws InputError when the log is damaged; EnvironmentError when it cannot be read or a file
-/// not be written. Nothing is then left behind but files that were whole already.
+/// @throws InputError when the log is damaged or no file; EnvironmentError when it cannot be read
+/// or a file not be written. Nothing is then left behind but files that were whole already.
 CsvExport ExportCsv(const std::filesystem::path& log, const std::filesystem::path& folder);
 
 }  // namespace twin::record

@@ -58,6 +58,10 @@ inline constexpr double kAdmissibleShare = 1.0 - 1e-6;
 /// Least distance of a trajectory from the position limits, rad.
 inline constexpr double kPositionMargin = 1e-9;
 
+/// Most points of a trajectory: 100 s at 1 kHz. Keeps a scenario that holds them, and the log it is
+/// attached to, within what their readers take.
+inline constexpr std::size_t kMaxWaypoints = 100'000;
+
 /// A joint-space path through waypoints: a quintic spline, at rest (dq = ddq = 0) at both ends and
 /// at every stop, with continuous derivatives up to the fourth in between. Among all paths through
 /// the points at these times it has the least integral of jerk squared.

@@ -72,7 +72,8 @@ struct RunResult {
 [[nodiscard]] reference::Trajectory MakeTrajectory(const Scenario& scenario,
                                                    const RobotData& robot);
 
-/// Checks all of a scenario short of running it: names, robot, trajectory, scene file.
+/// Checks all of a scenario short of compiling the robot's model and running it: names, robot,
+/// trajectory, start, tick, controller, scene file.
 /// @throws InputError as Run does.
 void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files);
 

@@ -77,9 +77,11 @@ struct OnboardSection {
 };
 
 struct TickSection {
+  /// Not said in a scenario: kJoint on the position interface, kNone on the velocity interface.
   loop::Generator generator = loop::Generator::kJoint;
   double lambda = 1e-3;  ///< in (0, 1]
   bool rate_matching = true;
+  double finish_tolerance = loop::TickConfig().finish_tolerance_rad;  ///< rad, in [1e-9, 1e-2]
   Delay cost;
   bool operator==(const TickSection&) const = default;
 };
