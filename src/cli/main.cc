@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "cli/exit_code.h"
 #include "cli/program.h"
 #include "controllers/joint_trajectory.h"
 #include "plugins/mujoco/mujoco_backend.h"
@@ -42,7 +43,9 @@ void OpenStandardFiles() {
   for (int descriptor = 0; descriptor <= 2; ++descriptor) {
     if (::fcntl(descriptor, F_GETFD) >= 0) continue;
     // The lowest free number is taken, that is, this one.
-    if (::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY) < 0) std::abort();
+    if (::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY) < 0) {
+      std::_Exit(twin::cli::kEnvironment);
+    }
   }
 }
 

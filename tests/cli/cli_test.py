@@ -229,11 +229,13 @@ class BadEnvironment(CliTest):
             "1 s", "60 s")))], cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, text=True)
         process.stdout.readline()  # the first tenth is done
+        process.send_signal(signal.SIGSTOP)  # so that the motion lasts as long as this needs
         try:
             self.assert_error(self.run_scenario(), 4, "another run writes into")
             self.assertIn("run.mcap.partial", self.files())
         finally:
             process.send_signal(signal.SIGINT)
+            process.send_signal(signal.SIGCONT)
             process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130)
 
