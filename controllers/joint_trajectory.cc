@@ -17,12 +17,12 @@ void JointTrajectoryController::Activate(const RobotState& state, Time /*now*/) 
   is_running_ = false;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double first = trajectory_.start()[j];
-    if (std::abs(state.q_d[j] - first) <= kStartTolerance) continue;
+    if (std::abs(state.q_d[j] - first) <= reference::kStartTolerance) continue;
     throw InputError(
         fmt::format("joint trajectory: joint {} of the robot is at {:.6f} rad, the trajectory "
                     "starts at {:.6f} rad; they may differ by {} rad. Move the robot to the first "
                     "point, or let the trajectory start where the robot is",
-                    j + 1, state.q_d[j], first, kStartTolerance));
+                    j + 1, state.q_d[j], first, reference::kStartTolerance));
   }
 }
 

@@ -25,11 +25,6 @@ struct JointTrajectoryOptions {
 /// points), allocates nothing.
 class JointTrajectoryController final : public control::Controller {
  public:
-  /// Largest distance of a joint from the path's first point at activation, rad. A reference
-  /// generator with lambda = 1e-3 takes it in with a first step of 1e-6 rad, jerk 1e3 rad/s^3,
-  /// inside every joint's limit.
-  static constexpr double kStartTolerance = 1e-3;
-
   explicit JointTrajectoryController(reference::Trajectory trajectory,
                                      const JointTrajectoryOptions& options = {});
 
@@ -38,7 +33,7 @@ class JointTrajectoryController final : public control::Controller {
   }
 
   /// @throws InputError naming the joint, its q_d, the first point and the cure when a joint is
-  /// further than kStartTolerance from the path's first point (or q_d is not a number).
+  /// further than reference::kStartTolerance from the path's first point (or q_d is not a number).
   void Activate(const RobotState& state, Time now) override;
 
   void Update(const RobotState& state, Time now,

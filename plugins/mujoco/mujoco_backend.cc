@@ -55,8 +55,8 @@ class MujocoBackend final : public backend::Backend {
       case SetterStatus::kCommandNotPossibleRejected: throw Refused("Set Joint Impedance");
       case SetterStatus::kInvalidArgumentRejected:
         throw InputError(fmt::format(
-            "Set Joint Impedance rejected: K_theta is [{}] Nm/rad; each must lie in [0, 14250]",
-            fmt::join(impedance.K_theta, ", ")));
+            "Set Joint Impedance rejected: K_theta is [{}] Nm/rad; each must lie in [0, {}]",
+            fmt::join(impedance.K_theta, ", "), onboard::kMaxJointStiffness));
     }
   }
 

@@ -3,21 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
-#include "twin/core/error.h"
-
 namespace twin::loop {
 namespace {
 
 TickConfig Validated(const TickConfig& config, control::CommandInterface interface) {
-  config.Validate();
-  if (config.generator == Generator::kJoint &&
-      interface != control::CommandInterface::kJointPosition) {
-    throw InputError(
-        "tick: the joint reference generator makes positions; a velocity controller needs "
-        "generator: none");
-  }
+  config.Validate(interface);
   return config;
 }
 
@@ -54,9 +44,10 @@ const RobotCommand* ControlTick::Tick(const RobotState& state, Time read) noexce
   record_.action = rt::TickAction::kPublished;
   record_.command = RobotCommand();
 
-  published_.state = state;
-  published_.read = read;
-  exchange_.states.Publish(published_);
+  exchange_.states.PublishWith([&](PublishedState& published) {
+    published.state = state;
+    published.read = read;
+  });
   exchange_.deposits.Refresh();
 
   if (!InMotion(state) || !PassesGate(state)) return nullptr;

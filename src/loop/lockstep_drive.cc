@@ -210,11 +210,9 @@ void Motion::Conclude(RunReport& report) {
 
   const RobotState& last = tick_loop_.state();
   report.simulated = run_.events.Now().time_since_epoch();
-  report.cycles = tick_loop_.motion_states();
   report.written = tick_loop_.written();
   report.skipped_states = tick_loop_.skipped_states();
   report.q_final = last.q;
-  report.q_d_final = last.q_d;
 }
 
 }  // namespace

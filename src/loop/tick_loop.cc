@@ -10,7 +10,6 @@ bool TickLoop::OnState() noexcept {
   }
   command_ = tick_.Tick(state_, arrival);
   skipped_ += tick_.record().skipped_states;
-  if (tick_.InMotion(state_)) ++motion_states_;
   current_cost_ = cost_.Draw(random_, state_.message_id);
   computing_ = true;
   return true;

@@ -13,8 +13,6 @@ namespace {
 /// How long automatic error recovery shows its mode. The robot's own duration is not public.
 constexpr std::uint32_t kRecoveryCycles = 100;
 
-constexpr double kMaxJointStiffness = 14250;  // Nm/rad; source: FCI protocol 5, SetJointImpedance
-
 IntConfig Validated(const IntConfig& config) {
   config.Validate();
   return config;

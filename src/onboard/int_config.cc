@@ -9,7 +9,7 @@ namespace twin::onboard {
 void IntConfig::Validate() const {
   limits.Validate();
   for (std::size_t i = 0; i < kJoints; ++i) {
-    RequireInRange(fmt::format("int: K_theta[{}]", i), K_theta[i], 0, 14250);
+    RequireInRange(fmt::format("int: K_theta[{}]", i), K_theta[i], 0, kMaxJointStiffness);
     RequireInRange(fmt::format("int: rotor_inertia[{}]", i), rotor_inertia[i], 0, 10);
   }
   RequireInRange("int: damping_ratio", damping_ratio, 1e-6, 2);

@@ -20,8 +20,10 @@ void RobotConfig::Validate() const {
   onboard.Validate();
   link.Validate();
   for (std::size_t i = 0; i < kJoints; ++i) {
-    RequireInRange(fmt::format("robot: start position of joint {} (rad)", i + 1), q_start[i],
-                   onboard.limits.q_min[i], onboard.limits.q_max[i]);
+    if (q_start[i] >= onboard.limits.q_min[i] && q_start[i] <= onboard.limits.q_max[i]) continue;
+    throw InputError(fmt::format("robot.q_start: joint {} is at {} rad; it must lie in [{}, {}]",
+                                 i + 1, q_start[i], onboard.limits.q_min[i],
+                                 onboard.limits.q_max[i]));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -58,14 +59,6 @@ plant::MujocoPlantOptions MakePlant(const Scenario& scenario, const RobotData& r
   return options;
 }
 
-void RequireInside(const JointVector& q, const JointLimits& limits) {
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    if (q[i] >= limits.q_min[i] && q[i] <= limits.q_max[i]) continue;
-    throw InputError(fmt::format("robot.q_start: joint {} is at {} rad; it must lie in [{}, {}]",
-                                 i + 1, q[i], limits.q_min[i], limits.q_max[i]));
-  }
-}
-
 loop::TickConfig MakeTick(const Scenario& scenario) {
   loop::TickConfig config;
   config.generator = scenario.tick.generator;
@@ -74,13 +67,7 @@ loop::TickConfig MakeTick(const Scenario& scenario) {
   config.finish_tolerance_rad = scenario.tick.finish_tolerance;
   config.source_rate_hz = scenario.controller.rate_hz;
   config.cost = scenario.tick.cost.Model();
-  config.Validate();
-  if (config.generator == loop::Generator::kJoint &&
-      scenario.motion.interface == control::CommandInterface::kJointVelocity) {
-    throw InputError(
-        "tick.generator: joint makes positions and does not go with motion.interface: "
-        "joint_velocity; say none, or leave it out");
-  }
+  config.Validate(scenario.motion.interface);
   return config;
 }
 
@@ -106,13 +93,12 @@ MotionModes ModesOf(control::CommandInterface interface) {
 
 /// The motion must start where the arm rests; the controller would refuse it otherwise.
 void RequireStart(const JointVector& q_start, const reference::Trajectory& trajectory) {
-  constexpr double kTolerance = 1e-3;  // rad, what a trajectory controller lets pass
   for (std::size_t i = 0; i < kJoints; ++i) {
-    if (std::abs(q_start[i] - trajectory.start()[i]) <= kTolerance) continue;
+    if (std::abs(q_start[i] - trajectory.start()[i]) <= reference::kStartTolerance) continue;
     throw InputError(fmt::format(
         "robot.q_start: joint {} rests at {} rad but the trajectory starts at {} rad; let them "
         "agree within {} rad, or leave q_start out",
-        i + 1, q_start[i], trajectory.start()[i], kTolerance));
+        i + 1, q_start[i], trajectory.start()[i], reference::kStartTolerance));
   }
 }
 
@@ -133,7 +119,6 @@ robot::RobotConfig MakeRobotConfig(const Scenario& scenario, const RobotData& ro
   config.link = MakeLink(scenario.link);
   config.q_start = scenario.robot.q_start.value_or(scenario.motion.waypoints.front().q);
   config.seed = scenario.seed;
-  RequireInside(config.q_start, robot.limits);
   config.Validate();
   return config;
 }
@@ -142,20 +127,42 @@ reference::Trajectory MakeTrajectory(const Scenario& scenario, const RobotData& 
   return reference::Trajectory(scenario.motion.waypoints, scenario.motion.timing, robot.limits);
 }
 
-void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files) {
+namespace {
+
+/// What a scenario comes to, short of a compiled model: each part made once and checked.
+struct Plan {
+  RobotData robot;
+  reference::Trajectory trajectory;
+  robot::RobotConfig config;
+  loop::TickConfig tick;
+  loop::ControllerLoopConfig controller_loop;
+};
+
+void RequireScene(const std::filesystem::path& models, const std::filesystem::path& scene) {
+  std::error_code error;
+  if (scene.empty() || std::filesystem::is_regular_file(models / scene, error)) return;
+  throw InputError(fmt::format("scene: there is no file {}; give an MJCF file in the models folder",
+                               (models / scene).string()));
+}
+
+Plan MakePlan(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files) {
   scenario.Validate();
   (void)catalogue.backends.Find(scenario.backend);
   (void)catalogue.controllers.Find(scenario.controller.type);
-  const RobotData robot = LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
-  RequireStart(MakeRobotConfig(scenario, robot, files).q_start, MakeTrajectory(scenario, robot));
-  (void)MakeTick(scenario);
-  (void)MakeControllerLoop(scenario.controller);
-  std::error_code error;
-  const std::filesystem::path scene = files.models / scenario.scene;
-  if (!scenario.scene.empty() && !std::filesystem::is_regular_file(scene, error)) {
-    throw InputError(fmt::format(
-        "scene: there is no file {}; give an MJCF file in the models folder", scene.string()));
-  }
+  RobotData robot = LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
+  reference::Trajectory trajectory = MakeTrajectory(scenario, robot);
+  robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
+  RequireStart(config.q_start, trajectory);
+  const loop::TickConfig tick = MakeTick(scenario);
+  const loop::ControllerLoopConfig controller_loop = MakeControllerLoop(scenario.controller);
+  RequireScene(files.models, scenario.scene);
+  return {std::move(robot), std::move(trajectory), std::move(config), tick, controller_loop};
+}
+
+}  // namespace
+
+void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files) {
+  (void)MakePlan(scenario, catalogue, files);
 }
 
 class Run::Impl {
@@ -163,21 +170,17 @@ class Run::Impl {
   Impl(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
        rt::RecordSink* sink)
       : scenario_(scenario),
-        robot_(LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand)),
-        trajectory_(MakeTrajectory(scenario, robot_)),
-        config_(MakeRobotConfig(scenario, robot_, files)),
+        plan_(MakePlan(scenario, catalogue, files)),
         controller_(catalogue.controllers.Find(scenario.controller.type)(
-            {trajectory_, scenario.motion.interface})),
+            {plan_.trajectory, scenario.motion.interface})),
         summary_(sink),
         connection_(catalogue.backends.Find(scenario.backend)(
-            {config_, events_, drive_.StateReady(), &summary_})) {}
+            {plan_.config, events_, drive_.StateReady(), &summary_})) {}
 
   RunResult Execute(const RunHooks& hooks);
 
   const Scenario scenario_;
-  const RobotData robot_;
-  const reference::Trajectory trajectory_;
-  const robot::RobotConfig config_;
+  const Plan plan_;
   std::unique_ptr<control::Controller> controller_;
   CycleSummary summary_;
   // The backend's robot is on the queue and tells the drive: it must go first.
@@ -187,13 +190,13 @@ class Run::Impl {
 };
 
 RunResult Run::Impl::Execute(const RunHooks& hooks) {
-  const Duration planned = trajectory_.duration();
+  const Duration planned = plan_.trajectory.duration();
   loop::LockstepRun run{.events = events_,
                         .backend = *connection_.backend,
                         .controller = *controller_,
                         .modes = ModesOf(scenario_.motion.interface),
-                        .tick = MakeTick(scenario_),
-                        .controller_loop = MakeControllerLoop(scenario_.controller),
+                        .tick = plan_.tick,
+                        .controller_loop = plan_.controller_loop,
                         .seed = scenario_.seed,
                         .time_limit = planned + kBeyondPlan,
                         .sink = &summary_,
@@ -203,7 +206,7 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
   if (hooks.progress) run.progress = [&](Time now) { hooks.progress(now, planned); };
   RunResult result;
   result.report = drive_.Run(run);
-  result.goal = trajectory_.goal();
+  result.goal = plan_.trajectory.goal();
   result.final_error = LargestDistance(result.report.q_final, result.goal);
   result.counts = summary_.counts();
   result.states_hash = summary_.states_hash();
@@ -216,7 +219,6 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
 
 Run::Run(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
          rt::RecordSink* sink) {
-  Check(scenario, catalogue, files);
   impl_ = std::make_unique<Impl>(scenario, catalogue, files, sink);
 }
 
@@ -227,11 +229,11 @@ const backend::Connection& Run::connection() const noexcept {
 }
 
 const reference::Trajectory& Run::trajectory() const noexcept {
-  return impl_->trajectory_;
+  return impl_->plan_.trajectory;
 }
 
 const RobotData& Run::robot() const noexcept {
-  return impl_->robot_;
+  return impl_->plan_.robot;
 }
 
 RunResult Run::Execute(const RunHooks& hooks) {

@@ -95,14 +95,13 @@ void ReadLink(const YamlNode& node, LinkSection& link) {
 }
 
 void ReadOnboard(const YamlNode& node, OnboardSection& onboard) {
-  constexpr double kMostStiffness = 14250;
   const YamlMap map = node.Map({"K_theta", "damping_ratio", "abort_after_lost"});
   IfGiven(map, "K_theta", [&](const YamlNode& n) {
     onboard.K_theta = n.JointQuantity(Dimension::kStiffness);
     for (const double K : onboard.K_theta) {
-      if (K >= 0 && K <= kMostStiffness) continue;
+      if (K >= 0 && K <= onboard::kMaxJointStiffness) continue;
       n.Fail(fmt::format("{} Nm/rad is out of range; each must lie in [0, {}] Nm/rad", K,
-                         kMostStiffness));
+                         onboard::kMaxJointStiffness));
     }
   });
   IfGiven(map, "damping_ratio",

@@ -16,7 +16,6 @@ enum class RandomStream : std::uint32_t {
   kTickCost = 6,
   kControllerCost = 7,
   kControllerWake = 8,
-  kControllerPhase = 9,
   kTest = 1000,
 };
 

@@ -35,8 +35,7 @@ namespace twin::loop {
 /// Threads: one. Real-time: Tick() is noexcept and allocates nothing.
 class ControlTick {
  public:
-  /// @throws InputError as TickConfig::Validate, or when the generator does not go with the
-  /// interface.
+  /// @throws InputError as TickConfig::Validate.
   ControlTick(const TickConfig& config, control::CommandInterface interface, Exchange& exchange);
 
   /// A motion with these modes is about to start: closes the gate and forgets the last motion.
@@ -62,7 +61,6 @@ class ControlTick {
   Exchange& exchange_;
   reference::RateMatcher matcher_;
   reference::JointReferenceGenerator generator_;
-  PublishedState published_;
 
   MotionModes modes_;
   std::uint64_t first_id_ = 0;  ///< of the motion; 0 before its first state

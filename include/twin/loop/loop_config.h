@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "twin/control/controller.h"
 #include "twin/core/time.h"
 #include "twin/reference/feed_forward.h"
 #include "twin/rt/delay_model.h"
@@ -25,8 +26,10 @@ struct TickConfig {
   double finish_tolerance_rad = 1e-4;
   rt::DelayModel cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
 
-  /// @throws InputError naming field, value and range.
-  void Validate() const;
+  /// @param interface  what the controller commands.
+  /// @throws InputError naming field, value and range, or a generator that does not go with the
+  /// interface.
+  void Validate(control::CommandInterface interface) const;
 };
 
 /// The periodic loop that runs the user's controller, on its own clock.

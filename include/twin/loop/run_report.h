@@ -17,11 +17,9 @@ struct RunReport {
   std::vector<Violation> violations;  ///< their details, where known
   std::string failure;                ///< what went wrong, for people; empty when nothing did
   Duration simulated{};               ///< run time at the end
-  std::uint64_t cycles = 0;           ///< INT cycles while the motion ran (states read in Move)
   std::uint64_t written = 0;          ///< commands written
   std::uint64_t skipped_states = 0;   ///< states that never reached the workstation
   JointVector q_final{};              ///< measured, last state
-  JointVector q_d_final{};            ///< desired, last state
 
   /// The motion ended as it should, and nothing else went wrong.
   [[nodiscard]] bool succeeded() const noexcept {

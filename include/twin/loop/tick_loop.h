@@ -46,8 +46,6 @@ class TickLoop {
 
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
   [[nodiscard]] std::uint64_t skipped_states() const noexcept { return skipped_; }
-  /// States read in the running motion.
-  [[nodiscard]] std::uint64_t motion_states() const noexcept { return motion_states_; }
 
  private:
   ControlTick& tick_;
@@ -62,7 +60,6 @@ class TickLoop {
   RobotState state_;
   std::uint64_t written_ = 0;
   std::uint64_t skipped_ = 0;
-  std::uint64_t motion_states_ = 0;
 };
 
 }  // namespace twin::loop

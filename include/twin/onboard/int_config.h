@@ -8,12 +8,17 @@
 
 namespace twin::onboard {
 
+/// Largest stiffness of the internal joint impedance controller, Nm/rad. Source: FCI protocol 5,
+/// SetJointImpedance.
+inline constexpr double kMaxJointStiffness = 14250;
+
 /// Everything INT, the robot's own controller, is parametrised with. Defaults are the Panda's with
 /// a Franka Hand, where published; the joint limits are data of the robot and have none.
 struct IntConfig {
   JointLimits limits;
 
-  /// Stiffness of the internal joint impedance controller, Nm/rad, each in [0, 14250].
+  /// Stiffness of the internal joint impedance controller, Nm/rad, each in
+  /// [0, kMaxJointStiffness].
   JointVector K_theta{3000, 3000, 3000, 2500, 2500, 2000, 2000};
   /// Damping ratio of that controller, in (0, 2]. The robot's own is not public.
   double damping_ratio = 1.0;

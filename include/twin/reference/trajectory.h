@@ -58,6 +58,11 @@ inline constexpr double kAdmissibleShare = 1.0 - 1e-6;
 /// Least distance of a trajectory from the position limits, rad.
 inline constexpr double kPositionMargin = 1e-9;
 
+/// A motion may start this far from its trajectory's first point, rad per joint. A reference
+/// generator with lambda = 1e-3 takes it in with a first step of 1e-6 rad, jerk 1e3 rad/s^3, inside
+/// every joint's limit.
+inline constexpr double kStartTolerance = 1e-3;
+
 /// Most points of a trajectory: 100 s at 1 kHz. Keeps a scenario that holds them, and the log it is
 /// attached to, within what their readers take.
 inline constexpr std::size_t kMaxWaypoints = 100'000;

@@ -24,7 +24,14 @@ class LatestValue {
  public:
   /// Producer. Makes `value` the newest.
   void Publish(const T& value) noexcept TWIN_REALTIME {
-    slots_[back_] = value;
+    PublishWith([&value](T& slot) { slot = value; });
+  }
+
+  /// Producer. As Publish, but `fill(T&)` writes the slot in place. The slot still holds an old
+  /// value.
+  template <typename Fill>
+  void PublishWith(Fill&& fill) noexcept TWIN_REALTIME {
+    fill(slots_[back_]);
     back_ = middle_.exchange(static_cast<std::uint8_t>(back_ | kFresh), std::memory_order_acq_rel) &
             kSlot;
   }

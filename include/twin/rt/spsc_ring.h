@@ -60,7 +60,6 @@ class SpscRing {
   [[nodiscard]] std::size_t size() const noexcept {
     return tail_.load(std::memory_order_acquire) - head_.load(std::memory_order_acquire);
   }
-  [[nodiscard]] std::size_t capacity() const noexcept { return mask_ + 1; }
 
  private:
   const std::size_t mask_;
