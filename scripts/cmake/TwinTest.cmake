@@ -3,8 +3,8 @@
 #
 # A test that is a Python script: twin_add_script_test(name SCRIPT check.py ARGS ... LABELS unit NEEDS panda-twin).
 #
-# Labels: unit (seconds, no network, no GPU), contract, stress (threads; also for tsan), video, package (installs), bench, slow.
-# The target unit_tests builds all that label unit needs.
+# Labels: unit (seconds, no network, no GPU, no luck), contract, rt (wall clock; whatever the machine does), stress (threads; also
+# for tsan), video, package (installs), bench, slow. The targets unit_tests and stress_tests build all that those labels need.
 
 # The tests' Python: .venv, made by scripts/setup, has the packages of scripts/requirements-test.txt.
 if(EXISTS ${PROJECT_SOURCE_DIR}/.venv/bin/python)
@@ -15,6 +15,7 @@ endif()
 
 if(TWIN_BUILD_TESTS)
   add_custom_target(unit_tests)
+  add_custom_target(stress_tests)
 endif()
 
 function(twin_add_test name)
@@ -49,7 +50,9 @@ function(twin_register_test name)
   # LSAN_OPTIONS counts under the asan preset only: what libraries leak is named there, what we leak fails.
   set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT}
     ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.supp:print_suppressions=0")
-  if(TEST_NEEDS AND "unit" IN_LIST TEST_LABELS)
-    add_dependencies(unit_tests ${TEST_NEEDS})
-  endif()
+  foreach(label unit stress)
+    if(TEST_NEEDS AND "${label}" IN_LIST TEST_LABELS)
+      add_dependencies(${label}_tests ${TEST_NEEDS})
+    endif()
+  endforeach()
 endfunction()

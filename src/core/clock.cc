@@ -14,6 +14,10 @@ std::int64_t MonotonicNanoseconds() noexcept {
 
 MonotonicClock::MonotonicClock() : origin_ns_(MonotonicNanoseconds()) {}
 
+void MonotonicClock::Restart() noexcept {
+  origin_ns_ = MonotonicNanoseconds();
+}
+
 Time MonotonicClock::Now() const noexcept {
   return Time(Duration(MonotonicNanoseconds() - origin_ns_));
 }

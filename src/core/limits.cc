@@ -1,6 +1,7 @@
 #include "twin/core/limits.h"
 
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -33,6 +34,22 @@ void JointLimits::Validate() const {
   RequirePositive("dddq_max", dddq_max);
   RequirePositive("tau_max", tau_max);
   RequirePositive("dtau_max", dtau_max);
+}
+
+void CartesianLimits::Validate() const {
+  const auto require = [](const char* kind, const CartesianBound& bound) {
+    for (const auto& [field, value] : {std::pair{"dp_max", bound.dp_max},
+                                       {"ddp_max", bound.ddp_max},
+                                       {"dddp_max", bound.dddp_max}}) {
+      if (std::isfinite(value) && value > 0) continue;
+      throw InputError(
+          fmt::format("Cartesian limits: {} of the {} is {}; it must be a finite number above 0",
+                      field, kind, value));
+    }
+  };
+  require("translation", translation);
+  require("rotation", rotation);
+  require("elbow", elbow);
 }
 
 }  // namespace twin

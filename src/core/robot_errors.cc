@@ -70,6 +70,9 @@ Quantity QuantityOf(RobotError error) noexcept {
       return {"acceleration", "rad/s^2", "(dq - dq_d) / 1 ms"};
     case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
       return {"jerk", "rad/s^3", "(ddq - ddq_d) / 1 ms"};
+    case RobotError::kControllerTorqueDiscontinuity:
+      return {"torque rate", "Nm/s", "(tau_d - tau_J_d) / 1 ms, tau_J_d the last accepted torque"};
+    case RobotError::kTauJRangeViolation: return {"measured torque", "Nm", ""};
     default: return {"value", "", ""};
   }
 }

@@ -23,6 +23,10 @@ void EventQueue::Schedule(Time at, EventOrder order, EventHandler& handler,
   std::push_heap(heap_.begin(), heap_.end(), &Later);
 }
 
+void EventQueue::AdvanceTo(Time at) noexcept {
+  now_ = std::max(now_, heap_.empty() ? at : std::min(at, heap_.front().at));
+}
+
 bool EventQueue::RunNext() noexcept {
   if (heap_.empty()) return false;
   std::pop_heap(heap_.begin(), heap_.end(), &Later);

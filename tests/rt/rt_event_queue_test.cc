@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "support/realtime_guard.h"
@@ -197,6 +198,33 @@ TEST(EventQueueTest, FillsToItsCapacityAndEmptiesWithoutAllocation) {
   const auto counts = guard.counts();
   EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
   EXPECT_EQ(recorder.seen().size(), kCapacity);
+}
+
+TEST(EventQueueTest, TellsWhenTheNextEventIsDue) {
+  EventQueue queue;
+  Recorder recorder;
+  EXPECT_EQ(queue.NextTime(), std::nullopt);
+  queue.Schedule(At(30), EventOrder::kIntCycle, recorder, 3);
+  queue.Schedule(At(10), EventOrder::kIntCycle, recorder, 1);
+  EXPECT_EQ(queue.NextTime(), At(10));
+  queue.RunNext();
+  EXPECT_EQ(queue.NextTime(), At(30));
+}
+
+TEST(EventQueueTest, AdvancesForwardButNeverBeyondTheNextEventAndNeverBack) {
+  EventQueue queue;
+  Recorder recorder;
+  queue.AdvanceTo(At(20));
+  EXPECT_EQ(queue.Now(), At(20));
+  queue.AdvanceTo(At(5));
+  EXPECT_EQ(queue.Now(), At(20));
+  queue.Schedule(At(30), EventOrder::kIntCycle, recorder, 1);
+  queue.AdvanceTo(At(25));
+  EXPECT_EQ(queue.Now(), At(25));
+  queue.AdvanceTo(At(100));
+  EXPECT_EQ(queue.Now(), At(30));
+  RunAll(queue);
+  EXPECT_THAT(recorder.seen(), ElementsAre(Seen{At(30), 1}));
 }
 
 }  // namespace

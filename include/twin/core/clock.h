@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "twin/core/time.h"
 
 namespace twin {
@@ -20,7 +22,16 @@ class Clock {
 class MonotonicClock final : public Clock {
  public:
   MonotonicClock();
+
+  /// Starts the time line anew at zero. Not while another thread reads it.
+  void Restart() noexcept;
+
   [[nodiscard]] Time Now() const noexcept override;
+
+  /// The same instant on CLOCK_MONOTONIC, ns: what the operating system's absolute waits take.
+  [[nodiscard]] std::int64_t MonotonicNs(Time at) const noexcept {
+    return origin_ns_ + at.time_since_epoch().count();
+  }
 
  private:
   std::int64_t origin_ns_;

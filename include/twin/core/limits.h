@@ -21,4 +21,23 @@ struct JointLimits {
   void Validate() const;
 };
 
+/// Bounds of one kind of Cartesian motion, as magnitudes (Euclidean norms of three components; the
+/// elbow has one).
+struct CartesianBound {
+  double dp_max = 0;    ///< velocity, m/s or rad/s
+  double ddp_max = 0;   ///< acceleration, m/s^2 or rad/s^2
+  double dddp_max = 0;  ///< jerk, m/s^3 or rad/s^3
+};
+
+/// Limits of the end effector's motion and of the elbow angle. Data of a robot, read from its
+/// limits.yaml.
+struct CartesianLimits {
+  CartesianBound translation;
+  CartesianBound rotation;
+  CartesianBound elbow;
+
+  /// @throws InputError naming field and value when a bound is not finite or not positive.
+  void Validate() const;
+};
+
 }  // namespace twin

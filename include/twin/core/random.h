@@ -16,6 +16,14 @@ enum class RandomStream : std::uint32_t {
   kTickCost = 6,
   kControllerCost = 7,
   kControllerWake = 8,
+  kStateBurst = 9,  ///< transitions of a loss model with memory
+  kCommandBurst = 10,
+  kStateDuplicate = 11,
+  kCommandDuplicate = 12,
+  kStateReorder = 13,
+  kCommandReorder = 14,
+  kTargetNoise = 15,
+  kFault = 16,  ///< of the fault-injecting backend
   kTest = 1000,
 };
 

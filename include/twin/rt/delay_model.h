@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <variant>
+#include <vector>
 
 #include "twin/core/random.h"
 #include "twin/core/realtime.h"
@@ -22,16 +23,47 @@ struct LogNormalDelay {
   Duration offset{0};  ///< least delay, >= 0
 };
 
+/// mean + sigma z, z standard normal, on condition that it is not negative: the density is cut off
+/// at 0 and the rest scaled up. Such a delay is longer than `mean` on average: mean + sigma phi(r)
+/// / Phi(r) with r = mean / sigma, phi and Phi the normal density and distribution.
+struct NormalDelay {
+  Duration mean{0};   ///< of the normal before it is cut, >= 0
+  Duration sigma{0};  ///< its standard deviation, >= 0
+};
+
+/// offset + scale G, G with the gamma distribution of this shape: mean offset + shape scale,
+/// standard deviation sqrt(shape) scale. Shape 1 is the exponential distribution.
+struct GammaDelay {
+  double shape = 1;    ///< in [0.01, 1e6]
+  Duration scale{0};   ///< > 0
+  Duration offset{0};  ///< least delay, >= 0
+};
+
+/// A histogram, as measured: a bin by its weight, uniform within the bin.
+struct EmpiricalDelay {
+  std::vector<Duration> edges;  ///< n + 1 for n >= 1 bins, rising, the first >= 0
+  std::vector<double> weights;  ///< n, each >= 0 and finite, not all 0; they need not add up to 1
+};
+
 /// How long something takes: a message's way, a computation, a wake-up. Drawn from the run's seed,
-/// so that lockstep repeats.
+/// so that lockstep repeats. No parameter may exceed kLongestParameter.
 ///
-/// Threads: any (stateless). Real-time: Draw() is noexcept, O(1), allocates nothing.
+/// The gamma distribution is drawn after Marsaglia and Tsang, "A simple method for generating gamma
+/// variables", ACM TOMS 2000.
+///
+/// Threads: any (stateless). Real-time: Draw() is noexcept, allocates nothing, O(1) (a histogram:
+/// O(log bins)); methods that try again stop after a fixed number of tries.
 class DelayModel {
  public:
+  static constexpr Duration kLongestParameter = std::chrono::hours(1);
+
   DelayModel() = default;  ///< no delay
   /// @throws InputError naming the field when a parameter is outside its range.
   explicit DelayModel(const ConstantDelay& constant);
   explicit DelayModel(const LogNormalDelay& log_normal);
+  explicit DelayModel(const NormalDelay& normal);
+  explicit DelayModel(const GammaDelay& gamma);
+  explicit DelayModel(const EmpiricalDelay& empirical);
 
   /// @param random  seed and stream; @param tick  which message or cycle.
   /// @returns delay >= 0.
@@ -39,7 +71,16 @@ class DelayModel {
                               std::uint64_t tick) const noexcept TWIN_REALTIME;
 
  private:
-  std::variant<ConstantDelay, LogNormalDelay> model_;
+  /// An EmpiricalDelay made ready for drawing.
+  struct Histogram {
+    std::vector<Duration> edges;
+    std::vector<double> cumulative;  ///< share of the weight up to the end of each bin, last 1
+
+    [[nodiscard]] Duration Draw(const Random& random,
+                                std::uint64_t tick) const noexcept TWIN_REALTIME;
+  };
+
+  std::variant<ConstantDelay, LogNormalDelay, NormalDelay, GammaDelay, Histogram> model_;
 };
 
 }  // namespace twin::rt

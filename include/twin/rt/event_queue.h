@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "twin/core/clock.h"
@@ -19,6 +20,7 @@ enum class EventOrder : std::uint8_t {
   kStateArrival = 3,
   kTickDone = 4,
   kControllerWake = 5,
+  kReadBegin = 6,
 };
 
 /// Receives an event on the lockstep thread.
@@ -33,8 +35,8 @@ class EventHandler {
 /// The virtual clock of lockstep and everything that is due on it: a fixed-capacity binary heap.
 ///
 /// Events run in order of (time, order, order of scheduling); the last makes equal events
-/// repeatable. Time only moves when an event runs. Source: the project's notes on time (README,
-/// "Time").
+/// repeatable. Time only moves when an event runs, or is moved towards the next one. Source: the
+/// project's notes on time (README, "Time").
 ///
 /// Threads: one thread. Real-time: Schedule() and RunNext() allocate nothing; the heap's storage is
 /// taken at construction.
@@ -51,6 +53,15 @@ class EventQueue final : public Clock {
   /// Moves time to the next event and runs it. @returns false when nothing is pending; time then
   /// stays.
   bool RunNext() noexcept TWIN_REALTIME;
+
+  /// When the next event is due; absent when nothing is pending.
+  [[nodiscard]] std::optional<Time> NextTime() const noexcept {
+    return heap_.empty() ? std::nullopt : std::optional(heap_.front().at);
+  }
+
+  /// Moves time forward to `at`, for something that happens then without being an event; never
+  /// beyond the next event, never back.
+  void AdvanceTo(Time at) noexcept TWIN_REALTIME;
 
   [[nodiscard]] Time Now() const noexcept override { return now_; }
   [[nodiscard]] std::size_t pending() const noexcept { return heap_.size(); }

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace twin::rt {
+
+/// How a thread of the 1 kHz path is to run.
+struct ThreadSettings {
+  std::string name{};          ///< shown by tools, at most 15 letters
+  int fifo_priority = 0;       ///< SCHED_FIFO, 1 to 99; 0: the ordinary scheduler
+  std::optional<int> cpu{};    ///< the only processor it may run on; absent: any
+  bool lock_memory = true;     ///< mlockall of present and future pages of the whole process
+  std::size_t stack_kb = 256;  ///< of its stack, touched in advance
+};
+
+/// Applies `settings` to the calling thread: name, scheduler, processor, memory lock, touched
+/// stack. What this machine or user does not permit is left out: real time then works less well,
+/// not at all wrongly.
+/// @returns one line of text per thing that was not permitted, saying what follows and the cure;
+/// empty when all was.
+/// @throws InputError when a priority or a processor is none of this machine's.
+[[nodiscard]] std::vector<std::string> SetUpThisThread(const ThreadSettings& settings);
+
+}  // namespace twin::rt
