@@ -1,18 +1,12 @@
 #include "twin/reference/joint_reference_generator.h"
 
-#include <fmt/format.h>
-
-#include "twin/core/error.h"
+#include "reference/correction.h"
 #include "twin/core/time.h"
 
 namespace twin::reference {
 
-JointReferenceGenerator::JointReferenceGenerator(double lambda) : lambda_(lambda) {
-  if (lambda > 0 && lambda <= 1) return;
-  throw InputError(fmt::format(
-      "joint reference generator: lambda is {}; it must lie in (0, 1] (the paper's is 1e-3)",
-      lambda));
-}
+JointReferenceGenerator::JointReferenceGenerator(double lambda)
+    : lambda_(internal::CheckedLambda("joint reference generator", lambda)) {}
 
 JointVector JointReferenceGenerator::Next(const JointVector& q_d,
                                           const JointTarget& target) const noexcept {

@@ -1,85 +1,82 @@
 #include "twin/reference/rate_matcher.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <limits>
 
-#include <fmt/format.h>
-
-#include "twin/core/error.h"
-#include "twin/core/time.h"
+#include "reference/rotation.h"
 
 namespace twin::reference {
 namespace {
 
-std::size_t WindowOf(double source_rate_hz) {
-  constexpr double kCycleRateHz = 1 / kCycleSeconds;
-  if (!(source_rate_hz >= 1 && source_rate_hz <= kCycleRateHz)) {
-    throw InputError(fmt::format("rate matcher: the source's rate is {} Hz; it must lie in [1, {}]",
-                                 source_rate_hz, kCycleRateHz));
-  }
-  // A rate like 1000/3 Hz is not exact in binary: a hair above a whole ratio is that ratio.
-  constexpr double kHair = 1e-9;
-  return static_cast<std::size_t>(std::ceil(kCycleRateHz / source_rate_hz - kHair));
+using JointComponents = MovingAverage<3 * kJoints>::Values;
+using PoseComponents = MovingAverage<13>::Values;
+
+JointComponents ComponentsOf(const JointTarget& target) noexcept {
+  JointComponents values;
+  const auto velocities = std::copy(target.q.begin(), target.q.end(), values.begin());
+  const auto accelerations = std::copy(target.dq.begin(), target.dq.end(), velocities);
+  std::copy(target.ddq.begin(), target.ddq.end(), accelerations);
+  return values;
+}
+
+Eigen::Quaterniond QuaternionOf(const PoseComponents& values) noexcept {
+  return Eigen::Quaterniond(values.data() + 9);
+}
+
+/// @param before  the quaternion whose sign is to be matched.
+PoseComponents ComponentsOf(const PoseTarget& target, const Eigen::Quaterniond& before) noexcept {
+  Eigen::Quaterniond orientation = internal::Orientation(target.O_T_EE);
+  if (orientation.dot(before) < 0) orientation.coeffs() *= -1;
+  PoseComponents values;
+  const auto twist = std::copy_n(target.O_T_EE.begin() + 12, 3, values.begin());
+  const auto quaternion = std::copy(target.O_dP_EE.begin(), target.O_dP_EE.end(), twist);
+  std::copy_n(orientation.coeffs().data(), 4, quaternion);
+  return values;
 }
 
 }  // namespace
 
-RateMatcher::RateMatcher(double source_rate_hz) : window_(WindowOf(source_rate_hz)) {
-  Reset({});
-}
-
-void RateMatcher::Sum::Add(double x) noexcept {
-  const double sum = high + x;
-  const double of_x = sum - high;
-  low += (high - (sum - of_x)) + (x - of_x);
-  high = sum;
-}
+RateMatcher::RateMatcher(double source_rate_hz) : average_(RateMatchingWindow(source_rate_hz)) {}
 
 void RateMatcher::Reset(const JointTarget& u0) noexcept {
-  next_ = 0;
-  sums_ = {};
-  fresh_ = {};
-  same_.fill(window_.size());
-  for (Components& slot : window_) {
-    std::copy(u0.q.begin(), u0.q.end(), slot.begin());
-    std::copy(u0.dq.begin(), u0.dq.end(), slot.begin() + kJoints);
-    std::copy(u0.ddq.begin(), u0.ddq.end(), slot.begin() + 2 * kJoints);
-    for (std::size_t i = 0; i < kComponents; ++i) sums_[i].Add(slot[i]);
-  }
-}
-
-double RateMatcher::Average(std::size_t component, double oldest, double newest) noexcept {
-  Sum& sum = sums_[component];
-  Sum& fresh = fresh_[component];
-  fresh.Add(newest);
-  if (next_ + 1 == window_.size()) {
-    sum = fresh;
-    fresh = {};
-  } else {
-    sum.Add(newest);
-    sum.Add(-oldest);
-  }
-  if (same_[component] == window_.size()) return newest;
-  return (sum.high + sum.low) / static_cast<double>(window_.size());
+  average_.Reset(ComponentsOf(u0));
 }
 
 JointTarget RateMatcher::Next(const JointTarget& u) noexcept {
-  const std::size_t size = window_.size();
-  const Components& last = window_[(next_ + size - 1) % size];
-  Components& slot = window_[next_];
-  const auto filter = [&](const JointVector& in, std::size_t first, JointVector& out) {
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      const std::size_t i = first + j;
-      same_[i] = in[j] == last[i] ? std::min(same_[i] + 1, size) : 1;
-      out[j] = Average(i, slot[i], in[j]);
-      slot[i] = in[j];
-    }
-  };
+  const JointComponents values = average_.Next(ComponentsOf(u));
   JointTarget y;
-  filter(u.q, 0, y.q);
-  filter(u.dq, kJoints, y.dq);
-  filter(u.ddq, 2 * kJoints, y.ddq);
-  next_ = (next_ + 1) % size;
+  std::copy_n(values.begin(), kJoints, y.q.begin());
+  std::copy_n(values.begin() + kJoints, kJoints, y.dq.begin());
+  std::copy_n(values.begin() + 2 * kJoints, kJoints, y.ddq.begin());
+  return y;
+}
+
+TorqueRateMatcher::TorqueRateMatcher(double source_rate_hz)
+    : average_(RateMatchingWindow(source_rate_hz)) {}
+
+PoseRateMatcher::PoseRateMatcher(double source_rate_hz)
+    : average_(RateMatchingWindow(source_rate_hz)) {
+  Reset({});
+}
+
+void PoseRateMatcher::Reset(const PoseTarget& u0) noexcept {
+  average_.Reset(ComponentsOf(u0, Eigen::Quaterniond::Identity()));
+}
+
+PoseTarget PoseRateMatcher::Next(const PoseTarget& u) noexcept {
+  const PoseComponents newest = ComponentsOf(u, QuaternionOf(average_.last()));
+  const PoseComponents values = average_.Next(newest);
+  const Eigen::Quaterniond mean = QuaternionOf(values);
+  // Turns of a whole turn within the window can cancel out: then the newest has to do.
+  constexpr double kCancelled = 1e-6;
+  const bool is_newest = mean.coeffs() == QuaternionOf(newest).coeffs() || mean.norm() < kCancelled;
+  PoseTarget y = u;
+  if (!is_newest) {
+    y.O_T_EE = internal::Pose(mean.normalized(), Eigen::Vector3d::Zero());
+  }
+  std::copy_n(values.begin(), 3, y.O_T_EE.begin() + 12);
+  std::copy_n(values.begin() + 3, 6, y.O_dP_EE.begin());
   return y;
 }
 

@@ -1,21 +1,12 @@
 #pragma once
 
-#include <cstdint>
-
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
+#include "twin/reference/deposit_interval.h"
 #include "twin/reference/joint_target.h"
 
 namespace twin::reference {
-
-/// Which elapsed time divides the difference of two deposits.
-enum class FeedForwardTime : std::uint8_t {
-  kSource,   ///< the source's own, between the two deposits: the mean velocity over a jittered
-             ///< interval is right to first order
-  kNominal,  ///< the source's nominal period: jitter passes through unchanged; kept to show the
-             ///< difference
-};
 
 /// Gives a deposited joint position its velocity, at the place where commands are deposited:
 ///   dq_ext = (q_ext(i) - q_ext(i-1)) / (t(i) - t(i-1)),
@@ -44,10 +35,7 @@ class FeedForward {
   [[nodiscard]] JointTarget Next(Time source_time, const JointVector& q) noexcept TWIN_REALTIME;
 
  private:
-  FeedForwardTime time_;
-  double nominal_s_;
-  bool has_last_ = false;
-  Time last_time_{};
+  DepositInterval interval_;
   JointVector last_q_{};
   JointVector dq_{};
 };

@@ -1,0 +1,140 @@
+#include "twin/reference/rate_limiter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "reference/rotation.h"
+#include "twin/core/time.h"
+
+namespace twin::reference {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kT = kCycleSeconds;
+
+/// Share of the rotation's limits that a pose may use: the robot's way from matrix to velocity is
+/// not quite ours.
+constexpr double kPoseRotationShare = 0.99;
+
+template <typename Values>
+bool AllFinite(const Values& values) noexcept {
+  return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+}
+
+/// One axis: the law of the header.
+double LimitVelocity(double v_c, double v, double a, const CartesianBound& bound) noexcept {
+  const double jerk = std::clamp(((v_c - v) / kT - a) / kT, -bound.dddp_max, bound.dddp_max);
+  const double braking = bound.dddp_max / bound.ddp_max;
+  const double highest = std::min(braking * (bound.dp_max - v), bound.ddp_max);
+  const double lowest = std::max(braking * (-bound.dp_max - v), -bound.ddp_max);
+  return v + std::max(std::min(a + jerk * kT, highest), lowest) * kT;
+}
+
+double LimitPosition(double p_c, double p, double v, double a,
+                     const CartesianBound& bound) noexcept {
+  if (!std::isfinite(p_c)) return p_c;
+  return p + LimitVelocity((p_c - p) / kT, v, a, bound) * kT;
+}
+
+CartesianBound BoundOf(const ClientLimits& limits, std::size_t joint) noexcept {
+  return {limits.dq_max[joint], limits.ddq_max[joint], limits.dddq_max[joint]};
+}
+
+/// How far v may go along the unit vector u until its norm is v_max: to where the line meets the
+/// sphere, or, when it misses, comes closest to it.
+double DistanceToSphere(const Vector3d& v, const Vector3d& u, double v_max) noexcept {
+  const double along = u.dot(v);
+  return -along + std::sqrt(std::max(along * along - v.squaredNorm() + v_max * v_max, 0.0));
+}
+
+/// Three axes: the law of the header.
+Vector3d LimitVelocity(const Vector3d& v_c, const Vector3d& v, const Vector3d& a_last,
+                       const CartesianBound& bound) noexcept {
+  constexpr double kNone = std::numeric_limits<double>::epsilon();
+  const Vector3d jerk = ((v_c - v) / kT - a_last) / kT;
+  const double jerk_norm = jerk.norm();
+  Vector3d a = a_last;
+  if (jerk_norm > kNone) a += jerk * (std::min(jerk_norm, bound.dddp_max) / jerk_norm * kT);
+  const double a_norm = a.norm();
+  if (!(a_norm > kNone)) return v;
+  const Vector3d u = a / a_norm;
+  const double safe = bound.dddp_max / bound.ddp_max * DistanceToSphere(v, u, bound.dp_max);
+  return v + u * (std::min(a_norm, std::clamp(safe, -bound.ddp_max, bound.ddp_max)) * kT);
+}
+
+Vector3d Linear(const Vector6& twist) noexcept {
+  return Vector3d(twist[0], twist[1], twist[2]);
+}
+
+Vector3d Angular(const Vector6& twist) noexcept {
+  return Vector3d(twist[3], twist[4], twist[5]);
+}
+
+CartesianBound Scaled(const CartesianBound& bound, double share) noexcept {
+  return {share * bound.dp_max, share * bound.ddp_max, share * bound.dddp_max};
+}
+
+}  // namespace
+
+JointVector LimitJointPosition(const JointVector& q_c, const JointVector& q_d,
+                               const JointVector& dq_d, const JointVector& ddq_d,
+                               const ClientLimits& limits) noexcept {
+  JointVector q;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    q[j] = LimitPosition(q_c[j], q_d[j], dq_d[j], ddq_d[j], BoundOf(limits, j));
+  }
+  return q;
+}
+
+JointVector LimitJointVelocity(const JointVector& dq_c, const JointVector& dq_d,
+                               const JointVector& ddq_d, const ClientLimits& limits) noexcept {
+  JointVector dq = dq_c;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!std::isfinite(dq_c[j])) continue;
+    dq[j] = LimitVelocity(dq_c[j], dq_d[j], ddq_d[j], BoundOf(limits, j));
+  }
+  return dq;
+}
+
+JointVector LimitTorque(const JointVector& tau_J_d_c, const JointVector& tau_J_d,
+                        const ClientLimits& limits) noexcept {
+  JointVector tau = tau_J_d_c;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!std::isfinite(tau_J_d_c[j])) continue;
+    const double rate = (tau_J_d_c[j] - tau_J_d[j]) / kT;
+    tau[j] = tau_J_d[j] + std::clamp(rate, -limits.dtau_max[j], limits.dtau_max[j]) * kT;
+  }
+  return tau;
+}
+
+Transform LimitCartesianPose(const Transform& O_T_EE_c, const Transform& last,
+                             const Vector6& O_dP_EE_c, const Vector6& O_ddP_EE_c,
+                             const ClientLimits& limits) noexcept {
+  if (!AllFinite(O_T_EE_c)) return O_T_EE_c;
+  const Vector3d p = internal::Position(last);
+  const Vector3d v = LimitVelocity((internal::Position(O_T_EE_c) - p) / kT, Linear(O_dP_EE_c),
+                                   Linear(O_ddP_EE_c), limits.translation);
+  const Vector3d w =
+      LimitVelocity(internal::TurnBetween(last, O_T_EE_c) / kT, Angular(O_dP_EE_c),
+                    Angular(O_ddP_EE_c), Scaled(limits.rotation, kPoseRotationShare));
+  return internal::Turned(last, w * kT, p + v * kT);
+}
+
+Vector6 LimitCartesianVelocity(const Vector6& O_dP_EE_c, const Vector6& last,
+                               const Vector6& O_ddP_EE_c, const ClientLimits& limits) noexcept {
+  if (!AllFinite(O_dP_EE_c)) return O_dP_EE_c;
+  const Vector3d v =
+      LimitVelocity(Linear(O_dP_EE_c), Linear(last), Linear(O_ddP_EE_c), limits.translation);
+  const Vector3d w =
+      LimitVelocity(Angular(O_dP_EE_c), Angular(last), Angular(O_ddP_EE_c), limits.rotation);
+  return {v[0], v[1], v[2], w[0], w[1], w[2]};
+}
+
+Elbow LimitElbow(const Elbow& elbow_c, const Elbow& last, const Elbow& delbow_c,
+                 const Elbow& ddelbow_c, const ClientLimits& limits) noexcept {
+  return {LimitPosition(elbow_c[0], last[0], delbow_c[0], ddelbow_c[0], limits.elbow), elbow_c[1]};
+}
+
+}  // namespace twin::reference

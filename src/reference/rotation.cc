@@ -1,0 +1,61 @@
+#include "reference/rotation.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace twin::reference::internal {
+namespace {
+
+using ConstMatrix4 = Eigen::Map<const Eigen::Matrix4d>;
+
+}  // namespace
+
+Eigen::Quaterniond Orientation(const Transform& X) noexcept {
+  const Eigen::Matrix3d R = ConstMatrix4(X.data()).topLeftCorner<3, 3>();
+  return Eigen::Quaterniond(R).normalized();
+}
+
+Eigen::Vector3d Position(const Transform& X) noexcept {
+  return Eigen::Vector3d(X[12], X[13], X[14]);
+}
+
+Transform Pose(const Eigen::Quaterniond& orientation, const Eigen::Vector3d& position) noexcept {
+  Transform X = kIdentityTransform;
+  Eigen::Map<Eigen::Matrix4d> matrix(X.data());
+  matrix.topLeftCorner<3, 3>() = orientation.toRotationMatrix();
+  matrix.topRightCorner<3, 1>() = position;
+  return X;
+}
+
+Eigen::Vector3d Log(const Eigen::Quaterniond& rotation) noexcept {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
+Eigen::Quaterniond Exp(const Eigen::Vector3d& phi) noexcept {
+  const double angle = phi.norm();
+  // sin(x/2)/x, whose limit is 1/2.
+  const double share = angle > 0 ? std::sin(angle / 2) / angle : 0.5;
+  Eigen::Quaterniond rotation;
+  rotation.w() = std::cos(angle / 2);
+  rotation.vec() = share * phi;
+  return rotation;
+}
+
+Eigen::Vector3d TurnBetween(const Transform& from, const Transform& to) noexcept {
+  return Log(Orientation(to) * Orientation(from).conjugate());
+}
+
+Transform Turned(const Transform& X, const Eigen::Vector3d& phi,
+                 const Eigen::Vector3d& position) noexcept {
+  // What the way from matrix to quaternion and back loses is a few units of rounding.
+  constexpr double kResolution = 8 * std::numeric_limits<double>::epsilon();
+  if (phi.norm() < kResolution) {
+    Transform moved = X;
+    std::copy_n(position.data(), 3, moved.begin() + 12);
+    return moved;
+  }
+  return Pose((Exp(phi) * Orientation(X)).normalized(), position);
+}
+
+}  // namespace twin::reference::internal
