@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "twin/core/time.h"
-#include "twin/model/transform.h"
 #include "twin/onboard/stop_profile.h"
 
 namespace twin::onboard {
@@ -18,8 +16,16 @@ IntConfig Validated(const IntConfig& config) {
   return config;
 }
 
+JointVector TorqueRange(const IntConfig& config) noexcept {
+  if (config.tau_J_range) return *config.tau_J_range;
+  JointVector range = config.limits.tau_max;
+  for (double& tau : range) tau *= 1.2;
+  return range;
+}
+
 bool Offers(const MotionModes& modes) noexcept {
-  return modes.controller == ControllerMode::kJointImpedance &&
+  return (modes.controller == ControllerMode::kJointImpedance ||
+          modes.controller == ControllerMode::kExternalController) &&
          (modes.generator == MotionGeneratorMode::kJointPosition ||
           modes.generator == MotionGeneratorMode::kJointVelocity);
 }
@@ -30,6 +36,8 @@ Int::Int(const IntConfig& config, const JointVector& q0)
     : config_(Validated(config)),
       arm_(model::ArmModel::Panda()),
       impedance_(config.K_theta, config.damping_ratio, config.rotor_inertia),
+      friction_(config.friction_compensation),
+      tau_J_range_(TorqueRange(config)),
       F_T_EE_(config.F_T_NE),
       reference_(JointReference::Rest(q0)) {}
 
@@ -78,34 +86,51 @@ const JointDrive& Int::Cycle(const RobotCommand* command, const JointSensors& se
   if (robot_mode_ == RobotMode::kAutomaticErrorRecovery && --recovery_cycles_left_ == 0) {
     robot_mode_ = RobotMode::kIdle;
   }
-  AdvanceReference(command);
+  AdvanceReference(command, sensors);
+  DriveJoints(sensors);
+  return drive_;
+}
 
-  const ImpedanceTorque torque = impedance_.Torque(reference_, sensors, arm_, config_.end_effector);
-  tau_J_d_ = torque.tau_J_d;
+void Int::DriveJoints(const JointSensors& sensors) noexcept {
+  JointVector tau{};
+  if (external_torque_acts_) {
+    const JointVector g = arm_.Gravity(sensors.q, config_.end_effector);
+    for (std::size_t i = 0; i < kJoints; ++i) tau[i] = tau_J_d_[i] + g[i];
+  } else {
+    const ImpedanceTorque torque =
+        impedance_.Torque(reference_, sensors, arm_, config_.end_effector);
+    tau_J_d_ = torque.tau_J_d;
+    tau = torque.tau;
+  }
+  friction_.AddTo(tau, sensors.dq);
   for (std::size_t i = 0; i < kJoints; ++i) {
-    drive_.tau[i] =
-        std::clamp(torque.tau[i], -config_.limits.tau_max[i], config_.limits.tau_max[i]);
+    drive_.tau[i] = std::clamp(tau[i], -config_.limits.tau_max[i], config_.limits.tau_max[i]);
   }
   drive_.q_d = reference_.q_d;
   drive_.dq_d = reference_.dq_d;
   drive_.ddq_d = reference_.ddq_d;
-  return drive_;
 }
 
-void Int::AdvanceReference(const RobotCommand* command) noexcept {
+void Int::AdvanceReference(const RobotCommand* command, const JointSensors& sensors) noexcept {
+  if (phase_ != Phase::kNone) {
+    violations_ = CheckTorqueRange(sensors.tau_J, tau_J_range_, message_id_ + 1);
+    if (!violations_.empty()) {
+      Abort(sensors);
+      return;
+    }
+  }
   switch (phase_) {
     case Phase::kNone: reference_ = StopStep(reference_, config_.limits); break;
     case Phase::kStarting: AwaitFirstCommand(command); break;
-    case Phase::kRunning: TakeOrHold(command); break;
-    case Phase::kFinishing:
-      reference_ = reference_.AfterPosition(reference_.q_d);
-      if (reference_.AtRest()) EndMotion(MoveStatus::kSuccess);
-      break;
+    case Phase::kRunning: command != nullptr ? Take(*command) : Hold(); break;
+    case Phase::kFinishing: Finish(sensors); break;
     case Phase::kPreempting:
+      TakeOver(sensors);
       reference_ = StopStep(reference_, config_.limits);
       if (reference_.AtRest()) EndMotion(MoveStatus::kPreempted);
       break;
   }
+  if (!violations_.empty()) Abort(sensors);
 }
 
 void Int::AwaitFirstCommand(const RobotCommand* command) noexcept {
@@ -115,7 +140,6 @@ void Int::AwaitFirstCommand(const RobotCommand* command) noexcept {
       violations_.Add({RobotError::kCommunicationConstraintsViolation, -1,
                        static_cast<double>(cycles_waited_),
                        static_cast<double>(config_.first_command_timeout_cycles), message_id_ + 1});
-      Abort();
     }
     return;
   }
@@ -126,49 +150,51 @@ void Int::AwaitFirstCommand(const RobotCommand* command) noexcept {
       violations_.Add({RobotError::kJointPositionMotionGeneratorStartPoseInvalid,
                        static_cast<std::int8_t>(i), distance, config_.start_pose_tolerance_rad,
                        message_id_ + 1});
-      Abort();
       return;
     }
   }
   phase_ = Phase::kRunning;
-  TakeOrHold(command);
+  Take(*command);
 }
 
-void Int::TakeOrHold(const RobotCommand* command) noexcept {
-  if (command != nullptr) {
-    fate_ = rt::CommandFate::kServed;
-    losses_.CountServed();
-    const bool finishes = command->motion_generation_finished;
-    if (Accept(Commanded(*command), finishes) && finishes) phase_ = Phase::kFinishing;
-    return;
+void Int::Take(const RobotCommand& command) noexcept {
+  fate_ = rt::CommandFate::kServed;
+  losses_.CountServed();
+  const bool is_external = modes_.controller == ControllerMode::kExternalController;
+  const bool finishes = command.motion_generation_finished;
+  const JointReference next = Commanded(command);
+  violations_ = CheckStep(next, config_.limits, message_id_ + 1);
+  if (violations_.empty() && finishes) violations_ = CheckStandingStill(next);
+  if (is_external) {
+    violations_.Add(CheckTorqueRate(command.tau_J_d, tau_J_d_, config_.limits, message_id_ + 1));
   }
+  if (!violations_.empty()) return;
+  reference_ = next;
+  if (is_external) {
+    tau_J_d_ = command.tau_J_d;
+    external_torque_acts_ = true;
+  }
+  if (finishes) phase_ = Phase::kFinishing;
+}
+
+void Int::Hold() noexcept {
   fate_ = rt::CommandFate::kHeld;
   losses_.CountLost();
   if (losses_.lost_in_row() >= config_.abort_after_lost) {
     violations_.Add({RobotError::kCommunicationConstraintsViolation, -1,
                      static_cast<double>(losses_.lost_in_row()),
                      static_cast<double>(config_.abort_after_lost), message_id_ + 1});
-    Abort();
     return;
   }
-  static_cast<void>(Accept(reference_.AfterLoss(), false));
+  const JointReference next = reference_.AfterLoss();
+  violations_ = CheckStep(next, config_.limits, message_id_ + 1);
+  if (violations_.empty()) reference_ = next;
 }
 
 JointReference Int::Commanded(const RobotCommand& command) const noexcept {
   return modes_.generator == MotionGeneratorMode::kJointPosition
              ? reference_.AfterPosition(command.q_c)
              : reference_.AfterVelocity(command.dq_c);
-}
-
-bool Int::Accept(const JointReference& next, bool finishes) noexcept {
-  violations_ = CheckStep(next, config_.limits, message_id_ + 1);
-  if (violations_.empty() && finishes) violations_ = CheckStandingStill(next);
-  if (!violations_.empty()) {
-    Abort();
-    return false;
-  }
-  reference_ = next;
-  return true;
 }
 
 Violations Int::CheckStandingStill(const JointReference& last) const noexcept {
@@ -178,13 +204,24 @@ Violations Int::CheckStandingStill(const JointReference& last) const noexcept {
   return CheckStep(first.AfterPosition(first.q_d), config_.limits, message_id_ + 1);
 }
 
-void Int::Abort() noexcept {
+void Int::Finish(const JointSensors& sensors) noexcept {
+  if (modes_.controller == ControllerMode::kExternalController) {
+    TakeOver(sensors);
+    reference_ = StopStep(reference_, config_.limits);
+  } else {
+    reference_ = reference_.AfterPosition(reference_.q_d);
+  }
+  if (reference_.AtRest()) EndMotion(MoveStatus::kSuccess);
+}
+
+void Int::Abort(const JointSensors& sensors) noexcept {
   for (const Violation& violation : violations_.items()) {
     errors_.set(static_cast<std::size_t>(violation.error));
   }
   reflex_reason_ = errors_;
   EndMotion(MoveStatus::kReflexAborted);
   robot_mode_ = RobotMode::kReflex;
+  TakeOver(sensors);
   reference_ = StopStep(reference_, config_.limits);
 }
 
@@ -194,49 +231,11 @@ void Int::EndMotion(MoveStatus end) noexcept {
   robot_mode_ = RobotMode::kIdle;
 }
 
-void Int::FillState(const JointSensors& sensors, RobotState& state) noexcept {
-  const bool moving = phase_ != Phase::kNone;
-  state.message_id = ++message_id_;
-  state.q = sensors.q;
-  state.dq = sensors.dq;
-  state.tau_J = sensors.tau_J;
-  state.theta = sensors.theta;
-  state.dtheta = sensors.dtheta;
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    state.dtau_J[i] = message_id_ > 1 ? (sensors.tau_J[i] - last_tau_J_[i]) / kCycleSeconds : 0;
-  }
-  last_tau_J_ = sensors.tau_J;
-  state.tau_J_d = tau_J_d_;
-  state.O_T_EE = arm_.Pose(model::Frame::kEndEffector, sensors.q, F_T_EE_);
-  state.elbow = model::ElbowOf(sensors.q);
-  FillDesired(state);
-
-  state.robot_mode = robot_mode_;
-  state.motion_generator_mode = moving ? modes_.generator : MotionGeneratorMode::kIdle;
-  state.controller_mode = moving ? modes_.controller : ControllerMode::kOther;
-  state.errors = errors_;
-  state.reflex_reason = reflex_reason_;
-  state.control_command_success_rate = moving ? losses_.success_rate() : 0;
-}
-
-void Int::FillDesired(RobotState& state) const noexcept {
-  state.q_d = reference_.q_d;
-  state.dq_d = reference_.dq_d;
-  state.ddq_d = reference_.ddq_d;
-  const model::Configuration q_d(reference_.q_d);
-  state.O_T_EE_d = arm_.Pose(model::Frame::kEndEffector, q_d, F_T_EE_);
-  state.O_dP_EE_d = arm_.Twist(model::Frame::kEndEffector, q_d, reference_.dq_d, F_T_EE_);
-  state.O_T_EE_c = state.O_T_EE_d;
-  state.O_dP_EE_c = state.O_dP_EE_d;
-  state.elbow_d = model::ElbowOf(reference_.q_d);
-  state.elbow_c = state.elbow_d;
-  state.delbow_c = {reference_.dq_d[2], 0};
-  state.ddelbow_c = {reference_.ddq_d[2], 0};
-  state.F_T_EE = F_T_EE_;
-  state.F_T_NE = config_.F_T_NE;
-  state.m_ee = config_.end_effector.m;
-  state.F_x_Cee = config_.end_effector.F_x_C;
-  state.I_ee = config_.end_effector.I;
+void Int::TakeOver(const JointSensors& sensors) noexcept {
+  if (!external_torque_acts_) return;
+  external_torque_acts_ = false;
+  reference_ = JointReference::Rest(sensors.q);
+  reference_.dq_d = sensors.dq;
 }
 
 }  // namespace twin::onboard

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "twin/core/time.h"
+
 namespace twin::onboard {
 namespace {
 
@@ -42,6 +44,23 @@ Violations CheckStep(const JointReference& next, const JointLimits& limits,
   CheckMagnitude(RobotError::kJointMotionGeneratorVelocityLimitsViolation, next.dq_d, limits.dq_max,
                  message_id, found);
   CheckPosition(next.q_d, limits, message_id, found);
+  return found;
+}
+
+Violations CheckTorqueRate(const JointVector& tau_d, const JointVector& tau_J_d,
+                           const JointLimits& limits, std::uint64_t message_id) noexcept {
+  JointVector rate{};
+  for (std::size_t i = 0; i < kJoints; ++i) rate[i] = (tau_d[i] - tau_J_d[i]) / kCycleSeconds;
+  Violations found;
+  CheckMagnitude(RobotError::kControllerTorqueDiscontinuity, rate, limits.dtau_max, message_id,
+                 found);
+  return found;
+}
+
+Violations CheckTorqueRange(const JointVector& tau_J, const JointVector& range,
+                            std::uint64_t message_id) noexcept {
+  Violations found;
+  CheckMagnitude(RobotError::kTauJRangeViolation, tau_J, range, message_id, found);
   return found;
 }
 

@@ -1,19 +1,12 @@
 #pragma once
 
 #include "twin/core/joint_vector.h"
-#include "twin/core/realtime.h"
+#include "twin/model/joint_friction.h"
 
 namespace twin::plant {
 
-/// What is left of friction on the link side after the robot's own compensation of motor and gear:
-///   tau_f(dq) = phi1 / (1 + exp(-phi2 (dq + phi3))) - phi1 / (1 + exp(-phi2 phi3)),
-/// opposed to dq and zero at rest. Source: Gaz, Cognetti, Oliva, Robuffo Giordano, De Luca,
-/// "Dynamic Identification of the Franka Emika Panda Robot with Retrieval of Feasible Parameters
-/// Using Penalty-Based Optimization", RA-L 2019, supplementary material.
-///
-/// Threads: any (stateless). Real-time: noexcept, allocates nothing.
-/// @param dq  7, joint order, rad/s. @returns Nm; the joint's motion is slowed by it.
-[[nodiscard]] JointVector ResidualFriction(const JointVector& dq) noexcept TWIN_REALTIME;
+/// The friction of FrictionProfile::kResidual.
+using model::ResidualFriction;
 
 /// Torque at which a joint at rest begins to move, Nm. Measured through the FCI on one Panda by a
 /// ramp of external torque up to 0.5 deg of motion, so an upper estimate. Source: franka_emulator

@@ -108,5 +108,49 @@ TEST(LimitMonitorTest, NaNIsBeyondEveryLimit) {
               ElementsAre(RobotError::kJointMotionGeneratorPositionLimitsViolation));
 }
 
+TEST(LimitMonitorTest, TakesATorqueRateUpToTheLimitInBothDirections) {
+  const JointLimits limits = test::PandaLimits();
+  const JointVector tau_J_d{10, -20, 30, -40, 5, -6, 0};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    for (const double sign : {-1.0, 1.0}) {
+      JointVector tau_d = tau_J_d;
+      tau_d[i] += sign * 1.0;  // 1000 Nm/s, but for rounding
+      EXPECT_TRUE(CheckTorqueRate(tau_d, tau_J_d, limits, 7).empty());
+      tau_d[i] += sign * 1e-6;
+      const Violations found = CheckTorqueRate(tau_d, tau_J_d, limits, 7);
+      ASSERT_EQ(found.items().size(), 1u);
+      const Violation& violation = found.items()[0];
+      EXPECT_EQ(violation.error, RobotError::kControllerTorqueDiscontinuity);
+      EXPECT_EQ(violation.axis, static_cast<int>(i));
+      EXPECT_NEAR(violation.value, sign * 1000.001, 1e-6);
+      EXPECT_EQ(violation.limit, sign * 1000);
+      EXPECT_EQ(violation.message_id, 7u);
+    }
+  }
+}
+
+TEST(LimitMonitorTest, ATorqueThatIsNoNumberIsADiscontinuity) {
+  for (const double value :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    const Violations found =
+        CheckTorqueRate({0, 0, 0, 0, 0, value, 0}, JointVector{}, test::PandaLimits(), 1);
+    ASSERT_EQ(found.items().size(), 1u);
+    EXPECT_EQ(found.items()[0].axis, 5);
+  }
+}
+
+TEST(LimitMonitorTest, ReportsTheFirstJointWhoseMeasuredTorqueIsOutOfRange) {
+  const JointVector range{100, 100, 100, 100, 14, 14, 14};
+  EXPECT_TRUE(CheckTorqueRange(range, range, 1).empty());
+  const Violations found = CheckTorqueRange({0, 0, 0, -100.1, 0, 15, 0}, range, 9);
+  ASSERT_EQ(found.items().size(), 1u);
+  const Violation& violation = found.items()[0];
+  EXPECT_EQ(violation.error, RobotError::kTauJRangeViolation);
+  EXPECT_EQ(violation.axis, 3);
+  EXPECT_EQ(violation.value, -100.1);
+  EXPECT_EQ(violation.limit, -100);
+  EXPECT_EQ(violation.message_id, 9u);
+}
+
 }  // namespace
 }  // namespace twin::onboard

@@ -7,6 +7,7 @@
 #include "twin/core/realtime.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
+#include "twin/onboard/friction_compensation.h"
 #include "twin/onboard/int_config.h"
 #include "twin/onboard/joint_impedance.h"
 #include "twin/onboard/joint_reference.h"
@@ -47,18 +48,31 @@ enum class RecoveryStatus : std::uint8_t {
 /// cycle. It knows neither the network nor the plant.
 ///
 /// A cycle:
-///   1. Cycle(command or null, sensors): with a motion running, take the command or hold the last
-///      acceleration; form the derivatives (JointReference); check them (CheckStep); accept or
-///      abort; then the internal controller's torque.
+///   1. Cycle(command or null, sensors): with a motion running, check the measured torque
+///      (CheckTorqueRange); take the command or hold the last acceleration and torque; form the
+///      derivatives (JointReference); check them (CheckStep, CheckTorqueRate); accept or abort;
+///      then the torque of whoever controls the joints.
 ///   2. the plant moves by 1 ms;
 ///   3. FillState(sensors): the next robot state, message_id + 1.
 ///
-/// Motions. Modes here: joint position and joint velocity with the internal joint impedance. After
-/// Move() the next state shows the modes, with the reference at rest; counting of lost commands
-/// begins with the first command. 20 lost in a row (configurable) abort with
-/// communication_constraints_violation. A command with motion_generation_finished is taken if
-/// standing still after it breaks no limit; the motion then ends with Success once the reference
-/// rests.
+/// Motions. Modes here: joint position and joint velocity, each with the internal joint impedance
+/// or the external controller. After Move() the next state shows the modes, with the reference at
+/// rest; counting of lost commands begins with the first command. 20 lost in a row (configurable)
+/// abort with communication_constraints_violation. A command with motion_generation_finished is
+/// taken if standing still after it breaks no limit; the motion then ends with Success once the
+/// reference rests.
+///
+/// External controller. From the first accepted command on, the command's torque drives the joints:
+///   tau = tau_J_d + share tau_f(dq) + g(q),   tau_J_d = the last accepted command,
+/// and the generator only feeds q_d, dq_d, ddq_d, checked as ever; a plain torque motion is a joint
+/// velocity motion with dq_c = 0. Until that command the internal controller holds the arm, and
+/// tau_J_d is its torque: a client that continues from the reported tau_J_d is smooth from its
+/// first command on. A torque above tau_max is accepted, what is applied ends at tau_max. When the
+/// motion ends (finished, StopMove or abort) the arm is where the torque has left it. The internal
+/// controller takes over there (TakeOver): the reference becomes the measured q and dq with ddq = 0
+/// and ramps down (StopStep); it never leads back to the generator's q_d. A finished command's own
+/// torque acts for its cycle; then the arm comes to rest still in Move, and the motion ends with
+/// Success.
 ///
 /// Aborts. The violating command is not applied. In the same state: robot_mode Reflex, modes idle,
 /// errors and reflex_reason set, success rate 0. The reference ramps down within its limits
@@ -67,7 +81,8 @@ enum class RecoveryStatus : std::uint8_t {
 ///
 /// Decisions on what is not public: the share of received commands in a motion's first 100 cycles,
 /// the 1000 cycles within which a first command must come, errors of one cycle (LimitMonitor's
-/// precedence), recovery taking 100 cycles. Source: FCI protocol 5, "Session and motion semantics",
+/// precedence), recovery taking 100 cycles, how a torque motion ends, and the range of the measured
+/// torque (IntConfig::tau_J_range). Source: FCI protocol 5, "Session and motion semantics",
 /// "What the robot side does".
 ///
 /// Threads: one thread at a time. Real-time: every member after construction is noexcept and
@@ -119,23 +134,28 @@ class Int {
     kNone,        ///< no motion
     kStarting,    ///< no command yet
     kRunning,     ///< commands are taken or held
-    kFinishing,   ///< finished command taken: the reference holds its position
+    kFinishing,   ///< finished command taken: the reference comes to rest
     kPreempting,  ///< StopMove: the reference decelerates
   };
 
-  void AdvanceReference(const RobotCommand* command) noexcept;
+  void AdvanceReference(const RobotCommand* command, const JointSensors& sensors) noexcept;
   void AwaitFirstCommand(const RobotCommand* command) noexcept;
-  void TakeOrHold(const RobotCommand* command) noexcept;
+  void Take(const RobotCommand& command) noexcept;
+  void Hold() noexcept;
   [[nodiscard]] JointReference Commanded(const RobotCommand& command) const noexcept;
-  [[nodiscard]] bool Accept(const JointReference& next, bool finishes) noexcept;
   [[nodiscard]] Violations CheckStandingStill(const JointReference& last) const noexcept;
-  void Abort() noexcept;
+  void Finish(const JointSensors& sensors) noexcept;
+  void Abort(const JointSensors& sensors) noexcept;
   void EndMotion(MoveStatus end) noexcept;
+  void TakeOver(const JointSensors& sensors) noexcept;
+  void DriveJoints(const JointSensors& sensors) noexcept;
   void FillDesired(RobotState& state) const noexcept;
 
   IntConfig config_;
   const model::ArmModel& arm_;
   JointImpedance impedance_;
+  FrictionCompensation friction_;
+  JointVector tau_J_range_;
   Transform F_T_EE_;
 
   RobotMode robot_mode_ = RobotMode::kIdle;
@@ -153,7 +173,8 @@ class Int {
   MoveStatus last_end_ = MoveStatus::kMotionStarted;
 
   JointDrive drive_;
-  JointVector tau_J_d_{};
+  JointVector tau_J_d_{};              ///< of whoever controls the joints, without gravity
+  bool external_torque_acts_ = false;  ///< tau_J_d_ is the last accepted command
   JointVector last_tau_J_{};
   std::uint64_t message_id_ = 0;
 };

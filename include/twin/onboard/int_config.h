@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
@@ -24,6 +25,14 @@ struct IntConfig {
   double damping_ratio = 1.0;
   /// Reflected rotor inertia that INT's feed-forward and damping take into account, kg m^2, >= 0.
   JointVector rotor_inertia{};
+  /// Share of the joints' residual friction that INT compensates, in [0, 1]; see
+  /// FrictionCompensation. The robot's own compensation is not public; what it leaves is that
+  /// residual, by definition, so nothing of it is compensated unless asked for.
+  double friction_compensation = 0;
+  /// Largest measured torque |tau_J| at which a motion goes on, Nm, each in (0, 1000]; absent:
+  /// 1.2 tau_max. The range of the real sensors is not public; this one leaves room above what the
+  /// drives can apply for what contact and inertia add.
+  std::optional<JointVector> tau_J_range{};
 
   /// End effector: mass, centre of mass and inertia in flange axes.
   model::Payload end_effector;

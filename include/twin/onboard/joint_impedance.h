@@ -19,9 +19,9 @@ struct ImpedanceTorque {
 ///   D_ii    = 2 zeta sqrt(K_theta_ii (M_ii(q) + B_ii)),
 /// B the reflected rotor inertia. The feed-forward of ddq_d makes the arm follow an admissible
 /// reference without lag; it acts on the reference as INT holds it, extrapolated cycles included.
-/// Friction is not compensated here: the plant models what is left after the robot's own
-/// compensation. Source of the structure: the paper's section on FCI timing (torque from B(q), C,
-/// f, g); damping and gains are ours, the robot's are not public.
+/// Friction is compensated after it (FrictionCompensation). Source of the structure: the paper's
+/// section on FCI timing (torque from B(q), C, f, g); damping and gains are ours, the robot's are
+/// not public.
 ///
 /// Threads: any (immutable). Real-time: noexcept, allocates nothing.
 class JointImpedance {

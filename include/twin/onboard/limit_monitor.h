@@ -17,6 +17,9 @@ class Violations {
   void Add(const Violation& violation) noexcept {
     if (size_ < items_.size()) items_[size_++] = violation;
   }
+  void Add(const Violations& more) noexcept {
+    for (const Violation& violation : more.items()) Add(violation);
+  }
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   [[nodiscard]] std::span<const Violation> items() const noexcept { return {items_.data(), size_}; }
 
@@ -42,5 +45,26 @@ inline constexpr double kLimitTolerance = 1e-9;
 /// @param message_id  id the violations carry.
 [[nodiscard]] Violations CheckStep(const JointReference& next, const JointLimits& limits,
                                    std::uint64_t message_id) noexcept TWIN_REALTIME;
+
+/// Checks the torque of an external controller: |tau_d - tau_J_d| / T <= dtau_max, joint by joint,
+/// else controller_torque_discontinuity with the rate as its value. What is not finite breaks it.
+/// The magnitude |tau_d| is not checked: FCI recommends tau_max, it does not enforce it. Source:
+/// FCI protocol 5, conditions.
+///
+/// Threads: any. Real-time: noexcept, allocates nothing.
+///
+/// @param tau_d    commanded, Nm.
+/// @param tau_J_d  as the last robot state reports it, Nm.
+[[nodiscard]] Violations CheckTorqueRate(const JointVector& tau_d, const JointVector& tau_J_d,
+                                         const JointLimits& limits,
+                                         std::uint64_t message_id) noexcept TWIN_REALTIME;
+
+/// Checks measured torque: |tau_J| <= range, joint by joint, else tau_J_range_violation.
+///
+/// Threads: any. Real-time: noexcept, allocates nothing.
+///
+/// @param range  Nm (IntConfig::tau_J_range).
+[[nodiscard]] Violations CheckTorqueRange(const JointVector& tau_J, const JointVector& range,
+                                          std::uint64_t message_id) noexcept TWIN_REALTIME;
 
 }  // namespace twin::onboard

@@ -10,7 +10,8 @@
 
 namespace twin::plant {
 
-/// Friction of the joints. Figures and sources: src/plant/friction.h.
+/// Friction of the joints. Figures and sources: twin/model/joint_friction.h
+/// and src/plant/friction.h.
 enum class FrictionProfile : std::uint8_t {
   kNone,      ///< frictionless
   kResidual,  ///< link-side rest friction after the robot's own compensation (sigmoid of Gaz et al.

@@ -1,8 +1,8 @@
-#include "plant/friction.h"
+#include "twin/model/joint_friction.h"
 
 #include <cmath>
 
-namespace twin::plant {
+namespace twin::model {
 namespace {
 
 constexpr JointVector kPhi1{0.54615, 0.87224, 0.64068, 1.2794, 0.83904, 0.30301, 0.56489};  // Nm
@@ -22,4 +22,4 @@ JointVector ResidualFriction(const JointVector& dq) noexcept {
   return tau;
 }
 
-}  // namespace twin::plant
+}  // namespace twin::model
