@@ -33,6 +33,7 @@ std::string_view Name(rt::TickAction action) {
     case rt::TickAction::kWritten: return "written";
     case rt::TickAction::kFinished: return "finished";
     case rt::TickAction::kSkipped: return "skipped";
+    case rt::TickAction::kInvalid: return "invalid";
   }
   return "unknown";
 }

@@ -53,11 +53,21 @@ void Encode(const RobotCommand& command, pb::Command& message) {
   EncodeVectors(kCommandFields, command, message);
 }
 
+/// Adds a file after all that it imports, each once: so that the set can be read front to back.
+void AddWithImports(const google::protobuf::FileDescriptor& file,
+                    google::protobuf::FileDescriptorSet& files) {
+  for (int i = 0; i < file.dependency_count(); ++i) AddWithImports(*file.dependency(i), files);
+  for (const auto& known : files.file()) {
+    if (known.name() == file.name()) return;
+  }
+  file.CopyTo(files.add_file());
+}
+
 /// Schema and channel of one message type.
 template <class Message>
 std::uint16_t AddChannel(McapWriter& writer, std::string_view topic) {
   google::protobuf::FileDescriptorSet files;
-  Message::descriptor()->file()->CopyTo(files.add_file());
+  AddWithImports(*Message::descriptor()->file(), files);
   const std::uint16_t schema =
       writer.AddSchema(Message::descriptor()->full_name(), "protobuf", files.SerializeAsString());
   return writer.AddChannel(schema, topic, "protobuf");
@@ -75,6 +85,7 @@ LogEncoder::LogEncoder(McapWriter& writer, const RunInfo& run) : writer_(writer)
   cycle_channel_ = AddChannel<pb::Cycle>(writer_, kCycleTopic);
   tick_channel_ = AddChannel<pb::Tick>(writer_, kTickTopic);
   event_channel_ = AddChannel<pb::Event>(writer_, kEventTopic);
+  frames_channel_ = AddChannel<foxglove::FrameTransforms>(writer_, kFramesTopic);
 }
 
 void LogEncoder::Add(const rt::CycleRecord& record) {
@@ -97,6 +108,8 @@ void LogEncoder::Add(const rt::CycleRecord& record) {
   if (record.violated) Encode(record.violation, *cycle_.mutable_violation());
   EncodeVectors(kCycleFields, record, cycle_);
   Write(cycle_channel_, record.at, cycle_);
+  const foxglove::FrameTransforms* frames = frames_.Next(record.at, state.q);
+  if (frames != nullptr) Write(frames_channel_, record.at, *frames);
 }
 
 void LogEncoder::Add(const rt::TickRecord& record) {

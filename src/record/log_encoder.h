@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "record/arm_frames.h"
 #include "record/log_fields.h"
 #include "twin/core/robot_state.h"
 #include "twin/record/log_records.h"
@@ -11,8 +12,8 @@
 
 namespace twin::record {
 
-/// Turns records into the messages of log.proto and adds them to an MCAP file. Messages are reused,
-/// so that nothing is allocated per record.
+/// Turns records into the messages of log.proto and foxglove.proto and adds them to an MCAP file.
+/// Messages are reused, so that nothing is allocated per record.
 ///
 /// Threads: one thread. Real-time: no. Errors: those of McapWriter.
 class LogEncoder {
@@ -20,7 +21,8 @@ class LogEncoder {
   /// Adds schemas, channels, metadata and the scenario. @param writer  must outlive the encoder.
   LogEncoder(McapWriter& writer, const RunInfo& run);
 
-  /// Adds the cycle, and before it the configuration when that is new.
+  /// Adds the cycle, before it the configuration when that is new, and after it the arm's frames
+  /// when they are due.
   void Add(const rt::CycleRecord& record);
   void Add(const rt::TickRecord& record);
   /// Bytes that are not UTF-8 become '?'.
@@ -36,12 +38,14 @@ class LogEncoder {
   std::uint16_t config_channel_ = 0;
   std::uint16_t tick_channel_ = 0;
   std::uint16_t event_channel_ = 0;
+  std::uint16_t frames_channel_ = 0;
   bool has_config_ = false;
   RobotState config_;  ///< whose configuration was written last
   pb::Cycle cycle_;
   pb::Config config_message_;
   pb::Tick tick_;
   pb::Event event_;
+  ArmFrames frames_;
 };
 
 }  // namespace twin::record

@@ -136,6 +136,7 @@ inline constexpr std::string_view kCycleTopic = "/robot/cycle";
 inline constexpr std::string_view kConfigTopic = "/robot/config";
 inline constexpr std::string_view kTickTopic = "/ext/tick";
 inline constexpr std::string_view kEventTopic = "/event";
+inline constexpr std::string_view kFramesTopic = "/tf";
 
 /// Names of the metadata record about the run, its keys, and the attachment with the scenario.
 inline constexpr const char* kRunMetadata = "run";

@@ -20,7 +20,10 @@ namespace {
 /// Records a ring holds, 3 MB of them.
 constexpr std::size_t kRingRecords = 1024;
 
-/// Records written between two looks at whether a producer waits.
+/// Events a ring of their own holds: they are few.
+constexpr std::size_t kRingEvents = 64;
+
+/// Records of a ring written between two looks at the others, and at whether a producer waits.
 constexpr std::size_t kBatch = 128;
 
 /// Pause of the writer when the ring is empty. In it the fastest lockstep run puts a few hundred
@@ -79,8 +82,9 @@ Recorder::Recorder(const std::filesystem::path& path, const RunInfo& run, FullRi
                    std::size_t chunk_bytes)
     : full_ring_(full_ring),
       writer_(std::make_unique<Writer>(path, run, chunk_bytes)),
-      ring_(std::make_unique<Ring>(kRingRecords)),
-      tick_ring_(full_ring == FullRing::kDrop ? std::make_unique<Ring>(kRingRecords) : nullptr),
+      cycles_(std::make_unique<Ring>(kRingRecords)),
+      ticks_(full_ring == FullRing::kDrop ? std::make_unique<Ring>(kRingRecords) : nullptr),
+      events_(full_ring == FullRing::kDrop ? std::make_unique<Ring>(kRingEvents) : nullptr),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 
 Recorder::~Recorder() {
@@ -94,16 +98,15 @@ Recorder::~Recorder() {
 }
 
 void Recorder::Put(const rt::CycleRecord& record) noexcept {
-  Push(*ring_, [&record](Item& slot) { slot.emplace<rt::CycleRecord>(record); });
+  Push(cycles_, [&record](Item& slot) { slot.emplace<rt::CycleRecord>(record); });
 }
 
 void Recorder::Put(const rt::TickRecord& record) noexcept {
-  Push(tick_ring_ != nullptr ? *tick_ring_ : *ring_,
-       [&record](Item& slot) { slot.emplace<rt::TickRecord>(record); });
+  Push(ticks_, [&record](Item& slot) { slot.emplace<rt::TickRecord>(record); });
 }
 
 void Recorder::Event(Time at, std::string_view kind, std::string_view text) noexcept {
-  Push(*ring_, [&](Item& slot) {
+  Push(events_, [&](Item& slot) {
     auto& event = slot.emplace<EventItem>();
     event.at = at;
     event.kind.Set(kind);
@@ -112,7 +115,8 @@ void Recorder::Event(Time at, std::string_view kind, std::string_view text) noex
 }
 
 template <class Fill>
-void Recorder::Push(Ring& ring, Fill&& fill) noexcept {
+void Recorder::Push(const std::unique_ptr<Ring>& own, Fill&& fill) noexcept {
+  Ring& ring = own != nullptr ? *own : *cycles_;
   while (true) {
     const std::uint32_t seen = drained_.load(std::memory_order_acquire);
     if (ring.TryPushWith(fill)) return;
@@ -144,9 +148,9 @@ std::size_t Recorder::Drain() {
     }
   };
   std::size_t count = 0;
-  while (count < kBatch && ring_->TryPopWith(write)) ++count;
-  if (tick_ring_ != nullptr) {
-    while (count < 2 * kBatch && tick_ring_->TryPopWith(write)) ++count;
+  for (const auto& ring : {cycles_.get(), ticks_.get(), events_.get()}) {
+    if (ring == nullptr) continue;
+    for (std::size_t i = 0; i < kBatch && ring->TryPopWith(write); ++i) ++count;
   }
   if (count > 0) {
     drained_.fetch_add(1, std::memory_order_release);

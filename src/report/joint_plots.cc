@@ -1,6 +1,7 @@
 #include "report/joint_plots.h"
 
 #include <algorithm>
+#include <limits>
 #include <string_view>
 
 #include "report/script.h"
@@ -16,8 +17,8 @@ struct Panel {
   std::size_t joint = 0;
   std::string title;
   std::string_view unit;
-  double limit_min = 0;
-  double limit_max = 0;
+  double limit_min = -std::numeric_limits<double>::infinity();  ///< infinite: none
+  double limit_max = std::numeric_limits<double>::infinity();
   double y_min = 0;
   double y_max = 0;
 };
@@ -37,6 +38,7 @@ Script BeginFigure(const RunData& run, std::string_view what) {
   script.Line("set xrange {}", TimeRange(run));
   script.Line("set xlabel 'time / s' offset 0,0.6");
   script.Line("set lmargin 11; set rmargin 2; set tmargin 3; set bmargin 3");
+  MarkAbort(script, run);
   return script;
 }
 
@@ -59,8 +61,9 @@ void AddPanel(Script& script, const Panel& panel, const Curves& curves) {
 }
 
 /// Fills the eighth place of the figure with the legend, which so covers no curve.
-std::string EndFigure(Script script, const Curves& curves) {
-  script.Line("unset title; unset xlabel; unset ylabel; unset tics; unset border; unset grid");
+std::string EndFigure(Script script, const RunData& run, const Curves& curves) {
+  script.Line(
+      "unset title; unset xlabel; unset ylabel; unset tics; unset border; unset grid; unset arrow");
   script.Line("set key center center Left reverse font ',14' spacing 1.6 samplen 4");
   script.Line("set xrange [0:1]; set yrange [0:1]");
   std::string plot = fmt::format("plot NaN w l lw 2 lc '{}' title {}", kReferenceColour,
@@ -72,6 +75,7 @@ std::string EndFigure(Script script, const Curves& curves) {
   if (curves.limits_in_view) {
     plot += fmt::format(", NaN w l dt 2 lw 2 lc '{}' title 'limit'", kLimitColour);
   }
+  if (run.abort) plot += fmt::format(", NaN w l lw 2 lc '{}' title 'abort'", kAbortColour);
   script.Line("{}", plot);
   return script.End();
 }
@@ -93,7 +97,7 @@ std::string PositionScript(const RunData& run, const JointLimits& limits) {
               .y_max = limits.q_max[i] + margin},
              curves);
   }
-  return EndFigure(std::move(script), curves);
+  return EndFigure(std::move(script), run, curves);
 }
 
 std::string VelocityScript(const RunData& run, const JointLimits& limits) {
@@ -113,7 +117,28 @@ std::string VelocityScript(const RunData& run, const JointLimits& limits) {
               .y_max = range},
              curves);
   }
-  return EndFigure(std::move(script), curves);
+  return EndFigure(std::move(script), run, curves);
+}
+
+std::string TrackingScript(const RunData& run) {
+  const Curves curves{
+      nullptr, "", &run.error,
+      run.by_torque ? "q_ext - q, target less measured" : "q_d - q, desired less measured", false};
+  Script script = BeginFigure(run, "tracking error");
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double peak = run.peak_error[i];
+    const double range = peak > 0 ? 1.15 * peak : 1;
+    AddPanel(script,
+             {.joint = i,
+              .title = run.error.Curve(i).empty()
+                           ? fmt::format("joint {}: nothing to compare", i + 1)
+                           : fmt::format("joint {}: peak {:.3g} mrad", i + 1, peak),
+              .unit = "mrad",
+              .y_min = -range,
+              .y_max = range},
+             curves);
+  }
+  return EndFigure(std::move(script), run, curves);
 }
 
 std::string JerkScript(const RunData& run, const JointLimits& limits) {
@@ -139,7 +164,7 @@ std::string JerkScript(const RunData& run, const JointLimits& limits) {
          .y_max = range},
         curves);
   }
-  return EndFigure(std::move(script), curves);
+  return EndFigure(std::move(script), run, curves);
 }
 
 }  // namespace twin::report

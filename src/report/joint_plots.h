@@ -11,6 +11,7 @@ namespace twin::report {
 
 [[nodiscard]] std::string PositionScript(const RunData& run, const JointLimits& limits);
 [[nodiscard]] std::string VelocityScript(const RunData& run, const JointLimits& limits);
+[[nodiscard]] std::string TrackingScript(const RunData& run);
 [[nodiscard]] std::string JerkScript(const RunData& run, const JointLimits& limits);
 
 /// Script of served.svg.

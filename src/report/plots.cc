@@ -1,7 +1,8 @@
 #include "twin/report/plots.h"
 
+#include <array>
+#include <string>
 #include <system_error>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,16 +24,13 @@ std::vector<std::filesystem::path> WritePlots(const std::filesystem::path& log,
     throw EnvironmentError(fmt::format("cannot create folder {}: {}; choose another one",
                                        folder.string(), error.message()));
   }
-  const std::pair<const char*, std::string> plots[] = {
-      {"joints.svg", PositionScript(run, limits)},
-      {"velocities.svg", VelocityScript(run, limits)},
-      {"jerk.svg", JerkScript(run, limits)},
-      {"served.svg", ServedScript(run)},
-  };
+  const std::array<std::string, kPlotFiles.size()> scripts{
+      PositionScript(run, limits), TrackingScript(run), VelocityScript(run, limits),
+      JerkScript(run, limits), ServedScript(run)};
   std::vector<std::filesystem::path> paths;
-  for (const auto& [name, script] : plots) {
-    paths.push_back(folder / name);
-    DrawSvg(script, paths.back());
+  for (std::size_t i = 0; i < scripts.size(); ++i) {
+    paths.push_back(folder / kPlotFiles[i]);
+    DrawSvg(scripts[i], paths.back());
   }
   return paths;
 }

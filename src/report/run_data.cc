@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "report/tracking_error.h"
 #include "twin/core/error.h"
+#include "twin/core/robot_errors.h"
 #include "twin/core/time.h"
 
 namespace twin::report {
@@ -33,6 +35,17 @@ void UpdatePeaks(JointVector& peaks, const JointVector& values) {
   }
 }
 
+/// Names the error of a state that has one: the one its cycle explains, else the first.
+std::string NameOf(const rt::CycleRecord& cycle) {
+  const RobotErrors& errors = cycle.state.errors;
+  std::size_t first = 0;
+  while (!errors[first]) ++first;
+  const RobotError error = cycle.violated ? cycle.violation.error : static_cast<RobotError>(first);
+  const std::size_t others = errors.count() - 1;
+  return fmt::format("{}{}", twin::Name(error),
+                     others > 0 ? fmt::format(" and {} more", others) : "");
+}
+
 /// Takes the records of a log as std::visit gives them.
 class Collector {
  public:
@@ -43,10 +56,13 @@ class Collector {
     if (run_.total.cycles() == 0) run_.begin = time;
     run_.end = time;
     run_.total.Add(CountsOf(cycle));
+    if (!run_.abort && cycle.state.errors.any()) run_.abort = Abort{time, NameOf(cycle)};
     run_.longest_loss = std::max(run_.longest_loss, cycle.lost_in_row);
     run_.fates.Add(cycle);
     UpdatePeaks(run_.peak_dq_d, cycle.state.dq_d);
     UpdatePeaks(run_.peak_dddq_d, cycle.dddq_d);
+    AddError(tracking_.Add(cycle));
+    run_.by_torque = tracking_.by_torque();
     run_.q.Add(time, cycle.state.q);
     run_.q_d.Add(time, cycle.state.q_d);
     run_.dq.Add(time, cycle.state.dq);
@@ -58,6 +74,7 @@ class Collector {
   }
 
   void operator()(const rt::TickRecord& tick) {
+    AddError(tracking_.Add(tick));
     if (tick.written == tick.read) return;
     run_.d_EXT.Add(Seconds(tick.read), std::array{ToSeconds(tick.written - tick.read) * 1e6});
   }
@@ -65,7 +82,16 @@ class Collector {
   void operator()(const record::EventRecord&) {}
 
  private:
+  void AddError(const std::optional<TrackingError::Value>& value) {
+    if (!value) return;
+    JointVector error{};
+    for (std::size_t i = 0; i < kJoints; ++i) error[i] = 1e3 * value->error[i];
+    UpdatePeaks(run_.peak_error, error);
+    run_.error.Add(Seconds(value->at), error);
+  }
+
   RunData& run_;
+  TrackingError tracking_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,12 @@ class FateHistory {
   std::vector<FateCounts> spans_;
 };
 
+/// The error that ended a motion.
+struct Abort {
+  double time = 0;   ///< s
+  std::string name;  ///< of the error; with how many others, if there are
+};
+
 /// What the plots of a run need of its log.
 struct RunData {
   /// Bins of an envelope: about the pixels of a panel.
@@ -47,18 +54,22 @@ struct RunData {
 
   std::string scenario;
   bool truncated = false;
-  double begin = 0;  ///< s
-  double end = 0;    ///< s
+  bool by_torque = false;  ///< torques were commanded: the error is of q_ext, not q_d
+  double begin = 0;        ///< s
+  double end = 0;          ///< s
   FateCounts total;
+  std::optional<Abort> abort;      ///< the first
   std::uint32_t longest_loss = 0;  ///< most cycles held in a row
   JointVector peak_dq_d{};         ///< magnitude, rad/s
   JointVector peak_dddq_d{};       ///< magnitude, rad/s^3
+  JointVector peak_error{};        ///< magnitude, mrad
 
   Envelope q{kJoints, kBins};
   Envelope q_d{kJoints, kBins};
   Envelope dq{kJoints, kBins};
   Envelope dq_d{kJoints, kBins};
   Envelope dddq_d{kJoints, kBins};
+  Envelope error{kJoints, kBins};       ///< TrackingError, mrad
   Envelope success_rate{1, 2 * kBins};  ///< while a motion runs
   Envelope d_EXT{1, 2 * kBins};         ///< us, of ticks that wrote a command
   FateHistory fates;

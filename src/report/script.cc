@@ -37,8 +37,17 @@ std::string Quote(std::string_view text) {
 }
 
 std::string Title(const RunData& run, std::string_view what) {
-  return fmt::format("{}: {}{}", run.scenario, what,
-                     run.truncated ? " (the run was killed: its end is missing)" : "");
+  return fmt::format(
+      "{}: {}{}{}", run.scenario, what,
+      run.abort ? fmt::format(", aborted at {:.4g} s: {}", run.abort->time, run.abort->name) : "",
+      run.truncated ? " (the run was killed: its end is missing)" : "");
+}
+
+void MarkAbort(Script& script, const RunData& run) {
+  if (!run.abort) return;
+  script.Line(
+      "set arrow from first {0:.7g},graph 0 to first {0:.7g},graph 1 nohead front lw 2 lc '{1}'",
+      run.abort->time, kAbortColour);
 }
 
 std::string TimeRange(const RunData& run) {

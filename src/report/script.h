@@ -17,6 +17,7 @@ inline constexpr std::string_view kLimitColour = "#c0272d";      ///< red, dashe
 inline constexpr std::string_view kServedColour = "#9cc3e6";     ///< light blue
 inline constexpr std::string_view kHeldColour = "#d1495b";       ///< red
 inline constexpr std::string_view kQuietColour = "#e3e3e3";      ///< grey: no motion
+inline constexpr std::string_view kAbortColour = "#7a2a90";      ///< violet: the end by an error
 
 /// A gnuplot script in the making.
 class Script {
@@ -45,8 +46,13 @@ class Script {
 /// `text` as a string of gnuplot's: quoted, without control characters.
 [[nodiscard]] std::string Quote(std::string_view text);
 
-/// "name of the scenario: what", and that the log is cut short where it is.
+/// "name of the scenario: what", which error ended the motion, and that the log is cut short where
+/// it is.
 [[nodiscard]] std::string Title(const RunData& run, std::string_view what);
+
+/// Marks in all panels from here on when an error ended the motion, if one did. In front of what
+/// they show, for it may be areas.
+void MarkAbort(Script& script, const RunData& run);
 
 /// Range of the time axis; never empty.
 [[nodiscard]] std::string TimeRange(const RunData& run);

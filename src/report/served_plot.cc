@@ -41,11 +41,13 @@ void AddFatePanels(Script& script, const RunData& run) {
           Share(total.served, motion), Share(total.held, motion), run.longest_loss, total.none)));
   script.Line("set ylabel 'share / %'");
   script.Line("set yrange [0:100]");
-  script.Line(
+  std::string plot = fmt::format(
       "plot $fates u 1:4 w fillsteps fc '{}' title 'no motion', "
       "$fates u 1:3 w fillsteps fc '{}' title 'held', "
       "$fates u 1:2 w fillsteps fc '{}' title 'served'",
       kQuietColour, kHeldColour, kServedColour);
+  if (run.abort) plot += fmt::format(", NaN w l lw 2 lc '{}' title 'abort'", kAbortColour);
+  script.Line("{}", plot);
 
   std::uint64_t most = 1;
   for (const FateCounts& span : run.fates.spans()) most = std::max({most, span.held, span.dropped});
@@ -98,6 +100,7 @@ std::string ServedScript(const RunData& run) {
   // Right of the panel, where it covers nothing.
   script.Line("set key at screen 0.86,graph 0.95 left top Left reverse samplen 2 spacing 1.3");
   script.Line("set style fill solid noborder");
+  MarkAbort(script, run);
   AddFates(script, run);
   AddFatePanels(script, run);
   AddTimingPanels(script, run);

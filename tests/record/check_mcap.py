@@ -1,11 +1,13 @@
 """Reads a log of ours with the readers of other people: PyPI mcap and mcap-protobuf-support.
 
-usage: check_mcap.py RECORD_WRITE_SAMPLE WORK_FOLDER
+usage: check_mcap.py RECORD_WRITE_SAMPLE MODELS_ROBOTS WORK_FOLDER
 """
 
+import math
 import os
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 try:
     from mcap.reader import make_reader, SeekingReader
@@ -17,6 +19,7 @@ except ImportError as missing:
 
 CYCLES = 1500
 CONFIGS = 3  # the sample changes its configuration every 500 cycles
+FRAMES = CYCLES // 20  # 50 a second
 
 
 def check(condition, what):
@@ -37,17 +40,17 @@ def check_stream(path):
     with open(path, "rb") as file:
         flat = list(StreamReader(file, validate_crcs=True).records)
     messages = sum(isinstance(record, Message) for record in flat)
-    check(messages == 2 * CYCLES + CONFIGS + 1, f"{messages} messages in the stream")
+    check(messages == 2 * CYCLES + CONFIGS + FRAMES + 1, f"{messages} messages in the stream")
 
 
 def check_summary(reader):
     summary = reader.get_summary()
     statistics = summary.statistics
-    check(statistics.message_count == 2 * CYCLES + CONFIGS + 1, "message count of the statistics")
+    check(statistics.message_count == 2 * CYCLES + CONFIGS + FRAMES + 1, "message count of the statistics")
     check(statistics.chunk_count == len(summary.chunk_indexes), "chunk count of the statistics")
     check(statistics.message_end_time == (CYCLES - 1) * 1_000_000 + 200_000, "end time")
     topics = {channel.topic: statistics.channel_message_counts[channel.id] for channel in summary.channels.values()}
-    check(topics == {"/robot/cycle": CYCLES, "/ext/tick": CYCLES, "/robot/config": CONFIGS, "/event": 1},
+    check(topics == {"/robot/cycle": CYCLES, "/ext/tick": CYCLES, "/robot/config": CONFIGS, "/event": 1, "/tf": FRAMES},
           f"message counts by topic {topics}")
     attachments = list(reader.iter_attachments())
     check([(a.name, a.data) for a in attachments] == [("scenario.yaml", "name: sample\n# ü\n".encode())], "attachment")
@@ -69,9 +72,64 @@ def check_cycle(k, message, log_time):
         check(names == ["joint_position_limits_violation", "base_acceleration_invalid_reading"], f"errors {names}")
 
 
-def check_messages(reader):
+def read_joints(robots):
+    """The joints of the robot's URDF, by child link: (parent, xyz, rpy, moves about its z axis)."""
+    joints = {}
+    for file in ("panda/panda.urdf", "hand/hand.urdf"):
+        for joint in ElementTree.parse(os.path.join(robots, file)).getroot().iter("joint"):
+            origin = joint.find("origin")
+            xyz, rpy = ([float(x) for x in origin.get(key).split()] for key in ("xyz", "rpy"))
+            moves = joint.get("type") == "revolute"
+            check(not moves or joint.find("axis").get("xyz") == "0 0 1", "a joint about another axis than z")
+            joints[joint.find("child").get("link")] = (joint.find("parent").get("link"), xyz, rpy, moves)
+    return joints
+
+
+def product(a, b):
+    return [[sum(a[r][i] * b[i][c] for i in range(3)) for c in range(3)] for r in range(3)]
+
+
+def about(axis, angle):
+    """Rotation matrix about x (0), y (1) or z (2)."""
+    c, s = math.cos(angle), math.sin(angle)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    matrix = [[float(r == k) for k in range(3)] for r in range(3)]
+    matrix[i][i] = matrix[j][j] = c
+    matrix[i][j], matrix[j][i] = -s, s
+    return matrix
+
+
+def of_quaternion(q):
+    x, y, z, w = q.x, q.y, q.z, q.w
+    check(abs(x * x + y * y + z * z + w * w - 1) < 1e-12, "a quaternion that is not of unit length")
+    return [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
+
+
+def check_frames(number, message, log_time, joints):
+    """Every frame against the URDF's own joint, at the q that the sample has there."""
+    k = 20 * number
+    check(log_time == k * 1_000_000, f"log time of frames {number}")
+    children = [frame.child_frame_id for frame in message.transforms]
+    check(children == [f"panda_link{i}" for i in range(1, 9)] + ["panda_hand"], f"frames {children}")
+    for i, frame in enumerate(message.transforms):
+        where = f"{frame.child_frame_id} at cycle {k}"
+        check(frame.timestamp.ToNanoseconds() == log_time, f"timestamp of {where}")
+        parent, xyz, (roll, pitch, yaw), moves = joints[frame.child_frame_id]
+        check(frame.parent_frame_id == parent, f"parent of {where}")
+        angle = 0.5 * k + 0.125 * i if moves else 0.0
+        expected = product(product(about(2, yaw), about(1, pitch)), product(about(0, roll), about(2, angle)))
+        actual = of_quaternion(frame.rotation)
+        translation = frame.translation
+        pairs = list(zip((translation.x, translation.y, translation.z), xyz))
+        pairs += [(actual[r][c], expected[r][c]) for r in range(3) for c in range(3)]
+        check(all(abs(a - b) < 1e-9 for a, b in pairs), f"pose of {where}: {pairs}")
+
+
+def check_messages(reader, joints):
     """Through the indexes, every message decoded by the schema in the file."""
-    cycles = ticks = configs = 0
+    cycles = ticks = configs = frames = 0
     for schema, channel, message, decoded in reader.iter_decoded_messages():
         if channel.topic == "/robot/cycle":
             check_cycle(cycles, decoded, message.log_time)
@@ -82,15 +140,19 @@ def check_messages(reader):
         elif channel.topic == "/robot/config":
             check(len(decoded.I_ee) == 9, "inertia")
             configs += 1
+        elif channel.topic == "/tf":
+            check(schema.name == "foxglove.FrameTransforms", f"schema of the frames: {schema.name}")
+            check_frames(frames, decoded, message.log_time, joints)
+            frames += 1
         else:
             check((decoded.kind, decoded.text) == ("mode", "Idle → Move"), "event")
-    check((cycles, ticks, configs) == (CYCLES, CYCLES, CONFIGS), "numbers of decoded messages")
+    check((cycles, ticks, configs, frames) == (CYCLES, CYCLES, CONFIGS, FRAMES), "numbers of decoded messages")
     seconds = list(reader.iter_decoded_messages(topics=["/robot/cycle"],
                                                  starting_at=1_000_000_000, ending_before=1_200_000_000))
     check([m.message_id for _, _, _, m in seconds] == list(range(2000, 2200)), "messages of a span of time")
 
 
-def main(writer, folder):
+def main(writer, robots, folder):
     os.makedirs(folder, exist_ok=True)
     path = os.path.join(folder, "sample.mcap")
     subprocess.run([writer, path, str(CYCLES)], check=True)
@@ -99,9 +161,9 @@ def main(writer, folder):
         reader = make_reader(file, decoder_factories=[DecoderFactory()], validate_crcs=True)
         check(isinstance(reader, SeekingReader), "not seekable")
         check_summary(reader)
-        check_messages(reader)
+        check_messages(reader, read_joints(robots))
     os.remove(path)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2])
+    main(*sys.argv[1:4])

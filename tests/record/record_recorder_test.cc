@@ -18,6 +18,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 #include "twin/record/log_reader.h"
+#include "twin/rt/pause.h"
 
 namespace twin::record {
 namespace {
@@ -67,7 +68,8 @@ TEST(RecorderTest, CountsWhatItWrote) {
   PutCycles(recorder, 100);
   recorder.Event(Time(), "mode", "Idle");
   const RecordingSummary summary = recorder.Finish();
-  EXPECT_EQ(summary.messages, 100U + 100U + 1U + 1U) << "cycles, ticks, one event, one config";
+  EXPECT_EQ(summary.messages, 100U + 100U + 1U + 1U + SampleFrames(100))
+      << "cycles, ticks, one event, one config, frames";
   EXPECT_EQ(summary.dropped, 0U);
 }
 
@@ -183,7 +185,108 @@ TEST(RecorderTest, InLockstepWaitsForASlowDiskAndLosesNothing) {
   producer.join();
   const RecordingSummary summary = recorder.Finish();
   EXPECT_EQ(summary.dropped, 0U);
-  EXPECT_EQ(summary.messages, 2U * 2000 + 4) << "and one config for each 500 cycles";
+  EXPECT_EQ(summary.messages, 2U * 2000 + 4 + SampleFrames(2000))
+      << "and one config for each 500 cycles, and frames";
+}
+
+/// What a log holds of each kind, after checking that each kind is in the order of its calls.
+struct KindCounts {
+  std::uint64_t cycles = 0;
+  std::uint64_t ticks = 0;
+  std::uint64_t events = 0;
+};
+
+KindCounts CountKindsInOrder(const std::filesystem::path& path) {
+  KindCounts counts;
+  Time cycle(Duration(-1));
+  Time tick(Duration(-1));
+  Time event(Duration(-1));
+  const auto rises = [](Time& last, Time now) {
+    EXPECT_LT(last, now);
+    last = now;
+  };
+  LogReader reader(path);
+  LogEntry entry;
+  while (reader.Next(entry)) {
+    if (const auto* record = std::get_if<rt::CycleRecord>(&entry)) {
+      ++counts.cycles;
+      rises(cycle, record->at);
+      // The content is of the same call, not torn between two.
+      const auto k = static_cast<std::uint64_t>(record->at.time_since_epoch() / kCycle);
+      EXPECT_EQ(record->state.message_id, k + 1000);
+      EXPECT_EQ(record->dddq_d[6], static_cast<double>(k));
+    } else if (const auto* answer = std::get_if<rt::TickRecord>(&entry)) {
+      ++counts.ticks;
+      rises(tick, answer->read);
+      EXPECT_EQ(answer->dq_ext[6], static_cast<double>(answer->message_id));
+    } else {
+      const auto& said = std::get<EventRecord>(entry);
+      ++counts.events;
+      rises(event, said.at);
+      EXPECT_EQ(said.text, std::to_string(said.at.time_since_epoch().count()));
+    }
+    if (::testing::Test::HasFailure()) break;
+  }
+  return counts;
+}
+
+/// Now and then a pause, so that the rings run full and empty in turn.
+void GiveTheWriterTime(int k) {
+  if (k % 500 == 0) rt::Pause(std::chrono::microseconds(700));
+}
+
+TEST(RecorderTest, InRealtimeThreeThreadsPutWithoutHoldingUpEachOther) {
+  constexpr int kRecords = 20'000;
+  constexpr int kEvents = 500;
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kDrop);
+  {
+    const std::jthread robot([&recorder] {
+      rt::CycleRecord cycle;
+      for (int k = 0; k < kRecords; ++k) {
+        cycle.at = Time(k * kCycle);
+        cycle.state.message_id = static_cast<std::uint64_t>(k) + 1000;
+        cycle.dddq_d[6] = k;
+        recorder.Put(cycle);
+        GiveTheWriterTime(k);
+      }
+    });
+    const std::jthread communication([&recorder] {
+      rt::TickRecord tick;
+      for (int k = 0; k < kRecords; ++k) {
+        tick.read = tick.written = Time(k * kCycle);
+        tick.message_id = static_cast<std::uint64_t>(k);
+        tick.dq_ext[6] = k;
+        recorder.Put(tick);
+        GiveTheWriterTime(k);
+      }
+    });
+    for (int k = 0; k < kEvents; ++k) {
+      recorder.Event(Time(Duration(k)), "mode", std::to_string(k));
+      GiveTheWriterTime(10 * k);
+    }
+  }
+  const RecordingSummary summary = recorder.Finish();
+  const KindCounts counts = CountKindsInOrder(folder / "a.mcap");
+  EXPECT_EQ(counts.cycles + counts.ticks + counts.events + summary.dropped, 2U * kRecords + kEvents)
+      << "what is not in the file was counted";
+  EXPECT_GT(counts.cycles, 0U);
+  EXPECT_GT(counts.ticks, 0U);
+  EXPECT_GT(counts.events, 0U);
+}
+
+TEST(RecorderTest, InRealtimeAFloodOfOneKindCostsTheOthersNothing) {
+  const TemporaryFolder folder;
+  StuckFile file(folder / "a.mcap.partial");
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kDrop);
+  const rt::CycleRecord cycle = SampleCycle(0);
+  for (int k = 0; k < 4000; ++k) recorder.Put(cycle);
+  for (std::uint64_t k = 0; k < 1000; ++k) recorder.Put(SampleTick(k));
+  for (int k = 0; k < 60; ++k) recorder.Event(Time(), "mode", "Idle");
+  file.Release();
+  const RecordingSummary summary = recorder.Finish();
+  EXPECT_GT(summary.dropped, 0U);
+  EXPECT_LE(summary.dropped, 4000U - 1024U) << "only cycles: ticks and events found room";
 }
 
 /// No file of this process may grow beyond a size, while this lives.
@@ -250,7 +353,8 @@ TEST(RecorderTest, KilledWhileRecordingKeepsAllButTheOpenChunk) {
   LogReader reader(folder / "a.mcap.partial");
   EXPECT_TRUE(reader.truncated());
   EXPECT_EQ(reader.run().scenario, "sample");
-  // A cycle and its tick are 2.6 kB at most: what is read back fills the file but for one chunk.
+  // A cycle, its tick and its share of the frames are 2.6 kB at most: what is read back fills the
+  // file but for one chunk.
   EXPECT_GE(CountInOrder(reader) / 2 * 2600, size - Recorder::kChunkBytes);
 }
 

@@ -36,6 +36,11 @@ inline RunInfo SampleRun() {
           .scenario_yaml = "name: sample\n# \xc3\xbc\n"};
 }
 
+/// Messages of topic /tf for `cycles` sample cycles from the first on.
+inline std::uint64_t SampleFrames(std::uint64_t cycles) {
+  return (cycles + 19) / 20;
+}
+
 /// A cycle in which every number of the robot state differs from every other: the worst case for
 /// compression. The configuration changes every 500 cycles; cycle 3 holds, cycle 5 is violated.
 inline rt::CycleRecord SampleCycle(std::uint64_t k) {
@@ -91,12 +96,14 @@ inline rt::TickRecord SampleTick(std::uint64_t k) {
   record.message_id = k + 1000;
   record.read = Time(static_cast<std::int64_t>(k) * kCycle + std::chrono::microseconds(200));
   record.written = record.read + Duration(20'000 + static_cast<std::int64_t>(k % 7));
-  record.action = k == 3 ? rt::TickAction::kSkipped : rt::TickAction::kWritten;
+  record.action = k == 3   ? rt::TickAction::kSkipped
+                  : k == 4 ? rt::TickAction::kInvalid
+                           : rt::TickAction::kWritten;
   record.skipped_states = k == 3 ? 1 : 0;
   record.deposit_time = record.read - std::chrono::milliseconds(10);
   numbers(record.q_ext);
   numbers(record.dq_ext);
-  if (k == 3) return record;
+  if (k == 3 || k == 4) return record;
   RobotCommand& command = record.command;
   command.message_id = record.message_id;
   numbers(command.q_c);

@@ -7,9 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "record/temporary_folder.h"
 #include "report/gnuplot.h"
+#include "report/joint_plots.h"
+#include "report/run_data.h"
 #include "report/script.h"
 #include "support/panda_limits.h"
 #include "twin/core/error.h"
@@ -57,18 +60,126 @@ void Record(const std::filesystem::path& path, int cycles, double odd_value = 0)
   recorder.Finish();
 }
 
-TEST(WritePlotsTest, DrawsFourFilesOfBoundedSize) {
+TEST(WritePlotsTest, DrawsItsFilesInBoundedSize) {
   const TemporaryFolder folder;
   Record(folder / "a.mcap", 18'320);
   const auto paths = WritePlots(folder / "a.mcap", test::PandaLimits(), folder / "plots");
-  ASSERT_EQ(paths.size(), 4U);
-  for (const auto& path : paths) {
+  ASSERT_EQ(paths.size(), kPlotFiles.size());
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const auto& path = paths[i];
+    EXPECT_EQ(path, folder / "plots" / kPlotFiles[i]);
     EXPECT_GT(std::filesystem::file_size(path), 10'000U) << path;
     EXPECT_LT(std::filesystem::file_size(path), 500'000U) << path;
     EXPECT_THAT(ReadText(path), HasSubstr("</svg>"));
   }
   for (const auto& entry : std::filesystem::directory_iterator(folder / "plots")) {
     EXPECT_EQ(entry.path().extension(), ".svg") << "something was left behind";
+  }
+}
+
+/// Records a motion of 100 cycles that an error ends in cycle `aborted`, if it is one of them; q is
+/// behind q_d by 2 mrad times the joint's number.
+void RecordAbort(const std::filesystem::path& path, int aborted, bool explained, bool two_errors) {
+  record::RunInfo info;
+  info.scenario = "outage";
+  record::Recorder recorder(path, info, record::FullRing::kWait);
+  for (int k = 0; k < 100; ++k) {
+    rt::CycleRecord cycle;
+    cycle.at = Time(k * kCycle);
+    if (k < aborted) cycle.state.controller_mode = ControllerMode::kJointImpedance;
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      cycle.state.q_d[i] = 0.5;
+      cycle.state.q[i] = 0.5 - 2e-3 * static_cast<double>(i + 1);
+    }
+    if (k >= aborted) {
+      const auto set = [&cycle](RobotError error) {
+        cycle.state.errors.set(static_cast<std::size_t>(error));
+      };
+      set(RobotError::kCommunicationConstraintsViolation);
+      if (two_errors) set(RobotError::kJointVelocityViolation);
+      cycle.violated = explained && k == aborted;
+      cycle.violation.error = RobotError::kCommunicationConstraintsViolation;
+    }
+    recorder.Put(cycle);
+  }
+  recorder.Finish();
+}
+
+/// Title of the figures of a log.
+std::string TitleOf(const std::filesystem::path& log) {
+  return Title(ReadRun(log), "x");
+}
+
+TEST(RunDataTest, NamesTheErrorThatEndedTheMotion) {
+  const TemporaryFolder folder;
+  const auto log = folder / "a.mcap";
+  RecordAbort(log, 40, true, false);
+  EXPECT_EQ(TitleOf(log), "outage: x, aborted at 0.04 s: communication_constraints_violation");
+  RecordAbort(log, 40, true, true);
+  EXPECT_EQ(TitleOf(log),
+            "outage: x, aborted at 0.04 s: communication_constraints_violation and 1 more");
+  RecordAbort(log, 40, false, true);
+  EXPECT_EQ(TitleOf(log), "outage: x, aborted at 0.04 s: joint_velocity_violation and 1 more")
+      << "without an explanation the first of those set";
+  RecordAbort(log, 100, true, true);
+  EXPECT_EQ(TitleOf(log), "outage: x");
+}
+
+TEST(RunDataTest, MeasuresHowFarTheArmIsBehind) {
+  const TemporaryFolder folder;
+  RecordAbort(folder / "a.mcap", 100, false, false);
+  const RunData run = ReadRun(folder / "a.mcap");
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    EXPECT_NEAR(run.peak_error[i], 2.0 * static_cast<double>(i + 1), 1e-9);
+    EXPECT_NEAR(run.error.Curve(i).front().value, run.peak_error[i], 1e-9) << "positive: behind";
+  }
+}
+
+TEST(RunDataTest, MeasuresUnderTorquesHowFarTheArmIsFromItsTarget) {
+  const TemporaryFolder folder;
+  {
+    record::Recorder recorder(folder / "a.mcap", record::RunInfo(), record::FullRing::kWait);
+    for (std::uint64_t k = 1; k <= 50; ++k) {
+      rt::CycleRecord cycle;
+      cycle.state.message_id = k;
+      cycle.state.controller_mode = ControllerMode::kExternalController;
+      cycle.state.q.fill(0.25);
+      recorder.Put(cycle);
+      rt::TickRecord tick;
+      tick.message_id = k;
+      tick.q_ext.fill(0.255);
+      recorder.Put(tick);
+    }
+    recorder.Finish();
+  }
+  const RunData run = ReadRun(folder / "a.mcap");
+  EXPECT_TRUE(run.by_torque);
+  EXPECT_NEAR(run.peak_error[6], 5, 1e-9);
+  EXPECT_THAT(TrackingScript(run), HasSubstr("q_ext - q"));
+}
+
+TEST(ScriptTest, MarksTheAbortInEveryFigureWhenThereIsOne) {
+  const TemporaryFolder folder;
+  RecordAbort(folder / "a.mcap", 40, true, false);
+  RecordAbort(folder / "b.mcap", 100, true, false);
+  const JointLimits limits = test::PandaLimits();
+  for (const auto& [log, marked] : {std::pair{"a.mcap", true}, {"b.mcap", false}}) {
+    const RunData run = ReadRun(folder / log);
+    for (const std::string& script :
+         {PositionScript(run, limits), TrackingScript(run), VelocityScript(run, limits),
+          JerkScript(run, limits), ServedScript(run)}) {
+      EXPECT_EQ(script.find("set arrow from first 0.04,") != std::string::npos, marked) << script;
+    }
+  }
+}
+
+TEST(WritePlotsTest, SaysWhatEndedTheMotionAndWhen) {
+  const TemporaryFolder folder;
+  RecordAbort(folder / "a.mcap", 40, true, false);
+  for (const auto& path : WritePlots(folder / "a.mcap", test::PandaLimits(), folder.path())) {
+    EXPECT_THAT(ReadText(path),
+                HasSubstr("aborted at 0.04 s: communication_constraints_violation"));
+    EXPECT_THAT(ReadText(path), HasSubstr("rgb(122,  42, 144)")) << "the mark's colour";
   }
 }
 

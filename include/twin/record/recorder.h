@@ -31,24 +31,31 @@ struct RecordingSummary {
 
 /// Records a run into an MCAP file with protobuf messages.
 ///
-///     Put(cycle) --+                  +-----------------+
-///     Put(tick)  --+-- ring of 1024 --> writer thread   |--> <path>.partial, <path> when finished
-///     Event(...) --+                  | encode, chunk   |
-///                                     +-----------------+
+/// kWait: one producer thread, one ring. The order of the file is that of the calls, and the same
+/// calls give the same bytes.
 ///
-/// kWait has one ring, for all: the order of the file is that of the calls, and the same calls give
-/// the same bytes. kDrop has one ring for cycles and events and one for ticks, as two threads
-/// produce them.
+///     Put(cycle) --+                   +----------------+
+///     Put(tick)  --+-- ring of 1024 -->| writer thread  |--> <path>.partial, <path> when finished
+///     Event(...) --+                   | encode, chunk  |
+///                                      +----------------+
 ///
-/// Topics: /robot/config (when it changes), /robot/cycle, /ext/tick, /event; log time is the run's
-/// time line. Metadata "run" and attachment "scenario.yaml" tell what was run. A killed process
-/// loses the open chunk (512 kB before compression, about 0.2 s of cycles) and what the ring still
-/// held.
+/// kDrop: three producer threads, each with a ring of its own: robot, communication, onlooker. The
+/// file holds each kind in the order of its calls; between kinds, log time tells.
 ///
-/// Threads: with kWait one producer thread; with kDrop one for cycles and events, one for ticks.
-/// Finish() after the producers are done. Real-time: Put() and Event() copy the record into the
-/// ring, nothing else; with kWait they may sleep. When the writer fails, the failure is kept for
-/// Finish() and records are thrown away: no producer is held up.
+///     Put(cycle) ----- ring of 1024 -->+----------------+
+///     Put(tick)  ----- ring of 1024 -->| writer thread  |--> the same
+///     Event(...) ----- ring of 64 ---->+----------------+
+///
+/// Topics: /robot/config (when it changes), /robot/cycle, /ext/tick, /event, and /tf, 50 times a
+/// second: the arm's frames from the measured q, a foxglove.FrameTransforms that moves the robot's
+/// URDF in Foxglove's 3D panel. Log time is the run's time line. Metadata "run" and attachment
+/// "scenario.yaml" tell what was run. A killed process loses the open chunk (512 kB before
+/// compression, about 0.2 s of cycles) and what the ring still held.
+///
+/// Threads: with kWait one producer thread; with kDrop one for cycles, one for ticks, one for
+/// events. Finish() after the producers are done. Real-time: Put() and Event() copy the record into
+/// the ring, nothing else; with kWait they may sleep. When the writer fails, the failure is kept
+/// for Finish() and records are thrown away: no producer is held up.
 class Recorder final : public rt::RecordSink {
  public:
   /// A chunk ends before it would hold more, uncompressed.
@@ -77,7 +84,7 @@ class Recorder final : public rt::RecordSink {
   class Writer;
 
   template <class Fill>
-  void Push(Ring& ring, Fill&& fill) noexcept;
+  void Push(const std::unique_ptr<Ring>& own, Fill&& fill) noexcept;
   void Run(const std::stop_token& stop);
   /// Writes what the rings hold, a batch at most. @returns how many records that were.
   std::size_t Drain();
@@ -85,8 +92,9 @@ class Recorder final : public rt::RecordSink {
 
   const FullRing full_ring_;
   std::unique_ptr<Writer> writer_;  ///< the writer thread's, then Finish()'s
-  std::unique_ptr<Ring> ring_;
-  std::unique_ptr<Ring> tick_ring_;  ///< null: ticks go through ring_
+  std::unique_ptr<Ring> cycles_;
+  std::unique_ptr<Ring> ticks_;   ///< null: ticks go with the cycles
+  std::unique_ptr<Ring> events_;  ///< null: events go with the cycles
   /// Counts drained batches; a producer that found the ring full sleeps on it. Release by the
   /// writer after it freed slots, acquire by the producer before it tries again.
   std::atomic<std::uint32_t> drained_{0};
