@@ -33,7 +33,7 @@ void JointTrajectoryController::Update(const RobotState& /*state*/, Time now,
     start_ = now;
   }
   const Duration elapsed = now - start_;
-  output.target = trajectory_.Sample(elapsed);
+  output.target.joint = trajectory_.Sample(elapsed);
   output.has_velocity = options_.give_velocity ||
                         options_.command_interface == control::CommandInterface::kJointVelocity;
   output.finished = elapsed >= trajectory_.duration();

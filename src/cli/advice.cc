@@ -20,9 +20,14 @@ std::string_view Advice(RobotError error) noexcept {
     case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
       return "the commands that reached the robot were not smooth. Raw streams need tick.generator "
              "joint, slow sources tick.rate_matching true; behind both, what remains comes from "
-             "lost "
-             "messages (link) and from deposits that slide through the cycles (controller.phase, "
-             "clock_drift, wake_delay): fewer of them, or a gentler trajectory";
+             "lost messages (link) and from deposits that slide through the cycles "
+             "(controller.phase, clock_drift, wake_delay): fewer of them, or a gentler trajectory";
+    case RobotError::kControllerTorqueDiscontinuity:
+      return "the torque may change by 1 Nm per cycle: begin at the state's tau_J_d, lower the "
+             "controller's gains, or say tick.limiter: true";
+    case RobotError::kTauJRangeViolation:
+      return "a torque sensor measured more than its range: lower the torques, or see what the arm "
+             "ran into";
     default: return "see the plots and the log for what led to it";
   }
 }

@@ -1,20 +1,19 @@
-#include <sched.h>
 #include <sys/resource.h>
-#include <sys/utsname.h>
 
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <string>
-#include <thread>
 
 #include <GL/osmesa.h>
 #include <fmt/format.h>
 
 #include "cli/commands.h"
 #include "cli/host.h"
+#include "cli/host_facts.h"
+#include "cli/host_jitter.h"
 #include "cli/say.h"
 #include "twin/core/error.h"
+#include "twin/core/require.h"
 #include "twin/scenario/data_directory.h"
 
 namespace twin::cli {
@@ -42,42 +41,18 @@ class Findings {
   bool failed_ = false;
 };
 
-std::string CpuName() {
-  std::ifstream in("/proc/cpuinfo");
-  for (std::string line; std::getline(in, line);) {
-    if (!line.starts_with("model name")) continue;
-    const auto colon = line.find(": ");
-    if (colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown processor";
-}
-
-void CheckComputer(Findings& findings) {
+void CheckComputer(Findings& findings, const HostFacts& facts) {
   findings.Add(Verdict::kGood, "processor",
-               fmt::format("{}, {} in use", CpuName(), std::thread::hardware_concurrency()));
-  utsname names{};
-  uname(&names);
-  const bool realtime = FirstLine("/sys/kernel/realtime") == "1" ||
-                        std::string_view(names.version).find("PREEMPT_RT") != std::string::npos;
-  findings.Add(
-      Verdict::kGood, "kernel",
-      fmt::format("{} {} {}{}", names.sysname, names.release, names.machine,
-                  realtime ? ", PREEMPT_RT" : ", not a real-time kernel (none is needed)"));
+               fmt::format("{}, {} in use{}", facts.processor, facts.processors,
+                           facts.virtual_machine ? ", of a virtual machine" : ""));
+  findings.Add(Verdict::kGood, "kernel",
+               fmt::format("{}{}", facts.kernel,
+                           facts.realtime_kernel ? ", PREEMPT_RT"
+                                                 : ", not a real-time kernel (none is needed)"));
 }
 
-/// Whether this process may run at a real-time priority; tried on a thread of its own.
-bool MayUseFifo() {
-  bool allowed = false;
-  std::thread([&allowed] {
-    sched_param priority{};
-    priority.sched_priority = sched_get_priority_max(SCHED_FIFO);
-    allowed = sched_setscheduler(0, SCHED_FIFO, &priority) == 0;
-  }).join();
-  return allowed;
-}
-
-void CheckRealtime(Findings& findings) {
-  if (MayUseFifo()) {
+void CheckPermissions(Findings& findings, const HostFacts& facts) {
+  if (facts.may_use_fifo) {
     findings.Add(Verdict::kGood, "scheduler", "SCHED_FIFO 99 is allowed");
   } else {
     findings.Add(Verdict::kAdvice, "scheduler",
@@ -94,6 +69,36 @@ void CheckRealtime(Findings& findings) {
                              "memlock unlimited\" to /etc/security/limits.conf",
                              memory.rlim_cur / 1024));
   }
+}
+
+double Microseconds(Duration duration) {
+  return ToSeconds(duration) * 1e6;
+}
+
+/// Percentiles of what was measured, for people.
+std::string Spread(const rt::DurationHistogram& histogram) {
+  return fmt::format("{:.0f} us p50, {:.0f} us p99, {:.0f} us p99.9, {:.0f} us at most",
+                     Microseconds(histogram.Percentile(0.5)),
+                     Microseconds(histogram.Percentile(0.99)),
+                     Microseconds(histogram.Percentile(0.999)), Microseconds(histogram.max()));
+}
+
+/// Last, because it takes its time and locks the program's memory.
+void CheckJitter(Findings& findings, const HostFacts& facts, double seconds) {
+  std::fflush(stdout);  // what has been found so far can be read meanwhile
+  const JitterFigures figures = MeasureJitter(FromSeconds(seconds));
+  findings.Add(Verdict::kGood, "wake-ups",
+               fmt::format("every 1 ms, late by {} ({} samples, kernel {})",
+                           Spread(figures.wake_up), figures.wake_up.count(), facts.kernel_release));
+  findings.Add(
+      Verdict::kGood, "answers",
+      fmt::format("at 1 kHz from thread to thread, after {} ({} samples, in time: {:.0f} "
+                  "us)",
+                  Spread(figures.answer), figures.answer.count(), Microseconds(kAnswerInTime)));
+  const JitterVerdict verdict = Judge(figures);
+  findings.Add(verdict.good ? Verdict::kGood : Verdict::kAdvice, "1 kHz", verdict.text);
+  if (verdict.good) return;
+  for (const std::string& cure : JitterCures(facts)) findings.Add(Verdict::kAdvice, "cure", cure);
 }
 
 void CheckProgram(Findings& findings, const Host& host, const char* name, const char* purpose,
@@ -143,14 +148,17 @@ void CheckData(Findings& findings, const DataFlags& flags, const Host& host) {
 
 }  // namespace
 
-ExitCode CheckCommand(const DataFlags& flags, const Host& host) {
+ExitCode CheckCommand(const CheckFlags& flags, const Host& host) {
+  RequireInRange("--seconds", flags.seconds, 0.5, 60);
+  const HostFacts facts = ReadHostFacts();
   Findings findings;
-  CheckComputer(findings);
-  CheckRealtime(findings);
+  CheckComputer(findings, facts);
+  CheckPermissions(findings, facts);
   CheckProgram(findings, host, "ffmpeg", "videos", "ffmpeg");
   CheckProgram(findings, host, "gnuplot", "plots", "gnuplot-nox");
   CheckRenderer(findings);
-  CheckData(findings, flags, host);
+  CheckData(findings, flags.data, host);
+  CheckJitter(findings, facts, flags.seconds);
   FinishOutput();
   if (!findings.failed()) return kOk;
   throw RobotFault("this host lacks what is marked FAIL above");

@@ -29,6 +29,9 @@ struct RunFlags {
   std::filesystem::path out;  ///< empty: out/<scenario's name>
   std::optional<std::string> backend;
   std::optional<std::string> drive;
+  std::optional<double> clock_ppm;  ///< of INT's clock
+  std::optional<int> ext_cpu;       ///< processor of the communication thread; real time
+  std::optional<int> int_cpu;       ///< processor of the robot's thread; real time
   bool no_video = false;
   bool rebuild_cache = false;
   bool quiet = false;
@@ -37,6 +40,11 @@ struct RunFlags {
 
 struct ValidateFlags {
   std::filesystem::path scenario;
+  DataFlags data;
+};
+
+struct CheckFlags {
+  double seconds = 2;  ///< of each measurement, in [0.5, 60]
   DataFlags data;
 };
 
@@ -53,8 +61,9 @@ struct ExportFlags {
 [[nodiscard]] ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,
                                        const scenario::Catalogue& catalogue);
 
-/// Says what this host offers. @throws nothing of ours.
-[[nodiscard]] ExitCode CheckCommand(const DataFlags& flags, const Host& host);
+/// Says what this host offers, and measures how well it keeps time. @throws InputError for a
+/// duration out of range, RobotFault when something is missing.
+[[nodiscard]] ExitCode CheckCommand(const CheckFlags& flags, const Host& host);
 
 /// Writes a log as CSV. @throws twin::Error.
 [[nodiscard]] ExitCode ExportCommand(const ExportFlags& flags);

@@ -8,10 +8,12 @@
 
 #include "cli/exit_code.h"
 #include "cli/program.h"
+#include "controllers/joint_effort.h"
 #include "controllers/joint_trajectory.h"
 #include "plugins/mujoco/mujoco_backend.h"
 #include "twin/backend/registry.h"
 #include "twin/control/registry.h"
+#include "twin/core/error.h"
 
 namespace {
 
@@ -31,10 +33,26 @@ std::filesystem::path CacheFolder() {
 
 std::unique_ptr<twin::control::Controller> MakeJointTrajectory(
     const twin::control::ControllerRequest& request) {
+  using twin::control::CommandInterface;
+  if (request.interface != CommandInterface::kJointPosition &&
+      request.interface != CommandInterface::kJointVelocity) {
+    throw twin::InputError(
+        "controller joint_trajectory commands joint positions or velocities; set motion.interface "
+        "to joint_position or joint_velocity, or controller.type to joint_effort");
+  }
   twin::controllers::JointTrajectoryOptions options;
   options.command_interface = request.interface;
   return std::make_unique<twin::controllers::JointTrajectoryController>(request.trajectory,
                                                                         options);
+}
+
+std::unique_ptr<twin::control::Controller> MakeJointEffort(
+    const twin::control::ControllerRequest& request) {
+  if (request.interface != twin::control::CommandInterface::kTorque) {
+    throw twin::InputError(
+        "controller joint_effort commands torques; set motion.interface to torque");
+  }
+  return std::make_unique<twin::controllers::JointEffortController>(request.trajectory);
 }
 
 /// A standard file that is closed must not become the log of a run: in its place stands one that
@@ -59,6 +77,7 @@ int main(int argc, char** argv) {
   twin::plugins::RegisterMujoco(backends);
   twin::control::ControllerRegistry controllers;
   controllers.Add("joint_trajectory", &MakeJointTrajectory);
+  controllers.Add("joint_effort", &MakeJointEffort);
 
   twin::cli::Host host;
   std::error_code error;

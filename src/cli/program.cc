@@ -20,9 +20,10 @@ namespace twin::cli {
 namespace {
 
 constexpr const char* kFooter = R"(Start here:
-  panda-twin check                                       does this host have all it takes?
+  panda-twin check                                       does this host have all it takes, and keep 1 kHz?
   panda-twin run models/scenarios/canonical.yaml         the main example; results in out/canonical
   panda-twin run SCENARIO.yaml --seed 7 --out /tmp/a     other random numbers, another folder
+  panda-twin run SCENARIO.yaml --drive realtime          on the wall clock, threads at real-time priority
   panda-twin validate my.yaml                            is my scenario sound? (no run)
   panda-twin export out/canonical/run.mcap               the log as CSV tables
 
@@ -30,7 +31,7 @@ A scenario is a YAML file that describes a run: robot, link, controller, motion.
 models/scenarios; every quantity in it carries its unit, and what is wrong is named by file and line.
 
 A run writes run.mcap (every cycle; opens in Foxglove), scenario.yaml (the scenario, complete),
-plots/*.svg, video.mp4, contact_sheet.png, summary.json (repeats with the seed, byte by byte) and
+plots/*.svg, video.mp4, contact_sheet.png, summary.json (in lockstep it repeats with the seed, byte by byte) and
 timing.json (wall-clock figures, which do not). Files are called *.partial until they are whole.
 
 Exit codes:
@@ -45,7 +46,7 @@ starts, never before all input has been found good; other files there stay.)";
 struct Flags {
   RunFlags run;
   ValidateFlags validate;
-  DataFlags check;
+  CheckFlags check;
   ExportFlags exported;
 };
 
@@ -77,7 +78,14 @@ CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
   run->add_option("--out", flags.out, "Folder of results (default: out/<name of the scenario>)")
       ->type_name("DIR");
   run->add_option("--backend", flags.backend, "Backend, instead of the scenario's (mujoco)");
-  run->add_option("--drive", flags.drive, "Who advances time (lockstep)");
+  run->add_option("--drive", flags.drive, "Who advances time: lockstep or realtime");
+  run->add_option("--clock-ppm", flags.clock_ppm,
+                  "Drift of the robot's clock, instead of the scenario's")
+      ->type_name("PPM");
+  run->add_option("--ext-cpu", flags.ext_cpu, "realtime: processor of the communication thread")
+      ->type_name("N");
+  run->add_option("--int-cpu", flags.int_cpu, "realtime: processor of the robot's thread")
+      ->type_name("N");
   run->add_flag("--no-video", flags.no_video, "Make no video and no contact sheet");
   run->add_flag("--rebuild-cache", flags.rebuild_cache, "Compile the robot's model anew");
   run->add_flag("--quiet", flags.quiet, "No progress and no summary; errors only");
@@ -93,9 +101,13 @@ CLI::App* AddValidate(CLI::App& app, ValidateFlags& flags) {
   return validate;
 }
 
-CLI::App* AddCheck(CLI::App& app, DataFlags& flags) {
+CLI::App* AddCheck(CLI::App& app, CheckFlags& flags) {
   CLI::App* check = app.add_subcommand("check", "Say what this host offers, and what is missing");
-  AddDataFlags(*check, flags);
+  check
+      ->add_option("--seconds", flags.seconds, "Length of each of the two measurements (0.5 to 60)")
+      ->capture_default_str()
+      ->type_name("S");
+  AddDataFlags(*check, flags.data);
   return check;
 }
 

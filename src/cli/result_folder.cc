@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/report/plots.h"
 
 namespace twin::cli {
 namespace {
@@ -75,9 +76,7 @@ void ResultFolder::Lock() {
 
 std::vector<fs::path> ResultFolder::Files() const {
   std::vector<fs::path> files{log(), scenario(), video(), contact_sheet(), summary(), timing()};
-  for (const char* plot : {"joints.svg", "velocities.svg", "jerk.svg", "served.svg"}) {
-    files.push_back(plots() / plot);
-  }
+  for (const char* plot : report::kPlotFiles) files.push_back(plots() / plot);
   return files;
 }
 

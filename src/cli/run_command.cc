@@ -54,7 +54,18 @@ scenario::Scenario LoadWithFlags(const RunFlags& flags) {
   if (flags.seed) scenario.seed = *flags.seed;
   if (flags.backend) scenario.backend = *flags.backend;
   if (flags.drive) scenario.drive = scenario::DriveFromName(*flags.drive);
+  if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
+  if (scenario.drive == scenario::Drive::kLockstep && (flags.ext_cpu || flags.int_cpu)) {
+    throw InputError("--ext-cpu and --int-cpu go with --drive realtime: lockstep has one thread");
+  }
   return scenario;
+}
+
+scenario::RealtimeSettings SettingsOf(const RunFlags& flags) {
+  scenario::RealtimeSettings settings;
+  settings.robot.cpu = flags.int_cpu;
+  settings.threads.communication.cpu = flags.ext_cpu;
+  return settings;
 }
 
 double PeakMemoryMb() {
@@ -76,7 +87,7 @@ class Session {
     run_.emplace(
         scenario_, catalogue,
         scenario::RunFiles{data.models, data.mesh_package, host.cache, flags.rebuild_cache},
-        &records_);
+        &records_, SettingsOf(flags));
     if (scenario_.plant.kind == robot::PlantKind::kMujoco && !run_->connection().uses_meshes) {
       Say(stderr,
           "panda-twin: note: the robot's meshes were not found; it is simulated and drawn in "
@@ -100,6 +111,7 @@ class Session {
   [[nodiscard]] bool makes_video() const {
     return wants_video() && run_->connection().truth != nullptr;
   }
+  [[nodiscard]] bool is_realtime() const { return scenario_.drive == scenario::Drive::kRealtime; }
   [[nodiscard]] double SecondsSince(Time begin) const { return ToSeconds(clock_.Now() - begin); }
   [[nodiscard]] Progress MakeProgress(const char* what) const {
     return Progress(what, Progress::StyleOfStdout(flags_.quiet), clock_);
@@ -153,9 +165,9 @@ void Session::Move() {
   std::optional<record::Recorder> log;
   if (scenario_.record) {
     log.emplace(out_.log(),
-                record::RunInfo{scenario_.name, scenario_.seed, TWIN_VERSION, "lockstep",
-                                scenario::ToYaml(scenario_)},
-                record::FullRing::kWait);
+                record::RunInfo{scenario_.name, scenario_.seed, TWIN_VERSION,
+                                std::string(Name(scenario_.drive)), scenario::ToYaml(scenario_)},
+                is_realtime() ? record::FullRing::kDrop : record::FullRing::kWait);
   }
   const scenario::Run& run = *run_;
   if (makes_video()) {
@@ -184,7 +196,10 @@ void Session::Move() {
   result_ = run_->Execute(hooks);
   times_.run_s = SecondsSince(begin);
   times_.real_time_factor = ToSeconds(result_.report.simulated) / times_.run_s;
-  if (log) (void)log->Finish();
+  if (log) times_.records_dropped = log->Finish().dropped;
+  for (const std::string& notice : result_.report.notices) {
+    Say(stderr, fmt::format("panda-twin: note: {}\n", notice));
+  }
 }
 
 void Session::WriteResults() {
@@ -194,7 +209,7 @@ void Session::WriteResults() {
   if (!interrupted && scenario_.record) MakePlots();
   if (!interrupted && makes_video()) MakeVideo();
   times_.peak_memory_mb = PeakMemoryMb();
-  WriteWholeFile(out_.timing(), TimingJson(times_));
+  WriteWholeFile(out_.timing(), TimingJson(times_, result_.report.robot_timings));
 }
 
 void Session::MakePlots() {

@@ -18,6 +18,24 @@ std::string ToText(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+double Microseconds(Duration duration) {
+  return ToSeconds(duration) * 1e6;
+}
+
+Json PercentilesUs(const rt::DurationHistogram& histogram) {
+  return {{"count", histogram.count()},
+          {"p50", Microseconds(histogram.Percentile(0.5))},
+          {"p99", Microseconds(histogram.Percentile(0.99))},
+          {"p99.9", Microseconds(histogram.Percentile(0.999))},
+          {"max", Microseconds(histogram.max())}};
+}
+
+std::string PercentilesText(const rt::DurationHistogram& histogram) {
+  return fmt::format("{:.1f} / {:.1f} / {:.1f} us (median, p99, max)",
+                     Microseconds(histogram.Percentile(0.5)),
+                     Microseconds(histogram.Percentile(0.99)), Microseconds(histogram.max()));
+}
+
 }  // namespace
 
 std::string OutcomeOf(const scenario::RunResult& result, bool interrupted) {
@@ -35,6 +53,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
   const Json summary{
       {"scenario", scenario.name},
       {"seed", scenario.seed},
+      {"drive", Name(scenario.drive)},
       {"version", TWIN_VERSION},
       {"outcome", OutcomeOf(result, interrupted)},
       {"failure", result.report.failure},
@@ -47,23 +66,33 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"cycles_held", result.counts.held},
       {"longest_loss_cycles", result.counts.longest_loss},
       {"commands_dropped", result.counts.dropped},
-      {"commands_written", result.report.written},
-      {"states_lost", result.report.skipped_states},
+      {"commands_written", result.report.timings.written},
+      {"states_lost", result.report.timings.skipped_states},
+      {"states_out_of_time", result.report.timings.anomalous},
+      {"controller_overruns", result.report.controller_overruns},
+      {"d_EXT_us", PercentilesUs(result.report.timings.d_EXT)},
+      {"period_us", PercentilesUs(result.report.timings.period)},
       {"libm", scenario::FormatHash(scenario::LibmFingerprint())},
       {"states_hash", scenario::FormatHash(result.states_hash)},
   };
   return ToText(summary);
 }
 
-std::string TimingJson(const WallTimes& times) {
-  return ToText({
+std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot) {
+  Json timing{
       {"prepare_s", times.prepare_s},
       {"run_s", times.run_s},
       {"plots_s", times.plots_s},
       {"video_s", times.video_s},
       {"real_time_factor", times.real_time_factor},
       {"peak_memory_mb", times.peak_memory_mb},
-  });
+  };
+  if (robot.lateness.count() > 0) {
+    timing["robot_cycle_late_us"] = PercentilesUs(robot.lateness);
+    timing["robot_overruns"] = robot.overruns;
+    timing["records_dropped"] = times.records_dropped;
+  }
+  return ToText(timing);
 }
 
 std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunResult& result,
@@ -90,6 +119,15 @@ std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunR
   line("speed",
        fmt::format("{:.2f} s simulated in {:.2f} s: {:.1f} x real time",
                    ToSeconds(result.report.simulated), times.run_s, times.real_time_factor));
+  if (scenario.drive == scenario::Drive::kRealtime) {
+    line("d_EXT", PercentilesText(result.report.timings.d_EXT));
+    line("out of time",
+         fmt::format("{} states, not answered; {} wake-ups of the controller and {} "
+                     "cycles of the robot skipped",
+                     result.report.timings.anomalous, result.report.controller_overruns,
+                     result.report.robot_timings.overruns));
+    return fmt::to_string(out);
+  }
   line("states hash", fmt::format("{} (libm {})", scenario::FormatHash(result.states_hash),
                                   scenario::FormatHash(scenario::LibmFingerprint())));
   return fmt::to_string(out);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
+#include "twin/backend/registry.h"
 #include "twin/core/time.h"
 #include "twin/scenario/assembly.h"
 #include "twin/scenario/scenario.h"
@@ -14,19 +16,20 @@ struct WallTimes {
   double run_s = 0;      ///< the motion
   double plots_s = 0;
   double video_s = 0;
-  double real_time_factor = 0;  ///< simulated time over run_s
-  double peak_memory_mb = 0;    ///< largest resident size of the process
+  double real_time_factor = 0;        ///< simulated time over run_s
+  double peak_memory_mb = 0;          ///< largest resident size of the process
+  std::uint64_t records_dropped = 0;  ///< realtime: records the log's writer had no room for
 };
 
 /// "success", "aborted", "interrupted" or "failed".
 [[nodiscard]] std::string OutcomeOf(const scenario::RunResult& result, bool interrupted);
 
-/// summary.json: what repeats with scenario and seed, byte by byte.
+/// summary.json: what, in lockstep, repeats with scenario and seed, byte by byte.
 [[nodiscard]] std::string SummaryJson(const scenario::Scenario& scenario,
                                       const scenario::RunResult& result, bool interrupted);
 
-/// timing.json: what does not.
-[[nodiscard]] std::string TimingJson(const WallTimes& times);
+/// timing.json: what does not. @param robot  how a robot in real time kept its time.
+[[nodiscard]] std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot);
 
 /// The block a run ends with on the terminal.
 [[nodiscard]] std::string SummaryText(const scenario::Scenario& scenario,

@@ -1,25 +1,13 @@
 #include "twin/loop/control_tick.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace twin::loop {
-namespace {
-
-TickConfig Validated(const TickConfig& config, control::CommandInterface interface) {
-  config.Validate(interface);
-  return config;
-}
-
-}  // namespace
 
 ControlTick::ControlTick(const TickConfig& config, control::CommandInterface interface,
                          Exchange& exchange)
-    : config_(Validated(config, interface)),
-      interface_(interface),
+    : interface_(interface),
+      period_tolerance_(config.period_tolerance),
       exchange_(exchange),
-      matcher_(config.rate_matching ? config.source_rate_hz : 1000),
-      generator_(config.lambda) {}
+      chain_(config, interface) {}
 
 void ControlTick::Activate(const MotionModes& modes) noexcept {
   modes_ = modes;
@@ -34,10 +22,23 @@ bool ControlTick::InMotion(const RobotState& state) const noexcept {
 }
 
 const RobotCommand* ControlTick::Tick(const RobotState& state, Time read) noexcept {
+  Publish(state, read);
+  return Answer(state);
+}
+
+bool ControlTick::IsAnomalous(Time read) const noexcept {
+  if (period_tolerance_ == Duration::zero() || record_.message_id == 0) return false;
+  const Duration off = read - record_.read - kCycle;
+  return off > period_tolerance_ || off < -period_tolerance_;
+}
+
+void ControlTick::Publish(const RobotState& state, Time read) noexcept {
+  anomalous_ = IsAnomalous(read);
   record_.skipped_states =
       record_.message_id == 0
           ? 0
           : static_cast<std::uint32_t>(state.message_id - record_.message_id - 1);
+  cycles_ += record_.skipped_states + 1;
   record_.message_id = state.message_id;
   record_.read = read;
   record_.written = read;
@@ -48,10 +49,20 @@ const RobotCommand* ControlTick::Tick(const RobotState& state, Time read) noexce
     published.state = state;
     published.read = read;
   });
-  exchange_.deposits.Refresh();
+}
 
+const RobotCommand* ControlTick::Answer(const RobotState& state) noexcept {
+  fresh_ = exchange_.deposits.Refresh() || fresh_;
   if (!InMotion(state) || !PassesGate(state)) return nullptr;
+  if (anomalous_) {
+    record_.action = rt::TickAction::kSkipped;
+    return nullptr;
+  }
   Generate(state);
+  if (!IsValid(record_.command, interface_)) {
+    record_.action = rt::TickAction::kInvalid;
+    return nullptr;
+  }
   record_.action = finishing_ ? rt::TickAction::kFinished : rt::TickAction::kWritten;
   return &record_.command;
 }
@@ -66,40 +77,23 @@ bool ControlTick::PassesGate(const RobotState& state) noexcept {
     return false;
   }
   open_ = true;
-  matcher_.Reset({state.q_d, {}, {}});
+  cycles_ = 1;
+  chain_.Reset(state);
   return true;
 }
 
 void ControlTick::Generate(const RobotState& state) noexcept {
   const Deposit& deposit = exchange_.deposits.value();
-  // The matcher's window is of cycles: those whose states were lost on the way count too.
-  const std::size_t missed = std::min<std::size_t>(record_.skipped_states, matcher_.window());
-  for (std::size_t i = 0; i < missed; ++i) static_cast<void>(matcher_.Next(deposit.target));
-  matched_ = matcher_.Next(deposit.target);
-  RobotCommand& command = record_.command;
-  command.message_id = state.message_id;
-  if (interface_ == control::CommandInterface::kJointVelocity) {
-    command.dq_c = matched_.dq;
-  } else if (config_.generator == Generator::kJoint) {
-    command.q_c = generator_.Next(state.q_d, matched_);
-  } else {
-    command.q_c = matched_.q;
-  }
-  finishing_ = finishing_ || (deposit.finished && Arrived(state));
-  command.motion_generation_finished = finishing_;
+  record_.command.message_id = state.message_id;
+  chain_.Next(state, deposit.target, fresh_, cycles_, record_.command);
+  cycles_ = 0;
+  fresh_ = false;
+  finishing_ = finishing_ || (deposit.finished && chain_.Arrived(state));
+  record_.command.motion_generation_finished = finishing_;
 
   record_.deposit_time = deposit.source_time;
-  record_.q_ext = matched_.q;
-  record_.dq_ext = matched_.dq;
-}
-
-bool ControlTick::Arrived(const RobotState& state) const noexcept {
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    if (matched_.dq[i] != 0) return false;
-    if (interface_ == control::CommandInterface::kJointVelocity) continue;
-    if (std::abs(matched_.q[i] - state.q_d[i]) > config_.finish_tolerance_rad) return false;
-  }
-  return true;
+  record_.q_ext = chain_.matched().joint.q;
+  record_.dq_ext = chain_.matched().joint.dq;
 }
 
 }  // namespace twin::loop

@@ -1,25 +1,43 @@
 #include "twin/loop/loop_config.h"
 
+#include <fmt/format.h>
+
 #include "twin/core/error.h"
 #include "twin/core/require.h"
 
 namespace twin::loop {
+namespace {
 
-void TickConfig::Validate(control::CommandInterface interface) const {
+using control::CommandInterface;
+
+void RequireGenerator(Generator generator, CommandInterface interface) {
+  const bool joint = generator == Generator::kJoint;
+  const bool fits = generator == Generator::kNone ||
+                    (joint && interface == CommandInterface::kJointPosition) ||
+                    (!joint && interface == CommandInterface::kCartesianPose);
+  if (fits) return;
+  throw InputError(
+      fmt::format("tick.generator: {} and does not go with this motion.interface; say none, or "
+                  "leave it out",
+                  joint ? "joint makes joint positions" : "cartesian makes poses"));
+}
+
+}  // namespace
+
+void TickConfig::Validate(CommandInterface interface) const {
   RequireInRange("tick: lambda", lambda, 1e-9, 1);
   RequireInRange("tick: source_rate_hz", source_rate_hz, 1, 1000);
   RequireInRange("tick: finish_tolerance_rad", finish_tolerance_rad, 1e-9, 1e-2);
-  if (generator == Generator::kJoint && interface != control::CommandInterface::kJointPosition) {
-    throw InputError(
-        "tick.generator: joint makes positions and does not go with motion.interface: "
-        "joint_velocity; say none, or leave it out");
-  }
+  RequireInRange("tick: period_tolerance (us)", ToSeconds(period_tolerance) * 1e6, 0, 1000);
+  RequireInRange("tick: low_pass_hz", low_pass_hz, 1, 1000);
+  RequireGenerator(generator, interface);
 }
 
 void ControllerLoopConfig::Validate() const {
   RequireInRange("controller: rate_hz", rate_hz, 1, 1000);
   RequireInRange("controller: clock_ppm", clock_ppm, -1000, 1000);
   RequireInRange("controller: phase (ms)", ToSeconds(phase) * 1e3, 0, 10000);
+  RequireInRange("controller: target_noise", target_noise, 0, 1);
 }
 
 }  // namespace twin::loop

@@ -1,5 +1,6 @@
 #include "twin/robot/robot.h"
 
+#include <cmath>
 #include <utility>
 
 namespace twin::robot {
@@ -20,9 +21,35 @@ Robot::Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt:
       sink_(sink),
       states_(config.link, config.seed, events, state_ready),
       commands_(config.link, config.seed, events, inbox_),
-      d_INT_(config.link.d_INT) {
+      d_INT_(config.link.d_INT),
+      clock_speed_(1 + config.clock_ppm * 1e-6) {
   plant_->Reset(config.q_start);
-  events_.Schedule(events_.Now() + kCycle, rt::EventOrder::kIntCycle, *this);
+}
+
+void Robot::Begin() noexcept {
+  begin_ = events_.Now();
+  periods_ = 1;
+  next_cycle_ = Due(periods_);
+  ScheduleCycle();
+}
+
+Time Robot::Due(std::uint64_t periods) const noexcept {
+  // Whole nanoseconds are exact in a double for 104 days, so that without drift nothing is rounded.
+  const auto own = static_cast<double>(periods * static_cast<std::uint64_t>(kCycle.count()));
+  return begin_ + Duration(std::llround(own / clock_speed_));
+}
+
+Duration Robot::period() const noexcept {
+  return Due(periods_ + 1) - next_cycle_;
+}
+
+void Robot::Postpone(std::uint64_t periods) noexcept {
+  periods_ += periods;
+  next_cycle_ = Due(periods_);
+}
+
+void Robot::ScheduleCycle() noexcept {
+  events_.Schedule(next_cycle_, rt::EventOrder::kIntCycle, *this);
 }
 
 onboard::MoveStatus Robot::Move(const MotionModes& modes) noexcept {
@@ -35,7 +62,15 @@ void Robot::Send(const RobotCommand& command) noexcept {
 }
 
 void Robot::OnEvent(Time now, std::uint64_t /*token*/) noexcept {
-  events_.Schedule(now + kCycle, rt::EventOrder::kIntCycle, *this);
+  const bool postponed = now < next_cycle_;
+  if (!postponed) {
+    next_cycle_ = Due(++periods_);
+    Cycle(now);
+  }
+  ScheduleCycle();
+}
+
+void Robot::Cycle(Time now) noexcept {
   const RobotCommand* command = inbox_.Select(int_.message_id(), now - d_INT_);
   plant_->Step(int_.Cycle(command, plant_->sensors()));
   int_.FillState(plant_->sensors(), record_.state);

@@ -7,18 +7,10 @@
 
 namespace twin::robot {
 
-void LinkConfig::Validate() const {
-  RequireInRange("link: state_loss", state_loss, 0, 1);
-  RequireInRange("link: command_loss", command_loss, 0, 1);
-  if (d_INT < Duration::zero() || d_INT >= kCycle) {
-    throw InputError(
-        fmt::format("link: d_INT is {} us; it must lie in [0, 1000) us", ToSeconds(d_INT) * 1e6));
-  }
-}
-
 void RobotConfig::Validate() const {
   onboard.Validate();
   link.Validate();
+  RequireInRange("robot.clock_ppm", clock_ppm, -1000, 1000);
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (q_start[i] >= onboard.limits.q_min[i] && q_start[i] <= onboard.limits.q_max[i]) continue;
     throw InputError(fmt::format("robot.q_start: joint {} is at {} rad; it must lie in [{}, {}]",

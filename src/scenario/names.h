@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "scenario/quantity.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {
@@ -23,6 +24,14 @@ inline constexpr std::array<Spelling<plant::FrictionProfile>, 3> kFrictionNames{
      {"residual", plant::FrictionProfile::kResidual},
      {"breakaway", plant::FrictionProfile::kBreakaway}}};
 
+inline constexpr std::array<Spelling<Drive>, 2> kDriveNames{
+    {{"lockstep", Drive::kLockstep}, {"realtime", Drive::kRealtime}}};
+
+inline constexpr std::array<Spelling<loop::LoopKind>, 3> kLoopNames{
+    {{"asynchronous", loop::LoopKind::kAsynchronous},
+     {"synchronous", loop::LoopKind::kSynchronous},
+     {"bare", loop::LoopKind::kBare}}};
+
 inline constexpr std::array<Spelling<loop::Generator>, 2> kGeneratorNames{
     {{"none", loop::Generator::kNone}, {"joint", loop::Generator::kJoint}}};
 
@@ -30,9 +39,21 @@ inline constexpr std::array<Spelling<reference::FeedForwardTime>, 2> kFeedForwar
     {{"source", reference::FeedForwardTime::kSource},
      {"nominal", reference::FeedForwardTime::kNominal}}};
 
-inline constexpr std::array<Spelling<control::CommandInterface>, 2> kInterfaceNames{
+inline constexpr std::array<Spelling<control::CommandInterface>, 3> kInterfaceNames{
     {{"joint_position", control::CommandInterface::kJointPosition},
-     {"joint_velocity", control::CommandInterface::kJointVelocity}}};
+     {"joint_velocity", control::CommandInterface::kJointVelocity},
+     {"torque", control::CommandInterface::kTorque}}};
+
+/// @returns what an interface's values measure.
+[[nodiscard]] constexpr Dimension DimensionOf(control::CommandInterface interface) {
+  switch (interface) {
+    case control::CommandInterface::kJointPosition: return Dimension::kAngle;
+    case control::CommandInterface::kJointVelocity: return Dimension::kAngularVelocity;
+    case control::CommandInterface::kCartesianPose: return Dimension::kLength;
+    case control::CommandInterface::kTorque: return Dimension::kTorque;
+  }
+  return Dimension::kAngle;
+}
 
 /// @returns the spelling of `value`. @pre the table has it.
 template <typename Enum, std::size_t N>

@@ -23,17 +23,22 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 constexpr std::array kTimeUnits{Unit{"ns", 1e-9}, Unit{"us", 1e-6}, Unit{"ms", 1e-3}, Unit{"s", 1},
                                 Unit{"min", 60}};
+/// The two letters for micro, U+00B5 and U+03BC, in UTF-8.
+constexpr std::array<std::string_view, 2> kMicroSeconds{"\u00b5s", "\u03bcs"};
 constexpr std::array kFrequencyUnits{Unit{"Hz", 1}, Unit{"kHz", 1e3}};
 constexpr std::array kAngleUnits{Unit{"rad", 1}, Unit{"deg", kDegree}};
-constexpr std::array kVelocityUnits{Unit{"rad/s", 1}, Unit{"deg/s", kDegree}};
-constexpr std::array kAccelerationUnits{Unit{"rad/s^2", 1}, Unit{"deg/s^2", kDegree}};
-constexpr std::array kJerkUnits{Unit{"rad/s^3", 1}, Unit{"deg/s^3", kDegree}};
+constexpr std::array kAngularVelocityUnits{Unit{"rad/s", 1}, Unit{"deg/s", kDegree}};
+constexpr std::array kAngularAccelerationUnits{Unit{"rad/s^2", 1}, Unit{"deg/s^2", kDegree}};
+constexpr std::array kAngularJerkUnits{Unit{"rad/s^3", 1}, Unit{"deg/s^3", kDegree}};
 constexpr std::array kTorqueUnits{Unit{"Nm", 1}};
 constexpr std::array kTorqueRateUnits{Unit{"Nm/s", 1}};
 constexpr std::array kStiffnessUnits{Unit{"Nm/rad", 1}};
 constexpr std::array kInertiaUnits{Unit{"kg m^2", 1}};
 constexpr std::array kMassUnits{Unit{"kg", 1}, Unit{"g", 1e-3}};
 constexpr std::array kLengthUnits{Unit{"m", 1}, Unit{"mm", 1e-3}};
+constexpr std::array kVelocityUnits{Unit{"m/s", 1}, Unit{"mm/s", 1e-3}};
+constexpr std::array kAccelerationUnits{Unit{"m/s^2", 1}};
+constexpr std::array kJerkUnits{Unit{"m/s^3", 1}};
 constexpr std::array kPercentUnits{Unit{"%", 1}};
 constexpr std::array kDriftUnits{Unit{"ppm", 1}};
 
@@ -48,16 +53,20 @@ DimensionInfo Info(Dimension dimension) {
     case Dimension::kTime: return {"a time", "500 us", kTimeUnits};
     case Dimension::kFrequency: return {"a frequency", "1000 Hz", kFrequencyUnits};
     case Dimension::kAngle: return {"an angle", "45 deg", kAngleUnits};
-    case Dimension::kAngularVelocity: return {"an angular velocity", "0.5 rad/s", kVelocityUnits};
+    case Dimension::kAngularVelocity:
+      return {"an angular velocity", "0.5 rad/s", kAngularVelocityUnits};
     case Dimension::kAngularAcceleration:
-      return {"an angular acceleration", "2 rad/s^2", kAccelerationUnits};
-    case Dimension::kAngularJerk: return {"an angular jerk", "50 rad/s^3", kJerkUnits};
+      return {"an angular acceleration", "2 rad/s^2", kAngularAccelerationUnits};
+    case Dimension::kAngularJerk: return {"an angular jerk", "50 rad/s^3", kAngularJerkUnits};
     case Dimension::kTorque: return {"a torque", "0.1 Nm", kTorqueUnits};
     case Dimension::kTorqueRate: return {"a torque rate", "1000 Nm/s", kTorqueRateUnits};
     case Dimension::kStiffness: return {"a stiffness", "3000 Nm/rad", kStiffnessUnits};
     case Dimension::kInertia: return {"a moment of inertia", "0.2 kg m^2", kInertiaUnits};
     case Dimension::kMass: return {"a mass", "0.73 kg", kMassUnits};
     case Dimension::kLength: return {"a length", "1.5 m", kLengthUnits};
+    case Dimension::kVelocity: return {"a velocity", "1.5 m/s", kVelocityUnits};
+    case Dimension::kAcceleration: return {"an acceleration", "10 m/s^2", kAccelerationUnits};
+    case Dimension::kJerk: return {"a jerk", "5000 m/s^3", kJerkUnits};
     case Dimension::kPercent: return {"a percentage", "0.1 %", kPercentUnits};
     case Dimension::kDrift: return {"a clock drift", "20 ppm", kDriftUnits};
   }
@@ -97,6 +106,7 @@ std::string_view Trim(std::string_view text) {
 
 double UnitFactor(std::string_view unit, Dimension dimension) {
   const DimensionInfo info = Info(dimension);
+  if (std::ranges::find(kMicroSeconds, unit) != kMicroSeconds.end()) unit = "us";
   const auto found = std::ranges::find(info.units, unit, &Unit::name);
   if (found != info.units.end()) return found->factor;
   throw InputError(fmt::format("unit \"{}\" does not fit {}; write it like \"{}\" (units: {})",
@@ -131,11 +141,15 @@ Duration ParseDuration(std::string_view text) {
   throw InputError(fmt::format("\"{}\" is more than a century; give a shorter time", text));
 }
 
-std::string FormatRange(double least, double most, Dimension dimension) {
+std::string_view BaseUnit(Dimension dimension) {
   for (const Unit& unit : Info(dimension).units) {
-    if (unit.factor == 1) return fmt::format("[{}, {}] {}", least, most, unit.name);
+    if (unit.factor == 1) return unit.name;
   }
-  return fmt::format("[{}, {}]", least, most);
+  return {};
+}
+
+std::string FormatRange(double least, double most, Dimension dimension) {
+  return fmt::format("[{}, {}] {}", least, most, BaseUnit(dimension));
 }
 
 double ParseNumber(std::string_view text) {

@@ -22,13 +22,17 @@ enum class Dimension : std::uint8_t {
   kInertia,
   kMass,
   kLength,
+  kVelocity,
+  kAcceleration,
+  kJerk,
   kPercent,
   kDrift,
 };
 
-/// Reads a number with its unit, "80 us" or "-45 deg"; the space may be left out.
+/// Reads a number with its unit, "80 us" or "-45 deg"; the space may be left out, and a micro may
+/// be written as a u, as the micro sign or as a small mu.
 /// @returns the value in the dimension's base unit: s, Hz, rad, rad/s, rad/s^2, rad/s^3, Nm, Nm/s,
-/// Nm/rad, kg m^2, kg, m, percent or ppm (drift).
+/// Nm/rad, kg m^2, kg, m, m/s, m/s^2, m/s^3, percent or ppm (drift).
 /// @throws InputError saying what was given and which units are accepted. The text names no file:
 /// the reader of the file puts its own place in front.
 [[nodiscard]] double ParseQuantity(std::string_view text, Dimension dimension);
@@ -40,6 +44,9 @@ enum class Dimension : std::uint8_t {
 /// @returns the factor from `unit` to the base unit of `dimension`.
 /// @throws InputError naming the unit and the accepted ones.
 [[nodiscard]] double UnitFactor(std::string_view unit, Dimension dimension);
+
+/// @returns the base unit's name.
+[[nodiscard]] std::string_view BaseUnit(Dimension dimension);
 
 /// @returns a range in the base unit, for messages: "[0, 1000] Hz".
 [[nodiscard]] std::string FormatRange(double least, double most, Dimension dimension);

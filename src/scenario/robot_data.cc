@@ -69,13 +69,33 @@ void ReadEndEffector(const std::filesystem::path& file, RobotData& robot) {
                                  tip.Require("z").Quantity(Dimension::kLength, -10, 10));
 }
 
+/// The dimensions of a component's velocity, acceleration and jerk.
+struct Derivatives {
+  Dimension dp, ddp, dddp;
+};
+constexpr Derivatives kLinear{Dimension::kVelocity, Dimension::kAcceleration, Dimension::kJerk};
+constexpr Derivatives kAngular{Dimension::kAngularVelocity, Dimension::kAngularAcceleration,
+                               Dimension::kAngularJerk};
+
+CartesianBound ReadBound(const YamlNode& node, const Derivatives& dimensions) {
+  constexpr double kLeast = 1e-9;
+  constexpr double kMost = 1e9;
+  const YamlMap map = node.Map({"dp_max", "ddp_max", "dddp_max"});
+  return {map.Require("dp_max").UnitAndValue(dimensions.dp, kLeast, kMost),
+          map.Require("ddp_max").UnitAndValue(dimensions.ddp, kLeast, kMost),
+          map.Require("dddp_max").UnitAndValue(dimensions.dddp, kLeast, kMost)};
+}
+
+/// A section of a limits.yaml.
+YamlNode LimitsSection(const std::filesystem::path& file, std::string_view section) {
+  return YamlNode::ParseFile(file.string()).Map({"robot", "joints", "cartesian"}).Require(section);
+}
+
 }  // namespace
 
 JointLimits LoadJointLimits(const std::filesystem::path& file) {
-  const YamlNode root = YamlNode::ParseFile(file.string());
   const YamlMap joints =
-      root.Map({"robot", "joints", "cartesian"})
-          .Require("joints")
+      LimitsSection(file, "joints")
           .Map({"q_min", "q_max", "dq_max", "ddq_max", "dddq_max", "tau_max", "dtau_max"});
   const auto read = [&](std::string_view key, Dimension dimension) {
     return joints.Require(key).JointQuantity(dimension);
@@ -96,6 +116,12 @@ JointLimits LoadJointLimits(const std::filesystem::path& file) {
   return limits;
 }
 
+CartesianLimits LoadCartesianLimits(const std::filesystem::path& file) {
+  const YamlMap map = LimitsSection(file, "cartesian").Map({"translation", "rotation", "elbow"});
+  return {ReadBound(map.Require("translation"), kLinear),
+          ReadBound(map.Require("rotation"), kAngular), ReadBound(map.Require("elbow"), kAngular)};
+}
+
 RobotData LoadRobotData(const std::filesystem::path& models, std::string_view name,
                         plant::HandKind hand) {
   const std::filesystem::path robots = models / "robots";
@@ -108,6 +134,7 @@ RobotData LoadRobotData(const std::filesystem::path& models, std::string_view na
   robot.name = name;
   robot.urdf = robots / name / (robot.name + ".urdf");
   robot.limits = LoadJointLimits(robots / name / "limits.yaml");
+  robot.cartesian = LoadCartesianLimits(robots / name / "limits.yaml");
   robot.rotor_inertia = LoadRotorInertia(robots / name / "drives.yaml");
   if (hand == plant::HandKind::kFrankaHand) {
     ReadEndEffector(robots / "hand" / "end_effector.yaml", robot);

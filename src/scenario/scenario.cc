@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "scenario/names.h"
 #include "twin/core/error.h"
 
 namespace twin::scenario {
@@ -22,18 +23,51 @@ void RequireName(const char* field, const std::string& name) {
                                field, name, kLongest));
 }
 
-void RequireRange(const char* field, double value, double least, double most) {
+void RequireRange(std::string_view field, double value, double least, double most) {
   if (value >= least && value <= most) return;  // false for NaN
   throw InputError(
       fmt::format("{}: {} is out of range; it must lie in [{}, {}]", field, value, least, most));
 }
 
-void ValidateDelay(const char* field, const Delay& delay) {
+/// @param law  a Delay or a Loss.
+template <typename Law>
+void ValidateLaw(std::string_view field, const Law& law) {
   try {
-    (void)delay.Model();
+    (void)law.Model();
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", field, error.what()));
   }
+}
+
+void ValidateDirection(std::string_view name, const DirectionSection& direction) {
+  const auto field = [&](const char* key) { return fmt::format("link.{}_{}", name, key); };
+  ValidateLaw(field("delay"), direction.delay);
+  ValidateLaw(field("loss"), direction.loss);
+  RequireRange(field("duplication.share"), direction.duplication.share_percent, 0, 100);
+  ValidateLaw(field("duplication.delay"), direction.duplication.delay);
+  RequireRange(field("reordering.share"), direction.reordering.share_percent, 0, 100);
+}
+
+/// The synchronous loop sleeps on its own clock and the bare one is the robot's: they have no time
+/// by which a state could be out of order, and the bare loop has no clock at all.
+void ValidateLoop(const Scenario& scenario) {
+  const ControllerSection& controller = scenario.controller;
+  RequireRange("tick.period_tolerance (us)", ToSeconds(scenario.tick.period_tolerance) * 1e6, 0,
+               1000);
+  if (scenario.loop == loop::LoopKind::kAsynchronous) return;
+  if (scenario.tick.period_tolerance != Duration::zero()) {
+    throw InputError(
+        "tick.period_tolerance: only the asynchronous loop has one; leave it out, or say loop: "
+        "asynchronous");
+  }
+  if (scenario.loop != loop::LoopKind::kBare) return;
+  if (controller.rate_hz == 1000 && controller.clock_drift_ppm == 0 &&
+      controller.phase == Duration::zero() && controller.wake_delay == Delay()) {
+    return;
+  }
+  throw InputError(
+      "controller: the bare loop is paced by the robot, at 1000 Hz; rate, clock_drift, phase and "
+      "wake_delay have no meaning in it: leave them out, or say loop: asynchronous");
 }
 
 void ValidateMotion(const MotionSection& motion) {
@@ -63,18 +97,20 @@ bool SamePoint(const reference::Waypoint& a, const reference::Waypoint& b) {
 
 }  // namespace
 
-Drive DriveFromName(std::string_view name) {
-  if (name == "lockstep") return Drive::kLockstep;
-  if (name == "realtime" || name == "remote") {
-    throw InputError(fmt::format(
-        "drive \"{}\" is not part of this version; use lockstep, the virtual clock", name));
-  }
-  throw InputError(fmt::format("drive \"{}\" is unknown; accepted: lockstep", name));
+std::string_view Name(Drive drive) noexcept {
+  return NameOf(kDriveNames, drive);
 }
 
-rt::DelayModel Delay::Model() const {
-  if (kind == Kind::kConstant) return rt::DelayModel(rt::ConstantDelay{constant});
-  return rt::DelayModel(rt::LogNormalDelay{median, sigma, offset});
+Drive DriveFromName(std::string_view name) {
+  for (const auto& [spelling, drive] : kDriveNames) {
+    if (spelling == name) return drive;
+  }
+  constexpr std::string_view kAccepted = "lockstep (the virtual clock), realtime (the wall clock)";
+  if (name == "remote") {
+    throw InputError(
+        fmt::format("drive \"remote\" is not part of this version; accepted: {}", kAccepted));
+  }
+  throw InputError(fmt::format("drive \"{}\" is unknown; accepted: {}", name, kAccepted));
 }
 
 bool MotionSection::operator==(const MotionSection& other) const {
@@ -91,19 +127,22 @@ void Scenario::Validate() const {
   RequireName("backend", backend);
   RequireName("robot.model", robot.model);
   RequireName("controller.type", controller.type);
-  ValidateDelay("link.state_delay", link.state_delay);
-  ValidateDelay("link.command_delay", link.command_delay);
-  ValidateDelay("tick.cost", tick.cost);
-  ValidateDelay("controller.wake_delay", controller.wake_delay);
-  ValidateDelay("controller.cost", controller.cost);
+  RequireRange("robot.clock_drift", robot.clock_drift_ppm, -1000, 1000);
+  ValidateDirection("state", link.state);
+  ValidateDirection("command", link.command);
+  ValidateLaw("tick.cost", tick.cost);
+  ValidateLaw("controller.wake_delay", controller.wake_delay);
+  ValidateLaw("controller.cost", controller.cost);
   RequireRange("plant.noise.q", plant.noise_q, 0, 1);
   RequireRange("plant.noise.dq", plant.noise_dq, 0, 10);
   RequireRange("plant.noise.tau_J", plant.noise_tau_J, 0, 100);
-  RequireRange("link.state_loss", link.state_loss_percent, 0, 100);
-  RequireRange("link.command_loss", link.command_loss_percent, 0, 100);
+  RequireRange("int.friction_compensation", onboard.friction_compensation, 0, 1);
   RequireRange("tick.lambda", tick.lambda, 1e-9, 1);
+  RequireRange("tick.low_pass (Hz)", tick.low_pass_hz, 1, 1000);
   RequireRange("controller.rate", controller.rate_hz, 1, 1000);
   RequireRange("controller.clock_drift", controller.clock_drift_ppm, -1000, 1000);
+  RequireRange("controller.target_noise", controller.target_noise, 0, 1);
+  ValidateLoop(*this);
   ValidateMotion(motion);
   ValidateRender(render);
 }

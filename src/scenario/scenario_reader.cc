@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "scenario/link_reader.h"
 #include "scenario/names.h"
 #include "scenario/trajectory_reader.h"
 #include "scenario/yaml_node.h"
@@ -12,51 +13,30 @@
 namespace twin::scenario {
 namespace {
 
-constexpr Duration kLongestDelay = std::chrono::seconds(10);
-
-/// Calls `use` with the value of a key that may be absent.
-template <typename Use>
-void IfGiven(const YamlMap& map, std::string_view key, Use use) {
-  if (const auto node = map.Find(key)) use(*node);
-}
-
 template <typename Enum, std::size_t N>
 Enum ReadChoice(const YamlNode& node, const std::array<Spelling<Enum>, N>& names) {
   return node.Choice(std::span<const Spelling<Enum>>(names));
 }
 
-/// "80 us", {constant: 80 us} or {log_normal: {median: 80 us, sigma: 0.3, offset: 20 us}}.
-Delay ReadDelay(const YamlNode& node) {
-  Delay delay;
-  if (node.IsScalar()) {
-    delay.constant = node.Time(Duration::zero(), kLongestDelay);
-    return delay;
-  }
-  const YamlMap map = node.Map({"constant", "log_normal"});
-  const auto constant = map.Find("constant");
-  const auto log_normal = map.Find("log_normal");
-  if (constant.has_value() == log_normal.has_value()) {
-    node.Fail("give exactly one of constant and log_normal");
-  }
-  if (constant) {
-    delay.constant = constant->Time(Duration::zero(), kLongestDelay);
-    return delay;
-  }
-  const YamlMap shape = log_normal->Map({"median", "sigma", "offset"});
-  delay.kind = Delay::Kind::kLogNormal;
-  delay.median = shape.Require("median").Time(Duration(1), kLongestDelay);
-  delay.sigma = shape.Require("sigma").Number(0, 5);
-  IfGiven(shape, "offset",
-          [&](const YamlNode& n) { delay.offset = n.Time(Duration::zero(), kLongestDelay); });
-  return delay;
+double ReadDrift(const YamlNode& node) {
+  return node.Quantity(Dimension::kDrift, -1000, 1000);
 }
 
-void ReadRobot(const YamlNode& node, RobotSection& robot) {
-  const YamlMap map = node.Map({"model", "hand", "q_start"});
-  IfGiven(map, "model", [&](const YamlNode& n) { robot.model = n.Text(); });
+/// A name that only a run can judge, and where it stands.
+std::string ReadName(const YamlNode& node, Place& place) {
+  place = {node.Text(), node.Where()};
+  return place.name;
+}
+
+void ReadRobot(const YamlNode& node, Scenario& scenario) {
+  RobotSection& robot = scenario.robot;
+  const YamlMap map = node.Map({"model", "hand", "q_start", "clock_drift"});
+  IfGiven(map, "model",
+          [&](const YamlNode& n) { robot.model = ReadName(n, scenario.places.robot); });
   IfGiven(map, "hand", [&](const YamlNode& n) { robot.hand = ReadChoice(n, kHandNames); });
   IfGiven(map, "q_start",
           [&](const YamlNode& n) { robot.q_start = n.JointQuantity(Dimension::kAngle); });
+  IfGiven(map, "clock_drift", [&](const YamlNode& n) { robot.clock_drift_ppm = ReadDrift(n); });
 }
 
 void ReadNoise(const YamlNode& node, PlantSection& plant) {
@@ -79,23 +59,9 @@ void ReadPlant(const YamlNode& node, PlantSection& plant) {
   IfGiven(map, "noise", [&](const YamlNode& n) { ReadNoise(n, plant); });
 }
 
-void ReadLink(const YamlNode& node, LinkSection& link) {
-  const YamlMap map =
-      node.Map({"state_delay", "command_delay", "state_loss", "command_loss", "d_INT"});
-  IfGiven(map, "state_delay", [&](const YamlNode& n) { link.state_delay = ReadDelay(n); });
-  IfGiven(map, "command_delay", [&](const YamlNode& n) { link.command_delay = ReadDelay(n); });
-  IfGiven(map, "state_loss", [&](const YamlNode& n) {
-    link.state_loss_percent = n.Quantity(Dimension::kPercent, 0, 100);
-  });
-  IfGiven(map, "command_loss", [&](const YamlNode& n) {
-    link.command_loss_percent = n.Quantity(Dimension::kPercent, 0, 100);
-  });
-  IfGiven(map, "d_INT",
-          [&](const YamlNode& n) { link.d_INT = n.Time(Duration::zero(), kCycle - Duration(1)); });
-}
-
 void ReadOnboard(const YamlNode& node, OnboardSection& onboard) {
-  const YamlMap map = node.Map({"K_theta", "damping_ratio", "abort_after_lost"});
+  const YamlMap map =
+      node.Map({"K_theta", "damping_ratio", "abort_after_lost", "friction_compensation"});
   IfGiven(map, "K_theta", [&](const YamlNode& n) {
     onboard.K_theta = n.JointQuantity(Dimension::kStiffness);
     for (const double K : onboard.K_theta) {
@@ -109,37 +75,80 @@ void ReadOnboard(const YamlNode& node, OnboardSection& onboard) {
   IfGiven(map, "abort_after_lost", [&](const YamlNode& n) {
     onboard.abort_after_lost = static_cast<std::uint32_t>(n.Integer(1, 1'000'000));
   });
+  IfGiven(map, "friction_compensation",
+          [&](const YamlNode& n) { onboard.friction_compensation = n.Number(0, 1); });
 }
 
-void ReadTick(const YamlNode& node, TickSection& tick) {
-  const YamlMap map =
-      node.Map({"generator", "lambda", "rate_matching", "finish_tolerance", "cost"});
+loop::Generator ReadGenerator(const YamlNode& node, control::CommandInterface interface) {
+  const loop::Generator generator = ReadChoice(node, kGeneratorNames);
+  if (generator == loop::Generator::kJoint &&
+      interface != control::CommandInterface::kJointPosition) {
+    node.Fail(
+        fmt::format("joint makes joint positions, and motion.interface is {}; say none, or "
+                    "leave it out",
+                    NameOf(kInterfaceNames, interface)));
+  }
+  return generator;
+}
+
+/// "off", or the cut-off frequency.
+double ReadLowPass(const YamlNode& node) {
+  if (node.IsScalar() && node.Text() == "off") return loop::TickConfig().low_pass_hz;
+  return node.Quantity(Dimension::kFrequency, 1, 1000);
+}
+
+/// What the other sections imply for what this one does not say.
+TickSection TickDefaults(const Scenario& scenario) {
+  TickSection tick;
+  if (scenario.motion.interface != control::CommandInterface::kJointPosition) {
+    tick.generator = loop::Generator::kNone;
+  }
+  if (scenario.loop != loop::LoopKind::kAsynchronous) tick.period_tolerance = Duration::zero();
+  return tick;
+}
+
+void ReadTick(const YamlNode& node, Scenario& scenario) {
+  TickSection& tick = scenario.tick;
+  const YamlMap map = node.Map({"generator", "lambda", "rate_matching", "finish_tolerance",
+                                "period_tolerance", "low_pass", "limiter", "cost"});
   IfGiven(map, "generator",
-          [&](const YamlNode& n) { tick.generator = ReadChoice(n, kGeneratorNames); });
+          [&](const YamlNode& n) { tick.generator = ReadGenerator(n, scenario.motion.interface); });
   IfGiven(map, "lambda", [&](const YamlNode& n) { tick.lambda = n.Number(1e-9, 1); });
   IfGiven(map, "rate_matching", [&](const YamlNode& n) { tick.rate_matching = n.Bool(); });
   IfGiven(map, "finish_tolerance", [&](const YamlNode& n) {
     tick.finish_tolerance = n.Quantity(Dimension::kAngle, 1e-9, 1e-2);
   });
+  IfGiven(map, "period_tolerance", [&](const YamlNode& n) {
+    if (scenario.loop != loop::LoopKind::kAsynchronous) {
+      n.Fail("only the asynchronous loop has one; leave it out, or say loop: asynchronous");
+    }
+    tick.period_tolerance = n.Time(Duration::zero(), kCycle);
+  });
+  IfGiven(map, "low_pass", [&](const YamlNode& n) { tick.low_pass_hz = ReadLowPass(n); });
+  IfGiven(map, "limiter", [&](const YamlNode& n) { tick.limiter = n.Bool(); });
   IfGiven(map, "cost", [&](const YamlNode& n) { tick.cost = ReadDelay(n); });
 }
 
-void ReadController(const YamlNode& node, ControllerSection& controller) {
-  const YamlMap map =
-      node.Map({"type", "rate", "clock_drift", "phase", "wake_delay", "cost", "feed_forward"});
-  IfGiven(map, "type", [&](const YamlNode& n) { controller.type = n.Text(); });
+void ReadController(const YamlNode& node, Scenario& scenario) {
+  ControllerSection& controller = scenario.controller;
+  const YamlMap map = node.Map({"type", "rate", "clock_drift", "phase", "wake_delay", "cost",
+                                "feed_forward", "target_noise"});
+  IfGiven(map, "type",
+          [&](const YamlNode& n) { controller.type = ReadName(n, scenario.places.controller); });
   IfGiven(map, "rate", [&](const YamlNode& n) {
     controller.rate_hz = n.Quantity(Dimension::kFrequency, 1, 1000);
   });
-  IfGiven(map, "clock_drift", [&](const YamlNode& n) {
-    controller.clock_drift_ppm = n.Quantity(Dimension::kDrift, -1000, 1000);
-  });
+  IfGiven(map, "clock_drift",
+          [&](const YamlNode& n) { controller.clock_drift_ppm = ReadDrift(n); });
   IfGiven(map, "phase",
           [&](const YamlNode& n) { controller.phase = n.Time(Duration::zero(), kLongestDelay); });
   IfGiven(map, "wake_delay", [&](const YamlNode& n) { controller.wake_delay = ReadDelay(n); });
   IfGiven(map, "cost", [&](const YamlNode& n) { controller.cost = ReadDelay(n); });
   IfGiven(map, "feed_forward",
           [&](const YamlNode& n) { controller.feed_forward = ReadChoice(n, kFeedForwardNames); });
+  IfGiven(map, "target_noise", [&](const YamlNode& n) {
+    controller.target_noise = n.Quantity(DimensionOf(scenario.motion.interface), 0, 1);
+  });
 }
 
 void ReadMotion(const YamlNode& node, const std::filesystem::path& folder, MotionSection& motion) {
@@ -200,26 +209,30 @@ Drive ReadDrive(const YamlNode& node) {
 Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder) {
   Scenario scenario;
   const YamlMap map =
-      root.Map({"name", "description", "seed", "backend", "drive", "scene", "robot", "plant",
-                "link", "int", "tick", "controller", "motion", "render", "record"});
+      root.Map({"name", "description", "seed", "backend", "drive", "loop", "scene", "robot",
+                "plant", "link", "int", "tick", "controller", "motion", "render", "record"});
   scenario.name = map.Require("name").Text();
   IfGiven(map, "description", [&](const YamlNode& n) { scenario.description = n.Text(); });
   IfGiven(map, "seed", [&](const YamlNode& n) {
     scenario.seed = n.Integer(0, std::numeric_limits<std::uint64_t>::max());
   });
-  IfGiven(map, "backend", [&](const YamlNode& n) { scenario.backend = n.Text(); });
+  IfGiven(map, "backend",
+          [&](const YamlNode& n) { scenario.backend = ReadName(n, scenario.places.backend); });
   IfGiven(map, "drive", [&](const YamlNode& n) { scenario.drive = ReadDrive(n); });
-  IfGiven(map, "scene", [&](const YamlNode& n) { scenario.scene = n.Text(); });
-  IfGiven(map, "robot", [&](const YamlNode& n) { ReadRobot(n, scenario.robot); });
+  IfGiven(map, "loop", [&](const YamlNode& n) { scenario.loop = ReadChoice(n, kLoopNames); });
+  IfGiven(map, "scene",
+          [&](const YamlNode& n) { scenario.scene = ReadName(n, scenario.places.scene); });
+  IfGiven(map, "robot", [&](const YamlNode& n) { ReadRobot(n, scenario); });
   IfGiven(map, "plant", [&](const YamlNode& n) { ReadPlant(n, scenario.plant); });
   IfGiven(map, "link", [&](const YamlNode& n) { ReadLink(n, scenario.link); });
   IfGiven(map, "int", [&](const YamlNode& n) { ReadOnboard(n, scenario.onboard); });
   ReadMotion(map.Require("motion"), folder, scenario.motion);
-  if (scenario.motion.interface == control::CommandInterface::kJointVelocity) {
-    scenario.tick.generator = loop::Generator::kNone;
+  scenario.tick = TickDefaults(scenario);
+  if (scenario.motion.interface == control::CommandInterface::kTorque) {
+    scenario.controller.type = "joint_effort";
   }
-  IfGiven(map, "tick", [&](const YamlNode& n) { ReadTick(n, scenario.tick); });
-  IfGiven(map, "controller", [&](const YamlNode& n) { ReadController(n, scenario.controller); });
+  IfGiven(map, "tick", [&](const YamlNode& n) { ReadTick(n, scenario); });
+  IfGiven(map, "controller", [&](const YamlNode& n) { ReadController(n, scenario); });
   IfGiven(map, "render", [&](const YamlNode& n) { ReadRender(n, scenario.render); });
   IfGiven(map, "record", [&](const YamlNode& n) { scenario.record = n.Bool(); });
   try {

@@ -35,25 +35,70 @@ std::string Quoted(std::string_view text) {
   return quoted + '"';
 }
 
-std::string List(const JointVector& values) {
-  std::string list = "[";
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    list += (i == 0 ? "" : ", ") + FormatNumber(values[i]);
-  }
-  return list + "]";
+/// "[a, b, c]", each value as `format` writes it.
+template <typename Values, typename Format>
+std::string List(const Values& values, Format format) {
+  std::string list;
+  for (const auto& value : values) list += (list.empty() ? "" : ", ") + format(value);
+  return "[" + list + "]";
 }
 
-std::string DelayText(const Delay& delay) {
-  if (delay.kind == Delay::Kind::kConstant) return FormatDuration(delay.constant);
+std::string LawText(const rt::ConstantDelay& law) {
+  return FormatDuration(law.value);
+}
+
+std::string LawText(const rt::LogNormalDelay& law) {
   return fmt::format("{{log_normal: {{median: {}, sigma: {}, offset: {}}}}}",
-                     FormatDuration(delay.median), FormatNumber(delay.sigma),
-                     FormatDuration(delay.offset));
+                     FormatDuration(law.median), FormatNumber(law.sigma),
+                     FormatDuration(law.offset));
+}
+
+std::string LawText(const rt::NormalDelay& law) {
+  return fmt::format("{{normal: {{mean: {}, sigma: {}}}}}", FormatDuration(law.mean),
+                     FormatDuration(law.sigma));
+}
+
+std::string LawText(const rt::GammaDelay& law) {
+  return fmt::format("{{gamma: {{shape: {}, scale: {}, offset: {}}}}}", FormatNumber(law.shape),
+                     FormatDuration(law.scale), FormatDuration(law.offset));
+}
+
+std::string LawText(const rt::EmpiricalDelay& law) {
+  return fmt::format("{{histogram: {{edges: {}, weights: {}}}}}", List(law.edges, FormatDuration),
+                     List(law.weights, FormatNumber));
+}
+
+std::string LawText(const IndependentLoss& law) {
+  return FormatNumber(law.percent) + " %";
+}
+
+std::string LawText(const GilbertElliottLoss& law) {
+  return fmt::format(
+      "{{gilbert_elliott: {{good_to_bad: {} %, bad_to_good: {} %, loss_good: {} %, loss_bad: {} "
+      "%}}}}",
+      FormatNumber(law.good_to_bad), FormatNumber(law.bad_to_good), FormatNumber(law.loss_good),
+      FormatNumber(law.loss_bad));
+}
+
+std::string LawText(const ScriptedLoss& law) {
+  return fmt::format("{{scripted: {}}}", List(law.bursts, [](const ScriptedLoss::Burst& burst) {
+                       return fmt::format("{{at: {}, count: {}}}", FormatDuration(burst.at),
+                                          burst.count);
+                     }));
+}
+
+/// @param model  a Delay or a Loss.
+template <typename Model>
+std::string TextOf(const Model& model) {
+  return std::visit([](const auto& law) { return LawText(law); }, model.law);
 }
 
 void PutRobotAndPlant(Text& out, const Scenario& s) {
   Put(out, "robot:\n  model: {}\n  hand: {}\n", Quoted(s.robot.model),
       NameOf(kHandNames, s.robot.hand));
-  if (s.robot.q_start) Put(out, "  q_start: {{unit: rad, values: {}}}\n", List(*s.robot.q_start));
+  if (s.robot.q_start)
+    Put(out, "  q_start: {{unit: rad, values: {}}}\n", List(*s.robot.q_start, FormatNumber));
+  Put(out, "  clock_drift: {} ppm\n", FormatNumber(s.robot.clock_drift_ppm));
   Put(out, "plant:\n  kind: {}\n  friction: {}\n  armature: {}\n",
       NameOf(kPlantNames, s.plant.kind), NameOf(kFrictionNames, s.plant.friction),
       s.plant.armature);
@@ -61,28 +106,49 @@ void PutRobotAndPlant(Text& out, const Scenario& s) {
       FormatNumber(s.plant.noise_dq), FormatNumber(s.plant.noise_tau_J));
 }
 
-void PutLinkAndOnboard(Text& out, const Scenario& s) {
-  Put(out, "link:\n  state_delay: {}\n  command_delay: {}\n", DelayText(s.link.state_delay),
-      DelayText(s.link.command_delay));
-  Put(out, "  state_loss: {} %\n  command_loss: {} %\n  d_INT: {}\n",
-      FormatNumber(s.link.state_loss_percent), FormatNumber(s.link.command_loss_percent),
-      FormatDuration(s.link.d_INT));
-  Put(out, "int:\n  K_theta: {{unit: Nm/rad, values: {}}}\n", List(s.onboard.K_theta));
-  Put(out, "  damping_ratio: {}\n  abort_after_lost: {}\n", FormatNumber(s.onboard.damping_ratio),
-      s.onboard.abort_after_lost);
+void PutDirection(Text& out, std::string_view name, const DirectionSection& direction) {
+  Put(out, "  {}_delay: {}\n  {}_loss: {}\n", name, TextOf(direction.delay), name,
+      TextOf(direction.loss));
+  Put(out, "  {}_duplication: {{share: {} %, delay: {}}}\n", name,
+      FormatNumber(direction.duplication.share_percent), TextOf(direction.duplication.delay));
+  Put(out, "  {}_reordering: {{share: {} %, by: {}}}\n", name,
+      FormatNumber(direction.reordering.share_percent), FormatDuration(direction.reordering.by));
 }
 
-void PutTickAndController(Text& out, const Scenario& s) {
-  Put(out,
-      "tick:\n  generator: {}\n  lambda: {}\n  rate_matching: {}\n  finish_tolerance: {} rad\n  "
-      "cost: {}\n",
-      NameOf(kGeneratorNames, s.tick.generator), FormatNumber(s.tick.lambda), s.tick.rate_matching,
-      FormatNumber(s.tick.finish_tolerance), DelayText(s.tick.cost));
+void PutLinkAndOnboard(Text& out, const Scenario& s) {
+  Put(out, "link:\n");
+  PutDirection(out, "state", s.link.state);
+  PutDirection(out, "command", s.link.command);
+  Put(out, "  d_INT: {}\n", FormatDuration(s.link.d_INT));
+  Put(out, "int:\n  K_theta: {{unit: Nm/rad, values: {}}}\n",
+      List(s.onboard.K_theta, FormatNumber));
+  Put(out, "  damping_ratio: {}\n  abort_after_lost: {}\n  friction_compensation: {}\n",
+      FormatNumber(s.onboard.damping_ratio), s.onboard.abort_after_lost,
+      FormatNumber(s.onboard.friction_compensation));
+}
+
+void PutTick(Text& out, const Scenario& s) {
+  Put(out, "tick:\n  generator: {}\n  lambda: {}\n  rate_matching: {}\n",
+      NameOf(kGeneratorNames, s.tick.generator), FormatNumber(s.tick.lambda), s.tick.rate_matching);
+  Put(out, "  finish_tolerance: {} rad\n", FormatNumber(s.tick.finish_tolerance));
+  if (s.loop == loop::LoopKind::kAsynchronous) {
+    Put(out, "  period_tolerance: {}\n", FormatDuration(s.tick.period_tolerance));
+  }
+  const bool filtered = s.tick.low_pass_hz != loop::TickConfig().low_pass_hz;
+  Put(out, "  low_pass: {}\n",
+      filtered ? FormatNumber(s.tick.low_pass_hz) + " Hz" : std::string("off"));
+  Put(out, "  limiter: {}\n  cost: {}\n", s.tick.limiter, TextOf(s.tick.cost));
+}
+
+void PutController(Text& out, const Scenario& s) {
+  const ControllerSection& controller = s.controller;
   Put(out, "controller:\n  type: {}\n  rate: {} Hz\n  clock_drift: {} ppm\n  phase: {}\n",
-      Quoted(s.controller.type), FormatNumber(s.controller.rate_hz),
-      FormatNumber(s.controller.clock_drift_ppm), FormatDuration(s.controller.phase));
-  Put(out, "  wake_delay: {}\n  cost: {}\n  feed_forward: {}\n", DelayText(s.controller.wake_delay),
-      DelayText(s.controller.cost), NameOf(kFeedForwardNames, s.controller.feed_forward));
+      Quoted(controller.type), FormatNumber(controller.rate_hz),
+      FormatNumber(controller.clock_drift_ppm), FormatDuration(controller.phase));
+  Put(out, "  wake_delay: {}\n  cost: {}\n  feed_forward: {}\n", TextOf(controller.wake_delay),
+      TextOf(controller.cost), NameOf(kFeedForwardNames, controller.feed_forward));
+  Put(out, "  target_noise: {} {}\n", FormatNumber(controller.target_noise),
+      BaseUnit(DimensionOf(s.motion.interface)));
 }
 
 void PutMotion(Text& out, const MotionSection& motion) {
@@ -96,7 +162,7 @@ void PutMotion(Text& out, const MotionSection& motion) {
       FormatNumber(motion.timing.jerk_scale));
   Put(out, "    waypoints:\n");
   for (const reference::Waypoint& point : motion.waypoints) {
-    Put(out, "      - {{q: {}", List(point.q));
+    Put(out, "      - {{q: {}", List(point.q, FormatNumber));
     if (point.at) Put(out, ", at: {}", FormatDuration(*point.at));
     if (point.stop) Put(out, ", stop: true");
     Put(out, "}}\n");
@@ -122,11 +188,12 @@ std::string ToYaml(const Scenario& scenario) {
   Text out;
   Put(out, "name: {}\ndescription: {}\nseed: {}\n", Quoted(scenario.name),
       Quoted(scenario.description), scenario.seed);
-  Put(out, "backend: {}\ndrive: lockstep\nscene: {}\n", Quoted(scenario.backend),
-      Quoted(scenario.scene.string()));
+  Put(out, "backend: {}\ndrive: {}\nloop: {}\nscene: {}\n", Quoted(scenario.backend),
+      Name(scenario.drive), NameOf(kLoopNames, scenario.loop), Quoted(scenario.scene.string()));
   PutRobotAndPlant(out, scenario);
   PutLinkAndOnboard(out, scenario);
-  PutTickAndController(out, scenario);
+  PutTick(out, scenario);
+  PutController(out, scenario);
   PutMotion(out, scenario.motion);
   PutRender(out, scenario.render);
   Put(out, "record: {}\n", scenario.record);

@@ -60,14 +60,19 @@ int LineOf(const YAML::Node& node, int fallback) {
   return line < 0 ? fallback : line + 1;
 }
 
-/// Shows a scalar in a message: control characters and endless texts stay out of the terminal.
-std::string Shown(std::string_view text) {
-  constexpr std::size_t kMost = 60;
+/// A text for a message: control characters stay out of the terminal.
+std::string Printable(std::string_view text) {
   std::string shown;
-  for (const char c : text.substr(0, kMost)) {
+  for (const char c : text) {
     shown += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
   }
-  return text.size() > kMost ? shown + "..." : shown;
+  return shown;
+}
+
+/// A scalar in a message; endless ones are cut.
+std::string Shown(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  return Printable(text.substr(0, kMost)) + (text.size() > kMost ? "..." : "");
 }
 
 }  // namespace
@@ -117,7 +122,7 @@ YamlNode YamlNode::Parse(const std::string& text, const std::string& file) {
     return YamlNode(root, std::move(name), {}, line);
   } catch (const YAML::Exception& error) {
     throw InputError(fmt::format("{}:{}: not valid YAML: {}", file,
-                                 std::max(error.mark.line, 0) + 1, error.msg));
+                                 std::max(error.mark.line, 0) + 1, Printable(error.msg)));
   }
 }
 
@@ -165,6 +170,15 @@ YamlMap YamlNode::Map(std::initializer_list<std::string_view> allowed) const {
     map.entries_.emplace_back(key, std::move(entry));
   }
   return map;
+}
+
+std::pair<std::string, YamlNode> YamlNode::OneOf(
+    std::initializer_list<std::string_view> keys) const {
+  const YamlMap map = Map(keys);
+  if (map.entries_.size() != 1) {
+    Fail(fmt::format("give exactly one of {}", Join({keys.begin(), keys.size()})));
+  }
+  return map.entries_.front();
 }
 
 std::vector<YamlNode> YamlNode::Items() const {
@@ -241,16 +255,28 @@ Duration YamlNode::Time(Duration least, Duration most) const {
                    FormatDuration(most)));
 }
 
+double YamlNode::Factor(Dimension dimension) const {
+  const std::string name = Text();
+  try {
+    return UnitFactor(Shown(name), dimension);
+  } catch (const InputError& error) {
+    Fail(error.what());
+  }
+}
+
+double YamlNode::UnitAndValue(Dimension dimension, double least, double most) const {
+  const YamlMap map = Map({"unit", "value"});
+  const double factor = map.Require("unit").Factor(dimension);
+  const YamlNode number = map.Require("value");
+  const double value = number.Number(-1e9, 1e9) * factor;
+  if (value >= least && value <= most) return value;
+  number.Fail(fmt::format("{} is out of range; it must lie in {}", number.Text(),
+                          FormatRange(least, most, dimension)));
+}
+
 JointVector YamlNode::JointQuantity(Dimension dimension) const {
   const YamlMap map = Map({"unit", "values"});
-  double factor = 1;
-  const YamlNode unit = map.Require("unit");
-  const std::string name = unit.Text();
-  try {
-    factor = UnitFactor(Shown(name), dimension);
-  } catch (const InputError& error) {
-    unit.Fail(error.what());
-  }
+  const double factor = map.Require("unit").Factor(dimension);
   return map.Require("values").JointNumbers(factor);
 }
 

@@ -34,6 +34,9 @@ class YamlNode {
 
   /// The value as a map with no other keys than `allowed`, none of them twice.
   [[nodiscard]] YamlMap Map(std::initializer_list<std::string_view> allowed) const;
+  /// The value as a map with exactly one of these keys. @returns the key and its value.
+  [[nodiscard]] std::pair<std::string, YamlNode> OneOf(
+      std::initializer_list<std::string_view> keys) const;
   /// The values of a sequence.
   [[nodiscard]] std::vector<YamlNode> Items() const;
 
@@ -47,6 +50,8 @@ class YamlNode {
   [[nodiscard]] double Quantity(Dimension dimension, double least, double most) const;
   /// A time in [least, most].
   [[nodiscard]] Duration Time(Duration least, Duration most) const;
+  /// {unit: rad/s, value: 2.5}, in the dimension's base unit, in [least, most] (also base unit).
+  [[nodiscard]] double UnitAndValue(Dimension dimension, double least, double most) const;
   /// {unit: rad, values: [7 numbers]}, in the dimension's base unit.
   [[nodiscard]] JointVector JointQuantity(Dimension dimension) const;
   /// [7 plain numbers] times `factor`.
@@ -75,6 +80,7 @@ class YamlNode {
   friend class YamlMap;
   YamlNode(const YAML::Node& node, std::shared_ptr<const std::string> file, std::string key,
            int line);
+  [[nodiscard]] double Factor(Dimension dimension) const;
   [[nodiscard]] const std::string& Scalar(std::string_view wanted) const;
   [[noreturn]] void FailChoice(std::string_view given,
                                std::span<const std::string_view> accepted) const;
@@ -100,6 +106,12 @@ class YamlMap {
   YamlNode node_;
   std::vector<std::pair<std::string, YamlNode>> entries_;
 };
+
+/// Calls `use` with the value of a key that may be absent.
+template <typename Use>
+void IfGiven(const YamlMap& map, std::string_view key, Use use) {
+  if (const auto node = map.Find(key)) use(*node);
+}
 
 /// Reads a file of at most 4 MiB. @throws InputError when it is no regular file, is larger, or
 /// cannot be read.

@@ -42,9 +42,9 @@ robot::RobotConfig Robot() {
                                   0.205544064, 0.205544064, 0.205544064};
   config.plant.urdf = TWIN_SOURCE_DIR "/models/robots/panda/panda.urdf";
   config.plant.hand = plant::HandKind::kNone;
-  config.link.state_delay =
+  config.link.state.delay =
       rt::DelayModel(rt::LogNormalDelay{std::chrono::microseconds(80), 0.3, {}});
-  config.link.command_delay =
+  config.link.command.delay =
       rt::DelayModel(rt::LogNormalDelay{std::chrono::microseconds(80), 0.3, {}});
   config.q_start = kReady;
   return config;
@@ -91,7 +91,7 @@ class Hold final : public control::Controller {
   }
   void Activate(const RobotState&, Time) override {}
   void Update(const RobotState&, Time, control::ControllerOutput& output) noexcept override {
-    output.target.q = kReady;
+    output.target.joint.q = kReady;
   }
   void Deactivate() noexcept override {}
 };
@@ -113,21 +113,21 @@ void RunCycles(benchmark::State& state, bool recorded) {
       recorder =
           std::make_unique<record::Recorder>(log, record::RunInfo{}, record::FullRing::kWait);
     }
-    backend::Connection connection =
-        registry.Find("mujoco")({robot, *events, drive->StateReady(), recorder.get()});
+    backend::Connection connection = registry.Find("mujoco")(
+        {robot, backend::LockstepHost{*events, drive->StateReady()}, recorder.get()});
     state.ResumeTiming();
-    const loop::RunReport report = drive->Run({*events,
-                                               *connection.backend,
-                                               hold,
-                                               MotionModes{},
-                                               loop::TickConfig{},
-                                               loop::ControllerLoopConfig{},
-                                               1,
-                                               std::chrono::seconds(10),
-                                               recorder.get(),
-                                               {},
-                                               {},
-                                               nullptr});
+    const loop::RunReport report = drive->Run(*events, {.backend = *connection.backend,
+                                                        .controller = hold,
+                                                        .modes = {},
+                                                        .kind = loop::LoopKind::kAsynchronous,
+                                                        .tick = {},
+                                                        .controller_loop = {},
+                                                        .seed = 1,
+                                                        .time_limit = std::chrono::seconds(10),
+                                                        .sink = recorder.get(),
+                                                        .progress = {},
+                                                        .event = {},
+                                                        .interrupted = nullptr});
     if (recorder) static_cast<void>(recorder->Finish());
     cycles += report.simulated / kCycle;
     state.PauseTiming();

@@ -128,8 +128,20 @@ class BadScenario(CliTest):
         self.assertIn("mujoco", done.stderr)
 
     def test_drive_of_a_later_version(self):
-        done = self.run_scenario(SHORT, "--drive", "realtime")
+        done = self.run_scenario(SHORT, "--drive", "remote")
         self.assert_refused(done, 3, "not part of this version")
+
+    def test_processors_in_lockstep(self):
+        done = self.run_scenario(SHORT, "--ext-cpu", "0")
+        self.assert_refused(done, 3, "--drive realtime")
+
+    def test_processor_that_is_not_there(self):
+        done = self.run_scenario(SHORT, "--drive", "realtime", "--ext-cpu", "4000")
+        self.assert_error(done, 3, "4000")
+
+    def test_clock_that_drifts_too_much(self):
+        done = self.run_scenario(SHORT, "--clock-ppm", "2000")
+        self.assert_refused(done, 3, "robot.clock_drift")
 
     def test_missing_file(self):
         done = self.call("run", "nowhere.yaml", "--out", self.out)
@@ -275,7 +287,7 @@ class BadUsage(CliTest):
 
 class GoodRun(CliTest):
     RESULTS = {"run.mcap", "scenario.yaml", "summary.json", "timing.json", "plots/joints.svg",
-               "plots/velocities.svg", "plots/jerk.svg", "plots/served.svg"}
+               "plots/tracking.svg", "plots/velocities.svg", "plots/jerk.svg", "plots/served.svg"}
 
     def test_writes_its_results_whole(self):
         done = self.run_scenario()

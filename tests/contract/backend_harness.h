@@ -3,8 +3,10 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "twin/backend/backend.h"
+#include "twin/robot/robot_config.h"
 
 namespace twin::test {
 
@@ -17,12 +19,25 @@ class BackendHarness {
 
   /// Lets time pass until a state has been read. @returns false when none came within 1 s of its
   /// time.
-  [[nodiscard]] virtual bool AwaitState(RobotState& state) = 0;
+  [[nodiscard]] virtual bool AwaitState(RobotState& state, backend::ReadRule rule) = 0;
+
+  /// Lets time pass until at least `count` more states have arrived, unread. @returns as above.
+  [[nodiscard]] virtual bool AwaitArrivals(int count) = 0;
+
+  /// Whether it depends on the machine when things happen.
+  [[nodiscard]] virtual bool by_the_wall_clock() const { return false; }
+  /// Whether, since ForgetDisturbances(), a state was never read or a command missed its cycle,
+  /// because of the machine.
+  [[nodiscard]] virtual bool disturbed() { return false; }
+  virtual void ForgetDisturbances() {}
 };
 
 /// Where the harness's arm rests at the start.
 inline constexpr JointVector kHarnessStart{
     0, -0.785398163397, 0, -2.356194490192, 0, 1.570796326795, 0.785398163397};
+
+/// A Panda of primitive shapes without a hand, at that pose, on a link without delays.
+[[nodiscard]] robot::RobotConfig HarnessRobot(robot::PlantKind plant_kind);
 
 /// Names a harness for the parametrised suite.
 struct HarnessCase {
@@ -30,9 +45,7 @@ struct HarnessCase {
   std::function<std::unique_ptr<BackendHarness>()> make;
 };
 
-/// The emulated robot in process, lockstep, on the MuJoCo plant (primitive shapes) and on the ideal
-/// plant.
-[[nodiscard]] HarnessCase MujocoHarness();
-[[nodiscard]] HarnessCase IdealPlantHarness();
+/// Those of this test program.
+[[nodiscard]] std::vector<HarnessCase> Harnesses();
 
 }  // namespace twin::test

@@ -21,7 +21,7 @@ import unittest
 PROGRAM = ""
 SOURCE = pathlib.Path()
 COMPARED = ["run.mcap", "scenario.yaml", "summary.json", "csv/cycles.csv", "csv/ticks.csv", "csv/events.csv",
-            "csv/config.csv", "plots/joints.svg", "plots/velocities.svg", "plots/jerk.svg", "plots/served.svg"]
+            "csv/config.csv", "plots/joints.svg", "plots/tracking.svg", "plots/velocities.svg", "plots/jerk.svg", "plots/served.svg"]
 # glibc without the code for fused multiply-add; where there is none anyway, this changes nothing.
 WITHOUT_FMA = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4"}
 

@@ -1,5 +1,7 @@
 #include "twin/loop/control_tick.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "support/realtime_guard.h"
@@ -28,14 +30,21 @@ class ControlTickTest : public ::testing::Test {
   }
   void Put(const JointVector& q, std::uint64_t based_on, bool finished = false) {
     Deposit deposit;
-    deposit.target.q = q;
+    deposit.target.joint.q = q;
     deposit.based_on = based_on;
     deposit.finished = finished;
     exchange_.deposits.Publish(deposit);
   }
 
+  /// A tick with the next state, `off` its instant on the grid.
+  const RobotCommand* Step(ControlTick& tick, bool moving, Duration off = {}) {
+    state_ = State(moving);
+    return tick.Tick(state_, Time(kCycle * static_cast<std::int64_t>(id_) + off));
+  }
+
   Exchange exchange_;
   TickConfig config_;
+  RobotState state_;
   JointVector q_d_{};
   std::uint64_t id_ = 0;
 };
@@ -51,20 +60,20 @@ TEST_F(ControlTickTest, PublishesEveryState) {
 
 TEST_F(ControlTickTest, AStaleDepositNeverPassesTheGate) {
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
-  EXPECT_EQ(tick.Tick(State(false), {}), nullptr);
+  EXPECT_EQ(Step(tick, false), nullptr);
   JointVector far{};
   far[0] = 0.1;
   Put(far, id_);
   tick.Activate(kPosition);
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(tick.Tick(State(true), {}), nullptr);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(Step(tick, true), nullptr);
 }
 
 TEST_F(ControlTickTest, OpensOnceTheControllerHasSeenAStateOfTheMotion) {
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   tick.Activate(kPosition);
-  EXPECT_EQ(tick.Tick(State(true), {}), nullptr);
+  EXPECT_EQ(Step(tick, true), nullptr);
   Put(q_d_, id_);
-  const RobotCommand* command = tick.Tick(State(true), {});
+  const RobotCommand* command = Step(tick, true);
   ASSERT_NE(command, nullptr);
   EXPECT_EQ(command->message_id, id_);
   EXPECT_EQ(command->q_c, q_d_);
@@ -75,28 +84,28 @@ TEST_F(ControlTickTest, NeverAnswersTheFirstStateOfAMotion) {
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   tick.Activate(kPosition);
   Put(q_d_, 1000);
-  EXPECT_EQ(tick.Tick(State(true), {}), nullptr);
-  EXPECT_NE(tick.Tick(State(true), {}), nullptr);
+  EXPECT_EQ(Step(tick, true), nullptr);
+  EXPECT_NE(Step(tick, true), nullptr);
 }
 
 TEST_F(ControlTickTest, ClosesAgainWhenTheMotionIsOver) {
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   tick.Activate(kPosition);
-  static_cast<void>(tick.Tick(State(true), {}));
+  static_cast<void>(Step(tick, true));
   Put(q_d_, id_);
-  ASSERT_NE(tick.Tick(State(true), {}), nullptr);
-  EXPECT_EQ(tick.Tick(State(false), {}), nullptr);
+  ASSERT_NE(Step(tick, true), nullptr);
+  EXPECT_EQ(Step(tick, false), nullptr);
 }
 
 TEST_F(ControlTickTest, CorrectsTheReferenceByLambda) {
   config_.lambda = 0.25;
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   tick.Activate(kPosition);
-  static_cast<void>(tick.Tick(State(true), {}));
+  static_cast<void>(Step(tick, true));
   JointVector target{};
   target[2] = 4e-3;
   Put(target, id_);
-  const RobotCommand* command = tick.Tick(State(true), {});
+  const RobotCommand* command = Step(tick, true);
   ASSERT_NE(command, nullptr);
   EXPECT_DOUBLE_EQ(command->q_c[2], 1e-3);
 }
@@ -105,10 +114,10 @@ TEST_F(ControlTickTest, ARawStreamGoesOutAsItIs) {
   config_.generator = Generator::kNone;
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   tick.Activate(kPosition);
-  static_cast<void>(tick.Tick(State(true), {}));
+  static_cast<void>(Step(tick, true));
   const JointVector target{1, 2, 3, 4, 5, 6, 7};
   Put(target, id_);
-  const RobotCommand* command = tick.Tick(State(true), {});
+  const RobotCommand* command = Step(tick, true);
   ASSERT_NE(command, nullptr);
   EXPECT_EQ(command->q_c, target);
 }
@@ -117,14 +126,14 @@ TEST_F(ControlTickTest, FinishesOnlyWhenTheReferenceHasArrived) {
   config_.lambda = 0.5;
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   tick.Activate(kPosition);
-  static_cast<void>(tick.Tick(State(true), {}));
+  static_cast<void>(Step(tick, true));
   JointVector goal{};
   goal[0] = 1e-3;
   Put(goal, id_, true);
   int commands = 0;
   const RobotCommand* command = nullptr;
   do {
-    command = tick.Tick(State(true), {});
+    command = Step(tick, true);
     ASSERT_NE(command, nullptr);
     q_d_ = command->q_c;
     ASSERT_LT(++commands, 20);
@@ -142,25 +151,82 @@ TEST_F(ControlTickTest, RateMatchingKeepsItsPaceOverLostStates) {
   config_.source_rate_hz = 250;
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   tick.Activate(kPosition);
-  static_cast<void>(tick.Tick(State(true), {}));
+  static_cast<void>(Step(tick, true));
   Put(JointVector{}, id_);
-  static_cast<void>(tick.Tick(State(true), {}));
+  static_cast<void>(Step(tick, true));
   JointVector target{};
   target.fill(4);
   Put(target, id_);
-  id_ += 2;  // two states are lost; the third finds the ramp where it would be without the loss
-  const RobotCommand* command = tick.Tick(State(true), {});
+  id_ += 2;  // two states are lost; the third comes out of time and is not answered
+  EXPECT_EQ(Step(tick, true), nullptr);
+  Put(target, id_);
+  const RobotCommand* command = Step(tick, true);
   ASSERT_NE(command, nullptr);
-  EXPECT_DOUBLE_EQ(command->q_c[0], 3);
-  command = tick.Tick(State(true), {});
-  EXPECT_DOUBLE_EQ(command->q_c[0], 4);
+  EXPECT_DOUBLE_EQ(command->q_c[0], 4) << "where the ramp would be without the loss";
+}
+
+TEST_F(ControlTickTest, AStateOutOfTimeSkipsExactlyTwoWrites) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(Step(tick, true));
+  Put(q_d_, id_);
+  ASSERT_NE(Step(tick, true), nullptr);
+  // 1.3 ms after the last; the next is back on the grid, 0.7 ms after it.
+  EXPECT_EQ(Step(tick, true, std::chrono::microseconds(300)), nullptr);
+  EXPECT_EQ(tick.record().action, rt::TickAction::kSkipped);
+  EXPECT_EQ(Step(tick, true), nullptr);
+  EXPECT_EQ(tick.record().action, rt::TickAction::kSkipped);
+  for (int i = 0; i < 10; ++i) EXPECT_NE(Step(tick, true), nullptr);
+}
+
+TEST_F(ControlTickTest, AStateWithinTheToleranceIsAnswered) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(Step(tick, true));
+  Put(q_d_, id_);
+  ASSERT_NE(Step(tick, true), nullptr);
+  EXPECT_NE(Step(tick, true, std::chrono::microseconds(250)), nullptr);
+  EXPECT_NE(Step(tick, true), nullptr);
+}
+
+TEST_F(ControlTickTest, WithoutAToleranceEveryStateIsAnswered) {
+  config_.period_tolerance = Duration::zero();
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(Step(tick, true));
+  Put(q_d_, id_);
+  EXPECT_NE(Step(tick, true, std::chrono::microseconds(900)), nullptr);
+}
+
+TEST_F(ControlTickTest, AStaleDepositATenthOfARadianOffTransmitsNothing) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  static_cast<void>(Step(tick, false));
+  JointVector off = q_d_;
+  off.fill(0.1);
+  Put(off, id_);
+  tick.Activate(kPosition);
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_EQ(Step(tick, true), nullptr);
+    ASSERT_EQ(tick.record().action, rt::TickAction::kPublished);
+  }
+}
+
+TEST_F(ControlTickTest, ATargetThatIsNoNumberIsNeverSent) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(Step(tick, true));
+  JointVector target{};
+  target[3] = std::nan("");
+  Put(target, id_);
+  EXPECT_EQ(Step(tick, true), nullptr);
+  EXPECT_EQ(tick.record().action, rt::TickAction::kInvalid);
 }
 
 TEST_F(ControlTickTest, CountsStatesThatNeverCame) {
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
-  static_cast<void>(tick.Tick(State(false), {}));
+  static_cast<void>(Step(tick, false));
   id_ += 3;
-  static_cast<void>(tick.Tick(State(false), {}));
+  static_cast<void>(Step(tick, false));
   EXPECT_EQ(tick.record().skipped_states, 3u);
 }
 
@@ -172,13 +238,13 @@ TEST_F(ControlTickTest, RefusesAGeneratorThatDoesNotFitTheInterface) {
 TEST_F(ControlTickTest, AllocatesAndLocksNothingInTenThousandTicks) {
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   tick.Activate(kPosition);
-  static_cast<void>(tick.Tick(State(true), {}));
+  static_cast<void>(Step(tick, true));
   Put(q_d_, id_);
   const test::RealtimeGuard guard;
   std::uint64_t written = 0;
   for (int i = 0; i < 10000; ++i) {
     Put(q_d_, id_);
-    written += tick.Tick(State(true), Time(kCycle * i)) != nullptr ? 1u : 0u;
+    written += Step(tick, true) != nullptr ? 1u : 0u;
   }
   const test::RealtimeGuard::Counts counts = guard.counts();
   EXPECT_EQ(counts.allocations, 0);

@@ -20,7 +20,7 @@ class Ramp final : public control::Controller {
   void Activate(const RobotState&, Time) override {}
   void Update(const RobotState&, Time now, control::ControllerOutput& output) noexcept override {
     updates.push_back(now);
-    output.target.q[0] = ToSeconds(now.time_since_epoch());
+    output.target.joint.q[0] = ToSeconds(now.time_since_epoch());
   }
   void Deactivate() noexcept override {}
 
@@ -82,7 +82,8 @@ TEST_F(ControllerLoopTest, FormsTheVelocityAtTheDepositOverItsOwnElapsedTime) {
   Run(loop, 20);
   ASSERT_TRUE(exchange_.deposits.Refresh());
   const Deposit& deposit = exchange_.deposits.value();
-  EXPECT_NEAR(deposit.target.dq[0], 1.0, 1e-9) << "jittered wake-ups, yet the ramp's own speed";
+  EXPECT_NEAR(deposit.target.joint.dq[0], 1.0, 1e-9)
+      << "jittered wake-ups, yet the ramp's own speed";
   EXPECT_EQ(deposit.based_on, 17u);
 }
 

@@ -1,15 +1,11 @@
 #include "twin/loop/lockstep_drive.h"
 
 #include <chrono>
-#include <cmath>
-#include <cstring>
 #include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "plugins/mujoco/mujoco_backend.h"
-#include "support/panda_limits.h"
+#include "loop/loop_fixture.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
@@ -20,95 +16,30 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// Moves joint 7 by 0.3 rad and back along a smooth curve of 1 s, then is done.
-class Swing final : public control::Controller {
- public:
-  control::CommandInterface command_interface() const noexcept override {
-    return control::CommandInterface::kJointPosition;
-  }
-  void Activate(const RobotState& state, Time) override {
-    if (refuses) throw InputError("this controller does not want to start");
-    start_ = state.q_d;
-    begin_ = Time::min();
-  }
-  void Update(const RobotState&, Time now, control::ControllerOutput& output) noexcept override {
-    if (begin_ == Time::min()) begin_ = now;
-    const double s = std::min(ToSeconds(now - begin_), 1.0);
-    const double bump = s * s * s * s * (1 - s) * (1 - s) * (1 - s) * (1 - s) * 256;
-    output.target.q = start_;
-    output.target.q[6] += 0.3 * bump;
-    output.finished = s >= 1.0 && !endless;
-  }
-  void Deactivate() noexcept override { ++deactivated; }
-
-  bool refuses = false;
-  bool endless = false;
-  int deactivated = 0;
-
- private:
-  JointVector start_{};
-  Time begin_ = Time::min();
-};
-
-/// Keeps every record, so that runs can be compared to the bit.
-class Keeper final : public rt::RecordSink {
- public:
-  void Put(const rt::CycleRecord& record) noexcept override { cycles.push_back(record); }
-  void Put(const rt::TickRecord& record) noexcept override { ticks.push_back(record); }
-
-  std::vector<rt::CycleRecord> cycles;
-  std::vector<rt::TickRecord> ticks;
-};
+using test::Keeper;
 
 class LockstepDriveTest : public ::testing::Test {
  protected:
   LockstepDriveTest() {
-    robot_.onboard.limits = test::PandaLimits();
-    robot_.plant_kind = robot::PlantKind::kIdeal;
-    robot_.link.state_delay = rt::DelayModel(rt::LogNormalDelay{microseconds(60), 0.3, {}});
-    robot_.link.command_delay = rt::DelayModel(rt::LogNormalDelay{microseconds(60), 0.3, {}});
-    robot_.q_start = {0, -0.785398163397, 0, -2.356194490192, 0, 1.570796326795, 0.785398163397};
-    tick_.cost = rt::DelayModel(rt::LogNormalDelay{microseconds(13), 0.4, {}});
-    controller_.cost = rt::DelayModel(rt::ConstantDelay{microseconds(200)});
-    controller_.clock_ppm = 50;
+    motion_.tick.cost = rt::DelayModel(rt::LogNormalDelay{microseconds(13), 0.4, {}});
+    motion_.controller_loop.cost = rt::DelayModel(rt::ConstantDelay{microseconds(200)});
+    motion_.controller_loop.clock_ppm = 50;
   }
 
   RunReport Run(std::uint64_t seed = 1, Keeper* keeper = nullptr) {
-    robot_.seed = seed;
-    rt::EventQueue events;
-    LockstepDrive drive;
-    backend::Registry registry;
-    plugins::RegisterMujoco(registry);
-    const backend::Connection connection =
-        registry.Find("mujoco")({robot_, events, drive.StateReady(), keeper});
-    return drive.Run({events,
-                      *connection.backend,
-                      swing_,
-                      MotionModes{},
-                      tick_,
-                      controller_,
-                      seed,
-                      time_limit_,
-                      keeper,
-                      {},
-                      {},
-                      interrupted_});
+    return motion_.Run(swing_, seed, keeper);
   }
 
-  robot::RobotConfig robot_;
-  TickConfig tick_;
-  ControllerLoopConfig controller_;
-  Duration time_limit_ = seconds(20);
-  const volatile bool* interrupted_ = nullptr;
-  Swing swing_;
+  test::LockstepMotion motion_;
+  test::Swing swing_;
 };
 
 TEST_F(LockstepDriveTest, RunsAMotionToItsEnd) {
   const RunReport report = Run();
   EXPECT_EQ(report.end, backend::MotionEnd::kSuccess) << report.failure;
   EXPECT_TRUE(report.failure.empty());
-  EXPECT_GT(report.written, 1000u);
-  EXPECT_NEAR(report.q_final[6], robot_.q_start[6], 2e-4);
+  EXPECT_GT(report.timings.written, 1000u);
+  EXPECT_NEAR(report.q_final[6], motion_.robot.q_start[6], 2e-4);
   EXPECT_EQ(swing_.deactivated, 1);
 }
 
@@ -137,26 +68,20 @@ TEST_F(LockstepDriveTest, SameSeedGivesTheSameRecordsAndAnotherSeedOthers) {
 TEST_F(LockstepDriveTest, OnceRunningEveryCycleIsServed) {
   Keeper keeper;
   static_cast<void>(Run(1, &keeper));
-  std::size_t served = 0;
-  std::size_t held = 0;
-  for (const rt::CycleRecord& cycle : keeper.cycles) {
-    served += cycle.fate == rt::CommandFate::kServed ? 1 : 0;
-    held += cycle.fate == rt::CommandFate::kHeld ? 1 : 0;
-  }
-  EXPECT_GT(served, 1000u);
-  EXPECT_EQ(held, 0u);
+  EXPECT_GT(keeper.Count(rt::CommandFate::kServed), 1000u);
+  EXPECT_EQ(keeper.Count(rt::CommandFate::kHeld), 0u);
 }
 
 TEST_F(LockstepDriveTest, SurvivesLossInBothDirections) {
-  robot_.link.command_loss = 0.02;
-  robot_.link.state_loss = 0.02;
+  motion_.robot.link.command.loss = rt::LossModel(rt::IndependentLoss{0.02});
+  motion_.robot.link.state.loss = rt::LossModel(rt::IndependentLoss{0.02});
   const RunReport report = Run(3);
   EXPECT_EQ(report.end, backend::MotionEnd::kSuccess) << report.failure;
-  EXPECT_GT(report.skipped_states, 0u);
+  EXPECT_GT(report.timings.skipped_states, 0u);
 }
 
 TEST_F(LockstepDriveTest, ALinkThatAlwaysMissesTheDeadlineNeverGetsACommandThrough) {
-  robot_.link.command_delay = rt::DelayModel(rt::ConstantDelay{microseconds(950)});
+  motion_.robot.link.command.delay = rt::DelayModel(rt::ConstantDelay{microseconds(950)});
   const RunReport report = Run();
   EXPECT_EQ(report.end, backend::MotionEnd::kAborted);
   EXPECT_TRUE(
@@ -165,7 +90,7 @@ TEST_F(LockstepDriveTest, ALinkThatAlwaysMissesTheDeadlineNeverGetsACommandThrou
 
 TEST_F(LockstepDriveTest, AMotionThatOutlastsItsTimeIsStoppedAndSaidSo) {
   swing_.endless = true;
-  time_limit_ = milliseconds(500);
+  motion_.time_limit = milliseconds(500);
   const RunReport report = Run();
   EXPECT_EQ(report.end, backend::MotionEnd::kPreempted);
   EXPECT_NE(report.failure.find("did not end within 0.5 s"), std::string::npos) << report.failure;
@@ -174,7 +99,7 @@ TEST_F(LockstepDriveTest, AMotionThatOutlastsItsTimeIsStoppedAndSaidSo) {
 TEST_F(LockstepDriveTest, AnInterruptStopsTheArm) {
   swing_.endless = true;
   const volatile bool interrupted = true;
-  interrupted_ = &interrupted;
+  motion_.interrupted = &interrupted;
   const RunReport report = Run();
   EXPECT_NE(report.end, backend::MotionEnd::kSuccess);
 }
@@ -190,7 +115,7 @@ TEST_F(LockstepDriveTest, AControllerThatRefusesToStartStartsNoMotion) {
 
 TEST_F(LockstepDriveTest, AnEndThatNoStateTellsOfIsNoticed) {
   // Hardly a state comes through: the robot aborts for want of commands, and nobody tells.
-  robot_.link.state_loss = 0.999;
+  motion_.robot.link.state.loss = rt::LossModel(rt::IndependentLoss{0.999});
   bool aborted = false;
   for (std::uint64_t seed = 1; seed <= 20 && !aborted; ++seed) {
     try {
@@ -209,7 +134,7 @@ TEST_F(LockstepDriveTest, AnEndThatNoStateTellsOfIsNoticed) {
 }
 
 TEST_F(LockstepDriveTest, ALinkThatLosesEveryStateIsReported) {
-  robot_.link.state_loss = 1;
+  motion_.robot.link.state.loss = rt::LossModel(rt::IndependentLoss{1});
   EXPECT_THROW(static_cast<void>(Run()), RobotFault);
 }
 
@@ -232,30 +157,14 @@ class GuardedSink final : public rt::RecordSink {
 };
 
 TEST_F(LockstepDriveTest, AllocatesAndLocksNothingInTenThousandCyclesOfTheWholeChain) {
-  robot_.plant_kind = robot::PlantKind::kMujoco;
-  robot_.plant.urdf = TWIN_SOURCE_DIR "/models/robots/panda/panda.urdf";
-  robot_.plant.hand = plant::HandKind::kNone;
-  robot_.onboard.rotor_inertia.fill(0.3);
+  motion_.robot.plant_kind = robot::PlantKind::kMujoco;
+  motion_.robot.plant.urdf = TWIN_SOURCE_DIR "/models/robots/panda/panda.urdf";
+  motion_.robot.plant.hand = plant::HandKind::kNone;
+  motion_.robot.onboard.rotor_inertia.fill(0.3);
   swing_.endless = true;
   GuardedSink sink;
-  rt::EventQueue events;
-  LockstepDrive drive;
-  backend::Registry registry;
-  plugins::RegisterMujoco(registry);
-  const backend::Connection connection =
-      registry.Find("mujoco")({robot_, events, drive.StateReady(), &sink});
-  const RunReport report = drive.Run({events,
-                                      *connection.backend,
-                                      swing_,
-                                      MotionModes{},
-                                      tick_,
-                                      controller_,
-                                      1,
-                                      seconds(11),
-                                      &sink,
-                                      {},
-                                      {},
-                                      nullptr});
+  motion_.time_limit = seconds(11);
+  const RunReport report = motion_.Run(swing_, 1, &sink);
   EXPECT_EQ(report.end, backend::MotionEnd::kPreempted) << report.failure;
   ASSERT_GT(sink.cycles_, GuardedSink::kFirst + GuardedSink::kCycles);
   EXPECT_EQ(sink.end_.allocations - sink.start_.allocations, 0);

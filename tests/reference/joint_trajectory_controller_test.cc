@@ -39,8 +39,8 @@ TEST(JointTrajectoryControllerTest, FollowsTheTrajectoryFromTheFirstUpdateOn) {
   ControllerOutput output;
   for (Duration t{}; t < 2s; t += 8ms) {
     controller.Update(StateAt(kFirst), Time(3100ms) + t, output);
-    EXPECT_EQ(output.target.q, trajectory.Sample(t).q);
-    EXPECT_EQ(output.target.dq, trajectory.Sample(t).dq);
+    EXPECT_EQ(output.target.joint.q, trajectory.Sample(t).q);
+    EXPECT_EQ(output.target.joint.dq, trajectory.Sample(t).dq);
     EXPECT_FALSE(output.finished);
   }
 }
@@ -52,7 +52,7 @@ TEST(JointTrajectoryControllerTest, IsNotDelayedByASkippedUpdate) {
   ControllerOutput output;
   controller.Update(StateAt(kFirst), Time(1s), output);
   controller.Update(StateAt(kFirst), Time(1700ms), output);
-  EXPECT_EQ(output.target.q, trajectory.Sample(700ms).q);
+  EXPECT_EQ(output.target.joint.q, trajectory.Sample(700ms).q);
 }
 
 TEST(JointTrajectoryControllerTest, KeepsGivingTheGoalAtRestOnceFinished) {
@@ -63,8 +63,8 @@ TEST(JointTrajectoryControllerTest, KeepsGivingTheGoalAtRestOnceFinished) {
   for (const Duration t : std::initializer_list<Duration>{2s, 3s, 1h}) {
     controller.Update(StateAt(kLast), Time(t), output);
     EXPECT_TRUE(output.finished);
-    EXPECT_EQ(output.target.q, kLast);
-    EXPECT_EQ(output.target.dq, JointVector{});
+    EXPECT_EQ(output.target.joint.q, kLast);
+    EXPECT_EQ(output.target.joint.dq, JointVector{});
   }
 }
 
@@ -74,7 +74,7 @@ TEST(JointTrajectoryControllerTest, StartsAnewAfterEachActivation) {
   for (const Duration start : std::initializer_list<Duration>{0s, 10s, 20s}) {
     controller.Activate(StateAt(kFirst), Time(start));
     controller.Update(StateAt(kFirst), Time(start), output);
-    EXPECT_EQ(output.target.q, kFirst);
+    EXPECT_EQ(output.target.joint.q, kFirst);
     EXPECT_FALSE(output.finished);
     controller.Update(StateAt(kFirst), Time(start + 2s), output);
     EXPECT_TRUE(output.finished);

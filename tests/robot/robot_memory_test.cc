@@ -24,7 +24,8 @@ TEST(RobotMemoryTest, StaysFlatOverTenSimulatedMinutes) {
   const RobotConfig config = test::PandaRobot();
   rt::EventQueue events;
   test::Deaf deaf;
-  const Robot robot(config, plant::MujocoPlant::Create(config.plant), events, deaf, nullptr);
+  Robot robot(config, plant::MujocoPlant::Create(config.plant), events, deaf, nullptr);
+  robot.Begin();
   const auto run_until = [&](Time until) {
     while (events.Now() < until) ASSERT_TRUE(events.RunNext());
   };

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -53,6 +54,7 @@ class RobotTest : public ::testing::Test {
  protected:
   void Make(const RobotConfig& config, std::unique_ptr<plant::Plant> plant) {
     robot_ = std::make_unique<Robot>(config, std::move(plant), events_, workstation_, &cycle_);
+    robot_->Begin();
     workstation_.events = &events_;
     workstation_.answer.robot = robot_.get();
   }
@@ -90,6 +92,66 @@ TEST_F(RobotTest, TakesACommandThatArrivesExactlyAtTheDeadlineAndDropsALaterOne)
   }
 }
 
+TEST_F(RobotTest, CyclesFallOnWholeMillisecondsWhenNoClockDrifts) {
+  Make(test::PandaRobot(), std::make_unique<plant::IdealPlant>());
+  for (int k = 1; k <= 2000; ++k) {
+    RunFor(milliseconds(1));
+    ASSERT_EQ(cycle_.last.at, Time(milliseconds(k)));
+  }
+}
+
+TEST_F(RobotTest, AClockThatDriftsMovesEveryCycleByItsShare) {
+  for (const double ppm : {54.6, -54.6, 1000.0, -1000.0}) {
+    RobotConfig config = test::PandaRobot();
+    config.clock_ppm = ppm;
+    events_ = rt::EventQueue();
+    cycle_ = LastCycle();
+    Make(config, std::make_unique<plant::IdealPlant>());
+    while (cycle_.last.state.message_id < 18320) {
+      ASSERT_TRUE(events_.RunNext());
+      // INT's own clock shows k ms in cycle k; the queue's counts whole nanoseconds.
+      const double own_ms = ToSeconds(cycle_.last.at.time_since_epoch()) * (1 + ppm * 1e-6) * 1e3;
+      ASSERT_NEAR(own_ms, static_cast<double>(cycle_.last.state.message_id), 0.6e-6) << ppm;
+    }
+  }
+}
+
+TEST_F(RobotTest, APostponedCycleKeepsItsIdAndTheGrid) {
+  for (const double ppm : {0.0, 300.0}) {
+    RobotConfig config = test::PandaRobot();
+    config.clock_ppm = ppm;
+    events_ = rt::EventQueue();
+    Make(config, std::make_unique<plant::IdealPlant>());
+    RunFor(milliseconds(10) - microseconds(500));
+    const Time before = cycle_.last.at;
+    const std::uint64_t id = cycle_.last.state.message_id;
+    const Duration period = robot_->period();
+    robot_->Postpone(4);
+    robot_->Postpone(2);
+    RunFor(milliseconds(8));
+    EXPECT_EQ(cycle_.last.state.message_id, id + 2) << "cycles 7 and 8 periods after the last";
+    EXPECT_NEAR(ToSeconds(cycle_.last.at - before), ToSeconds(8 * period), 10e-9);
+    EXPECT_EQ(robot_->next_cycle(), cycle_.last.at + period);
+  }
+}
+
+TEST_F(RobotTest, APostponedCycleTakesTheCommandThatArrivedMeanwhile) {
+  RobotConfig config = test::PandaRobot();
+  Make(config, std::make_unique<plant::IdealPlant>());
+  ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+  RunFor(milliseconds(5));
+  robot_->Postpone(3);
+  RobotCommand command;
+  command.message_id = cycle_.last.state.message_id;
+  command.q_c = test::kReady;
+  while (events_.Now() < Time(milliseconds(6))) ASSERT_TRUE(events_.RunNext());
+  robot_->Send(command);  // too late for a cycle at 6 ms, in time for one at 9 ms
+  while (events_.Now() < Time(milliseconds(9))) ASSERT_TRUE(events_.RunNext());
+  EXPECT_EQ(cycle_.last.at, Time(milliseconds(9)));
+  EXPECT_EQ(cycle_.last.state.message_id, 6u);
+  EXPECT_EQ(cycle_.last.fate, rt::CommandFate::kServed);
+}
+
 TEST_F(RobotTest, HoldsStillAtRestForTenSeconds) {
   const RobotConfig config = test::PandaRobot();
   Make(config, plant::MujocoPlant::Create(config.plant));
@@ -123,13 +185,25 @@ TEST_F(RobotTest, RefusesAStartOutsideTheJointRange) {
 
 TEST_F(RobotTest, RefusesALinkOutOfRangeByName) {
   RobotConfig config = test::PandaRobot();
-  config.link.command_loss = 1.5;
+  config.link.command.duplication = 1.5;
   try {
     Make(config, std::make_unique<plant::IdealPlant>());
     FAIL() << "accepted";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("command_loss"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("link.command.duplication"), std::string::npos)
+        << error.what();
   }
+}
+
+TEST_F(RobotTest, RefusesAClockThatIsTooFarOff) {
+  for (const double ppm : {-1001.0, 1000.5, std::numeric_limits<double>::quiet_NaN()}) {
+    RobotConfig config = test::PandaRobot();
+    config.clock_ppm = ppm;
+    EXPECT_THROW(config.Validate(), InputError) << ppm;
+  }
+  RobotConfig config = test::PandaRobot();
+  config.clock_ppm = 1000;
+  EXPECT_NO_THROW(config.Validate());
 }
 
 }  // namespace

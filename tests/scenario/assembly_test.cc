@@ -88,8 +88,7 @@ TEST_F(AssemblyTest, RunsTheVelocityInterface) {
 
 TEST_F(AssemblyTest, ReportsAMotionThatLosesAllItsCommands) {
   Scenario scenario = ShortScenario();
-  scenario.link.command_delay = {.kind = Delay::Kind::kConstant,
-                                 .constant = std::chrono::milliseconds(2)};
+  scenario.link.command.delay = {rt::ConstantDelay{std::chrono::milliseconds(2)}};
   const RunResult result = Execute(scenario);
   EXPECT_NE(result.report.end, backend::MotionEnd::kSuccess);
   EXPECT_FALSE(result.report.failure.empty());
@@ -151,25 +150,6 @@ TEST_F(AssemblyTest, ChecksWithoutRunning) {
         Check(scenario, {backends_, controllers_}, files_);
       },
       ThrowsMessage<InputError>(HasSubstr("nowhere.xml")));
-}
-
-TEST_F(AssemblyTest, TellsTheRobotAllTheScenarioSays) {
-  const Scenario scenario = Parse(test::FullText(), "full.yaml");
-  const RobotData robot = LoadRobotData(files_.models, "panda", scenario.robot.hand);
-  const robot::RobotConfig config = MakeRobotConfig(scenario, robot, files_);
-  EXPECT_EQ(config.plant_kind, robot::PlantKind::kIdeal);
-  EXPECT_EQ(config.seed, 42u);
-  EXPECT_EQ(config.q_start, *scenario.robot.q_start);
-  EXPECT_EQ(config.link.command_loss, 0.02);
-  EXPECT_EQ(config.link.d_INT, std::chrono::microseconds(50));
-  EXPECT_EQ(config.onboard.abort_after_lost, 19u);
-  EXPECT_EQ(config.onboard.damping_ratio, 0.7);
-  EXPECT_EQ(config.onboard.limits.dq_max, robot.limits.dq_max);
-  EXPECT_EQ(config.onboard.rotor_inertia, JointVector{}) << "armature is off";
-  EXPECT_EQ(config.plant.friction, plant::FrictionProfile::kBreakaway);
-  EXPECT_EQ(config.plant.hand, plant::HandKind::kNone);
-  EXPECT_EQ(config.plant.scene, files_.models / "scenes/floor.xml");
-  EXPECT_EQ(config.plant.noise.tau_J_Nm, 0.3);
 }
 
 }  // namespace

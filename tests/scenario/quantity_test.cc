@@ -23,6 +23,9 @@ TEST(QuantityTest, ConvertsToTheBaseUnit) {
   EXPECT_EQ(ParseQuantity("1 kHz", Dimension::kFrequency), 1000);
   EXPECT_EQ(ParseQuantity("0.1 %", Dimension::kPercent), 0.1);
   EXPECT_EQ(ParseQuantity("3000 Nm/rad", Dimension::kStiffness), 3000);
+  EXPECT_EQ(ParseQuantity("5 mm/s", Dimension::kVelocity), 0.005);
+  EXPECT_EQ(ParseQuantity("13 m/s^2", Dimension::kAcceleration), 13);
+  EXPECT_EQ(ParseQuantity("6500 m/s^3", Dimension::kJerk), 6500);
   EXPECT_EQ(ParseQuantity("0.2 kg m^2", Dimension::kInertia), 0.2);
 }
 
@@ -35,6 +38,13 @@ TEST(QuantityTest, ReadsTimesToTheNanosecond) {
   EXPECT_EQ(ParseDuration("18.32 s"), milliseconds(18320));
   EXPECT_EQ(ParseDuration("13.2 us"), nanoseconds(13200));
   EXPECT_EQ(ParseDuration("1 min"), std::chrono::seconds(60));
+}
+
+TEST(QuantityTest, TakesBothMusForMicro) {
+  EXPECT_EQ(ParseDuration("80 \xc2\xb5s"), microseconds(80)) << "the micro sign";
+  EXPECT_EQ(ParseDuration("80\xce\xbcs"), microseconds(80)) << "the small letter mu";
+  EXPECT_EQ(UnitFactor("\xc2\xb5s", Dimension::kTime), 1e-6);
+  EXPECT_THROW((void)UnitFactor("\xc2\xb5s", Dimension::kAngle), InputError);
 }
 
 TEST(QuantityTest, WritesTimesWithoutLoss) {

@@ -51,6 +51,19 @@ TEST(RobotDataTest, HasTheLimitsFrankaPublishes) {
   EXPECT_TRUE(std::filesystem::exists(robot.urdf));
 }
 
+TEST(RobotDataTest, HasTheCartesianLimitsFrankaPublishes) {
+  const RobotData robot = LoadRobotData(kModels, "panda", plant::HandKind::kFrankaHand);
+  const auto expect = [](const CartesianBound& bound, double dp, double ddp, double dddp) {
+    EXPECT_EQ(bound.dp_max, dp);
+    EXPECT_EQ(bound.ddp_max, ddp);
+    EXPECT_EQ(bound.dddp_max, dddp);
+  };
+  expect(robot.cartesian.translation, 1.7, 13, 6500);
+  expect(robot.cartesian.rotation, 2.5, 25, 12500);
+  expect(robot.cartesian.elbow, 2.175, 10, 5000);
+  EXPECT_NO_THROW(robot.cartesian.Validate());
+}
+
 TEST(RobotDataTest, GivesIntTheRotorsTheSimulatedDrivesHave) {
   const RobotData robot = LoadRobotData(kModels, "panda", plant::HandKind::kNone);
   EXPECT_EQ(robot.rotor_inertia, plant::kArmature);
@@ -104,6 +117,38 @@ TEST(RobotDataTest, RefusesALimitInTheWrongUnit) {
   EXPECT_THAT(
       [&] { (void)LoadJointLimits(file.path()); },
       ThrowsMessage<InputError>(HasSubstr("joints.dq_max.unit: unit \"rad\" does not fit")));
+}
+
+/// The panda's limits with one change, and what the message must say.
+void ExpectCartesianRefused(const std::string& from, const std::string& to,
+                            const std::string& says) {
+  std::string text = LimitsText();
+  text.replace(text.find(from), from.size(), to);
+  const TemporaryFile file(text);
+  EXPECT_THAT([&] { (void)LoadCartesianLimits(file.path()); },
+              ThrowsMessage<InputError>(HasSubstr(says)));
+}
+
+TEST(RobotDataTest, NamesThePlaceOfABadCartesianLimit) {
+  ExpectCartesianRefused("{unit: m/s, value: 1.7}", "{unit: rad/s, value: 1.7}",
+                         "robot_data_test_limits.yaml:17: cartesian.translation.dp_max.unit: unit "
+                         "\"rad/s\" does not fit a velocity");
+  ExpectCartesianRefused("value: 25.0", "value: 0",
+                         "robot_data_test_limits.yaml:22: cartesian.rotation.ddp_max.value: 0 is "
+                         "out of range");
+  ExpectCartesianRefused("value: 5000.0", "value: -5000", "cartesian.elbow.dddp_max.value: -5000");
+  ExpectCartesianRefused("value: 5000.0", "value: .inf", "is not a plain finite number");
+  ExpectCartesianRefused(
+      "  elbow:", "  elbows:", "unknown key \"elbows\"; did you mean \"elbow\"?");
+  ExpectCartesianRefused("cartesian:", "joints2:", "unknown key \"joints2\"");
+}
+
+TEST(RobotDataTest, NeedsTheCartesianLimits) {
+  const std::string text = LimitsText();
+  const TemporaryFile file(text.substr(0, text.find("cartesian:")));
+  EXPECT_THAT([&] { (void)LoadCartesianLimits(file.path()); },
+              ThrowsMessage<InputError>(HasSubstr("key \"cartesian\" is missing")));
+  EXPECT_NO_THROW((void)LoadJointLimits(file.path()));
 }
 
 TEST(RobotDataTest, RefusesARangeThatIsUpsideDown) {

@@ -51,56 +51,66 @@ INSTANTIATE_TEST_SUITE_P(
     Structure, ScenarioErrorsTest,
     ::testing::Values(
         Spoiled{"UnknownKey", "  lambda: 0.01", "  lamda: 0.01",
-                "s.yaml:28: tick: ", "unknown key \"lamda\"; did you mean \"lambda\"?"},
+                "s.yaml:35: tick: ", "unknown key \"lamda\"; did you mean \"lambda\"?"},
         Spoiled{"UnknownKeyAtTheRoot", "seed: 42", "sead: 42",
                 "s.yaml:3: ", "unknown key \"sead\"; did you mean \"seed\"? accepted: name,"},
         Spoiled{"DuplicateKey", "  lambda: 0.01", "  lambda: 0.01\n  lambda: 0.02",
-                "s.yaml:29: tick.lambda: ", "given twice; first in line 28"},
+                "s.yaml:36: tick.lambda: ", "given twice; first in line 35"},
         Spoiled{"MissingKey", "name: full\n", "", "s.yaml:1: ", "key \"name\" is missing"},
         Spoiled{"MapInsteadOfValue", "seed: 42", "seed: {a: 1}",
                 "s.yaml:3: seed: ", "is a map; a whole number belongs here"},
         Spoiled{"ValueInsteadOfMap", "  noise: {q: 0.001 deg, dq: 0.002 rad/s, tau_J: 0.3 Nm}",
-                "  noise: 3", "s.yaml:15: plant.noise: ", "is a single value; a map with the keys"},
-        Spoiled{"EmptyValue", "  cost: 13 us", "  cost:", "s.yaml:30: tick.cost: ", "is empty"},
+                "  noise: 3", "s.yaml:17: plant.noise: ", "is a single value; a map with the keys"},
+        Spoiled{"EmptyValue", "  cost: 13 us", "  cost:", "s.yaml:41: tick.cost: ", "is empty"},
         Spoiled{"NotYaml", "robot:", "robot: [", "s.yaml:", "not valid YAML"},
+        Spoiled{"NotEvenAnEscape", "seed: 42", "seed: \"\\\x01\"",
+                "s.yaml:", "not valid YAML: unknown escape character: ?"},
         Spoiled{"ListAsKey", "seed: 42", "[seed]: 42", "s.yaml:3: ", "a key must be a plain word"},
         Spoiled{"BothDelays", "{constant: 95.5 us}",
                 "{constant: 1 us, log_normal: {median: 1 us, sigma: 1}}",
-                "s.yaml:18: link.command_delay: ", "exactly one of constant and log_normal"}),
+                "s.yaml:20: link.command_delay: ",
+                "exactly one of constant, normal, log_normal, gamma, histogram"},
+        Spoiled{"NoDelay", "{constant: 95.5 us}", "{}",
+                "s.yaml:20: link.command_delay: ", "give exactly one of constant"},
+        Spoiled{"UnknownLoss", "{gilbert_elliott: {", "{gilbert_eliott: {",
+                "s.yaml:22: link.command_loss: ", "did you mean \"gilbert_elliott\"?"},
+        Spoiled{
+            "LossWithoutAParameter", "good_to_bad: 0.1 %, ", "",
+            "s.yaml:22: link.command_loss.gilbert_elliott: ", "key \"good_to_bad\" is missing"}),
     [](const auto& info) { return info.param.claim; });
 
 INSTANTIATE_TEST_SUITE_P(
     Units, ScenarioErrorsTest,
     ::testing::Values(
-        Spoiled{"WrongUnit", "d_INT: 50 us", "d_INT: 50 Hz", "s.yaml:21: link.d_INT: ",
+        Spoiled{"WrongUnit", "d_INT: 50 us", "d_INT: 50 Hz", "s.yaml:27: link.d_INT: ",
                 "unit \"Hz\" does not fit a time; write it like \"500 us\" (units: ns, us"},
-        Spoiled{"NoUnit", "rate: 125 Hz", "rate: 125", "s.yaml:33: controller.rate: ",
+        Spoiled{"NoUnit", "rate: 125 Hz", "rate: 125", "s.yaml:44: controller.rate: ",
                 "\"125\" has no unit; a frequency is written like \"1000 Hz\""},
         Spoiled{"WrongUnitOfAList", "unit: Nm/rad", "unit: Nm",
-                "s.yaml:23: int.K_theta.unit: ", "unit \"Nm\" does not fit a stiffness"},
+                "s.yaml:29: int.K_theta.unit: ", "unit \"Nm\" does not fit a stiffness"},
         Spoiled{"WrongUnitOfTheWaypoints", "    unit: deg", "    unit: m",
-                "s.yaml:42: motion.trajectory.unit: ", "unit \"m\" does not fit an angle"},
+                "s.yaml:54: motion.trajectory.unit: ", "unit \"m\" does not fit an angle"},
         Spoiled{"UnitWhereNoneBelongs", "lambda: 0.01", "lambda: 0.01 s",
-                "s.yaml:28: tick.lambda: ", "\"0.01 s\" is not a plain finite number"}),
+                "s.yaml:35: tick.lambda: ", "\"0.01 s\" is not a plain finite number"}),
     [](const auto& info) { return info.param.claim; });
 
 INSTANTIATE_TEST_SUITE_P(
     Values, ScenarioErrorsTest,
     ::testing::Values(
         Spoiled{"WordForNumber", "damping_ratio: 0.7", "damping_ratio: soft",
-                "s.yaml:24: int.damping_ratio: ", "\"soft\" is not a plain finite number"},
+                "s.yaml:30: int.damping_ratio: ", "\"soft\" is not a plain finite number"},
         Spoiled{"NotANumber", "lambda: 0.01", "lambda: .nan",
-                "s.yaml:28: tick.lambda: ", "not a plain finite number"},
+                "s.yaml:35: tick.lambda: ", "not a plain finite number"},
         Spoiled{"WaypointNotANumber", "[10, -40, 5,", "[10, .nan, 5,",
-                "s.yaml:49: motion.trajectory.waypoints[2].q[2]: ", "not a plain finite number"},
+                "s.yaml:61: motion.trajectory.waypoints[2].q[2]: ", "not a plain finite number"},
         Spoiled{"WaypointTooShort", "[10, -40, 5, -130, 0, 95, 40]", "[10, -40]",
-                "s.yaml:49: motion.trajectory.waypoints[2].q: ", "has 2 values; it needs 7"},
+                "s.yaml:61: motion.trajectory.waypoints[2].q: ", "has 2 values; it needs 7"},
         Spoiled{"OutOfRange", "state_loss: 0.1 %", "state_loss: 101 %",
-                "s.yaml:19: link.state_loss",
+                "s.yaml:21: link.state_loss",
                 "\"101 %\" is out of range; it must lie in [0, 100] %"},
-        Spoiled{"NegativeTime", "phase: 250 us", "phase: -1 us", "s.yaml:35: controller.phase: ",
+        Spoiled{"NegativeTime", "phase: 250 us", "phase: -1 us", "s.yaml:46: controller.phase: ",
                 "\"-1 us\" is out of range; it must lie in [0 s, 10 s]"},
-        Spoiled{"StiffnessOutOfRange", "1999.5", "14251", "s.yaml:23: int.K_theta: ",
+        Spoiled{"StiffnessOutOfRange", "1999.5", "14251", "s.yaml:29: int.K_theta: ",
                 "14251 Nm/rad is out of range; each must lie in [0, 14250]"},
         Spoiled{"FractionForInteger", "seed: 42", "seed: 1.5",
                 "s.yaml:3: seed: ", "\"1.5\" is not a whole number"},
@@ -108,19 +118,77 @@ INSTANTIATE_TEST_SUITE_P(
                 "s.yaml:3: seed: ", "is not a whole number"},
         Spoiled{"OddPictureWidth", "width: 320", "width: 321", "s.yaml:1: ", "both must be even"},
         Spoiled{"YesForTrue", "armature: false", "armature: no",
-                "s.yaml:14: plant.armature: ", "\"no\" is neither true nor false"},
+                "s.yaml:16: plant.armature: ", "\"no\" is neither true nor false"},
         Spoiled{"MisspelledChoice", "friction: breakaway", "friction: breakawy",
-                "s.yaml:13: plant.friction: ",
+                "s.yaml:15: plant.friction: ",
                 "\"breakawy\" is unknown; did you mean \"breakaway\"? accepted: none, residual"},
         Spoiled{"NameWithSlash", "name: full", "name: ../full", "s.yaml:1: ", "is no name"},
         Spoiled{"OnePoint",
                 "      - {q: [10, -40, 5, -130, 0, 95, 40], stop: true}\n"
                 "      - {q: [0, -45, 0, -135, 0, 90, 45]}\n",
                 "", "s.yaml:1: ", "1 waypoints; a trajectory needs at least two"},
-        Spoiled{"RealtimeDrive", "drive: lockstep", "drive: realtime",
-                "s.yaml:5: drive: ", "not part of this version"},
+        Spoiled{"RemoteDrive", "drive: lockstep", "drive: remote",
+                "s.yaml:5: drive: ", "not part of this version; accepted: lockstep"},
+        Spoiled{"UnknownLoop", "loop: asynchronous", "loop: async", "s.yaml:6: loop: ",
+                "\"async\" is unknown; accepted: asynchronous, synchronous, bare"},
+        Spoiled{"DriftOutOfRange", "clock_drift: 5 ppm", "clock_drift: -1001 ppm",
+                "s.yaml:12: robot.clock_drift: ", "it must lie in [-1000, 1000] ppm"},
+        Spoiled{
+            "CompensationOutOfRange", "friction_compensation: 0.8", "friction_compensation: 1.1",
+            "s.yaml:32: int.friction_compensation: ", "1.1 is out of range; it must lie in [0, 1]"},
+        Spoiled{"EndlessBurst", "bad_to_good: 25 %", "bad_to_good: 0 %",
+                "s.yaml:22: link.command_loss: ", "else a burst never ends"},
+        Spoiled{"LossAboveAll", "loss_bad: 90 %", "loss_bad: 190 %",
+                "s.yaml:22: link.command_loss.gilbert_elliott.loss_bad: ", "[0, 100] %"},
+        Spoiled{"ReorderingByNothing", "by: 1.5 ms", "by: 0 s",
+                "s.yaml:25: link.state_reordering: ", "by is 0 s, which holds nothing back"},
+        Spoiled{"NoShapeOfAGamma", "{shape: 2, ", "{shape: 0, ",
+                "s.yaml:23: link.state_duplication.delay.gamma.shape: ", "0 is out of range"},
+        Spoiled{"ToleranceOfMoreThanACycle", "period_tolerance: 300 us", "period_tolerance: 2 ms",
+                "s.yaml:38: tick.period_tolerance: ", "it must lie in [0 s, 1 ms]"},
+        Spoiled{"ToleranceOfAnotherLoop", "loop: asynchronous", "loop: synchronous",
+                "s.yaml:38: tick.period_tolerance: ", "only the asynchronous loop has one"},
+        Spoiled{"CutOffAboveTheRate", "low_pass: 100 Hz", "low_pass: 1001 Hz",
+                "s.yaml:39: tick.low_pass: ", "it must lie in [1, 1000] Hz"},
+        Spoiled{"CutOffInWords", "low_pass: 100 Hz", "low_pass: none",
+                "s.yaml:39: tick.low_pass: ", "\"none\" is not a frequency"},
+        Spoiled{"GeneratorOfAnotherInterface", "generator: none", "generator: joint",
+                "s.yaml:34: tick.generator: ",
+                "joint makes joint positions, and motion.interface is joint_velocity"},
+        Spoiled{"GeneratorWithoutAMotion", "generator: none", "generator: cartesian",
+                "s.yaml:34: tick.generator: ", "\"cartesian\" is unknown; accepted: none, joint"},
+        Spoiled{"NoiseOfAnotherInterface", "target_noise: 0.0005 rad/s", "target_noise: 0.0005 rad",
+                "s.yaml:50: controller.target_noise: ", "\"rad\" does not fit an angular velocity"},
         Spoiled{"UnknownDrive", "drive: lockstep", "drive: warp", "s.yaml:5: drive: ", "unknown"}),
     [](const auto& info) { return info.param.claim; });
+
+/// OtherText() with one change, and where and what the message must say.
+void ExpectRefused(const std::string& from, const std::string& to, const std::string& place,
+                   const std::string& says) {
+  const std::string message = MessageOf(test::Replaced(test::OtherText(), from, to));
+  EXPECT_THAT(message, ::testing::StartsWith(place));
+  EXPECT_THAT(message, HasSubstr(says));
+}
+
+TEST(ScenarioErrorsTest, RefusesAScriptThatNamesNoMessages) {
+  ExpectRefused("at: 2 s", "at: 2.0005 s", "s.yaml:7: link.state_loss.scripted[2].at: ",
+                "messages are 1 ms apart; give a whole number of ms");
+  ExpectRefused("count: 20", "count: 0", "s.yaml:7: link.state_loss.scripted[2].count: ",
+                "\"0\" is not a whole number in [1, ");
+  ExpectRefused("at: 2 s", "at: 0 s", "s.yaml:7: link.state_loss: ", "rising order");
+}
+
+TEST(ScenarioErrorsTest, RefusesAHistogramWithoutShape) {
+  const std::string place = "s.yaml:6: link.command_delay: ";
+  ExpectRefused("[3, 0.5]", "[3]", place, "there are 3 edges and 1 weights");
+  ExpectRefused("[3, 0.5]", "[0, 0]", place, "all weights are 0");
+  ExpectRefused("[0 us, 50 us,", "[0 us, 150 us,", place, "edges must rise");
+}
+
+TEST(ScenarioErrorsTest, RefusesAClockForTheLoopThatHasNone) {
+  ExpectRefused("loop: synchronous", "loop: bare",
+                "s.yaml:1: ", "controller: the bare loop is paced by the robot, at 1000 Hz");
+}
 
 TEST(ScenarioFileTest, NamesAMissingFile) {
   EXPECT_THAT([] { (void)Load("/nonexistent/s.yaml"); },

@@ -11,11 +11,13 @@ description: Everything said once.
 seed: 42
 backend: mujoco
 drive: lockstep
+loop: asynchronous
 scene: scenes/floor.xml
 robot:
   model: panda
   hand: none
   q_start: {unit: deg, values: [0, -45, 0, -135, 0, 90, 45]}
+  clock_drift: 5 ppm
 plant:
   kind: ideal
   friction: breakaway
@@ -25,16 +27,25 @@ link:
   state_delay: {log_normal: {median: 80 us, sigma: 0.3, offset: 20 us}}
   command_delay: {constant: 95.5 us}
   state_loss: 0.1 %
-  command_loss: 2 %
+  command_loss: {gilbert_elliott: {good_to_bad: 0.1 %, bad_to_good: 25 %, loss_good: 0.01 %, loss_bad: 90 %}}
+  state_duplication: {share: 1 %, delay: {gamma: {shape: 2, scale: 30 us, offset: 20 us}}}
+  command_duplication: {share: 0.5 %, delay: 200 us}
+  state_reordering: {share: 0.3 %, by: 1.5 ms}
+  command_reordering: {share: 0.2 %, by: 2.5 ms}
   d_INT: 50 us
 int:
   K_theta: {unit: Nm/rad, values: [3000, 3000, 3000, 2500, 2500, 2000, 1999.5]}
   damping_ratio: 0.7
   abort_after_lost: 19
+  friction_compensation: 0.8
 tick:
   generator: none
   lambda: 0.01
   rate_matching: false
+  finish_tolerance: 0.0002 rad
+  period_tolerance: 300 us
+  low_pass: 100 Hz
+  limiter: true
   cost: 13 us
 controller:
   type: joint_trajectory
@@ -44,6 +55,7 @@ controller:
   wake_delay: {log_normal: {median: 20 us, sigma: 0.5}}
   cost: 100 us
   feed_forward: nominal
+  target_noise: 0.0005 rad/s
 motion:
   interface: joint_velocity
   trajectory:
@@ -67,6 +79,33 @@ render:
     distance: 2 m
     lookat: [0.1 m, 0 m, 400 mm]
 record: false
+)";
+}
+
+/// A scenario of what the other does not say: the synchronous loop in real time, torques, and the
+/// other forms of delays and losses.
+inline std::string OtherText() {
+  return R"(name: other
+drive: realtime
+loop: synchronous
+link:
+  state_delay: {normal: {mean: 80 us, sigma: 4 us}}
+  command_delay: {histogram: {edges: [0 us, 50 us, 100 us], weights: [3, 0.5]}}
+  state_loss: {scripted: [{at: 0 s, count: 1}, {at: 2 s, count: 20}]}
+  command_loss: 2 %
+tick:
+  low_pass: off
+controller:
+  clock_drift: 54.6 ppm
+  wake_delay: {normal: {mean: 0 s, sigma: 2.5 us}}
+  target_noise: 0.2 Nm
+motion:
+  interface: torque
+  trajectory:
+    unit: rad
+    waypoints:
+      - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+      - {q: [0.1, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
 )";
 }
 

@@ -25,10 +25,13 @@ class Mutator {
 
  private:
   static constexpr std::string_view kTokens[] = {
-      "nan", ".inf",  "-1",  "1e999",  "{",  "}",      "[",   "]",   ":", "- ",
-      "\n",  "  ",    "\t",  "&a ",    "*a", "!!map ", "|",   "\"",  "'", "\xff",
-      "s",   "true",  "~",   "<<: *a", "0",  "%",      "---", "...", "#", "18446744073709551616",
-      "us",  "us us", "\\x", "? "};
+      "nan", ".inf",     "-1",  "1e999",  "{",          "}",
+      "[",   "]",        ":",   "- ",     "\n",         "  ",
+      "\t",  "&a ",      "*a",  "!!map ", "|",          "\"",
+      "'",   "\xff",     "s",   "true",   "~",          "<<: *a",
+      "0",   "%",        "---", "...",    "#",          "18446744073709551616",
+      "us",  "us us",    "\\x", "? ",     "scripted: ", "gamma: ",
+      "off", "\xc2\xb5s"};
 
   std::uint64_t Draw(std::uint64_t below) { return random_.Bits(number_, draw_++)[0] % below; }
 
@@ -51,10 +54,10 @@ class Mutator {
 
 TEST(ScenarioFuzzTest, AnyTextIsReadOrRefusedWithOneError) {
   constexpr std::uint64_t kCases = 3000;
-  const std::string good = test::FullText();
+  const std::string good[] = {test::FullText(), test::OtherText()};
   std::uint64_t refused = 0;
   for (std::uint64_t i = 0; i < kCases; ++i) {
-    const std::string text = Mutator(i).Apply(good);
+    const std::string text = Mutator(i).Apply(good[i % std::size(good)]);
     SCOPED_TRACE(i);
     try {
       const Scenario scenario = Parse(text, "fuzz.yaml");

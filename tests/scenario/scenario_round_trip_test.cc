@@ -1,6 +1,10 @@
+#include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <string>
+#include <variant>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +14,8 @@
 
 namespace twin::scenario {
 namespace {
+
+using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 80us
 
 std::filesystem::path Scenarios() {
   return std::filesystem::path(TWIN_SOURCE_DIR) / "models" / "scenarios";
@@ -25,12 +31,22 @@ TEST(ScenarioTest, ReadsEveryKey) {
   EXPECT_EQ(s.plant.friction, plant::FrictionProfile::kBreakaway);
   EXPECT_FALSE(s.plant.armature);
   EXPECT_EQ(s.plant.noise_tau_J, 0.3);
-  EXPECT_EQ(s.link.state_delay.median, std::chrono::microseconds(80));
-  EXPECT_EQ(s.link.state_delay.offset, std::chrono::microseconds(20));
-  EXPECT_EQ(s.link.command_delay.constant, std::chrono::nanoseconds(95'500));
-  EXPECT_EQ(s.link.command_loss_percent, 2);
+  EXPECT_EQ(s.link.state.delay, (Delay{rt::LogNormalDelay{80us, 0.3, 20us}}));
+  EXPECT_EQ(s.link.command.delay, (Delay{rt::ConstantDelay{95'500ns}}));
+  EXPECT_EQ(s.link.state.loss, Loss{IndependentLoss{0.1}});
+  EXPECT_EQ(s.link.command.loss, (Loss{GilbertElliottLoss{0.1, 25, 0.01, 90}}));
+  EXPECT_EQ(s.link.state.duplication, (Duplication{1, {rt::GammaDelay{2, 30us, 20us}}}));
+  EXPECT_EQ(s.link.command.duplication, (Duplication{0.5, {rt::ConstantDelay{200us}}}));
+  EXPECT_EQ(s.link.state.reordering, (Reordering{0.3, 1500us}));
+  EXPECT_EQ(s.link.command.reordering, (Reordering{0.2, 2500us}));
   EXPECT_EQ(s.onboard.abort_after_lost, 19u);
+  EXPECT_EQ(s.onboard.friction_compensation, 0.8);
+  EXPECT_EQ(s.robot.clock_drift_ppm, 5);
   EXPECT_EQ(s.tick.generator, loop::Generator::kNone);
+  EXPECT_EQ(s.tick.period_tolerance, 300us);
+  EXPECT_EQ(s.tick.low_pass_hz, 100);
+  EXPECT_TRUE(s.tick.limiter);
+  EXPECT_EQ(s.controller.target_noise, 0.0005);
   EXPECT_EQ(s.controller.rate_hz, 125);
   EXPECT_EQ(s.controller.clock_drift_ppm, -20);
   EXPECT_EQ(s.controller.feed_forward, reference::FeedForwardTime::kNominal);
@@ -38,16 +54,72 @@ TEST(ScenarioTest, ReadsEveryKey) {
   EXPECT_EQ(s.motion.timing.duration, std::chrono::milliseconds(4500));
   ASSERT_EQ(s.motion.waypoints.size(), 3u);
   EXPECT_TRUE(s.motion.waypoints[1].stop);
-  EXPECT_EQ(s.motion.waypoints[1].where, "s.yaml:49");
+  EXPECT_EQ(s.motion.waypoints[1].where, "s.yaml:61");
   EXPECT_EQ(s.render.lookat[2], 0.4);
   EXPECT_FALSE(s.record);
 }
 
+TEST(ScenarioTest, ReadsTheOtherChoices) {
+  const Scenario s = Parse(test::OtherText(), "s.yaml");
+  EXPECT_EQ(s.drive, Drive::kRealtime);
+  EXPECT_EQ(s.loop, loop::LoopKind::kSynchronous);
+  EXPECT_EQ(s.motion.interface, control::CommandInterface::kTorque);
+  EXPECT_EQ(s.link.state.delay, (Delay{rt::NormalDelay{80us, 4us}}));
+  EXPECT_EQ(s.link.command.delay, (Delay{rt::EmpiricalDelay{{0us, 50us, 100us}, {3, 0.5}}}));
+  EXPECT_EQ(s.link.state.loss, (Loss{ScriptedLoss{{{0s, 1}, {2s, 20}}}}));
+  EXPECT_EQ(s.tick.low_pass_hz, loop::TickConfig().low_pass_hz);
+  EXPECT_EQ(s.controller.target_noise, 0.2);
+}
+
+TEST(ScenarioTest, SaysToTheLinkWhatWasRead) {
+  const Scenario s = Parse(test::OtherText(), "s.yaml");
+  const auto model = s.link.state.loss.Model();
+  const auto& script = std::get<rt::ScriptedLoss>(model.parameters());
+  ASSERT_EQ(script.runs.size(), 2u);
+  EXPECT_EQ(script.runs[0].first, 0u);
+  EXPECT_EQ(script.runs[1].first, 2000u) << "a message a millisecond";
+  EXPECT_EQ(script.runs[1].count, 20u);
+  const auto independent = s.link.command.loss.Model();
+  EXPECT_EQ(std::get<rt::IndependentLoss>(independent.parameters()).probability, 0.02);
+  const auto bursts = Parse(test::FullText(), "s.yaml").link.command.loss.Model();
+  const auto& chain = std::get<rt::GilbertElliottLoss>(bursts.parameters());
+  EXPECT_DOUBLE_EQ(chain.good_to_bad, 0.001);
+  EXPECT_DOUBLE_EQ(chain.bad_to_good, 0.25);
+  EXPECT_DOUBLE_EQ(chain.loss_good, 0.0001);
+  EXPECT_DOUBLE_EQ(chain.loss_bad, 0.9);
+}
+
 TEST(ScenarioTest, SurvivesBeingWrittenAndRead) {
-  const Scenario scenario = Parse(test::FullText(), "s.yaml");
-  const std::string text = ToYaml(scenario);
-  EXPECT_EQ(Parse(text, "t.yaml"), scenario) << text;
-  EXPECT_EQ(ToYaml(Parse(text, "t.yaml")), text);
+  for (const std::string& original : {test::FullText(), test::OtherText()}) {
+    const Scenario scenario = Parse(original, "s.yaml");
+    const std::string text = ToYaml(scenario);
+    EXPECT_EQ(Parse(text, "t.yaml"), scenario) << text;
+    EXPECT_EQ(ToYaml(Parse(text, "t.yaml")), text);
+  }
+}
+
+TEST(ScenarioTest, TellsScenariosApartThatDifferInOneDelay) {
+  const Scenario scenario = Parse(test::OtherText(), "s.yaml");
+  const Delay::Law laws[] = {rt::ConstantDelay{1us},
+                             rt::ConstantDelay{2us},
+                             rt::NormalDelay{1us, 2us},
+                             rt::NormalDelay{1us, 3us},
+                             rt::LogNormalDelay{1us, 0.1, {}},
+                             rt::LogNormalDelay{1us, 0.2, {}},
+                             rt::GammaDelay{1, 1us, {}},
+                             rt::GammaDelay{2, 1us, {}},
+                             rt::EmpiricalDelay{{0s, 1us}, {1}},
+                             rt::EmpiricalDelay{{0s, 2us}, {1}}};
+  for (const Delay::Law& a : laws) {
+    for (const Delay::Law& b : laws) {
+      Scenario first = scenario;
+      Scenario second = scenario;
+      first.tick.cost.law = a;
+      second.tick.cost.law = b;
+      EXPECT_EQ(first == second, &a == &b) << ToYaml(first) << ToYaml(second);
+      EXPECT_EQ(Parse(ToYaml(first), "t.yaml").tick.cost, first.tick.cost);
+    }
+  }
 }
 
 TEST(ScenarioTest, WritesTextsThatYamlWouldMistake) {
@@ -68,6 +140,49 @@ TEST(ScenarioTest, TakesDefaultsForWhatIsNotGiven) {
   EXPECT_EQ(s.link, LinkSection{});
   EXPECT_EQ(s.controller, ControllerSection{});
   EXPECT_EQ(s.backend, "mujoco");
+}
+
+TEST(ScenarioTest, TakesTheDefaultsThatGoWithLoopAndInterface) {
+  const auto with = [](const std::string& loop, const std::string& interface) {
+    return Parse("name: a\nloop: " + loop + "\nmotion:\n  interface: " + interface +
+                     "\n  trajectory:\n    unit: rad\n    waypoints:\n"
+                     "      - {q: [0, 0, 0, -1, 0, 1, 0]}\n      - {q: [0, 0, 0, -2, 0, 1, 0]}\n",
+                 "s.yaml");
+  };
+  EXPECT_EQ(with("asynchronous", "joint_position").tick, TickSection{});
+  EXPECT_EQ(with("asynchronous", "joint_position").controller.type, "joint_trajectory");
+  EXPECT_EQ(with("asynchronous", "joint_position").tick.period_tolerance, 250us);
+  EXPECT_EQ(with("synchronous", "joint_position").tick.period_tolerance, 0s);
+  EXPECT_EQ(with("bare", "joint_velocity").tick.period_tolerance, 0s);
+  EXPECT_EQ(with("bare", "joint_velocity").tick.generator, loop::Generator::kNone);
+  EXPECT_EQ(with("bare", "joint_velocity").controller.type, "joint_trajectory");
+  EXPECT_EQ(with("asynchronous", "torque").tick.generator, loop::Generator::kNone);
+  EXPECT_EQ(with("asynchronous", "torque").controller.type, "joint_effort");
+}
+
+TEST(ScenarioTest, RemembersWhereItsNamesWereRead) {
+  const Scenario s = Parse(test::FullText(), "s.yaml");
+  EXPECT_EQ(s.places.backend.where, "s.yaml:4");
+  EXPECT_EQ(s.places.scene.where, "s.yaml:7");
+  EXPECT_EQ(s.places.robot.where, "s.yaml:9");
+  EXPECT_EQ(s.places.controller.where, "s.yaml:43");
+  EXPECT_EQ(s.places.controller.name, "joint_trajectory");
+  EXPECT_EQ(Parse(test::OtherText(), "s.yaml").places.backend.where, "");
+}
+
+TEST(ScenarioTest, TheFormatAsDocumentedHoldsTheDefaults) {
+  std::ifstream file(Scenarios() / "README.md");
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const std::string fence = "```yaml\n";
+  const auto begin = text.find(fence) + fence.size();
+  text = text.substr(begin, text.find("\n```", begin) - begin);
+  const std::string trajectory =
+      " {unit: rad, waypoints: [{q: [0, 0, 0, -1, 0, 1, 0]}, {q: [0, 0, 0, -2, 0, 1, 0]}]}";
+  text = test::Replaced(text, "name: \u2026", "name: a");
+  text = test::Replaced(text, "q_start: \u2026", "# q_start: ");
+  text = test::Replaced(text, "trajectory: \u2026", "trajectory:" + trajectory + "  ");
+  EXPECT_EQ(ToYaml(Parse(text, "README.md")),
+            ToYaml(Parse("name: a\nmotion:\n  trajectory:" + trajectory + "\n", "s.yaml")));
 }
 
 TEST(ScenarioTest, EveryExampleLoadsAndSurvivesTheRoundTrip) {

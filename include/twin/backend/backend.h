@@ -23,8 +23,12 @@ using Setting = std::variant<JointImpedance>;
 
 /// Which of the queued states a read takes.
 enum class ReadRule : std::uint8_t {
-  kNewest,  ///< what is queued counts: the newest unread state, even if it has waited
-  kFresh,   ///< queued states are thrown away; only a state that arrives from now on counts
+  /// What is queued counts: the newest unread state, even if it has waited.
+  kNewest,
+  /// What is queued when the reader comes is thrown away: a state counts only if it arrived after a
+  /// Read() that gave kPending. (In lockstep, where a reader is called at the instant of an arrival
+  /// because it waits, also one that arrives now.)
+  kFresh,
 };
 
 /// Outcome of a read.
@@ -59,9 +63,9 @@ struct Description {
 /// until the state is idle again. A motion that fails shows in the state: robot_mode leaves Move,
 /// reflex_reason says why. Then Recover, once the arm is at rest.
 ///
-/// Threads: Read and Write from one thread (the tick's); the others from any one other thread, or
-/// the same. Real-time: Read and Write are noexcept and allocate nothing after the first Start; the
-/// others may do both.
+/// Threads: Read and Write from one thread (the tick's); the others from any thread, where the
+/// drive has several. Real-time: Read and Write are noexcept and allocate nothing after the first
+/// Start; the others may do both.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -75,8 +79,11 @@ class Backend {
   /// Asks for a motion. @throws RobotFault when refused, with the robot's mode.
   virtual void Start(const MotionModes& modes) = 0;
 
-  /// Never waits. @param state  written only for kState. @param arrival  when it arrived at this
-  /// side.
+  /// Never waits; the one loop around it, for both rules, is
+  ///   while (Read(rule, state, arrival) == kPending) wait for an arrival, or until a deadline.
+  /// @param state  written only for kState. @param arrival  when it arrived at this side: in
+  /// lockstep to the instant, in real time when the reader has it, which is what its d_EXT counts
+  /// from.
   [[nodiscard]] virtual ReadResult Read(ReadRule rule, RobotState& state,
                                         Time& arrival) noexcept TWIN_REALTIME = 0;
 

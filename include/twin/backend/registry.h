@@ -1,15 +1,22 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "twin/backend/backend.h"
+#include "twin/core/clock.h"
 #include "twin/robot/robot_config.h"
+#include "twin/rt/arrival.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/duration_histogram.h"
 #include "twin/rt/event_queue.h"
+#include "twin/rt/thread_setup.h"
 
 namespace twin::plant {
 class TruthProbe;
@@ -17,22 +24,58 @@ class TruthProbe;
 
 namespace twin::backend {
 
+/// The virtual clock of lockstep.
+struct LockstepHost {
+  rt::EventQueue& events;
+  rt::EventHandler& state_ready;  ///< told (token = message_id) when a state has arrived
+};
+
+/// The wall clock. A simulated robot runs on a thread of its own.
+struct RealtimeHost {
+  const MonotonicClock& clock;
+  rt::ThreadSettings robot_thread;
+};
+
 /// What a factory gets. References and pointers must outlive the backend.
 struct Request {
   const robot::RobotConfig& robot;
-  rt::EventQueue& events;         ///< the virtual clock of lockstep
-  rt::EventHandler& state_ready;  ///< told (token = message_id) when a state has arrived
+  std::variant<LockstepHost, RealtimeHost> host;
   rt::RecordSink* sink =
       nullptr;  ///< INT's cycle records, where the backend knows them; may be null
+};
+
+/// How a simulated robot kept its own time, in real time.
+struct RobotTimings {
+  rt::DurationHistogram lateness;    ///< of a cycle's begin after its deadline
+  std::uint64_t overruns = 0;        ///< whole periods that were skipped, never caught up
+  std::uint64_t commands_lost = 0;   ///< written while it took none for so long that they piled up
+  std::vector<std::string> notices;  ///< what its thread was not permitted
+};
+
+/// A simulated robot that runs on the wall clock. Threads: one.
+class RealtimeRobotControl {
+ public:
+  virtual ~RealtimeRobotControl() = default;
+  /// Starts the cycles, once; the first is due 1 ms from now. Until then no state is sent, and what
+  /// is written is lost. @throws InputError when the thread's settings are none of this machine's.
+  virtual void Begin() = 0;
+  /// Ends them: no record is put and no state sent after it returns. May be called again.
+  virtual void End() = 0;
+  /// @pre not between Begin() and End().
+  [[nodiscard]] virtual RobotTimings timings() const = 0;
 };
 
 /// A connected backend, and what only a twin has.
 struct Connection {
   std::unique_ptr<Backend> backend;
-  const plant::TruthProbe* truth =
-      nullptr;  ///< owned by the backend; null for hardware and the ideal plant
+  rt::Arrival* arrival = nullptr;  ///< real time: where to wait for the next state; owned by the
+                                   ///< backend; null in lockstep
+  RealtimeRobotControl* robot_time = nullptr;  ///< real time, simulated robot; null otherwise
+  /// Owned by the backend; null for hardware and the ideal plant. In real time, while cycles run,
+  /// only from RecordSink::Put of a cycle's record: that is called on the plant's thread.
+  const plant::TruthProbe* truth = nullptr;
   /// What the simulation itself complained of since it was connected, for people; empty: nothing.
-  /// Empty function: there is no simulation.
+  /// Empty function: there is no simulation. Not while cycles run on another thread.
   std::function<std::string()> engine_warnings;
   bool uses_meshes = false;  ///< false: the arm is drawn in primitive shapes
 };

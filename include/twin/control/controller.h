@@ -5,7 +5,7 @@
 #include "twin/core/realtime.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
-#include "twin/reference/joint_target.h"
+#include "twin/reference/target.h"
 
 namespace twin::control {
 
@@ -13,13 +13,16 @@ namespace twin::control {
 enum class CommandInterface : std::uint8_t {
   kJointPosition,
   kJointVelocity,
+  kCartesianPose,
+  kTorque,  ///< the robot adds gravity and friction compensation
 };
 
 /// What a controller gives in one update.
 struct ControllerOutput {
-  reference::JointTarget target;
-  bool has_velocity =
-      false;  ///< target.dq is the source's own; otherwise it is formed from successive positions
+  reference::Target target;
+  /// The velocity (or twist) of a position-type target is the source's own; otherwise it is formed
+  /// from successive positions where they are deposited.
+  bool has_velocity = false;
   bool finished = false;  ///< the task is done; the target is its end, at rest
 };
 

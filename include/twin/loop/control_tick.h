@@ -8,10 +8,9 @@
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
+#include "twin/loop/command_chain.h"
 #include "twin/loop/exchange.h"
 #include "twin/loop/loop_config.h"
-#include "twin/reference/joint_reference_generator.h"
-#include "twin/reference/rate_matcher.h"
 #include "twin/rt/cycle_record.h"
 
 namespace twin::loop {
@@ -23,16 +22,21 @@ namespace twin::loop {
 ///
 /// The activation gate: nothing is transmitted until this side has read a state of the running
 /// motion *and* the controller has deposited a target made from such a state. A deposit left over
-/// from before can therefore never move the arm. Source: the paper's section on the asynchronous
-/// thread.
+/// from before can therefore never move the arm.
 ///
-/// The rate matcher's window is of INT's cycles: for every state that was lost on the way (a gap in
-/// message_id) it takes one more step, so that a slow source keeps its pace over losses.
+/// Anomalous cycles: with P the time between the last two reads, |P - 1 ms| > period_tolerance
+/// means that this side no longer knows where the robot's cycle is. Nothing is written; the robot
+/// holds its acceleration (or torque) and the last consistent target stays. Source of both rules:
+/// the paper's section on the asynchronous thread.
 ///
-/// Finish: once a deposit says finished, its (matched) target is at rest and q_d has come within
-/// finish_tolerance_rad of it, the commands carry motion_generation_finished until the motion ends.
+/// A command that is not valid (a controller gave NaN) is never sent; the record says kInvalid, and
+/// the drive stops the motion.
 ///
-/// Threads: one. Real-time: Tick() is noexcept and allocates nothing.
+/// Finish: once a deposit says finished, its (matched) target is at rest and the robot's reference
+/// has come within the finish tolerance of it, the commands carry motion_generation_finished until
+/// the motion ends.
+///
+/// Threads: one. Real-time: noexcept, allocates nothing.
 class ControlTick {
  public:
   /// @throws InputError as TickConfig::Validate.
@@ -41,32 +45,39 @@ class ControlTick {
   /// A motion with these modes is about to start: closes the gate and forgets the last motion.
   void Activate(const MotionModes& modes) noexcept;
 
+  /// Publish() and Answer() in one.
   /// @param state    the newest state. @param read  when its read ended.
   /// @returns the command to write, or null when nothing is to be sent; valid until the next call.
   [[nodiscard]] const RobotCommand* Tick(const RobotState& state, Time read) noexcept TWIN_REALTIME;
 
-  /// What the last Tick() did; the caller fills in `written`.
+  /// First half: shows the state to the controller side.
+  void Publish(const RobotState& state, Time read) noexcept TWIN_REALTIME;
+  /// Second half: the command that answers the state published last. @param state  that state.
+  [[nodiscard]] const RobotCommand* Answer(const RobotState& state) noexcept TWIN_REALTIME;
+
+  /// What the last tick did; the caller fills in `written`.
   [[nodiscard]] rt::TickRecord& record() noexcept { return record_; }
 
   /// Whether the state belongs to the running motion: robot_mode Move and both modes as started.
   [[nodiscard]] bool InMotion(const RobotState& state) const noexcept;
 
  private:
+  [[nodiscard]] bool IsAnomalous(Time read) const noexcept;
   [[nodiscard]] bool PassesGate(const RobotState& state) noexcept;
   void Generate(const RobotState& state) noexcept;
-  [[nodiscard]] bool Arrived(const RobotState& state) const noexcept;
 
-  TickConfig config_;
   control::CommandInterface interface_;
+  Duration period_tolerance_;
   Exchange& exchange_;
-  reference::RateMatcher matcher_;
-  reference::JointReferenceGenerator generator_;
+  CommandChain chain_;
 
   MotionModes modes_;
   std::uint64_t first_id_ = 0;  ///< of the motion; 0 before its first state
   bool open_ = false;
   bool finishing_ = false;
-  reference::JointTarget matched_;
+  bool anomalous_ = false;
+  std::uint64_t cycles_ = 0;  ///< of the robot since the last command was generated
+  bool fresh_ = false;        ///< a deposit has come since then
   rt::TickRecord record_;
 };
 

@@ -5,9 +5,10 @@
 #include "twin/control/controller.h"
 #include "twin/core/random.h"
 #include "twin/core/realtime.h"
+#include "twin/loop/depositor.h"
 #include "twin/loop/exchange.h"
 #include "twin/loop/loop_config.h"
-#include "twin/reference/feed_forward.h"
+#include "twin/loop/wake_grid.h"
 
 namespace twin::loop {
 
@@ -17,10 +18,8 @@ namespace twin::loop {
 ///
 ///     waiting --OnWake--> computing --OnDone--> waiting
 ///
-/// Wake-up n is due when this loop's own clock shows phase + n / rate. That clock runs clock_ppm
-/// faster than INT's; the controller sees its time, jitter of the wake-up included, as `now`. A
-/// computation that outlasts its period skips to the next wake-up on the grid and is counted: never
-/// a burst.
+/// The wake-ups are a WakeGrid's; the controller sees its time, jitter of the wake-up included, as
+/// `now`.
 ///
 /// Threads: the controller's. Real-time: noexcept, allocates nothing.
 class ControllerLoop {
@@ -30,7 +29,7 @@ class ControllerLoop {
                  Exchange& exchange, std::uint64_t seed);
 
   /// A motion has started: the grid begins at `now` + phase. @returns the first wake-up.
-  [[nodiscard]] Time Start(Time now) noexcept;
+  [[nodiscard]] Time Start(Time now) noexcept TWIN_REALTIME;
 
   /// @returns true when OnDone is due after cost(); false when no state has been published yet.
   [[nodiscard]] bool OnWake(Time now) noexcept TWIN_REALTIME;
@@ -40,27 +39,22 @@ class ControllerLoop {
 
   [[nodiscard]] Duration cost() const noexcept { return current_cost_; }
   /// When to wake next if OnWake returned false.
-  [[nodiscard]] Time NextWake(Time now) noexcept TWIN_REALTIME;
+  [[nodiscard]] Time NextWake(Time now) noexcept TWIN_REALTIME { return grid_.Next(now); }
   /// Wake-ups skipped because a computation outlasted its period.
-  [[nodiscard]] std::uint64_t overruns() const noexcept { return overruns_; }
+  [[nodiscard]] std::uint64_t overruns() const noexcept { return grid_.overruns(); }
 
  private:
-  [[nodiscard]] Time Due(std::uint64_t wake) const noexcept;
-  [[nodiscard]] Time OwnTime(Time now) const noexcept;
-
-  ControllerLoopConfig config_;
   control::Controller& controller_;
   Exchange& exchange_;
-  reference::FeedForward feed_forward_;
-  Random wake_random_;
+  Depositor depositor_;
+  WakeGrid grid_;
+  rt::DelayModel cost_;
   Random cost_random_;
 
-  Time start_{};
-  std::uint64_t wake_ = 0;
-  std::uint64_t overruns_ = 0;
   Duration current_cost_{};
+  Time source_time_{};
+  std::uint64_t based_on_ = 0;
   control::ControllerOutput output_;
-  Deposit deposit_;
 };
 
 }  // namespace twin::loop

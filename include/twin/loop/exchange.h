@@ -4,7 +4,7 @@
 
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
-#include "twin/reference/joint_target.h"
+#include "twin/reference/target.h"
 #include "twin/rt/latest_value.h"
 
 namespace twin::loop {
@@ -17,10 +17,10 @@ struct PublishedState {
 
 /// What the controller side hands to the tick.
 struct Deposit {
-  reference::JointTarget target;  ///< with the feed-forward velocity formed
-  Time source_time{};             ///< the source's own time of the target
-  std::uint64_t based_on = 0;     ///< message_id of the state the controller had consumed
-  bool finished = false;          ///< the target is the end of the task
+  reference::Target target;    ///< with the feed-forward velocity formed
+  Time source_time{};          ///< the source's own time of the target
+  std::uint64_t based_on = 0;  ///< message_id of the state the controller had consumed
+  bool finished = false;       ///< the target is the end of the task
 };
 
 /// The two buffers between the communication side (the tick) and the controller side. Each side

@@ -1,18 +1,28 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "twin/control/controller.h"
 #include "twin/core/time.h"
+#include "twin/reference/client_limits.h"
 #include "twin/reference/feed_forward.h"
 #include "twin/rt/delay_model.h"
 
 namespace twin::loop {
 
+/// How the workstation's work is divided.
+enum class LoopKind : std::uint8_t {
+  kAsynchronous,  ///< the paper's: a communication thread paced by the robot, controllers beside it
+  kSynchronous,   ///< the paper's RS: one periodic loop of read, controller, write, sleep
+  kBare,          ///< the paper's LF: one loop paced by the robot, the controller inside
+};
+
 /// What stands between the deposited target and the command.
 enum class Generator : std::uint8_t {
-  kNone,   ///< the deposited value goes out as it is: a raw stream
-  kJoint,  ///< the paper's joint reference generator
+  kNone,       ///< the deposited value goes out as it is: a raw stream
+  kJoint,      ///< the paper's joint reference generator
+  kCartesian,  ///< its Cartesian counterpart
 };
 
 /// The control tick's chain.
@@ -22,8 +32,18 @@ struct TickConfig {
   bool rate_matching = true;     ///< moving average over N = ceil(1000 / source rate) cycles
   double source_rate_hz = 1000;  ///< f_EXT, in [1, 1000]: the rate of the controller loop
   /// The finished command is sent once the target is at rest and every q_d is this close to it,
-  /// rad.
+  /// rad (m and rad for poses).
   double finish_tolerance_rad = 1e-4;
+  /// A cycle whose state came more than this off 1 ms after the last one is anomalous: nothing is
+  /// written. Zero: every state is answered. Source: the paper's section on the asynchronous
+  /// thread.
+  Duration period_tolerance = std::chrono::microseconds(250);
+  /// Cut-off of libfranka's first-order low-pass on the command, Hz, in [1, 1000]; 1000: off. On
+  /// the incremental command of a reference generator it scales the increment: the robot follows a
+  /// fraction of the motion.
+  double low_pass_hz = 1000;
+  /// libfranka's rate limiter on the command; absent: off.
+  std::optional<reference::ClientLimits> limiter;
   rt::DelayModel cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
 
   /// @param interface  what the controller commands.
@@ -35,12 +55,15 @@ struct TickConfig {
 /// The periodic loop that runs the user's controller, on its own clock.
 struct ControllerLoopConfig {
   double rate_hz = 1000;      ///< in [1, 1000]
-  double clock_ppm = 0;       ///< how much faster this clock runs than INT's, in [-1000, 1000]
+  double clock_ppm = 0;       ///< how much faster this clock runs than the run's, in [-1000, 1000]
   Duration phase{};           ///< of its first wake-up against INT's grid, >= 0
   rt::DelayModel wake_delay;  ///< lockstep: how late it wakes after its deadline
   rt::DelayModel cost;        ///< lockstep: time from wake-up to deposit
   /// Which elapsed time forms the feed-forward velocity at the deposit.
   reference::FeedForwardTime feed_forward = reference::FeedForwardTime::kSource;
+  /// Uniform noise added to every deposited value, in its unit: [-x, x]. What an unfiltered source
+  /// looks like.
+  double target_noise = 0;
 
   /// @throws InputError naming field, value and range.
   void Validate() const;

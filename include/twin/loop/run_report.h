@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "twin/backend/backend.h"
+#include "twin/backend/registry.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
+#include "twin/loop/communication_loop.h"
 
 namespace twin::loop {
 
@@ -17,9 +19,13 @@ struct RunReport {
   std::vector<Violation> violations;  ///< their details, where known
   std::string failure;                ///< what went wrong, for people; empty when nothing did
   Duration simulated{};               ///< run time at the end
-  std::uint64_t written = 0;          ///< commands written
-  std::uint64_t skipped_states = 0;   ///< states that never reached the workstation
   JointVector q_final{};              ///< measured, last state
+
+  LoopTimings timings;                    ///< of the communication
+  std::uint64_t controller_overruns = 0;  ///< wake-ups of the controller's loop that were skipped
+  backend::RobotTimings robot_timings;    ///< real time: of the simulated robot
+  std::vector<std::string> notices;       ///< real time: what the threads were not permitted
+  std::vector<rt::TickRecord> evidence;   ///< the last ticks, when the workstation's side failed
 
   /// The motion ended as it should, and nothing else went wrong.
   [[nodiscard]] bool succeeded() const noexcept {

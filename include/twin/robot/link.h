@@ -2,48 +2,57 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
-#include "twin/core/random.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/onboard/command_inbox.h"
-#include "twin/robot/robot_config.h"
-#include "twin/rt/delay_model.h"
+#include "twin/robot/link_config.h"
 #include "twin/rt/event_queue.h"
+#include "twin/rt/message_fate.h"
 
 namespace twin::robot {
 
-/// One direction's fate of a message, drawn from the run's seed: lost, or delayed by so much.
+/// Messages on the way in one direction: each with the fate drawn for it, each copy's arrival an
+/// event. At most kCapacity are on the way at once, two for each millisecond that one may take;
+/// further ones are lost.
+///
+/// Threads: that of the event queue. Real-time: allocates nothing after construction.
+template <typename Message>
 class Channel {
  public:
-  Channel(const rt::DelayModel& delay, double loss, std::uint64_t seed, RandomStream delay_stream,
-          RandomStream loss_stream)
-      : delay_(delay),
-        loss_(loss),
-        delay_random_(seed, delay_stream),
-        loss_random_(seed, loss_stream) {}
+  static constexpr std::size_t kCapacity = 2 * (kLongestOnTheWay / kCycle + 1);
 
-  /// @param number  of the message; the same number has the same fate.
-  [[nodiscard]] bool Loses(std::uint64_t number) const noexcept TWIN_REALTIME {
-    return loss_ > 0 && loss_random_.Uniform(number) < loss_;
-  }
-  [[nodiscard]] Duration Delay(std::uint64_t number) const noexcept TWIN_REALTIME {
-    return delay_.Draw(delay_random_, number);
-  }
+  Channel(const DirectionConfig& config, std::uint64_t seed, const rt::FateStreams& streams,
+          rt::EventQueue& events, rt::EventOrder order);
+
+  /// @param arrived  gets an event for every copy that arrives; its token is for Receive().
+  /// @param repeat  counts messages of the same message_id; see rt::MessageFate.
+  void Send(const Message& message, rt::EventHandler& arrived,
+            std::uint32_t repeat = 0) noexcept TWIN_REALTIME;
+
+  /// @pre called once for each event. @returns the message, valid until the next Send().
+  [[nodiscard]] const Message& Receive(std::uint64_t token) noexcept TWIN_REALTIME;
 
  private:
-  rt::DelayModel delay_;
-  double loss_;
-  Random delay_random_;
-  Random loss_random_;
+  struct Slot {
+    Message message;
+    int copies = 0;  ///< on the way
+  };
+
+  rt::MessageFate fate_;
+  rt::EventQueue& events_;
+  rt::EventOrder order_;
+  std::vector<Slot> slots_;
+  std::vector<std::size_t> free_;  ///< slots without a copy; the last one freed is used next
 };
 
 /// Robot states on their way to the workstation. Newest id wins: one that arrives behind a newer
-/// one is dropped, as libfranka does.
+/// one, or a second time, is dropped, as libfranka does.
 ///
-/// Threads: the lockstep thread. Real-time: allocates nothing after construction.
+/// Threads: that of the event queue. Real-time: allocates nothing after construction.
 class StateLink final : private rt::EventHandler {
  public:
   StateLink(const LinkConfig& config, std::uint64_t seed, rt::EventQueue& events,
@@ -63,20 +72,20 @@ class StateLink final : private rt::EventHandler {
   }
 
  private:
-  void OnEvent(Time now, std::uint64_t message_id) noexcept override;
+  void OnEvent(Time now, std::uint64_t token) noexcept override;
 
-  Channel channel_;
-  rt::EventQueue& events_;
+  Channel<RobotState> channel_;
   rt::EventHandler& state_ready_;
-  std::vector<RobotState> on_the_way_;  ///< slot = message_id modulo size
   RobotState newest_;
   Time arrival_{};
   bool has_new_ = false;
 };
 
-/// Commands on their way to the robot.
+/// Commands on their way to the robot. The fate of a command is keyed by the state it answers, so
+/// that how many commands were sent before does not change what happens to this one. All that
+/// arrives goes into the inbox, second copies and overtaken ones too; the inbox decides.
 ///
-/// Threads: the lockstep thread. Real-time: allocates nothing after construction.
+/// Threads: that of the event queue. Real-time: allocates nothing after construction.
 class CommandLink final : private rt::EventHandler {
  public:
   CommandLink(const LinkConfig& config, std::uint64_t seed, rt::EventQueue& events,
@@ -86,13 +95,12 @@ class CommandLink final : private rt::EventHandler {
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
 
  private:
-  void OnEvent(Time now, std::uint64_t number) noexcept override;
+  void OnEvent(Time now, std::uint64_t token) noexcept override;
 
-  Channel channel_;
-  rt::EventQueue& events_;
+  Channel<RobotCommand> channel_;
   onboard::CommandInbox& inbox_;
-  std::vector<RobotCommand> on_the_way_;  ///< slot = number modulo size
-  std::uint64_t sent_ = 0;
+  std::optional<std::uint64_t> last_answered_;
+  std::uint32_t repeat_ = 0;
 };
 
 }  // namespace twin::robot

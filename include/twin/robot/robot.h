@@ -16,25 +16,44 @@
 
 namespace twin::robot {
 
-/// A whole emulated robot on the virtual clock: INT, plant and link, run by one event a
-/// millisecond.
+/// How the last motion ended.
+struct LastMotion {
+  onboard::MoveStatus end = onboard::MoveStatus::kMotionStarted;  ///< see onboard::Int::last_end
+  onboard::Violations violations;  ///< what ended it, when an error did
+};
+
+/// A whole emulated robot on an event queue: INT, plant and link, run by one event a period.
 ///
-/// Cycle k at t_k = k ms:
+/// INT's clock runs clock_ppm faster than the queue's: cycle k is due at
+///   t_k = begin + k * 1 ms / (1 + clock_ppm 1e-6),
+/// to the nearest nanosecond (exactly k ms after begin without drift). In it
 ///   select the newest command that answers state k-1 and arrived by t_k - d_INT, else hold;
 ///   INT checks, integrates, controls;  the plant moves by 1 ms;  state k is filled and sent.
 ///
 /// Its workstation end: Send() puts a command on the way, and `state_ready` is told when a state
-/// has come through, to be taken with link().
+/// has come through, to be taken with states().
 ///
-/// Threads: the lockstep thread. Real-time: OnEvent() and Send() allocate nothing.
+/// Threads: that of the event queue. Real-time: all after Begin() is noexcept and allocates
+/// nothing.
 class Robot final : private rt::EventHandler {
  public:
-  /// Starts the cycles; the first is due at 1 ms.
   /// @param plant  the body; moved to config.q_start.
   /// @param state_ready, sink  see backend::Request; sink may be null.
   /// @throws InputError naming the field that is out of range.
   Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt::EventQueue& events,
         rt::EventHandler& state_ready, rt::RecordSink* sink);
+
+  /// Starts the cycles: begin is the queue's now, the first is due one period later. Once.
+  void Begin() noexcept;
+
+  /// INT was stalled: its next cycle, and all after it, are due `periods` whole periods later.
+  /// Nothing is caught up: message ids go on by one, only time has jumped.
+  void Postpone(std::uint64_t periods) noexcept TWIN_REALTIME;
+
+  /// When the next cycle is due. @pre after Begin().
+  [[nodiscard]] Time next_cycle() const noexcept { return next_cycle_; }
+  /// Between two cycles, on the queue's clock.
+  [[nodiscard]] Duration period() const noexcept;
 
   [[nodiscard]] onboard::MoveStatus Move(const MotionModes& modes) noexcept;
   void StopMove() noexcept { int_.StopMove(); }
@@ -45,7 +64,7 @@ class Robot final : private rt::EventHandler {
     return int_.SetJointImpedance(K_theta);
   }
 
-  /// Sends a command from the workstation; it may be lost on the way.
+  /// Sends a command from the workstation, at the queue's now; it may be lost on the way.
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
 
   /// The workstation's end of the link.
@@ -53,15 +72,15 @@ class Robot final : private rt::EventHandler {
 
   /// The robot's mode as of its last cycle (the workstation sees it one link delay later).
   [[nodiscard]] RobotMode mode() const noexcept { return int_.robot_mode(); }
-  /// How the last motion ended.
-  [[nodiscard]] onboard::MoveStatus last_end() const noexcept { return int_.last_end(); }
-  /// What ended it, when an error did.
-  [[nodiscard]] const onboard::Violations& last_violations() const noexcept {
-    return last_violations_;
+  [[nodiscard]] LastMotion last_motion() const noexcept {
+    return {int_.last_end(), last_violations_};
   }
 
  private:
   void OnEvent(Time now, std::uint64_t token) noexcept override;
+  [[nodiscard]] Time Due(std::uint64_t periods) const noexcept;
+  void ScheduleCycle() noexcept;
+  void Cycle(Time now) noexcept;
 
   std::unique_ptr<plant::Plant> plant_;
   onboard::Int int_;
@@ -71,6 +90,11 @@ class Robot final : private rt::EventHandler {
   StateLink states_;
   CommandLink commands_;
   Duration d_INT_;
+  double clock_speed_;  ///< of INT's clock, against the queue's
+
+  Time begin_{};
+  std::uint64_t periods_ = 0;  ///< from begin to the next cycle
+  Time next_cycle_{};
   onboard::Violations last_violations_;
   rt::CycleRecord record_;
 };

@@ -10,10 +10,12 @@
 #include "twin/control/registry.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
+#include "twin/loop/realtime_drive.h"
 #include "twin/loop/run_report.h"
 #include "twin/reference/trajectory.h"
 #include "twin/robot/robot_config.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/thread_setup.h"
 #include "twin/scenario/data_directory.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
@@ -77,17 +79,25 @@ struct RunResult {
 /// @throws InputError as Run does.
 void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files);
 
-/// A scenario made ready to run: event queue, drive, connected backend, trajectory, controller.
+/// Drive realtime: how the threads run. Settings of the host, not of the scenario.
+struct RealtimeSettings {
+  rt::ThreadSettings robot{.name = "twin-int", .fifo_priority = 98};
+  loop::RealtimeThreads threads;
+};
+
+/// A scenario made ready to run: drive, connected backend, trajectory, controller.
 ///
 /// Threads: one thread.
 class Run {
  public:
   /// Builds and connects.
-  /// @param sink  gets the records of cycles and ticks; may be null; must outlive the run.
+  /// @param sink  gets the records of cycles and ticks; may be null; must outlive the run. In
+  /// lockstep all come from the calling thread; in real time cycles from the robot's thread and
+  /// ticks from the communication's.
   /// @throws InputError for an unknown backend, controller or robot, a trajectory that breaks a
   /// limit, and what the backend's factory finds wrong; EnvironmentError from the latter.
   Run(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-      rt::RecordSink* sink);
+      rt::RecordSink* sink, const RealtimeSettings& settings = {});
   ~Run();
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;

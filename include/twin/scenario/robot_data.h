@@ -16,6 +16,7 @@ struct RobotData {
   std::string name;             ///< "panda"
   std::filesystem::path urdf;   ///< <name>/<name>.urdf
   JointLimits limits;           ///< from <name>/limits.yaml
+  CartesianLimits cartesian;    ///< from the same
   JointVector rotor_inertia{};  ///< from <name>/drives.yaml; seen at the link, kg m^2
   model::Payload end_effector;  ///< of the mounted hand, flange axes; all zero without one
   Transform F_T_NE = kIdentityTransform;  ///< nominal end effector in the flange frame
@@ -27,6 +28,13 @@ struct RobotData {
 ///                                               # dtau_max
 /// @throws InputError naming file, line and key.
 [[nodiscard]] JointLimits LoadJointLimits(const std::filesystem::path& file);
+
+/// Reads the limits of the end effector's motion and of the elbow angle from the same file:
+///   cartesian:
+///     translation:                          # m/s, m/s^2, m/s^3; rotation and elbow: rad/s, ...
+///       dp_max: {unit: m/s, value: 1.7}     # and ddp_max, dddp_max
+/// @throws InputError naming file, line and key.
+[[nodiscard]] CartesianLimits LoadCartesianLimits(const std::filesystem::path& file);
 
 /// @param models  the models folder. @param name  folder below models/robots.
 /// @throws InputError when there is no such robot (names those there are), or naming file, line and

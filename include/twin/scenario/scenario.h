@@ -17,36 +17,27 @@
 #include "twin/reference/feed_forward.h"
 #include "twin/reference/trajectory.h"
 #include "twin/robot/robot_config.h"
-#include "twin/rt/delay_model.h"
+#include "twin/scenario/delay.h"
+#include "twin/scenario/loss.h"
 
 namespace twin::scenario {
 
 /// Who advances time.
 enum class Drive : std::uint8_t {
   kLockstep,  ///< a seeded event queue on a virtual clock: repeatable to the byte
+  kRealtime,  ///< the wall clock: robot, communication and controller on threads of their own
 };
 
 /// @throws InputError when there is no such drive.
 [[nodiscard]] Drive DriveFromName(std::string_view name);
-
-/// How long something takes: rt::DelayModel as a value that can be compared and written down.
-struct Delay {
-  enum class Kind : std::uint8_t { kConstant, kLogNormal };
-  Kind kind = Kind::kConstant;
-  Duration constant{};  ///< kConstant, >= 0
-  Duration median{};    ///< kLogNormal, > 0: of the part above the offset
-  double sigma = 0;     ///< kLogNormal, in [0, 5]: standard deviation of its logarithm
-  Duration offset{};    ///< kLogNormal, >= 0: least delay
-
-  /// @throws InputError when a parameter is outside its range.
-  [[nodiscard]] rt::DelayModel Model() const;
-  bool operator==(const Delay&) const = default;
-};
+/// As scenarios spell it.
+[[nodiscard]] std::string_view Name(Drive drive) noexcept;
 
 struct RobotSection {
   std::string model = "panda";  ///< folder below models/robots
   plant::HandKind hand = plant::HandKind::kFrankaHand;
   std::optional<JointVector> q_start;  ///< rad; absent: the first waypoint
+  double clock_drift_ppm = 0;          ///< of INT's clock against the run's, in [-1000, 1000]
   bool operator==(const RobotSection&) const = default;
 };
 
@@ -60,11 +51,31 @@ struct PlantSection {
   bool operator==(const PlantSection&) const = default;
 };
 
+/// Messages that arrive a second time.
+struct Duplication {
+  double share_percent = 0;  ///< of all messages, in [0, 100]
+  Delay delay;               ///< of the second after the first
+  bool operator==(const Duplication&) const = default;
+};
+
+/// Messages that are held back, so that later ones overtake them.
+struct Reordering {
+  double share_percent = 0;  ///< of all messages, in [0, 100]
+  Duration by{};             ///< >= 0
+  bool operator==(const Reordering&) const = default;
+};
+
+struct DirectionSection {
+  Delay delay;
+  Loss loss;
+  Duplication duplication;
+  Reordering reordering;
+  bool operator==(const DirectionSection&) const = default;
+};
+
 struct LinkSection {
-  Delay state_delay;
-  Delay command_delay;
-  double state_loss_percent = 0;    ///< in [0, 100]
-  double command_loss_percent = 0;  ///< in [0, 100]
+  DirectionSection state;    ///< robot to workstation
+  DirectionSection command;  ///< workstation to robot
   Duration d_INT = robot::LinkConfig().d_INT;
   bool operator==(const LinkSection&) const = default;
 };
@@ -73,27 +84,36 @@ struct OnboardSection {
   JointVector K_theta = onboard::IntConfig().K_theta;         ///< Nm/rad
   double damping_ratio = onboard::IntConfig().damping_ratio;  ///< in (0, 2]
   std::uint32_t abort_after_lost = onboard::IntConfig().abort_after_lost;
+  double friction_compensation = 0;  ///< share of the drives' friction INT makes up for, in [0, 1]
   bool operator==(const OnboardSection&) const = default;
 };
 
 struct TickSection {
-  /// Not said in a scenario: kJoint on the position interface, kNone on the velocity interface.
+  /// Not said in a scenario: kJoint on the position interface, kNone on the others.
   loop::Generator generator = loop::Generator::kJoint;
   double lambda = 1e-3;  ///< in (0, 1]
   bool rate_matching = true;
   double finish_tolerance = loop::TickConfig().finish_tolerance_rad;  ///< rad, in [1e-9, 1e-2]
+  /// In [0, 1 ms]; 0: every state is answered. The asynchronous loop's only: 0 in the others.
+  Duration period_tolerance = loop::TickConfig().period_tolerance;
+  double low_pass_hz = loop::TickConfig().low_pass_hz;  ///< in [1, 1000]; 1000: off
+  bool limiter = false;
   Delay cost;
   bool operator==(const TickSection&) const = default;
 };
 
 struct ControllerSection {
-  std::string type = "joint_trajectory";  ///< name in the controller registry
-  double rate_hz = 1000;                  ///< in [1, 1000]
-  double clock_drift_ppm = 0;             ///< in [-1000, 1000]
-  Duration phase{};                       ///< >= 0
+  /// Name in the controller registry. Not said in a scenario: joint_effort on the torque interface,
+  /// joint_trajectory on the others.
+  std::string type = "joint_trajectory";
+  double rate_hz = 1000;       ///< in [1, 1000]
+  double clock_drift_ppm = 0;  ///< in [-1000, 1000]
+  Duration phase{};            ///< >= 0
   Delay wake_delay;
   Delay cost;
   reference::FeedForwardTime feed_forward = reference::FeedForwardTime::kSource;
+  /// Uniform in [-x, x] on every deposited value, in the unit of motion.interface; x in [0, 1].
+  double target_noise = 0;
   bool operator==(const ControllerSection&) const = default;
 };
 
@@ -119,6 +139,21 @@ struct RenderSection {
   bool operator==(const RenderSection&) const = default;
 };
 
+/// Where a name was read.
+struct Place {
+  std::string name;   ///< as read there; a scenario that says otherwise by now is not from there
+  std::string where;  ///< "<file>:<line>"; empty when nothing was read
+};
+
+/// Where the names were read that only a run can judge, for messages. No part of a comparison.
+struct Places {
+  Place backend;
+  Place scene;
+  Place robot;
+  Place controller;
+  bool operator==(const Places& /*other*/) const { return true; }
+};
+
 /// Everything that describes a run. Two equal scenarios, run by the same program, give the same
 /// bytes in every log.
 struct Scenario {
@@ -127,6 +162,7 @@ struct Scenario {
   std::uint64_t seed = 1;   ///< of every random number of the run
   std::string backend = "mujoco";
   Drive drive = Drive::kLockstep;
+  loop::LoopKind loop = loop::LoopKind::kAsynchronous;
   std::filesystem::path
       scene;  ///< MJCF of the world, in the models folder or absolute; may be empty
   RobotSection robot;
@@ -138,6 +174,8 @@ struct Scenario {
   MotionSection motion;
   RenderSection render;
   bool record = true;  ///< write the log
+
+  Places places;
 
   /// Checks what can be checked without the robot's data.
   /// @throws InputError naming section, field, value and range.

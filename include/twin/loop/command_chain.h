@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "twin/control/controller.h"
+#include "twin/core/realtime.h"
+#include "twin/core/robot_command.h"
+#include "twin/core/robot_state.h"
+#include "twin/loop/loop_config.h"
+#include "twin/loop/stall_bridge.h"
+#include "twin/reference/cartesian_reference_generator.h"
+#include "twin/reference/joint_reference_generator.h"
+#include "twin/reference/low_pass.h"
+#include "twin/reference/rate_matcher.h"
+#include "twin/reference/target.h"
+
+namespace twin::loop {
+
+/// From the deposited target to the command that answers a state:
+///   rate matcher -> stall bridge -> reference generator -> [low-pass -> rate limiter].
+/// The last two are libfranka's client-side stages, in its order, off unless configured. Everything
+/// but the matcher's window and the bridge is a function of the state: it continues from what the
+/// robot really took. A raw position stream (no generator) is not bridged: a source that stalls
+/// stops dead, and the robot aborts.
+///
+/// Threads: one. Real-time: Reset() and Next() are noexcept and allocate nothing.
+class CommandChain {
+ public:
+  /// @throws InputError as TickConfig::Validate.
+  CommandChain(const TickConfig& config, control::CommandInterface interface);
+
+  /// A motion begins: the chain starts from where `state` says the reference is.
+  void Reset(const RobotState& state) noexcept TWIN_REALTIME;
+
+  /// Fills the fields of `command` that its interface uses.
+  /// @param fresh   the target was deposited since the last call.
+  /// @param cycles  of the robot since the last call, at least 1: the matcher's window is of
+  /// cycles, those that could not be answered included.
+  void Next(const RobotState& state, const reference::Target& target, bool fresh,
+            std::uint64_t cycles, RobotCommand& command) noexcept TWIN_REALTIME;
+
+  /// Target after rate matching, of the last Next().
+  [[nodiscard]] const reference::Target& matched() const noexcept { return matched_; }
+
+  /// The matched target is at rest, and the robot's reference within the finish tolerance of it.
+  [[nodiscard]] bool Arrived(const RobotState& state) const noexcept TWIN_REALTIME;
+
+ private:
+  void Match(const reference::Target& target) noexcept;
+  void Generate(const RobotState& state, RobotCommand& command) const noexcept;
+  void Filter(const RobotState& state, RobotCommand& command) const noexcept;
+  void Limit(const RobotState& state, RobotCommand& command) const noexcept;
+
+  TickConfig config_;
+  control::CommandInterface interface_;
+  reference::RateMatcher joint_matcher_;
+  reference::TorqueRateMatcher torque_matcher_;
+  reference::PoseRateMatcher pose_matcher_;
+  reference::JointReferenceGenerator joint_generator_;
+  reference::CartesianReferenceGenerator cartesian_generator_;
+  reference::LowPass low_pass_;
+  StallBridge bridge_;
+  reference::Target matched_;
+};
+
+/// Whether the fields of `interface` can be sent: all finite; a pose's last row exact, its rotation
+/// orthonormal within 1e-5. Source: FCI protocol 5, validity checks before sending.
+[[nodiscard]] bool IsValid(const RobotCommand& command,
+                           control::CommandInterface interface) noexcept TWIN_REALTIME;
+
+}  // namespace twin::loop

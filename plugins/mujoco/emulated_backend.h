@@ -1,0 +1,74 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "twin/backend/backend.h"
+#include "twin/onboard/int.h"
+#include "twin/plant/plant.h"
+#include "twin/robot/robot.h"
+
+namespace twin::plugins {
+
+/// The body a robot is connected with, and what is told of it.
+struct NamedPlant {
+  std::unique_ptr<plant::Plant> plant;
+  std::string name;  ///< for people
+};
+
+/// What the seam tells of an emulated robot.
+[[nodiscard]] backend::Description DescribeRobot(const std::string& plant_name,
+                                                 const robot::LastMotion& last);
+
+/// Turn INT's answers into the seam's. @param mode  the robot's, for the text.
+/// @throws RobotFault, InputError as backend::Backend when the answer is a refusal.
+void RequireStarted(onboard::MoveStatus status, const MotionModes& modes, RobotMode mode);
+void RequireSet(onboard::SetterStatus status, const backend::JointImpedance& impedance,
+                RobotMode mode);
+void RequireRecovered(onboard::RecoveryStatus status, RobotMode mode);
+
+/// The emulated robot behind the backend seam, whoever advances its time: everything but reading
+/// and writing.
+/// @tparam Robot  robot::Robot or robot::RealtimeRobot.
+template <typename Robot>
+class EmulatedBackend : public backend::Backend {
+ public:
+  [[nodiscard]] backend::Description Describe() const final {
+    return DescribeRobot(plant_name_, robot_.last_motion());
+  }
+
+  void Configure(const backend::Setting& setting) final {
+    const auto& impedance = std::get<backend::JointImpedance>(setting);
+    const onboard::SetterStatus status = robot_.SetJointImpedance(impedance.K_theta);
+    RequireSet(status, impedance, robot_.mode());
+  }
+
+  void Start(const MotionModes& modes) final {
+    const onboard::MoveStatus status = robot_.Move(modes);
+    RequireStarted(status, modes, robot_.mode());
+  }
+
+  void Stop() final { robot_.StopMove(); }
+
+  void Recover() final {
+    const onboard::RecoveryStatus status = robot_.AutomaticErrorRecovery();
+    RequireRecovered(status, robot_.mode());
+  }
+
+ protected:
+  /// @param arguments  of the robot's constructor.
+  template <typename... Arguments>
+  explicit EmulatedBackend(std::string plant_name, Arguments&&... arguments)
+      : plant_name_(std::move(plant_name)), robot_(std::forward<Arguments>(arguments)...) {}
+
+  [[nodiscard]] Robot& robot() noexcept { return robot_; }
+  [[nodiscard]] const Robot& robot() const noexcept { return robot_; }
+
+ private:
+  std::string plant_name_;
+  Robot robot_;
+};
+
+}  // namespace twin::plugins

@@ -1,0 +1,45 @@
+#include "plugins/mujoco/lockstep_backend.h"
+
+#include <utility>
+
+namespace twin::plugins {
+namespace {
+
+class LockstepBackend final : public EmulatedBackend<robot::Robot> {
+ public:
+  LockstepBackend(const backend::Request& request, const backend::LockstepHost& host,
+                  NamedPlant plant)
+      : EmulatedBackend(std::move(plant.name), request.robot, std::move(plant.plant), host.events,
+                        host.state_ready, request.sink),
+        events_(host.events) {
+    robot().Begin();
+  }
+
+  // Who reads at the instant of an arrival has waited for it.
+  backend::ReadResult Read(backend::ReadRule rule, RobotState& state,
+                           Time& arrival) noexcept override {
+    robot::StateLink& states = robot().states();
+    if (!states.has_new()) return backend::ReadResult::kPending;
+    const RobotState& newest = states.Take();
+    const bool stale = rule == backend::ReadRule::kFresh && states.arrival() != events_.Now();
+    if (stale) return backend::ReadResult::kPending;
+    state = newest;
+    arrival = states.arrival();
+    return backend::ReadResult::kState;
+  }
+
+  void Write(const RobotCommand& command) noexcept override { robot().Send(command); }
+
+ private:
+  const rt::EventQueue& events_;
+};
+
+}  // namespace
+
+std::unique_ptr<backend::Backend> MakeLockstepBackend(const backend::Request& request,
+                                                      const backend::LockstepHost& host,
+                                                      NamedPlant plant) {
+  return std::make_unique<LockstepBackend>(request, host, std::move(plant));
+}
+
+}  // namespace twin::plugins

@@ -1,0 +1,47 @@
+#include "twin/loop/communication_loop.h"
+
+#include <algorithm>
+
+namespace twin::loop {
+
+CommunicationLoop::Outcome CommunicationLoop::OnState() noexcept {
+  Time read{};
+  switch (backend_.Read(rule_, state_, read)) {
+    case backend::ReadResult::kPending: return Outcome::kPending;
+    case backend::ReadResult::kLost: return Outcome::kLost;
+    case backend::ReadResult::kState: break;
+  }
+  command_ = Compute(state_, read, cost_);
+  return Outcome::kComputing;
+}
+
+Time CommunicationLoop::OnDone(Time now) noexcept {
+  rt::TickRecord& record = tick_.record();
+  if (command_ != nullptr) {
+    backend_.Write(*command_);
+    record.written = now;
+  }
+  Count(record);
+  kept_[ticks_++ % kKept] = record;
+  if (sink_ != nullptr) sink_->Put(record);
+  return NextRead(now);
+}
+
+void CommunicationLoop::Count(const rt::TickRecord& record) noexcept {
+  if (ticks_ > 0) timings_.period.Add(record.read - last_read_);
+  last_read_ = record.read;
+  timings_.skipped_states += record.skipped_states;
+  timings_.anomalous += record.action == rt::TickAction::kSkipped ? 1 : 0;
+  if (command_ == nullptr) return;
+  ++timings_.written;
+  timings_.d_EXT.Add(record.written - record.read);
+}
+
+std::vector<rt::TickRecord> CommunicationLoop::LastTicks() const {
+  const std::size_t count = std::min(ticks_, kKept);
+  std::vector<rt::TickRecord> last(count);
+  for (std::size_t i = 0; i < count; ++i) last[i] = kept_[(ticks_ - count + i) % kKept];
+  return last;
+}
+
+}  // namespace twin::loop

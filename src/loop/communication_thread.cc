@@ -1,0 +1,104 @@
+#include "loop/communication_thread.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "twin/rt/sleep.h"
+
+namespace twin::loop {
+namespace {
+
+/// Longest sleep without a look at whether the thread is to stop.
+constexpr Duration kLook = std::chrono::milliseconds(50);
+constexpr Duration kErrandPatience = std::chrono::seconds(1);
+
+}  // namespace
+
+CommunicationThread::CommunicationThread(const MonotonicClock& clock, CommunicationLoop& loop,
+                                         backend::Backend& backend, rt::Arrival& arrival,
+                                         MotionWatch& watch, rt::Signal& moving,
+                                         const rt::ThreadSettings& settings)
+    : clock_(clock),
+      loop_(loop),
+      backend_(backend),
+      arrival_(arrival),
+      watch_(watch),
+      moving_(moving),
+      errands_(clock),
+      thread_([this, settings](const std::stop_token& stop) {
+        SetUp(settings);
+        if (set_up_failure_ == nullptr) Run(stop);
+      }) {
+  set_up_.wait(false, std::memory_order_acquire);
+  if (set_up_failure_ == nullptr) return;
+  Stop();
+  std::rethrow_exception(set_up_failure_);
+}
+
+void CommunicationThread::SetUp(const rt::ThreadSettings& settings) {
+  try {
+    notices_ = rt::SetUpThisThread(settings);
+  } catch (...) {
+    set_up_failure_ = std::current_exception();
+  }
+  // Release: notices and failure travel with it.
+  set_up_.store(true, std::memory_order_release);
+  set_up_.notify_one();
+}
+
+bool CommunicationThread::Do(rt::Errand& errand) {
+  return errands_.Do(errand, kErrandPatience);
+}
+
+void CommunicationThread::Stop() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+}
+
+void CommunicationThread::Run(const std::stop_token& stop) noexcept {
+  try {
+    Communicate(stop);
+  } catch (...) {
+    // Nothing on the tick's path throws; should it, the arm must stop all the same.
+    StopMotion(LoopFailure::kException);
+  }
+}
+
+void CommunicationThread::Communicate(const std::stop_token& stop) {
+  Time next = loop_.Start(clock_.Now());
+  while (!stop.stop_requested()) {
+    errands_.RunPending();
+    const Time now = clock_.Now();
+    if (next > now) {
+      rt::SleepUntil(clock_, std::min(next, now + kLook));
+      if (next > now + kLook) continue;
+    }
+    switch (loop_.OnState()) {
+      case CommunicationLoop::Outcome::kPending:
+        static_cast<void>(arrival_.AwaitUntil(clock_.Now() + kLook));
+        continue;
+      case CommunicationLoop::Outcome::kLost: StopMotion(LoopFailure::kConnectionLost); return;
+      case CommunicationLoop::Outcome::kComputing: break;
+    }
+    next = loop_.OnDone(clock_.Now());
+    states_.Publish(loop_.state());
+    if (watch_.Observe(loop_.InMotion(), clock_.Now())) moving_.Notify();
+    const bool invalid = loop_.record().action == rt::TickAction::kInvalid;
+    if (invalid && watch_.failure() == LoopFailure::kNone) {
+      StopMotion(LoopFailure::kInvalidCommand);
+    }
+  }
+}
+
+void CommunicationThread::StopMotion(LoopFailure failure) noexcept {
+  try {
+    backend_.Stop();
+  } catch (...) {
+    // The robot does not answer: without commands it stops by itself after 20 cycles.
+  }
+  watch_.Fail(failure);
+}
+
+}  // namespace twin::loop

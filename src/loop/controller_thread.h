@@ -1,0 +1,37 @@
+#pragma once
+
+#include <stop_token>
+#include <thread>
+
+#include "loop/motion_watch.h"
+#include "twin/core/clock.h"
+#include "twin/loop/controller_loop.h"
+#include "twin/rt/signal.h"
+#include "twin/rt/thread_setup.h"
+
+namespace twin::loop {
+
+/// Runs the controller beside the communication thread, on the controller's own grid, from the
+/// first state of the motion until it is stopped.
+///
+/// Threads: constructed, stopped and destroyed by the onlooker.
+class ControllerThread {
+ public:
+  /// @param moving  notified at the first state of the motion; this thread waits on it.
+  ControllerThread(const MonotonicClock& clock, ControllerLoop& loop, const MotionWatch& watch,
+                   rt::Signal& moving, const rt::ThreadSettings& settings);
+
+  /// No update is running, and none begins, after it returns.
+  void Stop();
+
+ private:
+  void Run(const std::stop_token& stop) noexcept;
+
+  const MonotonicClock& clock_;
+  ControllerLoop& loop_;
+  const MotionWatch& watch_;
+  rt::Signal& wake_;
+  std::jthread thread_;
+};
+
+}  // namespace twin::loop

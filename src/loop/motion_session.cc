@@ -1,0 +1,149 @@
+#include "loop/motion_session.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/loop/asynchronous_loop.h"
+#include "twin/loop/inline_loops.h"
+
+namespace twin::loop {
+namespace {
+
+/// Run on after the motion, so that the log shows the robot idle (or in Reflex, coming to rest).
+constexpr Duration kAfterMotion = std::chrono::milliseconds(500);
+constexpr Duration kAfterSuccess = std::chrono::milliseconds(20);
+/// Longest wait for a first state, and for a stopped arm to come to rest.
+constexpr Duration kPatience = std::chrono::seconds(3);
+constexpr const char* kInterrupted = "interrupted";
+/// Without a state for so long, the backend is asked whether the motion has ended ...
+constexpr Duration kSilence = std::chrono::milliseconds(500);
+/// ... and after so long, libfranka's patience, the robot is given up.
+constexpr Duration kDeaf = std::chrono::seconds(1);
+constexpr Duration kLookPeriod = std::chrono::milliseconds(100);
+
+const char* Text(LoopFailure failure) {
+  switch (failure) {
+    case LoopFailure::kNone: break;
+    case LoopFailure::kInvalidCommand:
+      return "the controller gave a target that makes no valid command (not finite, or no "
+             "rotation); the motion was stopped. See the last ticks in the log";
+    case LoopFailure::kConnectionLost:
+      return "the connection to the robot is gone; see whether the robot (or its server) still "
+             "runs";
+    case LoopFailure::kException:
+      return "the communication thread failed; the motion was stopped. Please report it";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& tick,
+                                            Exchange& exchange) {
+  switch (run.kind) {
+    case LoopKind::kSynchronous:
+      return std::make_unique<SynchronousLoop>(tick, run.backend, run.sink, run.controller,
+                                               exchange, run.tick, run.controller_loop, run.seed);
+    case LoopKind::kBare:
+      return std::make_unique<BareLoop>(tick, run.backend, run.sink, run.controller, exchange,
+                                        run.tick, run.controller_loop, run.seed);
+    case LoopKind::kAsynchronous: break;
+  }
+  return std::make_unique<AsynchronousLoop>(tick, run.backend, run.tick.cost, run.seed, run.sink);
+}
+
+RunReport MotionSession::Run() {
+  RunReport report;
+  const Time begin = stage_.Now();
+  if (!Pass(begin + kPatience, [&] { return watch_.has_state(); })) {
+    if (Interrupted()) {
+      report.failure = kInterrupted;
+      return report;
+    }
+    throw RobotFault("no robot state arrived within 3 s; is the link losing every state?");
+  }
+  run_.controller.Activate(stage_.State(), stage_.Now());
+  stage_.Activate(run_.modes);
+  watch_.Expect();
+  run_.backend.Start(run_.modes);
+  Tell("motion",
+       fmt::format("started: {} with {}", Name(run_.modes.generator), Name(run_.modes.controller)));
+
+  if (!Pass(begin + run_.time_limit, [&] { return watch_.ended(); })) {
+    StopEarly(report, WhyNotEnded());
+  }
+  Conclude(report);
+  return report;
+}
+
+bool MotionSession::Pass(Time limit, const std::function<bool()>& done) {
+  bool given_up = false;
+  const bool in_time = stage_.PassUntil(limit, [&] {
+    LookOn();
+    // A failure comes first: the stop it led to may already have ended the motion.
+    given_up = !stopping_ && (Interrupted() || deaf_ || watch_.failure() != LoopFailure::kNone);
+    return given_up || done();
+  });
+  return in_time && !given_up;
+}
+
+void MotionSession::LookOn() {
+  const Time now = stage_.Now();
+  if (now < next_look_) return;
+  next_look_ = now + kLookPeriod;
+  if (watch_.expected() && !watch_.ended()) NoticeSilence();
+  if (run_.progress) run_.progress(now);
+}
+
+void MotionSession::NoticeSilence() {
+  const Duration silence = stage_.Now() - watch_.last_state();
+  if (silence < kSilence) return;
+  if (run_.backend.Describe().last_end != backend::MotionEnd::kNone) {
+    watch_.End();
+  } else if (silence >= kDeaf) {
+    deaf_ = true;
+  }
+}
+
+std::string MotionSession::WhyNotEnded() const {
+  if (Interrupted()) return kInterrupted;
+  if (watch_.failure() != LoopFailure::kNone) return Text(watch_.failure());
+  if (deaf_) return "no robot state has come for 1 s; is the link losing every state?";
+  return fmt::format("the motion did not end within {} s of run time", ToSeconds(run_.time_limit));
+}
+
+void MotionSession::StopEarly(RunReport& report, std::string why) {
+  report.failure = std::move(why);
+  stopping_ = true;
+  run_.backend.Stop();
+  Tell("stop", report.failure);
+  const LoopFailure failure = watch_.failure();
+  if (failure == LoopFailure::kConnectionLost || failure == LoopFailure::kException) return;
+  if (!Pass(stage_.Now() + kPatience, [&] { return watch_.ended(); })) {
+    report.failure += "; no state has come through that shows the arm at rest";
+  }
+}
+
+void MotionSession::Conclude(RunReport& report) {
+  stage_.StopController();
+  run_.controller.Deactivate();
+  const backend::Description description = run_.backend.Describe();
+  report.end = description.last_end;
+  report.errors = description.last_errors;
+  report.violations = description.violations;
+  for (const Violation& violation : report.violations) Tell("error", Describe(violation));
+  if (report.end == backend::MotionEnd::kAborted && report.failure.empty()) {
+    report.failure = fmt::format("motion aborted by reflex {}", FormatErrors(report.errors));
+  }
+  Tell("motion", report.end == backend::MotionEnd::kSuccess ? "finished" : report.failure);
+
+  stopping_ = true;
+  const Duration rest = report.end == backend::MotionEnd::kSuccess ? kAfterSuccess : kAfterMotion;
+  static_cast<void>(Pass(stage_.Now() + rest, [] { return false; }));
+  report.simulated = stage_.Now().time_since_epoch();
+  report.q_final = stage_.State().q;
+}
+
+}  // namespace twin::loop

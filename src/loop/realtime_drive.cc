@@ -1,0 +1,136 @@
+#include "twin/loop/realtime_drive.h"
+
+#include <optional>
+
+#include "loop/communication_thread.h"
+#include "loop/controller_thread.h"
+#include "loop/motion_session.h"
+#include "twin/core/check.h"
+#include "twin/core/error.h"
+#include "twin/loop/control_tick.h"
+#include "twin/loop/controller_loop.h"
+#include "twin/loop/exchange.h"
+#include "twin/rt/sleep.h"
+
+namespace twin::loop {
+namespace {
+
+/// How often the onlooker looks.
+constexpr Duration kLook = std::chrono::milliseconds(5);
+
+/// On the wall clock nothing is drawn: what things cost is what passes.
+MotionRun WithoutModels(MotionRun run) {
+  run.tick.cost = rt::DelayModel();
+  run.controller_loop.cost = rt::DelayModel();
+  run.controller_loop.wake_delay = rt::DelayModel();
+  return run;
+}
+
+/// Runs `call` on the communication thread.
+template <typename Call>
+class CallErrand final : public rt::Errand {
+ public:
+  explicit CallErrand(Call call) : call_(call) {}
+  void Run() noexcept override { call_(); }
+
+ private:
+  Call call_;
+};
+
+class RealtimeStage final : public Stage {
+ public:
+  RealtimeStage(const MonotonicClock& clock, const backend::Connection& connection,
+                const MotionRun& run, const RealtimeThreads& threads)
+      : clock_(clock),
+        connection_(connection),
+        run_(run),
+        moving_(clock),
+        tick_(run.tick, run.controller.command_interface(), exchange_),
+        loop_(MakeLoop(run, tick_, exchange_)),
+        controller_loop_(run.controller_loop, run.controller, exchange_, run.seed),
+        communication_(clock, *loop_, run.backend, *connection.arrival, watch_, moving_,
+                       threads.communication) {
+    if (run.kind == LoopKind::kAsynchronous) {
+      controller_.emplace(clock, controller_loop_, watch_, moving_, threads.controller);
+    }
+    if (connection.robot_time != nullptr) connection.robot_time->Begin();
+  }
+  ~RealtimeStage() override { End(); }
+  RealtimeStage(const RealtimeStage&) = delete;
+  RealtimeStage& operator=(const RealtimeStage&) = delete;
+
+  RunReport Run() {
+    RunReport report = MotionSession(run_, *this, watch_).Run();
+    End();
+    report.timings = loop_->timings();
+    report.controller_overruns = controller_loop_.overruns();
+    report.notices = communication_.notices();
+    if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_->LastTicks();
+    if (connection_.robot_time != nullptr) {
+      report.robot_timings = connection_.robot_time->timings();
+    }
+    return report;
+  }
+
+  [[nodiscard]] Time Now() const override { return clock_.Now(); }
+  [[nodiscard]] bool PassUntil(Time limit, const std::function<bool()>& done) override {
+    while (!done()) {
+      if (clock_.Now() >= limit) return false;
+      rt::SleepUntil(clock_, clock_.Now() + kLook);
+    }
+    return true;
+  }
+  [[nodiscard]] const RobotState& State() override { return communication_.State(); }
+  void Activate(const MotionModes& modes) override {
+    DoOnCommunication([&] { loop_->Activate(modes); });
+  }
+  void StopController() override {
+    if (controller_) {
+      controller_->Stop();
+    } else if (watch_.failure() == LoopFailure::kNone ||
+               watch_.failure() == LoopFailure::kInvalidCommand) {
+      DoOnCommunication([&] { loop_->StopController(); });
+    }
+  }
+
+ private:
+  template <typename Call>
+  void DoOnCommunication(Call call) {
+    CallErrand<Call> errand(call);
+    if (communication_.Do(errand)) return;
+    throw EnvironmentError(
+        "the communication thread has not run for 1 s; this machine gives it no time (see "
+        "panda-twin check)");
+  }
+
+  /// Ends all threads; afterwards nothing puts records or calls the controller.
+  void End() {
+    if (controller_) controller_->Stop();
+    communication_.Stop();
+    if (connection_.robot_time != nullptr) connection_.robot_time->End();
+  }
+
+  const MonotonicClock& clock_;
+  const backend::Connection& connection_;
+  const MotionRun& run_;
+  Exchange exchange_;
+  MotionWatch watch_;
+  rt::Signal moving_;
+  ControlTick tick_;
+  std::unique_ptr<CommunicationLoop> loop_;
+  ControllerLoop controller_loop_;
+  CommunicationThread communication_;
+  std::optional<ControllerThread> controller_;
+};
+
+}  // namespace
+
+RunReport RunInRealtime(const MonotonicClock& clock, const backend::Connection& connection,
+                        const MotionRun& run, const RealtimeThreads& threads) {
+  TWIN_CHECK(connection.arrival != nullptr);
+  const MotionRun measured = WithoutModels(run);
+  RealtimeStage stage(clock, connection, measured, threads);
+  return stage.Run();
+}
+
+}  // namespace twin::loop

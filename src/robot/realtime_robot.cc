@@ -1,0 +1,181 @@
+#include "twin/robot/realtime_robot.h"
+
+#include <future>
+#include <type_traits>
+#include <utility>
+
+#include "twin/core/check.h"
+#include "twin/core/error.h"
+#include "twin/rt/sleep.h"
+
+namespace twin::robot {
+namespace {
+
+/// How long a request waits for the robot's thread: a thousand cycles.
+constexpr Duration kPatience = std::chrono::seconds(1);
+
+/// A thread of real-time priority that never sleeps starves the machine, until the kernel takes it
+/// off its processor for 50 ms. One that has too much to do rests for so long after so much work.
+constexpr Duration kLongestWork = 10 * kCycle;
+constexpr Duration kRest = kCycle;
+
+/// A request and its answer, on their way through the errand box.
+template <typename Request>
+class Question final : public rt::Errand {
+ public:
+  using Answer = std::invoke_result_t<Request>;
+
+  explicit Question(Request request) : request_(std::move(request)) {}
+  void Run() noexcept override { answer_ = request_(); }
+  [[nodiscard]] const Answer& answer() const noexcept { return answer_; }
+
+ private:
+  Request request_;
+  Answer answer_{};
+};
+
+}  // namespace
+
+RealtimeRobot::RealtimeRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
+                             const MonotonicClock& clock, rt::ThreadSettings thread,
+                             rt::RecordSink* sink)
+    : clock_(clock),
+      thread_settings_(std::move(thread)),
+      robot_(config, std::move(plant), events_, *this, sink),
+      arrival_(clock),
+      errands_(clock) {}
+
+void RealtimeRobot::Begin() {
+  TWIN_CHECK(!thread_.joinable());
+  std::promise<std::vector<std::string>> set_up;
+  std::future<std::vector<std::string>> notices = set_up.get_future();
+  const std::scoped_lock lock(requests_);
+  thread_ = std::jthread([this, set_up = std::move(set_up)](const std::stop_token& stop) mutable {
+    try {
+      set_up.set_value(rt::SetUpThisThread(thread_settings_));
+    } catch (...) {
+      set_up.set_exception(std::current_exception());
+      return;
+    }
+    Run(stop);
+  });
+  notices_ = notices.get();
+  running_ = true;
+}
+
+void RealtimeRobot::End() {
+  const std::scoped_lock lock(requests_);
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+  running_ = false;
+}
+
+template <typename Request>
+auto RealtimeRobot::Ask(Request request) const {
+  const std::scoped_lock lock(requests_);
+  if (!running_) return request();
+  Question<Request> question(std::move(request));
+  if (!errands_.Do(question, kPatience)) {
+    throw RobotFault(
+        "the robot's thread does not answer: it has not run for 1 s; this machine gives it no time "
+        "(see panda-twin check)");
+  }
+  return question.answer();
+}
+
+onboard::MoveStatus RealtimeRobot::Move(const MotionModes& modes) {
+  return Ask([&] { return robot_.Move(modes); });
+}
+
+void RealtimeRobot::StopMove() {
+  static_cast<void>(Ask([&] {
+    robot_.StopMove();
+    return true;
+  }));
+}
+
+onboard::RecoveryStatus RealtimeRobot::AutomaticErrorRecovery() {
+  return Ask([&] { return robot_.AutomaticErrorRecovery(); });
+}
+
+onboard::SetterStatus RealtimeRobot::SetJointImpedance(const JointVector& K_theta) {
+  return Ask([&] { return robot_.SetJointImpedance(K_theta); });
+}
+
+RobotMode RealtimeRobot::mode() const {
+  return Ask([&] { return robot_.mode(); });
+}
+
+LastMotion RealtimeRobot::last_motion() const {
+  return Ask([&] { return robot_.last_motion(); });
+}
+
+void RealtimeRobot::Write(const RobotCommand& command) noexcept {
+  const bool put = commands_.TryPushWith([&](Written& written) {
+    written.command = command;
+    written.at = clock_.Now();
+  });
+  if (!put) commands_lost_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void RealtimeRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcept {
+  states_.Publish(robot_.states().Take());
+  arrival_.Notify();
+}
+
+void RealtimeRobot::Run(const std::stop_token& stop) noexcept {
+  while (commands_.TryPopWith([](const Written&) {})) {  // written before there was a robot
+  }
+  Time rested = clock_.Now();
+  events_.AdvanceTo(rested);
+  robot_.Begin();
+  while (!stop.stop_requested()) {
+    errands_.RunPending();
+    const Time now = clock_.Now();
+    Time wake = *events_.NextTime();  // there is always a next cycle
+    if (wake <= now && now - rested > kLongestWork) wake = now + kRest;
+    if (wake > now) {
+      rt::SleepUntil(clock_, wake);
+      rested = wake;
+    }
+    WorkOff(clock_.Now());
+  }
+}
+
+void RealtimeRobot::WorkOff(Time now) noexcept {
+  // As many as the ring holds: a writer that never pauses cannot keep the thread here.
+  for (std::size_t i = 0; i < kCommands; ++i) {
+    const bool any = commands_.TryPopWith([this](const Written& written) {
+      RunEventsUntil(written.at);
+      events_.AdvanceTo(written.at);
+      robot_.Send(written.command);
+    });
+    if (!any) break;
+  }
+  RunEventsUntil(now);
+}
+
+void RealtimeRobot::RunEventsUntil(Time until) noexcept {
+  for (auto next = events_.NextTime(); *next <= until; next = events_.NextTime()) {
+    const Time now = clock_.Now();
+    if (*next == robot_.next_cycle()) PostponeIfStalled(now);
+    const Time due = robot_.next_cycle();
+    events_.RunNext();
+    const bool was_cycle = robot_.next_cycle() != due;
+    if (!was_cycle) continue;
+    lateness_.Add(now - due + postponed_);
+    postponed_ = Duration::zero();
+  }
+}
+
+void RealtimeRobot::PostponeIfStalled(Time now) noexcept {
+  const Time due = robot_.next_cycle();
+  const auto periods = (now - due) / robot_.period();
+  if (periods < 1) return;
+  robot_.Postpone(static_cast<std::uint64_t>(periods));
+  postponed_ += robot_.next_cycle() - due;
+  overruns_ += static_cast<std::uint64_t>(periods);
+}
+
+}  // namespace twin::robot

@@ -1,0 +1,192 @@
+#include "scenario/plan.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/reference/client_limits.h"
+
+namespace twin::scenario {
+namespace {
+
+/// Calls `check`; puts the line `name` was read from in front of what it complains of.
+template <typename Check>
+auto At(const Place& place, const std::string& name, Check check) {
+  try {
+    return check();
+  } catch (const InputError& error) {
+    if (place.where.empty() || place.name != name) throw;
+    throw InputError(fmt::format("{}: {}", place.where, error.what()));
+  }
+}
+
+auto MakeDirection(const DirectionSection& section) {
+  decltype(robot::LinkConfig().state) config;
+  config.delay = section.delay.Model();
+  config.loss = section.loss.Model();
+  config.duplication = section.duplication.share_percent / 100;
+  config.duplicate_delay = section.duplication.delay.Model();
+  config.reordering = section.reordering.share_percent / 100;
+  config.reorder_by = section.reordering.by;
+  return config;
+}
+
+robot::LinkConfig MakeLink(const LinkSection& link) {
+  robot::LinkConfig config;
+  config.state = MakeDirection(link.state);
+  config.command = MakeDirection(link.command);
+  config.d_INT = link.d_INT;
+  return config;
+}
+
+onboard::IntConfig MakeOnboard(const Scenario& scenario, const RobotData& robot) {
+  onboard::IntConfig config;
+  config.limits = robot.limits;
+  config.K_theta = scenario.onboard.K_theta;
+  config.damping_ratio = scenario.onboard.damping_ratio;
+  config.abort_after_lost = scenario.onboard.abort_after_lost;
+  config.friction_compensation = scenario.onboard.friction_compensation;
+  // Without armature the simulated drives have no rotors, and INT must not push against any.
+  if (scenario.plant.armature) config.rotor_inertia = robot.rotor_inertia;
+  config.end_effector = robot.end_effector;
+  config.F_T_NE = robot.F_T_NE;
+  return config;
+}
+
+plant::MujocoPlantOptions MakePlant(const Scenario& scenario, const RobotData& robot,
+                                    const RunFiles& files) {
+  plant::MujocoPlantOptions options;
+  options.urdf = robot.urdf;
+  if (!scenario.scene.empty()) options.scene = files.models / scenario.scene;
+  options.mesh_package = files.mesh_package;
+  options.cache = files.cache;
+  options.rebuild_cache = files.rebuild_cache;
+  options.hand = scenario.robot.hand;
+  options.friction = scenario.plant.friction;
+  options.armature = scenario.plant.armature;
+  options.noise.q_rad = scenario.plant.noise_q;
+  options.noise.dq_rad_per_s = scenario.plant.noise_dq;
+  options.noise.tau_J_Nm = scenario.plant.noise_tau_J;
+  options.seed = scenario.seed;
+  return options;
+}
+
+loop::TickConfig MakeTick(const Scenario& scenario, const RobotData& robot) {
+  const TickSection& tick = scenario.tick;
+  loop::TickConfig config;
+  config.generator = tick.generator;
+  config.lambda = tick.lambda;
+  config.rate_matching = tick.rate_matching;
+  config.source_rate_hz = scenario.controller.rate_hz;
+  config.finish_tolerance_rad = tick.finish_tolerance;
+  config.period_tolerance = tick.period_tolerance;
+  config.low_pass_hz = tick.low_pass_hz;
+  if (tick.limiter) config.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
+  config.cost = tick.cost.Model();
+  config.Validate(scenario.motion.interface);
+  return config;
+}
+
+loop::ControllerLoopConfig MakeControllerLoop(const ControllerSection& controller) {
+  loop::ControllerLoopConfig config;
+  config.rate_hz = controller.rate_hz;
+  config.clock_ppm = controller.clock_drift_ppm;
+  config.phase = controller.phase;
+  config.wake_delay = controller.wake_delay.Model();
+  config.cost = controller.cost.Model();
+  config.feed_forward = controller.feed_forward;
+  config.target_noise = controller.target_noise;
+  config.Validate();
+  return config;
+}
+
+/// Torques go with the joint velocity generator, whose commands stay 0. Source: FCI protocol 5,
+/// what a client library does for a torque loop.
+MotionModes ModesOf(control::CommandInterface interface) {
+  using control::CommandInterface;
+  switch (interface) {
+    case CommandInterface::kJointPosition:
+      return {ControllerMode::kJointImpedance, MotionGeneratorMode::kJointPosition};
+    case CommandInterface::kJointVelocity:
+      return {ControllerMode::kJointImpedance, MotionGeneratorMode::kJointVelocity};
+    case CommandInterface::kCartesianPose:
+      return {ControllerMode::kJointImpedance, MotionGeneratorMode::kCartesianPosition};
+    case CommandInterface::kTorque:
+      return {ControllerMode::kExternalController, MotionGeneratorMode::kJointVelocity};
+  }
+  return {};
+}
+
+/// The motion must start where the arm rests; the controller would refuse it otherwise.
+void RequireStart(const JointVector& q_start, const reference::Trajectory& trajectory) {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (std::abs(q_start[i] - trajectory.start()[i]) <= reference::kStartTolerance) continue;
+    throw InputError(fmt::format(
+        "robot.q_start: joint {} rests at {} rad but the trajectory starts at {} rad; let them "
+        "agree within {} rad, or leave q_start out",
+        i + 1, q_start[i], trajectory.start()[i], reference::kStartTolerance));
+  }
+}
+
+void RequireScene(const std::filesystem::path& models, const std::filesystem::path& scene) {
+  std::error_code error;
+  if (scene.empty() || std::filesystem::is_regular_file(models / scene, error)) return;
+  throw InputError(fmt::format("scene: there is no file {}; give an MJCF file in the models folder",
+                               (models / scene).string()));
+}
+
+/// The names of a scenario that only the program and its data can judge.
+RobotData RequireNames(const Scenario& scenario, const Catalogue& catalogue,
+                       const RunFiles& files) {
+  At(scenario.places.backend, scenario.backend,
+     [&] { (void)catalogue.backends.Find(scenario.backend); });
+  At(scenario.places.controller, scenario.controller.type,
+     [&] { (void)catalogue.controllers.Find(scenario.controller.type); });
+  At(scenario.places.scene, scenario.scene.string(),
+     [&] { RequireScene(files.models, scenario.scene); });
+  return At(scenario.places.robot, scenario.robot.model,
+            [&] { return LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand); });
+}
+
+}  // namespace
+
+robot::RobotConfig MakeRobotConfig(const Scenario& scenario, const RobotData& robot,
+                                   const RunFiles& files) {
+  robot::RobotConfig config;
+  config.onboard = MakeOnboard(scenario, robot);
+  config.plant_kind = scenario.plant.kind;
+  config.plant = MakePlant(scenario, robot, files);
+  config.link = MakeLink(scenario.link);
+  config.q_start = scenario.robot.q_start.value_or(scenario.motion.waypoints.front().q);
+  config.clock_ppm = scenario.robot.clock_drift_ppm;
+  config.seed = scenario.seed;
+  config.Validate();
+  return config;
+}
+
+reference::Trajectory MakeTrajectory(const Scenario& scenario, const RobotData& robot) {
+  return reference::Trajectory(scenario.motion.waypoints, scenario.motion.timing, robot.limits);
+}
+
+Plan MakePlan(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files) {
+  scenario.Validate();
+  RobotData robot = RequireNames(scenario, catalogue, files);
+  reference::Trajectory trajectory = MakeTrajectory(scenario, robot);
+  robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
+  RequireStart(config.q_start, trajectory);
+  const loop::TickConfig tick = MakeTick(scenario, robot);
+  const loop::ControllerLoopConfig controller_loop = MakeControllerLoop(scenario.controller);
+  return {std::move(robot),  std::move(trajectory),
+          std::move(config), ModesOf(scenario.motion.interface),
+          scenario.loop,     tick,
+          controller_loop};
+}
+
+void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files) {
+  (void)MakePlan(scenario, catalogue, files);
+}
+
+}  // namespace twin::scenario

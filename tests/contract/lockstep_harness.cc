@@ -1,0 +1,65 @@
+// The emulated robot in process, on the virtual clock.
+
+#include <chrono>
+
+#include "contract/backend_harness.h"
+#include "plugins/mujoco/mujoco_backend.h"
+#include "twin/backend/registry.h"
+#include "twin/rt/event_queue.h"
+
+namespace twin::test {
+namespace {
+
+class LockstepHarness final : public BackendHarness, private rt::EventHandler {
+ public:
+  explicit LockstepHarness(robot::PlantKind plant_kind) : config_(HarnessRobot(plant_kind)) {
+    config_.link.state.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::microseconds(80)});
+    config_.link.command.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::microseconds(80)});
+    backend::Registry registry;
+    plugins::RegisterMujoco(registry);
+    connection_ = registry.Find("mujoco")({config_, backend::LockstepHost{events_, *this}});
+  }
+
+  backend::Backend& backend() override { return *connection_.backend; }
+
+  bool AwaitState(RobotState& state, backend::ReadRule rule) override {
+    Time arrival{};
+    return RunUntilArrival() &&
+           backend().Read(rule, state, arrival) == backend::ReadResult::kState &&
+           arrival == events_.Now();
+  }
+
+  bool AwaitArrivals(int count) override {
+    for (int i = 0; i < count; ++i) {
+      if (!RunUntilArrival()) return false;
+    }
+    return events_.RunNext();  // on, to an instant at which none arrives
+  }
+
+ private:
+  void OnEvent(Time, std::uint64_t) noexcept override { arrived_ = true; }
+
+  bool RunUntilArrival() {
+    const Time limit = events_.Now() + std::chrono::seconds(1);
+    arrived_ = false;
+    while (!arrived_ && events_.Now() < limit && events_.RunNext()) {
+    }
+    return arrived_;
+  }
+
+  robot::RobotConfig config_;
+  rt::EventQueue events_;
+  backend::Connection connection_;
+  bool arrived_ = false;
+};
+
+}  // namespace
+
+std::vector<HarnessCase> Harnesses() {
+  return {{"MujocoPlantInLockstep",
+           [] { return std::make_unique<LockstepHarness>(robot::PlantKind::kMujoco); }},
+          {"IdealPlantInLockstep",
+           [] { return std::make_unique<LockstepHarness>(robot::PlantKind::kIdeal); }}};
+}
+
+}  // namespace twin::test

@@ -1,0 +1,276 @@
+#include "controllers/joint_effort.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "support/panda_limits.h"
+#include "support/realtime_guard.h"
+#include "twin/core/error.h"
+
+namespace twin::controllers {
+namespace {
+
+using control::CommandInterface;
+using control::ControllerOutput;
+using reference::JointTarget;
+using reference::Trajectory;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+using namespace std::chrono_literals;
+
+constexpr JointVector kFirst{0, -0.5, 0, -2, 0, 1.5, 0.7};
+constexpr JointVector kLast{0.5, -0.4, 0.3, -2.2, -0.3, 1.9, 0};
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Trajectory TestTrajectory() {
+  return Trajectory({{.q = kFirst}, {.q = kLast}}, {.duration = 2s}, test::PandaLimits());
+}
+
+RobotState StateAt(const JointVector& q, const JointVector& dq = {},
+                   const JointVector& tau_J_d = {}) {
+  RobotState state;
+  state.q = q;
+  state.dq = dq;
+  state.tau_J_d = tau_J_d;
+  return state;
+}
+
+/// A state off the path by a little, differently in every joint.
+RobotState StateNear(const JointTarget& target) {
+  RobotState state = StateAt(target.q, target.dq);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    state.q[j] -= 1e-3 * static_cast<double>(j + 1);
+    state.dq[j] += 2e-3 * static_cast<double>(j + 1);
+  }
+  return state;
+}
+
+/// Without a soft start, so that the law stands alone.
+JointEffortOptions Plain() {
+  JointEffortOptions options;
+  options.soft_start = Duration::zero();
+  return options;
+}
+
+TEST(JointEffortControllerTest, HasThePapersGains) {
+  const JointEffortOptions options;
+  EXPECT_EQ(options.K_P, (JointVector{600, 600, 600, 600, 250, 150, 50}));
+  EXPECT_EQ(options.K_I, JointVector{});
+  EXPECT_EQ(options.K_D, (JointVector{30, 30, 30, 30, 10, 10, 5}));
+}
+
+TEST(JointEffortControllerTest, CommandsTorque) {
+  EXPECT_EQ(JointEffortController(TestTrajectory()).command_interface(), CommandInterface::kTorque);
+}
+
+TEST(JointEffortControllerTest, GivesTheTorqueOfItsLawAlongThePath) {
+  const Trajectory trajectory = TestTrajectory();
+  const JointEffortOptions options = Plain();
+  JointEffortController controller(trajectory, options);
+  controller.Activate(StateAt(kFirst), Time(3s));
+  ControllerOutput output;
+  for (Duration t{}; t < 2s; t += 8ms) {
+    const JointTarget target = trajectory.Sample(t);
+    const RobotState state = StateNear(target);
+    controller.Update(state, Time(3100ms) + t, output);
+    EXPECT_EQ(output.target.joint.q, target.q);
+    EXPECT_FALSE(output.finished);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      // The errors StateNear() makes: +1e-3 (j + 1) rad and -2e-3 (j + 1) rad/s.
+      const double n = static_cast<double>(j + 1);
+      EXPECT_NEAR(output.target.tau_J_d[j], 1e-3 * n * options.K_P[j] - 2e-3 * n * options.K_D[j],
+                  1e-10);
+    }
+  }
+}
+
+TEST(JointEffortControllerTest, GivesNoTorqueOnThePath) {
+  const Trajectory trajectory = TestTrajectory();
+  JointEffortController controller(trajectory);
+  controller.Activate(StateAt(kFirst), Time(0s));
+  ControllerOutput output;
+  for (Duration t{}; t < 3s; t += 50ms) {
+    const JointTarget target = trajectory.Sample(t);
+    controller.Update(StateAt(target.q, target.dq), Time(t), output);
+    for (const double tau : output.target.tau_J_d) EXPECT_EQ(tau, 0);
+  }
+}
+
+TEST(JointEffortControllerTest, IsNotDelayedByASkippedUpdate) {
+  const Trajectory trajectory = TestTrajectory();
+  JointEffortController controller(trajectory);
+  controller.Activate(StateAt(kFirst), Time(0s));
+  ControllerOutput output;
+  controller.Update(StateAt(kFirst), Time(1s), output);
+  controller.Update(StateAt(kFirst), Time(1700ms), output);
+  EXPECT_EQ(output.target.joint.q, trajectory.Sample(700ms).q);
+}
+
+TEST(JointEffortControllerTest, BeginsWithTheTorqueThatHeldTheArmAndFadesInALine) {
+  JointEffortController controller(TestTrajectory());
+  const JointVector holding{0.9, -0.8, 0.7, 1.2, -0.5, 0.4, 0.3};
+  JointVector q = kFirst;
+  q[0] += 5e-3;  // 3 Nm by the law
+  controller.Activate(StateAt(q), Time(0s));
+  ControllerOutput output;
+  controller.Update(StateAt(q, {}, holding), Time(0s), output);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_NEAR(output.target.tau_J_d[j], holding[j], 1e-12);
+  }
+
+  // Half a soft start later half of the difference is left, and the state's torque does not count.
+  JointEffortController plain(TestTrajectory(), Plain());
+  ControllerOutput law;
+  plain.Update(StateAt(q), Time(0s), law);
+  JointVector bump{};
+  for (std::size_t j = 0; j < kJoints; ++j) bump[j] = holding[j] - law.target.tau_J_d[j];
+  controller.Update(StateAt(q, {}, JointVector{9, 9, 9, 9, 9, 9, 9}), Time(50ms), output);
+  plain.Update(StateAt(q), Time(50ms), law);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_NEAR(output.target.tau_J_d[j], law.target.tau_J_d[j] + 0.5 * bump[j], 1e-12);
+  }
+  controller.Update(StateAt(q), Time(100ms), output);
+  plain.Update(StateAt(q), Time(100ms), law);
+  EXPECT_EQ(output.target.tau_J_d, law.target.tau_J_d);
+}
+
+TEST(JointEffortControllerTest, IntegratesTheErrorOverTheElapsedTime) {
+  JointEffortOptions options = Plain();
+  options.K_P = options.K_D = JointVector{};
+  options.K_I.fill(10);
+  JointEffortController controller(TestTrajectory(), options);
+  controller.Activate(StateAt(kFirst), Time(0s));
+  ControllerOutput output;
+  controller.Update(StateAt(kFirst), Time(0s), output);
+  for (const double tau : output.target.tau_J_d) EXPECT_EQ(tau, 0);
+  JointVector q = kLast;
+  q[2] -= 0.02;
+  controller.Update(StateAt(kLast), Time(2s), output);  // on the goal from here on
+  const double at_end = output.target.tau_J_d[2];
+  controller.Update(StateAt(q), Time(2100ms), output);
+  controller.Update(StateAt(q), Time(2300ms), output);
+  EXPECT_NEAR(output.target.tau_J_d[2] - at_end, 10 * 0.02 * 0.3, 1e-12);
+}
+
+TEST(JointEffortControllerTest, TheIntegralDoesNotWindUp) {
+  JointEffortOptions options = Plain();
+  options.K_P = options.K_D = JointVector{};
+  options.K_I.fill(100);
+  JointEffortController controller(TestTrajectory(), options);
+  controller.Activate(StateAt(kFirst), Time(0s));
+  ControllerOutput output;
+  JointVector q = kLast;
+  q[4] -= 0.1;  // blocked short of the goal
+  for (Duration t{}; t < 20s; t += 10ms) controller.Update(StateAt(q), Time(t), output);
+  EXPECT_EQ(output.target.tau_J_d[4], options.integral_max[4]);
+  // 3 Nm are taken back by 10 Nm/s in 0.3 s of the opposite error, however long it was blocked.
+  q[4] += 0.2;
+  for (Duration t = 20s; t < 20310ms; t += 10ms) controller.Update(StateAt(q), Time(t), output);
+  EXPECT_LE(output.target.tau_J_d[4], 0);
+}
+
+TEST(JointEffortControllerTest, FinishesWhenTheArmHasSettledNotBefore) {
+  JointEffortController controller(TestTrajectory());
+  controller.Activate(StateAt(kFirst), Time(0s));
+  ControllerOutput output;
+  controller.Update(StateAt(kFirst), Time(0s), output);
+  controller.Update(StateAt(kLast), Time(1999ms), output);
+  EXPECT_FALSE(output.finished) << "at the goal, but the path is not over";
+  JointVector q = kLast;
+  q[5] += 0.011;
+  controller.Update(StateAt(q), Time(2s), output);
+  EXPECT_FALSE(output.finished) << "off the goal";
+  controller.Update(StateAt(kLast, {0, 0, 0, 0, 0, 0, -0.011}), Time(2100ms), output);
+  EXPECT_FALSE(output.finished) << "still moving";
+  q[5] = kLast[5] + 0.009;
+  controller.Update(StateAt(q, {0, 0, 0, 0, 0, 0, -0.009}), Time(2200ms), output);
+  EXPECT_TRUE(output.finished);
+  controller.Update(StateAt(kFirst), Time(2300ms), output);
+  EXPECT_TRUE(output.finished) << "for good";
+  EXPECT_EQ(output.target.joint.q, kLast);
+  EXPECT_EQ(output.target.joint.dq, JointVector{});
+}
+
+TEST(JointEffortControllerTest, FinishesAfterTheSettlingTimeAnyway) {
+  JointEffortController controller(TestTrajectory());
+  controller.Activate(StateAt(kFirst), Time(0s));
+  ControllerOutput output;
+  controller.Update(StateAt(kFirst), Time(0s), output);
+  controller.Update(StateAt(kFirst), Time(2999ms), output);
+  EXPECT_FALSE(output.finished);
+  controller.Update(StateAt(kFirst), Time(3s), output);
+  EXPECT_TRUE(output.finished);
+}
+
+TEST(JointEffortControllerTest, StartsAnewAfterEachActivation) {
+  JointEffortOptions options = Plain();
+  options.K_I.fill(10);
+  JointEffortController controller(TestTrajectory(), options);
+  ControllerOutput output;
+  for (const Duration start : std::initializer_list<Duration>{0s, 10s, 20s}) {
+    controller.Activate(StateAt(kFirst), Time(start));
+    controller.Update(StateAt(kFirst), Time(start), output);
+    EXPECT_EQ(output.target.joint.q, kFirst);
+    EXPECT_EQ(output.target.tau_J_d, JointVector{}) << "nothing of the integral is left";
+    EXPECT_FALSE(output.finished);
+    controller.Update(StateAt(kFirst), Time(start + 1s), output);
+    controller.Update(StateAt(kLast), Time(start + 2s), output);
+    EXPECT_TRUE(output.finished);
+    controller.Deactivate();
+  }
+}
+
+TEST(JointEffortControllerTest, RefusesToStartAwayFromTheFirstPoint) {
+  JointEffortController controller(TestTrajectory());
+  JointVector q = kFirst;
+  q[3] += 0.0199;
+  EXPECT_NO_THROW(controller.Activate(StateAt(q), Time(0s)));
+  q[3] = -1.9;
+  EXPECT_THAT([&] { controller.Activate(StateAt(q), Time(0s)); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("joint 4 of the robot is at -1.900000 rad"),
+                                              HasSubstr("starts at -2.000000 rad"),
+                                              HasSubstr("differ by 0.02 rad"),
+                                              HasSubstr("Move the robot to the first point"))));
+  q[3] = kNaN;
+  EXPECT_THROW(controller.Activate(StateAt(q), Time(0s)), InputError);
+}
+
+TEST(JointEffortControllerTest, RefusesOptionsOutOfRangeByName) {
+  const auto refuses = [](const JointEffortOptions& options, const std::string& name) {
+    EXPECT_THAT([&] { JointEffortController(TestTrajectory(), options); },
+                ThrowsMessage<InputError>(HasSubstr(name)));
+  };
+  const auto with = [](auto change) {
+    JointEffortOptions options;
+    change(options);
+    return options;
+  };
+  refuses(with([](auto& o) { o.K_P[0] = -1; }), "K_P[0]");
+  refuses(with([](auto& o) { o.K_I[6] = kNaN; }), "K_I[6]");
+  refuses(with([](auto& o) { o.K_D[3] = 2e3; }), "K_D[3]");
+  refuses(with([](auto& o) { o.integral_max[1] = -0.1; }), "integral_max[1]");
+  refuses(with([](auto& o) { o.soft_start = -1ms; }), "soft_start");
+  refuses(with([](auto& o) { o.start_tolerance_rad = 0.2; }), "start_tolerance_rad");
+  refuses(with([](auto& o) { o.settled_distance_rad = 0; }), "settled_distance_rad");
+  refuses(with([](auto& o) { o.settled_speed_rad_per_s = kNaN; }), "settled_speed_rad_per_s");
+  refuses(with([](auto& o) { o.settling_time = 61s; }), "settling_time");
+}
+
+TEST(JointEffortControllerTest, UpdatesWithoutAllocating) {
+  JointEffortController controller(TestTrajectory());
+  const RobotState state = StateAt(kFirst);
+  controller.Activate(state, Time(0s));
+  ControllerOutput output;
+  const test::RealtimeGuard guard;
+  for (Duration t{}; t < 4s; t += 1ms) controller.Update(state, Time(t), output);
+  const auto counts = guard.counts();
+  EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
+  EXPECT_TRUE(output.finished);
+}
+
+}  // namespace
+}  // namespace twin::controllers

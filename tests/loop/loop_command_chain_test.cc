@@ -1,0 +1,199 @@
+#include "twin/loop/command_chain.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "support/panda_limits.h"
+#include "support/realtime_guard.h"
+#include "twin/core/error.h"
+
+namespace twin::loop {
+namespace {
+
+using control::CommandInterface;
+using reference::Target;
+
+constexpr CartesianLimits kCartesianLimits{{1.7, 13, 6500}, {2.5, 25, 12500}, {2.175, 10, 5000}};
+
+TickConfig Raw() {
+  TickConfig config;
+  config.generator = Generator::kNone;
+  return config;
+}
+
+RobotCommand After(const TickConfig& config, CommandInterface interface, const RobotState& state,
+                   const Target& target) {
+  CommandChain chain(config, interface);
+  chain.Reset(state);
+  RobotCommand command;
+  chain.Next(state, target, true, 1, command);
+  return command;
+}
+
+TEST(CommandChainTest, FillsTheFieldOfItsInterface) {
+  Target target;
+  target.joint.q.fill(0.1);
+  target.joint.dq.fill(0.2);
+  target.tau_J_d.fill(0.3);
+  target.pose.O_T_EE[12] = 0.4;
+  const RobotState state;
+  EXPECT_EQ(After(Raw(), CommandInterface::kJointPosition, state, target).q_c, target.joint.q);
+  EXPECT_EQ(After(Raw(), CommandInterface::kJointVelocity, state, target).dq_c, target.joint.dq);
+  EXPECT_EQ(After(Raw(), CommandInterface::kTorque, state, target).tau_J_d, target.tau_J_d);
+  EXPECT_EQ(After(Raw(), CommandInterface::kCartesianPose, state, target).O_T_EE_c,
+            target.pose.O_T_EE);
+}
+
+TEST(CommandChainTest, ATorqueCommandGoesWithTheZeroVelocityGenerator) {
+  Target target;
+  target.joint.dq.fill(1);
+  target.tau_J_d.fill(1);
+  EXPECT_EQ(After(Raw(), CommandInterface::kTorque, {}, target).dq_c, JointVector{});
+}
+
+TEST(CommandChainTest, ThePoseGeneratorMovesByTheTwistAndCorrectsByLambda) {
+  TickConfig config;
+  config.generator = Generator::kCartesian;
+  config.lambda = 0.01;
+  Target target;
+  target.pose.O_T_EE[13] = 0.1;
+  target.pose.O_dP_EE[0] = 0.2;
+  const Transform command = After(config, CommandInterface::kCartesianPose, {}, target).O_T_EE_c;
+  EXPECT_NEAR(command[12], 0.2e-3, 1e-15);
+  EXPECT_NEAR(command[13], 0.1 * 0.01, 1e-15);
+}
+
+TEST(CommandChainTest, TheLowPassScalesAnIncrementalCommand) {
+  // Behind the generator every command is q_d and an increment; libfranka's filter takes 0.386 of
+  // it.
+  TickConfig config;
+  config.low_pass_hz = 100;
+  Target target;
+  target.joint.dq.fill(1);
+  const JointVector q_c = After(config, CommandInterface::kJointPosition, {}, target).q_c;
+  EXPECT_NEAR(q_c[0], 0.385870e-3, 1e-9);
+}
+
+TEST(CommandChainTest, TheLimiterStandsBehindTheLowPass) {
+  TickConfig config = Raw();
+  config.limiter = reference::ClientLimits::Of(test::PandaLimits(), kCartesianLimits);
+  config.low_pass_hz = 100;
+  Target target;
+  target.joint.q.fill(1);
+  const JointVector q_c = After(config, CommandInterface::kJointPosition, {}, target).q_c;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    EXPECT_NEAR(q_c[i], config.limiter->dddq_max[i] * 1e-9, 1e-12) << "one cycle of full jerk";
+  }
+}
+
+TEST(CommandChainTest, LimitsATorqueStepToTheTorqueRate) {
+  TickConfig config = Raw();
+  config.limiter = reference::ClientLimits::Of(test::PandaLimits(), kCartesianLimits);
+  Target target;
+  target.tau_J_d.fill(-50);
+  const JointVector tau = After(config, CommandInterface::kTorque, {}, target).tau_J_d;
+  EXPECT_NEAR(tau[0], -0.999999, 1e-9);
+}
+
+TEST(CommandChainTest, ArrivesWhenThePoseIsReachedAtRest) {
+  TickConfig config;
+  config.generator = Generator::kCartesian;
+  CommandChain chain(config, CommandInterface::kCartesianPose);
+  RobotState state;
+  chain.Reset(state);
+  Target target;
+  RobotCommand command;
+  target.pose.O_T_EE[12] = 0.01;
+  chain.Next(state, target, true, 1, command);
+  EXPECT_FALSE(chain.Arrived(state));
+  state.O_T_EE_c = target.pose.O_T_EE;
+  EXPECT_TRUE(chain.Arrived(state));
+  target.pose.O_dP_EE[2] = 0.1;
+  chain.Next(state, target, true, 1, command);
+  EXPECT_FALSE(chain.Arrived(state));
+}
+
+TEST(CommandChainTest, RefusesAGeneratorOfAnotherInterface) {
+  TickConfig joint;
+  TickConfig cartesian;
+  cartesian.generator = Generator::kCartesian;
+  for (const auto interface : {CommandInterface::kJointVelocity, CommandInterface::kTorque,
+                               CommandInterface::kCartesianPose}) {
+    EXPECT_THROW(CommandChain(joint, interface), InputError);
+  }
+  for (const auto interface : {CommandInterface::kJointVelocity, CommandInterface::kTorque,
+                               CommandInterface::kJointPosition}) {
+    EXPECT_THROW(CommandChain(cartesian, interface), InputError);
+  }
+}
+
+TEST(CommandChainTest, RefusesNumbersOutOfRangeByName) {
+  const auto refused = [](auto change) {
+    TickConfig config;
+    change(config);
+    try {
+      config.Validate(CommandInterface::kJointPosition);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_NE(refused([](TickConfig& c) { c.low_pass_hz = 0; }).find("low_pass_hz"),
+            std::string::npos);
+  EXPECT_NE(refused([](TickConfig& c) { c.lambda = 2; }).find("lambda"), std::string::npos);
+  EXPECT_NE(refused([](TickConfig& c) {
+              c.period_tolerance = std::chrono::milliseconds(-1);
+            }).find("period_tolerance"),
+            std::string::npos);
+}
+
+TEST(IsValidTest, KnowsWhatMustNotBeSent) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  RobotCommand command;
+  EXPECT_TRUE(IsValid(command, CommandInterface::kJointPosition));
+  command.q_c[6] = nan;
+  EXPECT_FALSE(IsValid(command, CommandInterface::kJointPosition));
+  command.dq_c[0] = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(IsValid(command, CommandInterface::kJointVelocity));
+  command.tau_J_d[3] = nan;
+  EXPECT_FALSE(IsValid(command, CommandInterface::kTorque));
+
+  command.O_T_EE_c = kIdentityTransform;
+  EXPECT_TRUE(IsValid(command, CommandInterface::kCartesianPose));
+  command.O_T_EE_c[0] = 1 + 0.9e-5;
+  EXPECT_TRUE(IsValid(command, CommandInterface::kCartesianPose));
+  command.O_T_EE_c[0] = 1 + 2e-5;
+  EXPECT_FALSE(IsValid(command, CommandInterface::kCartesianPose));
+  command.O_T_EE_c = kIdentityTransform;
+  command.O_T_EE_c[3] = 1e-12;
+  EXPECT_FALSE(IsValid(command, CommandInterface::kCartesianPose)) << "the last row is exact";
+  command.O_T_EE_c = kIdentityTransform;
+  command.O_T_EE_c[14] = nan;
+  EXPECT_FALSE(IsValid(command, CommandInterface::kCartesianPose));
+}
+
+TEST(CommandChainTest, AllocatesNothingOnAnyInterface) {
+  for (const auto interface : {CommandInterface::kJointPosition, CommandInterface::kJointVelocity,
+                               CommandInterface::kCartesianPose, CommandInterface::kTorque}) {
+    TickConfig config = Raw();
+    config.low_pass_hz = 100;
+    config.limiter = reference::ClientLimits::Of(test::PandaLimits(), kCartesianLimits);
+    config.source_rate_hz = 125;
+    CommandChain chain(config, interface);
+    RobotState state;
+    Target target;
+    RobotCommand command;
+    const test::RealtimeGuard guard;
+    chain.Reset(state);
+    for (int k = 0; k < 2000; ++k) {
+      target.joint.q[0] = target.tau_J_d[0] = target.pose.O_T_EE[12] = 1e-4 * k;
+      chain.Next(state, target, k % 8 == 0, 1, command);
+    }
+    EXPECT_EQ(guard.allocations(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace twin::loop

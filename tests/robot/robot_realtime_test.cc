@@ -1,0 +1,418 @@
+// The robot on the wall clock. Nothing here depends on the machine being fast or quiet: what is
+// asserted holds however late the threads run.
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robot/robot_fixture.h"
+#include "support/realtime_guard.h"
+#include "twin/core/error.h"
+#include "twin/robot/realtime_robot.h"
+#include "twin/rt/sleep.h"
+
+namespace twin::robot {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::HasSubstr;
+
+constexpr Duration kLong = seconds(60);
+
+/// The ideal plant, with something to do at every step, on the robot's thread.
+class HookedPlant final : public plant::Plant {
+ public:
+  using Hook = std::function<void(int step)>;
+  explicit HookedPlant(Hook hook) : hook_(std::move(hook)) {}
+  void Reset(const JointVector& q) override { ideal_.Reset(q); }
+  void Step(const JointDrive& drive) noexcept override {
+    hook_(++steps_);
+    ideal_.Step(drive);
+  }
+  const JointSensors& sensors() const noexcept override { return ideal_.sensors(); }
+
+ private:
+  Hook hook_;
+  int steps_ = 0;
+  plant::IdealPlant ideal_;
+};
+
+/// What a cycle's record is kept of.
+struct Cycle {
+  std::uint64_t id = 0;
+  Time at{};
+  Time put{};  ///< wall time of the record
+  rt::CommandFate fate{};
+};
+
+/// Keeps the cycles, without allocating.
+class Cycles final : public rt::RecordSink {
+ public:
+  explicit Cycles(const MonotonicClock& clock) : clock_(clock) { kept_.reserve(kMost); }
+  void Put(const rt::CycleRecord& record) noexcept override {
+    if (kept_.size() < kMost) {
+      kept_.push_back({record.state.message_id, record.at, clock_.Now(), record.fate});
+    }
+    count_.store(record.state.message_id, std::memory_order_release);
+  }
+  void Put(const rt::TickRecord&) noexcept override {}
+  /// Any thread.
+  [[nodiscard]] std::uint64_t count() const { return count_.load(std::memory_order_acquire); }
+  /// Once the robot's thread has ended.
+  [[nodiscard]] const std::vector<Cycle>& kept() const { return kept_; }
+
+ private:
+  static constexpr std::size_t kMost = 20000;
+  const MonotonicClock& clock_;
+  std::vector<Cycle> kept_;
+  std::atomic<std::uint64_t> count_ = 0;
+};
+
+class RealtimeRobotTest : public ::testing::Test {
+ protected:
+  void Make(
+      const RobotConfig& config, HookedPlant::Hook hook = [](int) {}) {
+    rt::ThreadSettings thread;
+    thread.name = "robot";
+    thread.lock_memory = false;
+    robot_ = std::make_unique<RealtimeRobot>(config, std::make_unique<HookedPlant>(std::move(hook)),
+                                             clock_, thread, &cycles_);
+  }
+  void AwaitCycle(std::uint64_t id) {
+    while (cycles_.count() < id) rt::SleepUntil(clock_, clock_.Now() + microseconds(200));
+  }
+  /// The newest state, once there is one. @returns null when none has come for very long.
+  const RobotState* AwaitState() {
+    const RobotState* state = robot_->Read();
+    while (state == nullptr && robot_->arrival().AwaitUntil(clock_.Now() + kLong)) {
+      state = robot_->Read();
+    }
+    return state;
+  }
+
+  const MonotonicClock clock_;
+  Cycles cycles_{clock_};
+  std::unique_ptr<RealtimeRobot> robot_;
+};
+
+/// Ids without a gap, instants on the grid of whole periods, and no cycle before it was due.
+void ExpectSoundGrid(const std::vector<Cycle>& cycles, std::uint64_t overruns) {
+  ASSERT_FALSE(cycles.empty());
+  std::uint64_t skipped = 0;
+  for (std::size_t i = 0; i < cycles.size(); ++i) {
+    EXPECT_EQ(cycles[i].id, i + 1);
+    EXPECT_GE(cycles[i].put, cycles[i].at);
+    if (i == 0) continue;
+    const Duration step = cycles[i].at - cycles[i - 1].at;
+    EXPECT_EQ(step % kCycle, Duration::zero());
+    ASSERT_GE(step, kCycle);
+    skipped += static_cast<std::uint64_t>(step / kCycle - 1);
+  }
+  // The first cycle, and the one that End() kept from being run, may have been postponed too.
+  EXPECT_LE(skipped, overruns);
+}
+
+TEST_F(RealtimeRobotTest, RunsItsCyclesOnAnAbsoluteGrid) {
+  Make(test::PandaRobot());
+  const Time before = clock_.Now();
+  robot_->Begin();
+  AwaitCycle(100);
+  robot_->End();
+  ExpectSoundGrid(cycles_.kept(), robot_->overruns());
+  EXPECT_GE(cycles_.kept().front().at, before + kCycle);
+  EXPECT_EQ(robot_->lateness().count(), cycles_.kept().size());
+  EXPECT_TRUE(robot_->notices().empty());
+}
+
+TEST_F(RealtimeRobotTest, FollowsAClockThatDrifts) {
+  RobotConfig config = test::PandaRobot();
+  config.clock_ppm = -1000;  // a cycle every 1.001001... ms
+  Make(config);
+  robot_->Begin();
+  AwaitCycle(100);
+  robot_->End();
+  const Time first = cycles_.kept().front().at;
+  for (const Cycle& cycle : cycles_.kept()) {
+    const double periods = ToSeconds(cycle.at - first) * 0.999 / kCycleSeconds;
+    EXPECT_NEAR(periods, std::round(periods), 2e-6) << "cycle " << cycle.id;
+  }
+}
+
+TEST_F(RealtimeRobotTest, AStalledCycleIsFollowedByTheNextOnTheGridAndNotByABurst) {
+  constexpr int kStalled = 20;
+  Make(test::PandaRobot(), [this](int step) {
+    if (step == kStalled) rt::SleepUntil(clock_, clock_.Now() + milliseconds(5));
+  });
+  robot_->Begin();
+  AwaitCycle(60);
+  robot_->End();
+  const auto& cycles = cycles_.kept();
+  ExpectSoundGrid(cycles, robot_->overruns());
+  // It began at its deadline or later and lasted 5 ms; the next deadline was 1 ms later.
+  EXPECT_GE(cycles[kStalled].at - cycles[kStalled - 1].at, milliseconds(5));
+  EXPECT_GE(robot_->overruns(), 4u);
+  EXPECT_GE(robot_->lateness().max(), milliseconds(4));
+}
+
+TEST_F(RealtimeRobotTest, ARobotThatNeverKeepsUpCountsWhatItSkipsAndStillAnswers) {
+  Make(test::PandaRobot(),
+       [this](int) { rt::SleepUntil(clock_, clock_.Now() + microseconds(2100)); });
+  robot_->Begin();
+  AwaitCycle(30);
+  EXPECT_EQ(robot_->mode(), RobotMode::kIdle);
+  robot_->End();
+  ExpectSoundGrid(cycles_.kept(), robot_->overruns());
+  EXPECT_GE(robot_->overruns(), 30u);
+}
+
+TEST_F(RealtimeRobotTest, AStateArrivesOnlyAfterItsDelay) {
+  RobotConfig config = test::PandaRobot();
+  config.link.state.delay = rt::DelayModel(rt::ConstantDelay{microseconds(2300)});
+  Make(config);
+  std::vector<std::pair<std::uint64_t, Time>> arrivals;
+  robot_->Begin();
+  while (arrivals.size() < 50) {
+    const RobotState* state = AwaitState();
+    ASSERT_NE(state, nullptr);
+    arrivals.emplace_back(state->message_id, clock_.Now());
+  }
+  robot_->End();
+  std::uint64_t last = 0;
+  for (const auto& [id, arrival] : arrivals) {
+    EXPECT_GT(id, last);
+    last = id;
+    EXPECT_GE(arrival, cycles_.kept().at(id - 1).at + microseconds(2300)) << "state " << id;
+  }
+}
+
+TEST_F(RealtimeRobotTest, ServesExactlyTheCyclesWhoseCommandArrivedInTime) {
+  RobotConfig config = test::PandaRobot();
+  const Duration delay = microseconds(120);
+  config.link.command.delay = rt::DelayModel(rt::ConstantDelay{delay});
+  config.link.d_INT = microseconds(150);
+  Make(config);
+  ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+  robot_->Begin();
+  // By id of the answered state: the write happened between these two instants.
+  std::vector<std::pair<Time, Time>> writes(2000, {Time::max(), Time::max()});
+  std::uint64_t id = 0;
+  while (id < 400) {
+    const RobotState* state = AwaitState();
+    ASSERT_NE(state, nullptr);
+    id = state->message_id;
+    RobotCommand command;
+    command.message_id = id;
+    command.q_c = test::kReady;
+    if (id % 3 == 0) rt::SleepUntil(clock_, clock_.Now() + microseconds(id));  // some too late
+    const Time before = clock_.Now();
+    robot_->Write(command);
+    if (id < writes.size()) writes[id] = {before, clock_.Now()};
+  }
+  robot_->End();
+
+  const Duration way = delay + config.link.d_INT;
+  int served = 0;
+  bool running = false;
+  for (const Cycle& cycle : cycles_.kept()) {
+    const auto& [earliest, latest] = writes.at(cycle.id - 1);
+    const bool in_motion = cycle.fate != rt::CommandFate::kNone;
+    if (running && !in_motion) break;  // ended, by too many losses in a row
+    running = in_motion;
+    if (cycle.fate == rt::CommandFate::kServed) {
+      ++served;
+      EXPECT_LE(earliest, cycle.at - way) << "cycle " << cycle.id << " took a late command";
+    } else if (running) {
+      EXPECT_GT(latest, cycle.at - way) << "cycle " << cycle.id << " lost a command";
+    }
+  }
+  EXPECT_GT(served, 0);
+}
+
+TEST_F(RealtimeRobotTest, AnswersRequestsBeforeDuringAndAfterItsTime) {
+  Make(test::PandaRobot());
+  JointVector impedance;
+  impedance.fill(500);
+  EXPECT_EQ(robot_->SetJointImpedance(impedance), onboard::SetterStatus::kSuccess);
+  EXPECT_EQ(robot_->mode(), RobotMode::kIdle);
+  robot_->Begin();
+  impedance.fill(-1);
+  EXPECT_EQ(robot_->SetJointImpedance(impedance), onboard::SetterStatus::kInvalidArgumentRejected);
+  EXPECT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+  EXPECT_EQ(robot_->Move({}), onboard::MoveStatus::kCommandNotPossibleRejected);
+  AwaitCycle(cycles_.count() + 2);
+  EXPECT_EQ(robot_->mode(), RobotMode::kMove);
+  robot_->StopMove();
+  while (robot_->last_motion().end == onboard::MoveStatus::kMotionStarted) {
+  }
+  EXPECT_EQ(robot_->last_motion().end, onboard::MoveStatus::kPreempted);
+  EXPECT_TRUE(robot_->last_motion().violations.empty());
+  robot_->End();
+  EXPECT_EQ(robot_->mode(), RobotMode::kIdle);
+  EXPECT_EQ(robot_->AutomaticErrorRecovery(), onboard::RecoveryStatus::kSuccess);
+}
+
+TEST_F(RealtimeRobotTest, TwoThreadsMayAskAtOnce) {
+  Make(test::PandaRobot());
+  robot_->Begin();
+  std::thread other([this] {
+    for (int i = 0; i < 30; ++i) robot_->StopMove();
+  });
+  for (int i = 0; i < 30; ++i) EXPECT_EQ(robot_->mode(), RobotMode::kIdle);
+  other.join();
+}
+
+/// Holds the robot's thread in its first step until it is let go.
+class Gate {
+ public:
+  HookedPlant::Hook Hook(const MonotonicClock& clock) {
+    return [this, &clock](int step) {
+      if (step > 1) return;
+      held_ = true;
+      while (!open_) rt::SleepUntil(clock, clock.Now() + milliseconds(1));
+    };
+  }
+  void AwaitHeld() const {
+    while (!held_) std::this_thread::yield();
+  }
+  void Open() { open_ = true; }
+
+ private:
+  std::atomic<bool> held_ = false;
+  std::atomic<bool> open_ = false;
+};
+
+TEST_F(RealtimeRobotTest, ARequestThatIsNotAnsweredIsAFaultAndNeverDone) {
+  Gate gate;
+  Make(test::PandaRobot(), gate.Hook(clock_));
+  robot_->Begin();
+  gate.AwaitHeld();
+  try {
+    static_cast<void>(robot_->Move({}));
+    FAIL() << "answered";
+  } catch (const RobotFault& fault) {
+    EXPECT_THAT(fault.what(), HasSubstr("the robot's thread does not answer"));
+  }
+  gate.Open();
+  AwaitCycle(5);
+  EXPECT_EQ(robot_->mode(), RobotMode::kIdle);
+}
+
+TEST_F(RealtimeRobotTest, CommandsBeyondTheRingAreLostAndCounted) {
+  Gate gate;
+  Make(test::PandaRobot(), gate.Hook(clock_));
+  robot_->Begin();
+  gate.AwaitHeld();
+  for (int i = 0; i < 64; ++i) robot_->Write({});
+  EXPECT_EQ(robot_->commands_lost(), 0u);
+  for (int i = 0; i < 3; ++i) robot_->Write({});
+  EXPECT_EQ(robot_->commands_lost(), 3u);
+  gate.Open();
+  AwaitCycle(5);
+  robot_->Write({});
+  EXPECT_EQ(robot_->commands_lost(), 3u);
+}
+
+TEST_F(RealtimeRobotTest, ACommandWrittenBeforeTheBeginIsLost) {
+  RobotConfig config = test::PandaRobot();
+  config.link.command.delay = rt::DelayModel();
+  Make(config);
+  ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+  for (std::uint64_t id = 0; id < 20; ++id) {
+    RobotCommand command;
+    command.message_id = id;
+    command.q_c = test::kReady;
+    robot_->Write(command);
+  }
+  robot_->Begin();
+  AwaitCycle(20);
+  robot_->End();
+  for (const Cycle& cycle : cycles_.kept()) EXPECT_EQ(cycle.fate, rt::CommandFate::kNone);
+}
+
+TEST_F(RealtimeRobotTest, NothingHappensAfterItsEnd) {
+  Make(test::PandaRobot());
+  robot_->Begin();
+  AwaitCycle(5);
+  robot_->End();
+  const std::uint64_t cycles = cycles_.count();
+  static_cast<void>(robot_->Read());
+  rt::SleepUntil(clock_, clock_.Now() + milliseconds(5));
+  robot_->End();
+  EXPECT_EQ(cycles_.count(), cycles);
+  EXPECT_EQ(robot_->Read(), nullptr);
+}
+
+TEST_F(RealtimeRobotTest, MayBeDroppedAtAnyStage) {
+  Make(test::PandaRobot());
+  robot_.reset();
+  Make(test::PandaRobot());
+  robot_->Begin();
+  robot_.reset();
+}
+
+TEST_F(RealtimeRobotTest, ABeginOnAProcessorThatDoesNotExistIsRefused) {
+  rt::ThreadSettings thread;
+  thread.lock_memory = false;
+  thread.cpu = -1;
+  RealtimeRobot robot(test::PandaRobot(), std::make_unique<plant::IdealPlant>(), clock_, thread,
+                      nullptr);
+  EXPECT_THROW(robot.Begin(), InputError);
+}
+
+TEST_F(RealtimeRobotTest, ItsThreadAllocatesAndLocksNothing) {
+  std::optional<test::RealtimeGuard> guard;
+  test::RealtimeGuard::Counts counts;
+  Make(test::PandaRobot(), [&](int step) {  // on the robot's thread
+    if (step == 2) guard.emplace();
+    if (step == 500) counts = guard->counts();
+  });
+  ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+  robot_->Begin();
+  for (int i = 0; i < 600 && cycles_.count() < 500; ++i) {
+    const RobotState* state = AwaitState();
+    ASSERT_NE(state, nullptr);
+    RobotCommand command;
+    command.message_id = state->message_id;
+    command.q_c = test::kReady;
+    robot_->Write(command);
+    if (i % 50 == 0) static_cast<void>(robot_->last_motion());
+  }
+  AwaitCycle(500);
+  robot_->End();
+  EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
+}
+
+TEST_F(RealtimeRobotTest, ReadsAndWritesAllocateAndLockNothing) {
+  Make(test::PandaRobot());
+  robot_->Begin();
+  const test::RealtimeGuard guard;
+  int states = 0;
+  while (states < 300) {
+    const RobotState* state = AwaitState();
+    if (state == nullptr) break;
+    ++states;
+    RobotCommand command;
+    command.message_id = state->message_id;
+    robot_->Write(command);
+  }
+  const auto counts = guard.counts();
+  EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
+  EXPECT_EQ(states, 300);
+}
+
+}  // namespace
+}  // namespace twin::robot

@@ -1,0 +1,113 @@
+// The communication's ticks and the robot's cycles under RealtimeSanitizer: a call that allocates,
+// locks, sleeps or does input and output ends the program.
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "loop/loop_fixture.h"
+#include "twin/loop/asynchronous_loop.h"
+#include "twin/loop/controller_loop.h"
+#include "twin/plant/ideal_plant.h"
+#include "twin/robot/robot.h"
+
+extern "C" {
+void __rtsan_realtime_enter();
+void __rtsan_realtime_exit();
+}
+
+namespace twin::loop {
+namespace {
+
+/// While it lives, the thread is in real time.
+struct RealtimeSection {
+  RealtimeSection() { __rtsan_realtime_enter(); }
+  ~RealtimeSection() { __rtsan_realtime_exit(); }
+};
+
+constexpr MotionModes kPosition{ControllerMode::kJointImpedance,
+                                MotionGeneratorMode::kJointPosition};
+
+/// Gives a state of a running motion at each read.
+class Endless final : public backend::Backend {
+ public:
+  backend::Description Describe() const override { return {}; }
+  void Configure(const backend::Setting&) override {}
+  void Start(const MotionModes&) override {}
+  backend::ReadResult Read(backend::ReadRule, RobotState& state, Time& arrival) noexcept override {
+    state.message_id = ++id_;
+    state.robot_mode = RobotMode::kMove;
+    state.controller_mode = kPosition.controller;
+    state.motion_generator_mode = kPosition.generator;
+    state.q_d = last_.q_c;
+    arrival = Time(kCycle * static_cast<std::int64_t>(id_));
+    return backend::ReadResult::kState;
+  }
+  void Write(const RobotCommand& command) noexcept override { last_ = command; }
+  void Stop() override {}
+  void Recover() override {}
+
+ private:
+  std::uint64_t id_ = 0;
+  RobotCommand last_;
+};
+
+TEST(RtsanDeathTest, ASectionThatAllocatesEndsTheProgram) {
+  EXPECT_DEATH(
+      {
+        const RealtimeSection section;
+        std::vector<int> grows(1000);
+        grows.resize(100000);
+      },
+      "unsafe function");
+}
+
+TEST(RtsanTest, TenThousandTicksOfCommunicationAndController) {
+  Exchange exchange;
+  ControlTick tick({}, control::CommandInterface::kJointPosition, exchange);
+  Endless backend;
+  AsynchronousLoop loop(tick, backend, {}, 1, nullptr);
+  test::Swing swing;
+  ControllerLoop controller({}, swing, exchange, 1);
+  loop.Activate(kPosition);
+  swing.Activate({}, {});
+  Time wake = controller.Start(Time(kCycle));
+  {
+    const RealtimeSection section;
+    for (int i = 1; i <= 10000; ++i) {
+      static_cast<void>(loop.OnState());
+      static_cast<void>(loop.OnDone(Time(kCycle * i)));
+      if (controller.OnWake(wake)) wake = controller.OnDone(wake);
+    }
+  }
+  EXPECT_GT(loop.timings().written, 9000u);
+}
+
+TEST(RtsanTest, TenThousandCyclesOfTheRobot) {
+  class Silent final : public rt::EventHandler {
+   public:
+    void OnEvent(Time, std::uint64_t) noexcept override {}
+  };
+  rt::EventQueue events;
+  Silent silent;
+  const robot::RobotConfig config = test::IdealPanda();
+  robot::Robot robot(config, std::make_unique<plant::IdealPlant>(), events, silent, nullptr);
+  ASSERT_EQ(robot.Move(kPosition), onboard::MoveStatus::kMotionStarted);
+  robot.Begin();
+  RobotCommand command;
+  {
+    const RealtimeSection section;
+    while (events.Now() < Time(std::chrono::seconds(10)) && events.RunNext()) {
+      if (!robot.states().has_new()) continue;
+      const RobotState& state = robot.states().Take();
+      command.message_id = state.message_id;
+      command.q_c = state.q_d;
+      robot.Send(command);
+    }
+  }
+  EXPECT_EQ(robot.mode(), RobotMode::kMove);
+  EXPECT_GE(events.Now(), Time(std::chrono::seconds(10)));
+}
+
+}  // namespace
+}  // namespace twin::loop
