@@ -90,6 +90,7 @@ std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robo
   if (robot.lateness.count() > 0) {
     timing["robot_cycle_late_us"] = PercentilesUs(robot.lateness);
     timing["robot_overruns"] = robot.overruns;
+    timing["robot_commands_lost"] = robot.commands_lost;
     timing["records_dropped"] = times.records_dropped;
   }
   return ToText(timing);

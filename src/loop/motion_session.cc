@@ -28,7 +28,8 @@ const char* Text(LoopFailure failure) {
     case LoopFailure::kNone: break;
     case LoopFailure::kInvalidCommand:
       return "the controller gave a target that makes no valid command (not finite, or no "
-             "rotation); the motion was stopped. See the last ticks in the log";
+             "rotation); the motion was stopped. The log's events of kind evidence are its last "
+             "ticks";
     case LoopFailure::kConnectionLost:
       return "the connection to the robot is gone; see whether the robot (or its server) still "
              "runs";

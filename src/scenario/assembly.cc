@@ -123,6 +123,9 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
   if (hooks.progress) run.progress = [&](Time now) { hooks.progress(now, planned); };
   RunResult result;
   result.report = setting_->Run(run);
+  for (const rt::TickRecord& tick : result.report.evidence) {
+    if (hooks.event) hooks.event(tick.read, "evidence", loop::DescribeTick(tick));
+  }
   result.goal = plan_.trajectory.goal();
   result.final_error = LargestDistance(result.report.q_final, result.goal);
   result.counts = summary_.counts();

@@ -200,6 +200,25 @@ TEST_P(BackendContractTest, TakesTorqueCommandsOfTheExternalController) {
   });
 }
 
+TEST_P(BackendContractTest, ATorqueLoopSurvivesOneLostCommandAndNotTwenty) {
+  Undisturbed([this] {
+    StartMotion(kTorque);
+    RobotCommand command;
+    command.tau_J_d = state_.tau_J_d;
+    command.tau_J_d[6] += 0.1;
+    Answer(command);
+    Await();
+    EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
+    EXPECT_EQ(state_.tau_J_d, command.tau_J_d) << "the last torque is held";
+    Answer(command);
+    for (int lost = 0; lost < 19; ++lost) Await();
+    ASSERT_EQ(state_.robot_mode, RobotMode::kMove);
+    Await();
+    EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
+    EXPECT_EQ(FormatErrors(state_.reflex_reason), "[\"communication_constraints_violation\"]");
+  });
+}
+
 TEST_P(BackendContractTest, EndsAFinishedMotionWithSuccess) {
   NotCutOff([this] {
     StartMotion(kPosition);

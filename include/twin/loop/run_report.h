@@ -33,4 +33,7 @@ struct RunReport {
   }
 };
 
+/// One line about a tick, for people: what the evidence of a failure reads like.
+[[nodiscard]] std::string DescribeTick(const rt::TickRecord& tick);
+
 }  // namespace twin::loop
