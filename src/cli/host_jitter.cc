@@ -160,10 +160,14 @@ JitterVerdict Judge(const JitterFigures& figures) {
                                missed, kEndsMotion)};
   }
   if (share > kGoodShare) {
-    return {false, fmt::format("usable: {}; the reference generator bridges them", missed)};
+    return {false,
+            fmt::format("usable: {}; a gentle motion behind the reference generator bears them",
+                        missed)};
   }
   return {true,
-          fmt::format("good for real time: {}; the reference generator bridges them", missed)};
+          fmt::format(
+              "good for real time: {}; a gentle motion behind the reference generator bears them",
+              missed)};
 }
 
 }  // namespace twin::cli

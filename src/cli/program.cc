@@ -147,6 +147,12 @@ int Guarded(Command command) {
   } catch (const Error& error) {
     PrintError(error.what());
     return kFailed;
+  } catch (const std::system_error& error) {
+    PrintError(
+        fmt::format("the operating system refused: {}; are there limits on threads or files "
+                    "(ulimit -u, ulimit -n)?",
+                    error.what()));
+    return kEnvironment;
   } catch (const std::bad_alloc&) {
     PrintError("out of memory; close other programs or use a smaller scenario");
     return kEnvironment;

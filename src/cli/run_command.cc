@@ -197,8 +197,12 @@ void Session::Move() {
   times_.run_s = SecondsSince(begin);
   times_.real_time_factor = ToSeconds(result_.report.simulated) / times_.run_s;
   if (log) times_.records_dropped = log->Finish().dropped;
-  for (const std::string& notice : result_.report.notices) {
-    Say(stderr, fmt::format("panda-twin: note: {}\n", notice));
+  for (const auto* notices : {&result_.report.notices, &result_.report.robot_timings.notices}) {
+    for (const std::string& notice : *notices) {
+      Say(stderr,
+          fmt::format("panda-twin: note: {}: {}\n",
+                      notices == &result_.report.notices ? "workstation" : "robot", notice));
+    }
   }
 }
 

@@ -60,6 +60,8 @@ CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
 
 void CommandChain::Reset(const RobotState& state) noexcept {
   bridge_.Reset();
+  last_command_.reset();
+  unserved_ = 0;
   switch (interface_) {
     case CommandInterface::kJointPosition:
     case CommandInterface::kJointVelocity: joint_matcher_.Reset({state.q_d, {}, {}}); break;
@@ -83,18 +85,42 @@ void CommandChain::Match(const reference::Target& target) noexcept {
 }
 
 void CommandChain::Next(const RobotState& state, const reference::Target& target, bool fresh,
-                        std::uint64_t cycles, RobotCommand& command) noexcept {
+                        std::uint64_t cycles, Time source_time, RobotCommand& command) noexcept {
   // More than a window of cycles fills it with the same target as a window does.
   const std::uint64_t steps = std::min<std::uint64_t>(cycles, joint_matcher_.window() + 1);
   for (std::uint64_t i = 0; i < steps; ++i) Match(target);
-  const bool raw = interface_ == CommandInterface::kJointPosition ||
-                   interface_ == CommandInterface::kCartesianPose;
-  if (!raw || config_.generator != Generator::kNone) {
-    matched_ = bridge_.Next(matched_, fresh, cycles);
+  const bool bridged = config_.generator != Generator::kNone ||
+                       interface_ == CommandInterface::kJointVelocity ||
+                       interface_ == CommandInterface::kTorque;
+  if (bridged) bridge_.Observe(fresh, cycles, source_time, CountUnserved(state, cycles));
+  if (bridge_.stalled()) {
+    matched_.joint.dq = {};
+    matched_.pose.O_dP_EE = {};
+    matched_.tau_J_d = {};
   }
   Generate(state, command);
+  if (bridge_.active()) bridge_.Carry(state, command);
+  last_command_ = command;
   if (low_pass_.is_on()) Filter(state, command);
   if (config_.limiter) Limit(state, command);
+}
+
+std::uint64_t CommandChain::CountUnserved(const RobotState& state, std::uint64_t cycles) noexcept {
+  const bool taken = [&] {
+    if (!last_command_) return true;
+    switch (interface_) {
+      case CommandInterface::kJointPosition: return state.q_d == last_command_->q_c;
+      case CommandInterface::kJointVelocity: return state.dq_d == last_command_->dq_c;
+      case CommandInterface::kTorque: return state.tau_J_d == last_command_->tau_J_d;
+      // The robot may have made it orthonormal: there is no telling.
+      case CommandInterface::kCartesianPose: return true;
+    }
+    return true;
+  }();
+  // After more than one cycle the state no longer shows the command itself: it counts as taken, lest
+  // a loop that answers every other state be taken for one that is never heard.
+  unserved_ = taken || cycles > 1 ? cycles - 1 : unserved_ + 1;
+  return unserved_;
 }
 
 void CommandChain::Generate(const RobotState& state, RobotCommand& command) const noexcept {

@@ -85,7 +85,7 @@ bool ControlTick::PassesGate(const RobotState& state) noexcept {
 void ControlTick::Generate(const RobotState& state) noexcept {
   const Deposit& deposit = exchange_.deposits.value();
   record_.command.message_id = state.message_id;
-  chain_.Next(state, deposit.target, fresh_, cycles_, record_.command);
+  chain_.Next(state, deposit.target, fresh_, cycles_, deposit.source_time, record_.command);
   cycles_ = 0;
   fresh_ = false;
   finishing_ = finishing_ || (deposit.finished && chain_.Arrived(state));

@@ -1,5 +1,9 @@
 #include "loop/controller_thread.h"
 
+#include <exception>
+#include <future>
+#include <utility>
+
 namespace twin::loop {
 namespace {
 
@@ -10,15 +14,21 @@ constexpr Duration kLook = std::chrono::milliseconds(50);
 ControllerThread::ControllerThread(const MonotonicClock& clock, ControllerLoop& loop,
                                    const MotionWatch& watch, rt::Signal& moving,
                                    const rt::ThreadSettings& settings)
-    : clock_(clock),
-      loop_(loop),
-      watch_(watch),
-      wake_(moving),
-      thread_([this, settings](const std::stop_token& stop) {
-        // Whatever it is not permitted the communication thread, which asks for more, tells.
-        static_cast<void>(rt::SetUpThisThread(settings));
+    : clock_(clock), loop_(loop), watch_(watch), wake_(moving) {
+  std::promise<std::vector<std::string>> set_up;
+  std::future<std::vector<std::string>> notices = set_up.get_future();
+  thread_ = std::jthread(
+      [this, settings, set_up = std::move(set_up)](const std::stop_token& stop) mutable {
+        try {
+          set_up.set_value(rt::SetUpThisThread(settings));
+        } catch (...) {
+          set_up.set_exception(std::current_exception());
+          return;
+        }
         Run(stop);
-      }) {}
+      });
+  notices_ = notices.get();
+}
 
 void ControllerThread::Stop() {
   if (!thread_.joinable()) return;

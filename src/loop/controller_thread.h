@@ -1,7 +1,9 @@
 #pragma once
 
 #include <stop_token>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "loop/motion_watch.h"
 #include "twin/core/clock.h"
@@ -17,9 +19,13 @@ namespace twin::loop {
 /// Threads: constructed, stopped and destroyed by the onlooker.
 class ControllerThread {
  public:
+  /// Starts the thread, and returns when it is set up. @throws InputError as rt::SetUpThisThread.
   /// @param moving  notified at the first state of the motion; this thread waits on it.
   ControllerThread(const MonotonicClock& clock, ControllerLoop& loop, const MotionWatch& watch,
                    rt::Signal& moving, const rt::ThreadSettings& settings);
+
+  /// What the thread was not permitted.
+  [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
 
   /// No update is running, and none begins, after it returns.
   void Stop();
@@ -31,6 +37,7 @@ class ControllerThread {
   ControllerLoop& loop_;
   const MotionWatch& watch_;
   rt::Signal& wake_;
+  std::vector<std::string> notices_;
   std::jthread thread_;
 };
 

@@ -1,5 +1,6 @@
 #include "loop/motion_session.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -93,13 +94,15 @@ bool MotionSession::Pass(Time limit, const std::function<bool()>& done) {
 void MotionSession::LookOn() {
   const Time now = stage_.Now();
   if (now < next_look_) return;
+  // Who has not looked for long was stopped itself, and cannot say that the others were silent.
+  if (now > next_look_ + kSilence) silent_since_ = now;
   next_look_ = now + kLookPeriod;
   if (watch_.expected() && !watch_.ended()) NoticeSilence();
   if (run_.progress) run_.progress(now);
 }
 
 void MotionSession::NoticeSilence() {
-  const Duration silence = stage_.Now() - watch_.last_state();
+  const Duration silence = stage_.Now() - std::max(watch_.last_state(), silent_since_);
   if (silence < kSilence) return;
   if (run_.backend.Describe().last_end != backend::MotionEnd::kNone) {
     watch_.End();

@@ -63,6 +63,7 @@ class MotionSession {
   bool stopping_ = false;
   bool deaf_ = false;  ///< no state comes any more
   Time next_look_{};
+  Time silent_since_{};  ///< at the earliest
 };
 
 }  // namespace twin::loop

@@ -41,7 +41,8 @@ class MotionWatch {
   }
 
   void Fail(LoopFailure failure) noexcept TWIN_REALTIME {
-    failure_.store(failure, std::memory_order_release);
+    LoopFailure none = LoopFailure::kNone;  // the first failure stays
+    failure_.compare_exchange_strong(none, failure, std::memory_order_acq_rel);
   }
   /// The motion is over though no state has shown it.
   void End() noexcept { ended_.store(true, std::memory_order_release); }

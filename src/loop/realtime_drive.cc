@@ -1,5 +1,6 @@
 #include "twin/loop/realtime_drive.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "loop/communication_thread.h"
@@ -24,6 +25,13 @@ MotionRun WithoutModels(MotionRun run) {
   run.controller_loop.cost = rt::DelayModel();
   run.controller_loop.wake_delay = rt::DelayModel();
   return run;
+}
+
+/// What both threads were refused is told once.
+void AddNew(const std::vector<std::string>& notices, std::vector<std::string>& all) {
+  for (const std::string& notice : notices) {
+    if (std::ranges::find(all, notice) == all.end()) all.push_back(notice);
+  }
 }
 
 /// Runs `call` on the communication thread.
@@ -65,6 +73,7 @@ class RealtimeStage final : public Stage {
     report.timings = loop_->timings();
     report.controller_overruns = controller_loop_.overruns();
     report.notices = communication_.notices();
+    if (controller_) AddNew(controller_->notices(), report.notices);
     if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_->LastTicks();
     if (connection_.robot_time != nullptr) {
       report.robot_timings = connection_.robot_time->timings();

@@ -5,137 +5,142 @@
 
 #include <Eigen/Geometry>
 
-#include "twin/core/time.h"
-
 namespace twin::loop {
 namespace {
 
 using control::CommandInterface;
 
 constexpr double kT = kCycleSeconds;
-constexpr double kOmega = 6;  // 1/s
 
-/// Once a source has stalled, what is more than this in a cycle is a jump. As a velocity it makes
-/// 2 rad/s^2; as a position, corrected by lambda = 1e-3, a jerk of 500 rad/s^3.
-constexpr double kVelocityJump = 2e-3;
-constexpr double kPositionJump = 5e-4;
-/// An offset this small is gone: as a velocity it makes a jerk of 1e-4.
+/// Of a motion, and of a torque, 1/s. A torque is inside a feedback loop, which wants it back soon.
+constexpr double kOmega = 6;
+constexpr double kTorqueOmega = 30;
+
+/// Unserved cycles in a row after which the demand is no longer what the robot does. After one the
+/// generator's own way back costs three times the trajectory's jerk.
+constexpr std::uint64_t kLapse = 2;
+
+/// Cycles that one step takes a difference on by, at most: the tick is bounded.
+constexpr std::uint64_t kLongestStep = 64;
+
+/// A difference this small is gone: as a velocity it makes a jerk of 1e-4 rad/s^3.
 constexpr double kGone = 1e-10;
 
 Eigen::Map<const Eigen::Matrix4d> AsMatrix(const Transform& T) {
   return Eigen::Map<const Eigen::Matrix4d>(T.data());
 }
 
-/// Rotation vector that leads from `from` to `to`, base axes.
-Eigen::Vector3d RotationBetween(const Transform& from, const Transform& to) {
-  const Eigen::Matrix3d R =
-      AsMatrix(to).topLeftCorner<3, 3>() * AsMatrix(from).topLeftCorner<3, 3>().transpose();
-  const Eigen::AngleAxisd turn(R);
-  return turn.angle() * turn.axis();
+/// Twist that leads from one pose to the other in a cycle, base axes.
+std::array<double, kJoints> TwistBetween(const Transform& from, const Transform& to) {
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(AsMatrix(to).topLeftCorner<3, 3>() *
+                                               AsMatrix(from).topLeftCorner<3, 3>().transpose()));
+  std::array<double, kJoints> twist{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    twist[i] = (to[12 + i] - from[12 + i]) / kT;
+    twist[3 + i] = turn.angle() * turn.axis()[static_cast<Eigen::Index>(i)] / kT;
+  }
+  return twist;
 }
 
-/// Turns `T` back by the rotation vector `turn`.
-void TurnBack(const Eigen::Vector3d& turn, Transform& T) {
+/// `pose` after one cycle of `twist`.
+Transform Moved(Transform pose, const std::array<double, kJoints>& twist) {
+  for (std::size_t i = 0; i < 3; ++i) pose[12 + i] += kT * twist[i];
+  const Eigen::Vector3d turn = kT * Eigen::Vector3d(twist[3], twist[4], twist[5]);
   const double angle = turn.norm();
-  if (angle == 0) return;
-  Eigen::Map<Eigen::Matrix4d> matrix(T.data());
-  const Eigen::Matrix3d R = Eigen::AngleAxisd(-angle, turn / angle).toRotationMatrix();
+  if (angle == 0) return pose;
+  Eigen::Map<Eigen::Matrix4d> matrix(pose.data());
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
   matrix.topLeftCorner<3, 3>() = (R * matrix.topLeftCorner<3, 3>()).eval();
+  return pose;
+}
+
+std::array<double, kJoints> Widened(const Vector6& values) {
+  std::array<double, kJoints> wide{};
+  std::ranges::copy(values, wide.begin());
+  return wide;
 }
 
 }  // namespace
 
-void StallBridge::Offset::Step() noexcept {
-  static const double decay = std::exp(-kOmega * kT);
-  const double drive = rate + kOmega * x;
+void StallBridge::Difference::Step(double omega, double decay) noexcept {
+  const double drive = rate + omega * x;
   x = (x + drive * kT) * decay;
-  rate = (rate - kOmega * drive * kT) * decay;
-  if (std::abs(x) < kGone && std::abs(rate) < kGone) *this = Offset();
+  rate = (rate - omega * drive * kT) * decay;
+  if (std::abs(x) < kGone && std::abs(rate) < kGone) *this = Difference();
 }
+
+StallBridge::StallBridge(CommandInterface interface, std::uint64_t period_cycles) noexcept
+    : interface_(interface),
+      period_cycles_(period_cycles),
+      omega_(interface == CommandInterface::kTorque ? kTorqueOmega : kOmega),
+      decay_(std::exp(-omega_ * kT)) {}
 
 void StallBridge::Reset() noexcept {
   *this = StallBridge(interface_, period_cycles_);
 }
 
-void StallBridge::Bridge(Motion& motion, bool turns) noexcept {
-  active_ = false;
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    Offset& v = velocity_offset_[i];
-    Offset& p = position_offset_[i];
-    const double jump = motion.velocity[i] - last_velocity_[i];
-    const double leap = motion.step[i] - kT * motion.velocity[i];
-    if (turns || std::abs(jump) > kVelocityJump) v.x += jump;
-    if (std::abs(leap) > kPositionJump) p.x += leap;
-    last_velocity_[i] = motion.velocity[i];
-    motion.velocity[i] -= v.x;
-    v.Step();
-    p.Step();
-    active_ = active_ || stalled() || !v.gone() || !p.gone();
-  }
+bool StallBridge::IsLate(std::uint64_t cycles, Time source_time) const noexcept {
+  if (waited_ > period_cycles_) return true;
+  if (!source_time_) return false;
+  const auto robot = static_cast<std::int64_t>(waited_ + cycles);
+  const auto period = static_cast<std::int64_t>(period_cycles_);
+  return source_time - *source_time_ > kCycle * (robot + period) + kCycle / 2;
 }
 
-StallBridge::Motion StallBridge::MotionOf(const reference::Target& target) const noexcept {
-  Motion motion;
-  switch (interface_) {
-    case CommandInterface::kJointPosition:
-      motion.velocity = target.joint.dq;
-      for (std::size_t i = 0; i < kJoints; ++i) {
-        motion.step[i] = target.joint.q[i] - last_.joint.q[i];
-      }
-      return motion;
-    case CommandInterface::kCartesianPose: {
-      std::ranges::copy(target.pose.O_dP_EE, motion.velocity.begin());
-      const Eigen::Vector3d turn = RotationBetween(last_.pose.O_T_EE, target.pose.O_T_EE);
-      for (std::size_t i = 0; i < 3; ++i) {
-        motion.step[i] = target.pose.O_T_EE[12 + i] - last_.pose.O_T_EE[12 + i];
-        motion.step[3 + i] = turn[static_cast<Eigen::Index>(i)];
-      }
-      return motion;
-    }
-    // These have no position that could leap: it is where the velocity leads.
-    case CommandInterface::kJointVelocity: motion.velocity = target.joint.dq; break;
-    case CommandInterface::kTorque: motion.velocity = target.tau_J_d; break;
-  }
-  for (std::size_t i = 0; i < kJoints; ++i) motion.step[i] = kT * motion.velocity[i];
-  return motion;
-}
-
-reference::Target StallBridge::Carried(reference::Target target,
-                                       const Values& velocity) const noexcept {
-  switch (interface_) {
-    case CommandInterface::kJointPosition:
-      for (std::size_t i = 0; i < kJoints; ++i) target.joint.q[i] -= position_offset_[i].x;
-      target.joint.dq = velocity;
-      break;
-    case CommandInterface::kJointVelocity: target.joint.dq = velocity; break;
-    case CommandInterface::kTorque: target.tau_J_d = velocity; break;
-    case CommandInterface::kCartesianPose:
-      for (std::size_t i = 0; i < 3; ++i) target.pose.O_T_EE[12 + i] -= position_offset_[i].x;
-      TurnBack({position_offset_[3].x, position_offset_[4].x, position_offset_[5].x},
-               target.pose.O_T_EE);
-      std::copy_n(velocity.begin(), target.pose.O_dP_EE.size(), target.pose.O_dP_EE.begin());
-      break;
-  }
-  return target;
-}
-
-reference::Target StallBridge::Next(const reference::Target& target, bool fresh,
-                                    std::uint64_t cycles) noexcept {
+void StallBridge::Observe(bool fresh, std::uint64_t cycles, Time source_time,
+                          std::uint64_t unserved) noexcept {
   const bool was_stalled = stalled();
-  const bool late = fresh && waited_ > period_cycles_;
+  const bool late = fresh && IsLate(cycles, source_time);
   waited_ = fresh ? 0 : waited_ + cycles;
-  const bool turns = late || stalled() != was_stalled;
-  if (!active_ && turns) last_velocity_ = MotionOf(last_).velocity;
-  active_ = active_ || turns;
-  if (!active_) {
-    last_ = target;
-    return target;
+  if (fresh) source_time_ = source_time;
+  cycles_ = std::min(cycles, kLongestStep);
+  // A late deposit's velocity is the mean over its delay, the next one's is the present one; behind
+  // a rate matcher both take a window to come through.
+  if (late || unserved >= kLapse || stalled() != was_stalled) {
+    going_on_ = 2 * period_cycles_ + 1;
+    active_ = true;
   }
-  Motion motion = MotionOf(target);
-  if (stalled()) motion = Motion();
-  last_ = target;
-  Bridge(motion, turns);
-  return Carried(target, motion.velocity);
+}
+
+void StallBridge::CarryValues(Values& demand, const Values& last, const Values& rate) noexcept {
+  const bool goes_on = going_on_ > 0;
+  const double elapsed = kT * static_cast<double>(cycles_);
+  going_on_ -= goes_on ? 1 : 0;
+  active_ = goes_on;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    Difference& e = difference_[i];
+    if (goes_on) {
+      const double x = demand[i] - (last[i] + kT * rate[i]);
+      e = {x, began_ ? (x - e.x) / elapsed : 0};
+    } else {
+      for (std::uint64_t k = 0; k < cycles_; ++k) e.Step(omega_, decay_);
+    }
+    demand[i] -= e.x;
+    active_ = active_ || !e.gone();
+  }
+  began_ = goes_on;
+}
+
+void StallBridge::Carry(const RobotState& state, RobotCommand& command) noexcept {
+  switch (interface_) {
+    case CommandInterface::kJointPosition: {
+      Values dq{};
+      for (std::size_t i = 0; i < kJoints; ++i) dq[i] = (command.q_c[i] - state.q_d[i]) / kT;
+      CarryValues(dq, state.dq_d, state.ddq_d);
+      for (std::size_t i = 0; i < kJoints; ++i) command.q_c[i] = state.q_d[i] + kT * dq[i];
+      break;
+    }
+    case CommandInterface::kJointVelocity:
+      CarryValues(command.dq_c, state.dq_d, state.ddq_d);
+      break;
+    case CommandInterface::kTorque: CarryValues(command.tau_J_d, state.tau_J_d, {}); break;
+    case CommandInterface::kCartesianPose: {
+      Values twist = TwistBetween(state.O_T_EE_c, command.O_T_EE_c);
+      CarryValues(twist, Widened(state.O_dP_EE_c), Widened(state.O_ddP_EE_c));
+      command.O_T_EE_c = Moved(state.O_T_EE_c, twist);
+      break;
+    }
+  }
 }
 
 }  // namespace twin::loop

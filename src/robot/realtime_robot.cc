@@ -19,6 +19,11 @@ constexpr Duration kPatience = std::chrono::seconds(1);
 constexpr Duration kLongestWork = 10 * kCycle;
 constexpr Duration kRest = kCycle;
 
+/// Lateness of a cycle that leaves the grid where it is: an ordinary wake-up. The robot whose cycle
+/// begins later than that would have its next cycle, and the deadline of its next command, too
+/// soon.
+constexpr Duration kTolerated = kCycle / 4;
+
 /// A request and its answer, on their way through the errand box.
 template <typename Request>
 class Question final : public rt::Errand {
@@ -170,12 +175,11 @@ void RealtimeRobot::RunEventsUntil(Time until) noexcept {
 }
 
 void RealtimeRobot::PostponeIfStalled(Time now) noexcept {
-  const Time due = robot_.next_cycle();
-  const auto periods = (now - due) / robot_.period();
-  if (periods < 1) return;
-  robot_.Postpone(static_cast<std::uint64_t>(periods));
-  postponed_ += robot_.next_cycle() - due;
-  overruns_ += static_cast<std::uint64_t>(periods);
+  const Duration late = now - robot_.next_cycle();
+  if (late <= kTolerated) return;
+  robot_.Postpone(late);
+  postponed_ += late;
+  overruns_ += static_cast<std::uint64_t>(late / robot_.period());
 }
 
 }  // namespace twin::robot

@@ -43,8 +43,8 @@ Duration Robot::period() const noexcept {
   return Due(periods_ + 1) - next_cycle_;
 }
 
-void Robot::Postpone(std::uint64_t periods) noexcept {
-  periods_ += periods;
+void Robot::Postpone(Duration by) noexcept {
+  begin_ += by;
   next_cycle_ = Due(periods_);
 }
 

@@ -117,7 +117,7 @@ Reordering ReadReordering(const YamlNode& node) {
   const YamlMap map = node.Map({"share", "by"});
   Reordering reordering;
   reordering.share_percent = ReadShare(map.Require("share"));
-  reordering.by = ReadPart(map.Require("by"));
+  reordering.by = map.Require("by").Time(Duration::zero(), robot::kLongestOnTheWay);
   if (reordering.share_percent > 0 && reordering.by == Duration::zero()) {
     node.Fail("by is 0 s, which holds nothing back; give a time above 0, or a share of 0 %");
   }

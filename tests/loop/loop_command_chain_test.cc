@@ -28,7 +28,7 @@ RobotCommand After(const TickConfig& config, CommandInterface interface, const R
   CommandChain chain(config, interface);
   chain.Reset(state);
   RobotCommand command;
-  chain.Next(state, target, true, 1, command);
+  chain.Next(state, target, true, 1, {}, command);
   return command;
 }
 
@@ -106,12 +106,12 @@ TEST(CommandChainTest, ArrivesWhenThePoseIsReachedAtRest) {
   Target target;
   RobotCommand command;
   target.pose.O_T_EE[12] = 0.01;
-  chain.Next(state, target, true, 1, command);
+  chain.Next(state, target, true, 1, {}, command);
   EXPECT_FALSE(chain.Arrived(state));
   state.O_T_EE_c = target.pose.O_T_EE;
   EXPECT_TRUE(chain.Arrived(state));
   target.pose.O_dP_EE[2] = 0.1;
-  chain.Next(state, target, true, 1, command);
+  chain.Next(state, target, true, 1, {}, command);
   EXPECT_FALSE(chain.Arrived(state));
 }
 
@@ -189,7 +189,7 @@ TEST(CommandChainTest, AllocatesNothingOnAnyInterface) {
     chain.Reset(state);
     for (int k = 0; k < 2000; ++k) {
       target.joint.q[0] = target.tau_J_d[0] = target.pose.O_T_EE[12] = 1e-4 * k;
-      chain.Next(state, target, k % 8 == 0, 1, command);
+      chain.Next(state, target, k % 8 == 0, 1, {}, command);
     }
     EXPECT_EQ(guard.allocations(), 0);
   }

@@ -1,14 +1,16 @@
+// The stall bridge where it works: in the command chain, in front of a robot that takes or misses
+// its commands.
 #include "twin/loop/stall_bridge.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
-#include "twin/core/time.h"
-#include "twin/reference/joint_reference_generator.h"
+#include "twin/loop/command_chain.h"
 
 namespace twin::loop {
 namespace {
@@ -17,229 +19,301 @@ using control::CommandInterface;
 using reference::Target;
 
 constexpr double kT = kCycleSeconds;
-/// A source at 1 kHz; it counts as stalled after 5 cycles without a deposit.
-constexpr std::uint64_t kPeriod = 1;
-constexpr std::uint64_t kPatience = 5;
 
-/// What the robot would see of a command stream: its largest acceleration and jerk as shares of the
-/// limits, by backward differences from rest or from a given motion.
-class Judge {
+/// The robot's reference, by backward differences, and its largest acceleration and jerk as shares
+/// of the limits.
+class Reference {
  public:
-  /// @param dq  the motion so far, at constant velocity.
-  explicit Judge(const JointVector& q, const JointVector& dq = {}) : q_(q), dq_(dq) {}
+  explicit Reference(const Target& start) {
+    state.q_d = start.joint.q;
+    state.dq_d = start.joint.dq;
+    state.tau_J_d = start.tau_J_d;
+  }
 
-  void Take(const JointVector& q) {
+  void TakePosition(const JointVector& q_c) {
+    for (std::size_t i = 0; i < kJoints; ++i) Take(i, (q_c[i] - state.q_d[i]) / kT);
+    state.q_d = q_c;
+  }
+  void TakeVelocity(const JointVector& dq_c) {
     for (std::size_t i = 0; i < kJoints; ++i) {
-      const double dq = (q[i] - q_[i]) / kT;
-      const double ddq = (dq - dq_[i]) / kT;
-      acceleration = std::max(acceleration, std::abs(ddq) / limits_.ddq_max[i]);
-      jerk = std::max(jerk, std::abs(ddq - ddq_[i]) / kT / limits_.dddq_max[i]);
-      q_[i] = q[i];
-      dq_[i] = dq;
-      ddq_[i] = ddq;
+      Take(i, dq_c[i]);
+      state.q_d[i] += kT * dq_c[i];
+    }
+  }
+  void TakeTorque(const JointVector& tau) {
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      torque_rate = std::max(torque_rate, std::abs(tau[i] - state.tau_J_d[i]) / kT);
+    }
+    state.tau_J_d = tau;
+  }
+  /// No command: the acceleration is held.
+  void Miss() {
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      state.dq_d[i] += kT * state.ddq_d[i];
+      state.q_d[i] += kT * state.dq_d[i];
     }
   }
 
+  RobotState state;
   double acceleration = 0;
   double jerk = 0;
+  double torque_rate = 0;
 
  private:
+  void Take(std::size_t i, double dq) {
+    const double ddq = (dq - state.dq_d[i]) / kT;
+    acceleration = std::max(acceleration, std::abs(ddq) / limits_.ddq_max[i]);
+    jerk = std::max(jerk, std::abs(ddq - state.ddq_d[i]) / kT / limits_.dddq_max[i]);
+    state.dq_d[i] = dq;
+    state.ddq_d[i] = ddq;
+  }
+
   JointLimits limits_ = test::PandaLimits();
-  JointVector q_;
-  JointVector dq_;
-  JointVector ddq_{};
 };
 
-Target Moving(double t, double speed) {
+using Source = std::function<Target(double t)>;
+
+/// All joints at a constant speed.
+Source AtSpeed(double speed) {
+  return [speed](double t) {
+    Target target;
+    target.joint.q.fill(speed * t);
+    target.joint.dq.fill(speed);
+    return target;
+  };
+}
+
+/// All joints at 0.5 rad/s and 1.5 rad/s^2 at time 0: 0.2 of joint 2's limit, the generator's
+/// promise.
+Target Accelerating(double t) {
   Target target;
-  target.joint.q.fill(speed * t);
-  target.joint.dq.fill(speed);
+  target.joint.q.fill(0.5 * t + 0.75 * t * t);
+  target.joint.dq.fill(0.5 + 1.5 * t);
   return target;
 }
 
-/// A source at constant speed behind bridge and reference generator. It stalls after `before` s,
-/// for `stall` s, then goes on from where its own time is; `after` s later all is over.
+/// A source at 1 kHz in front of the chain, with one lapse.
 struct Course {
-  double speed = 1;
-  double before = 1;
-  double stall = 0.2;
-  double after = 5;
+  Source source = AtSpeed(1);
+  CommandInterface interface = CommandInterface::kJointPosition;
+  int cycles = 6000;
+  int lapse_begin = 1000;  ///< cycle
+  int stalled = 0;         ///< cycles from there without a deposit
+  int missed = 0;          ///< cycles from there in which the robot gets no command
+  double leap = 0;         ///< s by which the robot's time falls behind the source's, there
 
-  /// @returns where the reference is at the end.
-  double Run(Judge& judge) const {
-    StallBridge bridge(CommandInterface::kJointPosition, kPeriod);
-    const reference::JointReferenceGenerator generator(1e-3);
-    JointVector q_d{};
-    Target target = Moving(0, speed);
-    bool fresh = true;
-    const int cycles = static_cast<int>((before + stall + after) / kT);
+  Reference Run() const {
+    TickConfig config;
+    if (interface != CommandInterface::kJointPosition) config.generator = Generator::kNone;
+    CommandChain chain(config, interface);
+    Reference robot(source(0));
+    chain.Reset(robot.state);
+    Target target;
+    Time source_time{};
+    std::uint64_t waiting = 0;
+    bool fresh = false;
     for (int k = 1; k <= cycles; ++k) {
-      const double t = k * kT;
-      fresh = t <= before || t > before + stall;
-      if (fresh) target = Moving(t, speed);
-      q_d = generator.Next(q_d, bridge.Next(target, fresh, 1).joint);
-      judge.Take(q_d);
+      const bool lapsed = k >= lapse_begin;
+      const double t = k * kT + (lapsed ? leap : 0);
+      if (!lapsed || k >= lapse_begin + stalled) {
+        target = source(t);
+        source_time = Time(FromSeconds(t));
+        fresh = true;
+      }
+      ++waiting;
+      if (lapsed && k < lapse_begin + missed) {
+        robot.Miss();
+        continue;
+      }
+      RobotCommand command;
+      chain.Next(robot.state, target, fresh, waiting, source_time, command);
+      fresh = false;
+      waiting = 0;
+      switch (interface) {
+        case CommandInterface::kTorque: robot.TakeTorque(command.tau_J_d); break;
+        case CommandInterface::kJointVelocity: robot.TakeVelocity(command.dq_c); break;
+        default: robot.TakePosition(command.q_c);
+      }
     }
-    return q_d[0];
+    return robot;
   }
 };
 
-TEST(StallBridgeTest, PassesAHealthySourceToTheBit) {
-  StallBridge bridge(CommandInterface::kJointPosition, kPeriod);
-  for (int k = 0; k < 1000; ++k) {
-    const Target target = Moving(k * kT, std::sin(k * 0.01));
-    const Target out = bridge.Next(target, k % 2 == 0, 1);
-    EXPECT_EQ(out.joint.q, target.joint.q);
-    EXPECT_EQ(out.joint.dq, target.joint.dq);
-  }
-  EXPECT_FALSE(bridge.active());
+void ExpectWithinLimits(const Reference& robot) {
+  EXPECT_LT(robot.acceleration, 1);
+  EXPECT_LT(robot.jerk, 1);
 }
 
-TEST(StallBridgeTest, AStallOf200MillisecondsAtOneRadianPerSecondBreaksNoLimit) {
-  Judge judge(JointVector{}, JointVector{1, 1, 1, 1, 1, 1, 1});
-  const Course course;
-  const double end = course.Run(judge);
-  EXPECT_LT(judge.acceleration, 1);
-  EXPECT_LT(judge.jerk, 1);
-  // At the end it has the source again, but for what the generator's time constant of 1 s leaves.
-  EXPECT_NEAR(end, 6.2, 0.02);
+TEST(StallBridgeTest, LeavesASourceInTimeAlone) {
+  StallBridge bridge(CommandInterface::kJointPosition, 1);
+  for (int k = 0; k < 1000; ++k) {
+    // Every other deposit consumed twice, the next one skipped: two free-running loops.
+    bridge.Observe(k % 2 == 0, 1, Time(kCycle * (k - k % 2)), 0);
+    EXPECT_FALSE(bridge.active());
+  }
+}
+
+TEST(StallBridgeTest, AStallOf200MillisecondsBreaksNoLimitAndTheSourceIsFoundAgain) {
+  const Reference robot = Course{.stalled = 200}.Run();
+  ExpectWithinLimits(robot);
+  EXPECT_NEAR(robot.state.q_d[0], 6.0, 0.02) << "but for what the generator's 1 s leaves";
 }
 
 TEST(StallBridgeTest, NeitherDoesOneAtTheTopSpeedOfTheJoints) {
-  JointVector top;
-  top.fill(2.175);
-  Judge judge(JointVector{}, top);
-  Course course;
-  course.speed = 2.175;
-  static_cast<void>(course.Run(judge));
-  EXPECT_LT(judge.acceleration, 1);
-  EXPECT_LT(judge.jerk, 1);
-}
-
-TEST(StallBridgeTest, ADepositAFewCyclesLateDuringAnAccelerationIsNoJump) {
-  // Joint 1 accelerates with 3 rad/s^2; after 4 cycles without a deposit the source is 12 mrad/s
-  // faster: taken at once that would be 12 rad/s^2 in a cycle, and 12000 rad/s^3.
-  const auto at = [](double t) {
-    Target target;
-    target.joint.q[0] = 1.5 * t * t;
-    target.joint.dq[0] = 3 * t;
-    return target;
-  };
-  for (const bool bridged : {true, false}) {
-    StallBridge bridge(CommandInterface::kJointPosition, kPeriod);
-    const reference::JointReferenceGenerator generator(1e-3);
-    JointVector q_d{};
-    JointVector dq{};
-    dq[0] = 1.5;
-    q_d[0] = 1.5 * 0.25;
-    Judge judge(q_d, dq);
-    Target target = at(0.5);
-    for (int k = 501; k <= 700; ++k) {
-      const bool fresh = k < 550 || k > 553;
-      if (fresh) target = at(k * kT);
-      const Target used = bridged ? bridge.Next(target, fresh, 1) : target;
-      q_d = generator.Next(q_d, used.joint);
-      judge.Take(q_d);
-    }
-    EXPECT_EQ(judge.jerk < 1, bridged) << judge.jerk;
-  }
+  ExpectWithinLimits(Course{.source = AtSpeed(2.175), .stalled = 200}.Run());
 }
 
 TEST(StallBridgeTest, ASourceThatNeverReturnsDecaysToItsLastTarget) {
-  Judge judge(JointVector{}, JointVector{1, 1, 1, 1, 1, 1, 1});
-  Course course;
-  course.stall = 20;
-  course.after = 0;
-  const double end = course.Run(judge);
-  EXPECT_LT(judge.acceleration, 1);
-  EXPECT_NEAR(end, 1.0, 1e-6);
+  const Reference robot = Course{.cycles = 20000, .stalled = 100'000}.Run();
+  ExpectWithinLimits(robot);
+  EXPECT_NEAR(robot.state.q_d[0], 0.999, 1e-6);
 }
 
-TEST(StallBridgeTest, WithoutItTheSameStallIsAStepBeyondEveryLimit) {
-  // What the chain would do if the velocity of a stalled source were just taken as zero.
-  Judge judge(JointVector{}, JointVector{1, 1, 1, 1, 1, 1, 1});
-  const reference::JointReferenceGenerator generator(1e-3);
-  JointVector q_d{};
-  for (int k = 1; k <= 100; ++k) {
-    Target target = Moving(std::min(k, 50) * kT, k <= 50 ? 1 : 0);
-    q_d = generator.Next(q_d, target.joint);
-    judge.Take(q_d);
+TEST(StallBridgeTest, LapsesOfAllLengthsInAnAccelerationBreakNoLimit) {
+  for (const int length : {2, 3, 4, 5, 6, 8, 12, 20, 50}) {
+    SCOPED_TRACE(length);
+    Course course{.source = &Accelerating, .cycles = 400, .lapse_begin = 150, .stalled = length};
+    ExpectWithinLimits(course.Run());
+    // Of the robot's time, of 3 cycles and more.
+    course.stalled = 0;
+    course.leap = (length + 1) * kT;
+    ExpectWithinLimits(course.Run());
   }
-  EXPECT_GT(judge.acceleration, 10);
 }
 
-TEST(StallBridgeTest, OnceTheOffsetsAreGoneTargetsPassToTheBitAgain) {
-  StallBridge bridge(CommandInterface::kJointPosition, kPeriod);
-  static_cast<void>(bridge.Next(Moving(0, 0.5), true, 1));
-  for (int k = 0; k < 50; ++k) static_cast<void>(bridge.Next(Moving(0, 0.5), false, 1));
-  EXPECT_TRUE(bridge.stalled());
-  for (int k = 0; k < 10000; ++k) static_cast<void>(bridge.Next(Moving(k * kT, 0.5), true, 1));
-  EXPECT_FALSE(bridge.active());
-  const Target target = Moving(11, 0.5);
-  EXPECT_EQ(bridge.Next(target, true, 1).joint.dq, target.joint.dq);
+TEST(StallBridgeTest, ALapseOfSourceAndLinkTogetherGoesOnFromWhereTheRobotIs) {
+  // The communication stood still too: the robot has held its acceleration for eight cycles.
+  ExpectWithinLimits(
+      Course{.source = &Accelerating, .cycles = 400, .lapse_begin = 150, .stalled = 8, .missed = 8}
+          .Run());
 }
 
-TEST(StallBridgeTest, CyclesThatWereNotAnsweredCountAsWaiting) {
-  StallBridge bridge(CommandInterface::kJointPosition, kPeriod);
-  static_cast<void>(bridge.Next(Moving(0, 1), true, 1));
-  static_cast<void>(bridge.Next(Moving(0, 1), false, kPatience));
-  EXPECT_FALSE(bridge.stalled());
-  static_cast<void>(bridge.Next(Moving(0, 1), false, 1));
-  EXPECT_TRUE(bridge.stalled());
+TEST(StallBridgeTest, CommandsThatTheRobotDidNotTakeAreNoticedInItsState) {
+  // The robot holds a wrong acceleration over the lapse: it was in the middle of a correction.
+  for (const int missed : {1, 2, 4, 8, 15}) {
+    SCOPED_TRACE(missed);
+    ExpectWithinLimits(
+        Course{.source = &Accelerating, .cycles = 400, .lapse_begin = 150, .missed = missed}.Run());
+  }
+}
+
+TEST(StallBridgeTest, ALoopThatAnswersEveryOtherStateIsNoLapse) {
+  CommandChain chain({}, CommandInterface::kJointPosition);
+  Reference robot(AtSpeed(0.5)(0));
+  chain.Reset(robot.state);
+  for (int k = 2; k <= 4000; k += 2) {
+    RobotCommand command;
+    const Target target = AtSpeed(0.5)(k * kT);
+    chain.Next(robot.state, target, true, 2, Time(kCycle * k), command);
+    robot.TakePosition(command.q_c);
+    robot.Miss();
+  }
+  ExpectWithinLimits(robot);
+  EXPECT_NEAR(robot.state.q_d[0], 2, 0.01);
+}
+
+TEST(StallBridgeTest, WithoutItsDetectionTheSameLapseBreaksThem) {
+  // The same chain with a source that claims to be in time.
+  Course course{.source = &Accelerating, .cycles = 400, .lapse_begin = 150, .leap = 0.02};
+  CommandChain chain({}, CommandInterface::kJointPosition);
+  Reference robot(Accelerating(0));
+  chain.Reset(robot.state);
+  for (int k = 1; k <= course.cycles; ++k) {
+    RobotCommand command;
+    const double t = k * kT + (k >= course.lapse_begin ? course.leap : 0);
+    chain.Next(robot.state, Accelerating(t), true, 1, Time(kCycle * k), command);
+    robot.TakePosition(command.q_c);
+  }
+  EXPECT_GT(robot.jerk, 1);
+}
+
+TEST(StallBridgeTest, AVelocitySourceIsItselfAgainAfterALapse) {
+  const auto sine = [](double t) {
+    Target target;
+    target.joint.dq.fill(0.4 * std::sin(2 * M_PI * t));
+    return target;
+  };
+  for (const int length : {3, 10, 200}) {
+    const Reference robot = Course{.source = sine,
+                                   .interface = CommandInterface::kJointVelocity,
+                                   .cycles = 8250,
+                                   .stalled = length}
+                                .Run();
+    ExpectWithinLimits(robot);
+    EXPECT_DOUBLE_EQ(robot.state.dq_d[0], 0.4 * std::sin(2 * M_PI * 8.25));
+  }
+}
+
+TEST(StallBridgeTest, ATorqueSourceIsItselfAgainSoonAfterALapse) {
+  const auto sine = [](double t) {
+    Target target;
+    target.tau_J_d.fill(5 * std::sin(2 * M_PI * t));
+    return target;
+  };
+  for (const int length : {3, 10, 200}) {
+    const Reference robot = Course{.source = sine,
+                                   .interface = CommandInterface::kTorque,
+                                   .cycles = 2250,
+                                   .stalled = length}
+                                .Run();
+    EXPECT_LT(robot.torque_rate, 1000);
+    EXPECT_NEAR(robot.state.tau_J_d[0], 5, 1e-6);
+  }
 }
 
 TEST(StallBridgeTest, AStalledTorqueSourceDecaysToZeroWithinTheTorqueRate) {
-  StallBridge bridge(CommandInterface::kTorque, kPeriod);
-  Target target;
-  target.tau_J_d.fill(80);
-  double last = bridge.Next(target, true, 1).tau_J_d[0];
-  for (int k = 0; k < 6000; ++k) {
-    const double tau = bridge.Next(target, false, 1).tau_J_d[0];
-    EXPECT_LT(std::abs(tau - last) / kT, 1000);
-    last = tau;
-  }
-  EXPECT_NEAR(last, 0, 1e-6);
-}
-
-TEST(StallBridgeTest, AStalledVelocitySourceComesToRest) {
-  StallBridge bridge(CommandInterface::kJointVelocity, kPeriod);
-  static_cast<void>(bridge.Next(Moving(0, 2), true, 1));
-  double dq = 2;
-  for (int k = 0; k < 6000; ++k) dq = bridge.Next(Moving(0, 2), false, 1).joint.dq[0];
-  EXPECT_EQ(dq, 0);
-}
-
-TEST(StallBridgeTest, APoseSourceIsCarriedOverAStallWithoutALeap) {
-  StallBridge bridge(CommandInterface::kCartesianPose, kPeriod);
-  // 0.2 m/s along x and 0.5 rad/s about z.
-  const auto pose_at = [](double t) {
-    const double a = 0.5 * t;
+  const auto constant = [](double) {
     Target target;
-    target.pose.O_T_EE = {std::cos(a), std::sin(a), 0, 0, -std::sin(a), std::cos(a), 0, 0,
-                          0,           0,           1, 0, 0.2 * t,      0,           0, 1};
-    target.pose.O_dP_EE = {0.2, 0, 0, 0, 0, 0.5};
+    target.tau_J_d.fill(80);
     return target;
   };
-  Target target = pose_at(0);
-  Transform last = bridge.Next(target, true, 1).pose.O_T_EE;
-  for (int k = 1; k <= 3000; ++k) {
-    const bool fresh = k < 500 || k > 700;
-    if (fresh) target = pose_at(k * kT);
-    const Transform now = bridge.Next(target, fresh, 1).pose.O_T_EE;
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      ASSERT_NEAR(now[i], last[i], 2e-3) << "element " << i << " leaps in cycle " << k;
-    }
-    last = now;
-  }
-  const Transform end = pose_at(3).pose.O_T_EE;
-  for (std::size_t i = 0; i < end.size(); ++i) EXPECT_NEAR(last[i], end[i], 1e-5);
+  const Reference robot = Course{.source = constant,
+                                 .interface = CommandInterface::kTorque,
+                                 .cycles = 3000,
+                                 .stalled = 100'000}
+                              .Run();
+  EXPECT_LT(robot.torque_rate, 1000);
+  EXPECT_EQ(robot.state.tau_J_d[0], 0);
+}
+
+TEST(StallBridgeTest, ALatePoseGoesOnFromTheRobotsOwn) {
+  // 0.2 m/s along x and 0.5 rad/s about z; the demand is 1 mm and 10 mrad further on.
+  StallBridge bridge(CommandInterface::kCartesianPose, 1);
+  bridge.Observe(true, 1, Time(kCycle), 0);
+  bridge.Observe(true, 1, Time(20 * kCycle), 0);
+  ASSERT_TRUE(bridge.active());
+  RobotState state;
+  state.O_dP_EE_c = {0.2, 0, 0, 0, 0, 0.5};
+  RobotCommand command;
+  command.O_T_EE_c = {std::cos(0.01),
+                      std::sin(0.01),
+                      0,
+                      0,
+                      -std::sin(0.01),
+                      std::cos(0.01),
+                      0,
+                      0,
+                      0,
+                      0,
+                      1,
+                      0,
+                      1e-3,
+                      0,
+                      0,
+                      1};
+  bridge.Carry(state, command);
+  EXPECT_NEAR(command.O_T_EE_c[12], 0.2e-3, 1e-12);
+  EXPECT_NEAR(command.O_T_EE_c[1], std::sin(0.5e-3), 1e-12);
 }
 
 TEST(StallBridgeTest, AllocatesNothing) {
-  StallBridge bridge(CommandInterface::kJointPosition, kPeriod);
+  StallBridge bridge(CommandInterface::kJointPosition, 1);
+  RobotState state;
+  RobotCommand command;
   const test::RealtimeGuard guard;
   for (int k = 0; k < 10000; ++k) {
-    static_cast<void>(bridge.Next(Moving(k * kT, 1), k % 300 < 100, 1));
+    bridge.Observe(k % 300 < 100, 1, Time(kCycle * k), 0);
+    if (bridge.active()) bridge.Carry(state, command);
   }
   const auto counts = guard.counts();
   EXPECT_EQ(counts.allocations, 0);

@@ -109,7 +109,11 @@ class RealtimeRobotTest : public ::testing::Test {
   std::unique_ptr<RealtimeRobot> robot_;
 };
 
-/// Ids without a gap, instants on the grid of whole periods, and no cycle before it was due.
+/// Lateness that leaves the grid where it is.
+constexpr Duration kTolerated = microseconds(250);
+
+/// Ids without a gap, instants a period apart but where a cycle was postponed, and no cycle before
+/// it was due.
 void ExpectSoundGrid(const std::vector<Cycle>& cycles, std::uint64_t overruns) {
   ASSERT_FALSE(cycles.empty());
   std::uint64_t skipped = 0;
@@ -118,8 +122,7 @@ void ExpectSoundGrid(const std::vector<Cycle>& cycles, std::uint64_t overruns) {
     EXPECT_GE(cycles[i].put, cycles[i].at);
     if (i == 0) continue;
     const Duration step = cycles[i].at - cycles[i - 1].at;
-    EXPECT_EQ(step % kCycle, Duration::zero());
-    ASSERT_GE(step, kCycle);
+    EXPECT_TRUE(step == kCycle || step > kCycle + kTolerated) << step.count() << " ns";
     skipped += static_cast<std::uint64_t>(step / kCycle - 1);
   }
   // The first cycle, and the one that End() kept from being run, may have been postponed too.
@@ -145,10 +148,11 @@ TEST_F(RealtimeRobotTest, FollowsAClockThatDrifts) {
   robot_->Begin();
   AwaitCycle(100);
   robot_->End();
-  const Time first = cycles_.kept().front().at;
-  for (const Cycle& cycle : cycles_.kept()) {
-    const double periods = ToSeconds(cycle.at - first) * 0.999 / kCycleSeconds;
-    EXPECT_NEAR(periods, std::round(periods), 2e-6) << "cycle " << cycle.id;
+  const std::vector<Cycle>& cycles = cycles_.kept();
+  for (std::size_t i = 1; i < cycles.size(); ++i) {
+    const double step = ToSeconds(cycles[i].at - cycles[i - 1].at);
+    const bool postponed = step > 1e-3 / 0.999 + ToSeconds(kTolerated);
+    EXPECT_TRUE(postponed || std::abs(step - 1e-3 / 0.999) < 2e-9) << "cycle " << cycles[i].id;
   }
 }
 

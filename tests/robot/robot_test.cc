@@ -126,8 +126,8 @@ TEST_F(RobotTest, APostponedCycleKeepsItsIdAndTheGrid) {
     const Time before = cycle_.last.at;
     const std::uint64_t id = cycle_.last.state.message_id;
     const Duration period = robot_->period();
-    robot_->Postpone(4);
-    robot_->Postpone(2);
+    robot_->Postpone(4 * period);
+    robot_->Postpone(2 * period);
     RunFor(milliseconds(8));
     EXPECT_EQ(cycle_.last.state.message_id, id + 2) << "cycles 7 and 8 periods after the last";
     EXPECT_NEAR(ToSeconds(cycle_.last.at - before), ToSeconds(8 * period), 10e-9);
@@ -140,7 +140,7 @@ TEST_F(RobotTest, APostponedCycleTakesTheCommandThatArrivedMeanwhile) {
   Make(config, std::make_unique<plant::IdealPlant>());
   ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
   RunFor(milliseconds(5));
-  robot_->Postpone(3);
+  robot_->Postpone(3 * kCycle);
   RobotCommand command;
   command.message_id = cycle_.last.state.message_id;
   command.q_c = test::kReady;

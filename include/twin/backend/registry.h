@@ -47,7 +47,7 @@ struct Request {
 /// How a simulated robot kept its own time, in real time.
 struct RobotTimings {
   rt::DurationHistogram lateness;    ///< of a cycle's begin after its deadline
-  std::uint64_t overruns = 0;        ///< whole periods that were skipped, never caught up
+  std::uint64_t overruns = 0;        ///< whole periods that were skipped
   std::uint64_t commands_lost = 0;   ///< written while it took none for so long that they piled up
   std::vector<std::string> notices;  ///< what its thread was not permitted
 };

@@ -18,7 +18,7 @@
 namespace twin::loop {
 
 /// From the deposited target to the command that answers a state:
-///   rate matcher -> stall bridge -> reference generator -> [low-pass -> rate limiter].
+///   rate matcher -> reference generator -> stall bridge -> [low-pass -> rate limiter].
 /// The last two are libfranka's client-side stages, in its order, off unless configured. Everything
 /// but the matcher's window and the bridge is a function of the state: it continues from what the
 /// robot really took. A raw position stream (no generator) is not bridged: a source that stalls
@@ -37,8 +37,9 @@ class CommandChain {
   /// @param fresh   the target was deposited since the last call.
   /// @param cycles  of the robot since the last call, at least 1: the matcher's window is of
   /// cycles, those that could not be answered included.
+  /// @param source_time  of the target, on the source's own clock.
   void Next(const RobotState& state, const reference::Target& target, bool fresh,
-            std::uint64_t cycles, RobotCommand& command) noexcept TWIN_REALTIME;
+            std::uint64_t cycles, Time source_time, RobotCommand& command) noexcept TWIN_REALTIME;
 
   /// Target after rate matching, of the last Next().
   [[nodiscard]] const reference::Target& matched() const noexcept { return matched_; }
@@ -49,6 +50,8 @@ class CommandChain {
  private:
   void Match(const reference::Target& target) noexcept;
   void Generate(const RobotState& state, RobotCommand& command) const noexcept;
+  /// @returns cycles before `state` in a row in which the robot took no command of ours.
+  std::uint64_t CountUnserved(const RobotState& state, std::uint64_t cycles) noexcept;
   void Filter(const RobotState& state, RobotCommand& command) const noexcept;
   void Limit(const RobotState& state, RobotCommand& command) const noexcept;
 
@@ -61,6 +64,8 @@ class CommandChain {
   reference::CartesianReferenceGenerator cartesian_generator_;
   reference::LowPass low_pass_;
   StallBridge bridge_;
+  std::optional<RobotCommand> last_command_;
+  std::uint64_t unserved_ = 0;
   reference::Target matched_;
 };
 

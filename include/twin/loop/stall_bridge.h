@@ -2,81 +2,89 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "twin/control/controller.h"
 #include "twin/core/realtime.h"
-#include "twin/reference/target.h"
+#include "twin/core/robot_command.h"
+#include "twin/core/robot_state.h"
+#include "twin/core/time.h"
 
 namespace twin::loop {
 
-/// Carries the chain over a source that stalls, and back when it returns.
+/// Carries the chain over a source that stalls, or a robot that does, and back when it returns.
 ///
-/// A target's velocity is the source's at its deposit. While no new deposit comes it is reused,
-/// which is right for a cycle or two and wrong for ever. With N the cycles of the source's period:
-/// - a deposit that comes after more than N cycles without one is late;
-/// - after 2 N + 3 cycles the source counts as stalled, and its velocity as zero, so that the
-/// reference
-///   generator decays to the last target.
-/// Neither that nor the late source's return, further on by now, may be a step: jumps of velocity
-/// and of position are absorbed into offsets which a critically damped motion takes away,
-///   x'' + 2 w x' + w^2 x = 0,  w = 6 1/s,
-/// so that a jump v costs at most 0.37 w v of acceleration (4.8 rad/s^2 at a joint's
-/// 2.175 rad/s) and w^2 v of jerk. While a source is in time, and once the offsets are gone,
-/// targets pass unchanged to the bit.
+/// A target's velocity is the source's at its deposit. While no new deposit comes it is reused:
+/// right for a cycle or two, wrong for ever. With N the cycles of the source's period,
+/// - a deposit is late when more than N cycles went without one, or when its source time has gone
+/// on
+///   by more than N + 1/2 cycles above the robot's own (then it was the robot that stood still);
+/// - after 2 N + 3 cycles without one the source counts as stalled: its velocity (or torque) is
+/// zero,
+///   so that the reference generator decays to the last target.
+/// And when the robot took none of two or more commands in a row, its reference has gone its own
+/// way. In all these cases what the chain demands would jump. Instead, for 2 N + 1 cycles the
+/// command goes on as the robot's reference does, at its own acceleration, and the difference e to
+/// the demand is then taken away by a critically damped motion:
+///   v = demand - e,  e'' + 2 w e' + w^2 e = 0,  w = 6 1/s  (torques: 30 1/s),
+/// which costs at most 0.37 w e of acceleration and w^2 e of jerk: 4.8 rad/s^2 for a joint's 2.175
+/// rad/s. A source in time is untouched, to the bit. The paper says that a stalled stream decays
+/// gracefully; how is our decision.
 ///
-/// On the velocity and torque interfaces a stalled source decays to zero velocity or torque (the
-/// robot compensates gravity). For poses the rotation's offset is a rotation vector in base axes.
-/// The decision to bridge, and w, are ours; the paper says that a stalled stream decays gracefully.
-///
-/// Threads: one. Real-time: Next() is noexcept, O(1), allocates nothing.
+/// Threads: one. Real-time: noexcept, allocates nothing; O(cycles), at most 64.
 class StallBridge {
  public:
   /// @param period_cycles  N, at least 1.
-  StallBridge(control::CommandInterface interface, std::uint64_t period_cycles) noexcept
-      : interface_(interface), period_cycles_(period_cycles) {}
+  StallBridge(control::CommandInterface interface, std::uint64_t period_cycles) noexcept;
 
   /// A motion begins.
   void Reset() noexcept;
 
-  /// @param target  newest, rate-matched. @param fresh  a deposit has come since the last call.
+  /// Before the chain's demand is formed.
+  /// @param fresh   a deposit has come since the last call.
   /// @param cycles  of the robot since the last call, at least 1.
-  [[nodiscard]] reference::Target Next(const reference::Target& target, bool fresh,
-                                       std::uint64_t cycles) noexcept TWIN_REALTIME;
+  /// @param source_time  of the newest deposit, on the source's own clock.
+  /// @param unserved  cycles in a row in which the robot took no command.
+  void Observe(bool fresh, std::uint64_t cycles, Time source_time,
+               std::uint64_t unserved) noexcept TWIN_REALTIME;
 
   /// Whether the source counts as stalled.
   [[nodiscard]] bool stalled() const noexcept { return waited_ > 2 * period_cycles_ + 3; }
-  /// Whether offsets of a stall are still being taken away.
+  /// Whether Carry() has anything to do.
   [[nodiscard]] bool active() const noexcept { return active_; }
 
+  /// After the demand has been formed: puts what the bridge makes of it into `command`.
+  /// @param state  that the command answers.
+  void Carry(const RobotState& state, RobotCommand& command) noexcept TWIN_REALTIME;
+
  private:
-  /// An offset on its way to zero.
-  struct Offset {
-    double x = 0;
-    double rate = 0;
-    void Step() noexcept;
-    [[nodiscard]] bool gone() const noexcept { return x == 0 && rate == 0; }
-  };
-  /// What is carried: seven joints (or torques); or three translations and three rotations.
+  /// Seven joints (or torques); or three translations and three rotations.
   using Values = std::array<double, kJoints>;
 
-  struct Motion {
-    Values velocity{};
-    Values step{};  ///< of the position since the last target
+  /// A difference on its way to zero.
+  struct Difference {
+    double x = 0;
+    double rate = 0;
+    void Step(double omega, double decay) noexcept;
+    [[nodiscard]] bool gone() const noexcept { return x == 0 && rate == 0; }
   };
 
-  [[nodiscard]] Motion MotionOf(const reference::Target& target) const noexcept;
-  [[nodiscard]] reference::Target Carried(reference::Target target,
-                                          const Values& velocity) const noexcept;
-  void Bridge(Motion& motion, bool turns) noexcept;
+  [[nodiscard]] bool IsLate(std::uint64_t cycles, Time source_time) const noexcept;
+  /// @param last, rate  what the robot's reference does, and how that changes.
+  void CarryValues(Values& demand, const Values& last, const Values& rate) noexcept;
 
   control::CommandInterface interface_;
   std::uint64_t period_cycles_;
+  double omega_;  ///< 1/s
+  double decay_;  ///< of one cycle
+
   std::uint64_t waited_ = 0;
+  std::uint64_t cycles_ = 1;         ///< of the last Observe()
+  std::uint64_t going_on_ = 0;       ///< cycles for which the reference just goes on
+  std::optional<Time> source_time_;  ///< of the last fresh deposit
   bool active_ = false;
-  Values last_velocity_{};
-  reference::Target last_;
-  std::array<Offset, kJoints> velocity_offset_{};
-  std::array<Offset, kJoints> position_offset_{};
+  bool began_ = false;  ///< the last Carry() was one of those cycles
+  std::array<Difference, kJoints> difference_{};
 };
 
 }  // namespace twin::loop

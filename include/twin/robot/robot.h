@@ -46,9 +46,9 @@ class Robot final : private rt::EventHandler {
   /// Starts the cycles: begin is the queue's now, the first is due one period later. Once.
   void Begin() noexcept;
 
-  /// INT was stalled: its next cycle, and all after it, are due `periods` whole periods later.
-  /// Nothing is caught up: message ids go on by one, only time has jumped.
-  void Postpone(std::uint64_t periods) noexcept TWIN_REALTIME;
+  /// INT was stalled: its next cycle, and all after it, are due so much later. Nothing is caught
+  /// up: message ids go on by one, only time has jumped.
+  void Postpone(Duration by) noexcept TWIN_REALTIME;
 
   /// When the next cycle is due. @pre after Begin().
   [[nodiscard]] Time next_cycle() const noexcept { return next_cycle_; }
@@ -93,7 +93,7 @@ class Robot final : private rt::EventHandler {
   double clock_speed_;  ///< of INT's clock, against the queue's
 
   Time begin_{};
-  std::uint64_t periods_ = 0;  ///< from begin to the next cycle
+  std::uint64_t periods_ = 0;  ///< from begin_, what was postponed in it, to the next cycle
   Time next_cycle_{};
   onboard::Violations last_violations_;
   rt::CycleRecord record_;

@@ -10,7 +10,7 @@
 namespace twin::rt {
 
 /// Percentiles of very many durations in fixed memory: bins whose width grows with the value, each
-/// power of two divided into 64, so that a percentile is right within 1.6 %. Minimum, maximum and
+/// power of two divided into 256, so that a percentile is right within 0.4 %. Minimum, maximum and
 /// count are exact.
 ///
 /// Values below 0 count as 0, those above 2^40 ns (18 minutes) as that.
@@ -33,7 +33,7 @@ class DurationHistogram {
   void Reset() noexcept { *this = DurationHistogram(); }
 
  private:
-  static constexpr int kSubBits = 6;    ///< 2^6 bins per power of two
+  static constexpr int kSubBits = 8;    ///< 2^8 bins per power of two
   static constexpr int kMostBits = 40;  ///< 2^40 ns is the largest value
   static constexpr std::size_t kBins = std::size_t{kMostBits - kSubBits + 2} << kSubBits;
 
