@@ -97,28 +97,32 @@ void StallBridge::Observe(bool fresh, std::uint64_t cycles, Time source_time,
   // A late deposit's velocity is the mean over its delay, the next one's is the present one; behind
   // a rate matcher both take a window to come through.
   if (late || unserved >= kLapse || stalled() != was_stalled) {
-    going_on_ = 2 * period_cycles_ + 1;
+    going_on_ = 2 * period_cycles_ + 3;
     active_ = true;
   }
 }
 
 void StallBridge::CarryValues(Values& demand, const Values& last, const Values& rate) noexcept {
   const bool goes_on = going_on_ > 0;
-  const double elapsed = kT * static_cast<double>(cycles_);
+  // What the difference rises by is taken over the last N + 2 of these commands: the jitter of
+  // single deposits evens out, and the late one's mean velocity is past.
+  const bool is_first = going_on_ == period_cycles_ + 3;
+  since_first_ = is_first ? 0 : since_first_ + cycles_;
   going_on_ -= goes_on ? 1 : 0;
   active_ = goes_on;
   for (std::size_t i = 0; i < kJoints; ++i) {
     Difference& e = difference_[i];
     if (goes_on) {
       const double x = demand[i] - (last[i] + kT * rate[i]);
-      e = {x, began_ ? (x - e.x) / elapsed : 0};
+      if (is_first) first_[i] = x;
+      const bool has_rise = going_on_ + 1 < period_cycles_ + 3 && since_first_ > 0;
+      e = {x, has_rise ? (x - first_[i]) / (kT * static_cast<double>(since_first_)) : 0};
     } else {
       for (std::uint64_t k = 0; k < cycles_; ++k) e.Step(omega_, decay_);
     }
     demand[i] -= e.x;
     active_ = active_ || !e.gone();
   }
-  began_ = goes_on;
 }
 
 void StallBridge::Carry(const RobotState& state, RobotCommand& command) noexcept {

@@ -23,8 +23,8 @@ namespace twin::loop {
 /// zero,
 ///   so that the reference generator decays to the last target.
 /// And when the robot took none of two or more commands in a row, its reference has gone its own
-/// way. In all these cases what the chain demands would jump. Instead, for 2 N + 1 cycles the
-/// command goes on as the robot's reference does, at its own acceleration, and the difference e to
+/// way. In all these cases what the chain demands would jump. Instead, for 2 N + 3 commands it
+/// goes on as the robot's reference does, at its own acceleration, and the difference e to
 /// the demand is then taken away by a critically damped motion:
 ///   v = demand - e,  e'' + 2 w e' + w^2 e = 0,  w = 6 1/s  (torques: 30 1/s),
 /// which costs at most 0.37 w e of acceleration and w^2 e of jerk: 4.8 rad/s^2 for a joint's 2.175
@@ -82,8 +82,9 @@ class StallBridge {
   std::uint64_t cycles_ = 1;         ///< of the last Observe()
   std::uint64_t going_on_ = 0;       ///< cycles for which the reference just goes on
   std::optional<Time> source_time_;  ///< of the last fresh deposit
+  std::uint64_t since_first_ = 0;    ///< cycles since first_ was taken
+  Values first_{};  ///< difference at the first of the commands its rise is taken over
   bool active_ = false;
-  bool began_ = false;  ///< the last Carry() was one of those cycles
   std::array<Difference, kJoints> difference_{};
 };
 
