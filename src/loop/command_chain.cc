@@ -117,8 +117,8 @@ std::uint64_t CommandChain::CountUnserved(const RobotState& state, std::uint64_t
     }
     return true;
   }();
-  // After more than one cycle the state no longer shows the command itself: it counts as taken, lest
-  // a loop that answers every other state be taken for one that is never heard.
+  // After more than one cycle the state no longer shows the command itself: it counts as taken,
+  // lest a loop that answers every other state be taken for one that is never heard.
   unserved_ = taken || cycles > 1 ? cycles - 1 : unserved_ + 1;
   return unserved_;
 }

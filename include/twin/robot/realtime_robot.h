@@ -33,8 +33,8 @@ namespace twin::robot {
 ///     Move(), ... ---> ErrandBox, between two events ------------->
 ///
 /// What is due runs in order of its time: a command enters the link at the instant of its Write(),
-/// after all that was due before. A cycle that would begin more than 0.25 ms late is postponed by as
-/// much, and all after it: two cycles are never much closer than a period, nothing is caught up,
+/// after all that was due before. A cycle that would begin more than 0.25 ms late is postponed by
+/// as much, and all after it: two cycles are never much closer than a period, nothing is caught up,
 /// and the whole periods among it are counted.
 ///
 /// Before Begin() and after End() no time passes for the robot: requests are answered at once,
