@@ -88,7 +88,7 @@ class RealtimeDriveTest : public ::testing::Test {
     };
     constexpr int kAttempts = 10;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      auto outcome = std::make_unique<Outcome>(make());
+      std::unique_ptr<Outcome> outcome(new Outcome{make(), {}, {}});
       outcome->report = Run(outcome->controller, &outcome->counter);
       const bool disturbed =
           outcome->counter.longest_loss > 3 || outcome->report.robot_timings.overruns > 3;

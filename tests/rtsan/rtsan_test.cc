@@ -11,9 +11,10 @@
 #include "twin/plant/ideal_plant.h"
 #include "twin/robot/robot.h"
 
+// The sanitizer's own names.
 extern "C" {
-void __rtsan_realtime_enter();
-void __rtsan_realtime_exit();
+void __rtsan_realtime_enter();  // NOLINT(bugprone-reserved-identifier)
+void __rtsan_realtime_exit();   // NOLINT(bugprone-reserved-identifier)
 }
 
 namespace twin::loop {
