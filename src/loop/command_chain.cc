@@ -15,6 +15,11 @@ const TickConfig& Validated(const TickConfig& config, CommandInterface interface
   return config;
 }
 
+/// The rate whose updates are spread over the cycles; that of the cycles themselves: none are.
+double MatchedRate(const TickConfig& config) noexcept {
+  return config.rate_matching ? config.source_rate_hz : 1 / kCycleSeconds;
+}
+
 template <std::size_t N>
 bool AllFinite(const std::array<double, N>& values) noexcept {
   return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
@@ -37,6 +42,29 @@ bool IsTransform(const Transform& T) noexcept {
   return true;
 }
 
+/// The values of a command by which the next state shows that it was taken. None for poses: the
+/// robot may have made one orthonormal, and there is no telling.
+std::optional<JointVector> Sent(const RobotCommand& command, CommandInterface interface) noexcept {
+  switch (interface) {
+    case CommandInterface::kJointPosition: return command.q_c;
+    case CommandInterface::kJointVelocity: return command.dq_c;
+    case CommandInterface::kTorque: return command.tau_J_d;
+    case CommandInterface::kCartesianPose: break;
+  }
+  return {};
+}
+
+/// The same values of a state.
+std::optional<JointVector> Shown(const RobotState& state, CommandInterface interface) noexcept {
+  switch (interface) {
+    case CommandInterface::kJointPosition: return state.q_d;
+    case CommandInterface::kJointVelocity: return state.dq_d;
+    case CommandInterface::kTorque: return state.tau_J_d;
+    case CommandInterface::kCartesianPose: break;
+  }
+  return {};
+}
+
 /// Largest distance of two poses: of a coordinate in m, of a rotation matrix's element (rad, when
 /// it is small).
 double Distance(const Transform& a, const Transform& b) noexcept {
@@ -50,9 +78,9 @@ double Distance(const Transform& a, const Transform& b) noexcept {
 CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
     : config_(Validated(config, interface)),
       interface_(interface),
-      joint_matcher_(config.rate_matching ? config.source_rate_hz : 1000),
-      torque_matcher_(config.rate_matching ? config.source_rate_hz : 1000),
-      pose_matcher_(config.rate_matching ? config.source_rate_hz : 1000),
+      joint_matcher_(MatchedRate(config)),
+      torque_matcher_(MatchedRate(config)),
+      pose_matcher_(MatchedRate(config)),
       joint_generator_(config.lambda),
       cartesian_generator_(config.lambda),
       low_pass_(config.low_pass_hz),
@@ -60,7 +88,7 @@ CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
 
 void CommandChain::Reset(const RobotState& state) noexcept {
   bridge_.Reset();
-  last_command_.reset();
+  sent_.reset();
   unserved_ = 0;
   switch (interface_) {
     case CommandInterface::kJointPosition:
@@ -100,26 +128,16 @@ void CommandChain::Next(const RobotState& state, const reference::Target& target
   }
   Generate(state, command);
   if (bridge_.active()) bridge_.Carry(state, command);
-  last_command_ = command;
   if (low_pass_.is_on()) Filter(state, command);
   if (config_.limiter) Limit(state, command);
+  sent_ = Sent(command, interface_);
 }
 
 std::uint64_t CommandChain::CountUnserved(const RobotState& state, std::uint64_t cycles) noexcept {
-  const bool taken = [&] {
-    if (!last_command_) return true;
-    switch (interface_) {
-      case CommandInterface::kJointPosition: return state.q_d == last_command_->q_c;
-      case CommandInterface::kJointVelocity: return state.dq_d == last_command_->dq_c;
-      case CommandInterface::kTorque: return state.tau_J_d == last_command_->tau_J_d;
-      // The robot may have made it orthonormal: there is no telling.
-      case CommandInterface::kCartesianPose: return true;
-    }
-    return true;
-  }();
   // After more than one cycle the state no longer shows the command itself: it counts as taken,
   // lest a loop that answers every other state be taken for one that is never heard.
-  unserved_ = taken || cycles > 1 ? cycles - 1 : unserved_ + 1;
+  const bool taken = cycles > 1 || !sent_ || Shown(state, interface_) == sent_;
+  unserved_ = taken ? cycles - 1 : unserved_ + 1;
   return unserved_;
 }
 
@@ -178,6 +196,7 @@ void CommandChain::Limit(const RobotState& state, RobotCommand& command) const n
 }
 
 bool CommandChain::Arrived(const RobotState& state) const noexcept {
+  if (!bridge_.settled()) return false;
   const reference::JointTarget& joint = matched_.joint;
   switch (interface_) {
     case CommandInterface::kJointPosition:

@@ -79,6 +79,13 @@ void StallBridge::Reset() noexcept {
   *this = StallBridge(interface_, period_cycles_);
 }
 
+bool StallBridge::settled() const noexcept {
+  constexpr double kSettled = 1e-4;
+  return going_on_ == 0 && std::ranges::all_of(difference_, [](const Difference& e) {
+           return std::abs(e.x) <= kSettled;
+         });
+}
+
 bool StallBridge::IsLate(std::uint64_t cycles, Time source_time) const noexcept {
   if (waited_ > period_cycles_) return true;
   if (!source_time_) return false;
@@ -115,7 +122,7 @@ void StallBridge::CarryValues(Values& demand, const Values& last, const Values& 
     if (goes_on) {
       const double x = demand[i] - (last[i] + kT * rate[i]);
       if (is_first) first_[i] = x;
-      const bool has_rise = going_on_ + 1 < period_cycles_ + 3 && since_first_ > 0;
+      const bool has_rise = going_on_ + 1 < period_cycles_ + 3;
       e = {x, has_rise ? (x - first_[i]) / (kT * static_cast<double>(since_first_)) : 0};
     } else {
       for (std::uint64_t k = 0; k < cycles_; ++k) e.Step(omega_, decay_);

@@ -139,6 +139,25 @@ struct Course {
   }
 };
 
+/// A slow source behind generator and low-pass, every command taken.
+struct LowPassCourse {
+  static constexpr int kCycles = 200;
+
+  explicit LowPassCourse(const TickConfig& config) {
+    CommandChain chain(config, CommandInterface::kJointPosition);
+    Reference robot{Target()};
+    chain.Reset(robot.state);
+    for (int k = 1; k <= kCycles; ++k) {
+      RobotCommand command;
+      chain.Next(robot.state, AtSpeed(0.001)(k * kT), true, 1, Time(kCycle * k), command);
+      robot.TakePosition(command.q_c);
+    }
+    q_d = robot.state.q_d;
+  }
+
+  JointVector q_d{};
+};
+
 void ExpectWithinLimits(const Reference& robot) {
   EXPECT_LT(robot.acceleration, 1);
   EXPECT_LT(robot.jerk, 1);
@@ -203,6 +222,34 @@ TEST(StallBridgeTest, ALoopThatAnswersEveryOtherStateIsNoLapse) {
     bridge.Observe(true, 2, Time(2 * k * kCycle), 1);
     EXPECT_FALSE(bridge.active());
   }
+}
+
+TEST(StallBridgeTest, StagesBehindItAreNotTakenForALapse) {
+  // What the robot takes is what the low-pass made of the demand: still the chain's own command.
+  TickConfig config;
+  config.low_pass_hz = 100;
+  const LowPassCourse bridged(config);
+  const reference::LowPass low_pass(config.low_pass_hz);
+  const reference::JointReferenceGenerator generator(config.lambda);
+  JointVector q_d{};
+  for (int k = 1; k <= LowPassCourse::kCycles; ++k) {
+    q_d = low_pass.Filter(generator.Next(q_d, AtSpeed(0.001)(k * kT).joint), q_d);
+  }
+  EXPECT_EQ(bridged.q_d, q_d);
+}
+
+TEST(StallBridgeTest, AMotionIsNotFinishedWhileADifferenceIsLeft) {
+  TickConfig config;
+  config.generator = Generator::kNone;
+  CommandChain chain(config, CommandInterface::kJointVelocity);
+  Reference robot(AtSpeed(0.5)(0));
+  chain.Reset(robot.state);
+  RobotCommand command;
+  chain.Next(robot.state, AtSpeed(0.5)(kT), true, 1, Time(kCycle), command);
+  robot.TakeVelocity(command.dq_c);
+  // Back from 50 ms without a deposit, the source is at rest and done; the robot is not.
+  chain.Next(robot.state, Target(), true, 1, Time(50 * kCycle), command);
+  EXPECT_FALSE(chain.Arrived(robot.state));
 }
 
 TEST(StallBridgeTest, WithoutItsDetectionTheSameLapseBreaksThem) {

@@ -44,7 +44,8 @@ class CommandChain {
   /// Target after rate matching, of the last Next().
   [[nodiscard]] const reference::Target& matched() const noexcept { return matched_; }
 
-  /// The matched target is at rest, and the robot's reference within the finish tolerance of it.
+  /// The matched target is at rest, nothing is left of a stall, and the robot's reference is within
+  /// the finish tolerance of it.
   [[nodiscard]] bool Arrived(const RobotState& state) const noexcept TWIN_REALTIME;
 
  private:
@@ -64,7 +65,7 @@ class CommandChain {
   reference::CartesianReferenceGenerator cartesian_generator_;
   reference::LowPass low_pass_;
   StallBridge bridge_;
-  std::optional<RobotCommand> last_command_;
+  std::optional<JointVector> sent_;  ///< by which the next state shows that the command was taken
   std::uint64_t unserved_ = 0;
   reference::Target matched_;
 };

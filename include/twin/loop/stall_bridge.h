@@ -53,6 +53,10 @@ class StallBridge {
   /// Whether Carry() has anything to do.
   [[nodiscard]] bool active() const noexcept { return active_; }
 
+  /// Whether so little is left of a lapse that the robot can stand still from it: at most 1e-4
+  /// rad/s (0.1 rad/s^2 and 100 rad/s^3 when it is dropped in a cycle), or Nm.
+  [[nodiscard]] bool settled() const noexcept;
+
   /// After the demand has been formed: puts what the bridge makes of it into `command`.
   /// @param state  that the command answers.
   void Carry(const RobotState& state, RobotCommand& command) noexcept TWIN_REALTIME;
@@ -80,7 +84,7 @@ class StallBridge {
 
   std::uint64_t waited_ = 0;
   std::uint64_t cycles_ = 1;         ///< of the last Observe()
-  std::uint64_t going_on_ = 0;       ///< cycles for which the reference just goes on
+  std::uint64_t going_on_ = 0;       ///< commands for which the reference just goes on
   std::optional<Time> source_time_;  ///< of the last fresh deposit
   std::uint64_t since_first_ = 0;    ///< cycles since first_ was taken
   Values first_{};  ///< difference at the first of the commands its rise is taken over
