@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
+#include "twin/model/rotation.h"
 
 namespace twin::loop {
 namespace {
@@ -26,32 +26,22 @@ constexpr std::uint64_t kLongestStep = 64;
 /// A difference this small is gone: as a velocity it makes a jerk of 1e-4 rad/s^3.
 constexpr double kGone = 1e-10;
 
-Eigen::Map<const Eigen::Matrix4d> AsMatrix(const Transform& T) {
-  return Eigen::Map<const Eigen::Matrix4d>(T.data());
-}
-
 /// Twist that leads from one pose to the other in a cycle, base axes.
 std::array<double, kJoints> TwistBetween(const Transform& from, const Transform& to) {
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(AsMatrix(to).topLeftCorner<3, 3>() *
-                                               AsMatrix(from).topLeftCorner<3, 3>().transpose()));
+  const Eigen::Vector3d turn = model::TurnBetween(from, to);
   std::array<double, kJoints> twist{};
   for (std::size_t i = 0; i < 3; ++i) {
     twist[i] = (to[12 + i] - from[12 + i]) / kT;
-    twist[3 + i] = turn.angle() * turn.axis()[static_cast<Eigen::Index>(i)] / kT;
+    twist[3 + i] = turn[static_cast<Eigen::Index>(i)] / kT;
   }
   return twist;
 }
 
 /// `pose` after one cycle of `twist`.
-Transform Moved(Transform pose, const std::array<double, kJoints>& twist) {
-  for (std::size_t i = 0; i < 3; ++i) pose[12 + i] += kT * twist[i];
-  const Eigen::Vector3d turn = kT * Eigen::Vector3d(twist[3], twist[4], twist[5]);
-  const double angle = turn.norm();
-  if (angle == 0) return pose;
-  Eigen::Map<Eigen::Matrix4d> matrix(pose.data());
-  const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-  matrix.topLeftCorner<3, 3>() = (R * matrix.topLeftCorner<3, 3>()).eval();
-  return pose;
+Transform Moved(const Transform& pose, const std::array<double, kJoints>& twist) {
+  const Eigen::Vector3d turn(twist[3], twist[4], twist[5]);
+  const Eigen::Vector3d move(twist[0], twist[1], twist[2]);
+  return model::Turned(pose, kT * turn, model::Position(pose) + kT * move);
 }
 
 std::array<double, kJoints> Widened(const Vector6& values) {

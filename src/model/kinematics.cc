@@ -18,8 +18,6 @@ using internal::operator*;
 
 namespace {
 
-constexpr double kElbowFlipAngle = -0.467002423653011;  // rad; source: libfranka, RobotState::elbow
-
 /// A frame by its axes and its origin, in the base.
 struct Axes {
   Vector3 x{1, 0, 0};

@@ -2,9 +2,9 @@
 
 #include <numbers>
 
-#include "reference/rotation.h"
 #include "twin/core/require.h"
 #include "twin/core/time.h"
+#include "twin/model/rotation.h"
 
 namespace twin::reference {
 namespace {
@@ -23,9 +23,9 @@ LowPass::LowPass(double cutoff_hz) : gain_(GainOf(cutoff_hz)) {}
 
 Transform LowPass::FilterPose(const Transform& O_T_EE_c, const Transform& last) const noexcept {
   if (!is_on()) return O_T_EE_c;
-  const Eigen::Vector3d p_last = internal::Position(last);
-  return internal::Turned(last, gain_ * internal::TurnBetween(last, O_T_EE_c),
-                          p_last + gain_ * (internal::Position(O_T_EE_c) - p_last));
+  const Eigen::Vector3d p_last = model::Position(last);
+  return model::Turned(last, gain_ * model::TurnBetween(last, O_T_EE_c),
+                       p_last + gain_ * (model::Position(O_T_EE_c) - p_last));
 }
 
 }  // namespace twin::reference

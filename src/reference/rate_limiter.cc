@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "reference/rotation.h"
 #include "twin/core/time.h"
+#include "twin/model/rotation.h"
 
 namespace twin::reference {
 namespace {
@@ -113,13 +113,13 @@ Transform LimitCartesianPose(const Transform& O_T_EE_c, const Transform& last,
                              const Vector6& O_dP_EE_c, const Vector6& O_ddP_EE_c,
                              const ClientLimits& limits) noexcept {
   if (!AllFinite(O_T_EE_c)) return O_T_EE_c;
-  const Vector3d p = internal::Position(last);
-  const Vector3d v = LimitVelocity((internal::Position(O_T_EE_c) - p) / kT, Linear(O_dP_EE_c),
+  const Vector3d p = model::Position(last);
+  const Vector3d v = LimitVelocity((model::Position(O_T_EE_c) - p) / kT, Linear(O_dP_EE_c),
                                    Linear(O_ddP_EE_c), limits.translation);
   const Vector3d w =
-      LimitVelocity(internal::TurnBetween(last, O_T_EE_c) / kT, Angular(O_dP_EE_c),
+      LimitVelocity(model::TurnBetween(last, O_T_EE_c) / kT, Angular(O_dP_EE_c),
                     Angular(O_ddP_EE_c), Scaled(limits.rotation, kPoseRotationShare));
-  return internal::Turned(last, w * kT, p + v * kT);
+  return model::Turned(last, w * kT, p + v * kT);
 }
 
 Vector6 LimitCartesianVelocity(const Vector6& O_dP_EE_c, const Vector6& last,

@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "reference/rotation.h"
+#include "twin/model/rotation.h"
 
 namespace twin::reference {
 namespace {
@@ -26,7 +26,7 @@ Eigen::Quaterniond QuaternionOf(const PoseComponents& values) noexcept {
 
 /// @param before  the quaternion whose sign is to be matched.
 PoseComponents ComponentsOf(const PoseTarget& target, const Eigen::Quaterniond& before) noexcept {
-  Eigen::Quaterniond orientation = internal::Orientation(target.O_T_EE);
+  Eigen::Quaterniond orientation = model::Orientation(target.O_T_EE);
   if (orientation.dot(before) < 0) orientation.coeffs() *= -1;
   PoseComponents values;
   const auto twist = std::copy_n(target.O_T_EE.begin() + 12, 3, values.begin());
@@ -73,7 +73,7 @@ PoseTarget PoseRateMatcher::Next(const PoseTarget& u) noexcept {
   const bool is_newest = mean.coeffs() == QuaternionOf(newest).coeffs() || mean.norm() < kCancelled;
   PoseTarget y = u;
   if (!is_newest) {
-    y.O_T_EE = internal::Pose(mean.normalized(), Eigen::Vector3d::Zero());
+    y.O_T_EE = model::Pose(mean.normalized(), Eigen::Vector3d::Zero());
   }
   std::copy_n(values.begin(), 3, y.O_T_EE.begin() + 12);
   std::copy_n(values.begin() + 3, 6, y.O_dP_EE.begin());

@@ -7,6 +7,7 @@
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
+#include "twin/model/arm_model.h"
 
 namespace twin::controllers {
 namespace {
@@ -53,6 +54,31 @@ TEST(JointTrajectoryControllerTest, IsNotDelayedByASkippedUpdate) {
   controller.Update(StateAt(kFirst), Time(1s), output);
   controller.Update(StateAt(kFirst), Time(1700ms), output);
   EXPECT_EQ(output.target.joint.q, trajectory.Sample(700ms).q);
+}
+
+TEST(JointTrajectoryControllerTest, GivesThePoseOfTheRobotsOwnEndEffectorOnThePath) {
+  const Trajectory trajectory = TestTrajectory();
+  JointTrajectoryController controller(
+      trajectory, {.command_interface = CommandInterface::kCartesianPose, .give_velocity = true});
+  EXPECT_EQ(controller.command_interface(), CommandInterface::kCartesianPose);
+  RobotState state = StateAt(kFirst);
+  state.F_T_EE[14] = 0.1034;
+  controller.Activate(state, Time(0s));
+  ControllerOutput output;
+  const model::ArmModel& arm = model::ArmModel::Panda();
+  const auto pose = [&](Duration t) {
+    return arm.Pose(model::Frame::kEndEffector, trajectory.Sample(t).q, state.F_T_EE);
+  };
+  controller.Update(state, Time(0s), output);
+  for (Duration t = 50ms; t < 1950ms; t += 50ms) {
+    controller.Update(state, Time(t), output);
+    EXPECT_TRUE(output.has_velocity);
+    EXPECT_EQ(output.target.pose.O_T_EE, pose(t));
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double difference = (pose(t + 1ms)[12 + i] - pose(t - 1ms)[12 + i]) / 2e-3;
+      EXPECT_NEAR(output.target.pose.O_dP_EE[i], difference, 1e-5) << i;
+    }
+  }
 }
 
 TEST(JointTrajectoryControllerTest, KeepsGivingTheGoalAtRestOnceFinished) {

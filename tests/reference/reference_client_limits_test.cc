@@ -41,7 +41,7 @@ TEST(ClientLimitsTest, GivesLibfrankasNumbersOfThePandasJoints) {
 }
 
 TEST(ClientLimitsTest, GivesLibfrankasNumbersOfThePandasEndEffector) {
-  CartesianLimits cartesian = PandaCartesianLimits();
+  CartesianLimits cartesian = test::PandaCartesianLimits();
   cartesian.translation.dp_max = 2.0;  // what libfranka 0.9.2 reckons from
   const ClientLimits limits = ClientLimits::Of(test::PandaLimits(), cartesian);
   ExpectBound(limits.translation, 1.960003, 12.999, 6499.999);
@@ -64,13 +64,13 @@ TEST(ClientLimitsTest, StaysWithinTheRobotsVelocityForThreeLostPackets) {
 TEST(ClientLimitsTest, RefusesALimitOfWhichNothingIsLeft) {
   JointLimits joint = test::PandaLimits();
   joint.dq_max[2] = 0.030997;  // 1e-3 and three packets at 9.999 rad/s^2
-  EXPECT_THAT([&] { (void)ClientLimits::Of(joint, PandaCartesianLimits()); },
+  EXPECT_THAT([&] { (void)ClientLimits::Of(joint, test::PandaCartesianLimits()); },
               ThrowsMessage<InputError>(
                   AllOf(HasSubstr("dq_max of joint 3 is 0.030997"), HasSubstr("above 0.030997"))));
   joint.dq_max[2] = 0.032;
-  EXPECT_NEAR(ClientLimits::Of(joint, PandaCartesianLimits()).dq_max[2], 0.001003, kRounding);
+  EXPECT_NEAR(ClientLimits::Of(joint, test::PandaCartesianLimits()).dq_max[2], 0.001003, kRounding);
 
-  CartesianLimits cartesian = PandaCartesianLimits();
+  CartesianLimits cartesian = test::PandaCartesianLimits();
   cartesian.elbow.dddp_max = 1e-3;
   EXPECT_THAT([&] { (void)ClientLimits::Of(test::PandaLimits(), cartesian); },
               ThrowsMessage<InputError>(HasSubstr("dddp_max of the elbow is 0.001")));
@@ -82,12 +82,12 @@ TEST(ClientLimitsTest, RefusesWhatIsNoFiniteNumber) {
                              &JointLimits::dtau_max}) {
       JointLimits joint = test::PandaLimits();
       (joint.*field)[6] = bad;
-      EXPECT_THAT([&] { (void)ClientLimits::Of(joint, PandaCartesianLimits()); },
+      EXPECT_THAT([&] { (void)ClientLimits::Of(joint, test::PandaCartesianLimits()); },
                   ThrowsMessage<InputError>(HasSubstr("joint 7")));
     }
     for (const auto field :
          {&CartesianBound::dp_max, &CartesianBound::ddp_max, &CartesianBound::dddp_max}) {
-      CartesianLimits cartesian = PandaCartesianLimits();
+      CartesianLimits cartesian = test::PandaCartesianLimits();
       cartesian.rotation.*field = bad;
       EXPECT_THAT([&] { (void)ClientLimits::Of(test::PandaLimits(), cartesian); },
                   ThrowsMessage<InputError>(HasSubstr("the rotation")));

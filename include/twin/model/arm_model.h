@@ -126,8 +126,12 @@ class ArmModel {
   std::array<MassMoments, kJoints> links_{};  // each about its joint frame's origin
 };
 
-/// @returns angle of joint 3 and the sign of the elbow flip: +1 if q4 is above the angle of largest
-/// extension, -0.467002423653011 rad, -1 if below, 0 if equal. Usual configurations give -1.
+/// Angle of joint 4 at which the arm is stretched most, rad. Source: libfranka,
+/// RobotState::elbow.
+inline constexpr double kElbowFlipAngle = -0.467002423653011;
+
+/// @returns angle of joint 3 and the sign of the elbow flip: +1 if q4 is above kElbowFlipAngle, -1
+/// if below, 0 if equal. Usual configurations give -1.
 /// Source: FCI protocol 5; libfranka documentation of `elbow`.
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.

@@ -1,17 +1,23 @@
-#include "reference/rotation.h"
+#include "twin/model/rotation.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "reference/reference_samples.h"
+#include "support/pose_samples.h"
 
-namespace twin::reference::internal {
+namespace twin::model {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using test::Obliqueness;
+using test::PoseOf;
+using test::PositionOf;
+using test::RandomPose;
+using test::RandomVector;
+using test::RotationOf;
 
 /// Rodrigues' formula in full: 1 + sin(x) K + (1 - cos(x)) K^2.
 Matrix3d Rodrigues(const Vector3d& phi) {
@@ -76,4 +82,4 @@ TEST(RotationTest, ATurnBelowResolutionLeavesTheRotationBitForBit) {
 }
 
 }  // namespace
-}  // namespace twin::reference::internal
+}  // namespace twin::model

@@ -6,7 +6,7 @@
 
 // Rotations of poses: between matrix, unit quaternion and rotation vector (axis times angle).
 // All functions: any thread, real-time, no allocation.
-namespace twin::reference::internal {
+namespace twin::model {
 
 /// Unit quaternion of the rotation block; a block that rounding has made a little oblique is
 /// straightened by it.
@@ -33,4 +33,4 @@ namespace twin::reference::internal {
 [[nodiscard]] Transform Turned(const Transform& X, const Eigen::Vector3d& phi,
                                const Eigen::Vector3d& position) noexcept;
 
-}  // namespace twin::reference::internal
+}  // namespace twin::model

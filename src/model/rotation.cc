@@ -1,9 +1,9 @@
-#include "reference/rotation.h"
+#include "twin/model/rotation.h"
 
 #include <algorithm>
 #include <limits>
 
-namespace twin::reference::internal {
+namespace twin::model {
 namespace {
 
 using ConstMatrix4 = Eigen::Map<const Eigen::Matrix4d>;
@@ -58,4 +58,4 @@ Transform Turned(const Transform& X, const Eigen::Vector3d& phi,
   return Pose((Exp(phi) * Orientation(X)).normalized(), position);
 }
 
-}  // namespace twin::reference::internal
+}  // namespace twin::model
