@@ -1,7 +1,6 @@
 #include "loop/communication_thread.h"
 
 #include <algorithm>
-#include <exception>
 #include <utility>
 
 #include "twin/rt/sleep.h"
@@ -25,26 +24,11 @@ CommunicationThread::CommunicationThread(const MonotonicClock& clock, Communicat
       arrival_(arrival),
       watch_(watch),
       moving_(moving),
-      errands_(clock),
-      thread_([this, settings](const std::stop_token& stop) {
-        SetUp(settings);
-        if (set_up_failure_ == nullptr) Run(stop);
-      }) {
-  set_up_.wait(false, std::memory_order_acquire);
-  if (set_up_failure_ == nullptr) return;
-  Stop();
-  std::rethrow_exception(set_up_failure_);
-}
-
-void CommunicationThread::SetUp(const rt::ThreadSettings& settings) {
-  try {
-    notices_ = rt::SetUpThisThread(settings);
-  } catch (...) {
-    set_up_failure_ = std::current_exception();
-  }
-  // Release: notices and failure travel with it.
-  set_up_.store(true, std::memory_order_release);
-  set_up_.notify_one();
+      errands_(clock) {
+  rt::StartedThread started =
+      rt::StartThread(settings, [this](const std::stop_token& stop) { Run(stop); });
+  thread_ = std::move(started.thread);
+  notices_ = std::move(started.notices);
 }
 
 bool CommunicationThread::Do(rt::Errand& errand) {

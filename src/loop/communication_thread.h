@@ -1,7 +1,5 @@
 #pragma once
 
-#include <atomic>
-#include <exception>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -55,7 +53,6 @@ class CommunicationThread {
 
  private:
   void Run(const std::stop_token& stop) noexcept;
-  void SetUp(const rt::ThreadSettings& settings);
   void Communicate(const std::stop_token& stop);
   void StopMotion(LoopFailure failure) noexcept;
 
@@ -69,8 +66,6 @@ class CommunicationThread {
   rt::ErrandBox errands_;
   rt::LatestValue<RobotState> states_;
   std::vector<std::string> notices_;
-  std::exception_ptr set_up_failure_;
-  std::atomic<bool> set_up_{false};
   std::jthread thread_;
 };
 

@@ -1,7 +1,5 @@
 #include "loop/controller_thread.h"
 
-#include <exception>
-#include <future>
 #include <utility>
 
 namespace twin::loop {
@@ -15,19 +13,10 @@ ControllerThread::ControllerThread(const MonotonicClock& clock, ControllerLoop& 
                                    const MotionWatch& watch, rt::Signal& moving,
                                    const rt::ThreadSettings& settings)
     : clock_(clock), loop_(loop), watch_(watch), wake_(moving) {
-  std::promise<std::vector<std::string>> set_up;
-  std::future<std::vector<std::string>> notices = set_up.get_future();
-  thread_ = std::jthread(
-      [this, settings, set_up = std::move(set_up)](const std::stop_token& stop) mutable {
-        try {
-          set_up.set_value(rt::SetUpThisThread(settings));
-        } catch (...) {
-          set_up.set_exception(std::current_exception());
-          return;
-        }
-        Run(stop);
-      });
-  notices_ = notices.get();
+  rt::StartedThread started =
+      rt::StartThread(settings, [this](const std::stop_token& stop) { Run(stop); });
+  thread_ = std::move(started.thread);
+  notices_ = std::move(started.notices);
 }
 
 void ControllerThread::Stop() {

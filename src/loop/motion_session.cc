@@ -141,6 +141,9 @@ void MotionSession::Conclude(RunReport& report) {
   if (report.end == backend::MotionEnd::kAborted && report.failure.empty()) {
     report.failure = fmt::format("motion aborted by reflex {}", FormatErrors(report.errors));
   }
+  if (report.end == backend::MotionEnd::kUserStopped && report.failure.empty()) {
+    report.failure = "motion aborted: user stop pressed";
+  }
   Tell("motion", report.end == backend::MotionEnd::kSuccess ? "finished" : report.failure);
 
   stopping_ = true;

@@ -34,17 +34,6 @@ void AddNew(const std::vector<std::string>& notices, std::vector<std::string>& a
   }
 }
 
-/// Runs `call` on the communication thread.
-template <typename Call>
-class CallErrand final : public rt::Errand {
- public:
-  explicit CallErrand(Call call) : call_(call) {}
-  void Run() noexcept override { call_(); }
-
- private:
-  Call call_;
-};
-
 class RealtimeStage final : public Stage {
  public:
   RealtimeStage(const MonotonicClock& clock, const backend::Connection& connection,
@@ -105,7 +94,7 @@ class RealtimeStage final : public Stage {
  private:
   template <typename Call>
   void DoOnCommunication(Call call) {
-    CallErrand<Call> errand(call);
+    rt::CallErrand<Call> errand(call);
     if (communication_.Do(errand)) return;
     throw EnvironmentError(
         "the communication thread has not run for 1 s; this machine gives it no time (see "

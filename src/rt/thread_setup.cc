@@ -11,6 +11,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <exception>
+#include <future>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -116,6 +119,24 @@ std::vector<std::string> SetUpThisThread(const ThreadSettings& settings) {
         settings.name, settings.fifo_priority));
   }
   return notices;
+}
+
+StartedThread StartThread(const ThreadSettings& settings,
+                          std::function<void(const std::stop_token&)> run) {
+  std::promise<std::vector<std::string>> set_up;
+  std::future<std::vector<std::string>> notices = set_up.get_future();
+  std::jthread thread([settings, run = std::move(run),
+                       set_up = std::move(set_up)](const std::stop_token& stop) mutable {
+    try {
+      set_up.set_value(SetUpThisThread(settings));
+    } catch (...) {
+      set_up.set_exception(std::current_exception());
+      return;
+    }
+    run(stop);
+  });
+  std::vector<std::string> texts = notices.get();
+  return {std::move(thread), std::move(texts)};
 }
 
 }  // namespace twin::rt

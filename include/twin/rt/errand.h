@@ -1,6 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <type_traits>
+#include <utility>
+#include <variant>
 
 #include "twin/core/clock.h"
 #include "twin/core/realtime.h"
@@ -14,6 +17,28 @@ class Errand {
   virtual ~Errand() = default;
   /// Runs on the other thread. Real-time: noexcept, allocates nothing.
   virtual void Run() noexcept TWIN_REALTIME = 0;
+};
+
+/// A call as an errand, and its answer once it has run. @tparam Call  noexcept, returns nothing or
+/// something with a default value.
+template <typename Call>
+class CallErrand final : public Errand {
+ public:
+  using Answer = std::invoke_result_t<Call>;
+
+  explicit CallErrand(Call call) : call_(std::move(call)) {}
+  void Run() noexcept override {
+    if constexpr (std::is_void_v<Answer>) {
+      call_();
+    } else {
+      answer_ = call_();
+    }
+  }
+  [[nodiscard]] auto answer() const noexcept { return answer_; }
+
+ private:
+  Call call_;
+  std::conditional_t<std::is_void_v<Answer>, std::monostate, Answer> answer_{};
 };
 
 /// Hands errands to a real-time thread, which runs them where it suits it (between two cycles), and

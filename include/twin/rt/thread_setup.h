@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace twin::rt {
@@ -23,5 +26,16 @@ struct ThreadSettings {
 /// empty when all was.
 /// @throws InputError when a priority or a processor is none of this machine's.
 [[nodiscard]] std::vector<std::string> SetUpThisThread(const ThreadSettings& settings);
+
+/// A thread that has been set up.
+struct StartedThread {
+  std::jthread thread;
+  std::vector<std::string> notices;  ///< as SetUpThisThread
+};
+
+/// Starts a thread, sets it up and returns then; it goes on with `run`.
+/// @throws what SetUpThisThread threw on it; the thread has then ended without `run`.
+[[nodiscard]] StartedThread StartThread(const ThreadSettings& settings,
+                                        std::function<void(const std::stop_token&)> run);
 
 }  // namespace twin::rt
