@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "twin/core/error_catalogue.h"
+
 namespace twin {
 namespace {
 
@@ -49,32 +51,20 @@ constexpr std::array<std::string_view, kRobotErrorCount> kNames{
     "base_acceleration_invalid_reading",
 };
 
-/// What was compared, its unit, and how it came about: for the errors INT raises today.
-struct Quantity {
-  std::string_view name;
-  std::string_view unit;
-  std::string_view computed;
-};
-
-Quantity QuantityOf(RobotError error) noexcept {
-  switch (error) {
-    case RobotError::kJointPositionMotionGeneratorStartPoseInvalid:
-      return {"distance of the first command", "rad",
-              "|q_c - q_d| at the first command of the motion"};
-    case RobotError::kJointMotionGeneratorPositionLimitsViolation:
-      return {"position", "rad",
-              "the commanded position, or the integral of the commanded velocity"};
-    case RobotError::kJointMotionGeneratorVelocityLimitsViolation:
-      return {"velocity", "rad/s", "(q_c - q_d) / 1 ms, or the commanded velocity"};
-    case RobotError::kJointMotionGeneratorVelocityDiscontinuity:
-      return {"acceleration", "rad/s^2", "(dq - dq_d) / 1 ms"};
-    case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
-      return {"jerk", "rad/s^3", "(ddq - ddq_d) / 1 ms"};
-    case RobotError::kControllerTorqueDiscontinuity:
-      return {"torque rate", "Nm/s", "(tau_d - tau_J_d) / 1 ms, tau_J_d the last accepted torque"};
-    case RobotError::kTauJRangeViolation: return {"measured torque", "Nm", ""};
-    default: return {"value", "", ""};
+/// What happened, in numbers: the middle of the sentence.
+std::string Compared(const Violation& violation, const ErrorEntry& entry) {
+  if (violation.error == RobotError::kCommunicationConstraintsViolation) {
+    return violation.axis == 0
+               ? fmt::format("no first command in {:.9g} cycles since the start of the motion",
+                             violation.value)
+               : fmt::format("{:.9g} cycles in a row without a command, at most {:.9g} are bridged",
+                             violation.value, violation.limit - 1);
   }
+  const std::string axis = AxisName(violation);
+  const std::string_view unit = UnitOf(violation);
+  return fmt::format("{}{}{} {:.9g}{}{} is beyond the limit {:.9g}", axis, axis.empty() ? "" : ", ",
+                     entry.quantity, violation.value, unit.empty() ? "" : " ", unit,
+                     violation.limit);
 }
 
 }  // namespace
@@ -95,22 +85,11 @@ std::string FormatErrors(const RobotErrors& errors) {
 }
 
 std::string Describe(const Violation& violation) {
-  if (violation.error == RobotError::kCommunicationConstraintsViolation) {
-    return fmt::format(
-        "{}: {} cycles in a row without a command, at most {} are bridged; ended in the cycle of "
-        "state {} (a command counts when it answers the last state and arrives before the "
-        "deadline).",
-        Name(violation.error), violation.value, violation.limit - 1, violation.message_id);
-  }
-  const Quantity quantity = QuantityOf(violation.error);
-  std::string text{Name(violation.error)};
-  text += violation.axis >= 0 ? fmt::format(": joint {}, ", violation.axis + 1) : std::string(": ");
-  text += fmt::format("{} {:.9g}", quantity.name, violation.value);
-  if (!quantity.unit.empty()) text += fmt::format(" {}", quantity.unit);
-  text += fmt::format(" is beyond the limit {:.9g} in the cycle of state {}", violation.limit,
-                      violation.message_id);
-  if (!quantity.computed.empty()) text += fmt::format(" (computed as {})", quantity.computed);
-  return text + ".";
+  const ErrorEntry& entry = EntryOf(violation);
+  const bool is_loss = violation.error == RobotError::kCommunicationConstraintsViolation;
+  return fmt::format("{}: {} in the cycle of state {} ({}{}).", Name(violation.error),
+                     Compared(violation, entry), violation.message_id,
+                     is_loss ? "" : "computed as ", entry.computed);
 }
 
 }  // namespace twin

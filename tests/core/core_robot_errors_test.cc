@@ -105,7 +105,42 @@ TEST(DescribeTest, NamesNoJointWhenNoneIsToBlame) {
                             .value = 20,
                             .limit = 20,
                             .message_id = 99};
-  EXPECT_THAT(Describe(violation), AllOf(HasSubstr("20 cycles"), Not(HasSubstr("joint"))));
+  EXPECT_THAT(Describe(violation), AllOf(HasSubstr("20 cycles in a row"), HasSubstr("at most 19"),
+                                         Not(HasSubstr("joint")), Not(HasSubstr("computed as"))));
+}
+
+TEST(DescribeTest, TellsAMissingFirstCommandFromCommandsLostInARow) {
+  const Violation violation{.error = RobotError::kCommunicationConstraintsViolation,
+                            .axis = 0,
+                            .value = 1000,
+                            .limit = 1000,
+                            .message_id = 99};
+  EXPECT_THAT(Describe(violation), AllOf(HasSubstr("no first command in 1000 cycles"),
+                                         Not(HasSubstr("in a row")), Not(HasSubstr("joint"))));
+}
+
+TEST(DescribeTest, NamesTheAxisOfACartesianMotionWithItsUnit) {
+  Violation violation{.error = RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity,
+                      .axis = 0,
+                      .value = 7000,
+                      .limit = 6500,
+                      .message_id = 1};
+  EXPECT_THAT(Describe(violation), HasSubstr(": translation, jerk 7000 m/s^3"));
+  violation.axis = 1;
+  EXPECT_THAT(Describe(violation), HasSubstr(": rotation, jerk 7000 rad/s^3"));
+  violation.axis = 2;
+  EXPECT_THAT(Describe(violation), HasSubstr(": elbow, jerk 7000 rad/s^3"));
+}
+
+TEST(DescribeTest, NamesTheAxisOfTheStiffnessFrame) {
+  Violation violation{.error = RobotError::kCartesianReflex,
+                      .axis = 2,
+                      .value = -25,
+                      .limit = -20,
+                      .message_id = 1};
+  EXPECT_THAT(Describe(violation), HasSubstr(": z of K, external force -25 N is"));
+  violation.axis = 5;
+  EXPECT_THAT(Describe(violation), HasSubstr(": Y of K, external force -25 Nm is"));
 }
 
 }  // namespace

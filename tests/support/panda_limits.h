@@ -17,4 +17,11 @@ inline JointLimits PandaLimits() {
           .dtau_max = {1000, 1000, 1000, 1000, 1000, 1000, 1000}};
 }
 
+/// Its limits of the end effector and the elbow; source and comparison as above.
+inline CartesianLimits PandaCartesianLimits() {
+  return {.translation = {1.7, 13.0, 6500.0},
+          .rotation = {2.5, 25.0, 12500.0},
+          .elbow = {2.175, 10.0, 5000.0}};
+}
+
 }  // namespace twin::test

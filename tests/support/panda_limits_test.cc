@@ -9,10 +9,25 @@
 namespace twin::test {
 namespace {
 
+const std::filesystem::path kFile =
+    std::filesystem::path(TWIN_SOURCE_DIR) / "models/robots/panda/limits.yaml";
+
+void ExpectSame(const CartesianBound& typed, const CartesianBound& from_file) {
+  EXPECT_EQ(typed.dp_max, from_file.dp_max);
+  EXPECT_EQ(typed.ddp_max, from_file.ddp_max);
+  EXPECT_EQ(typed.dddp_max, from_file.dddp_max);
+}
+
+TEST(PandaLimitsTest, OfTheEndEffectorAreThoseOfTheLimitsFile) {
+  const CartesianLimits from_file = scenario::LoadCartesianLimits(kFile);
+  const CartesianLimits typed = PandaCartesianLimits();
+  ExpectSame(typed.translation, from_file.translation);
+  ExpectSame(typed.rotation, from_file.rotation);
+  ExpectSame(typed.elbow, from_file.elbow);
+}
+
 TEST(PandaLimitsTest, AreThoseOfTheLimitsFile) {
-  const std::filesystem::path file =
-      std::filesystem::path(TWIN_SOURCE_DIR) / "models/robots/panda/limits.yaml";
-  const JointLimits from_file = scenario::LoadJointLimits(file);
+  const JointLimits from_file = scenario::LoadJointLimits(kFile);
   const JointLimits typed = PandaLimits();
   EXPECT_EQ(typed.q_min, from_file.q_min);
   EXPECT_EQ(typed.q_max, from_file.q_max);

@@ -21,6 +21,7 @@ struct JointDrive {
   JointVector q_d{};    ///< rad
   JointVector dq_d{};   ///< rad/s
   JointVector ddq_d{};  ///< rad/s^2
+  bool brakes = false;  ///< closed: the joints are held where they are, whatever tau says
 };
 
 }  // namespace twin

@@ -27,6 +27,12 @@ enum class MotionGeneratorMode : std::uint8_t {
   kCartesianVelocity = 4,
 };
 
+/// Whether the generator is commanded poses or twists.
+[[nodiscard]] constexpr bool IsCartesian(MotionGeneratorMode mode) noexcept {
+  return mode == MotionGeneratorMode::kCartesianPosition ||
+         mode == MotionGeneratorMode::kCartesianVelocity;
+}
+
 /// Which controller turns the reference into torque. kOther is shown while no motion runs.
 enum class ControllerMode : std::uint8_t {
   kJointImpedance = 0,

@@ -76,13 +76,17 @@ using RobotErrors = std::bitset<kRobotErrorCount>;
 /// copyable; made in the cycle.
 struct Violation {
   RobotError error{};
-  std::int8_t axis = -1;  ///< joint 0..6 or Cartesian axis 0..5; -1 when no single axis is to blame
-  double value = 0;       ///< the offending value, in the unit of `limit`
-  double limit = 0;       ///< the bound it broke, signed like the value
+  /// By the error (AxisKind in error_catalogue.h): joint 0..6; 0 translation, 1 rotation, 2 elbow;
+  /// 0..5 = x y z R P Y of K; -1 when nothing single is to blame. Of communication errors 0 when
+  /// the motion's first command did not come, -1 when too many were lost in a row.
+  std::int8_t axis = -1;
+  double value = 0;              ///< the offending value, in the unit of `limit`
+  double limit = 0;              ///< the bound it broke, signed like the value
   std::uint64_t message_id = 0;  ///< id of the robot state of the cycle that raised it
 };
 
-/// One sentence: error, joint, value, limit, unit, cycle, and how the value was computed.
+/// One sentence: error, joint or axis, value, limit, unit, cycle, and how the value was computed.
+/// What causes and cures the error is in error_catalogue.h.
 [[nodiscard]] std::string Describe(const Violation& violation);
 
 }  // namespace twin

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "twin/core/joint_vector.h"
+
+// What can be set on the robot while no motion runs, one struct per request of the Franka Control
+// Interface. Defaults are the robot's after start, where they are known. Source: FCI protocol 5,
+// commands and defaults.
+namespace twin::setting {
+
+/// Stiffness of the internal joint impedance controller.
+struct JointImpedance {
+  JointVector K_theta{3000, 3000, 3000, 2500, 2500, 2000, 2000};  ///< Nm/rad, each in [0, 14250]
+  bool operator==(const JointImpedance&) const = default;
+};
+
+/// Stiffness of the internal Cartesian impedance controller, along and about the axes of K.
+struct CartesianImpedance {
+  /// x y z in [10, 3000] N/m; R P Y in [1, 300] Nm/rad.
+  Vector6 K_x{3000, 3000, 3000, 300, 300, 300};
+  bool operator==(const CartesianImpedance&) const = default;
+};
+
+/// Above a lower threshold a contact is reported, above an upper one the robot stops with a reflex.
+/// The `acc` set counts while the reference accelerates, the `nominal` one otherwise. Each >= 0,
+/// and no lower threshold above its upper. The factory's own figures are not public; these are what
+/// the vendor's ROS package and motion examples set.
+struct CollisionBehavior {
+  JointVector lower_torque_acc{20, 20, 18, 18, 16, 14, 12};  ///< Nm
+  JointVector upper_torque_acc = lower_torque_acc;
+  JointVector lower_torque_nominal = lower_torque_acc;
+  JointVector upper_torque_nominal = lower_torque_acc;
+  Vector6 lower_force_acc{20, 20, 20, 25, 25, 25};  ///< N, Nm; in K
+  Vector6 upper_force_acc = lower_force_acc;
+  Vector6 lower_force_nominal = lower_force_acc;
+  Vector6 upper_force_nominal = lower_force_acc;
+  bool operator==(const CollisionBehavior&) const = default;
+};
+
+/// Along and about which axes of the base the arm can be led in guiding mode.
+struct GuidingMode {
+  std::array<bool, 6> axes{true, true, true, true, true, true};  ///< x y z R P Y; true: free
+  bool elbow = true;                                             ///< the null space is free
+  bool operator==(const GuidingMode&) const = default;
+};
+
+/// The stiffness frame K in EE.
+struct StiffnessFrame {
+  Transform EE_T_K = kIdentityTransform;
+  bool operator==(const StiffnessFrame&) const = default;
+};
+
+/// The end effector EE in the nominal end effector NE.
+struct EndEffectorFrame {
+  Transform NE_T_EE = kIdentityTransform;
+  bool operator==(const EndEffectorFrame&) const = default;
+};
+
+/// What the robot is told to carry beyond its end effector.
+struct Load {
+  double m_load = 0;    ///< kg, >= 0
+  Vector3 F_x_Cload{};  ///< centre of mass in the flange frame, m
+  Matrix3 I_load{};     ///< inertia about it, flange axes, kg m^2
+  bool operator==(const Load&) const = default;
+};
+
+/// Cut-off frequencies of the robot's own low-passes on what it is commanded, Hz, each in
+/// [1, 1000]; 1000: off.
+struct Filters {
+  double joint_position_hz = 1000;
+  double joint_velocity_hz = 1000;
+  double cartesian_position_hz = 1000;
+  double cartesian_velocity_hz = 1000;
+  double controller_hz = 1000;  ///< on the torque of an external controller
+  bool operator==(const Filters&) const = default;
+};
+
+}  // namespace twin::setting
+
+namespace twin {
+
+using Setting =
+    std::variant<setting::JointImpedance, setting::CartesianImpedance, setting::CollisionBehavior,
+                 setting::GuidingMode, setting::StiffnessFrame, setting::EndEffectorFrame,
+                 setting::Load, setting::Filters>;
+
+/// What is wrong with a setting.
+struct BadValue {
+  std::string_view field;       ///< "K_theta", ...
+  std::optional<int> index;     ///< of the element; absent: the field has none, or is wrong as such
+  std::optional<double> value;  ///< as given; absent: the field is wrong as a whole
+  std::string_view allowed;     ///< "in [0, 14250] Nm/rad", "a rigid transform", ...
+};
+
+/// "K_theta[3] is -1; it must be in [0, 14250] Nm/rad".
+[[nodiscard]] std::string Describe(const BadValue& bad);
+
+/// Looks for the first value that is out of range, not finite, or (transforms) not rigid within
+/// 1e-5: its rotation orthonormal and right-handed, its last row (0, 0, 0, 1).
+///
+/// Threads: any. Real-time: noexcept, allocates nothing.
+[[nodiscard]] std::optional<BadValue> FindBadValue(const Setting& setting) noexcept;
+
+/// The request that sets it, as clients of the real robot print it: "Set Joint Impedance", ...
+[[nodiscard]] std::string_view Name(const Setting& setting) noexcept;
+
+/// Whether the transform is rigid within 1e-5, as FindBadValue asks of frames.
+[[nodiscard]] bool IsRigid(const Transform& X) noexcept;
+
+}  // namespace twin
