@@ -2,25 +2,43 @@
 
 #include <fmt/format.h>
 
+#include "twin/core/error.h"
 #include "twin/core/require.h"
 
 namespace twin::onboard {
+namespace {
+
+void RequireValid(const Setting& setting) {
+  const std::optional<BadValue> bad = FindBadValue(setting);
+  if (bad) throw InputError(fmt::format("int: {}", Describe(*bad)));
+}
+
+}  // namespace
 
 void IntConfig::Validate() const {
   limits.Validate();
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    RequireInRange(fmt::format("int: K_theta[{}]", i), K_theta[i], 0, kMaxJointStiffness);
-    RequireInRange(fmt::format("int: rotor_inertia[{}]", i), rotor_inertia[i], 0, 10);
-    if (tau_J_range) {
-      RequireInRange(fmt::format("int: tau_J_range[{}]", i), (*tau_J_range)[i], 1e-6, 1000);
-    }
+  cartesian.Validate();
+  sensing.Validate();
+  for (const Setting& setting :
+       {Setting(joint_impedance), Setting(cartesian_impedance), Setting(collision_behavior),
+        Setting(guiding_mode), Setting(stiffness_frame), Setting(end_effector_frame), Setting(load),
+        Setting(filters)}) {
+    RequireValid(setting);
   }
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    RequireInRange(fmt::format("int: rotor_inertia[{}]", i), rotor_inertia[i], 0, 10);
+  }
+  if (!IsRigid(F_T_NE))
+    throw InputError("int: F_T_NE is not allowed; it must be a rigid transform");
   RequireInRange("int: damping_ratio", damping_ratio, 1e-6, 2);
   RequireInRange("int: friction_compensation", friction_compensation, 0, 1);
   RequireInRange("int: end_effector.m", end_effector.m, 0, 100);
   RequireInRange("int: abort_after_lost", abort_after_lost, 1, 1e6);
   RequireInRange("int: first_command_timeout_cycles", first_command_timeout_cycles, 10, 1e6);
   RequireInRange("int: start_pose_tolerance_rad", start_pose_tolerance_rad, 1e-6, 7);
+  RequireInRange("int: start_translation_tolerance_m", start_translation_tolerance_m, 1e-6, 10);
+  RequireInRange("int: start_rotation_tolerance_rad", start_rotation_tolerance_rad, 1e-6, 7);
+  RequireInRange("int: start_elbow_tolerance_rad", start_elbow_tolerance_rad, 1e-6, 7);
 }
 
 }  // namespace twin::onboard

@@ -1,13 +1,35 @@
+#include <algorithm>
+#include <cmath>
+
 #include "twin/core/time.h"
 #include "twin/onboard/int.h"
 
 // What Int reports: the robot state of a cycle.
 
 namespace twin::onboard {
+namespace {
+
+/// Acceleration of the reference, rad/s^2, above which the thresholds for accelerating count.
+constexpr double kAccelerates = 1e-6;
+
+bool Accelerates(const JointReference& reference) noexcept {
+  return std::ranges::any_of(reference.ddq_d, [](double a) { return std::abs(a) > kAccelerates; });
+}
+
+}  // namespace
 
 void Int::FillState(const JointSensors& sensors, RobotState& state) noexcept {
-  const bool moving = phase_ != Phase::kNone;
-  state.message_id = ++message_id_;
+  if (message_id_ == 0 || payload_changed_) sensing_.Reset(sensors, setup_);
+  payload_changed_ = false;
+  sensing_.Update(sensors, setup_, Accelerates(generator_.joints()));
+  ++message_id_;
+  FillMeasured(sensors, state);
+  FillDesired(state);
+  FillModes(state);
+}
+
+void Int::FillMeasured(const JointSensors& sensors, RobotState& state) noexcept {
+  state.message_id = message_id_;
   state.q = sensors.q;
   state.dq = sensors.dq;
   state.tau_J = sensors.tau_J;
@@ -18,36 +40,52 @@ void Int::FillState(const JointSensors& sensors, RobotState& state) noexcept {
   }
   last_tau_J_ = sensors.tau_J;
   state.tau_J_d = tau_J_d_;
-  state.O_T_EE = arm_.Pose(model::Frame::kEndEffector, sensors.q, F_T_EE_);
+  state.O_T_EE = sensing_.O_T_EE();
   state.elbow = model::ElbowOf(sensors.q);
-  FillDesired(state);
+  state.tau_ext_hat_filtered = sensing_.tau_ext_hat_filtered();
+  state.O_F_ext_hat_K = sensing_.O_F_ext_hat_K();
+  state.K_F_ext_hat_K = sensing_.K_F_ext_hat_K();
+  state.joint_contact = sensing_.joint_contact();
+  state.cartesian_contact = sensing_.cartesian_contact();
+  state.joint_collision = sensing_.joint_collision();
+  state.cartesian_collision = sensing_.cartesian_collision();
+}
 
+void Int::FillDesired(RobotState& state) const noexcept {
+  const JointReference& joints = generator_.joints();
+  state.q_d = joints.q_d;
+  state.dq_d = joints.dq_d;
+  state.ddq_d = joints.ddq_d;
+  state.O_T_EE_d = generator_.O_T_EE_d();
+  state.O_dP_EE_d = generator_.O_dP_EE_d();
+  state.elbow_d = model::ElbowOf(joints.q_d);
+  const CartesianReference& cartesian = generator_.cartesian();
+  state.O_T_EE_c = cartesian.O_T_EE_c;
+  state.O_dP_EE_c = cartesian.O_dP_EE_c;
+  state.O_ddP_EE_c = cartesian.O_ddP_EE_c;
+  state.elbow_c = cartesian.elbow_c;
+  state.delbow_c = {cartesian.delbow_c, 0};
+  state.ddelbow_c = {cartesian.ddelbow_c, 0};
+  state.F_T_EE = setup_.F_T_EE;
+  state.EE_T_K = setup_.EE_T_K;
+  state.F_T_NE = config_.F_T_NE;
+  state.NE_T_EE = config_.end_effector_frame.NE_T_EE;
+  state.m_ee = config_.end_effector.m;
+  state.F_x_Cee = config_.end_effector.F_x_C;
+  state.I_ee = config_.end_effector.I;
+  state.m_load = config_.load.m_load;
+  state.F_x_Cload = config_.load.F_x_Cload;
+  state.I_load = config_.load.I_load;
+}
+
+void Int::FillModes(RobotState& state) const noexcept {
+  const bool moving = phase_ != Phase::kNone;
   state.robot_mode = robot_mode_;
   state.motion_generator_mode = moving ? modes_.generator : MotionGeneratorMode::kIdle;
   state.controller_mode = moving ? modes_.controller : ControllerMode::kOther;
   state.errors = errors_;
   state.reflex_reason = reflex_reason_;
   state.control_command_success_rate = moving ? losses_.success_rate() : 0;
-}
-
-void Int::FillDesired(RobotState& state) const noexcept {
-  state.q_d = reference_.q_d;
-  state.dq_d = reference_.dq_d;
-  state.ddq_d = reference_.ddq_d;
-  const model::Configuration q_d(reference_.q_d);
-  state.O_T_EE_d = arm_.Pose(model::Frame::kEndEffector, q_d, F_T_EE_);
-  state.O_dP_EE_d = arm_.Twist(model::Frame::kEndEffector, q_d, reference_.dq_d, F_T_EE_);
-  state.O_T_EE_c = state.O_T_EE_d;
-  state.O_dP_EE_c = state.O_dP_EE_d;
-  state.elbow_d = model::ElbowOf(reference_.q_d);
-  state.elbow_c = state.elbow_d;
-  state.delbow_c = {reference_.dq_d[2], 0};
-  state.ddelbow_c = {reference_.ddq_d[2], 0};
-  state.F_T_EE = F_T_EE_;
-  state.F_T_NE = config_.F_T_NE;
-  state.m_ee = config_.end_effector.m;
-  state.F_x_Cee = config_.end_effector.F_x_C;
-  state.I_ee = config_.end_effector.I;
 }
 
 }  // namespace twin::onboard

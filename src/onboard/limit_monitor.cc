@@ -18,14 +18,13 @@ void CheckMagnitude(RobotError error, const JointVector& values, const JointVect
   }
 }
 
-void CheckPosition(const JointVector& q, const JointLimits& limits, std::uint64_t message_id,
-                   Violations& found) noexcept {
+void CheckPosition(RobotError error, const JointVector& q, const JointLimits& limits,
+                   std::uint64_t message_id, Violations& found) noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) {
     const bool below = !(q[i] >= limits.q_min[i] - kLimitTolerance * std::abs(limits.q_min[i]));
     const bool above = !(q[i] <= limits.q_max[i] + kLimitTolerance * std::abs(limits.q_max[i]));
     if (!below && !above) continue;
-    found.Add({RobotError::kJointMotionGeneratorPositionLimitsViolation,
-               static_cast<std::int8_t>(i), q[i], below ? limits.q_min[i] : limits.q_max[i],
+    found.Add({error, static_cast<std::int8_t>(i), q[i], below ? limits.q_min[i] : limits.q_max[i],
                message_id});
     return;
   }
@@ -34,16 +33,13 @@ void CheckPosition(const JointVector& q, const JointLimits& limits, std::uint64_
 }  // namespace
 
 Violations CheckStep(const JointReference& next, const JointLimits& limits,
-                     std::uint64_t message_id) noexcept {
+                     std::uint64_t message_id, const StepErrors& errors) noexcept {
   Violations found;
-  CheckMagnitude(RobotError::kJointMotionGeneratorVelocityDiscontinuity, next.ddq_d, limits.ddq_max,
-                 message_id, found);
-  CheckMagnitude(RobotError::kJointMotionGeneratorAccelerationDiscontinuity, next.dddq_d,
-                 limits.dddq_max, message_id, found);
+  CheckMagnitude(errors.acceleration, next.ddq_d, limits.ddq_max, message_id, found);
+  CheckMagnitude(errors.jerk, next.dddq_d, limits.dddq_max, message_id, found);
   if (!found.empty()) return found;
-  CheckMagnitude(RobotError::kJointMotionGeneratorVelocityLimitsViolation, next.dq_d, limits.dq_max,
-                 message_id, found);
-  CheckPosition(next.q_d, limits, message_id, found);
+  CheckMagnitude(errors.velocity, next.dq_d, limits.dq_max, message_id, found);
+  CheckPosition(errors.position, next.q_d, limits, message_id, found);
   return found;
 }
 

@@ -31,8 +31,14 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 IntConfig PandaInt() {
   IntConfig config;
   config.limits = test::PandaLimits();
+  config.cartesian = test::PandaCartesianLimits();
   config.end_effector = kHand;
   config.rotor_inertia = kRotor;
+  // Sensors that a test sets look like collisions.
+  config.collision_behavior.upper_torque_acc.fill(1e4);
+  config.collision_behavior.upper_torque_nominal.fill(1e4);
+  config.collision_behavior.upper_force_acc.fill(1e4);
+  config.collision_behavior.upper_force_nominal.fill(1e4);
   return config;
 }
 
@@ -133,7 +139,7 @@ class HeldArmTest : public ExternalTorqueTest {
   HeldArmTest() { held_ = true; }
 };
 
-TEST(IntModesTest, OffersJointMotionsWithTheInternalOrTheExternalController) {
+TEST(IntCombinationsTest, EveryGeneratorGoesWithEveryController) {
   for (const auto controller :
        {ControllerMode::kJointImpedance, ControllerMode::kCartesianImpedance,
         ControllerMode::kExternalController, ControllerMode::kOther}) {
@@ -141,13 +147,11 @@ TEST(IntModesTest, OffersJointMotionsWithTheInternalOrTheExternalController) {
          {MotionGeneratorMode::kIdle, MotionGeneratorMode::kJointPosition,
           MotionGeneratorMode::kJointVelocity, MotionGeneratorMode::kCartesianPosition,
           MotionGeneratorMode::kCartesianVelocity}) {
-      const bool offered = (controller == ControllerMode::kJointImpedance ||
-                            controller == ControllerMode::kExternalController) &&
-                           (generator == MotionGeneratorMode::kJointPosition ||
-                            generator == MotionGeneratorMode::kJointVelocity);
+      const bool is_none =
+          controller == ControllerMode::kOther || generator == MotionGeneratorMode::kIdle;
       Int robot(PandaInt(), kReady);
       EXPECT_EQ(robot.Move({controller, generator}),
-                offered ? MoveStatus::kMotionStarted : MoveStatus::kInvalidArgumentRejected)
+                is_none ? MoveStatus::kInvalidArgumentRejected : MoveStatus::kMotionStarted)
           << Name(controller) << ", " << Name(generator);
     }
   }
@@ -158,7 +162,7 @@ TEST_F(HeldArmTest, TheReportedTorqueRunsOnAtTheStart) {
   Cycle();
   const JointVector tau_J_d = state_.tau_J_d;
   const JointVector tau = drive_.tau;
-  const JointImpedance internal(PandaInt().K_theta, 1, kRotor);
+  const JointImpedance internal(PandaInt().joint_impedance.K_theta, 1, kRotor);
   EXPECT_EQ(tau_J_d,
             internal.Torque(JointReference::Rest(kReady), sensors_, model::ArmModel::Panda(), kHand)
                 .tau_J_d);
@@ -296,6 +300,7 @@ TEST_F(HeldArmTest, MeasuredTorqueOutOfRangeEndsEveryRunningMotion) {
       Cycle();
       ASSERT_EQ(state_.robot_mode, RobotMode::kMove);
       sensors_.tau_J[4] = -14.41;
+      Cycle();  // shows it; the next one judges it
       Cycle();
       EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
       EXPECT_EQ(FormatErrors(state_.errors), "[\"tau_J_range_violation\"]");
@@ -317,13 +322,15 @@ TEST_F(HeldArmTest, MeasuredTorqueDoesNotMatterWhileNoMotionRuns) {
 
 TEST_F(HeldArmTest, TheRangeOfTheSensorsCanBeSet) {
   IntConfig config = PandaInt();
-  config.tau_J_range = JointVector{30, 31, 32, 33, 34, 35, 36};
+  config.sensing.measured.tau_J_range = JointVector{30, 31, 32, 33, 34, 35, 36};
   Renew(config);
   StartMotion();
   sensors_.tau_J[6] = 35.9;
   Cycle();
+  Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
   sensors_.tau_J[6] = 36.1;
+  Cycle();
   Cycle();
   EXPECT_TRUE(Reports(RobotError::kTauJRangeViolation));
   EXPECT_EQ(int_->violations().items()[0].limit, 36);
@@ -535,8 +542,8 @@ TEST(ExternalTorqueConfigTest, RefusesWhatIsOutOfRangeByName) {
   }
   for (const double range : {0.0, -1.0, 1001.0, kNaN}) {
     IntConfig config = PandaInt();
-    config.tau_J_range = config.limits.tau_max;
-    (*config.tau_J_range)[2] = range;
+    config.sensing.measured.tau_J_range = config.limits.tau_max;
+    (*config.sensing.measured.tau_J_range)[2] = range;
     EXPECT_NE(refusal(config).find("tau_J_range[2]"), std::string::npos);
   }
 }

@@ -27,6 +27,7 @@ class IntTest : public ::testing::Test {
   static IntConfig Config() {
     IntConfig config;
     config.limits = test::PandaLimits();
+    config.cartesian = test::PandaCartesianLimits();
     return config;
   }
 
@@ -290,22 +291,23 @@ TEST_F(IntTest, RefusesASecondMotionAndModesItDoesNotOffer) {
             MoveStatus::kInvalidArgumentRejected);
   StartMotion(kPosition);
   EXPECT_EQ(int_.Move(kPosition), MoveStatus::kCommandNotPossibleRejected);
-  EXPECT_EQ(int_.SetJointImpedance(JointVector{}), SetterStatus::kCommandNotPossibleRejected);
+  EXPECT_EQ(int_.Configure(setting::JointImpedance{JointVector{}}),
+            SetterStatus::kCommandNotPossibleRejected);
 }
 
 TEST_F(IntTest, TakesStiffnessWithinItsRangeOnly) {
   JointVector K{};
   K.fill(14250);
-  EXPECT_EQ(int_.SetJointImpedance(K), SetterStatus::kSuccess);
+  EXPECT_EQ(int_.Configure(setting::JointImpedance{K}), SetterStatus::kSuccess);
   K[2] = 14251;
-  EXPECT_EQ(int_.SetJointImpedance(K), SetterStatus::kInvalidArgumentRejected);
+  EXPECT_EQ(int_.Configure(setting::JointImpedance{K}), SetterStatus::kInvalidArgumentRejected);
   K[2] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(int_.SetJointImpedance(K), SetterStatus::kInvalidArgumentRejected);
+  EXPECT_EQ(int_.Configure(setting::JointImpedance{K}), SetterStatus::kInvalidArgumentRejected);
 }
 
 TEST_F(IntTest, RefusesAConfigurationOutOfRangeByName) {
   IntConfig config = Config();
-  config.K_theta[3] = -1;
+  config.joint_impedance.K_theta[3] = -1;
   try {
     const Int refused(config, kReady);
     FAIL() << "accepted";

@@ -97,6 +97,28 @@ TEST(LimitMonitorTest, ReportsADiscontinuityBeforeTheEnvelope) {
                           RobotError::kJointMotionGeneratorAccelerationDiscontinuity));
 }
 
+TEST(LimitMonitorTest, AfterInverseKinematicsTheSameStepsRaiseTheErrorsOfCartesianMotions) {
+  const auto errors_of = [](const JointReference& reference) {
+    std::vector<RobotError> errors;
+    const Violations found =
+        CheckStep(reference, test::PandaLimits(), 42, kInverseKinematicsErrors);
+    for (const Violation& violation : found.items()) errors.push_back(violation.error);
+    return errors;
+  };
+  JointReference reference = Legal();
+  EXPECT_THAT(errors_of(reference), IsEmpty());
+  reference.dq_d[0] = 3;
+  reference.q_d[1] = 2;
+  EXPECT_THAT(errors_of(reference),
+              ElementsAre(RobotError::kCartesianMotionGeneratorJointVelocityLimitsViolation,
+                          RobotError::kCartesianMotionGeneratorJointPositionLimitsViolation));
+  reference.ddq_d[0] = 16;
+  reference.dddq_d[3] = -7000;
+  EXPECT_THAT(errors_of(reference),
+              ElementsAre(RobotError::kCartesianMotionGeneratorJointVelocityDiscontinuity,
+                          RobotError::kCartesianMotionGeneratorJointAccelerationDiscontinuity));
+}
+
 TEST(LimitMonitorTest, NaNIsBeyondEveryLimit) {
   JointReference reference = Legal();
   reference.dddq_d[4] = std::numeric_limits<double>::quiet_NaN();

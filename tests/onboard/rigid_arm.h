@@ -9,7 +9,7 @@ namespace twin::test {
 
 /// A frictionless arm for tests of INT, made of the very model INT uses, so that its gravity
 /// compensation is exact: (M(q) + B) ddq = tau - c(q, dq) - g(q), integrated by semi-implicit Euler
-/// at 1 ms.
+/// at 1 ms. What acts on it from outside comes on top of tau.
 class RigidArm {
  public:
   RigidArm(const JointVector& q, const model::Payload& payload, const JointVector& rotor_inertia)
@@ -17,7 +17,8 @@ class RigidArm {
     sensors_.tau_J = model::ArmModel::Panda().Gravity(q, payload_);
   }
 
-  void Step(const JointDrive& drive) {
+  /// @param tau_outside  of forces from outside, as J^T of the force on the arm, Nm.
+  void Step(const JointDrive& drive, const JointVector& tau_outside = {}) {
     const model::ArmModel& arm = model::ArmModel::Panda();
     using Matrix = Eigen::Matrix<double, kJoints, kJoints>;
     using Vector = Eigen::Matrix<double, kJoints, 1>;
@@ -26,7 +27,7 @@ class RigidArm {
     Vector tau;
     for (std::size_t i = 0; i < kJoints; ++i) {
       M(i, i) += rotor_inertia_[i];
-      tau(i) = drive.tau[i] - bias[i];
+      tau(i) = drive.tau[i] + tau_outside[i] - bias[i];
     }
     const Vector ddq = M.ldlt().solve(tau);
     for (std::size_t i = 0; i < kJoints; ++i) {

@@ -4,15 +4,21 @@
 
 #include "twin/core/joint_interface.h"
 #include "twin/core/modes.h"
+#include "twin/core/panel.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
+#include "twin/core/setting.h"
+#include "twin/onboard/cartesian_impedance.h"
 #include "twin/onboard/friction_compensation.h"
+#include "twin/onboard/guiding.h"
 #include "twin/onboard/int_config.h"
 #include "twin/onboard/joint_impedance.h"
-#include "twin/onboard/joint_reference.h"
-#include "twin/onboard/limit_monitor.h"
 #include "twin/onboard/loss_monitor.h"
+#include "twin/onboard/mode_table.h"
+#include "twin/onboard/motion_generator.h"
+#include "twin/onboard/sensing.h"
+#include "twin/reference/low_pass.h"
 #include "twin/rt/cycle_record.h"
 
 namespace twin::onboard {
@@ -42,25 +48,28 @@ enum class SetterStatus : std::uint8_t {
 enum class RecoveryStatus : std::uint8_t {
   kSuccess = 0,
   kCommandNotPossibleRejected = 1,
+  kManualErrorRecoveryRequiredRejected = 2,
 };
 
 /// INT: the robot's own controller, between a command of the workstation and joint torque, 1 ms a
 /// cycle. It knows neither the network nor the plant.
 ///
 /// A cycle:
-///   1. Cycle(command or null, sensors): with a motion running, check the measured torque
-///      (CheckTorqueRange); take the command or hold the last acceleration and torque; form the
-///      derivatives (JointReference); check them (CheckStep, CheckTorqueRate); accept or abort;
-///      then the torque of whoever controls the joints.
+///   1. Cycle(command or null, sensors): what the last sensors showed is judged (Sensing: measured
+///      limits, collisions); the command is taken, or acceleration and torque are held
+///      (MotionGenerator, CheckTorqueRate), or the motion aborts; then the torque of whoever
+///      controls the joints;
 ///   2. the plant moves by 1 ms;
-///   3. FillState(sensors): the next robot state, message_id + 1.
+///   3. FillState(sensors): external torque and contacts are estimated, and the next robot state is
+///      written, message_id + 1.
 ///
-/// Motions. Modes here: joint position and joint velocity, each with the internal joint impedance
-/// or the external controller. After Move() the next state shows the modes, with the reference at
+/// Motions. Every motion generator (joint position and velocity, Cartesian pose and velocity, with
+/// or without elbow) goes with every controller (internal joint impedance, internal Cartesian
+/// impedance, external torque). After Move() the next state shows the modes, with the reference at
 /// rest; counting of lost commands begins with the first command. 20 lost in a row (configurable)
 /// abort with communication_constraints_violation. A command with motion_generation_finished is
 /// taken if standing still after it breaks no limit; the motion then ends with Success once the
-/// reference rests.
+/// reference rests. The internal controller of the last motion goes on holding the arm.
 ///
 /// External controller. From the first accepted command on, the command's torque drives the joints:
 ///   tau = tau_J_d + share tau_f(dq) + g(q),   tau_J_d = the last accepted command,
@@ -69,21 +78,30 @@ enum class RecoveryStatus : std::uint8_t {
 /// tau_J_d is its torque: a client that continues from the reported tau_J_d is smooth from its
 /// first command on. A torque above tau_max is accepted, what is applied ends at tau_max. When the
 /// motion ends (finished, StopMove or abort) the arm is where the torque has left it. The internal
-/// controller takes over there (TakeOver): the reference becomes the measured q and dq with ddq = 0
-/// and ramps down (StopStep); it never leads back to the generator's q_d. A finished command's own
+/// joint controller takes over there: the reference becomes the measured q and dq with ddq = 0 and
+/// ramps down (StopStep); it never leads back to the generator's q_d. A finished command's own
 /// torque acts for its cycle; then the arm comes to rest still in Move, and the motion ends with
 /// Success.
 ///
 /// Aborts. The violating command is not applied. In the same state: robot_mode Reflex, modes idle,
 /// errors and reflex_reason set, success rate 0. The reference ramps down within its limits
-/// (StopStep); recovery is refused until it rests. StopMove() ramps down still in Move, then ends
-/// with Preempted.
+/// (StopStep); recovery is refused until it rests, and beyond a joint's measured limit it needs
+/// people (kManualErrorRecoveryRequiredRejected): the arm can be guided out of Reflex. StopMove()
+/// ramps down still in Move, then ends with Preempted. A collision while Idle leads to Reflex too;
+/// reflex_reason, which documents a motion, then stays.
+///
+/// People. The user stop ends a motion with EmergencyAborted, the reference ramps down, then the
+/// brakes close until it is released. Closed brakes are mode Other. In Guiding the arm can be led,
+/// and the reference follows what is measured. Which request is granted in which mode: kModeTable.
+///
+/// Setters. Load and end effector change what INT compensates and reports, not what hangs on the
+/// arm: a wrong load makes it sag. Their values are checked (FindBadValue).
 ///
 /// Decisions on what is not public: the share of received commands in a motion's first 100 cycles,
-/// the 1000 cycles within which a first command must come, errors of one cycle (LimitMonitor's
-/// precedence), recovery taking 100 cycles, how a torque motion ends, and the range of the measured
-/// torque (IntConfig::tau_J_range). Source: FCI protocol 5, "Session and motion semantics",
-/// "What the robot side does".
+/// the 1000 cycles within which a first command must come, precedence of the errors of one cycle
+/// (MotionGenerator), recovery taking 100 cycles, how a torque motion ends, that external torque
+/// estimated after a cycle is judged in the next one. Source: FCI protocol 5, "Session and motion
+/// semantics", "What the robot side does".
 ///
 /// Threads: one thread at a time. Real-time: every member after construction is noexcept and
 /// allocates nothing.
@@ -93,8 +111,9 @@ class Int {
   Int(const IntConfig& config, const JointVector& q0);
 
   /// Asks for a motion, between two cycles.
-  /// @returns kMotionStarted, kCommandNotPossibleRejected (not Idle, or the reference still moves),
-  /// or kInvalidArgumentRejected (a combination of modes this robot does not offer).
+  /// @returns kMotionStarted, kCommandNotPossibleRejected (see kModeTable),
+  /// kStartAtSingularPoseRejected (Cartesian generators), or kInvalidArgumentRejected (no such
+  /// combination of modes).
   [[nodiscard]] MoveStatus Move(const MotionModes& modes) noexcept;
 
   /// Ends a running motion by deceleration; without one it does nothing. Always a success.
@@ -104,8 +123,12 @@ class Int {
   /// Without an error: success, nothing happens.
   [[nodiscard]] RecoveryStatus AutomaticErrorRecovery() noexcept;
 
-  /// @param K_theta  Nm/rad, each in [0, 14250]. Refused while moving or in Reflex.
-  [[nodiscard]] SetterStatus SetJointImpedance(const JointVector& K_theta) noexcept;
+  /// Changes a setting.
+  [[nodiscard]] SetterStatus Configure(const Setting& setting) noexcept;
+
+  /// Somebody presses a button or moves a switch. @returns whether the robot does anything of it,
+  /// or has no need to (kModeTable).
+  [[nodiscard]] bool Operate(PanelAction action) noexcept;
 
   /// One cycle. @param command  the one that counts for this cycle (CommandInbox), or null.
   /// @param sensors  of the last state. @returns what drives the joints, valid until the next call.
@@ -120,12 +143,12 @@ class Int {
   /// What the last Cycle() did about its command.
   [[nodiscard]] rt::CommandFate fate() const noexcept { return fate_; }
   [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return losses_.lost_in_row(); }
-  [[nodiscard]] const JointReference& reference() const noexcept { return reference_; }
+  [[nodiscard]] const JointReference& reference() const noexcept { return generator_.joints(); }
   [[nodiscard]] RobotMode robot_mode() const noexcept { return robot_mode_; }
   /// What the last Cycle() found; empty in a cycle without a violation.
   [[nodiscard]] const Violations& violations() const noexcept { return violations_; }
-  /// How the last motion ended (kSuccess, kPreempted, kReflexAborted), or kMotionStarted while one
-  /// runs or before the first.
+  /// How the last motion ended (kSuccess, kPreempted, kReflexAborted, kEmergencyAborted), or
+  /// kMotionStarted while one runs or before the first.
   [[nodiscard]] MoveStatus last_end() const noexcept { return last_end_; }
 
  private:
@@ -138,33 +161,58 @@ class Int {
     kPreempting,  ///< StopMove: the reference decelerates
   };
 
+  // int.cc: requests and modes
+  [[nodiscard]] bool Grants(Request request) const noexcept;
+  void Set(const setting::JointImpedance& impedance) noexcept;
+  void Set(const setting::CartesianImpedance& impedance) noexcept;
+  void Set(const setting::CollisionBehavior& behavior) noexcept;
+  void Set(const setting::GuidingMode& mode) noexcept;
+  void Set(const setting::StiffnessFrame& frame) noexcept;
+  void Set(const setting::EndEffectorFrame& frame) noexcept;
+  void Set(const setting::Load& load) noexcept;
+  void Set(const setting::Filters& filters) noexcept;
+  void EndMotion(MoveStatus end, RobotMode mode) noexcept;
+  void LeaveToRest() noexcept;
+
+  // int_cycle.cc: one cycle
+  void AdvanceMode(const JointSensors& sensors) noexcept;
   void AdvanceReference(const RobotCommand* command, const JointSensors& sensors) noexcept;
   void AwaitFirstCommand(const RobotCommand* command) noexcept;
-  void Take(const RobotCommand& command) noexcept;
+  void Take(const RobotCommand& command, bool is_first) noexcept;
+  [[nodiscard]] Violations TryStep(const RobotCommand& command, bool is_first,
+                                   const Violations& torque) noexcept;
   void Hold() noexcept;
-  [[nodiscard]] JointReference Commanded(const RobotCommand& command) const noexcept;
-  [[nodiscard]] Violations CheckStandingStill(const JointReference& last) const noexcept;
   void Finish(const JointSensors& sensors) noexcept;
   void Abort(const JointSensors& sensors) noexcept;
-  void EndMotion(MoveStatus end) noexcept;
   void TakeOver(const JointSensors& sensors) noexcept;
   void DriveJoints(const JointSensors& sensors) noexcept;
+  [[nodiscard]] ImpedanceTorque ControlTorque(const JointSensors& sensors) noexcept;
+
+  // int_state.cc: the robot state
+  void FillMeasured(const JointSensors& sensors, RobotState& state) noexcept;
   void FillDesired(RobotState& state) const noexcept;
+  void FillModes(RobotState& state) const noexcept;
 
   IntConfig config_;
   const model::ArmModel& arm_;
-  JointImpedance impedance_;
+  ArmSetup setup_;
+  MotionGenerator generator_;
+  Sensing sensing_;
+  JointImpedance joint_impedance_;
+  CartesianImpedance cartesian_impedance_;
+  Guiding guiding_;
   FrictionCompensation friction_;
-  JointVector tau_J_range_;
-  Transform F_T_EE_;
+  reference::LowPass torque_filter_;
 
   RobotMode robot_mode_ = RobotMode::kIdle;
   Phase phase_ = Phase::kNone;
   MotionModes modes_;
-  JointReference reference_;
   LossMonitor losses_;
   std::uint32_t cycles_waited_ = 0;
   std::uint32_t recovery_cycles_left_ = 0;
+  bool brakes_closed_ = false;    ///< by the switch; the user stop closes them for itself
+  bool begins_guiding_ = false;   ///< at the next cycle, where the arm then is
+  bool payload_changed_ = false;  ///< the observer must start anew
 
   rt::CommandFate fate_ = rt::CommandFate::kNone;
   Violations violations_;
@@ -173,8 +221,9 @@ class Int {
   MoveStatus last_end_ = MoveStatus::kMotionStarted;
 
   JointDrive drive_;
-  JointVector tau_J_d_{};              ///< of whoever controls the joints, without gravity
-  bool external_torque_acts_ = false;  ///< tau_J_d_ is the last accepted command
+  JointVector tau_J_d_{};                  ///< of whoever controls the joints, without gravity
+  bool external_torque_acts_ = false;      ///< tau_J_d_ is the last accepted command
+  bool cartesian_impedance_acts_ = false;  ///< of the internal controllers, the Cartesian one
   JointVector last_tau_J_{};
   std::uint64_t message_id_ = 0;
 };

@@ -1,36 +1,28 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <span>
 
 #include "twin/core/limits.h"
 #include "twin/core/realtime.h"
-#include "twin/core/robot_errors.h"
 #include "twin/onboard/joint_reference.h"
+#include "twin/onboard/violations.h"
 
 namespace twin::onboard {
 
-/// The violations of one cycle; of each error the first joint that broke it.
-class Violations {
- public:
-  void Add(const Violation& violation) noexcept {
-    if (size_ < items_.size()) items_[size_++] = violation;
-  }
-  void Add(const Violations& more) noexcept {
-    for (const Violation& violation : more.items()) Add(violation);
-  }
-  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
-  [[nodiscard]] std::span<const Violation> items() const noexcept { return {items_.data(), size_}; }
-
- private:
-  std::array<Violation, 4> items_{};
-  std::size_t size_ = 0;
+/// The errors a step of a joint reference can raise, each by its own cause.
+struct StepErrors {
+  RobotError position = RobotError::kJointMotionGeneratorPositionLimitsViolation;
+  RobotError velocity = RobotError::kJointMotionGeneratorVelocityLimitsViolation;
+  RobotError acceleration = RobotError::kJointMotionGeneratorVelocityDiscontinuity;
+  RobotError jerk = RobotError::kJointMotionGeneratorAccelerationDiscontinuity;
 };
 
-/// INT compares with this relative tolerance, so that a stream that goes to a limit exactly is not
-/// refused for rounding.
-inline constexpr double kLimitTolerance = 1e-9;
+/// Those of a Cartesian motion, after inverse kinematics.
+inline constexpr StepErrors kInverseKinematicsErrors{
+    .position = RobotError::kCartesianMotionGeneratorJointPositionLimitsViolation,
+    .velocity = RobotError::kCartesianMotionGeneratorJointVelocityLimitsViolation,
+    .acceleration = RobotError::kCartesianMotionGeneratorJointVelocityDiscontinuity,
+    .jerk = RobotError::kCartesianMotionGeneratorJointAccelerationDiscontinuity};
 
 /// Checks one step of a joint reference against the limits.
 ///
@@ -43,8 +35,10 @@ inline constexpr double kLimitTolerance = 1e-9;
 ///
 /// @param next        the step's result, its dddq_d filled.
 /// @param message_id  id the violations carry.
+/// @param errors      a joint generator's, unless told.
 [[nodiscard]] Violations CheckStep(const JointReference& next, const JointLimits& limits,
-                                   std::uint64_t message_id) noexcept TWIN_REALTIME;
+                                   std::uint64_t message_id,
+                                   const StepErrors& errors = {}) noexcept TWIN_REALTIME;
 
 /// Checks the torque of an external controller: |tau_d - tau_J_d| / T <= dtau_max, joint by joint,
 /// else controller_torque_discontinuity with the rate as its value. What is not finite breaks it.

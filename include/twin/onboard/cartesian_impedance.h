@@ -1,0 +1,62 @@
+#pragma once
+
+#include "twin/core/joint_interface.h"
+#include "twin/core/realtime.h"
+#include "twin/model/arm_model.h"
+#include "twin/onboard/joint_impedance.h"
+#include "twin/onboard/joint_reference.h"
+#include "twin/onboard/sensing.h"
+
+namespace twin::onboard {
+
+/// INT's internal Cartesian impedance controller: a spring and a damper between the stiffness frame
+/// K and where it is desired, along and about the axes of K.
+///
+///   tau_J_d = (M + B) ddq_d + c(q, dq) + J^T (K_x e + D_x J (dq_d - dq)) + N^T tau_n
+///   tau     = tau_J_d + g(q)
+///
+/// J is the Jacobian of K in its own axes at q, e = [p_d - p; log(R^T R_d)] from the measured to
+/// the desired pose of K (that of q_d) in the axes of the measured K, B the rotors' inertia. The
+/// reference is one of the joints whatever the motion; with the feed-forward of ddq_d an
+/// admissible one is followed without lag, as by JointImpedance.
+///
+/// Damping. D_x is diagonal, D_ii = 2 zeta sqrt(K_ii min(Lambda_ii, Lambda_max)), Lambda =
+/// (J (M + B)^-1 J^T)^-1 the inertia at K with the rotors: critical along each axis while the
+/// others stand still. Lambda_max = 50 kg and 5 kg m^2 keeps an axis near a singularity, where the
+/// arm is ever heavier, from being damped without bound.
+///
+/// Null space. tau_n = K_n (q_d - q) + D_n (dq_d - dq) holds the arm at q_d with K_n = 200 Nm/rad
+/// in every joint, D_n critical for M_ii + B_ii. N^T tau_n = tau_n - J^T F, F = Lambda J (M + B)^-1
+/// tau_n, takes out what would act on K (Khatib 1987), so that the deflection under a constant
+/// force at K is that force through K_x alone. Near a singularity, where an axis of K is heavier
+/// than 100 kg or 10 kg m^2, F leaves out, more and more, the directions in which it is heavier
+/// than some 200 kg or 20 kg m^2: what K can hardly move along, and its spring hardly holds, tau_n
+/// holds.
+///
+/// Not limited here: INT cuts every torque to what the drives can give. Source of the structure:
+/// FCI protocol 5, control law (tracks O_T_EE_d with K_x in K); damping and null space of the real
+/// robot are not public, these are decisions.
+///
+/// Threads: any (immutable). Real-time: noexcept, allocates nothing.
+class CartesianImpedance {
+ public:
+  /// @param K_x  N/m and Nm/rad, >= 0. @param damping_ratio  zeta. @param rotor_inertia  B, kg m^2.
+  CartesianImpedance(const Vector6& K_x, double damping_ratio, const JointVector& rotor_inertia)
+      : K_x_(K_x), damping_ratio_(damping_ratio), rotor_inertia_(rotor_inertia) {}
+
+  [[nodiscard]] ImpedanceTorque Torque(const JointReference& reference, const JointSensors& sensors,
+                                       const model::ArmModel& arm,
+                                       const ArmSetup& setup) const noexcept TWIN_REALTIME;
+
+  /// The same for who knows the pose of EE at q_d already. @param O_T_EE_d  that pose.
+  [[nodiscard]] ImpedanceTorque Torque(const JointReference& reference, const Transform& O_T_EE_d,
+                                       const JointSensors& sensors, const model::ArmModel& arm,
+                                       const ArmSetup& setup) const noexcept TWIN_REALTIME;
+
+ private:
+  Vector6 K_x_;
+  double damping_ratio_;
+  JointVector rotor_inertia_;
+};
+
+}  // namespace twin::onboard

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "twin/core/joint_interface.h"
+#include "twin/core/realtime.h"
+#include "twin/core/setting.h"
+#include "twin/model/arm_model.h"
+#include "twin/onboard/joint_impedance.h"
+#include "twin/onboard/sensing.h"
+
+namespace twin::onboard {
+
+/// Guiding: the arm carries its own weight and can be led by hand, along and about the axes that
+/// are free; the others, and the null space unless it is free, are held where guiding began or
+/// where the free axes have taken them.
+///
+///   tau_J_d = c(q, dq) + C^T (K_h e - D_h C dq) - D dq,   tau = tau_J_d + g(q)
+///
+/// C has a row per locked axis: those of the zero Jacobian of EE (base axes), and n^T for the null
+/// space, n the unit vector with J n = 0. e is the way back along them: to the pose where guiding
+/// began, whose coordinates along free axes go with the arm, and, for the null space, minus the way
+/// gone, e_n = -sum n^T (q(k) - q(k-1)).
+/// K_h is 40000 N/m, 2000 Nm/rad about the axes, 1000 Nm/rad in the null space: a hand that pushes
+/// with 20 N moves a locked axis by half a millimetre. D_h is critical for the inertia (C (M +
+/// B)^-1 C^T)^-1 of each row, up to 50 kg and 5 kg m^2. D = 5 Nms/rad in joints 1 to 4 and 1 in the
+/// others is light: an arm that is let go comes to rest within about a second.
+///
+/// Source: FCI protocol 5, SetGuidingMode; the law is not public and ours.
+///
+/// Threads: one. Real-time: all but the constructor; noexcept, allocates nothing.
+class Guiding {
+ public:
+  /// @param rotor_inertia  B, kg m^2.
+  explicit Guiding(const JointVector& rotor_inertia) noexcept : rotor_inertia_(rotor_inertia) {}
+
+  /// An axis that becomes locked is held where it is.
+  void SetMode(const setting::GuidingMode& mode) noexcept { mode_ = mode; }
+
+  /// Guiding begins here. @param q  measured.
+  void Begin(const JointVector& q, const ArmSetup& setup) noexcept TWIN_REALTIME;
+
+  /// @pre Begin() was called.
+  [[nodiscard]] ImpedanceTorque Torque(const JointSensors& sensors, const model::ArmModel& arm,
+                                       const ArmSetup& setup) noexcept TWIN_REALTIME;
+
+ private:
+  using Axes = Eigen::Matrix<double, 7, 1>;  ///< six of the base, and the null space
+
+  [[nodiscard]] Axes Follow(const Transform& O_T_EE) noexcept;
+  [[nodiscard]] bool IsLocked(int axis) const noexcept;
+
+  JointVector rotor_inertia_;
+  setting::GuidingMode mode_;
+  Eigen::Vector3d held_position_ = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond held_orientation_ = Eigen::Quaterniond::Identity();
+  Axes null_vector_ = Axes::Zero();  ///< n of the last cycle; zero: none yet
+  double null_error_ = 0;            ///< e_n, rad
+  JointVector last_q_{};
+};
+
+}  // namespace twin::onboard

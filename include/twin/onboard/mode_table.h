@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "twin/core/modes.h"
+#include "twin/core/panel.h"
+#include "twin/core/setting.h"
+
+namespace twin::onboard {
+
+/// Everything that can be asked of INT: the requests of FCI, then the panel's actions in the order
+/// of PanelAction.
+enum class Request : std::uint8_t {
+  kMove,
+  kStopMove,
+  kGetCartesianLimit,
+  kSetCollisionBehavior,
+  kSetJointImpedance,
+  kSetCartesianImpedance,
+  kSetGuidingMode,
+  kSetEEToK,
+  kSetNEToEE,
+  kSetLoad,
+  kSetFilters,
+  kAutomaticErrorRecovery,
+  kLoadModelLibrary,
+  kPressUserStop,
+  kReleaseUserStop,
+  kCloseBrakes,
+  kOpenBrakes,
+  kPressGuidingButton,
+  kReleaseGuidingButton,
+};
+
+inline constexpr std::size_t kRequests = 19;
+inline constexpr std::size_t kRobotModes = 7;
+
+/// What INT answers, as far as its mode decides. A granted request can still fail for its
+/// arguments.
+enum class Verdict : std::uint8_t {
+  kGranted,
+  kGrantedAtRest,  ///< granted once the reference rests, refused before
+  kNothingToDo,    ///< a success that changes nothing
+  kRefused,
+};
+
+/// The verdict of every request (column) in every mode (row): the whole of INT's mode logic.
+///
+///   mode       | Move | StopMove | setters | recovery | user stop: press, release |
+///   Other      | -    | .        | x       | .        | x  .   brakes closed
+///   Idle       | r    | .        | x       | .        | x  .
+///   Move       | -    | x        | -       | -        | x  .
+///   Guiding    | -    | .        | x       | .        | x  .
+///   Reflex     | -    | .        | -       | r        | x  .
+///   UserStopped| -    | .        | x       | -        | .  r
+///   Recovery   | -    | .        | -       | -        | x  .
+///     x granted, r granted at rest, . nothing to do, - refused
+///
+/// Brakes close from Idle and Reflex, at rest, and open from Other. Guiding begins from Idle and,
+/// so that people can free the arm, from Reflex, at rest. GetCartesianLimit and LoadModelLibrary
+/// are always granted.
+///
+/// Which modes refuse a Move, and that setters are refused in Move and Reflex, is what users of the
+/// robot report; StopMove always succeeds because clients end their process otherwise; the other
+/// entries are decisions, as nothing is published. Source: FCI protocol 5, user stop, guiding,
+/// brakes, recovery.
+inline constexpr std::array<std::array<Verdict, kRequests>, kRobotModes> kModeTable = [] {
+  constexpr Verdict x = Verdict::kGranted;
+  constexpr Verdict r = Verdict::kGrantedAtRest;
+  constexpr Verdict o = Verdict::kNothingToDo;
+  constexpr Verdict n = Verdict::kRefused;
+  // Move Stop Lim | Col Jnt Car Gui EtK NtE Load Filt | Rec Lib | US+ US- Br+ Br- Gd+ Gd-
+  return std::array<std::array<Verdict, kRequests>, kRobotModes>{{
+      {n, o, x, x, x, x, x, x, x, x, x, o, x, x, o, o, x, n, o},  // Other
+      {r, o, x, x, x, x, x, x, x, x, x, o, x, x, o, r, o, r, o},  // Idle
+      {n, x, x, n, n, n, n, n, n, n, n, n, x, x, o, n, o, n, o},  // Move
+      {n, o, x, x, x, x, x, x, x, x, x, o, x, x, o, n, o, o, x},  // Guiding
+      {n, o, x, n, n, n, n, n, n, n, n, r, x, x, o, r, o, r, o},  // Reflex
+      {n, o, x, x, x, x, x, x, x, x, x, n, x, o, r, n, n, n, o},  // UserStopped
+      {n, o, x, n, n, n, n, n, n, n, n, n, x, x, o, n, o, n, o},  // AutomaticErrorRecovery
+  }};
+}();
+
+/// Threads: any. Real-time: noexcept, O(1).
+[[nodiscard]] constexpr Verdict VerdictOn(RobotMode mode, Request request) noexcept {
+  return kModeTable[static_cast<std::size_t>(mode)][static_cast<std::size_t>(request)];
+}
+
+/// The request that makes the setting.
+[[nodiscard]] Request RequestOf(const Setting& setting) noexcept;
+[[nodiscard]] constexpr Request RequestOf(PanelAction action) noexcept {
+  return static_cast<Request>(static_cast<int>(Request::kPressUserStop) + static_cast<int>(action));
+}
+
+/// The whole table as Markdown: a line per request, a column per mode.
+[[nodiscard]] std::string ModeTable();
+
+/// In words of the table: "Move", "Set Load", "press_user_stop", ...
+[[nodiscard]] std::string_view Name(Request request) noexcept;
+/// "granted", "granted at rest", "nothing to do", "refused".
+[[nodiscard]] std::string_view Name(Verdict verdict) noexcept;
+
+}  // namespace twin::onboard

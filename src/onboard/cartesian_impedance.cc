@@ -1,0 +1,102 @@
+#include "twin/onboard/cartesian_impedance.h"
+
+#include <cmath>
+
+#include "onboard/task_inertia.h"
+#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
+
+namespace twin::onboard {
+namespace {
+
+using internal::Column;
+using internal::JointColumn;
+using internal::JointSquare;
+using TaskInertia = internal::TaskInertia<6>;
+using Task = TaskInertia::Task;
+
+constexpr double kNullStiffness = 200;  // Nm/rad
+
+/// Inertia of an axis up to which it is damped critically, kg and kg m^2.
+const Task kHeaviestDamped = (Task() << 50, 50, 50, 5, 5, 5).finished();
+/// Inverse of the largest inertia of an axis, 1/kg and 1/(kg m^2).
+const Task kRegularisation = (Task() << 1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5).finished();
+/// Mobility below which, near a singularity, an axis of K counts as immovable.
+const Task kImmovable = (Task() << 5e-3, 5e-3, 5e-3, 5e-2, 5e-2, 5e-2).finished();
+/// Times kHeaviestDamped: the inertia from which on the arm is near a singularity.
+constexpr double kNearSingular = 2;
+
+/// What of tau would act on K, with the share of kImmovable growing towards a singularity.
+Task TaskForce(const TaskInertia& inertia, const Task& diagonal, const JointColumn& tau) noexcept {
+  const double heaviest = diagonal.cwiseQuotient(kHeaviestDamped).maxCoeff();
+  if (heaviest <= kNearSingular) return inertia.ForceOf(tau);
+  return inertia.MovableForceOf(tau, kRegularisation + (1 - kNearSingular / heaviest) * kImmovable);
+}
+
+/// Rotation vector of R, in the half space around no rotation by its sine and cosine, which costs
+/// half of the way through a quaternion.
+Eigen::Vector3d TurnOf(const Eigen::Matrix3d& R) noexcept {
+  const double cosine = 0.5 * (R.trace() - 1);
+  if (!(cosine > 0)) return model::Log(Eigen::Quaterniond(R));
+  const Eigen::Vector3d axis =
+      0.5 * Eigen::Vector3d(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  const double sine = axis.norm();
+  return sine > 0 ? Eigen::Vector3d(std::atan2(sine, cosine) / sine * axis) : axis;
+}
+
+/// From pose X to pose X_d: way and turn in the axes of X.
+Task Error(const Transform& X, const Transform& X_d) noexcept {
+  const Transform X_XXd = model::Multiply(model::Inverse(X), X_d);
+  Task e;
+  e.head<3>() = model::Position(X_XXd);
+  e.tail<3>() = TurnOf(Eigen::Map<const Eigen::Matrix4d>(X_XXd.data()).topLeftCorner<3, 3>());
+  return e;
+}
+
+}  // namespace
+
+ImpedanceTorque CartesianImpedance::Torque(const JointReference& reference,
+                                           const JointSensors& sensors, const model::ArmModel& arm,
+                                           const ArmSetup& setup) const noexcept {
+  return Torque(reference, arm.Pose(model::Frame::kEndEffector, reference.q_d, setup.F_T_EE),
+                sensors, arm, setup);
+}
+
+ImpedanceTorque CartesianImpedance::Torque(const JointReference& reference,
+                                           const Transform& O_T_EE_d, const JointSensors& sensors,
+                                           const model::ArmModel& arm,
+                                           const ArmSetup& setup) const noexcept {
+  constexpr Vector3 kNoGravity{0, 0, 0};
+  const model::Configuration q(sensors.q);
+  const Transform F_T_K = model::Multiply(setup.F_T_EE, setup.EE_T_K);
+  const model::Frame K = model::Frame::kEndEffector;
+  const model::Jacobian columns = arm.BodyJacobian(K, q, F_T_K);
+  const TaskInertia::TaskJacobian J = Eigen::Map<const TaskInertia::TaskJacobian>(columns.data());
+  const JointSquare M = internal::InertiaWithRotors(arm, q, setup.payload, rotor_inertia_);
+  const TaskInertia inertia(M, J, kRegularisation);
+
+  const Eigen::Map<const Task> K_x(K_x_.data());
+  const JointColumn dq_error = Column(reference.dq_d) - Column(sensors.dq);
+  const JointColumn q_error = Column(reference.q_d) - Column(sensors.q);
+  const Task Lambda_ii = inertia.Diagonal();
+  const Task D_x =
+      2 * damping_ratio_ * K_x.cwiseProduct(Lambda_ii.cwiseMin(kHeaviestDamped)).cwiseSqrt();
+  const Task e = Error(arm.Pose(K, q, F_T_K), model::Multiply(O_T_EE_d, setup.EE_T_K));
+  const JointColumn D_n = 2 * damping_ratio_ * (kNullStiffness * M.diagonal()).cwiseSqrt();
+  const JointColumn tau_n = kNullStiffness * q_error + D_n.cwiseProduct(dq_error);
+  const Task F =
+      K_x.cwiseProduct(e) + D_x.cwiseProduct(J * dq_error) - TaskForce(inertia, Lambda_ii, tau_n);
+  const JointColumn spring = J.transpose() * F + tau_n;
+
+  const JointVector g = arm.Gravity(q, setup.payload);
+  const JointVector dynamics =
+      arm.InverseDynamics(q, sensors.dq, reference.ddq_d, setup.payload, kNoGravity);
+  ImpedanceTorque torque;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    torque.tau_J_d[i] = dynamics[i] + rotor_inertia_[i] * reference.ddq_d[i] + spring[i];
+    torque.tau[i] = torque.tau_J_d[i] + g[i];
+  }
+  return torque;
+}
+
+}  // namespace twin::onboard

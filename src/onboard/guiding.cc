@@ -1,0 +1,94 @@
+#include "twin/onboard/guiding.h"
+
+#include "onboard/task_inertia.h"
+#include "twin/model/rotation.h"
+
+namespace twin::onboard {
+namespace {
+
+using internal::Column;
+using internal::JointColumn;
+using internal::JointSquare;
+using TaskInertia = internal::TaskInertia<7>;
+using Task = TaskInertia::Task;
+using Jacobian = Eigen::Matrix<double, 6, kJoints>;
+
+constexpr int kNullAxis = 6;
+
+const Task kStiffness = (Task() << 40000, 40000, 40000, 2000, 2000, 2000, 1000).finished();
+const Task kHeaviestDamped = (Task() << 50, 50, 50, 5, 5, 5, 5).finished();
+const Task kRegularisation = (Task() << 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-3).finished();
+const JointColumn kDamping = (JointColumn() << 5, 5, 5, 5, 1, 1, 1).finished();  // Nms/rad
+
+/// The unit vector of the joint motion that leaves EE where it is, on the side of `last`.
+JointColumn NullVector(const Jacobian& J, const JointColumn& last) noexcept {
+  const Eigen::HouseholderQR<Eigen::Matrix<double, kJoints, 6>> qr(J.transpose());
+  JointColumn n = JointColumn::Unit(kJoints - 1);
+  n.applyOnTheLeft(qr.householderQ());
+  return n.dot(last) < 0 ? JointColumn(-n) : n;
+}
+
+}  // namespace
+
+void Guiding::Begin(const JointVector& q, const ArmSetup& setup) noexcept {
+  const Transform O_T_EE =
+      model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q, setup.F_T_EE);
+  held_position_ = model::Position(O_T_EE);
+  held_orientation_ = model::Orientation(O_T_EE);
+  null_vector_.setZero();
+  null_error_ = 0;
+  last_q_ = q;
+}
+
+bool Guiding::IsLocked(int axis) const noexcept {
+  return axis == kNullAxis ? !mode_.elbow : !mode_.axes[static_cast<std::size_t>(axis)];
+}
+
+Guiding::Axes Guiding::Follow(const Transform& O_T_EE) noexcept {
+  const Eigen::Quaterniond R = model::Orientation(O_T_EE);
+  Axes e;
+  e.head<3>() = held_position_ - model::Position(O_T_EE);
+  e.segment<3>(3) = model::Log(held_orientation_ * R.conjugate());
+  e[kNullAxis] = null_error_;
+  for (int axis = 0; axis <= kNullAxis; ++axis) {
+    if (!IsLocked(axis)) e[axis] = 0;
+  }
+  held_position_ = model::Position(O_T_EE) + e.head<3>();
+  held_orientation_ = (model::Exp(e.segment<3>(3)) * R).normalized();
+  null_error_ = e[kNullAxis];
+  return e;
+}
+
+ImpedanceTorque Guiding::Torque(const JointSensors& sensors, const model::ArmModel& arm,
+                                const ArmSetup& setup) noexcept {
+  const model::Configuration q(sensors.q);
+  const model::Jacobian columns = arm.ZeroJacobian(model::Frame::kEndEffector, q, setup.F_T_EE);
+  const Jacobian J = Eigen::Map<const Jacobian>(columns.data());
+  null_vector_ = NullVector(J, null_vector_);
+  null_error_ -= null_vector_.dot(Column(sensors.q) - Column(last_q_));
+  last_q_ = sensors.q;
+  const Task e = Follow(arm.Pose(model::Frame::kEndEffector, q, setup.F_T_EE));
+
+  TaskInertia::TaskJacobian C;
+  C << J, null_vector_.transpose();
+  for (int axis = 0; axis <= kNullAxis; ++axis) {
+    if (!IsLocked(axis)) C.row(axis).setZero();
+  }
+  const JointSquare M = internal::InertiaWithRotors(arm, q, setup.payload, rotor_inertia_);
+  const Task inertia = TaskInertia(M, C, kRegularisation).Diagonal().cwiseMin(kHeaviestDamped);
+  const Task D_h = 2 * kStiffness.cwiseProduct(inertia).cwiseSqrt();
+  const JointColumn dq = Column(sensors.dq);
+  const Task F = kStiffness.cwiseProduct(e) - D_h.cwiseProduct(C * dq);
+  const JointColumn held = C.transpose() * F - kDamping.cwiseProduct(dq);
+
+  const JointVector g = arm.Gravity(q, setup.payload);
+  const JointVector c = arm.Coriolis(q, sensors.dq, setup.payload);
+  ImpedanceTorque torque;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    torque.tau_J_d[i] = held[i] + c[i];
+    torque.tau[i] = torque.tau_J_d[i] + g[i];
+  }
+  return torque;
+}
+
+}  // namespace twin::onboard

@@ -1,0 +1,185 @@
+#include <algorithm>
+
+#include "twin/onboard/int.h"
+#include "twin/onboard/limit_monitor.h"
+
+// What Int does in a cycle: modes that pass by themselves, the reference, the torque.
+
+namespace twin::onboard {
+namespace {
+
+/// Axis of a communication_constraints_violation that tells of the motion's first command.
+constexpr std::int8_t kFirstCommand = 0;
+
+}  // namespace
+
+const JointDrive& Int::Cycle(const RobotCommand* command, const JointSensors& sensors) noexcept {
+  fate_ = rt::CommandFate::kNone;
+  violations_ = Violations();
+  AdvanceMode(sensors);
+  AdvanceReference(command, sensors);
+  DriveJoints(sensors);
+  return drive_;
+}
+
+void Int::AdvanceMode(const JointSensors& sensors) noexcept {
+  if (robot_mode_ == RobotMode::kAutomaticErrorRecovery && --recovery_cycles_left_ == 0) {
+    robot_mode_ = RobotMode::kIdle;
+  }
+  if (begins_guiding_) {
+    begins_guiding_ = false;
+    guiding_.Begin(sensors.q, setup_);
+  }
+  const bool is_led = robot_mode_ == RobotMode::kGuiding;
+  const bool is_braked =
+      brakes_closed_ || (robot_mode_ == RobotMode::kUserStopped && generator_.AtRest());
+  if (drive_.brakes && !is_braked) generator_.TakeOver(sensors.q, JointVector{});
+  if (is_led) generator_.TakeOver(sensors.q, sensors.dq);
+  drive_.brakes = is_braked;
+}
+
+void Int::AdvanceReference(const RobotCommand* command, const JointSensors& sensors) noexcept {
+  const bool is_watched = phase_ != Phase::kNone || robot_mode_ == RobotMode::kIdle;
+  if (is_watched) violations_ = sensing_.Collisions(message_id_ + 1);
+  if (phase_ != Phase::kNone) {
+    violations_.Add(
+        sensing_.CheckMeasured(tau_J_d_, message_id_ + 1, IsCartesian(modes_.generator)));
+  }
+  if (!violations_.empty()) {
+    Abort(sensors);
+    return;
+  }
+  switch (phase_) {
+    case Phase::kNone:
+      TakeOver(sensors);  // after a user stop
+      if (robot_mode_ != RobotMode::kGuiding) generator_.Brake();
+      break;
+    case Phase::kStarting: AwaitFirstCommand(command); break;
+    case Phase::kRunning: command != nullptr ? Take(*command, false) : Hold(); break;
+    case Phase::kFinishing: Finish(sensors); break;
+    case Phase::kPreempting:
+      TakeOver(sensors);
+      generator_.Brake();
+      if (generator_.AtRest()) EndMotion(MoveStatus::kPreempted, RobotMode::kIdle);
+      break;
+  }
+  if (!violations_.empty()) Abort(sensors);
+}
+
+void Int::AwaitFirstCommand(const RobotCommand* command) noexcept {
+  generator_.Rest();
+  if (command != nullptr) {
+    Take(*command, true);
+    return;
+  }
+  if (++cycles_waited_ >= config_.first_command_timeout_cycles) {
+    violations_.Add({RobotError::kCommunicationConstraintsViolation, kFirstCommand,
+                     static_cast<double>(cycles_waited_),
+                     static_cast<double>(config_.first_command_timeout_cycles), message_id_ + 1});
+  }
+}
+
+void Int::Take(const RobotCommand& command, bool is_first) noexcept {
+  const bool is_external = modes_.controller == ControllerMode::kExternalController;
+  JointVector tau_J_d = command.tau_J_d;
+  Violations torque;
+  if (is_external) {
+    if (torque_filter_.is_on()) tau_J_d = torque_filter_.Filter(tau_J_d, tau_J_d_);
+    torque = CheckTorqueRate(tau_J_d, tau_J_d_, config_.limits, message_id_ + 1);
+  }
+  violations_ = TryStep(command, is_first, torque);
+  fate_ = rt::CommandFate::kServed;
+  losses_.CountServed();
+  if (!violations_.empty()) return;
+  if (is_external) {
+    tau_J_d_ = tau_J_d;
+    external_torque_acts_ = true;
+  }
+  phase_ = command.motion_generation_finished ? Phase::kFinishing : Phase::kRunning;
+}
+
+Violations Int::TryStep(const RobotCommand& command, bool is_first,
+                        const Violations& torque) noexcept {
+  const bool finishes = command.motion_generation_finished;
+  if (torque.empty() && !finishes) return generator_.Take(command, is_first, message_id_ + 1);
+  // A step that may turn out to be wrong afterwards is tried on a copy.
+  MotionGenerator next = generator_;
+  Violations found = next.Take(command, is_first, message_id_ + 1);
+  if (found.empty() && finishes) found = next.CheckStandingStill(message_id_ + 1);
+  found.Add(torque);
+  if (found.empty()) generator_ = next;
+  return found;
+}
+
+void Int::Hold() noexcept {
+  fate_ = rt::CommandFate::kHeld;
+  losses_.CountLost();
+  if (losses_.lost_in_row() >= config_.abort_after_lost) {
+    violations_.Add({RobotError::kCommunicationConstraintsViolation, -1,
+                     static_cast<double>(losses_.lost_in_row()),
+                     static_cast<double>(config_.abort_after_lost), message_id_ + 1});
+    return;
+  }
+  violations_ = generator_.Hold(message_id_ + 1);
+}
+
+void Int::Finish(const JointSensors& sensors) noexcept {
+  if (modes_.controller == ControllerMode::kExternalController) {
+    TakeOver(sensors);
+    generator_.Brake();
+  } else {
+    generator_.StandStill();
+  }
+  if (generator_.AtRest()) EndMotion(MoveStatus::kSuccess, RobotMode::kIdle);
+}
+
+void Int::Abort(const JointSensors& sensors) noexcept {
+  for (const Violation& violation : violations_.items()) {
+    errors_.set(static_cast<std::size_t>(violation.error));
+  }
+  if (phase_ != Phase::kNone) {
+    reflex_reason_ = errors_;
+    EndMotion(MoveStatus::kReflexAborted, RobotMode::kReflex);
+  }
+  robot_mode_ = RobotMode::kReflex;
+  TakeOver(sensors);
+  generator_.Brake();
+}
+
+void Int::TakeOver(const JointSensors& sensors) noexcept {
+  if (!external_torque_acts_) return;
+  external_torque_acts_ = false;
+  cartesian_impedance_acts_ = false;
+  generator_.TakeOver(sensors.q, sensors.dq);
+}
+
+ImpedanceTorque Int::ControlTorque(const JointSensors& sensors) noexcept {
+  if (drive_.brakes) return {};
+  if (robot_mode_ == RobotMode::kGuiding) return guiding_.Torque(sensors, arm_, setup_);
+  if (external_torque_acts_) {
+    ImpedanceTorque torque{tau_J_d_, arm_.Gravity(sensors.q, setup_.payload)};
+    for (std::size_t i = 0; i < kJoints; ++i) torque.tau[i] += tau_J_d_[i];
+    return torque;
+  }
+  if (cartesian_impedance_acts_) {
+    return cartesian_impedance_.Torque(generator_.joints(), generator_.O_T_EE_d(), sensors, arm_,
+                                       setup_);
+  }
+  return joint_impedance_.Torque(generator_.joints(), sensors, arm_, setup_.payload);
+}
+
+void Int::DriveJoints(const JointSensors& sensors) noexcept {
+  ImpedanceTorque torque = ControlTorque(sensors);
+  tau_J_d_ = torque.tau_J_d;
+  if (!drive_.brakes) friction_.AddTo(torque.tau, sensors.dq);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    drive_.tau[i] =
+        std::clamp(torque.tau[i], -config_.limits.tau_max[i], config_.limits.tau_max[i]);
+  }
+  const JointReference& reference = generator_.joints();
+  drive_.q_d = reference.q_d;
+  drive_.dq_d = reference.dq_d;
+  drive_.ddq_d = reference.ddq_d;
+}
+
+}  // namespace twin::onboard

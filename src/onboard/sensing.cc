@@ -1,0 +1,113 @@
+#include "twin/onboard/sensing.h"
+
+#include <fmt/format.h>
+
+#include "twin/core/require.h"
+
+namespace twin::onboard {
+
+void SensingConfig::Validate() const {
+  RequireInRange("int: sensing: observer_gain", observer_gain, 1e-3, 1000);
+  RequireInRange("int: sensing: wrench_gain_max", wrench_gain_max, 1e-3, 1e6);
+  RequireInRange("int: sensing: q_margin_rad", measured.q_margin_rad, 0, 1);
+  RequireInRange("int: sensing: velocity_margin", measured.velocity_margin, 0, 10);
+  RequireInRange("int: sensing: translation_max_m_per_s", measured.translation_max_m_per_s, 1e-3,
+                 100);
+  RequireInRange("int: sensing: power_max_W", measured.power_max_W, 1e-3, 1e6);
+  RequireInRange("int: sensing: clearance_m", measured.clearance_m, 0, 1);
+  if (!measured.tau_J_range) return;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    RequireInRange(fmt::format("int: sensing: tau_J_range[{}]", i), (*measured.tau_J_range)[i],
+                   1e-6, 1000);
+  }
+}
+
+Sensing::Sensing(const SensingConfig& config) noexcept
+    : wrench_gain_max_(config.wrench_gain_max),
+      observer_(config.observer_gain),
+      monitor_(config.joints, config.cartesian, config.measured),
+      self_distance_(config.measured.has_hand) {}
+
+void Sensing::SetCollisionBehavior(const setting::CollisionBehavior& behavior) noexcept {
+  contacts_.SetBehavior(behavior);
+}
+
+void Sensing::Reset(const JointSensors& sensors, const ArmSetup& setup) noexcept {
+  const model::Configuration q(sensors.q);
+  Measure(sensors, q, setup);
+  observer_.Reset(sensors, q);
+  wrench_ = ExternalWrench();
+  contacts_.Update(observer_.tau_ext_hat(), wrench_.K_F_ext_hat_K, false);
+}
+
+void Sensing::Update(const JointSensors& sensors, const ArmSetup& setup,
+                     bool accelerates) noexcept {
+  const model::Configuration q(sensors.q);
+  Measure(sensors, q, setup);
+  observer_.Update(sensors, q, setup.payload);
+  wrench_ = EstimateWrench(observer_.tau_ext_hat(), J_EE_, O_T_EE_, setup.EE_T_K, wrench_gain_max_);
+  contacts_.Update(observer_.tau_ext_hat(), wrench_.K_F_ext_hat_K, accelerates);
+}
+
+void Sensing::Measure(const JointSensors& sensors, const model::Configuration& q,
+                      const ArmSetup& setup) noexcept {
+  const model::ArmModel& arm = model::ArmModel::Panda();
+  O_T_EE_ = arm.Pose(model::Frame::kEndEffector, q, setup.F_T_EE);
+  J_EE_ = arm.ZeroJacobian(model::Frame::kEndEffector, q, setup.F_T_EE);
+  measured_.sensors = sensors;
+  measured_.g = arm.Gravity(q, setup.payload);
+  measured_.O_dP_EE = Vector6{};
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    for (std::size_t row = 0; row < 6; ++row) {
+      measured_.O_dP_EE[row] += J_EE_[6 * joint + row] * sensors.dq[joint];
+    }
+  }
+  measured_.self_distance = self_distance_.Update(sensors.q, q, monitor_.clearance_m());
+}
+
+Violations Sensing::Collisions(std::uint64_t message_id) const noexcept {
+  return contacts_.Collisions(message_id);
+}
+
+Violations Sensing::CheckMeasured(const JointVector& tau_J_d, std::uint64_t message_id,
+                                  bool is_cartesian) const noexcept {
+  return monitor_.Check(measured_, tau_J_d, is_cartesian, message_id);
+}
+
+void Sensing::ClearCollisions() noexcept {
+  contacts_.Clear();
+}
+
+bool Sensing::NeedsManualRecovery() const noexcept {
+  return monitor_.IsOutOfRange(measured_.sensors.q);
+}
+
+const JointVector& Sensing::tau_ext_hat_filtered() const noexcept {
+  return observer_.tau_ext_hat();
+}
+
+const Vector6& Sensing::O_F_ext_hat_K() const noexcept {
+  return wrench_.O_F_ext_hat_K;
+}
+
+const Vector6& Sensing::K_F_ext_hat_K() const noexcept {
+  return wrench_.K_F_ext_hat_K;
+}
+
+const JointVector& Sensing::joint_contact() const noexcept {
+  return contacts_.joint_contact();
+}
+
+const Vector6& Sensing::cartesian_contact() const noexcept {
+  return contacts_.cartesian_contact();
+}
+
+const JointVector& Sensing::joint_collision() const noexcept {
+  return contacts_.joint_collision();
+}
+
+const Vector6& Sensing::cartesian_collision() const noexcept {
+  return contacts_.cartesian_collision();
+}
+
+}  // namespace twin::onboard
