@@ -1,19 +1,34 @@
 #include "twin/plant/ideal_plant.h"
 
+#include "twin/model/arm_model.h"
+
 namespace twin::plant {
 
+IdealPlant::IdealPlant(const model::Payload& payload, HandKind hand) : payload_(payload) {
+  if (hand == HandKind::kFrankaHand) hand_.emplace();
+}
+
 void IdealPlant::Reset(const JointVector& q) {
-  sensors_ = JointSensors{};
-  sensors_.q = q;
-  sensors_.theta = q;
+  if (hand_) hand_->Reset();
+  Sense(q, JointVector{}, JointVector{});
 }
 
 void IdealPlant::Step(const JointDrive& drive) noexcept {
-  sensors_.q = drive.q_d;
-  sensors_.dq = drive.dq_d;
-  sensors_.tau_J = drive.tau;
-  sensors_.theta = drive.q_d;
-  sensors_.dtheta = drive.dq_d;
+  if (hand_) hand_->Step();
+  if (drive.brakes) {
+    Sense(sensors_.q, JointVector{}, JointVector{});
+  } else {
+    Sense(drive.q_d, drive.dq_d, drive.ddq_d);
+  }
+}
+
+void IdealPlant::Sense(const JointVector& q, const JointVector& dq,
+                       const JointVector& ddq) noexcept {
+  sensors_.tau_J = model::ArmModel::Panda().InverseDynamics(q, dq, ddq, payload_);
+  sensors_.q = q;
+  sensors_.dq = dq;
+  sensors_.theta = q;
+  sensors_.dtheta = dq;
 }
 
 }  // namespace twin::plant

@@ -10,15 +10,29 @@
 #include <fmt/ranges.h>
 
 #include "plant/friction.h"
+#include "plant/hand_joints.h"
 
 namespace twin::plant {
 namespace {
 
-// Sizes: room for the joints' own constraints and 100 contacts of 4 rows. Classes copy their
-// settings before the scene's own defaults are read, so those do not reach the robot.
+// Sizes: room for the joints' own constraints and 100 contacts of 4 rows; a box in the hand makes
+// 16, one on a table 4. Classes copy their settings before the scene's own defaults are read, so
+// those do not reach the robot.
+//
+// What is held must not creep. Friction of soft contacts does, unless the cone is elliptic and the
+// solver's last iterations take the slip out; and it holds a turning object only where contacts
+// resist torsion (condim 4). A pad's settings count whatever touches it: rubber on a hard object,
+// torsion by a patch of 5 mm radius; stiff, for the opening is what a grasp is judged by.
+//
+// One creep is left. The friction rows ask for J(q_k) dq_k+1 = (1 - B T) J(q_k) dq_k; the hand
+// moves on arcs and what it holds does not know, which adds T c a step, c the acceleration by which
+// the arc bends. So the object is left behind at a speed of c (1/B - T/2): none at B T = 2, where
+// the rows would also swing for ever. The pads' B = 1500 1/s leaves a sixth of a micrometre per
+// second for each mm/s^2 of c; MuJoCo's own way to set B allows no more than 1/T, three times as
+// much.
 constexpr std::string_view kPreamble = R"(<mujoco model="{}">
   <size njmax="420" nconmax="100"/>
-  <option cone="elliptic" impratio="10"/>
+  <option cone="elliptic" impratio="10" noslip_iterations="5"/>
   <visual>
     <global offwidth="1280" offheight="960"/>
     <quality shadowsize="2048" offsamples="4"/>
@@ -33,6 +47,13 @@ constexpr std::string_view kPreamble = R"(<mujoco model="{}">
       <geom group="3" mass="0" rgba="0.6 0.6 0.9 0.5"/>
       <joint limited="true" range="-1 1"
              solreffriction="0.004 1" solimpfriction="0.999 0.999 0.001 0.5 2"/>
+    </default>
+    <default class="twin_pad">
+      <geom group="3" mass="0" rgba="0.3 0.3 0.3 0.5" priority="1" condim="4"
+            friction="1 0.005 0.0001" solref="-62500 -1500" solimp="0.98 0.999 0.001"/>
+    </default>
+    <default class="twin_finger">
+      <joint limited="true" range="-1 1" solreflimit="0.004 1" solimplimit="0.98 0.999 0.001"/>
     </default>
   </default>
 )";
@@ -139,13 +160,15 @@ class Writer {
       Line("<inertial pos=\"0 0 0\" mass=\"0\" diaginertia=\"0 0 0\"/>\n");
     }
     if (link.joint_kind == JointKind::kRevolute) Joint(link);
+    if (link.joint_kind == JointKind::kPrismatic) Finger(link);
     int number = 0;
     for (const Shape& shape : link.visual) {
       Geom(shape, "visual", fmt::format("{}_visual_{}", link.name, number++));
     }
     number = 0;
     for (const Shape& shape : link.collision) {
-      Geom(shape, "collision", fmt::format("{}_collision_{}", link.name, number++));
+      Geom(shape, shape.pad ? "pad" : "collision",
+           fmt::format("{}_collision_{}", link.name, number++));
     }
     for (const Link& child : sources_.robot.links) {
       if (child.parent == link.name) Body(child);
@@ -163,7 +186,14 @@ class Writer {
     ++joint_;
   }
 
-  /// Number of joints between the root and each link.
+  void Finger(const Link& link) {
+    Line(
+        "<joint name=\"{}\" class=\"twin_finger\" type=\"slide\" axis=\"{}\" "
+        "armature=\"{}\"/>\n",
+        link.joint, Row(link.axis), kFingerInertia);
+  }
+
+  /// Number of the arm's joints between the root and each link.
   std::map<std::string, int> JointDepths() const {
     std::map<std::string, int> depths;
     for (const Link& link : sources_.robot.links) {
@@ -175,14 +205,17 @@ class Writer {
 
   /// Links no more than two joints apart do not collide with one another: the hulls of their shapes
   /// overlap in poses that the joint limits allow, the links themselves do not. (MoveIt's SRDF of
-  /// the Panda leaves out the same pairs.)
+  /// the Panda leaves out the same pairs.) Fingers meet at the end of their range, not as shapes.
   void Excludes() {
     const auto depths = JointDepths();
     Line("  <contact>\n");
     for (const Link& a : sources_.robot.links) {
       for (const Link& b : sources_.robot.links) {
         const int apart = depths.at(b.name) - depths.at(a.name);
-        if (apart < 1 || apart > 2 || a.collision.empty() || b.collision.empty()) continue;
+        const bool fingers = a.joint_kind == JointKind::kPrismatic &&
+                             b.joint_kind == JointKind::kPrismatic && a.name < b.name;
+        if ((apart < 1 || apart > 2) && !fingers) continue;
+        if (a.collision.empty() || b.collision.empty()) continue;
         Line("    <exclude body1=\"{}\" body2=\"{}\"/>\n", a.name, b.name);
       }
     }

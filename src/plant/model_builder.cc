@@ -121,12 +121,17 @@ void RequireRobotUnchanged(const ModelSources& sources, const mjModel& model) {
   if (model.opt.timestep != kCycleSeconds) throw EngineFault("the step is not 1 ms");
 }
 
+/// A finger's stops are a micrometre beyond its range: one that rests at an end of it makes no
+/// constraint, which would have to be solved in every step.
+constexpr double kFingerClearance = 1e-6;
+
 void SetJointRanges(const ModelSources& sources, mjModel& model) {
   for (const Link& link : sources.robot.links) {
-    if (link.joint_kind != JointKind::kRevolute) continue;
+    if (link.joint_kind == JointKind::kFixed) continue;
     const std::ptrdiff_t joint = mj_name2id(&model, mjOBJ_JOINT, link.joint.c_str());
-    model.jnt_range[2 * joint] = link.q_min;
-    model.jnt_range[2 * joint + 1] = link.q_max;
+    const double clearance = link.joint_kind == JointKind::kPrismatic ? kFingerClearance : 0;
+    model.jnt_range[2 * joint] = link.q_min - clearance;
+    model.jnt_range[2 * joint + 1] = link.q_max + clearance;
   }
 }
 

@@ -1,9 +1,16 @@
 #include "plant/model_sources.h"
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
+#include <Eigen/Eigenvalues>
 
 #include "plant/file_bytes.h"
 #include "plant/primitive_shapes.h"
@@ -13,7 +20,7 @@ namespace twin::plant {
 namespace {
 
 /// Part of every key: raised whenever the same sources are composed differently.
-constexpr std::string_view kComposition = "panda-twin composition 1";
+constexpr std::string_view kComposition = "panda-twin composition 2";
 
 constexpr std::string_view kPlainScene = R"(<mujoco>
   <worldbody>
@@ -22,6 +29,9 @@ constexpr std::string_view kPlainScene = R"(<mujoco>
   </worldbody>
 </mujoco>
 )";
+
+/// Name of the body that MujocoPlantOptions::load becomes.
+constexpr std::string_view kLoadBody = "load";
 
 constexpr std::string_view kPackageScheme = "package://";
 
@@ -100,6 +110,30 @@ void RequireSevenJoints(const RobotDescription& robot, const std::filesystem::pa
                   urdf.string(), robot.name, joints, chain ? "" : " on several branches", kJoints));
 }
 
+std::vector<Link> Fingers(const RobotDescription& robot) {
+  std::vector<Link> fingers;
+  std::ranges::copy_if(robot.links, std::back_inserter(fingers),
+                       [](const Link& link) { return link.joint_kind == JointKind::kPrismatic; });
+  return fingers;
+}
+
+void RequireNoFingers(const RobotDescription& robot, const std::filesystem::path& urdf) {
+  const auto found = Fingers(robot);
+  if (found.empty()) return;
+  throw InputError(fmt::format("{}: joint '{}' of robot '{}' is prismatic; the arm has none",
+                               urdf.string(), found.front().joint, robot.name));
+}
+
+/// The hand's own joints are those of two fingers, of which the second does what the first does.
+void RequireTwoFingers(const RobotDescription& robot, const std::filesystem::path& urdf) {
+  const auto found = Fingers(robot);
+  if (found.size() == 2 && found[0].follows.empty() && found[1].follows == found[0].joint) return;
+  throw InputError(fmt::format(
+      "{}: the hand has {} prismatic joints; it must have two, the second with a <mimic> of the "
+      "first",
+      urdf.string(), found.size()));
+}
+
 /// Whether an attribute of the MJCF names a file: file="...", fileright="..." and their like. May
 /// err on the side of yes.
 bool NamesFiles(std::string_view mjcf) {
@@ -111,6 +145,44 @@ bool NamesFiles(std::string_view mjcf) {
     if (next != std::string_view::npos && mjcf[next] == '=') return true;
   }
   return false;
+}
+
+/// 2/5 m r^2 about its centre, kg m^2.
+double InertiaOfSteelBall(double mass) {
+  constexpr double kDensity = 7850;  // kg / m^3
+  return 0.4 * mass * std::pow(0.75 * mass / (std::numbers::pi * kDensity), 2.0 / 3.0);
+}
+
+/// A body's principal moments of inertia are positive, and none is more than the other two
+/// together.
+void RequireBody(const Matrix3& inertia) {
+  const Eigen::Map<const Eigen::Matrix3d> I(inertia.data());
+  const Eigen::Vector3d moments =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
+  if (moments[0] > 0 && moments[0] + moments[1] >= moments[2] * (1 - 1e-9)) return;
+  throw InputError(
+      fmt::format("the load on the flange: no body has principal moments of inertia of {}, {} and "
+                  "{} kg m^2; each "
+                  "must be above 0, and none more than the other two together",
+                  moments[0], moments[1], moments[2]));
+}
+
+/// Fixes the load to the flange: the last link of the arm.
+void Attach(const setting::Load& load, RobotDescription& robot) {
+  if (const auto bad = FindBadValue(load)) {
+    throw InputError(fmt::format("the load on the flange: {}", Describe(*bad)));
+  }
+  if (load.m_load == 0) return;
+  Link body;
+  body.name = kLoadBody;
+  body.parent = robot.links.back().name;
+  body.inertial = Inertial{load.m_load, load.F_x_Cload, load.I_load};
+  if (load.I_load == Matrix3{}) {
+    const double I = InertiaOfSteelBall(load.m_load);
+    body.inertial->I = {I, 0, 0, 0, I, 0, 0, 0, I};
+  }
+  RequireBody(body.inertial->I);
+  robot.links.push_back(body);
 }
 
 }  // namespace
@@ -126,13 +198,18 @@ ModelSources ReadModelSources(const MujocoPlantOptions& options) {
   hash.Add(fmt::format("mujoco {} friction {} armature {} hand {} meshes {}", mj_version(),
                        static_cast<int>(options.friction), options.armature,
                        static_cast<int>(options.hand), sources.uses_meshes));
+  hash.Add(fmt::format("load {} {} {}", options.load.m_load, fmt::join(options.load.F_x_Cload, " "),
+                       fmt::join(options.load.I_load, " ")));
   DescriptionReader reader(options, sources, hash);
   sources.robot = reader.Read(options.urdf);
   RequireSevenJoints(sources.robot, options.urdf);
+  RequireNoFingers(sources.robot, options.urdf);
+  Attach(options.load, sources.robot);
   if (options.hand == HandKind::kFrankaHand) {
     const auto urdf = options.urdf.parent_path() / ".." / "hand" / "hand.urdf";
     Mount(sources.robot, reader.Read(urdf), urdf.string());
     RequireSevenJoints(sources.robot, urdf);
+    RequireTwoFingers(sources.robot, urdf);
   }
   sources.scene_file = options.scene;
   sources.scene_text =

@@ -7,10 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "plant/brakes.h"
 #include "plant/friction.h"
+#include "plant/hand_joints.h"
+#include "plant/joint_elasticity.h"
 #include "plant/model_builder.h"
 #include "plant/model_cache.h"
 #include "plant/model_sources.h"
+#include "plant/perturber.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
@@ -20,10 +24,23 @@ namespace twin::plant {
 namespace {
 
 /// Where the arm's joints are in the engine's vectors.
-struct JointAddress {
-  int qpos = 0;
-  int dof = 0;
+struct JointAddresses {
+  std::array<int, kJoints> qpos{};
+  std::array<int, kJoints> dof{};
 };
+
+JointAddresses FindJoints(const mjModel& model, const RobotDescription& robot) {
+  JointAddresses found;
+  std::size_t i = 0;
+  for (const Link& link : robot.links) {
+    if (link.joint_kind != JointKind::kRevolute) continue;
+    const int joint = mj_name2id(&model, mjOBJ_JOINT, link.joint.c_str());
+    found.qpos[i] = model.jnt_qposadr[joint];
+    found.dof[i] = model.jnt_dofadr[joint];
+    ++i;
+  }
+  return found;
+}
 
 class EnginePlant final : public MujocoPlant {
  public:
@@ -34,21 +51,20 @@ class EnginePlant final : public MujocoPlant {
         uses_meshes_(sources.uses_meshes),
         model_(std::move(built.model)),
         load_warnings_(std::move(built.warnings)),
-        data_(mj_makeData(model_.get())) {
-    std::size_t i = 0;
-    for (const Link& link : sources.robot.links) {
-      if (link.joint_kind != JointKind::kRevolute) continue;
-      const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, link.joint.c_str());
-      joints_[i].qpos = model_->jnt_qposadr[joint];
-      joints_[i].dof = model_->jnt_dofadr[joint];
-      armature_[i] = model_->dof_armature[joints_[i].dof];
-      ++i;
-    }
+        data_(mj_makeData(model_.get())),
+        perturber_(*model_),
+        joints_(FindJoints(*model_, sources.robot)),
+        brakes_(*model_, joints_.dof),
+        elasticity_(options.elasticity) {
+    for (const Perturbation& perturbation : options.perturbations) perturber_.Add(perturbation);
+    for (std::size_t i = 0; i < kJoints; ++i) armature_[i] = model_->dof_armature[joints_.dof[i]];
+    if (options.hand == HandKind::kFrankaHand) hand_.emplace(*model_, sources.robot);
   }
 
   void Reset(const JointVector& q) override;
   void Step(const JointDrive& drive) noexcept TWIN_REALTIME override;
   [[nodiscard]] const JointSensors& sensors() const noexcept override { return sensors_; }
+  [[nodiscard]] HandBody* hand() noexcept override { return hand_ ? &*hand_ : nullptr; }
 
   [[nodiscard]] const mjModel& model() const noexcept override { return *model_; }
   [[nodiscard]] const mjData& data() const noexcept override { return *data_; }
@@ -61,6 +77,11 @@ class EnginePlant final : public MujocoPlant {
 
   [[nodiscard]] bool uses_meshes() const noexcept override { return uses_meshes_; }
   [[nodiscard]] JointVector GravityTorque(const JointVector& q) override;
+  void Perturb(const Perturbation& perturbation) override { perturber_.Add(perturbation); }
+  void ClearPerturbations() override { perturber_.Clear(*data_); }
+  [[nodiscard]] Duration plant_time() const noexcept override {
+    return static_cast<std::int64_t>(tick_) * kCycle;
+  }
   [[nodiscard]] std::uint64_t warning_count() const noexcept override {
     return load_warnings_.size() + step_warnings_;
   }
@@ -80,9 +101,14 @@ class EnginePlant final : public MujocoPlant {
   ModelPointer model_;
   std::vector<std::string> load_warnings_;
   DataPointer data_;
+  Perturber perturber_;
   DataPointer gravity_data_;  ///< made when first asked
-  std::array<JointAddress, kJoints> joints_{};
+  const JointAddresses joints_;
+  Brakes brakes_;
+  std::optional<HandJoints> hand_;
   JointVector armature_{};
+  const ElasticityProfile elasticity_;
+  JointVector tau_J_{};  ///< of the last step, without noise
   JointSensors sensors_;
   std::uint64_t tick_ = 0;  ///< steps since the last Reset(); the key of the noise
   std::array<std::uint64_t, mjNWARNING> warnings_{};
@@ -93,7 +119,10 @@ class EnginePlant final : public MujocoPlant {
 
 void EnginePlant::Reset(const JointVector& q) {
   mj_resetData(model_.get(), data_.get());
-  for (std::size_t i = 0; i < kJoints; ++i) data_->qpos[joints_[i].qpos] = q[i];
+  for (std::size_t i = 0; i < kJoints; ++i) data_->qpos[joints_.qpos[i]] = q[i];
+  if (hand_) hand_->Reset(*data_);
+  perturber_.Restart();
+  brakes_.Reset(*model_);
   tick_ = 0;
   halted_ = false;
   try {
@@ -107,7 +136,8 @@ void EnginePlant::Reset(const JointVector& q) {
   // At rest the brakes or the controller carry the arm's weight: that is what the torque sensors
   // show.
   JointVector tau_J{};
-  for (std::size_t i = 0; i < kJoints; ++i) tau_J[i] = data_->qfrc_bias[joints_[i].dof];
+  for (std::size_t i = 0; i < kJoints; ++i) tau_J[i] = data_->qfrc_bias[joints_.dof[i]];
+  tau_J_ = tau_J;
   Sense(tau_J);
 }
 
@@ -117,18 +147,22 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
     return;
   }
   JointVector dq{};
-  for (std::size_t i = 0; i < kJoints; ++i) dq[i] = data_->qvel[joints_[i].dof];
+  for (std::size_t i = 0; i < kJoints; ++i) dq[i] = data_->qvel[joints_.dof[i]];
   const JointVector friction =
       friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    data_->qfrc_applied[joints_[i].dof] = drive.tau[i] - friction[i];
-  }
+  perturber_.Apply(plant_time(), *data_);
+  if (hand_) hand_->Apply(*data_);
   JointVector tau_J{};
   try {
+    brakes_.Set(drive.brakes, *model_, *data_);
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      data_->qfrc_applied[joints_.dof[i]] = drive.tau[i] + brakes_.carried()[i] - friction[i];
+    }
     // The two halves in this order leave poses and contacts of the new state in data().
     mj_step2(model_.get(), data_.get());
+    const JointVector tau_brake = brakes_.Take(*data_);
     for (std::size_t i = 0; i < kJoints; ++i) {
-      tau_J[i] = drive.tau[i] - armature_[i] * data_->qacc[joints_[i].dof];
+      tau_J[i] = drive.tau[i] + tau_brake[i] - armature_[i] * data_->qacc[joints_.dof[i]];
     }
     mj_step1(model_.get(), data_.get());
   } catch (const EngineFault&) {
@@ -140,13 +174,14 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
   if (halted_) return;
   ++tick_;
   Sense(tau_J);
+  if (hand_) hand_->Sense(*data_);
 }
 
 void EnginePlant::Sense(const JointVector& tau_J) noexcept {
   sensors_.tau_J = tau_J;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    sensors_.q[i] = data_->qpos[joints_[i].qpos];
-    sensors_.dq[i] = data_->qvel[joints_[i].dof];
+    sensors_.q[i] = data_->qpos[joints_.qpos[i]];
+    sensors_.dq[i] = data_->qvel[joints_.dof[i]];
   }
   const auto add = [this](double deviation, std::uint32_t first_draw, JointVector& values) {
     if (deviation == 0) return;
@@ -159,6 +194,13 @@ void EnginePlant::Sense(const JointVector& tau_J) noexcept {
   add(noise_.tau_J_Nm, 2 * kJoints, sensors_.tau_J);
   sensors_.theta = sensors_.q;
   sensors_.dtheta = sensors_.dq;
+  if (elasticity_ == ElasticityProfile::kStatic) {
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      sensors_.theta[i] += tau_J[i] / kJointStiffness;
+      sensors_.dtheta[i] += (tau_J[i] - tau_J_[i]) / (kCycleSeconds * kJointStiffness);
+    }
+  }
+  tau_J_ = tau_J;
 }
 
 bool EnginePlant::TakeWarnings() noexcept {
@@ -190,13 +232,13 @@ std::string EnginePlant::DescribeWarnings() const {
 JointVector EnginePlant::GravityTorque(const JointVector& q) {
   if (!gravity_data_) gravity_data_.reset(mj_makeData(model_.get()));
   mjData* data = gravity_data_.get();
-  for (std::size_t i = 0; i < kJoints; ++i) data->qpos[joints_[i].qpos] = q[i];
+  for (std::size_t i = 0; i < kJoints; ++i) data->qpos[joints_.qpos[i]] = q[i];
   mj_kinematics(model_.get(), data);
   mj_comPos(model_.get(), data);
   mj_comVel(model_.get(), data);  // of velocity zero
   mj_rne(model_.get(), data, 0, data->qfrc_bias);
   JointVector g{};
-  for (std::size_t i = 0; i < kJoints; ++i) g[i] = data->qfrc_bias[joints_[i].dof];
+  for (std::size_t i = 0; i < kJoints; ++i) g[i] = data->qfrc_bias[joints_.dof[i]];
   return g;
 }
 

@@ -86,24 +86,43 @@ Inertial ToInertial(const urdf::Inertial& source) {
   return inertial;
 }
 
+JointKind KindOf(const urdf::Joint& joint, const std::string& where) {
+  switch (joint.type) {
+    case urdf::Joint::FIXED: return JointKind::kFixed;
+    case urdf::Joint::REVOLUTE: return JointKind::kRevolute;
+    case urdf::Joint::PRISMATIC: return JointKind::kPrismatic;
+    default: break;
+  }
+  throw InputError(fmt::format(
+      "{}: joint '{}' is neither revolute, prismatic nor fixed; only these are supported", where,
+      joint.name));
+}
+
+/// @returns name of the joint that `joint` follows; empty when none.
+std::string FollowedBy(const urdf::Joint& joint, const std::string& where) {
+  if (!joint.mimic) return {};
+  if (joint.mimic->multiplier == 1 && joint.mimic->offset == 0) return joint.mimic->joint_name;
+  throw InputError(fmt::format(
+      "{}: joint '{}' mimics '{}' with multiplier {} and offset {}; only 1 and 0 are supported",
+      where, joint.name, joint.mimic->joint_name, joint.mimic->multiplier, joint.mimic->offset));
+}
+
 void FillJoint(const urdf::Joint& joint, const std::string& where, Link& link) {
   link.joint = joint.name;
   link.parent = joint.parent_link_name;
   link.X_PL = ToPose(joint.parent_to_joint_origin_transform);
-  if (joint.type == urdf::Joint::FIXED) return;
-  if (joint.type != urdf::Joint::REVOLUTE) {
-    throw InputError(
-        fmt::format("{}: joint '{}' is neither revolute nor fixed; only these are supported", where,
-                    joint.name));
-  }
-  link.joint_kind = JointKind::kRevolute;
+  link.joint_kind = KindOf(joint, where);
+  if (link.joint_kind == JointKind::kFixed) return;
+  link.follows = FollowedBy(joint, where);
   link.axis = ToVector(joint.axis);
-  link.q_min = joint.limits->lower;  // urdfdom refuses a revolute joint without limits
+  link.q_min = joint.limits->lower;  // urdfdom refuses such a joint without limits
   link.q_max = joint.limits->upper;
   if (!std::isfinite(link.q_min) || !std::isfinite(link.q_max) || link.q_min >= link.q_max) {
     throw InputError(
-        fmt::format("{}: joint '{}' has the range [{}, {}] rad; lower must be below upper", where,
-                    joint.name, link.q_min, link.q_max));
+        fmt::format("{}: joint '{}' has the range [{}, {}] {}; lower must be below "
+                    "upper",
+                    where, joint.name, link.q_min, link.q_max,
+                    link.joint_kind == JointKind::kRevolute ? "rad" : "m"));
   }
 }
 
@@ -120,6 +139,7 @@ Link ToLink(const urdf::Link& source, const std::string& where) {
   }
   for (const auto& collision : source.collision_array) {
     link.collision.push_back(ToShape(*collision->geometry, collision->origin));
+    link.collision.back().pad = collision->name.starts_with("pad");
   }
   return link;
 }

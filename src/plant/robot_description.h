@@ -41,20 +41,22 @@ struct Shape {
   Pose X_LS;                     ///< shape in the link's frame
   std::string mesh_uri;          ///< only for meshes
   std::optional<Colour> colour;  ///< absent: the mesh file's own
+  bool pad = false;              ///< of a finger: what it grips with
 };
 
 /// How a link is attached to its parent.
-enum class JointKind { kFixed, kRevolute };
+enum class JointKind { kFixed, kRevolute, kPrismatic };
 
 /// One link and the joint that carries it.
 struct Link {
   std::string name;
-  std::string parent;  ///< empty for the root
-  std::string joint;   ///< name of the joint to the parent
+  std::string parent;   ///< empty for the root
+  std::string joint;    ///< name of the joint to the parent
+  std::string follows;  ///< name of the joint whose position this one takes over; empty: none
   JointKind joint_kind = JointKind::kFixed;
-  Pose X_PL;       ///< link in its parent at joint position zero
-  Vector3 axis{};  ///< of the joint, link frame
-  double q_min = 0;
+  Pose X_PL;         ///< link in its parent at joint position zero
+  Vector3 axis{};    ///< of the joint, link frame
+  double q_min = 0;  ///< rad, m
   double q_max = 0;
   std::optional<Inertial> inertial;
   std::vector<Shape> visual;
@@ -70,10 +72,10 @@ struct RobotDescription {
   [[nodiscard]] const Link* Find(const std::string& link) const noexcept;
 };
 
-/// Reads a URDF.
+/// Reads a URDF. A collision shape whose name begins with "pad" is a pad.
 /// @param text   the document. @param where  its file, for messages.
 /// @throws InputError naming file and element: what urdfdom reports, or what is not supported
-/// (joints other than fixed and revolute).
+/// (joints other than fixed, revolute and prismatic; a <mimic> that scales or shifts).
 [[nodiscard]] RobotDescription ParseUrdf(const std::string& text, const std::string& where);
 
 /// Mounts `tool` on `robot`: the tool's root names the link of the robot that carries it.

@@ -56,6 +56,20 @@ TEST(BadInputTest, ArmWithTooFewJoints) {
   EXPECT_THAT(Refusal<InputError>(options), HasSubstr("6 revolute joints"));
 }
 
+TEST(BadInputTest, ArmWithASlide) {
+  const TemporaryFolder folder;
+  MujocoPlantOptions options = BareOptions();
+  std::string text = ReadText(options.urdf);
+  const std::string joint = "name=\"panda_joint8\" type=\"fixed\">";
+  ASSERT_NE(text.find(joint), std::string::npos);
+  text.replace(text.find(joint), joint.size(),
+               "name=\"panda_joint8\" type=\"prismatic\">"
+               "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/>");
+  options.urdf = folder.Write("panda.urdf", text);
+  folder.Write("primitives.yaml", ReadText(BareOptions().urdf.parent_path() / "primitives.yaml"));
+  EXPECT_THAT(Refusal<InputError>(options), HasSubstr("'panda_joint8'"));
+}
+
 TEST(BadInputTest, MissingMeshIsNamedWithItsLink) {
   const TemporaryFolder folder;
   folder.Write("meshes/README", "empty but for this");

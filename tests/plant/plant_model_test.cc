@@ -77,28 +77,6 @@ TEST(PlantModelTest, WeighsWhatTheUrdfSays) {
               1e-12);
 }
 
-// At flange (-0.01, 0, 0.03), in flange axes, whatever the hand's own frame.
-TEST(PlantModelTest, HandsCentreOfMassIsGivenInFlangeAxes) {
-  const auto plant = MujocoPlant::Create(DefaultOptions());
-  const auto data = Copy(*plant);
-  const int flange = BodyId(*plant, "panda_link8");
-  const int hand = BodyId(*plant, "panda_hand");
-  mjtNum difference[3], in_flange[3], R_FI[9], inertia[9];
-  mju_sub3(difference, data->xipos + 3 * hand, data->xpos + 3 * flange);
-  mju_rotVecMatT(in_flange, difference, data->xmat + 9 * flange);
-  EXPECT_THAT(in_flange,
-              testing::ElementsAre(testing::DoubleNear(-0.01, 1e-12), testing::DoubleNear(0, 1e-12),
-                                   testing::DoubleNear(0.03, 1e-12)));
-  mju_mulMatTMat(R_FI, data->xmat + 9 * flange, data->ximat + 9 * hand, 3, 3, 3);
-  mju_sqrMatTD(
-      inertia,
-      std::array{R_FI[0], R_FI[3], R_FI[6], R_FI[1], R_FI[4], R_FI[7], R_FI[2], R_FI[5], R_FI[8]}
-          .data(),
-      plant->model().body_inertia + 3 * hand, 3, 3);
-  const double expected[9]{0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017};
-  for (int i = 0; i < 9; ++i) EXPECT_NEAR(inertia[i], expected[i], 1e-12) << i;
-}
-
 TEST(PlantModelTest, StepsAreOneMillisecondWhateverTheSceneSays) {
   const TemporaryFolder folder;
   MujocoPlantOptions options = BareOptions();

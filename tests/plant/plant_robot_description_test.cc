@@ -60,9 +60,23 @@ TEST(RobotDescriptionTest, TurnsTheInertiaIntoLinkAxes) {
 }
 
 TEST(RobotDescriptionTest, NamesAJointItDoesNotSupport) {
-  const std::string message = MessageOf<InputError>(
-      [] { (void)ParseUrdf(With("\"revolute\"", "\"prismatic\""), "r.urdf"); });
+  const std::string message =
+      MessageOf<InputError>([] { (void)ParseUrdf(With("\"revolute\"", "\"planar\""), "r.urdf"); });
   EXPECT_THAT(message, testing::StartsWith("r.urdf: joint 'j'"));
+}
+
+TEST(RobotDescriptionTest, ReadsSlidesPadsAndWhatFollows) {
+  std::string text = With("\"revolute\"", "\"prismatic\"");
+  text.insert(text.find("<limit"), "<mimic joint=\"k\"/>");
+  text.replace(text.find("<collision>"), 11, "<collision name=\"pad_left\">");
+  const RobotDescription robot = ParseUrdf(text, "r.urdf");
+  EXPECT_EQ(robot.links[1].joint_kind, JointKind::kPrismatic);
+  EXPECT_EQ(robot.links[1].follows, "k");
+  EXPECT_EQ(robot.links[1].q_max, 2);
+  EXPECT_TRUE(robot.links[1].collision.at(0).pad);
+  const RobotDescription plain = ParseUrdf(kTwoLinks, "r.urdf");
+  EXPECT_EQ(plain.links[1].follows, "");
+  EXPECT_FALSE(plain.links[1].collision.at(0).pad);
 }
 
 TEST(RobotDescriptionTest, NamesALinkThatDoesNotExist) {

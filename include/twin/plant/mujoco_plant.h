@@ -4,7 +4,10 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "twin/core/setting.h"
+#include "twin/plant/perturbation.h"
 #include "twin/plant/plant.h"
 #include "twin/plant/truth_probe.h"
 
@@ -20,10 +23,12 @@ enum class FrictionProfile : std::uint8_t {
                ///< plus viscous friction
 };
 
-/// What is mounted on the flange.
-enum class HandKind : std::uint8_t {
-  kNone,
-  kFrankaHand,  ///< rigid here: mass, centre of mass and shape of the Franka hand with its fingers
+/// How the motor positions differ from those of the links. Figure and its reason:
+/// src/plant/joint_elasticity.h.
+enum class ElasticityProfile : std::uint8_t {
+  kRigid,   ///< theta = q, dtheta = dq
+  kStatic,  ///< gear and torque sensor as a spring without a mass of its own:
+            ///< theta = q + tau_J / k_joint, dtheta = dq + dtau_J / k_joint
 };
 
 /// Standard deviations of white noise added to the sensors; zero is off.
@@ -44,15 +49,25 @@ struct MujocoPlantOptions {
   HandKind hand = HandKind::kFrankaHand;
   FrictionProfile friction = FrictionProfile::kResidual;
   bool armature = true;  ///< reflected rotor inertia of the drives
+  ElasticityProfile elasticity = ElasticityProfile::kRigid;
+  /// A body that is really there, fixed to the flange, whether INT is told of it or not. An inertia
+  /// of zero stands for that of a ball of steel.
+  setting::Load load;
   SensorNoise noise;
-  std::uint64_t seed = 0;  ///< of the noise
+  std::uint64_t seed = 0;                   ///< of the noise
+  std::vector<Perturbation> perturbations;  ///< forces from outside, by a script
 };
 
 /// The arm in MuJoCo: URDF, meshes and scene composed into one compiled model, stepped by 1 ms.
 ///
-/// tau_J is the torque behind the gear: the applied torque less the rotor's inertial torque,
-/// armature * ddq, of the step that ends there; after Reset() it is the torque of gravity. theta
-/// equals q (rigid joints). data() holds poses and contacts of the state that sensors() shows.
+/// tau_J is the torque behind the gear: the applied torque (and that of a closed brake) less the
+/// rotor's inertial torque, armature * ddq, of the step that ends there; after Reset() it is the
+/// torque of gravity. So it contains gravity, the inertia of the links, their friction, contacts
+/// and forces from outside. theta follows from it by the elasticity profile. data() holds poses and
+/// contacts of the state that sensors() shows.
+///
+/// Closed brakes hold each joint where it is, whatever the applied torque, up to twice tau_max
+/// (174 Nm, wrist 24 Nm; not public, our decision): tau_J is then what the links ask for.
 ///
 /// A motion that the engine calls unstable (NaN or huge values) halts the arm: sensors() keeps its
 /// last sound values, every further Step() only adds to warning_count(), and Reset() makes a new
@@ -60,9 +75,10 @@ struct MujocoPlantOptions {
 class MujocoPlant : public Plant, public TruthProbe {
  public:
   /// Composes (or takes from the cache) and compiles.
-  /// @throws InputError for a bad URDF, mesh or scene, naming file and element; EnvironmentError
-  /// for a cache entry that is corrupt or a folder that cannot be written, naming the path and the
-  /// cure.
+  /// @throws InputError for a bad URDF, mesh or scene, naming file and element, and for a bad
+  /// load or perturbation or one of a body the model does not have (names those it has);
+  /// EnvironmentError for a cache entry that is corrupt or a folder that cannot be written, naming
+  /// the path and the cure.
   [[nodiscard]] static std::unique_ptr<MujocoPlant> Create(const MujocoPlantOptions& options);
 
   /// @returns true when visual and collision shapes come from the mesh package, false for primitive
@@ -72,6 +88,18 @@ class MujocoPlant : public Plant, public TruthProbe {
   /// @returns the torque that holds the arm against gravity at `q`, from the compiled model (for
   /// checks against our own).
   [[nodiscard]] virtual JointVector GravityTorque(const JointVector& q) = 0;
+
+  /// Adds a force from outside, which acts from the next Step() on and after every Reset() again.
+  /// Between steps only; allocates.
+  /// @throws InputError when a field is out of range, or the model has no such body (names those it
+  /// has).
+  virtual void Perturb(const Perturbation& perturbation) = 0;
+
+  /// Takes all forces from outside away, those of the options too. Between steps only.
+  virtual void ClearPerturbations() = 0;
+
+  /// @returns time since the last Reset(): 1 ms per step taken. Real-time: noexcept, O(1).
+  [[nodiscard]] virtual Duration plant_time() const noexcept = 0;
 
   /// @returns how often the engine has warned since Create(): while compiling, and in steps. Zero
   /// in every healthy run. Real-time: noexcept, O(1).

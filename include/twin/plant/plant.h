@@ -2,6 +2,7 @@
 
 #include "twin/core/joint_interface.h"
 #include "twin/core/realtime.h"
+#include "twin/plant/hand_body.h"
 
 namespace twin::plant {
 
@@ -21,6 +22,9 @@ class Plant {
 
   /// The sensors after the last Step() or Reset().
   [[nodiscard]] virtual const JointSensors& sensors() const noexcept = 0;
+
+  /// The hand on the flange, owned by the plant; null when there is none.
+  [[nodiscard]] virtual HandBody* hand() noexcept { return nullptr; }
 };
 
 }  // namespace twin::plant

@@ -11,8 +11,8 @@ namespace twin::plant {
 /// Ground truth of a MuJoCo plant: what no robot could report. Only render, experiments and tests
 /// may include this header; nothing on the control path may.
 ///
-/// Threads: the plant's thread; model() is constant after construction and may be read from any
-/// thread.
+/// Threads: the plant's thread; model() is constant after construction, all but dof_frictionloss
+/// (which closed brakes raise), and may be read from any thread.
 class TruthProbe {
  public:
   virtual ~TruthProbe() = default;

@@ -1,0 +1,142 @@
+#include "plant/perturber.h"
+
+#include <string>
+
+#include <fmt/format.h>
+
+#include "plant/minimum_jerk.h"
+#include "twin/core/error.h"
+
+namespace twin::plant {
+namespace {
+
+/// All bodies but the world, which nothing moves.
+std::string NamesOfBodies(const mjModel& model) {
+  std::string names;
+  for (int body = 1; body < model.nbody; ++body) {
+    const char* name = mj_id2name(&model, mjOBJ_BODY, body);
+    if (name == nullptr || *name == '\0') continue;
+    names += names.empty() ? "" : ", ";
+    names += name;
+  }
+  return names;
+}
+
+/// A vector or point given in the axes of a body, in those of the world.
+Vector3 Turned(const mjData& data, int body, const Vector3& v) noexcept {
+  Vector3 turned{};
+  mju_rotVecMat(turned.data(), v.data(), data.xmat + 9 * body);
+  return turned;
+}
+
+Vector3 PointOf(const mjData& data, int body, const Vector3& point) noexcept {
+  Vector3 p = Turned(data, body, point);
+  mju_addTo3(p.data(), data.xpos + 3 * body);
+  return p;
+}
+
+Vector3 VelocityOf(const mjModel& model, const mjData& data, int body, const Vector3& p) noexcept {
+  mjtNum twist[6];  // [w; v] of the body's origin, world axes
+  mj_objectVelocity(&model, &data, mjOBJ_XBODY, body, twist, 0);
+  mjtNum arm[3];
+  mju_sub3(arm, p.data(), data.xpos + 3 * body);
+  Vector3 velocity{};
+  mju_cross(velocity.data(), twist, arm);
+  mju_addTo3(velocity.data(), twist + 3);
+  return velocity;
+}
+
+/// The engine takes a wrench [f; m] at the body's centre of mass.
+void AddWrench(const Vector3& force, const Vector3& torque, const Vector3& p, int body,
+               mjData& data) noexcept {
+  mjtNum arm[3];
+  mju_sub3(arm, p.data(), data.xipos + 3 * body);
+  mjtNum moment[3];
+  mju_cross(moment, arm, force.data());
+  mju_addTo3(moment, torque.data());
+  mju_addTo3(data.xfrc_applied + 6 * body, force.data());
+  mju_addTo3(data.xfrc_applied + 6 * body + 3, moment);
+}
+
+}  // namespace
+
+void Perturber::Add(const Perturbation& perturbation) {
+  Validate(perturbation);
+  const std::string& name = BodyOf(perturbation);
+  const int body = mj_name2id(&model_, mjOBJ_BODY, name.c_str());
+  if (body <= 0) {
+    throw InputError(
+        fmt::format("perturbation: the model has no body \"{}\" that a force could act "
+                    "on; it has: {}",
+                    name, NamesOfBodies(model_)));
+  }
+  entries_.push_back({.what = perturbation, .body = body});
+}
+
+void Perturber::Clear(mjData& data) {
+  ClearForces(data);
+  entries_.clear();
+}
+
+void Perturber::Restart() noexcept {
+  for (Entry& entry : entries_) entry.holds = false;
+}
+
+void Perturber::ClearForces(mjData& data) const noexcept {
+  for (const Entry& entry : entries_) mju_zero(data.xfrc_applied + 6 * entry.body, 6);
+}
+
+void Perturber::Apply(Duration begin, mjData& data) noexcept {
+  ClearForces(data);
+  const Duration middle = begin + kCycle / 2;
+  for (Entry& entry : entries_) {
+    if (const auto* push = std::get_if<Push>(&entry.what)) {
+      Act(*push, entry, middle, data);
+    } else {
+      Act(*std::get_if<HandSpring>(&entry.what), entry, middle, data);
+    }
+  }
+}
+
+void Perturber::Act(const Push& push, const Entry& entry, Duration middle,
+                    mjData& data) const noexcept {
+  const double share = ShareAt(push, middle);
+  if (share == 0) return;
+  Vector3 force = push.force;
+  Vector3 torque = push.torque;
+  if (push.frame == ForceFrame::kBody) {
+    force = Turned(data, entry.body, force);
+    torque = Turned(data, entry.body, torque);
+  }
+  mju_scl3(force.data(), force.data(), share);
+  mju_scl3(torque.data(), torque.data(), share);
+  AddWrench(force, torque, PointOf(data, entry.body, push.point), entry.body, data);
+}
+
+void Perturber::Act(const HandSpring& spring, Entry& entry, Duration middle,
+                    mjData& data) const noexcept {
+  const Duration since = middle - spring.begin;
+  entry.holds = entry.holds && since < spring.duration;
+  if (since < Duration::zero() || since >= spring.duration) return;
+  const Vector3 p = PointOf(data, entry.body, spring.point);
+  if (!entry.holds) {
+    entry.from = spring.from.value_or(p);
+    entry.holds = true;
+  }
+  const Vector3 dp = VelocityOf(model_, data, entry.body, p);
+  const double seconds = ToSeconds(spring.duration);
+  const PathPoint path = MinimumJerk(ToSeconds(since) / seconds);
+  Vector3 force{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double r = entry.from[i] + path.s * spring.by[i];
+    const double dr = path.ds / seconds * spring.by[i];
+    force[i] = spring.stiffness * (r - p[i]) + spring.damping * (dr - dp[i]);
+  }
+  const double size = mju_norm3(force.data());
+  if (size > spring.largest_force) {
+    mju_scl3(force.data(), force.data(), spring.largest_force / size);
+  }
+  AddWrench(force, {}, p, entry.body, data);
+}
+
+}  // namespace twin::plant
