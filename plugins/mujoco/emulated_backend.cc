@@ -1,9 +1,9 @@
 #include "plugins/mujoco/emulated_backend.h"
 
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "twin/core/error.h"
 
@@ -19,6 +19,7 @@ backend::MotionEnd EndOf(MoveStatus status) noexcept {
     case MoveStatus::kMotionStarted: return backend::MotionEnd::kNone;
     case MoveStatus::kSuccess: return backend::MotionEnd::kSuccess;
     case MoveStatus::kPreempted: return backend::MotionEnd::kPreempted;
+    case MoveStatus::kEmergencyAborted: return backend::MotionEnd::kUserStopped;
     default: return backend::MotionEnd::kAborted;
   }
 }
@@ -51,23 +52,33 @@ void RequireStarted(MoveStatus status, const MotionModes& modes, RobotMode mode)
           fmt::format("Move rejected: this robot offers no {} motion with the {} controller; "
                       "choose another motion generator or another controller",
                       Name(modes.generator), Name(modes.controller)));
+    case MoveStatus::kStartAtSingularPoseRejected:
+      throw RobotFault(
+          "Move rejected: cannot start at singular pose; move the arm away from it with a joint "
+          "motion first");
     default: throw Refused("Move", mode);
   }
 }
 
-void RequireSet(SetterStatus status, const backend::JointImpedance& impedance, RobotMode mode) {
-  switch (status) {
-    case SetterStatus::kSuccess: return;
-    case SetterStatus::kCommandNotPossibleRejected: throw Refused("Set Joint Impedance", mode);
-    case SetterStatus::kInvalidArgumentRejected:
-      throw InputError(fmt::format(
-          "Set Joint Impedance rejected: K_theta is [{}] Nm/rad; each must lie in [0, {}]",
-          fmt::join(impedance.K_theta, ", "), onboard::kMaxJointStiffness));
-  }
+void RequireSet(SetterStatus status, const Setting& setting, RobotMode mode) {
+  if (status == SetterStatus::kSuccess) return;
+  if (status == SetterStatus::kCommandNotPossibleRejected) throw Refused(Name(setting), mode);
+  const std::optional<BadValue> bad = FindBadValue(setting);
+  throw InputError(fmt::format("{} rejected: invalid argument: {}", Name(setting),
+                               bad ? Describe(*bad) : "a value is out of range"));
 }
 
 void RequireRecovered(RecoveryStatus status, RobotMode mode) {
+  if (status == RecoveryStatus::kManualErrorRecoveryRequiredRejected) {
+    throw RobotFault(
+        "Automatic Error Recovery rejected: manual error recovery required; a joint is beyond its "
+        "limit: guide the arm back, then recover");
+  }
   if (status != RecoveryStatus::kSuccess) throw Refused("Automatic Error Recovery", mode);
+}
+
+void RequireOperated(bool done, PanelAction action, RobotMode mode) {
+  if (!done) throw Refused(Name(action), mode);
 }
 
 }  // namespace twin::plugins

@@ -3,9 +3,10 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <variant>
 
+#include "plugins/mujoco/emulated_hand.h"
 #include "twin/backend/backend.h"
+#include "twin/backend/registry.h"
 #include "twin/onboard/int.h"
 #include "twin/plant/plant.h"
 #include "twin/robot/robot.h"
@@ -25,25 +26,32 @@ struct NamedPlant {
 /// Turn INT's answers into the seam's. @param mode  the robot's, for the text.
 /// @throws RobotFault, InputError as backend::Backend when the answer is a refusal.
 void RequireStarted(onboard::MoveStatus status, const MotionModes& modes, RobotMode mode);
-void RequireSet(onboard::SetterStatus status, const backend::JointImpedance& impedance,
-                RobotMode mode);
+void RequireSet(onboard::SetterStatus status, const Setting& setting, RobotMode mode);
 void RequireRecovered(onboard::RecoveryStatus status, RobotMode mode);
+void RequireOperated(bool done, PanelAction action, RobotMode mode);
 
 /// The emulated robot behind the backend seam, whoever advances its time: everything but reading
 /// and writing.
 /// @tparam Robot  robot::Robot or robot::RealtimeRobot.
 template <typename Robot>
-class EmulatedBackend : public backend::Backend {
+class EmulatedBackend : public backend::Backend, public backend::Panel {
  public:
   [[nodiscard]] backend::Description Describe() const final {
     return DescribeRobot(plant_name_, robot_.last_motion());
   }
 
-  void Configure(const backend::Setting& setting) final {
-    const auto& impedance = std::get<backend::JointImpedance>(setting);
-    const onboard::SetterStatus status = robot_.SetJointImpedance(impedance.K_theta);
-    RequireSet(status, impedance, robot_.mode());
+  void Configure(const Setting& setting) final {
+    const onboard::SetterStatus status = robot_.Configure(setting);
+    RequireSet(status, setting, robot_.mode());
   }
+
+  void Operate(PanelAction action) final {
+    const bool done = robot_.Operate(action);
+    RequireOperated(done, action, robot_.mode());
+  }
+
+  /// Null when none is mounted.
+  [[nodiscard]] backend::Hand* hand() noexcept { return robot_.has_hand() ? &hand_ : nullptr; }
 
   void Start(const MotionModes& modes) final {
     const onboard::MoveStatus status = robot_.Move(modes);
@@ -69,6 +77,7 @@ class EmulatedBackend : public backend::Backend {
  private:
   std::string plant_name_;
   Robot robot_;
+  EmulatedHand<Robot> hand_{robot_};
 };
 
 }  // namespace twin::plugins

@@ -1,5 +1,6 @@
 #include "plugins/mujoco/lockstep_backend.h"
 
+#include <memory>
 #include <utility>
 
 namespace twin::plugins {
@@ -36,10 +37,12 @@ class LockstepBackend final : public EmulatedBackend<robot::Robot> {
 
 }  // namespace
 
-std::unique_ptr<backend::Backend> MakeLockstepBackend(const backend::Request& request,
-                                                      const backend::LockstepHost& host,
-                                                      NamedPlant plant) {
-  return std::make_unique<LockstepBackend>(request, host, std::move(plant));
+void ConnectLockstep(const backend::Request& request, const backend::LockstepHost& host,
+                     NamedPlant plant, backend::Connection& connection) {
+  auto backend = std::make_unique<LockstepBackend>(request, host, std::move(plant));
+  connection.panel = backend.get();
+  connection.hand = backend->hand();
+  connection.backend = std::move(backend);
 }
 
 }  // namespace twin::plugins

@@ -7,16 +7,24 @@
 #include "plugins/mujoco/emulated_backend.h"
 #include "plugins/mujoco/lockstep_backend.h"
 #include "plugins/mujoco/realtime_backend.h"
+#include "twin/model/payload.h"
 #include "twin/plant/ideal_plant.h"
 #include "twin/plant/mujoco_plant.h"
 
 namespace twin::plugins {
 namespace {
 
+/// What really hangs on the flange, whatever INT is told of it.
+model::Payload WhatIsThere(const robot::RobotConfig& robot) {
+  const setting::Load& load = robot.plant.load;
+  return model::Combine(robot.onboard.end_effector, {load.m_load, load.F_x_Cload, load.I_load});
+}
+
 /// Makes the body, and fills in what the connection tells of it.
 NamedPlant MakePlant(const robot::RobotConfig& robot, backend::Connection& connection) {
   if (robot.plant_kind == robot::PlantKind::kIdeal) {
-    return {std::make_unique<plant::IdealPlant>(), "ideal plant (q = q_d)"};
+    return {std::make_unique<plant::IdealPlant>(WhatIsThere(robot), robot.plant.hand),
+            "ideal plant (q = q_d)"};
   }
   auto plant = plant::MujocoPlant::Create(robot.plant);
   connection.truth = plant.get();
@@ -29,7 +37,7 @@ backend::Connection Connect(const backend::Request& request) {
   backend::Connection connection;
   NamedPlant plant = MakePlant(request.robot, connection);
   if (const auto* lockstep = std::get_if<backend::LockstepHost>(&request.host)) {
-    connection.backend = MakeLockstepBackend(request, *lockstep, std::move(plant));
+    ConnectLockstep(request, *lockstep, std::move(plant), connection);
   } else {
     ConnectRealtime(request, std::get<backend::RealtimeHost>(request.host), std::move(plant),
                     connection);

@@ -56,6 +56,8 @@ void ConnectRealtime(const backend::Request& request, const backend::RealtimeHos
   auto backend = std::make_unique<RealtimeBackend>(request, host, std::move(plant));
   connection.arrival = &backend->arrival();
   connection.robot_time = backend.get();
+  connection.panel = backend.get();
+  connection.hand = backend->hand();
   connection.backend = std::move(backend);
 }
 

@@ -1,6 +1,5 @@
 #include "twin/robot/realtime_robot.h"
 
-#include <future>
 #include <type_traits>
 #include <utility>
 
@@ -24,21 +23,6 @@ constexpr Duration kRest = kCycle;
 /// soon.
 constexpr Duration kTolerated = kCycle / 4;
 
-/// A request and its answer, on their way through the errand box.
-template <typename Request>
-class Question final : public rt::Errand {
- public:
-  using Answer = std::invoke_result_t<Request>;
-
-  explicit Question(Request request) : request_(std::move(request)) {}
-  void Run() noexcept override { answer_ = request_(); }
-  [[nodiscard]] const Answer& answer() const noexcept { return answer_; }
-
- private:
-  Request request_;
-  Answer answer_{};
-};
-
 }  // namespace
 
 RealtimeRobot::RealtimeRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
@@ -52,19 +36,11 @@ RealtimeRobot::RealtimeRobot(const RobotConfig& config, std::unique_ptr<plant::P
 
 void RealtimeRobot::Begin() {
   TWIN_CHECK(!thread_.joinable());
-  std::promise<std::vector<std::string>> set_up;
-  std::future<std::vector<std::string>> notices = set_up.get_future();
   const std::scoped_lock lock(requests_);
-  thread_ = std::jthread([this, set_up = std::move(set_up)](const std::stop_token& stop) mutable {
-    try {
-      set_up.set_value(rt::SetUpThisThread(thread_settings_));
-    } catch (...) {
-      set_up.set_exception(std::current_exception());
-      return;
-    }
-    Run(stop);
-  });
-  notices_ = notices.get();
+  rt::StartedThread started =
+      rt::StartThread(thread_settings_, [this](const std::stop_token& stop) { Run(stop); });
+  thread_ = std::move(started.thread);
+  notices_ = std::move(started.notices);
   running_ = true;
 }
 
@@ -77,16 +53,16 @@ void RealtimeRobot::End() {
 }
 
 template <typename Request>
-auto RealtimeRobot::Ask(Request request) const {
+std::invoke_result_t<Request> RealtimeRobot::Ask(Request request) const {
   const std::scoped_lock lock(requests_);
   if (!running_) return request();
-  Question<Request> question(std::move(request));
+  rt::CallErrand<Request> question(std::move(request));
   if (!errands_.Do(question, kPatience)) {
     throw RobotFault(
         "the robot's thread does not answer: it has not run for 1 s; this machine gives it no time "
         "(see panda-twin check)");
   }
-  return question.answer();
+  if constexpr (!std::is_void_v<std::invoke_result_t<Request>>) return question.answer();
 }
 
 onboard::MoveStatus RealtimeRobot::Move(const MotionModes& modes) {
@@ -94,18 +70,31 @@ onboard::MoveStatus RealtimeRobot::Move(const MotionModes& modes) {
 }
 
 void RealtimeRobot::StopMove() {
-  static_cast<void>(Ask([&] {
-    robot_.StopMove();
-    return true;
-  }));
+  Ask([&] { robot_.StopMove(); });
 }
 
 onboard::RecoveryStatus RealtimeRobot::AutomaticErrorRecovery() {
   return Ask([&] { return robot_.AutomaticErrorRecovery(); });
 }
 
-onboard::SetterStatus RealtimeRobot::SetJointImpedance(const JointVector& K_theta) {
-  return Ask([&] { return robot_.SetJointImpedance(K_theta); });
+onboard::SetterStatus RealtimeRobot::Configure(const Setting& setting) {
+  return Ask([&] { return robot_.Configure(setting); });
+}
+
+bool RealtimeRobot::Operate(PanelAction action) {
+  return Ask([&] { return robot_.Operate(action); });
+}
+
+HandStart RealtimeRobot::StartHand(const HandCommand& command) {
+  return Ask([&] { return robot_.StartHand(command); });
+}
+
+std::optional<HandResult> RealtimeRobot::HandOutcome(HandTicket ticket) const {
+  return Ask([&] { return robot_.HandOutcome(ticket); });
+}
+
+HandState RealtimeRobot::hand_state() const {
+  return Ask([&] { return robot_.hand_state(); });
 }
 
 RobotMode RealtimeRobot::mode() const {

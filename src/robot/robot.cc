@@ -22,8 +22,10 @@ Robot::Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt:
       states_(config.link, config.seed, events, state_ready),
       commands_(config.link, config.seed, events, inbox_),
       d_INT_(config.link.d_INT),
-      clock_speed_(1 + config.clock_ppm * 1e-6) {
+      clock_speed_(1 + config.clock_ppm * 1e-6),
+      panel_(config.panel) {
   plant_->Reset(config.q_start);
+  if (plant_->hand() != nullptr) hand_.emplace(*plant_->hand());
 }
 
 void Robot::Begin() noexcept {
@@ -70,8 +72,19 @@ void Robot::OnEvent(Time now, std::uint64_t /*token*/) noexcept {
   ScheduleCycle();
 }
 
+void Robot::OperatePanel() noexcept {
+  const Duration now = int_.message_id() * kCycle;
+  while (next_panel_event_ < panel_.size() && panel_[next_panel_event_].at <= now) {
+    // What the robot refuses is refused: people may press a button in vain.
+    static_cast<void>(int_.Operate(panel_[next_panel_event_].action));
+    ++next_panel_event_;
+  }
+}
+
 void Robot::Cycle(Time now) noexcept {
+  OperatePanel();
   const RobotCommand* command = inbox_.Select(int_.message_id(), now - d_INT_);
+  if (hand_) hand_->Cycle();
   plant_->Step(int_.Cycle(command, plant_->sensors()));
   int_.FillState(plant_->sensors(), record_.state);
   states_.Send(record_.state);

@@ -1,5 +1,7 @@
 #include "twin/robot/robot_config.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
@@ -16,6 +18,10 @@ void RobotConfig::Validate() const {
     throw InputError(fmt::format("robot.q_start: joint {} is at {} rad; it must lie in [{}, {}]",
                                  i + 1, q_start[i], onboard.limits.q_min[i],
                                  onboard.limits.q_max[i]));
+  }
+  const auto earlier = [](const PanelEvent& a, const PanelEvent& b) { return a.at < b.at; };
+  if (!std::ranges::is_sorted(panel, earlier)) {
+    throw InputError("robot.panel: its events must be in order of time");
   }
 }
 

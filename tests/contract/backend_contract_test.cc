@@ -27,7 +27,9 @@ constexpr MotionModes kTorque{ControllerMode::kExternalController,
 
 class BackendContractTest : public ::testing::TestWithParam<test::HarnessCase> {
  protected:
-  void SetUp() override { harness_ = GetParam().make(); }
+  void SetUp() override { MakeHarness(); }
+
+  void MakeHarness() { harness_ = GetParam().make(test::HarnessRobot(GetParam().plant_kind)); }
 
   Backend& backend() { return harness_->backend(); }
 
@@ -93,7 +95,7 @@ class BackendContractTest : public ::testing::TestWithParam<test::HarnessCase> {
     constexpr int kAttempts = 50;
     for (int i = 0; i < kAttempts; ++i) {
       harness_.reset();
-      harness_ = GetParam().make();
+      MakeHarness();
       ::testing::TestPartResultArray found;
       {
         const ::testing::ScopedFakeTestPartResultReporter reporter(
@@ -324,7 +326,7 @@ TEST_P(BackendContractTest, RefusesWhatItDoesNotOffer) {
   Await();
   EXPECT_THROW(backend().Start({ControllerMode::kJointImpedance, MotionGeneratorMode::kIdle}),
                RobotFault);
-  JointImpedance impedance;
+  setting::JointImpedance impedance;
   impedance.K_theta.fill(-1);
   EXPECT_THROW(backend().Configure(impedance), InputError);
   StartMotion(kPosition);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "twin/backend/backend.h"
+#include "twin/backend/registry.h"
 #include "twin/robot/robot_config.h"
 
 namespace twin::test {
@@ -30,6 +31,11 @@ class BackendHarness {
   /// because of the machine.
   [[nodiscard]] virtual bool disturbed() { return false; }
   virtual void ForgetDisturbances() {}
+
+  /// The buttons and switches of a simulated robot; null for hardware.
+  [[nodiscard]] virtual backend::Panel* panel() { return nullptr; }
+  /// The hand; null when none is mounted.
+  [[nodiscard]] virtual backend::Hand* hand() { return nullptr; }
 };
 
 /// Where the harness's arm rests at the start.
@@ -39,10 +45,11 @@ inline constexpr JointVector kHarnessStart{
 /// A Panda of primitive shapes without a hand, at that pose, on a link without delays.
 [[nodiscard]] robot::RobotConfig HarnessRobot(robot::PlantKind plant_kind);
 
-/// Names a harness for the parametrised suite.
+/// Names a harness for the parametrised suites. What it makes connects the robot it is given.
 struct HarnessCase {
   std::string name;
-  std::function<std::unique_ptr<BackendHarness>()> make;
+  robot::PlantKind plant_kind{};
+  std::function<std::unique_ptr<BackendHarness>(const robot::RobotConfig& robot)> make;
 };
 
 /// Those of this test program.

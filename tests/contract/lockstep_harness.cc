@@ -12,7 +12,7 @@ namespace {
 
 class LockstepHarness final : public BackendHarness, private rt::EventHandler {
  public:
-  explicit LockstepHarness(robot::PlantKind plant_kind) : config_(HarnessRobot(plant_kind)) {
+  explicit LockstepHarness(const robot::RobotConfig& robot) : config_(robot) {
     config_.link.state.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::microseconds(80)});
     config_.link.command.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::microseconds(80)});
     backend::Registry registry;
@@ -21,6 +21,8 @@ class LockstepHarness final : public BackendHarness, private rt::EventHandler {
   }
 
   backend::Backend& backend() override { return *connection_.backend; }
+  backend::Panel* panel() override { return connection_.panel; }
+  backend::Hand* hand() override { return connection_.hand; }
 
   bool AwaitState(RobotState& state, backend::ReadRule rule) override {
     Time arrival{};
@@ -56,10 +58,11 @@ class LockstepHarness final : public BackendHarness, private rt::EventHandler {
 }  // namespace
 
 std::vector<HarnessCase> Harnesses() {
-  return {{"MujocoPlantInLockstep",
-           [] { return std::make_unique<LockstepHarness>(robot::PlantKind::kMujoco); }},
-          {"IdealPlantInLockstep",
-           [] { return std::make_unique<LockstepHarness>(robot::PlantKind::kIdeal); }}};
+  const auto make = [](const robot::RobotConfig& robot) {
+    return std::make_unique<LockstepHarness>(robot);
+  };
+  return {{"MujocoPlantInLockstep", robot::PlantKind::kMujoco, make},
+          {"IdealPlantInLockstep", robot::PlantKind::kIdeal, make}};
 }
 
 }  // namespace twin::test

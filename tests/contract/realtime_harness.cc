@@ -57,7 +57,7 @@ class LateCommands final : public rt::RecordSink {
 
 class RealtimeHarness final : public BackendHarness {
  public:
-  explicit RealtimeHarness(robot::PlantKind plant_kind) : config_(HarnessRobot(plant_kind)) {
+  explicit RealtimeHarness(const robot::RobotConfig& robot) : config_(robot) {
     config_.link.d_INT = Duration::zero();  // the whole period is there for the answer
     backend::Registry registry;
     plugins::RegisterMujoco(registry);
@@ -68,6 +68,8 @@ class RealtimeHarness final : public BackendHarness {
   ~RealtimeHarness() override { connection_.robot_time->End(); }
 
   backend::Backend& backend() override { return *connection_.backend; }
+  backend::Panel* panel() override { return connection_.panel; }
+  backend::Hand* hand() override { return connection_.hand; }
 
   bool AwaitState(RobotState& state, backend::ReadRule rule) override {
     const Time limit = clock_.Now() + std::chrono::seconds(1);
@@ -114,10 +116,11 @@ class RealtimeHarness final : public BackendHarness {
 }  // namespace
 
 std::vector<HarnessCase> Harnesses() {
-  return {{"MujocoPlantInRealtime",
-           [] { return std::make_unique<RealtimeHarness>(robot::PlantKind::kMujoco); }},
-          {"IdealPlantInRealtime",
-           [] { return std::make_unique<RealtimeHarness>(robot::PlantKind::kIdeal); }}};
+  const auto make = [](const robot::RobotConfig& robot) {
+    return std::make_unique<RealtimeHarness>(robot);
+  };
+  return {{"MujocoPlantInRealtime", robot::PlantKind::kMujoco, make},
+          {"IdealPlantInRealtime", robot::PlantKind::kIdeal, make}};
 }
 
 }  // namespace twin::test

@@ -18,6 +18,7 @@ inline constexpr JointVector kReady{
 inline robot::RobotConfig PandaRobot() {
   robot::RobotConfig config;
   config.onboard.limits = PandaLimits();
+  config.onboard.cartesian = PandaCartesianLimits();
   config.onboard.rotor_inertia = {0.605721456, 0.605721456, 0.462474144, 0.462474144,
                                   0.205544064, 0.205544064, 0.205544064};
   config.plant.urdf = TWIN_SOURCE_DIR "/models/robots/panda/panda.urdf";

@@ -250,11 +250,12 @@ TEST_F(RealtimeRobotTest, AnswersRequestsBeforeDuringAndAfterItsTime) {
   Make(test::PandaRobot());
   JointVector impedance;
   impedance.fill(500);
-  EXPECT_EQ(robot_->SetJointImpedance(impedance), onboard::SetterStatus::kSuccess);
+  EXPECT_EQ(robot_->Configure(setting::JointImpedance{impedance}), onboard::SetterStatus::kSuccess);
   EXPECT_EQ(robot_->mode(), RobotMode::kIdle);
   robot_->Begin();
   impedance.fill(-1);
-  EXPECT_EQ(robot_->SetJointImpedance(impedance), onboard::SetterStatus::kInvalidArgumentRejected);
+  EXPECT_EQ(robot_->Configure(setting::JointImpedance{impedance}),
+            onboard::SetterStatus::kInvalidArgumentRejected);
   EXPECT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
   EXPECT_EQ(robot_->Move({}), onboard::MoveStatus::kCommandNotPossibleRejected);
   AwaitCycle(cycles_.count() + 2);

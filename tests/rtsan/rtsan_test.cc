@@ -33,7 +33,7 @@ constexpr MotionModes kPosition{ControllerMode::kJointImpedance,
 class Endless final : public backend::Backend {
  public:
   backend::Description Describe() const override { return {}; }
-  void Configure(const backend::Setting&) override {}
+  void Configure(const Setting&) override {}
   void Start(const MotionModes&) override {}
   backend::ReadResult Read(backend::ReadRule, RobotState& state, Time& arrival) noexcept override {
     state.message_id = ++id_;

@@ -2,24 +2,16 @@
 
 #include <cstdint>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "twin/core/modes.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
+#include "twin/core/setting.h"
 #include "twin/core/time.h"
 
 namespace twin::backend {
-
-/// Stiffness of the robot's internal joint impedance controller.
-struct JointImpedance {
-  JointVector K_theta{};  ///< Nm/rad, each in [0, 14250]
-};
-
-/// Something that can be set while no motion runs.
-using Setting = std::variant<JointImpedance>;
 
 /// Which of the queued states a read takes.
 enum class ReadRule : std::uint8_t {
@@ -40,10 +32,11 @@ enum class ReadResult : std::uint8_t {
 
 /// How a motion ended.
 enum class MotionEnd : std::uint8_t {
-  kNone,       ///< none has ended yet
-  kSuccess,    ///< the finished command was accepted
-  kPreempted,  ///< stopped by Stop()
-  kAborted,    ///< stopped by an error
+  kNone,         ///< none has ended yet
+  kSuccess,      ///< the finished command was accepted
+  kPreempted,    ///< stopped by Stop()
+  kAborted,      ///< stopped by an error
+  kUserStopped,  ///< somebody pressed the user stop
 };
 
 /// What a backend is, and how its last motion ended.
@@ -73,7 +66,7 @@ class Backend {
   [[nodiscard]] virtual Description Describe() const = 0;
 
   /// @throws RobotFault when refused (a motion runs, or Reflex), InputError when a value is out of
-  /// range.
+  /// range, naming it.
   virtual void Configure(const Setting& setting) = 0;
 
   /// Asks for a motion. @throws RobotFault when refused, with the robot's mode.

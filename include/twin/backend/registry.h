@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "twin/backend/backend.h"
+#include "twin/backend/hand.h"
 #include "twin/core/clock.h"
+#include "twin/core/panel.h"
 #include "twin/robot/robot_config.h"
 #include "twin/rt/arrival.h"
 #include "twin/rt/cycle_record.h"
@@ -65,12 +67,22 @@ class RealtimeRobotControl {
   [[nodiscard]] virtual RobotTimings timings() const = 0;
 };
 
+/// The buttons and switches of a simulated robot. Threads: any, as Backend's requests.
+class Panel {
+ public:
+  virtual ~Panel() = default;
+  /// @throws RobotFault when the robot's mode does not allow it, naming both.
+  virtual void Operate(PanelAction action) = 0;
+};
+
 /// A connected backend, and what only a twin has.
 struct Connection {
   std::unique_ptr<Backend> backend;
   rt::Arrival* arrival = nullptr;  ///< real time: where to wait for the next state; owned by the
                                    ///< backend; null in lockstep
   RealtimeRobotControl* robot_time = nullptr;  ///< real time, simulated robot; null otherwise
+  Panel* panel = nullptr;                      ///< owned by the backend; null for hardware
+  Hand* hand = nullptr;                        ///< owned by the backend; null when none is mounted
   /// Owned by the backend; null for hardware and the ideal plant. In real time, while cycles run,
   /// only from RecordSink::Put of a cycle's record: that is called on the plant's thread.
   const plant::TruthProbe* truth = nullptr;

@@ -5,12 +5,15 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 #include "twin/core/clock.h"
+#include "twin/core/hand_command.h"
 #include "twin/core/realtime.h"
 #include "twin/robot/robot.h"
 #include "twin/rt/arrival.h"
@@ -66,7 +69,13 @@ class RealtimeRobot final : private rt::EventHandler {
   [[nodiscard]] onboard::MoveStatus Move(const MotionModes& modes);
   void StopMove();
   [[nodiscard]] onboard::RecoveryStatus AutomaticErrorRecovery();
-  [[nodiscard]] onboard::SetterStatus SetJointImpedance(const JointVector& K_theta);
+  [[nodiscard]] onboard::SetterStatus Configure(const Setting& setting);
+  [[nodiscard]] bool Operate(PanelAction action);
+  /// As Robot's.
+  [[nodiscard]] bool has_hand() const noexcept { return robot_.has_hand(); }
+  [[nodiscard]] HandStart StartHand(const HandCommand& command);
+  [[nodiscard]] std::optional<HandResult> HandOutcome(HandTicket ticket) const;
+  [[nodiscard]] HandState hand_state() const;
   [[nodiscard]] RobotMode mode() const;
   [[nodiscard]] LastMotion last_motion() const;
 
@@ -108,7 +117,7 @@ class RealtimeRobot final : private rt::EventHandler {
   void RunEventsUntil(Time until) noexcept TWIN_REALTIME;
   void PostponeIfStalled(Time now) noexcept TWIN_REALTIME;
   template <typename Request>
-  auto Ask(Request request) const;
+  std::invoke_result_t<Request> Ask(Request request) const;
 
   const MonotonicClock& clock_;
   const rt::ThreadSettings thread_settings_;

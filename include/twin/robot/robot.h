@@ -2,13 +2,18 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "twin/core/hand_command.h"
+#include "twin/core/panel.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
+#include "twin/core/setting.h"
 #include "twin/onboard/int.h"
 #include "twin/plant/plant.h"
+#include "twin/robot/hand_unit.h"
 #include "twin/robot/link.h"
 #include "twin/robot/robot_config.h"
 #include "twin/rt/cycle_record.h"
@@ -22,7 +27,7 @@ struct LastMotion {
   onboard::Violations violations;  ///< what ended it, when an error did
 };
 
-/// A whole emulated robot on an event queue: INT, plant and link, run by one event a period.
+/// A whole emulated robot on an event queue: INT, plant, hand and link, run by one event a period.
 ///
 /// INT's clock runs clock_ppm faster than the queue's: cycle k is due at
 ///   t_k = begin + k * 1 ms / (1 + clock_ppm 1e-6),
@@ -60,9 +65,20 @@ class Robot final : private rt::EventHandler {
   [[nodiscard]] onboard::RecoveryStatus AutomaticErrorRecovery() noexcept {
     return int_.AutomaticErrorRecovery();
   }
-  [[nodiscard]] onboard::SetterStatus SetJointImpedance(const JointVector& K_theta) noexcept {
-    return int_.SetJointImpedance(K_theta);
+  [[nodiscard]] onboard::SetterStatus Configure(const Setting& setting) noexcept {
+    return int_.Configure(setting);
   }
+  [[nodiscard]] bool Operate(PanelAction action) noexcept { return int_.Operate(action); }
+
+  /// Whether a hand is mounted. Its requests are as onboard::Gripper's; @pre there is one.
+  [[nodiscard]] bool has_hand() const noexcept { return hand_.has_value(); }
+  [[nodiscard]] HandStart StartHand(const HandCommand& command) noexcept {
+    return hand_->Start(command);
+  }
+  [[nodiscard]] std::optional<HandResult> HandOutcome(HandTicket ticket) const noexcept {
+    return hand_->Outcome(ticket);
+  }
+  [[nodiscard]] HandState hand_state() const noexcept { return hand_->state(); }
 
   /// Sends a command from the workstation, at the queue's now; it may be lost on the way.
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
@@ -80,9 +96,11 @@ class Robot final : private rt::EventHandler {
   void OnEvent(Time now, std::uint64_t token) noexcept override;
   [[nodiscard]] Time Due(std::uint64_t periods) const noexcept;
   void ScheduleCycle() noexcept;
+  void OperatePanel() noexcept;
   void Cycle(Time now) noexcept;
 
   std::unique_ptr<plant::Plant> plant_;
+  std::optional<HandUnit> hand_;
   onboard::Int int_;
   onboard::CommandInbox inbox_;
   rt::EventQueue& events_;
@@ -91,6 +109,8 @@ class Robot final : private rt::EventHandler {
   CommandLink commands_;
   Duration d_INT_;
   double clock_speed_;  ///< of INT's clock, against the queue's
+  const std::vector<PanelEvent> panel_;
+  std::size_t next_panel_event_ = 0;
 
   Time begin_{};
   std::uint64_t periods_ = 0;  ///< from begin_, what was postponed in it, to the next cycle

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "twin/core/joint_vector.h"
+#include "twin/core/panel.h"
+#include "twin/core/time.h"
 #include "twin/onboard/int_config.h"
 #include "twin/plant/mujoco_plant.h"
 #include "twin/robot/link_config.h"
@@ -15,13 +18,21 @@ enum class PlantKind : std::uint8_t {
   kIdeal,
 };
 
+/// Somebody's hand at the robot, at a time of its own clock.
+struct PanelEvent {
+  Duration at{};  ///< of the robot's clock, whose state k is k ms; before the cycle that follows
+  PanelAction action{};
+  bool operator==(const PanelEvent&) const = default;
+};
+
 /// A whole emulated robot: INT, plant and link.
 struct RobotConfig {
   onboard::IntConfig onboard;
   PlantKind plant_kind = PlantKind::kMujoco;
   plant::MujocoPlantOptions plant;  ///< used by kMujoco
   LinkConfig link;
-  JointVector q_start{};   ///< where the arm rests when the run starts, rad
+  JointVector q_start{};          ///< where the arm rests when the run starts, rad
+  std::vector<PanelEvent> panel;  ///< in order of time
   double clock_ppm = 0;    ///< how much faster INT's clock runs than the run's, in [-1000, 1000]
   std::uint64_t seed = 0;  ///< of link and sensors
 

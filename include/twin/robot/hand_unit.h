@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+
+#include "twin/core/hand_command.h"
+#include "twin/core/realtime.h"
+#include "twin/onboard/gripper.h"
+#include "twin/plant/hand_body.h"
+
+namespace twin::robot {
+
+/// A whole emulated hand: its controller and its body, cycle by cycle with the arm's.
+///
+/// Threads: the robot's. Real-time: all calls are noexcept and allocate nothing.
+class HandUnit {
+ public:
+  /// @param body  as the plant's Reset() left it; must outlive the unit.
+  explicit HandUnit(plant::HandBody& body) noexcept : body_(body), gripper_(body.sensors()) {}
+
+  /// Once a cycle, before the plant's Step(): reads the body and tells its drive what to do in
+  /// that step.
+  void Cycle() noexcept TWIN_REALTIME { body_.Drive(gripper_.Cycle(body_.sensors())); }
+
+  /// As onboard::Gripper.
+  HandStart Start(const HandCommand& command) noexcept TWIN_REALTIME {
+    return gripper_.Start(command);
+  }
+  [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const noexcept TWIN_REALTIME {
+    return gripper_.Outcome(ticket);
+  }
+  [[nodiscard]] const HandState& state() const noexcept { return gripper_.state(); }
+
+ private:
+  plant::HandBody& body_;
+  onboard::Gripper gripper_;
+};
+
+}  // namespace twin::robot

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+
+#include "twin/backend/hand.h"
+
+namespace twin::plugins {
+
+/// Turns the hand's answer into the seam's. @throws InputError as backend::Hand when it is a
+/// refusal.
+void RequireStarted(const HandStart& start, const HandCommand& command);
+
+/// The emulated hand behind the hand seam, whoever advances its time.
+/// @tparam Robot  robot::Robot or robot::RealtimeRobot, with a hand mounted.
+template <typename Robot>
+class EmulatedHand final : public backend::Hand {
+ public:
+  /// @param robot  must outlive the hand.
+  explicit EmulatedHand(Robot& robot) noexcept : robot_(robot) {}
+
+  HandTicket Start(const HandCommand& command) override {
+    const HandStart start = robot_.StartHand(command);
+    RequireStarted(start, command);
+    return start.ticket;
+  }
+  [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const override {
+    return robot_.HandOutcome(ticket);
+  }
+  [[nodiscard]] HandState ReadState() const override { return robot_.hand_state(); }
+
+ private:
+  Robot& robot_;
+};
+
+}  // namespace twin::plugins
