@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/model/arm_model.h"
 
 namespace twin::controllers {
 
@@ -15,6 +16,7 @@ JointTrajectoryController::JointTrajectoryController(reference::Trajectory traje
 
 void JointTrajectoryController::Activate(const RobotState& state, Time /*now*/) {
   is_running_ = false;
+  F_T_EE_ = state.F_T_EE;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double first = trajectory_.start()[j];
     if (std::abs(state.q_d[j] - first) <= reference::kStartTolerance) continue;
@@ -34,6 +36,13 @@ void JointTrajectoryController::Update(const RobotState& /*state*/, Time now,
   }
   const Duration elapsed = now - start_;
   output.target.joint = trajectory_.Sample(elapsed);
+  if (options_.command_interface == control::CommandInterface::kCartesianPose) {
+    const model::ArmModel& arm = model::ArmModel::Panda();
+    const model::Configuration q(output.target.joint.q);
+    output.target.pose.O_T_EE = arm.Pose(model::Frame::kEndEffector, q, F_T_EE_);
+    output.target.pose.O_dP_EE =
+        arm.Twist(model::Frame::kEndEffector, q, output.target.joint.dq, F_T_EE_);
+  }
   output.has_velocity = options_.give_velocity ||
                         options_.command_interface == control::CommandInterface::kJointVelocity;
   output.finished = elapsed >= trajectory_.duration();

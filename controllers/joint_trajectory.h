@@ -1,6 +1,7 @@
 #pragma once
 
 #include "twin/control/controller.h"
+#include "twin/core/joint_vector.h"
 #include "twin/reference/trajectory.h"
 
 namespace twin::controllers {
@@ -8,8 +9,8 @@ namespace twin::controllers {
 /// How a JointTrajectoryController gives the path.
 struct JointTrajectoryOptions {
   control::CommandInterface command_interface = control::CommandInterface::kJointPosition;
-  /// Position interface only: give the path's own velocity with each position. Otherwise it is
-  /// formed where the command is deposited, from successive positions and their times.
+  /// Position and pose interface only: give the path's own velocity with each position. Otherwise
+  /// it is formed where the command is deposited, from successive positions and their times.
   bool give_velocity = false;
 };
 
@@ -17,7 +18,9 @@ struct JointTrajectoryOptions {
 ///   (q, dq, ddq)(now) = trajectory(now - t_0),   t_0 = `now` of the first Update after Activate.
 /// A late or skipped update delays nothing: the next one is where the path is by then. The robot's
 /// own position loop does the tracking. On the velocity interface the command is dq, and the path's
-/// position is for the record: a start off the path stays an offset.
+/// position is for the record: a start off the path stays an offset. On the pose interface the
+/// command is the pose of the end effector on the path, O_T_EE(q); the null space is the robot's
+/// own, so the joints need not be where the path has them.
 ///
 /// After the end the goal is given at rest and `finished` is set, for as long as Update is called.
 ///
@@ -46,8 +49,9 @@ class JointTrajectoryController final : public control::Controller {
  private:
   reference::Trajectory trajectory_;
   JointTrajectoryOptions options_;
-  bool is_running_ = false;  ///< start_ is set
-  Time start_{};             ///< t_0
+  Transform F_T_EE_ = kIdentityTransform;  ///< as of Activate()
+  bool is_running_ = false;                ///< start_ is set
+  Time start_{};                           ///< t_0
 };
 
 }  // namespace twin::controllers

@@ -24,6 +24,16 @@ inline constexpr std::array<Spelling<plant::FrictionProfile>, 3> kFrictionNames{
      {"residual", plant::FrictionProfile::kResidual},
      {"breakaway", plant::FrictionProfile::kBreakaway}}};
 
+inline constexpr std::array<Spelling<plant::ElasticityProfile>, 2> kElasticityNames{
+    {{"rigid", plant::ElasticityProfile::kRigid}, {"static", plant::ElasticityProfile::kStatic}}};
+
+inline constexpr std::array<Spelling<plant::ForceFrame>, 2> kForceFrameNames{
+    {{"world", plant::ForceFrame::kWorld}, {"body", plant::ForceFrame::kBody}}};
+
+inline constexpr std::array<Spelling<ControllerMode>, 2> kControllerNames{
+    {{"joint_impedance", ControllerMode::kJointImpedance},
+     {"cartesian_impedance", ControllerMode::kCartesianImpedance}}};
+
 inline constexpr std::array<Spelling<Drive>, 2> kDriveNames{
     {{"lockstep", Drive::kLockstep}, {"realtime", Drive::kRealtime}}};
 
@@ -32,17 +42,31 @@ inline constexpr std::array<Spelling<loop::LoopKind>, 3> kLoopNames{
      {"synchronous", loop::LoopKind::kSynchronous},
      {"bare", loop::LoopKind::kBare}}};
 
-inline constexpr std::array<Spelling<loop::Generator>, 2> kGeneratorNames{
-    {{"none", loop::Generator::kNone}, {"joint", loop::Generator::kJoint}}};
+inline constexpr std::array<Spelling<loop::Generator>, 3> kGeneratorNames{
+    {{"none", loop::Generator::kNone},
+     {"joint", loop::Generator::kJoint},
+     {"cartesian", loop::Generator::kCartesian}}};
 
 inline constexpr std::array<Spelling<reference::FeedForwardTime>, 2> kFeedForwardNames{
     {{"source", reference::FeedForwardTime::kSource},
      {"nominal", reference::FeedForwardTime::kNominal}}};
 
-inline constexpr std::array<Spelling<control::CommandInterface>, 3> kInterfaceNames{
+inline constexpr std::array<Spelling<control::CommandInterface>, 4> kInterfaceNames{
     {{"joint_position", control::CommandInterface::kJointPosition},
      {"joint_velocity", control::CommandInterface::kJointVelocity},
+     {"cartesian_pose", control::CommandInterface::kCartesianPose},
      {"torque", control::CommandInterface::kTorque}}};
+
+/// @returns the reference generator that makes an interface's values; kNone when there is none.
+[[nodiscard]] constexpr loop::Generator GeneratorOf(control::CommandInterface interface) {
+  switch (interface) {
+    case control::CommandInterface::kJointPosition: return loop::Generator::kJoint;
+    case control::CommandInterface::kCartesianPose: return loop::Generator::kCartesian;
+    case control::CommandInterface::kJointVelocity:
+    case control::CommandInterface::kTorque: return loop::Generator::kNone;
+  }
+  return loop::Generator::kNone;
+}
 
 /// @returns what an interface's values measure.
 [[nodiscard]] constexpr Dimension DimensionOf(control::CommandInterface interface) {

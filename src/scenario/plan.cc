@@ -44,11 +44,20 @@ robot::LinkConfig MakeLink(const LinkSection& link) {
 
 onboard::IntConfig MakeOnboard(const Scenario& scenario, const RobotData& robot) {
   onboard::IntConfig config;
+  const OnboardSection& section = scenario.onboard;
   config.limits = robot.limits;
-  config.K_theta = scenario.onboard.K_theta;
-  config.damping_ratio = scenario.onboard.damping_ratio;
-  config.abort_after_lost = scenario.onboard.abort_after_lost;
-  config.friction_compensation = scenario.onboard.friction_compensation;
+  config.cartesian = robot.cartesian;
+  config.joint_impedance.K_theta = section.K_theta;
+  config.cartesian_impedance.K_x = section.K_x;
+  config.collision_behavior = section.collision_behavior;
+  config.guiding_mode = section.guiding_mode;
+  config.stiffness_frame.EE_T_K = section.EE_T_K.Matrix();
+  config.end_effector_frame.NE_T_EE = section.NE_T_EE.Matrix();
+  config.load = section.load;
+  config.filters = section.filters;
+  config.damping_ratio = section.damping_ratio;
+  config.abort_after_lost = section.abort_after_lost;
+  config.friction_compensation = section.friction_compensation;
   // Without armature the simulated drives have no rotors, and INT must not push against any.
   if (scenario.plant.armature) config.rotor_inertia = robot.rotor_inertia;
   config.end_effector = robot.end_effector;
@@ -67,6 +76,9 @@ plant::MujocoPlantOptions MakePlant(const Scenario& scenario, const RobotData& r
   options.hand = scenario.robot.hand;
   options.friction = scenario.plant.friction;
   options.armature = scenario.plant.armature;
+  options.elasticity = scenario.plant.elasticity;
+  options.load = scenario.robot.load;
+  options.perturbations = scenario.perturbations;
   options.noise.q_rad = scenario.plant.noise_q;
   options.noise.dq_rad_per_s = scenario.plant.noise_dq;
   options.noise.tau_J_Nm = scenario.plant.noise_tau_J;
@@ -105,15 +117,15 @@ loop::ControllerLoopConfig MakeControllerLoop(const ControllerSection& controlle
 
 /// Torques go with the joint velocity generator, whose commands stay 0. Source: FCI protocol 5,
 /// what a client library does for a torque loop.
-MotionModes ModesOf(control::CommandInterface interface) {
+MotionModes ModesOf(const MotionSection& motion) {
   using control::CommandInterface;
-  switch (interface) {
+  switch (motion.interface) {
     case CommandInterface::kJointPosition:
-      return {ControllerMode::kJointImpedance, MotionGeneratorMode::kJointPosition};
+      return {motion.controller, MotionGeneratorMode::kJointPosition};
     case CommandInterface::kJointVelocity:
-      return {ControllerMode::kJointImpedance, MotionGeneratorMode::kJointVelocity};
+      return {motion.controller, MotionGeneratorMode::kJointVelocity};
     case CommandInterface::kCartesianPose:
-      return {ControllerMode::kJointImpedance, MotionGeneratorMode::kCartesianPosition};
+      return {motion.controller, MotionGeneratorMode::kCartesianPosition};
     case CommandInterface::kTorque:
       return {ControllerMode::kExternalController, MotionGeneratorMode::kJointVelocity};
   }
@@ -161,6 +173,7 @@ robot::RobotConfig MakeRobotConfig(const Scenario& scenario, const RobotData& ro
   config.plant = MakePlant(scenario, robot, files);
   config.link = MakeLink(scenario.link);
   config.q_start = scenario.robot.q_start.value_or(scenario.motion.waypoints.front().q);
+  config.panel = scenario.panel;
   config.clock_ppm = scenario.robot.clock_drift_ppm;
   config.seed = scenario.seed;
   config.Validate();
@@ -179,9 +192,8 @@ Plan MakePlan(const Scenario& scenario, const Catalogue& catalogue, const RunFil
   RequireStart(config.q_start, trajectory);
   const loop::TickConfig tick = MakeTick(scenario, robot);
   const loop::ControllerLoopConfig controller_loop = MakeControllerLoop(scenario.controller);
-  return {std::move(robot),  std::move(trajectory),
-          std::move(config), ModesOf(scenario.motion.interface),
-          scenario.loop,     tick,
+  return {std::move(robot),         std::move(trajectory), std::move(config),
+          ModesOf(scenario.motion), scenario.loop,         tick,
           controller_loop};
 }
 

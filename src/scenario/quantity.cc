@@ -30,9 +30,12 @@ constexpr std::array kAngleUnits{Unit{"rad", 1}, Unit{"deg", kDegree}};
 constexpr std::array kAngularVelocityUnits{Unit{"rad/s", 1}, Unit{"deg/s", kDegree}};
 constexpr std::array kAngularAccelerationUnits{Unit{"rad/s^2", 1}, Unit{"deg/s^2", kDegree}};
 constexpr std::array kAngularJerkUnits{Unit{"rad/s^3", 1}, Unit{"deg/s^3", kDegree}};
+constexpr std::array kForceUnits{Unit{"N", 1}};
 constexpr std::array kTorqueUnits{Unit{"Nm", 1}};
 constexpr std::array kTorqueRateUnits{Unit{"Nm/s", 1}};
 constexpr std::array kStiffnessUnits{Unit{"Nm/rad", 1}};
+constexpr std::array kLinearStiffnessUnits{Unit{"N/m", 1}};
+constexpr std::array kLinearDampingUnits{Unit{"Ns/m", 1}};
 constexpr std::array kInertiaUnits{Unit{"kg m^2", 1}};
 constexpr std::array kMassUnits{Unit{"kg", 1}, Unit{"g", 1e-3}};
 constexpr std::array kLengthUnits{Unit{"m", 1}, Unit{"mm", 1e-3}};
@@ -58,9 +61,12 @@ DimensionInfo Info(Dimension dimension) {
     case Dimension::kAngularAcceleration:
       return {"an angular acceleration", "2 rad/s^2", kAngularAccelerationUnits};
     case Dimension::kAngularJerk: return {"an angular jerk", "50 rad/s^3", kAngularJerkUnits};
+    case Dimension::kForce: return {"a force", "30 N", kForceUnits};
     case Dimension::kTorque: return {"a torque", "0.1 Nm", kTorqueUnits};
     case Dimension::kTorqueRate: return {"a torque rate", "1000 Nm/s", kTorqueRateUnits};
     case Dimension::kStiffness: return {"a stiffness", "3000 Nm/rad", kStiffnessUnits};
+    case Dimension::kLinearStiffness: return {"a stiffness", "1000 N/m", kLinearStiffnessUnits};
+    case Dimension::kLinearDamping: return {"a damping", "30 Ns/m", kLinearDampingUnits};
     case Dimension::kInertia: return {"a moment of inertia", "0.2 kg m^2", kInertiaUnits};
     case Dimension::kMass: return {"a mass", "0.73 kg", kMassUnits};
     case Dimension::kLength: return {"a length", "1.5 m", kLengthUnits};

@@ -16,9 +16,12 @@ enum class Dimension : std::uint8_t {
   kAngularVelocity,
   kAngularAcceleration,
   kAngularJerk,
+  kForce,
   kTorque,
   kTorqueRate,
   kStiffness,
+  kLinearStiffness,
+  kLinearDamping,
   kInertia,
   kMass,
   kLength,
@@ -31,8 +34,8 @@ enum class Dimension : std::uint8_t {
 
 /// Reads a number with its unit, "80 us" or "-45 deg"; the space may be left out, and a micro may
 /// be written as a u, as the micro sign or as a small mu.
-/// @returns the value in the dimension's base unit: s, Hz, rad, rad/s, rad/s^2, rad/s^3, Nm, Nm/s,
-/// Nm/rad, kg m^2, kg, m, m/s, m/s^2, m/s^3, percent or ppm (drift).
+/// @returns the value in the dimension's base unit: s, Hz, rad, rad/s, rad/s^2, rad/s^3, N, Nm,
+/// Nm/s, Nm/rad, N/m, Ns/m, kg m^2, kg, m, m/s, m/s^2, m/s^3, percent or ppm (drift).
 /// @throws InputError saying what was given and which units are accepted. The text names no file:
 /// the reader of the file puts its own place in front.
 [[nodiscard]] double ParseQuantity(std::string_view text, Dimension dimension);

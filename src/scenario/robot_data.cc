@@ -26,19 +26,6 @@ std::vector<std::string> RobotNames(const std::filesystem::path& robots) {
   return names;
 }
 
-/// Three quantities, x y z.
-Vector3 ReadVector(const YamlNode& node, Dimension dimension, double least, double most) {
-  const std::vector<YamlNode> items = node.Items();
-  Vector3 vector{};
-  if (items.size() != vector.size()) {
-    node.Fail(fmt::format("has {} values; it needs 3: x, y, z", items.size()));
-  }
-  for (std::size_t i = 0; i < vector.size(); ++i) {
-    vector[i] = items[i].Quantity(dimension, least, most);
-  }
-  return vector;
-}
-
 /// Turned by `angle` about z, then moved by `z` along it.
 Transform TurnedAndRaised(double angle, double z) {
   const double c = std::cos(angle);
@@ -61,8 +48,8 @@ void ReadEndEffector(const std::filesystem::path& file, RobotData& robot) {
   const YamlMap map =
       YamlNode::ParseFile(file.string()).Map({"robot", "mass", "F_x_Cee", "I_ee", "F_T_NE"});
   robot.end_effector.m = map.Require("mass").Quantity(Dimension::kMass, 0, 100);
-  robot.end_effector.F_x_C = ReadVector(map.Require("F_x_Cee"), Dimension::kLength, -1, 1);
-  const Vector3 inertia = ReadVector(map.Require("I_ee"), Dimension::kInertia, 0, 10);
+  robot.end_effector.F_x_C = map.Require("F_x_Cee").Vector(Dimension::kLength, -1, 1);
+  const Vector3 inertia = map.Require("I_ee").Vector(Dimension::kInertia, 0, 10);
   for (std::size_t i = 0; i < inertia.size(); ++i) robot.end_effector.I[4 * i] = inertia[i];
   const YamlMap tip = map.Require("F_T_NE").Map({"angle", "z"});
   robot.F_T_NE = TurnedAndRaised(tip.Require("angle").Quantity(Dimension::kAngle, -7, 7),

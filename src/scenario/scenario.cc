@@ -11,6 +11,9 @@
 namespace twin::scenario {
 namespace {
 
+/// A threshold no force reaches: the largest that INT takes, N or Nm.
+constexpr double kUnreachable = 1e6;
+
 bool IsNameLetter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
          c == '-';
@@ -70,6 +73,42 @@ void ValidateLoop(const Scenario& scenario) {
       "wake_delay have no meaning in it: leave them out, or say loop: asynchronous");
 }
 
+void ValidateSetting(std::string_view section, const Setting& setting) {
+  const auto bad = FindBadValue(setting);
+  if (bad) throw InputError(fmt::format("{}: {}", section, Describe(*bad)));
+}
+
+void ValidateOnboard(const OnboardSection& onboard) {
+  ValidateSetting("int", setting::JointImpedance{onboard.K_theta});
+  ValidateSetting("int", setting::CartesianImpedance{onboard.K_x});
+  ValidateSetting("int.collision_behavior", onboard.collision_behavior);
+  ValidateSetting("int.load", onboard.load);
+  ValidateSetting("int.filters", onboard.filters);
+  RequireRange("int.friction_compensation", onboard.friction_compensation, 0, 1);
+}
+
+void ValidatePerturbations(const Scenario& scenario) {
+  if (scenario.perturbations.empty()) return;
+  if (scenario.plant.kind == robot::PlantKind::kIdeal) {
+    throw InputError(
+        "perturbations: the ideal plant feels no forces; say plant: {kind: mujoco}, or leave them "
+        "out");
+  }
+  for (const plant::Perturbation& perturbation : scenario.perturbations) {
+    try {
+      plant::Validate(perturbation);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("perturbations: {}", error.what()));
+    }
+  }
+}
+
+void ValidatePanel(const std::vector<robot::PanelEvent>& panel) {
+  const auto earlier = [](const auto& a, const auto& b) { return a.at < b.at; };
+  if (std::ranges::is_sorted(panel, earlier)) return;
+  throw InputError("panel: its events must be in order of time");
+}
+
 void ValidateMotion(const MotionSection& motion) {
   if (motion.waypoints.size() < 2) {
     throw InputError(fmt::format("motion.trajectory: {} waypoints; a trajectory needs at least two",
@@ -113,8 +152,46 @@ Drive DriveFromName(std::string_view name) {
   throw InputError(fmt::format("drive \"{}\" is unknown; accepted: {}", name, kAccepted));
 }
 
+Transform FramePose::Matrix() const noexcept {
+  const double cr = std::cos(rpy[0]);
+  const double sr = std::sin(rpy[0]);
+  const double cp = std::cos(rpy[1]);
+  const double sp = std::sin(rpy[1]);
+  const double cy = std::cos(rpy[2]);
+  const double sy = std::sin(rpy[2]);
+  return {cy * cp,
+          sy * cp,
+          -sp,
+          0,
+          cy * sp * sr - sy * cr,
+          sy * sp * sr + cy * cr,
+          cp * sr,
+          0,
+          cy * sp * cr + sy * sr,
+          sy * sp * cr - cy * sr,
+          cp * cr,
+          0,
+          position[0],
+          position[1],
+          position[2],
+          1};
+}
+
+setting::CollisionBehavior NoCollisionBehavior() noexcept {
+  setting::CollisionBehavior behavior;
+  for (JointVector* torque : {&behavior.lower_torque_acc, &behavior.upper_torque_acc,
+                              &behavior.lower_torque_nominal, &behavior.upper_torque_nominal}) {
+    torque->fill(kUnreachable);
+  }
+  for (Vector6* force : {&behavior.lower_force_acc, &behavior.upper_force_acc,
+                         &behavior.lower_force_nominal, &behavior.upper_force_nominal}) {
+    force->fill(kUnreachable);
+  }
+  return behavior;
+}
+
 bool MotionSection::operator==(const MotionSection& other) const {
-  return interface == other.interface &&
+  return interface == other.interface && controller == other.controller &&
          std::ranges::equal(waypoints, other.waypoints, &SamePoint) &&
          timing.duration == other.timing.duration &&
          timing.velocity_scale == other.timing.velocity_scale &&
@@ -136,7 +213,8 @@ void Scenario::Validate() const {
   RequireRange("plant.noise.q", plant.noise_q, 0, 1);
   RequireRange("plant.noise.dq", plant.noise_dq, 0, 10);
   RequireRange("plant.noise.tau_J", plant.noise_tau_J, 0, 100);
-  RequireRange("int.friction_compensation", onboard.friction_compensation, 0, 1);
+  ValidateSetting("robot.load", robot.load);
+  ValidateOnboard(onboard);
   RequireRange("tick.lambda", tick.lambda, 1e-9, 1);
   RequireRange("tick.low_pass (Hz)", tick.low_pass_hz, 1, 1000);
   RequireRange("controller.rate", controller.rate_hz, 1, 1000);
@@ -144,6 +222,8 @@ void Scenario::Validate() const {
   RequireRange("controller.target_noise", controller.target_noise, 0, 1);
   ValidateLoop(*this);
   ValidateMotion(motion);
+  ValidatePerturbations(*this);
+  ValidatePanel(panel);
   ValidateRender(render);
 }
 

@@ -5,6 +5,7 @@
 
 #include "scenario/link_reader.h"
 #include "scenario/names.h"
+#include "scenario/section_readers.h"
 #include "scenario/trajectory_reader.h"
 #include "scenario/yaml_node.h"
 #include "twin/core/error.h"
@@ -13,80 +14,13 @@
 namespace twin::scenario {
 namespace {
 
-template <typename Enum, std::size_t N>
-Enum ReadChoice(const YamlNode& node, const std::array<Spelling<Enum>, N>& names) {
-  return node.Choice(std::span<const Spelling<Enum>>(names));
-}
-
-double ReadDrift(const YamlNode& node) {
-  return node.Quantity(Dimension::kDrift, -1000, 1000);
-}
-
-/// A name that only a run can judge, and where it stands.
-std::string ReadName(const YamlNode& node, Place& place) {
-  place = {node.Text(), node.Where()};
-  return place.name;
-}
-
-void ReadRobot(const YamlNode& node, Scenario& scenario) {
-  RobotSection& robot = scenario.robot;
-  const YamlMap map = node.Map({"model", "hand", "q_start", "clock_drift"});
-  IfGiven(map, "model",
-          [&](const YamlNode& n) { robot.model = ReadName(n, scenario.places.robot); });
-  IfGiven(map, "hand", [&](const YamlNode& n) { robot.hand = ReadChoice(n, kHandNames); });
-  IfGiven(map, "q_start",
-          [&](const YamlNode& n) { robot.q_start = n.JointQuantity(Dimension::kAngle); });
-  IfGiven(map, "clock_drift", [&](const YamlNode& n) { robot.clock_drift_ppm = ReadDrift(n); });
-}
-
-void ReadNoise(const YamlNode& node, PlantSection& plant) {
-  const YamlMap map = node.Map({"q", "dq", "tau_J"});
-  IfGiven(map, "q",
-          [&](const YamlNode& n) { plant.noise_q = n.Quantity(Dimension::kAngle, 0, 1); });
-  IfGiven(map, "dq", [&](const YamlNode& n) {
-    plant.noise_dq = n.Quantity(Dimension::kAngularVelocity, 0, 10);
-  });
-  IfGiven(map, "tau_J",
-          [&](const YamlNode& n) { plant.noise_tau_J = n.Quantity(Dimension::kTorque, 0, 100); });
-}
-
-void ReadPlant(const YamlNode& node, PlantSection& plant) {
-  const YamlMap map = node.Map({"kind", "friction", "armature", "noise"});
-  IfGiven(map, "kind", [&](const YamlNode& n) { plant.kind = ReadChoice(n, kPlantNames); });
-  IfGiven(map, "friction",
-          [&](const YamlNode& n) { plant.friction = ReadChoice(n, kFrictionNames); });
-  IfGiven(map, "armature", [&](const YamlNode& n) { plant.armature = n.Bool(); });
-  IfGiven(map, "noise", [&](const YamlNode& n) { ReadNoise(n, plant); });
-}
-
-void ReadOnboard(const YamlNode& node, OnboardSection& onboard) {
-  const YamlMap map =
-      node.Map({"K_theta", "damping_ratio", "abort_after_lost", "friction_compensation"});
-  IfGiven(map, "K_theta", [&](const YamlNode& n) {
-    onboard.K_theta = n.JointQuantity(Dimension::kStiffness);
-    for (const double K : onboard.K_theta) {
-      if (K >= 0 && K <= onboard::kMaxJointStiffness) continue;
-      n.Fail(fmt::format("{} Nm/rad is out of range; each must lie in [0, {}] Nm/rad", K,
-                         onboard::kMaxJointStiffness));
-    }
-  });
-  IfGiven(map, "damping_ratio",
-          [&](const YamlNode& n) { onboard.damping_ratio = n.Number(1e-3, 2); });
-  IfGiven(map, "abort_after_lost", [&](const YamlNode& n) {
-    onboard.abort_after_lost = static_cast<std::uint32_t>(n.Integer(1, 1'000'000));
-  });
-  IfGiven(map, "friction_compensation",
-          [&](const YamlNode& n) { onboard.friction_compensation = n.Number(0, 1); });
-}
-
 loop::Generator ReadGenerator(const YamlNode& node, control::CommandInterface interface) {
   const loop::Generator generator = ReadChoice(node, kGeneratorNames);
-  if (generator == loop::Generator::kJoint &&
-      interface != control::CommandInterface::kJointPosition) {
-    node.Fail(
-        fmt::format("joint makes joint positions, and motion.interface is {}; say none, or "
-                    "leave it out",
-                    NameOf(kInterfaceNames, interface)));
+  if (generator != loop::Generator::kNone && generator != GeneratorOf(interface)) {
+    node.Fail(fmt::format("{}, and motion.interface is {}; say none, or leave it out",
+                          generator == loop::Generator::kJoint ? "joint makes joint positions"
+                                                               : "cartesian makes poses",
+                          NameOf(kInterfaceNames, interface)));
   }
   return generator;
 }
@@ -100,9 +34,7 @@ double ReadLowPass(const YamlNode& node) {
 /// What the other sections imply for what this one does not say.
 TickSection TickDefaults(const Scenario& scenario) {
   TickSection tick;
-  if (scenario.motion.interface != control::CommandInterface::kJointPosition) {
-    tick.generator = loop::Generator::kNone;
-  }
+  tick.generator = GeneratorOf(scenario.motion.interface);
   if (scenario.loop != loop::LoopKind::kAsynchronous) tick.period_tolerance = Duration::zero();
   return tick;
 }
@@ -152,9 +84,15 @@ void ReadController(const YamlNode& node, Scenario& scenario) {
 }
 
 void ReadMotion(const YamlNode& node, const std::filesystem::path& folder, MotionSection& motion) {
-  const YamlMap map = node.Map({"interface", "trajectory"});
+  const YamlMap map = node.Map({"interface", "controller", "trajectory"});
   IfGiven(map, "interface",
           [&](const YamlNode& n) { motion.interface = ReadChoice(n, kInterfaceNames); });
+  IfGiven(map, "controller", [&](const YamlNode& n) {
+    motion.controller = ReadChoice(n, kControllerNames);
+    if (motion.interface == control::CommandInterface::kTorque) {
+      n.Fail("on the torque interface the commanded torque takes its place; leave it out");
+    }
+  });
   ReadTrajectory(map.Require("trajectory"), folder, motion);
 }
 
@@ -174,13 +112,8 @@ void ReadCamera(const YamlNode& node, RenderSection& render) {
   });
   IfGiven(map, "distance",
           [&](const YamlNode& n) { render.distance = n.Quantity(Dimension::kLength, 0.01, 1000); });
-  IfGiven(map, "lookat", [&](const YamlNode& n) {
-    const std::vector<YamlNode> items = n.Items();
-    if (items.size() != render.lookat.size()) n.Fail("needs 3 lengths: x, y, z");
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      render.lookat[i] = items[i].Quantity(Dimension::kLength, -1000, 1000);
-    }
-  });
+  IfGiven(map, "lookat",
+          [&](const YamlNode& n) { render.lookat = n.Vector(Dimension::kLength, -1000, 1000); });
 }
 
 void ReadRender(const YamlNode& node, RenderSection& render) {
@@ -208,9 +141,9 @@ Drive ReadDrive(const YamlNode& node) {
 
 Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder) {
   Scenario scenario;
-  const YamlMap map =
-      root.Map({"name", "description", "seed", "backend", "drive", "loop", "scene", "robot",
-                "plant", "link", "int", "tick", "controller", "motion", "render", "record"});
+  const YamlMap map = root.Map({"name", "description", "seed", "backend", "drive", "loop", "scene",
+                                "robot", "plant", "link", "int", "tick", "controller", "motion",
+                                "perturbations", "panel", "render", "record"});
   scenario.name = map.Require("name").Text();
   IfGiven(map, "description", [&](const YamlNode& n) { scenario.description = n.Text(); });
   IfGiven(map, "seed", [&](const YamlNode& n) {
@@ -233,6 +166,9 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   }
   IfGiven(map, "tick", [&](const YamlNode& n) { ReadTick(n, scenario); });
   IfGiven(map, "controller", [&](const YamlNode& n) { ReadController(n, scenario); });
+  IfGiven(map, "perturbations",
+          [&](const YamlNode& n) { scenario.perturbations = ReadPerturbations(n); });
+  IfGiven(map, "panel", [&](const YamlNode& n) { scenario.panel = ReadPanel(n); });
   IfGiven(map, "render", [&](const YamlNode& n) { ReadRender(n, scenario.render); });
   IfGiven(map, "record", [&](const YamlNode& n) { scenario.record = n.Bool(); });
   try {

@@ -93,15 +93,35 @@ std::string TextOf(const Model& model) {
   return std::visit([](const auto& law) { return LawText(law); }, model.law);
 }
 
+/// "[x m, y m, z m]".
+std::string VectorText(const Vector3& v, Dimension dimension) {
+  return List(v,
+              [&](double x) { return fmt::format("{} {}", FormatNumber(x), BaseUnit(dimension)); });
+}
+
+/// The first or the last three of six.
+Vector3 Half(const Vector6& whole, std::size_t at) {
+  return {whole[at], whole[at + 1], whole[at + 2]};
+}
+
+std::string LoadText(const setting::Load& load) {
+  const Matrix3& I = load.I_load;
+  return fmt::format("{{mass: {} kg, position: {}, inertia: {}, products_of_inertia: {}}}",
+                     FormatNumber(load.m_load), VectorText(load.F_x_Cload, Dimension::kLength),
+                     VectorText({I[0], I[4], I[8]}, Dimension::kInertia),
+                     VectorText({I[3], I[6], I[7]}, Dimension::kInertia));
+}
+
 void PutRobotAndPlant(Text& out, const Scenario& s) {
   Put(out, "robot:\n  model: {}\n  hand: {}\n", Quoted(s.robot.model),
       NameOf(kHandNames, s.robot.hand));
   if (s.robot.q_start)
     Put(out, "  q_start: {{unit: rad, values: {}}}\n", List(*s.robot.q_start, FormatNumber));
-  Put(out, "  clock_drift: {} ppm\n", FormatNumber(s.robot.clock_drift_ppm));
-  Put(out, "plant:\n  kind: {}\n  friction: {}\n  armature: {}\n",
-      NameOf(kPlantNames, s.plant.kind), NameOf(kFrictionNames, s.plant.friction),
-      s.plant.armature);
+  Put(out, "  clock_drift: {} ppm\n  load: {}\n", FormatNumber(s.robot.clock_drift_ppm),
+      LoadText(s.robot.load));
+  Put(out, "plant:\n  kind: {}\n  friction: {}\n  armature: {}\n  elasticity: {}\n",
+      NameOf(kPlantNames, s.plant.kind), NameOf(kFrictionNames, s.plant.friction), s.plant.armature,
+      NameOf(kElasticityNames, s.plant.elasticity));
   Put(out, "  noise: {{q: {} rad, dq: {} rad/s, tau_J: {} Nm}}\n", FormatNumber(s.plant.noise_q),
       FormatNumber(s.plant.noise_dq), FormatNumber(s.plant.noise_tau_J));
 }
@@ -115,16 +135,86 @@ void PutDirection(Text& out, std::string_view name, const DirectionSection& dire
       FormatNumber(direction.reordering.share_percent), FormatDuration(direction.reordering.by));
 }
 
-void PutLinkAndOnboard(Text& out, const Scenario& s) {
+void PutLink(Text& out, const Scenario& s) {
   Put(out, "link:\n");
   PutDirection(out, "state", s.link.state);
   PutDirection(out, "command", s.link.command);
   Put(out, "  d_INT: {}\n", FormatDuration(s.link.d_INT));
-  Put(out, "int:\n  K_theta: {{unit: Nm/rad, values: {}}}\n",
-      List(s.onboard.K_theta, FormatNumber));
+}
+
+/// {unit: Nm, values: [...]}.
+std::string JointText(const JointVector& values, Dimension dimension) {
+  return fmt::format("{{unit: {}, values: {}}}", BaseUnit(dimension), List(values, FormatNumber));
+}
+
+std::string ForcesText(const Vector6& forces) {
+  return fmt::format("{{force: {}, moment: {}}}", VectorText(Half(forces, 0), Dimension::kForce),
+                     VectorText(Half(forces, 3), Dimension::kTorque));
+}
+
+void PutCollisionBehavior(Text& out, const setting::CollisionBehavior& b) {
+  if (b == NoCollisionBehavior()) {
+    Put(out, "  collision_behavior: off\n");
+    return;
+  }
+  const auto torque = [&out](std::string_view key, const JointVector& values) {
+    Put(out, "    {}: {}\n", key, JointText(values, Dimension::kTorque));
+  };
+  const auto force = [&out](std::string_view key, const Vector6& values) {
+    Put(out, "    {}: {}\n", key, ForcesText(values));
+  };
+  Put(out, "  collision_behavior:\n");
+  torque("lower_torque_acc", b.lower_torque_acc);
+  torque("upper_torque_acc", b.upper_torque_acc);
+  torque("lower_torque_nominal", b.lower_torque_nominal);
+  torque("upper_torque_nominal", b.upper_torque_nominal);
+  force("lower_force_acc", b.lower_force_acc);
+  force("upper_force_acc", b.upper_force_acc);
+  force("lower_force_nominal", b.lower_force_nominal);
+  force("upper_force_nominal", b.upper_force_nominal);
+}
+
+void PutFrame(Text& out, std::string_view name, const FramePose& pose) {
+  Put(out, "  {}: {{position: {}, rpy: {}}}\n", name, VectorText(pose.position, Dimension::kLength),
+      VectorText(pose.rpy, Dimension::kAngle));
+}
+
+void PutGuidingMode(Text& out, const setting::GuidingMode& mode) {
+  static constexpr std::array<std::string_view, 6> kAxes{"x", "y", "z", "R", "P", "Y"};
+  std::vector<std::string> free;
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    if (mode.axes[i]) free.emplace_back(kAxes[i]);
+  }
+  Put(out, "  guiding_mode: {{axes: {}, elbow: {}}}\n",
+      List(free, [](const std::string& axis) { return Quoted(axis); }), mode.elbow);
+}
+
+void PutFilters(Text& out, const setting::Filters& filters) {
+  const auto text = [](double cutoff_hz) {
+    return cutoff_hz == 1000 ? std::string("off") : FormatNumber(cutoff_hz) + " Hz";
+  };
+  Put(out,
+      "  filters: {{joint_position: {}, joint_velocity: {}, cartesian_position: {}, "
+      "cartesian_velocity: {}, controller: {}}}\n",
+      text(filters.joint_position_hz), text(filters.joint_velocity_hz),
+      text(filters.cartesian_position_hz), text(filters.cartesian_velocity_hz),
+      text(filters.controller_hz));
+}
+
+void PutOnboard(Text& out, const OnboardSection& onboard) {
+  Put(out, "int:\n  K_theta: {}\n", JointText(onboard.K_theta, Dimension::kStiffness));
+  Put(out, "  K_x: {{translation: {}, rotation: {}}}\n",
+      VectorText(Half(onboard.K_x, 0), Dimension::kLinearStiffness),
+      VectorText(Half(onboard.K_x, 3), Dimension::kStiffness));
+  PutCollisionBehavior(out, onboard.collision_behavior);
+  Put(out, "  load: {}\n", LoadText(onboard.load));
+  PutFrame(out, "EE_T_K", onboard.EE_T_K);
+  PutFrame(out, "NE_T_EE", onboard.NE_T_EE);
+  PutGuidingMode(out, onboard.guiding_mode);
+  PutFilters(out, onboard.filters);
   Put(out, "  damping_ratio: {}\n  abort_after_lost: {}\n  friction_compensation: {}\n",
-      FormatNumber(s.onboard.damping_ratio), s.onboard.abort_after_lost,
-      FormatNumber(s.onboard.friction_compensation));
+      FormatNumber(onboard.damping_ratio), onboard.abort_after_lost,
+      FormatNumber(onboard.friction_compensation));
 }
 
 void PutTick(Text& out, const Scenario& s) {
@@ -152,8 +242,11 @@ void PutController(Text& out, const Scenario& s) {
 }
 
 void PutMotion(Text& out, const MotionSection& motion) {
-  Put(out, "motion:\n  interface: {}\n  trajectory:\n    unit: rad\n",
-      NameOf(kInterfaceNames, motion.interface));
+  Put(out, "motion:\n  interface: {}\n", NameOf(kInterfaceNames, motion.interface));
+  if (motion.interface != control::CommandInterface::kTorque) {
+    Put(out, "  controller: {}\n", NameOf(kControllerNames, motion.controller));
+  }
+  Put(out, "  trajectory:\n    unit: rad\n");
   if (motion.timing.duration) {
     Put(out, "    duration: {}\n", FormatDuration(*motion.timing.duration));
   }
@@ -166,6 +259,37 @@ void PutMotion(Text& out, const MotionSection& motion) {
     if (point.at) Put(out, ", at: {}", FormatDuration(*point.at));
     if (point.stop) Put(out, ", stop: true");
     Put(out, "}}\n");
+  }
+}
+
+void PutPerturbation(Text& out, const plant::Push& push) {
+  Put(out,
+      "  - push: {{body: {}, begin: {}, duration: {}, rise: {}, force: {}, torque: {}, "
+      "point: {}, frame: {}}}\n",
+      Quoted(push.body), FormatDuration(push.begin), FormatDuration(push.duration),
+      FormatDuration(push.rise), VectorText(push.force, Dimension::kForce),
+      VectorText(push.torque, Dimension::kTorque), VectorText(push.point, Dimension::kLength),
+      NameOf(kForceFrameNames, push.frame));
+}
+
+void PutPerturbation(Text& out, const plant::HandSpring& spring) {
+  Put(out, "  - spring: {{body: {}, begin: {}, duration: {}, point: {}, ", Quoted(spring.body),
+      FormatDuration(spring.begin), FormatDuration(spring.duration),
+      VectorText(spring.point, Dimension::kLength));
+  if (spring.from) Put(out, "from: {}, ", VectorText(*spring.from, Dimension::kLength));
+  Put(out, "by: {}, stiffness: {} N/m, damping: {} Ns/m, largest_force: {} N}}\n",
+      VectorText(spring.by, Dimension::kLength), FormatNumber(spring.stiffness),
+      FormatNumber(spring.damping), FormatNumber(spring.largest_force));
+}
+
+void PutPerturbationsAndPanel(Text& out, const Scenario& s) {
+  Put(out, "perturbations:{}\n", s.perturbations.empty() ? " []" : "");
+  for (const plant::Perturbation& perturbation : s.perturbations) {
+    std::visit([&out](const auto& what) { PutPerturbation(out, what); }, perturbation);
+  }
+  Put(out, "panel:{}\n", s.panel.empty() ? " []" : "");
+  for (const robot::PanelEvent& event : s.panel) {
+    Put(out, "  - {{at: {}, action: {}}}\n", FormatDuration(event.at), Name(event.action));
   }
 }
 
@@ -191,10 +315,12 @@ std::string ToYaml(const Scenario& scenario) {
   Put(out, "backend: {}\ndrive: {}\nloop: {}\nscene: {}\n", Quoted(scenario.backend),
       Name(scenario.drive), NameOf(kLoopNames, scenario.loop), Quoted(scenario.scene.string()));
   PutRobotAndPlant(out, scenario);
-  PutLinkAndOnboard(out, scenario);
+  PutLink(out, scenario);
+  PutOnboard(out, scenario.onboard);
   PutTick(out, scenario);
   PutController(out, scenario);
   PutMotion(out, scenario.motion);
+  PutPerturbationsAndPanel(out, scenario);
   PutRender(out, scenario.render);
   Put(out, "record: {}\n", scenario.record);
   return fmt::to_string(out);

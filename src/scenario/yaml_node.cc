@@ -242,6 +242,18 @@ double YamlNode::Quantity(Dimension dimension, double least, double most) const 
                    FormatRange(least, most, dimension)));
 }
 
+Vector3 YamlNode::Vector(Dimension dimension, double least, double most) const {
+  const std::vector<YamlNode> items = Items();
+  Vector3 vector{};
+  if (items.size() != vector.size()) {
+    Fail(fmt::format("has {} values; it needs 3: x, y, z", items.size()));
+  }
+  for (std::size_t i = 0; i < vector.size(); ++i) {
+    vector[i] = items[i].Quantity(dimension, least, most);
+  }
+  return vector;
+}
+
 Duration YamlNode::Time(Duration least, Duration most) const {
   const std::string& text = Scalar("a time with its unit");
   Duration value{};

@@ -48,6 +48,8 @@ class YamlNode {
   [[nodiscard]] std::uint64_t Integer(std::uint64_t least, std::uint64_t most) const;
   /// A number with a unit, in the dimension's base unit, in [least, most] (also base unit).
   [[nodiscard]] double Quantity(Dimension dimension, double least, double most) const;
+  /// [x, y, z], each a number with a unit, in the dimension's base unit, in [least, most].
+  [[nodiscard]] Vector3 Vector(Dimension dimension, double least, double most) const;
   /// A time in [least, most].
   [[nodiscard]] Duration Time(Duration least, Duration most) const;
   /// {unit: rad/s, value: 2.5}, in the dimension's base unit, in [least, most] (also base unit).

@@ -60,6 +60,7 @@ class Arm {
     plant_->Reset(q);
     onboard::IntConfig config;
     config.limits = test::PandaLimits();
+    config.cartesian = test::PandaCartesianLimits();
     config.rotor_inertia = {0.605721456, 0.605721456, 0.462474144, 0.462474144,
                             0.205544064, 0.205544064, 0.205544064};
     int_ = std::make_unique<onboard::Int>(config, q);

@@ -62,7 +62,7 @@ TEST_F(PlanTest, TellsTheRobotAllTheScenarioSays) {
   EXPECT_EQ(config.onboard.abort_after_lost, 19u);
   EXPECT_EQ(config.onboard.damping_ratio, 0.7);
   EXPECT_EQ(config.onboard.friction_compensation, 0.8);
-  EXPECT_EQ(config.onboard.K_theta[6], 1999.5);
+  EXPECT_EQ(config.onboard.joint_impedance.K_theta[6], 1999.5);
   EXPECT_EQ(config.onboard.limits.dq_max, plan.robot.limits.dq_max);
   EXPECT_EQ(config.onboard.rotor_inertia, JointVector{}) << "armature is off";
   EXPECT_EQ(config.plant.friction, plant::FrictionProfile::kBreakaway);
@@ -70,6 +70,24 @@ TEST_F(PlanTest, TellsTheRobotAllTheScenarioSays) {
   EXPECT_EQ(config.plant.scene, files_.models / "scenes/floor.xml");
   EXPECT_EQ(config.plant.noise.tau_J_Nm, 0.3);
   EXPECT_EQ(config.plant.seed, 42u);
+}
+
+TEST_F(PlanTest, TellsTheRobotWhatItIsSetToAndWhatTouchesIt) {
+  const Scenario scenario = Parse(test::TouchedText(), "s.yaml");
+  const robot::RobotConfig config = PlanOf(scenario).config;
+  EXPECT_EQ(config.plant.load, scenario.robot.load);
+  EXPECT_EQ(config.plant.elasticity, plant::ElasticityProfile::kStatic);
+  EXPECT_EQ(config.plant.perturbations, scenario.perturbations);
+  EXPECT_EQ(config.panel, scenario.panel);
+  const onboard::IntConfig& onboard = config.onboard;
+  EXPECT_EQ(onboard.load, scenario.onboard.load);
+  EXPECT_EQ(onboard.cartesian_impedance.K_x, scenario.onboard.K_x);
+  EXPECT_EQ(onboard.collision_behavior, scenario.onboard.collision_behavior);
+  EXPECT_EQ(onboard.guiding_mode, scenario.onboard.guiding_mode);
+  EXPECT_EQ(onboard.filters, scenario.onboard.filters);
+  EXPECT_EQ(onboard.stiffness_frame.EE_T_K, scenario.onboard.EE_T_K.Matrix());
+  EXPECT_EQ(onboard.end_effector_frame.NE_T_EE[14], 0.1);
+  EXPECT_EQ(onboard.cartesian.elbow.dp_max, PlanOf(scenario).robot.cartesian.elbow.dp_max);
 }
 
 TEST_F(PlanTest, TellsTheLinkAllTheScenarioSays) {
@@ -134,9 +152,12 @@ TEST_F(PlanTest, StartsTheMotionThatGoesWithTheInterface) {
                    MotionGeneratorMode::kJointPosition},
         {CommandInterface::kJointVelocity, ControllerMode::kJointImpedance,
          MotionGeneratorMode::kJointVelocity},
+        {CommandInterface::kCartesianPose, ControllerMode::kCartesianImpedance,
+         MotionGeneratorMode::kCartesianPosition},
         {CommandInterface::kTorque, ControllerMode::kExternalController,
          MotionGeneratorMode::kJointVelocity}}) {
     scenario.motion.interface = interface;
+    if (controller != ControllerMode::kExternalController) scenario.motion.controller = controller;
     const Plan plan = PlanOf(scenario);
     EXPECT_EQ(plan.modes.controller, controller);
     EXPECT_EQ(plan.modes.generator, generator);

@@ -12,6 +12,7 @@
 #include "plant/friction.h"
 #include "plant/robot_description.h"
 #include "twin/core/error.h"
+#include "twin/model/payload.h"
 
 namespace twin::scenario {
 namespace {
@@ -69,20 +70,31 @@ TEST(RobotDataTest, GivesIntTheRotorsTheSimulatedDrivesHave) {
   EXPECT_EQ(robot.rotor_inertia, plant::kArmature);
 }
 
-TEST(RobotDataTest, SaysOfTheHandWhatItsBodyHas) {
+/// An open finger in the axes of the palm. @param side  +1 or -1: which way it opens along y.
+model::Payload OpenFinger(const plant::Link& link, double side) {
+  const Vector3& p = link.X_PL.p;
+  const Vector3& com = link.inertial->com;
+  EXPECT_EQ(com, Vector3{}) << "whichever way the finger's frame is turned";
+  return {link.inertial->mass, {p[0], p[1] + side * link.q_max, p[2]}, link.inertial->I};
+}
+
+TEST(RobotDataTest, SaysOfTheHandWhatItsBodiesHaveWhenItIsOpen) {
   const RobotData robot = LoadRobotData(kModels, "panda", plant::HandKind::kFrankaHand);
   const auto file = kModels / "robots" / "hand" / "hand.urdf";
   const auto hand = plant::ParseUrdf(plant::ReadFileBytes(file, "hand"), file.string());
-  const plant::Link& body = *hand.Find("panda_hand");
+  const plant::Inertial& palm = *hand.Find("panda_hand")->inertial;
+  const model::Payload fingers = model::Combine(OpenFinger(*hand.Find("panda_leftfinger"), 1),
+                                                OpenFinger(*hand.Find("panda_rightfinger"), -1));
+  const model::Payload body = model::Combine({palm.mass, palm.com, palm.I}, fingers);
   // Hand axes are flange axes turned by -45 deg about z.
   const double c = std::sqrt(0.5);
-  const Vector3& com = body.inertial->com;
-  EXPECT_EQ(robot.end_effector.m, body.inertial->mass);
+  const Vector3& com = body.F_x_C;
+  EXPECT_NEAR(robot.end_effector.m, body.m, 1e-12);
   EXPECT_NEAR(robot.end_effector.F_x_C[0], c * com[0] + c * com[1], 1e-12);
   EXPECT_NEAR(robot.end_effector.F_x_C[1], -c * com[0] + c * com[1], 1e-12);
   EXPECT_NEAR(robot.end_effector.F_x_C[2], com[2], 1e-12);
   // R I R^T with R the turn by -45 deg: the entries of the flange's inertia from the hand's.
-  const Matrix3& I = body.inertial->I;
+  const Matrix3& I = body.I;
   EXPECT_NEAR(robot.end_effector.I[0], (I[0] + I[4]) / 2 + I[1], 1e-12);
   EXPECT_NEAR(robot.end_effector.I[4], (I[0] + I[4]) / 2 - I[1], 1e-12);
   EXPECT_NEAR(robot.end_effector.I[8], I[8], 1e-12);

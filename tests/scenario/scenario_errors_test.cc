@@ -110,8 +110,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "\"101 %\" is out of range; it must lie in [0, 100] %"},
         Spoiled{"NegativeTime", "phase: 250 us", "phase: -1 us", "s.yaml:46: controller.phase: ",
                 "\"-1 us\" is out of range; it must lie in [0 s, 10 s]"},
-        Spoiled{"StiffnessOutOfRange", "1999.5", "14251", "s.yaml:29: int.K_theta: ",
-                "14251 Nm/rad is out of range; each must lie in [0, 14250]"},
+        Spoiled{"StiffnessOutOfRange", "1999.5", "14251",
+                "s.yaml:29: int.K_theta: ", "K_theta[6] is 14251; it must be in [0, 14250] Nm/rad"},
         Spoiled{"FractionForInteger", "seed: 42", "seed: 1.5",
                 "s.yaml:3: seed: ", "\"1.5\" is not a whole number"},
         Spoiled{"NegativeSeed", "seed: 42", "seed: -1",
@@ -155,8 +155,12 @@ INSTANTIATE_TEST_SUITE_P(
         Spoiled{"GeneratorOfAnotherInterface", "generator: none", "generator: joint",
                 "s.yaml:34: tick.generator: ",
                 "joint makes joint positions, and motion.interface is joint_velocity"},
-        Spoiled{"GeneratorWithoutAMotion", "generator: none", "generator: cartesian",
-                "s.yaml:34: tick.generator: ", "\"cartesian\" is unknown; accepted: none, joint"},
+        Spoiled{"GeneratorOfPoses", "generator: none", "generator: cartesian",
+                "s.yaml:34: tick.generator: ",
+                "cartesian makes poses, and motion.interface is joint_velocity"},
+        Spoiled{"UnknownGenerator", "generator: none", "generator: spline",
+                "s.yaml:34: tick.generator: ",
+                "\"spline\" is unknown; accepted: none, joint, cartesian"},
         Spoiled{"NoiseOfAnotherInterface", "target_noise: 0.0005 rad/s", "target_noise: 0.0005 rad",
                 "s.yaml:50: controller.target_noise: ", "\"rad\" does not fit an angular velocity"},
         Spoiled{"UnknownDrive", "drive: lockstep", "drive: warp", "s.yaml:5: drive: ", "unknown"}),
@@ -168,6 +172,69 @@ void ExpectRefused(const std::string& from, const std::string& to, const std::st
   const std::string message = MessageOf(test::Replaced(test::OtherText(), from, to));
   EXPECT_THAT(message, ::testing::StartsWith(place));
   EXPECT_THAT(message, HasSubstr(says));
+}
+
+/// TouchedText() with one change, and where and what the message must say.
+void ExpectTouchedRefused(const std::string& from, const std::string& to, const std::string& place,
+                          const std::string& says) {
+  const std::string message = MessageOf(test::Replaced(test::TouchedText(), from, to));
+  EXPECT_THAT(message, ::testing::StartsWith(place));
+  EXPECT_THAT(message, HasSubstr(says));
+}
+
+TEST(ScenarioErrorsTest, RefusesALoadThatCannotBe) {
+  ExpectTouchedRefused("{mass: 1.5 kg, ", "{", "s.yaml:3: robot.load: ", "key \"mass\" is missing");
+  ExpectTouchedRefused("mass: 1.5 kg", "mass: -1 kg",
+                       "s.yaml:3: robot.load.mass: ", "it must lie in [0, 100] kg");
+  ExpectTouchedRefused("[10 mm, 0 m, 0.08 m]", "[10 mm, 0 m]",
+                       "s.yaml:3: robot.load.position: ", "has 2 values; it needs 3: x, y, z");
+  ExpectTouchedRefused("mass: 500 g", "mass: 500 N",
+                       "s.yaml:13: int.load.mass: ", "\"N\" does not fit a mass");
+}
+
+TEST(ScenarioErrorsTest, RefusesSettingsTheRobotWouldRefuse) {
+  ExpectTouchedRefused("translation: 200 N/m", "translation: 5 N/m",
+                       "s.yaml:7: int.K_x.translation: ", "it must lie in [10, 3000] N/m");
+  ExpectTouchedRefused("rotation: [10", "rotation: [301",
+                       "s.yaml:7: int.K_x.rotation[1]: ", "it must lie in [1, 300] Nm/rad");
+  ExpectTouchedRefused("values: [40, 40", "values: [40, 10", "s.yaml:8: int.collision_behavior: ",
+                       "lower_torque_thresholds_acceleration[1] is 25; it must be at most");
+  ExpectTouchedRefused(
+      "force: 60 N", "force: 60 Nm",
+      "s.yaml:11: int.collision_behavior.upper_force.force: ", "\"Nm\" does not fit a force");
+  ExpectTouchedRefused("[x, z, Y]", "[x, z, yaw]", "s.yaml:16: int.guiding_mode.axes[3]: ",
+                       "\"yaw\" is unknown; accepted: x, y, z, R, P, Y");
+  ExpectTouchedRefused("joint_position: 100 Hz", "joint_position: 2 kHz",
+                       "s.yaml:17: int.filters.joint_position: ", "it must lie in [1, 1000] Hz");
+}
+
+TEST(ScenarioErrorsTest, RefusesPerturbationsThatCannotBe) {
+  ExpectTouchedRefused("elasticity: static", "kind: ideal",
+                       "s.yaml:1: ", "perturbations: the ideal plant feels no forces");
+  ExpectTouchedRefused("- push: {body: panda_hand, ", "- push: {",
+                       "s.yaml:27: perturbations[1].push: ", "key \"body\" is missing");
+  ExpectTouchedRefused("rise: 50 ms", "rise: 250 ms", "s.yaml:27: perturbations[1].push: ",
+                       "rise is 0.25 s; rise and fall take as long");
+  ExpectTouchedRefused("begin: 4 s, torque: [1 Nm, 0 Nm, 0 Nm]", "begin: 4 s",
+                       "s.yaml:29: perturbations[3].push: ", "give a force, a torque or both");
+  ExpectTouchedRefused("- push", "- shove", "s.yaml:27: perturbations[1]", "shove");
+  ExpectTouchedRefused("frame: body", "frame: hand",
+                       "s.yaml:27: perturbations[1].push.frame: ", "accepted: world, body");
+  ExpectTouchedRefused(
+      "damping: 20 Ns/m", "damping: 20 N/m",
+      "s.yaml:28: perturbations[2].spring.damping: ", "\"N/m\" does not fit a damping");
+}
+
+TEST(ScenarioErrorsTest, RefusesAPanelThatDoesNotWork) {
+  ExpectTouchedRefused("at: 3.5 s", "at: 2.5 s",
+                       "s.yaml:33: panel[2].at: ", "comes before the event above it");
+  ExpectTouchedRefused("press_user_stop", "push_user_stop",
+                       "s.yaml:32: panel[1].action: ", "did you mean \"press_user_stop\"?");
+}
+
+TEST(ScenarioErrorsTest, RefusesAControllerWhereTorquesAreCommanded) {
+  ExpectTouchedRefused("interface: cartesian_pose", "interface: torque",
+                       "s.yaml:20: motion.controller: ", "the commanded torque takes its place");
 }
 
 TEST(ScenarioErrorsTest, RefusesAScriptThatNamesNoMessages) {

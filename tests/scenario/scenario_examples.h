@@ -4,7 +4,8 @@
 
 namespace twin::scenario::test {
 
-/// A small scenario in which every key is given; the tests break it in one place each.
+/// A small scenario in which every key is given but those of TouchedText(); the tests break it in
+/// one place each.
 inline std::string FullText() {
   return R"(name: full
 description: Everything said once.
@@ -106,6 +107,44 @@ motion:
     waypoints:
       - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
       - {q: [0.1, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+)";
+}
+
+/// A scenario of what touches the robot and how it takes it: loads, settings, perturbations, panel.
+inline std::string TouchedText() {
+  return R"(name: touched
+robot:
+  load: {mass: 1.5 kg, position: [10 mm, 0 m, 0.08 m], inertia: [0.01 kg m^2, 0.02 kg m^2, 0.03 kg m^2], products_of_inertia: [0.001 kg m^2, 0 kg m^2, -0.002 kg m^2]}
+plant:
+  elasticity: static
+int:
+  K_x: {translation: 200 N/m, rotation: [10 Nm/rad, 20 Nm/rad, 30 Nm/rad]}
+  collision_behavior:
+    upper_torque: {unit: Nm, values: [40, 40, 40, 40, 40, 40, 40]}
+    lower_torque_acc: {unit: Nm, values: [25, 25, 22, 20, 19, 17, 14]}
+    upper_force: {force: 60 N, moment: [30 Nm, 31 Nm, 32 Nm]}
+    lower_force_nominal: {force: [10 N, 11 N, 12 N]}
+  load: {mass: 500 g}
+  EE_T_K: {position: [0 m, 0 m, 50 mm], rpy: [0 deg, 90 deg, 0 deg]}
+  NE_T_EE: {position: [0 m, 10 mm, 0.1 m]}
+  guiding_mode: {axes: [x, z, Y], elbow: false}
+  filters: {joint_position: 100 Hz, cartesian_velocity: 50 Hz, controller: off}
+motion:
+  interface: cartesian_pose
+  controller: cartesian_impedance
+  trajectory:
+    unit: rad
+    waypoints:
+      - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+      - {q: [0.1, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+perturbations:
+  - push: {body: panda_hand, begin: 1 s, duration: 400 ms, rise: 50 ms, force: [0 N, 30 N, 0 N], torque: [0 Nm, 0 Nm, 1 Nm], point: [0 m, 0 m, 100 mm], frame: body}
+  - spring: {body: panda_link4, begin: 2 s, duration: 1 s, point: [1 mm, 0 m, 0 m], from: [0.1 m, 0.2 m, 0.3 m], by: [0 m, 50 mm, 0 m], stiffness: 500 N/m, damping: 20 Ns/m, largest_force: 25 N}
+  - push: {body: panda_link5, begin: 4 s, torque: [1 Nm, 0 Nm, 0 Nm]}
+  - spring: {body: panda_hand, begin: 5 s}
+panel:
+  - {at: 3 s, action: press_user_stop}
+  - {at: 3.5 s, action: release_user_stop}
 )";
 }
 

@@ -54,7 +54,7 @@ class Mutator {
 
 TEST(ScenarioFuzzTest, AnyTextIsReadOrRefusedWithOneError) {
   constexpr std::uint64_t kCases = 3000;
-  const std::string good[] = {test::FullText(), test::OtherText()};
+  const std::string good[] = {test::FullText(), test::OtherText(), test::TouchedText()};
   std::uint64_t refused = 0;
   for (std::uint64_t i = 0; i < kCases; ++i) {
     const std::string text = Mutator(i).Apply(good[i % std::size(good)]);

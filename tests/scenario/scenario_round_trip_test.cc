@@ -1,10 +1,13 @@
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <numbers>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -71,6 +74,97 @@ TEST(ScenarioTest, ReadsTheOtherChoices) {
   EXPECT_EQ(s.controller.target_noise, 0.2);
 }
 
+TEST(ScenarioTest, ReadsWhatTheRobotCarriesAndIsToldOf) {
+  const Scenario s = Parse(test::TouchedText(), "s.yaml");
+  EXPECT_EQ(s.robot.load.m_load, 1.5);
+  EXPECT_EQ(s.robot.load.F_x_Cload, (Vector3{0.01, 0, 0.08}));
+  EXPECT_EQ(s.robot.load.I_load, (Matrix3{0.01, 0.001, 0, 0.001, 0.02, -0.002, 0, -0.002, 0.03}));
+  EXPECT_EQ(s.onboard.load.m_load, 0.5);
+  EXPECT_EQ(s.onboard.load.F_x_Cload, Vector3{});
+  EXPECT_EQ(s.plant.elasticity, plant::ElasticityProfile::kStatic);
+}
+
+TEST(ScenarioTest, ReadsTheSettingsOfTheRobot) {
+  const OnboardSection onboard = Parse(test::TouchedText(), "s.yaml").onboard;
+  EXPECT_EQ(onboard.K_x, (Vector6{200, 200, 200, 10, 20, 30}));
+  EXPECT_EQ(onboard.EE_T_K.position, (Vector3{0, 0, 0.05}));
+  EXPECT_EQ(onboard.NE_T_EE.position, (Vector3{0, 0.01, 0.1}));
+  EXPECT_EQ(onboard.guiding_mode.axes, (std::array{true, false, true, false, false, true}));
+  EXPECT_FALSE(onboard.guiding_mode.elbow);
+  EXPECT_EQ(onboard.filters,
+            (setting::Filters{.joint_position_hz = 100, .cartesian_velocity_hz = 50}));
+}
+
+TEST(ScenarioTest, TakesAThresholdWithoutSuffixForBothSets) {
+  const setting::CollisionBehavior b =
+      Parse(test::TouchedText(), "s.yaml").onboard.collision_behavior;
+  const setting::CollisionBehavior defaults;
+  EXPECT_EQ(b.upper_torque_acc, (JointVector{40, 40, 40, 40, 40, 40, 40}));
+  EXPECT_EQ(b.upper_torque_nominal, b.upper_torque_acc);
+  EXPECT_EQ(b.lower_torque_acc, (JointVector{25, 25, 22, 20, 19, 17, 14}));
+  EXPECT_EQ(b.lower_torque_nominal, defaults.lower_torque_nominal);
+  EXPECT_EQ(b.upper_force_acc, (Vector6{60, 60, 60, 30, 31, 32}));
+  EXPECT_EQ(b.upper_force_nominal, b.upper_force_acc);
+  EXPECT_EQ(b.lower_force_nominal, (Vector6{10, 11, 12, 25, 25, 25}));
+  EXPECT_EQ(b.lower_force_acc, defaults.lower_force_acc);
+}
+
+TEST(ScenarioTest, ReadsWhatPushesAndLeadsTheRobot) {
+  const Scenario s = Parse(test::TouchedText(), "s.yaml");
+  ASSERT_EQ(s.perturbations.size(), 4u);
+  EXPECT_EQ(s.perturbations[0],
+            (plant::Perturbation(plant::Push{.body = "panda_hand",
+                                             .begin = 1s,
+                                             .duration = 400ms,
+                                             .rise = 50ms,
+                                             .force = {0, 30, 0},
+                                             .torque = {0, 0, 1},
+                                             .point = {0, 0, 0.1},
+                                             .frame = plant::ForceFrame::kBody})));
+  EXPECT_EQ(s.perturbations[1],
+            (plant::Perturbation(plant::HandSpring{.body = "panda_link4",
+                                                   .point = {0.001, 0, 0},
+                                                   .begin = 2s,
+                                                   .duration = 1s,
+                                                   .from = Vector3{0.1, 0.2, 0.3},
+                                                   .by = {0, 0.05, 0},
+                                                   .stiffness = 500,
+                                                   .damping = 20,
+                                                   .largest_force = 25})));
+  EXPECT_EQ(s.perturbations[3],
+            (plant::Perturbation(plant::HandSpring{.body = "panda_hand", .begin = 5s})));
+  EXPECT_EQ(s.panel, (std::vector<robot::PanelEvent>{{3s, PanelAction::kPressUserStop},
+                                                     {3500ms, PanelAction::kReleaseUserStop}}));
+}
+
+TEST(ScenarioTest, TurnsFramesAboutTheFixedAxesInTurn) {
+  const double half_pi = std::numbers::pi / 2;
+  const auto x_axis = [](const FramePose& pose) {
+    const Transform X = pose.Matrix();
+    return Vector3{std::round(X[0]), std::round(X[1]), std::round(X[2])};
+  };
+  EXPECT_EQ(x_axis({{}, {half_pi, 0, 0}}), (Vector3{1, 0, 0}));
+  EXPECT_EQ(x_axis({{}, {0, half_pi, 0}}), (Vector3{0, 0, -1}));
+  EXPECT_EQ(x_axis({{}, {0, 0, half_pi}}), (Vector3{0, 1, 0}));
+  EXPECT_EQ(x_axis({{}, {half_pi, half_pi, 0}}), (Vector3{0, 0, -1}));
+  EXPECT_EQ(x_axis({{}, {half_pi, 0, half_pi}}), (Vector3{0, 1, 0}));
+  const Transform X = FramePose{{1, 2, 3}, {0.3, -0.4, 0.5}}.Matrix();
+  EXPECT_TRUE(IsRigid(X));
+  EXPECT_EQ(X[14], 3);
+  EXPECT_EQ(FramePose().Matrix(), kIdentityTransform);
+}
+
+TEST(ScenarioTest, TakesOffForThresholdsOutOfReach) {
+  const std::string text =
+      test::Replaced(test::FullText(), "  damping_ratio: 0.7", "  collision_behavior: off");
+  const Scenario s = Parse(text, "s.yaml");
+  EXPECT_EQ(s.onboard.collision_behavior, NoCollisionBehavior());
+  for (const double force : s.onboard.collision_behavior.upper_force_nominal) {
+    EXPECT_EQ(force, 1e6);
+  }
+  EXPECT_EQ(Parse(ToYaml(s), "t.yaml"), s);
+}
+
 TEST(ScenarioTest, SaysToTheLinkWhatWasRead) {
   const Scenario s = Parse(test::OtherText(), "s.yaml");
   const auto model = s.link.state.loss.Model();
@@ -90,7 +184,7 @@ TEST(ScenarioTest, SaysToTheLinkWhatWasRead) {
 }
 
 TEST(ScenarioTest, SurvivesBeingWrittenAndRead) {
-  for (const std::string& original : {test::FullText(), test::OtherText()}) {
+  for (const std::string& original : {test::FullText(), test::OtherText(), test::TouchedText()}) {
     const Scenario scenario = Parse(original, "s.yaml");
     const std::string text = ToYaml(scenario);
     EXPECT_EQ(Parse(text, "t.yaml"), scenario) << text;
@@ -156,6 +250,10 @@ TEST(ScenarioTest, TakesTheDefaultsThatGoWithLoopAndInterface) {
   EXPECT_EQ(with("bare", "joint_velocity").tick.period_tolerance, 0s);
   EXPECT_EQ(with("bare", "joint_velocity").tick.generator, loop::Generator::kNone);
   EXPECT_EQ(with("bare", "joint_velocity").controller.type, "joint_trajectory");
+  EXPECT_EQ(with("asynchronous", "cartesian_pose").tick.generator, loop::Generator::kCartesian);
+  EXPECT_EQ(with("asynchronous", "cartesian_pose").controller.type, "joint_trajectory");
+  EXPECT_EQ(with("asynchronous", "cartesian_pose").motion.controller,
+            ControllerMode::kJointImpedance);
   EXPECT_EQ(with("asynchronous", "torque").tick.generator, loop::Generator::kNone);
   EXPECT_EQ(with("asynchronous", "torque").controller.type, "joint_effort");
 }

@@ -10,10 +10,13 @@
 
 #include "twin/control/controller.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/modes.h"
+#include "twin/core/setting.h"
 #include "twin/core/time.h"
 #include "twin/loop/loop_config.h"
 #include "twin/onboard/int_config.h"
 #include "twin/plant/mujoco_plant.h"
+#include "twin/plant/perturbation.h"
 #include "twin/reference/feed_forward.h"
 #include "twin/reference/trajectory.h"
 #include "twin/robot/robot_config.h"
@@ -38,6 +41,7 @@ struct RobotSection {
   plant::HandKind hand = plant::HandKind::kFrankaHand;
   std::optional<JointVector> q_start;  ///< rad; absent: the first waypoint
   double clock_drift_ppm = 0;          ///< of INT's clock against the run's, in [-1000, 1000]
+  setting::Load load;  ///< really there; what INT is told of is the onboard section's
   bool operator==(const RobotSection&) const = default;
 };
 
@@ -45,6 +49,7 @@ struct PlantSection {
   robot::PlantKind kind = robot::PlantKind::kMujoco;
   plant::FrictionProfile friction = plant::FrictionProfile::kResidual;
   bool armature = true;
+  plant::ElasticityProfile elasticity = plant::ElasticityProfile::kRigid;
   double noise_q = 0;      ///< rad, standard deviation, >= 0
   double noise_dq = 0;     ///< rad/s
   double noise_tau_J = 0;  ///< Nm
@@ -80,8 +85,27 @@ struct LinkSection {
   bool operator==(const LinkSection&) const = default;
 };
 
+/// A frame in another one.
+struct FramePose {
+  Vector3 position{};  ///< m
+  Vector3 rpy{};       ///< roll, pitch, yaw about the fixed axes x, y, z, rad: R = Rz Ry Rx
+
+  [[nodiscard]] Transform Matrix() const noexcept;
+  bool operator==(const FramePose&) const = default;
+};
+
+/// Thresholds that nothing reaches: neither contacts nor collisions are told.
+[[nodiscard]] setting::CollisionBehavior NoCollisionBehavior() noexcept;
+
 struct OnboardSection {
-  JointVector K_theta = onboard::IntConfig().K_theta;         ///< Nm/rad
+  JointVector K_theta = setting::JointImpedance().K_theta;  ///< Nm/rad
+  Vector6 K_x = setting::CartesianImpedance().K_x;          ///< N/m, Nm/rad
+  setting::CollisionBehavior collision_behavior;
+  setting::Load load;  ///< what INT is told of, whatever is really there
+  FramePose EE_T_K;
+  FramePose NE_T_EE;
+  setting::GuidingMode guiding_mode;
+  setting::Filters filters;
   double damping_ratio = onboard::IntConfig().damping_ratio;  ///< in (0, 2]
   std::uint32_t abort_after_lost = onboard::IntConfig().abort_after_lost;
   double friction_compensation = 0;  ///< share of the drives' friction INT makes up for, in [0, 1]
@@ -89,7 +113,8 @@ struct OnboardSection {
 };
 
 struct TickSection {
-  /// Not said in a scenario: kJoint on the position interface, kNone on the others.
+  /// Not said in a scenario: kJoint and kCartesian on the interfaces of positions and poses, kNone
+  /// on the others.
   loop::Generator generator = loop::Generator::kJoint;
   double lambda = 1e-3;  ///< in (0, 1]
   bool rate_matching = true;
@@ -119,6 +144,8 @@ struct ControllerSection {
 
 struct MotionSection {
   control::CommandInterface interface = control::CommandInterface::kJointPosition;
+  /// INT's own, kJointImpedance or kCartesianImpedance; of no meaning on the torque interface.
+  ControllerMode controller = ControllerMode::kJointImpedance;
   std::vector<reference::Waypoint> waypoints;  ///< at least two
   reference::Timing timing;                    ///< used when the waypoints carry no times
   /// Where the waypoints were read is no part of the comparison.
@@ -172,6 +199,8 @@ struct Scenario {
   TickSection tick;
   ControllerSection controller;
   MotionSection motion;
+  std::vector<plant::Perturbation> perturbations;  ///< none on the ideal plant, which feels nothing
+  std::vector<robot::PanelEvent> panel;            ///< in order of time
   RenderSection render;
   bool record = true;  ///< write the log
 

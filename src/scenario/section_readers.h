@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "scenario/names.h"
+#include "scenario/yaml_node.h"
+#include "twin/scenario/scenario.h"
+
+// Readers of a scenario's sections. All: @throws InputError naming file, line and key.
+namespace twin::scenario {
+
+template <typename Enum, std::size_t N>
+[[nodiscard]] Enum ReadChoice(const YamlNode& node, const std::array<Spelling<Enum>, N>& names) {
+  return node.Choice(std::span<const Spelling<Enum>>(names));
+}
+
+/// Clock drift, ppm.
+[[nodiscard]] double ReadDrift(const YamlNode& node);
+
+/// A name that only a run can judge, and where it stands.
+[[nodiscard]] std::string ReadName(const YamlNode& node, Place& place);
+
+/// {mass: 1 kg, position: [x, y, z], inertia: [xx, yy, zz], products_of_inertia: [xy, xz, yz]}, the
+/// last three zero unless given.
+[[nodiscard]] setting::Load ReadLoad(const YamlNode& node);
+
+/// Fails at the node with what is wrong with the setting, if anything is.
+void RequireValid(const YamlNode& node, const Setting& setting);
+
+void ReadRobot(const YamlNode& node, Scenario& scenario);
+void ReadPlant(const YamlNode& node, PlantSection& plant);
+void ReadOnboard(const YamlNode& node, OnboardSection& onboard);
+[[nodiscard]] std::vector<plant::Perturbation> ReadPerturbations(const YamlNode& node);
+[[nodiscard]] std::vector<robot::PanelEvent> ReadPanel(const YamlNode& node);
+
+}  // namespace twin::scenario
