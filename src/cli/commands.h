@@ -53,6 +53,13 @@ struct ExportFlags {
   std::filesystem::path out;  ///< empty: csv beside the log
 };
 
+struct ExplainFlags {
+  std::filesystem::path log;  ///< or a run's folder; empty with errors or modes
+  std::filesystem::path out;  ///< of the page; empty: beside the log
+  bool errors = false;        ///< the catalogue of errors instead
+  bool modes = false;         ///< what the robot grants in which mode instead
+};
+
 /// Runs a scenario and writes what came of it. @throws twin::Error.
 [[nodiscard]] ExitCode RunCommand(const RunFlags& flags, const Host& host,
                                   const scenario::Catalogue& catalogue);
@@ -67,6 +74,9 @@ struct ExportFlags {
 
 /// Writes a log as CSV. @throws twin::Error.
 [[nodiscard]] ExitCode ExportCommand(const ExportFlags& flags);
+
+/// Says how the run of a log ended, and why; of an aborted run also as a page. @throws twin::Error.
+[[nodiscard]] ExitCode ExplainCommand(const ExplainFlags& flags);
 
 /// Version, MuJoCo's version and the compiler, for people.
 [[nodiscard]] std::string VersionText();

@@ -34,11 +34,10 @@ std::filesystem::path CacheFolder() {
 std::unique_ptr<twin::control::Controller> MakeJointTrajectory(
     const twin::control::ControllerRequest& request) {
   using twin::control::CommandInterface;
-  if (request.interface != CommandInterface::kJointPosition &&
-      request.interface != CommandInterface::kJointVelocity) {
+  if (request.interface == CommandInterface::kTorque) {
     throw twin::InputError(
-        "controller joint_trajectory commands joint positions or velocities; set motion.interface "
-        "to joint_position or joint_velocity, or controller.type to joint_effort");
+        "controller joint_trajectory commands no torques; set motion.interface to joint_position, "
+        "joint_velocity or cartesian_pose, or controller.type to joint_effort");
   }
   twin::controllers::JointTrajectoryOptions options;
   options.command_interface = request.interface;

@@ -26,6 +26,7 @@ constexpr const char* kFooter = R"(Start here:
   panda-twin run SCENARIO.yaml --drive realtime          on the wall clock, threads at real-time priority
   panda-twin validate my.yaml                            is my scenario sound? (no run)
   panda-twin export out/canonical/run.mcap               the log as CSV tables
+  panda-twin explain out/canonical                       why did the run abort? value, limit, cause, cure
 
 A scenario is a YAML file that describes a run: robot, link, controller, motion. Start from one in
 models/scenarios; every quantity in it carries its unit, and what is wrong is named by file and line.
@@ -42,12 +43,18 @@ constexpr const char* kRunFooter =
     R"(The folder of results is made when missing. Results of an earlier run in it are removed when the motion
 starts, never before all input has been found good; other files there stay.)";
 
+constexpr const char* kExplainFooter =
+    R"(Of a run that an error ended: what happened, in which cycle, which joint or axis, value and limit, how the
+value was computed, what became of the last commands, the usual cause, and what helps; and explain.html,
+one page with the last 50 cycles plotted. Of any other run: how close it came to each limit.)";
+
 /// All flags of all commands.
 struct Flags {
   RunFlags run;
   ValidateFlags validate;
   CheckFlags check;
   ExportFlags exported;
+  ExplainFlags explain;
 };
 
 void AddDataFlags(CLI::App& app, DataFlags& flags) {
@@ -119,6 +126,28 @@ CLI::App* AddExport(CLI::App& app, ExportFlags& flags) {
   return exported;
 }
 
+CLI::App* AddExplain(CLI::App& app, ExplainFlags& flags) {
+  CLI::App* explain = app.add_subcommand("explain", "Say how a run ended, and why");
+  CLI::Option* log =
+      explain->add_option("log", flags.log, "Log of a run, or its folder of results");
+  log->type_name("FILE|DIR");
+  explain->add_option("--out", flags.out, "Folder of the page (default: beside the log)")
+      ->type_name("DIR");
+  CLI::Option* errors = explain->add_flag("--errors", flags.errors,
+                                          "Print all errors of the robot's controller (Markdown)");
+  errors->excludes(log);
+  explain->add_flag("--modes", flags.modes, "Print what the robot grants in which mode (Markdown)")
+      ->excludes(log)
+      ->excludes(errors);
+  explain->final_callback([&flags] {
+    if (flags.log.empty() && !flags.errors && !flags.modes) {
+      throw CLI::RequiredError("log, --errors or --modes");
+    }
+  });
+  explain->footer(kExplainFooter);
+  return explain;
+}
+
 /// One line, whatever the text holds.
 void PrintError(std::string_view text) {
   std::string line(text);
@@ -177,14 +206,15 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
                const scenario::Catalogue& catalogue) {
   CLI::App app("A digital twin of the Franka Emika Panda and its 1 kHz control stack.",
                "panda-twin");
-  app.footer(kFooter);
   app.set_version_flag("--version", &VersionText, "Show the version and exit");
   app.require_subcommand(1);
   Flags flags;
   const CLI::App* run = AddRun(app, flags.run);
   const CLI::App* validate = AddValidate(app, flags.validate);
   const CLI::App* check = AddCheck(app, flags.check);
+  const CLI::App* explain = AddExplain(app, flags.explain);
   AddExport(app, flags.exported);
+  app.footer(kFooter);  // after its commands, which else would repeat it
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& done) {  // --help, --version
@@ -201,6 +231,7 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
     if (run->parsed()) return RunCommand(flags.run, host, catalogue);
     if (validate->parsed()) return ValidateCommand(flags.validate, host, catalogue);
     if (check->parsed()) return CheckCommand(flags.check, host);
+    if (explain->parsed()) return ExplainCommand(flags.explain);
     return ExportCommand(flags.exported);
   });
 }

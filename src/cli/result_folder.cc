@@ -31,10 +31,6 @@ std::string LastError() {
   return std::generic_category().message(errno);
 }
 
-fs::path PartialOf(fs::path file) {
-  return file += ".partial";
-}
-
 /// Makes a file of its own in `folder`, and removes it. @throws EnvironmentError when it cannot.
 void TryToWrite(const fs::path& folder) {
   std::string probe = folder / ".panda-twin.XXXXXX";
@@ -45,6 +41,10 @@ void TryToWrite(const fs::path& folder) {
 }
 
 }  // namespace
+
+fs::path PartialOf(fs::path file) {
+  return file += ".partial";
+}
 
 ResultFolder::ResultFolder(fs::path folder) : folder_(std::move(folder)) {}
 
@@ -75,7 +75,8 @@ void ResultFolder::Lock() {
 }
 
 std::vector<fs::path> ResultFolder::Files() const {
-  std::vector<fs::path> files{log(), scenario(), video(), contact_sheet(), summary(), timing()};
+  std::vector<fs::path> files{log(),     scenario(), video(),      contact_sheet(),
+                              summary(), timing(),   explanation()};
   for (const char* plot : report::kPlotFiles) files.push_back(plots() / plot);
   return files;
 }

@@ -37,6 +37,8 @@ class ResultFolder {
   }
   [[nodiscard]] std::filesystem::path summary() const { return folder_ / "summary.json"; }
   [[nodiscard]] std::filesystem::path timing() const { return folder_ / "timing.json"; }
+  /// Not a run writes it, but who asks for it; it goes with the run.
+  [[nodiscard]] std::filesystem::path explanation() const { return folder_ / "explain.html"; }
 
  private:
   void Lock();
@@ -46,6 +48,9 @@ class ResultFolder {
   std::filesystem::path folder_;
   int lock_ = -1;  ///< descriptor of the folder
 };
+
+/// What a file is called until it is whole.
+[[nodiscard]] std::filesystem::path PartialOf(std::filesystem::path file);
 
 /// Writes a file that is `.partial` until it is whole. @throws EnvironmentError naming the file.
 void WriteWholeFile(const std::filesystem::path& file, std::string_view text);

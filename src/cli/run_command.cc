@@ -18,6 +18,7 @@
 #include "twin/record/recorder.h"
 #include "twin/render/clip.h"
 #include "twin/render/snapshots.h"
+#include "twin/report/deviation.h"
 #include "twin/report/plots.h"
 #include "twin/scenario/data_directory.h"
 #include "twin/scenario/scenario.h"
@@ -127,6 +128,7 @@ class Session {
   std::optional<scenario::Run> run_;
   std::optional<render::SnapshotRecorder> camera_;
   scenario::RunResult result_;
+  std::optional<report::Deviation> deviation_;
 };
 
 void Session::RequirePrograms(const Host& host) const {
@@ -151,13 +153,17 @@ ExitCode Session::Execute() {
   }
   const bool interrupted = interrupt_.interrupted();
   if (!flags_.quiet) {
-    Say(stdout, fmt::format("{}  {:<13}{}\n", SummaryText(scenario_, result_, interrupted, times_),
+    Say(stdout, fmt::format("{}  {:<13}{}\n",
+                            SummaryText(scenario_, result_, interrupted, times_, deviation_),
                             "files", out_.folder().string()));
   }
   if (result_.report.succeeded()) return kOk;
   if (interrupted) throw Interrupted();
   std::string text = result_.report.failure;
   for (const Violation& violation : result_.report.violations) text += "; " + Describe(violation);
+  if (scenario_.record && result_.report.end == backend::MotionEnd::kAborted) {
+    text += fmt::format("; why: panda-twin explain {}", out_.log().string());
+  }
   throw RobotFault(text);
 }
 
@@ -166,7 +172,8 @@ void Session::Move() {
   if (scenario_.record) {
     log.emplace(out_.log(),
                 record::RunInfo{scenario_.name, scenario_.seed, TWIN_VERSION,
-                                std::string(Name(scenario_.drive)), scenario::ToYaml(scenario_)},
+                                std::string(Name(scenario_.drive)), scenario::ToYaml(scenario_),
+                                record::RunLimits{run_->robot().limits, run_->robot().cartesian}},
                 is_realtime() ? record::FullRing::kDrop : record::FullRing::kWait);
   }
   const scenario::Run& run = *run_;
@@ -209,7 +216,8 @@ void Session::Move() {
 void Session::WriteResults() {
   const bool interrupted = interrupt_.interrupted();
   WriteWholeFile(out_.scenario(), scenario::ToYaml(scenario_));
-  WriteWholeFile(out_.summary(), SummaryJson(scenario_, result_, interrupted));
+  if (scenario_.record) deviation_ = report::MeasureDeviation(out_.log());
+  WriteWholeFile(out_.summary(), SummaryJson(scenario_, result_, interrupted, deviation_));
   if (!interrupted && scenario_.record) MakePlots();
   if (!interrupted && makes_video()) MakeVideo();
   times_.peak_memory_mb = PeakMemoryMb();

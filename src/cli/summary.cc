@@ -1,11 +1,14 @@
 #include "cli/summary.h"
 
+#include <algorithm>
 #include <iterator>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/advice.h"
+#include "twin/core/error_catalogue.h"
 #include "twin/scenario/fingerprint.h"
 
 namespace twin::cli {
@@ -36,16 +39,32 @@ std::string PercentilesText(const rt::DurationHistogram& histogram) {
                      Microseconds(histogram.Percentile(0.99)), Microseconds(histogram.max()));
 }
 
+/// What helps against the errors that ended the run, each text once.
+std::vector<std::string> CuresOf(const scenario::Scenario& scenario,
+                                 const scenario::RunResult& result) {
+  const TimeKeeper keeper = scenario.drive == scenario::Drive::kRealtime
+                                ? TimeKeeper::kWallClock
+                                : TimeKeeper::kVirtualClock;
+  std::vector<std::string> cures;
+  for (const Violation& violation : result.report.violations) {
+    std::string cure(CureHere(EntryOf(violation), keeper));
+    if (std::ranges::find(cures, cure) == cures.end()) cures.push_back(std::move(cure));
+  }
+  return cures;
+}
+
 }  // namespace
 
 std::string OutcomeOf(const scenario::RunResult& result, bool interrupted) {
   if (result.report.succeeded()) return "success";
   if (interrupted) return "interrupted";
-  return result.report.end == backend::MotionEnd::kAborted ? "aborted" : "failed";
+  const bool aborted = result.report.end == backend::MotionEnd::kAborted ||
+                       result.report.end == backend::MotionEnd::kUserStopped;
+  return aborted ? "aborted" : "failed";
 }
 
 std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunResult& result,
-                        bool interrupted) {
+                        bool interrupted, const std::optional<report::Deviation>& deviation) {
   Json violations = Json::array();
   for (const Violation& violation : result.report.violations) {
     violations.push_back(Describe(violation));
@@ -60,6 +79,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"violations", violations},
       {"simulated_s", ToSeconds(result.report.simulated)},
       {"final_error_rad", result.final_error},
+      {"deviation_rad", deviation ? Json(deviation->largest) : Json()},
       {"q_final_rad", result.report.q_final},
       {"goal_rad", result.goal},
       {"cycles_served", result.counts.served},
@@ -97,7 +117,8 @@ std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robo
 }
 
 std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunResult& result,
-                        bool interrupted, const WallTimes& times) {
+                        bool interrupted, const WallTimes& times,
+                        const std::optional<report::Deviation>& deviation) {
   const auto& counts = result.counts;
   const double all = static_cast<double>(counts.served + counts.held);
   fmt::memory_buffer out;
@@ -106,12 +127,16 @@ std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunR
   };
   fmt::format_to(std::back_inserter(out), "{}: {}\n", scenario.name,
                  OutcomeOf(result, interrupted));
-  for (const Violation& violation : result.report.violations) {
-    line("what to do", std::string(Advice(violation.error)));
-  }
+  for (const std::string& cure : CuresOf(scenario, result)) line("what to do", cure);
   const bool arrived = result.report.end == backend::MotionEnd::kSuccess;
   line(arrived ? "final error" : "to go",
        fmt::format("{:.2e} rad, largest of the joints, to the last waypoint", result.final_error));
+  if (deviation) {
+    line("deviation",
+         fmt::format("{:.2e} rad at most (joint {}, at {:.2f} s; rms {:.2e}), arm from "
+                     "planned target, delay included",
+                     deviation->largest, deviation->joint + 1, deviation->at, deviation->rms));
+  }
   line("cycles",
        fmt::format("{} served, {} held ({:.2f} %, at most {} in a row); {} commands dropped",
                    counts.served, counts.held,

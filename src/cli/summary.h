@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "twin/backend/registry.h"
 #include "twin/core/time.h"
+#include "twin/report/deviation.h"
 #include "twin/scenario/assembly.h"
 #include "twin/scenario/scenario.h"
 
@@ -25,8 +27,10 @@ struct WallTimes {
 [[nodiscard]] std::string OutcomeOf(const scenario::RunResult& result, bool interrupted);
 
 /// summary.json: what, in lockstep, repeats with scenario and seed, byte by byte.
+/// @param deviation  from the planned target; absent: not measured.
 [[nodiscard]] std::string SummaryJson(const scenario::Scenario& scenario,
-                                      const scenario::RunResult& result, bool interrupted);
+                                      const scenario::RunResult& result, bool interrupted,
+                                      const std::optional<report::Deviation>& deviation);
 
 /// timing.json: what does not. @param robot  how a robot in real time kept its time.
 [[nodiscard]] std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot);
@@ -34,6 +38,7 @@ struct WallTimes {
 /// The block a run ends with on the terminal.
 [[nodiscard]] std::string SummaryText(const scenario::Scenario& scenario,
                                       const scenario::RunResult& result, bool interrupted,
-                                      const WallTimes& times);
+                                      const WallTimes& times,
+                                      const std::optional<report::Deviation>& deviation);
 
 }  // namespace twin::cli

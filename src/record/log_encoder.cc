@@ -9,6 +9,7 @@
 #include <google/protobuf/descriptor.pb.h>
 
 #include "record/log_config.h"
+#include "record/log_limits.h"
 #include "record/utf8.h"
 #include "twin/core/check.h"
 
@@ -80,6 +81,7 @@ LogEncoder::LogEncoder(McapWriter& writer, const RunInfo& run) : writer_(writer)
                                      {kSeedKey, std::to_string(run.seed)},
                                      {kVersionKey, ToUtf8(run.version)},
                                      {kDriveKey, ToUtf8(run.drive)}});
+  if (run.limits) writer_.AddMetadata(kLimitsMetadata, LimitsToMetadata(*run.limits));
   writer_.AddAttachment(kScenarioAttachment, "application/yaml", run.scenario_yaml);
   config_channel_ = AddChannel<pb::Config>(writer_, kConfigTopic);
   cycle_channel_ = AddChannel<pb::Cycle>(writer_, kCycleTopic);

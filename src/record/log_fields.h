@@ -138,8 +138,10 @@ inline constexpr std::string_view kTickTopic = "/ext/tick";
 inline constexpr std::string_view kEventTopic = "/event";
 inline constexpr std::string_view kFramesTopic = "/tf";
 
-/// Names of the metadata record about the run, its keys, and the attachment with the scenario.
+/// Names of the metadata records about the run and its limits, keys of the former, and the
+/// attachment with the scenario.
 inline constexpr const char* kRunMetadata = "run";
+inline constexpr const char* kLimitsMetadata = "limits";
 inline constexpr const char* kScenarioKey = "scenario";
 inline constexpr const char* kSeedKey = "seed";
 inline constexpr const char* kVersionKey = "version";

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "record/log_decoder.h"
+#include "record/log_limits.h"
 #include "twin/core/error.h"
 #include "twin/record/mcap_reader.h"
 
@@ -89,8 +90,19 @@ class LogReader::Impl {
       throw InputError(fmt::format(
           "{}: seed in the metadata is '{}'; it must be a whole number of 64 bits", name_, seed));
     }
+    TakeLimits();
     for (const McapAttachment& attachment : reader_.attachments()) {
       if (attachment.name == kScenarioAttachment) run_.scenario_yaml = attachment.data;
+    }
+  }
+
+  void TakeLimits() {
+    const auto found = reader_.metadata().find(kLimitsMetadata);
+    if (found == reader_.metadata().end()) return;
+    try {
+      run_.limits = LimitsFromMetadata(found->second);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", name_, error.what()));
     }
   }
 

@@ -52,22 +52,29 @@ Descriptor MemoryFile(const char* name) {
   return {::memfd_create(name, MFD_CLOEXEC), name};
 }
 
-void WriteAll(const Descriptor& file, std::string_view text) {
+/// @param what  that failed when this fails, for the error's text.
+void WriteAll(const Descriptor& file, std::string_view text, std::string_view what) {
   while (!text.empty()) {
     const ssize_t written = ::write(file.number(), text.data(), text.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) {
-      throw EnvironmentError(fmt::format("cannot hand gnuplot its data: {}", Message(errno)));
-    }
+    if (written < 0) throw EnvironmentError(fmt::format("{}: {}", what, Message(errno)));
     text.remove_prefix(static_cast<std::size_t>(written));
   }
 }
 
-/// Up to 4 kB of `file` from `offset` on.
-std::string ReadFrom(const Descriptor& file, off_t offset) {
-  std::string text(4096, '\0');
-  const ssize_t got = ::pread(file.number(), text.data(), text.size(), offset);
-  text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+/// The first `most` bytes of `file`, or all it has.
+std::string ReadAll(const Descriptor& file, std::size_t most) {
+  std::string text(std::min(most, static_cast<std::size_t>(::lseek(file.number(), 0, SEEK_END))),
+                   '\0');
+  std::size_t size = 0;
+  while (size < text.size()) {
+    const ssize_t got =
+        ::pread(file.number(), text.data() + size, text.size() - size, static_cast<off_t>(size));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  text.resize(size);
   return text;
 }
 
@@ -108,27 +115,35 @@ int RunGnuplot(const Descriptor& in, const Descriptor& out, const Descriptor& er
 
 }  // namespace
 
+std::string SvgOf(std::string_view script) {
+  constexpr std::size_t kMessages = 4096;
+  constexpr std::size_t kPicture = std::size_t{64} << 20;
+  const Descriptor in = MemoryFile("gnuplot script");
+  const Descriptor out = MemoryFile("gnuplot picture");
+  const Descriptor error = MemoryFile("gnuplot messages");
+  WriteAll(in, script, "cannot hand gnuplot its data");
+  ::lseek(in.number(), 0, SEEK_SET);
+  const int status = RunGnuplot(in, out, error);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw EnvironmentError(
+        fmt::format("gnuplot failed (wait status {}): {}", status, ReadAll(error, kMessages)));
+  }
+  std::string svg = ReadAll(out, kPicture);
+  if (svg.find("</svg>") == std::string::npos) {
+    throw EnvironmentError(fmt::format(
+        "gnuplot drew only a part of the picture; is memory full? {}", ReadAll(error, kMessages)));
+  }
+  return svg;
+}
+
 void DrawSvg(std::string_view script, const std::filesystem::path& path) {
+  const std::string svg = SvgOf(script);
   auto partial = path;
   partial += ".partial";
-  const Descriptor in = MemoryFile("gnuplot script");
-  const Descriptor error = MemoryFile("gnuplot messages");
-  const Descriptor out(::open(partial.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644),
-                       partial.string());
   try {
-    WriteAll(in, script);
-    ::lseek(in.number(), 0, SEEK_SET);
-    const int status = RunGnuplot(in, out, error);
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-      throw EnvironmentError(fmt::format("gnuplot failed on {} (wait status {}): {}", path.string(),
-                                         status, ReadFrom(error, 0)));
-    }
-    // gnuplot does not tell when the disk is full.
-    const off_t size = ::lseek(out.number(), 0, SEEK_END);
-    if (ReadFrom(out, std::max<off_t>(size - 64, 0)).find("</svg>") == std::string::npos) {
-      throw EnvironmentError(fmt::format("gnuplot wrote only a part of {}; is the disk full? {}",
-                                         path.string(), ReadFrom(error, 0)));
-    }
+    const Descriptor out(::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644),
+                         partial.string());
+    WriteAll(out, svg, fmt::format("cannot write {}", partial.string()));
     std::filesystem::rename(partial, path);
   } catch (const std::filesystem::filesystem_error& failure) {
     ::unlink(partial.c_str());

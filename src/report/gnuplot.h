@@ -1,17 +1,21 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace twin::report {
 
-/// Runs gnuplot from PATH on `script`, and gives what it draws, an SVG, the name `path`. The file
-/// is
-/// `.partial` until it is whole. Nothing passes through a shell, and no settings of the user are
-/// read.
+/// Runs gnuplot from PATH on `script`. Nothing passes through a shell, and no settings of the user
+/// are read.
 ///
 /// Threads: any thread. Real-time: no; waits for gnuplot to end.
-/// @throws EnvironmentError when gnuplot is not there or fails, or the file cannot be written.
+/// @returns what it draws, an SVG file.
+/// @throws EnvironmentError when gnuplot is not there or fails, or draws nothing whole.
+[[nodiscard]] std::string SvgOf(std::string_view script);
+
+/// The same into the file `path`, which is `.partial` until it is whole.
+/// @throws EnvironmentError as above, or when the file cannot be written.
 void DrawSvg(std::string_view script, const std::filesystem::path& path);
 
 }  // namespace twin::report

@@ -83,7 +83,8 @@ std::string EndFigure(Script script, const RunData& run, const Curves& curves) {
 }  // namespace
 
 std::string PositionScript(const RunData& run, const JointLimits& limits) {
-  const Curves curves{&run.q, "q, measured", &run.q_d, "q_d, desired"};
+  const Curves curves = run.by_torque ? Curves{&run.q, "q, measured", &run.q_ext, "q_ext, target"}
+                                      : Curves{&run.q, "q, measured", &run.q_d, "q_d, desired"};
   Script script = BeginFigure(run, "joint positions");
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double margin = 0.06 * (limits.q_max[i] - limits.q_min[i]);
@@ -101,15 +102,18 @@ std::string PositionScript(const RunData& run, const JointLimits& limits) {
 }
 
 std::string VelocityScript(const RunData& run, const JointLimits& limits) {
-  const Curves curves{&run.dq, "dq, measured", &run.dq_d, "dq_d, desired"};
+  const Curves curves = run.by_torque
+                            ? Curves{&run.dq, "dq, measured", &run.dq_ext, "dq_ext, of the target"}
+                            : Curves{&run.dq, "dq, measured", &run.dq_d, "dq_d, desired"};
+  const JointVector& peaks = run.by_torque ? run.peak_dq : run.peak_dq_d;
   Script script = BeginFigure(run, "joint velocities");
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double limit = limits.dq_max[i];
-    const double range = 1.1 * std::max(limit, run.peak_dq_d[i]);
+    const double range = 1.1 * std::max(limit, peaks[i]);
     AddPanel(script,
              {.joint = i,
               .title = fmt::format("joint {}: peak {:.3g} of {:.4g} rad/s ({:.3g} %)", i + 1,
-                                   run.peak_dq_d[i], limit, 100 * run.peak_dq_d[i] / limit),
+                                   peaks[i], limit, 100 * peaks[i] / limit),
               .unit = "rad/s",
               .limit_min = -limit,
               .limit_max = limit,
@@ -134,6 +138,27 @@ std::string TrackingScript(const RunData& run) {
                            ? fmt::format("joint {}: nothing to compare", i + 1)
                            : fmt::format("joint {}: peak {:.3g} mrad", i + 1, peak),
               .unit = "mrad",
+              .y_min = -range,
+              .y_max = range},
+             curves);
+  }
+  return EndFigure(std::move(script), run, curves);
+}
+
+std::string TorqueScript(const RunData& run, const JointLimits& limits) {
+  const Curves curves{&run.tau_J, "tau_J, measured, with gravity", &run.tau_J_d,
+                      "tau_J_d, without gravity", false};
+  Script script = BeginFigure(run, "torques");
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double peak = run.peak_tau[i];
+    const double range = peak > 0 ? 1.15 * peak : 1;
+    AddPanel(script,
+             {.joint = i,
+              .title = fmt::format("joint {}: peak {:.3g} of {:.4g} Nm ({:.3g} %)", i + 1, peak,
+                                   limits.tau_max[i], 100 * peak / limits.tau_max[i]),
+              .unit = "Nm",
+              .limit_min = -limits.tau_max[i],
+              .limit_max = limits.tau_max[i],
               .y_min = -range,
               .y_max = range},
              curves);

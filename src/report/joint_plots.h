@@ -13,6 +13,7 @@ namespace twin::report {
 [[nodiscard]] std::string VelocityScript(const RunData& run, const JointLimits& limits);
 [[nodiscard]] std::string TrackingScript(const RunData& run);
 [[nodiscard]] std::string JerkScript(const RunData& run, const JointLimits& limits);
+[[nodiscard]] std::string TorqueScript(const RunData& run, const JointLimits& limits);
 
 /// Script of served.svg.
 [[nodiscard]] std::string ServedScript(const RunData& run);

@@ -1,8 +1,9 @@
 #include "twin/report/plots.h"
 
-#include <array>
 #include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -24,13 +25,19 @@ std::vector<std::filesystem::path> WritePlots(const std::filesystem::path& log,
     throw EnvironmentError(fmt::format("cannot create folder {}: {}; choose another one",
                                        folder.string(), error.message()));
   }
-  const std::array<std::string, kPlotFiles.size()> scripts{
-      PositionScript(run, limits), TrackingScript(run), VelocityScript(run, limits),
-      JerkScript(run, limits), ServedScript(run)};
+  using Plot = std::pair<const char*, std::string>;
+  const std::vector<Plot> plots{
+      {"joints.svg", PositionScript(run, limits)},
+      {"tracking.svg", TrackingScript(run)},
+      {"velocities.svg", VelocityScript(run, limits)},
+      // Under torques the robot's reference stands still, or copies the target: no jerk of its own.
+      run.by_torque ? Plot{"torques.svg", TorqueScript(run, limits)}
+                    : Plot{"jerk.svg", JerkScript(run, limits)},
+      {"served.svg", ServedScript(run)}};
   std::vector<std::filesystem::path> paths;
-  for (std::size_t i = 0; i < scripts.size(); ++i) {
-    paths.push_back(folder / kPlotFiles[i]);
-    DrawSvg(scripts[i], paths.back());
+  for (const auto& [name, script] : plots) {
+    paths.push_back(folder / name);
+    DrawSvg(script, paths.back());
   }
   return paths;
 }

@@ -59,7 +59,10 @@ class Collector {
     if (!run_.abort && cycle.state.errors.any()) run_.abort = Abort{time, NameOf(cycle)};
     run_.longest_loss = std::max(run_.longest_loss, cycle.lost_in_row);
     run_.fates.Add(cycle);
+    UpdatePeaks(run_.peak_dq, cycle.state.dq);
     UpdatePeaks(run_.peak_dq_d, cycle.state.dq_d);
+    UpdatePeaks(run_.peak_tau, cycle.state.tau_J);
+    UpdatePeaks(run_.peak_tau, cycle.state.tau_J_d);
     UpdatePeaks(run_.peak_dddq_d, cycle.dddq_d);
     AddError(tracking_.Add(cycle));
     run_.by_torque = tracking_.by_torque();
@@ -68,6 +71,8 @@ class Collector {
     run_.dq.Add(time, cycle.state.dq);
     run_.dq_d.Add(time, cycle.state.dq_d);
     run_.dddq_d.Add(time, cycle.dddq_d);
+    run_.tau_J.Add(time, cycle.state.tau_J);
+    run_.tau_J_d.Add(time, cycle.state.tau_J_d);
     if (cycle.state.robot_mode == RobotMode::kMove) {
       run_.success_rate.Add(time, std::array{cycle.state.control_command_success_rate});
     }
@@ -75,6 +80,10 @@ class Collector {
 
   void operator()(const rt::TickRecord& tick) {
     AddError(tracking_.Add(tick));
+    if (std::ranges::any_of(tick.q_ext, [](double x) { return x != 0; })) {
+      run_.q_ext.Add(Seconds(tick.read), tick.q_ext);
+      run_.dq_ext.Add(Seconds(tick.read), tick.dq_ext);
+    }
     if (tick.written == tick.read) return;
     run_.d_EXT.Add(Seconds(tick.read), std::array{ToSeconds(tick.written - tick.read) * 1e6});
   }

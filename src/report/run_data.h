@@ -60,15 +60,21 @@ struct RunData {
   FateCounts total;
   std::optional<Abort> abort;      ///< the first
   std::uint32_t longest_loss = 0;  ///< most cycles held in a row
+  JointVector peak_dq{};           ///< magnitude, rad/s
   JointVector peak_dq_d{};         ///< magnitude, rad/s
   JointVector peak_dddq_d{};       ///< magnitude, rad/s^3
   JointVector peak_error{};        ///< magnitude, mrad
+  JointVector peak_tau{};          ///< of tau_J and tau_J_d, magnitude, Nm
 
   Envelope q{kJoints, kBins};
   Envelope q_d{kJoints, kBins};
   Envelope dq{kJoints, kBins};
   Envelope dq_d{kJoints, kBins};
   Envelope dddq_d{kJoints, kBins};
+  Envelope tau_J{kJoints, kBins};
+  Envelope tau_J_d{kJoints, kBins};
+  Envelope q_ext{kJoints, kBins};       ///< of ticks that had a target
+  Envelope dq_ext{kJoints, kBins};      ///< of the same
   Envelope error{kJoints, kBins};       ///< TrackingError, mrad
   Envelope success_rate{1, 2 * kBins};  ///< while a motion runs
   Envelope d_EXT{1, 2 * kBins};         ///< us, of ticks that wrote a command

@@ -1,7 +1,5 @@
 #include "report/tracking_error.h"
 
-#include <algorithm>
-
 namespace twin::report {
 namespace {
 
@@ -9,6 +7,11 @@ JointVector Difference(const JointVector& wanted, const JointVector& measured) {
   JointVector error{};
   for (std::size_t i = 0; i < kJoints; ++i) error[i] = wanted[i] - measured[i];
   return error;
+}
+
+std::optional<TrackingError::Value> ErrorOf(const std::optional<TargetMatch::Pair>& pair) {
+  if (!pair) return std::nullopt;
+  return TrackingError::Value{pair->at, Difference(pair->q_ext, pair->q)};
 }
 
 }  // namespace
@@ -21,20 +24,11 @@ std::optional<TrackingError::Value> TrackingError::Add(const rt::CycleRecord& cy
   if (by_reference_) return Value{cycle.at, Difference(state.q_d, state.q)};
   if (state.controller_mode == ControllerMode::kOther) return std::nullopt;
   by_torque_ = true;
-  const std::uint64_t id = state.message_id;
-  measured_[id % kKept] = {id, cycle.at, state.q};
-  const Entry& target = targets_[id % kKept];
-  if (target.message_id != id) return std::nullopt;
-  return Value{cycle.at, Difference(target.q, state.q)};
+  return ErrorOf(match_.Add(cycle));
 }
 
 std::optional<TrackingError::Value> TrackingError::Add(const rt::TickRecord& tick) {
-  if (std::ranges::all_of(tick.q_ext, [](double x) { return x == 0; })) return std::nullopt;
-  const std::uint64_t id = tick.message_id + 1;
-  targets_[id % kKept] = {id, {}, tick.q_ext};
-  const Entry& measured = measured_[id % kKept];
-  if (measured.message_id != id) return std::nullopt;
-  return Value{measured.at, Difference(tick.q_ext, measured.q)};
+  return ErrorOf(match_.Add(tick));
 }
 
 }  // namespace twin::report

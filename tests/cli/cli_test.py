@@ -277,6 +277,40 @@ class BadUsage(CliTest):
                 done = self.call("export", name, "--out", self.out)
                 self.assert_refused(done, 3, f"cannot read {name}: ")
 
+    def test_explain_of_what_is_no_log(self):
+        (self.folder / "run.mcap").write_bytes(b"not a log")
+        (self.folder / "empty").mkdir()
+        for name, says in [("run.mcap", "run.mcap"), ("nope.mcap", "cannot read nope.mcap: "),
+                           ("empty", "empty holds no run.mcap")]:
+            with self.subTest(name=name):
+                self.assert_refused(self.call("explain", name, "--out", self.out), 3, says)
+
+    def test_explain_wants_a_log_or_the_errors(self):
+        for arguments in [[], ["a.mcap", "--errors"], ["a.mcap", "b.mcap"], ["--errors", "--modes"]]:
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.call("explain", *arguments), 2, "see panda-twin --help")
+
+    def test_explain_prints_every_error(self):
+        done = self.call("explain", "--errors")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        titles = [line for line in done.stdout.splitlines() if line.startswith("## ")]
+        self.assertEqual([title.split()[1] for title in titles], [str(i) for i in range(41)])
+
+    def test_explain_prints_what_every_mode_grants(self):
+        done = self.call("explain", "--modes")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in done.stdout.splitlines()]
+        self.assertEqual(rows[0][1:], ["Other", "Idle", "Move", "Guiding", "Reflex", "User stopped",
+                                       "Automatic error recovery"])
+        self.assertEqual(len(rows), 2 + 19)
+        move = next(row for row in rows if row[0] == "Move")
+        self.assertEqual([cell for cell in move[1:] if cell != "refused"], ["granted at rest"])
+
+    def test_help_of_a_command_is_about_it(self):
+        self.assertIn("Start here:", self.call("--help").stdout)
+        for command in ["run", "validate", "check", "export", "explain"]:
+            self.assertNotIn("Start here:", self.call(command, "--help").stdout, command)
+
     def test_help_and_version(self):
         for arguments in [["--help"], ["run", "--help"], ["--version"]]:
             done = self.call(*arguments)
@@ -299,6 +333,10 @@ class GoodRun(CliTest):
         self.assertLess(summary["final_error_rad"], 1e-3)
         json.loads((self.out / "timing.json").read_text())
         self.assertIn("final error", done.stdout)
+        # The arm follows its plan, behind by the chain's delay and what the reference generator has yet to make up for.
+        self.assertLess(summary["deviation_rad"], 0.1)
+        self.assertGreater(summary["deviation_rad"], 0)
+        self.assertIn("deviation", done.stdout)
         self.assertIn("100 %", done.stdout)
 
     def test_quiet_prints_nothing(self):
@@ -350,6 +388,22 @@ class GoodRun(CliTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue((self.out / "csv" / "cycles.csv").is_file())
 
+    def test_explains_a_success(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        for named in [self.out, self.out / "run.mcap"]:
+            done = self.call("explain", named)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn("short: no error", done.stdout)
+            self.assertIn("of 2.175 rad/s, joint 1", done.stdout)
+        self.assertEqual(self.files(), self.RESULTS)
+
+    def test_low_pass_shows_as_deviation(self):
+        figures = []
+        for text in [SHORT, self.spoil("lambda: 0.001", "lambda: 0.001\n  low_pass: 10 Hz")]:
+            self.run_scenario(text)
+            figures.append(json.loads((self.out / "summary.json").read_text())["deviation_rad"])
+        self.assertGreater(figures[1], 5 * figures[0])
+
     def test_validates_every_example(self):
         for path in sorted((SOURCE / "models" / "scenarios").glob("*.yaml")):
             if path.name.endswith(".hash.yaml"):
@@ -391,7 +445,8 @@ class StandardFiles(CliTest):
         self.assertEqual(self.run_scenario().returncode, 0)
         data = ["--data", SOURCE / "models"]
         for arguments in [["validate", self.out / "scenario.yaml", *data], ["check", *data],
-                          ["export", self.out / "run.mcap"], ["--help"], ["--version"]]:
+                          ["export", self.out / "run.mcap"], ["explain", self.out],
+                          ["explain", "--errors"], ["--help"], ["--version"]]:
             for redirected in [">/dev/full", ">&-"]:
                 with self.subTest(arguments=arguments, redirected=redirected):
                     self.assert_error(self.shell(redirected, *arguments), 4, "standard output")
@@ -406,6 +461,34 @@ class EndedEarly(CliTest):
         self.assertEqual(self.files(), GoodRun.RESULTS)
         summary = json.loads((self.out / "summary.json").read_text())
         self.assertEqual(summary["outcome"], "aborted")
+        self.assertIn(f"panda-twin explain {self.out / 'run.mcap'}", done.stderr)
+
+    def test_explain_says_why_it_aborted(self):
+        text = self.spoil("command_loss: 0 %", "command_loss: {scripted: [{at: 0.5 s, count: 20}]}")
+        self.assert_error(self.run_scenario(text), 1, "communication_constraints_violation")
+        done = self.call("explain", self.out)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        for says in ["communication_constraints_violation", "20 cycles in a row", "30 cycles served, 20 held",
+                     "lost on", "what to do", str(self.out / "explain.html")]:
+            self.assertIn(says, done.stdout)
+        self.assertEqual(self.files(), GoodRun.RESULTS | {"explain.html"})
+        page = (self.out / "explain.html").read_bytes()
+        elsewhere = self.folder / "new" / "folder"
+        done = self.call("explain", self.out / "run.mcap", "--out", elsewhere)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((elsewhere / "explain.html").read_bytes(), page, "the same bytes again")
+        (self.out / "run.mcap").rename(self.out / "run.mcap.partial")
+        self.assertEqual(self.call("explain", self.out).returncode, 0)
+        # A page goes with its run.
+        self.assertEqual(self.run_scenario().returncode, 0)
+        self.assertEqual(self.files(), GoodRun.RESULTS)
+
+    def test_page_that_cannot_be_written(self):
+        text = self.spoil("command_loss: 0 %", "command_loss: {scripted: [{at: 0.5 s, count: 20}]}")
+        self.run_scenario(text)
+        blocked = self.folder / "blocked"
+        blocked.write_text("a file")
+        self.assert_error(self.call("explain", self.out, "--out", blocked), 4, "blocked")
 
     def test_jerky_commands_name_joint_and_limit(self):
         # No generator, and a clock that is sampled late at random: jerk beyond the limits.

@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "record/log_fields.h"
+#include "record/log_limits.h"
 #include "record/sample_records.h"
 #include "record/temporary_folder.h"
 #include "record/utf8.h"
+#include "support/panda_limits.h"
 #include "twin/core/error.h"
 #include "twin/record/log_reader.h"
 #include "twin/record/mcap_writer.h"
@@ -127,6 +129,56 @@ TEST(LogReaderTest, GivesBackWhatIsNotANumberWithItsBits) {
   cycle.state.q.fill(std::numeric_limits<double>::quiet_NaN());
   cycle.dddq_d[6] = -std::numeric_limits<double>::infinity();
   ExpectSame(ThereAndBack(cycle), cycle);
+}
+
+/// A log with these limits. @returns what it says about its run.
+RunInfo InfoThereAndBack(const RunInfo& info) {
+  const TemporaryFolder folder;
+  Recorder(folder / "a.mcap", info, FullRing::kWait).Finish();
+  return LogReader(folder / "a.mcap").run();
+}
+
+TEST(LogReaderTest, GivesBackTheLimitsExactly) {
+  RunInfo info = SampleRun();
+  EXPECT_FALSE(InfoThereAndBack(info).limits) << "none were given";
+  RunLimits limits{test::PandaLimits(), test::PandaCartesianLimits()};
+  limits.joints.q_max[3] = 1.0 / 3;
+  limits.cartesian.elbow.dddp_max = 1e4 / 7;
+  info.limits = limits;
+  const auto back = InfoThereAndBack(info).limits;
+  ASSERT_TRUE(back);
+  EXPECT_EQ(LimitsToMetadata(*back), LimitsToMetadata(limits));
+  EXPECT_EQ(back->joints.q_min, limits.joints.q_min);
+  EXPECT_EQ(back->joints.q_max, limits.joints.q_max);
+  EXPECT_EQ(back->joints.dq_max, limits.joints.dq_max);
+  EXPECT_EQ(back->joints.ddq_max, limits.joints.ddq_max);
+  EXPECT_EQ(back->joints.dddq_max, limits.joints.dddq_max);
+  EXPECT_EQ(back->joints.tau_max, limits.joints.tau_max);
+  EXPECT_EQ(back->joints.dtau_max, limits.joints.dtau_max);
+  EXPECT_EQ(back->cartesian.translation.dp_max, limits.cartesian.translation.dp_max);
+  EXPECT_EQ(back->cartesian.rotation.ddp_max, limits.cartesian.rotation.ddp_max);
+  EXPECT_EQ(back->cartesian.elbow.dddp_max, limits.cartesian.elbow.dddp_max);
+}
+
+TEST(LogLimitsTest, WhatIsNoLimitIsRefusedByName) {
+  const Metadata good = LimitsToMetadata({test::PandaLimits(), test::PandaCartesianLimits()});
+  EXPECT_NO_THROW(static_cast<void>(LimitsFromMetadata(good)));
+  for (const char* bad : {"", "1 2 3", "1 2 3 4 5 6 7 8", "1 2 3 4 5 6 x", "1 2 3 4 5 6 7 ",
+                          "1  2 3 4 5 6 7", "1,2,3,4,5,6,7", "1 2 3 4 5 6 nan", "1 2 3 4 5 6 0"}) {
+    Metadata spoilt = good;
+    spoilt["joint.dq_max"] = bad;
+    try {
+      static_cast<void>(LimitsFromMetadata(spoilt));
+      ADD_FAILURE() << "'" << bad << "' was taken";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("dq_max")) << bad;
+    }
+  }
+  for (const auto& [key, value] : good) {
+    Metadata spoilt = good;
+    spoilt.erase(key);
+    EXPECT_THROW(static_cast<void>(LimitsFromMetadata(spoilt)), InputError) << key;
+  }
 }
 
 TEST(LogReaderTest, TellsWhatWasRun) {

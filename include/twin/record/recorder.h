@@ -48,9 +48,9 @@ struct RecordingSummary {
 ///
 /// Topics: /robot/config (when it changes), /robot/cycle, /ext/tick, /event, and /tf, 50 times a
 /// second: the arm's frames from the measured q, a foxglove.FrameTransforms that moves the robot's
-/// URDF in Foxglove's 3D panel. Log time is the run's time line. Metadata "run" and attachment
-/// "scenario.yaml" tell what was run. A killed process loses the open chunk (512 kB before
-/// compression, about 0.2 s of cycles) and what the ring still held.
+/// URDF in Foxglove's 3D panel. Log time is the run's time line. Metadata "run" and
+/// "limits" and attachment "scenario.yaml" tell what was run. A killed process loses the open chunk
+/// (512 kB before compression, about 0.2 s of cycles) and what the ring still held.
 ///
 /// Threads: with kWait one producer thread; with kDrop one for cycles, one for ticks, one for
 /// events. Finish() after the producers are done. Real-time: Put() and Event() copy the record into

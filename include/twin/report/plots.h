@@ -8,16 +8,18 @@
 
 namespace twin::report {
 
-/// Names of the files, in the order in which they are drawn.
-inline constexpr std::array<const char*, 5> kPlotFiles{"joints.svg", "tracking.svg",
-                                                       "velocities.svg", "jerk.svg", "served.svg"};
+/// Names of the files that may be drawn, in their order: of jerk.svg and torques.svg a run gets
+/// one.
+inline constexpr std::array<const char*, 6> kPlotFiles{
+    "joints.svg", "tracking.svg", "velocities.svg", "jerk.svg", "torques.svg", "served.svg"};
 
 /// Draws a log as SVG, with gnuplot, into `folder`, which is made when missing:
-///   joints.svg      q and q_d of each joint, between its limits
+///   joints.svg      q and q_d of each joint, between its limits; under torques q and q_ext
 ///   tracking.svg    q_d - q of each joint: what the measured arm is behind the reference; under
 ///                   torques q_ext - q, as the robot then has no reference
-///   velocities.svg  dq and dq_d of each joint, against its limits
-///   jerk.svg        dddq_d of each joint, against its limits
+///   velocities.svg  dq and dq_d of each joint, against its limits; under torques dq and dq_ext
+///   jerk.svg        dddq_d of each joint, against its limits; not under torques
+///   torques.svg     tau_J and tau_J_d of each joint; under torques only
 ///   served.svg      cycles served and held, commands dropped, d_EXT, success rate
 /// When an error ended a motion, a line in every panel marks when, and the titles say which.
 /// A log of any length gives files of at most some 100 kB: of the samples that fall into the same
@@ -27,7 +29,7 @@ inline constexpr std::array<const char*, 5> kPlotFiles{"joints.svg", "tracking.s
 ///
 /// Threads: one thread. Real-time: no; runs gnuplot from PATH and waits for it.
 /// @param log  as record::Recorder wrote it; that of a killed run is drawn as far as it goes.
-/// @returns the paths of the files, in the order of kPlotFiles.
+/// @returns the paths of the files, in their order.
 /// @throws InputError when the log is damaged or holds no cycle, or the limits are not valid;
 /// EnvironmentError when gnuplot is missing or fails, or a file cannot be read or written.
 std::vector<std::filesystem::path> WritePlots(const std::filesystem::path& log,

@@ -1,0 +1,115 @@
+#include "report/abort_page.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "report/abort_figure.h"
+#include "report/abort_panels.h"
+#include "report/gnuplot.h"
+
+namespace twin::report {
+namespace {
+
+constexpr std::string_view kStyle = R"(
+body{font:15px/1.45 'DejaVu Sans',Verdana,sans-serif;color:#222;max-width:1060px;margin:2em auto;padding:0 1em}
+h1{font-size:1.35em;margin:0 0 .2em}
+h2{font-size:1.1em;margin:2em 0 .5em}
+.run{color:#666;margin:0 0 1.5em}
+dl{display:grid;grid-template-columns:9em 1fr;gap:.5em 1em;margin:0}
+dt{color:#7a2a90;font-weight:bold}
+dd{margin:0}
+dd p{margin:0 0 .3em;overflow-wrap:anywhere}
+svg{width:100%;height:auto}
+table{border-collapse:collapse;font-size:.85em;font-variant-numeric:tabular-nums}
+th,td{padding:.15em .6em;text-align:right;border-bottom:1px solid #ddd}
+th{text-align:left;vertical-align:bottom;font-weight:normal;color:#555}
+td:first-child,td.word{text-align:left}
+tr.held{background:#fbe3e5}
+.wide{overflow-x:auto}
+summary{cursor:pointer}
+)";
+
+/// The picture alone, without what makes it a file of its own.
+std::string Inline(const std::string& svg) {
+  return svg.substr(svg.find("<svg"));
+}
+
+std::string_view NameOf(rt::CommandFate fate) {
+  switch (fate) {
+    case rt::CommandFate::kServed: return "served";
+    case rt::CommandFate::kHeld: return "held";
+    case rt::CommandFate::kNone: break;
+  }
+  return "none due";
+}
+
+/// All that the figure shows, in numbers.
+std::string CycleTable(const RunEnd& end) {
+  const std::vector<EndPanel> panels = EndPanels(end);
+  std::string html = "<div class=\"wide\"><table>\n<tr><th>state</th><th>command</th>";
+  for (const EndPanel& panel : panels) {
+    for (const EndCurve& curve : panel.curves) {
+      html += fmt::format("<th>{}<br>{}</th>", Escape(curve.name), Escape(panel.unit));
+    }
+  }
+  html += "</tr>\n";
+  for (std::size_t i = 0; i < end.cycles.size(); ++i) {
+    const rt::CycleRecord& cycle = end.cycles[i].cycle;
+    html += fmt::format("<tr{}><td>{}</td><td class=\"word\">{}</td>",
+                        cycle.fate == rt::CommandFate::kHeld ? " class=\"held\"" : "",
+                        cycle.state.message_id, NameOf(cycle.fate));
+    for (const EndPanel& panel : panels) {
+      for (const EndCurve& curve : panel.curves) {
+        html += std::isfinite(curve.values[i]) ? fmt::format("<td>{:.7g}</td>", curve.values[i])
+                                               : "<td></td>";
+      }
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+std::string ApproachTable(const RunEnd& end) {
+  std::string html = "<table>\n";
+  for (const Approach& approach : end.approach.Closest()) {
+    html += fmt::format("<tr><td>{}</td><td>{:.1f} %</td><td class=\"word\">{}</td></tr>\n",
+                        Escape(approach.what), 100 * approach.share, Escape(PlaceOf(approach)));
+  }
+  return html + "</table>\n";
+}
+
+std::string RunLine(const RunEnd& end) {
+  const record::RunInfo& run = end.run;
+  return fmt::format("scenario {}, seed {}, {}, panda-twin {}", Escape(run.scenario), run.seed,
+                     Escape(run.drive), Escape(run.version));
+}
+
+}  // namespace
+
+std::string PlaceOf(const Approach& approach) {
+  const bool is_position = approach.unit == "rad";
+  return fmt::format("{:.5g} {} {:.5g} {}{}, at {:.3f} s", approach.value,
+                     is_position ? "rad, limit" : "of", approach.limit, approach.unit,
+                     approach.axis < 0 ? "" : fmt::format(", joint {}", approach.axis + 1),
+                     approach.time);
+}
+
+std::string AbortPage(const RunEnd& end, std::string_view headline,
+                      const std::vector<Paragraph>& paragraphs) {
+  const std::string title = Escape(headline);
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0}</title>\n"
+      "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p class=\"run\">{2}</p>\n",
+      title, kStyle, RunLine(end));
+  html += ToHtml(paragraphs);
+  html += fmt::format("<h2>The last {} cycles</h2>\n", std::min(end.cycles.size(), RunEnd::kShown));
+  html += Inline(SvgOf(EndScript(end)));
+  html += "<details><summary>In numbers</summary>\n" + CycleTable(end) + "</details>\n";
+  if (end.approach.has_limits()) {
+    html += "<h2>How close it had come to the limits before</h2>\n" + ApproachTable(end);
+  }
+  return html + "</body>\n</html>\n";
+}
+
+}  // namespace twin::report

@@ -1,0 +1,169 @@
+#include "twin/report/explanation.h"
+
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "report/abort_page.h"
+#include "report/loss_facts.h"
+#include "report/paragraphs.h"
+#include "report/run_end.h"
+#include "report/worked_value.h"
+#include "twin/core/error.h"
+#include "twin/core/error_catalogue.h"
+#include "twin/core/time.h"
+
+namespace twin::report {
+namespace {
+
+/// What a run is told about.
+struct Story {
+  std::string headline;
+  std::vector<Paragraph> paragraphs;
+};
+
+/// The error to explain: the one whose value is known, else the first.
+Violation ErrorOf(const rt::CycleRecord& cycle) {
+  if (cycle.violated) return cycle.violation;
+  std::size_t first = 0;
+  while (!cycle.state.errors[first]) ++first;
+  return {.error = static_cast<RobotError>(first)};
+}
+
+TimeKeeper KeeperOf(const RunEnd& end) {
+  return end.run.drive == "lockstep" ? TimeKeeper::kVirtualClock : TimeKeeper::kWallClock;
+}
+
+/// "joint 2, acceleration ..." in numbers; how far beyond the limit.
+std::string ValueText(const Violation& v, const ErrorEntry& entry) {
+  if (v.error == RobotError::kCommunicationConstraintsViolation) {
+    return fmt::format("{:.6g} {}; it may be at most {:.6g}", v.value, entry.quantity, v.limit - 1);
+  }
+  const std::string unit = UnitOf(v).empty() ? "" : fmt::format(" {}", UnitOf(v));
+  std::string text = fmt::format("{} {:.7g}{}; the limit is {:.7g}{}", entry.quantity, v.value,
+                                 unit, v.limit, unit);
+  const bool is_place = unit == " rad" || unit == " m" || unit.empty();
+  if (!std::isfinite(v.value) || v.limit == 0) return text;
+  if (is_place) return text + fmt::format(", {:.3g}{} away", std::abs(v.value - v.limit), unit);
+  const double share = std::abs(v.value / v.limit);
+  return text + (share < 2 ? fmt::format(", exceeded by {:.3g} %", 100 * (share - 1))
+                           : fmt::format("; it is {:.3g} times that", share));
+}
+
+std::string WhereText(const RunEnd& end, const Violation& v) {
+  const RobotState& before = end.before().state;
+  const std::string axis = AxisName(v);
+  std::string text = axis.empty() ? "" : axis + "; ";
+  if (before.motion_generator_mode == MotionGeneratorMode::kIdle) {
+    text += "no motion was running";
+  } else {
+    text += fmt::format("{} motion under {}", Name(before.motion_generator_mode),
+                        Name(before.controller_mode));
+  }
+  return text + fmt::format("; cycle of state {}, {:.3f} s", end.last().state.message_id,
+                            ToSeconds(end.last().at.time_since_epoch()));
+}
+
+std::vector<std::string> OtherErrors(const rt::CycleRecord& cycle, RobotError told) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
+    const auto error = static_cast<RobotError>(i);
+    if (!cycle.state.errors[i] || error == told) continue;
+    lines.push_back(fmt::format("In the same cycle: {}. {}.", Name(error), EntryOf(error).meaning));
+  }
+  return lines;
+}
+
+void AddText(Story& story, std::string label, std::string text) {
+  if (!text.empty()) story.paragraphs.push_back({std::move(label), {std::move(text)}});
+}
+
+void AddNotes(Story& story, const RunEnd& end) {
+  if (end.aborts > 1) {
+    AddText(
+        story, "note",
+        fmt::format("An error ended {} motions of this log; this is about the first.", end.aborts));
+  }
+  if (end.truncated) {
+    AddText(story, "note", "The run was killed later on: the end of its log is missing.");
+  }
+}
+
+Story TellAbort(const RunEnd& end) {
+  const rt::CycleRecord& last = end.last();
+  const Violation v = ErrorOf(last);
+  const ErrorEntry& entry = EntryOf(v);
+  Story story;
+  story.headline = fmt::format("{}: aborted at {:.3f} s by {}", end.run.scenario,
+                               ToSeconds(last.at.time_since_epoch()), Name(v.error));
+  Paragraph what{"what", {fmt::format("{}.", entry.meaning)}};
+  for (std::string& line : OtherErrors(last, v.error)) what.lines.push_back(std::move(line));
+  story.paragraphs.push_back(std::move(what));
+  AddText(story, "where", WhereText(end, v) + ".");
+  if (last.violated) {
+    AddText(story, "value", ValueText(v, entry) + ".");
+    Paragraph computed{"computed", {fmt::format("{}.", entry.computed)}};
+    for (std::string& line : WorkOut(end)) computed.lines.push_back(std::move(line));
+    story.paragraphs.push_back(std::move(computed));
+  } else {
+    AddText(story, "value", "the log does not tell which value broke which limit.");
+  }
+  AddText(story, "commands", CountFates(end));
+  AddText(story, "lost before", JudgeLosses(end));
+  AddText(story, "workstation", CountTicks(end));
+  AddText(story, "usual cause", fmt::format("{}.", entry.cause));
+  AddText(story, "what to do", entry.cure.empty() ? "" : CureOf(entry, KeeperOf(end)) + ".");
+  AddNotes(story, end);
+  return story;
+}
+
+std::string HowItEnded(const RunEnd& end) {
+  if (!end.moved) return "no motion ran";
+  if (end.user_stopped) return "somebody pressed the user stop";
+  if (end.last_word.empty() || end.last_word == "finished") return "no error";
+  return fmt::format("no error of the robot; the motion ended early: {}", end.last_word);
+}
+
+std::string TellApproach(const RunEnd& end) {
+  std::string text = "how close it came to the limits\n";
+  for (const Approach& approach : end.approach.Closest()) {
+    text += fmt::format("  {:<34} {:>5.1f} %  {}\n", approach.what, 100 * approach.share,
+                        PlaceOf(approach));
+  }
+  if (!end.approach.has_limits()) {
+    text += "  this log does not hold the robot's limits: an earlier version wrote it\n";
+  }
+  text += fmt::format("  {:<34} {:>5}    FCI ends a motion after 20\n",
+                      "most commands lost in a row", end.approach.longest_loss());
+  text += fmt::format("  {:<34} {:>5.1f}    Nm, largest of the joints, estimated\n",
+                      "external torque", end.approach.peak_torque());
+  text += fmt::format("  {:<34} {:>5.1f}    N on the end effector, estimated\n", "external force",
+                      end.approach.peak_force());
+  return text;
+}
+
+}  // namespace
+
+Explanation Explain(const std::filesystem::path& log) {
+  const RunEnd end = ReadEnd(log);
+  if (end.aborted()) {
+    const Story story = TellAbort(end);
+    return {.aborted = true,
+            .text = story.headline + "\n" + ToText(story.paragraphs),
+            .page = AbortPage(end, story.headline, story.paragraphs)};
+  }
+  if (end.truncated) {
+    throw InputError(fmt::format(
+        "{} ends at {:.3f} s, where its run was killed, without an error before: how the run ended "
+        "is not in it",
+        log.string(), end.end));
+  }
+  return {.aborted = false,
+          .text = fmt::format("{}: {}, {:.3f} s\n{}", end.run.scenario, HowItEnded(end), end.end,
+                              TellApproach(end)),
+          .page = ""};
+}
+
+}  // namespace twin::report

@@ -1,0 +1,182 @@
+#include "report/loss_facts.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace twin::report {
+namespace {
+
+/// "1 command", "3 commands".
+std::string Count(std::uint64_t count, std::string_view one) {
+  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
+}
+
+/// Errors that a command raises which has to close the gap that lost ones left.
+bool ComesFromAGap(RobotError error) {
+  switch (error) {
+    case RobotError::kJointMotionGeneratorVelocityLimitsViolation:
+    case RobotError::kJointMotionGeneratorVelocityDiscontinuity:
+    case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
+    case RobotError::kCartesianMotionGeneratorVelocityLimitsViolation:
+    case RobotError::kCartesianMotionGeneratorVelocityDiscontinuity:
+    case RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity:
+    case RobotError::kCartesianMotionGeneratorJointVelocityLimitsViolation:
+    case RobotError::kCartesianMotionGeneratorJointVelocityDiscontinuity:
+    case RobotError::kCartesianMotionGeneratorJointAccelerationDiscontinuity:
+    case RobotError::kControllerTorqueDiscontinuity: return true;
+    default: return false;
+  }
+}
+
+bool IsHeld(const EndCycle& cycle) {
+  return cycle.cycle.fate == rt::CommandFate::kHeld;
+}
+
+/// Index of the first cycle that counts as shown.
+std::size_t FirstShown(const RunEnd& end) {
+  return end.cycles.size() > RunEnd::kShown ? 1 : 0;
+}
+
+std::size_t HeldShown(const RunEnd& end) {
+  return static_cast<std::size_t>(std::count_if(
+      end.cycles.begin() + static_cast<std::ptrdiff_t>(FirstShown(end)), end.cycles.end(), IsHeld));
+}
+
+/// After a loss right before a command that was refused.
+std::string JudgeResume(const RunEnd& end, std::uint32_t lost) {
+  if (end.last().violation.error == RobotError::kControllerTorqueDiscontinuity) {
+    return fmt::format(
+        "Likely: it is the first command after {} lost ones in a row. The robot held the last "
+        "torque, the controller's went on; this command had to make up for {} cycles at once.",
+        lost, lost + 1);
+  }
+  const std::uint32_t factor = (lost + 1) * (lost + 2) / 2;
+  return fmt::format(
+      "Likely: it is the first command after {} in a row that did not come. The robot held the "
+      "last "
+      "acceleration, the source went on by its own; closing that gap in one cycle takes about {} "
+      "times the jerk of the motion itself, (n + 1)(n + 2) / 2 with n = {}.",
+      lost, factor, lost);
+}
+
+/// The last loss before the last cycle: how long, and how long ago it ended. 0, 0: none.
+std::pair<std::uint32_t, std::size_t> LastLoss(const RunEnd& end) {
+  for (std::size_t ago = 1; ago < end.cycles.size(); ++ago) {
+    const EndCycle& cycle = end.cycles[end.cycles.size() - 1 - ago];
+    if (IsHeld(cycle)) return {cycle.cycle.lost_in_row, ago};
+  }
+  return {0, 0};
+}
+
+}  // namespace
+
+std::string JudgeLosses(const RunEnd& end) {
+  const rt::CycleRecord& last = end.last();
+  const bool is_loss =
+      last.violated && last.violation.error == RobotError::kCommunicationConstraintsViolation;
+  if (is_loss) return "";  // the error tells it itself
+  if (last.fate == rt::CommandFate::kHeld) {
+    return fmt::format(
+        "Yes: this cycle had no command, the {}th in a row. The robot went on by the acceleration "
+        "of the last one, and that led over the limit.",
+        last.lost_in_row);
+  }
+  const auto [lost, ago] = LastLoss(end);
+  if (lost == 0) {
+    return fmt::format("No: every one of the {} before had its command, or needed none.",
+                       Count(end.cycles.size() - 1, "cycle"));
+  }
+  const bool from_gap = last.violated && ComesFromAGap(last.violation.error);
+  if (from_gap && ago == 1) return JudgeResume(end, lost);
+  // A source that answers to the state (a controller, a filter) settles after a gap.
+  constexpr std::size_t kSettling = 10;
+  if (from_gap && ago <= kSettling) {
+    return fmt::format(
+        "Possible: {} in a row were lost up to {} before. A command right after a gap was "
+        "accepted, but what follows it (a controller or filter that settles) can still break a "
+        "limit.",
+        Count(lost, "command"), Count(ago, "cycle"));
+  }
+  return fmt::format("Unlikely: {} held in the last {}, the last one {} before this cycle.",
+                     Count(HeldShown(end), "cycle"), end.cycles.size() - FirstShown(end),
+                     Count(ago, "cycle"));
+}
+
+std::string CountFates(const RunEnd& end) {
+  std::uint64_t served = 0, held = 0, none = 0, silent = 0, unwritten = 0, late = 0, dropped = 0;
+  for (std::size_t i = FirstShown(end); i < end.cycles.size(); ++i) {
+    const EndCycle& cycle = end.cycles[i];
+    served += cycle.cycle.fate == rt::CommandFate::kServed;
+    none += cycle.cycle.fate == rt::CommandFate::kNone;
+    dropped += cycle.cycle.dropped;
+    if (!IsHeld(cycle)) continue;
+    ++held;
+    if (!cycle.answer) {
+      ++silent;
+    } else if (!cycle.written()) {
+      ++unwritten;
+    } else {
+      ++late;
+    }
+  }
+  std::string text =
+      fmt::format("{} served, {} held, {} in which none was due or the first was awaited.",
+                  Count(served, "cycle"), held, none);
+  std::vector<std::string> causes;
+  if (silent > 0) {
+    causes.push_back(
+        fmt::format("{} because the workstation did not see the state before it, or "
+                    "did not run",
+                    silent));
+  }
+  if (unwritten > 0) {
+    causes.push_back(
+        fmt::format("{} because the workstation saw the state, but wrote nothing", unwritten));
+  }
+  if (late > 0) {
+    causes.push_back(
+        fmt::format("{} although the workstation wrote a command: it {}was lost on its way", late,
+                    dropped > 0 ? "came too late or " : ""));
+  }
+  if (dropped > 0) {
+    text += fmt::format(" {} came, but too late, doubled or with a wrong id.",
+                        Count(dropped, "command"));
+  }
+  if (!causes.empty()) text += fmt::format(" Of those held, {}.", fmt::join(causes, "; "));
+  return text;
+}
+
+std::string CountTicks(const RunEnd& end) {
+  std::uint64_t skipped = 0, invalid = 0, reused = 0, written = 0;
+  std::optional<Time> deposit;
+  for (const EndCycle& cycle : end.cycles) {
+    if (!cycle.answer) continue;
+    const rt::TickRecord& tick = *cycle.answer;
+    skipped += tick.action == rt::TickAction::kSkipped;
+    invalid += tick.action == rt::TickAction::kInvalid;
+    if (tick.action != rt::TickAction::kWritten) continue;
+    ++written;
+    reused += deposit == tick.deposit_time;
+    deposit = tick.deposit_time;
+  }
+  std::vector<std::string> facts;
+  if (skipped > 0) {
+    facts.push_back(
+        fmt::format("left {} unanswered, because they came out of time", Count(skipped, "state")));
+  }
+  if (invalid > 0) {
+    facts.push_back(fmt::format("wrote nothing for {}, because the command was not valid",
+                                Count(invalid, "state")));
+  }
+  if (reused > 0) {
+    facts.push_back(
+        fmt::format("formed {} of {} from a target that it had used before, the source "
+                    "having deposited no new one",
+                    reused, Count(written, "command")));
+  }
+  return facts.empty() ? "" : fmt::format("The workstation {}.", fmt::join(facts, "; it "));
+}
+
+}  // namespace twin::report

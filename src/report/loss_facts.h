@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "report/run_end.h"
+
+namespace twin::report {
+
+// What the commands of the last cycles have to do with the error. Each text is whole sentences.
+// @pre end.aborted().
+
+/// Whether commands that were lost before can be what led to the error; empty when the error says
+/// so itself.
+[[nodiscard]] std::string JudgeLosses(const RunEnd& end);
+
+/// How many of the shown cycles were served and held, and where the commands of the held ones went:
+/// no state, no command, or a command that came too late.
+[[nodiscard]] std::string CountFates(const RunEnd& end);
+
+/// What the workstation did in these cycles, as far as it is worth a word; empty when it is not.
+[[nodiscard]] std::string CountTicks(const RunEnd& end);
+
+}  // namespace twin::report

@@ -1,0 +1,81 @@
+#include "report/paragraphs.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace twin::report {
+namespace {
+
+constexpr std::size_t kColumns = 100;
+constexpr std::size_t kIndent = 15;
+
+/// Characters that a text takes on a terminal: bytes that do not go on with one in UTF-8.
+std::size_t Width(std::string_view text) {
+  std::size_t width = 0;
+  for (const char c : text) width += (static_cast<unsigned char>(c) & 0xC0U) != 0x80U ? 1 : 0;
+  return width;
+}
+
+/// Adds a line, broken between words where it would become too long.
+void AddWrapped(std::string& text, std::string_view line) {
+  std::size_t column = kIndent;
+  bool first = true;
+  while (!line.empty()) {
+    const std::string_view word = line.substr(0, line.find(' '));
+    line.remove_prefix(std::min(line.size(), word.size() + 1));
+    if (!first && column + 1 + Width(word) > kColumns) {
+      text += '\n' + std::string(kIndent, ' ');
+      column = kIndent;
+    } else if (!first) {
+      text += ' ';
+      ++column;
+    }
+    text += word;
+    column += Width(word);
+    first = false;
+  }
+  text += '\n';
+}
+
+}  // namespace
+
+std::string ToText(const std::vector<Paragraph>& paragraphs) {
+  std::string text;
+  for (const Paragraph& paragraph : paragraphs) {
+    std::string label = paragraph.label;
+    for (const std::string& line : paragraph.lines) {
+      text += fmt::format("  {:<{}}", label, kIndent - 2);
+      AddWrapped(text, line);
+      label.clear();
+    }
+  }
+  return text;
+}
+
+std::string ToHtml(const std::vector<Paragraph>& paragraphs) {
+  std::string html = "<dl>\n";
+  for (const Paragraph& paragraph : paragraphs) {
+    if (paragraph.lines.empty()) continue;
+    html += fmt::format("<dt>{}</dt>\n<dd>", Escape(paragraph.label));
+    for (const std::string& line : paragraph.lines) html += fmt::format("<p>{}</p>", Escape(line));
+    html += "</dd>\n";
+  }
+  return html + "</dl>\n";
+}
+
+std::string Escape(std::string_view text) {
+  std::string html;
+  for (const char c : text) {
+    switch (c) {
+      case '&': html += "&amp;"; break;
+      case '<': html += "&lt;"; break;
+      case '>': html += "&gt;"; break;
+      case '"': html += "&quot;"; break;
+      default: html += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? ' ' : c;
+    }
+  }
+  return html;
+}
+
+}  // namespace twin::report

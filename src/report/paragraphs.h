@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace twin::report {
+
+/// Something told under a label; its lines are kept apart.
+struct Paragraph {
+  std::string label;
+  std::vector<std::string> lines;
+};
+
+/// For a terminal: the label left, its lines beside it, wrapped at 100 columns.
+[[nodiscard]] std::string ToText(const std::vector<Paragraph>& paragraphs);
+
+/// As a definition list.
+[[nodiscard]] std::string ToHtml(const std::vector<Paragraph>& paragraphs);
+
+/// `text` as HTML shows it; control characters become spaces.
+[[nodiscard]] std::string Escape(std::string_view text);
+
+}  // namespace twin::report

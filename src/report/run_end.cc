@@ -1,0 +1,94 @@
+#include "report/run_end.h"
+
+#include <algorithm>
+#include <deque>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/core/time.h"
+#include "twin/record/log_reader.h"
+
+namespace twin::report {
+namespace {
+
+/// How far ticks may be away from their cycles in a log with a ring for each.
+constexpr std::size_t kTicks = 4096;
+
+/// Takes the records of a log as std::visit gives them.
+class Collector {
+ public:
+  explicit Collector(RunEnd& end) : end_(end), ticks_(kTicks) {}
+
+  void operator()(const rt::CycleRecord& cycle) {
+    any_ = true;
+    end_.end = ToSeconds(cycle.at.time_since_epoch());
+    end_.moved = end_.moved || cycle.state.motion_generator_mode != MotionGeneratorMode::kIdle;
+    end_.user_stopped = end_.user_stopped || cycle.state.robot_mode == RobotMode::kUserStopped;
+    const bool has_error = cycle.state.errors.any();
+    if (has_error && !had_error_) ++end_.aborts;
+    had_error_ = has_error;
+    if (abort_id_) return;
+    cycles_.push_back(cycle);
+    if (cycles_.size() > RunEnd::kShown + 1) cycles_.pop_front();
+    if (has_error) {
+      abort_id_ = cycle.state.message_id;
+    } else {
+      end_.approach.Add(cycle);
+    }
+  }
+
+  void operator()(const rt::TickRecord& tick) {
+    if (abort_id_ && tick.message_id >= *abort_id_) return;
+    ticks_[tick.message_id % kTicks] = tick;
+  }
+
+  void operator()(const record::EventRecord& event) {
+    if (event.kind == "motion") end_.last_word = event.text;
+  }
+
+  [[nodiscard]] bool any() const { return any_; }
+
+  /// Brings cycles and answers together.
+  void Finish() {
+    if (!abort_id_) return;
+    for (rt::CycleRecord& cycle : cycles_) {
+      const std::uint64_t answered = cycle.state.message_id - 1;
+      const auto& tick = ticks_[answered % kTicks];
+      const bool known = tick && tick->message_id == answered;
+      end_.cycles.push_back({cycle, known ? tick : std::nullopt});
+    }
+  }
+
+ private:
+  RunEnd& end_;
+  std::vector<std::optional<rt::TickRecord>> ticks_;  ///< slot = message_id modulo size
+  std::deque<rt::CycleRecord> cycles_;
+  std::optional<std::uint64_t> abort_id_;
+  bool had_error_ = false;
+  bool any_ = false;
+};
+
+}  // namespace
+
+RunEnd ReadEnd(const std::filesystem::path& log) {
+  record::LogReader reader(log);
+  RunEnd end;
+  end.run = reader.run();
+  if (end.run.limits) end.approach = ApproachTracker(*end.run.limits);
+  Collector collector(end);
+  record::LogEntry entry;
+  while (reader.Next(entry)) std::visit(collector, entry);
+  if (!collector.any()) {
+    throw InputError(fmt::format(
+        "{} holds no cycle of the robot, so there is nothing to explain; name the log of a run "
+        "that began",
+        log.string()));
+  }
+  end.truncated = reader.truncated();
+  collector.Finish();
+  return end;
+}
+
+}  // namespace twin::report

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "report/approach.h"
+#include "twin/record/log_records.h"
+#include "twin/rt/cycle_record.h"
+
+namespace twin::report {
+
+/// A cycle of the robot beside what the workstation had answered to the state before it.
+struct EndCycle {
+  rt::CycleRecord cycle;
+  std::optional<rt::TickRecord> answer;  ///< to state message_id - 1, written or not
+
+  /// Whether the workstation wrote a command that could count for the cycle.
+  [[nodiscard]] bool written() const {
+    return answer && (answer->action == rt::TickAction::kWritten ||
+                      answer->action == rt::TickAction::kFinished);
+  }
+};
+
+/// What of a log tells how its run ended.
+struct RunEnd {
+  /// Cycles that are kept and shown.
+  static constexpr std::size_t kShown = 50;
+
+  record::RunInfo run;
+  bool truncated = false;     ///< the run was killed
+  bool moved = false;         ///< a motion ran
+  bool user_stopped = false;  ///< the user stop was pressed
+  double end = 0;             ///< time of the last cycle, s
+  std::uint64_t aborts = 0;   ///< motions that an error ended
+  std::string last_word;      ///< the log's last event about a motion: "finished", or why not
+  /// Up to the first abort, its cycle last: kShown cycles, and the one before them. Empty when no
+  /// error ended a motion.
+  std::vector<EndCycle> cycles;
+  ApproachTracker approach;  ///< of the cycles before the first abort, or of all
+
+  [[nodiscard]] bool aborted() const { return !cycles.empty(); }
+  /// The cycle that the error ended, and the one before it. @pre aborted().
+  [[nodiscard]] const rt::CycleRecord& last() const { return cycles.back().cycle; }
+  [[nodiscard]] const rt::CycleRecord& before() const {
+    return cycles[cycles.size() < 2 ? 0 : cycles.size() - 2].cycle;
+  }
+};
+
+/// Reads a log in one pass. @throws InputError when it is damaged or holds no cycle;
+/// EnvironmentError when it cannot be read.
+[[nodiscard]] RunEnd ReadEnd(const std::filesystem::path& log);
+
+}  // namespace twin::report
