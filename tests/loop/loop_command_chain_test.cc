@@ -15,8 +15,6 @@ namespace {
 using control::CommandInterface;
 using reference::Target;
 
-constexpr CartesianLimits kCartesianLimits{{1.7, 13, 6500}, {2.5, 25, 12500}, {2.175, 10, 5000}};
-
 TickConfig Raw() {
   TickConfig config;
   config.generator = Generator::kNone;
@@ -78,7 +76,7 @@ TEST(CommandChainTest, TheLowPassScalesAnIncrementalCommand) {
 
 TEST(CommandChainTest, TheLimiterStandsBehindTheLowPass) {
   TickConfig config = Raw();
-  config.limiter = reference::ClientLimits::Of(test::PandaLimits(), kCartesianLimits);
+  config.limiter = reference::ClientLimits::Of(test::PandaLimits(), test::PandaCartesianLimits());
   config.low_pass_hz = 100;
   Target target;
   target.joint.q.fill(1);
@@ -90,7 +88,7 @@ TEST(CommandChainTest, TheLimiterStandsBehindTheLowPass) {
 
 TEST(CommandChainTest, LimitsATorqueStepToTheTorqueRate) {
   TickConfig config = Raw();
-  config.limiter = reference::ClientLimits::Of(test::PandaLimits(), kCartesianLimits);
+  config.limiter = reference::ClientLimits::Of(test::PandaLimits(), test::PandaCartesianLimits());
   Target target;
   target.tau_J_d.fill(-50);
   const JointVector tau = After(config, CommandInterface::kTorque, {}, target).tau_J_d;
@@ -179,7 +177,7 @@ TEST(CommandChainTest, AllocatesNothingOnAnyInterface) {
                                CommandInterface::kCartesianPose, CommandInterface::kTorque}) {
     TickConfig config = Raw();
     config.low_pass_hz = 100;
-    config.limiter = reference::ClientLimits::Of(test::PandaLimits(), kCartesianLimits);
+    config.limiter = reference::ClientLimits::Of(test::PandaLimits(), test::PandaCartesianLimits());
     config.source_rate_hz = 125;
     CommandChain chain(config, interface);
     RobotState state;

@@ -69,6 +69,7 @@ class Keeper final : public rt::RecordSink {
   using std::chrono::microseconds;
   robot::RobotConfig config;
   config.onboard.limits = PandaLimits();
+  config.onboard.cartesian = PandaCartesianLimits();
   config.plant_kind = robot::PlantKind::kIdeal;
   config.link.state.delay = rt::DelayModel(rt::LogNormalDelay{microseconds(60), 0.3, {}});
   config.link.command.delay = rt::DelayModel(rt::LogNormalDelay{microseconds(60), 0.3, {}});
