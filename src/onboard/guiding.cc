@@ -18,7 +18,9 @@ constexpr int kNullAxis = 6;
 const Task kStiffness = (Task() << 40000, 40000, 40000, 2000, 2000, 2000, 1000).finished();
 const Task kHeaviestDamped = (Task() << 50, 50, 50, 5, 5, 5, 5).finished();
 const Task kRegularisation = (Task() << 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-3).finished();
-const JointColumn kDamping = (JointColumn() << 5, 5, 5, 5, 1, 1, 1).finished();  // Nms/rad
+/// Of free axes, Ns/m and Nms/rad.
+const Task kLightDamping = (Task() << 30, 30, 30, 3, 3, 3, 3).finished();
+constexpr double kJointDamping = 0.3;  // Nms/rad
 
 /// The unit vector of the joint motion that leaves EE where it is, on the side of `last`.
 JointColumn NullVector(const Jacobian& J, const JointColumn& last) noexcept {
@@ -69,17 +71,21 @@ ImpedanceTorque Guiding::Torque(const JointSensors& sensors, const model::ArmMod
   last_q_ = sensors.q;
   const Task e = Follow(arm.Pose(model::Frame::kEndEffector, q, setup.F_T_EE));
 
-  TaskInertia::TaskJacobian C;
-  C << J, null_vector_.transpose();
+  TaskInertia::TaskJacobian all;
+  all << J, null_vector_.transpose();
+  TaskInertia::TaskJacobian locked = all;
   for (int axis = 0; axis <= kNullAxis; ++axis) {
-    if (!IsLocked(axis)) C.row(axis).setZero();
+    if (!IsLocked(axis)) locked.row(axis).setZero();
   }
   const JointSquare M = internal::InertiaWithRotors(arm, q, setup.payload, rotor_inertia_);
-  const Task inertia = TaskInertia(M, C, kRegularisation).Diagonal().cwiseMin(kHeaviestDamped);
-  const Task D_h = 2 * kStiffness.cwiseProduct(inertia).cwiseSqrt();
+  const Task inertia = TaskInertia(M, locked, kRegularisation).Diagonal().cwiseMin(kHeaviestDamped);
+  Task D = 2 * kStiffness.cwiseProduct(inertia).cwiseSqrt();
+  for (int axis = 0; axis <= kNullAxis; ++axis) {
+    if (!IsLocked(axis)) D[axis] = kLightDamping[axis];
+  }
   const JointColumn dq = Column(sensors.dq);
-  const Task F = kStiffness.cwiseProduct(e) - D_h.cwiseProduct(C * dq);
-  const JointColumn held = C.transpose() * F - kDamping.cwiseProduct(dq);
+  const Task F = kStiffness.cwiseProduct(e) - D.cwiseProduct(all * dq);
+  const JointColumn held = all.transpose() * F - kJointDamping * dq;
 
   const JointVector g = arm.Gravity(q, setup.payload);
   const JointVector c = arm.Coriolis(q, sensors.dq, setup.payload);

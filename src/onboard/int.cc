@@ -194,6 +194,7 @@ bool Int::Operate(PanelAction action) noexcept {
 }
 
 void Int::LeaveToRest() noexcept {
+  if (errors_.none()) sensing_.ClearCollisions();  // people leading the arm are none
   if (brakes_closed_) {
     robot_mode_ = RobotMode::kOther;
   } else {

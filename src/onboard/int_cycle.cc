@@ -16,6 +16,7 @@ constexpr std::int8_t kFirstCommand = 0;
 const JointDrive& Int::Cycle(const RobotCommand* command, const JointSensors& sensors) noexcept {
   fate_ = rt::CommandFate::kNone;
   violations_ = Violations();
+  if (message_id_ == 0) sensing_.Reset(sensors, setup_);  // nothing has been sensed yet
   AdvanceMode(sensors);
   AdvanceReference(command, sensors);
   DriveJoints(sensors);

@@ -19,7 +19,8 @@ bool Accelerates(const JointReference& reference) noexcept {
 }  // namespace
 
 void Int::FillState(const JointSensors& sensors, RobotState& state) noexcept {
-  if (message_id_ == 0 || payload_changed_) sensing_.Reset(sensors, setup_);
+  // Closed brakes take up what the observer would hold against the model.
+  if (message_id_ == 0 || payload_changed_ || drive_.brakes) sensing_.Reset(sensors, setup_);
   payload_changed_ = false;
   sensing_.Update(sensors, setup_, Accelerates(generator_.joints()));
   ++message_id_;

@@ -53,11 +53,4 @@ Violations CheckTorqueRate(const JointVector& tau_d, const JointVector& tau_J_d,
   return found;
 }
 
-Violations CheckTorqueRange(const JointVector& tau_J, const JointVector& range,
-                            std::uint64_t message_id) noexcept {
-  Violations found;
-  CheckMagnitude(RobotError::kTauJRangeViolation, tau_J, range, message_id, found);
-  return found;
-}
-
 }  // namespace twin::onboard

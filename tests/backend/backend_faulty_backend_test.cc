@@ -126,7 +126,7 @@ TEST_F(FaultyBackendTest, WithoutFaultsPassesEverythingOn) {
   EXPECT_EQ(arrival_, Time(5 * kCycle));
   EXPECT_EQ(WriteAll(5), UpTo(5));
   EXPECT_EQ(inner_->written.back().q_c, Command(5).q_c);
-  faulty_->Configure(JointImpedance{});
+  faulty_->Configure(setting::JointImpedance{});
   faulty_->Start({});
   faulty_->Stop();
   faulty_->Recover();
@@ -290,7 +290,7 @@ TEST_F(FaultyBackendTest, OnceGoneTheConnectionStaysGone) {
   faulty_->Stop();
   EXPECT_THAT(Written(), ElementsAre(3));
   EXPECT_EQ(inner_->stopped, 0);
-  EXPECT_THROW(faulty_->Configure(JointImpedance{}), RobotFault);
+  EXPECT_THROW(faulty_->Configure(setting::JointImpedance{}), RobotFault);
   EXPECT_THROW(faulty_->Start({}), RobotFault);
   EXPECT_THROW(faulty_->Recover(), RobotFault);
   EXPECT_EQ(inner_->configured + inner_->started + inner_->recovered, 0);

@@ -63,6 +63,11 @@ class Arm {
     config.cartesian = test::PandaCartesianLimits();
     config.rotor_inertia = {0.605721456, 0.605721456, 0.462474144, 0.462474144,
                             0.205544064, 0.205544064, 0.205544064};
+    // Dry friction looks like a collision to a robot that does not expect it.
+    config.collision_behavior.upper_torque_acc.fill(1e3);
+    config.collision_behavior.upper_torque_nominal.fill(1e3);
+    config.collision_behavior.upper_force_acc.fill(1e3);
+    config.collision_behavior.upper_force_nominal.fill(1e3);
     int_ = std::make_unique<onboard::Int>(config, q);
   }
 

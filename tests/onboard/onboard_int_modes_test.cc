@@ -230,6 +230,71 @@ TEST_F(IntModesTest, ACartesianMotionCannotStartStretchedOut) {
   EXPECT_EQ(straight.Move(kVelocity), MoveStatus::kMotionStarted);
 }
 
+TEST_F(IntModesTest, AMotionCanBeAskedForBeforeTheFirstState) {
+  ASSERT_EQ(int_.Move(kVelocity), MoveStatus::kMotionStarted);
+  Cycles(3);
+  EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
+}
+
+TEST_F(IntModesTest, BeingLedIsNoCollision) {
+  Cycle();
+  ASSERT_TRUE(int_.Operate(PanelAction::kPressGuidingButton));
+  for (int k = 0; k < 100; ++k) {
+    int_.Cycle(nullptr, sensors_);
+    sensors_.tau_J[1] += 1;  // somebody pulls, harder and harder
+    int_.FillState(sensors_, state_);
+  }
+  EXPECT_EQ(state_.robot_mode, RobotMode::kGuiding);
+  EXPECT_EQ(state_.joint_contact[1], 1);
+  sensors_.tau_J = model::ArmModel::Panda().Gravity(sensors_.q, {});
+  Cycles(200);
+  ASSERT_TRUE(int_.Operate(PanelAction::kReleaseGuidingButton));
+  Cycles(2);
+  EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
+  EXPECT_EQ(state_.joint_collision, JointVector{});
+}
+
+TEST_F(IntModesTest, APushWhileIdleIsACollisionThatRecoveryClears) {
+  Cycle();
+  int k = 0;
+  for (; k < 100 && state_.robot_mode == RobotMode::kIdle; ++k) {
+    int_.Cycle(nullptr, sensors_);
+    sensors_.tau_J[1] += 1;
+    int_.FillState(sensors_, state_);
+  }
+  EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
+  EXPECT_TRUE(state_.errors.any());
+  EXPECT_TRUE(state_.reflex_reason.none()) << "no motion was ended";
+  Cycles(200);
+  EXPECT_EQ(state_.robot_mode, RobotMode::kReflex) << "latched";
+  ASSERT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
+  Cycles(200);
+  EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
+  EXPECT_EQ(state_.joint_collision, JointVector{});
+  EXPECT_EQ(state_.cartesian_collision, Vector6{});
+}
+
+TEST_F(IntModesTest, BeyondAJointsLimitPeopleMustHelp) {
+  StartMotion(kVelocity);
+  const double inside = sensors_.q[3];
+  sensors_.q[3] = -0.05;  // the limit is -0.0698, and a margin
+  int_.FillState(sensors_, state_);
+  int_.Cycle(nullptr, sensors_);
+  int_.FillState(sensors_, state_);
+  ASSERT_EQ(state_.robot_mode, RobotMode::kReflex);
+  EXPECT_TRUE(state_.errors[static_cast<std::size_t>(RobotError::kJointPositionLimitsViolation)]);
+  EXPECT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kManualErrorRecoveryRequiredRejected);
+  ASSERT_TRUE(int_.Operate(PanelAction::kPressGuidingButton));
+  sensors_.q[3] = inside;
+  int_.Cycle(nullptr, sensors_);
+  int_.FillState(sensors_, state_);
+  EXPECT_EQ(state_.robot_mode, RobotMode::kGuiding);
+  ASSERT_TRUE(int_.Operate(PanelAction::kReleaseGuidingButton));
+  Cycle();
+  EXPECT_EQ(state_.robot_mode, RobotMode::kReflex) << "the error stands until recovery";
+  EXPECT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
+}
+
 TEST_F(IntModesTest, AMotionStartsAtRestAsItsClientReadsIt) {
   for (const MotionGeneratorMode generator :
        {MotionGeneratorMode::kJointPosition, MotionGeneratorMode::kJointVelocity,

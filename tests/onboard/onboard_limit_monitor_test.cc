@@ -161,18 +161,5 @@ TEST(LimitMonitorTest, ATorqueThatIsNoNumberIsADiscontinuity) {
   }
 }
 
-TEST(LimitMonitorTest, ReportsTheFirstJointWhoseMeasuredTorqueIsOutOfRange) {
-  const JointVector range{100, 100, 100, 100, 14, 14, 14};
-  EXPECT_TRUE(CheckTorqueRange(range, range, 1).empty());
-  const Violations found = CheckTorqueRange({0, 0, 0, -100.1, 0, 15, 0}, range, 9);
-  ASSERT_EQ(found.items().size(), 1u);
-  const Violation& violation = found.items()[0];
-  EXPECT_EQ(violation.error, RobotError::kTauJRangeViolation);
-  EXPECT_EQ(violation.axis, 3);
-  EXPECT_EQ(violation.value, -100.1);
-  EXPECT_EQ(violation.limit, -100);
-  EXPECT_EQ(violation.message_id, 9u);
-}
-
 }  // namespace
 }  // namespace twin::onboard

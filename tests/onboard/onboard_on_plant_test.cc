@@ -269,13 +269,14 @@ TEST_F(OnPlantTest, GuidingHoldsTheLockedAxesAndGivesWayAlongTheFreeOne) {
       push.body = "panda_hand";
       push.point = kHandPoint;
       push.force = {14, -14, 14};  // 20 N across
-      push.duration = std::chrono::milliseconds(400);
+      push.force[axis] = 10;
+      push.duration = std::chrono::milliseconds(800);
       plant_->ClearPerturbations();
       plant_->Perturb(push);
       StartAt(PoseAboveTheFloor(pose));
       guiding.Begin(plant_->sensors().q, setup_);
       const Transform start = O_T_EE();
-      for (int k = 0; k < 400; ++k) {
+      for (int k = 0; k < 800; ++k) {
         Step(guiding.Torque(plant_->sensors(), kArm, setup_));
         for (std::size_t other = 0; other < 3; ++other) {
           if (other == axis) continue;

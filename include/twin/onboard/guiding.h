@@ -15,16 +15,17 @@ namespace twin::onboard {
 /// are free; the others, and the null space unless it is free, are held where guiding began or
 /// where the free axes have taken them.
 ///
-///   tau_J_d = c(q, dq) + C^T (K_h e - D_h C dq) - D dq,   tau = tau_J_d + g(q)
+///   tau_J_d = c(q, dq) + A^T (K e - D A dq) - D_q dq,   tau = tau_J_d + g(q)
 ///
-/// C has a row per locked axis: those of the zero Jacobian of EE (base axes), and n^T for the null
-/// space, n the unit vector with J n = 0. e is the way back along them: to the pose where guiding
-/// began, whose coordinates along free axes go with the arm, and, for the null space, minus the way
-/// gone, e_n = -sum n^T (q(k) - q(k-1)).
-/// K_h is 40000 N/m, 2000 Nm/rad about the axes, 1000 Nm/rad in the null space: a hand that pushes
-/// with 20 N moves a locked axis by half a millimetre. D_h is critical for the inertia (C (M +
-/// B)^-1 C^T)^-1 of each row, up to 50 kg and 5 kg m^2. D = 5 Nms/rad in joints 1 to 4 and 1 in the
-/// others is light: an arm that is let go comes to rest within about a second.
+/// A has a row per axis: those of the zero Jacobian of EE (base axes), and n^T for the null space,
+/// n the unit vector with J n = 0. e is the way back along them: to the pose where guiding began,
+/// whose coordinates along free axes go with the arm, and, for the null space, minus the way gone,
+/// -sum n^T (q(k) - q(k-1)); along free axes it is zero.
+/// K is 40000 N/m, 2000 Nm/rad about the axes, 1000 Nm/rad in the null space: a hand that pushes
+/// with 20 N moves a locked axis by half a millimetre. D of locked axes is critical for the inertia
+/// (C (M + B)^-1 C^T)^-1, C the locked rows of A, up to 50 kg and 5 kg m^2; of free ones it is
+/// light, 30 Ns/m and 3 Nms/rad, and drags along no other axis; D_q = 0.3 Nms/rad is for what no
+/// axis sees near a singularity. An arm that is let go comes to rest within a second or two.
 ///
 /// Source: FCI protocol 5, SetGuidingMode; the law is not public and ours.
 ///

@@ -53,12 +53,4 @@ inline constexpr StepErrors kInverseKinematicsErrors{
                                          const JointLimits& limits,
                                          std::uint64_t message_id) noexcept TWIN_REALTIME;
 
-/// Checks measured torque: |tau_J| <= range, joint by joint, else tau_J_range_violation.
-///
-/// Threads: any. Real-time: noexcept, allocates nothing.
-///
-/// @param range  Nm (IntConfig::tau_J_range).
-[[nodiscard]] Violations CheckTorqueRange(const JointVector& tau_J, const JointVector& range,
-                                          std::uint64_t message_id) noexcept TWIN_REALTIME;
-
 }  // namespace twin::onboard
