@@ -90,6 +90,20 @@ void SetColumn(Jacobian& J, std::size_t joint, const Vector3& v, const Vector3& 
   }
 }
 
+Transform AsTransform(const Axes& frame) noexcept {
+  const auto& [x, y, z, p] = frame;
+  return {x[0], x[1], x[2], 0, y[0], y[1], y[2], 0, z[0], z[1], z[2], 0, p[0], p[1], p[2], 1};
+}
+
+/// @param count  of the joints that move the tip.
+Jacobian ZeroJacobianOf(const JointFrames& joints, const Axes& tip, std::size_t count) noexcept {
+  Jacobian J{};
+  for (std::size_t i = 0; i < count; ++i) {
+    SetColumn(J, i, Cross(joints[i].z, tip.p - joints[i].p), joints[i].z);
+  }
+  return J;
+}
+
 }  // namespace
 
 Configuration::Configuration(const JointVector& q) noexcept {
@@ -101,19 +115,20 @@ Configuration::Configuration(const JointVector& q) noexcept {
 
 Transform ArmModel::Pose(Frame frame, const Configuration& q,
                          const Transform& F_T_EE) const noexcept {
-  const auto [x, y, z, p] = Select(FramesOf(q), frame, F_T_EE);
-  return {x[0], x[1], x[2], 0, y[0], y[1], y[2], 0, z[0], z[1], z[2], 0, p[0], p[1], p[2], 1};
+  return AsTransform(Select(FramesOf(q), frame, F_T_EE));
 }
 
 Jacobian ArmModel::ZeroJacobian(Frame frame, const Configuration& q,
                                 const Transform& F_T_EE) const noexcept {
   const JointFrames joints = FramesOf(q);
+  return ZeroJacobianOf(joints, Select(joints, frame, F_T_EE), JointsBefore(frame));
+}
+
+FrameMotion ArmModel::MotionOf(Frame frame, const Configuration& q,
+                               const Transform& F_T_EE) const noexcept {
+  const JointFrames joints = FramesOf(q);
   const Axes tip = Select(joints, frame, F_T_EE);
-  Jacobian J{};
-  for (std::size_t i = 0; i < JointsBefore(frame); ++i) {
-    SetColumn(J, i, Cross(joints[i].z, tip.p - joints[i].p), joints[i].z);
-  }
-  return J;
+  return {AsTransform(tip), ZeroJacobianOf(joints, tip, JointsBefore(frame))};
 }
 
 Jacobian ArmModel::BodyJacobian(Frame frame, const Configuration& q,

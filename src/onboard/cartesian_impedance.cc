@@ -44,6 +44,22 @@ Eigen::Vector3d TurnOf(const Eigen::Matrix3d& R) noexcept {
   return sine > 0 ? Eigen::Vector3d(std::atan2(sine, cosine) / sine * axis) : axis;
 }
 
+/// The body Jacobian of K, which is fixed to EE.
+TaskInertia::TaskJacobian JacobianAt(const Transform& O_T_K,
+                                     const model::FrameMotion& EE) noexcept {
+  const Eigen::Map<const TaskInertia::TaskJacobian> J_EE(EE.J.data());
+  const Eigen::Matrix3d K_R_O =
+      Eigen::Map<const Eigen::Matrix4d>(O_T_K.data()).topLeftCorner<3, 3>().transpose();
+  const Eigen::Vector3d lever = model::Position(O_T_K) - model::Position(EE.O_T_frame);
+  TaskInertia::TaskJacobian J;
+  for (int joint = 0; joint < static_cast<int>(kJoints); ++joint) {
+    const Eigen::Vector3d w = J_EE.block<3, 1>(3, joint);
+    J.block<3, 1>(0, joint) = K_R_O * (J_EE.block<3, 1>(0, joint) + w.cross(lever));
+    J.block<3, 1>(3, joint) = K_R_O * w;
+  }
+  return J;
+}
+
 /// From pose X to pose X_d: way and turn in the axes of X.
 Task Error(const Transform& X, const Transform& X_d) noexcept {
   const Transform X_XXd = model::Multiply(model::Inverse(X), X_d);
@@ -59,19 +75,17 @@ ImpedanceTorque CartesianImpedance::Torque(const JointReference& reference,
                                            const JointSensors& sensors, const model::ArmModel& arm,
                                            const ArmSetup& setup) const noexcept {
   return Torque(reference, arm.Pose(model::Frame::kEndEffector, reference.q_d, setup.F_T_EE),
-                sensors, arm, setup);
+                sensors, MeasuredArm(arm, sensors.q, setup), arm, setup);
 }
 
 ImpedanceTorque CartesianImpedance::Torque(const JointReference& reference,
                                            const Transform& O_T_EE_d, const JointSensors& sensors,
-                                           const model::ArmModel& arm,
+                                           const MeasuredArm& measured, const model::ArmModel& arm,
                                            const ArmSetup& setup) const noexcept {
   constexpr Vector3 kNoGravity{0, 0, 0};
-  const model::Configuration q(sensors.q);
-  const Transform F_T_K = model::Multiply(setup.F_T_EE, setup.EE_T_K);
-  const model::Frame K = model::Frame::kEndEffector;
-  const model::Jacobian columns = arm.BodyJacobian(K, q, F_T_K);
-  const TaskInertia::TaskJacobian J = Eigen::Map<const TaskInertia::TaskJacobian>(columns.data());
+  const model::Configuration& q = measured.q;
+  const Transform O_T_K = model::Multiply(measured.EE.O_T_frame, setup.EE_T_K);
+  const TaskInertia::TaskJacobian J = JacobianAt(O_T_K, measured.EE);
   const JointSquare M = internal::InertiaWithRotors(arm, q, setup.payload, rotor_inertia_);
   const TaskInertia inertia(M, J, kRegularisation);
 
@@ -81,20 +95,19 @@ ImpedanceTorque CartesianImpedance::Torque(const JointReference& reference,
   const Task Lambda_ii = inertia.Diagonal();
   const Task D_x =
       2 * damping_ratio_ * K_x.cwiseProduct(Lambda_ii.cwiseMin(kHeaviestDamped)).cwiseSqrt();
-  const Task e = Error(arm.Pose(K, q, F_T_K), model::Multiply(O_T_EE_d, setup.EE_T_K));
+  const Task e = Error(O_T_K, model::Multiply(O_T_EE_d, setup.EE_T_K));
   const JointColumn D_n = 2 * damping_ratio_ * (kNullStiffness * M.diagonal()).cwiseSqrt();
   const JointColumn tau_n = kNullStiffness * q_error + D_n.cwiseProduct(dq_error);
   const Task F =
       K_x.cwiseProduct(e) + D_x.cwiseProduct(J * dq_error) - TaskForce(inertia, Lambda_ii, tau_n);
   const JointColumn spring = J.transpose() * F + tau_n;
 
-  const JointVector g = arm.Gravity(q, setup.payload);
   const JointVector dynamics =
       arm.InverseDynamics(q, sensors.dq, reference.ddq_d, setup.payload, kNoGravity);
   ImpedanceTorque torque;
   for (std::size_t i = 0; i < kJoints; ++i) {
     torque.tau_J_d[i] = dynamics[i] + rotor_inertia_[i] * reference.ddq_d[i] + spring[i];
-    torque.tau[i] = torque.tau_J_d[i] + g[i];
+    torque.tau[i] = torque.tau_J_d[i] + measured.g[i];
   }
   return torque;
 }

@@ -41,7 +41,7 @@ void Int::FillMeasured(const JointSensors& sensors, RobotState& state) noexcept 
   }
   last_tau_J_ = sensors.tau_J;
   state.tau_J_d = tau_J_d_;
-  state.O_T_EE = sensing_.O_T_EE();
+  state.O_T_EE = sensing_.arm().EE.O_T_frame;
   state.elbow = model::ElbowOf(sensors.q);
   state.tau_ext_hat_filtered = sensing_.tau_ext_hat_filtered();
   state.O_F_ext_hat_K = sensing_.O_F_ext_hat_K();

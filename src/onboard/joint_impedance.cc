@@ -7,11 +7,18 @@ namespace twin::onboard {
 ImpedanceTorque JointImpedance::Torque(const JointReference& reference, const JointSensors& sensors,
                                        const model::ArmModel& arm,
                                        const model::Payload& payload) const noexcept {
+  const model::Configuration configuration(sensors.q);
+  return Torque(reference, sensors, arm, payload, configuration,
+                arm.Gravity(configuration, payload));
+}
+
+ImpedanceTorque JointImpedance::Torque(const JointReference& reference, const JointSensors& sensors,
+                                       const model::ArmModel& arm, const model::Payload& payload,
+                                       const model::Configuration& configuration,
+                                       const JointVector& g) const noexcept {
   constexpr Vector3 kNoGravity{0, 0, 0};
   const JointVector& q = sensors.q;
   const JointVector& dq = sensors.dq;
-  const model::Configuration configuration(q);
-  const JointVector g = arm.Gravity(configuration, payload);
   const JointVector dynamics =
       arm.InverseDynamics(configuration, dq, reference.ddq_d, payload, kNoGravity);
   const model::JointMatrix M = arm.MassMatrix(configuration, payload);

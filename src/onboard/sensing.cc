@@ -33,36 +33,32 @@ void Sensing::SetCollisionBehavior(const setting::CollisionBehavior& behavior) n
 }
 
 void Sensing::Reset(const JointSensors& sensors, const ArmSetup& setup) noexcept {
-  const model::Configuration q(sensors.q);
-  Measure(sensors, q, setup);
-  observer_.Reset(sensors, q);
+  Measure(sensors, setup);
+  observer_.Reset(sensors, arm_.q);
   wrench_ = ExternalWrench();
   contacts_.Update(observer_.tau_ext_hat(), wrench_.K_F_ext_hat_K, false);
 }
 
 void Sensing::Update(const JointSensors& sensors, const ArmSetup& setup,
                      bool accelerates) noexcept {
-  const model::Configuration q(sensors.q);
-  Measure(sensors, q, setup);
-  observer_.Update(sensors, q, setup.payload);
-  wrench_ = EstimateWrench(observer_.tau_ext_hat(), J_EE_, O_T_EE_, setup.EE_T_K, wrench_gain_max_);
+  Measure(sensors, setup);
+  observer_.Update(sensors, arm_.q, setup.payload);
+  wrench_ = EstimateWrench(observer_.tau_ext_hat(), arm_.EE.J, arm_.EE.O_T_frame, setup.EE_T_K,
+                           wrench_gain_max_);
   contacts_.Update(observer_.tau_ext_hat(), wrench_.K_F_ext_hat_K, accelerates);
 }
 
-void Sensing::Measure(const JointSensors& sensors, const model::Configuration& q,
-                      const ArmSetup& setup) noexcept {
-  const model::ArmModel& arm = model::ArmModel::Panda();
-  O_T_EE_ = arm.Pose(model::Frame::kEndEffector, q, setup.F_T_EE);
-  J_EE_ = arm.ZeroJacobian(model::Frame::kEndEffector, q, setup.F_T_EE);
+void Sensing::Measure(const JointSensors& sensors, const ArmSetup& setup) noexcept {
+  arm_ = MeasuredArm(model::ArmModel::Panda(), sensors.q, setup);
   measured_.sensors = sensors;
-  measured_.g = arm.Gravity(q, setup.payload);
+  measured_.g = arm_.g;
   measured_.O_dP_EE = Vector6{};
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     for (std::size_t row = 0; row < 6; ++row) {
-      measured_.O_dP_EE[row] += J_EE_[6 * joint + row] * sensors.dq[joint];
+      measured_.O_dP_EE[row] += arm_.EE.J[6 * joint + row] * sensors.dq[joint];
     }
   }
-  measured_.self_distance = self_distance_.Update(sensors.q, q, monitor_.clearance_m());
+  measured_.self_distance = self_distance_.Update(sensors.q, arm_.q, monitor_.clearance_m());
 }
 
 Violations Sensing::Collisions(std::uint64_t message_id) const noexcept {

@@ -113,6 +113,15 @@ TEST(ArmModelKinematicsTest, ZeroJacobianIsTheDerivativeOfThePose) {
   });
 }
 
+TEST(ArmModelKinematicsTest, MotionOfAFrameIsItsPoseAndItsJacobian) {
+  const ArmModel& arm = ArmModel::Panda();
+  ForEveryFrame([&](Frame frame, const Sample& sample) {
+    const FrameMotion motion = arm.MotionOf(frame, sample.q, kHandPose);
+    EXPECT_EQ(motion.O_T_frame, arm.Pose(frame, sample.q, kHandPose));
+    EXPECT_EQ(motion.J, arm.ZeroJacobian(frame, sample.q, kHandPose));
+  });
+}
+
 TEST(ArmModelKinematicsTest, TwistIsTheZeroJacobianTimesTheVelocity) {
   const ArmModel& arm = ArmModel::Panda();
   ForEveryFrame([&](Frame frame, const Sample& sample) {

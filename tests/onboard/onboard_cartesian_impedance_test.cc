@@ -252,7 +252,7 @@ TEST(CartesianImpedanceTest, HoldsTheStretchedArmAgainstAPush) {
   EXPECT_LT(Largest(arm.sensors().dq), 1e-3);
 }
 
-TEST(CartesianImpedanceTest, ThePoseOfTheReferenceCanBeGiven) {
+TEST(CartesianImpedanceTest, WhatIsKnownAlreadyCanBeGiven) {
   const CartesianImpedance impedance(kMixed, 0.8, kRotorInertia);
   const model::Sample sample = model::SampleOf(11);
   const JointReference reference = JointReference::Rest(model::SampleOf(12).q);
@@ -260,7 +260,10 @@ TEST(CartesianImpedanceTest, ThePoseOfTheReferenceCanBeGiven) {
   sensors.dq = sample.dq;
   const Transform O_T_EE_d =
       kArm.Pose(model::Frame::kEndEffector, reference.q_d, TiltedSetup().F_T_EE);
-  EXPECT_EQ(impedance.Torque(reference, O_T_EE_d, sensors, kArm, TiltedSetup()).tau,
+  EXPECT_EQ(impedance
+                .Torque(reference, O_T_EE_d, sensors, MeasuredArm(kArm, sensors.q, TiltedSetup()),
+                        kArm, TiltedSetup())
+                .tau,
             impedance.Torque(reference, sensors, kArm, TiltedSetup()).tau);
 }
 

@@ -151,7 +151,7 @@ TEST_F(SensingTest, AnotherPayloadStartsAnew) {
 TEST_F(SensingTest, KnowsThePoseOfTheEndEffector) {
   sensors_.q = q_ = RegularPose(2);
   Update(1);
-  EXPECT_EQ(sensing_.O_T_EE(),
+  EXPECT_EQ(sensing_.arm().EE.O_T_frame,
             model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q_, model::kHandPose));
 }
 
@@ -181,7 +181,7 @@ TEST_F(SensingTest, TheEndEffectorsVelocityIsThatOfTheJoints) {
   sensors_ = RestingAt({0, 1.2, 0, -0.8, 0, 1.9, 0});
   sensors_.dq[0] = 2.3;
   Update(1);
-  const Transform& O_T_EE = sensing_.O_T_EE();
+  const Transform& O_T_EE = sensing_.arm().EE.O_T_frame;
   const double v = 2.3 * std::hypot(O_T_EE[12], O_T_EE[13]);
   ASSERT_LT(v, 2.0);
   EXPECT_THAT(Errors(sensing_.CheckMeasured({}, 1)), IsEmpty());

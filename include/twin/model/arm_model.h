@@ -44,6 +44,12 @@ struct Configuration {
   JointVector cos{};
 };
 
+/// A frame and how the joints move it.
+struct FrameMotion {
+  Transform O_T_frame = kIdentityTransform;
+  Jacobian J{};  ///< zero Jacobian
+};
+
 /// Rigid-body model of the Panda arm: seven joints, kinematics fixed, inertial parameters given.
 ///
 ///   M(q) ddq + C(q, dq) dq + g(q) = tau
@@ -91,6 +97,11 @@ class ArmModel {
   /// frame are zero.
   [[nodiscard]] Jacobian ZeroJacobian(Frame frame, const Configuration& q,
                                       const Transform& F_T_EE = kIdentityTransform) const noexcept
+      TWIN_REALTIME;
+
+  /// @returns Pose() and ZeroJacobian() at once, for little more than one of them.
+  [[nodiscard]] FrameMotion MotionOf(Frame frame, const Configuration& q,
+                                     const Transform& F_T_EE = kIdentityTransform) const noexcept
       TWIN_REALTIME;
 
   /// @returns J with J dq = the same twist in the frame's own axes.

@@ -5,7 +5,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/onboard/joint_impedance.h"
 #include "twin/onboard/joint_reference.h"
-#include "twin/onboard/sensing.h"
+#include "twin/onboard/measured_arm.h"
 
 namespace twin::onboard {
 
@@ -48,9 +48,11 @@ class CartesianImpedance {
                                        const model::ArmModel& arm,
                                        const ArmSetup& setup) const noexcept TWIN_REALTIME;
 
-  /// The same for who knows the pose of EE at q_d already. @param O_T_EE_d  that pose.
+  /// The same for who knows these already. @param O_T_EE_d  pose of EE at q_d.
+  /// @param measured  the arm at the measured q.
   [[nodiscard]] ImpedanceTorque Torque(const JointReference& reference, const Transform& O_T_EE_d,
-                                       const JointSensors& sensors, const model::ArmModel& arm,
+                                       const JointSensors& sensors, const MeasuredArm& measured,
+                                       const model::ArmModel& arm,
                                        const ArmSetup& setup) const noexcept TWIN_REALTIME;
 
  private:

@@ -7,7 +7,7 @@
 #include "twin/core/setting.h"
 #include "twin/model/arm_model.h"
 #include "twin/onboard/joint_impedance.h"
-#include "twin/onboard/sensing.h"
+#include "twin/onboard/measured_arm.h"
 
 namespace twin::onboard {
 

@@ -33,6 +33,12 @@ class JointImpedance {
                                        const model::ArmModel& arm,
                                        const model::Payload& payload) const noexcept TWIN_REALTIME;
 
+  /// The same for who knows configuration and gravity at the measured q already.
+  [[nodiscard]] ImpedanceTorque Torque(const JointReference& reference, const JointSensors& sensors,
+                                       const model::ArmModel& arm, const model::Payload& payload,
+                                       const model::Configuration& configuration,
+                                       const JointVector& g) const noexcept TWIN_REALTIME;
+
  private:
   JointVector K_theta_;
   double damping_ratio_;

@@ -12,6 +12,7 @@
 #include "twin/onboard/contact_monitor.h"
 #include "twin/onboard/external_torque_observer.h"
 #include "twin/onboard/external_wrench.h"
+#include "twin/onboard/measured_arm.h"
 #include "twin/onboard/measured_monitor.h"
 #include "twin/onboard/violations.h"
 
@@ -34,13 +35,6 @@ struct SensingConfig {
 
   /// @throws InputError naming field, value and range.
   void Validate() const;
-};
-
-/// Frames and bodies that the setters changed.
-struct ArmSetup {
-  Transform F_T_EE = kIdentityTransform;
-  Transform EE_T_K = kIdentityTransform;
-  model::Payload payload;  ///< end effector and load, as INT knows them
 };
 
 /// INT's measured side: external torque, contacts and collisions, and the checks of what the
@@ -81,7 +75,7 @@ class Sensing {
   [[nodiscard]] bool NeedsManualRecovery() const noexcept;
 
   /// Of the last Update(): who needs it as well need not compute it again.
-  [[nodiscard]] const Transform& O_T_EE() const noexcept { return O_T_EE_; }
+  [[nodiscard]] const MeasuredArm& arm() const noexcept { return arm_; }
 
   [[nodiscard]] const JointVector& tau_ext_hat_filtered() const noexcept;
   [[nodiscard]] const Vector6& O_F_ext_hat_K() const noexcept;  ///< zero near singularities
@@ -93,8 +87,7 @@ class Sensing {
   [[nodiscard]] const Vector6& cartesian_collision() const noexcept;  ///< latched
 
  private:
-  void Measure(const JointSensors& sensors, const model::Configuration& q,
-               const ArmSetup& setup) noexcept;
+  void Measure(const JointSensors& sensors, const ArmSetup& setup) noexcept;
 
   double wrench_gain_max_;
   ExternalTorqueObserver observer_;
@@ -102,8 +95,7 @@ class Sensing {
   ContactMonitor contacts_;
   MeasuredMonitor monitor_;
   model::SelfDistanceWatch self_distance_;
-  Transform O_T_EE_ = kIdentityTransform;
-  model::Jacobian J_EE_{};  ///< zero Jacobian
+  MeasuredArm arm_;
   MeasuredMonitor::Measured measured_;
 };
 
