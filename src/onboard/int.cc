@@ -143,20 +143,25 @@ void Int::Set(const setting::GuidingMode& mode) noexcept {
   guiding_.SetMode(mode);
 }
 
+void Int::ChangeSetup() noexcept {
+  setup_ = SetupOf(config_);
+  sensing_.Measure(setup_);
+}
+
 void Int::Set(const setting::StiffnessFrame& frame) noexcept {
   config_.stiffness_frame = frame;
-  setup_ = SetupOf(config_);
+  ChangeSetup();
 }
 
 void Int::Set(const setting::EndEffectorFrame& frame) noexcept {
   config_.end_effector_frame = frame;
-  setup_ = SetupOf(config_);
+  ChangeSetup();
   generator_.SetEndEffector(setup_.F_T_EE);
 }
 
 void Int::Set(const setting::Load& load) noexcept {
   config_.load = load;
-  setup_ = SetupOf(config_);
+  ChangeSetup();
   payload_changed_ = true;
 }
 

@@ -69,7 +69,9 @@ void Int::AdvanceReference(const RobotCommand* command, const JointSensors& sens
 
 void Int::AwaitFirstCommand(const RobotCommand* command) noexcept {
   generator_.Rest();
-  if (command != nullptr) {
+  // In the cycle that shows the modes first, a command can only answer a state from before the
+  // motion: it is left over from another.
+  if (command != nullptr && cycles_waited_ > 0) {
     Take(*command, true);
     return;
   }

@@ -83,6 +83,7 @@ void Robot::OperatePanel() noexcept {
 
 void Robot::Cycle(Time now) noexcept {
   OperatePanel();
+  const bool in_motion = int_.robot_mode() == RobotMode::kMove;
   const RobotCommand* command = inbox_.Select(int_.message_id(), now - d_INT_);
   if (hand_) hand_->Cycle();
   plant_->Step(int_.Cycle(command, plant_->sensors()));
@@ -91,8 +92,8 @@ void Robot::Cycle(Time now) noexcept {
 
   record_.violated = !int_.violations().empty();
   if (record_.violated) {
-    last_violations_ = int_.violations();
-    record_.violation = last_violations_.items().front();
+    record_.violation = int_.violations().items().front();
+    if (in_motion) last_violations_ = int_.violations();  // not of a collision while idle
   }
   if (sink_ == nullptr) return;
   record_.at = now;

@@ -171,6 +171,7 @@ class Int {
   void Set(const setting::EndEffectorFrame& frame) noexcept;
   void Set(const setting::Load& load) noexcept;
   void Set(const setting::Filters& filters) noexcept;
+  void ChangeSetup() noexcept;
   void EndMotion(MoveStatus end, RobotMode mode) noexcept;
   void LeaveToRest() noexcept;
 

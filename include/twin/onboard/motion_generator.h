@@ -53,7 +53,7 @@ class MotionGenerator {
   /// @param q0  where the arm rests. @pre limits are valid.
   MotionGenerator(const GeneratorLimits& limits, const JointVector& q0);
 
-  /// @param F_T_EE  rigid. @pre at rest, no motion runs.
+  /// @param F_T_EE  rigid. @pre no motion runs.
   void SetEndEffector(const Transform& F_T_EE) noexcept;
   /// Low-passes on commanded values, before every check, with the last commanded value as their
   /// memory; the elbow's is that of the mode's pose or twist. What a pose must be at all (frame) is

@@ -52,6 +52,9 @@ class Sensing {
   /// brakes): the observer starts anew, at zero. Collisions stay latched.
   void Reset(const JointSensors& sensors, const ArmSetup& setup) noexcept TWIN_REALTIME;
 
+  /// A setter changed the setup: arm() is of it from now on, where the sensors last showed the arm.
+  void Measure(const ArmSetup& setup) noexcept { Measure(measured_.sensors, setup); }
+
   /// New sensor values, once a cycle.
   /// @param accelerates  the reference does: which thresholds count.
   void Update(const JointSensors& sensors, const ArmSetup& setup,
