@@ -1,0 +1,219 @@
+#!/usr/bin/env python3
+"""Mutants of INT, each a single change of its text, and the tests of this folder that must catch it.
+
+    check_mutants.py --source ROOT --build DIR [--quick] [--only NAME]
+
+Copies the file to change, compiles it as the build does, links it in front of the library into the test programs and runs
+these until one fails. A mutant that no program catches is a failure, and so is a change that no longer applies: then this
+list wants an update. --quick takes a few that stand for the rest. Needs a build by Ninja with the programs built.
+"""
+
+import argparse
+import concurrent.futures
+import json
+import pathlib
+import shlex
+import subprocess
+import sys
+import tempfile
+
+# Program and arguments, cheapest first.
+CATCHERS = [
+    ("int_error_table_test", ["--gtest_brief=1"]),
+    ("random_streams", ["--streams", "1000", "--seed", "1"]),
+    ("int_modes_test", ["--gtest_brief=1"]),
+]
+SECONDS = 200
+
+# name, file below src/onboard, text, its replacement
+MUTANTS = [
+    ("joint limits 1 % wider", "limit_monitor.cc",
+     "std::abs(values[i]) <= limits[i] * (1 + kLimitTolerance)", "std::abs(values[i]) <= limits[i] * 1.01"),
+    ("joint limits 1 % narrower", "limit_monitor.cc",
+     "std::abs(values[i]) <= limits[i] * (1 + kLimitTolerance)", "std::abs(values[i]) <= limits[i] * 0.99"),
+    ("no tolerance at a joint limit", "limit_monitor.cc",
+     "std::abs(values[i]) <= limits[i] * (1 + kLimitTolerance)", "std::abs(values[i]) < limits[i] * (1 - 1e-7)"),
+    ("joint jerk unchecked", "limit_monitor.cc",
+     "CheckMagnitude(errors.jerk, next.dddq_d, limits.dddq_max, message_id, found);", ""),
+    ("joint acceleration unchecked", "limit_monitor.cc",
+     "CheckMagnitude(errors.acceleration, next.ddq_d, limits.ddq_max, message_id, found);", ""),
+    ("joint velocity unchecked", "limit_monitor.cc",
+     "CheckMagnitude(errors.velocity, next.dq_d, limits.dq_max, message_id, found);", ""),
+    ("joint position unchecked", "limit_monitor.cc",
+     "CheckPosition(errors.position, next.q_d, limits, message_id, found);", ""),
+    ("lower position limit unchecked", "limit_monitor.cc", "const bool below = !(", "const bool below = false && !("),
+    ("envelope reported beside discontinuity", "limit_monitor.cc",
+     "  if (!found.empty()) return found;\n  CheckMagnitude(errors.velocity", "  CheckMagnitude(errors.velocity"),
+    ("torque rate 1 % wider", "limit_monitor.cc",
+     "rate[i] = (tau_d[i] - tau_J_d[i]) / kCycleSeconds", "rate[i] = 0.99 * (tau_d[i] - tau_J_d[i]) / kCycleSeconds"),
+    ("a loss holds velocity, not acceleration", "joint_reference.cc",
+     "return AfterAcceleration(ddq_d);", "return AfterAcceleration(JointVector{});"),
+    ("a loss holds the position", "joint_reference.cc", "return AfterAcceleration(ddq_d);", "return Rest(q_d);"),
+    ("21 losses for 20", "int_cycle.cc",
+     "losses_.lost_in_row() >= config_.abort_after_lost", "losses_.lost_in_row() > config_.abort_after_lost"),
+    ("a finished command unchecked", "int_cycle.cc",
+     "if (found.empty() && finishes) found = next.CheckStandingStill(message_id_ + 1);", ""),
+    ("torque rate unchecked", "int_cycle.cc", "  found.Add(torque);", ""),
+    ("what is measured unchecked", "int_cycle.cc",
+     "sensing_.CheckMeasured(tau_J_d_, message_id_ + 1, IsCartesian(modes_.generator))", "Violations()"),
+    ("collisions ignored", "int_cycle.cc", "violations_ = sensing_.Collisions(message_id_ + 1);", ""),
+    ("reflex_reason not set", "int_cycle.cc", "reflex_reason_ = errors_;", ""),
+    ("the success rate counts losses as served", "int_cycle.cc", "losses_.CountLost();", "losses_.CountServed();"),
+    ("recovery while the arm moves", "int.cc",
+     "case Verdict::kGrantedAtRest: return generator_.AtRest();", "case Verdict::kGrantedAtRest: return true;"),
+    ("recovery keeps the errors", "int.cc", "  errors_.reset();\n", ""),
+    ("recovery keeps collisions latched", "int.cc", "  sensing_.ClearCollisions();\n", ""),
+    ("a new motion keeps reflex_reason", "int.cc", "  reflex_reason_.reset();\n", ""),
+    ("bad settings accepted", "int.cc",
+     "if (FindBadValue(setting)) return SetterStatus::kInvalidArgumentRejected;", ""),
+    ("motions start at singular poses", "int.cc",
+     "if (IsCartesian(modes.generator) && generator_.IsSingular()) {", "if (false) {"),
+    ("elbow sign unchecked", "motion_generator.cc",
+     "return CheckElbowSign(command.elbow_c[1], model::ElbowOf(joints_.q_d)[1], message_id);", "return found;"),
+    ("start elbow checked in the first cycle only", "motion_generator.cc", "  if (!has_elbow_) {", "  if (is_first) {"),
+    ("start pose unchecked", "motion_generator.cc",
+     "found = CheckStartPose(next.O_T_EE_c, cartesian_.O_T_EE_c, tolerance, message_id);", ""),
+    ("frame unchecked", "motion_generator.cc",
+     "const Violations found = CheckFrame(command.O_T_EE_c, message_id);", "const Violations found;"),
+    ("inverse kinematics unchecked", "motion_generator.cc",
+     "CheckStep(joints, limits_.joints, message_id, kInverseKinematicsErrors);\n  if (!found.empty()) return found;",
+     "CheckStep(joints, limits_.joints, message_id, kInverseKinematicsErrors);\n  if (false) return found;"),
+    ("joint side before Cartesian side", "motion_generator.cc", "if (!beyond.empty()) return beyond;",
+     "if (beyond.items().size() > 1) return beyond;"),
+    ("joint position filter off", "motion_generator.cc",
+     "filters_.joint_position.Filter(command.q_c, joints_.q_d)", "command.q_c"),
+    ("the elbow of a lost cycle stays", "motion_generator.cc",
+     "AdvanceCartesian(cartesian_.AfterLoss(), has_elbow_, message_id)",
+     "AdvanceCartesian(cartesian_.AfterLoss(), false, message_id)"),
+    ("Cartesian limits 1 % wider", "cartesian_monitor.cc",
+     "!(std::abs(value) <= limit * (1 + kLimitTolerance))", "!(std::abs(value) <= limit * 1.01)"),
+    ("Cartesian limits 1 % narrower", "cartesian_monitor.cc",
+     "!(std::abs(value) <= limit * (1 + kLimitTolerance))", "!(std::abs(value) <= limit * 0.99)"),
+    ("elbow motion unchecked", "cartesian_monitor.cc", "has_elbow && Exceeds(values.elbow, elbow_max)", "false"),
+    ("elbow range unchecked", "cartesian_monitor.cc",
+     "if (has_elbow) CheckElbowRange(next.elbow_c[0], joints, message_id, found);", ""),
+    ("rotation unchecked", "cartesian_monitor.cc", "} else if (Exceeds(w, w_max)) {", "} else if (false) {"),
+    ("a Cartesian loss holds the velocity", "cartesian_reference.cc",
+     "next.O_dP_EE_c[i] += kT * O_ddP_EE_c[i];", ""),
+    ("braking without a limit of jerk", "stop_profile.cc",
+     "std::clamp(against * x, ddq - d, ddq + d)", "(ddq != d ? against * x : 0.0)"),
+    ("braking 1 % too hard", "stop_profile.cc", "std::min(InverseRampSum(std::abs(dq) / kT, d, a_max), a_max)",
+     "std::min(InverseRampSum(std::abs(dq) / kT, d, 1.01 * a_max), 1.01 * a_max)"),
+    ("braking at half the acceleration", "stop_profile.cc",
+     "std::min(InverseRampSum(std::abs(dq) / kT, d, a_max), a_max)",
+     "0.5 * std::min(InverseRampSum(std::abs(dq) / kT, d, a_max), a_max)"),
+    ("power without gravity", "measured_monitor.cc", "(tau_J_d[i] + g[i])", "tau_J_d[i]"),
+    ("measured speed 1 % wider", "measured_monitor.cc", "if (!IsWithin(v, v_max_))", "if (!IsWithin(v, 1.01 * v_max_))"),
+    ("half the clearance", "measured_monitor.cc", "if (measured.self_distance < clearance_)", "if (measured.self_distance < 0.5 * clearance_)"),
+    ("collision thresholds of the wrong phase", "contact_monitor.cc",
+     "accelerates_ ? behavior_.upper_force_acc : behavior_.upper_force_nominal",
+     "accelerates_ ? behavior_.upper_force_nominal : behavior_.upper_force_acc"),
+    ("collisions not latched", "contact_monitor.cc", "if (IsAbove(values[i], upper[i])) collision[i] = 1;",
+     "collision[i] = IsAbove(values[i], upper[i]) ? 1 : 0;"),
+    ("external wrench of the wrong sign", "external_wrench.cc",
+     "const Column6 at_EE = inverse.Times(", "const Column6 at_EE = -inverse.Times("),
+    ("commands of any state count", "command_inbox.cc", "if (command.message_id != answered_id) {",
+     "if (command.message_id > answered_id) {"),
+    ("of several commands the oldest counts", "command_inbox.cc", "      chosen = &command;",
+     "      if (chosen == nullptr) chosen = &command;"),
+]
+
+QUICK = ["joint limits 1 % wider", "a loss holds velocity, not acceleration", "elbow sign unchecked"]
+
+
+class Build:
+    """How the build compiles a source and links a program."""
+
+    def __init__(self, source, folder):
+        self.source = source
+        self.folder = folder
+        entries = json.loads((folder / "compile_commands.json").read_text())
+        self.commands = {pathlib.Path(entry["file"]).name: entry for entry in entries
+                         if "/src/onboard/" in entry["file"]}
+
+    def run(self, command):
+        done = subprocess.run(command, cwd=self.folder, shell=True, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise RuntimeError(f"{command[:200]} ...\n{done.stderr[-3000:]}")
+        return done.stdout
+
+    def compile(self, name, text, scratch):
+        """The object of a changed source."""
+        changed = scratch / name
+        changed.write_text(text)
+        entry = self.commands[name]
+        words = shlex.split(entry["command"])
+        words[words.index("-o") + 1] = str(scratch / "mutant.o")
+        words[words.index("-c") + 1] = str(changed)
+        kept = [word for word in words if not word.endswith("ccache")]
+        self.run(shlex.join(kept + ["-O1"]))
+        return scratch / "mutant.o"
+
+    def link(self, program, mutant, scratch):
+        """The program with the object in front of the libraries."""
+        last = self.run(f"ninja -t commands {program}").strip().splitlines()[-1]
+        word = f" -o tests/int/{program} "
+        if last.count(word) != 1:
+            raise RuntimeError(f"no link command of {program}: {last[:300]}")
+        linked = scratch / program
+        self.run(last.replace(word, f" -o {linked} {mutant} "))
+        return linked
+
+
+def run(program, arguments):
+    """Whether the program fails; text for how."""
+    try:
+        done = subprocess.run([program, *arguments], capture_output=True, timeout=SECONDS, check=False)
+    except subprocess.TimeoutExpired:
+        return " (does not end)"
+    return "" if done.returncode else None
+
+
+def read(source, name, old):
+    text = (source / "src/onboard" / name).read_text()
+    if text.count(old) != 1:
+        raise RuntimeError(f"the change applies to {text.count(old)} places of src/onboard/{name}, not to one: {old!r}")
+    return text
+
+
+def catch(build, mutant):
+    """The first program that fails with the mutant; None when all pass."""
+    name, file, old, new = mutant
+    text = read(build.source, file, old).replace(old, new)
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = pathlib.Path(folder)
+        changed = build.compile(file, text, scratch)
+        for program, arguments in CATCHERS:
+            failure = run(build.link(program, changed, scratch), arguments)
+            if failure is not None:
+                return program + failure
+    return None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--source", type=pathlib.Path, required=True)
+    parser.add_argument("--build", type=pathlib.Path, required=True)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--only")
+    options = parser.parse_args()
+    build = Build(options.source, options.build)
+
+    chosen = [m for m in MUTANTS if (not options.quick or m[0] in QUICK) and options.only in (None, m[0])]
+    for _, file, old, _ in MUTANTS:
+        read(options.source, file, old)  # all of them, so that a quick run already tells what no longer applies
+    for program, arguments in CATCHERS:
+        if run(options.build / "tests/int" / program, arguments) is not None:
+            sys.exit(f"{program} fails without any mutant: what it would catch says nothing")
+    survivors = []
+    with concurrent.futures.ThreadPoolExecutor(max_workers=2) as pool:
+        for mutant, catcher in zip(chosen, pool.map(lambda m: catch(build, m), chosen)):
+            print(f"{'caught' if catcher else 'SURVIVES'}: {mutant[0]}" + (f" ({catcher})" if catcher else ""), flush=True)
+            if not catcher:
+                survivors.append(mutant[0])
+    print(f"{len(chosen) - len(survivors)} of {len(chosen)} mutants caught")
+    sys.exit(1 if survivors or not chosen else 0)
+
+
+if __name__ == "__main__":
+    main()
