@@ -98,7 +98,13 @@ void MotionSession::LookOn() {
   if (now > next_look_ + kSilence) silent_since_ = now;
   next_look_ = now + kLookPeriod;
   if (watch_.expected() && !watch_.ended()) NoticeSilence();
+  if (watch_.expected() && !watch_.moving()) NoticeUnseenEnd();
   if (run_.progress) run_.progress(now);
+}
+
+void MotionSession::NoticeUnseenEnd() {
+  // A motion that ended in the cycle it began in shows in no state.
+  if (run_.backend.Describe().last_end != backend::MotionEnd::kNone) watch_.End();
 }
 
 void MotionSession::NoticeSilence() {

@@ -53,6 +53,7 @@ class MotionSession {
   }
   void LookOn();
   void NoticeSilence();
+  void NoticeUnseenEnd();
   void Tell(std::string_view kind, std::string_view text) {
     if (run_.event) run_.event(stage_.Now(), kind, text);
   }

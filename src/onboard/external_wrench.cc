@@ -1,5 +1,7 @@
 #include "twin/onboard/external_wrench.h"
 
+#include <algorithm>
+
 #include <Eigen/Geometry>
 
 #include "onboard/factors.h"
@@ -28,6 +30,13 @@ Inverse::Square Gram(const JacobianMap& J) noexcept {
   return JJt;
 }
 
+/// 1 up to kFadesFrom of gain_max, 0 from gain_max on, linear in the gain's square between.
+double ShareAt(double gain_squared, double gain_max) noexcept {
+  constexpr double kFadesFrom = 0.8;
+  const double from = kFadesFrom * kFadesFrom * gain_max * gain_max;
+  return std::clamp((gain_max * gain_max - gain_squared) / (gain_max * gain_max - from), 0.0, 1.0);
+}
+
 }  // namespace
 
 ExternalWrench EstimateWrench(const JointVector& tau_ext_hat, const model::Jacobian& J,
@@ -35,12 +44,12 @@ ExternalWrench EstimateWrench(const JointVector& tau_ext_hat, const model::Jacob
                               double gain_max) noexcept {
   const JacobianMap J_EE(J.data());
   const Inverse inverse(Gram(J_EE));
-  const bool is_regular = inverse.is_definite() && inverse.Diagonal().sum() <= gain_max * gain_max;
+  const double share = inverse.is_definite() ? ShareAt(inverse.Diagonal().sum(), gain_max) : 0;
   ExternalWrench wrench;
-  if (!is_regular) return wrench;
+  if (share == 0) return wrench;
 
   const Eigen::Map<const Eigen::Matrix<double, kJoints, 1>> tau(tau_ext_hat.data());
-  const Column6 at_EE = inverse.Times(J_EE.lazyProduct(tau));
+  const Column6 at_EE = share * inverse.Times(J_EE.lazyProduct(tau));
   const Eigen::Vector3d f = at_EE.head<3>();
   const Eigen::Matrix3d O_R_EE = TransformMap(O_T_EE.data()).topLeftCorner<3, 3>();
   const Eigen::Matrix3d O_R_K = O_R_EE * TransformMap(EE_T_K.data()).topLeftCorner<3, 3>();

@@ -22,8 +22,9 @@ struct ExternalWrench {
 /// An error of tau_ext_hat, alike on all joints, arrives in the wrench at EE enlarged by
 ///   gain = sqrt(trace((J J^T)^-1)) = sqrt(sum 1/sigma_i^2),
 /// sigma_i the singular values of J, units of m, N and Nm. Near a singularity that grows without
-/// bound; above `gain_max` both wrenches are zero. Source: FCI protocol 5, robot state ("zeros near
-/// singularity"); the measure is ours.
+/// bound; above `gain_max` both wrenches are zero, and from 0.8 of it on they fade, so that an arm
+/// that leaves a singularity does not meet a force that was not there a cycle before. Source: FCI
+/// protocol 5, robot state ("zeros near singularity"); measure and fading are ours.
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.
 /// @param tau_ext_hat  positive when the robot pushes. @param J  zero Jacobian of EE.
