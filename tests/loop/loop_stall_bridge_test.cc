@@ -238,6 +238,26 @@ TEST(StallBridgeTest, StagesBehindItAreNotTakenForALapse) {
   EXPECT_EQ(bridged.q_d, q_d);
 }
 
+TEST(StallBridgeTest, AFilterOfTheRobotsOwnIsNotTakenForALapse) {
+  // The robot takes every command, and makes another value of it.
+  const reference::LowPass filter(100);
+  TickConfig config;
+  config.generator = Generator::kNone;
+  config.robot_shows_commands = false;
+  CommandChain chain(config, CommandInterface::kJointVelocity);
+  Reference robot{Target()};
+  chain.Reset(robot.state);
+  double expected = 0;
+  for (int k = 1; k <= 500; ++k) {
+    RobotCommand command;
+    const double dq = std::min(2e-3 * k, 0.5);
+    chain.Next(robot.state, AtSpeed(dq)(k * kT), true, 1, Time(kCycle * k), command);
+    robot.TakeVelocity(filter.Filter(command.dq_c, robot.state.dq_d));
+    expected = filter.Filter(dq, expected);
+    ASSERT_NEAR(robot.state.dq_d[0], expected, 1e-9) << "cycle " << k;
+  }
+}
+
 TEST(StallBridgeTest, AMotionIsNotFinishedWhileADifferenceIsLeft) {
   TickConfig config;
   config.generator = Generator::kNone;
