@@ -136,8 +136,8 @@ void CommandChain::Next(const RobotState& state, const reference::Target& target
 std::uint64_t CommandChain::CountUnserved(const RobotState& state, std::uint64_t cycles) noexcept {
   // After more than one cycle the state no longer shows the command itself: it counts as taken,
   // lest a loop that answers every other state be taken for one that is never heard.
-  const bool taken = cycles > 1 || !sent_ || !config_.robot_shows_commands ||
-                     Shown(state, interface_) == sent_;
+  const bool taken =
+      cycles > 1 || !sent_ || !config_.robot_shows_commands || Shown(state, interface_) == sent_;
   unserved_ = taken ? cycles - 1 : unserved_ + 1;
   return unserved_;
 }

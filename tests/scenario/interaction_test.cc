@@ -136,6 +136,24 @@ TEST_F(InteractionTest, TheUserStopEndsTheMotionAndTheBrakesHold) {
   for (std::size_t i = 0; i < kJoints; ++i) EXPECT_NEAR(last.q[i], before.q[i], 1e-7);
 }
 
+TEST_F(InteractionTest, AUserStopBeforeTheFirstCycleOfTheMotionIsSeen) {
+  Scenario scenario = Example("user_stop");
+  scenario.panel.at(0).at = 1us;
+  const RunResult result = Execute(scenario);
+  EXPECT_EQ(result.report.end, backend::MotionEnd::kUserStopped);
+  EXPECT_EQ(result.report.failure, "motion aborted: user stop pressed");
+  EXPECT_LT(result.report.simulated, 2s);
+}
+
+TEST_F(InteractionTest, ARobotThatFiltersItsCommandsIsFollowed) {
+  Scenario scenario = Example("smoke");
+  scenario.tick.generator = loop::Generator::kNone;
+  scenario.onboard.filters.joint_position_hz = 100;
+  const RunResult result = Execute(scenario);
+  EXPECT_EQ(result.report.end, backend::MotionEnd::kSuccess);
+  EXPECT_LT(result.report.simulated, 10s);
+}
+
 TEST_F(InteractionTest, TheIdealPlantCarriesTheLoadToo) {
   Scenario scenario = Example("smoke");
   scenario.robot.load = {.m_load = 1, .F_x_Cload = {0, 0, 0.1}};

@@ -38,8 +38,8 @@ struct TickConfig {
   /// written. Zero: every state is answered. Source: the paper's section on the asynchronous
   /// thread.
   Duration period_tolerance = std::chrono::microseconds(250);
-  /// Whether the robot's reference shows the command as it was sent. It does not when filters of its
-  /// own are on (setting::Filters): then a command that was not taken cannot be told, and only
+  /// Whether the robot's reference shows the command as it was sent. It does not when filters of
+  /// its own are on (setting::Filters): then a command that was not taken cannot be told, and only
   /// states that do not come count as a lapse.
   bool robot_shows_commands = true;
   /// Cut-off of libfranka's first-order low-pass on the command, Hz, in [1, 1000]; 1000: off. On
