@@ -120,8 +120,10 @@ Story TellAbort(const RunEnd& end) {
 }
 
 std::string HowItEnded(const RunEnd& end) {
+  if (end.user_stopped) {
+    return fmt::format("somebody pressed the user stop at {:.3f} s", *end.user_stopped);
+  }
   if (!end.moved) return "no motion ran";
-  if (end.user_stopped) return "somebody pressed the user stop";
   if (end.last_word.empty() || end.last_word == "finished") return "no error";
   return fmt::format("no error of the robot; the motion ended early: {}", end.last_word);
 }
@@ -161,8 +163,8 @@ Explanation Explain(const std::filesystem::path& log) {
         log.string(), end.end));
   }
   return {.aborted = false,
-          .text = fmt::format("{}: {}, {:.3f} s\n{}", end.run.scenario, HowItEnded(end), end.end,
-                              TellApproach(end)),
+          .text = fmt::format("{}: {}; the log ends at {:.3f} s\n{}", end.run.scenario,
+                              HowItEnded(end), end.end, TellApproach(end)),
           .page = ""};
 }
 

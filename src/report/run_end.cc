@@ -25,7 +25,10 @@ class Collector {
     any_ = true;
     end_.end = ToSeconds(cycle.at.time_since_epoch());
     end_.moved = end_.moved || cycle.state.motion_generator_mode != MotionGeneratorMode::kIdle;
-    end_.user_stopped = end_.user_stopped || cycle.state.robot_mode == RobotMode::kUserStopped;
+    const bool running = end_.last_word.starts_with("started");
+    if (running && !end_.user_stopped && cycle.state.robot_mode == RobotMode::kUserStopped) {
+      end_.user_stopped = end_.end;
+    }
     const bool has_error = cycle.state.errors.any();
     if (has_error && !had_error_) ++end_.aborts;
     had_error_ = has_error;

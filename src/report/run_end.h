@@ -31,12 +31,12 @@ struct RunEnd {
   static constexpr std::size_t kShown = 50;
 
   record::RunInfo run;
-  bool truncated = false;     ///< the run was killed
-  bool moved = false;         ///< a motion ran
-  bool user_stopped = false;  ///< the user stop was pressed
-  double end = 0;             ///< time of the last cycle, s
-  std::uint64_t aborts = 0;   ///< motions that an error ended
-  std::string last_word;      ///< the log's last event about a motion: "finished", or why not
+  bool truncated = false;              ///< the run was killed
+  bool moved = false;                  ///< a motion ran
+  std::optional<double> user_stopped;  ///< when the user stop ended the motion, s
+  double end = 0;                      ///< time of the last cycle, s
+  std::uint64_t aborts = 0;            ///< motions that an error ended
+  std::string last_word;  ///< the log's last event about a motion: "finished", or why not
   /// Up to the first abort, its cycle last: kShown cycles, and the one before them. Empty when no
   /// error ended a motion.
   std::vector<EndCycle> cycles;

@@ -186,7 +186,7 @@ TEST_F(ExplainTest, ASuccessTellsHowCloseItCame) {
   EXPECT_FALSE(told.aborted);
   EXPECT_EQ(told.page, "");
   // q'' = 1.8 cos(3 t) is largest at the start, where the first difference also takes q''/2.
-  EXPECT_THAT(told.text, AllOf(HasSubstr("sample: no error, 1.000 s"), HasSubstr("joint 2"),
+  EXPECT_THAT(told.text, AllOf(HasSubstr("sample: no error; the log ends at 1.000 s"), HasSubstr("joint 2"),
                                HasSubstr("of 2.175 rad/s"), HasSubstr("27.6 %")));
   std::istringstream lines(told.text);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100U) << line;
@@ -197,9 +197,19 @@ TEST_F(ExplainTest, AnEarlyEndWithoutAnErrorIsNoSuccess) {
   motion.Serve(10).Event("motion", "interrupted by the user");
   EXPECT_THAT(Explain(motion.Finish()).text, HasSubstr("ended early: interrupted by the user"));
   SampleMotion stopped(log());
-  stopped.Serve(10).state().robot_mode = RobotMode::kUserStopped;
-  stopped.Serve(1);
-  EXPECT_THAT(Explain(stopped.Finish()).text, HasSubstr("the user stop"));
+  stopped.Event("motion", "started: joint_position").Serve(10);
+  stopped.state().robot_mode = RobotMode::kUserStopped;
+  stopped.Serve(20);
+  EXPECT_THAT(Explain(stopped.Finish()).text,
+              HasSubstr("the user stop at 0.011 s; the log ends at 0.030 s"));
+}
+
+TEST_F(ExplainTest, AUserStopAfterTheMotionEndedNothing) {
+  SampleMotion motion(log());
+  motion.Event("motion", "started: joint_position").Serve(10).Event("motion", "finished");
+  motion.state().robot_mode = RobotMode::kUserStopped;
+  motion.Serve(20);
+  EXPECT_THAT(Explain(motion.Finish()).text, HasSubstr("no error"));
 }
 
 TEST_F(ExplainTest, ALogWithoutLimitsSaysSo) {
