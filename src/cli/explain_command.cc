@@ -23,7 +23,7 @@ fs::path LogOf(const fs::path& named) {
   if (!fs::is_directory(named, error)) return named;
   const ResultFolder results(named);
   if (fs::exists(results.log(), error)) return results.log();
-  const fs::path partial = PartialOf(results.log());
+  fs::path partial = PartialOf(results.log());
   if (fs::exists(partial, error)) return partial;
   throw InputError(fmt::format(
       "{} holds no {}; name a run's log, or the folder of a run that kept one (record: true)",

@@ -72,7 +72,7 @@ const ErrorEntry& EntryOf(const Violation& violation) noexcept {
 
 std::string AxisName(const Violation& violation) {
   if (violation.axis < 0) return "";
-  const auto axis = static_cast<std::size_t>(violation.axis);
+  const auto axis = static_cast<std::uint8_t>(violation.axis);
   switch (EntryOf(violation).axis) {
     case AxisKind::kJoint: return fmt::format("joint {}", axis + 1);
     case AxisKind::kMotion: return axis < kMotionAxes.size() ? std::string(kMotionAxes[axis]) : "";

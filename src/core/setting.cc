@@ -147,16 +147,16 @@ std::string_view Name(const Setting& setting) noexcept {
 
 bool IsRigid(const Transform& X) noexcept {
   constexpr double kTolerance = 1e-5;
-  const auto column = [&](int c, int r) { return X[static_cast<std::size_t>(4 * c + r)]; };
+  const auto column = [&](std::size_t c, std::size_t r) { return X[4 * c + r]; };
   const bool last_row = X[3] == 0 && X[7] == 0 && X[11] == 0 && X[15] == 1;
   if (!last_row) return false;
   for (const double x : X) {
     if (!std::isfinite(x)) return false;
   }
-  for (int a = 0; a < 3; ++a) {
-    for (int b = a; b < 3; ++b) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = a; b < 3; ++b) {
       double dot = 0;
-      for (int r = 0; r < 3; ++r) dot += column(a, r) * column(b, r);
+      for (std::size_t r = 0; r < 3; ++r) dot += column(a, r) * column(b, r);
       if (!(std::abs(dot - (a == b ? 1 : 0)) <= kTolerance)) return false;
     }
   }

@@ -111,7 +111,7 @@ MUTANTS = [
     ("collisions not latched", "contact_monitor.cc", "if (IsAbove(values[i], upper[i])) collision[i] = 1;",
      "collision[i] = IsAbove(values[i], upper[i]) ? 1 : 0;"),
     ("external wrench of the wrong sign", "external_wrench.cc",
-     "const Column6 at_EE = inverse.Times(", "const Column6 at_EE = -inverse.Times("),
+     "const Column6 at_EE = share * inverse.Times(", "const Column6 at_EE = -share * inverse.Times("),
     ("commands of any state count", "command_inbox.cc", "if (command.message_id != answered_id) {",
      "if (command.message_id > answered_id) {"),
     ("of several commands the oldest counts", "command_inbox.cc", "      chosen = &command;",

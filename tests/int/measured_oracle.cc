@@ -6,6 +6,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <Eigen/SVD>
 
 #include "int/completion_oracle.h"
 #include "int/pose_math.h"
@@ -155,6 +156,22 @@ std::optional<std::string> FindWrongFlags(const RobotState& before, const RobotS
                    s.K_F_ext_hat_K, acc ? b.upper_force_acc : b.upper_force_nominal);
 }
 
+namespace {
+
+/// What is told of the external force: all of it where an error of the joints' torques arrives
+/// enlarged by less than 24, nothing from 30 on: sqrt(sum 1/sigma_i^2), sigma_i the
+/// singular values of EE's Jacobian.
+double WrenchShare(const RobotState& s) {
+  const model::Jacobian values =
+      model::ArmModel::Panda().ZeroJacobian(model::Frame::kEndEffector, s.q, s.F_T_EE);
+  const Eigen::Map<const Eigen::Matrix<double, 6, kJoints>> J(values.data());
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J);
+  const double gain_squared = svd.singularValues().array().square().inverse().sum();
+  return std::clamp((30.0 * 30 - gain_squared) / (30.0 * 30 - 24.0 * 24), 0.0, 1.0);
+}
+
+}  // namespace
+
 std::optional<std::string> FindWrongWrench(const RobotState& s) {
   const Transform F_T_K = model::Multiply(s.F_T_EE, s.EE_T_K);
   const model::Jacobian J =
@@ -169,11 +186,13 @@ std::optional<std::string> FindWrongWrench(const RobotState& s) {
       return fmt::format("K_F_ext_hat_K[{}] is not O_F_ext_hat_K in K axes", 3 * block + c);
     }
   }
+  const double share = WrenchShare(s);
   if (F == Vector6{}) {
-    const bool has_reason = Norm6(J, s.tau_ext_hat_filtered) < 1e-12 || !IsRegular(s.q, true);
+    const bool has_reason = Norm6(J, s.tau_ext_hat_filtered) < 1e-12 || share < 1e-9;
     return has_reason ? std::nullopt : std::optional<std::string>("no external force is told");
   }
   JointVector left = s.tau_ext_hat_filtered;
+  for (double& tau : left) tau *= share;
   for (std::size_t j = 0; j < kJoints; ++j) {
     for (std::size_t r = 0; r < 6; ++r) left[j] -= J[6 * j + r] * F[r];
   }
