@@ -173,7 +173,8 @@ robot::RobotConfig MakeRobotConfig(const Scenario& scenario, const RobotData& ro
   config.plant_kind = scenario.plant.kind;
   config.plant = MakePlant(scenario, robot, files);
   config.link = MakeLink(scenario.link);
-  config.q_start = scenario.robot.q_start.value_or(scenario.motion.waypoints.front().q);
+  config.q_start =
+      scenario.robot.q_start ? *scenario.robot.q_start : scenario.motion.waypoints.front().q;
   config.panel = scenario.panel;
   config.clock_ppm = scenario.robot.clock_drift_ppm;
   config.seed = scenario.seed;
