@@ -4,8 +4,10 @@
 #include "twin/loop/realtime_drive.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -72,7 +74,7 @@ class RealtimeDriveTest : public ::testing::Test {
                           .seed = 1,
                           .time_limit = time_limit_,
                           .sink = sink,
-                          .progress = {},
+                          .progress = progress_,
                           .event = {},
                           .interrupted = interrupted_});
   }
@@ -105,6 +107,7 @@ class RealtimeDriveTest : public ::testing::Test {
   ControllerLoopConfig controller_loop_;
   Duration time_limit_ = seconds(20);
   const volatile bool* interrupted_ = nullptr;
+  std::function<void(Time)> progress_;
 };
 
 /// Stands still, and does what a test wants in its update number `at`.
@@ -267,7 +270,7 @@ class GuardedSink final : public rt::RecordSink {
 
   Side robot;
   Side communication;
-  volatile bool done = false;  ///< the run may end; set by the robot's side alone
+  std::atomic<bool> done{false};  ///< the run may end
 };
 
 TEST_F(RealtimeDriveTest, NoAllocationLockOrPageFaultInTenThousandTicksOfEitherThread) {
@@ -281,7 +284,9 @@ TEST_F(RealtimeDriveTest, NoAllocationLockOrPageFaultInTenThousandTicksOfEitherT
   // A machine that loses time now and then has ticks to spare, and no reason to abort.
   robot_.onboard.abort_after_lost = 100'000;
   GuardedSink sink;
-  interrupted_ = &sink.done;
+  volatile bool interrupted = false;
+  progress_ = [&](Time) { interrupted = sink.done; };  // on the thread that looks at it
+  interrupted_ = &interrupted;
   const RunReport report = Run(swing, &sink);
   EXPECT_EQ(report.end, backend::MotionEnd::kPreempted) << report.failure;
   for (const GuardedSink::Side* side : {&sink.robot, &sink.communication}) {
