@@ -295,9 +295,12 @@ TEST_F(RealtimeDriveTest, NoAllocationLockOrPageFaultInTenThousandTicksOfEitherT
     EXPECT_EQ(side->found.frees, 0);
     EXPECT_EQ(side->found.locks, 0);
     // Where memory may not be locked, the report says so, and pages may go.
+    // ThreadSanitizer's own pages come as they are needed.
+#ifndef __SANITIZE_THREAD__
     if (report.notices.empty()) {
       EXPECT_EQ(side->page_faults, 0);
     }
+#endif
   }
 }
 
