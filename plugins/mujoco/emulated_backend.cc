@@ -10,9 +10,8 @@
 namespace twin::plugins {
 namespace {
 
-using onboard::MoveStatus;
-using onboard::RecoveryStatus;
-using onboard::SetterStatus;
+using RecoveryStatus;
+using SetterStatus;
 
 backend::MotionEnd EndOf(MoveStatus status) noexcept {
   switch (status) {

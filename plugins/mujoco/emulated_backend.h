@@ -25,9 +25,9 @@ struct NamedPlant {
 
 /// Turn INT's answers into the seam's. @param mode  the robot's, for the text.
 /// @throws RobotFault, InputError as backend::Backend when the answer is a refusal.
-void RequireStarted(onboard::MoveStatus status, const MotionModes& modes, RobotMode mode);
-void RequireSet(onboard::SetterStatus status, const Setting& setting, RobotMode mode);
-void RequireRecovered(onboard::RecoveryStatus status, RobotMode mode);
+void RequireStarted(MoveStatus status, const MotionModes& modes, RobotMode mode);
+void RequireSet(SetterStatus status, const Setting& setting, RobotMode mode);
+void RequireRecovered(RecoveryStatus status, RobotMode mode);
 void RequireOperated(bool done, PanelAction action, RobotMode mode);
 
 /// The emulated robot behind the backend seam, whoever advances its time: everything but reading
@@ -41,7 +41,7 @@ class EmulatedBackend : public backend::Backend, public backend::Panel {
   }
 
   void Configure(const Setting& setting) final {
-    const onboard::SetterStatus status = robot_.Configure(setting);
+    const SetterStatus status = robot_.Configure(setting);
     RequireSet(status, setting, robot_.mode());
   }
 
@@ -54,14 +54,14 @@ class EmulatedBackend : public backend::Backend, public backend::Panel {
   [[nodiscard]] backend::Hand* hand() noexcept { return robot_.has_hand() ? &hand_ : nullptr; }
 
   void Start(const MotionModes& modes) final {
-    const onboard::MoveStatus status = robot_.Move(modes);
+    const MoveStatus status = robot_.Move(modes);
     RequireStarted(status, modes, robot_.mode());
   }
 
   void Stop() final { robot_.StopMove(); }
 
   void Recover() final {
-    const onboard::RecoveryStatus status = robot_.AutomaticErrorRecovery();
+    const RecoveryStatus status = robot_.AutomaticErrorRecovery();
     RequireRecovered(status, robot_.mode());
   }
 

@@ -65,7 +65,7 @@ std::invoke_result_t<Request> RealtimeRobot::Ask(Request request) const {
   if constexpr (!std::is_void_v<std::invoke_result_t<Request>>) return question.answer();
 }
 
-onboard::MoveStatus RealtimeRobot::Move(const MotionModes& modes) {
+MoveStatus RealtimeRobot::Move(const MotionModes& modes) {
   return Ask([&] { return robot_.Move(modes); });
 }
 
@@ -73,11 +73,11 @@ void RealtimeRobot::StopMove() {
   Ask([&] { robot_.StopMove(); });
 }
 
-onboard::RecoveryStatus RealtimeRobot::AutomaticErrorRecovery() {
+RecoveryStatus RealtimeRobot::AutomaticErrorRecovery() {
   return Ask([&] { return robot_.AutomaticErrorRecovery(); });
 }
 
-onboard::SetterStatus RealtimeRobot::Configure(const Setting& setting) {
+SetterStatus RealtimeRobot::Configure(const Setting& setting) {
   return Ask([&] { return robot_.Configure(setting); });
 }
 

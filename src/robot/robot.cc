@@ -54,7 +54,7 @@ void Robot::ScheduleCycle() noexcept {
   events_.Schedule(next_cycle_, rt::EventOrder::kIntCycle, *this);
 }
 
-onboard::MoveStatus Robot::Move(const MotionModes& modes) noexcept {
+MoveStatus Robot::Move(const MotionModes& modes) noexcept {
   last_violations_ = onboard::Violations();
   return int_.Move(modes);
 }

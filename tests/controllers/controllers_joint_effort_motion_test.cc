@@ -20,7 +20,6 @@
 namespace twin::controllers {
 namespace {
 
-using onboard::MoveStatus;
 using plant::FrictionProfile;
 using reference::Trajectory;
 

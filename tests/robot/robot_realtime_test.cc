@@ -209,7 +209,7 @@ TEST_F(RealtimeRobotTest, ServesExactlyTheCyclesWhoseCommandArrivedInTime) {
   config.link.command.delay = rt::DelayModel(rt::ConstantDelay{delay});
   config.link.d_INT = microseconds(150);
   Make(config);
-  ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+  ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
   robot_->Begin();
   // By id of the answered state: the write happened between these two instants.
   std::vector<std::pair<Time, Time>> writes(2000, {Time::max(), Time::max()});
@@ -250,24 +250,24 @@ TEST_F(RealtimeRobotTest, AnswersRequestsBeforeDuringAndAfterItsTime) {
   Make(test::PandaRobot());
   JointVector impedance;
   impedance.fill(500);
-  EXPECT_EQ(robot_->Configure(setting::JointImpedance{impedance}), onboard::SetterStatus::kSuccess);
+  EXPECT_EQ(robot_->Configure(setting::JointImpedance{impedance}), SetterStatus::kSuccess);
   EXPECT_EQ(robot_->mode(), RobotMode::kIdle);
   robot_->Begin();
   impedance.fill(-1);
   EXPECT_EQ(robot_->Configure(setting::JointImpedance{impedance}),
-            onboard::SetterStatus::kInvalidArgumentRejected);
-  EXPECT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
-  EXPECT_EQ(robot_->Move({}), onboard::MoveStatus::kCommandNotPossibleRejected);
+            SetterStatus::kInvalidArgumentRejected);
+  EXPECT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
+  EXPECT_EQ(robot_->Move({}), MoveStatus::kCommandNotPossibleRejected);
   AwaitCycle(cycles_.count() + 2);
   EXPECT_EQ(robot_->mode(), RobotMode::kMove);
   robot_->StopMove();
-  while (robot_->last_motion().end == onboard::MoveStatus::kMotionStarted) {
+  while (robot_->last_motion().end == MoveStatus::kMotionStarted) {
   }
-  EXPECT_EQ(robot_->last_motion().end, onboard::MoveStatus::kPreempted);
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kPreempted);
   EXPECT_TRUE(robot_->last_motion().violations.empty());
   robot_->End();
   EXPECT_EQ(robot_->mode(), RobotMode::kIdle);
-  EXPECT_EQ(robot_->AutomaticErrorRecovery(), onboard::RecoveryStatus::kSuccess);
+  EXPECT_EQ(robot_->AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
 }
 
 TEST_F(RealtimeRobotTest, TwoThreadsMayAskAtOnce) {
@@ -335,7 +335,7 @@ TEST_F(RealtimeRobotTest, ACommandWrittenBeforeTheBeginIsLost) {
   RobotConfig config = test::PandaRobot();
   config.link.command.delay = rt::DelayModel();
   Make(config);
-  ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+  ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
   for (std::uint64_t id = 0; id < 20; ++id) {
     RobotCommand command;
     command.message_id = id;
@@ -385,7 +385,7 @@ TEST_F(RealtimeRobotTest, ItsThreadAllocatesAndLocksNothing) {
     if (step == 2) guard.emplace();
     if (step == 500) counts = guard->counts();
   });
-  ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+  ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
   robot_->Begin();
   for (int i = 0; i < 600 && cycles_.count() < 500; ++i) {
     const RobotState* state = AwaitState();

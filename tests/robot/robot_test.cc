@@ -85,7 +85,7 @@ TEST_F(RobotTest, TakesACommandThatArrivesExactlyAtTheDeadlineAndDropsALaterOne)
     workstation_.answer_after = microseconds(1000 - 100 - 160) + Duration(late_ns);
     events_ = rt::EventQueue();
     Make(config, std::make_unique<plant::IdealPlant>());
-    ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+    ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
     RunFor(milliseconds(20));
     EXPECT_EQ(cycle_.last.fate, late_ns == 0 ? rt::CommandFate::kServed : rt::CommandFate::kNone);
     EXPECT_EQ(cycle_.last.dropped, late_ns == 0 ? 0u : 1u);
@@ -138,7 +138,7 @@ TEST_F(RobotTest, APostponedCycleKeepsItsIdAndTheGrid) {
 TEST_F(RobotTest, APostponedCycleTakesTheCommandThatArrivedMeanwhile) {
   RobotConfig config = test::PandaRobot();
   Make(config, std::make_unique<plant::IdealPlant>());
-  ASSERT_EQ(robot_->Move({}), onboard::MoveStatus::kMotionStarted);
+  ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
   RunFor(milliseconds(5));
   robot_->Postpone(3 * kCycle);
   RobotCommand command;

@@ -93,7 +93,7 @@ TEST(RtsanTest, TenThousandCyclesOfTheRobot) {
   Silent silent;
   const robot::RobotConfig config = test::IdealPanda();
   robot::Robot robot(config, std::make_unique<plant::IdealPlant>(), events, silent, nullptr);
-  ASSERT_EQ(robot.Move(kPosition), onboard::MoveStatus::kMotionStarted);
+  ASSERT_EQ(robot.Move(kPosition), MoveStatus::kMotionStarted);
   robot.Begin();
   RobotCommand command;
   {

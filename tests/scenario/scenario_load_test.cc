@@ -40,7 +40,7 @@ class HeldArm {
   }
 
   void Configure(const Setting& setting) {
-    ASSERT_EQ(int_->Configure(setting), onboard::SetterStatus::kSuccess);
+    ASSERT_EQ(int_->Configure(setting), SetterStatus::kSuccess);
   }
 
   void Settle() {

@@ -6,6 +6,7 @@
 #include "twin/core/modes.h"
 #include "twin/core/panel.h"
 #include "twin/core/realtime.h"
+#include "twin/core/request_status.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
@@ -22,34 +23,6 @@
 #include "twin/rt/cycle_record.h"
 
 namespace twin::onboard {
-
-/// Answers to a Move request; values are those of the wire. Source: FCI protocol 5, status values.
-enum class MoveStatus : std::uint8_t {
-  kSuccess = 0,
-  kMotionStarted = 1,
-  kPreempted = 2,
-  kCommandNotPossibleRejected = 3,
-  kStartAtSingularPoseRejected = 4,
-  kInvalidArgumentRejected = 5,
-  kReflexAborted = 6,
-  kEmergencyAborted = 7,
-  kInputErrorAborted = 8,
-  kAborted = 9,
-};
-
-/// Answers to a setter; values are those of the wire.
-enum class SetterStatus : std::uint8_t {
-  kSuccess = 0,
-  kCommandNotPossibleRejected = 1,
-  kInvalidArgumentRejected = 2,
-};
-
-/// Answers to automatic error recovery; values are those of the wire.
-enum class RecoveryStatus : std::uint8_t {
-  kSuccess = 0,
-  kCommandNotPossibleRejected = 1,
-  kManualErrorRecoveryRequiredRejected = 2,
-};
 
 /// INT: the robot's own controller, between a command of the workstation and joint torque, 1 ms a
 /// cycle. It knows neither the network nor the plant.

@@ -66,10 +66,10 @@ class RealtimeRobot final : private rt::EventHandler {
 
   /// @throws RobotFault when the robot's thread has not answered within 1 s, as all requests; it
   /// then has not done and will not do what was asked.
-  [[nodiscard]] onboard::MoveStatus Move(const MotionModes& modes);
+  [[nodiscard]] MoveStatus Move(const MotionModes& modes);
   void StopMove();
-  [[nodiscard]] onboard::RecoveryStatus AutomaticErrorRecovery();
-  [[nodiscard]] onboard::SetterStatus Configure(const Setting& setting);
+  [[nodiscard]] RecoveryStatus AutomaticErrorRecovery();
+  [[nodiscard]] SetterStatus Configure(const Setting& setting);
   [[nodiscard]] bool Operate(PanelAction action);
   /// As Robot's.
   [[nodiscard]] bool has_hand() const noexcept { return robot_.has_hand(); }

@@ -23,7 +23,7 @@ namespace twin::robot {
 
 /// How the last motion ended.
 struct LastMotion {
-  onboard::MoveStatus end = onboard::MoveStatus::kMotionStarted;  ///< see onboard::Int::last_end
+  MoveStatus end = MoveStatus::kMotionStarted;  ///< see onboard::Int::last_end
   onboard::Violations violations;  ///< what ended it, when an error did
 };
 
@@ -60,12 +60,12 @@ class Robot final : private rt::EventHandler {
   /// Between two cycles, on the queue's clock.
   [[nodiscard]] Duration period() const noexcept;
 
-  [[nodiscard]] onboard::MoveStatus Move(const MotionModes& modes) noexcept;
+  [[nodiscard]] MoveStatus Move(const MotionModes& modes) noexcept;
   void StopMove() noexcept { int_.StopMove(); }
-  [[nodiscard]] onboard::RecoveryStatus AutomaticErrorRecovery() noexcept {
+  [[nodiscard]] RecoveryStatus AutomaticErrorRecovery() noexcept {
     return int_.AutomaticErrorRecovery();
   }
-  [[nodiscard]] onboard::SetterStatus Configure(const Setting& setting) noexcept {
+  [[nodiscard]] SetterStatus Configure(const Setting& setting) noexcept {
     return int_.Configure(setting);
   }
   [[nodiscard]] bool Operate(PanelAction action) noexcept { return int_.Operate(action); }
