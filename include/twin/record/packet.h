@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "twin/core/time.h"
+
+namespace twin::record {
+
+/// How a packet travelled.
+enum class Transport : std::uint8_t { kTcp, kUdp };
+
+/// One end of a connection: IPv4 address, in the host's byte order, and port.
+struct PacketEnd {
+  std::uint32_t address = 0;
+  std::uint16_t port = 0;
+  auto operator<=>(const PacketEnd&) const = default;
+};
+
+/// A datagram, or a piece of a TCP stream, without its heads.
+struct Packet {
+  Time at{};  ///< on the run's time line
+  Transport transport = Transport::kUdp;
+  PacketEnd from;
+  PacketEnd to;
+  std::span<const std::byte> bytes;
+};
+
+}  // namespace twin::record

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+// Numbers of the pcapng format and of the heads inside. Source: IETF draft-ietf-opsawg-pcapng;
+// RFC 791 (IPv4), 768 (UDP), 9293 (TCP).
+namespace twin::record::pcapng {
+
+inline constexpr std::uint32_t kSectionHeader = 0x0a0d0d0a;
+inline constexpr std::uint32_t kInterfaceDescription = 1;
+inline constexpr std::uint32_t kEnhancedPacket = 6;
+inline constexpr std::uint32_t kByteOrderMagic = 0x1a2b3c4d;
+
+/// Of an interface description.
+inline constexpr std::uint16_t kOptionEnd = 0;
+inline constexpr std::uint16_t kOptionTimeResolution = 9;
+
+/// What an interface's packets begin with.
+inline constexpr std::uint16_t kLinkEthernet = 1;
+inline constexpr std::uint16_t kLinkRaw = 101;
+inline constexpr std::uint16_t kLinkLinuxCooked = 113;
+inline constexpr std::uint16_t kLinkIpv4 = 228;
+
+inline constexpr std::size_t kIpBytes = 20;
+inline constexpr std::size_t kUdpBytes = 8;
+inline constexpr std::size_t kTcpBytes = 20;
+inline constexpr std::uint8_t kTcp = 6;
+inline constexpr std::uint8_t kUdp = 17;
+
+}  // namespace twin::record::pcapng
