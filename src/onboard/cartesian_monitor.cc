@@ -1,24 +1,22 @@
 #include "twin/onboard/cartesian_monitor.h"
 
 #include <cmath>
+#include <optional>
 
+#include "onboard/bounds.h"
+#include "twin/core/half_norm.h"
 #include "twin/core/setting.h"
 #include "twin/model/rotation.h"
 
 namespace twin::onboard {
 namespace {
 
+using internal::BrokenBound;
+using internal::IsWithin;
+
 constexpr std::int8_t kTranslation = 0;
 constexpr std::int8_t kRotation = 1;
 constexpr std::int8_t kElbow = 2;
-
-bool Exceeds(double value, double limit) noexcept {
-  return !(std::abs(value) <= limit * (1 + kLimitTolerance));
-}
-
-double Norm(const Vector6& x, std::size_t first) noexcept {
-  return std::sqrt(x[first] * x[first] + x[first + 1] * x[first + 1] + x[first + 2] * x[first + 2]);
-}
 
 /// One derivative of a Cartesian reference against its bounds.
 struct Magnitudes {
@@ -31,29 +29,26 @@ struct Magnitudes {
 void CheckMagnitudes(RobotError error, const Magnitudes& values, bool has_elbow,
                      const CartesianLimits& limits, std::uint64_t message_id,
                      Violations& found) noexcept {
-  const double v = Norm(values.pose, 0);
-  const double w = Norm(values.pose, 3);
+  const double v = HalfNorm(values.pose, 0);
+  const double w = HalfNorm(values.pose, 3);
   const double v_max = limits.translation.*values.bound;
   const double w_max = limits.rotation.*values.bound;
   const double elbow_max = limits.elbow.*values.bound;
-  if (Exceeds(v, v_max)) {
+  if (!IsWithin(v, v_max)) {
     found.Add({error, kTranslation, v, v_max, message_id});
-  } else if (Exceeds(w, w_max)) {
+  } else if (!IsWithin(w, w_max)) {
     found.Add({error, kRotation, w, w_max, message_id});
-  } else if (has_elbow && Exceeds(values.elbow, elbow_max)) {
+  } else if (has_elbow && !IsWithin(std::abs(values.elbow), elbow_max)) {
     found.Add({error, kElbow, values.elbow, std::copysign(elbow_max, values.elbow), message_id});
   }
 }
 
 void CheckElbowRange(double elbow, const JointLimits& joints, std::uint64_t message_id,
                      Violations& found) noexcept {
-  const double low = joints.q_min[2];
-  const double high = joints.q_max[2];
-  const bool below = !(elbow >= low - kLimitTolerance * std::abs(low));
-  const bool above = !(elbow <= high + kLimitTolerance * std::abs(high));
-  if (!below && !above) return;
-  found.Add({RobotError::kCartesianMotionGeneratorElbowLimitViolation, kElbow, elbow,
-             below ? low : high, message_id});
+  const std::optional<double> bound = BrokenBound(elbow, joints.q_min[2], joints.q_max[2]);
+  if (!bound) return;
+  found.Add({RobotError::kCartesianMotionGeneratorElbowLimitViolation, kElbow, elbow, *bound,
+             message_id});
 }
 
 /// The larger magnitude; what is no number is larger than any.
@@ -95,9 +90,9 @@ Violations CheckStartPose(const Transform& O_T_EE_c, const Transform& O_T_EE_las
   const double translation = (model::Position(O_T_EE_c) - model::Position(O_T_EE_last)).norm();
   const double rotation = model::TurnBetween(O_T_EE_last, O_T_EE_c).norm();
   Violations found;
-  if (Exceeds(translation, tolerance.translation_m)) {
+  if (!IsWithin(translation, tolerance.translation_m)) {
     found.Add({kError, kTranslation, translation, tolerance.translation_m, message_id});
-  } else if (Exceeds(rotation, tolerance.rotation_rad)) {
+  } else if (!IsWithin(rotation, tolerance.rotation_rad)) {
     found.Add({kError, kRotation, rotation, tolerance.rotation_rad, message_id});
   }
   return found;
@@ -107,7 +102,7 @@ Violations CheckStartElbow(double elbow_c, double elbow_last, const StartToleran
                            std::uint64_t message_id) noexcept {
   const double distance = std::abs(elbow_c - elbow_last);
   Violations found;
-  if (Exceeds(distance, tolerance.elbow_rad)) {
+  if (!IsWithin(distance, tolerance.elbow_rad)) {
     found.Add({RobotError::kCartesianMotionGeneratorStartElbowInvalid, kElbow, distance,
                tolerance.elbow_rad, message_id});
   }

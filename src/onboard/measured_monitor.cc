@@ -1,33 +1,15 @@
 #include "twin/onboard/measured_monitor.h"
 
-#include <cmath>
+#include "onboard/bounds.h"
+#include "twin/core/half_norm.h"
 
 namespace twin::onboard {
 namespace {
 
-/// Not above the limit, nor not a number.
-bool IsWithin(double magnitude, double limit) noexcept {
-  return magnitude <= limit * (1 + kLimitTolerance);
-}
-
-void CheckMagnitudes(RobotError error, const JointVector& values, const JointVector& limits,
-                     std::uint64_t message_id, Violations& found) noexcept {
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    if (IsWithin(std::abs(values[i]), limits[i])) continue;
-    found.Add({error, static_cast<std::int8_t>(i), values[i], std::copysign(limits[i], values[i]),
-               message_id});
-    return;
-  }
-}
-
-bool IsInRange(double q, double q_min, double q_max) noexcept {
-  return q >= q_min - kLimitTolerance * std::abs(q_min) &&
-         q <= q_max + kLimitTolerance * std::abs(q_max);
-}
-
-double Norm(double x, double y, double z) noexcept {
-  return std::sqrt(x * x + y * y + z * z);
-}
+using internal::BrokenBound;
+using internal::CheckJointMagnitudes;
+using internal::CheckJointRanges;
+using internal::IsWithin;
 
 }  // namespace
 
@@ -60,29 +42,24 @@ Violations MeasuredMonitor::Check(const Measured& measured, const JointVector& t
 
 bool MeasuredMonitor::IsOutOfRange(const JointVector& q) const noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) {
-    if (!IsInRange(q[i], q_min_[i], q_max_[i])) return true;
+    if (BrokenBound(q[i], q_min_[i], q_max_[i])) return true;
   }
   return false;
 }
 
 void MeasuredMonitor::CheckJoints(const JointSensors& sensors, std::uint64_t message_id,
                                   Violations& found) const noexcept {
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    const double q = sensors.q[i];
-    if (IsInRange(q, q_min_[i], q_max_[i])) continue;
-    found.Add({RobotError::kJointPositionLimitsViolation, static_cast<std::int8_t>(i), q,
-               q > q_max_[i] ? q_max_[i] : q_min_[i], message_id});
-    break;
-  }
-  CheckMagnitudes(RobotError::kJointVelocityViolation, sensors.dq, dq_max_, message_id, found);
-  CheckMagnitudes(RobotError::kTauJRangeViolation, sensors.tau_J, tau_J_range_, message_id, found);
+  CheckJointRanges(RobotError::kJointPositionLimitsViolation, sensors.q, q_min_, q_max_, message_id,
+                   found);
+  CheckJointMagnitudes(RobotError::kJointVelocityViolation, sensors.dq, dq_max_, message_id, found);
+  CheckJointMagnitudes(RobotError::kTauJRangeViolation, sensors.tau_J, tau_J_range_, message_id,
+                       found);
 }
 
 void MeasuredMonitor::CheckVelocity(const Measured& measured, bool is_cartesian,
                                     std::uint64_t message_id, Violations& found) const noexcept {
-  const Vector6& twist = measured.O_dP_EE;
-  const double v = Norm(twist[0], twist[1], twist[2]);
-  const double w = Norm(twist[3], twist[4], twist[5]);
+  const double v = HalfNorm(measured.O_dP_EE, 0);
+  const double w = HalfNorm(measured.O_dP_EE, 3);
   if (!IsWithin(v, v_max_)) {
     found.Add({RobotError::kCartesianVelocityViolation, 0, v, v_max_, message_id});
   } else if (is_cartesian && !IsWithin(w, w_max_)) {

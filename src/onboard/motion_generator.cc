@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "onboard/bounds.h"
 #include "twin/onboard/cartesian_monitor.h"
 #include "twin/onboard/limit_monitor.h"
 #include "twin/onboard/stop_profile.h"
@@ -76,7 +77,7 @@ Violations MotionGenerator::CheckStartPosition(const JointVector& q_c,
   Violations found;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double distance = std::abs(q_c[i] - joints_.q_d[i]);
-    if (distance <= limits_.start_q_rad * (1 + kLimitTolerance)) continue;
+    if (internal::IsWithin(distance, limits_.start_q_rad)) continue;
     found.Add({RobotError::kJointPositionMotionGeneratorStartPoseInvalid,
                static_cast<std::int8_t>(i), distance, limits_.start_q_rad, message_id});
     break;

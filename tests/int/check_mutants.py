@@ -25,25 +25,33 @@ CATCHERS = [
 ]
 SECONDS = 200
 
+
+
+def scaled(limits, factor):
+    """C++ for the limits of all joints times a factor."""
+    return f"[&] {{ JointVector v = {limits}; for (double& x : v) x *= {factor}; return v; }}()"
+
+
 # name, file below src/onboard, text, its replacement
 MUTANTS = [
-    ("joint limits 1 % wider", "limit_monitor.cc",
-     "std::abs(values[i]) <= limits[i] * (1 + kLimitTolerance)", "std::abs(values[i]) <= limits[i] * 1.01"),
-    ("joint limits 1 % narrower", "limit_monitor.cc",
-     "std::abs(values[i]) <= limits[i] * (1 + kLimitTolerance)", "std::abs(values[i]) <= limits[i] * 0.99"),
-    ("no tolerance at a joint limit", "limit_monitor.cc",
-     "std::abs(values[i]) <= limits[i] * (1 + kLimitTolerance)", "std::abs(values[i]) < limits[i] * (1 - 1e-7)"),
+    *[(f"joint {what} limit {how}", "limit_monitor.cc", f"next.{value}, limits.{limit}",
+       f"next.{value}, {scaled(f'limits.{limit}', factor)}")
+      for what, value, limit in [("velocity", "dq_d", "dq_max"), ("acceleration", "ddq_d", "ddq_max"),
+                                 ("jerk", "dddq_d", "dddq_max")]
+      for how, factor in [("1 % wider", "1.01"), ("1 % narrower", "0.99"), ("without tolerance", "(1 - 1e-7)")]],
     ("joint jerk unchecked", "limit_monitor.cc",
-     "CheckMagnitude(errors.jerk, next.dddq_d, limits.dddq_max, message_id, found);", ""),
+     "CheckJointMagnitudes(errors.jerk, next.dddq_d, limits.dddq_max, message_id, found);", ""),
     ("joint acceleration unchecked", "limit_monitor.cc",
-     "CheckMagnitude(errors.acceleration, next.ddq_d, limits.ddq_max, message_id, found);", ""),
+     "CheckJointMagnitudes(errors.acceleration, next.ddq_d, limits.ddq_max, message_id, found);", ""),
     ("joint velocity unchecked", "limit_monitor.cc",
-     "CheckMagnitude(errors.velocity, next.dq_d, limits.dq_max, message_id, found);", ""),
+     "CheckJointMagnitudes(errors.velocity, next.dq_d, limits.dq_max, message_id, found);", ""),
     ("joint position unchecked", "limit_monitor.cc",
-     "CheckPosition(errors.position, next.q_d, limits, message_id, found);", ""),
-    ("lower position limit unchecked", "limit_monitor.cc", "const bool below = !(", "const bool below = false && !("),
+     "CheckJointRanges(errors.position, next.q_d, limits.q_min, limits.q_max, message_id, found);", ""),
+    ("lower position limit unchecked", "limit_monitor.cc", "next.q_d, limits.q_min,",
+     f"next.q_d, {scaled('limits.q_min', 1000)},"),
     ("envelope reported beside discontinuity", "limit_monitor.cc",
-     "  if (!found.empty()) return found;\n  CheckMagnitude(errors.velocity", "  CheckMagnitude(errors.velocity"),
+     "  if (!found.empty()) return found;\n  CheckJointMagnitudes(errors.velocity",
+     "  CheckJointMagnitudes(errors.velocity"),
     ("torque rate 1 % wider", "limit_monitor.cc",
      "rate[i] = (tau_d[i] - tau_J_d[i]) / kCycleSeconds", "rate[i] = 0.99 * (tau_d[i] - tau_J_d[i]) / kCycleSeconds"),
     ("a loss holds velocity, not acceleration", "joint_reference.cc",
@@ -85,14 +93,16 @@ MUTANTS = [
     ("the elbow of a lost cycle stays", "motion_generator.cc",
      "AdvanceCartesian(cartesian_.AfterLoss(), has_elbow_, message_id)",
      "AdvanceCartesian(cartesian_.AfterLoss(), false, message_id)"),
-    ("Cartesian limits 1 % wider", "cartesian_monitor.cc",
-     "!(std::abs(value) <= limit * (1 + kLimitTolerance))", "!(std::abs(value) <= limit * 1.01)"),
-    ("Cartesian limits 1 % narrower", "cartesian_monitor.cc",
-     "!(std::abs(value) <= limit * (1 + kLimitTolerance))", "!(std::abs(value) <= limit * 0.99)"),
-    ("elbow motion unchecked", "cartesian_monitor.cc", "has_elbow && Exceeds(values.elbow, elbow_max)", "false"),
+    *[(f"limit of the {what} 1 % {how}", "cartesian_monitor.cc", f"!IsWithin({value}, {limit})",
+       f"!IsWithin({value}, {factor} * {limit})")
+      for what, value, limit in [("translation", "v", "v_max"), ("rotation", "w", "w_max"),
+                                 ("elbow", "std::abs(values.elbow)", "elbow_max")]
+      for how, factor in [("wider", "1.01"), ("narrower", "0.99")]],
+    ("elbow motion unchecked", "cartesian_monitor.cc",
+     "has_elbow && !IsWithin(std::abs(values.elbow), elbow_max)", "false"),
     ("elbow range unchecked", "cartesian_monitor.cc",
      "if (has_elbow) CheckElbowRange(next.elbow_c[0], joints, message_id, found);", ""),
-    ("rotation unchecked", "cartesian_monitor.cc", "} else if (Exceeds(w, w_max)) {", "} else if (false) {"),
+    ("rotation unchecked", "cartesian_monitor.cc", "} else if (!IsWithin(w, w_max)) {", "} else if (false) {"),
     ("a Cartesian loss holds the velocity", "cartesian_reference.cc",
      "next.O_dP_EE_c[i] += kT * O_ddP_EE_c[i];", ""),
     ("braking without a limit of jerk", "stop_profile.cc",
@@ -118,7 +128,7 @@ MUTANTS = [
      "      if (chosen == nullptr) chosen = &command;"),
 ]
 
-QUICK = ["joint limits 1 % wider", "a loss holds velocity, not acceleration", "elbow sign unchecked"]
+QUICK = ["joint acceleration limit 1 % wider", "a loss holds velocity, not acceleration", "elbow sign unchecked"]
 
 
 class Build:
