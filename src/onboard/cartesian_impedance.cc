@@ -72,13 +72,6 @@ Task Error(const Transform& X, const Transform& X_d) noexcept {
 }  // namespace
 
 ImpedanceTorque CartesianImpedance::Torque(const JointReference& reference,
-                                           const JointSensors& sensors, const model::ArmModel& arm,
-                                           const ArmSetup& setup) const noexcept {
-  return Torque(reference, arm.Pose(model::Frame::kEndEffector, reference.q_d, setup.F_T_EE),
-                sensors, MeasuredArm(arm, sensors.q, setup), arm, setup);
-}
-
-ImpedanceTorque CartesianImpedance::Torque(const JointReference& reference,
                                            const Transform& O_T_EE_d, const JointSensors& sensors,
                                            const MeasuredArm& measured, const model::ArmModel& arm,
                                            const ArmSetup& setup) const noexcept {

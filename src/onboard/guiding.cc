@@ -61,15 +61,13 @@ Guiding::Axes Guiding::Follow(const Transform& O_T_EE) noexcept {
   return e;
 }
 
-ImpedanceTorque Guiding::Torque(const JointSensors& sensors, const model::ArmModel& arm,
-                                const ArmSetup& setup) noexcept {
-  const model::Configuration q(sensors.q);
-  const model::Jacobian columns = arm.ZeroJacobian(model::Frame::kEndEffector, q, setup.F_T_EE);
-  const Jacobian J = Eigen::Map<const Jacobian>(columns.data());
+ImpedanceTorque Guiding::Torque(const JointSensors& sensors, const MeasuredArm& measured,
+                                const model::ArmModel& arm, const ArmSetup& setup) noexcept {
+  const Jacobian J = Eigen::Map<const Jacobian>(measured.EE.J.data());
   null_vector_ = NullVector(J, null_vector_);
   null_error_ -= null_vector_.dot(Column(sensors.q) - Column(last_q_));
   last_q_ = sensors.q;
-  const Task e = Follow(arm.Pose(model::Frame::kEndEffector, q, setup.F_T_EE));
+  const Task e = Follow(measured.EE.O_T_frame);
 
   TaskInertia::TaskJacobian all;
   all << J, null_vector_.transpose();
@@ -77,7 +75,7 @@ ImpedanceTorque Guiding::Torque(const JointSensors& sensors, const model::ArmMod
   for (int axis = 0; axis <= kNullAxis; ++axis) {
     if (!IsLocked(axis)) locked.row(axis).setZero();
   }
-  const JointSquare M = internal::InertiaWithRotors(arm, q, setup.payload, rotor_inertia_);
+  const JointSquare M = internal::InertiaWithRotors(arm, measured.q, setup.payload, rotor_inertia_);
   const Task inertia = TaskInertia(M, locked, kRegularisation).Diagonal().cwiseMin(kHeaviestDamped);
   Task D = 2 * kStiffness.cwiseProduct(inertia).cwiseSqrt();
   for (int axis = 0; axis <= kNullAxis; ++axis) {
@@ -87,12 +85,11 @@ ImpedanceTorque Guiding::Torque(const JointSensors& sensors, const model::ArmMod
   const Task F = kStiffness.cwiseProduct(e) - D.cwiseProduct(all * dq);
   const JointColumn held = all.transpose() * F - kJointDamping * dq;
 
-  const JointVector g = arm.Gravity(q, setup.payload);
-  const JointVector c = arm.Coriolis(q, sensors.dq, setup.payload);
+  const JointVector c = arm.Coriolis(measured.q, sensors.dq, setup.payload);
   ImpedanceTorque torque;
   for (std::size_t i = 0; i < kJoints; ++i) {
     torque.tau_J_d[i] = held[i] + c[i];
-    torque.tau[i] = torque.tau_J_d[i] + g[i];
+    torque.tau[i] = torque.tau_J_d[i] + measured.g[i];
   }
   return torque;
 }

@@ -158,18 +158,18 @@ void Int::TakeOver(const JointSensors& sensors) noexcept {
 
 ImpedanceTorque Int::ControlTorque(const JointSensors& sensors) noexcept {
   if (drive_.brakes) return {};
-  if (robot_mode_ == RobotMode::kGuiding) return guiding_.Torque(sensors, arm_, setup_);
+  const MeasuredArm& measured = sensing_.arm();
+  if (robot_mode_ == RobotMode::kGuiding) return guiding_.Torque(sensors, measured, arm_, setup_);
   if (external_torque_acts_) {
-    ImpedanceTorque torque{tau_J_d_, sensing_.arm().g};
+    ImpedanceTorque torque{tau_J_d_, measured.g};
     for (std::size_t i = 0; i < kJoints; ++i) torque.tau[i] += tau_J_d_[i];
     return torque;
   }
   if (cartesian_impedance_acts_) {
     return cartesian_impedance_.Torque(generator_.joints(), generator_.O_T_EE_d(), sensors,
-                                       sensing_.arm(), arm_, setup_);
+                                       measured, arm_, setup_);
   }
-  return joint_impedance_.Torque(generator_.joints(), sensors, arm_, setup_.payload,
-                                 sensing_.arm().q, sensing_.arm().g);
+  return joint_impedance_.Torque(generator_.joints(), sensors, measured, arm_, setup_);
 }
 
 void Int::DriveJoints(const JointSensors& sensors) noexcept {

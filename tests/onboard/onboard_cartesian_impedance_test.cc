@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "onboard/arm_samples.h"
+#include "onboard/control_torque.h"
 #include "onboard/rigid_arm.h"
 #include "support/realtime_guard.h"
 #include "twin/model/rotation.h"
@@ -48,7 +49,7 @@ class Controlled {
 
   void Step(const JointReference& reference, const JointVector& tau_outside = {}) {
     const JointSensors& sensors = arm_.sensors();
-    arm_.Step({.tau = impedance_.Torque(reference, sensors, kArm, setup_).tau}, tau_outside);
+    arm_.Step({.tau = ControlTorque(impedance_, reference, sensors, setup_).tau}, tau_outside);
   }
   const JointSensors& sensors() const { return arm_.sensors(); }
   Transform O_T_K() const { return PoseOfK(sensors().q, setup_); }
@@ -64,7 +65,7 @@ TEST(CartesianImpedanceTest, AtRestOnTheReferenceItAppliesGravityAlone) {
   for (std::uint64_t pose = 0; pose < 20; ++pose) {
     const JointVector q = model::SampleOf(pose).q;
     const ImpedanceTorque torque =
-        impedance.Torque(JointReference::Rest(q), RestingAt(q), kArm, TiltedSetup());
+        ControlTorque(impedance, JointReference::Rest(q), RestingAt(q), TiltedSetup());
     EXPECT_LT(Largest(torque.tau_J_d), 1e-9);
     EXPECT_LT(Largest(torque.tau, kArm.Gravity(q, model::kHand)), 1e-9);
   }
@@ -78,7 +79,7 @@ TEST(CartesianImpedanceTest, FeedsTheAccelerationForwardThroughTheInertia) {
   reference.ddq_d = sample.ddq;
   JointSensors sensors = RestingAt(sample.q);
   sensors.dq = sample.dq;
-  const ImpedanceTorque torque = impedance.Torque(reference, sensors, kArm, HandSetup());
+  const ImpedanceTorque torque = ControlTorque(impedance, reference, sensors, HandSetup());
   const JointVector tau =
       kArm.InverseDynamics(sample.q, sample.dq, sample.ddq, model::kHand, {0, 0, 0});
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -200,11 +201,11 @@ TEST(CartesianImpedanceTest, IsBoundedAndFiniteAtSingularPosesAndFarFromTheRefer
     // 0.1 rad off in every joint: the spring and the damper have a part each.
     JointReference near = JointReference::Rest(q);
     for (double& q_d : near.q_d) q_d += 0.1;
-    for (const double tau : impedance.Torque(near, sensors, kArm, TiltedSetup()).tau) {
+    for (const double tau : ControlTorque(impedance, near, sensors, TiltedSetup()).tau) {
       EXPECT_LT(std::abs(tau), 3000);
     }
     const JointReference far = JointReference::Rest(model::SampleOf(7).q);
-    for (const double tau : impedance.Torque(far, sensors, kArm, TiltedSetup()).tau) {
+    for (const double tau : ControlTorque(impedance, far, sensors, TiltedSetup()).tau) {
       EXPECT_LT(std::abs(tau), 20'000);
     }
   }
@@ -233,7 +234,7 @@ TEST(CartesianImpedanceTest, LeadsBackOverAnyTurn) {
   for (const double turn : {-3.0, -1.8, -1.4, -1e-3, -1e-9, 0.0, 1e-6, 0.5, 1.4, 1.8, 3.0}) {
     JointReference reference = JointReference::Rest(q);
     reference.q_d[6] += turn;
-    const ImpedanceTorque torque = impedance.Torque(reference, RestingAt(q), kArm, HandSetup());
+    const ImpedanceTorque torque = ControlTorque(impedance, reference, RestingAt(q), HandSetup());
     const auto F = ForceOf(torque.tau_J_d, q);
     EXPECT_LT((F.tail<3>() - 10 * turn * axis).norm(), 2e-3 * std::abs(turn) + 1e-9) << turn;
     EXPECT_LT(F.head<3>().norm(), 0.02 * std::abs(turn) + 1e-9) << turn;
@@ -252,21 +253,6 @@ TEST(CartesianImpedanceTest, HoldsTheStretchedArmAgainstAPush) {
   EXPECT_LT(Largest(arm.sensors().dq), 1e-3);
 }
 
-TEST(CartesianImpedanceTest, WhatIsKnownAlreadyCanBeGiven) {
-  const CartesianImpedance impedance(kMixed, 0.8, kRotorInertia);
-  const model::Sample sample = model::SampleOf(11);
-  const JointReference reference = JointReference::Rest(model::SampleOf(12).q);
-  JointSensors sensors = RestingAt(sample.q);
-  sensors.dq = sample.dq;
-  const Transform O_T_EE_d =
-      kArm.Pose(model::Frame::kEndEffector, reference.q_d, TiltedSetup().F_T_EE);
-  EXPECT_EQ(impedance
-                .Torque(reference, O_T_EE_d, sensors, MeasuredArm(kArm, sensors.q, TiltedSetup()),
-                        kArm, TiltedSetup())
-                .tau,
-            impedance.Torque(reference, sensors, kArm, TiltedSetup()).tau);
-}
-
 TEST(CartesianImpedanceTest, ACycleTakesNoMemory) {
   const CartesianImpedance impedance(kStiff, 1.0, kRotorInertia);
   JointSensors sensors = RestingAt(model::kReady);
@@ -275,7 +261,7 @@ TEST(CartesianImpedanceTest, ACycleTakesNoMemory) {
   const test::RealtimeGuard guard;
   for (int k = 0; k < 1000; ++k) {
     sensors.q[1] += 1e-3;
-    sum += impedance.Torque(reference, sensors, kArm, TiltedSetup()).tau[1];
+    sum += ControlTorque(impedance, reference, sensors, TiltedSetup()).tau[1];
   }
   const auto counts = guard.counts();
   EXPECT_EQ(counts, test::RealtimeGuard::Counts{});

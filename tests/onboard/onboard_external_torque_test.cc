@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "onboard/control_torque.h"
 #include "onboard/rigid_arm.h"
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
@@ -163,9 +164,9 @@ TEST_F(HeldArmTest, TheReportedTorqueRunsOnAtTheStart) {
   const JointVector tau_J_d = state_.tau_J_d;
   const JointVector tau = drive_.tau;
   const JointImpedance internal(PandaInt().joint_impedance.K_theta, 1, kRotor);
-  EXPECT_EQ(tau_J_d,
-            internal.Torque(JointReference::Rest(kReady), sensors_, model::ArmModel::Panda(), kHand)
-                .tau_J_d);
+  EXPECT_EQ(
+      tau_J_d,
+      ControlTorque(internal, JointReference::Rest(kReady), sensors_, {.payload = kHand}).tau_J_d);
   ASSERT_EQ(int_->Move(kTorque), MoveStatus::kMotionStarted);
   for (int i = 0; i < 10; ++i) {
     Cycle();

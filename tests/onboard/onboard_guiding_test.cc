@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "onboard/arm_samples.h"
+#include "onboard/control_torque.h"
 #include "onboard/rigid_arm.h"
 #include "support/realtime_guard.h"
 #include "twin/model/rotation.h"
@@ -34,7 +35,7 @@ class Led {
   }
 
   void Step(const JointVector& tau_outside = {}) {
-    arm_.Step({.tau = guiding_.Torque(arm_.sensors(), kArm, setup_).tau}, tau_outside);
+    arm_.Step({.tau = ControlTorque(guiding_, arm_.sensors(), setup_).tau}, tau_outside);
   }
   /// A hand pushes EE, base axes, for so many cycles.
   void Push(const Vector6& F, int cycles) {
@@ -76,7 +77,7 @@ TEST(GuidingTest, AFreeArmCarriesItsWeightAndStays) {
   for (std::uint64_t pose = 0; pose < 20; ++pose) {
     const JointVector q = model::SampleOf(pose).q;
     guiding.Begin(q, HandSetup());
-    const ImpedanceTorque torque = guiding.Torque(RestingAt(q), kArm, HandSetup());
+    const ImpedanceTorque torque = ControlTorque(guiding, RestingAt(q), HandSetup());
     EXPECT_LT(Largest(torque.tau_J_d), 1e-9);
     EXPECT_LT(Largest(torque.tau, kArm.Gravity(q, model::kHand)), 1e-9);
   }
@@ -217,7 +218,7 @@ TEST(GuidingTest, BeginsWhereTheArmIs) {
   q[0] += 0.4;
   q[3] += 0.3;
   arm.guiding().Begin(q, HandSetup());
-  const ImpedanceTorque torque = arm.guiding().Torque(RestingAt(q), kArm, HandSetup());
+  const ImpedanceTorque torque = ControlTorque(arm.guiding(), RestingAt(q), HandSetup());
   EXPECT_LT(Largest(torque.tau_J_d), 1e-9);
 }
 
@@ -238,7 +239,7 @@ TEST(GuidingTest, ACycleTakesNoMemory) {
   guiding.Begin(sensors.q, HandSetup());
   for (int k = 0; k < 1000; ++k) {
     sensors.q[1] += 1e-6;
-    sum += guiding.Torque(sensors, kArm, HandSetup()).tau_J_d[1];
+    sum += ControlTorque(guiding, sensors, HandSetup()).tau_J_d[1];
   }
   const auto counts = guard.counts();
   EXPECT_EQ(counts, test::RealtimeGuard::Counts{});

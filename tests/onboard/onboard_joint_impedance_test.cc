@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "onboard/control_torque.h"
+
 namespace twin::onboard {
 namespace {
 
@@ -17,7 +19,8 @@ TEST(JointImpedanceTest, AtRestOnTheReferenceItAppliesGravityAlone) {
   const model::Payload hand{0.73, {-0.01, 0, 0.03}, {0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017}};
   const JointImpedance impedance(kStiffness, 1.0, kRotor);
   const JointSensors sensors{kReady, {}, {}, kReady, {}};
-  const ImpedanceTorque torque = impedance.Torque(JointReference::Rest(kReady), sensors, arm, hand);
+  const ImpedanceTorque torque =
+      ControlTorque(impedance, JointReference::Rest(kReady), sensors, {.payload = hand});
   const JointVector g = arm.Gravity(kReady, hand);
   for (std::size_t i = 0; i < kJoints; ++i) {
     EXPECT_NEAR(torque.tau_J_d[i], 0, 1e-12);
@@ -26,11 +29,11 @@ TEST(JointImpedanceTest, AtRestOnTheReferenceItAppliesGravityAlone) {
 }
 
 TEST(JointImpedanceTest, ADeflectionMeetsTheStiffness) {
-  const model::ArmModel& arm = model::ArmModel::Panda();
   const JointImpedance impedance(kStiffness, 1.0, kRotor);
   JointReference reference = JointReference::Rest(kReady);
   for (double& q_d : reference.q_d) q_d += 0.01;
-  const ImpedanceTorque torque = impedance.Torque(reference, {kReady, {}, {}, kReady, {}}, arm, {});
+  const ImpedanceTorque torque =
+      ControlTorque(impedance, reference, {kReady, {}, {}, kReady, {}}, {});
   for (std::size_t i = 0; i < kJoints; ++i) {
     EXPECT_NEAR(torque.tau_J_d[i], 0.01 * kStiffness[i], 1e-9);
   }
@@ -42,7 +45,8 @@ TEST(JointImpedanceTest, FeedsTheAccelerationForwardThroughTheInertia) {
   const JointImpedance impedance(kStiffness, 1.0, kRotor);
   JointReference reference = JointReference::Rest(kReady);
   reference.ddq_d = {1, -2, 3, -1, 2, -3, 1};
-  const ImpedanceTorque torque = impedance.Torque(reference, {kReady, {}, {}, kReady, {}}, arm, {});
+  const ImpedanceTorque torque =
+      ControlTorque(impedance, reference, {kReady, {}, {}, kReady, {}}, {});
   const model::JointMatrix M = arm.MassMatrix(kReady, {});
   for (std::size_t i = 0; i < kJoints; ++i) {
     double expected = kRotor[i] * reference.ddq_d[i];
@@ -56,7 +60,8 @@ TEST(JointImpedanceTest, DampsCritically) {
   const JointImpedance impedance(kStiffness, 1.0, kRotor);
   JointReference reference = JointReference::Rest(kReady);
   reference.dq_d[3] = 0.1;
-  const ImpedanceTorque torque = impedance.Torque(reference, {kReady, {}, {}, kReady, {}}, arm, {});
+  const ImpedanceTorque torque =
+      ControlTorque(impedance, reference, {kReady, {}, {}, kReady, {}}, {});
   const model::JointMatrix M = arm.MassMatrix(kReady, {});
   const double inertia = M[kJoints * 3 + 3] + kRotor[3];
   EXPECT_NEAR(torque.tau_J_d[3], 0.1 * 2 * std::sqrt(kStiffness[3] * inertia), 1e-9);

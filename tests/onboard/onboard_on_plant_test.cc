@@ -76,10 +76,12 @@ class OnPlantTest : public ::testing::Test {
     sensing_.Update(plant_->sensors(), setup_, false);
   }
   void StepByJoints() {
-    Step(joint_impedance_.Torque(reference_, plant_->sensors(), kArm, setup_.payload));
+    Step(joint_impedance_.Torque(reference_, plant_->sensors(), sensing_.arm(), kArm, setup_));
   }
   void StepByCartesian() {
-    Step(cartesian_impedance_.Torque(reference_, plant_->sensors(), kArm, setup_));
+    const Transform O_T_EE_d = kArm.Pose(model::Frame::kEndEffector, reference_.q_d, setup_.F_T_EE);
+    Step(cartesian_impedance_.Torque(reference_, O_T_EE_d, plant_->sensors(), sensing_.arm(), kArm,
+                                     setup_));
   }
   Transform O_T_EE() const {
     return kArm.Pose(model::Frame::kEndEffector, plant_->sensors().q, setup_.F_T_EE);
@@ -277,7 +279,7 @@ TEST_F(OnPlantTest, GuidingHoldsTheLockedAxesAndGivesWayAlongTheFreeOne) {
       guiding.Begin(plant_->sensors().q, setup_);
       const Transform start = O_T_EE();
       for (int k = 0; k < 800; ++k) {
-        Step(guiding.Torque(plant_->sensors(), kArm, setup_));
+        Step(guiding.Torque(plant_->sensors(), sensing_.arm(), kArm, setup_));
         for (std::size_t other = 0; other < 3; ++other) {
           if (other == axis) continue;
           ASSERT_LT(std::abs(O_T_EE()[12 + other] - start[12 + other]), 1e-3)

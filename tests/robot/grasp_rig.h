@@ -44,8 +44,10 @@ class GraspRig {
   void Step(const Eigen::Vector3d& velocity = Eigen::Vector3d::Zero()) {
     Lead(velocity);
     hand_->Cycle();
-    const auto torque =
-        impedance_.Torque(reference_, plant_->sensors(), model::ArmModel::PandaPlant(), kHand);
+    const model::ArmModel& arm = model::ArmModel::PandaPlant();
+    const JointSensors& sensors = plant_->sensors();
+    const onboard::ArmSetup setup{.F_T_EE = F_T_EE_, .payload = kHand};
+    const auto torque = impedance_.Torque(reference_, sensors, {arm, sensors.q, setup}, arm, setup);
     plant_->Step({.tau = torque.tau});
     ASSERT_EQ(plant_->warning_count(), 0u) << plant_->DescribeWarnings();
   }

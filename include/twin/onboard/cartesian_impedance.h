@@ -44,12 +44,7 @@ class CartesianImpedance {
   CartesianImpedance(const Vector6& K_x, double damping_ratio, const JointVector& rotor_inertia)
       : K_x_(K_x), damping_ratio_(damping_ratio), rotor_inertia_(rotor_inertia) {}
 
-  [[nodiscard]] ImpedanceTorque Torque(const JointReference& reference, const JointSensors& sensors,
-                                       const model::ArmModel& arm,
-                                       const ArmSetup& setup) const noexcept TWIN_REALTIME;
-
-  /// The same for who knows these already. @param O_T_EE_d  pose of EE at q_d.
-  /// @param measured  the arm at the measured q.
+  /// @param O_T_EE_d  pose of EE at q_d. @param measured  the arm where the sensors show it.
   [[nodiscard]] ImpedanceTorque Torque(const JointReference& reference, const Transform& O_T_EE_d,
                                        const JointSensors& sensors, const MeasuredArm& measured,
                                        const model::ArmModel& arm,

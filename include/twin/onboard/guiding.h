@@ -41,8 +41,9 @@ class Guiding {
   /// Guiding begins here. @param q  measured.
   void Begin(const JointVector& q, const ArmSetup& setup) noexcept TWIN_REALTIME;
 
-  /// @pre Begin() was called.
-  [[nodiscard]] ImpedanceTorque Torque(const JointSensors& sensors, const model::ArmModel& arm,
+  /// @param measured  the arm where the sensors show it. @pre Begin() was called.
+  [[nodiscard]] ImpedanceTorque Torque(const JointSensors& sensors, const MeasuredArm& measured,
+                                       const model::ArmModel& arm,
                                        const ArmSetup& setup) noexcept TWIN_REALTIME;
 
  private:

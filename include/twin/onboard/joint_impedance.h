@@ -4,6 +4,7 @@
 #include "twin/core/realtime.h"
 #include "twin/model/arm_model.h"
 #include "twin/onboard/joint_reference.h"
+#include "twin/onboard/measured_arm.h"
 
 namespace twin::onboard {
 
@@ -29,15 +30,10 @@ class JointImpedance {
   JointImpedance(const JointVector& K_theta, double damping_ratio, const JointVector& rotor_inertia)
       : K_theta_(K_theta), damping_ratio_(damping_ratio), rotor_inertia_(rotor_inertia) {}
 
+  /// @param measured  the arm where the sensors show it.
   [[nodiscard]] ImpedanceTorque Torque(const JointReference& reference, const JointSensors& sensors,
-                                       const model::ArmModel& arm,
-                                       const model::Payload& payload) const noexcept TWIN_REALTIME;
-
-  /// The same for who knows configuration and gravity at the measured q already.
-  [[nodiscard]] ImpedanceTorque Torque(const JointReference& reference, const JointSensors& sensors,
-                                       const model::ArmModel& arm, const model::Payload& payload,
-                                       const model::Configuration& configuration,
-                                       const JointVector& g) const noexcept TWIN_REALTIME;
+                                       const MeasuredArm& measured, const model::ArmModel& arm,
+                                       const ArmSetup& setup) const noexcept TWIN_REALTIME;
 
  private:
   JointVector K_theta_;
