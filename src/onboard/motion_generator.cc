@@ -49,13 +49,13 @@ void MotionGenerator::Rest() noexcept {
 
 Violations MotionGenerator::Take(const RobotCommand& command, bool is_first,
                                  std::uint64_t message_id) noexcept {
-  return IsCartesian() ? TakeCartesian(command, is_first, message_id)
-                       : TakeJoints(command, is_first, message_id);
+  return IsCartesian(mode_) ? TakeCartesian(command, is_first, message_id)
+                            : TakeJoints(command, is_first, message_id);
 }
 
 Violations MotionGenerator::Hold(std::uint64_t message_id) noexcept {
-  return IsCartesian() ? AdvanceCartesian(cartesian_.AfterLoss(), has_elbow_, message_id)
-                       : AdvanceJoints(joints_.AfterLoss(), message_id);
+  return IsCartesian(mode_) ? AdvanceCartesian(cartesian_.AfterLoss(), has_elbow_, message_id)
+                            : AdvanceJoints(joints_.AfterLoss(), message_id);
 }
 
 Violations MotionGenerator::TakeJoints(const RobotCommand& command, bool is_first,
@@ -161,7 +161,7 @@ CartesianReference MotionGenerator::Still(const CartesianReference& cartesian,
 Violations MotionGenerator::CheckBothSides(const CartesianReference& cartesian,
                                            const JointReference& joints,
                                            std::uint64_t message_id) const noexcept {
-  if (!IsCartesian()) return CheckStep(joints, limits_.joints, message_id);
+  if (!IsCartesian(mode_)) return CheckStep(joints, limits_.joints, message_id);
   const Violations found =
       CheckCartesianStep(cartesian, has_elbow_, limits_.cartesian, limits_.joints, message_id);
   if (!found.empty()) return found;
@@ -180,7 +180,7 @@ Violations MotionGenerator::CheckStandingStill(std::uint64_t message_id) const n
 void MotionGenerator::StandStill() noexcept {
   const CartesianReference before = cartesian_;
   Lead(joints_.AfterPosition(joints_.q_d));
-  if (IsCartesian()) cartesian_ = Still(before, joints_);
+  if (IsCartesian(mode_)) cartesian_ = Still(before, joints_);
 }
 
 void MotionGenerator::Brake() noexcept {

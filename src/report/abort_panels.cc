@@ -1,7 +1,7 @@
 #include "report/abort_panels.h"
 
-#include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +9,7 @@
 
 #include "report/script.h"
 #include "twin/core/error_catalogue.h"
+#include "twin/core/half_norm.h"
 #include "twin/core/time.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/rotation.h"
@@ -55,10 +56,6 @@ Value Commanded(std::size_t index) {
   return [index](const EndCycle& c) {
     return c.written() ? (c.answer->command.*Member)[index] : kNone;
   };
-}
-
-double Norm(const Vector6& v, std::size_t first) {
-  return std::hypot(v[first], v[first + 1], v[first + 2]);
 }
 
 /// Collects panels; the one that the error is about comes first.
@@ -202,9 +199,9 @@ void Panels::AddForce(std::size_t axis) {
   Offend(true);
   Add("size of the external force and torque on K", "N, Nm");
   AddCurve("force", kReferenceColour,
-           [](const EndCycle& c) { return Norm(c.cycle.state.K_F_ext_hat_K, 0); });
+           [](const EndCycle& c) { return HalfNorm(c.cycle.state.K_F_ext_hat_K, 0); });
   AddCurve("torque", kMeasuredColour,
-           [](const EndCycle& c) { return Norm(c.cycle.state.K_F_ext_hat_K, 3); });
+           [](const EndCycle& c) { return HalfNorm(c.cycle.state.K_F_ext_hat_K, 3); });
   AddMeasuredSpeed(axis < 3 ? 0 : 1);
 }
 
@@ -214,12 +211,12 @@ void Panels::AddMeasuredSpeed(std::size_t axis) {
   Add(turns ? "turning of the end effector" : "speed of the end effector", turns ? "rad/s" : "m/s");
   AddCurve("measured", kMeasuredColour, [first](const EndCycle& c) {
     const RobotState& s = c.cycle.state;
-    return Norm(model::ArmModel::Panda().Twist(model::Frame::kEndEffector,
-                                               model::Configuration(s.q), s.dq, s.F_T_EE),
-                first);
+    return HalfNorm(model::ArmModel::Panda().Twist(model::Frame::kEndEffector,
+                                                   model::Configuration(s.q), s.dq, s.F_T_EE),
+                    first);
   });
   AddCurve("O_dP_EE_d, desired", kReferenceColour,
-           [first](const EndCycle& c) { return Norm(c.cycle.state.O_dP_EE_d, first); });
+           [first](const EndCycle& c) { return HalfNorm(c.cycle.state.O_dP_EE_d, first); });
   OffendIf({RobotError::kCartesianVelocityViolation}, false);
 }
 
@@ -237,11 +234,11 @@ void Panels::AddCartesian(std::size_t axis) {
   });
   Add(what + "velocity", fmt::format("{}/s", length));
   AddCurve("|O_dP_EE_c|", kReferenceColour,
-           [first](const EndCycle& c) { return Norm(c.cycle.state.O_dP_EE_c, first); });
+           [first](const EndCycle& c) { return HalfNorm(c.cycle.state.O_dP_EE_c, first); });
   OffendIf({RobotError::kCartesianMotionGeneratorVelocityLimitsViolation}, false);
   Add(what + "acceleration", fmt::format("{}/s²", length));
   AddCurve("|O_ddP_EE_c|", kReferenceColour,
-           [first](const EndCycle& c) { return Norm(c.cycle.state.O_ddP_EE_c, first); });
+           [first](const EndCycle& c) { return HalfNorm(c.cycle.state.O_ddP_EE_c, first); });
   OffendIf({RobotError::kCartesianMotionGeneratorVelocityDiscontinuity}, false);
   Add(what + "jerk", fmt::format("{}/s³", length));
   std::vector<double> jerk;
@@ -252,7 +249,7 @@ void Panels::AddCartesian(std::size_t axis) {
         step[k] -= end_.cycles[i - 1].cycle.state.O_ddP_EE_c[k];
       }
     }
-    jerk.push_back(i > 0 ? Norm(step, first) / kCycleSeconds : kNone);
+    jerk.push_back(i > 0 ? HalfNorm(step, first) / kCycleSeconds : kNone);
   }
   panels_.back().curves.push_back({"|difference of O_ddP_EE_c| / T", kReferenceColour, jerk});
   OffendIf({RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity}, false);

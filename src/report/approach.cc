@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "twin/core/half_norm.h"
 #include "twin/core/time.h"
 
 namespace twin::report {
@@ -31,21 +32,12 @@ constexpr Wording kWordings[] = {
     {"ddelbow_c, its acceleration", "rad/s^2"},
 };
 
-double Norm(const Vector6& v, std::size_t first) {
-  return std::sqrt(v[first] * v[first] + v[first + 1] * v[first + 1] + v[first + 2] * v[first + 2]);
-}
-
-bool IsCartesian(const RobotState& state) {
-  return state.motion_generator_mode == MotionGeneratorMode::kCartesianPosition ||
-         state.motion_generator_mode == MotionGeneratorMode::kCartesianVelocity;
-}
-
 }  // namespace
 
 void ApproachTracker::Add(const rt::CycleRecord& cycle) {
   const RobotState& state = cycle.state;
   longest_loss_ = std::max(longest_loss_, cycle.lost_in_row);
-  peak_force_ = std::max(peak_force_, Norm(state.O_F_ext_hat_K, 0));
+  peak_force_ = std::max(peak_force_, HalfNorm(state.O_F_ext_hat_K, 0));
   for (const double tau : state.tau_ext_hat_filtered) {
     peak_torque_ = std::max(peak_torque_, std::abs(tau));
   }
@@ -62,7 +54,7 @@ void ApproachTracker::Add(const rt::CycleRecord& cycle) {
     AddJoints(kVelocity, state.dq_d, joints.dq_max, time);
     AddJoints(kAcceleration, state.ddq_d, joints.ddq_max, time);
     AddJoints(kJerk, cycle.dddq_d, joints.dddq_max, time);
-    if (IsCartesian(state)) AddCartesian(state, time);
+    if (IsCartesian(state.motion_generator_mode)) AddCartesian(state, time);
   }
   const bool external = commanded && state.controller_mode == ControllerMode::kExternalController;
   if (external && last_tau_J_d_) {
@@ -104,10 +96,10 @@ void ApproachTracker::AddCartesian(const RobotState& state, double time) {
   const auto consider = [&](Quantity quantity, double value, double limit) {
     Consider(quantity, {.value = value, .limit = limit, .share = value / limit, .time = time});
   };
-  consider(kSpeed, Norm(state.O_dP_EE_c, 0), bounds.translation.dp_max);
-  consider(kSpeedup, Norm(state.O_ddP_EE_c, 0), bounds.translation.ddp_max);
-  consider(kTurn, Norm(state.O_dP_EE_c, 3), bounds.rotation.dp_max);
-  consider(kTurnup, Norm(state.O_ddP_EE_c, 3), bounds.rotation.ddp_max);
+  consider(kSpeed, HalfNorm(state.O_dP_EE_c, 0), bounds.translation.dp_max);
+  consider(kSpeedup, HalfNorm(state.O_ddP_EE_c, 0), bounds.translation.ddp_max);
+  consider(kTurn, HalfNorm(state.O_dP_EE_c, 3), bounds.rotation.dp_max);
+  consider(kTurnup, HalfNorm(state.O_ddP_EE_c, 3), bounds.rotation.ddp_max);
   consider(kElbowVelocity, std::abs(state.delbow_c[0]), bounds.elbow.dp_max);
   consider(kElbowAcceleration, std::abs(state.ddelbow_c[0]), bounds.elbow.ddp_max);
 }

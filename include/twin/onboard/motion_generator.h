@@ -104,10 +104,6 @@ class MotionGenerator {
   [[nodiscard]] bool AtRest() const noexcept;
 
  private:
-  [[nodiscard]] bool IsCartesian() const noexcept {
-    return mode_ == MotionGeneratorMode::kCartesianPosition ||
-           mode_ == MotionGeneratorMode::kCartesianVelocity;
-  }
   [[nodiscard]] Violations TakeJoints(const RobotCommand& command, bool is_first,
                                       std::uint64_t message_id) noexcept;
   [[nodiscard]] Violations TakeCartesian(const RobotCommand& command, bool is_first,
