@@ -65,8 +65,8 @@ const ErrorEntry& EntryOf(RobotError error) noexcept {
 }
 
 const ErrorEntry& EntryOf(const Violation& violation) noexcept {
-  const bool no_first_command =
-      violation.error == RobotError::kCommunicationConstraintsViolation && violation.axis == 0;
+  const bool no_first_command = violation.error == RobotError::kCommunicationConstraintsViolation &&
+                                violation.axis == kNoFirstCommandAxis;
   return no_first_command ? kNoFirstCommandEntry : EntryOf(violation.error);
 }
 

@@ -54,7 +54,7 @@ constexpr std::array<std::string_view, kRobotErrorCount> kNames{
 /// What happened, in numbers: the middle of the sentence.
 std::string Compared(const Violation& violation, const ErrorEntry& entry) {
   if (violation.error == RobotError::kCommunicationConstraintsViolation) {
-    return violation.axis == 0
+    return violation.axis == kNoFirstCommandAxis
                ? fmt::format("no first command in {:.9g} cycles since the start of the motion",
                              violation.value)
                : fmt::format("{:.9g} cycles in a row without a command, at most {:.9g} are bridged",

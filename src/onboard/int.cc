@@ -176,9 +176,8 @@ bool Int::Operate(PanelAction action) noexcept {
   if (!Grants(RequestOf(action))) return false;
   switch (action) {
     case PanelAction::kPressUserStop:
-      if (phase_ != Phase::kNone) EndMotion(MoveStatus::kEmergencyAborted, robot_mode_);
+      EndMotion(MoveStatus::kEmergencyAborted, RobotMode::kUserStopped);
       recovery_cycles_left_ = 0;
-      robot_mode_ = RobotMode::kUserStopped;
       break;
     case PanelAction::kCloseBrakes:
       brakes_closed_ = true;
@@ -208,8 +207,8 @@ void Int::LeaveToRest() noexcept {
 }
 
 void Int::EndMotion(MoveStatus end, RobotMode mode) noexcept {
+  if (phase_ != Phase::kNone) last_end_ = end;
   phase_ = Phase::kNone;
-  last_end_ = end;
   robot_mode_ = mode;
 }
 

@@ -1,18 +1,12 @@
 #include <algorithm>
 
+#include "twin/core/error_catalogue.h"
 #include "twin/onboard/int.h"
 #include "twin/onboard/limit_monitor.h"
 
 // What Int does in a cycle: modes that pass by themselves, the reference, the torque.
 
 namespace twin::onboard {
-namespace {
-
-/// Axis of a communication_constraints_violation that tells of the motion's first command.
-constexpr std::int8_t kFirstCommand = 0;
-
-}  // namespace
-
 const JointDrive& Int::Cycle(const RobotCommand* command, const JointSensors& sensors) noexcept {
   fate_ = rt::CommandFate::kNone;
   violations_ = Violations();
@@ -76,7 +70,7 @@ void Int::AwaitFirstCommand(const RobotCommand* command) noexcept {
     return;
   }
   if (++cycles_waited_ >= config_.first_command_timeout_cycles) {
-    violations_.Add({RobotError::kCommunicationConstraintsViolation, kFirstCommand,
+    violations_.Add({RobotError::kCommunicationConstraintsViolation, kNoFirstCommandAxis,
                      static_cast<double>(cycles_waited_),
                      static_cast<double>(config_.first_command_timeout_cycles), message_id_ + 1});
   }
@@ -140,11 +134,8 @@ void Int::Abort(const JointSensors& sensors) noexcept {
   for (const Violation& violation : violations_.items()) {
     errors_.set(static_cast<std::size_t>(violation.error));
   }
-  if (phase_ != Phase::kNone) {
-    reflex_reason_ = errors_;
-    EndMotion(MoveStatus::kReflexAborted, RobotMode::kReflex);
-  }
-  robot_mode_ = RobotMode::kReflex;
+  if (phase_ != Phase::kNone) reflex_reason_ = errors_;
+  EndMotion(MoveStatus::kReflexAborted, RobotMode::kReflex);
   TakeOver(sensors);
   generator_.Brake();
 }

@@ -65,7 +65,7 @@ MUTANTS = [
     ("what is measured unchecked", "int_cycle.cc",
      "sensing_.CheckMeasured(tau_J_d_, message_id_ + 1, IsCartesian(modes_.generator))", "Violations()"),
     ("collisions ignored", "int_cycle.cc", "violations_ = sensing_.Collisions(message_id_ + 1);", ""),
-    ("reflex_reason not set", "int_cycle.cc", "reflex_reason_ = errors_;", ""),
+    ("reflex_reason not set", "int_cycle.cc", "if (phase_ != Phase::kNone) reflex_reason_ = errors_;", ""),
     ("the success rate counts losses as served", "int_cycle.cc", "losses_.CountLost();", "losses_.CountServed();"),
     ("recovery while the arm moves", "int.cc",
      "case Verdict::kGrantedAtRest: return generator_.AtRest();", "case Verdict::kGrantedAtRest: return true;"),

@@ -46,9 +46,12 @@ struct ErrorEntry {
 /// The entry of an error. @pre error is one of the kRobotErrorCount.
 [[nodiscard]] const ErrorEntry& EntryOf(RobotError error) noexcept;
 
+/// Axis of a communication error whose cause is that the motion's first command did not come; -1
+/// when too many commands in a row were lost.
+inline constexpr std::int8_t kNoFirstCommandAxis = 0;
+
 /// The entry that explains a violation: that of its error, or, of communication errors, of the one
-/// of the two causes that it had. Axis 0: the motion's first command did not come; axis -1: too
-/// many commands in a row were lost.
+/// of the two causes that it had (kNoFirstCommandAxis).
 [[nodiscard]] const ErrorEntry& EntryOf(const Violation& violation) noexcept;
 
 /// "joint 2", "rotation", "z of K"; empty when nothing single is to blame.

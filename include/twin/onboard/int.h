@@ -145,6 +145,7 @@ class Int {
   void Set(const setting::Load& load) noexcept;
   void Set(const setting::Filters& filters) noexcept;
   void ChangeSetup() noexcept;
+  /// Ends the motion, if one runs. @param mode  follows in any case.
   void EndMotion(MoveStatus end, RobotMode mode) noexcept;
   void LeaveToRest() noexcept;
 
