@@ -98,7 +98,7 @@ std::vector<std::string> SetUpThisThread(const ThreadSettings& settings) {
   std::vector<std::string> notices;
   if (!settings.name.empty()) pthread_setname_np(pthread_self(), settings.name.c_str());
   if (settings.lock_memory && !LockMemory()) {
-    notices.push_back(
+    notices.emplace_back(
         "memory is not locked: a page that has to be fetched can cost a cycle; add \"@realtime - "
         "memlock unlimited\" to /etc/security/limits.conf, join the group realtime, log in again");
   }

@@ -36,6 +36,18 @@ motion:
 render: {enabled: false}
 """
 
+# One that nobody waits for the end of, and that a machine that holds it up for seconds does not abort.
+LONG = MOTION.replace("velocity_scale: 0.1", "duration: 60 s").replace("abort_after_lost: 1000", "abort_after_lost: 1000000")
+
+HAND = """\
+hand:
+  - {at: 0 s, move: {width: 75 mm, speed: 0.1 m/s}}
+  - {at: 0.5 s, grasp: {width: 50 mm, speed: 0.1 m/s, force: 40 N}}
+"""
+
+# Longer than any machine takes over what is waited for.
+PATIENCE = 120
+
 
 def columns(folder, prefix):
     """Times and the seven values `prefix` of every cycle of a run's log while it moved."""
@@ -71,17 +83,37 @@ class RealtimeTest(unittest.TestCase):
     def command(self, out, drive):
         return [PROGRAM, "run", self.scenario, "--drive", drive, "--out", out, "--data", SOURCE / "models", "--no-video"]
 
-    def start(self, after):
-        """A run in real time that has gone on for so many seconds of its motion."""
+    def await_log(self, out, chunks):
+        """Until so many chunks of the log are on the disk: each holds some 200 cycles."""
+        log = out / "run.mcap.partial"
+        limit = time.monotonic() + PATIENCE
+        while not (log.exists() and log.stat().st_size > chunks * 512 * 1024):
+            self.assertLess(time.monotonic(), limit, "no cycles are recorded")
+            time.sleep(0.01)
+
+    def start(self):
+        """A long run in real time that is in its motion."""
+        self.scenario.write_text(LONG)
         out = self.tmp / "out"
         process = subprocess.Popen(self.command(out, "realtime"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        log = out / "run.mcap.partial"
-        limit = time.monotonic() + 30
-        while not log.exists() and time.monotonic() < limit:
-            time.sleep(0.01)
-        self.assertTrue(log.exists())
-        time.sleep(after)
+        self.addCleanup(process.kill)
+        self.await_log(out, 1)
         return process, out
+
+    def undisturbed(self, out, holds=lambda done, summary: False):
+        """A whole run in real time and its summary: one for which the claim holds, or else one in which this machine lost no
+        time. The test is skipped where it did in each of five."""
+        for _ in range(5):
+            done = subprocess.run(self.command(out, "realtime"), capture_output=True, text=True)
+            if not (out / "timing.json").exists():
+                self.assertIn("this machine gives it no time", done.stderr)
+                continue
+            lost_time = json.loads((out / "timing.json").read_text())["robot_overruns"]
+            summary = json.loads((out / "summary.json").read_text())
+            quiet = lost_time == 0 and summary["longest_loss_cycles"] <= 3 and summary["controller_overruns"] <= 3
+            if quiet or holds(done, summary):
+                return done, summary
+        self.skipTest("this machine lost time in each of five runs")
 
     def assert_readable(self, log):
         done = subprocess.run([PROGRAM, "export", log, "--out", self.tmp / "exported"], capture_output=True, text=True)
@@ -95,14 +127,7 @@ class RealtimeTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         runs["lockstep"] = columns(out, "q_d")
         out = self.tmp / "realtime"
-        for _ in range(5):
-            done = subprocess.run(self.command(out, "realtime"), capture_output=True, text=True)
-            lost_time = json.loads((out / "timing.json").read_text())["robot_overruns"]
-            held = json.loads((out / "summary.json").read_text())["longest_loss_cycles"]
-            if lost_time == 0 and held <= 3:
-                break
-        else:
-            self.skipTest("this machine lost time in each of five runs")
+        done, _ = self.undisturbed(out)
         self.assertEqual(done.returncode, 0, done.stderr)
         runs["realtime"] = columns(out, "q_d")
         times, values = runs["lockstep"]
@@ -112,25 +137,27 @@ class RealtimeTest(unittest.TestCase):
         self.assertLess(worst, 1e-3)
 
     def test_terminated_it_stops_the_arm_and_completes_the_log(self):
-        process, out = self.start(after=1)
+        process, out = self.start()
         process.send_signal(signal.SIGTERM)
-        _, said = process.communicate(timeout=20)
+        _, said = process.communicate(timeout=PATIENCE)
         self.assertEqual(process.returncode, 130, said)
         self.assert_readable(out / "run.mcap")
 
     def test_killed_it_leaves_a_log_that_can_be_read(self):
-        process, out = self.start(after=1.5)
+        process, out = self.start()
         process.kill()
-        process.communicate(timeout=20)
+        process.communicate(timeout=PATIENCE)
         self.assert_readable(out / "run.mcap.partial")
 
     def test_stopped_and_continued_it_ends_and_never_catches_up_in_a_burst(self):
-        process, out = self.start(after=0.5)
+        process, out = self.start()
         process.send_signal(signal.SIGSTOP)
         time.sleep(1)
         process.send_signal(signal.SIGCONT)
-        _, said = process.communicate(timeout=60)
-        self.assertIn(process.returncode, (0, 1), said)
+        self.await_log(out, 3)
+        process.send_signal(signal.SIGTERM)
+        _, said = process.communicate(timeout=PATIENCE)
+        self.assertIn(process.returncode, (1, 130), said)
         self.assert_readable(out / "run.mcap")
         self.assertGreaterEqual(json.loads((out / "timing.json").read_text())["robot_overruns"], 900)
         with open(self.tmp / "exported" / "cycles.csv", newline="") as table:
@@ -143,8 +170,20 @@ class RealtimeTest(unittest.TestCase):
         out = self.tmp / "out"
         subprocess.run([*self.command(out, "realtime"), "--clock-ppm", "1000"], capture_output=True)
         times, _ = columns(out, "q_d")
-        steps = sorted(b - a for a, b in zip(times, times[1:]))
-        self.assertAlmostEqual(steps[len(steps) // 2], 1e-3 / 1.001, delta=1e-8)
+        # A cycle that began late is postponed, and the step to it is longer; none is shorter.
+        self.assertAlmostEqual(min(b - a for a, b in zip(times, times[1:])), 1e-3 / 1.001, delta=1e-8)
+
+    def test_gives_the_hand_its_commands_beside_the_motion(self):
+        self.scenario.write_text(MOTION + HAND)
+        def results(summary):
+            return [c["result"] for c in summary["hand"]["commands"]]
+        wanted = ["success", "unsuccessful"]
+        done, summary = self.undisturbed(self.tmp / "out", lambda d, s: d.returncode == 0 and results(s) == wanted)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(results(summary), wanted)
+        for command, at in zip(summary["hand"]["commands"], (0, 0.5)):
+            self.assertGreaterEqual(command["begun_s"], at)
+        self.assertFalse(summary["hand"]["is_grasped"])
 
 
 if __name__ == "__main__":

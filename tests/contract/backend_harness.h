@@ -18,8 +18,7 @@ class BackendHarness {
 
   [[nodiscard]] virtual backend::Backend& backend() = 0;
 
-  /// Lets time pass until a state has been read. @returns false when none came within 1 s of its
-  /// time.
+  /// Lets time pass until a state has been read. @returns false when none came for long.
   [[nodiscard]] virtual bool AwaitState(RobotState& state, backend::ReadRule rule) = 0;
 
   /// Lets time pass until at least `count` more states have arrived, unread. @returns as above.
@@ -27,6 +26,8 @@ class BackendHarness {
 
   /// Whether it depends on the machine when things happen.
   [[nodiscard]] virtual bool by_the_wall_clock() const { return false; }
+  /// Whether it waits for every answer from a motion's first on: then none can be lost by silence.
+  [[nodiscard]] virtual bool waits_for_answers() const { return false; }
   /// Whether, since ForgetDisturbances(), a state was never read or a command missed its cycle,
   /// because of the machine.
   [[nodiscard]] virtual bool disturbed() { return false; }

@@ -1,45 +1,19 @@
 // The emulated robot in process, on the wall clock.
 
-#include <pthread.h>
-#include <sched.h>
-
 #include <atomic>
 #include <chrono>
 
 #include "contract/backend_harness.h"
+#include "contract/urgent.h"
 #include "plugins/mujoco/mujoco_backend.h"
 #include "twin/backend/registry.h"
 #include "twin/core/clock.h"
-#include "twin/rt/thread_setup.h"
 
 namespace twin::test {
 namespace {
 
-/// What a thread needs to hold its own beside other load, where the machine permits it.
-rt::ThreadSettings Urgent(const char* name, int priority) {
-  rt::ThreadSettings settings;
-  settings.name = name;
-  settings.fifo_priority = priority;
-  settings.lock_memory = false;
-  settings.stack_kb = 0;
-  return settings;
-}
-
-/// Makes the calling thread urgent while it lives.
-class UrgentHere {
- public:
-  UrgentHere() {
-    pthread_getschedparam(pthread_self(), &policy_, &parameters_);
-    static_cast<void>(rt::SetUpThisThread(Urgent("", 80)));
-  }
-  ~UrgentHere() { pthread_setschedparam(pthread_self(), policy_, &parameters_); }
-  UrgentHere(const UrgentHere&) = delete;
-  UrgentHere& operator=(const UrgentHere&) = delete;
-
- private:
-  int policy_ = SCHED_OTHER;
-  sched_param parameters_{};
-};
+/// Longer than any machine holds up a thread.
+constexpr Duration kLong = std::chrono::seconds(30);
 
 /// Notes whether a command came for a cycle that had passed.
 class LateCommands final : public rt::RecordSink {
@@ -72,7 +46,7 @@ class RealtimeHarness final : public BackendHarness {
   backend::Hand* hand() override { return connection_.hand; }
 
   bool AwaitState(RobotState& state, backend::ReadRule rule) override {
-    const Time limit = clock_.Now() + std::chrono::seconds(1);
+    const Time limit = clock_.Now() + kLong;
     Time arrival{};
     while (backend().Read(rule, state, arrival) == backend::ReadResult::kPending) {
       if (!connection_.arrival->AwaitUntil(limit) && clock_.Now() >= limit) return false;
@@ -85,7 +59,7 @@ class RealtimeHarness final : public BackendHarness {
   bool AwaitArrivals(int count) override {
     static_cast<void>(connection_.arrival->AwaitUntil(clock_.Now()));  // told of what was read
     for (int i = 0; i < count; ++i) {
-      if (!connection_.arrival->AwaitUntil(clock_.Now() + std::chrono::seconds(1))) return false;
+      if (!connection_.arrival->AwaitUntil(clock_.Now() + kLong)) return false;
     }
     return true;
   }

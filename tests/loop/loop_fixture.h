@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -86,6 +87,7 @@ struct LockstepMotion {
   loop::ControllerLoopConfig controller_loop;
   Duration time_limit = std::chrono::seconds(20);
   const volatile bool* interrupted = nullptr;
+  std::function<Time(Time)> attend;
 
   /// @param sink  of cycles and ticks; may be null.
   [[nodiscard]] loop::RunReport Run(control::Controller& controller, std::uint64_t seed = 1,
@@ -108,7 +110,8 @@ struct LockstepMotion {
                               .sink = sink,
                               .progress = {},
                               .event = {},
-                              .interrupted = interrupted});
+                              .interrupted = interrupted,
+                              .attend = attend});
   }
 };
 

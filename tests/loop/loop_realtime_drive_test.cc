@@ -1,6 +1,6 @@
-// The wall clock's drive. Nothing here depends on how well this machine keeps time: a motion that
-// it disturbed (several commands lost in a row, which INT may rightly answer with an abort) is run
-// again.
+// The wall clock's drive. Nothing here depends on how well this machine keeps time: a run that
+// failed is run again when the machine disturbed it (several commands lost in a row, which INT may
+// rightly answer with an abort; cycles of the robot or wake-ups of the controller skipped).
 #include "twin/loop/realtime_drive.h"
 
 #include <algorithm>
@@ -9,13 +9,17 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include "loop/loop_fixture.h"
+#include "support/effort.h"
 #include "support/realtime_guard.h"
+#include "support/undisturbed.h"
 #include "twin/rt/sleep.h"
 
 namespace twin::loop {
@@ -32,19 +36,25 @@ class Counter final : public rt::RecordSink {
     ++cycles;
     if (record.violated) ++violations;
     longest_loss = std::max(longest_loss, record.lost_in_row);
-    last_state = record.state;
+    if (cycles > 1) skipped += (record.at - last_ - kCycle / 2) / kCycle;
+    last_ = record.at;
   }
-  void Put(const rt::TickRecord& record) noexcept override {
-    ++ticks;
-    if (record.action == rt::TickAction::kWritten) ++written;
+  void Put(const rt::TickRecord&) noexcept override {}
+
+  /// Whether the machine held up a thread for longer than a motion bears without a trace.
+  /// @pre the run has ended.
+  [[nodiscard]] bool disturbed() const {
+    return cycles == 0 || longest_loss > kBorne || skipped > kBorne;
   }
 
   std::uint64_t cycles = 0;
   std::uint64_t violations = 0;
   std::uint32_t longest_loss = 0;
-  std::uint64_t ticks = 0;
-  std::uint64_t written = 0;
-  RobotState last_state;
+  std::int64_t skipped = 0;  ///< periods without a cycle
+
+ private:
+  static constexpr int kBorne = 3;
+  Time last_{};
 };
 
 /// A twelfth of joint 7's acceleration: two free-running loops make a jerk of 2 ddq / T of it, and
@@ -54,8 +64,6 @@ test::Swing GentleSwing() {
   swing.amplitude = 0.05;
   return swing;
 }
-
-constexpr const char* kDisturbed = "this machine disturbed every attempt";
 
 class RealtimeDriveTest : public ::testing::Test {
  protected:
@@ -79,24 +87,20 @@ class RealtimeDriveTest : public ::testing::Test {
                           .interrupted = interrupted_});
   }
 
-  /// What an undisturbed run of a controller came to; null when this machine disturbed every one.
+  /// A run of a controller, and what is claimed of it.
   /// @param make  a controller for each attempt.
-  template <typename Make>
-  auto RunUndisturbed(Make make) {
-    struct Outcome {
-      decltype(make()) controller;
-      Counter counter;
-      RunReport report;
-    };
-    constexpr int kAttempts = 10;
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      std::unique_ptr<Outcome> outcome(new Outcome{make(), {}, {}});
-      outcome->report = Run(outcome->controller, &outcome->counter);
-      const bool disturbed =
-          outcome->counter.longest_loss > 3 || outcome->report.robot_timings.overruns > 3;
-      if (outcome->report.succeeded() || !disturbed) return outcome;
-    }
-    return std::unique_ptr<Outcome>();
+  template <typename Make, typename Claims>
+  void RunUndisturbed(Make make, Claims claims) {
+    std::optional<Counter> counter;
+    RunReport report;
+    test::Undisturbed(
+        [&] {
+          auto controller = make();
+          report = {};
+          report = Run(controller, &counter.emplace());
+          claims(report, controller, *counter);
+        },
+        [&] { return counter->disturbed() || report.controller_overruns > borne_overruns_; });
   }
 
   backend::Registry registry_;
@@ -108,6 +112,8 @@ class RealtimeDriveTest : public ::testing::Test {
   Duration time_limit_ = seconds(20);
   const volatile bool* interrupted_ = nullptr;
   std::function<void(Time)> progress_;
+  /// Of the controller: beyond these the machine has held it up.
+  std::uint64_t borne_overruns_ = 10;
 };
 
 /// Stands still, and does what a test wants in its update number `at`.
@@ -144,83 +150,102 @@ class Nuisance final : public control::Controller {
   JointVector q_{};
 };
 
-TEST_F(RealtimeDriveTest, RunsAMotionToItsEnd) {
-  const auto run = RunUndisturbed(&GentleSwing);
-  if (run == nullptr) GTEST_SKIP() << kDisturbed;
-  const RunReport& report = run->report;
+/// What every motion that ends as it should has in common.
+void ExpectSuccess(const RunReport& report, const test::Swing& swing, const Counter& counter) {
   EXPECT_TRUE(report.succeeded()) << report.failure;
-  EXPECT_NEAR(report.q_final[6], robot_.q_start[6], 2e-4);
-  EXPECT_EQ(run->controller.deactivated, 1);
-  EXPECT_EQ(run->counter.violations, 0u);
-  EXPECT_EQ(report.timings.written, report.timings.d_EXT.count());
-  EXPECT_GT(report.robot_timings.lateness.count(), 500u);
+  EXPECT_EQ(swing.deactivated, 1);
+  EXPECT_EQ(counter.violations, 0u);
 }
 
-TEST_F(RealtimeDriveTest, RunsTheSynchronousAndTheBareLoop) {
-  for (const LoopKind kind : {LoopKind::kSynchronous, LoopKind::kBare}) {
-    kind_ = kind;
-    tick_.period_tolerance = Duration::zero();
-    controller_loop_.phase = microseconds(500);
-    const auto run = RunUndisturbed(&GentleSwing);
-    if (run == nullptr) GTEST_SKIP() << kDisturbed;
-    EXPECT_TRUE(run->report.succeeded()) << run->report.failure;
-    EXPECT_EQ(run->controller.deactivated, 1);
-  }
+TEST_F(RealtimeDriveTest, RunsAMotionToItsEnd) {
+  RunUndisturbed(&GentleSwing,
+                 [this](const RunReport& report, const test::Swing& swing, const Counter& counter) {
+                   ExpectSuccess(report, swing, counter);
+                   EXPECT_NEAR(report.q_final[6], robot_.q_start[6], 2e-4);
+                   EXPECT_EQ(report.timings.written, report.timings.d_EXT.count());
+                   EXPECT_GT(report.robot_timings.lateness.count(), 500u);
+                 });
+}
+
+TEST_F(RealtimeDriveTest, RunsTheSynchronousLoop) {
+  kind_ = LoopKind::kSynchronous;
+  tick_.period_tolerance = Duration::zero();
+  controller_loop_.phase = microseconds(500);
+  RunUndisturbed(&GentleSwing, &ExpectSuccess);
+}
+
+TEST_F(RealtimeDriveTest, RunsTheBareLoop) {
+  kind_ = LoopKind::kBare;
+  tick_.period_tolerance = Duration::zero();
+  RunUndisturbed(&GentleSwing, &ExpectSuccess);
 }
 
 TEST_F(RealtimeDriveTest, ARobotWhoseClockDriftsIsFollowed) {
   robot_.clock_ppm = 500;
-  const auto run = RunUndisturbed(&GentleSwing);
-  if (run == nullptr) GTEST_SKIP() << kDisturbed;
-  EXPECT_TRUE(run->report.succeeded()) << run->report.failure;
+  RunUndisturbed(&GentleSwing, &ExpectSuccess);
 }
 
 TEST_F(RealtimeDriveTest, AControllerThatStallsFor200MillisecondsAbortsNothing) {
-  const auto run = RunUndisturbed([] {
+  borne_overruns_ += 200;
+  const auto stalling = [] {
     Nuisance nuisance;
     nuisance.stall = milliseconds(200);
     return nuisance;
+  };
+  RunUndisturbed(stalling, [](const RunReport& report, const Nuisance&, const Counter& counter) {
+    EXPECT_TRUE(report.succeeded()) << report.failure;
+    EXPECT_GE(report.controller_overruns, 150u) << "counted, and no burst to make up for them";
+    EXPECT_EQ(counter.violations, 0u);
   });
-  if (run == nullptr) GTEST_SKIP() << kDisturbed;
-  EXPECT_TRUE(run->report.succeeded()) << run->report.failure;
-  EXPECT_GE(run->report.controller_overruns, 150u) << "counted, and no burst to make up for them";
-  EXPECT_EQ(run->counter.violations, 0u);
 }
 
 TEST_F(RealtimeDriveTest, AnInvalidTargetStopsTheMotionAndLeavesTheLastTicks) {
-  Nuisance nuisance;
-  nuisance.gives_nan = true;
-  Counter counter;
-  const RunReport report = Run(nuisance, &counter);
-  EXPECT_NE(report.failure.find("no valid command"), std::string::npos) << report.failure;
-  EXPECT_EQ(report.end, backend::MotionEnd::kPreempted);
-  EXPECT_EQ(counter.violations, 0u) << "it never reached the robot";
-  ASSERT_FALSE(report.evidence.empty());
-  EXPECT_NE(DescribeTick(report.evidence.front()).find("state "), std::string::npos);
+  const auto invalid = [] {
+    Nuisance nuisance;
+    nuisance.gives_nan = true;
+    return nuisance;
+  };
+  RunUndisturbed(invalid, [](const RunReport& report, const Nuisance&, const Counter& counter) {
+    EXPECT_NE(report.failure.find("no valid command"), std::string::npos) << report.failure;
+    EXPECT_EQ(report.end, backend::MotionEnd::kPreempted);
+    EXPECT_EQ(counter.violations, 0u) << "it never reached the robot";
+    ASSERT_FALSE(report.evidence.empty());
+    EXPECT_NE(DescribeTick(report.evidence.front()).find("state "), std::string::npos);
+  });
 }
 
 TEST_F(RealtimeDriveTest, AControllerThatRefusesToStartEndsAllThreads) {
+  std::optional<Counter> counter;
+  test::Undisturbed(
+      [&] {
+        Nuisance nuisance;
+        nuisance.refuses = true;
+        EXPECT_THROW(static_cast<void>(Run(nuisance, &counter.emplace())), InputError);
+      },
+      [&] { return counter->disturbed(); });
+}
+
+Nuisance Endless() {
   Nuisance nuisance;
-  nuisance.refuses = true;
-  EXPECT_THROW(static_cast<void>(Run(nuisance)), InputError);
+  nuisance.last = 1'000'000'000;
+  return nuisance;
 }
 
 TEST_F(RealtimeDriveTest, AMotionThatOutlastsItsTimeIsStopped) {
-  Nuisance nuisance;
-  nuisance.last = 1'000'000'000;
   time_limit_ = milliseconds(400);
-  const RunReport report = Run(nuisance);
-  EXPECT_NE(report.failure.find("did not end within"), std::string::npos) << report.failure;
-  EXPECT_EQ(report.end, backend::MotionEnd::kPreempted);
-  EXPECT_EQ(nuisance.deactivated, 1);
+  RunUndisturbed(&Endless, [](const RunReport& report, const Nuisance& nuisance, const Counter&) {
+    EXPECT_NE(report.failure.find("did not end within"), std::string::npos) << report.failure;
+    EXPECT_EQ(report.end, backend::MotionEnd::kPreempted);
+    EXPECT_EQ(nuisance.deactivated, 1);
+  });
 }
 
 TEST_F(RealtimeDriveTest, AnInterruptStopsTheArm) {
-  Nuisance nuisance;
-  nuisance.last = 1'000'000'000;
   const volatile bool interrupted = true;
   interrupted_ = &interrupted;
-  EXPECT_FALSE(Run(nuisance).succeeded());
+  RunUndisturbed(&Endless, [](const RunReport& report, const Nuisance&, const Counter&) {
+    EXPECT_FALSE(report.succeeded());
+  });
 }
 
 TEST_F(RealtimeDriveTest, ALinkThatLosesEveryStateIsReported) {
@@ -229,11 +254,14 @@ TEST_F(RealtimeDriveTest, ALinkThatLosesEveryStateIsReported) {
   EXPECT_THROW(static_cast<void>(Run(nuisance)), RobotFault);
 }
 
+/// Of each side.
+constexpr int kGuardedTicks = test::Repetitions(10'000);
+
 /// Counts on the communication's thread and on the robot's.
 class GuardedSink final : public rt::RecordSink {
  public:
+  /// Counted is what happens behind the first ticks.
   static constexpr int kFirst = 200;
-  static constexpr int kTicks = 10000;
 
   /// Of the calling thread, so far.
   static std::int64_t PageFaults() noexcept {
@@ -245,59 +273,70 @@ class GuardedSink final : public rt::RecordSink {
   struct Side {
     std::unique_ptr<test::RealtimeGuard> guard;  ///< made on the thread it counts
     int count = 0;
-    test::RealtimeGuard::Counts found{-1, -1, -1};
-    std::int64_t page_faults = -1;
+    test::RealtimeGuard::Counts found;
+    std::int64_t page_faults = 0;
     std::int64_t page_faults_before = 0;
 
-    void Count() noexcept {
+    /// @returns true at the last tick that counts.
+    bool Count() noexcept {
       ++count;
       if (count == kFirst) {
         guard = std::make_unique<test::RealtimeGuard>();
         page_faults_before = PageFaults();
       }
-      if (count == kFirst + kTicks) {
+      if (count > kFirst && count <= kFirst + kGuardedTicks) {
         found = guard->counts();
         page_faults = PageFaults() - page_faults_before;
       }
+      return count == kFirst + kGuardedTicks;
     }
   };
 
-  void Put(const rt::CycleRecord&) noexcept override {
-    robot.Count();
-    if (robot.count >= kFirst + kTicks + kTicks / 5) done = true;
+  void Put(const rt::CycleRecord& record) noexcept override {
+    counter.Put(record);
+    if (robot.Count()) ++sides_done;
   }
-  void Put(const rt::TickRecord&) noexcept override { communication.Count(); }
+  void Put(const rt::TickRecord&) noexcept override {
+    if (communication.Count()) ++sides_done;
+  }
 
+  Counter counter;
   Side robot;
   Side communication;
-  std::atomic<bool> done{false};  ///< the run may end
+  std::atomic<int> sides_done{0};
 };
 
-TEST_F(RealtimeDriveTest, NoAllocationLockOrPageFaultInTenThousandTicksOfEitherThread) {
+TEST_F(RealtimeDriveTest, NoAllocationLockOrPageFaultInThousandsOfTicksOfEitherThread) {
   robot_.plant_kind = robot::PlantKind::kMujoco;
   robot_.plant.urdf = TWIN_SOURCE_DIR "/models/robots/panda/panda.urdf";
   robot_.plant.hand = plant::HandKind::kNone;
   robot_.onboard.rotor_inertia.fill(0.3);
   test::Swing swing = GentleSwing();
   swing.endless = true;
-  time_limit_ = seconds(60);
+  time_limit_ = seconds(40);
   // A machine that loses time now and then has ticks to spare, and no reason to abort.
   robot_.onboard.abort_after_lost = 100'000;
   GuardedSink sink;
   volatile bool interrupted = false;
-  progress_ = [&](Time) { interrupted = sink.done; };  // on the thread that looks at it
+  progress_ = [&](Time) { interrupted = sink.sides_done == 2; };  // on the thread that looks at it
   interrupted_ = &interrupted;
-  const RunReport report = Run(swing, &sink);
-  EXPECT_EQ(report.end, backend::MotionEnd::kPreempted) << report.failure;
+  std::vector<std::string> notices;
+  // Its guards count once.
+  constexpr int kAttempts = 1;
+  test::Undisturbed(
+      [&] {
+        const RunReport report = Run(swing, &sink);
+        notices = report.notices;
+        EXPECT_EQ(report.end, backend::MotionEnd::kPreempted) << report.failure;
+        EXPECT_EQ(sink.sides_done, 2) << report.failure;
+      },
+      [&] { return sink.counter.disturbed(); }, kAttempts);
   for (const GuardedSink::Side* side : {&sink.robot, &sink.communication}) {
-    ASSERT_GE(side->count, GuardedSink::kFirst + GuardedSink::kTicks);
-    EXPECT_EQ(side->found.allocations, 0);
-    EXPECT_EQ(side->found.frees, 0);
-    EXPECT_EQ(side->found.locks, 0);
+    EXPECT_EQ(side->found, test::RealtimeGuard::Counts{});
     // Where memory may not be locked, the report says so, and pages may go.
     // ThreadSanitizer's own pages come as they are needed.
 #ifndef __SANITIZE_THREAD__
-    if (report.notices.empty()) {
+    if (notices.empty()) {
       EXPECT_EQ(side->page_faults, 0);
     }
 #endif

@@ -15,6 +15,7 @@
 
 #include "record/sample_records.h"
 #include "record/temporary_folder.h"
+#include "support/effort.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 #include "twin/record/log_reader.h"
@@ -59,7 +60,8 @@ std::string LogOf(std::uint64_t cycles) {
 }
 
 TEST(RecorderTest, SameRecordsGiveSameBytes) {
-  EXPECT_EQ(LogOf(3000), LogOf(3000));
+  constexpr std::uint64_t kCycles = test::Repetitions(3000);
+  EXPECT_EQ(LogOf(kCycles), LogOf(kCycles));
 }
 
 TEST(RecorderTest, CountsWhatItWrote) {
@@ -88,7 +90,8 @@ rt::CycleRecord JointMotionCycle(std::uint64_t k) {
 TEST(RecorderTest, TheCanonicalRunTakesAtMostThirtyMegabytes) {
   const TemporaryFolder folder;
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
-  for (std::uint64_t k = 0; k < 18'320; ++k) {
+  constexpr std::uint64_t kCycles = test::Repetitions(18'320);
+  for (std::uint64_t k = 0; k < kCycles; ++k) {
     recorder.Put(JointMotionCycle(k));
     rt::TickRecord tick = SampleTick(k);
     tick.command.O_T_EE_c = {};
@@ -97,7 +100,7 @@ TEST(RecorderTest, TheCanonicalRunTakesAtMostThirtyMegabytes) {
     tick.command.tau_J_d = {};
     recorder.Put(tick);
   }
-  EXPECT_LE(recorder.Finish().bytes, 30'000'000U);
+  EXPECT_LE(recorder.Finish().bytes, test::Repetitions(30'000'000));
 }
 
 TEST(RecorderTest, CutsLongEventsAndKeepsThemReadable) {
@@ -236,7 +239,7 @@ void GiveTheWriterTime(int k) {
 }
 
 TEST(RecorderTest, InRealtimeThreeThreadsPutWithoutHoldingUpEachOther) {
-  constexpr int kRecords = 20'000;
+  constexpr int kRecords = test::Repetitions(20'000);
   constexpr int kEvents = 500;
   const TemporaryFolder folder;
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kDrop);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "robot/robot_fixture.h"
+#include "support/effort.h"
 
 namespace twin::robot {
 namespace {
@@ -31,7 +32,7 @@ TEST(RobotMemoryTest, StaysFlatOverTenSimulatedMinutes) {
   };
   run_until(Time(std::chrono::seconds(5)));
   const std::int64_t before = Resident();
-  run_until(Time(std::chrono::minutes(10)));
+  run_until(Time(std::chrono::seconds(test::Repetitions(600))));
   const std::int64_t after = Resident();
   RecordProperty("resident_bytes", std::to_string(after));
   EXPECT_LE(after - before, 512 * 1024) << "grew from " << before << " to " << after;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <thread>
 
+#include "support/effort.h"
 #include "support/realtime_guard.h"
 
 namespace twin::rt {
@@ -79,7 +80,7 @@ TEST(LatestValueTest, PublishesAndRefreshesWithoutAllocation) {
 using Wide = std::array<std::uint64_t, 16>;
 
 TEST(LatestValueStressTest, TwoThreadsSeeWholeValuesInOrderAndTheLastOne) {
-  constexpr std::uint64_t kValues = 200'000;
+  constexpr std::uint64_t kValues = test::Repetitions(200'000);
   const auto latest = std::make_unique<LatestValue<Wide>>();
   std::thread producer([&latest] {
     Wide value;

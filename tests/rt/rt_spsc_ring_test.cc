@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <thread>
 
+#include "support/effort.h"
 #include "support/realtime_guard.h"
 
 namespace twin::rt {
@@ -77,7 +78,7 @@ TEST(SpscRingTest, PushesAndPopsWithoutAllocation) {
 using Wide = std::array<std::uint64_t, 16>;
 
 TEST(SpscRingStressTest, TwoThreadsLoseDoubleAndTearNothing) {
-  constexpr std::uint64_t kValues = 200'000;
+  constexpr std::uint64_t kValues = test::Repetitions(200'000);
   SpscRing<Wide> ring(64);
   std::thread producer([&ring] {
     for (std::uint64_t i = 0; i < kValues;) {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <thread>
 
+#include "support/effort.h"
 #include "twin/rt/errand.h"
 #include "twin/rt/latest_value.h"
 #include "twin/rt/signal.h"
@@ -23,7 +24,7 @@ constexpr Duration kLong = std::chrono::seconds(60);
 
 TEST(RtStressTest, PingPongLosesNoWakeUp) {
   // A wake-up that is lost shows as a wait that ends without a notification.
-  constexpr int kRounds = 20'000;
+  constexpr int kRounds = test::Repetitions(20'000);
   const MonotonicClock clock;
   Signal ping(clock);
   Signal pong(clock);
@@ -48,7 +49,7 @@ TEST(RtStressTest, PingPongLosesNoWakeUp) {
 
 TEST(RtStressTest, AWaiterWithShortDeadlinesSeesTheLastNotification) {
   // Deadlines of a few microseconds keep the waiter between announcing itself and sleeping.
-  constexpr std::uint32_t kNotifications = 50'000;
+  constexpr std::uint32_t kNotifications = test::Repetitions(50'000);
   const MonotonicClock clock;
   Signal signal(clock);
   std::atomic<std::uint32_t> sent = 0;
@@ -75,7 +76,7 @@ TEST(RtStressTest, AWaiterWithShortDeadlinesSeesTheLastNotification) {
 
 TEST(RtStressTest, ManyThreadsWakeOneWaiter) {
   constexpr int kNotifiers = 4;
-  constexpr int kEach = 5'000;
+  constexpr int kEach = test::Repetitions(5'000);
   const MonotonicClock clock;
   Signal signal(clock);
   std::atomic<int> sent = 0;
@@ -117,7 +118,8 @@ TEST(RtStressTest, ErrandsRunOnceOrNeverWhateverThePatience) {
     }
   });
   int done = 0;
-  for (int i = 0; i < 20'000; ++i) {
+  constexpr int kErrands = test::Repetitions(20'000);
+  for (int i = 0; i < kErrands || done == 0; ++i) {  // the servant may come late to its first
     Adding errand(sum);  // its own each time: one used after it was taken back shows
     const bool ran = box.Do(errand, microseconds(i % 40));
     done += ran ? 1 : 0;
@@ -125,7 +127,6 @@ TEST(RtStressTest, ErrandsRunOnceOrNeverWhateverThePatience) {
   servant.request_stop();
   servant.join();
   EXPECT_EQ(sum, done);
-  EXPECT_GT(done, 0);
 }
 
 /// Wider than any single store, so that a torn value shows.
@@ -133,7 +134,7 @@ using Wide = std::array<std::uint64_t, 16>;
 
 TEST(RtStressTest, StatesThroughLatestValueAndCommandsThroughTheRingKeepTheirOrder) {
   // The pattern of the realtime robot: the newest state one way with a signal, commands the other.
-  constexpr std::uint64_t kStates = 20'000;
+  constexpr std::uint64_t kStates = test::Repetitions(20'000);
   const MonotonicClock clock;
   const auto latest = std::make_unique<LatestValue<Wide>>();
   SpscRing<Wide> ring(64);
