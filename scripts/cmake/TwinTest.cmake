@@ -13,6 +13,10 @@ else()
   set(TWIN_PYTHON python3)
 endif()
 
+# A test's own source takes longer to compile than it runs; what it tests is compiled as everywhere.
+set(TWIN_TEST_OPTIMISATION -O1 CACHE STRING "Optimisation of the tests' own sources")
+mark_as_advanced(TWIN_TEST_OPTIMISATION)
+
 if(TWIN_BUILD_TESTS)
   add_custom_target(unit_tests)
   add_custom_target(stress_tests)
@@ -24,10 +28,18 @@ function(twin_add_test name)
     set(TEST_SOURCES ${name}.cc)
   endif()
   add_executable(${name} ${TEST_SOURCES})
-  target_link_libraries(${name} PRIVATE twin_warnings ${TEST_LINK} GTest::gmock twin_test_main)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/src)
-  target_compile_definitions(${name} PRIVATE TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  twin_compile_as_test(${name})
+  target_link_libraries(${name} PRIVATE ${TEST_LINK} twin_test_main)
   twin_register_test(${name} COMMAND ${name} LABELS "${TEST_LABELS}" TIMEOUT "${TEST_TIMEOUT}" NEEDS ${name})
+endfunction()
+
+# Also for an object library of tests that several programs take: SOURCES $<TARGET_OBJECTS:name>.
+function(twin_compile_as_test target)
+  target_link_libraries(${target} PRIVATE twin_warnings GTest::gmock)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/src)
+  target_compile_definitions(${target} PRIVATE TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_compile_options(${target} PRIVATE ${TWIN_TEST_OPTIMISATION})
+  twin_pch_for_tests(${target})
 endfunction()
 
 function(twin_add_script_test name)

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
+#include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "plant/friction.h"
 #include "plant/hand_joints.h"
@@ -63,8 +63,13 @@ constexpr std::string_view kClosing = R"(  <include file="{}"/>
 </mujoco>
 )";
 
-std::string Row(const auto& values) {
-  return fmt::format("{}", fmt::join(values, " "));
+std::string Row(std::span<const double> values, char separator = ' ') {
+  std::string row;
+  for (const double value : values) {
+    if (!row.empty()) row += separator;
+    row += fmt::format("{}", value);
+  }
+  return row;
 }
 
 std::string PoseAttributes(const Pose& pose) {
@@ -95,7 +100,7 @@ class Writer {
  private:
   template <typename... Args>
   void Line(std::string_view format, const Args&... args) {
-    fmt::format_to(std::back_inserter(text_), fmt::runtime(format), args...);
+    text_ += fmt::vformat(format, fmt::make_format_args(args...));
   }
 
   std::string Material(const Colour& colour) {
@@ -118,7 +123,7 @@ class Writer {
 
   /// @returns name of the mesh asset; the same file at the same scale is one asset.
   std::string Mesh(const MeshAsset& asset, const Vector3& scale, std::string_view use) {
-    std::string name = fmt::format("{}_{}", asset.file, fmt::join(scale, "_"));
+    std::string name = fmt::format("{}_{}", asset.file, Row(scale, '_'));
     meshes_[name] =
         fmt::format("    <mesh name=\"{}\" class=\"twin_{}\" file=\"{}\" scale=\"{}\"/>\n", name,
                     use, asset.file, Row(scale));

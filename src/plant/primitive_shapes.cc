@@ -15,6 +15,18 @@
 namespace twin::plant {
 namespace {
 
+/// The shortest turn from z to a direction; to -z about -x. As Eigen's FromTwoVectors, but for the
+/// singular value decomposition that stands there for -z: half the time this file took to compile.
+Eigen::Quaterniond TurnFromZ(const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d to = direction.normalized();
+  const double c = to.dot(z);
+  if (c < -1 + 1e-12) return {0, -1, 0, 0};
+  const double s = std::sqrt((1 + c) * 2);
+  const Eigen::Vector3d part = z.cross(to) * (1 / s);
+  return {s * 0.5, part.x(), part.y(), part.z()};
+}
+
 /// Reads one primitives file; all errors name its file and line.
 class PrimitivesReader {
  public:
@@ -105,7 +117,7 @@ class PrimitivesReader {
     const Eigen::Map<const Eigen::Vector3d> b(to.data());
     const Eigen::Vector3d along = b - a;
     if (along.norm() < 1e-6) Fail(node, "'from' and 'to' are the same point");
-    const auto q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along);
+    const Eigen::Quaterniond q = TurnFromZ(along);
     Shape shape;
     shape.kind = kind;
     shape.size = {Radius(node), along.norm() / 2, 0};

@@ -1,7 +1,5 @@
 #include "record/csv_file.h"
 
-#include <iterator>
-
 namespace twin::record {
 namespace {
 
@@ -31,7 +29,7 @@ void CsvFile::Add(std::string_view text) {
 void CsvFile::AddNames(std::string_view name, std::size_t size) {
   for (std::size_t i = 0; i < size; ++i) {
     Separate();
-    fmt::format_to(std::back_inserter(buffer_), "{}[{}]", name, i);
+    buffer_ += fmt::format("{}[{}]", name, i);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ class CsvFile {
   template <class Number>
   void Add(Number value) {
     Separate();
-    fmt::format_to(std::back_inserter(buffer_), "{}", value);
+    buffer_ += fmt::format("{}", value);
   }
   /// Text is quoted where it must be.
   void Add(std::string_view text);
@@ -37,7 +38,7 @@ class CsvFile {
   void Separate();
 
   PartialFile file_;
-  fmt::memory_buffer buffer_;
+  std::string buffer_;
   bool row_begun_ = false;
 };
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "int/pose_math.h"
+#include "support/dense.h"
 #include "twin/core/time.h"
 #include "twin/model/arm_model.h"
 
@@ -29,9 +30,7 @@ Matrix67 JacobianOf(const JointVector& q, const Transform& F_T_EE) {
 double SmallestSingularValue(const JointVector& q, bool joint_3_moves) {
   Matrix67 J = JacobianOf(q, kIdentityTransform);
   if (!joint_3_moves) J.col(2).setZero();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(J * J.transpose(),
-                                                                          Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[0]));
+  return SingularValues(J)[5];
 }
 
 bool IsRegular(const JointVector& q, bool joint_3_moves) {
@@ -53,7 +52,7 @@ JointVector Complete(const JointVector& q_d, const Transform& F_T_EE, const Tran
     const Vector7 gone =
         Eigen::Map<const Vector7>(q.data()) - Eigen::Map<const Vector7>(start.data());
     // The least distance from the start: the whole way lies in the rows of J.
-    const Vector7 whole = J.transpose() * (J * J.transpose()).ldlt().solve(error + J * gone);
+    const Vector7 whole = DampedLeastSquares(J, error + J * gone, 0);
     for (std::size_t k = 0; k < kJoints; ++k) {
       q[k] = start[k] + whole[static_cast<Eigen::Index>(k)];
     }

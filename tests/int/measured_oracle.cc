@@ -6,10 +6,11 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <Eigen/SVD>
+#include <Eigen/Core>
 
 #include "int/completion_oracle.h"
 #include "int/pose_math.h"
+#include "support/dense.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/self_collision.h"
 #include "twin/model/transform.h"
@@ -165,8 +166,7 @@ double WrenchShare(const RobotState& s) {
   const model::Jacobian values =
       model::ArmModel::Panda().ZeroJacobian(model::Frame::kEndEffector, s.q, s.F_T_EE);
   const Eigen::Map<const Eigen::Matrix<double, 6, kJoints>> J(values.data());
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J);
-  const double gain_squared = svd.singularValues().array().square().inverse().sum();
+  const double gain_squared = SingularValues(J).cwiseInverse().squaredNorm();
   return std::clamp((30.0 * 30 - gain_squared) / (30.0 * 30 - 24.0 * 24), 0.0, 1.0);
 }
 

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 #include "model/model_samples.h"
+#include "support/dense.h"
 #include "support/realtime_guard.h"
 #include "twin/model/rotation.h"
 
@@ -28,8 +28,7 @@ MatrixXd JacobianOf(const JointVector& q, bool joint_3_moves) {
 
 /// The reference: 1 / sqrt(sum of 1/sigma^2), by singular values.
 double DexterityOf(const MatrixXd& J) {
-  const VectorXd sigma = J.jacobiSvd().singularValues();
-  return 1 / sigma.head<6>().cwiseInverse().norm();
+  return 1 / test::SingularValues(J).cwiseInverse().norm();
 }
 
 Vector6 SmallStep(std::uint64_t index) {
@@ -92,8 +91,7 @@ TEST_P(InverseKinematicsTest, FindsTheSmallestStepThatReachesADisplacement) {
     const InverseKinematics ik(ArmModel::Panda(), q, {.joint_3_moves = joint_3_moves()});
     const Vector6 dx = SmallStep(k);
     const auto [dq, missed] = ik.Solve(dx);
-    const VectorXd expected =
-        J.jacobiSvd(Eigen::ComputeThinU | Eigen::ComputeThinV).solve(AsVector(dx));
+    const VectorXd expected = test::LeastSquares(J, AsVector(dx));
     EXPECT_LT((AsVector(dq) - expected).norm(), 1e-9 * expected.norm()) << "sample " << k;
     EXPECT_LT((AsVector(ik.Moved(dq)) - AsVector(dx)).norm(), 1e-12) << "sample " << k;
     EXPECT_EQ(missed, Vector6{});
@@ -111,7 +109,7 @@ TEST_P(InverseKinematicsTest, DexterityIsThatOfTheSingularValues) {
     const double s = DexterityOf(J);
     const InverseKinematics ik(ArmModel::Panda(), q, {.joint_3_moves = joint_3_moves()});
     EXPECT_NEAR(ik.dexterity(), s, 1e-7 * s + 1e-7) << "sample " << k;
-    const double sigma = J.jacobiSvd().singularValues()[5];
+    const double sigma = test::SingularValues(J)[5];
     EXPECT_LE(ik.dexterity(), sigma + 1e-7);
     EXPECT_GE(ik.dexterity(), sigma / std::sqrt(6) - 1e-7);
   }
@@ -131,8 +129,7 @@ TEST_P(InverseKinematicsTest, DampedItSolvesTheDampedEquation) {
     EXPECT_NEAR(ik.damping(), damping, 1e-9);
     const Vector6 dx = SmallStep(k);
     const auto [dq, missed] = ik.Solve(dx);
-    const MatrixXd A = J * J.transpose() + damping * MatrixXd::Identity(6, 6);
-    const VectorXd expected = J.transpose() * A.ldlt().solve(AsVector(dx));
+    const VectorXd expected = test::DampedLeastSquares(J, AsVector(dx), damping);
     EXPECT_LT((AsVector(dq) - expected).norm(), 1e-7 * expected.norm()) << "sample " << k;
     EXPECT_LT((AsVector(missed) - (AsVector(dx) - AsVector(ik.Moved(dq)))).norm(), 1e-12);
   }

@@ -8,6 +8,7 @@
 #include "onboard/arm_samples.h"
 #include "onboard/control_torque.h"
 #include "onboard/rigid_arm.h"
+#include "support/dense.h"
 #include "support/realtime_guard.h"
 #include "twin/model/rotation.h"
 
@@ -166,13 +167,11 @@ TEST(CartesianImpedanceTest, ADisplacedArmComesBackWithoutRinging) {
 
 TEST(CartesianImpedanceTest, TheElbowComesBackWhileKStaysWhereItIs) {
   const JointVector q_d = RegularPose(1);
-  const Eigen::FullPivLU<Eigen::MatrixXd> lu{Eigen::MatrixXd(JacobianOf(q_d))};
-  const Eigen::VectorXd n = lu.kernel().col(0).normalized();
+  const Eigen::VectorXd n = test::NullVector(JacobianOf(q_d));
   // Along the null space in small steps, so that K stays.
   JointVector q = q_d;
   for (int step = 0; step < 400; ++step) {
-    const Eigen::FullPivLU<Eigen::MatrixXd> here{Eigen::MatrixXd(JacobianOf(q))};
-    Eigen::VectorXd along = here.kernel().col(0).normalized();
+    Eigen::VectorXd along = test::NullVector(JacobianOf(q));
     if (along.dot(n) < 0) along = -along;
     for (std::size_t i = 0; i < kJoints; ++i) q[i] += 5e-4 * along[static_cast<int>(i)];
   }
@@ -211,18 +210,14 @@ TEST(CartesianImpedanceTest, IsBoundedAndFiniteAtSingularPosesAndFarFromTheRefer
   }
 }
 
-/// What a joint torque does at EE: (J M^-1 J^T)^-1 J M^-1 tau.
+/// What a joint torque does at EE.
 Eigen::Matrix<double, 6, 1> ForceOf(const JointVector& tau, const JointVector& q) {
   using Square = Eigen::Matrix<double, kJoints, kJoints>;
   using Column = Eigen::Matrix<double, kJoints, 1>;
   const model::JointMatrix M_q = kArm.MassMatrix(q, model::kHand);
   Square M = Eigen::Map<const Square>(M_q.data());
   M.diagonal() += Eigen::Map<const Column>(kRotorInertia.data());
-  const Jacobian6 J = JacobianOf(q);
-  const Square M_inverse = M.inverse();
-  return (J * M_inverse * J.transpose())
-      .ldlt()
-      .solve(J * M_inverse * Eigen::Map<const Column>(tau.data()));
+  return test::TaskForce(M, JacobianOf(q), Eigen::Map<const Column>(tau.data()));
 }
 
 TEST(CartesianImpedanceTest, LeadsBackOverAnyTurn) {

@@ -1,14 +1,15 @@
 #include "twin/onboard/external_wrench.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "onboard/arm_samples.h"
+#include "support/dense.h"
 #include "support/realtime_guard.h"
 
 namespace twin::onboard {
 namespace {
-
-using Column6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kGainMax = 30;
 constexpr Vector6 kWrench{12, -20, 7, 1.5, -0.8, 2.2};  // base axes, at K
@@ -55,9 +56,9 @@ TEST(ExternalWrenchTest, IsThePseudoinverseWhenNoWrenchAtKExplainsTheTorque) {
   for (std::uint64_t pose = 0; pose < 20; ++pose) {
     const JointVector q = RegularPose(pose);
     for (const Transform& EE_T_K : {kIdentityTransform, kTiltedK}) {
-      const Eigen::MatrixXd J_t = JacobianOf(q, EE_T_K).transpose();
-      const Eigen::VectorXd expected = J_t.completeOrthogonalDecomposition().solve(
-          Eigen::Map<const Eigen::Matrix<double, kJoints, 1>>(tau.data()));
+      const Eigen::VectorXd expected =
+          test::LeastSquares(JacobianOf(q, EE_T_K).transpose(),
+                             Eigen::Map<const Eigen::Matrix<double, kJoints, 1>>(tau.data()));
       const ExternalWrench found = Estimate(tau, q, EE_T_K);
       for (int k = 0; k < 6; ++k) {
         EXPECT_NEAR(found.O_F_ext_hat_K[static_cast<std::size_t>(k)], expected[k], 1e-8);

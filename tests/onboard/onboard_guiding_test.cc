@@ -8,6 +8,7 @@
 #include "onboard/arm_samples.h"
 #include "onboard/control_torque.h"
 #include "onboard/rigid_arm.h"
+#include "support/dense.h"
 #include "support/realtime_guard.h"
 #include "twin/model/rotation.h"
 
@@ -186,8 +187,7 @@ TEST(GuidingTest, WithAllAxesFreeALockedElbowMovesOnlyAsTheHandMakesIt) {
   double along_null = 0;
   double travelled = 0;
   for (int k = 0; k < 800; ++k) {
-    const Eigen::FullPivLU<Eigen::MatrixXd> lu{Eigen::MatrixXd(JacobianOf(arm.sensors().q))};
-    Eigen::VectorXd n = lu.kernel().col(0).normalized();
+    Eigen::VectorXd n = test::NullVector(JacobianOf(arm.sensors().q));
     if (n[2] < 0) n = -n;
     const JointVector before = arm.sensors().q;
     arm.Push({4, 5, -3, 0.3, 0, 0.2}, 1);

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <gmock/gmock.h>
+#include <Eigen/Geometry>
 
 #include "reference/reference_samples.h"
 #include "support/realtime_guard.h"

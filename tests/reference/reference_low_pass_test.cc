@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <gmock/gmock.h>
+#include <Eigen/Geometry>
 
 #include "reference/reference_samples.h"
 #include "support/realtime_guard.h"

@@ -8,8 +8,9 @@
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
+#include "support/dense.h"
 #include "twin/core/time.h"
 #include "twin/model/arm_model.h"
 #include "twin/onboard/joint_impedance.h"
@@ -134,7 +135,7 @@ class GraspRig {
     const model::Jacobian columns = model::ArmModel::PandaPlant().ZeroJacobian(
         model::Frame::kEndEffector, reference_.q_d, F_T_EE_);
     const Eigen::Map<const Jacobian> J(columns.data());
-    const Joints dq = J.transpose() * (J * J.transpose()).ldlt().solve(twist);
+    const Joints dq = DampedLeastSquares(J, twist, 0);
     for (std::size_t i = 0; i < kJoints; ++i) {
       const double dq_i = dq[static_cast<Eigen::Index>(i)];
       reference_.ddq_d[i] = (dq_i - reference_.dq_d[i]) / kCycleSeconds;

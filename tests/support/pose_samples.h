@@ -1,9 +1,8 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/random.h"
@@ -12,45 +11,21 @@
 namespace twin::test {
 
 /// The pose turned by phi (axis times angle, rad) from the identity, at p.
-inline Transform PoseOf(const Eigen::Vector3d& phi, const Eigen::Vector3d& p) {
-  Transform X = kIdentityTransform;
-  Eigen::Map<Eigen::Matrix4d> matrix(X.data());
-  const double angle = phi.norm();
-  if (angle > 0) {
-    matrix.topLeftCorner<3, 3>() = Eigen::AngleAxisd(angle, phi / angle).toRotationMatrix();
-  }
-  matrix.topRightCorner<3, 1>() = p;
-  return X;
-}
+Transform PoseOf(const Eigen::Vector3d& phi, const Eigen::Vector3d& p);
 
-inline Eigen::Matrix3d RotationOf(const Transform& X) {
-  return Eigen::Map<const Eigen::Matrix4d>(X.data()).topLeftCorner<3, 3>();
-}
-
-inline Eigen::Vector3d PositionOf(const Transform& X) {
-  return Eigen::Vector3d(X[12], X[13], X[14]);
-}
+Eigen::Matrix3d RotationOf(const Transform& X);
+Eigen::Vector3d PositionOf(const Transform& X);
 
 /// log(R_to R_from^T), rad.
-inline Eigen::Vector3d TurnOf(const Transform& from, const Transform& to) {
-  const Eigen::AngleAxisd turn(RotationOf(to) * RotationOf(from).transpose());
-  return turn.angle() * turn.axis();
-}
+Eigen::Vector3d TurnOf(const Transform& from, const Transform& to);
 
 /// How far the rotation is from orthonormal: largest element of R R^T - 1.
-inline double Obliqueness(const Transform& X) {
-  const Eigen::Matrix3d R = RotationOf(X);
-  return (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-}
+double Obliqueness(const Transform& X);
 
-inline Eigen::Vector3d RandomVector(const Random& random, std::uint64_t tick, std::uint32_t draw) {
-  return Eigen::Vector3d(2 * random.Uniform(tick, draw) - 1, 2 * random.Uniform(tick, draw + 1) - 1,
-                         2 * random.Uniform(tick, draw + 2) - 1);
-}
+/// Each component in [-1, 1].
+Eigen::Vector3d RandomVector(const Random& random, std::uint64_t tick, std::uint32_t draw);
 
 /// A pose within the arm's reach, turned by up to 3 rad.
-inline Transform RandomPose(const Random& random, std::uint64_t tick) {
-  return PoseOf(3 / std::sqrt(3.0) * RandomVector(random, tick, 0), RandomVector(random, tick, 3));
-}
+Transform RandomPose(const Random& random, std::uint64_t tick);
 
 }  // namespace twin::test

@@ -1,0 +1,40 @@
+# Precompiled headers: without them more than half of a build's time goes into gtest, Eigen, fmt and the standard library.
+# Sources include what they use all the same: scripts/lint and -DTWIN_PCH=OFF compile without.
+#
+#   twin_pch_for_libraries(target)   for optimised code of ours
+#   twin_pch_for_tests(target)       for tests' own sources; twin_add_test does it
+#
+# g++ takes a precompiled header only under the options and macros it was made with, and warns otherwise (-Winvalid-pch). Other
+# compilers ask for more, and do without.
+option(TWIN_PCH "Precompile the headers that are not ours" ON)
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(TWIN_PCH OFF)
+endif()
+
+set(TWIN_STANDARD_HEADERS
+  <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional> <limits> <map> <memory>
+  <numbers> <numeric> <optional> <set> <span> <sstream> <string> <string_view> <system_error> <thread> <utility> <variant>
+  <vector>)
+
+if(TWIN_PCH)
+  file(WRITE ${CMAKE_BINARY_DIR}/pch/library_headers.cc "")
+  add_library(twin_library_headers OBJECT ${CMAKE_BINARY_DIR}/pch/library_headers.cc)
+  target_link_libraries(twin_library_headers PRIVATE twin_warnings fmt::fmt Eigen3::Eigen)
+  target_compile_features(twin_library_headers PRIVATE cxx_std_20)
+  set_target_properties(twin_library_headers PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_precompile_headers(twin_library_headers PRIVATE ${TWIN_STANDARD_HEADERS} <fmt/format.h> <Eigen/Core> <Eigen/Geometry>)
+endif()
+
+function(twin_pch_for_libraries target)
+  if(TWIN_PCH)
+    target_compile_options(${target} PRIVATE -fPIC)
+    target_compile_definitions(${target} PRIVATE $<TARGET_PROPERTY:fmt::fmt,INTERFACE_COMPILE_DEFINITIONS>)
+    target_precompile_headers(${target} REUSE_FROM twin_library_headers)
+  endif()
+endfunction()
+
+function(twin_pch_for_tests target)
+  if(TWIN_PCH)
+    target_precompile_headers(${target} REUSE_FROM twin_test_main)
+  endif()
+endfunction()
