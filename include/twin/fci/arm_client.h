@@ -1,0 +1,137 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "twin/core/clock.h"
+#include "twin/core/realtime.h"
+#include "twin/core/request_status.h"
+#include "twin/core/robot_command.h"
+#include "twin/core/robot_state.h"
+#include "twin/core/setting.h"
+#include "twin/fci/client_patience.h"
+#include "twin/fci/datagrams.h"
+#include "twin/fci/requests.h"
+#include "twin/fci/sockets.h"
+#include "twin/rt/arrival.h"
+
+namespace twin::fci {
+
+class RequestChannel;
+
+/// What came of a look for a state.
+enum class Reception : std::uint8_t {
+  kState,    ///< one was received
+  kPending,  ///< none yet
+  kLost,     ///< TCP has ended, or no state has come for as long as the patience for one
+};
+
+/// Datagrams at the states' socket that were none to take.
+struct ReceptionCounts {
+  std::uint64_t old = 0;      ///< not newer than the last accepted: late, or doubled
+  std::uint64_t foreign = 0;  ///< from another address than the robot's
+  std::uint64_t bad = 0;      ///< too short, or a mode or flag that does not exist
+};
+
+/// A session with an arm that speaks the Franka Control Interface: requests over TCP, states and
+/// commands over UDP. Source: FCI protocol 5, session and motion semantics.
+///
+///     any thread ---request---> TCP ---> robot      tick's thread <---states--- UDP <--- robot
+///     any thread <--answer----- reader thread       tick's thread ---commands--> UDP ---> robot
+///
+/// Of the states, the newest counts: what is queued is drained (64 at a time, no more), and a state
+/// is accepted only from the robot's address and when its id is greater than the last accepted
+/// one's. A command goes to where the last accepted state came from.
+///
+/// Unlike libfranka it waits for no answer without end: a connection that is closed, or an answer
+/// that does not come, is a RobotFault.
+///
+/// Threads: requests from any; Receive() and Send() from one, the tick's. Real-time: these two and
+/// the arrival are noexcept, lock nothing and allocate nothing.
+class ArmClient {
+ public:
+  /// Connects: TCP, the states' socket, and an agreement on the version.
+  /// @param clock  of instants and of patience; must outlive the client. It may be restarted while
+  ///               nobody receives.
+  /// @throws InputError when the host has no address; RobotFault when nothing answers there, or
+  /// speaks another version, with both versions and the cure.
+  ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
+            const ClientPatience& patience = {});
+  ~ArmClient();
+  ArmClient(const ArmClient&) = delete;
+  ArmClient& operator=(const ArmClient&) = delete;
+
+  [[nodiscard]] const Endpoint& robot() const noexcept { return robot_; }
+  /// The robot's version of the interface, as it told.
+  [[nodiscard]] std::uint16_t version() const noexcept { return version_; }
+
+  /// @returns the first answer: kMotionStarted, or why not. @throws RobotFault when the connection
+  /// is lost or no answer comes; so do the other requests.
+  [[nodiscard]] MoveStatus Move(const fci::Move& move);
+  /// The second answer to the last Move that started.
+  /// @returns nothing when there was none, or its end is not known within `patience`.
+  [[nodiscard]] std::optional<MoveStatus> AwaitMotionEnd(Duration patience) noexcept;
+  /// Answered when the arm rests; at once when no motion runs.
+  [[nodiscard]] StopStatus StopMove();
+  [[nodiscard]] SetterStatus Configure(const Setting& setting);
+  [[nodiscard]] SetterStatus CartesianLimitOf(std::int32_t id, CartesianLimit& limit);
+  [[nodiscard]] RecoveryStatus Recover();
+
+  /// Never waits. @param state  written only for kState. @param at  when this side had it.
+  [[nodiscard]] Reception Receive(RobotState& state, Time& at) noexcept TWIN_REALTIME;
+  /// What the kernel does not take is lost, as on the wire; so is a command before the first state.
+  void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
+  /// Where to wait for a state: returns as long as one is queued.
+  [[nodiscard]] rt::Arrival& arrival() noexcept { return *udp_; }
+
+  /// Whether TCP has ended. Real-time: noexcept.
+  [[nodiscard]] bool lost() const noexcept;
+  /// Why the connection is gone, for people; empty while it is not.
+  [[nodiscard]] std::string WhyLost() const;
+  /// Any thread: each figure by itself.
+  [[nodiscard]] ReceptionCounts counts() const noexcept;
+
+ private:
+  struct Asked;
+
+  void Negotiate();
+  [[nodiscard]] Asked Ask(const ArmRequest& request, ArmCommand command, Duration patience);
+  [[nodiscard]] std::uint8_t AskForStatus(const ArmRequest& request, ArmCommand command,
+                                          std::uint8_t last);
+  [[nodiscard]] bool Accept(const Datagram& datagram) noexcept;
+  [[nodiscard]] Reception FoundNone() noexcept;
+
+  const MonotonicClock& clock_;
+  const ClientPatience patience_;
+  const Endpoint robot_;
+  std::uint16_t version_ = 0;
+  std::unique_ptr<UdpSocket> udp_;
+  std::unique_ptr<RequestChannel> channel_;
+
+  std::mutex motion_;                        ///< guards the two
+  std::optional<std::uint32_t> move_id_;     ///< whose second answer is awaited
+  std::optional<MoveStatus> last_move_end_;  ///< of the last Move that started
+
+  // The tick's.
+  std::array<std::byte, kStateBytes> state_bytes_{};
+  CommandBytes command_bytes_{};
+  RobotState received_;
+  std::uint64_t last_id_ = 0;
+  bool has_state_ = false;
+  Endpoint to_{};                      ///< of commands
+  std::optional<Time> pending_since_;  ///< of the first look since the last state
+
+  // Counts only: relaxed. silent_ is set once, by the tick.
+  std::atomic<std::uint64_t> old_ = 0;
+  std::atomic<std::uint64_t> foreign_ = 0;
+  std::atomic<std::uint64_t> bad_ = 0;
+  std::atomic<bool> silent_ = false;
+};
+
+}  // namespace twin::fci

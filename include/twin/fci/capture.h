@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include "twin/core/realtime.h"
+#include "twin/fci/protocol.h"
+#include "twin/record/packet.h"
+#include "twin/record/pcapng_writer.h"
+#include "twin/rt/spsc_ring.h"
+
+namespace twin::fci {
+
+/// Keeps a session's datagrams and TCP bytes in a pcapng file, off the threads that exchange them.
+///
+///     PutRealtime() --ring of 1024--> +---------------+
+///     Put() -----------list, lock---> | writer thread | --> <path>.partial, <path> when finished
+///                                     +---------------+
+///
+/// Packets are in order of their time as far as they wait together, about a millisecond.
+///
+/// Threads: PutRealtime() from one, Put() from any. Real-time: PutRealtime() is noexcept,
+/// wait-free, and allocates nothing; a full ring drops and counts. Put() is not for real
+/// time.
+class Capture {
+ public:
+  /// The longest datagram of the protocol.
+  static constexpr std::size_t kLongestDatagram = kStateBytes;
+
+  /// Creates `<path>.partial`. @throws EnvironmentError when that is not possible.
+  explicit Capture(const std::filesystem::path& path);
+  /// Without Finish(): leaves `<path>.partial`.
+  ~Capture();
+  Capture(const Capture&) = delete;
+  Capture& operator=(const Capture&) = delete;
+
+  /// @param packet  a datagram; of more than kLongestDatagram bytes, those.
+  void PutRealtime(const record::Packet& packet) noexcept TWIN_REALTIME;
+  /// @param packet  bytes of a TCP stream, or a datagram.
+  void Put(const record::Packet& packet);
+
+  /// Writes what waits, and gives the file its name. Call once, after the last Put.
+  /// @returns datagrams that were dropped. @throws EnvironmentError when anything could not be
+  /// written, now or before.
+  std::uint64_t Finish();
+
+ private:
+  static constexpr std::size_t kRing = 1024;
+
+  struct Datagram {
+    record::Packet packet;  ///< whose bytes are `bytes`
+    std::array<std::byte, kLongestDatagram> bytes;
+  };
+  struct Kept {
+    record::Packet packet;  ///< whose bytes are `bytes`
+    std::vector<std::byte> bytes;
+  };
+
+  void Run(const std::stop_token& stop);
+  [[nodiscard]] bool Drain();
+  void StopThread();
+
+  record::PcapngWriter writer_;  ///< the writer thread's, then Finish()'s
+  rt::SpscRing<Datagram> datagrams_{kRing};
+  std::mutex others_lock_;
+  std::vector<Kept> others_;               ///< guarded by others_lock_
+  std::vector<Kept> waiting_;              ///< the writer thread's
+  std::atomic<std::uint64_t> dropped_{0};  ///< a count only: relaxed
+  std::exception_ptr failure_;             ///< the writer thread's, then Finish()'s
+  std::jthread thread_;
+};
+
+}  // namespace twin::fci

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "twin/core/hand_command.h"
+#include "twin/fci/arm_session.h"
+#include "twin/fci/requests.h"
+
+namespace twin::fci {
+
+/// The hand, as a session sees it.
+class HandService {
+ public:
+  virtual ~HandService() = default;
+  /// As backend::Hand::Start, but a refusal has ticket 0.
+  [[nodiscard]] virtual HandStart Start(const HandCommand& command) = 0;
+  [[nodiscard]] virtual std::optional<HandResult> Outcome(HandTicket ticket) = 0;
+};
+
+/// One client's session with the hand, without sockets and without time. Each request is answered
+/// once, when the action is over; requests are read on meanwhile, so that Stop can abort one.
+/// Source: FCI protocol 5, gripper.
+///
+/// Threads: one.
+class HandSession {
+ public:
+  HandSession(HandService& service, Answers answers);
+
+  /// As ArmSession.
+  [[nodiscard]] std::optional<std::string> OnFrame(const Frame& frame);
+  /// Time has passed: answers what is over.
+  void OnProgress();
+
+  [[nodiscard]] std::optional<std::uint16_t> udp_port() const noexcept { return udp_port_; }
+  [[nodiscard]] bool has_pending() const noexcept { return !pending_.empty(); }
+
+ private:
+  /// A command that goes on.
+  struct Pending {
+    HandTicket ticket = 0;
+    HandCommandId command{};
+    std::uint32_t command_id = 0;
+  };
+
+  [[nodiscard]] std::optional<std::string> Take(const Connect& connect, std::uint32_t command_id);
+  void Take(const HandCommand& command, const FrameHead& head);
+
+  HandService& service_;
+  const Answers answers_;
+  std::optional<std::uint16_t> udp_port_;
+  std::vector<Pending> pending_;  ///< as they came
+};
+
+}  // namespace twin::fci

@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+
+#include "fci/frame_bytes.h"
+#include "fci/message_fields.h"
+#include "twin/fci/requests.h"
+
+namespace twin::fci {
+namespace {
+
+constexpr std::size_t kArmStatusBytes = 1;
+constexpr std::size_t kHandStatusBytes = 2;
+constexpr std::size_t kVersionBytes = 2;
+
+static_assert(static_cast<int>(HandResult::kSuccess) == 0 &&
+                  static_cast<int>(HandResult::kFail) == 1 &&
+                  static_cast<int>(HandResult::kUnsuccessful) == 2 &&
+                  static_cast<int>(HandResult::kAborted) == 3,
+              "the hand's results have the numbers of the wire");
+
+/// What an answer has at least; clients take more and leave it.
+std::size_t LeastBytes(ArmCommand asked) noexcept {
+  if (asked == ArmCommand::kConnect) return kArmStatusBytes + kVersionBytes;
+  if (asked == ArmCommand::kGetCartesianLimit) {
+    return kArmStatusBytes + wire::kPayload<CartesianLimit>;
+  }
+  return kArmStatusBytes;
+}
+
+/// @returns what is wrong when there are fewer bytes than `least`.
+std::optional<BadFrame> FindMissing(std::string_view name, const Frame& frame, std::size_t least) {
+  if (frame.payload.size() >= least) return {};
+  return BadFrame{fmt::format("{}: an answer with {} bytes of payload, {} are needed", name,
+                              frame.payload.size(), least)};
+}
+
+/// @returns how the hand's `status` reads; nothing when there is no such status.
+std::optional<HandResult> ResultOf(HandCommandId asked, std::uint16_t status) noexcept {
+  const bool is_connect = asked == HandCommandId::kConnect;
+  const HandResult last = is_connect ? HandResult::kFail : HandResult::kAborted;
+  if (status > static_cast<std::uint16_t>(last)) return {};
+  return static_cast<HandResult>(status);
+}
+
+}  // namespace
+
+std::vector<std::byte> EncodeArmAnswer(ArmCommand command, std::uint32_t command_id,
+                                       std::uint8_t status) {
+  NewFrame frame(command, command_id, kArmStatusBytes);
+  wire::Put(frame.payload(), status);
+  return std::move(frame).Release();
+}
+
+std::vector<std::byte> EncodeArmConnectAnswer(std::uint32_t command_id, ConnectStatus status,
+                                              std::uint16_t version) {
+  NewFrame frame(ArmCommand::kConnect, command_id, kArmStatusBytes + kVersionBytes);
+  wire::Put(frame.payload(), status);
+  wire::Put(frame.payload() + kArmStatusBytes, version);
+  return std::move(frame).Release();
+}
+
+std::vector<std::byte> EncodeCartesianLimitAnswer(std::uint32_t command_id, SetterStatus status,
+                                                  const CartesianLimit& limit) {
+  NewFrame frame(ArmCommand::kGetCartesianLimit, command_id,
+                 kArmStatusBytes + wire::kPayload<CartesianLimit>);
+  wire::Put(frame.payload(), status);
+  wire::PutFields(frame.payload() + kArmStatusBytes, limit);
+  return std::move(frame).Release();
+}
+
+std::vector<std::byte> EncodeModelLibraryAnswer(std::uint32_t command_id, ModelLibraryStatus status,
+                                                std::span<const std::byte> library) {
+  NewFrame frame(ArmCommand::kLoadModelLibrary, command_id, kArmStatusBytes + library.size());
+  wire::Put(frame.payload(), status);
+  std::copy(library.begin(), library.end(), frame.payload() + kArmStatusBytes);
+  return std::move(frame).Release();
+}
+
+std::vector<std::byte> EncodeHandAnswer(HandCommandId command, std::uint32_t command_id,
+                                        HandResult result) {
+  NewFrame frame(command, command_id, kHandStatusBytes);
+  wire::Put(frame.payload(), static_cast<std::uint16_t>(result));
+  return std::move(frame).Release();
+}
+
+std::vector<std::byte> EncodeHandConnectAnswer(std::uint32_t command_id, ConnectStatus status,
+                                               std::uint16_t version) {
+  NewFrame frame(HandCommandId::kConnect, command_id, kHandStatusBytes + kVersionBytes);
+  wire::Put(frame.payload(), static_cast<std::uint16_t>(status));
+  wire::Put(frame.payload() + kHandStatusBytes, version);
+  return std::move(frame).Release();
+}
+
+std::variant<ArmAnswer, BadFrame> ParseArmAnswer(ArmCommand asked, const Frame& frame) {
+  if (auto bad = FindMissing(Name(asked), frame, LeastBytes(asked))) return *std::move(bad);
+  ArmAnswer answer;
+  wire::Take(frame.payload.data(), answer.status);
+  const auto rest = frame.payload.subspan(kArmStatusBytes);
+  if (asked == ArmCommand::kConnect) {
+    wire::Take(rest.data(), answer.version);
+  } else if (asked == ArmCommand::kGetCartesianLimit) {
+    if (!wire::TakeFields(rest.data(), answer.limit)) return wire::BadFlag(Name(asked));
+  } else if (asked == ArmCommand::kLoadModelLibrary) {
+    answer.library = rest;
+  }
+  return answer;
+}
+
+std::variant<HandAnswer, BadFrame> ParseHandAnswer(HandCommandId asked, const Frame& frame) {
+  const bool is_connect = asked == HandCommandId::kConnect;
+  const std::size_t least = kHandStatusBytes + (is_connect ? kVersionBytes : 0);
+  if (auto bad = FindMissing(Name(asked), frame, least)) return *std::move(bad);
+  std::uint16_t status = 0;
+  wire::Take(frame.payload.data(), status);
+  const auto result = ResultOf(asked, status);
+  if (!result) {
+    return BadFrame{
+        fmt::format("{}: an answer with status {}, which does not exist", Name(asked), status)};
+  }
+  HandAnswer answer{*result, 0};
+  if (is_connect) wire::Take(frame.payload.data() + kHandStatusBytes, answer.version);
+  return answer;
+}
+
+}  // namespace twin::fci

@@ -1,0 +1,235 @@
+#include "twin/fci/arm_client.h"
+
+#include <array>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "fci/request_channel.h"
+#include "twin/core/error.h"
+
+namespace twin::fci {
+namespace {
+
+/// Datagrams looked at in one Receive(): more than the kernel queues by default.
+constexpr int kMostAtOnce = 64;
+
+/// Largest answer: GetCartesianLimit's. Model libraries are never asked for: this program has its
+/// own model, and runs no code that a robot serves.
+constexpr std::size_t kLargestAnswer = 166;
+
+/// In the order of a Setting's alternatives.
+constexpr std::array kSetters{ArmCommand::kSetJointImpedance,
+                              ArmCommand::kSetCartesianImpedance,
+                              ArmCommand::kSetCollisionBehavior,
+                              ArmCommand::kSetGuidingMode,
+                              ArmCommand::kSetEEToK,
+                              ArmCommand::kSetNEToEE,
+                              ArmCommand::kSetLoad,
+                              ArmCommand::kSetFilters};
+static_assert(kSetters.size() == std::variant_size_v<Setting>);
+
+std::string NameOf(const Endpoint& robot) {
+  return fmt::format("the robot {}", ToString(robot));
+}
+
+}  // namespace
+
+/// An answer with the bytes it refers to.
+struct ArmClient::Asked {
+  std::uint32_t id = 0;
+  RequestChannel::Answer bytes;
+  ArmAnswer answer;
+};
+
+ArmClient::ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
+                     const ClientPatience& patience)
+    : clock_(clock), patience_(patience), robot_(Resolve(host, port)) {
+  TcpStream stream = TcpStream::Connect(robot_, patience.connect);
+  // States are sent to the address this connection comes from, and nothing else is listened to.
+  udp_ = std::make_unique<UdpSocket>(clock, Endpoint{stream.local().address, 0});
+  channel_ = std::make_unique<RequestChannel>(HeadKind::kArm, std::move(stream), NameOf(robot_),
+                                              kLargestAnswer, patience.answer);
+  Negotiate();
+}
+
+ArmClient::~ArmClient() = default;
+
+void ArmClient::Negotiate() {
+  const Connect request{kArmVersion, udp_->local().port};
+  const ArmAnswer answer = Ask(request, ArmCommand::kConnect, patience_.connect).answer;
+  version_ = answer.version;
+  if (answer.status == static_cast<std::uint8_t>(ConnectStatus::kSuccess)) return;
+  if (answer.status != static_cast<std::uint8_t>(ConnectStatus::kIncompatibleLibraryVersion)) {
+    throw RobotFault(
+        fmt::format("Connect: {} refuses with status {}, which nobody knows; is it a "
+                    "Panda?",
+                    NameOf(robot_), answer.status));
+  }
+  throw RobotFault(fmt::format(
+      "Connect: {} speaks version {} of the Franka Control Interface, this program version {}; {}",
+      NameOf(robot_), answer.version, kArmVersion,
+      answer.version < kArmVersion ? "update the robot to system 4.2.1 or later"
+                                   : "it is no Panda but a later robot, for which this program is "
+                                     "not made"));
+}
+
+ArmClient::Asked ArmClient::Ask(const ArmRequest& request, ArmCommand command, Duration patience) {
+  const std::string_view name = Name(command);
+  Asked asked;
+  asked.id = channel_->Send(name, [&](std::uint32_t id) { return EncodeRequest(id, request); });
+  auto bytes = channel_->Await(asked.id, name, patience);
+  // A Move that has started is answered once more.
+  if (command != ArmCommand::kMove) channel_->Forget(asked.id);
+  if (!bytes) {
+    channel_->Forget(asked.id);
+    throw RobotFault(fmt::format("{}: {} has not answered for {} s; see whether it still runs",
+                                 name, NameOf(robot_), ToSeconds(patience)));
+  }
+  asked.bytes = std::move(*bytes);
+  const auto answer = ParseArmAnswer(command, asked.bytes.frame());
+  if (const auto* bad = std::get_if<BadFrame>(&answer)) {
+    channel_->Forget(asked.id);
+    throw RobotFault(
+        fmt::format("{}: {} sends an answer that is none: {}", name, NameOf(robot_), bad->what));
+  }
+  asked.answer = std::get<ArmAnswer>(answer);
+  return asked;
+}
+
+std::uint8_t ArmClient::AskForStatus(const ArmRequest& request, ArmCommand command,
+                                     std::uint8_t last) {
+  const std::uint8_t status = Ask(request, command, patience_.answer).answer.status;
+  if (status <= last) return status;
+  throw RobotFault(fmt::format("{}: {} answers with status {}; the protocol knows 0 to {}",
+                               Name(command), NameOf(robot_), status, last));
+}
+
+MoveStatus ArmClient::Move(const fci::Move& move) {
+  const Asked asked = Ask(move, ArmCommand::kMove, patience_.answer);
+  const auto status = static_cast<MoveStatus>(asked.answer.status);
+  if (status != MoveStatus::kMotionStarted) {
+    channel_->Forget(asked.id);
+    return status;
+  }
+  const std::lock_guard lock(motion_);
+  if (move_id_) channel_->Forget(*move_id_);
+  move_id_ = asked.id;
+  last_move_end_.reset();
+  return status;
+}
+
+std::optional<MoveStatus> ArmClient::AwaitMotionEnd(Duration patience) noexcept {
+  const std::lock_guard lock(motion_);
+  if (!move_id_) return last_move_end_;
+  try {
+    const auto bytes = channel_->Await(*move_id_, Name(ArmCommand::kMove), patience);
+    if (!bytes) return std::nullopt;
+    const auto answer = ParseArmAnswer(ArmCommand::kMove, bytes->frame());
+    const auto* read = std::get_if<ArmAnswer>(&answer);
+    // Whatever else it says: the motion has ended.
+    last_move_end_ = read == nullptr ? MoveStatus::kAborted : static_cast<MoveStatus>(read->status);
+  } catch (const std::exception&) {
+    return std::nullopt;  // the connection is lost: Receive() tells
+  }
+  channel_->Forget(*move_id_);
+  move_id_.reset();
+  return last_move_end_;
+}
+
+StopStatus ArmClient::StopMove() {
+  return static_cast<StopStatus>(AskForStatus(fci::StopMove{}, ArmCommand::kStopMove,
+                                              static_cast<std::uint8_t>(StopStatus::kAborted)));
+}
+
+SetterStatus ArmClient::Configure(const Setting& setting) {
+  return static_cast<SetterStatus>(
+      AskForStatus(setting, kSetters[setting.index()],
+                   static_cast<std::uint8_t>(SetterStatus::kInvalidArgumentRejected)));
+}
+
+SetterStatus ArmClient::CartesianLimitOf(std::int32_t id, CartesianLimit& limit) {
+  const ArmAnswer answer =
+      Ask(GetCartesianLimit{id}, ArmCommand::kGetCartesianLimit, patience_.answer).answer;
+  const auto status = static_cast<SetterStatus>(answer.status);
+  if (status == SetterStatus::kSuccess) limit = answer.limit;
+  return status;
+}
+
+RecoveryStatus ArmClient::Recover() {
+  return static_cast<RecoveryStatus>(
+      AskForStatus(AutomaticErrorRecovery{}, ArmCommand::kAutomaticErrorRecovery,
+                   static_cast<std::uint8_t>(RecoveryStatus::kAborted)));
+}
+
+Reception ArmClient::Receive(RobotState& state, Time& at) noexcept {
+  if (channel_->lost() || silent_.load(std::memory_order_relaxed)) return Reception::kLost;
+  bool found = false;
+  for (int i = 0; i < kMostAtOnce; ++i) {
+    const std::optional<Datagram> datagram = udp_->Receive(state_bytes_);
+    if (!datagram) break;
+    if (!Accept(*datagram)) continue;
+    state = received_;
+    found = true;
+  }
+  if (!found) return FoundNone();
+  pending_since_.reset();
+  at = clock_.Now();
+  return Reception::kState;
+}
+
+bool ArmClient::Accept(const Datagram& datagram) noexcept {
+  if (datagram.from.address != robot_.address) {
+    foreign_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  if (Decode(datagram.bytes, received_) != DatagramFault::kNone) {
+    bad_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  if (has_state_ && received_.message_id <= last_id_) {
+    old_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  has_state_ = true;
+  last_id_ = received_.message_id;
+  to_ = datagram.from;
+  return true;
+}
+
+Reception ArmClient::FoundNone() noexcept {
+  const Time now = clock_.Now();
+  // The clock may have been restarted since.
+  if (!pending_since_ || *pending_since_ > now) pending_since_ = now;
+  if (now - *pending_since_ <= patience_.state) return Reception::kPending;
+  silent_.store(true, std::memory_order_relaxed);
+  return Reception::kLost;
+}
+
+void ArmClient::Send(const RobotCommand& command) noexcept {
+  if (!has_state_) return;
+  Encode(command, command_bytes_);
+  static_cast<void>(udp_->Send(command_bytes_, to_));
+}
+
+bool ArmClient::lost() const noexcept {
+  return channel_->lost();
+}
+
+std::string ArmClient::WhyLost() const {
+  if (channel_->lost()) return channel_->WhyLost();
+  if (!silent_.load(std::memory_order_relaxed)) return {};
+  const ReceptionCounts found = counts();
+  return fmt::format(
+      "no state of {} has come for {} s ({} datagrams came from elsewhere, {} were "
+      "no states); does a firewall stop UDP?",
+      NameOf(robot_), ToSeconds(patience_.state), found.foreign, found.bad);
+}
+
+ReceptionCounts ArmClient::counts() const noexcept {
+  return {old_.load(std::memory_order_relaxed), foreign_.load(std::memory_order_relaxed),
+          bad_.load(std::memory_order_relaxed)};
+}
+
+}  // namespace twin::fci

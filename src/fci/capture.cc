@@ -1,0 +1,88 @@
+#include "twin/fci/capture.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "twin/rt/pause.h"
+
+namespace twin::fci {
+namespace {
+
+/// Pause of the writer when nothing waits.
+constexpr std::chrono::microseconds kIdlePause(1000);
+
+}  // namespace
+
+Capture::Capture(const std::filesystem::path& path)
+    : writer_(path), thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+
+Capture::~Capture() {
+  StopThread();
+}
+
+void Capture::PutRealtime(const record::Packet& packet) noexcept {
+  const bool put = datagrams_.TryPushWith([&packet](Datagram& slot) {
+    const std::size_t size = std::min(packet.bytes.size(), slot.bytes.size());
+    std::copy_n(packet.bytes.begin(), size, slot.bytes.begin());
+    slot.packet = packet;
+    slot.packet.bytes = std::span<const std::byte>(slot.bytes).first(size);
+  });
+  if (!put) dropped_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void Capture::Put(const record::Packet& packet) {
+  Kept kept{packet, {packet.bytes.begin(), packet.bytes.end()}};
+  const std::scoped_lock lock(others_lock_);
+  others_.push_back(std::move(kept));
+}
+
+void Capture::Run(const std::stop_token& stop) {
+  while (true) {
+    // Asked before the lists are looked at: what was put before the request is then written.
+    const bool last = stop.stop_requested();
+    if (Drain()) continue;
+    if (last) return;
+    rt::Pause(kIdlePause);
+  }
+}
+
+bool Capture::Drain() {
+  waiting_.clear();
+  {
+    const std::scoped_lock lock(others_lock_);
+    waiting_.swap(others_);
+  }
+  // All there are, after the others: what came before one of those is then among them.
+  const auto keep = [this](const Datagram& slot) {
+    waiting_.push_back({slot.packet, {slot.packet.bytes.begin(), slot.packet.bytes.end()}});
+  };
+  for (std::size_t i = 0; i < kRing && datagrams_.TryPopWith(keep); ++i) {
+  }
+  std::ranges::stable_sort(waiting_, {}, [](const Kept& kept) { return kept.packet.at; });
+  for (Kept& kept : waiting_) {
+    if (failure_ != nullptr) break;
+    kept.packet.bytes = kept.bytes;
+    try {
+      writer_.Add(kept.packet);
+    } catch (...) {
+      failure_ = std::current_exception();
+    }
+  }
+  return !waiting_.empty();
+}
+
+void Capture::StopThread() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+}
+
+std::uint64_t Capture::Finish() {
+  StopThread();
+  if (failure_ != nullptr) std::rethrow_exception(failure_);
+  writer_.Finish();
+  return dropped_.load(std::memory_order_relaxed);
+}
+
+}  // namespace twin::fci

@@ -1,0 +1,35 @@
+#include "fci/frame_bytes.h"
+
+namespace twin::fci {
+
+FrameHead ReadHead(HeadKind kind, std::span<const std::byte> bytes) noexcept {
+  FrameHead head;
+  if (kind == HeadKind::kArm) {
+    wire::Take(bytes.data(), head.command);
+    wire::Take(bytes.data() + 4, head.command_id);
+    wire::Take(bytes.data() + 8, head.size);
+  } else {
+    std::uint16_t command = 0;
+    wire::Take(bytes.data(), command);
+    head.command = command;
+    wire::Take(bytes.data() + 2, head.command_id);
+    wire::Take(bytes.data() + 6, head.size);
+  }
+  return head;
+}
+
+NewFrame::NewFrame(ArmCommand command, std::uint32_t command_id, std::size_t payload_bytes)
+    : head_bytes_(kArmHeadBytes), bytes_(kArmHeadBytes + payload_bytes) {
+  wire::Put(bytes_.data(), static_cast<std::uint32_t>(command));
+  wire::Put(bytes_.data() + 4, command_id);
+  wire::Put(bytes_.data() + 8, static_cast<std::uint32_t>(bytes_.size()));
+}
+
+NewFrame::NewFrame(HandCommandId command, std::uint32_t command_id, std::size_t payload_bytes)
+    : head_bytes_(kHandHeadBytes), bytes_(kHandHeadBytes + payload_bytes) {
+  wire::Put(bytes_.data(), static_cast<std::uint16_t>(command));
+  wire::Put(bytes_.data() + 2, command_id);
+  wire::Put(bytes_.data() + 6, static_cast<std::uint32_t>(bytes_.size()));
+}
+
+}  // namespace twin::fci

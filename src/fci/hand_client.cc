@@ -1,0 +1,153 @@
+#include "twin/fci/hand_client.h"
+
+#include <array>
+#include <condition_variable>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "fci/request_channel.h"
+#include "twin/core/error.h"
+#include "twin/fci/datagrams.h"
+#include "twin/fci/requests.h"
+
+namespace twin::fci {
+namespace {
+
+constexpr std::size_t kRemembered = 8;
+/// Longest frame of an answer, bytes: Connect's.
+constexpr std::size_t kLargestAnswer = 14;
+/// In which an aborted command, and Stop, are answered.
+constexpr Duration kAtOnce = std::chrono::seconds(1);
+constexpr Duration kNextState = std::chrono::milliseconds(100);
+
+}  // namespace
+
+/// The newest state; the channel's reader thread fills it.
+class HandClient::Mailbox {
+ public:
+  Mailbox(std::uint32_t robot, const Endpoint& local) : robot_(robot), socket_(clock_, local) {}
+
+  [[nodiscard]] std::uint16_t port() const noexcept { return socket_.local().port; }
+  [[nodiscard]] int fd() const noexcept { return socket_.fd(); }
+
+  void Drain() {
+    std::array<std::byte, kHandStateBytes> bytes{};
+    while (const std::optional<Datagram> datagram = socket_.Receive(bytes)) {
+      HandState state;
+      if (datagram->from.address != robot_) continue;
+      if (Decode(datagram->bytes, state) != DatagramFault::kNone) continue;
+      const std::lock_guard lock(mutex_);
+      if (newest_ && state.message_id <= newest_->message_id) continue;
+      newest_ = state;
+      has_fresh_ = true;
+      came_.notify_all();
+    }
+  }
+  /// What came so far is old: the hand has done something since.
+  void Age() {
+    const std::lock_guard lock(mutex_);
+    has_fresh_ = false;
+  }
+  /// @param first  how long to wait when there never was one.
+  std::optional<HandState> Await(Duration first) {
+    std::unique_lock lock(mutex_);
+    came_.wait_for(lock, newest_ ? kNextState : first, [this] { return has_fresh_; });
+    has_fresh_ = newest_.has_value();  // what did not come now is not waited for again
+    return newest_;
+  }
+
+ private:
+  const std::uint32_t robot_;
+  // Its own clock: another may be restarted while this thread receives.
+  const MonotonicClock clock_;
+  UdpSocket socket_;
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::optional<HandState> newest_;  ///< guarded by mutex_
+  bool has_fresh_ = false;           ///< guarded by mutex_
+};
+
+HandClient::HandClient(const std::string& host, std::uint16_t port, const ClientPatience& patience)
+    : patience_(patience), name_(fmt::format("the hand {}:{}", host, port)) {
+  const Endpoint hand = Resolve(host, port);
+  TcpStream stream = TcpStream::Connect(hand, patience.connect);
+  states_ = std::make_unique<Mailbox>(hand.address, Endpoint{stream.local().address, 0});
+  channel_ = std::make_unique<RequestChannel>(
+      HeadKind::kHand, std::move(stream), name_, kLargestAnswer, patience.answer,
+      SideSocket{states_->fd(), [this] { states_->Drain(); }});
+  Negotiate(states_->port());
+}
+
+HandClient::~HandClient() = default;
+
+void HandClient::Negotiate(std::uint16_t udp_port) {
+  constexpr std::string_view kName = "Connect";
+  const HandRequest request = Connect{kHandVersion, udp_port};
+  const std::uint32_t id =
+      channel_->Send(kName, [&](std::uint32_t own) { return EncodeRequest(own, request); });
+  const auto bytes = channel_->Await(id, kName, patience_.connect);
+  channel_->Forget(id);
+  if (!bytes) {
+    throw RobotFault(fmt::format("Connect: {} has not answered for {} s; see whether it still runs",
+                                 name_, ToSeconds(patience_.connect)));
+  }
+  const auto answer = ParseHandAnswer(HandCommandId::kConnect, bytes->frame());
+  if (const auto* bad = std::get_if<BadFrame>(&answer)) {
+    throw RobotFault(fmt::format("Connect: {} sends an answer that is none: {}", name_, bad->what));
+  }
+  const HandAnswer& read = std::get<HandAnswer>(answer);
+  if (read.result == HandResult::kSuccess) return;
+  throw RobotFault(
+      fmt::format("Connect: {} speaks version {} of its interface, this program version {}; update "
+                  "whichever is older",
+                  name_, read.version, kHandVersion));
+}
+
+HandTicket HandClient::Start(const HandCommand& command) {
+  const std::lock_guard lock(mutex_);
+  const HandRequest request = command;
+  const HandTicket ticket = channel_->Send(
+      twin::Name(command), [&](std::uint32_t id) { return EncodeRequest(id, request); });
+  for (Sent& before : sent_) Update(before, kAtOnce);
+  sent_.push_back({ticket, {}});
+  if (std::holds_alternative<hand::Stop>(command)) Update(sent_.back(), kAtOnce);
+  while (sent_.size() > kRemembered) {
+    channel_->Forget(sent_.front().ticket);
+    sent_.pop_front();
+  }
+  return ticket;
+}
+
+void HandClient::Update(Sent& sent, Duration patience) {
+  if (sent.result) return;
+  const auto bytes = channel_->Await(sent.ticket, "the hand's command", patience);
+  if (!bytes) return;
+  channel_->Forget(sent.ticket);
+  // The id is what tells answers apart; all of them are read in the same way.
+  const auto answer = ParseHandAnswer(HandCommandId::kMove, bytes->frame());
+  const auto* read = std::get_if<HandAnswer>(&answer);
+  sent.result = read == nullptr ? HandResult::kFail : read->result;
+  states_->Age();
+}
+
+std::optional<HandResult> HandClient::Outcome(HandTicket ticket) {
+  const std::lock_guard lock(mutex_);
+  for (Sent& sent : sent_) {
+    if (sent.ticket != ticket) continue;
+    Update(sent, Duration::zero());
+    return sent.result;
+  }
+  return HandResult::kAborted;
+}
+
+HandState HandClient::State() {
+  if (channel_->lost()) throw RobotFault(channel_->WhyLost());
+  const std::optional<HandState> state = states_->Await(patience_.state);
+  if (state) return *state;
+  throw RobotFault(fmt::format("no state of {} has come for {} s; does a firewall stop UDP?", name_,
+                               ToSeconds(patience_.state)));
+}
+
+}  // namespace twin::fci

@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+
+#include "fci/frame_bytes.h"
+#include "fci/message_fields.h"
+#include "twin/fci/requests.h"
+
+namespace twin::fci {
+namespace {
+
+using Parsed = std::variant<HandRequest, BadFrame>;
+
+template <typename Message>
+Parsed Parse(const Frame& frame) {
+  Message message;
+  const std::string_view name = Name(static_cast<HandCommandId>(frame.head.command));
+  if (auto bad = wire::ReadRequest(name, frame.payload, message)) return *std::move(bad);
+  if constexpr (std::is_same_v<Message, Connect>) {
+    return HandRequest(message);
+  } else {
+    return HandRequest(HandCommand(message));
+  }
+}
+
+/// The command that a message is the request of.
+struct CommandOf {
+  HandCommandId operator()(const Connect&) { return HandCommandId::kConnect; }
+  HandCommandId operator()(const hand::Homing&) { return HandCommandId::kHoming; }
+  HandCommandId operator()(const hand::Grasp&) { return HandCommandId::kGrasp; }
+  HandCommandId operator()(const hand::Move&) { return HandCommandId::kMove; }
+  HandCommandId operator()(const hand::Stop&) { return HandCommandId::kStop; }
+};
+
+template <typename Message>
+std::vector<std::byte> EncodeMessage(std::uint32_t command_id, const Message& message) {
+  NewFrame frame(CommandOf()(message), command_id, wire::kPayload<Message>);
+  wire::PutFields(frame.payload(), message);
+  return std::move(frame).Release();
+}
+
+std::vector<std::byte> EncodeMessage(std::uint32_t command_id, const HandCommand& command) {
+  return std::visit([command_id](const auto& one) { return EncodeMessage(command_id, one); },
+                    command);
+}
+
+}  // namespace
+
+Parsed ParseHandRequest(const Frame& frame) {
+  // A head of the hand has 16 bits of command; one with more was not read from a stream.
+  switch (frame.head.command) {
+    case static_cast<std::uint32_t>(HandCommandId::kConnect): return Parse<Connect>(frame);
+    case static_cast<std::uint32_t>(HandCommandId::kHoming): return Parse<hand::Homing>(frame);
+    case static_cast<std::uint32_t>(HandCommandId::kGrasp): return Parse<hand::Grasp>(frame);
+    case static_cast<std::uint32_t>(HandCommandId::kMove): return Parse<hand::Move>(frame);
+    case static_cast<std::uint32_t>(HandCommandId::kStop): return Parse<hand::Stop>(frame);
+    default: break;
+  }
+  return BadFrame{fmt::format("command {} is none of the hand's, which are 0 to {}",
+                              frame.head.command, kHandCommands - 1)};
+}
+
+std::vector<std::byte> EncodeRequest(std::uint32_t command_id, const HandRequest& request) {
+  return std::visit([command_id](const auto& one) { return EncodeMessage(command_id, one); },
+                    request);
+}
+
+}  // namespace twin::fci

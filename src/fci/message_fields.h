@@ -1,0 +1,149 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "fci/wire.h"
+#include "twin/fci/requests.h"
+
+// What the payload of each TCP message consists of: its fields in the order of the wire, one table
+// for both directions. Sizes are checked by the compiler below. Source: FCI protocol 5, request and
+// response payloads, gripper commands.
+namespace twin::fci::wire {
+
+/// Pointers to the members of a T; none: its payload is empty.
+template <typename T>
+inline constexpr std::tuple<> kFields{};
+template <>
+inline constexpr std::tuple kFields<Connect>{&Connect::version, &Connect::udp_port};
+template <>
+inline constexpr std::tuple kFields<Move>{&Move::modes, &Move::maximum_path_deviation,
+                                          &Move::maximum_goal_pose_deviation};
+template <>
+inline constexpr std::tuple kFields<GetCartesianLimit>{&GetCartesianLimit::id};
+template <>
+inline constexpr std::tuple kFields<LoadModelLibrary>{&LoadModelLibrary::architecture,
+                                                      &LoadModelLibrary::system};
+template <>
+inline constexpr std::tuple kFields<setting::CollisionBehavior>{
+    &setting::CollisionBehavior::lower_torque_acc,
+    &setting::CollisionBehavior::upper_torque_acc,
+    &setting::CollisionBehavior::lower_torque_nominal,
+    &setting::CollisionBehavior::upper_torque_nominal,
+    &setting::CollisionBehavior::lower_force_acc,
+    &setting::CollisionBehavior::upper_force_acc,
+    &setting::CollisionBehavior::lower_force_nominal,
+    &setting::CollisionBehavior::upper_force_nominal};
+template <>
+inline constexpr std::tuple kFields<setting::JointImpedance>{&setting::JointImpedance::K_theta};
+template <>
+inline constexpr std::tuple kFields<setting::CartesianImpedance>{&setting::CartesianImpedance::K_x};
+template <>
+inline constexpr std::tuple kFields<setting::GuidingMode>{&setting::GuidingMode::axes,
+                                                          &setting::GuidingMode::elbow};
+template <>
+inline constexpr std::tuple kFields<setting::StiffnessFrame>{&setting::StiffnessFrame::EE_T_K};
+template <>
+inline constexpr std::tuple kFields<setting::EndEffectorFrame>{&setting::EndEffectorFrame::NE_T_EE};
+template <>
+inline constexpr std::tuple kFields<setting::Load>{
+    &setting::Load::m_load, &setting::Load::F_x_Cload, &setting::Load::I_load};
+template <>
+inline constexpr std::tuple kFields<setting::Filters>{
+    &setting::Filters::joint_position_hz, &setting::Filters::joint_velocity_hz,
+    &setting::Filters::cartesian_position_hz, &setting::Filters::cartesian_velocity_hz,
+    &setting::Filters::controller_hz};
+template <>
+inline constexpr std::tuple kFields<hand::Grasp>{&hand::Grasp::width, &hand::Grasp::epsilon_inner,
+                                                 &hand::Grasp::epsilon_outer, &hand::Grasp::speed,
+                                                 &hand::Grasp::force};
+template <>
+inline constexpr std::tuple kFields<hand::Move>{&hand::Move::width, &hand::Move::speed};
+template <>
+inline constexpr std::tuple kFields<CartesianLimit>{&CartesianLimit::object_world_size,
+                                                    &CartesianLimit::object_frame,
+                                                    &CartesianLimit::object_activation};
+
+template <typename T, typename Value>
+[[nodiscard]] constexpr std::size_t BytesOf(Value T::* /*member*/) {
+  return kBytes<Value>;
+}
+
+/// Bytes of T's payload.
+template <typename T>
+inline constexpr std::size_t kPayload =
+    std::apply([](auto... member) { return (std::size_t{0} + ... + BytesOf(member)); }, kFields<T>);
+
+static_assert(kPayload<Connect> == 4);
+static_assert(kPayload<Move> == 56);
+static_assert(kPayload<StopMove> == 0);
+static_assert(kPayload<GetCartesianLimit> == 4);
+static_assert(kPayload<setting::CollisionBehavior> == 416);
+static_assert(kPayload<setting::JointImpedance> == 56);
+static_assert(kPayload<setting::CartesianImpedance> == 48);
+static_assert(kPayload<setting::GuidingMode> == 7);
+static_assert(kPayload<setting::StiffnessFrame> == 128);
+static_assert(kPayload<setting::EndEffectorFrame> == 128);
+static_assert(kPayload<setting::Load> == 104);
+static_assert(kPayload<setting::Filters> == 40);
+static_assert(kPayload<AutomaticErrorRecovery> == 0);
+static_assert(kPayload<LoadModelLibrary> == 2);
+static_assert(kPayload<hand::Homing> == 0);
+static_assert(kPayload<hand::Grasp> == 40);
+static_assert(kPayload<hand::Move> == 16);
+static_assert(kPayload<hand::Stop> == 0);
+static_assert(kPayload<CartesianLimit> == 153);
+static_assert(kArmHeadBytes + kPayload<setting::CollisionBehavior> == kLargestArmRequest);
+static_assert(kHandHeadBytes + kPayload<hand::Grasp> == kLargestHandRequest);
+
+/// @param at  kPayload<T> bytes of it are written.
+template <typename T>
+void PutFields(std::byte* at, const T& message) noexcept {
+  const auto put = [&at](const auto& value) {
+    Put(at, value);
+    at += kBytes<std::remove_cvref_t<decltype(value)>>;
+  };
+  std::apply([&](auto... member) { (put(message.*member), ...); }, kFields<T>);
+}
+
+/// @param at  kPayload<T> bytes of it are read.
+/// @returns whether all flags are 0 or 1; if not, some fields may have been written.
+template <typename T>
+[[nodiscard]] bool TakeFields(const std::byte* at, T& message) noexcept {
+  const auto take = [&at](auto& value) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if constexpr (kIsFlags<Value>) {
+      if (!AreFlags({at, kBytes<Value>})) return false;
+    }
+    Take(at, value);
+    at += kBytes<Value>;
+    return true;
+  };
+  return std::apply([&](auto... member) { return (take(message.*member) && ...); }, kFields<T>);
+}
+
+/// What is said of a payload whose flags are none.
+[[nodiscard]] inline BadFrame BadFlag(std::string_view name) {
+  return {fmt::format("{}: a flag is neither 0 nor 1", name)};
+}
+
+/// Reads the payload of a request, which has exactly the bytes that it needs.
+/// @param name  of the request, for people.
+template <typename T>
+[[nodiscard]] std::optional<BadFrame> ReadRequest(std::string_view name,
+                                                  std::span<const std::byte> payload, T& message) {
+  if (payload.size() != kPayload<T>) {
+    return BadFrame{
+        fmt::format("{}: {} bytes of payload, {} are needed", name, payload.size(), kPayload<T>)};
+  }
+  if (!TakeFields(payload.data(), message)) return BadFlag(name);
+  return {};
+}
+
+}  // namespace twin::fci::wire

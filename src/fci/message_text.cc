@@ -1,0 +1,211 @@
+#include "fci/message_text.h"
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "fci/datagram_fields.h"
+#include "fci/message_fields.h"
+
+namespace twin::fci {
+namespace {
+
+/// The fields' names, in the order of wire::kFields.
+template <typename T>
+constexpr std::array<std::string_view, 0> kNames{};
+template <>
+constexpr std::array<std::string_view, 2> kNames<Connect>{"version", "udp_port"};
+template <>
+constexpr std::array<std::string_view, 3> kNames<Move>{"modes", "maximum_path_deviation",
+                                                       "maximum_goal_pose_deviation"};
+template <>
+constexpr std::array<std::string_view, 1> kNames<GetCartesianLimit>{"id"};
+template <>
+constexpr std::array<std::string_view, 2> kNames<LoadModelLibrary>{"architecture", "system"};
+template <>
+constexpr std::array<std::string_view, 8> kNames<setting::CollisionBehavior>{
+    "lower_torque_acc", "upper_torque_acc", "lower_torque_nominal", "upper_torque_nominal",
+    "lower_force_acc",  "upper_force_acc",  "lower_force_nominal",  "upper_force_nominal"};
+template <>
+constexpr std::array<std::string_view, 1> kNames<setting::JointImpedance>{"K_theta"};
+template <>
+constexpr std::array<std::string_view, 1> kNames<setting::CartesianImpedance>{"K_x"};
+template <>
+constexpr std::array<std::string_view, 2> kNames<setting::GuidingMode>{"guiding_mode", "nullspace"};
+template <>
+constexpr std::array<std::string_view, 1> kNames<setting::StiffnessFrame>{"EE_T_K"};
+template <>
+constexpr std::array<std::string_view, 1> kNames<setting::EndEffectorFrame>{"NE_T_EE"};
+template <>
+constexpr std::array<std::string_view, 3> kNames<setting::Load>{"m_load", "F_x_Cload", "I_load"};
+template <>
+constexpr std::array<std::string_view, 5> kNames<setting::Filters>{
+    "joint_position_hz", "joint_velocity_hz", "cartesian_position_hz", "cartesian_velocity_hz",
+    "controller_hz"};
+template <>
+constexpr std::array<std::string_view, 5> kNames<hand::Grasp>{"width", "epsilon_inner",
+                                                              "epsilon_outer", "speed", "force"};
+template <>
+constexpr std::array<std::string_view, 2> kNames<hand::Move>{"width", "speed"};
+template <>
+constexpr std::array<std::string_view, 3> kNames<CartesianLimit>{
+    "object_world_size", "object_frame", "object_activation"};
+
+class Lines {
+ public:
+  template <typename Value>
+  void Add(std::string_view name, const Value& value) {
+    text_ += fmt::format("    {} =", name);
+    Append(value);
+    text_ += '\n';
+  }
+  [[nodiscard]] std::string Take() { return std::move(text_); }
+
+ private:
+  void Append(bool value) { text_ += value ? " 1" : " 0"; }
+  void Append(std::string_view value) { text_ += fmt::format(" {}", value); }
+  void Append(const RobotErrors& errors) {
+    if (errors.none()) text_ += " none";
+    for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
+      if (errors[i]) Append(Name(static_cast<RobotError>(i)));
+    }
+  }
+  void Append(const MotionModes& modes) {
+    Append(Name(modes.controller));
+    Append(Name(modes.generator));
+  }
+  void Append(const Deviation& deviation) {
+    Append(deviation.translation);
+    Append(deviation.rotation);
+    Append(deviation.elbow);
+  }
+  template <typename Value, std::size_t kSize>
+  void Append(const std::array<Value, kSize>& values) {
+    for (const Value& value : values) Append(value);
+  }
+  template <typename Value>
+  requires std::is_enum_v<Value>
+  void Append(Value value) {
+    if constexpr (requires { Name(value); }) {
+      Append(std::string_view(Name(value)));
+    } else {
+      Append(static_cast<int>(value));
+    }
+  }
+  template <typename Value>
+  requires std::is_arithmetic_v<Value>
+  void Append(Value value) { text_ += fmt::format(" {}", value); }
+
+  std::string text_;
+};
+
+template <typename Struct, typename Fields>
+std::string DatagramText(const Struct& message, const Fields& fields) {
+  Lines lines;
+  std::apply([&](const auto&... field) { (lines.Add(field.name, message.*(field.member)), ...); },
+             fields);
+  return lines.Take();
+}
+
+template <typename T>
+void AddFields(Lines& lines, const T& message) {
+  static_assert(std::tuple_size_v<std::remove_cvref_t<decltype(wire::kFields<T>)>> ==
+                kNames<T>.size());
+  std::size_t i = 0;
+  std::apply([&](auto... member) { (lines.Add(kNames<T>[i++], message.*member), ...); },
+             wire::kFields<T>);
+}
+
+template <typename T>
+std::string MessageText(const T& message) {
+  Lines lines;
+  if constexpr (std::is_same_v<T, Setting> || std::is_same_v<T, HandCommand>) {
+    std::visit([&](const auto& inner) { AddFields(lines, inner); }, message);
+  } else {
+    AddFields(lines, message);
+  }
+  return lines.Take();
+}
+
+constexpr std::array<std::string_view, 10> kMoveStatus{"success",
+                                                       "motion_started",
+                                                       "preempted",
+                                                       "command_not_possible_rejected",
+                                                       "start_at_singular_pose_rejected",
+                                                       "invalid_argument_rejected",
+                                                       "reflex_aborted",
+                                                       "emergency_aborted",
+                                                       "input_error_aborted",
+                                                       "aborted"};
+constexpr std::array<std::string_view, 5> kStopStatus{
+    "success", "command_not_possible_rejected", "emergency_aborted", "reflex_aborted", "aborted"};
+constexpr std::array<std::string_view, 3> kSetterStatus{"success", "command_not_possible_rejected",
+                                                        "invalid_argument_rejected"};
+constexpr std::array<std::string_view, 6> kRecoveryStatus{"success",
+                                                          "command_not_possible_rejected",
+                                                          "manual_error_recovery_required_rejected",
+                                                          "reflex_aborted",
+                                                          "emergency_aborted",
+                                                          "aborted"};
+constexpr std::array<std::string_view, 2> kConnectStatus{"success", "incompatible_library_version"};
+constexpr std::array<std::string_view, 2> kModelLibraryStatus{"success", "error"};
+
+std::string_view StatusName(ArmCommand asked, std::uint8_t status) {
+  const auto of = [status](const auto& names) -> std::string_view {
+    return status < names.size() ? names[status] : "no status of this request";
+  };
+  switch (asked) {
+    case ArmCommand::kConnect: return of(kConnectStatus);
+    case ArmCommand::kMove: return of(kMoveStatus);
+    case ArmCommand::kStopMove: return of(kStopStatus);
+    case ArmCommand::kAutomaticErrorRecovery: return of(kRecoveryStatus);
+    case ArmCommand::kLoadModelLibrary: return of(kModelLibraryStatus);
+    default: return of(kSetterStatus);
+  }
+}
+
+}  // namespace
+
+std::string FieldsOf(const RobotState& state) {
+  return DatagramText(state, kStateFields);
+}
+
+std::string FieldsOf(const RobotCommand& command) {
+  return DatagramText(command, kCommandFields);
+}
+
+std::string FieldsOf(const HandState& state) {
+  return DatagramText(state, kHandStateFields);
+}
+
+std::string FieldsOf(const ArmRequest& request) {
+  return std::visit([](const auto& message) { return MessageText(message); }, request);
+}
+
+std::string FieldsOf(const HandRequest& request) {
+  return std::visit([](const auto& message) { return MessageText(message); }, request);
+}
+
+std::string FieldsOf(ArmCommand asked, const ArmAnswer& answer) {
+  Lines lines;
+  lines.Add("status", fmt::format("{} ({})", answer.status, StatusName(asked, answer.status)));
+  if (asked == ArmCommand::kConnect) lines.Add("version", answer.version);
+  if (asked == ArmCommand::kGetCartesianLimit) AddFields(lines, answer.limit);
+  if (asked == ArmCommand::kLoadModelLibrary) {
+    lines.Add("library", fmt::format("{} bytes", answer.library.size()));
+  }
+  return lines.Take();
+}
+
+std::string FieldsOf(HandCommandId asked, const HandAnswer& answer) {
+  Lines lines;
+  lines.Add("status", Name(answer.result));
+  if (asked == HandCommandId::kConnect) lines.Add("version", answer.version);
+  return lines.Take();
+}
+
+}  // namespace twin::fci

@@ -1,0 +1,85 @@
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+
+#include "fci/socket_address.h"
+#include "twin/fci/sockets.h"
+#include "twin/rt/kernel_stamp.h"
+
+namespace twin::fci {
+namespace {
+
+/// Errors of earlier sends that a receive passes over, each of which the kernel tells once: a bound
+/// for what a stranger's messages can cost a cycle.
+constexpr int kMostErrors = 16;
+
+/// When the kernel received the message; now, when it does not tell.
+Time ArrivalOf(const MonotonicClock& clock, msghdr& message) noexcept {
+  for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
+    if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec stamp{};
+    std::memcpy(&stamp, CMSG_DATA(one), sizeof stamp);
+    return rt::TimeOfKernelStamp(clock, stamp);
+  }
+  return clock.Now();
+}
+
+timespec Span(Duration span) noexcept {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(span);
+  return {static_cast<std::time_t>(seconds.count()), static_cast<long>((span - seconds).count())};
+}
+
+}  // namespace
+
+UdpSocket::UdpSocket(const MonotonicClock& clock, const Endpoint& local)
+    : clock_(clock), fd_(OpenSocket(SOCK_DGRAM)) {
+  SetOption(fd_.get(), SOL_SOCKET, SO_TIMESTAMPNS, 1);
+  Bind(fd_.get(), local);
+  local_ = LocalEndpoint(fd_.get());
+}
+
+std::optional<Datagram> UdpSocket::Receive(std::span<std::byte> buffer) noexcept {
+  sockaddr_in from{};
+  iovec room{buffer.data(), buffer.size()};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec))> control;
+  for (int tries = 0; tries < kMostErrors; ++tries) {
+    msghdr message{};
+    message.msg_name = &from;
+    message.msg_namelen = sizeof from;
+    message.msg_iov = &room;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    const auto received = recvmsg(fd_.get(), &message, MSG_DONTWAIT);
+    if (received >= 0) {
+      return Datagram{buffer.first(static_cast<std::size_t>(received)), EndpointOf(from),
+                      ArrivalOf(clock_, message)};
+    }
+    if (errno == EAGAIN) break;
+  }
+  return {};
+}
+
+bool UdpSocket::Send(std::span<const std::byte> bytes, const Endpoint& to) noexcept {
+  const sockaddr_in address = AddressOf(to);
+  const auto sent = sendto(fd_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+                           reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  return sent == static_cast<ssize_t>(bytes.size());
+}
+
+bool UdpSocket::AwaitUntil(Time deadline) noexcept {
+  pollfd waiting{fd_.get(), POLLIN, 0};
+  for (;;) {
+    const Time now = clock_.Now();
+    const timespec left = Span(deadline > now ? deadline - now : Duration::zero());
+    const int ready = ppoll(&waiting, 1, &left, nullptr);
+    if (ready >= 0 || errno != EINTR) return ready > 0;
+  }
+}
+
+}  // namespace twin::fci

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <type_traits>
+
+#include "twin/core/modes.h"
+#include "twin/core/robot_errors.h"
+
+// Single values as the wire has them: packed, little-endian, a flag one byte of 0 or 1. Every value
+// but a set of errors and the modes of a Move lies in memory as it lies on the wire, so that it is
+// copied.
+//
+// Threads: any. Real-time: noexcept, allocates nothing.
+namespace twin::fci::wire {
+
+static_assert(std::endian::native == std::endian::little,
+              "numbers are copied to the wire as they lie in memory");
+static_assert(sizeof(bool) == 1 && sizeof(double) == 8);
+
+/// Bytes of a T on the wire.
+template <typename T>
+inline constexpr std::size_t kBytes = sizeof(T);
+template <>
+inline constexpr std::size_t kBytes<RobotErrors> = kRobotErrorCount;
+template <>
+inline constexpr std::size_t kBytes<MotionModes> = 8;
+
+/// Whether a T is one flag or several, each of which is 0 or 1.
+template <typename T>
+inline constexpr bool kIsFlags = false;
+template <>
+inline constexpr bool kIsFlags<bool> = true;
+template <>
+inline constexpr bool kIsFlags<RobotErrors> = true;
+template <std::size_t N>
+inline constexpr bool kIsFlags<std::array<bool, N>> = true;
+
+/// Whether all of `bytes` are 0 or 1.
+[[nodiscard]] inline bool AreFlags(std::span<const std::byte> bytes) noexcept {
+  std::byte all{};
+  for (const std::byte one : bytes) all |= one;
+  return all <= std::byte{1};
+}
+
+/// @param at  kBytes<T> of them are written.
+template <typename T>
+void Put(std::byte* at, const T& value) noexcept {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::memcpy(at, &value, sizeof value);
+}
+
+inline void Put(std::byte* at, const RobotErrors& errors) noexcept {
+  static_assert(kRobotErrorCount <= 64);
+  const std::uint64_t bits = errors.to_ullong();
+  for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
+    at[i] = static_cast<std::byte>((bits >> i) & 1U);
+  }
+}
+
+/// A request numbers the generators one lower than the state; kIdle becomes a number that does not
+/// exist.
+inline void Put(std::byte* at, const MotionModes& modes) noexcept {
+  Put(at, static_cast<std::uint32_t>(modes.controller));
+  Put(at + 4, static_cast<std::uint32_t>(modes.generator) - 1U);
+}
+
+/// @param at  kBytes<T> of them are read; of flags each is 0 or 1.
+template <typename T>
+void Take(const std::byte* at, T& value) noexcept {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::memcpy(&value, at, sizeof value);
+}
+
+inline void Take(const std::byte* at, RobotErrors& errors) noexcept {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
+    bits |= static_cast<std::uint64_t>(at[i]) << i;
+  }
+  errors = RobotErrors(bits);
+}
+
+/// Numbers that do not exist become kOther and kIdle, which no motion has.
+inline void Take(const std::byte* at, MotionModes& modes) noexcept {
+  std::uint32_t controller = 0;
+  std::uint32_t generator = 0;
+  Take(at, controller);
+  Take(at + 4, generator);
+  modes.controller = controller <= static_cast<std::uint32_t>(ControllerMode::kExternalController)
+                         ? static_cast<ControllerMode>(controller)
+                         : ControllerMode::kOther;
+  modes.generator = generator < static_cast<std::uint32_t>(MotionGeneratorMode::kCartesianVelocity)
+                        ? static_cast<MotionGeneratorMode>(generator + 1)
+                        : MotionGeneratorMode::kIdle;
+}
+
+}  // namespace twin::fci::wire
