@@ -63,6 +63,10 @@ void Robot::Send(const RobotCommand& command) noexcept {
   commands_.Send(command);
 }
 
+bool Robot::AtRest() const noexcept {
+  return int_.reference().AtRest();
+}
+
 void Robot::OnEvent(Time now, std::uint64_t /*token*/) noexcept {
   const bool postponed = now < next_cycle_;
   if (!postponed) {

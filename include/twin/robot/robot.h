@@ -24,7 +24,7 @@ namespace twin::robot {
 /// How the last motion ended.
 struct LastMotion {
   MoveStatus end = MoveStatus::kMotionStarted;  ///< see onboard::Int::last_end
-  onboard::Violations violations;  ///< what ended it, when an error did
+  onboard::Violations violations;               ///< what ended it, when an error did
 };
 
 /// A whole emulated robot on an event queue: INT, plant, hand and link, run by one event a period.
@@ -91,6 +91,8 @@ class Robot final : private rt::EventHandler {
   [[nodiscard]] LastMotion last_motion() const noexcept {
     return {int_.last_end(), last_violations_};
   }
+  /// Whether INT's reference stands still as of its last cycle.
+  [[nodiscard]] bool AtRest() const noexcept;
 
  private:
   void OnEvent(Time now, std::uint64_t token) noexcept override;

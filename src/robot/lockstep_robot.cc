@@ -1,0 +1,156 @@
+#include "twin/robot/lockstep_robot.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace twin::robot {
+namespace {
+
+/// How long the thread waits for commands before it looks for what else is asked of it.
+constexpr Duration kLook = kCycle;
+/// After which a state without an answer is sent again.
+constexpr Duration kResend = std::chrono::milliseconds(100);
+/// Frozen, before a motion's first command: from the first state that shows the motion to the
+/// second, which clients wait for; and to each further one, for a client that took the first two as
+/// one. A state that meets the first command on the way would be one more for that client than for
+/// others, so the pause is as long as clients of the real robot stand (they give up after 1 s).
+constexpr Duration kToSecond = std::chrono::milliseconds(10);
+constexpr Duration kToFurther = std::chrono::milliseconds(500);
+/// States in a row that the link may lose before a change of mode is no longer waited for.
+constexpr int kMostLost = 64;
+
+}  // namespace
+
+LockstepRobot::LockstepRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
+                             WorkstationPort& port, rt::Arrival& commands,
+                             const MonotonicClock& clock, rt::ThreadSettings thread,
+                             rt::RecordSink* sink, const LockstepOptions& options)
+    : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink),
+      commands_(commands),
+      options_(options) {}
+
+void LockstepRobot::Run(const std::stop_token& stop) noexcept {
+  DropCommands();
+  robot().Begin();
+  cycling_ = true;
+  AdvanceToState();  // before anything is asked: the same cycle in every session
+  next_cycle_ = clock().Now();
+  AwaitCycle(stop);
+  while (!stop.stop_requested()) {
+    IsFrozen() ? Repeat() : Advance();
+    if (phase_ != Phase::kStarting) waiting_since_ = clock().Now();
+    resend_ = clock().Now() + kResend;
+    AwaitCycle(stop);
+  }
+  cycling_ = false;
+}
+
+void LockstepRobot::Advance() noexcept {
+  delivered_ = false;
+  bool ran_cycle = false;
+  do {
+    const Time due = robot().next_cycle();
+    events().RunNext();
+    ran_cycle = ran_cycle || robot().next_cycle() != due;
+  } while (!delivered_ && !(ran_cycle && *events().NextTime() == robot().next_cycle()));
+  if (robot().mode() != RobotMode::kMove) phase_ = Phase::kNone;
+}
+
+void LockstepRobot::AdvanceToState() noexcept {
+  Advance();
+  for (int i = 0; i < kMostLost && !delivered_; ++i) Advance();
+}
+
+void LockstepRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcept {
+  shown_ = robot().states().Take();
+  shown_cycle_ = shown_.message_id;
+  shown_.message_id += repeats_;
+  answered_ = false;
+  delivered_ = true;
+  port().Deliver(shown_);
+}
+
+void LockstepRobot::Repeat() noexcept {
+  ++repeats_;
+  ++shown_.message_id;
+  port().Deliver(shown_);
+}
+
+bool LockstepRobot::IsFrozen() const noexcept {
+  if (!options_.freeze_when_idle) return false;
+  if (phase_ != Phase::kNone && phase_ != Phase::kStarting) return false;
+  const RobotMode mode = robot().mode();
+  const bool settled =
+      mode == RobotMode::kIdle || mode == RobotMode::kMove || mode == RobotMode::kReflex;
+  return settled && robot().AtRest() && !hand_is_busy();
+}
+
+void LockstepRobot::OnGranted(Granted what) noexcept {
+  const bool in_motion = robot().mode() == RobotMode::kMove;
+  if (!in_motion) phase_ = Phase::kNone;  // the user stop may have ended one
+  if (what == Granted::kStopMove) {
+    if (in_motion) Stop();
+    return;  // without a motion nothing has changed
+  }
+  if (what == Granted::kMove) {
+    phase_ = Phase::kStarting;
+    waiting_since_ = clock().Now();
+  }
+  if (!cycling_ || !IsFrozen()) return;
+  AdvanceToState();
+  if (phase_ == Phase::kStarting) next_cycle_ = clock().Now() + kToSecond;
+}
+
+void LockstepRobot::Stop() noexcept {
+  phase_ = Phase::kStopping;
+  next_cycle_ = clock().Now();
+}
+
+void LockstepRobot::TakeCommands() noexcept {
+  while (port().Receive(received_)) {
+    RobotCommand& command = received_.command;
+    if (command.message_id != shown_.message_id) continue;
+    command.message_id = shown_cycle_;
+    robot().Send(command);
+    answered_ = true;
+    const bool is_first =
+        phase_ == Phase::kStarting && shown_.motion_generator_mode != MotionGeneratorMode::kIdle;
+    if (is_first) phase_ = Phase::kAnswered;
+  }
+}
+
+bool LockstepRobot::IsDue(Time now) const noexcept {
+  return phase_ == Phase::kAnswered ? answered_ || !delivered_ : now >= next_cycle_;
+}
+
+void LockstepRobot::GiveUpIfUnanswered(Time now) noexcept {
+  const bool is_due = phase_ == Phase::kStarting ? IsFrozen() : phase_ == Phase::kAnswered;
+  if (!is_due) return;
+  if (now >= waiting_since_ + options_.answer_timeout) {
+    robot().StopMove();
+    Stop();
+    motions_given_up_.fetch_add(1, std::memory_order_relaxed);
+  } else if (phase_ == Phase::kAnswered && now >= resend_) {
+    resend_ = now + kResend;
+    port().Deliver(shown_);
+  }
+}
+
+void LockstepRobot::AwaitCycle(const std::stop_token& stop) noexcept {
+  while (!stop.stop_requested()) {
+    RunErrands();
+    TakeCommands();
+    const Time now = clock().Now();
+    GiveUpIfUnanswered(now);
+    if (IsDue(now)) break;
+    const Time look = now + kLook;
+    const bool is_paced = phase_ != Phase::kAnswered;
+    static_cast<void>(commands_.AwaitUntil(is_paced ? std::min(next_cycle_, look) : look));
+  }
+  // Nothing is caught up, neither of a wait for an answer nor of a stall.
+  const Time now = clock().Now();
+  const Duration pace = phase_ == Phase::kStarting && IsFrozen() ? kToFurther : kCycle;
+  next_cycle_ = std::clamp(next_cycle_ + pace, now, now + pace);
+}
+
+}  // namespace twin::robot

@@ -1,0 +1,129 @@
+#include "twin/robot/threaded_robot.h"
+
+#include <utility>
+
+#include "twin/core/check.h"
+#include "twin/core/error.h"
+
+namespace twin::robot {
+namespace {
+
+/// How long a request waits for the robot's thread: a thousand cycles.
+constexpr Duration kPatience = std::chrono::seconds(1);
+
+}  // namespace
+
+ThreadedRobot::ThreadedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
+                             WorkstationPort& port, const MonotonicClock& clock,
+                             rt::ThreadSettings thread, rt::RecordSink* sink)
+    : clock_(clock),
+      thread_settings_(std::move(thread)),
+      port_(port),
+      robot_(config, std::move(plant), events_, *this, sink),
+      errands_(clock) {}
+
+void ThreadedRobot::Begin() {
+  TWIN_CHECK(!thread_.joinable());
+  const std::scoped_lock lock(requests_);
+  rt::StartedThread started =
+      rt::StartThread(thread_settings_, [this](const std::stop_token& stop) { Run(stop); });
+  thread_ = std::move(started.thread);
+  notices_ = std::move(started.notices);
+  running_ = true;
+}
+
+void ThreadedRobot::End() {
+  const std::scoped_lock lock(requests_);
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+  running_ = false;
+}
+
+void ThreadedRobot::DropCommands() noexcept {
+  ReceivedCommand dropped;
+  while (port_.Receive(dropped)) {
+  }
+}
+
+template <typename Request>
+std::invoke_result_t<Request> ThreadedRobot::Ask(Request request) const {
+  const std::scoped_lock lock(requests_);
+  if (!running_) return request();
+  rt::CallErrand<Request> question(std::move(request));
+  if (!errands_.Do(question, kPatience)) {
+    throw RobotFault(
+        "the robot's thread does not answer: it has not run for 1 s; this machine gives it no time "
+        "(see panda-twin check)");
+  }
+  if constexpr (!std::is_void_v<std::invoke_result_t<Request>>) return question.answer();
+}
+
+MoveStatus ThreadedRobot::Move(const MotionModes& modes) {
+  return Ask([&] {
+    const MoveStatus status = robot_.Move(modes);
+    if (status == MoveStatus::kMotionStarted) OnGranted(Granted::kMove);
+    return status;
+  });
+}
+
+void ThreadedRobot::StopMove() {
+  Ask([&] {
+    robot_.StopMove();
+    OnGranted(Granted::kStopMove);
+  });
+}
+
+RecoveryStatus ThreadedRobot::AutomaticErrorRecovery() {
+  return Ask([&] {
+    const RecoveryStatus status = robot_.AutomaticErrorRecovery();
+    if (status == RecoveryStatus::kSuccess) OnGranted(Granted::kRecovery);
+    return status;
+  });
+}
+
+SetterStatus ThreadedRobot::Configure(const Setting& setting) {
+  return Ask([&] {
+    const SetterStatus status = robot_.Configure(setting);
+    if (status == SetterStatus::kSuccess) OnGranted(Granted::kSetting);
+    return status;
+  });
+}
+
+bool ThreadedRobot::Operate(PanelAction action) {
+  return Ask([&] {
+    const bool done = robot_.Operate(action);
+    if (done) OnGranted(Granted::kPanelAction);
+    return done;
+  });
+}
+
+HandStart ThreadedRobot::StartHand(const HandCommand& command) {
+  return Ask([&] {
+    HandStart start = robot_.StartHand(command);
+    if (start.ticket != 0) hand_ticket_ = start.ticket;
+    return start;
+  });
+}
+
+std::optional<HandResult> ThreadedRobot::HandOutcome(HandTicket ticket) const {
+  return Ask([&] { return robot_.HandOutcome(ticket); });
+}
+
+HandState ThreadedRobot::hand_state() const {
+  return Ask([&] { return robot_.hand_state(); });
+}
+
+RobotMode ThreadedRobot::mode() const {
+  return Ask([&] { return robot_.mode(); });
+}
+
+LastMotion ThreadedRobot::last_motion() const {
+  return Ask([&] { return robot_.last_motion(); });
+}
+
+RobotReport ThreadedRobot::report() const {
+  return Ask([&] { return RobotReport{robot_.mode(), robot_.last_motion()}; });
+}
+
+}  // namespace twin::robot

@@ -1,0 +1,395 @@
+// A robot in lockstep with a workstation beyond a port. Nothing here depends on how fast the
+// threads run; where the test waits, it waits for what must come.
+
+#include "twin/robot/lockstep_robot.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "robot/robot_fixture.h"
+#include "twin/fci/datagrams.h"
+#include "twin/robot/make_plant.h"
+
+namespace twin::robot {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// A wire that loses nothing, between the robot's thread and the test's.
+class Wire final : public WorkstationPort, public rt::Arrival {
+ public:
+  // The robot's end.
+  bool Receive(ReceivedCommand& received) noexcept override {
+    const std::scoped_lock lock(mutex_);
+    if (commands_.empty()) return false;
+    received.command = commands_.front();
+    commands_.pop_front();
+    return true;
+  }
+  void Deliver(const RobotState& state) noexcept override {
+    const std::scoped_lock lock(mutex_);
+    states_.push_back(state);
+    changed_.notify_all();
+  }
+  bool AwaitUntil(Time) noexcept override {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, milliseconds(1), [this] { return !commands_.empty(); });
+  }
+
+  // The workstation's end.
+  void Answer(const RobotCommand& command) {
+    const std::scoped_lock lock(mutex_);
+    commands_.push_back(command);
+    changed_.notify_all();
+  }
+  /// The next state, in order. Waits for it.
+  RobotState Next() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !states_.empty(); });
+    const RobotState state = states_.front();
+    states_.pop_front();
+    return state;
+  }
+  [[nodiscard]] std::size_t waiting() {
+    const std::scoped_lock lock(mutex_);
+    return states_.size();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<RobotCommand> commands_;
+  std::deque<RobotState> states_;
+};
+
+/// A fingerprint (FNV-1a) of a state's bytes, but for its id.
+std::uint64_t Content(const RobotState& state) {
+  fci::StateBytes bytes;
+  fci::Encode(state, bytes);
+  std::uint64_t hash = 14695981039346656037u;
+  for (std::size_t i = 8; i < bytes.size(); ++i) {
+    hash = (hash ^ std::to_integer<std::uint64_t>(bytes[i])) * 1099511628211u;
+  }
+  return hash;
+}
+
+std::vector<std::uint64_t> Contents(const std::vector<RobotState>& states) {
+  std::vector<std::uint64_t> contents;
+  for (const RobotState& state : states) contents.push_back(Content(state));
+  return contents;
+}
+
+constexpr int kMotionCycles = 300;
+
+/// Time stands still until the first command, so that it cannot come too late.
+constexpr LockstepOptions kFreeze{.freeze_when_idle = true};
+
+class LockstepRobotTest : public ::testing::Test {
+ protected:
+  ~LockstepRobotTest() override { robot_.reset(); }
+
+  void Make(const RobotConfig& config, const LockstepOptions& options = {}) {
+    robot_.reset();
+    wire_.emplace();
+    robot_.emplace(config, MakePlant(config).plant, *wire_, *wire_, clock_,
+                   rt::ThreadSettings{.name = "robot", .lock_memory = false}, nullptr, options);
+    robot_->Begin();
+  }
+  static RobotConfig Ideal() {
+    RobotConfig config = test::PandaRobot();
+    config.link = {};
+    config.plant_kind = PlantKind::kIdeal;
+    return config;
+  }
+
+  /// Asks for a motion and reads on until two states show it; the second is to be answered first.
+  RobotState Start() {
+    EXPECT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
+    RobotState state = wire_->Next();
+    while (state.motion_generator_mode == MotionGeneratorMode::kIdle) state = wire_->Next();
+    return wire_->Next();
+  }
+  /// The newest state that waits; waits for one when none does.
+  RobotState Newest(RobotState state) {
+    while (wire_->waiting() > 0) state = wire_->Next();
+    return state;
+  }
+
+  /// Answers states with a gentle motion of joint 1 and 4 until it is over.
+  /// @param pause  before answer k. @returns the states after the first answer, to the idle one.
+  std::vector<RobotState> Drive(
+      RobotState state, const std::function<void(int)>& pause = [](int) {}) {
+    state = Newest(state);
+    const JointVector start = state.q_d;
+    const std::uint64_t first = state.message_id;
+    std::vector<RobotState> states;
+    while (state.motion_generator_mode != MotionGeneratorMode::kIdle) {
+      const auto k = static_cast<int>(state.message_id - first);
+      pause(k);
+      RobotCommand command;
+      command.message_id = state.message_id;
+      command.q_c = start;
+      const double share = std::min(1.0, static_cast<double>(k) / kMotionCycles);
+      const double moved = 0.02 * (1 - std::cos(share * 2 * 3.14159265358979));
+      command.q_c[0] += moved;
+      command.q_c[3] += moved;
+      command.motion_generation_finished = k >= kMotionCycles;
+      wire_->Answer(command);
+      state = After(command.message_id);
+      states.push_back(state);
+    }
+    return states;
+  }
+  /// The next state that is newer.
+  RobotState After(std::uint64_t id) {
+    RobotState state = wire_->Next();
+    while (state.message_id <= id) state = wire_->Next();
+    return state;
+  }
+
+  const MonotonicClock clock_;
+  std::optional<Wire> wire_;
+  std::optional<LockstepRobot> robot_;
+};
+
+TEST_F(LockstepRobotTest, StatesFlowWhileNobodyAnswers) {
+  Make(Ideal());
+  for (std::uint64_t id = 1; id <= 30; ++id) EXPECT_EQ(wire_->Next().message_id, id);
+}
+
+TEST_F(LockstepRobotTest, EveryStateOfAMotionIsAnsweredBeforeTheNext) {
+  Make(Ideal(), kFreeze);
+  const std::vector<RobotState> states = Drive(Start());
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
+  ASSERT_GT(states.size(), static_cast<std::size_t>(kMotionCycles));
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    EXPECT_EQ(states[i].message_id, states[i - 1].message_id + 1);
+  }
+  for (std::size_t i = 0; i + 1 < states.size(); ++i) {
+    EXPECT_DOUBLE_EQ(states[i].control_command_success_rate, 1);
+  }
+}
+
+TEST_F(LockstepRobotTest, HowLongAnAnswerTakesDoesNotMatter) {
+  Make(Ideal(), kFreeze);
+  const auto prompt = Contents(Drive(Start()));
+  Make(Ideal(), kFreeze);
+  const auto slow = Contents(Drive(Start(), [](int k) {
+    if (k % 37 == 1) std::this_thread::sleep_for(milliseconds(4));
+  }));
+  EXPECT_EQ(prompt, slow);
+}
+
+TEST_F(LockstepRobotTest, AnAnswerToAnotherStateIsNone) {
+  Make(Ideal(), kFreeze);
+  RobotState state = Newest(Start());
+  RobotCommand command;
+  command.q_c = state.q_d;
+  const auto answer = [&](std::uint64_t id) {
+    command.message_id = id;
+    wire_->Answer(command);
+  };
+  answer(state.message_id);
+  state = After(command.message_id);
+  answer(state.message_id - 1);
+  answer(state.message_id + 1);
+  answer(0);
+  answer(~std::uint64_t{0});
+  EXPECT_EQ(wire_->Next().message_id, state.message_id);  // the same again, and again
+  EXPECT_EQ(wire_->Next().message_id, state.message_id);
+  answer(state.message_id);
+  EXPECT_EQ(After(state.message_id).message_id, state.message_id + 1);
+}
+
+TEST_F(LockstepRobotTest, AMotionThatIsNotAnsweredIsStopped) {
+  Make(Ideal(), {.answer_timeout = milliseconds(50), .freeze_when_idle = true});
+  RobotState state = Newest(Start());
+  RobotCommand command;
+  command.message_id = state.message_id;
+  command.q_c = state.q_d;
+  wire_->Answer(command);
+  while (state.motion_generator_mode != MotionGeneratorMode::kIdle) state = wire_->Next();
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kPreempted);
+  EXPECT_EQ(robot_->motions_given_up(), 1u);
+  EXPECT_GT(wire_->Next().message_id, state.message_id);  // time goes on
+  EXPECT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
+}
+
+TEST_F(LockstepRobotTest, AMotionThatWaitsForAnAnswerCanBeStopped) {
+  Make(Ideal());
+  RobotState state = Newest(Start());
+  RobotCommand command;
+  command.message_id = state.message_id;
+  command.q_c = state.q_d;
+  wire_->Answer(command);
+  state = After(command.message_id);
+  robot_->StopMove();
+  while (state.motion_generator_mode != MotionGeneratorMode::kIdle) state = wire_->Next();
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kPreempted);
+  EXPECT_EQ(robot_->motions_given_up(), 0u);
+}
+
+TEST_F(LockstepRobotTest, AStateTheLinkLosesIsNotWaitedFor) {
+  // Which numbers fall into the motion is up to the wall clock; enough of them do.
+  RobotConfig config = Ideal();
+  rt::ScriptedLoss script;
+  for (std::uint64_t first = 10; first < 100000; first += 10) script.runs.push_back({first, 2});
+  config.link.state.loss = rt::LossModel(script);
+  Make(config);
+  const std::vector<RobotState> states = Drive(Start());
+  int gaps = 0;
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    if (states[i].message_id == states[i - 1].message_id + 3) ++gaps;
+  }
+  EXPECT_GE(gaps, kMotionCycles / 10 - 2);
+  EXPECT_NE(robot_->last_motion().end, MoveStatus::kMotionStarted);
+}
+
+TEST_F(LockstepRobotTest, MayBeEndedWhileItWaits) {
+  Make(Ideal());
+  const RobotState state = Newest(Start());
+  RobotCommand command;
+  command.message_id = state.message_id;
+  command.q_c = state.q_d;
+  wire_->Answer(command);
+  while (wire_->Next().message_id <= state.message_id) {
+  }
+  robot_->End();
+  EXPECT_EQ(robot_->mode(), RobotMode::kMove);
+}
+
+TEST_F(LockstepRobotTest, FrozenTimeRepeatsTheStateAndNothingElse) {
+  Make(test::PandaRobot(), kFreeze);
+  const RobotState first = wire_->Next();
+  for (std::uint64_t i = 1; i <= 30; ++i) {
+    const RobotState state = wire_->Next();
+    EXPECT_EQ(state.message_id, first.message_id + i);
+    EXPECT_EQ(Content(state), Content(first));
+  }
+}
+
+TEST_F(LockstepRobotTest, ARequestInFrozenTimeTakesEffectInOneCycle) {
+  Make(Ideal(), kFreeze);
+  setting::Load load;
+  load.m_load = 0.5;
+  EXPECT_EQ(robot_->Configure(load), SetterStatus::kSuccess);
+  RobotState state = wire_->Next();
+  while (state.m_load != 0.5) state = wire_->Next();
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(Content(wire_->Next()), Content(state));
+}
+
+TEST_F(LockstepRobotTest, AMotionInFrozenTimeShowsItsModesUntilItIsCommanded) {
+  Make(Ideal(), kFreeze);
+  const RobotState state = Start();
+  EXPECT_EQ(state.robot_mode, RobotMode::kMove);
+  const RobotState again = wire_->Next();  // for whom two states were one
+  EXPECT_EQ(again.message_id, state.message_id + 1);
+  EXPECT_EQ(Content(again), Content(state));
+  Drive(again);
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
+}
+
+TEST_F(LockstepRobotTest, AMotionInFrozenTimeThatIsNeverCommandedIsStopped) {
+  Make(Ideal(), {.answer_timeout = milliseconds(50), .freeze_when_idle = true});
+  RobotState state = Start();
+  while (state.motion_generator_mode != MotionGeneratorMode::kIdle) state = wire_->Next();
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kPreempted);
+}
+
+TEST_F(LockstepRobotTest, TheHandsCommandsRunInFrozenTime) {
+  RobotConfig config = Ideal();
+  config.plant.hand = plant::HandKind::kFrankaHand;
+  Make(config, kFreeze);
+  const HandTicket ticket = robot_->StartHand(hand::Move{0.02, 0.1}).ticket;
+  ASSERT_NE(ticket, 0u);
+  while (!robot_->HandOutcome(ticket)) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_EQ(robot_->HandOutcome(ticket), HandResult::kSuccess);
+  const std::uint32_t then = robot_->hand_state().message_id;
+  static_cast<void>(Newest(wire_->Next()));
+  for (int i = 0; i < 20; ++i) static_cast<void>(wire_->Next());
+  EXPECT_LE(robot_->hand_state().message_id, then + 1);
+}
+
+/// A session with two motions, a setting, a reflex and a recovery between them.
+class FrozenSessionTest : public LockstepRobotTest {
+ protected:
+  using States = std::vector<RobotState>;
+
+  /// @param pause  as long as the program takes between two things it does.
+  std::vector<States> Session(Duration pause) {
+    const auto rest = [&] { std::this_thread::sleep_for(pause); };
+    RobotConfig config = test::PandaRobot();  // MuJoCo, with noise
+    config.link = {};
+    config.link.command.loss = rt::LossModel(rt::IndependentLoss{0.05});
+    config.plant.noise.q_rad = 1e-6;
+    config.seed = 7;
+    Make(config, kFreeze);
+    std::vector<States> motions;
+    rest();
+    motions.push_back(Drive(Start()));
+    rest();
+    JointVector softer;
+    softer.fill(800);
+    EXPECT_EQ(robot_->Configure(setting::JointImpedance{softer}), SetterStatus::kSuccess);
+    EXPECT_EQ(robot_->Configure(setting::Load{0.3, {}, {}}), SetterStatus::kSuccess);
+    rest();
+    motions.push_back(Jump(Start()));
+    rest();
+    Recover();
+    rest();
+    motions.push_back(Drive(Start()));
+    return motions;
+  }
+
+  /// A motion that breaks a limit.
+  States Jump(RobotState state) {
+    state = Newest(state);
+    States states;
+    RobotCommand command;
+    command.q_c = state.q_d;
+    while (state.robot_mode == RobotMode::kMove) {
+      command.message_id = state.message_id;
+      if (states.size() == 5) command.q_c[2] += 0.01;
+      wire_->Answer(command);
+      state = After(command.message_id);
+      states.push_back(state);
+    }
+    EXPECT_EQ(state.robot_mode, RobotMode::kReflex);
+    return states;
+  }
+
+  void Recover() {
+    while (robot_->AutomaticErrorRecovery() != RecoveryStatus::kSuccess) {
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    while (robot_->mode() != RobotMode::kIdle) std::this_thread::sleep_for(milliseconds(1));
+  }
+};
+
+TEST_F(FrozenSessionTest, RepeatsFromEachMotionsFirstCycleOnWhateverPassesBetweenThem) {
+  const std::vector<States> prompt = Session(milliseconds(0));
+  const std::vector<States> slow = Session(milliseconds(23));
+  ASSERT_EQ(prompt.size(), slow.size());
+  for (std::size_t i = 0; i < prompt.size(); ++i) {
+    EXPECT_EQ(Contents(prompt[i]), Contents(slow[i])) << "motion " << i;
+    EXPECT_FALSE(prompt[i].empty());
+  }
+  EXPECT_NE(prompt[0].front().message_id, slow[0].front().message_id);
+}
+
+}  // namespace
+}  // namespace twin::robot
