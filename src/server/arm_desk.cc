@@ -1,0 +1,185 @@
+#include "server/arm_desk.h"
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/core/robot_errors.h"
+
+namespace twin::server {
+namespace {
+
+constexpr Duration kPatience = std::chrono::milliseconds(100);
+
+bool IsAllowance(const fci::Deviation& deviation) noexcept {
+  const auto allows = [](double most) { return std::isfinite(most) && most >= 0; };
+  return allows(deviation.translation) && allows(deviation.rotation) && allows(deviation.elbow);
+}
+
+std::string_view EndText(MoveStatus end) noexcept {
+  switch (end) {
+    case MoveStatus::kSuccess: return "finished";
+    case MoveStatus::kReflexAborted: return "aborted by reflex";
+    case MoveStatus::kEmergencyAborted: return "aborted by the user stop";
+    default: return "stopped";
+  }
+}
+
+}  // namespace
+
+ArmDesk::ArmDesk(robot::ThreadedRobot& robot, UdpPort& port,
+                 std::span<const std::byte> model_library, const TellPeople& tell)
+    : robot_(robot), port_(port), model_library_(model_library), tell_(tell) {}
+
+void ArmDesk::OnRobotChanged() {
+  if (in_motion_) static_cast<void>(Progress());
+}
+
+bool ArmDesk::IsReady() {
+  return !in_motion_ || !Progress().in_motion;
+}
+
+void ArmDesk::Open(const fci::Endpoint& client, fci::Answers answers) {
+  client_ = client;
+  dropped_before_ = port_.dropped();
+  fci::ArmService& service = *this;
+  session_.emplace(service, std::move(answers));
+}
+
+std::optional<std::string> ArmDesk::OnFrame(const fci::Frame& frame) {
+  auto why = session_->OnFrame(frame);
+  if (!connected_ && session_->udp_port()) {
+    connected_ = true;
+    port_.Open({client_.address, *session_->udp_port()});
+    tell_(fmt::format("arm: {} connected; states go to its UDP port {}", ToString(client_),
+                      *session_->udp_port()));
+  }
+  return why;
+}
+
+void ArmDesk::OnTurn(Time /*now*/) {
+  if (session_->has_pending()) session_->OnProgress(Progress());
+}
+
+bool ArmDesk::has_pending() const {
+  return session_->has_pending();
+}
+
+Duration ArmDesk::patience() const {
+  return kPatience;
+}
+
+void ArmDesk::Leave() {
+  port_.Close();
+  connected_ = false;
+  TellDropped();
+  std::optional<fci::ArmSession> session = std::move(session_);
+  session_.reset();
+  session->OnClosed();
+}
+
+MoveStatus ArmDesk::Move(const fci::Move& move) {
+  if (!IsAllowance(move.maximum_path_deviation) || !IsAllowance(move.maximum_goal_pose_deviation)) {
+    TellRefused("Move", "a maximum deviation is negative or not finite");
+    return MoveStatus::kInvalidArgumentRejected;
+  }
+  const MoveStatus status = robot_.Move(move.modes);
+  switch (status) {
+    case MoveStatus::kMotionStarted:
+      in_motion_ = true;
+      stop_asked_ = false;
+      tell_(fmt::format("arm: motion begun: {} motion under {}", Name(move.modes.generator),
+                        Name(move.modes.controller)));
+      break;
+    case MoveStatus::kInvalidArgumentRejected:
+      TellRefused("Move", "there is no such motion generator or controller");
+      break;
+    case MoveStatus::kStartAtSingularPoseRejected:
+      TellRefused("Move", "cannot start at singular pose");
+      break;
+    default: TellRefused("Move", NotPossible());
+  }
+  return status;
+}
+
+void ArmDesk::StopMove() {
+  stop_asked_ = true;
+  robot_.StopMove();
+}
+
+SetterStatus ArmDesk::Configure(const Setting& setting) {
+  const SetterStatus status = robot_.Configure(setting);
+  if (status == SetterStatus::kInvalidArgumentRejected) {
+    const std::optional<BadValue> bad = FindBadValue(setting);
+    TellRefused(Name(setting), bad ? Describe(*bad) : "a value is out of range");
+  } else if (status != SetterStatus::kSuccess) {
+    TellRefused(Name(setting), NotPossible());
+  }
+  return status;
+}
+
+RecoveryStatus ArmDesk::Recover() {
+  const RecoveryStatus status = robot_.AutomaticErrorRecovery();
+  if (status == RecoveryStatus::kManualErrorRecoveryRequiredRejected) {
+    TellRefused("Automatic Error Recovery", "a joint is beyond its limit; it must be led back");
+  } else if (status != RecoveryStatus::kSuccess && robot_.mode() != RobotMode::kReflex) {
+    TellRefused("Automatic Error Recovery",
+                NotPossible());  // in Reflex it waits for the arm's rest
+  }
+  return status;
+}
+
+SetterStatus ArmDesk::CartesianLimitOf(std::int32_t /*id*/, fci::CartesianLimit& limit) {
+  limit = {};
+  return SetterStatus::kSuccess;
+}
+
+std::span<const std::byte> ArmDesk::ModelLibrary(const fci::LoadModelLibrary& machine) {
+  const bool is_ours = machine.architecture == fci::Architecture::kX64 &&
+                       machine.system == fci::OperatingSystem::kLinux;
+  if (is_ours && !model_library_.empty()) return model_library_;
+  TellRefused("Load Model Library",
+              is_ours ? "no library was found" : "there is none but for x64 Linux");
+  return {};
+}
+
+fci::ArmProgress ArmDesk::Progress() {
+  const robot::RobotReport report = robot_.report();
+  const bool moves = report.mode == RobotMode::kMove;
+  if (in_motion_ && !moves) {
+    in_motion_ = false;
+    TellEnd(report.last_motion);
+  }
+  return {report.mode, moves, report.last_motion.end};
+}
+
+void ArmDesk::TellEnd(const robot::LastMotion& motion) {
+  std::string text = fmt::format("arm: motion {}", EndText(motion.end));
+  if (!motion.violations.empty()) text += ':';
+  for (const Violation& violation : motion.violations.items()) text += ' ' + Describe(violation);
+  if (motion.end == MoveStatus::kPreempted && !stop_asked_) {
+    text += ": it was not answered for too long (see --session-timeout)";
+  }
+  tell_(text);
+}
+
+void ArmDesk::TellRefused(std::string_view request, std::string_view why) {
+  tell_(fmt::format("arm: {} refused: {}", request, why));
+}
+
+std::string ArmDesk::NotPossible() {
+  return fmt::format("not possible in the current mode (\"{}\"), or the arm still moves",
+                     Name(robot_.mode()));
+}
+
+void ArmDesk::TellDropped() {
+  const DroppedDatagrams now = port_.dropped();
+  const DroppedDatagrams& before = dropped_before_;
+  if (now == before) return;
+  tell_(fmt::format("arm: datagrams ignored: {} of others, {} malformed, {} that answer no state",
+                    now.foreign - before.foreign, now.malformed - before.malformed,
+                    now.early - before.early));
+}
+
+}  // namespace twin::server

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "server/desk.h"
+#include "twin/fci/arm_session.h"
+#include "twin/robot/threaded_robot.h"
+#include "twin/server/server.h"
+#include "twin/server/udp_port.h"
+
+namespace twin::server {
+
+/// The arm's desk: a session, the robot as it sees it, and the port for its states.
+///
+/// Threads: one.
+class ArmDesk final : public Desk, private fci::ArmService {
+ public:
+  /// All must outlive the desk.
+  ArmDesk(robot::ThreadedRobot& robot, UdpPort& port, std::span<const std::byte> model_library,
+          const TellPeople& tell);
+
+  /// The robot's mode has changed. @throws RobotFault.
+  void OnRobotChanged();
+
+  [[nodiscard]] bool IsReady() override;
+  void Open(const fci::Endpoint& client, fci::Answers answers) override;
+  [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
+  void OnTurn(Time now) override;
+  [[nodiscard]] bool has_pending() const override;
+  void Leave() override;
+  [[nodiscard]] Duration patience() const override;
+
+ private:
+  [[nodiscard]] MoveStatus Move(const fci::Move& move) override;
+  void StopMove() override;
+  [[nodiscard]] SetterStatus Configure(const Setting& setting) override;
+  [[nodiscard]] RecoveryStatus Recover() override;
+  [[nodiscard]] SetterStatus CartesianLimitOf(std::int32_t id, fci::CartesianLimit& limit) override;
+  [[nodiscard]] std::span<const std::byte> ModelLibrary(
+      const fci::LoadModelLibrary& machine) override;
+  [[nodiscard]] fci::ArmProgress Progress() override;
+
+  void TellEnd(const robot::LastMotion& motion);
+  void TellRefused(std::string_view request, std::string_view why);
+  /// "not possible in the current mode ("Reflex")".
+  [[nodiscard]] std::string NotPossible();
+  void TellDropped();
+
+  robot::ThreadedRobot& robot_;
+  UdpPort& port_;
+  const std::span<const std::byte> model_library_;
+  const TellPeople& tell_;
+
+  std::optional<fci::ArmSession> session_;
+  fci::Endpoint client_;
+  bool connected_ = false;
+  bool in_motion_ = false;   ///< a motion was granted whose end was not told yet
+  bool stop_asked_ = false;  ///< by the session, or for it
+  DroppedDatagrams dropped_before_;
+};
+
+}  // namespace twin::server

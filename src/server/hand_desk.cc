@@ -1,0 +1,75 @@
+#include "server/hand_desk.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace twin::server {
+namespace {
+
+/// Between two states. The real hand's rate is not public; clients take any above 1 Hz.
+constexpr Duration kStatePeriod = std::chrono::milliseconds(10);
+
+}  // namespace
+
+HandDesk::HandDesk(robot::ThreadedRobot& robot, const MonotonicClock& clock, std::uint32_t address,
+                   const TellPeople& tell, fci::Capture* capture)
+    : robot_(robot), clock_(clock), tell_(tell), capture_(capture), socket_(clock, {address, 0}) {}
+
+void HandDesk::Open(const fci::Endpoint& client, fci::Answers answers) {
+  client_ = client;
+  connected_ = false;
+  fci::HandService& service = *this;
+  session_.emplace(service, std::move(answers));
+}
+
+std::optional<std::string> HandDesk::OnFrame(const fci::Frame& frame) {
+  auto why = session_->OnFrame(frame);
+  if (!connected_ && session_->udp_port()) {
+    connected_ = true;
+    tell_(fmt::format("hand: {} connected; states go to its UDP port {}", ToString(client_),
+                      *session_->udp_port()));
+  }
+  return why;
+}
+
+void HandDesk::OnTurn(Time now) {
+  if (!connected_ || now < next_state_) return;
+  next_state_ = now + kStatePeriod;
+  SendState();
+  session_->OnProgress();
+}
+
+Duration HandDesk::patience() const {
+  return kStatePeriod;
+}
+
+void HandDesk::SendState() {
+  HandState state = robot_.hand_state();
+  // Time may stand still for the hand; what a client sees does not.
+  last_id_ = std::max(state.message_id, last_id_ + 1);
+  state.message_id = last_id_;
+  fci::Encode(state, outgoing_);
+  // What the system does not take is lost, as on the wire.
+  const fci::Endpoint to{client_.address, *session_->udp_port()};
+  static_cast<void>(socket_.Send(outgoing_, to));
+  if (capture_ == nullptr) return;
+  capture_->Put({.at = clock_.Now(),
+                 .transport = record::Transport::kUdp,
+                 .from = {socket_.local().address, socket_.local().port},
+                 .to = {to.address, to.port},
+                 .bytes = outgoing_});
+}
+
+HandStart HandDesk::Start(const HandCommand& command) {
+  HandStart start = robot_.StartHand(command);
+  if (start.bad) tell_(fmt::format("hand: {} refused: {}", Name(command), Describe(*start.bad)));
+  return start;
+}
+
+std::optional<HandResult> HandDesk::Outcome(HandTicket ticket) {
+  return robot_.HandOutcome(ticket);
+}
+
+}  // namespace twin::server

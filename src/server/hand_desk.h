@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "server/desk.h"
+#include "twin/core/clock.h"
+#include "twin/fci/capture.h"
+#include "twin/fci/datagrams.h"
+#include "twin/fci/hand_session.h"
+#include "twin/fci/sockets.h"
+#include "twin/robot/threaded_robot.h"
+#include "twin/server/server.h"
+
+namespace twin::server {
+
+/// The hand's desk: a session, the hand as it sees it, and its states every 10 ms.
+///
+/// Threads: one.
+class HandDesk final : public Desk, private fci::HandService {
+ public:
+  /// All must outlive the desk. @param address  of this machine, that states come from. @param
+  /// capture of what goes over the wire, or null.
+  HandDesk(robot::ThreadedRobot& robot, const MonotonicClock& clock, std::uint32_t address,
+           const TellPeople& tell, fci::Capture* capture);
+
+  [[nodiscard]] bool IsReady() override { return true; }
+  void Open(const fci::Endpoint& client, fci::Answers answers) override;
+  [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
+  void OnTurn(Time now) override;
+  [[nodiscard]] bool has_pending() const override { return session_->has_pending(); }
+  void Leave() override { session_.reset(); }
+  [[nodiscard]] Duration patience() const override;
+
+ private:
+  [[nodiscard]] HandStart Start(const HandCommand& command) override;
+  [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) override;
+  void SendState();
+
+  robot::ThreadedRobot& robot_;
+  const MonotonicClock& clock_;
+  const TellPeople& tell_;
+  fci::Capture* capture_;
+  fci::UdpSocket socket_;
+  fci::HandStateBytes outgoing_{};
+
+  std::optional<fci::HandSession> session_;
+  fci::Endpoint client_;
+  bool connected_ = false;
+  Time next_state_{};
+  std::uint32_t last_id_ = 0;
+};
+
+}  // namespace twin::server

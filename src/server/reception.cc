@@ -1,0 +1,159 @@
+#include "server/reception.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+
+namespace twin::server {
+namespace {
+
+/// Connections without a request that are kept at once; further ones are reset.
+constexpr std::size_t kMostVisitors = 16;
+/// Requests of a client that are handled before others have their turn.
+constexpr int kMostRequests = 64;
+
+constexpr Duration kOrdinaryPatience = std::chrono::milliseconds(100);
+constexpr Duration kImpatience = std::chrono::milliseconds(5);
+
+constexpr std::uint32_t kLoopback = 0x7f000000;
+constexpr std::uint32_t kLoopbackMask = 0xff000000;
+
+}  // namespace
+
+Reception::Reception(const Settings& settings, Desk& desk, const TellPeople& tell)
+    : settings_(settings), listener_(settings.local), desk_(desk), tell_(tell) {}
+
+void Reception::Tell(const fci::Endpoint& whom, std::string_view what) const {
+  tell_(fmt::format("{}: {} {}", settings_.name, ToString(whom), what));
+}
+
+void Reception::AddTo(std::vector<pollfd>& waited) const {
+  waited.push_back({listener_.fd(), POLLIN, 0});
+  for (const Visitor& visitor : visitors_) {
+    if (!visitor.first) waited.push_back({visitor.connection->fd(), POLLIN, 0});
+  }
+  if (client_ == nullptr) return;
+  const int events = client_->has_unsent() ? POLLIN | POLLOUT : POLLIN;
+  waited.push_back({client_->fd(), static_cast<short>(events), 0});
+}
+
+Duration Reception::patience() const {
+  const bool one_waits = std::ranges::any_of(
+      visitors_, [](const Visitor& visitor) { return visitor.first.has_value(); });
+  if (one_waits) return kImpatience;
+  return client_ != nullptr ? std::min(desk_.patience(), kOrdinaryPatience) : kOrdinaryPatience;
+}
+
+void Reception::Serve(Time now) {
+  ServeClient(now);
+  Accept(now);
+  std::erase_if(visitors_, [&](Visitor& visitor) { return Receive(visitor, now); });
+}
+
+void Reception::Accept(Time now) {
+  try {
+    while (auto stream = listener_.Accept()) {
+      const bool full = visitors_.size() >= kMostVisitors;
+      if (!Admits(stream->peer()) || full) {
+        Tell(stream->peer(), full ? "refused: too many connections wait"
+                                  : "refused: its address is not allowed (see --allow)");
+        stream->ResetConnection();
+        continue;
+      }
+      visitors_.push_back({std::make_unique<Connection>(std::move(*stream), settings_.kind,
+                                                        settings_.largest, now, settings_.tap),
+                           {}});
+    }
+  } catch (const EnvironmentError& error) {
+    tell_(fmt::format("{}: {}", settings_.name, error.what()));
+  }
+}
+
+bool Reception::Admits(const fci::Endpoint& peer) const noexcept {
+  if ((peer.address & kLoopbackMask) == kLoopback) return true;
+  return settings_.allow && settings_.allow->Contains(peer.address);
+}
+
+bool Reception::Receive(Visitor& visitor, Time now) {
+  Connection& connection = *visitor.connection;
+  if (!visitor.first) visitor.first = connection.Next();
+  if (visitor.first) {
+    ServeClient(now);  // the client may have left just before this one came
+    if (client_ != nullptr) {
+      Tell(connection.peer(), "refused: another client is connected");
+      connection.Reset();
+      return true;
+    }
+    if (!desk_.IsReady()) return false;
+    Take(visitor);
+    return true;
+  }
+  if (connection.end()) {
+    Tell(connection.peer(), fmt::format("left before it connected: {}", *connection.end()));
+    connection.Reset();
+    return true;
+  }
+  if (now < connection.since() + settings_.connect_patience) return false;
+  Tell(connection.peer(),
+       fmt::format("dropped: no Connect within {} s", ToSeconds(settings_.connect_patience)));
+  connection.Reset();
+  return true;
+}
+
+void Reception::Take(Visitor& visitor) {
+  client_ = std::move(visitor.connection);
+  desk_.Open(client_->peer(), [this](std::span<const std::byte> bytes) { client_->Send(bytes); });
+  Handle(*visitor.first);
+}
+
+void Reception::Handle(const fci::Frame& frame) {
+  const std::size_t answers = client_->answers();
+  try {
+    const auto why = desk_.OnFrame(frame);
+    // Who was not answered waits, and must be told.
+    if (why) Dismiss(*why, client_->answers() == answers);
+  } catch (const RobotFault& fault) {
+    Dismiss(fault.what(), true);
+  }
+}
+
+void Reception::ServeClient(Time now) {
+  for (int i = 0; i < kMostRequests && client_ != nullptr; ++i) {
+    const auto frame = client_->Next();
+    if (!frame) break;
+    Handle(*frame);
+  }
+  if (client_ == nullptr) return;
+  if (!client_->end()) {
+    try {
+      desk_.OnTurn(now);
+    } catch (const RobotFault& fault) {
+      return Dismiss(fault.what(), true);
+    }
+    client_->Flush();
+  }
+  if (client_->end()) Dismiss(*client_->end(), true);
+}
+
+void Reception::Dismiss(const std::string& why, bool is_waiting) {
+  const bool is_owed = is_waiting || desk_.has_pending();
+  const std::unique_ptr<Connection> client = std::move(client_);
+  try {
+    desk_.Leave();
+  } catch (const RobotFault& fault) {
+    tell_(fmt::format("{}: {}", settings_.name, fault.what()));
+  }
+  Tell(client->peer(), fmt::format("disconnected: {}", why));
+  is_owed ? client->Reset() : client->Close();
+}
+
+void Reception::End() {
+  for (Visitor& visitor : visitors_) visitor.connection->Reset();
+  visitors_.clear();
+  if (client_ != nullptr) Dismiss("the server ends", false);
+}
+
+}  // namespace twin::server

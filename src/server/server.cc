@@ -1,0 +1,115 @@
+#include "twin/server/server.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/arm_desk.h"
+#include "server/hand_desk.h"
+#include "server/reception.h"
+#include "twin/core/error.h"
+
+namespace twin::server {
+namespace {
+
+Reception::Settings SettingsOf(const ServerConfig& config, fci::HeadKind kind, const Clock& clock) {
+  const bool is_arm = kind == fci::HeadKind::kArm;
+  return {.name = is_arm ? "arm" : "hand",
+          .kind = kind,
+          .largest = is_arm ? fci::kLargestArmRequest : fci::kLargestHandRequest,
+          .local = {config.address, is_arm ? config.arm_port : config.hand_port},
+          .allow = config.allow,
+          .connect_patience = config.connect_patience,
+          .tap = {config.capture, &clock}};
+}
+
+}  // namespace
+
+class Server::Impl {
+ public:
+  Impl(ServerConfig config, robot::ThreadedRobot& robot, UdpPort& port, Bell& changed,
+       const MonotonicClock& clock, TellPeople tell)
+      : config_(std::move(config)),
+        clock_(clock),
+        tell_(std::move(tell)),
+        changed_(changed),
+        arm_desk_(robot, port, config_.model_library, tell_),
+        arm_(SettingsOf(config_, fci::HeadKind::kArm, clock), arm_desk_, tell_) {
+    if (!robot.has_hand()) return;
+    hand_desk_.emplace(robot, clock, config_.address, tell_, config_.capture);
+    hand_.emplace(SettingsOf(config_, fci::HeadKind::kHand, clock), *hand_desk_, tell_);
+  }
+
+  [[nodiscard]] fci::Endpoint arm() const { return arm_.local(); }
+  [[nodiscard]] std::optional<fci::Endpoint> hand() const {
+    return hand_ ? std::optional(hand_->local()) : std::nullopt;
+  }
+
+  void Run(const std::function<bool()>& ends) {
+    while (!ends()) {
+      Wait();
+      const Time now = clock_.Now();
+      if (changed_.Silence()) Watch();
+      arm_.Serve(now);
+      if (hand_) hand_->Serve(now);
+    }
+    arm_.End();
+    if (hand_) hand_->End();
+  }
+
+ private:
+  void Wait() {
+    waited_.clear();
+    waited_.push_back({changed_.fd(), POLLIN, 0});
+    Duration patience = arm_.patience();
+    arm_.AddTo(waited_);
+    if (hand_) {
+      hand_->AddTo(waited_);
+      patience = std::min(patience, hand_->patience());
+    }
+    const auto ms = std::chrono::ceil<std::chrono::milliseconds>(patience);
+    // Interrupted or not: whoever is served finds out by himself what there is to do.
+    static_cast<void>(poll(waited_.data(), waited_.size(), static_cast<int>(ms.count())));
+  }
+
+  /// Tells of a motion's end even when nobody is there any more.
+  void Watch() {
+    try {
+      arm_desk_.OnRobotChanged();
+    } catch (const RobotFault& fault) {
+      tell_(fault.what());
+    }
+  }
+
+  const ServerConfig config_;
+  const MonotonicClock& clock_;
+  const TellPeople tell_;
+  Bell& changed_;
+  ArmDesk arm_desk_;
+  Reception arm_;
+  std::optional<HandDesk> hand_desk_;
+  std::optional<Reception> hand_;
+  std::vector<pollfd> waited_;
+};
+
+Server::Server(ServerConfig config, robot::ThreadedRobot& robot, UdpPort& port, Bell& changed,
+               const MonotonicClock& clock, TellPeople tell)
+    : impl_(std::make_unique<Impl>(std::move(config), robot, port, changed, clock,
+                                   std::move(tell))) {}
+
+Server::~Server() = default;
+
+fci::Endpoint Server::arm() const {
+  return impl_->arm();
+}
+
+std::optional<fci::Endpoint> Server::hand() const {
+  return impl_->hand();
+}
+
+void Server::Run(const std::function<bool()>& ends) {
+  impl_->Run(ends);
+}
+
+}  // namespace twin::server
