@@ -6,6 +6,7 @@
 
 #include "plugins/mujoco/emulated_hand.h"
 #include "twin/backend/backend.h"
+#include "twin/backend/refusal.h"
 #include "twin/backend/registry.h"
 #include "twin/onboard/int.h"
 #include "twin/plant/plant.h"
@@ -23,13 +24,6 @@ struct NamedPlant {
 [[nodiscard]] backend::Description DescribeRobot(const std::string& plant_name,
                                                  const robot::LastMotion& last);
 
-/// Turn INT's answers into the seam's. @param mode  the robot's, for the text.
-/// @throws RobotFault, InputError as backend::Backend when the answer is a refusal.
-void RequireStarted(MoveStatus status, const MotionModes& modes, RobotMode mode);
-void RequireSet(SetterStatus status, const Setting& setting, RobotMode mode);
-void RequireRecovered(RecoveryStatus status, RobotMode mode);
-void RequireOperated(bool done, PanelAction action, RobotMode mode);
-
 /// The emulated robot behind the backend seam, whoever advances its time: everything but reading
 /// and writing.
 /// @tparam Robot  robot::Robot or robot::RealtimeRobot.
@@ -42,12 +36,12 @@ class EmulatedBackend : public backend::Backend, public backend::Panel {
 
   void Configure(const Setting& setting) final {
     const SetterStatus status = robot_.Configure(setting);
-    RequireSet(status, setting, robot_.mode());
+    backend::RequireSet(status, setting, robot_.mode());
   }
 
   void Operate(PanelAction action) final {
     const bool done = robot_.Operate(action);
-    RequireOperated(done, action, robot_.mode());
+    backend::RequireOperated(done, action, robot_.mode());
   }
 
   /// Null when none is mounted.
@@ -55,14 +49,14 @@ class EmulatedBackend : public backend::Backend, public backend::Panel {
 
   void Start(const MotionModes& modes) final {
     const MoveStatus status = robot_.Move(modes);
-    RequireStarted(status, modes, robot_.mode());
+    backend::RequireStarted(status, modes, robot_.mode());
   }
 
   void Stop() final { robot_.StopMove(); }
 
   void Recover() final {
     const RecoveryStatus status = robot_.AutomaticErrorRecovery();
-    RequireRecovered(status, robot_.mode());
+    backend::RequireRecovered(status, robot_.mode());
   }
 
  protected:

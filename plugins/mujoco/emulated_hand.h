@@ -3,12 +3,9 @@
 #include <optional>
 
 #include "twin/backend/hand.h"
+#include "twin/backend/refusal.h"
 
 namespace twin::plugins {
-
-/// Turns the hand's answer into the seam's. @throws InputError as backend::Hand when it is a
-/// refusal.
-void RequireStarted(const HandStart& start, const HandCommand& command);
 
 /// The emulated hand behind the hand seam, whoever advances its time.
 /// @tparam Robot  robot::Robot or robot::RealtimeRobot, with a hand mounted.
@@ -20,7 +17,7 @@ class EmulatedHand final : public backend::Hand {
 
   HandTicket Start(const HandCommand& command) override {
     const HandStart start = robot_.StartHand(command);
-    RequireStarted(start, command);
+    backend::RequireStarted(start, command);
     return start.ticket;
   }
   [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const override {

@@ -7,6 +7,7 @@
 #include "plugins/mujoco/emulated_backend.h"
 #include "plugins/mujoco/lockstep_backend.h"
 #include "plugins/mujoco/realtime_backend.h"
+#include "twin/core/error.h"
 #include "twin/model/payload.h"
 #include "twin/plant/ideal_plant.h"
 #include "twin/plant/mujoco_plant.h"
@@ -34,6 +35,11 @@ NamedPlant MakePlant(const robot::RobotConfig& robot, backend::Connection& conne
 }
 
 backend::Connection Connect(const backend::Request& request) {
+  if (std::holds_alternative<backend::RemoteHost>(request.host)) {
+    throw InputError(
+        "backend mujoco is in this process, not at the other end of a wire; say drive: lockstep or "
+        "realtime, or backend: fci");
+  }
   backend::Connection connection;
   NamedPlant plant = MakePlant(request.robot, connection);
   if (const auto* lockstep = std::get_if<backend::LockstepHost>(&request.host)) {

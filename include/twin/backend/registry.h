@@ -38,10 +38,26 @@ struct RealtimeHost {
   rt::ThreadSettings robot_thread;
 };
 
+/// What keeps the time of a robot at the other end of a wire.
+enum class RobotTime : std::uint8_t {
+  kWall,  ///< it has a clock, as hardware has
+  /// Its states: each is sent when the one before has been answered, and is 1 ms of its time.
+  kStates,
+};
+
+/// A robot at the other end of a wire.
+struct RemoteHost {
+  const MonotonicClock& clock;
+  std::string address;          ///< IPv4 address, or name
+  std::uint16_t arm_port = 0;   ///< of TCP; 0: the interface's own
+  std::uint16_t hand_port = 0;  ///< of TCP; 0: the one after the arm's
+  RobotTime time = RobotTime::kWall;
+};
+
 /// What a factory gets. References and pointers must outlive the backend.
 struct Request {
   const robot::RobotConfig& robot;
-  std::variant<LockstepHost, RealtimeHost> host;
+  std::variant<LockstepHost, RealtimeHost, RemoteHost> host;
   rt::RecordSink* sink =
       nullptr;  ///< INT's cycle records, where the backend knows them; may be null
 };
@@ -78,8 +94,8 @@ class Panel {
 /// A connected backend, and what only a twin has.
 struct Connection {
   std::unique_ptr<Backend> backend;
-  rt::Arrival* arrival = nullptr;  ///< real time: where to wait for the next state; owned by the
-                                   ///< backend; null in lockstep
+  rt::Arrival* arrival = nullptr;  ///< real time, remote: where to wait for the next state; owned
+                                   ///< by the backend; null in lockstep
   RealtimeRobotControl* robot_time = nullptr;  ///< real time, simulated robot; null otherwise
   Panel* panel = nullptr;                      ///< owned by the backend; null for hardware
   Hand* hand = nullptr;                        ///< owned by the backend; null when none is mounted
@@ -89,6 +105,8 @@ struct Connection {
   /// What the simulation itself complained of since it was connected, for people; empty: nothing.
   /// Empty function: there is no simulation. Not while cycles run on another thread.
   std::function<std::string()> engine_warnings;
+  /// Why the connection is gone, for people; empty: it is not. Empty function: there is no wire.
+  std::function<std::string()> why_lost;
   bool uses_meshes = false;  ///< false: the arm is drawn in primitive shapes
 };
 

@@ -1,0 +1,231 @@
+#include "plugins/fci/fci_backend.h"
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "plugins/fci/fci_hand.h"
+#include "twin/backend/refusal.h"
+#include "twin/core/error.h"
+#include "twin/fci/arm_client.h"
+
+namespace twin::plugins {
+namespace {
+
+/// For which a motion's end may reach TCP later than the states.
+constexpr Duration kEndPatience = std::chrono::seconds(1);
+/// A robot whose time is its states waits for us, and we for it: libfranka's patience for TCP.
+constexpr Duration kLongPatience = std::chrono::seconds(60);
+
+fci::ClientPatience PatienceFor(backend::RobotTime time) {
+  fci::ClientPatience patience;
+  if (time == backend::RobotTime::kStates) patience.state = kLongPatience;
+  return patience;
+}
+
+/// What states have shown of the motion that was asked for last.
+///
+///     kNone --Start--> kAsked --granted--> kGranted --modes--> kMoving --left--> kEnded
+///
+/// Threads: Ask(), Grant() and Refuse() from who starts, Observe() from the tick, the rest from
+/// any.
+class MotionAsShown {
+ public:
+  void Ask(const MotionModes& modes) noexcept {
+    before_ = phase_.load(std::memory_order_acquire);
+    modes_.store(modes, std::memory_order_relaxed);  // the phase's release publishes them
+    phase_.store(Phase::kAsked, std::memory_order_release);
+  }
+  void Grant() noexcept {
+    Phase asked = Phase::kAsked;  // the tick may already have seen it move
+    phase_.compare_exchange_strong(asked, Phase::kGranted, std::memory_order_acq_rel);
+  }
+  void Refuse() noexcept { phase_.store(before_, std::memory_order_release); }
+
+  /// A state was read.
+  void Observe(const RobotState& state) noexcept TWIN_REALTIME {
+    const Phase phase = phase_.load(std::memory_order_acquire);
+    if (phase == Phase::kNone || phase == Phase::kEnded) return;
+    const MotionModes modes = modes_.load(std::memory_order_relaxed);
+    const bool in_motion = state.robot_mode == RobotMode::kMove &&
+                           state.motion_generator_mode == modes.generator &&
+                           state.controller_mode == modes.controller;
+    if (in_motion) {
+      phase_.store(Phase::kMoving, std::memory_order_release);
+      return;
+    }
+    // A motion that ended in the cycle it began in never shows its modes.
+    const bool aborted_unseen =
+        phase == Phase::kGranted &&
+        (state.robot_mode == RobotMode::kReflex || state.robot_mode == RobotMode::kUserStopped);
+    if (phase != Phase::kMoving && !aborted_unseen) return;
+    errors_.store(state.reflex_reason.to_ullong(), std::memory_order_relaxed);
+    phase_.store(Phase::kEnded, std::memory_order_release);
+  }
+
+  [[nodiscard]] bool begun() const noexcept {
+    return phase_.load(std::memory_order_acquire) != Phase::kNone;
+  }
+  [[nodiscard]] bool ended() const noexcept {
+    return phase_.load(std::memory_order_acquire) == Phase::kEnded;
+  }
+  /// reflex_reason of the state that left the motion. @pre ended()
+  [[nodiscard]] RobotErrors errors() const noexcept {
+    return errors_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  enum class Phase : std::uint8_t { kNone, kAsked, kGranted, kMoving, kEnded };
+
+  std::atomic<Phase> phase_ = Phase::kNone;  ///< release after what it speaks of, acquire to read
+  std::atomic<MotionModes> modes_{};
+  std::atomic<std::uint64_t> errors_ = 0;
+  Phase before_ = Phase::kNone;  ///< who starts
+};
+static_assert(std::atomic<MotionModes>::is_always_lock_free);
+
+class FciBackend final : public backend::Backend {
+ public:
+  FciBackend(const backend::Request& request, const backend::RemoteHost& host)
+      : time_(host.time),
+        port_(host.arm_port == 0 ? fci::kArmPort : host.arm_port),
+        client_(host.clock, host.address, port_, PatienceFor(host.time)) {
+    if (request.robot.plant.hand == plant::HandKind::kNone) return;
+    const auto next = static_cast<std::uint16_t>(port_ + 1);
+    hand_.emplace(host.address, host.hand_port == 0 ? next : host.hand_port);
+  }
+
+  [[nodiscard]] rt::Arrival& arrival() noexcept { return client_.arrival(); }
+  [[nodiscard]] std::string WhyLost() const { return client_.WhyLost(); }
+  [[nodiscard]] backend::Hand* hand() noexcept { return hand_ ? &*hand_ : nullptr; }
+
+  [[nodiscard]] backend::Description Describe() const override;
+  void Configure(const Setting& setting) override {
+    const SetterStatus status = client_.Configure(setting);
+    backend::RequireSet(status, setting, mode());
+  }
+  void Start(const MotionModes& modes) override;
+  backend::ReadResult Read(backend::ReadRule rule, RobotState& state,
+                           Time& arrival) noexcept override;
+  void Write(const RobotCommand& command) noexcept override {
+    client_.Send(command);
+    // A robot whose time is its states sends the next as the answer to this.
+    if (time_ == backend::RobotTime::kStates) found_none_ = true;
+  }
+  void Stop() override;
+  void Recover() override {
+    const RecoveryStatus status = client_.Recover();
+    backend::RequireRecovered(status, mode());
+  }
+
+ private:
+  /// As the state read last shows it.
+  [[nodiscard]] RobotMode mode() const noexcept { return mode_.load(std::memory_order_relaxed); }
+
+  const backend::RobotTime time_;
+  const std::uint16_t port_;
+  mutable fci::ArmClient client_;
+  std::optional<FciHand> hand_;
+
+  MotionAsShown motion_;
+  std::mutex starting_;                              ///< one motion is started after the other
+  std::atomic<RobotMode> mode_ = RobotMode::kOther;  ///< for texts only: relaxed
+
+  // The tick's.
+  RobotState read_;          ///< so that the caller's is written only for kState
+  bool found_none_ = false;  ///< the last Read() left nothing queued: what comes now is fresh
+};
+
+backend::Description FciBackend::Describe() const {
+  backend::Description description;
+  description.name = "fci";
+  description.robot =
+      fmt::format("robot at {}, Franka Control Interface {}{}", fci::ToString(client_.robot()),
+                  client_.version(), client_.lost() ? ", connection lost" : "");
+  if (!motion_.begun()) return description;
+  const bool ended = motion_.ended();
+  const auto end = client_.AwaitMotionEnd(ended ? kEndPatience : Duration::zero());
+  if (end) description.last_end = backend::EndOf(*end);
+  if (!ended) return description;
+  // The states say that it ended, though the robot itself does not.
+  if (!end) description.last_end = backend::MotionEnd::kAborted;
+  if (description.last_end == backend::MotionEnd::kAborted) {
+    description.last_errors = motion_.errors();
+  }
+  return description;
+}
+
+void FciBackend::Start(const MotionModes& modes) {
+  const std::lock_guard lock(starting_);
+  motion_.Ask(modes);
+  MoveStatus status{};
+  try {
+    status = client_.Move({modes, {}, {}});
+  } catch (...) {
+    motion_.Refuse();
+    throw;
+  }
+  if (status == MoveStatus::kMotionStarted) {
+    motion_.Grant();
+    return;
+  }
+  motion_.Refuse();
+  backend::RequireStarted(status, modes, mode());
+}
+
+backend::ReadResult FciBackend::Read(backend::ReadRule rule, RobotState& state,
+                                     Time& arrival) noexcept {
+  Time at{};
+  const fci::Reception reception = client_.Receive(read_, at);
+  if (reception == fci::Reception::kLost) return backend::ReadResult::kLost;
+  const bool may_be_queued = rule == backend::ReadRule::kFresh && !found_none_;
+  if (reception == fci::Reception::kState) {
+    mode_.store(read_.robot_mode, std::memory_order_relaxed);
+    motion_.Observe(read_);
+  }
+  if (reception == fci::Reception::kPending || may_be_queued) {
+    found_none_ = true;  // also when a queued state was thrown away: none is left
+    return backend::ReadResult::kPending;
+  }
+  found_none_ = false;
+  state = read_;
+  arrival = at;
+  return backend::ReadResult::kState;
+}
+
+void FciBackend::Stop() {
+  try {
+    static_cast<void>(client_.StopMove());  // refused: the motion has ended by another cause
+  } catch (const RobotFault&) {
+    // It reaches nobody: without commands the robot stops by itself, and reading tells why.
+  }
+}
+
+}  // namespace
+
+backend::Connection ConnectFci(const backend::Request& request) {
+  const auto* host = std::get_if<backend::RemoteHost>(&request.host);
+  if (host == nullptr) {
+    throw InputError(
+        "backend fci is a robot at the other end of a wire, which keeps its own time; say drive: "
+        "remote, or backend: mujoco");
+  }
+  auto backend = std::make_unique<FciBackend>(request, *host);
+  backend::Connection connection;
+  connection.arrival = &backend->arrival();
+  connection.hand = backend->hand();
+  connection.why_lost = [&robot = *backend] { return robot.WhyLost(); };
+  connection.backend = std::move(backend);
+  return connection;
+}
+
+void RegisterFci(backend::Registry& registry) {
+  registry.Add("fci", &ConnectFci);
+}
+
+}  // namespace twin::plugins

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "twin/backend/hand.h"
+#include "twin/fci/hand_client.h"
+
+namespace twin::plugins {
+
+/// The hand at the other end of a wire, behind the hand seam. It is connected when it is first
+/// asked for something: an arm can be run without its hand being there.
+class FciHand final : public backend::Hand {
+ public:
+  FciHand(std::string host, std::uint16_t port) : host_(std::move(host)), port_(port) {}
+
+  HandTicket Start(const HandCommand& command) override;
+  [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const override;
+  [[nodiscard]] HandState ReadState() const override;
+
+ private:
+  [[nodiscard]] fci::HandClient& Client() const;
+
+  const std::string host_;
+  const std::uint16_t port_;
+  mutable std::mutex mutex_;
+  mutable std::optional<fci::HandClient> client_;  ///< guarded by mutex_ until it is there
+};
+
+}  // namespace twin::plugins
