@@ -11,7 +11,7 @@ CommunicationLoop::Outcome CommunicationLoop::OnState() noexcept {
     case backend::ReadResult::kLost: return Outcome::kLost;
     case backend::ReadResult::kState: break;
   }
-  command_ = Compute(state_, read, cost_);
+  command_ = Compute(state_, ReadAt(state_, read), cost_);
   return Outcome::kComputing;
 }
 
@@ -23,8 +23,21 @@ Time CommunicationLoop::OnDone(Time now) noexcept {
   }
   Count(record);
   kept_[ticks_++ % kKept] = record;
-  if (sink_ != nullptr) sink_->Put(record);
+  if (sink_ != nullptr) {
+    sink_->Put(record);
+    if (records_states_) PutState(record.read);
+  }
   return NextRead(now);
+}
+
+void CommunicationLoop::PutState(Time read) noexcept {
+  const bool follows = cycle_.state.message_id + 1 == state_.message_id;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    cycle_.dddq_d[i] = follows ? (state_.ddq_d[i] - cycle_.state.ddq_d[i]) / kCycleSeconds : 0;
+  }
+  cycle_.at = read;
+  cycle_.state = state_;
+  sink_->Put(cycle_);
 }
 
 void CommunicationLoop::Count(const rt::TickRecord& record) noexcept {

@@ -40,10 +40,8 @@ const char* Text(LoopFailure failure) {
   return "";
 }
 
-}  // namespace
-
-std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& tick,
-                                            Exchange& exchange) {
+std::unique_ptr<CommunicationLoop> NewLoop(const MotionRun& run, ControlTick& tick,
+                                           Exchange& exchange) {
   switch (run.kind) {
     case LoopKind::kSynchronous:
       return std::make_unique<SynchronousLoop>(tick, run.backend, run.sink, run.controller,
@@ -54,6 +52,22 @@ std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& t
     case LoopKind::kAsynchronous: break;
   }
   return std::make_unique<AsynchronousLoop>(tick, run.backend, run.tick.cost, run.seed, run.sink);
+}
+
+}  // namespace
+
+MotionRun WithoutModels(MotionRun run) {
+  run.tick.cost = rt::DelayModel();
+  run.controller_loop.cost = rt::DelayModel();
+  run.controller_loop.wake_delay = rt::DelayModel();
+  return run;
+}
+
+std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& tick,
+                                            Exchange& exchange) {
+  std::unique_ptr<CommunicationLoop> loop = NewLoop(run, tick, exchange);
+  loop->RecordStates(run.record_states);
+  return loop;
 }
 
 RunReport MotionSession::Run() {
@@ -83,12 +97,18 @@ RunReport MotionSession::Run() {
 bool MotionSession::Pass(Time limit, const std::function<bool()>& done) {
   bool given_up = false;
   const bool in_time = stage_.PassUntil(limit, [&] {
+    Attend();
     LookOn();
     // A failure comes first: the stop it led to may already have ended the motion.
     given_up = !stopping_ && (Interrupted() || deaf_ || watch_.failure() != LoopFailure::kNone);
     return given_up || done();
   });
   return in_time && !given_up;
+}
+
+void MotionSession::Attend() {
+  const Time now = stage_.Now();
+  if (run_.attend && now >= next_attendance_) next_attendance_ = run_.attend(now);
 }
 
 void MotionSession::LookOn() {

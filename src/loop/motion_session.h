@@ -12,6 +12,9 @@
 
 namespace twin::loop {
 
+/// Where nothing is drawn: what things cost is what passes.
+[[nodiscard]] MotionRun WithoutModels(MotionRun run);
+
 /// @returns the communication loop that `run` asks for, around `tick`.
 [[nodiscard]] std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& tick,
                                                           Exchange& exchange);
@@ -51,6 +54,7 @@ class MotionSession {
   [[nodiscard]] bool Interrupted() const noexcept {
     return run_.interrupted != nullptr && *run_.interrupted;
   }
+  void Attend();
   void LookOn();
   void NoticeSilence();
   void NoticeUnseenEnd();
@@ -64,6 +68,7 @@ class MotionSession {
   bool stopping_ = false;
   bool deaf_ = false;  ///< no state comes any more
   Time next_look_{};
+  Time next_attendance_{};
   Time silent_since_{};  ///< at the earliest
 };
 

@@ -19,14 +19,6 @@ namespace {
 /// How often the onlooker looks.
 constexpr Duration kLook = std::chrono::milliseconds(5);
 
-/// On the wall clock nothing is drawn: what things cost is what passes.
-MotionRun WithoutModels(MotionRun run) {
-  run.tick.cost = rt::DelayModel();
-  run.controller_loop.cost = rt::DelayModel();
-  run.controller_loop.wake_delay = rt::DelayModel();
-  return run;
-}
-
 /// What both threads were refused is told once.
 void AddNew(const std::vector<std::string>& notices, std::vector<std::string>& all) {
   for (const std::string& notice : notices) {

@@ -104,6 +104,22 @@ TEST_F(LockstepDriveTest, AnInterruptStopsTheArm) {
   EXPECT_NE(report.end, backend::MotionEnd::kSuccess);
 }
 
+TEST_F(LockstepDriveTest, WhoeverAttendsIsCalledAtTheTimesHeAsksFor) {
+  std::vector<Time> called;
+  motion_.attend = [&called](Time now) {
+    called.push_back(now);
+    return called.size() < 4 ? now + milliseconds(100) : Time::max();
+  };
+  const RunReport report = Run();
+  EXPECT_EQ(report.end, backend::MotionEnd::kSuccess) << report.failure;
+  ASSERT_EQ(called.size(), 4u) << "and no more";
+  EXPECT_EQ(called.front(), Time());
+  for (std::size_t i = 1; i < called.size(); ++i) {
+    EXPECT_GE(called[i] - called[i - 1], milliseconds(100));
+    EXPECT_LE(called[i] - called[i - 1], milliseconds(101)) << "a cycle is never far";
+  }
+}
+
 TEST_F(LockstepDriveTest, AControllerThatRefusesToStartStartsNoMotion) {
   swing_.refuses = true;
   Keeper keeper;

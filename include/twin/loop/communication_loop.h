@@ -48,6 +48,11 @@ class CommunicationLoop {
   /// The loop begins to run, motion or not. @returns when to begin the first read.
   [[nodiscard]] virtual Time Start(Time now) noexcept TWIN_REALTIME = 0;
 
+  /// Whether the sink also gets every state, as a cycle whose command's fate is not known: after
+  /// the command was written, off the way between the two. For robots that put no cycles
+  /// themselves.
+  void RecordStates(bool record) noexcept { records_states_ = record; }
+
   /// Looks for a state, and computes when there is one.
   [[nodiscard]] Outcome OnState() noexcept TWIN_REALTIME;
 
@@ -83,6 +88,11 @@ class CommunicationLoop {
   /// @returns the command, or null; sets `cost` to what the delay models say it took.
   [[nodiscard]] virtual const RobotCommand* Compute(const RobotState& state, Time read,
                                                     Duration& cost) noexcept TWIN_REALTIME = 0;
+  /// @returns when a state was read, on the loop's time line. @param arrival  as the backend tells.
+  [[nodiscard]] virtual Time ReadAt(const RobotState& /*state*/,
+                                    Time arrival) noexcept TWIN_REALTIME {
+    return arrival;
+  }
   /// @returns as OnDone.
   [[nodiscard]] virtual Time NextRead(Time now) noexcept TWIN_REALTIME { return now; }
 
@@ -92,12 +102,15 @@ class CommunicationLoop {
   static constexpr std::size_t kKept = 32;
 
   void Count(const rt::TickRecord& record) noexcept;
+  void PutState(Time read) noexcept;
 
   backend::Backend& backend_;
   rt::RecordSink* sink_;
   backend::ReadRule rule_;
+  bool records_states_ = false;
 
   RobotState state_;
+  rt::CycleRecord cycle_;  ///< the state put last
   const RobotCommand* command_ = nullptr;
   Duration cost_{};
   Time last_read_{};

@@ -24,12 +24,17 @@ struct MotionRun {
   std::uint64_t seed = 0;          ///< of computation times, wake-ups and target noise
   Duration time_limit{};           ///< the run is stopped and reported as failed after this
   rt::RecordSink* sink = nullptr;  ///< tick records; may be null
+  bool record_states = false;      ///< it also gets the states, as CommunicationLoop::RecordStates
   /// Called outside the tick about every 100 ms of the run's time; may be empty.
   std::function<void(Time)> progress;
   /// Called at changes worth a line in the log: (time, kind, text). May be empty.
   std::function<void(Time, std::string_view, std::string_view)> event;
   /// Set from a signal handler: the motion is stopped, the run ends. May be null.
   const volatile bool* interrupted = nullptr;
+  /// What is done beside the motion, the hand's commands: called outside the tick as the run
+  /// begins, and again as soon as its time has come to what was returned. In real time its thread
+  /// may wait. May be empty.
+  std::function<Time(Time now)> attend{};
 };
 
 }  // namespace twin::loop

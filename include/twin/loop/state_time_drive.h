@@ -1,0 +1,28 @@
+#pragma once
+
+#include "twin/backend/registry.h"
+#include "twin/core/clock.h"
+#include "twin/loop/motion_run.h"
+#include "twin/loop/run_report.h"
+
+namespace twin::loop {
+
+/// Runs a motion from start to end with a robot whose time is its states (RobotTime::kStates): a
+/// twin that is served in lockstep. One thread, the caller's, reads, computes and writes; it waits
+/// for states as long as the robot does for commands, and no time passes meanwhile.
+///
+/// All times of the run (ticks, limit, progress) are the robot's, counted from the first state
+/// read. What starts at a given state goes on alike whatever the machine does: the same motion
+/// gives the same commands, and the same log but for how many states came before it.
+///
+/// @param clock       of the host: for looking at the caller's wishes while no state comes.
+/// @param connection  of a RemoteHost.
+/// @param run         run.backend is connection.backend; asynchronous or bare. Delay models do not
+///                    count; every state of the motion is answered, whatever period_tolerance says:
+///                    the robot would wait for the answer.
+/// @throws InputError for the synchronous loop, which sleeps on a clock of its own; as
+/// LockstepDrive::Run.
+[[nodiscard]] RunReport RunOnStateTime(const MonotonicClock& clock,
+                                       const backend::Connection& connection, const MotionRun& run);
+
+}  // namespace twin::loop

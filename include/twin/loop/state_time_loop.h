@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+
+#include "twin/loop/communication_loop.h"
+#include "twin/loop/controller_loop.h"
+
+namespace twin::loop {
+
+/// The loop with a robot whose time is its states: each is sent when the one before has been
+/// answered, and is 1 ms of its time, however long that took.
+///
+///   T_hat = (message_id(i) - message_id(i-1)) 1 ms
+///
+/// Read a state -> publish -> every wake-up of the controller that is due by the state's time ->
+/// tick -> write, one after the other: nothing depends on how fast anything is, and the same motion
+/// gives the same commands. The controller has its own rate, as in the asynchronous loop; its time
+/// counts from the motion's first state.
+///
+/// Threads: one. Real-time: as CommunicationLoop.
+class StateTimeLoop final : public CommunicationLoop {
+ public:
+  /// @param tick  that answers every state: what is not answered, such a robot waits for. Its
+  ///              period_tolerance is 0.
+  /// @param controller  with its delay models at zero.
+  StateTimeLoop(ControlTick& tick, backend::Backend& backend, rt::RecordSink* sink,
+                ControllerLoop& controller)
+      : CommunicationLoop(tick, backend, sink, backend::ReadRule::kNewest),
+        controller_(controller) {}
+
+  [[nodiscard]] Time Start(Time now) noexcept TWIN_REALTIME override { return now; }
+  void Activate(const MotionModes& modes) noexcept override {
+    CommunicationLoop::Activate(modes);
+    moving_ = false;
+    stopped_ = false;
+  }
+  void StopController() noexcept override { stopped_ = true; }
+
+  /// Of the state read last, since the first one that was; zero before.
+  [[nodiscard]] Time now() const noexcept { return now_; }
+
+ private:
+  [[nodiscard]] Time ReadAt(const RobotState& state, Time arrival) noexcept TWIN_REALTIME override;
+  [[nodiscard]] const RobotCommand* Compute(const RobotState& state, Time read,
+                                            Duration& cost) noexcept TWIN_REALTIME override;
+  void Control(const RobotState& state) noexcept TWIN_REALTIME;
+
+  ControllerLoop& controller_;
+  std::uint64_t first_id_ = 0;   ///< of all; 0 before
+  std::uint64_t motion_id_ = 0;  ///< first of the motion
+  Time now_{};
+  Time wake_{};  ///< the controller's next, since the motion's first state
+  bool moving_ = false;
+  bool stopped_ = false;
+};
+
+}  // namespace twin::loop
