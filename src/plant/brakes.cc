@@ -3,14 +3,10 @@
 #include <algorithm>
 
 namespace twin::plant {
-namespace {
 
-/// tau_max of the Panda's drives, Nm.
-constexpr JointVector kHold{87, 87, 87, 87, 12, 12, 12};
-
-}  // namespace
-
-Brakes::Brakes(const mjModel& model, const std::array<int, kJoints>& dofs) noexcept : dofs_(dofs) {
+Brakes::Brakes(const mjModel& model, const std::array<int, kJoints>& dofs,
+               const JointVector& tau_max) noexcept
+    : dofs_(dofs), tau_max_(tau_max) {
   for (std::size_t i = 0; i < kJoints; ++i) friction_[i] = model.dof_frictionloss[dofs_[i]];
 }
 
@@ -26,7 +22,7 @@ void Brakes::Set(bool closed, mjModel& model, mjData& data) {
   closed_ = closed;
   if (closed) {
     for (std::size_t i = 0; i < kJoints; ++i) {
-      model.dof_frictionloss[dofs_[i]] = std::max(friction_[i], kHold[i]);
+      model.dof_frictionloss[dofs_[i]] = std::max(friction_[i], tau_max_[i]);
     }
   }
   // The constraints of the step to come are made already; they are made anew.
@@ -41,7 +37,7 @@ JointVector Brakes::Take(const mjData& data) noexcept {
     for (std::size_t i = 0; i < kJoints; ++i) {
       if (data.efc_id[row] != dofs_[i]) continue;
       torque[i] = carried_[i] + data.efc_force[row];
-      carried_[i] = std::clamp(torque[i], -kHold[i], kHold[i]);
+      carried_[i] = std::clamp(torque[i], -tau_max_[i], tau_max_[i]);
     }
   }
   return torque;

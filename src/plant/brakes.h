@@ -22,8 +22,10 @@ namespace twin::plant {
 /// Threads: one thread. Real-time: all but the constructor are noexcept and allocate nothing.
 class Brakes {
  public:
-  /// @param dofs  the joints' in the model.
-  Brakes(const mjModel& model, const std::array<int, kJoints>& dofs) noexcept;
+  /// @param dofs     the joints' in the model.
+  /// @param tau_max  Nm, each > 0.
+  Brakes(const mjModel& model, const std::array<int, kJoints>& dofs,
+         const JointVector& tau_max) noexcept;
 
   /// Opens them without a step.
   void Reset(mjModel& model) noexcept;
@@ -40,6 +42,7 @@ class Brakes {
 
  private:
   std::array<int, kJoints> dofs_;
+  JointVector tau_max_;     ///< Nm
   JointVector friction_{};  ///< the joints' own frictionloss, Nm
   JointVector carried_{};
   bool closed_ = false;

@@ -23,20 +23,22 @@
 namespace twin::plant {
 namespace {
 
-/// Where the arm's joints are in the engine's vectors.
-struct JointAddresses {
+/// Where the arm's joints are in the engine's vectors, and what they bear.
+struct ArmJoints {
   std::array<int, kJoints> qpos{};
   std::array<int, kJoints> dof{};
+  JointVector tau_max{};  ///< Nm
 };
 
-JointAddresses FindJoints(const mjModel& model, const RobotDescription& robot) {
-  JointAddresses found;
+ArmJoints FindJoints(const mjModel& model, const RobotDescription& robot) {
+  ArmJoints found;
   std::size_t i = 0;
   for (const Link& link : robot.links) {
     if (link.joint_kind != JointKind::kRevolute) continue;
     const int joint = mj_name2id(&model, mjOBJ_JOINT, link.joint.c_str());
     found.qpos[i] = model.jnt_qposadr[joint];
     found.dof[i] = model.jnt_dofadr[joint];
+    found.tau_max[i] = link.tau_max;
     ++i;
   }
   return found;
@@ -54,7 +56,7 @@ class EnginePlant final : public MujocoPlant {
         data_(mj_makeData(model_.get())),
         perturber_(*model_),
         joints_(FindJoints(*model_, sources.robot)),
-        brakes_(*model_, joints_.dof),
+        brakes_(*model_, joints_.dof, joints_.tau_max),
         elasticity_(options.elasticity) {
     for (const Perturbation& perturbation : options.perturbations) perturber_.Add(perturbation);
     for (std::size_t i = 0; i < kJoints; ++i) armature_[i] = model_->dof_armature[joints_.dof[i]];
@@ -103,7 +105,7 @@ class EnginePlant final : public MujocoPlant {
   DataPointer data_;
   Perturber perturber_;
   DataPointer gravity_data_;  ///< made when first asked
-  const JointAddresses joints_;
+  const ArmJoints joints_;
   Brakes brakes_;
   std::optional<HandJoints> hand_;
   JointVector armature_{};

@@ -124,6 +124,12 @@ void FillJoint(const urdf::Joint& joint, const std::string& where, Link& link) {
                     where, joint.name, link.q_min, link.q_max,
                     link.joint_kind == JointKind::kRevolute ? "rad" : "m"));
   }
+  link.tau_max = joint.limits->effort;
+  if (!std::isfinite(link.tau_max) || link.tau_max <= 0) {
+    throw InputError(fmt::format("{}: joint '{}' has the effort {} {}; it must be above 0", where,
+                                 joint.name, link.tau_max,
+                                 link.joint_kind == JointKind::kRevolute ? "Nm" : "N"));
+  }
 }
 
 Link ToLink(const urdf::Link& source, const std::string& where) {

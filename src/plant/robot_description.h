@@ -58,6 +58,7 @@ struct Link {
   Vector3 axis{};    ///< of the joint, link frame
   double q_min = 0;  ///< rad, m
   double q_max = 0;
+  double tau_max = 0;  ///< of the joint's drive, magnitude, Nm, N
   std::optional<Inertial> inertial;
   std::vector<Shape> visual;
   std::vector<Shape> collision;

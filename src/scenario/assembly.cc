@@ -3,12 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "scenario/cycle_summary.h"
+#include "scenario/hand_script.h"
 #include "scenario/plan.h"
+#include "scenario/start_check.h"
+#include "twin/core/error.h"
 #include "twin/loop/lockstep_drive.h"
 #include "twin/loop/realtime_drive.h"
+#include "twin/loop/state_time_drive.h"
+#include "twin/model/arm_model.h"
+#include "twin/model/inverse_kinematics.h"
+#include "twin/model/transform.h"
 #include "twin/rt/event_queue.h"
 
 namespace twin::scenario {
@@ -24,11 +34,31 @@ double LargestDistance(const JointVector& a, const JointVector& b) {
   return largest;
 }
 
+double Norm(const double* v) {
+  return std::hypot(v[0], v[1], v[2]);
+}
+
+/// @param onboard  says where the end effector is.
+PoseError PoseErrorOf(const JointVector& q, const JointVector& goal,
+                      const onboard::IntConfig& onboard) {
+  const Transform F_T_EE = model::Multiply(onboard.F_T_NE, onboard.end_effector_frame.NE_T_EE);
+  const auto pose = [&F_T_EE](const JointVector& at) {
+    return model::ArmModel::Panda().Pose(model::Frame::kEndEffector, at, F_T_EE);
+  };
+  const Vector6 way = model::Displacement(pose(q), pose(goal));
+  return {.distance = Norm(way.data()), .angle = Norm(way.data() + 3)};
+}
+
 /// What stands behind a motion: the connected backend on its drive's time.
 class Setting {
  public:
   virtual ~Setting() = default;
   [[nodiscard]] virtual const backend::Connection& connection() const noexcept = 0;
+  /// As scenario::Run::CheckStart; of a simulated robot there is nothing to check.
+  [[nodiscard]] virtual bool Check(const Scenario& /*scenario*/, const Plan& /*plan*/,
+                                   const TellCheck& /*tell*/) {
+    return true;
+  }
   [[nodiscard]] virtual loop::RunReport Run(const loop::MotionRun& run) = 0;
 };
 
@@ -73,11 +103,66 @@ class RealtimeSetting final : public Setting {
   backend::Connection connection_;
 };
 
+class RemoteSetting final : public Setting {
+ public:
+  RemoteSetting(const backend::Factory& connect, const robot::RobotConfig& robot,
+                rt::RecordSink* sink, const RealtimeSettings& settings)
+      : settings_(settings),
+        connection_(connect({robot,
+                             backend::RemoteHost{.clock = clock_,
+                                                 .address = settings.remote.host,
+                                                 .arm_port = settings.remote.arm_port,
+                                                 .time = settings.remote.time},
+                             sink})) {}
+
+  [[nodiscard]] const backend::Connection& connection() const noexcept override {
+    return connection_;
+  }
+  [[nodiscard]] bool Check(const Scenario& scenario, const Plan& plan,
+                           const TellCheck& tell) override {
+    StartCheck check{.clock = clock_,
+                     .backend = *connection_.backend,
+                     .arrival = *connection_.arrival,
+                     .time = settings_.remote.time,
+                     .listening = {}};
+    check.listening.thread = settings_.threads.communication;
+    if (plan.tick.period_tolerance > Duration::zero()) {
+      check.listening.tolerance = plan.tick.period_tolerance;
+    }
+    checked_ = RunStartCheck(check, scenario, plan.robot, plan.trajectory.start(), tell);
+    return checked_;
+  }
+  [[nodiscard]] loop::RunReport Run(const loop::MotionRun& run) override {
+    if (!checked_) {
+      throw RobotFault("the robot is not moved: not all checks before its first motion are well");
+    }
+    loop::MotionRun remote = run;
+    remote.record_states = true;
+    clock_.Restart();
+    loop::RunReport report =
+        settings_.remote.time == backend::RobotTime::kStates
+            ? loop::RunOnStateTime(clock_, connection_, remote)
+            : loop::RunInRealtime(clock_, connection_, remote, settings_.threads);
+    const std::string why = connection_.why_lost ? connection_.why_lost() : "";
+    if (!why.empty() && !report.failure.empty()) report.failure += "; " + why;
+    return report;
+  }
+
+ private:
+  MonotonicClock clock_;
+  const RealtimeSettings settings_;
+  backend::Connection connection_;
+  bool checked_ = false;
+};
+
 std::unique_ptr<Setting> MakeSetting(const Scenario& scenario, const backend::Factory& connect,
                                      const robot::RobotConfig& robot, rt::RecordSink* sink,
                                      const RealtimeSettings& settings) {
   if (scenario.drive == Drive::kRealtime) {
     return std::make_unique<RealtimeSetting>(connect, robot, sink, settings);
+  }
+  if (scenario.drive == Drive::kRemote) {
+    return std::make_unique<RemoteSetting>(connect, robot, sink, settings);
   }
   return std::make_unique<LockstepSetting>(connect, robot, sink);
 }
@@ -97,6 +182,10 @@ class Run::Impl {
                              &summary_, settings)) {}
 
   RunResult Execute(const RunHooks& hooks);
+  /// What a motion is, without what watches it.
+  [[nodiscard]] loop::MotionRun MakeMotion(const RunHooks& hooks);
+  /// Nothing when the scenario has no commands to the hand.
+  [[nodiscard]] std::optional<HandScript> MakeHandScript(const RunHooks& hooks) const;
 
   const Scenario scenario_;
   const Plan plan_;
@@ -105,10 +194,9 @@ class Run::Impl {
   std::unique_ptr<Setting> setting_;
 };
 
-RunResult Run::Impl::Execute(const RunHooks& hooks) {
+loop::MotionRun Run::Impl::MakeMotion(const RunHooks& hooks) {
   const Duration planned = plan_.trajectory.duration();
-  const backend::Connection& connection = setting_->connection();
-  loop::MotionRun run{.backend = *connection.backend,
+  loop::MotionRun run{.backend = *setting_->connection().backend,
                       .controller = *controller_,
                       .modes = plan_.modes,
                       .kind = plan_.loop,
@@ -120,14 +208,40 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
                       .progress = {},
                       .event = hooks.event,
                       .interrupted = hooks.interrupted};
-  if (hooks.progress) run.progress = [&](Time now) { hooks.progress(now, planned); };
+  if (hooks.progress) run.progress = [&hooks, planned](Time now) { hooks.progress(now, planned); };
+  return run;
+}
+
+std::optional<HandScript> Run::Impl::MakeHandScript(const RunHooks& hooks) const {
+  if (scenario_.hand.empty()) return std::nullopt;
+  backend::Hand* hand = setting_->connection().hand;
+  if (hand == nullptr) {
+    throw InputError(
+        fmt::format("hand: the backend {} has no hand; leave the commands out", scenario_.backend));
+  }
+  HandScript::Tell tell;
+  if (hooks.event) {
+    tell = [&hooks](Time now, std::string_view text) { hooks.event(now, "hand", text); };
+  }
+  return HandScript(scenario_.hand, *hand, tell);
+}
+
+RunResult Run::Impl::Execute(const RunHooks& hooks) {
+  const backend::Connection& connection = setting_->connection();
+  loop::MotionRun run = MakeMotion(hooks);
+  std::optional<HandScript> hand = MakeHandScript(hooks);
+  if (hand) run.attend = [&hand](Time now) { return hand->Attend(now); };
   RunResult result;
   result.report = setting_->Run(run);
+  if (hand) result.hand = hand->Report();
   for (const rt::TickRecord& tick : result.report.evidence) {
     if (hooks.event) hooks.event(tick.read, "evidence", loop::DescribeTick(tick));
   }
   result.goal = plan_.trajectory.goal();
   result.final_error = LargestDistance(result.report.q_final, result.goal);
+  if (scenario_.motion.interface == control::CommandInterface::kCartesianPose) {
+    result.final_pose_error = PoseErrorOf(result.report.q_final, result.goal, plan_.config.onboard);
+  }
   result.counts = summary_.counts();
   result.states_hash = summary_.states_hash();
   const std::string warnings = connection.engine_warnings ? connection.engine_warnings() : "";
@@ -154,6 +268,10 @@ const reference::Trajectory& Run::trajectory() const noexcept {
 
 const RobotData& Run::robot() const noexcept {
   return impl_->plan_.robot;
+}
+
+bool Run::CheckStart(const TellCheck& tell) {
+  return impl_->setting_->Check(impl_->scenario_, impl_->plan_, tell);
 }
 
 RunResult Run::Execute(const RunHooks& hooks) {

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "scenario/section_readers.h"
 #include "twin/core/error.h"
 
 namespace twin::scenario {
@@ -71,7 +72,6 @@ GilbertElliottLoss ReadGilbertElliott(const YamlNode& node) {
 }
 
 ScriptedLoss ReadScripted(const YamlNode& node) {
-  constexpr Duration kDay = std::chrono::hours(24);
   ScriptedLoss loss;
   for (const YamlNode& item : node.Items()) {
     const YamlMap map = item.Map({"at", "count"});

@@ -34,8 +34,8 @@ inline constexpr std::array<Spelling<ControllerMode>, 2> kControllerNames{
     {{"joint_impedance", ControllerMode::kJointImpedance},
      {"cartesian_impedance", ControllerMode::kCartesianImpedance}}};
 
-inline constexpr std::array<Spelling<Drive>, 2> kDriveNames{
-    {{"lockstep", Drive::kLockstep}, {"realtime", Drive::kRealtime}}};
+inline constexpr std::array<Spelling<Drive>, 3> kDriveNames{
+    {{"lockstep", Drive::kLockstep}, {"realtime", Drive::kRealtime}, {"remote", Drive::kRemote}}};
 
 inline constexpr std::array<Spelling<loop::LoopKind>, 3> kLoopNames{
     {{"asynchronous", loop::LoopKind::kAsynchronous},
@@ -56,6 +56,9 @@ inline constexpr std::array<Spelling<control::CommandInterface>, 4> kInterfaceNa
      {"joint_velocity", control::CommandInterface::kJointVelocity},
      {"cartesian_pose", control::CommandInterface::kCartesianPose},
      {"torque", control::CommandInterface::kTorque}}};
+
+/// The cut-off frequency at which a low-pass, of the tick or of the robot, is off, Hz.
+inline constexpr double kLowPassOff = 1000;
 
 /// @returns the reference generator that makes an interface's values; kNone when there is none.
 [[nodiscard]] constexpr loop::Generator GeneratorOf(control::CommandInterface interface) {

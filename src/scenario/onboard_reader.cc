@@ -102,13 +102,6 @@ setting::GuidingMode ReadGuidingMode(const YamlNode& node) {
   return mode;
 }
 
-/// "off", or a cut-off frequency.
-double ReadCutoff(const YamlNode& node) {
-  constexpr double kOff = 1000;
-  if (node.IsScalar() && node.Text() == "off") return kOff;
-  return node.Quantity(Dimension::kFrequency, 1, kOff);
-}
-
 setting::Filters ReadFilters(const YamlNode& node) {
   const YamlMap map = node.Map({"joint_position", "joint_velocity", "cartesian_position",
                                 "cartesian_velocity", "controller"});
@@ -144,6 +137,11 @@ void ReadSettings(const YamlMap& map, OnboardSection& onboard) {
 
 void RequireValid(const YamlNode& node, const Setting& setting) {
   if (const auto bad = FindBadValue(setting)) node.Fail(Describe(*bad));
+}
+
+double ReadCutoff(const YamlNode& node) {
+  if (node.IsScalar() && node.Text() == "off") return kLowPassOff;
+  return node.Quantity(Dimension::kFrequency, 1, kLowPassOff);
 }
 
 setting::Load ReadLoad(const YamlNode& node) {

@@ -4,7 +4,6 @@
 namespace twin::scenario {
 namespace {
 
-constexpr Duration kDay = std::chrono::hours(24);
 constexpr double kMostForce = 1e4;  // N or Nm
 constexpr double kFarthest = 100;   // m
 

@@ -144,6 +144,17 @@ void RequireStart(const JointVector& q_start, const reference::Trajectory& traje
   }
 }
 
+/// A command at the motion's end or later would never be given.
+void RequireTimeForTheHand(const std::vector<HandEvent>& hand, Duration motion) {
+  for (std::size_t i = 0; i < hand.size(); ++i) {
+    if (hand[i].at < motion) continue;
+    throw InputError(
+        fmt::format("hand[{}].at: {} s is not before the end of the motion, {} s; give an earlier "
+                    "time, or a longer motion",
+                    i + 1, ToSeconds(hand[i].at), ToSeconds(motion)));
+  }
+}
+
 void RequireScene(const std::filesystem::path& models, const std::filesystem::path& scene) {
   std::error_code error;
   if (scene.empty() || std::filesystem::is_regular_file(models / scene, error)) return;
@@ -192,6 +203,7 @@ Plan MakePlan(const Scenario& scenario, const Catalogue& catalogue, const RunFil
   reference::Trajectory trajectory = MakeTrajectory(scenario, robot);
   robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
   RequireStart(config.q_start, trajectory);
+  RequireTimeForTheHand(scenario.hand, trajectory.duration());
   const loop::TickConfig tick = MakeTick(scenario, robot);
   const loop::ControllerLoopConfig controller_loop = MakeControllerLoop(scenario.controller);
   return {std::move(robot),         std::move(trajectory), std::move(config),

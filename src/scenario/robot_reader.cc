@@ -3,8 +3,6 @@
 namespace twin::scenario {
 namespace {
 
-constexpr Duration kDay = std::chrono::hours(24);
-
 void ReadNoise(const YamlNode& node, PlantSection& plant) {
   const YamlMap map = node.Map({"q", "dq", "tau_J"});
   IfGiven(map, "q",

@@ -7,6 +7,7 @@
 
 #include "scenario/names.h"
 #include "twin/core/error.h"
+#include "twin/scenario/remote.h"
 
 namespace twin::scenario {
 namespace {
@@ -73,6 +74,15 @@ void ValidateLoop(const Scenario& scenario) {
       "wake_delay have no meaning in it: leave them out, or say loop: asynchronous");
 }
 
+void ValidateDrive(const Scenario& scenario) {
+  const bool is_remote = scenario.drive == Drive::kRemote;
+  if (is_remote == (scenario.backend == kRemoteBackend)) return;
+  throw InputError(fmt::format(
+      "drive: {} does not go with backend {}; {}", Name(scenario.drive), scenario.backend,
+      is_remote ? "say backend: fci, or drive: lockstep or realtime"
+                : "a robot at the other end of a wire keeps its own time: say drive: remote"));
+}
+
 void ValidateSetting(std::string_view section, const Setting& setting) {
   const auto bad = FindBadValue(setting);
   if (bad) throw InputError(fmt::format("{}: {}", section, Describe(*bad)));
@@ -107,6 +117,24 @@ void ValidatePanel(const std::vector<robot::PanelEvent>& panel) {
   const auto earlier = [](const auto& a, const auto& b) { return a.at < b.at; };
   if (std::ranges::is_sorted(panel, earlier)) return;
   throw InputError("panel: its events must be in order of time");
+}
+
+void ValidateHand(const Scenario& scenario) {
+  const std::vector<HandEvent>& hand = scenario.hand;
+  if (hand.empty()) return;
+  if (scenario.robot.hand == plant::HandKind::kNone) {
+    throw InputError(
+        "hand: robot.hand is none, so there is nothing to command; say robot: {hand: franka_hand}, "
+        "or leave the commands out");
+  }
+  const auto earlier = [](const auto& a, const auto& b) { return a.at < b.at; };
+  if (!std::ranges::is_sorted(hand, earlier)) {
+    throw InputError("hand: its commands must be in order of time");
+  }
+  for (std::size_t i = 0; i < hand.size(); ++i) {
+    const auto bad = FindBadValue(hand[i].command, 0);
+    if (bad) throw InputError(fmt::format("hand[{}]: {}", i + 1, Describe(*bad)));
+  }
 }
 
 void ValidateMotion(const MotionSection& motion) {
@@ -144,12 +172,10 @@ Drive DriveFromName(std::string_view name) {
   for (const auto& [spelling, drive] : kDriveNames) {
     if (spelling == name) return drive;
   }
-  constexpr std::string_view kAccepted = "lockstep (the virtual clock), realtime (the wall clock)";
-  if (name == "remote") {
-    throw InputError(
-        fmt::format("drive \"remote\" is not part of this version; accepted: {}", kAccepted));
-  }
-  throw InputError(fmt::format("drive \"{}\" is unknown; accepted: {}", name, kAccepted));
+  throw InputError(
+      fmt::format("drive \"{}\" is unknown; accepted: lockstep (the virtual clock), realtime (the "
+                  "wall clock), remote (the robot's, with backend fci)",
+                  name));
 }
 
 Transform FramePose::Matrix() const noexcept {
@@ -202,6 +228,7 @@ bool MotionSection::operator==(const MotionSection& other) const {
 void Scenario::Validate() const {
   RequireName("name", name);
   RequireName("backend", backend);
+  ValidateDrive(*this);
   RequireName("robot.model", robot.model);
   RequireName("controller.type", controller.type);
   RequireRange("robot.clock_drift", robot.clock_drift_ppm, -1000, 1000);
@@ -224,6 +251,7 @@ void Scenario::Validate() const {
   ValidateMotion(motion);
   ValidatePerturbations(*this);
   ValidatePanel(panel);
+  ValidateHand(*this);
   ValidateRender(render);
 }
 

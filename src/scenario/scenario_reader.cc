@@ -9,6 +9,7 @@
 #include "scenario/trajectory_reader.h"
 #include "scenario/yaml_node.h"
 #include "twin/core/error.h"
+#include "twin/scenario/remote.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {
@@ -23,12 +24,6 @@ loop::Generator ReadGenerator(const YamlNode& node, control::CommandInterface in
                           NameOf(kInterfaceNames, interface)));
   }
   return generator;
-}
-
-/// "off", or the cut-off frequency.
-double ReadLowPass(const YamlNode& node) {
-  if (node.IsScalar() && node.Text() == "off") return loop::TickConfig().low_pass_hz;
-  return node.Quantity(Dimension::kFrequency, 1, 1000);
 }
 
 /// What the other sections imply for what this one does not say.
@@ -56,7 +51,7 @@ void ReadTick(const YamlNode& node, Scenario& scenario) {
     }
     tick.period_tolerance = n.Time(Duration::zero(), kCycle);
   });
-  IfGiven(map, "low_pass", [&](const YamlNode& n) { tick.low_pass_hz = ReadLowPass(n); });
+  IfGiven(map, "low_pass", [&](const YamlNode& n) { tick.low_pass_hz = ReadCutoff(n); });
   IfGiven(map, "limiter", [&](const YamlNode& n) { tick.limiter = n.Bool(); });
   IfGiven(map, "cost", [&](const YamlNode& n) { tick.cost = ReadDelay(n); });
 }
@@ -143,7 +138,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   Scenario scenario;
   const YamlMap map = root.Map({"name", "description", "seed", "backend", "drive", "loop", "scene",
                                 "robot", "plant", "link", "int", "tick", "controller", "motion",
-                                "perturbations", "panel", "render", "record"});
+                                "perturbations", "panel", "hand", "render", "record"});
   scenario.name = map.Require("name").Text();
   IfGiven(map, "description", [&](const YamlNode& n) { scenario.description = n.Text(); });
   IfGiven(map, "seed", [&](const YamlNode& n) {
@@ -151,6 +146,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   });
   IfGiven(map, "backend",
           [&](const YamlNode& n) { scenario.backend = ReadName(n, scenario.places.backend); });
+  if (scenario.backend == kRemoteBackend) scenario.drive = Drive::kRemote;
   IfGiven(map, "drive", [&](const YamlNode& n) { scenario.drive = ReadDrive(n); });
   IfGiven(map, "loop", [&](const YamlNode& n) { scenario.loop = ReadChoice(n, kLoopNames); });
   IfGiven(map, "scene",
@@ -169,6 +165,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   IfGiven(map, "perturbations",
           [&](const YamlNode& n) { scenario.perturbations = ReadPerturbations(n); });
   IfGiven(map, "panel", [&](const YamlNode& n) { scenario.panel = ReadPanel(n); });
+  IfGiven(map, "hand", [&](const YamlNode& n) { scenario.hand = ReadHand(n); });
   IfGiven(map, "render", [&](const YamlNode& n) { ReadRender(n, scenario.render); });
   IfGiven(map, "record", [&](const YamlNode& n) { scenario.record = n.Bool(); });
   try {

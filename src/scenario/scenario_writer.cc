@@ -1,4 +1,5 @@
-#include <iterator>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -9,11 +10,11 @@
 namespace twin::scenario {
 namespace {
 
-using Text = fmt::memory_buffer;
+using Text = std::string;
 
 template <typename... Arguments>
 void Put(Text& out, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  fmt::format_to(std::back_inserter(out), format, std::forward<Arguments>(arguments)...);
+  out += fmt::format(format, std::forward<Arguments>(arguments)...);
 }
 
 /// A YAML double-quoted scalar.
@@ -189,16 +190,17 @@ void PutGuidingMode(Text& out, const setting::GuidingMode& mode) {
       List(free, [](const std::string& axis) { return Quoted(axis); }), mode.elbow);
 }
 
+std::string CutoffText(double cutoff_hz) {
+  return cutoff_hz == kLowPassOff ? "off" : FormatNumber(cutoff_hz) + " Hz";
+}
+
 void PutFilters(Text& out, const setting::Filters& filters) {
-  const auto text = [](double cutoff_hz) {
-    return cutoff_hz == 1000 ? std::string("off") : FormatNumber(cutoff_hz) + " Hz";
-  };
   Put(out,
       "  filters: {{joint_position: {}, joint_velocity: {}, cartesian_position: {}, "
       "cartesian_velocity: {}, controller: {}}}\n",
-      text(filters.joint_position_hz), text(filters.joint_velocity_hz),
-      text(filters.cartesian_position_hz), text(filters.cartesian_velocity_hz),
-      text(filters.controller_hz));
+      CutoffText(filters.joint_position_hz), CutoffText(filters.joint_velocity_hz),
+      CutoffText(filters.cartesian_position_hz), CutoffText(filters.cartesian_velocity_hz),
+      CutoffText(filters.controller_hz));
 }
 
 void PutOnboard(Text& out, const OnboardSection& onboard) {
@@ -224,10 +226,8 @@ void PutTick(Text& out, const Scenario& s) {
   if (s.loop == loop::LoopKind::kAsynchronous) {
     Put(out, "  period_tolerance: {}\n", FormatDuration(s.tick.period_tolerance));
   }
-  const bool filtered = s.tick.low_pass_hz != loop::TickConfig().low_pass_hz;
-  Put(out, "  low_pass: {}\n",
-      filtered ? FormatNumber(s.tick.low_pass_hz) + " Hz" : std::string("off"));
-  Put(out, "  limiter: {}\n  cost: {}\n", s.tick.limiter, TextOf(s.tick.cost));
+  Put(out, "  low_pass: {}\n  limiter: {}\n  cost: {}\n", CutoffText(s.tick.low_pass_hz),
+      s.tick.limiter, TextOf(s.tick.cost));
 }
 
 void PutController(Text& out, const Scenario& s) {
@@ -293,6 +293,35 @@ void PutPerturbationsAndPanel(Text& out, const Scenario& s) {
   }
 }
 
+std::string HandText(const hand::Homing& /*homing*/) {
+  return "homing: {}";
+}
+
+std::string HandText(const hand::Stop& /*stop*/) {
+  return "stop: {}";
+}
+
+std::string HandText(const hand::Move& move) {
+  return fmt::format("move: {{width: {} m, speed: {} m/s}}", FormatNumber(move.width),
+                     FormatNumber(move.speed));
+}
+
+std::string HandText(const hand::Grasp& grasp) {
+  return fmt::format(
+      "grasp: {{width: {} m, speed: {} m/s, force: {} N, epsilon_inner: {} m, epsilon_outer: {} "
+      "m}}",
+      FormatNumber(grasp.width), FormatNumber(grasp.speed), FormatNumber(grasp.force),
+      FormatNumber(grasp.epsilon_inner), FormatNumber(grasp.epsilon_outer));
+}
+
+void PutHand(Text& out, const std::vector<HandEvent>& hand) {
+  Put(out, "hand:{}\n", hand.empty() ? " []" : "");
+  for (const HandEvent& event : hand) {
+    Put(out, "  - {{at: {}, {}}}\n", FormatDuration(event.at),
+        std::visit([](const auto& command) { return HandText(command); }, event.command));
+  }
+}
+
 void PutRender(Text& out, const RenderSection& render) {
   Put(out, "render:\n  enabled: {}\n  width: {}\n  height: {}\n  fps: {} Hz\n", render.enabled,
       render.width, render.height, render.fps);
@@ -321,9 +350,10 @@ std::string ToYaml(const Scenario& scenario) {
   PutController(out, scenario);
   PutMotion(out, scenario.motion);
   PutPerturbationsAndPanel(out, scenario);
+  PutHand(out, scenario.hand);
   PutRender(out, scenario.render);
   Put(out, "record: {}\n", scenario.record);
-  return fmt::to_string(out);
+  return out;
 }
 
 }  // namespace twin::scenario

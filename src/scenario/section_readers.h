@@ -6,10 +6,14 @@
 
 #include "scenario/names.h"
 #include "scenario/yaml_node.h"
+#include "twin/core/time.h"
 #include "twin/scenario/scenario.h"
 
 // Readers of a scenario's sections. All: @throws InputError naming file, line and key.
 namespace twin::scenario {
+
+/// The latest a scenario may name.
+inline constexpr Duration kDay = std::chrono::hours(24);
 
 template <typename Enum, std::size_t N>
 [[nodiscard]] Enum ReadChoice(const YamlNode& node, const std::array<Spelling<Enum>, N>& names) {
@@ -18,6 +22,9 @@ template <typename Enum, std::size_t N>
 
 /// Clock drift, ppm.
 [[nodiscard]] double ReadDrift(const YamlNode& node);
+
+/// "off" (kLowPassOff), or a low-pass's cut-off frequency, Hz.
+[[nodiscard]] double ReadCutoff(const YamlNode& node);
 
 /// A name that only a run can judge, and where it stands.
 [[nodiscard]] std::string ReadName(const YamlNode& node, Place& place);
@@ -34,5 +41,6 @@ void ReadPlant(const YamlNode& node, PlantSection& plant);
 void ReadOnboard(const YamlNode& node, OnboardSection& onboard);
 [[nodiscard]] std::vector<plant::Perturbation> ReadPerturbations(const YamlNode& node);
 [[nodiscard]] std::vector<robot::PanelEvent> ReadPanel(const YamlNode& node);
+[[nodiscard]] std::vector<HandEvent> ReadHand(const YamlNode& node);
 
 }  // namespace twin::scenario

@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "scenario/section_readers.h"
 #include "twin/core/error.h"
 #include "twin/reference/trajectory_file.h"
 
 namespace twin::scenario {
 namespace {
-
-constexpr Duration kDay = std::chrono::hours(24);
 
 reference::Waypoint ReadWaypoint(const YamlNode& node, double unit) {
   const YamlMap map = node.Map({"q", "at", "stop"});

@@ -72,6 +72,8 @@ class YamlNode {
 
   [[nodiscard]] bool IsMap() const { return node_.IsMap(); }
   [[nodiscard]] bool IsScalar() const { return node_.IsScalar(); }
+  /// Nothing, or a map or list of nothing.
+  [[nodiscard]] bool IsEmpty() const { return !node_.IsScalar() && node_.size() == 0; }
 
   /// "<file>:<line>".
   [[nodiscard]] std::string Where() const;

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -64,17 +65,32 @@ TEST(BrakesTest, StopAMovingArmAndLetItGoAgain) {
   EXPECT_EQ(plant->warning_count(), 0u) << plant->DescribeWarnings();
 }
 
+/// How far joint 1 moves under closed brakes in half a second of a torque, rad.
+double Slip(MujocoPlant& plant, double tau) {
+  plant.Reset(kReady);
+  JointDrive drive{.tau = plant.GravityTorque(kReady), .brakes = true};
+  drive.tau[0] += tau;
+  for (int k = 0; k < 500; ++k) plant.Step(drive);
+  return std::abs(plant.sensors().q[0] - kReady[0]);
+}
+
 TEST(BrakesTest, SlipBeyondTwiceTheLargestTorque) {
   const auto plant = MujocoPlant::Create(BareOptions());
-  const auto moved = [&plant](double tau) {
-    plant->Reset(kReady);
-    JointDrive drive{.tau = plant->GravityTorque(kReady), .brakes = true};
-    drive.tau[0] += tau;
-    for (int k = 0; k < 500; ++k) plant->Step(drive);
-    return std::abs(plant->sensors().q[0] - kReady[0]);
-  };
-  EXPECT_LT(moved(0.97 * 174), 2e-3);
-  EXPECT_GT(moved(1.03 * 174), 2e-2);
+  EXPECT_LT(Slip(*plant, 0.97 * 174), 2e-3);
+  EXPECT_GT(Slip(*plant, 1.03 * 174), 2e-2);
+}
+
+TEST(BrakesTest, AWeakerDriveHasAWeakerBrake) {
+  const TemporaryFolder folder;
+  MujocoPlantOptions options = BareOptions();
+  std::string text = ReadText(options.urdf);
+  const std::string effort = "effort=\"87\"";  // the first is joint 1's
+  text.replace(text.find(effort), effort.size(), "effort=\"40\"");
+  folder.Write("primitives.yaml", ReadText(options.urdf.parent_path() / "primitives.yaml"));
+  options.urdf = folder.Write("panda.urdf", text);
+  const auto plant = MujocoPlant::Create(options);
+  EXPECT_LT(Slip(*plant, 0.97 * 80), 2e-3);
+  EXPECT_GT(Slip(*plant, 1.03 * 80), 2e-2);
 }
 
 TEST(BrakesTest, OpenBrakesLeaveNoTrace) {

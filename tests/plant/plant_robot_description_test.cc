@@ -46,6 +46,7 @@ TEST(RobotDescriptionTest, ReadsLinksParentsFirst) {
   EXPECT_EQ(b.X_PL.p, (Vector3{0, 0, 5}));
   EXPECT_EQ(b.q_min, -1);
   EXPECT_EQ(b.q_max, 2);
+  EXPECT_EQ(b.tau_max, 3);
   EXPECT_EQ(b.collision.at(0).size, (Vector3{1, 2, 3}));
 }
 
@@ -63,6 +64,12 @@ TEST(RobotDescriptionTest, NamesAJointItDoesNotSupport) {
   const std::string message =
       MessageOf<InputError>([] { (void)ParseUrdf(With("\"revolute\"", "\"planar\""), "r.urdf"); });
   EXPECT_THAT(message, testing::StartsWith("r.urdf: joint 'j'"));
+}
+
+TEST(RobotDescriptionTest, NamesAJointWithoutATorque) {
+  const std::string message =
+      MessageOf<InputError>([] { (void)ParseUrdf(With("\"3\"", "\"0\""), "r.urdf"); });
+  EXPECT_EQ(message, "r.urdf: joint 'j' has the effort 0 Nm; it must be above 0");
 }
 
 TEST(RobotDescriptionTest, ReadsSlidesPadsAndWhatFollows) {

@@ -2,14 +2,18 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "controllers/joint_trajectory.h"
 #include "plugins/mujoco/mujoco_backend.h"
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
+#include "twin/plant/truth_probe.h"
 #include "twin/scenario/assembly.h"
 
 namespace twin::scenario {
@@ -112,6 +116,20 @@ TEST_F(InteractionTest, AHandLeadsASoftArm) {
   EXPECT_NEAR(states_.At(4800ms).O_T_EE[13], 0.1, 0.01) << "half way between two equal springs";
 }
 
+/// Between the origins of two poses, m.
+double Distance(const Transform& a, const Transform& b) {
+  return std::hypot(a[12] - b[12], a[13] - b[13], a[14] - b[14]);
+}
+
+/// The angle of the turn between two poses, by the chords their axes make: rad.
+double Turn(const Transform& a, const Transform& b) {
+  double squares = 0;
+  for (const std::size_t axis : {0, 4, 8}) {
+    for (std::size_t i = axis; i < axis + 3; ++i) squares += (a[i] - b[i]) * (a[i] - b[i]);
+  }
+  return 2 * std::asin(std::sqrt(squares / 8));
+}
+
 TEST_F(InteractionTest, PosesLeadTheHandToTheGoal) {
   const Scenario scenario = Example("cartesian");
   const RunResult result = Execute(scenario);
@@ -121,6 +139,9 @@ TEST_F(InteractionTest, PosesLeadTheHandToTheGoal) {
       model::ArmModel::Panda().Pose(model::Frame::kEndEffector, result.goal, last.F_T_EE);
   for (std::size_t i = 0; i < goal.size(); ++i) EXPECT_NEAR(last.O_T_EE_d[i], goal[i], 2e-4) << i;
   for (std::size_t i = 12; i < 15; ++i) EXPECT_NEAR(last.O_T_EE[i], goal[i], 2e-3) << i;
+  ASSERT_TRUE(result.final_pose_error);
+  EXPECT_NEAR(result.final_pose_error->distance, Distance(last.O_T_EE, goal), 1e-6);
+  EXPECT_NEAR(result.final_pose_error->angle, Turn(last.O_T_EE, goal), 1e-6);
   EXPECT_EQ(states_.At(2s).motion_generator_mode, MotionGeneratorMode::kCartesianPosition);
   EXPECT_EQ(states_.At(2s).controller_mode, ControllerMode::kCartesianImpedance);
 }
@@ -163,6 +184,68 @@ TEST_F(InteractionTest, TheIdealPlantCarriesTheLoadToo) {
   scenario.onboard.load = scenario.robot.load;
   EXPECT_TRUE(Execute(scenario).report.succeeded());
   EXPECT_NEAR(states_.states.back().O_F_ext_hat_K[2], 0, 0.2);
+}
+
+/// Height of a body's centre in the world at the end of a run, m.
+double HeightOf(const plant::TruthProbe& truth, const char* body) {
+  const int id = mj_name2id(&truth.model(), mjOBJ_BODY, body);
+  EXPECT_GE(id, 0) << body;
+  return truth.data().xpos[3 * id + 2];
+}
+
+TEST_F(InteractionTest, TheHandTakesTheBoxAndTheArmLiftsIt) {
+  const Scenario scenario = Example("grasp");
+  scenario::Run run(scenario, {backends_, controllers_}, files_, &states_);
+  std::vector<std::string> events;
+  RunHooks hooks;
+  hooks.event = [&events](Time, std::string_view kind, std::string_view text) {
+    if (kind == "hand") events.emplace_back(text);
+  };
+  EXPECT_NEAR(HeightOf(*run.connection().truth, "box"), 0.325, 1e-3);
+  const RunResult result = run.Execute(hooks);
+  EXPECT_TRUE(result.report.succeeded()) << result.report.failure;
+  EXPECT_NEAR(HeightOf(*run.connection().truth, "box"), 0.475, 5e-3);
+  ASSERT_TRUE(result.hand);
+  EXPECT_TRUE(result.hand->state.is_grasped);
+  EXPECT_NEAR(result.hand->state.width, 0.05, 5e-4);
+  ASSERT_EQ(result.hand->commands.size(), 2u);
+  for (const HandOutcome& command : result.hand->commands) {
+    EXPECT_EQ(command.result, HandResult::kSuccess);
+  }
+  EXPECT_TRUE(result.hand->commands[1].is_grasped);
+  EXPECT_EQ(events.size(), 4u) << "a begin and an end of each";
+}
+
+TEST_F(InteractionTest, AHandThatClosesTooEarlyGraspsNothingAndStrikesTheBox) {
+  Scenario scenario = Example("grasp");
+  scenario.hand[1].at = 200ms;
+  const RunResult result = Execute(scenario);
+  ASSERT_TRUE(result.hand);
+  EXPECT_EQ(result.hand->commands[1].result, HandResult::kUnsuccessful);
+  EXPECT_FALSE(result.hand->state.is_grasped);
+  EXPECT_EQ(result.report.end, backend::MotionEnd::kAborted);
+  EXPECT_TRUE(result.report.errors.test(static_cast<std::size_t>(RobotError::kCartesianReflex)));
+}
+
+TEST_F(InteractionTest, TheHandDoesTheSameInEveryRun) {
+  const Scenario scenario = Example("grasp");
+  const RunResult first = Execute(scenario);
+  const RunResult second = Execute(scenario);
+  EXPECT_EQ(second.states_hash, first.states_hash);
+  for (std::size_t i = 0; i < scenario.hand.size(); ++i) {
+    EXPECT_EQ(second.hand->commands[i].begun, first.hand->commands[i].begun);
+    EXPECT_EQ(second.hand->commands[i].ended, first.hand->commands[i].ended);
+  }
+  EXPECT_EQ(second.hand->state, first.hand->state);
+  Scenario other = scenario;
+  other.hand[1].at += 1ms;
+  EXPECT_NE(Execute(other).states_hash, first.states_hash);
+}
+
+TEST_F(InteractionTest, WithoutCommandsNothingIsToldOfTheHandNorOfPoses) {
+  const RunResult result = Execute(Example("smoke"));
+  EXPECT_FALSE(result.hand);
+  EXPECT_FALSE(result.final_pose_error);
 }
 
 TEST_F(InteractionTest, PushesAreTheSameInEveryRun) {

@@ -90,6 +90,15 @@ TEST_F(PlanTest, TellsTheRobotWhatItIsSetToAndWhatTouchesIt) {
   EXPECT_EQ(onboard.cartesian.elbow.dp_max, PlanOf(scenario).robot.cartesian.elbow.dp_max);
 }
 
+TEST_F(PlanTest, RefusesCommandsToTheHandAfterTheMotion) {
+  Scenario scenario = Parse(test::TouchedText(), "s.yaml");
+  scenario.hand.back().at = PlanOf(scenario).trajectory.duration();
+  EXPECT_THAT(MessageOf(scenario), StartsWith("hand[4].at: "));
+  EXPECT_THAT(MessageOf(scenario), HasSubstr("is not before the end of the motion"));
+  scenario.hand.back().at -= 1ns;
+  EXPECT_EQ(MessageOf(scenario), "(accepted)");
+}
+
 TEST_F(PlanTest, TellsTheLinkAllTheScenarioSays) {
   const robot::LinkConfig link = PlanOf(Full()).config.link;
   EXPECT_EQ(link.d_INT, 50us);

@@ -110,7 +110,8 @@ motion:
 )";
 }
 
-/// A scenario of what touches the robot and how it takes it: loads, settings, perturbations, panel.
+/// A scenario of what touches the robot and how it takes it, and of what it grasps: loads,
+/// settings, perturbations, panel, hand.
 inline std::string TouchedText() {
   return R"(name: touched
 robot:
@@ -145,6 +146,11 @@ perturbations:
 panel:
   - {at: 3 s, action: press_user_stop}
   - {at: 3.5 s, action: release_user_stop}
+hand:
+  - {at: 0 s, homing: {}}
+  - {at: 20 ms, move: {width: 70 mm, speed: 0.1 m/s}}
+  - {at: 30 ms, grasp: {width: 50 mm, speed: 20 mm/s, force: 40 N, epsilon_inner: 2 mm}}
+  - {at: 40 ms, stop: {}}
 )";
 }
 

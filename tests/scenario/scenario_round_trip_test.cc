@@ -109,6 +109,18 @@ TEST(ScenarioTest, TakesAThresholdWithoutSuffixForBothSets) {
   EXPECT_EQ(b.lower_force_acc, defaults.lower_force_acc);
 }
 
+TEST(ScenarioTest, ReadsWhatTheHandIsToDo) {
+  const Scenario s = Parse(test::TouchedText(), "s.yaml");
+  EXPECT_EQ(s.hand, (std::vector<HandEvent>{{0s, hand::Homing{}},
+                                            {20ms, hand::Move{.width = 0.07, .speed = 0.1}},
+                                            {30ms, hand::Grasp{.width = 0.05,
+                                                               .speed = 0.02,
+                                                               .force = 40,
+                                                               .epsilon_inner = 0.002,
+                                                               .epsilon_outer = 0.005}},
+                                            {40ms, hand::Stop{}}}));
+}
+
 TEST(ScenarioTest, ReadsWhatPushesAndLeadsTheRobot) {
   const Scenario s = Parse(test::TouchedText(), "s.yaml");
   ASSERT_EQ(s.perturbations.size(), 4u);

@@ -12,12 +12,15 @@
 namespace twin::hand {
 
 /// Finds both ends of the fingers' way; afterwards the largest opening is known.
-struct Homing {};
+struct Homing {
+  bool operator==(const Homing&) const = default;
+};
 
 /// Moves the fingers to an opening.
 struct Move {
   double width = 0;  ///< m, in [0, largest opening + 1 mm]
   double speed = 0;  ///< of the opening, m/s, > 0; the hand does at most 0.1
+  bool operator==(const Move&) const = default;
 };
 
 /// Grasps an object, and holds it.
@@ -28,10 +31,13 @@ struct Grasp {
   /// The grasp is one when width - epsilon_inner < opening < width + epsilon_outer, m, each >= 0.
   double epsilon_inner = 0.005;
   double epsilon_outer = 0.005;
+  bool operator==(const Grasp&) const = default;
 };
 
 /// Ends what runs, and presses no more.
-struct Stop {};
+struct Stop {
+  bool operator==(const Stop&) const = default;
+};
 
 }  // namespace twin::hand
 

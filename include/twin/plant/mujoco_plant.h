@@ -66,8 +66,9 @@ struct MujocoPlantOptions {
 /// and forces from outside. theta follows from it by the elasticity profile. data() holds poses and
 /// contacts of the state that sensors() shows.
 ///
-/// Closed brakes hold each joint where it is, whatever the applied torque, up to twice tau_max
-/// (174 Nm, wrist 24 Nm; not public, our decision): tau_J is then what the links ask for.
+/// Closed brakes hold each joint where it is, whatever the applied torque, up to twice the URDF's
+/// effort limit (174 Nm, wrist 24 Nm; not public, our decision): tau_J is then what the links ask
+/// for.
 ///
 /// A motion that the engine calls unstable (NaN or huge values) halts the arm: sensors() keeps its
 /// last sound values, every further Step() only adds to warning_count(), and Reset() makes a new

@@ -4,10 +4,14 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "twin/backend/registry.h"
 #include "twin/control/registry.h"
+#include "twin/core/hand_command.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
 #include "twin/loop/realtime_drive.h"
@@ -17,6 +21,7 @@
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/thread_setup.h"
 #include "twin/scenario/data_directory.h"
+#include "twin/scenario/remote.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 
@@ -55,12 +60,37 @@ struct CycleCounts {
   std::uint64_t longest_loss = 0;  ///< most held cycles in a row
 };
 
+/// What became of a command to the hand.
+struct HandOutcome {
+  std::optional<Time> begun;         ///< absent: the run was over before
+  std::optional<Time> ended;         ///< seen to, within 10 ms; absent: it had not when the run was
+  std::optional<HandResult> result;  ///< once it ended
+  double width = 0;                  ///< between the fingers as it ended, m
+  bool is_grasped = false;           ///< an object was held as it ended
+  std::string failure;               ///< why it was refused, for people; empty: it was not
+};
+
+/// What the hand did in a run.
+struct HandReport {
+  std::vector<HandOutcome> commands;  ///< as the scenario lists them
+  HandState state;                    ///< at the end of the run
+};
+
+/// How far a pose is from another.
+struct PoseError {
+  double distance = 0;  ///< of the origins, m
+  double angle = 0;     ///< of the turn between them, rad
+};
+
 /// What a run came to. Everything in it repeats with the scenario, bit by bit.
 struct RunResult {
   loop::RunReport report;
   JointVector goal{};      ///< last waypoint, rad
   double final_error = 0;  ///< largest distance of a joint from it at the end, rad
+  /// Of a motion of poses: of the end effector, measured, from where the last waypoint has it.
+  std::optional<PoseError> final_pose_error;
   CycleCounts counts;
+  std::optional<HandReport> hand;  ///< of a scenario with commands to it
   /// Fingerprint of all states INT sent, in order: the physics, without the log's format.
   std::uint64_t states_hash = 0;
 };
@@ -79,10 +109,12 @@ struct RunResult {
 /// @throws InputError as Run does.
 void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files);
 
-/// Drive realtime: how the threads run. Settings of the host, not of the scenario.
+/// Drives realtime and remote: how the threads run, and which robot. Settings of the host, not of
+/// the scenario.
 struct RealtimeSettings {
   rt::ThreadSettings robot{.name = "twin-int", .fifo_priority = 98};
   loop::RealtimeThreads threads;
+  RemoteSettings remote;
 };
 
 /// A scenario made ready to run: drive, connected backend, trajectory, controller.
@@ -95,7 +127,8 @@ class Run {
   /// lockstep all come from the calling thread; in real time cycles from the robot's thread and
   /// ticks from the communication's.
   /// @throws InputError for an unknown backend, controller or robot, a trajectory that breaks a
-  /// limit, and what the backend's factory finds wrong; EnvironmentError from the latter.
+  /// limit, and what the backend's factory finds wrong; EnvironmentError and RobotFault from the
+  /// latter.
   Run(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
       rt::RecordSink* sink, const RealtimeSettings& settings = {});
   ~Run();
@@ -106,7 +139,14 @@ class Run {
   [[nodiscard]] const reference::Trajectory& trajectory() const noexcept;
   [[nodiscard]] const RobotData& robot() const noexcept;
 
-  /// Runs the motion to its end. To be called once.
+  /// Drive remote, before Execute(): sends the robot the scenario's settings (section int) and
+  /// looks whether it, the way to it and this host are ready for a motion. Nothing of it moves the
+  /// arm. Takes about 0.5 s. @param tell  gets each line as soon as it is known.
+  /// @returns whether all is well. @throws RobotFault when the connection is lost.
+  [[nodiscard]] bool CheckStart(const TellCheck& tell);
+
+  /// Runs the motion to its end. To be called once; on a remote robot only after CheckStart() found
+  /// all well.
   /// @throws RobotFault when the motion is refused, InputError when it cannot start from where the
   /// robot is. A motion that starts and then fails is no exception: the report says how it ended.
   [[nodiscard]] RunResult Execute(const RunHooks& hooks = {});

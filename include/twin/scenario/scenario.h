@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "twin/control/controller.h"
+#include "twin/core/hand_command.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/modes.h"
 #include "twin/core/setting.h"
@@ -29,6 +30,7 @@ namespace twin::scenario {
 enum class Drive : std::uint8_t {
   kLockstep,  ///< a seeded event queue on a virtual clock: repeatable to the byte
   kRealtime,  ///< the wall clock: robot, communication and controller on threads of their own
+  kRemote,    ///< the robot's, at the other end of a wire: backend fci, and only that
 };
 
 /// @throws InputError when there is no such drive.
@@ -152,6 +154,13 @@ struct MotionSection {
   bool operator==(const MotionSection& other) const;
 };
 
+/// A command to the hand, at a time of the run.
+struct HandEvent {
+  Duration at{};  ///< since the run began
+  HandCommand command;
+  bool operator==(const HandEvent&) const = default;
+};
+
 /// What the video shows; drawn after the run, never on its path.
 struct RenderSection {
   bool enabled = true;
@@ -201,6 +210,7 @@ struct Scenario {
   MotionSection motion;
   std::vector<plant::Perturbation> perturbations;  ///< none on the ideal plant, which feels nothing
   std::vector<robot::PanelEvent> panel;            ///< in order of time
+  std::vector<HandEvent> hand;                     ///< in order of time; none without a hand
   RenderSection render;
   bool record = true;  ///< write the log
 
