@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/exit_code.h"
+#include "twin/fci/protocol.h"
 #include "twin/scenario/assembly.h"
 
 namespace twin::cli {
@@ -29,12 +30,33 @@ struct RunFlags {
   std::filesystem::path out;  ///< empty: out/<scenario's name>
   std::optional<std::string> backend;
   std::optional<std::string> drive;
-  std::optional<double> clock_ppm;  ///< of INT's clock
-  std::optional<int> ext_cpu;       ///< processor of the communication thread; real time
-  std::optional<int> int_cpu;       ///< processor of the robot's thread; real time
+  std::optional<std::string> robot;       ///< backend fci: HOST[:PORT]
+  std::optional<std::string> robot_time;  ///< backend fci: wall or states
+  std::optional<double> max_speed;        ///< share of the scenario's, in (0, 1]
+  std::optional<double> clock_ppm;        ///< of INT's clock
+  std::optional<int> ext_cpu;             ///< processor of the communication thread; real time
+  std::optional<int> int_cpu;             ///< processor of the robot's thread; real time
   bool no_video = false;
   bool rebuild_cache = false;
   bool quiet = false;
+  DataFlags data;
+};
+
+struct ServeFlags {
+  std::filesystem::path scenario;              ///< robot, scene, start; empty: the ready pose
+  std::optional<std::filesystem::path> scene;  ///< instead of the scenario's
+  std::optional<std::uint64_t> seed;
+  std::string bind = "127.0.0.1";
+  std::optional<std::string> allow;  ///< network that may connect
+  std::uint16_t arm_port = fci::kArmPort;
+  std::uint16_t hand_port = fci::kHandPort;
+  std::string drive = "realtime";
+  std::string idle = "run";         ///< or "freeze"
+  std::optional<double> clock_ppm;  ///< of INT's clock; real time
+  double session_timeout = 10;      ///< s, for an answer in lockstep
+  std::optional<double> seconds;    ///< after which it ends; absent: when it is interrupted
+  std::optional<std::filesystem::path> log;
+  std::optional<std::filesystem::path> capture;
   DataFlags data;
 };
 
@@ -60,9 +82,19 @@ struct ExplainFlags {
   bool modes = false;         ///< what the robot grants in which mode instead
 };
 
+struct DecodeFlags {
+  std::filesystem::path capture;
+  bool brief = false;
+  std::uint16_t arm_port = fci::kArmPort;
+  std::uint16_t hand_port = fci::kHandPort;
+};
+
 /// Runs a scenario and writes what came of it. @throws twin::Error.
 [[nodiscard]] ExitCode RunCommand(const RunFlags& flags, const Host& host,
                                   const scenario::Catalogue& catalogue);
+
+/// Serves a robot over the Franka Control Interface until it is interrupted. @throws twin::Error.
+[[nodiscard]] ExitCode ServeCommand(const ServeFlags& flags, const Host& host);
 
 /// Checks a scenario without running it. @throws twin::Error.
 [[nodiscard]] ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,
@@ -77,6 +109,9 @@ struct ExplainFlags {
 
 /// Says how the run of a log ended, and why; of an aborted run also as a page. @throws twin::Error.
 [[nodiscard]] ExitCode ExplainCommand(const ExplainFlags& flags);
+
+/// Prints what was said over the wire. @throws twin::Error.
+[[nodiscard]] ExitCode DecodeCommand(const DecodeFlags& flags);
 
 /// Version, MuJoCo's version and the compiler, for people.
 [[nodiscard]] std::string VersionText();

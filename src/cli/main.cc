@@ -10,6 +10,7 @@
 #include "cli/program.h"
 #include "controllers/joint_effort.h"
 #include "controllers/joint_trajectory.h"
+#include "plugins/fci/fci_backend.h"
 #include "plugins/mujoco/mujoco_backend.h"
 #include "twin/backend/registry.h"
 #include "twin/control/registry.h"
@@ -74,6 +75,7 @@ int main(int argc, char** argv) {
 
   twin::backend::Registry backends;
   twin::plugins::RegisterMujoco(backends);
+  twin::plugins::RegisterFci(backends);
   twin::control::ControllerRegistry controllers;
   controllers.Add("joint_trajectory", &MakeJointTrajectory);
   controllers.Add("joint_effort", &MakeJointEffort);

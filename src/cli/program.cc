@@ -6,6 +6,7 @@
 #include <exception>
 #include <limits>
 #include <new>
+#include <optional>
 #include <string>
 #include <system_error>
 
@@ -24,7 +25,9 @@ constexpr const char* kFooter = R"(Start here:
   panda-twin run models/scenarios/canonical.yaml         the main example; results in out/canonical
   panda-twin run SCENARIO.yaml --seed 7 --out /tmp/a     other random numbers, another folder
   panda-twin run SCENARIO.yaml --drive realtime          on the wall clock, threads at real-time priority
+  panda-twin serve                                       a Panda for libfranka programs, at 127.0.0.1
   panda-twin validate my.yaml                            is my scenario sound? (no run)
+  panda-twin run SCENARIO.yaml --backend fci --robot HOST --max-speed 0.1   on a robot, slowly
   panda-twin export out/canonical/run.mcap               the log as CSV tables
   panda-twin explain out/canonical                       why did the run abort? value, limit, cause, cure
 
@@ -43,6 +46,12 @@ constexpr const char* kRunFooter =
     R"(The folder of results is made when missing. Results of an earlier run in it are removed when the motion
 starts, never before all input has been found good; other files there stay.)";
 
+constexpr const char* kServeFooter =
+    R"(Of a scenario, robot, plant, scene, perturbations, panel events, the losses of its link and the start count;
+its motion is the client's affair. drive lockstep: the next state is sent when the client has answered the
+last, so that nothing depends on how fast either is; --idle freeze: physics stands still between motions, too.
+Exit codes: 0 after --for, 130 when interrupted, others as ever.)";
+
 constexpr const char* kExplainFooter =
     R"(Of a run that an error ended: what happened, in which cycle, which joint or axis, value and limit, how the
 value was computed, what became of the last commands, the usual cause, and what helps; and explain.html,
@@ -51,10 +60,12 @@ one page with the last 50 cycles plotted. Of any other run: how close it came to
 /// All flags of all commands.
 struct Flags {
   RunFlags run;
+  ServeFlags serve;
   ValidateFlags validate;
   CheckFlags check;
   ExportFlags exported;
   ExplainFlags explain;
+  DecodeFlags decode;
 };
 
 void AddDataFlags(CLI::App& app, DataFlags& flags) {
@@ -75,21 +86,36 @@ std::uint64_t ParseSeed(const std::string& text) {
                                          std::numeric_limits<std::uint64_t>::max()));
 }
 
+void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed) {
+  app.add_option_function<std::string>(
+         "--seed", [&seed](const std::string& text) { seed = ParseSeed(text); },
+         "Seed of all random numbers, instead of the scenario's")
+      ->type_name("UINT");
+}
+
 CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
   CLI::App* run = app.add_subcommand("run", "Run a scenario and write log, plots and video");
   run->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
-  run->add_option_function<std::string>(
-         "--seed", [&flags](const std::string& text) { flags.seed = ParseSeed(text); },
-         "Seed of all random numbers, instead of the scenario's")
-      ->type_name("UINT");
+  AddSeed(*run, flags.seed);
   run->add_option("--out", flags.out, "Folder of results (default: out/<name of the scenario>)")
       ->type_name("DIR");
-  run->add_option("--backend", flags.backend, "Backend, instead of the scenario's (mujoco)");
-  run->add_option("--drive", flags.drive, "Who advances time: lockstep or realtime");
+  run->add_option("--backend", flags.backend,
+                  "Backend, instead of the scenario's: mujoco, or fci (a robot on the network)");
+  run->add_option("--drive", flags.drive, "Who advances time: lockstep, realtime; remote with fci");
+  run->add_option("--robot", flags.robot, "fci: the robot, or the twin that is served")
+      ->type_name("HOST[:PORT]");
+  run->add_option("--robot-time", flags.robot_time,
+                  "fci: wall (hardware, or a twin in real time; the default) or states (a twin "
+                  "served in lockstep)")
+      ->type_name("wall|states");
+  run->add_option("--max-speed", flags.max_speed,
+                  "Share of the scenario's speed, in (0, 1]: all times are divided by it")
+      ->type_name("F");
   run->add_option("--clock-ppm", flags.clock_ppm,
                   "Drift of the robot's clock, instead of the scenario's")
       ->type_name("PPM");
-  run->add_option("--ext-cpu", flags.ext_cpu, "realtime: processor of the communication thread")
+  run->add_option("--ext-cpu", flags.ext_cpu,
+                  "realtime, fci: processor of the communication thread")
       ->type_name("N");
   run->add_option("--int-cpu", flags.int_cpu, "realtime: processor of the robot's thread")
       ->type_name("N");
@@ -99,6 +125,40 @@ CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
   AddDataFlags(*run, flags.data);
   run->footer(kRunFooter);
   return run;
+}
+
+CLI::App* AddServe(CLI::App& app, ServeFlags& flags) {
+  CLI::App* serve =
+      app.add_subcommand("serve", "Serve a robot to programs made for it (FCI protocol 5)");
+  serve->add_option("scenario", flags.scenario, "Scenario file (default: the ready pose, no scene)")
+      ->type_name("FILE");
+  serve->add_option("--scene", flags.scene, "World around the robot (MJCF in the models folder)")
+      ->type_name("FILE");
+  serve->add_option("--bind", flags.bind, "Address to listen at")->capture_default_str();
+  serve->add_option("--allow", flags.allow, "Network that may connect, such as 192.168.1.0/24")
+      ->type_name("CIDR");
+  serve->add_option("--port", flags.arm_port, "TCP port of the arm; 0: any")->capture_default_str();
+  serve->add_option("--hand-port", flags.hand_port, "TCP port of the hand; 0: any")
+      ->capture_default_str();
+  serve->add_option("--drive", flags.drive, "Who advances time: realtime or lockstep")
+      ->capture_default_str();
+  serve->add_option("--idle", flags.idle, "lockstep: time between motions: run or freeze")
+      ->capture_default_str();
+  serve->add_option("--clock-ppm", flags.clock_ppm, "realtime: drift of the robot's clock")
+      ->type_name("PPM");
+  serve
+      ->add_option("--session-timeout", flags.session_timeout,
+                   "lockstep: a motion that is not answered for so long is stopped")
+      ->capture_default_str()
+      ->type_name("S");
+  AddSeed(*serve, flags.seed);
+  serve->add_option("--log", flags.log, "Write every cycle (MCAP)")->type_name("FILE");
+  serve->add_option("--capture", flags.capture, "Keep what goes over the wire (pcapng; see decode)")
+      ->type_name("FILE");
+  serve->add_option("--for", flags.seconds, "End after so long")->type_name("S");
+  AddDataFlags(*serve, flags.data);
+  serve->footer(kServeFooter);
+  return serve;
 }
 
 CLI::App* AddValidate(CLI::App& app, ValidateFlags& flags) {
@@ -146,6 +206,18 @@ CLI::App* AddExplain(CLI::App& app, ExplainFlags& flags) {
   });
   explain->footer(kExplainFooter);
   return explain;
+}
+
+CLI::App* AddDecode(CLI::App& app, DecodeFlags& flags) {
+  CLI::App* decode = app.add_subcommand("decode", "Print a capture of the wire, field by field");
+  decode
+      ->add_option("capture", flags.capture, "What --capture, tcpdump or Wireshark wrote (pcapng)")
+      ->required()
+      ->type_name("FILE");
+  decode->add_flag("--brief", flags.brief, "A line for each message, no fields");
+  decode->add_option("--port", flags.arm_port, "TCP port of the arm")->capture_default_str();
+  decode->add_option("--hand-port", flags.hand_port, "TCP port of the hand")->capture_default_str();
+  return decode;
 }
 
 /// One line, whatever the text holds.
@@ -210,9 +282,11 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
   app.require_subcommand(1);
   Flags flags;
   const CLI::App* run = AddRun(app, flags.run);
+  const CLI::App* serve = AddServe(app, flags.serve);
   const CLI::App* validate = AddValidate(app, flags.validate);
   const CLI::App* check = AddCheck(app, flags.check);
   const CLI::App* explain = AddExplain(app, flags.explain);
+  const CLI::App* decode = AddDecode(app, flags.decode);
   AddExport(app, flags.exported);
   app.footer(kFooter);  // after its commands, which else would repeat it
   try {
@@ -229,9 +303,11 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
   }
   return Guarded([&]() -> int {
     if (run->parsed()) return RunCommand(flags.run, host, catalogue);
+    if (serve->parsed()) return ServeCommand(flags.serve, host);
     if (validate->parsed()) return ValidateCommand(flags.validate, host, catalogue);
     if (check->parsed()) return CheckCommand(flags.check, host);
     if (explain->parsed()) return ExplainCommand(flags.explain);
+    if (decode->parsed()) return DecodeCommand(flags.decode);
     return ExportCommand(flags.exported);
   });
 }

@@ -10,6 +10,7 @@
 #include "cli/interrupt.h"
 #include "cli/picture.h"
 #include "cli/progress.h"
+#include "cli/remote_run.h"
 #include "cli/result_folder.h"
 #include "cli/say.h"
 #include "cli/summary.h"
@@ -53,12 +54,14 @@ class Records final : public rt::RecordSink {
 scenario::Scenario LoadWithFlags(const RunFlags& flags) {
   scenario::Scenario scenario = scenario::Load(flags.scenario);
   if (flags.seed) scenario.seed = *flags.seed;
-  if (flags.backend) scenario.backend = *flags.backend;
+  if (flags.backend) ChooseBackend(*flags.backend, scenario);
   if (flags.drive) scenario.drive = scenario::DriveFromName(*flags.drive);
+  RequireRemoteFlags(flags, scenario);
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
   if (scenario.drive == scenario::Drive::kLockstep && (flags.ext_cpu || flags.int_cpu)) {
     throw InputError("--ext-cpu and --int-cpu go with --drive realtime: lockstep has one thread");
   }
+  scenario.Validate();
   return scenario;
 }
 
@@ -66,6 +69,9 @@ scenario::RealtimeSettings SettingsOf(const RunFlags& flags) {
   scenario::RealtimeSettings settings;
   settings.robot.cpu = flags.int_cpu;
   settings.threads.communication.cpu = flags.ext_cpu;
+  if (flags.robot) {
+    settings.remote = scenario::ParseRemote(*flags.robot, flags.robot_time.value_or("wall"));
+  }
   return settings;
 }
 
@@ -81,15 +87,16 @@ class Session {
   Session(const RunFlags& flags, const Host& host, const scenario::Catalogue& catalogue)
       : flags_(flags),
         scenario_(LoadWithFlags(flags)),
+        settings_(SettingsOf(flags)),
         out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out) {
     RequirePrograms(host);
     const auto data =
         scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes});
-    run_.emplace(
-        scenario_, catalogue,
-        scenario::RunFiles{data.models, data.mesh_package, host.cache, flags.rebuild_cache},
-        &records_, SettingsOf(flags));
-    if (scenario_.plant.kind == robot::PlantKind::kMujoco && !run_->connection().uses_meshes) {
+    if (flags.max_speed) SlowDown(scenario_, data.models, *flags.max_speed);
+    Assemble(catalogue,
+             scenario::RunFiles{data.models, data.mesh_package, host.cache, flags.rebuild_cache});
+    if (is_simulated() && scenario_.plant.kind == robot::PlantKind::kMujoco &&
+        !run_->connection().uses_meshes) {
       Say(stderr,
           "panda-twin: note: the robot's meshes were not found; it is simulated and drawn in "
           "primitive shapes (scripts/setup fetches them; or name them with --meshes)\n");
@@ -103,6 +110,7 @@ class Session {
 
  private:
   void RequirePrograms(const Host& host) const;
+  void Assemble(const scenario::Catalogue& catalogue, const scenario::RunFiles& files);
   void Move();
   void WriteResults();
   void MakePlots();
@@ -112,7 +120,12 @@ class Session {
   [[nodiscard]] bool makes_video() const {
     return wants_video() && run_->connection().truth != nullptr;
   }
-  [[nodiscard]] bool is_realtime() const { return scenario_.drive == scenario::Drive::kRealtime; }
+  [[nodiscard]] bool is_simulated() const { return scenario_.drive != scenario::Drive::kRemote; }
+  /// Whether what is late is lost: the log's records too.
+  [[nodiscard]] bool waits_for_nobody() const {
+    if (is_simulated()) return scenario_.drive == scenario::Drive::kRealtime;
+    return settings_.remote.time == backend::RobotTime::kWall;
+  }
   [[nodiscard]] double SecondsSince(Time begin) const { return ToSeconds(clock_.Now() - begin); }
   [[nodiscard]] Progress MakeProgress(const char* what) const {
     return Progress(what, Progress::StyleOfStdout(flags_.quiet), clock_);
@@ -120,7 +133,8 @@ class Session {
 
   const MonotonicClock clock_;
   const RunFlags& flags_;
-  const scenario::Scenario scenario_;
+  scenario::Scenario scenario_;  ///< as it is run; not changed after the constructor
+  const scenario::RealtimeSettings settings_;
   ResultFolder out_;
   const InterruptGuard interrupt_;
   WallTimes times_;
@@ -132,7 +146,7 @@ class Session {
 };
 
 void Session::RequirePrograms(const Host& host) const {
-  if (wants_video() && scenario_.plant.kind == robot::PlantKind::kMujoco) {
+  if (is_simulated() && wants_video() && scenario_.plant.kind == robot::PlantKind::kMujoco) {
     RequireProgram("ffmpeg", host.path, "apt-get install ffmpeg, or run with --no-video");
   }
   if (scenario_.record) {
@@ -140,7 +154,21 @@ void Session::RequirePrograms(const Host& host) const {
   }
 }
 
+void Session::Assemble(const scenario::Catalogue& catalogue, const scenario::RunFiles& files) {
+  if (is_simulated()) {
+    run_.emplace(scenario_, catalogue, files, &records_, settings_);
+    return;
+  }
+  TellWhatHasNoEffect(scenario_, wants_video());
+  TellReach(settings_.remote, [&] {
+    run_.emplace(scenario_, catalogue, files, &records_, settings_);
+    return run_->connection().backend->Describe().robot;
+  });
+}
+
 ExitCode Session::Execute() {
+  interrupt_.ThrowIfInterrupted();
+  if (!is_simulated()) RequireReady(*run_);
   interrupt_.ThrowIfInterrupted();
   out_.Clear();
   try {
@@ -174,7 +202,7 @@ void Session::Move() {
                 record::RunInfo{scenario_.name, scenario_.seed, TWIN_VERSION,
                                 std::string(Name(scenario_.drive)), scenario::ToYaml(scenario_),
                                 record::RunLimits{run_->robot().limits, run_->robot().cartesian}},
-                is_realtime() ? record::FullRing::kDrop : record::FullRing::kWait);
+                waits_for_nobody() ? record::FullRing::kDrop : record::FullRing::kWait);
   }
   const scenario::Run& run = *run_;
   if (makes_video()) {

@@ -1,7 +1,6 @@
 #include "cli/summary.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -42,15 +41,85 @@ std::string PercentilesText(const rt::DurationHistogram& histogram) {
 /// What helps against the errors that ended the run, each text once.
 std::vector<std::string> CuresOf(const scenario::Scenario& scenario,
                                  const scenario::RunResult& result) {
-  const TimeKeeper keeper = scenario.drive == scenario::Drive::kRealtime
-                                ? TimeKeeper::kWallClock
-                                : TimeKeeper::kVirtualClock;
+  const TimeKeeper keeper = scenario.drive == scenario::Drive::kLockstep ? TimeKeeper::kVirtualClock
+                                                                         : TimeKeeper::kWallClock;
   std::vector<std::string> cures;
-  for (const Violation& violation : result.report.violations) {
-    std::string cure(CureHere(EntryOf(violation), keeper));
+  const auto add = [&](const ErrorEntry& entry) {
+    std::string cure(CureHere(entry, keeper));
     if (std::ranges::find(cures, cure) == cures.end()) cures.push_back(std::move(cure));
+  };
+  for (const Violation& violation : result.report.violations) add(EntryOf(violation));
+  if (!result.report.violations.empty()) return cures;
+  // A robot at the other end of a wire names its errors, and no more.
+  for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
+    if (result.report.errors.test(i)) add(EntryOf(static_cast<RobotError>(i)));
   }
   return cures;
+}
+
+Json SecondsOf(const std::optional<Time>& time) {
+  return time ? Json(ToSeconds(time->time_since_epoch())) : Json();
+}
+
+/// Poses leave the joints where the null space took them: of their motions the pose counts.
+std::string FinalErrorText(const scenario::RunResult& result) {
+  const std::string joints = fmt::format("{:.2e} rad, largest of the joints", result.final_error);
+  const auto& pose = result.final_pose_error;
+  if (!pose) return joints;
+  return fmt::format("{:.2e} m and {:.2e} rad of the pose ({})", pose->distance, pose->angle,
+                     joints);
+}
+
+/// "success", ...; of a command that has not ended, how far it came.
+std::string_view ResultOf(const scenario::HandOutcome& outcome) {
+  if (outcome.result) return Name(*outcome.result);
+  return outcome.begun ? "running" : "not begun";
+}
+
+/// What the hand did; null when the scenario asks nothing of it.
+Json HandJson(const scenario::Scenario& scenario, const scenario::RunResult& result) {
+  if (!result.hand) return {};
+  Json commands = Json::array();
+  for (std::size_t i = 0; i < result.hand->commands.size(); ++i) {
+    const scenario::HandOutcome& outcome = result.hand->commands[i];
+    const bool ended = outcome.ended.has_value();
+    commands.push_back({{"command", Name(scenario.hand[i].command)},
+                        {"begun_s", SecondsOf(outcome.begun)},
+                        {"ended_s", SecondsOf(outcome.ended)},
+                        {"result", ResultOf(outcome)},
+                        {"failure", outcome.failure},
+                        {"width_m", ended ? Json(outcome.width) : Json()},
+                        {"is_grasped", ended ? Json(outcome.is_grasped) : Json()}});
+  }
+  return {{"commands", commands},
+          {"width_m", result.hand->state.width},
+          {"is_grasped", result.hand->state.is_grasped}};
+}
+
+std::string CyclesText(const scenario::CycleCounts& counts) {
+  const double all = static_cast<double>(counts.served + counts.held);
+  return fmt::format("{} served, {} held ({:.2f} %, at most {} in a row); {} commands dropped",
+                     counts.served, counts.held,
+                     all > 0 ? 100 * static_cast<double>(counts.held) / all : 0,
+                     counts.longest_loss, counts.dropped);
+}
+
+/// Which commands were taken, a robot at the other end of a wire tells only as a share of the last
+/// hundred, in its states.
+std::string RemoteCyclesText(const loop::LoopTimings& timings) {
+  return fmt::format(
+      "{} commands written, {} states lost; the log's states hold the robot's "
+      "control_command_success_rate",
+      timings.written, timings.skipped_states);
+}
+
+std::string HandText(const scenario::Scenario& scenario, const scenario::HandReport& hand) {
+  std::string text;
+  for (std::size_t i = 0; i < hand.commands.size(); ++i) {
+    text += fmt::format("{} {}, ", Name(scenario.hand[i].command), ResultOf(hand.commands[i]));
+  }
+  return text + fmt::format("{:.1f} mm open at the end{}", 1e3 * hand.state.width,
+                            hand.state.is_grasped ? ", something is grasped" : "");
 }
 
 }  // namespace
@@ -69,6 +138,11 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
   for (const Violation& violation : result.report.violations) {
     violations.push_back(Describe(violation));
   }
+  const auto& pose = result.final_pose_error;
+  // What became of commands, a robot at the other end of a wire does not tell.
+  const auto known = [&](std::uint64_t count) {
+    return scenario.drive == scenario::Drive::kRemote ? Json() : Json(count);
+  };
   const Json summary{
       {"scenario", scenario.name},
       {"seed", scenario.seed},
@@ -79,17 +153,20 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"violations", violations},
       {"simulated_s", ToSeconds(result.report.simulated)},
       {"final_error_rad", result.final_error},
+      {"final_error_m", pose ? Json(pose->distance) : Json()},
+      {"final_error_rotation_rad", pose ? Json(pose->angle) : Json()},
       {"deviation_rad", deviation ? Json(deviation->largest) : Json()},
       {"q_final_rad", result.report.q_final},
       {"goal_rad", result.goal},
-      {"cycles_served", result.counts.served},
-      {"cycles_held", result.counts.held},
-      {"longest_loss_cycles", result.counts.longest_loss},
-      {"commands_dropped", result.counts.dropped},
+      {"cycles_served", known(result.counts.served)},
+      {"cycles_held", known(result.counts.held)},
+      {"longest_loss_cycles", known(result.counts.longest_loss)},
+      {"commands_dropped", known(result.counts.dropped)},
       {"commands_written", result.report.timings.written},
       {"states_lost", result.report.timings.skipped_states},
       {"states_out_of_time", result.report.timings.anomalous},
       {"controller_overruns", result.report.controller_overruns},
+      {"hand", HandJson(scenario, result)},
       {"d_EXT_us", PercentilesUs(result.report.timings.d_EXT)},
       {"period_us", PercentilesUs(result.report.timings.period)},
       {"libm", scenario::FormatHash(scenario::LibmFingerprint())},
@@ -119,44 +196,41 @@ std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robo
 std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunResult& result,
                         bool interrupted, const WallTimes& times,
                         const std::optional<report::Deviation>& deviation) {
-  const auto& counts = result.counts;
-  const double all = static_cast<double>(counts.served + counts.held);
-  fmt::memory_buffer out;
+  std::string out;
   const auto line = [&out](std::string_view label, const std::string& text) {
-    fmt::format_to(std::back_inserter(out), "  {:<13}{}\n", label, text);
+    out += fmt::format("  {:<13}{}\n", label, text);
   };
-  fmt::format_to(std::back_inserter(out), "{}: {}\n", scenario.name,
-                 OutcomeOf(result, interrupted));
+  out += fmt::format("{}: {}\n", scenario.name, OutcomeOf(result, interrupted));
   for (const std::string& cure : CuresOf(scenario, result)) line("what to do", cure);
   const bool arrived = result.report.end == backend::MotionEnd::kSuccess;
-  line(arrived ? "final error" : "to go",
-       fmt::format("{:.2e} rad, largest of the joints, to the last waypoint", result.final_error));
+  line(arrived ? "final error" : "to go", FinalErrorText(result) + ", to the last waypoint");
   if (deviation) {
     line("deviation",
          fmt::format("{:.2e} rad at most (joint {}, at {:.2f} s; rms {:.2e}), arm from "
                      "planned target, delay included",
                      deviation->largest, deviation->joint + 1, deviation->at, deviation->rms));
   }
-  line("cycles",
-       fmt::format("{} served, {} held ({:.2f} %, at most {} in a row); {} commands dropped",
-                   counts.served, counts.held,
-                   all > 0 ? 100 * static_cast<double>(counts.held) / all : 0, counts.longest_loss,
-                   counts.dropped));
-  line("speed",
-       fmt::format("{:.2f} s simulated in {:.2f} s: {:.1f} x real time",
-                   ToSeconds(result.report.simulated), times.run_s, times.real_time_factor));
-  if (scenario.drive == scenario::Drive::kRealtime) {
+  if (result.hand) line("hand", HandText(scenario, *result.hand));
+  const bool is_remote = scenario.drive == scenario::Drive::kRemote;
+  line("cycles", is_remote ? RemoteCyclesText(result.report.timings) : CyclesText(result.counts));
+  line("speed", fmt::format("{:.2f} s {} in {:.2f} s: {:.1f} x real time",
+                            ToSeconds(result.report.simulated),
+                            is_remote ? "of the robot's time" : "simulated", times.run_s,
+                            times.real_time_factor));
+  if (scenario.drive != scenario::Drive::kLockstep) {
     line("d_EXT", PercentilesText(result.report.timings.d_EXT));
-    line("out of time",
-         fmt::format("{} states, not answered; {} wake-ups of the controller and {} "
-                     "cycles of the robot skipped",
-                     result.report.timings.anomalous, result.report.controller_overruns,
-                     result.report.robot_timings.overruns));
-    return fmt::to_string(out);
+    std::string late =
+        fmt::format("{} states, not answered; {} wake-ups of the controller skipped",
+                    result.report.timings.anomalous, result.report.controller_overruns);
+    if (!is_remote) {
+      late += fmt::format(" and {} cycles of the robot", result.report.robot_timings.overruns);
+    }
+    line("out of time", late);
+    return out;
   }
   line("states hash", fmt::format("{} (libm {})", scenario::FormatHash(result.states_hash),
                                   scenario::FormatHash(scenario::LibmFingerprint())));
-  return fmt::to_string(out);
+  return out;
 }
 
 }  // namespace twin::cli

@@ -127,9 +127,32 @@ class BadScenario(CliTest):
         self.assert_refused(done, 3, 'backend "gazebo"')
         self.assertIn("mujoco", done.stderr)
 
-    def test_drive_of_a_later_version(self):
-        done = self.run_scenario(SHORT, "--drive", "remote")
-        self.assert_refused(done, 3, "not part of this version")
+    def test_drive_that_does_not_go_with_the_backend(self):
+        done = self.run_scenario(SHORT, "--drive", "remote", "--robot", "127.0.0.1")
+        self.assert_refused(done, 3, "drive: remote does not go with backend mujoco")
+        done = self.run_scenario(SHORT, "--backend", "fci", "--drive", "realtime")
+        self.assert_refused(done, 3, "drive: realtime does not go with backend fci")
+
+    def test_remote_robot_without_address(self):
+        done = self.run_scenario(SHORT, "--backend", "fci")
+        self.assert_refused(done, 3, "--robot HOST")
+
+    def test_address_of_a_robot_that_is_in_this_process(self):
+        done = self.run_scenario(SHORT, "--robot", "127.0.0.1")
+        self.assert_refused(done, 3, "--backend fci")
+
+    def test_addresses_and_times_of_a_robot_that_are_none(self):
+        for flags, what in ((("--robot", "host:0"), "port"), (("--robot", ":1337"), "names no host"),
+                            (("--robot", "127.0.0.1", "--robot-time", "moon"), "wall")):
+            with self.subTest(flags=flags):
+                done = self.run_scenario(SHORT, "--backend", "fci", *flags)
+                self.assert_refused(done, 3, what)
+
+    def test_speed_out_of_range(self):
+        for speed in ("0", "1.5", "nan"):
+            with self.subTest(speed=speed):
+                done = self.run_scenario(SHORT, "--max-speed", speed)
+                self.assert_refused(done, 3, "--max-speed")
 
     def test_processors_in_lockstep(self):
         done = self.run_scenario(SHORT, "--ext-cpu", "0")
@@ -338,6 +361,28 @@ class GoodRun(CliTest):
         self.assertGreater(summary["deviation_rad"], 0)
         self.assertIn("deviation", done.stdout)
         self.assertIn("100 %", done.stdout)
+
+    def test_says_what_the_hand_did(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        self.assertIsNone(json.loads((self.out / "summary.json").read_text())["hand"])
+        hand = """hand:
+  - {at: 0 s, move: {width: 70 mm, speed: 0.1 m/s}}
+  - {at: 0.5 s, grasp: {width: 50 mm, speed: 0.1 m/s, force: 40 N}}
+  - {at: 1.9 s, move: {width: 70 mm, speed: 0.001 m/s}}
+"""
+        done = self.run_scenario(SHORT.replace("duration: 1 s", "duration: 2 s") + hand)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        told = json.loads((self.out / "summary.json").read_text())["hand"]
+        self.assertEqual([(c["command"], c["result"]) for c in told["commands"]],
+                         [("Move", "success"), ("Grasp", "unsuccessful"), ("Move", "running")])
+        self.assertEqual([c["is_grasped"] for c in told["commands"]], [False, False, None])
+        self.assertAlmostEqual(told["commands"][0]["width_m"], 0.07, delta=1e-3)
+        self.assertFalse(told["is_grasped"])
+        self.assertIn("Grasp unsuccessful", done.stdout)
+        self.assertEqual(self.call("export", self.out / "run.mcap", "--out", self.folder / "csv").returncode, 0)
+        events = (self.folder / "csv" / "events.csv").read_text()
+        for line in ["Move started", "Move: success", "Grasp: unsuccessful"]:
+            self.assertIn(line, events)
 
     def test_quiet_prints_nothing(self):
         done = self.run_scenario(SHORT, "--quiet")

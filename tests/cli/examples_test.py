@@ -20,6 +20,9 @@ ABORTS = {"outage": "communication_constraints_violation", "collision": "cartesi
 NEAR = 1e-3
 NEAR_BY = {"torque": 1e-2, "wrong_load": 5e-3, "cartesian": 0.2}
 
+# Examples at whose end the hand holds something.
+GRASPS = {"grasp"}
+
 
 class ExamplesTest(unittest.TestCase):
     def run_example(self, path, out):
@@ -38,12 +41,18 @@ class ExamplesTest(unittest.TestCase):
     def check_success(self, name, code, summary):
         self.assertEqual((code, summary["outcome"]), (0, "success"), summary["failure"])
         self.assertLess(summary["final_error_rad"], NEAR_BY.get(name, NEAR))
+        if name == "cartesian":
+            self.assertLess(summary["final_error_m"], 2e-3)
+            self.assertLess(summary["final_error_rotation_rad"], 1e-2)
+        else:
+            self.assertIsNone(summary["final_error_m"])
+        self.assertEqual(bool(summary["hand"] and summary["hand"]["is_grasped"]), name in GRASPS)
 
     def test_every_example_ends_as_it_should(self):
         examples = {p.stem: p for p in sorted((SOURCE / "models" / "scenarios").glob("*.yaml"))
                     if not p.name.endswith(".hash.yaml")}
         self.assertGreaterEqual(len(examples), 5)
-        self.assertLessEqual(ABORTS.keys() | NEAR_BY.keys(), examples.keys())
+        self.assertLessEqual(ABORTS.keys() | NEAR_BY.keys() | GRASPS, examples.keys())
         for name, path in examples.items():
             check = self.check_abort if name in ABORTS else self.check_success
             with self.subTest(example=name), tempfile.TemporaryDirectory() as out:

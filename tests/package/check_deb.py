@@ -20,6 +20,7 @@ FIELDS = {
 CONTENTS = (
     "./usr/bin/panda-twin",
     "./usr/include/twin/core/robot_state.h",
+    "./usr/lib/panda-twin/libpanda_model.so",
     "./usr/share/panda_twin/models/scenarios/canonical.yaml",
     "./usr/share/doc/panda-twin/copyright",
     "./usr/share/doc/panda-twin/LICENSE",

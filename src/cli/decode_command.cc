@@ -1,0 +1,32 @@
+#include <cstdint>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "cli/commands.h"
+#include "cli/say.h"
+#include "twin/fci/transcript.h"
+#include "twin/record/pcapng_reader.h"
+
+namespace twin::cli {
+
+ExitCode DecodeCommand(const DecodeFlags& flags) {
+  record::PcapngReader reader(flags.capture);
+  fci::Transcript transcript(
+      {.fields = !flags.brief, .arm_port = flags.arm_port, .hand_port = flags.hand_port});
+  while (const auto packet = reader.Next()) {
+    const std::string text = transcript.Take(*packet);
+    if (!text.empty()) Say(stdout, text);
+  }
+  if (reader.passed_over() > 0) {
+    Say(stderr, fmt::format("note: {} packets are neither UDP nor TCP over IPv4, or damaged\n",
+                            reader.passed_over()));
+  }
+  if (reader.truncated()) {
+    Say(stderr, "note: the capture ends within a packet; whoever wrote it was killed\n");
+  }
+  FinishOutput();
+  return kOk;
+}
+
+}  // namespace twin::cli

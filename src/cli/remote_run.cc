@@ -1,0 +1,86 @@
+#include "cli/remote_run.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "cli/say.h"
+#include "twin/core/error.h"
+#include "twin/scenario/robot_data.h"
+
+namespace twin::cli {
+namespace {
+
+void Print(const scenario::CheckLine& line) {
+  Say(stdout, fmt::format("{:<6} {:<13} {}\n", line.ok ? "ok" : "FAILED", line.subject, line.text));
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+void ChooseBackend(std::string_view backend, scenario::Scenario& scenario) {
+  scenario.backend = backend;
+  if (backend == scenario::kRemoteBackend) {
+    scenario.drive = scenario::Drive::kRemote;
+  } else if (scenario.drive == scenario::Drive::kRemote) {
+    scenario.drive = scenario::Drive::kLockstep;
+  }
+}
+
+void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenario) {
+  const bool is_remote = scenario.drive == scenario::Drive::kRemote;
+  if (!is_remote && (flags.robot || flags.robot_time)) {
+    throw InputError("--robot and --robot-time go with --backend fci");
+  }
+  if (is_remote && !flags.robot) {
+    throw InputError(
+        "backend fci needs --robot HOST[:PORT]: a robot's address, or that of panda-twin serve");
+  }
+  if (is_remote && flags.int_cpu) {
+    throw InputError("--int-cpu is of a robot in this process; with backend fci leave it out");
+  }
+}
+
+void SlowDown(scenario::Scenario& scenario, const std::filesystem::path& models, double share) {
+  const scenario::RobotData robot =
+      scenario::LoadRobotData(models, scenario.robot.model, scenario.robot.hand);
+  scenario::SlowDown(scenario, robot, share);
+}
+
+void TellWhatHasNoEffect(const scenario::Scenario& scenario, bool video) {
+  for (const std::string& text : scenario::WithoutEffectThere(scenario)) {
+    Say(stderr, fmt::format("panda-twin: note: without effect on this robot: {}\n", text));
+  }
+  if (!video) return;
+  Say(stderr,
+      "panda-twin: note: no video is made: nobody here sees the robot; run the scenario in the "
+      "twin "
+      "(without --backend) to see the motion\n");
+}
+
+void TellReach(const scenario::RemoteSettings& robot, const std::function<std::string()>& connect) {
+  Say(stdout, "before the first motion; nothing of this moves the arm\n");
+  try {
+    Print({"reach", true, connect()});
+  } catch (const RobotFault&) {
+    // The text is that of the error, which follows.
+    Print(
+        {"reach", false, fmt::format("{} is no robot that can be driven; see below", robot.host)});
+    throw;
+  }
+}
+
+void RequireReady(scenario::Run& run) {
+  int failed = 0;
+  const bool ready = run.CheckStart([&failed](const scenario::CheckLine& line) {
+    Print(line);
+    failed += line.ok ? 0 : 1;
+  });
+  if (ready) return;
+  throw RobotFault(
+      fmt::format("{} of the checks before the first motion failed, see above; the arm was not "
+                  "moved",
+                  failed));
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "cli/commands.h"
+#include "twin/scenario/assembly.h"
+#include "twin/scenario/remote.h"
+#include "twin/scenario/scenario.h"
+
+// What a run on a robot at the other end of a wire needs beyond any other: where it is, and the
+// checks before it moves.
+namespace twin::cli {
+
+/// The backend of the command line, and with it the drive that it implies.
+void ChooseBackend(std::string_view backend, scenario::Scenario& scenario);
+
+/// @throws InputError when the flags of a remote robot and the scenario's drive do not go together.
+void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenario);
+
+/// scenario::SlowDown with the robot's data. @param models  the models folder.
+void SlowDown(scenario::Scenario& scenario, const std::filesystem::path& models, double share);
+
+/// One note each for what of the scenario has no effect there. @param video  whether one is wanted.
+void TellWhatHasNoEffect(const scenario::Scenario& scenario, bool video);
+
+/// Connects, and prints the first line of the checks: whether the robot is reached.
+/// @param connect  returns what the robot is. What it throws is thrown on.
+void TellReach(const scenario::RemoteSettings& robot, const std::function<std::string()>& connect);
+
+/// Prints the other lines. @throws RobotFault when one of them is not well: nothing has moved.
+void RequireReady(scenario::Run& run);
+
+}  // namespace twin::cli
