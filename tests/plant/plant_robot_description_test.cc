@@ -67,8 +67,8 @@ TEST(RobotDescriptionTest, NamesAJointItDoesNotSupport) {
 }
 
 TEST(RobotDescriptionTest, NamesAJointWithoutATorque) {
-  const std::string message =
-      MessageOf<InputError>([] { (void)ParseUrdf(With("\"3\"", "\"0\""), "r.urdf"); });
+  const std::string message = MessageOf<InputError>(
+      [] { (void)ParseUrdf(With("effort=\"3\"", "effort=\"0\""), "r.urdf"); });
   EXPECT_EQ(message, "r.urdf: joint 'j' has the effort 0 Nm; it must be above 0");
 }
 
