@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "      - {q: [0, -45, 0, -135, 0, 90, 45]}\n",
                 "", "s.yaml:1: ", "1 waypoints; a trajectory needs at least two"},
         Spoiled{"RemoteDrive", "drive: lockstep", "drive: remote",
-                "s.yaml:5: drive: ", "not part of this version; accepted: lockstep"},
+                "s.yaml:1: drive: ", "remote does not go with backend mujoco; say backend: fci"},
         Spoiled{"UnknownLoop", "loop: asynchronous", "loop: async", "s.yaml:6: loop: ",
                 "\"async\" is unknown; accepted: asynchronous, synchronous, bare"},
         Spoiled{"DriftOutOfRange", "clock_drift: 5 ppm", "clock_drift: -1001 ppm",
@@ -235,8 +235,8 @@ TEST(ScenarioErrorsTest, RefusesAPanelThatDoesNotWork) {
 TEST(ScenarioErrorsTest, RefusesCommandsNoHandTakes) {
   ExpectTouchedRefused("width: 70 mm", "width: 90 mm", "s.yaml:36: hand[2].move: ",
                        "width is 0.09; it must be in [0, the hand's largest opening] m");
-  ExpectTouchedRefused("speed: 0.1 m/s", "speed: 0 m/s",
-                       "s.yaml:36: hand[2].move: ", "speed is 0; it must be finite and above 0 m/s");
+  ExpectTouchedRefused("speed: 0.1 m/s", "speed: 0 m/s", "s.yaml:36: hand[2].move: ",
+                       "speed is 0; it must be finite and above 0 m/s");
   ExpectTouchedRefused("force: 40 N", "force: 150 N", "s.yaml:37: hand[3].grasp: ",
                        "force is 150; it must be above 0 and at most 140 N");
   ExpectTouchedRefused("epsilon_inner: 2 mm", "epsilon_inner: -2 mm",
