@@ -186,8 +186,9 @@ TEST_F(ExplainTest, ASuccessTellsHowCloseItCame) {
   EXPECT_FALSE(told.aborted);
   EXPECT_EQ(told.page, "");
   // q'' = 1.8 cos(3 t) is largest at the start, where the first difference also takes q''/2.
-  EXPECT_THAT(told.text, AllOf(HasSubstr("sample: no error; the log ends at 1.000 s"), HasSubstr("joint 2"),
-                               HasSubstr("of 2.175 rad/s"), HasSubstr("27.6 %")));
+  EXPECT_THAT(told.text,
+              AllOf(HasSubstr("sample: no error; the log ends at 1.000 s"), HasSubstr("joint 2"),
+                    HasSubstr("of 2.175 rad/s"), HasSubstr("27.6 %")));
   std::istringstream lines(told.text);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100U) << line;
 }
