@@ -1,6 +1,5 @@
 #include "plugins/mujoco/mujoco_backend.h"
 
-#include <memory>
 #include <utility>
 #include <variant>
 
@@ -8,30 +7,20 @@
 #include "plugins/mujoco/lockstep_backend.h"
 #include "plugins/mujoco/realtime_backend.h"
 #include "twin/core/error.h"
-#include "twin/model/payload.h"
-#include "twin/plant/ideal_plant.h"
-#include "twin/plant/mujoco_plant.h"
+#include "twin/robot/make_plant.h"
 
 namespace twin::plugins {
 namespace {
 
-/// What really hangs on the flange, whatever INT is told of it.
-model::Payload WhatIsThere(const robot::RobotConfig& robot) {
-  const setting::Load& load = robot.plant.load;
-  return model::Combine(robot.onboard.end_effector, {load.m_load, load.F_x_Cload, load.I_load});
-}
-
 /// Makes the body, and fills in what the connection tells of it.
 NamedPlant MakePlant(const robot::RobotConfig& robot, backend::Connection& connection) {
-  if (robot.plant_kind == robot::PlantKind::kIdeal) {
-    return {std::make_unique<plant::IdealPlant>(WhatIsThere(robot), robot.plant.hand),
-            "ideal plant (q = q_d)"};
+  robot::MadePlant made = robot::MakePlant(robot);
+  if (const plant::MujocoPlant* engine = made.engine) {
+    connection.truth = engine;
+    connection.engine_warnings = [engine] { return engine->DescribeWarnings(); };
+    connection.uses_meshes = engine->uses_meshes();
   }
-  auto plant = plant::MujocoPlant::Create(robot.plant);
-  connection.truth = plant.get();
-  connection.engine_warnings = [source = plant.get()] { return source->DescribeWarnings(); };
-  connection.uses_meshes = plant->uses_meshes();
-  return {std::move(plant), "MuJoCo plant"};
+  return {std::move(made.plant), std::move(made.name)};
 }
 
 backend::Connection Connect(const backend::Request& request) {

@@ -22,7 +22,7 @@ bool NamesNoFile(int error) {
 }
 
 std::string Explain(const std::filesystem::path& path, const std::string& cause) {
-  return fmt::format("cannot read {}: {}; name a log of a run, a file that you may read",
+  return fmt::format("cannot read {}: {}; name a file that is there and that you may read",
                      path.string(), cause);
 }
 
