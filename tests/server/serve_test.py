@@ -419,6 +419,32 @@ class ProgramTest(ServeTest):
         subprocess.run([PROGRAM, "export", log, "--out", pathlib.Path(self.folder) / "csv"], check=True, capture_output=True)
         self.assertGreater(len((pathlib.Path(self.folder) / "csv/cycles.csv").read_text().splitlines()), 50)
 
+    def test_a_capture_holds_what_was_said_in_order(self):
+        capture = pathlib.Path(self.folder) / "session.pcapng"
+        server = self.serve("--capture", capture)
+        arm = self.arm(server)
+        arm.read()
+        states, end = arm.run_motion(cycles=50, amplitude=0.0002)
+        self.assertEqual(end, fci.SUCCESS)
+        arm.close()
+        port, hand_port = str(server.arm_port), str(server.hand_port)
+        server.end()
+
+        def decode(*flags):
+            return subprocess.run([PROGRAM, "decode", capture, "--port", port, "--hand-port", hand_port, *flags], check=True,
+                                  capture_output=True, text=True).stdout
+        brief = decode("--brief")
+        told = re.findall(r"(?:request|answer) \d+: .*", brief)
+        self.assertEqual(told, ["request 0: Connect", "answer 0: Connect", "request 1: Move", "answer 1: Move",
+                                "answer 1: Move"])
+        ids = [int(k) for k in re.findall(r" state (\d+):", brief)]
+        self.assertEqual(ids, sorted(ids))
+        self.assertLessEqual({s.id for s in states}, set(ids))
+        self.assertGreaterEqual(brief.count("command for state"), 50)
+        full = decode()
+        self.assertIn("    version = 5\n", full)
+        self.assertIn("    status = 1 (motion_started)\n", full)
+
     def refused(self, *flags):
         result = subprocess.run([PROGRAM, "serve", *flags, "--data", SOURCE / "models"], capture_output=True, text=True,
                                 timeout=fci.LIMIT)
