@@ -1,6 +1,7 @@
 #include "twin/record/recorder.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -107,12 +108,13 @@ TEST(RecorderTest, CutsLongEventsAndKeepsThemReadable) {
   const TemporaryFolder folder;
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
   // The cut falls into a character of two bytes.
-  recorder.Event(Time(), "mode", std::string(1999, 'x') + "\xc3\xbc and more");
+  const std::string head(1999, 'x');
+  recorder.Event(Time(), "mode", fmt::format("{}\xc3\xbc and more", head));
   recorder.Finish();
   LogReader reader(folder / "a.mcap");
   LogEntry entry;
   ASSERT_TRUE(reader.Next(entry));
-  EXPECT_EQ(std::get<EventRecord>(entry).text, std::string(1999, 'x') + "?");
+  EXPECT_EQ(std::get<EventRecord>(entry).text, fmt::format("{}?", head));
 }
 
 TEST(RecorderTest, WithoutFinishLeavesAllThatWasPutInThePartialFile) {
