@@ -31,9 +31,6 @@ namespace {
 constexpr JointVector kReady{
     0, -0.78539816339744831, 0, -2.3561944901923448, 0, 1.5707963267948966, 0.78539816339744831};
 
-constexpr std::uint32_t kLoopback = 0x7f000000;
-constexpr std::uint32_t kLoopbackMask = 0xff000000;
-
 scenario::Scenario LoadWithFlags(const ServeFlags& flags) {
   scenario::Scenario scenario;
   if (flags.scenario.empty()) {
@@ -92,8 +89,7 @@ server::ServerConfig ServerConfigOf(const ServeFlags& flags, const Host& host) {
   config.arm_port = flags.arm_port;
   config.hand_port = flags.hand_port;
   if (flags.allow) config.allow = fci::ParseNetwork(*flags.allow);
-  const bool is_loopback = (config.address & kLoopbackMask) == kLoopback;
-  if (!is_loopback && !config.allow) {
+  if (!fci::IsLoopback(config.address) && !config.allow) {
     throw InputError(fmt::format(
         "--bind {} lets other machines move the robot: name the network that may, with --allow "
         "ADDRESS/BITS, or leave --bind out",
@@ -190,8 +186,8 @@ void Service::Introduce(const server::Server& server) const {
   std::string text =
       fmt::format("panda-twin serves {} ({}), drive {}{}\n", scenario_.robot.model, plant_.name,
                   Name(scenario_.drive), FreezesWhenIdle(flags_) ? ", idle freeze" : "");
-  text += fmt::format("  arm   {}\n", ToString(server.arm()));
-  if (const auto hand = server.hand()) text += fmt::format("  hand  {}\n", ToString(*hand));
+  text += fmt::format("  arm   {}\n", fci::ToString(server.arm()));
+  if (const auto hand = server.hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
   text += flags_.allow ? fmt::format(
                              "  open to this machine and to {}: who is there can move the "
                              "robot, without a password\n",

@@ -1,6 +1,5 @@
 #include "twin/fci/arm_client.h"
 
-#include <array>
 #include <utility>
 #include <variant>
 
@@ -18,17 +17,6 @@ constexpr int kMostAtOnce = 64;
 /// Largest answer: GetCartesianLimit's. Model libraries are never asked for: this program has its
 /// own model, and runs no code that a robot serves.
 constexpr std::size_t kLargestAnswer = 166;
-
-/// In the order of a Setting's alternatives.
-constexpr std::array kSetters{ArmCommand::kSetJointImpedance,
-                              ArmCommand::kSetCartesianImpedance,
-                              ArmCommand::kSetCollisionBehavior,
-                              ArmCommand::kSetGuidingMode,
-                              ArmCommand::kSetEEToK,
-                              ArmCommand::kSetNEToEE,
-                              ArmCommand::kSetLoad,
-                              ArmCommand::kSetFilters};
-static_assert(kSetters.size() == std::variant_size_v<Setting>);
 
 std::string NameOf(const Endpoint& robot) {
   return fmt::format("the robot {}", ToString(robot));
@@ -58,7 +46,7 @@ ArmClient::~ArmClient() = default;
 
 void ArmClient::Negotiate() {
   const Connect request{kArmVersion, udp_->local().port};
-  const ArmAnswer answer = Ask(request, ArmCommand::kConnect, patience_.connect).answer;
+  const ArmAnswer answer = Ask(request, patience_.connect).answer;
   version_ = answer.version;
   if (answer.status == static_cast<std::uint8_t>(ConnectStatus::kSuccess)) return;
   if (answer.status != static_cast<std::uint8_t>(ConnectStatus::kIncompatibleLibraryVersion)) {
@@ -75,7 +63,8 @@ void ArmClient::Negotiate() {
                                      "not made"));
 }
 
-ArmClient::Asked ArmClient::Ask(const ArmRequest& request, ArmCommand command, Duration patience) {
+ArmClient::Asked ArmClient::Ask(const ArmRequest& request, Duration patience) {
+  const ArmCommand command = CommandOf(request);
   const std::string_view name = Name(command);
   Asked asked;
   asked.id = channel_->Send(name, [&](std::uint32_t id) { return EncodeRequest(id, request); });
@@ -98,16 +87,15 @@ ArmClient::Asked ArmClient::Ask(const ArmRequest& request, ArmCommand command, D
   return asked;
 }
 
-std::uint8_t ArmClient::AskForStatus(const ArmRequest& request, ArmCommand command,
-                                     std::uint8_t last) {
-  const std::uint8_t status = Ask(request, command, patience_.answer).answer.status;
+std::uint8_t ArmClient::AskForStatus(const ArmRequest& request, std::uint8_t last) {
+  const std::uint8_t status = Ask(request, patience_.answer).answer.status;
   if (status <= last) return status;
   throw RobotFault(fmt::format("{}: {} answers with status {}; the protocol knows 0 to {}",
-                               Name(command), NameOf(robot_), status, last));
+                               Name(CommandOf(request)), NameOf(robot_), status, last));
 }
 
 MoveStatus ArmClient::Move(const fci::Move& move) {
-  const Asked asked = Ask(move, ArmCommand::kMove, patience_.answer);
+  const Asked asked = Ask(move, patience_.answer);
   const auto status = static_cast<MoveStatus>(asked.answer.status);
   if (status != MoveStatus::kMotionStarted) {
     channel_->Forget(asked.id);
@@ -139,19 +127,17 @@ std::optional<MoveStatus> ArmClient::AwaitMotionEnd(Duration patience) noexcept 
 }
 
 StopStatus ArmClient::StopMove() {
-  return static_cast<StopStatus>(AskForStatus(fci::StopMove{}, ArmCommand::kStopMove,
-                                              static_cast<std::uint8_t>(StopStatus::kAborted)));
+  return static_cast<StopStatus>(
+      AskForStatus(fci::StopMove{}, static_cast<std::uint8_t>(StopStatus::kAborted)));
 }
 
 SetterStatus ArmClient::Configure(const Setting& setting) {
   return static_cast<SetterStatus>(
-      AskForStatus(setting, kSetters[setting.index()],
-                   static_cast<std::uint8_t>(SetterStatus::kInvalidArgumentRejected)));
+      AskForStatus(setting, static_cast<std::uint8_t>(SetterStatus::kInvalidArgumentRejected)));
 }
 
 SetterStatus ArmClient::CartesianLimitOf(std::int32_t id, CartesianLimit& limit) {
-  const ArmAnswer answer =
-      Ask(GetCartesianLimit{id}, ArmCommand::kGetCartesianLimit, patience_.answer).answer;
+  const ArmAnswer answer = Ask(GetCartesianLimit{id}, patience_.answer).answer;
   const auto status = static_cast<SetterStatus>(answer.status);
   if (status == SetterStatus::kSuccess) limit = answer.limit;
   return status;
@@ -159,8 +145,7 @@ SetterStatus ArmClient::CartesianLimitOf(std::int32_t id, CartesianLimit& limit)
 
 RecoveryStatus ArmClient::Recover() {
   return static_cast<RecoveryStatus>(
-      AskForStatus(AutomaticErrorRecovery{}, ArmCommand::kAutomaticErrorRecovery,
-                   static_cast<std::uint8_t>(RecoveryStatus::kAborted)));
+      AskForStatus(AutomaticErrorRecovery{}, static_cast<std::uint8_t>(RecoveryStatus::kAborted)));
 }
 
 Reception ArmClient::Receive(RobotState& state, Time& at) noexcept {

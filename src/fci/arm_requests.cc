@@ -24,7 +24,7 @@ Parsed Parse(const Frame& frame) {
 }
 
 /// The command that a message is the request of.
-struct CommandOf {
+struct Commander {
   ArmCommand operator()(const Connect&) { return ArmCommand::kConnect; }
   ArmCommand operator()(const Move&) { return ArmCommand::kMove; }
   ArmCommand operator()(const StopMove&) { return ArmCommand::kStopMove; }
@@ -45,11 +45,12 @@ struct CommandOf {
   ArmCommand operator()(const setting::EndEffectorFrame&) { return ArmCommand::kSetNEToEE; }
   ArmCommand operator()(const setting::Load&) { return ArmCommand::kSetLoad; }
   ArmCommand operator()(const setting::Filters&) { return ArmCommand::kSetFilters; }
+  ArmCommand operator()(const Setting& setting) { return std::visit(*this, setting); }
 };
 
 template <typename Message>
 std::vector<std::byte> EncodeMessage(std::uint32_t command_id, const Message& message) {
-  NewFrame frame(CommandOf()(message), command_id, wire::kPayload<Message>);
+  NewFrame frame(Commander()(message), command_id, wire::kPayload<Message>);
   wire::PutFields(frame.payload(), message);
   return std::move(frame).Release();
 }
@@ -80,6 +81,10 @@ Parsed ParseArmRequest(const Frame& frame) {
   }
   return BadFrame{fmt::format("command {} is none of the arm's, which are 0 to {}",
                               frame.head.command, kArmCommands - 1)};
+}
+
+ArmCommand CommandOf(const ArmRequest& request) noexcept {
+  return std::visit(Commander(), request);
 }
 
 std::vector<std::byte> EncodeRequest(std::uint32_t command_id, const ArmRequest& request) {

@@ -22,7 +22,7 @@ Parsed Parse(const Frame& frame) {
 }
 
 /// The command that a message is the request of.
-struct CommandOf {
+struct Commander {
   HandCommandId operator()(const Connect&) { return HandCommandId::kConnect; }
   HandCommandId operator()(const hand::Homing&) { return HandCommandId::kHoming; }
   HandCommandId operator()(const hand::Grasp&) { return HandCommandId::kGrasp; }
@@ -32,7 +32,7 @@ struct CommandOf {
 
 template <typename Message>
 std::vector<std::byte> EncodeMessage(std::uint32_t command_id, const Message& message) {
-  NewFrame frame(CommandOf()(message), command_id, wire::kPayload<Message>);
+  NewFrame frame(Commander()(message), command_id, wire::kPayload<Message>);
   wire::PutFields(frame.payload(), message);
   return std::move(frame).Release();
 }

@@ -28,12 +28,9 @@ constexpr std::size_t kLargestAnswer = std::size_t{4} << 20;
 using Ends = std::pair<record::PacketEnd, record::PacketEnd>;
 
 std::string HeadOf(const record::Packet& packet) {
-  const auto text = [](const record::PacketEnd& end) {
-    return ToString(Endpoint{.address = end.address, .port = end.port});
-  };
   const auto ns = packet.at.time_since_epoch().count();
   return fmt::format("{}.{:09} s  {} > {}  ", ns / 1'000'000'000, ns % 1'000'000'000,
-                     text(packet.from), text(packet.to));
+                     ToString(packet.from), ToString(packet.to));
 }
 
 std::string SummaryOf(const RobotState& state) {

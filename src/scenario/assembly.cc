@@ -13,6 +13,7 @@
 #include "scenario/plan.h"
 #include "scenario/start_check.h"
 #include "twin/core/error.h"
+#include "twin/core/half_norm.h"
 #include "twin/loop/lockstep_drive.h"
 #include "twin/loop/realtime_drive.h"
 #include "twin/loop/state_time_drive.h"
@@ -34,10 +35,6 @@ double LargestDistance(const JointVector& a, const JointVector& b) {
   return largest;
 }
 
-double Norm(const double* v) {
-  return std::hypot(v[0], v[1], v[2]);
-}
-
 /// @param onboard  says where the end effector is.
 PoseError PoseErrorOf(const JointVector& q, const JointVector& goal,
                       const onboard::IntConfig& onboard) {
@@ -46,7 +43,7 @@ PoseError PoseErrorOf(const JointVector& q, const JointVector& goal,
     return model::ArmModel::Panda().Pose(model::Frame::kEndEffector, at, F_T_EE);
   };
   const Vector6 way = model::Displacement(pose(q), pose(goal));
-  return {.distance = Norm(way.data()), .angle = Norm(way.data() + 3)};
+  return {.distance = HalfNorm(way, 0), .angle = HalfNorm(way, 3)};
 }
 
 /// What stands behind a motion: the connected backend on its drive's time.

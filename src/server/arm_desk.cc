@@ -52,7 +52,7 @@ std::optional<std::string> ArmDesk::OnFrame(const fci::Frame& frame) {
   if (!connected_ && session_->udp_port()) {
     connected_ = true;
     port_.Open({client_.address, *session_->udp_port()});
-    tell_(fmt::format("arm: {} connected; states go to its UDP port {}", ToString(client_),
+    tell_(fmt::format("arm: {} connected; states go to its UDP port {}", fci::ToString(client_),
                       *session_->udp_port()));
   }
   return why;

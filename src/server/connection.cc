@@ -66,8 +66,8 @@ void Connection::Keep(const fci::Endpoint& from, const fci::Endpoint& to,
   if (tap_.capture == nullptr) return;
   tap_.capture->Put({.at = tap_.clock->Now(),
                      .transport = record::Transport::kTcp,
-                     .from = {from.address, from.port},
-                     .to = {to.address, to.port},
+                     .from = from,
+                     .to = to,
                      .bytes = bytes});
 }
 

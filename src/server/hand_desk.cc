@@ -28,7 +28,7 @@ std::optional<std::string> HandDesk::OnFrame(const fci::Frame& frame) {
   auto why = session_->OnFrame(frame);
   if (!connected_ && session_->udp_port()) {
     connected_ = true;
-    tell_(fmt::format("hand: {} connected; states go to its UDP port {}", ToString(client_),
+    tell_(fmt::format("hand: {} connected; states go to its UDP port {}", fci::ToString(client_),
                       *session_->udp_port()));
   }
   return why;
@@ -57,8 +57,8 @@ void HandDesk::SendState() {
   if (capture_ == nullptr) return;
   capture_->Put({.at = clock_.Now(),
                  .transport = record::Transport::kUdp,
-                 .from = {socket_.local().address, socket_.local().port},
-                 .to = {to.address, to.port},
+                 .from = socket_.local(),
+                 .to = to,
                  .bytes = outgoing_});
 }
 

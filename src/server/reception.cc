@@ -18,16 +18,13 @@ constexpr int kMostRequests = 64;
 constexpr Duration kOrdinaryPatience = std::chrono::milliseconds(100);
 constexpr Duration kImpatience = std::chrono::milliseconds(5);
 
-constexpr std::uint32_t kLoopback = 0x7f000000;
-constexpr std::uint32_t kLoopbackMask = 0xff000000;
-
 }  // namespace
 
 Reception::Reception(const Settings& settings, Desk& desk, const TellPeople& tell)
     : settings_(settings), listener_(settings.local), desk_(desk), tell_(tell) {}
 
 void Reception::Tell(const fci::Endpoint& whom, std::string_view what) const {
-  tell_(fmt::format("{}: {} {}", settings_.name, ToString(whom), what));
+  tell_(fmt::format("{}: {} {}", settings_.name, fci::ToString(whom), what));
 }
 
 void Reception::AddTo(std::vector<pollfd>& waited) const {
@@ -73,7 +70,7 @@ void Reception::Accept(Time now) {
 }
 
 bool Reception::Admits(const fci::Endpoint& peer) const noexcept {
-  if ((peer.address & kLoopbackMask) == kLoopback) return true;
+  if (fci::IsLoopback(peer.address)) return true;
   return settings_.allow && settings_.allow->Contains(peer.address);
 }
 

@@ -84,11 +84,8 @@ void UdpPort::Deliver(const RobotState& state) noexcept {
 void UdpPort::Keep(Time at, const fci::Endpoint& from, const fci::Endpoint& to,
                    std::span<const std::byte> bytes) noexcept {
   if (capture_ == nullptr) return;
-  capture_->PutRealtime({.at = at,
-                         .transport = record::Transport::kUdp,
-                         .from = {from.address, from.port},
-                         .to = {to.address, to.port},
-                         .bytes = bytes});
+  capture_->PutRealtime(
+      {.at = at, .transport = record::Transport::kUdp, .from = from, .to = to, .bytes = bytes});
 }
 
 }  // namespace twin::server

@@ -20,10 +20,6 @@ constexpr std::array<std::string_view, kMischiefs> kNames{
     "oblique frame", "elbow sign", "elbow switch", "finish",   "loss", "double",   "torque step",
     "stop",          "recover",    "start again",  "set",      "panel"};
 
-bool IsCartesian(const MotionModes& modes) {
-  return modes.generator >= MotionGeneratorMode::kCartesianPosition;
-}
-
 Vector3 DrawAxis(Dice& dice, double length) {
   Vector3 v{dice.Between(-1, 1), dice.Between(-1, 1), dice.Between(-1, 1)};
   const double scale = length / std::max(Norm(v), 1e-3);
@@ -136,7 +132,7 @@ Disturbance DrawDisturbance(Dice& dice, const StreamPlan& plan) {
   // What ends nearly every stream it is in is drawn less often.
   d.mischief =
       dice.Chance(0.4) ? Mischief::kEdge : static_cast<Mischief>(dice.Whole(1, kMischiefs - 1));
-  d.axis = static_cast<std::size_t>(dice.Whole(0, IsCartesian(plan.modes) ? 2 : 6));
+  d.axis = static_cast<std::size_t>(dice.Whole(0, IsCartesian(plan.modes.generator) ? 2 : 6));
   d.edge = static_cast<Edge>(dice.Whole(0, 3));
   switch (d.mischief) {
     case Mischief::kEdge: d.size = dice.NearlyOne(); break;
@@ -200,7 +196,7 @@ StreamPlan DrawPlan(std::uint64_t seed) {
   plan.robot.q_start = DrawPose(dice, plan.robot.onboard.limits);
   if (dice.Chance(0.3)) plan.robot.onboard.F_T_NE = DrawFrame(dice);
   DrawLimits(dice, plan);
-  const double most = IsCartesian(plan.modes) && dice.Chance(0.9) ? 0.15 : 1;
+  const double most = IsCartesian(plan.modes.generator) && dice.Chance(0.9) ? 0.15 : 1;
   plan.vigour = dice.Chance(0.1) ? 1 : dice.Between(0.02, most);
   plan.idle_cycles = dice.Whole(0, 2);
   plan.waiting_cycles = dice.Chance(0.01) ? dice.Whole(995, 1005) : dice.Whole(0, 4);
@@ -262,8 +258,8 @@ std::string Describe(const StreamPlan& plan) {
   std::string text =
       fmt::format("stream {}: {} with {}{}, vigour {:.3g}, {} cycles, from q = [{:.6g}]\n",
                   plan.seed, twin::Name(plan.modes.generator), twin::Name(plan.modes.controller),
-                  plan.with_elbow && IsCartesian(plan.modes) ? " and elbow" : "", plan.vigour,
-                  plan.cycles, fmt::join(plan.robot.q_start, ", "));
+                  plan.with_elbow && IsCartesian(plan.modes.generator) ? " and elbow" : "",
+                  plan.vigour, plan.cycles, fmt::join(plan.robot.q_start, ", "));
   text += fmt::format(
       "  idle {}, waiting {}, answers idle {}, start offset {:.9g} in {}, then {}\n",
       plan.idle_cycles, plan.waiting_cycles, plan.answers_idle, plan.start_offset, plan.start_axis,

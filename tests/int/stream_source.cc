@@ -33,10 +33,6 @@ std::array<double, N> Unfiltered(std::array<double, N> value, const std::array<d
   return value;
 }
 
-bool IsCartesian(const MotionModes& modes) {
-  return modes.generator >= MotionGeneratorMode::kCartesianPosition;
-}
-
 }  // namespace
 
 template <std::size_t N>
@@ -210,7 +206,7 @@ RobotCommand StreamSource::Next(const RobotState& state, bool settles) {
   if (cycles_to_draw_-- <= 0) DrawTargets();
   RobotCommand command;
   command.message_id = state.message_id;
-  if (IsCartesian(modes_)) {
+  if (IsCartesian(modes_.generator)) {
     FillCartesian(state, settles, command);
   } else {
     FillJoints(state, settles, command);
@@ -226,7 +222,7 @@ bool StreamSource::MayFinish(const RobotState& s) const {
     worst = std::max(worst, stop / joints_.ddq_max[i]);
     worst = std::max(worst, (stop + std::abs(s.ddq_d[i])) / kT / joints_.dddq_max[i]);
   }
-  if (!IsCartesian(modes_)) return worst < 0.5;
+  if (!IsCartesian(modes_.generator)) return worst < 0.5;
   const auto examine = [&](double v, double a, const CartesianBound& bound) {
     worst = std::max(worst, v / kT / bound.ddp_max);
     worst = std::max(worst, (v / kT + a) / kT / bound.dddp_max);

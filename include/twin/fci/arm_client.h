@@ -101,9 +101,8 @@ class ArmClient {
   struct Asked;
 
   void Negotiate();
-  [[nodiscard]] Asked Ask(const ArmRequest& request, ArmCommand command, Duration patience);
-  [[nodiscard]] std::uint8_t AskForStatus(const ArmRequest& request, ArmCommand command,
-                                          std::uint8_t last);
+  [[nodiscard]] Asked Ask(const ArmRequest& request, Duration patience);
+  [[nodiscard]] std::uint8_t AskForStatus(const ArmRequest& request, std::uint8_t last);
   [[nodiscard]] bool Accept(const Datagram& datagram) noexcept;
   [[nodiscard]] Reception FoundNone() noexcept;
 

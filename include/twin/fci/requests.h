@@ -93,6 +93,9 @@ struct BadFrame {
 [[nodiscard]] std::variant<ArmRequest, BadFrame> ParseArmRequest(const Frame& frame);
 [[nodiscard]] std::variant<HandRequest, BadFrame> ParseHandRequest(const Frame& frame);
 
+/// The command a request is sent as.
+[[nodiscard]] ArmCommand CommandOf(const ArmRequest& request) noexcept;
+
 /// The whole frame. A Move with kOther or kIdle gets a number that no mode has.
 [[nodiscard]] std::vector<std::byte> EncodeRequest(std::uint32_t command_id,
                                                    const ArmRequest& request);

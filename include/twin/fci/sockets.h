@@ -9,6 +9,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
+#include "twin/record/packet.h"
 #include "twin/rt/arrival.h"
 
 // IPv4 sockets, as far as the Franka Control Interface needs them: nothing here blocks unless it
@@ -33,11 +34,12 @@ class FileDescriptor {
 };
 
 /// IPv4 address and port.
-struct Endpoint {
-  std::uint32_t address = 0;  ///< host byte order
-  std::uint16_t port = 0;
-  bool operator==(const Endpoint&) const = default;
-};
+using Endpoint = record::PacketEnd;
+
+/// Whether the address is one of this machine's own, 127.0.0.0/8.
+[[nodiscard]] constexpr bool IsLoopback(std::uint32_t address) noexcept {
+  return address >> 24 == 127;
+}
 
 /// "127.0.0.1:1337".
 [[nodiscard]] std::string ToString(const Endpoint& endpoint);

@@ -31,10 +31,9 @@ struct DroppedDatagrams {
 /// The workstation beyond the network: states and commands as datagrams, over one socket, since
 /// clients answer to where states come from. Source: FCI protocol 5, transport.
 ///
-///     the network's thread:  Open(client) ... Close()        the bell: the robot's mode has
-///     changed the robot's thread:    Deliver(state) -> socket        socket -> Receive(), at most
-///     64 looked
-///                                                            at in one go, whatever they are
+///     network's thread:  Open(client) ... Close()
+///     robot's thread:    Deliver(state) --> socket, and the bell when the mode has changed
+///                        Receive() <------- socket, 64 datagrams at most in one go
 ///
 /// Between sessions no state leaves and nothing that comes is taken.
 ///
