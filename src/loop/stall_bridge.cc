@@ -23,6 +23,9 @@ constexpr std::uint64_t kLapse = 2;
 /// Cycles that one step takes a difference on by, at most: the tick is bounded.
 constexpr std::uint64_t kLongestStep = 64;
 
+/// Commands it goes on for after a lapse, at most: half a second.
+constexpr std::uint64_t kLongestGoingOn = 512;
+
 /// A difference this small is gone: as a velocity it makes a jerk of 1e-4 rad/s^3.
 constexpr double kGone = 1e-10;
 
@@ -71,9 +74,10 @@ void StallBridge::Reset() noexcept {
 
 bool StallBridge::settled() const noexcept {
   constexpr double kSettled = 1e-4;
-  return going_on_ == 0 && std::ranges::all_of(difference_, [](const Difference& e) {
-           return std::abs(e.x) <= kSettled;
-         });
+  constexpr double kSettledRate = 0.1;
+  return std::ranges::all_of(difference_, [](const Difference& e) {
+    return std::abs(e.x) <= kSettled && std::abs(e.rate) <= kSettledRate;
+  });
 }
 
 bool StallBridge::IsLate(std::uint64_t cycles, Time source_time) const noexcept {
@@ -94,7 +98,9 @@ void StallBridge::Observe(bool fresh, std::uint64_t cycles, Time source_time,
   // A late deposit's velocity is the mean over its delay, the next one's is the present one; behind
   // a rate matcher both take a window to come through.
   if (late || unserved >= kLapse || stalled() != was_stalled) {
-    going_on_ = 2 * period_cycles_ + 3;
+    const std::uint64_t once = 2 * period_cycles_ + 3;
+    going_for_ = active_ ? std::max(once, std::min(2 * going_for_, kLongestGoingOn)) : once;
+    going_on_ = going_for_;
     active_ = true;
   }
 }
@@ -110,15 +116,23 @@ void StallBridge::CarryValues(Values& demand, const Values& last, const Values& 
   for (std::size_t i = 0; i < kJoints; ++i) {
     Difference& e = difference_[i];
     if (goes_on) {
-      const double x = demand[i] - (last[i] + kT * rate[i]);
+      const double bend = omega_ * omega_ * (demand[i] - last[i]) - 2 * omega_ * rate[i];
+      const double x = demand[i] - (last[i] + kT * (rate[i] + kT * bend));
       if (is_first) first_[i] = x;
       const bool has_rise = going_on_ + 1 < period_cycles_ + 3;
-      e = {x, has_rise ? (x - first_[i]) / (kT * static_cast<double>(since_first_)) : 0};
+      e = {x, has_rise ? (x - first_[i]) / (kT * static_cast<double>(since_first_)) : -rate[i]};
     } else {
       for (std::uint64_t k = 0; k < cycles_; ++k) e.Step(omega_, decay_);
     }
     demand[i] -= e.x;
     active_ = active_ || !e.gone();
+  }
+}
+
+void StallBridge::CarryTorques(const JointVector& last, JointVector& demand) noexcept {
+  CarryValues(demand, last, torque_rate_);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    torque_rate_[i] = active_ ? (demand[i] - last[i]) / kT : 0;
   }
 }
 
@@ -134,7 +148,7 @@ void StallBridge::Carry(const RobotState& state, RobotCommand& command) noexcept
     case CommandInterface::kJointVelocity:
       CarryValues(command.dq_c, state.dq_d, state.ddq_d);
       break;
-    case CommandInterface::kTorque: CarryValues(command.tau_J_d, state.tau_J_d, {}); break;
+    case CommandInterface::kTorque: CarryTorques(state.tau_J_d, command.tau_J_d); break;
     case CommandInterface::kCartesianPose: {
       Values twist = TwistBetween(state.O_T_EE_c, command.O_T_EE_c);
       CarryValues(twist, Widened(state.O_dP_EE_c), Widened(state.O_ddP_EE_c));

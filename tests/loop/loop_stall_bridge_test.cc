@@ -92,12 +92,13 @@ Target Accelerating(double t) {
   return target;
 }
 
-/// A source at 1 kHz in front of the chain, with one lapse.
+/// A source at 1 kHz in front of the chain, with one lapse or with many.
 struct Course {
   Source source = AtSpeed(1);
   CommandInterface interface = CommandInterface::kJointPosition;
   int cycles = 6000;
   int lapse_begin = 1000;  ///< cycle
+  int every = 0;           ///< cycles after which another lapse begins; 0: it is the only one
   int stalled = 0;         ///< cycles from there without a deposit
   int missed = 0;          ///< cycles from there in which the robot gets no command
   double leap = 0;         ///< s by which the robot's time falls behind the source's, there
@@ -114,14 +115,15 @@ struct Course {
     bool fresh = false;
     for (int k = 1; k <= cycles; ++k) {
       const bool lapsed = k >= lapse_begin;
+      const int since = every > 0 ? (k - lapse_begin) % every : k - lapse_begin;
       const double t = k * kT + (lapsed ? leap : 0);
-      if (!lapsed || k >= lapse_begin + stalled) {
+      if (!lapsed || since >= stalled) {
         target = source(t);
         source_time = Time(FromSeconds(t));
         fresh = true;
       }
       ++waiting;
-      if (lapsed && k < lapse_begin + missed) {
+      if (lapsed && since < missed) {
         robot.Miss();
         continue;
       }
@@ -272,6 +274,38 @@ TEST(StallBridgeTest, AMotionIsNotFinishedWhileADifferenceIsLeft) {
   EXPECT_FALSE(chain.Arrived(robot.state));
 }
 
+TEST(StallBridgeTest, LapsesWithoutEndDoNotLetTheReferenceRunAway) {
+  // A lapse every few cycles, sooner and later than the bridge would be done with one.
+  for (const CommandInterface interface :
+       {CommandInterface::kJointPosition, CommandInterface::kJointVelocity,
+        CommandInterface::kTorque}) {
+    SCOPED_TRACE(static_cast<int>(interface));
+    const auto sine = [](double t) {
+      Target target;
+      target.joint.q.fill(0.1 * (1 - std::cos(t)));
+      target.joint.dq.fill(0.1 * std::sin(t));
+      target.tau_J_d.fill(0.1 * std::sin(t));
+      return target;
+    };
+    for (const int every : {5, 7, 9, 30, 300}) {
+      SCOPED_TRACE(every);
+      const Reference robot = Course{.source = sine,
+                                     .interface = interface,
+                                     .cycles = 12'566,
+                                     .every = every,
+                                     .stalled = 4}
+                                  .Run();
+      ExpectWithinLimits(robot);
+      EXPECT_LT(robot.torque_rate, 1000);
+      EXPECT_NEAR(robot.state.tau_J_d[0], 0, 0.02);
+      EXPECT_NEAR(robot.state.dq_d[0], 0, 0.05);
+      if (interface == CommandInterface::kJointPosition) {
+        EXPECT_NEAR(robot.state.q_d[0], 0, 0.05);
+      }
+    }
+  }
+}
+
 TEST(StallBridgeTest, WithoutItsDetectionTheSameLapseBreaksThem) {
   // The same chain with a source that claims to be in time.
   Course course{.source = &Accelerating, .cycles = 400, .lapse_begin = 150, .leap = 0.02};
@@ -362,8 +396,9 @@ TEST(StallBridgeTest, ALatePoseGoesOnFromTheRobotsOwn) {
                       0,
                       1};
   bridge.Carry(state, command);
-  EXPECT_NEAR(command.O_T_EE_c[12], 0.2e-3, 1e-12);
-  EXPECT_NEAR(command.O_T_EE_c[1], std::sin(0.5e-3), 1e-12);
+  // Of what is missing, 0.8 m/s and 9.5 rad/s, w^2 as jerk.
+  EXPECT_NEAR(command.O_T_EE_c[12], 0.2e-3 + 36 * 0.8e-9, 1e-12);
+  EXPECT_NEAR(command.O_T_EE_c[1], std::sin(0.5e-3 + 36 * 9.5e-9), 1e-12);
 }
 
 TEST(StallBridgeTest, AllocatesNothing) {

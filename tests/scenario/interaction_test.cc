@@ -140,8 +140,9 @@ TEST_F(InteractionTest, PosesLeadTheHandToTheGoal) {
   for (std::size_t i = 0; i < goal.size(); ++i) EXPECT_NEAR(last.O_T_EE_d[i], goal[i], 2e-4) << i;
   for (std::size_t i = 12; i < 15; ++i) EXPECT_NEAR(last.O_T_EE[i], goal[i], 2e-3) << i;
   ASSERT_TRUE(result.final_pose_error);
-  EXPECT_NEAR(result.final_pose_error->distance, Distance(last.O_T_EE, goal), 1e-6);
-  EXPECT_NEAR(result.final_pose_error->angle, Turn(last.O_T_EE, goal), 1e-6);
+  // The last state is a cycle younger, and the soft arm still settles, at some mrad/s.
+  EXPECT_NEAR(result.final_pose_error->distance, Distance(last.O_T_EE, goal), 1e-5);
+  EXPECT_NEAR(result.final_pose_error->angle, Turn(last.O_T_EE, goal), 1e-5);
   EXPECT_EQ(states_.At(2s).motion_generator_mode, MotionGeneratorMode::kCartesianPosition);
   EXPECT_EQ(states_.At(2s).controller_mode, ControllerMode::kCartesianImpedance);
 }
