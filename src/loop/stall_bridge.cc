@@ -23,8 +23,21 @@ constexpr std::uint64_t kLapse = 2;
 /// Cycles that one step takes a difference on by, at most: the tick is bounded.
 constexpr std::uint64_t kLongestStep = 64;
 
+/// The drawn motion: its fastest, 1/s, and what of a difference, as speed and w, keeps the
+/// acceleration gentle, 1/s^2.
+constexpr double kLargestOmega = 20;
+constexpr double kGentle = 8;
+
+/// The demand's own acceleration is that over this time, s, and at most that, 1/s^2: a jump is no
+/// acceleration. More, or faster, makes the drawn motion swing behind a source that lapses often.
+constexpr double kSlow = 0.05;
+constexpr double kLargestFeed = 1;
+
 /// Commands it goes on for after a lapse, at most: half a second.
 constexpr std::uint64_t kLongestGoingOn = 512;
+
+/// Commands without a lapse, after those, that make the next one a new lapse.
+constexpr std::uint64_t kRecovered = 48;
 
 /// A difference this small is gone: as a velocity it makes a jerk of 1e-4 rad/s^3.
 constexpr double kGone = 1e-10;
@@ -97,12 +110,26 @@ void StallBridge::Observe(bool fresh, std::uint64_t cycles, Time source_time,
   cycles_ = std::min(cycles, kLongestStep);
   // A late deposit's velocity is the mean over its delay, the next one's is the present one; behind
   // a rate matcher both take a window to come through.
+  const std::uint64_t since = since_lapse_ + cycles;
+  since_lapse_ = std::min(since, kLongestGoingOn + kRecovered);
   if (late || unserved >= kLapse || stalled() != was_stalled) {
     const std::uint64_t once = 2 * period_cycles_ + 3;
-    going_for_ = active_ ? std::max(once, std::min(2 * going_for_, kLongestGoingOn)) : once;
+    const bool recurs = active_ && since < going_for_ + kRecovered;
+    going_for_ = recurs ? std::max(once, std::min(2 * going_for_, kLongestGoingOn)) : once;
     going_on_ = going_for_;
     active_ = true;
+    since_lapse_ = 0;
   }
+}
+
+double StallBridge::Drawn(std::size_t i, double demand, double last, double rate) const noexcept {
+  const double missing = demand - last;
+  const bool motion = interface_ != CommandInterface::kTorque;
+  const double feed =
+      motion ? std::clamp((demand - slow_[i]) / kSlow, -kLargestFeed, kLargestFeed) : 0;
+  const double omega =
+      motion ? std::clamp(kGentle / std::abs(missing), kOmega, kLargestOmega) : omega_;
+  return last + kT * (rate + kT * omega * (omega * missing + 2 * (feed - rate)));
 }
 
 void StallBridge::CarryValues(Values& demand, const Values& last, const Values& rate) noexcept {
@@ -114,10 +141,11 @@ void StallBridge::CarryValues(Values& demand, const Values& last, const Values& 
   going_on_ -= goes_on ? 1 : 0;
   active_ = goes_on;
   for (std::size_t i = 0; i < kJoints; ++i) {
+    if (!carrying_) slow_[i] = demand[i] - kSlow * rate[i];
+    slow_[i] += std::min(static_cast<double>(cycles_) * kT / kSlow, 1.0) * (demand[i] - slow_[i]);
     Difference& e = difference_[i];
     if (goes_on) {
-      const double bend = omega_ * omega_ * (demand[i] - last[i]) - 2 * omega_ * rate[i];
-      const double x = demand[i] - (last[i] + kT * (rate[i] + kT * bend));
+      const double x = demand[i] - Drawn(i, demand[i], last[i], rate[i]);
       if (is_first) first_[i] = x;
       const bool has_rise = going_on_ + 1 < period_cycles_ + 3;
       e = {x, has_rise ? (x - first_[i]) / (kT * static_cast<double>(since_first_)) : -rate[i]};
@@ -127,6 +155,7 @@ void StallBridge::CarryValues(Values& demand, const Values& last, const Values& 
     demand[i] -= e.x;
     active_ = active_ || !e.gone();
   }
+  carrying_ = active_;
 }
 
 void StallBridge::CarryTorques(const JointVector& last, JointVector& demand) noexcept {

@@ -287,7 +287,7 @@ TEST(StallBridgeTest, LapsesWithoutEndDoNotLetTheReferenceRunAway) {
       target.tau_J_d.fill(0.1 * std::sin(t));
       return target;
     };
-    for (const int every : {5, 7, 9, 30, 300}) {
+    for (const int every : {5, 7, 9, 15, 30, 60, 100, 300}) {
       SCOPED_TRACE(every);
       const Reference robot = Course{.source = sine,
                                      .interface = interface,
@@ -396,8 +396,8 @@ TEST(StallBridgeTest, ALatePoseGoesOnFromTheRobotsOwn) {
                       0,
                       1};
   bridge.Carry(state, command);
-  // Of what is missing, 0.8 m/s and 9.5 rad/s, w^2 as jerk.
-  EXPECT_NEAR(command.O_T_EE_c[12], 0.2e-3 + 36 * 0.8e-9, 1e-12);
+  // Of what is missing, 0.8 m/s and 9.5 rad/s, w^2 as jerk: w = 8 / 0.8 and 6 1/s.
+  EXPECT_NEAR(command.O_T_EE_c[12], 0.2e-3 + 100 * 0.8e-9, 1e-12);
   EXPECT_NEAR(command.O_T_EE_c[1], std::sin(0.5e-3 + 36 * 9.5e-9), 1e-12);
 }
 

@@ -25,14 +25,16 @@ namespace twin::loop {
 /// And when the robot took none of two or more commands in a row, its reference has gone its own
 /// way. In all these cases what the chain demands would jump. Instead, for 2 N + 3 commands it
 /// goes on from what the robot's reference does, v, at its own acceleration a, drawn to the demand
-///   v'' = w^2 (demand - v) - 2 w a,
-/// and the difference e to the demand is then taken away by a critically damped motion:
+///   v'' = u^2 (demand - v) + 2 u (f - a),  u = 8 / |demand - v| within 6 and 20 1/s,
+/// f the demand's own acceleration over 50 ms, at most 1 rad/s^2 (torques: u = 30 1/s, f = 0); and
+/// the difference e to the demand is then taken away by a critically damped motion:
 ///   v = demand - e,  e'' + 2 w e' + w^2 e = 0,  w = 6 1/s  (torques: 30 1/s),
 /// which costs at most 0.37 w e of acceleration and w^2 e of jerk: 4.8 rad/s^2 for a joint's 2.175
 /// rad/s. What e rises by is taken from a few commands, and is wrong when another lapse is near; so
-/// a lapse while one is being carried makes it go on for twice as many commands as the last, at
+/// a lapse within 48 cycles of the last one's end makes it go on for twice as many commands, at
 /// most 512: behind a source that lapses for ever the drawn motion, which is stable, is all there
-/// is. A source in time is untouched, to the bit. The paper says that a stalled stream decays
+/// is. It lags: with 3 % of deposits up to 12 ms late the canonical trajectory is followed within
+/// 0.09 rad. A source in time is untouched, to the bit. The paper says that a stalled stream decays
 /// gracefully; how is our decision.
 ///
 /// Threads: one. Real-time: noexcept, allocates nothing; O(cycles), at most 64.
@@ -78,6 +80,8 @@ class StallBridge {
   };
 
   [[nodiscard]] bool IsLate(std::uint64_t cycles, Time source_time) const noexcept;
+  /// @returns the value of axis `i` in the next cycle of the drawn motion.
+  [[nodiscard]] double Drawn(std::size_t i, double demand, double last, double rate) const noexcept;
   /// @param last, rate  what the robot's reference does, and how that changes.
   void CarryValues(Values& demand, const Values& last, const Values& rate) noexcept;
   void CarryTorques(const JointVector& last, JointVector& demand) noexcept;
@@ -91,10 +95,13 @@ class StallBridge {
   std::uint64_t cycles_ = 1;         ///< of the last Observe()
   std::uint64_t going_on_ = 0;       ///< commands for which the reference goes on
   std::uint64_t going_for_ = 0;      ///< what going_on_ began with
+  std::uint64_t since_lapse_ = 0;    ///< cycles, of which many are all the same
   std::optional<Time> source_time_;  ///< of the last fresh deposit
   std::uint64_t since_first_ = 0;    ///< cycles since first_ was taken
   Values first_{};  ///< difference at the first of the commands its rise is taken over
   bool active_ = false;
+  bool carrying_ = false;  ///< active_ at the end of the last Carry()
+  Values slow_{};          ///< demand, low-passed
   std::array<Difference, kJoints> difference_{};
   Values torque_rate_{};  ///< of the commands so far, Nm/s: a state has none
 };
