@@ -1,6 +1,5 @@
 #include "int/completion_oracle.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Core>
@@ -61,11 +60,12 @@ JointVector Complete(const JointVector& q_d, const Transform& F_T_EE, const Tran
   return q;
 }
 
-double CompletionNoise(const JointVector& ddq) {
-  double change = 0;
-  for (const double a : ddq) change = std::max(change, std::abs(a));
-  change *= kCycleSeconds * kCycleSeconds;
-  return 2e-9 + change * change;
+double CompletionNoise(const JointMotion& step) {
+  using Eigen::Map;
+  constexpr double kT = kCycleSeconds;
+  const double way = kT * Map<const Vector7>(step.dq.data()).norm();
+  const double beside = kT * kT * Map<const Vector7>(step.ddq.data()).norm();
+  return 2e-9 + way * beside;
 }
 
 }  // namespace twin::test

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "int/step_oracle.h"
 #include "twin/core/joint_vector.h"
 
 // Kinematic completion, once more: joint positions from a commanded pose, away from singularities,
@@ -21,8 +22,10 @@ namespace twin::test {
 [[nodiscard]] JointVector Complete(const JointVector& q_d, const Transform& F_T_EE,
                                    const Transform& pose, const std::optional<double>& elbow);
 
-/// How far Complete() and INT's own completion, which is linearised, may be apart in a cycle, rad:
-/// of second order in the change of the step, ddq T^2.
-[[nodiscard]] double CompletionNoise(const JointVector& ddq);
+/// How far Complete() and INT's own completion may be apart after one cycle, rad. Both reach the
+/// pose; of the joint motions that do, INT takes the smallest by the Jacobian where the arm would
+/// be without acceleration, |ddq| T^2 beside the one that counts here. Where the arm is regular
+/// that turns a step of |dq| T by no more than its product with the step.
+[[nodiscard]] double CompletionNoise(const JointMotion& step);
 
 }  // namespace twin::test

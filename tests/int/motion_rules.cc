@@ -157,7 +157,7 @@ Verdict StateChecker::JudgeCartesianStep(bool in_detail) const {
   const bool known = in_detail && !verdict.must_abort() && !IsLagging() &&
                      IsRegular(last_.q_d, !cartesian_step_.has_elbow);
   const auto completion = [&](const JointMotion& step) {
-    const double noise = CompletionNoise(step.ddq) + 10 * cartesian_step_.oblique;
+    const double noise = CompletionNoise(step) + 10 * cartesian_step_.oblique;
     return known ? JudgeCompletion(step, robot_.limits.joints, noise) : AnyCompletionError();
   };
   if (known) joints = Completed();
@@ -305,7 +305,7 @@ void StateChecker::CheckCompletion(const RobotState& s) {
     Note(fmt::format("the arm is {:.3g} m and rad off the commanded pose", off));
   if (s.message_id % 16 != 0) return;
   const JointMotion expected = Completed();
-  const double noise = CompletionNoise(expected.ddq) + 10 * cartesian_step_.oblique;
+  const double noise = CompletionNoise(expected) + 10 * cartesian_step_.oblique;
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (std::abs(s.q_d[i] - expected.q[i]) <= noise) continue;
     Note(fmt::format("q_d[{}] is {:.17g}, inverse kinematics gives {:.17g}", i, s.q_d[i],
