@@ -109,7 +109,8 @@ void LockstepRobot::Stop() noexcept {
 void LockstepRobot::TakeCommands() noexcept {
   while (port().Receive(received_)) {
     RobotCommand& command = received_.command;
-    if (command.message_id != shown_.message_id) continue;
+    // One that comes a second time would count, or not, as the wall clock has it.
+    if (command.message_id != shown_.message_id || answered_) continue;
     command.message_id = shown_cycle_;
     robot().Send(command);
     answered_ = true;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -51,9 +52,11 @@ class Wire final : public WorkstationPort, public rt::Arrival {
   }
 
   // The workstation's end.
-  void Answer(const RobotCommand& command) {
+  void Answer(const RobotCommand& command) { Answer({command}); }
+  /// All at once.
+  void Answer(std::initializer_list<RobotCommand> commands) {
     const std::scoped_lock lock(mutex_);
-    commands_.push_back(command);
+    commands_.insert(commands_.end(), commands);
     changed_.notify_all();
   }
   /// The next state, in order. Waits for it.
@@ -213,6 +216,22 @@ TEST_F(LockstepRobotTest, AnAnswerToAnotherStateIsNone) {
   EXPECT_EQ(wire_->Next().message_id, state.message_id);
   answer(state.message_id);
   EXPECT_EQ(After(state.message_id).message_id, state.message_id + 1);
+}
+
+TEST_F(LockstepRobotTest, OnlyTheFirstAnswerToAStateCounts) {
+  Make(Ideal(), kFreeze);
+  RobotState state = Newest(Start());
+  RobotCommand command;
+  command.q_c = state.q_d;
+  for (int i = 0; i < 100; ++i) {
+    command.message_id = state.message_id;
+    RobotCommand far = command;
+    far.q_c[0] += 1;
+    wire_->Answer({command, far});
+    state = After(state.message_id);
+    ASSERT_EQ(state.robot_mode, RobotMode::kMove) << FormatErrors(state.reflex_reason);
+  }
+  EXPECT_EQ(state.q_d, command.q_c);
 }
 
 TEST_F(LockstepRobotTest, AMotionThatIsNotAnsweredIsStopped) {

@@ -30,9 +30,10 @@ struct LockstepOptions {
 ///
 /// Nothing of the wall clock enters a motion from its first command on: a command counts as having
 /// come at the instant of the state it answers, whatever it took; what answers another state than
-/// the last one is ignored. A motion that waits for longer than answer_timeout is stopped. A state
-/// that is not answered is sent again every 100 ms, for the case that it was lost. What the
-/// configured link delays or loses happens on the virtual clock; a state it lost is not waited for.
+/// the last one, or one that has been answered, is ignored. A motion that waits for longer than
+/// answer_timeout is stopped. A state that is not answered is sent again every 100 ms, for the case
+/// that it was lost. What the configured link delays or loses happens on the virtual clock; a state
+/// it lost is not waited for.
 ///
 /// freeze_when_idle: while nothing is under way, the last state is sent again each ms with
 /// message_id + 1, and nothing else happens: no cycle, no step of the plant, no random number; so
