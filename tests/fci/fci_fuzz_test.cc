@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 #include "fci/byte_packer.h"
 #include "fci/random_messages.h"
-#include "twin/core/random.h"
+#include "fuzz/mutations.h"
 #include "twin/fci/datagrams.h"
 #include "twin/fci/requests.h"
 
@@ -21,37 +20,8 @@ void Append(Bytes& stream, const Bytes& more) {
   stream.insert(stream.end(), more.begin(), more.end());
 }
 
-/// Changes `bytes` in one of the ways in which they break on the way, or are broken.
-void Mutate(Bytes& bytes, const Random& random, std::uint64_t round) {
-  const auto bits = random.Bits(round);
-  if (bytes.empty()) return;
-  const std::size_t at = bits[1] % bytes.size();
-  const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
-  switch (bits[0] % 6) {
-    case 0: bytes[at] ^= static_cast<std::byte>(1U << bits[2] % 8); break;
-    case 1: bytes.resize(at); break;
-    case 2: {  // a size, a mode, a flag, or the end of a number that is none
-      const std::uint32_t values[] = {0, 1, 2, 12, 0x7FF00000, 0x7FFFFFFF, 0xFFFFFFFF, bits[2]};
-      std::memcpy(&bytes[at], &values[bits[3] % 8], std::min<std::size_t>(4, bytes.size() - at));
-      break;
-    }
-    case 3: bytes.erase(place); break;
-    case 4: bytes.insert(place, static_cast<std::byte>(bits[2])); break;
-    default: {  // a part of it again, as a network repeats one
-      const Bytes part(place, bytes.end());
-      Append(bytes, part);
-    }
-  }
-}
-
 void FeedMutations(fuzz::Target target, const std::vector<Bytes>& whole, std::uint64_t seed) {
-  const Random random(seed, RandomStream::kTest);
-  for (std::uint64_t round = 0; round < kRounds; ++round) {
-    Bytes bytes = whole[round % whole.size()];
-    target(bytes);
-    for (std::uint64_t i = 0; i <= round % 3; ++i) Mutate(bytes, random, 3 * round + i);
-    target(bytes);
-  }
+  fuzz::FeedMutations(target, whole, seed, kRounds);
 }
 
 Bytes Prefixed(std::byte first, const Bytes& rest) {

@@ -5,7 +5,7 @@
 
 // What reads untrusted bytes of the Franka Control Interface, and the rules that must hold for any
 // bytes; breaking one ends the program. Each is an entry of libFuzzer (fci_fuzz_entry.cc), and
-// fci_fuzz_test drives them by seeded mutations.
+// fci_fuzz_test and fci_corpus_test drive them by seeded mutations.
 namespace twin::fci::fuzz {
 
 using Bytes = std::span<const std::byte>;
@@ -18,6 +18,10 @@ using Target = void (*)(Bytes);
 void ArmRequests(Bytes data);
 void HandRequests(Bytes data);
 
+/// The same bytes in a session that answers them, beside a robot that changes: session_targets.h.
+void ArmSession(Bytes data);
+void HandSession(Bytes data);
+
 /// What clients of arm and hand receive. The first byte says what was asked, the second in what
 /// pieces the others come.
 void ArmAnswers(Bytes data);
@@ -28,5 +32,9 @@ void HandAnswers(Bytes data);
 void StateDatagram(Bytes data);
 void CommandDatagram(Bytes data);
 void HandStateDatagram(Bytes data);
+
+/// All there is of the hand: the first byte says which of HandSession, HandAnswers and
+/// HandStateDatagram gets the others.
+void Gripper(Bytes data);
 
 }  // namespace twin::fci::fuzz
