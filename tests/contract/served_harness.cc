@@ -46,12 +46,14 @@ class Witness final : public rt::RecordSink {
 /// A robot and its server, which both run.
 class Service {
  public:
-  Service(const robot::RobotConfig& config, backend::RobotTime time, rt::RecordSink& sink) {
+  Service(const robot::RobotConfig& config, backend::RobotTime time, bool freeze,
+          rt::RecordSink& sink) {
     auto plant = robot::MakePlant(config).plant;
     if (time == backend::RobotTime::kStates) {
-      robot_ =
-          &lockstep_.emplace(config, std::move(plant), port_, port_, clock_, Urgent("robot", 0),
-                             &sink, robot::LockstepOptions{.answer_timeout = kAnswerTimeout});
+      const robot::LockstepOptions options{.answer_timeout = kAnswerTimeout,
+                                           .freeze_when_idle = freeze};
+      robot_ = &lockstep_.emplace(config, std::move(plant), port_, port_, clock_,
+                                  Urgent("robot", 0), &sink, options);
     } else {
       robot_ =
           &real_time_.emplace(config, std::move(plant), port_, clock_, Urgent("robot", 85), &sink);
@@ -89,11 +91,11 @@ class Service {
 
 class ServedHarness final : public BackendHarness {
  public:
-  ServedHarness(const robot::RobotConfig& robot, backend::RobotTime time)
+  ServedHarness(const robot::RobotConfig& robot, backend::RobotTime time, bool freeze)
       : time_(time), config_(robot) {
     if (time == backend::RobotTime::kWall) urgent_.emplace();
     config_.link.d_INT = Duration::zero();  // the whole period is there for the answer
-    service_.emplace(config_, time, witness_);
+    service_.emplace(config_, time, freeze, witness_);
     connection_ = plugins::ConnectFci(
         {config_,
          backend::RemoteHost{clock_, "127.0.0.1", service_->server().arm().port, HandPort(), time},
@@ -163,8 +165,8 @@ class ServedHarness final : public BackendHarness {
 }  // namespace
 
 std::unique_ptr<BackendHarness> MakeServedHarness(const robot::RobotConfig& robot,
-                                                  backend::RobotTime time) {
-  return std::make_unique<ServedHarness>(robot, time);
+                                                  backend::RobotTime time, bool freeze) {
+  return std::make_unique<ServedHarness>(robot, time, freeze);
 }
 
 }  // namespace twin::test

@@ -343,21 +343,6 @@ class ClientsTest(ServeTest):
         server.await_line("does not read its answers")
         self.check_serves(server)
 
-    def test_rounds_leave_nothing_behind(self):
-        server = self.serve()
-        descriptors = pathlib.Path(f"/proc/{server.process.pid}/fd")
-        counts = []
-        for round_number in range(60):
-            arm = self.arm(server)
-            arm.read()
-            if round_number % 2:
-                self.assertEqual(arm.move()[1], fci.MOTION_STARTED)
-            else:
-                self.assertEqual(arm.run_motion(cycles=20, amplitude=0.00002)[1], fci.SUCCESS)
-            arm.close()
-            counts.append(len(list(descriptors.iterdir())))
-        self.assertLessEqual(max(counts[10:]), max(counts[:10]) + 1)
-
 
 class HandTest(ServeTest):
     def test_the_hand_homes_moves_and_tells_its_state(self):

@@ -136,6 +136,26 @@ TEST_F(UdpPortTest, AFloodIsLookedAtInPieces) {
   EXPECT_EQ(port_.dropped().foreign, 100u);
 }
 
+TEST_F(UdpPortTest, ATenfoldFloodDelaysNoCommandHoweverLongItLasts) {
+  constexpr std::size_t kTimes = 10;
+  for (std::uint64_t id = 1; id <= 1000; ++id) {
+    const fci::CommandBytes command = Command(id);
+    ShowState(id);
+    for (std::size_t i = 0; i < kTimes; ++i) {
+      ASSERT_TRUE(stranger_.Send(command, port_.local()));
+      ASSERT_TRUE(client_.Send(std::span(command).first(i), port_.local()));
+    }
+    ASSERT_TRUE(client_.Send(command, port_.local()));
+    ASSERT_TRUE(port_.AwaitUntil(clock_.Now() + kLong));
+    const auto received = Receive();
+    ASSERT_TRUE(received) << id;
+    EXPECT_EQ(received->command.message_id, id);
+    EXPECT_FALSE(Receive());
+    EXPECT_EQ(port_.dropped(),
+              (DroppedDatagrams{.foreign = kTimes * id, .malformed = kTimes * id}));
+  }
+}
+
 TEST_F(UdpPortTest, TheBellRingsWhenTheModeChangesAndOnlyThen) {
   ShowState(1, RobotMode::kIdle);
   EXPECT_TRUE(changed_.Silence());
