@@ -94,10 +94,10 @@ class FciBackend final : public backend::Backend {
   FciBackend(const backend::Request& request, const backend::RemoteHost& host)
       : time_(host.time),
         port_(host.arm_port == 0 ? fci::kArmPort : host.arm_port),
-        client_(host.clock, host.address, port_, PatienceFor(host.time)) {
+        client_(host.clock, host.address, port_, PatienceFor(host.time), host.capture) {
     if (request.robot.plant.hand == plant::HandKind::kNone) return;
     const auto next = static_cast<std::uint16_t>(port_ + 1);
-    hand_.emplace(host.address, host.hand_port == 0 ? next : host.hand_port);
+    hand_.emplace(host.address, host.hand_port == 0 ? next : host.hand_port, host.capture);
   }
 
   [[nodiscard]] rt::Arrival& arrival() noexcept { return client_.arrival(); }

@@ -14,7 +14,9 @@ namespace twin::plugins {
 /// asked for something: an arm can be run without its hand being there.
 class FciHand final : public backend::Hand {
  public:
-  FciHand(std::string host, std::uint16_t port) : host_(std::move(host)), port_(port) {}
+  /// @param capture  as fci::HandClient's.
+  FciHand(std::string host, std::uint16_t port, fci::Capture* capture)
+      : host_(std::move(host)), port_(port), capture_(capture) {}
 
   HandTicket Start(const HandCommand& command) override;
   [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const override;
@@ -25,6 +27,7 @@ class FciHand final : public backend::Hand {
 
   const std::string host_;
   const std::uint16_t port_;
+  fci::Capture* const capture_;
   mutable std::mutex mutex_;
   mutable std::optional<fci::HandClient> client_;  ///< guarded by mutex_ until it is there
 };

@@ -4,6 +4,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "cli/exit_code.h"
 #include "twin/fci/protocol.h"
@@ -24,6 +27,14 @@ struct DataFlags {
   std::filesystem::path meshes;
 };
 
+/// Where a command listens, and who may connect.
+struct NetworkFlags {
+  std::string bind = "127.0.0.1";
+  std::optional<std::string> allow;  ///< network that may connect
+  std::uint16_t arm_port = fci::kArmPort;
+  std::uint16_t hand_port = fci::kHandPort;
+};
+
 struct RunFlags {
   std::filesystem::path scenario;
   std::optional<std::uint64_t> seed;
@@ -36,6 +47,7 @@ struct RunFlags {
   std::optional<double> clock_ppm;        ///< of INT's clock
   std::optional<int> ext_cpu;             ///< processor of the communication thread; real time
   std::optional<int> int_cpu;             ///< processor of the robot's thread; real time
+  std::optional<std::filesystem::path> capture;  ///< backend fci
   bool no_video = false;
   bool rebuild_cache = false;
   bool quiet = false;
@@ -46,10 +58,7 @@ struct ServeFlags {
   std::filesystem::path scenario;              ///< robot, scene, start; empty: the ready pose
   std::optional<std::filesystem::path> scene;  ///< instead of the scenario's
   std::optional<std::uint64_t> seed;
-  std::string bind = "127.0.0.1";
-  std::optional<std::string> allow;  ///< network that may connect
-  std::uint16_t arm_port = fci::kArmPort;
-  std::uint16_t hand_port = fci::kHandPort;
+  NetworkFlags network;
   std::string drive = "realtime";
   std::string idle = "run";         ///< or "freeze"
   std::optional<double> clock_ppm;  ///< of INT's clock; real time
@@ -58,6 +67,16 @@ struct ServeFlags {
   std::optional<std::filesystem::path> log;
   std::optional<std::filesystem::path> capture;
   DataFlags data;
+};
+
+struct ProxyFlags {
+  std::string robot;  ///< HOST[:PORT]
+  NetworkFlags network;
+  std::filesystem::path link;                                    ///< file of faults; empty: none
+  std::vector<std::pair<std::string_view, std::string>> faults;  ///< keys of a link, and values
+  std::uint64_t seed = 1;
+  std::optional<int> cpu;         ///< of the threads that relay
+  std::optional<double> seconds;  ///< as serve's
 };
 
 struct ValidateFlags {
@@ -95,6 +114,9 @@ struct DecodeFlags {
 
 /// Serves a robot over the Franka Control Interface until it is interrupted. @throws twin::Error.
 [[nodiscard]] ExitCode ServeCommand(const ServeFlags& flags, const Host& host);
+
+/// Relays a robot's wire with faults until it is interrupted. @throws twin::Error.
+[[nodiscard]] ExitCode ProxyCommand(const ProxyFlags& flags);
 
 /// Checks a scenario without running it. @throws twin::Error.
 [[nodiscard]] ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,

@@ -26,6 +26,7 @@ constexpr const char* kFooter = R"(Start here:
   panda-twin run SCENARIO.yaml --seed 7 --out /tmp/a     other random numbers, another folder
   panda-twin run SCENARIO.yaml --drive realtime          on the wall clock, threads at real-time priority
   panda-twin serve                                       a Panda for libfranka programs, at 127.0.0.1
+  panda-twin proxy --robot HOST --link FILE.yaml         a wire with faults, before a robot or a twin
   panda-twin validate my.yaml                            is my scenario sound? (no run)
   panda-twin run SCENARIO.yaml --backend fci --robot HOST --max-speed 0.1   on a robot, slowly
   panda-twin export out/canonical/run.mcap               the log as CSV tables
@@ -52,6 +53,13 @@ its motion is the client's affair. drive lockstep: the next state is sent when t
 last, so that nothing depends on how fast either is; --idle freeze: physics stands still between motions, too.
 Exit codes: 0 after --for, 130 when interrupted, others as ever.)";
 
+constexpr const char* kProxyFooter =
+    R"(TCP passes as it is; of datagrams, states are those from the robot, commands those to it. What --link and the
+other flags take is what a scenario's section link takes (models/scenarios/README.md), so
+  --state-delay "{log_normal: {median: 200 us, sigma: 0.5}}" --command-loss "{scripted: [{at: 2 s, count: 25}]}"
+d_INT is the robot's, and has no effect here. The first datagram of a session has number 0 in its direction; its fate
+follows from the faults, the seed and that number. At the end: how many came, went on, were delayed, and so on.)";
+
 constexpr const char* kExplainFooter =
     R"(Of a run that an error ended: what happened, in which cycle, which joint or axis, value and limit, how the
 value was computed, what became of the last commands, the usual cause, and what helps; and explain.html,
@@ -61,6 +69,7 @@ one page with the last 50 cycles plotted. Of any other run: how close it came to
 struct Flags {
   RunFlags run;
   ServeFlags serve;
+  ProxyFlags proxy;
   ValidateFlags validate;
   CheckFlags check;
   ExportFlags exported;
@@ -86,11 +95,27 @@ std::uint64_t ParseSeed(const std::string& text) {
                                          std::numeric_limits<std::uint64_t>::max()));
 }
 
-void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed) {
+void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed,
+             const char* what = "Seed of all random numbers, instead of the scenario's") {
   app.add_option_function<std::string>(
-         "--seed", [&seed](const std::string& text) { seed = ParseSeed(text); },
-         "Seed of all random numbers, instead of the scenario's")
+         "--seed", [&seed](const std::string& text) { seed = ParseSeed(text); }, what)
       ->type_name("UINT");
+}
+
+/// The flags of a robot at the other end of a wire.
+void AddRemote(CLI::App& app, RunFlags& flags) {
+  app.add_option("--robot", flags.robot, "fci: the robot, or the twin that is served")
+      ->type_name("HOST[:PORT]");
+  app.add_option("--robot-time", flags.robot_time,
+                 "fci: wall (hardware, or a twin in real time; the default) or states (a twin "
+                 "served in lockstep)")
+      ->type_name("wall|states");
+  app.add_option("--capture", flags.capture,
+                 "fci: keep what goes over the wire (pcapng; see decode)")
+      ->type_name("FILE");
+  app.add_option("--max-speed", flags.max_speed,
+                 "Share of the scenario's speed, in (0, 1]: all times are divided by it")
+      ->type_name("F");
 }
 
 CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
@@ -102,15 +127,7 @@ CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
   run->add_option("--backend", flags.backend,
                   "Backend, instead of the scenario's: mujoco, or fci (a robot on the network)");
   run->add_option("--drive", flags.drive, "Who advances time: lockstep, realtime; remote with fci");
-  run->add_option("--robot", flags.robot, "fci: the robot, or the twin that is served")
-      ->type_name("HOST[:PORT]");
-  run->add_option("--robot-time", flags.robot_time,
-                  "fci: wall (hardware, or a twin in real time; the default) or states (a twin "
-                  "served in lockstep)")
-      ->type_name("wall|states");
-  run->add_option("--max-speed", flags.max_speed,
-                  "Share of the scenario's speed, in (0, 1]: all times are divided by it")
-      ->type_name("F");
+  AddRemote(*run, flags);
   run->add_option("--clock-ppm", flags.clock_ppm,
                   "Drift of the robot's clock, instead of the scenario's")
       ->type_name("PPM");
@@ -127,6 +144,15 @@ CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
   return run;
 }
 
+void AddNetwork(CLI::App& app, NetworkFlags& flags) {
+  app.add_option("--bind", flags.bind, "Address to listen at")->capture_default_str();
+  app.add_option("--allow", flags.allow, "Network that may connect, such as 192.168.1.0/24")
+      ->type_name("CIDR");
+  app.add_option("--port", flags.arm_port, "TCP port of the arm; 0: any")->capture_default_str();
+  app.add_option("--hand-port", flags.hand_port, "TCP port of the hand; 0: any")
+      ->capture_default_str();
+}
+
 CLI::App* AddServe(CLI::App& app, ServeFlags& flags) {
   CLI::App* serve =
       app.add_subcommand("serve", "Serve a robot to programs made for it (FCI protocol 5)");
@@ -134,12 +160,7 @@ CLI::App* AddServe(CLI::App& app, ServeFlags& flags) {
       ->type_name("FILE");
   serve->add_option("--scene", flags.scene, "World around the robot (MJCF in the models folder)")
       ->type_name("FILE");
-  serve->add_option("--bind", flags.bind, "Address to listen at")->capture_default_str();
-  serve->add_option("--allow", flags.allow, "Network that may connect, such as 192.168.1.0/24")
-      ->type_name("CIDR");
-  serve->add_option("--port", flags.arm_port, "TCP port of the arm; 0: any")->capture_default_str();
-  serve->add_option("--hand-port", flags.hand_port, "TCP port of the hand; 0: any")
-      ->capture_default_str();
+  AddNetwork(*serve, flags.network);
   serve->add_option("--drive", flags.drive, "Who advances time: realtime or lockstep")
       ->capture_default_str();
   serve->add_option("--idle", flags.idle, "lockstep: time between motions: run or freeze")
@@ -159,6 +180,55 @@ CLI::App* AddServe(CLI::App& app, ServeFlags& flags) {
   AddDataFlags(*serve, flags.data);
   serve->footer(kServeFooter);
   return serve;
+}
+
+/// A key of a scenario's link, as a flag: state_delay, --state-delay.
+struct FaultFlag {
+  std::string_view key;
+  const char* flag;
+  const char* text;
+};
+constexpr FaultFlag kFaultFlags[] = {
+    {"state_delay", "--state-delay", "How long states take, such as \"200 us\""},
+    {"state_loss", "--state-loss", "Which states never arrive, such as \"0.1 %\""},
+    {"state_duplication", "--state-duplication", "States that arrive a second time"},
+    {"state_reordering", "--state-reordering", "States that are overtaken"},
+    {"command_delay", "--command-delay", "How long commands take"},
+    {"command_loss", "--command-loss", "Which commands never arrive"},
+    {"command_duplication", "--command-duplication", "Commands that arrive a second time"},
+    {"command_reordering", "--command-reordering", "Commands that are overtaken"}};
+
+CLI::App* AddProxy(CLI::App& app, ProxyFlags& flags) {
+  CLI::App* proxy =
+      app.add_subcommand("proxy", "Pass a robot's wire on, with delays and losses by a seed");
+  proxy->add_option("--robot", flags.robot, "The robot, or the twin that is served")
+      ->required()
+      ->type_name("HOST[:PORT]");
+  AddNetwork(*proxy, flags.network);
+  proxy
+      ->add_option("--link", flags.link,
+                   "All faults: a scenario, or a file with its section link only")
+      ->type_name("FILE");
+  for (const FaultFlag& fault : kFaultFlags) {
+    proxy
+        ->add_option_function<std::string>(
+            fault.flag,
+            [&flags, key = fault.key](const std::string& value) {
+              flags.faults.emplace_back(key, value);
+            },
+            fault.text)
+        ->type_name("YAML");
+  }
+  proxy
+      ->add_option_function<std::string>(
+          "--seed", [&flags](const std::string& text) { flags.seed = ParseSeed(text); },
+          "Seed of the faults (default: 1)")
+      ->type_name("UINT");
+  proxy->add_option("--cpu", flags.cpu, "Processor of the threads that relay datagrams")
+      ->type_name("N");
+  proxy->add_option("--for", flags.seconds, "End after so long")->type_name("S");
+  proxy->footer(kProxyFooter);
+  return proxy;
 }
 
 CLI::App* AddValidate(CLI::App& app, ValidateFlags& flags) {
@@ -283,6 +353,7 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
   Flags flags;
   const CLI::App* run = AddRun(app, flags.run);
   const CLI::App* serve = AddServe(app, flags.serve);
+  const CLI::App* proxy = AddProxy(app, flags.proxy);
   const CLI::App* validate = AddValidate(app, flags.validate);
   const CLI::App* check = AddCheck(app, flags.check);
   const CLI::App* explain = AddExplain(app, flags.explain);
@@ -304,6 +375,7 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
   return Guarded([&]() -> int {
     if (run->parsed()) return RunCommand(flags.run, host, catalogue);
     if (serve->parsed()) return ServeCommand(flags.serve, host);
+    if (proxy->parsed()) return ProxyCommand(flags.proxy);
     if (validate->parsed()) return ValidateCommand(flags.validate, host, catalogue);
     if (check->parsed()) return CheckCommand(flags.check, host);
     if (explain->parsed()) return ExplainCommand(flags.explain);

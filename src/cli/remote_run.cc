@@ -29,8 +29,8 @@ void ChooseBackend(std::string_view backend, scenario::Scenario& scenario) {
 
 void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenario) {
   const bool is_remote = scenario.drive == scenario::Drive::kRemote;
-  if (!is_remote && (flags.robot || flags.robot_time)) {
-    throw InputError("--robot and --robot-time go with --backend fci");
+  if (!is_remote && (flags.robot || flags.robot_time || flags.capture)) {
+    throw InputError("--robot, --robot-time and --capture go with --backend fci");
   }
   if (is_remote && !flags.robot) {
     throw InputError(

@@ -14,8 +14,10 @@
 #include "cli/result_folder.h"
 #include "cli/say.h"
 #include "cli/summary.h"
+#include "cli/wire_capture.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
+#include "twin/fci/capture.h"
 #include "twin/record/recorder.h"
 #include "twin/render/clip.h"
 #include "twin/render/snapshots.h"
@@ -84,10 +86,13 @@ double PeakMemoryMb() {
 /// One run from its flags to its results.
 class Session {
  public:
-  Session(const RunFlags& flags, const Host& host, const scenario::Catalogue& catalogue)
+  /// @param capture  is made when the flags want one; must outlive the session.
+  Session(const RunFlags& flags, const Host& host, const scenario::Catalogue& catalogue,
+          std::optional<fci::Capture>& capture)
       : flags_(flags),
         scenario_(LoadWithFlags(flags)),
         settings_(SettingsOf(flags)),
+        capture_(capture),
         out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out) {
     RequirePrograms(host);
     const auto data =
@@ -133,8 +138,9 @@ class Session {
 
   const MonotonicClock clock_;
   const RunFlags& flags_;
-  scenario::Scenario scenario_;  ///< as it is run; not changed after the constructor
-  const scenario::RealtimeSettings settings_;
+  scenario::Scenario scenario_;          ///< as it is run; not changed after the constructor
+  scenario::RealtimeSettings settings_;  ///< not changed after the constructor
+  std::optional<fci::Capture>& capture_;
   ResultFolder out_;
   const InterruptGuard interrupt_;
   WallTimes times_;
@@ -160,6 +166,7 @@ void Session::Assemble(const scenario::Catalogue& catalogue, const scenario::Run
     return;
   }
   TellWhatHasNoEffect(scenario_, wants_video());
+  if (flags_.capture) settings_.remote.capture = &capture_.emplace(*flags_.capture);
   TellReach(settings_.remote, [&] {
     run_.emplace(scenario_, catalogue, files, &records_, settings_);
     return run_->connection().backend->Describe().robot;
@@ -275,10 +282,28 @@ void Session::MakeVideo() {
   times_.video_s = stats.seconds;
 }
 
+/// What was captured of a run that failed is wanted most. What fails here is told beside it.
+void KeepAfterFailure(std::optional<fci::Capture>& capture) {
+  if (!capture) return;
+  try {
+    FinishCapture(*capture);
+  } catch (const EnvironmentError& error) {
+    Say(stderr, fmt::format("panda-twin: note: {}\n", error.what()));
+  }
+}
+
 }  // namespace
 
 ExitCode RunCommand(const RunFlags& flags, const Host& host, const scenario::Catalogue& catalogue) {
-  return Session(flags, host, catalogue).Execute();
+  std::optional<fci::Capture> capture;
+  try {
+    const ExitCode code = Session(flags, host, catalogue, capture).Execute();
+    if (capture) FinishCapture(*capture);
+    return code;
+  } catch (...) {
+    KeepAfterFailure(capture);
+    throw;
+  }
 }
 
 }  // namespace twin::cli

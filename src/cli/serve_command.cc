@@ -10,7 +10,9 @@
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/network.h"
 #include "cli/say.h"
+#include "cli/wire_capture.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/fci/capture.h"
@@ -85,16 +87,11 @@ void RequireAgreement(const ServeFlags& flags) {
 
 server::ServerConfig ServerConfigOf(const ServeFlags& flags, const Host& host) {
   server::ServerConfig config;
-  config.address = fci::Resolve(flags.bind, 0).address;
-  config.arm_port = flags.arm_port;
-  config.hand_port = flags.hand_port;
-  if (flags.allow) config.allow = fci::ParseNetwork(*flags.allow);
-  if (!fci::IsLoopback(config.address) && !config.allow) {
-    throw InputError(fmt::format(
-        "--bind {} lets other machines move the robot: name the network that may, with --allow "
-        "ADDRESS/BITS, or leave --bind out",
-        flags.bind));
-  }
+  const Listening listening = ListeningOf(flags.network);
+  config.address = listening.address;
+  config.arm_port = flags.network.arm_port;
+  config.hand_port = flags.network.hand_port;
+  config.allow = listening.allow;
   try {
     config.model_library = model::ReadModelLibrary(model::FindModelLibrary(host.executable));
   } catch (const EnvironmentError& error) {
@@ -126,7 +123,6 @@ class Service {
   void MakeLog();
   void MakeCapture();
   void MakeRobot(const robot::RobotConfig& robot);
-  void FinishCapture();
   void Introduce(const server::Server& server) const;
   void Tell(std::string_view line) const;
   [[nodiscard]] bool Ends() const;
@@ -188,11 +184,7 @@ void Service::Introduce(const server::Server& server) const {
                   Name(scenario_.drive), FreezesWhenIdle(flags_) ? ", idle freeze" : "");
   text += fmt::format("  arm   {}\n", fci::ToString(server.arm()));
   if (const auto hand = server.hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
-  text += flags_.allow ? fmt::format(
-                             "  open to this machine and to {}: who is there can move the "
-                             "robot, without a password\n",
-                             *flags_.allow)
-                       : std::string("  open to this machine only\n");
+  text += fmt::format("  {}\n", DescribeAccess(flags_.network));
   Say(stdout, text);
   static_cast<void>(std::fflush(stdout));
 }
@@ -200,14 +192,6 @@ void Service::Introduce(const server::Server& server) const {
 bool Service::Ends() const {
   if (interrupt_.interrupted()) return true;
   return flags_.seconds && clock_.Now().time_since_epoch() >= FromSeconds(*flags_.seconds);
-}
-
-void Service::FinishCapture() {
-  const std::uint64_t dropped = capture_->Finish();
-  if (dropped == 0) return;
-  Say(stderr, fmt::format("panda-twin: note: the capture lacks {} datagrams: the disk was slower "
-                          "than the wire\n",
-                          dropped));
 }
 
 ExitCode Service::Run() {
@@ -222,7 +206,7 @@ ExitCode Service::Run() {
   server.Run([this] { return Ends(); });
   robot_->End();
   if (log_) static_cast<void>(log_->Finish());
-  if (capture_) FinishCapture();
+  if (capture_) FinishCapture(*capture_);
   const std::string warnings = plant_.engine != nullptr ? plant_.engine->DescribeWarnings() : "";
   if (!warnings.empty()) throw RobotFault("the simulation itself became unsound: " + warnings);
   return interrupt_.interrupted() ? kInterrupted : kOk;

@@ -32,13 +32,13 @@ struct ArmClient::Asked {
 };
 
 ArmClient::ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
-                     const ClientPatience& patience)
-    : clock_(clock), patience_(patience), robot_(Resolve(host, port)) {
+                     const ClientPatience& patience, Capture* capture)
+    : clock_(clock), patience_(patience), capture_(capture), robot_(Resolve(host, port)) {
   TcpStream stream = TcpStream::Connect(robot_, patience.connect);
   // States are sent to the address this connection comes from, and nothing else is listened to.
   udp_ = std::make_unique<UdpSocket>(clock, Endpoint{stream.local().address, 0});
   channel_ = std::make_unique<RequestChannel>(HeadKind::kArm, std::move(stream), NameOf(robot_),
-                                              kLargestAnswer, patience.answer);
+                                              kLargestAnswer, patience.answer, capture);
   Negotiate();
 }
 
@@ -154,6 +154,9 @@ Reception ArmClient::Receive(RobotState& state, Time& at) noexcept {
   for (int i = 0; i < kMostAtOnce; ++i) {
     const std::optional<Datagram> datagram = udp_->Receive(state_bytes_);
     if (!datagram) break;
+    if (capture_ != nullptr) {
+      Keep(capture_->TimeOf(clock_, datagram->at), datagram->from, udp_->local(), datagram->bytes);
+    }
     if (!Accept(*datagram)) continue;
     state = received_;
     found = true;
@@ -195,7 +198,14 @@ Reception ArmClient::FoundNone() noexcept {
 void ArmClient::Send(const RobotCommand& command) noexcept {
   if (!has_state_) return;
   Encode(command, command_bytes_);
+  if (capture_ != nullptr) Keep(capture_->clock().Now(), udp_->local(), to_, command_bytes_);
   static_cast<void>(udp_->Send(command_bytes_, to_));
+}
+
+void ArmClient::Keep(Time at, const Endpoint& from, const Endpoint& to,
+                     std::span<const std::byte> bytes) noexcept {
+  capture_->PutRealtime(
+      {.at = at, .transport = record::Transport::kUdp, .from = from, .to = to, .bytes = bytes});
 }
 
 bool ArmClient::lost() const noexcept {

@@ -1,5 +1,8 @@
 #include "fci/frame_bytes.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace twin::fci {
 
 FrameHead ReadHead(HeadKind kind, std::span<const std::byte> bytes) noexcept {
@@ -30,6 +33,16 @@ NewFrame::NewFrame(HandCommandId command, std::uint32_t command_id, std::size_t 
   wire::Put(bytes_.data(), static_cast<std::uint16_t>(command));
   wire::Put(bytes_.data() + 2, command_id);
   wire::Put(bytes_.data() + 6, static_cast<std::uint32_t>(bytes_.size()));
+}
+
+std::vector<std::byte> BytesOf(HeadKind kind, const Frame& frame) {
+  const FrameHead& head = frame.head;
+  NewFrame whole = kind == HeadKind::kArm ? NewFrame(static_cast<ArmCommand>(head.command),
+                                                     head.command_id, frame.payload.size())
+                                          : NewFrame(static_cast<HandCommandId>(head.command),
+                                                     head.command_id, frame.payload.size());
+  std::ranges::copy(frame.payload, whole.payload());
+  return std::move(whole).Release();
 }
 
 }  // namespace twin::fci

@@ -27,7 +27,8 @@ constexpr Duration kNextState = std::chrono::milliseconds(100);
 /// The newest state; the channel's reader thread fills it.
 class HandClient::Mailbox {
  public:
-  Mailbox(std::uint32_t robot, const Endpoint& local) : robot_(robot), socket_(clock_, local) {}
+  Mailbox(std::uint32_t robot, const Endpoint& local, Capture* capture)
+      : robot_(robot), capture_(capture), socket_(clock_, local) {}
 
   [[nodiscard]] std::uint16_t port() const noexcept { return socket_.local().port; }
   [[nodiscard]] int fd() const noexcept { return socket_.fd(); }
@@ -35,6 +36,7 @@ class HandClient::Mailbox {
   void Drain() {
     std::array<std::byte, kHandStateBytes> bytes{};
     while (const std::optional<Datagram> datagram = socket_.Receive(bytes)) {
+      Keep(*datagram);
       HandState state;
       if (datagram->from.address != robot_) continue;
       if (Decode(datagram->bytes, state) != DatagramFault::kNone) continue;
@@ -59,7 +61,17 @@ class HandClient::Mailbox {
   }
 
  private:
+  void Keep(const Datagram& datagram) {
+    if (capture_ == nullptr) return;
+    capture_->Put({.at = capture_->TimeOf(clock_, datagram.at),
+                   .transport = record::Transport::kUdp,
+                   .from = datagram.from,
+                   .to = socket_.local(),
+                   .bytes = datagram.bytes});
+  }
+
   const std::uint32_t robot_;
+  Capture* const capture_;
   // Its own clock: another may be restarted while this thread receives.
   const MonotonicClock clock_;
   UdpSocket socket_;
@@ -69,13 +81,14 @@ class HandClient::Mailbox {
   bool has_fresh_ = false;           ///< guarded by mutex_
 };
 
-HandClient::HandClient(const std::string& host, std::uint16_t port, const ClientPatience& patience)
+HandClient::HandClient(const std::string& host, std::uint16_t port, const ClientPatience& patience,
+                       Capture* capture)
     : patience_(patience), name_(fmt::format("the hand {}:{}", host, port)) {
   const Endpoint hand = Resolve(host, port);
   TcpStream stream = TcpStream::Connect(hand, patience.connect);
-  states_ = std::make_unique<Mailbox>(hand.address, Endpoint{stream.local().address, 0});
+  states_ = std::make_unique<Mailbox>(hand.address, Endpoint{stream.local().address, 0}, capture);
   channel_ = std::make_unique<RequestChannel>(
-      HeadKind::kHand, std::move(stream), name_, kLargestAnswer, patience.answer,
+      HeadKind::kHand, std::move(stream), name_, kLargestAnswer, patience.answer, capture,
       SideSocket{states_->fd(), [this] { states_->Drain(); }});
   Negotiate(states_->port());
 }

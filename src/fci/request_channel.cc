@@ -41,10 +41,12 @@ rt::ThreadSettings ReaderSettings() {
 }  // namespace
 
 RequestChannel::RequestChannel(HeadKind kind, TcpStream stream, std::string peer,
-                               std::size_t largest, Duration patience, SideSocket side)
+                               std::size_t largest, Duration patience, Capture* capture,
+                               SideSocket side)
     : stream_(std::move(stream)),
       peer_(std::move(peer)),
       patience_(patience),
+      capture_(capture),
       side_(std::move(side)),
       reader_(kind, largest),
       awake_(MakeWaker()) {
@@ -78,6 +80,7 @@ std::uint32_t RequestChannel::Send(std::string_view name, const Encoder& encode)
 }
 
 void RequestChannel::SendAll(std::string_view name, std::span<const std::byte> bytes) {
+  Keep(stream_.local(), stream_.peer(), bytes);  // first: before the answer comes
   while (!bytes.empty()) {
     std::size_t sent = 0;
     const StreamResult result = lost() ? StreamResult::kReset : stream_.Send(bytes, sent);
@@ -164,11 +167,22 @@ void RequestChannel::ReceiveSome() {
     case StreamResult::kReset: Lose("has reset the connection"); return;
     case StreamResult::kDone: break;
   }
+  Keep(stream_.peer(), stream_.local(), reader_.Room().first(received));
   reader_.Received(received);
   while (const std::optional<Frame> frame = reader_.Next()) Dispatch(*frame);
   if (const std::string* fault = reader_.fault()) {
     Lose(fmt::format("sends what is no answer ({})", *fault));
   }
+}
+
+void RequestChannel::Keep(const Endpoint& from, const Endpoint& to,
+                          std::span<const std::byte> bytes) {
+  if (capture_ == nullptr) return;
+  capture_->Put({.at = capture_->clock().Now(),
+                 .transport = record::Transport::kTcp,
+                 .from = from,
+                 .to = to,
+                 .bytes = bytes});
 }
 
 void RequestChannel::Dispatch(const Frame& frame) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "twin/core/time.h"
+#include "twin/fci/capture.h"
 #include "twin/fci/frame_reader.h"
 #include "twin/fci/requests.h"
 #include "twin/fci/sockets.h"
@@ -57,8 +59,9 @@ class RequestChannel {
   /// @param peer      for texts: "the robot 127.0.0.1:1337".
   /// @param largest   answer that is taken, bytes.
   /// @param patience  of a Send() that the peer does not take.
+  /// @param capture   keeps the stream's bytes; must outlive the channel. Null: nothing.
   RequestChannel(HeadKind kind, TcpStream stream, std::string peer, std::size_t largest,
-                 Duration patience, SideSocket side = {});
+                 Duration patience, Capture* capture, SideSocket side = {});
   ~RequestChannel();
   RequestChannel(const RequestChannel&) = delete;
   RequestChannel& operator=(const RequestChannel&) = delete;
@@ -87,11 +90,13 @@ class RequestChannel {
   void Dispatch(const Frame& frame);
   void Lose(std::string why);
   void SendAll(std::string_view name, std::span<const std::byte> bytes);
+  void Keep(const Endpoint& from, const Endpoint& to, std::span<const std::byte> bytes);
   [[nodiscard]] std::string TextLocked(std::string_view name) const;
 
   TcpStream stream_;
   const std::string peer_;
   const Duration patience_;
+  Capture* const capture_;
   const SideSocket side_;
   FrameReader reader_;    ///< the reader thread's
   FileDescriptor awake_;  ///< written to end the reader thread

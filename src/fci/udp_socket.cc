@@ -36,6 +36,15 @@ timespec Span(Duration span) noexcept {
 
 }  // namespace
 
+bool AwaitAny(std::span<pollfd> waited, const MonotonicClock& clock, Time deadline) noexcept {
+  for (;;) {
+    const Time now = clock.Now();
+    const timespec left = Span(deadline > now ? deadline - now : Duration::zero());
+    const int ready = ppoll(waited.data(), waited.size(), &left, nullptr);
+    if (ready >= 0 || errno != EINTR) return ready > 0;
+  }
+}
+
 UdpSocket::UdpSocket(const MonotonicClock& clock, const Endpoint& local)
     : clock_(clock), fd_(OpenSocket(SOCK_DGRAM)) {
   SetOption(fd_.get(), SOL_SOCKET, SO_TIMESTAMPNS, 1);
@@ -74,12 +83,7 @@ bool UdpSocket::Send(std::span<const std::byte> bytes, const Endpoint& to) noexc
 
 bool UdpSocket::AwaitUntil(Time deadline) noexcept {
   pollfd waiting{fd_.get(), POLLIN, 0};
-  for (;;) {
-    const Time now = clock_.Now();
-    const timespec left = Span(deadline > now ? deadline - now : Duration::zero());
-    const int ready = ppoll(&waiting, 1, &left, nullptr);
-    if (ready >= 0 || errno != EINTR) return ready > 0;
-  }
+  return AwaitAny({&waiting, 1}, clock_, deadline);
 }
 
 }  // namespace twin::fci

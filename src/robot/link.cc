@@ -2,40 +2,6 @@
 
 namespace twin::robot {
 
-template <typename Message>
-Channel<Message>::Channel(const DirectionConfig& config, std::uint64_t seed,
-                          const rt::FateStreams& streams, rt::EventQueue& events,
-                          rt::EventOrder order)
-    : fate_(config, seed, streams), events_(events), order_(order), slots_(kCapacity) {
-  free_.reserve(kCapacity);
-  for (std::size_t slot = kCapacity; slot > 0; --slot) free_.push_back(slot - 1);
-}
-
-template <typename Message>
-void Channel<Message>::Send(const Message& message, rt::EventHandler& arrived,
-                            std::uint32_t repeat) noexcept {
-  const rt::Fate fate = fate_.Of(message.message_id, repeat);
-  if (fate.lost || fate.delay > kLongestOnTheWay || free_.empty()) return;
-  const std::size_t index = free_.back();
-  free_.pop_back();
-  slots_[index].message = message;
-  slots_[index].copies = 1;
-  events_.Schedule(events_.Now() + fate.delay, order_, arrived, index);
-  if (!fate.duplicated || fate.duplicate_delay > kLongestOnTheWay) return;
-  slots_[index].copies = 2;
-  events_.Schedule(events_.Now() + fate.duplicate_delay, order_, arrived, index);
-}
-
-template <typename Message>
-const Message& Channel<Message>::Receive(std::uint64_t token) noexcept {
-  Slot& slot = slots_[token];
-  if (--slot.copies == 0) free_.push_back(token);
-  return slot.message;
-}
-
-template class Channel<RobotState>;
-template class Channel<RobotCommand>;
-
 StateLink::StateLink(const LinkConfig& config, std::uint64_t seed, rt::EventQueue& events,
                      rt::EventHandler& state_ready)
     : channel_(config.state, seed, rt::kStateStreams, events, rt::EventOrder::kStateArrival),

@@ -109,7 +109,8 @@ class RemoteSetting final : public Setting {
                              backend::RemoteHost{.clock = clock_,
                                                  .address = settings.remote.host,
                                                  .arm_port = settings.remote.arm_port,
-                                                 .time = settings.remote.time},
+                                                 .time = settings.remote.time,
+                                                 .capture = settings.remote.capture},
                              sink})) {}
 
   [[nodiscard]] const backend::Connection& connection() const noexcept override {

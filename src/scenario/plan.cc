@@ -8,6 +8,7 @@
 
 #include "twin/core/error.h"
 #include "twin/reference/client_limits.h"
+#include "twin/scenario/link.h"
 
 namespace twin::scenario {
 namespace {
@@ -21,25 +22,6 @@ auto At(const Place& place, const std::string& name, Check check) {
     if (place.where.empty() || place.name != name) throw;
     throw InputError(fmt::format("{}: {}", place.where, error.what()));
   }
-}
-
-auto MakeDirection(const DirectionSection& section) {
-  decltype(robot::LinkConfig().state) config;
-  config.delay = section.delay.Model();
-  config.loss = section.loss.Model();
-  config.duplication = section.duplication.share_percent / 100;
-  config.duplicate_delay = section.duplication.delay.Model();
-  config.reordering = section.reordering.share_percent / 100;
-  config.reorder_by = section.reordering.by;
-  return config;
-}
-
-robot::LinkConfig MakeLink(const LinkSection& link) {
-  robot::LinkConfig config;
-  config.state = MakeDirection(link.state);
-  config.command = MakeDirection(link.command);
-  config.d_INT = link.d_INT;
-  return config;
 }
 
 onboard::IntConfig MakeOnboard(const Scenario& scenario, const RobotData& robot) {

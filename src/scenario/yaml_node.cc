@@ -172,6 +172,13 @@ YamlMap YamlNode::Map(std::initializer_list<std::string_view> allowed) const {
   return map;
 }
 
+bool YamlNode::Has(std::string_view key) const {
+  if (!node_.IsMap()) return false;
+  return std::ranges::any_of(node_, [key](const auto& item) {
+    return item.first.IsScalar() && item.first.Scalar() == key;
+  });
+}
+
 std::pair<std::string, YamlNode> YamlNode::OneOf(
     std::initializer_list<std::string_view> keys) const {
   const YamlMap map = Map(keys);

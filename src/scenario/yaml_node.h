@@ -71,6 +71,8 @@ class YamlNode {
   }
 
   [[nodiscard]] bool IsMap() const { return node_.IsMap(); }
+  /// Whether it is a map with this key.
+  [[nodiscard]] bool Has(std::string_view key) const;
   [[nodiscard]] bool IsScalar() const { return node_.IsScalar(); }
   /// Nothing, or a map or list of nothing.
   [[nodiscard]] bool IsEmpty() const { return !node_.IsScalar() && node_.size() == 0; }

@@ -40,11 +40,11 @@ bool ArmDesk::IsReady() {
   return !in_motion_ || !Progress().in_motion;
 }
 
-void ArmDesk::Open(const fci::Endpoint& client, fci::Answers answers) {
-  client_ = client;
+void ArmDesk::Open(Connection& client) {
+  client_ = client.peer();
   dropped_before_ = port_.dropped();
   fci::ArmService& service = *this;
-  session_.emplace(service, std::move(answers));
+  session_.emplace(service, [&client](std::span<const std::byte> bytes) { client.Send(bytes); });
 }
 
 std::optional<std::string> ArmDesk::OnFrame(const fci::Frame& frame) {
@@ -58,8 +58,9 @@ std::optional<std::string> ArmDesk::OnFrame(const fci::Frame& frame) {
   return why;
 }
 
-void ArmDesk::OnTurn(Time /*now*/) {
+std::optional<std::string> ArmDesk::OnTurn(Time /*now*/) {
   if (session_->has_pending()) session_->OnProgress(Progress());
+  return {};
 }
 
 bool ArmDesk::has_pending() const {

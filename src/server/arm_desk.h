@@ -6,10 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "server/desk.h"
 #include "twin/fci/arm_session.h"
 #include "twin/robot/threaded_robot.h"
-#include "twin/server/server.h"
+#include "twin/server/desk.h"
 #include "twin/server/udp_port.h"
 
 namespace twin::server {
@@ -27,9 +26,9 @@ class ArmDesk final : public Desk, private fci::ArmService {
   void OnRobotChanged();
 
   [[nodiscard]] bool IsReady() override;
-  void Open(const fci::Endpoint& client, fci::Answers answers) override;
+  void Open(Connection& client) override;
   [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
-  void OnTurn(Time now) override;
+  [[nodiscard]] std::optional<std::string> OnTurn(Time now) override;
   [[nodiscard]] bool has_pending() const override;
   void Leave() override;
   [[nodiscard]] Duration patience() const override;

@@ -1,4 +1,4 @@
-#include "server/connection.h"
+#include "twin/server/connection.h"
 
 #include <utility>
 
@@ -32,7 +32,7 @@ bool Connection::Receive() {
       return true;
     case fci::StreamResult::kPending: break;
     case fci::StreamResult::kClosed: end_ = "the client has closed the connection"; break;
-    case fci::StreamResult::kReset: end_ = "the connection broke"; break;
+    case fci::StreamResult::kReset: Break(); break;
   }
   return false;
 }
@@ -56,9 +56,14 @@ void Connection::Flush() {
     case fci::StreamResult::kDone:
     case fci::StreamResult::kPending: break;
     case fci::StreamResult::kClosed:
-    case fci::StreamResult::kReset: end_ = "the connection broke"; return;
+    case fci::StreamResult::kReset: return Break();
   }
   unsent_.erase(unsent_.begin(), unsent_.begin() + static_cast<std::ptrdiff_t>(sent));
+}
+
+void Connection::Break() {
+  end_ = "the connection broke";
+  is_broken_ = true;
 }
 
 void Connection::Keep(const fci::Endpoint& from, const fci::Endpoint& to,

@@ -1,7 +1,7 @@
 #include "server/hand_desk.h"
 
 #include <algorithm>
-#include <utility>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -17,11 +17,11 @@ HandDesk::HandDesk(robot::ThreadedRobot& robot, const MonotonicClock& clock, std
                    const TellPeople& tell, fci::Capture* capture)
     : robot_(robot), clock_(clock), tell_(tell), capture_(capture), socket_(clock, {address, 0}) {}
 
-void HandDesk::Open(const fci::Endpoint& client, fci::Answers answers) {
-  client_ = client;
+void HandDesk::Open(Connection& client) {
+  client_ = client.peer();
   connected_ = false;
   fci::HandService& service = *this;
-  session_.emplace(service, std::move(answers));
+  session_.emplace(service, [&client](std::span<const std::byte> bytes) { client.Send(bytes); });
 }
 
 std::optional<std::string> HandDesk::OnFrame(const fci::Frame& frame) {
@@ -34,11 +34,12 @@ std::optional<std::string> HandDesk::OnFrame(const fci::Frame& frame) {
   return why;
 }
 
-void HandDesk::OnTurn(Time now) {
-  if (!connected_ || now < next_state_) return;
+std::optional<std::string> HandDesk::OnTurn(Time now) {
+  if (!connected_ || now < next_state_) return {};
   next_state_ = now + kStatePeriod;
   SendState();
   session_->OnProgress();
+  return {};
 }
 
 Duration HandDesk::patience() const {

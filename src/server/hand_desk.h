@@ -4,14 +4,13 @@
 #include <optional>
 #include <string>
 
-#include "server/desk.h"
 #include "twin/core/clock.h"
 #include "twin/fci/capture.h"
 #include "twin/fci/datagrams.h"
 #include "twin/fci/hand_session.h"
 #include "twin/fci/sockets.h"
 #include "twin/robot/threaded_robot.h"
-#include "twin/server/server.h"
+#include "twin/server/desk.h"
 
 namespace twin::server {
 
@@ -26,9 +25,9 @@ class HandDesk final : public Desk, private fci::HandService {
            const TellPeople& tell, fci::Capture* capture);
 
   [[nodiscard]] bool IsReady() override { return true; }
-  void Open(const fci::Endpoint& client, fci::Answers answers) override;
+  void Open(Connection& client) override;
   [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
-  void OnTurn(Time now) override;
+  [[nodiscard]] std::optional<std::string> OnTurn(Time now) override;
   [[nodiscard]] bool has_pending() const override { return session_->has_pending(); }
   void Leave() override { session_.reset(); }
   [[nodiscard]] Duration patience() const override;

@@ -1,4 +1,4 @@
-#include "server/reception.h"
+#include "twin/server/reception.h"
 
 #include <algorithm>
 #include <utility>
@@ -102,7 +102,7 @@ bool Reception::Receive(Visitor& visitor, Time now) {
 
 void Reception::Take(Visitor& visitor) {
   client_ = std::move(visitor.connection);
-  desk_.Open(client_->peer(), [this](std::span<const std::byte> bytes) { client_->Send(bytes); });
+  desk_.Open(*client_);
   Handle(*visitor.first);
 }
 
@@ -126,7 +126,7 @@ void Reception::ServeClient(Time now) {
   if (client_ == nullptr) return;
   if (!client_->end()) {
     try {
-      desk_.OnTurn(now);
+      if (const auto why = desk_.OnTurn(now)) return Dismiss(*why, false);
     } catch (const RobotFault& fault) {
       return Dismiss(fault.what(), true);
     }
@@ -150,7 +150,7 @@ void Reception::Dismiss(const std::string& why, bool is_waiting) {
 void Reception::End() {
   for (Visitor& visitor : visitors_) visitor.connection->Reset();
   visitors_.clear();
-  if (client_ != nullptr) Dismiss("the server ends", false);
+  if (client_ != nullptr) Dismiss("the service ends", false);
 }
 
 }  // namespace twin::server

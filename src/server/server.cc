@@ -7,8 +7,8 @@
 
 #include "server/arm_desk.h"
 #include "server/hand_desk.h"
-#include "server/reception.h"
 #include "twin/core/error.h"
+#include "twin/server/reception.h"
 
 namespace twin::server {
 namespace {

@@ -155,6 +155,16 @@ TEST_P(FrameReaderTest, TellsHeadAndPayload) {
   EXPECT_EQ(feeder.frames(), frames);
 }
 
+TEST_P(FrameReaderTest, AFramesBytesAreThoseThatCame) {
+  const Bytes stream = StreamOf(GetParam(), {{0xABCD, 0xFFFFFFFE, Bytes{std::byte{7}}}});
+  FrameReader reader(GetParam(), kLargest);
+  std::ranges::copy(stream, reader.Room().begin());
+  reader.Received(stream.size());
+  const auto frame = reader.Next();
+  ASSERT_TRUE(frame.has_value());
+  EXPECT_EQ(BytesOf(GetParam(), *frame), stream);
+}
+
 TEST_P(FrameReaderTest, AlwaysHasRoomUnlessAFrameWaits) {
   const std::size_t head = HeadOf(GetParam());
   FrameReader reader(GetParam(), kLargest);

@@ -24,6 +24,10 @@ namespace twin::plant {
 class TruthProbe;
 }  // namespace twin::plant
 
+namespace twin::fci {
+class Capture;
+}  // namespace twin::fci
+
 namespace twin::backend {
 
 /// The virtual clock of lockstep.
@@ -52,6 +56,7 @@ struct RemoteHost {
   std::uint16_t arm_port = 0;   ///< of TCP; 0: the interface's own
   std::uint16_t hand_port = 0;  ///< of TCP; 0: the one after the arm's
   RobotTime time = RobotTime::kWall;
+  fci::Capture* capture = nullptr;  ///< keeps what goes over the wire; null: nothing does
 };
 
 /// What a factory gets. References and pointers must outlive the backend.

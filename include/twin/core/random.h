@@ -23,7 +23,8 @@ enum class RandomStream : std::uint32_t {
   kStateReorder = 13,
   kCommandReorder = 14,
   kTargetNoise = 15,
-  kFault = 16,  ///< of the fault-injecting backend
+  kFault = 16,     ///< of the fault-injecting backend
+  kHandSeed = 17,  ///< of the hand's way through a proxy, which is drawn apart from the arm's
   kTest = 1000,
 };
 

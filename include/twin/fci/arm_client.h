@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "twin/core/clock.h"
@@ -15,6 +16,7 @@
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
+#include "twin/fci/capture.h"
 #include "twin/fci/client_patience.h"
 #include "twin/fci/datagrams.h"
 #include "twin/fci/requests.h"
@@ -59,10 +61,11 @@ class ArmClient {
   /// Connects: TCP, the states' socket, and an agreement on the version.
   /// @param clock  of instants and of patience; must outlive the client. It may be restarted while
   ///               nobody receives.
+  /// @param capture  keeps what is sent and received; must outlive the client. Null: nothing.
   /// @throws InputError when the host has no address; RobotFault when nothing answers there, or
   /// speaks another version, with both versions and the cure.
   ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
-            const ClientPatience& patience = {});
+            const ClientPatience& patience = {}, Capture* capture = nullptr);
   ~ArmClient();
   ArmClient(const ArmClient&) = delete;
   ArmClient& operator=(const ArmClient&) = delete;
@@ -105,9 +108,12 @@ class ArmClient {
   [[nodiscard]] std::uint8_t AskForStatus(const ArmRequest& request, std::uint8_t last);
   [[nodiscard]] bool Accept(const Datagram& datagram) noexcept;
   [[nodiscard]] Reception FoundNone() noexcept;
+  void Keep(Time at, const Endpoint& from, const Endpoint& to,
+            std::span<const std::byte> bytes) noexcept TWIN_REALTIME;
 
   const MonotonicClock& clock_;
   const ClientPatience patience_;
+  Capture* const capture_;
   const Endpoint robot_;
   std::uint16_t version_ = 0;
   std::unique_ptr<UdpSocket> udp_;

@@ -12,7 +12,9 @@
 #include <thread>
 #include <vector>
 
+#include "twin/core/clock.h"
 #include "twin/core/realtime.h"
+#include "twin/core/time.h"
 #include "twin/fci/protocol.h"
 #include "twin/record/packet.h"
 #include "twin/record/pcapng_writer.h"
@@ -43,6 +45,13 @@ class Capture {
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
 
+  /// The file's time, from 0 when it was created, for who has no clock that is never restarted.
+  [[nodiscard]] const MonotonicClock& clock() const noexcept { return clock_; }
+  /// An instant of another clock on clock(). Real-time: noexcept, O(1).
+  [[nodiscard]] Time TimeOf(const MonotonicClock& other, Time at) const noexcept TWIN_REALTIME {
+    return Time(Duration(other.MonotonicNs(at) - clock_.MonotonicNs(Time())));
+  }
+
   /// @param packet  a datagram; of more than kLongestDatagram bytes, those.
   void PutRealtime(const record::Packet& packet) noexcept TWIN_REALTIME;
   /// @param packet  bytes of a TCP stream, or a datagram.
@@ -69,6 +78,7 @@ class Capture {
   [[nodiscard]] bool Drain();
   void StopThread();
 
+  const MonotonicClock clock_;
   record::PcapngWriter writer_;  ///< the writer thread's, then Finish()'s
   rt::SpscRing<Datagram> datagrams_{kRing};
   std::mutex others_lock_;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "twin/fci/requests.h"
 
@@ -13,6 +14,9 @@ namespace twin::fci {
 
 /// Whose heads a stream has.
 enum class HeadKind : std::uint8_t { kArm, kHand };
+
+/// The bytes of a frame as they came, head and payload.
+[[nodiscard]] std::vector<std::byte> BytesOf(HeadKind kind, const Frame& frame);
 
 /// Cuts a TCP stream into frames, however its bytes come: one by one, or several frames at once.
 ///

@@ -9,6 +9,7 @@
 
 #include "twin/core/clock.h"
 #include "twin/core/hand_command.h"
+#include "twin/fci/capture.h"
 #include "twin/fci/client_patience.h"
 #include "twin/fci/sockets.h"
 
@@ -24,8 +25,9 @@ class RequestChannel;
 class HandClient {
  public:
   /// Connects: TCP, the states' socket, and an agreement on the version.
-  /// @throws as ArmClient.
-  HandClient(const std::string& host, std::uint16_t port, const ClientPatience& patience = {});
+  /// @param capture, @throws  as ArmClient.
+  HandClient(const std::string& host, std::uint16_t port, const ClientPatience& patience = {},
+             Capture* capture = nullptr);
   ~HandClient();
   HandClient(const HandClient&) = delete;
   HandClient& operator=(const HandClient&) = delete;

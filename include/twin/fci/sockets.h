@@ -14,6 +14,8 @@
 
 // IPv4 sockets, as far as the Franka Control Interface needs them: nothing here blocks unless it
 // says so. Errors: EnvironmentError or InputError with address, reason and cure.
+struct pollfd;
+
 namespace twin::fci {
 
 /// Closes a file descriptor. Threads: one.
@@ -56,6 +58,12 @@ struct Network {
 };
 /// @throws InputError naming what is wrong with it.
 [[nodiscard]] Network ParseNetwork(const std::string& text);
+
+/// Waits at several descriptors until one of them is ready, or until `deadline`.
+/// @param waited  as poll(2) takes them. @returns whether one is ready. Real-time: noexcept,
+/// bounded by the deadline, allocates nothing.
+[[nodiscard]] bool AwaitAny(std::span<pollfd> waited, const MonotonicClock& clock,
+                            Time deadline) noexcept TWIN_REALTIME;
 
 /// A datagram that was received.
 struct Datagram {

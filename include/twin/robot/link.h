@@ -1,53 +1,17 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "twin/core/realtime.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/onboard/command_inbox.h"
+#include "twin/robot/channel.h"
 #include "twin/robot/link_config.h"
 #include "twin/rt/event_queue.h"
-#include "twin/rt/message_fate.h"
 
 namespace twin::robot {
-
-/// Messages on the way in one direction: each with the fate drawn for it, each copy's arrival an
-/// event. At most kCapacity are on the way at once, two for each millisecond that one may take;
-/// further ones are lost.
-///
-/// Threads: that of the event queue. Real-time: allocates nothing after construction.
-template <typename Message>
-class Channel {
- public:
-  static constexpr std::size_t kCapacity = 2 * (kLongestOnTheWay / kCycle + 1);
-
-  Channel(const DirectionConfig& config, std::uint64_t seed, const rt::FateStreams& streams,
-          rt::EventQueue& events, rt::EventOrder order);
-
-  /// @param arrived  gets an event for every copy that arrives; its token is for Receive().
-  /// @param repeat  counts messages of the same message_id; see rt::MessageFate.
-  void Send(const Message& message, rt::EventHandler& arrived,
-            std::uint32_t repeat = 0) noexcept TWIN_REALTIME;
-
-  /// @pre called once for each event. @returns the message, valid until the next Send().
-  [[nodiscard]] const Message& Receive(std::uint64_t token) noexcept TWIN_REALTIME;
-
- private:
-  struct Slot {
-    Message message;
-    int copies = 0;  ///< on the way
-  };
-
-  rt::MessageFate fate_;
-  rt::EventQueue& events_;
-  rt::EventOrder order_;
-  std::vector<Slot> slots_;
-  std::vector<std::size_t> free_;  ///< slots without a copy; the last one freed is used next
-};
 
 /// Robot states on their way to the workstation. Newest id wins: one that arrives behind a newer
 /// one, or a second time, is dropped, as libfranka does.

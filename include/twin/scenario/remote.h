@@ -21,6 +21,8 @@ struct RemoteSettings {
   std::string host;            ///< IPv4 address, or name
   std::uint16_t arm_port = 0;  ///< 0: the interface's own
   backend::RobotTime time = backend::RobotTime::kWall;
+  fci::Capture* capture =
+      nullptr;  ///< keeps what goes over the wire, and outlives the run; or null
 };
 
 /// @param robot  "HOST" or "HOST:PORT", PORT in [1, 65534]: the hand's is the next one.

@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "twin/core/clock.h"
@@ -15,6 +14,7 @@
 #include "twin/fci/sockets.h"
 #include "twin/robot/threaded_robot.h"
 #include "twin/server/bell.h"
+#include "twin/server/desk.h"
 #include "twin/server/udp_port.h"
 
 namespace twin::server {
@@ -33,10 +33,6 @@ struct ServerConfig {
   /// Keeps what goes over TCP (over UDP: UdpPort::KeepIn); must outlive the server. Null: nothing.
   fci::Capture* capture = nullptr;
 };
-
-/// Gets one line, without its end, for each thing worth telling people: who connected, how motions
-/// ended, what was refused and why.
-using TellPeople = std::function<void(std::string_view)>;
 
 /// A robot that is served over the Franka Control Interface: TCP for requests, with the session's
 /// order of events as in fci::ArmSession and fci::HandSession; states and commands pass through

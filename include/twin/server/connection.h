@@ -33,6 +33,7 @@ class Connection {
 
   [[nodiscard]] int fd() const noexcept { return stream_.fd(); }
   [[nodiscard]] const fci::Endpoint& peer() const noexcept { return peer_; }
+  [[nodiscard]] const fci::Endpoint& local() const noexcept { return stream_.local(); }
   [[nodiscard]] Time since() const noexcept { return since_; }
 
   /// The next whole frame of what has come; its payload is valid until the next call. Receives when
@@ -48,6 +49,8 @@ class Connection {
 
   /// Why nothing can come or go any more; absent while it can.
   [[nodiscard]] const std::optional<std::string>& end() const noexcept { return end_; }
+  /// Whether that is because it broke (RST, timeout).
+  [[nodiscard]] bool is_broken() const noexcept { return is_broken_; }
 
   /// In order (what was sent is on its way), or broken, so that who waits for an answer knows.
   void Close() noexcept { stream_.Close(); }
@@ -58,6 +61,7 @@ class Connection {
 
   /// @returns whether bytes came.
   bool Receive();
+  void Break();
   void Keep(const fci::Endpoint& from, const fci::Endpoint& to, std::span<const std::byte> bytes);
 
   fci::TcpStream stream_;
@@ -68,6 +72,7 @@ class Connection {
   std::vector<std::byte> unsent_;
   std::size_t answers_ = 0;
   std::optional<std::string> end_;
+  bool is_broken_ = false;
 };
 
 }  // namespace twin::server

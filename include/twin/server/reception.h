@@ -9,11 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "server/connection.h"
-#include "server/desk.h"
 #include "twin/core/clock.h"
 #include "twin/fci/sockets.h"
-#include "twin/server/server.h"
+#include "twin/server/connection.h"
+#include "twin/server/desk.h"
 
 namespace twin::server {
 

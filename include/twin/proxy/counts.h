@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+namespace twin::proxy {
+
+/// What became of the datagrams of one direction. A datagram that came was relayed once, twice
+/// (duplicated), or not at all (lost, dropped, or still on its way when its session ended).
+struct DirectionCounts {
+  std::uint64_t came = 0;        ///< of the robot, or of the client; each has a number, from 0
+  std::uint64_t relayed = 0;     ///< copies that went on
+  std::uint64_t delayed = 0;     ///< held for a time above 0
+  std::uint64_t lost = 0;        ///< by the faults, or because too many were on the way
+  std::uint64_t duplicated = 0;  ///< of which a second copy was made
+  std::uint64_t reordered = 0;   ///< copies that went on behind a datagram that had come later
+  std::uint64_t dropped = 0;     ///< longer than any of the protocol, or not taken by the system
+  std::uint64_t foreign = 0;     ///< of somebody else, who is not listened to; these have no number
+  bool operator==(const DirectionCounts&) const = default;
+};
+
+/// Both directions.
+struct WayCounts {
+  DirectionCounts state;    ///< robot to client
+  DirectionCounts command;  ///< client to robot
+  bool operator==(const WayCounts&) const = default;
+};
+
+/// Adds the sessions' counts up.
+WayCounts& operator+=(WayCounts& sum, const WayCounts& one) noexcept;
+
+}  // namespace twin::proxy

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "twin/core/realtime.h"
+#include "twin/robot/link_config.h"
+#include "twin/rt/event_queue.h"
+#include "twin/rt/message_fate.h"
+
+namespace twin::robot {
+
+/// Messages on the way in one direction: each with the fate drawn for it, each copy's arrival an
+/// event. At most kCapacity are on the way at once, two for each millisecond that one may take;
+/// further ones are lost.
+///
+/// Threads: that of the event queue. Real-time: allocates nothing after construction.
+/// @tparam Message  with a message_id, the number its fate is drawn by.
+template <typename Message>
+class Channel {
+ public:
+  static constexpr std::size_t kCapacity = 2 * (kLongestOnTheWay / kCycle + 1);
+
+  /// @throws InputError naming the field of `config` that is out of range.
+  Channel(const DirectionConfig& config, std::uint64_t seed, const rt::FateStreams& streams,
+          rt::EventQueue& events, rt::EventOrder order);
+
+  /// @param arrived  gets an event for every copy that arrives; its token is for Receive().
+  /// @param repeat  counts messages of the same message_id; see rt::MessageFate.
+  /// @returns what becomes of it; lost is also what would take too long, or finds no room.
+  rt::Fate Send(const Message& message, rt::EventHandler& arrived,
+                std::uint32_t repeat = 0) noexcept TWIN_REALTIME;
+
+  /// @pre called once for each event. @returns the message, valid until the next Send().
+  [[nodiscard]] const Message& Receive(std::uint64_t token) noexcept TWIN_REALTIME;
+
+ private:
+  struct Slot {
+    Message message;
+    int copies = 0;  ///< on the way
+  };
+
+  rt::MessageFate fate_;
+  rt::EventQueue& events_;
+  rt::EventOrder order_;
+  std::vector<Slot> slots_;
+  std::vector<std::size_t> free_;  ///< slots without a copy; the last one freed is used next
+};
+
+template <typename Message>
+Channel<Message>::Channel(const DirectionConfig& config, std::uint64_t seed,
+                          const rt::FateStreams& streams, rt::EventQueue& events,
+                          rt::EventOrder order)
+    : fate_(config, seed, streams), events_(events), order_(order), slots_(kCapacity) {
+  free_.reserve(kCapacity);
+  for (std::size_t slot = kCapacity; slot > 0; --slot) free_.push_back(slot - 1);
+}
+
+template <typename Message>
+rt::Fate Channel<Message>::Send(const Message& message, rt::EventHandler& arrived,
+                                std::uint32_t repeat) noexcept {
+  rt::Fate fate = fate_.Of(message.message_id, repeat);
+  if (fate.lost || fate.delay > kLongestOnTheWay || free_.empty()) return {.lost = true};
+  const std::size_t index = free_.back();
+  free_.pop_back();
+  slots_[index].message = message;
+  slots_[index].copies = 1;
+  events_.Schedule(events_.Now() + fate.delay, order_, arrived, index);
+  if (fate.duplicate_delay > kLongestOnTheWay) fate.duplicated = false;
+  if (!fate.duplicated) return fate;
+  slots_[index].copies = 2;
+  events_.Schedule(events_.Now() + fate.duplicate_delay, order_, arrived, index);
+  return fate;
+}
+
+template <typename Message>
+const Message& Channel<Message>::Receive(std::uint64_t token) noexcept {
+  Slot& slot = slots_[token];
+  if (--slot.copies == 0) free_.push_back(token);
+  return slot.message;
+}
+
+}  // namespace twin::robot

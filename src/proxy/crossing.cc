@@ -1,0 +1,88 @@
+#include "proxy/crossing.h"
+
+#include <poll.h>
+
+#include <utility>
+
+namespace twin::proxy {
+namespace {
+
+/// Datagrams that are taken from a socket in one go: whoever floods is not waited for.
+constexpr int kMostAtOnce = 64;
+
+}  // namespace
+
+bool Crossing::Gate::Send(std::span<const std::byte> bytes) noexcept {
+  return to_.port != 0 && socket_.Send(bytes, to_);
+}
+
+bool Crossing::Gate::Knows(const fci::Endpoint& from) noexcept {
+  if (to_.port == 0 && from.address == to_.address) to_.port = from.port;
+  return from == to_;
+}
+
+Crossing::Crossing(const MonotonicClock& clock, const Ends& ends, const Faults& faults,
+                   const rt::ThreadSettings& thread)
+    : clock_(clock),
+      client_side_(clock, {ends.client_side, 0}),
+      robot_side_(clock, {ends.robot_side, 0}),
+      to_client_(client_side_, ends.client),
+      to_robot_(robot_side_, {ends.robot, 0}),
+      states_(faults.state, faults.seed, rt::kStateStreams, events_, rt::EventOrder::kStateArrival,
+              to_client_),
+      commands_(faults.command, faults.seed, rt::kCommandStreams, events_,
+                rt::EventOrder::kCommandArrival, to_robot_) {
+  rt::StartedThread started =
+      rt::StartThread(thread, [this](const std::stop_token& stop) { Run(stop); });
+  thread_ = std::move(started.thread);
+  notices_ = std::move(started.notices);
+}
+
+Crossing::~Crossing() {
+  StopThread();
+}
+
+void Crossing::StopThread() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  end_.Ring();
+  thread_.join();
+}
+
+WayCounts Crossing::End() {
+  StopThread();
+  return {states_.counts(), commands_.counts()};
+}
+
+void Crossing::Run(const std::stop_token& stop) {
+  std::array<pollfd, 3> waited{
+      {{robot_side_.fd(), POLLIN, 0}, {client_side_.fd(), POLLIN, 0}, {end_.fd(), POLLIN, 0}}};
+  while (!stop.stop_requested()) {
+    static_cast<void>(fci::AwaitAny(waited, clock_, events_.NextTime().value_or(Time::max())));
+    TakeFrom(robot_side_, to_robot_, states_);
+    TakeFrom(client_side_, to_client_, commands_);
+    RelayUntil(clock_.Now());
+  }
+}
+
+void Crossing::TakeFrom(fci::UdpSocket& socket, Gate& gate, Lane& lane) noexcept {
+  for (int i = 0; i < kMostAtOnce; ++i) {
+    const auto datagram = socket.Receive(incoming_);
+    if (!datagram) return;
+    if (!gate.Knows(datagram->from)) {
+      lane.CountForeign();
+      continue;
+    }
+    RelayUntil(datagram->at);
+    lane.Take(datagram->bytes);
+  }
+}
+
+void Crossing::RelayUntil(Time now) noexcept {
+  for (auto next = events_.NextTime(); next && *next <= now; next = events_.NextTime()) {
+    events_.RunNext();
+  }
+  events_.AdvanceTo(now);
+}
+
+}  // namespace twin::proxy

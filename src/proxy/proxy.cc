@@ -1,0 +1,127 @@
+#include "twin/proxy/proxy.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "proxy/relay_desk.h"
+#include "twin/core/random.h"
+#include "twin/server/reception.h"
+
+namespace twin::proxy {
+namespace {
+
+const ProxyConfig& Validated(const ProxyConfig& config) {
+  config.Validate();
+  return config;
+}
+
+/// The two are lost apart from one another.
+std::uint64_t HandSeed(std::uint64_t seed) noexcept {
+  const auto bits = Random(seed, RandomStream::kHandSeed).Bits(0);
+  return std::uint64_t{bits[1]} << 32 | bits[0];
+}
+
+RelayDesk::Settings DeskSettings(const ProxyConfig& config, fci::HeadKind kind) {
+  const bool is_arm = kind == fci::HeadKind::kArm;
+  return {.name = is_arm ? "arm" : "hand",
+          .kind = kind,
+          .robot = is_arm ? config.robot_arm : config.robot_hand,
+          .reach_patience = config.reach_patience,
+          .faults = {config.state, config.command, is_arm ? config.seed : HandSeed(config.seed)},
+          .thread = {.name = is_arm ? "twin-proxy-arm" : "twin-proxy-hand",
+                     .fifo_priority = config.fifo_priority,
+                     .cpu = config.cpu}};
+}
+
+server::Reception::Settings ReceptionSettings(const ProxyConfig& config, fci::HeadKind kind) {
+  const bool is_arm = kind == fci::HeadKind::kArm;
+  return {.name = is_arm ? "arm" : "hand",
+          .kind = kind,
+          .largest = is_arm ? fci::kLargestArmRequest : fci::kLargestHandRequest,
+          .local = {config.address, is_arm ? config.arm_port : config.hand_port},
+          .allow = config.allow,
+          .connect_patience = config.connect_patience};
+}
+
+/// A port, and the way behind it.
+struct Service {
+  Service(const ProxyConfig& config, fci::HeadKind kind, const MonotonicClock& clock,
+          const server::TellPeople& tell)
+      : desk(DeskSettings(config, kind), clock, tell),
+        reception(ReceptionSettings(config, kind), desk, tell) {}
+
+  RelayDesk desk;
+  server::Reception reception;
+};
+
+}  // namespace
+
+void ProxyConfig::Validate() const {
+  state.Validate("link.state");
+  command.Validate("link.command");
+}
+
+class Proxy::Impl {
+ public:
+  Impl(const ProxyConfig& config, const MonotonicClock& clock, server::TellPeople tell)
+      : clock_(clock),
+        tell_(std::move(tell)),
+        arm_(Validated(config), fci::HeadKind::kArm, clock, tell_),
+        hand_(config, fci::HeadKind::kHand, clock, tell_) {}
+
+  void Run(const std::function<bool()>& ends) {
+    while (!ends()) {
+      Wait();
+      const Time now = clock_.Now();
+      for (Service* service : {&arm_, &hand_}) service->reception.Serve(now);
+    }
+    for (Service* service : {&arm_, &hand_}) service->reception.End();
+  }
+
+  [[nodiscard]] const Service& arm() const noexcept { return arm_; }
+  [[nodiscard]] const Service& hand() const noexcept { return hand_; }
+
+ private:
+  void Wait() {
+    waited_.clear();
+    for (const Service* service : {&arm_, &hand_}) {
+      service->reception.AddTo(waited_);
+      service->desk.AddTo(waited_);
+    }
+    const Duration patience = std::min(arm_.reception.patience(), hand_.reception.patience());
+    static_cast<void>(fci::AwaitAny(waited_, clock_, clock_.Now() + patience));
+  }
+
+  const MonotonicClock& clock_;
+  const server::TellPeople tell_;
+  Service arm_;
+  Service hand_;
+  std::vector<pollfd> waited_;
+};
+
+Proxy::Proxy(const ProxyConfig& config, const MonotonicClock& clock, server::TellPeople tell)
+    : impl_(std::make_unique<Impl>(config, clock, std::move(tell))) {}
+
+Proxy::~Proxy() = default;
+
+fci::Endpoint Proxy::arm() const {
+  return impl_->arm().reception.local();
+}
+
+fci::Endpoint Proxy::hand() const {
+  return impl_->hand().reception.local();
+}
+
+void Proxy::Run(const std::function<bool()>& ends) {
+  impl_->Run(ends);
+}
+
+ProxyCounts Proxy::counts() const noexcept {
+  return {impl_->arm().desk.counts(), impl_->hand().desk.counts()};
+}
+
+}  // namespace twin::proxy

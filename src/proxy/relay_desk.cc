@@ -1,0 +1,125 @@
+#include "proxy/relay_desk.h"
+
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/fci/requests.h"
+
+namespace twin::proxy {
+namespace {
+
+constexpr Duration kPatience = std::chrono::milliseconds(100);
+/// Pieces of the robot's bytes that are passed on before others have their turn.
+constexpr int kMostPieces = 16;
+
+template <typename Request>
+std::optional<fci::Connect> ConnectOf(const std::variant<Request, fci::BadFrame>& parsed) {
+  const auto* request = std::get_if<Request>(&parsed);
+  const auto* connect = request == nullptr ? nullptr : std::get_if<fci::Connect>(request);
+  return connect == nullptr ? std::nullopt : std::optional(*connect);
+}
+
+std::optional<fci::Connect> ConnectOf(fci::HeadKind kind, const fci::Frame& frame) {
+  return kind == fci::HeadKind::kArm ? ConnectOf(fci::ParseArmRequest(frame))
+                                     : ConnectOf(fci::ParseHandRequest(frame));
+}
+
+std::vector<std::byte> BytesOf(fci::HeadKind kind, std::uint32_t id, const fci::Connect& connect) {
+  return kind == fci::HeadKind::kArm ? fci::EncodeRequest(id, fci::ArmRequest(connect))
+                                     : fci::EncodeRequest(id, fci::HandRequest(connect));
+}
+
+}  // namespace
+
+RelayDesk::RelayDesk(const Settings& settings, const MonotonicClock& clock,
+                     const server::TellPeople& tell)
+    : settings_(settings), clock_(clock), tell_(tell), piece_(kPiece) {}
+
+void RelayDesk::AddTo(std::vector<pollfd>& waited) const {
+  // What the client does not take now is not asked for.
+  if (robot_ && !client_->has_unsent()) waited.push_back({robot_->fd(), POLLIN, 0});
+}
+
+Duration RelayDesk::patience() const {
+  return kPatience;
+}
+
+std::optional<std::string> RelayDesk::OnFrame(const fci::Frame& frame) {
+  try {
+    if (!robot_) Reach();
+    return Forward(Passed(frame));
+  } catch (const EnvironmentError& error) {
+    is_broken_ = true;
+    return error.what();
+  }
+}
+
+std::optional<std::string> RelayDesk::Forward(std::span<const std::byte> bytes) {
+  std::size_t sent = 0;
+  const fci::StreamResult result = robot_->Send(bytes, sent);
+  // A connection that has ended may have left answers: OnTurn() passes them on, and tells.
+  const bool has_ended =
+      result == fci::StreamResult::kReset || result == fci::StreamResult::kClosed;
+  if (has_ended || sent == bytes.size()) return {};
+  is_broken_ = true;
+  return "the robot takes no more requests";
+}
+
+void RelayDesk::Reach() {
+  robot_ = fci::TcpStream::Connect(settings_.robot, settings_.reach_patience);
+  tell_(fmt::format("{}: {} connected to {}", settings_.name, fci::ToString(client_->peer()),
+                    fci::ToString(settings_.robot)));
+}
+
+std::vector<std::byte> RelayDesk::Passed(const fci::Frame& frame) {
+  std::optional<fci::Connect> connect = ConnectOf(settings_.kind, frame);
+  // Who names no port gets no datagrams.
+  if (!connect || connect->udp_port == 0) return fci::BytesOf(settings_.kind, frame);
+  connect->udp_port = Cross(connect->udp_port);
+  return BytesOf(settings_.kind, frame.head.command_id, *connect);
+}
+
+std::uint16_t RelayDesk::Cross(std::uint16_t client_port) {
+  EndCrossing();
+  const Ends ends{.client = {client_->peer().address, client_port},
+                  .client_side = client_->local().address,
+                  .robot = settings_.robot.address,
+                  .robot_side = robot_->local().address};
+  crossing_.emplace(clock_, ends, settings_.faults, settings_.thread);
+  if (!std::exchange(noticed_, true)) {
+    for (const std::string& notice : crossing_->notices()) tell_("note: " + notice);
+  }
+  return crossing_->port();
+}
+
+std::optional<std::string> RelayDesk::OnTurn(Time /*now*/) {
+  for (int i = 0; robot_ && i < kMostPieces && !client_->has_unsent(); ++i) {
+    std::size_t received = 0;
+    switch (robot_->Receive(piece_, received)) {
+      case fci::StreamResult::kDone: client_->Send(std::span(piece_).first(received)); break;
+      case fci::StreamResult::kPending: return {};
+      case fci::StreamResult::kClosed: return "the robot has closed the connection";
+      case fci::StreamResult::kReset: is_broken_ = true; return "the robot's connection broke";
+    }
+  }
+  return {};
+}
+
+void RelayDesk::EndCrossing() {
+  if (!crossing_) return;
+  counts_ += crossing_->End();
+  crossing_.reset();
+}
+
+void RelayDesk::Leave() {
+  EndCrossing();
+  if (robot_) client_->is_broken() ? robot_->ResetConnection() : robot_->Close();
+  robot_.reset();
+  client_ = nullptr;
+  is_broken_ = false;
+}
+
+}  // namespace twin::proxy

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <poll.h>
+
+#include "proxy/crossing.h"
+#include "twin/core/clock.h"
+#include "twin/fci/frame_reader.h"
+#include "twin/fci/sockets.h"
+#include "twin/proxy/counts.h"
+#include "twin/rt/thread_setup.h"
+#include "twin/server/desk.h"
+
+namespace twin::proxy {
+
+/// The way to a robot's arm or to its hand, as the desk where a client is served: its frames go to
+/// the robot, the robot's bytes to it, and datagrams over a Crossing.
+///
+/// Threads: one.
+class RelayDesk final : public server::Desk {
+ public:
+  struct Settings {
+    std::string_view name;  ///< for people: "arm", "hand"
+    fci::HeadKind kind{};
+    fci::Endpoint robot;  ///< its TCP
+    Duration reach_patience{};
+    Faults faults;
+    rt::ThreadSettings thread;  ///< of datagrams
+  };
+
+  /// @param clock, tell  must outlive the desk.
+  RelayDesk(const Settings& settings, const MonotonicClock& clock, const server::TellPeople& tell);
+
+  /// Adds what to wait at.
+  void AddTo(std::vector<pollfd>& waited) const;
+  /// Of sessions that have ended.
+  [[nodiscard]] const WayCounts& counts() const noexcept { return counts_; }
+
+  [[nodiscard]] bool IsReady() override { return true; }
+  void Open(server::Connection& client) override { client_ = &client; }
+  [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
+  [[nodiscard]] std::optional<std::string> OnTurn(Time now) override;
+  /// The robot has broken its connection: so is the client's.
+  [[nodiscard]] bool has_pending() const override { return is_broken_; }
+  void Leave() override;
+  [[nodiscard]] Duration patience() const override;
+
+ private:
+  static constexpr std::size_t kPiece = std::size_t{64} << 10;
+
+  void Reach();
+  /// @returns as OnFrame().
+  [[nodiscard]] std::optional<std::string> Forward(std::span<const std::byte> bytes);
+  /// The frame as it goes on: a Connect with another UDP port, whose datagrams are relayed then.
+  [[nodiscard]] std::vector<std::byte> Passed(const fci::Frame& frame);
+  [[nodiscard]] std::uint16_t Cross(std::uint16_t client_port);
+  void EndCrossing();
+
+  const Settings settings_;
+  const MonotonicClock& clock_;
+  const server::TellPeople& tell_;
+  std::vector<std::byte> piece_;  ///< of the robot's bytes
+  WayCounts counts_;
+  bool noticed_ = false;  ///< what the thread is not permitted was told
+
+  // A session's.
+  server::Connection* client_ = nullptr;
+  std::optional<fci::TcpStream> robot_;
+  std::optional<Crossing> crossing_;
+  bool is_broken_ = false;
+};
+
+}  // namespace twin::proxy

@@ -1,0 +1,192 @@
+#include "proxy/lane.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/realtime_guard.h"
+
+namespace twin::proxy {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+/// What left, and when, on the queue's time.
+class Record final : public Exit {
+ public:
+  explicit Record(const rt::EventQueue& events) : events_(events) { gone_.reserve(10'000); }
+  bool Send(std::span<const std::byte> bytes) noexcept override {
+    if (is_shut_) return false;
+    std::uint64_t content = 0;
+    std::memcpy(&content, bytes.data(), sizeof content);
+    gone_.emplace_back(content, events_.Now().time_since_epoch());
+    size_ = bytes.size();
+    return true;
+  }
+
+  const rt::EventQueue& events_;
+  std::vector<std::pair<std::uint64_t, Duration>> gone_;
+  std::size_t size_ = 0;
+  bool is_shut_ = false;
+};
+
+class LaneTest : public ::testing::Test {
+ protected:
+  LaneTest() {
+    faults_.delay = rt::DelayModel(rt::GammaDelay{2, milliseconds(1), microseconds(50)});
+    faults_.loss = rt::LossModel(rt::GilbertElliottLoss{0.05, 0.2, 0.02, 0.9});
+    faults_.duplication = 0.2;
+    faults_.duplicate_delay = rt::DelayModel(rt::ConstantDelay{microseconds(1700)});
+    faults_.reordering = 0.1;
+    faults_.reorder_by = microseconds(2500);
+  }
+
+  Lane Make(std::uint64_t seed = 7) {
+    return Lane(faults_, seed, rt::kStateStreams, events_, rt::EventOrder::kStateArrival, exit_);
+  }
+  /// `count` datagrams, 1 ms apart, whose content is their number; then all that is on the way.
+  void Relay(Lane& lane, std::uint64_t count) {
+    for (std::uint64_t k = 0; k < count; ++k) {
+      RunUntil(Time(milliseconds(k)));
+      std::array<std::byte, 64> bytes{};
+      std::memcpy(bytes.data(), &k, sizeof k);
+      lane.Take(bytes);
+    }
+    while (events_.RunNext()) {
+    }
+  }
+  void RunUntil(Time now) {
+    while (events_.NextTime() && *events_.NextTime() <= now) events_.RunNext();
+    events_.AdvanceTo(now);
+  }
+
+  rt::DirectionConfig faults_;
+  rt::EventQueue events_;
+  Record exit_{events_};
+};
+
+TEST_F(LaneTest, EachDatagramHasTheFateOfItsNumber) {
+  Lane lane = Make();
+  Relay(lane, 1000);
+  rt::MessageFate fates(faults_, 7, rt::kStateStreams);
+  std::vector<std::pair<std::uint64_t, Duration>> expected;
+  for (std::uint64_t k = 0; k < 1000; ++k) {
+    const rt::Fate fate = fates.Of(k);
+    if (fate.lost) continue;
+    expected.emplace_back(k, milliseconds(k) + fate.delay);
+    if (fate.duplicated) expected.emplace_back(k, milliseconds(k) + fate.duplicate_delay);
+  }
+  auto gone = exit_.gone_;
+  std::ranges::sort(gone);
+  std::ranges::sort(expected);
+  EXPECT_EQ(gone, expected);
+}
+
+TEST_F(LaneTest, CountsWhatBecameOfEach) {
+  Lane lane = Make();
+  Relay(lane, 1000);
+  rt::MessageFate fates(faults_, 7, rt::kStateStreams);
+  DirectionCounts expected;
+  expected.came = 1000;
+  expected.relayed = exit_.gone_.size();
+  for (std::uint64_t k = 0; k < 1000; ++k) {
+    const rt::Fate fate = fates.Of(k);
+    expected.lost += fate.lost ? 1 : 0;
+    expected.delayed += fate.delay > Duration::zero() ? 1 : 0;
+    expected.duplicated += fate.duplicated ? 1 : 0;
+  }
+  std::uint64_t newest = 0;
+  for (const auto& [number, at] : exit_.gone_) {
+    expected.reordered += number < newest ? 1 : 0;
+    newest = std::max(newest, number);
+  }
+  EXPECT_GT(expected.reordered, 0u);
+  EXPECT_GT(expected.lost, 0u);
+  EXPECT_EQ(lane.counts(), expected);
+}
+
+TEST_F(LaneTest, AnotherSeedGivesOtherFates) {
+  faults_ = {};
+  faults_.loss = rt::LossModel(rt::IndependentLoss{0.5});
+  const auto gone = [this](std::uint64_t seed) {
+    Lane lane = Make(seed);
+    exit_.gone_.clear();
+    for (std::uint64_t k = 0; k < 64; ++k) {
+      std::array<std::byte, 8> bytes{};
+      std::memcpy(bytes.data(), &k, sizeof k);
+      lane.Take(bytes);
+    }
+    while (events_.RunNext()) {
+    }
+    return exit_.gone_;
+  };
+  EXPECT_EQ(gone(7), gone(7));
+  EXPECT_NE(gone(7), gone(8));
+}
+
+TEST_F(LaneTest, WithoutFaultsAllGoOnAtOnceAndInOrder) {
+  faults_ = {};
+  Lane lane = Make();
+  Relay(lane, 50);
+  ASSERT_EQ(exit_.gone_.size(), 50u);
+  for (std::uint64_t k = 0; k < 50; ++k) {
+    EXPECT_EQ(exit_.gone_[k], std::pair(k, Duration(milliseconds(k))));
+  }
+  EXPECT_EQ(lane.counts(), (DirectionCounts{.came = 50, .relayed = 50}));
+  EXPECT_EQ(exit_.size_, 64u);
+}
+
+TEST_F(LaneTest, ADatagramThatIsTooLongIsDroppedAndHasItsNumberAllTheSame) {
+  faults_ = {};
+  faults_.loss = rt::LossModel(rt::ScriptedLoss{{{1, 1}}});
+  Lane lane = Make();
+  const std::array<std::byte, kLongestPacket + 1> long_one{};
+  lane.Take(long_one);
+  lane.Take(std::span(long_one).first(kLongestPacket));  // number 1: lost
+  lane.Take(std::span(long_one).first(kLongestPacket));
+  while (events_.RunNext()) {
+  }
+  EXPECT_EQ(lane.counts(), (DirectionCounts{.came = 3, .relayed = 1, .lost = 1, .dropped = 1}));
+  EXPECT_EQ(exit_.size_, kLongestPacket);
+}
+
+TEST_F(LaneTest, AFloodFillsItsRoomAndNoMore) {
+  faults_ = {};
+  faults_.delay = rt::DelayModel(rt::ConstantDelay{milliseconds(100)});
+  faults_.duplication = 1;
+  Lane lane = Make();
+  constexpr std::size_t kRoom = robot::Channel<Packet>::kCapacity;
+  const std::array<std::byte, 8> bytes{};
+  for (std::size_t i = 0; i < kRoom + 100; ++i) lane.Take(bytes);
+  EXPECT_EQ(events_.pending(), Lane::kMostEvents);
+  EXPECT_EQ(lane.counts().lost, 100u);
+  while (events_.RunNext()) {
+  }
+  EXPECT_EQ(lane.counts().relayed, 2 * kRoom);
+}
+
+TEST_F(LaneTest, WhatTheSystemDoesNotTakeIsCounted) {
+  faults_ = {};
+  Lane lane = Make();
+  exit_.is_shut_ = true;
+  Relay(lane, 3);
+  EXPECT_EQ(lane.counts(), (DirectionCounts{.came = 3, .dropped = 3}));
+}
+
+TEST_F(LaneTest, RelaysWithoutAllocationAndLocks) {
+  Lane lane = Make();
+  const test::RealtimeGuard guard;
+  Relay(lane, 1000);
+  const auto counts = guard.counts();
+  EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
+}
+
+}  // namespace
+}  // namespace twin::proxy
