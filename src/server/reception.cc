@@ -10,7 +10,8 @@
 namespace twin::server {
 namespace {
 
-/// Connections without a request that are kept at once; further ones are reset.
+/// Connections without a request that are kept at once; for a further one the oldest is reset, so
+/// that silent ones keep nobody out.
 constexpr std::size_t kMostVisitors = 16;
 /// Requests of a client that are handled before others have their turn.
 constexpr int kMostRequests = 64;
@@ -53,13 +54,12 @@ void Reception::Serve(Time now) {
 void Reception::Accept(Time now) {
   try {
     while (auto stream = listener_.Accept()) {
-      const bool full = visitors_.size() >= kMostVisitors;
-      if (!Admits(stream->peer()) || full) {
-        Tell(stream->peer(), full ? "refused: too many connections wait"
-                                  : "refused: its address is not allowed (see --allow)");
+      if (!Admits(stream->peer())) {
+        Tell(stream->peer(), "refused: its address is not allowed (see --allow)");
         stream->ResetConnection();
         continue;
       }
+      if (visitors_.size() >= kMostVisitors) DropSilent();
       visitors_.push_back({std::make_unique<Connection>(std::move(*stream), settings_.kind,
                                                         settings_.largest, now, settings_.tap),
                            {}});
@@ -67,6 +67,15 @@ void Reception::Accept(Time now) {
   } catch (const EnvironmentError& error) {
     tell_(fmt::format("{}: {}", settings_.name, error.what()));
   }
+}
+
+void Reception::DropSilent() {
+  auto dropped = std::ranges::find_if(
+      visitors_, [](const Visitor& visitor) { return !visitor.first.has_value(); });
+  if (dropped == visitors_.end()) dropped = visitors_.begin();
+  Tell(dropped->connection->peer(), "dropped: too many connections wait, and it has for longest");
+  dropped->connection->Reset();
+  visitors_.erase(dropped);
 }
 
 bool Reception::Admits(const fci::Endpoint& peer) const noexcept {

@@ -53,6 +53,8 @@ class Reception {
   };
 
   void Accept(Time now);
+  /// Makes room: the one that has said nothing for longest goes.
+  void DropSilent();
   [[nodiscard]] bool Admits(const fci::Endpoint& peer) const noexcept;
   /// @returns whether the visitor has left, or become the client.
   bool Receive(Visitor& visitor, Time now);
