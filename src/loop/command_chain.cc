@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "twin/reference/moving_average.h"
 #include "twin/reference/rate_limiter.h"
 
 namespace twin::loop {
@@ -84,7 +85,8 @@ CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
       joint_generator_(config.lambda),
       cartesian_generator_(config.lambda),
       low_pass_(config.low_pass_hz),
-      bridge_(interface, joint_matcher_.window()) {}
+      // The source's updates last N cycles, matched or not.
+      bridge_(interface, reference::RateMatchingWindow(config.source_rate_hz)) {}
 
 void CommandChain::Reset(const RobotState& state) noexcept {
   bridge_.Reset();
@@ -127,8 +129,9 @@ void CommandChain::Next(const RobotState& state, const reference::Target& target
     matched_.tau_J_d = {};
   }
   Generate(state, command);
-  if (bridge_.active()) bridge_.Carry(state, command);
+  // After the low-pass: it would scale the motion that the bridge goes on with.
   if (low_pass_.is_on()) Filter(state, command);
+  if (bridge_.active()) bridge_.Carry(state, command);
   if (config_.limiter) Limit(state, command);
   sent_ = Sent(command, interface_);
 }

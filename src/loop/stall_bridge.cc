@@ -28,6 +28,9 @@ constexpr std::uint64_t kLongestStep = 64;
 constexpr double kLargestOmega = 20;
 constexpr double kGentle = 8;
 
+/// Largest w with which a difference is taken away from a motion, 1/s.
+constexpr double kLargestReturn = 30;
+
 /// The demand's own acceleration is that over this time, s, and at most that, 1/s^2: a jump is no
 /// acceleration. More, or faster, makes the drawn motion swing behind a source that lapses often.
 constexpr double kSlow = 0.05;
@@ -68,7 +71,8 @@ std::array<double, kJoints> Widened(const Vector6& values) {
 
 }  // namespace
 
-void StallBridge::Difference::Step(double omega, double decay) noexcept {
+void StallBridge::Difference::Step() noexcept {
+  const double decay = std::exp(-omega * kT);
   const double drive = rate + omega * x;
   x = (x + drive * kT) * decay;
   rate = (rate - omega * drive * kT) * decay;
@@ -76,10 +80,7 @@ void StallBridge::Difference::Step(double omega, double decay) noexcept {
 }
 
 StallBridge::StallBridge(CommandInterface interface, std::uint64_t period_cycles) noexcept
-    : interface_(interface),
-      period_cycles_(period_cycles),
-      omega_(interface == CommandInterface::kTorque ? kTorqueOmega : kOmega),
-      decay_(std::exp(-omega_ * kT)) {}
+    : interface_(interface), period_cycles_(period_cycles) {}
 
 void StallBridge::Reset() noexcept {
   *this = StallBridge(interface_, period_cycles_);
@@ -128,8 +129,13 @@ double StallBridge::Drawn(std::size_t i, double demand, double last, double rate
   const double feed =
       motion ? std::clamp((demand - slow_[i]) / kSlow, -kLargestFeed, kLargestFeed) : 0;
   const double omega =
-      motion ? std::clamp(kGentle / std::abs(missing), kOmega, kLargestOmega) : omega_;
+      motion ? std::clamp(kGentle / std::abs(missing), kOmega, kLargestOmega) : kTorqueOmega;
   return last + kT * (rate + kT * omega * (omega * missing + 2 * (feed - rate)));
+}
+
+double StallBridge::OmegaOf(double difference) const noexcept {
+  if (interface_ == CommandInterface::kTorque) return kTorqueOmega;
+  return std::clamp(kGentle / std::max(std::abs(difference), kGone), kOmega, kLargestReturn);
 }
 
 void StallBridge::CarryValues(Values& demand, const Values& last, const Values& rate) noexcept {
@@ -148,9 +154,10 @@ void StallBridge::CarryValues(Values& demand, const Values& last, const Values& 
       const double x = demand[i] - Drawn(i, demand[i], last[i], rate[i]);
       if (is_first) first_[i] = x;
       const bool has_rise = going_on_ + 1 < period_cycles_ + 3;
-      e = {x, has_rise ? (x - first_[i]) / (kT * static_cast<double>(since_first_)) : -rate[i]};
+      e = {x, has_rise ? (x - first_[i]) / (kT * static_cast<double>(since_first_)) : -rate[i],
+           OmegaOf(x)};
     } else {
-      for (std::uint64_t k = 0; k < cycles_; ++k) e.Step(omega_, decay_);
+      for (std::uint64_t k = 0; k < cycles_; ++k) e.Step();
     }
     demand[i] -= e.x;
     active_ = active_ || !e.gone();

@@ -18,11 +18,12 @@
 namespace twin::loop {
 
 /// From the deposited target to the command that answers a state:
-///   rate matcher -> reference generator -> stall bridge -> [low-pass -> rate limiter].
-/// The last two are libfranka's client-side stages, in its order, off unless configured. Everything
-/// but the matcher's window and the bridge is a function of the state: it continues from what the
-/// robot really took. A raw position stream (no generator) is not bridged: a source that stalls
-/// stops dead, and the robot aborts.
+///   rate matcher -> reference generator -> [low-pass] -> stall bridge -> [rate limiter].
+/// Those in brackets are libfranka's client-side stages, in its order, off unless configured. The
+/// bridge comes after the low-pass, which would scale the motion that the bridge goes on with.
+/// Everything but the matcher's window and the bridge is a function of the state: it continues from
+/// what the robot really took. A raw position stream (no generator) is not bridged: a source that
+/// stalls stops dead, and the robot aborts.
 ///
 /// Threads: one. Real-time: Reset() and Next() are noexcept and allocate nothing.
 class CommandChain {

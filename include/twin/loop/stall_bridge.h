@@ -28,13 +28,15 @@ namespace twin::loop {
 ///   v'' = u^2 (demand - v) + 2 u (f - a),  u = 8 / |demand - v| within 6 and 20 1/s,
 /// f the demand's own acceleration over 50 ms, at most 1 rad/s^2 (torques: u = 30 1/s, f = 0); and
 /// the difference e to the demand is then taken away by a critically damped motion:
-///   v = demand - e,  e'' + 2 w e' + w^2 e = 0,  w = 6 1/s  (torques: 30 1/s),
-/// which costs at most 0.37 w e of acceleration and w^2 e of jerk: 4.8 rad/s^2 for a joint's 2.175
-/// rad/s. What e rises by is taken from a few commands, and is wrong when another lapse is near; so
-/// a lapse within 48 cycles of the last one's end makes it go on for twice as many commands, at
-/// most 512: behind a source that lapses for ever the drawn motion, which is stable, is all there
-/// is. It lags: with 3 % of deposits up to 12 ms late the canonical trajectory is followed within
-/// 0.09 rad. A source in time is untouched, to the bit. The paper says that a stalled stream decays
+///   v = demand - e,  e'' + 2 w e' + w^2 e = 0,  w = 8 / |e| within 6 and 30 1/s  (torques: 30),
+/// e in w as it was when the robot's reference last went on; which costs at most 0.37 w e of
+/// acceleration and w^2 e of jerk: 4.8 rad/s^2 for a joint's 2.175 rad/s. The small differences
+/// that a held acceleration leaves are gone fast, before they have made a distance (2 e / w). What
+/// e rises by is taken from a few commands, and is wrong when another lapse is near; so a lapse
+/// within 48 cycles of the last one's end makes it go on for twice as many commands, at most 512:
+/// behind a source that lapses for ever the drawn motion, which is stable, is all there is. It
+/// lags: with 3 % of deposits up to 12 ms late the canonical trajectory is followed within 0.09
+/// rad. A source in time is untouched, to the bit. The paper says that a stalled stream decays
 /// gracefully; how is our decision.
 ///
 /// Threads: one. Real-time: noexcept, allocates nothing; O(cycles), at most 64.
@@ -75,21 +77,22 @@ class StallBridge {
   struct Difference {
     double x = 0;
     double rate = 0;
-    void Step(double omega, double decay) noexcept;
+    double omega = 0;  ///< 1/s
+    void Step() noexcept;
     [[nodiscard]] bool gone() const noexcept { return x == 0 && rate == 0; }
   };
 
   [[nodiscard]] bool IsLate(std::uint64_t cycles, Time source_time) const noexcept;
   /// @returns the value of axis `i` in the next cycle of the drawn motion.
   [[nodiscard]] double Drawn(std::size_t i, double demand, double last, double rate) const noexcept;
+  /// @returns w of the motion that takes such a difference away.
+  [[nodiscard]] double OmegaOf(double difference) const noexcept;
   /// @param last, rate  what the robot's reference does, and how that changes.
   void CarryValues(Values& demand, const Values& last, const Values& rate) noexcept;
   void CarryTorques(const JointVector& last, JointVector& demand) noexcept;
 
   control::CommandInterface interface_;
   std::uint64_t period_cycles_;
-  double omega_;  ///< 1/s
-  double decay_;  ///< of one cycle
 
   std::uint64_t waited_ = 0;
   std::uint64_t cycles_ = 1;         ///< of the last Observe()
