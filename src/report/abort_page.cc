@@ -7,33 +7,10 @@
 #include "report/abort_figure.h"
 #include "report/abort_panels.h"
 #include "report/gnuplot.h"
+#include "twin/report/html.h"
 
 namespace twin::report {
 namespace {
-
-constexpr std::string_view kStyle = R"(
-body{font:15px/1.45 'DejaVu Sans',Verdana,sans-serif;color:#222;max-width:1060px;margin:2em auto;padding:0 1em}
-h1{font-size:1.35em;margin:0 0 .2em}
-h2{font-size:1.1em;margin:2em 0 .5em}
-.run{color:#666;margin:0 0 1.5em}
-dl{display:grid;grid-template-columns:9em 1fr;gap:.5em 1em;margin:0}
-dt{color:#7a2a90;font-weight:bold}
-dd{margin:0}
-dd p{margin:0 0 .3em;overflow-wrap:anywhere}
-svg{width:100%;height:auto}
-table{border-collapse:collapse;font-size:.85em;font-variant-numeric:tabular-nums}
-th,td{padding:.15em .6em;text-align:right;border-bottom:1px solid #ddd}
-th{text-align:left;vertical-align:bottom;font-weight:normal;color:#555}
-td:first-child,td.word{text-align:left}
-tr.held{background:#fbe3e5}
-.wide{overflow-x:auto}
-summary{cursor:pointer}
-)";
-
-/// The picture alone, without what makes it a file of its own.
-std::string Inline(const std::string& svg) {
-  return svg.substr(svg.find("<svg"));
-}
 
 std::string_view NameOf(rt::CommandFate fate) {
   switch (fate) {
@@ -97,19 +74,16 @@ std::string PlaceOf(const Approach& approach) {
 
 std::string AbortPage(const RunEnd& end, std::string_view headline,
                       const std::vector<Paragraph>& paragraphs) {
-  const std::string title = Escape(headline);
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0}</title>\n"
-      "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p class=\"run\">{2}</p>\n",
-      title, kStyle, RunLine(end));
+  std::string html =
+      fmt::format("<h1>{}</h1>\n<p class=\"run\">{}</p>\n", Escape(headline), RunLine(end));
   html += ToHtml(paragraphs);
   html += fmt::format("<h2>The last {} cycles</h2>\n", std::min(end.cycles.size(), RunEnd::kShown));
-  html += Inline(SvgOf(EndScript(end)));
+  html += InlineSvg(SvgOf(EndScript(end)), "end");
   html += "<details><summary>In numbers</summary>\n" + CycleTable(end) + "</details>\n";
   if (end.approach.has_limits()) {
     html += "<h2>How close it had come to the limits before</h2>\n" + ApproachTable(end);
   }
-  return html + "</body>\n</html>\n";
+  return HtmlPage(headline, html);
 }
 
 }  // namespace twin::report

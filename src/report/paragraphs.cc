@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "twin/report/html.h"
+
 namespace twin::report {
 namespace {
 
@@ -62,20 +64,6 @@ std::string ToHtml(const std::vector<Paragraph>& paragraphs) {
     html += "</dd>\n";
   }
   return html + "</dl>\n";
-}
-
-std::string Escape(std::string_view text) {
-  std::string html;
-  for (const char c : text) {
-    switch (c) {
-      case '&': html += "&amp;"; break;
-      case '<': html += "&lt;"; break;
-      case '>': html += "&gt;"; break;
-      case '"': html += "&quot;"; break;
-      default: html += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? ' ' : c;
-    }
-  }
-  return html;
 }
 
 }  // namespace twin::report

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace twin::report {
@@ -17,8 +16,5 @@ struct Paragraph {
 
 /// As a definition list.
 [[nodiscard]] std::string ToHtml(const std::vector<Paragraph>& paragraphs);
-
-/// `text` as HTML shows it; control characters become spaces.
-[[nodiscard]] std::string Escape(std::string_view text);
 
 }  // namespace twin::report
