@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace twin::experiment {
+
+/// How a figure of ours stands to the paper's.
+enum class Verdict : std::uint8_t {
+  kMet,       ///< within what the experiment demands
+  kMissed,    ///< not
+  kReported,  ///< nothing is demanded of it
+};
+
+/// As a report words it. Thread-safe.
+[[nodiscard]] std::string_view Name(Verdict verdict) noexcept;
+
+/// One figure beside the paper's.
+struct Comparison {
+  std::string quantity{};         ///< "RS, d_EXT, median"
+  std::string unit{};             ///< "ms", "%"; empty: a pure number
+  std::optional<double> paper{};  ///< absent: the paper has none
+  double ours = 0;
+  std::optional<double> low{};   ///< over the seeds or runs, if there were several
+  std::optional<double> high{};  ///< the same
+  std::string demand{};          ///< what must hold, "within 20 % of the paper's"; empty: nothing
+  Verdict verdict = Verdict::kReported;
+
+  /// ours / paper; absent without the paper's, or when it is 0.
+  [[nodiscard]] std::optional<double> ratio() const noexcept;
+};
+
+/// A plot of a report.
+struct Figure {
+  std::string id{};                         ///< letters, digits and '_': names its files
+  std::string title{};                      ///< a few words
+  std::string what{};                       ///< one sentence that says what to see
+  std::string svg{};                        ///< whole SVG document
+  std::string columns{};                    ///< head of the CSV: "name [unit],..."
+  std::vector<std::vector<double>> rows{};  ///< every curve's points, a row each
+};
+
+/// What an experiment found.
+struct Findings {
+  std::string id{};      ///< as --only and the files' names spell it: "timings"
+  std::string title{};   ///< "Loop timings (Table 1)"
+  std::string source{};  ///< where in the paper: "Section 2, Table 1"
+  std::string text{};    ///< how it was done, a few sentences, plain text; the report escapes it
+  std::vector<Comparison> comparisons{};
+  std::vector<Figure> figures{};
+  std::string failure{};  ///< why it could not be done; empty: it was
+
+  /// It was done, and nothing it demands was missed.
+  [[nodiscard]] bool succeeded() const noexcept;
+};
+
+}  // namespace twin::experiment

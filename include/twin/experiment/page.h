@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "twin/experiment/findings.h"
+
+namespace twin::experiment {
+
+/// What the report tells of how it was made. Nothing of the machine: the same facts and findings
+/// give the same bytes.
+struct PageFacts {
+  std::uint64_t seed = 1;
+  int seeds = 20;
+  std::string calibration{};  ///< Calibration::hash; empty: it could not be read
+  std::string parameters{};   ///< the calibrated loops, as text
+  std::string version{};      ///< of the program
+};
+
+/// The report: one HTML file that needs no other and no network. On top what became of each
+/// experiment, then each with its comparisons and figures, at the end how it was made.
+[[nodiscard]] std::string Page(std::span<const Findings> findings, const PageFacts& facts);
+
+/// A figure's curves: its columns, then a line per row. What is not finite is left empty.
+[[nodiscard]] std::string Csv(const Figure& figure);
+
+/// "<experiment>_<figure>.csv".
+[[nodiscard]] std::string CsvName(const Findings& findings, const Figure& figure);
+
+/// What became of an experiment, in a few words: "all 13 demands met", "2 of 13 demands missed",
+/// "failed", "nothing demanded".
+[[nodiscard]] std::string Outcome(const Findings& findings);
+
+/// Each demand that was missed in a line, "RS, d_EXT, max: 1.75 ms; the paper's is 2.174 ms;
+/// demanded: within ...". Empty for none.
+[[nodiscard]] std::string MissedLines(const Findings& findings);
+
+}  // namespace twin::experiment

@@ -1,0 +1,49 @@
+#include "twin/experiment/calibration.h"
+
+#include <cstddef>
+#include <cstdint>
+
+#include "twin/report/chart.h"
+#include "twin/scenario/fingerprint.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::experiment {
+namespace {
+
+class ByteHash {
+ public:
+  void Add(std::string_view text) noexcept {
+    for (const char c : text) {
+      value_ = (value_ ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+    }
+  }
+  [[nodiscard]] std::uint64_t value() const noexcept { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325;
+};
+
+}  // namespace
+
+const std::array<CalibratedLoop, 3>& CalibratedLoops() noexcept {
+  static constexpr std::array<CalibratedLoop, 3> kLoops{{
+      {"LF", "bare", report::colour::kBare},
+      {"RS", "synchronous", report::colour::kSynchronous},
+      {"RA", "asynchronous", report::colour::kAsynchronous},
+  }};
+  return kLoops;
+}
+
+Calibration ReadCalibration(const std::filesystem::path& scenarios) {
+  Calibration calibration;
+  ByteHash hash;
+  for (std::size_t i = 0; i < calibration.yaml.size(); ++i) {
+    const auto file = std::string(CalibratedLoops()[i].file) + ".yaml";
+    calibration.yaml[i] = scenario::ToYaml(scenario::Load(scenarios / file));
+    hash.Add(calibration.yaml[i]);
+  }
+  calibration.hash = scenario::FormatHash(hash.value());
+  return calibration;
+}
+
+}  // namespace twin::experiment

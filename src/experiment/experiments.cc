@@ -1,0 +1,32 @@
+#include <array>
+
+#include "experiment/feed_forward.h"
+#include "experiment/jitter.h"
+#include "experiment/lambda.h"
+#include "experiment/noise.h"
+#include "experiment/rate_matching.h"
+#include "experiment/timings.h"
+#include "experiment/tracking.h"
+#include "twin/experiment/experiment.h"
+
+namespace twin::experiment {
+namespace {
+
+// In the order of the paper.
+constexpr std::array kExperiments{
+    Experiment{"timings", "Loop timings (Table 1)", &RunTimings},
+    Experiment{"jitter", "Sampling jitter", &RunJitter},
+    Experiment{"noise", "Noise on the commanded positions", &RunNoise},
+    Experiment{"feed_forward", "The feed-forward of the reference generator", &RunFeedForwardStudy},
+    Experiment{"tracking", "Position control: velocity and its spectrum", &RunTracking},
+    Experiment{"rate_matching", "Rate matching", &RunRateMatching},
+    Experiment{"lambda", "The correction lambda of the reference generator", &RunLambda},
+};
+
+}  // namespace
+
+std::span<const Experiment> Experiments() noexcept {
+  return kExperiments;
+}
+
+}  // namespace twin::experiment

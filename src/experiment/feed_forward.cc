@@ -1,0 +1,274 @@
+#include "experiment/feed_forward.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "experiment/jitter_parts.h"
+#include "experiment/runs.h"
+#include "twin/report/chart.h"
+
+namespace twin::experiment {
+namespace {
+
+using report::ChartCurve;
+using report::ChartPanel;
+
+constexpr double kJitter = 4e-6;  // s, the paper's
+
+/// A way to form dq_ext.
+struct Way {
+  VelocityFrom from;
+  const char* name;
+  std::string_view colour;
+  ChartCurve::Style style = ChartCurve::Style::kLine;
+};
+constexpr std::array<Way, 3> kWays{
+    Way{VelocityFrom::kSourceTime, "over the source's elapsed time", report::colour::kSeries[3]},
+    Way{VelocityFrom::kNominalTime, "over the nominal T", report::colour::kAsynchronous,
+        ChartCurve::Style::kDashed},
+    Way{VelocityFrom::kConsumption, "where consumed", report::colour::kSynchronous}};
+constexpr std::array<double, 6> kPpm{0, 10, 20, 50, 100, 200};
+constexpr std::size_t kUsualPpm = 3;
+
+Stream StreamWith(VelocityFrom velocity) {
+  return {.tick = {.generator = loop::Generator::kJoint, .limiter = {}, .cost = {}},
+          .velocity = velocity};
+}
+
+using Table = std::array<std::array<FeedForwardRuns, kPpm.size()>, kWays.size()>;
+
+Table Fill(const Setting& setting, const StreamSetting& streams, double jitter_s, double from,
+           double to) {
+  Table table{};
+  const int runs = std::min(setting.seeds, 5);
+  InParallel(
+      setting, static_cast<int>(kWays.size() * kPpm.size()),
+      [&](int index) {
+        const std::size_t way = static_cast<std::size_t>(index) / kPpm.size();
+        const std::size_t drift = static_cast<std::size_t>(index) % kPpm.size();
+        table[way][drift] = RunFeedForward(setting, streams.canonical, streams.robot.limits,
+                                           kWays[way].from, jitter_s, kPpm[drift], runs);
+      },
+      from, to);
+  return table;
+}
+
+ChartPanel DriftPanel(const Table& table, const char* title) {
+  ChartPanel panel{.title = title,
+                   .x_label = "drift between the two loops [ppm]",
+                   .y_label = "largest jerk / its limit",
+                   .log_y = true};
+  for (std::size_t way = 0; way < kWays.size(); ++way) {
+    ChartCurve curve{
+        .name = kWays[way].name, .colour = kWays[way].colour, .style = kWays[way].style};
+    for (std::size_t i = 0; i < kPpm.size(); ++i) {
+      curve.x.push_back(kPpm[i]);
+      curve.y.push_back(table[way][i].jerk);
+    }
+    panel.curves.push_back(curve);
+  }
+  panel.curves.push_back({.name = "limit",
+                          .colour = report::colour::kLimit,
+                          .style = ChartCurve::Style::kDashed,
+                          .x = {kPpm.front(), kPpm.back()},
+                          .y = {1, 1}});
+  return panel;
+}
+
+Figure DrawDrift(const Table& jittered, const Table& exact) {
+  Figure figure{
+      .id = "drift",
+      .title = "Three ways to form the feed-forward",
+      .what =
+          "Over the source's own time the jerk stays within its limit; over the nominal T jitter "
+          "passes through unchanged, and formed where commands are consumed every crossing of the "
+          "two loops becomes a spike.",
+      .svg = report::DrawChart(
+          {.title = "Canonical trajectory through the reference generator",
+           .panels = {DriftPanel(jittered, "Jitter of 4 us"), DriftPanel(exact, "No jitter")}}),
+      .columns =
+          "jitter [s],way (0: source's time; 1: nominal T; 2: consumption),drift [ppm],"
+          "largest jerk / limit,RMS jerk / limit,share of runs aborted"};
+  for (const Table* table : {&jittered, &exact}) {
+    for (std::size_t way = 0; way < kWays.size(); ++way) {
+      for (std::size_t i = 0; i < kPpm.size(); ++i) {
+        const FeedForwardRuns& runs = (*table)[way][i];
+        figure.rows.push_back({table == &jittered ? kJitter : 0, static_cast<double>(way), kPpm[i],
+                               runs.jerk, runs.rms_jerk, runs.aborted});
+      }
+    }
+  }
+  return figure;
+}
+
+/// Velocity and jerk of joint 1 about the crossing of two loops without jitter.
+Figure DrawCrossing(const StreamSetting& streams) {
+  constexpr double kCrossing = 1.5;  // s
+  constexpr double kFastPpm = 50;
+  ChartPanel velocity{.title = "Velocity INT reconstructs",
+                      .x_label = "t [s]",
+                      .y_label = "dq_d of joint 1 [rad/s]"};
+  ChartPanel jerk{.title = "Jerk", .x_label = "t [s]", .y_label = "jerk of joint 1 / its limit"};
+  Figure figure{.id = "crossing",
+                .title = "A crossing of the two loops",
+                .what =
+                    "Where the source's deposits cross the robot's cycles, one is skipped: "
+                    "differenced there, "
+                    "it is twice the velocity for a cycle.",
+                .columns =
+                    "way (0: source's time; 1: nominal T; 2: consumption),t [s],dq_d [rad/s],"
+                    "jerk / limit"};
+  for (std::size_t way = 0; way < kWays.size(); ++way) {
+    Stream stream = StreamWith(kWays[way].from);
+    stream.clock_ppm = kFastPpm;
+    stream.phase = FromSeconds(kCrossing * kFastPpm * 1e-6);
+    ChartCurve speed{
+        .name = kWays[way].name, .colour = kWays[way].colour, .style = kWays[way].style};
+    ChartCurve shaking{.colour = kWays[way].colour, .style = kWays[way].style};
+    const auto keep = [&](const StreamCycle& cycle) {
+      const double t = static_cast<double>(cycle.cycle) * kCycleSeconds;
+      if (std::abs(t - kCrossing) > 0.03) return;
+      speed.x.push_back(t);
+      speed.y.push_back(cycle.next.dq_d[0]);
+      shaking.y.push_back(cycle.next.dddq_d[0] / streams.robot.limits.dddq_max[0]);
+      figure.rows.push_back({static_cast<double>(way), t, speed.y.back(), shaking.y.back()});
+    };
+    static_cast<void>(RunStream(streams.canonical, streams.robot.limits, stream, false, keep));
+    shaking.x = speed.x;
+    velocity.curves.push_back(speed);
+    jerk.curves.push_back(shaking);
+  }
+  // What shows nothing lies upon what does.
+  for (auto* curves : {&velocity.curves, &jerk.curves}) {
+    std::rotate(curves->begin(), curves->end() - 1, curves->end());
+  }
+  figure.svg = report::DrawChart(
+      {.title = "Clocks 50 ppm apart, no jitter: a crossing at 1.5 s", .panels = {velocity, jerk}});
+  return figure;
+}
+
+/// RMS jerk that jitter leaves with the nominal period, against what it makes of a raw stream.
+double NominalAgainstRaw(const StreamSetting& streams, std::uint64_t seed) {
+  double rms[2];
+  for (const bool raw : {false, true}) {
+    Stream stream = StreamWith(VelocityFrom::kNominalTime);
+    if (raw) stream.tick.generator = loop::Generator::kNone;
+    stream.jitter_s = kJitter;
+    stream.seed = seed;
+    rms[raw ? 1 : 0] =
+        Largest(RunStream(streams.canonical, streams.robot.limits, stream, false).rms_jerk);
+  }
+  return rms[0] / rms[1];
+}
+
+/// Share of runs that abort through the whole stack, in the calibrated asynchronous loop.
+double AbortsThroughStack(const Setting& setting, reference::FeedForwardTime time) {
+  const int runs = std::min(setting.seeds, 4);
+  std::vector<int> aborted(static_cast<std::size_t>(runs));
+  InParallel(
+      setting, runs,
+      [&](int run) {
+        scenario::Scenario scenario = LoadScenario(setting, "asynchronous");
+        scenario.seed = SeedOfRun(setting, run);
+        scenario.tick.limiter = false;
+        scenario.controller.feed_forward = time;
+        const scenario::RunResult result = RunScenario(setting, scenario, nullptr);
+        aborted[static_cast<std::size_t>(run)] = result.report.succeeded() ? 0 : 1;
+      },
+      0.9, 1);
+  return static_cast<double>(std::ranges::count(aborted, 1)) / runs;
+}
+
+void Compare(const Table& jittered, const Table& exact, double nominal, Findings& findings) {
+  const auto add = [&](std::string quantity, std::string unit, double ours, std::string demand,
+                       bool met) {
+    const Verdict verdict =
+        demand.empty() ? Verdict::kReported : (met ? Verdict::kMet : Verdict::kMissed);
+    findings.comparisons.push_back({.quantity = std::move(quantity),
+                                    .unit = std::move(unit),
+                                    .ours = ours,
+                                    .demand = std::move(demand),
+                                    .verdict = verdict});
+  };
+  for (std::size_t way = 0; way < kWays.size(); ++way) {
+    const bool is_source = kWays[way].from == VelocityFrom::kSourceTime;
+    for (const std::size_t drift : {std::size_t{0}, kUsualPpm}) {
+      const FeedForwardRuns& runs = jittered[way][drift];
+      const std::string where = fmt::format("{}, 4 us, {:.0f} ppm: ", kWays[way].name, kPpm[drift]);
+      add(where + "largest jerk / limit", "", runs.jerk, is_source ? "at most 1" : "",
+          runs.jerk <= 1);
+      add(where + "runs aborted", "%", runs.aborted * 100, is_source ? "none" : "all of them",
+          runs.aborted == (is_source ? 0 : 1));
+    }
+    const FeedForwardRuns& crossing = exact[way][kUsualPpm];
+    const bool is_consumption = kWays[way].from == VelocityFrom::kConsumption;
+    add(fmt::format("{}, no jitter, {:.0f} ppm: runs aborted", kWays[way].name, kPpm[kUsualPpm]),
+        "%", crossing.aborted * 100, is_consumption ? "all of them" : "none",
+        crossing.aborted == (is_consumption ? 1 : 0));
+  }
+  add("over the nominal T, 4 us: RMS jerk / that of the raw stream", "", nominal, "within 5 % of 1",
+      std::abs(nominal - 1) <= 0.05);
+}
+
+}  // namespace
+
+FeedForwardRuns RunFeedForward(const Setting& setting, const reference::Trajectory& plan,
+                               const JointLimits& limits, VelocityFrom velocity, double jitter_s,
+                               double ppm, int runs) {
+  FeedForwardRuns all;
+  for (int run = 0; run < runs; ++run) {
+    Stream stream = StreamWith(velocity);
+    stream.jitter_s = jitter_s;
+    stream.clock_ppm = ppm;
+    if (ppm > 0) stream.phase = CrossingPhase(plan, ppm, ChoiceOfRun(setting, run));
+    stream.seed = SeedOfRun(setting, run);
+    const StreamResult result = RunStream(plan, limits, stream, false);
+    all.aborted += result.aborted ? 1 : 0;
+    all.jerk = std::max(all.jerk, Largest(result.jerk));
+    all.rms_jerk += Largest(result.rms_jerk) / runs;
+  }
+  all.aborted /= runs;
+  return all;
+}
+
+Findings RunFeedForwardStudy(const Setting& setting) {
+  const StreamSetting streams = LoadStreamSetting(setting);
+  const Table jittered = Fill(setting, streams, kJitter, 0, 0.5);
+  const Table exact = Fill(setting, streams, 0, 0.5, 0.9);
+  Findings findings{
+      .id = "feed_forward",
+      .title = "The feed-forward of the reference generator",
+      .source = "Section 4, reference generation",
+      .text =
+          "The canonical trajectory through the reference generator, dq_ext formed in three ways: "
+          "where "
+          "commands are deposited, over the time that passed on the source's own clock; there, "
+          "over the nominal T; and "
+          "where commands are consumed, between what two cycles in a row consumed. Two loops of 1 "
+          "kHz run freely; in every "
+          "run with drift their clocks cross at a random time, where a deposit is skipped. Of a "
+          "run that INT would abort the rest is looked at all the same. Link and plant are "
+          "ideal. The third way exists in this experiment only: the stack has the first and, "
+          "for comparison (controller.feed_forward: nominal), the second."};
+  Compare(jittered, exact, NominalAgainstRaw(streams, setting.seed), findings);
+  for (const auto time :
+       {reference::FeedForwardTime::kSource, reference::FeedForwardTime::kNominal}) {
+    findings.comparisons.push_back(
+        {.quantity = fmt::format(
+             "{}, whole stack with the calibrated delays, limiter off: runs "
+             "aborted",
+             time == reference::FeedForwardTime::kSource ? kWays[0].name : kWays[1].name),
+         .unit = "%",
+         .ours = 100 * AbortsThroughStack(setting, time)});
+  }
+  findings.figures = {DrawDrift(jittered, exact), DrawCrossing(streams)};
+  return findings;
+}
+
+}  // namespace twin::experiment

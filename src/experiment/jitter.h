@@ -1,0 +1,12 @@
+#pragma once
+
+#include "twin/experiment/experiment.h"
+
+namespace twin::experiment {
+
+/// What sampling a planned trajectory at jittered instants does: the jerk INT reconstructs against
+/// the paper's formulas, how often it aborts behind each remedy, and where the reference
+/// generator's promise ends.
+[[nodiscard]] Findings RunJitter(const Setting& setting);
+
+}  // namespace twin::experiment

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "twin/experiment/experiment.h"
+
+namespace twin::experiment {
+
+/// The paper's figure of rate matching: a slow source without and with the moving average; the
+/// riser of its updates and the delay the stage costs, at several rates and on three interfaces.
+[[nodiscard]] Findings RunRateMatching(const Setting& setting);
+
+}  // namespace twin::experiment

@@ -1,0 +1,221 @@
+#include "experiment/stream.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "experiment/runs.h"
+#include "twin/core/random.h"
+#include "twin/loop/command_chain.h"
+#include "twin/onboard/limit_monitor.h"
+#include "twin/reference/feed_forward.h"
+#include "twin/scenario/assembly.h"
+
+namespace twin::experiment {
+namespace {
+
+using control::CommandInterface;
+using onboard::JointReference;
+
+constexpr RandomStream kJitterStream{2001};
+constexpr RandomStream kNoiseStream{2002};
+constexpr Duration kAfterwards = 20 * kCycle;
+
+/// The deposits, one after the other.
+class Source {
+ public:
+  Source(const reference::Trajectory& plan, const Stream& stream)
+      : plan_(plan),
+        stream_(stream),
+        noise_(stream.seed, kNoiseStream),
+        period_(FromSeconds(1 / stream.tick.source_rate_hz)),
+        feed_forward_(stream.velocity == VelocityFrom::kNominalTime
+                          ? reference::FeedForwardTime::kNominal
+                          : reference::FeedForwardTime::kSource,
+                      period_) {}
+
+  /// Works off what is deposited by `now`. @returns whether anything was.
+  bool Advance(Duration now) {
+    if (stream_.on_robot_time) {
+      Put(now);
+      return true;
+    }
+    bool fresh = false;
+    for (Duration own = OwnTime(); DepositedAt(own) <= now; own = OwnTime()) {
+      Put(own);
+      fresh = true;
+    }
+    return fresh;
+  }
+
+  [[nodiscard]] bool has_deposit() const noexcept { return count_ > 0; }
+  [[nodiscard]] const reference::JointTarget& target() const noexcept { return target_; }
+  [[nodiscard]] Time source_time() const noexcept { return Time(source_time_); }
+
+ private:
+  [[nodiscard]] Duration OwnTime() const noexcept {
+    return static_cast<std::int64_t>(count_) * period_ + SamplingError(stream_, count_);
+  }
+
+  [[nodiscard]] Duration DepositedAt(Duration own) const noexcept {
+    return stream_.phase + FromSeconds(ToSeconds(own) / (1 + stream_.clock_ppm * 1e-6));
+  }
+
+  void Put(Duration own) noexcept {
+    source_time_ = own;
+    target_ = plan_.Sample(own);
+    if (stream_.noise > 0) {
+      for (std::uint32_t j = 0; j < kJoints; ++j) {
+        target_.q[j] += stream_.noise * (2 * noise_.Uniform(count_, j) - 1);
+      }
+    }
+    const bool forms_velocity = stream_.velocity == VelocityFrom::kSourceTime ||
+                                stream_.velocity == VelocityFrom::kNominalTime;
+    if (forms_velocity && stream_.interface == CommandInterface::kJointPosition) {
+      target_.dq = feed_forward_.Next(Time(own), target_.q).dq;
+    }
+    ++count_;
+  }
+
+  const reference::Trajectory& plan_;
+  const Stream& stream_;
+  Random noise_;
+  Duration period_;
+  reference::FeedForward feed_forward_;
+  reference::JointTarget target_;
+  Duration source_time_{};
+  std::uint64_t count_ = 0;
+};
+
+/// The robot's side: chain, differences, checks.
+class Robot {
+ public:
+  Robot(const JointVector& q0, const JointLimits& limits, const Stream& stream)
+      : limits_(limits),
+        stream_(stream),
+        chain_(stream.tick, stream.interface),
+        reference_(JointReference::Rest(q0)),
+        last_q_(q0) {
+    Show();
+    chain_.Reset(state_);
+  }
+
+  /// @returns what the command comes to; it is not yet taken.
+  [[nodiscard]] JointReference Try(reference::JointTarget consumed, bool fresh, Time source_time) {
+    if (stream_.velocity == VelocityFrom::kConsumption) {
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        consumed.dq[j] = (consumed.q[j] - last_q_[j]) / kCycleSeconds;
+      }
+      last_q_ = consumed.q;
+    }
+    reference::Target target;
+    target.joint = consumed;
+    RobotCommand command;
+    chain_.Next(state_, target, fresh, 1, source_time, command);
+    return stream_.interface == CommandInterface::kJointVelocity
+               ? reference_.AfterVelocity(command.dq_c)
+               : reference_.AfterPosition(command.q_c);
+  }
+
+  void Take(const JointReference& next, StreamResult& result) {
+    reference_ = next;
+    Show();
+    ++result.cycles;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double jerk = std::abs(next.dddq_d[j]) / limits_.dddq_max[j];
+      result.jerk[j] = std::max(result.jerk[j], jerk);
+      result.rms_jerk[j] += jerk * jerk;
+      result.share[j] =
+          std::max({result.share[j], jerk, std::abs(next.ddq_d[j]) / limits_.ddq_max[j],
+                    std::abs(next.dq_d[j]) / limits_.dq_max[j]});
+    }
+  }
+
+ private:
+  void Show() noexcept {
+    ++state_.message_id;
+    state_.q_d = reference_.q_d;
+    state_.dq_d = reference_.dq_d;
+    state_.ddq_d = reference_.ddq_d;
+  }
+
+  const JointLimits& limits_;
+  const Stream& stream_;
+  loop::CommandChain chain_;
+  JointReference reference_;
+  RobotState state_;
+  JointVector last_q_;
+};
+
+}  // namespace
+
+Duration SamplingError(const Stream& stream, std::uint64_t deposit) noexcept {
+  if (stream.jitter_s == 0) return {};
+  return FromSeconds(stream.jitter_s * Random(stream.seed, kJitterStream).Normal(deposit));
+}
+
+StreamResult RunStream(const reference::Trajectory& plan, const JointLimits& limits,
+                       const Stream& stream, bool stops,
+                       const std::function<void(const StreamCycle&)>& tell) {
+  Source source(plan, stream);
+  Robot robot(plan.start(), limits, stream);
+  StreamResult result;
+  const auto last = static_cast<std::uint64_t>((plan.duration() + kAfterwards) / kCycle);
+  for (std::uint64_t k = 0; k <= last; ++k) {
+    const bool fresh = source.Advance(static_cast<std::int64_t>(k) * kCycle);
+    if (!source.has_deposit()) continue;
+    const JointReference next = robot.Try(source.target(), fresh, source.source_time());
+    if (!result.aborted && !onboard::CheckStep(next, limits, k).empty()) result.aborted = k;
+    robot.Take(next, result);
+    if (tell) tell({k, next, source.target()});
+    if (stops && result.aborted) break;
+  }
+  for (double& rms : result.rms_jerk) {
+    rms = std::sqrt(rms / static_cast<double>(std::max<std::uint64_t>(result.cycles, 1)));
+  }
+  return result;
+}
+
+StreamSetting LoadStreamSetting(const Setting& setting) {
+  const scenario::Scenario scenario = LoadScenario(setting, "asynchronous");
+  scenario::RobotData robot =
+      scenario::LoadRobotData(setting.files.models, scenario.robot.model, scenario.robot.hand);
+  reference::Trajectory canonical = scenario::MakeTrajectory(scenario, robot);
+  return {std::move(robot), std::move(canonical)};
+}
+
+reference::Trajectory BriskAt(const Setting& setting, const JointLimits& limits, double share) {
+  const scenario::Scenario scenario =
+      scenario::Load(setting.files.models / "scenarios" / "brisk.yaml");
+  std::vector<reference::Waypoint> waypoints = scenario.motion.waypoints;
+  const reference::Trajectory brisk(waypoints, scenario.motion.timing, limits);
+  const double stretch = std::sqrt(Largest(brisk.peaks().acceleration) / share);
+  for (reference::Waypoint& waypoint : waypoints) {
+    if (waypoint.at) waypoint.at = FromSeconds(ToSeconds(*waypoint.at) * stretch);
+  }
+  return {waypoints, {}, limits};
+}
+
+reference::Trajectory SecondOfMotion(const JointVector& displacement, const JointLimits& limits) {
+  constexpr double kPi = std::numbers::pi;
+  const JointVector ready{0, -kPi / 4, 0, -3 * kPi / 4, 0, kPi / 2, kPi / 4};
+  JointVector goal = ready;
+  for (std::size_t j = 0; j < kJoints; ++j) goal[j] += displacement[j];
+  return {{{.q = ready, .at = Duration::zero()}, {.q = goal, .at = std::chrono::seconds(1)}},
+          {},
+          limits};
+}
+
+loop::TickConfig WithLimiter(loop::TickConfig tick, const scenario::RobotData& robot) {
+  tick.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
+  return tick;
+}
+
+double Largest(const JointVector& values) noexcept {
+  return *std::ranges::max_element(values);
+}
+
+}  // namespace twin::experiment

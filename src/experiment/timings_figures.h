@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "experiment/loop_sample.h"
+#include "twin/experiment/experiment.h"
+
+namespace twin::experiment {
+
+/// The runs of LF, RS, RA.
+using LoopRuns = std::array<std::vector<LoopSample>, 3>;
+
+/// How d_EXT is distributed, all runs of a loop together.
+[[nodiscard]] Figure LatencyFigure(const LoopRuns& runs);
+
+/// How the intervals between two reads are, normalised by the number of measurements.
+[[nodiscard]] Figure IntervalFigure(const LoopRuns& runs);
+
+/// What the unserved share of the synchronous loop hangs on: drift, start phase, load. Runs it for
+/// that, with few seeds. Progress from `from` to 1.
+[[nodiscard]] Figure SensitivityFigure(const Setting& setting, double from);
+
+/// `key`'s values of all runs, one after the other.
+[[nodiscard]] std::vector<double> Pooled(const std::vector<LoopSample>& runs,
+                                         std::vector<double> LoopSample::*key);
+
+}  // namespace twin::experiment

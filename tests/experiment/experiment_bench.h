@@ -1,0 +1,63 @@
+#pragma once
+
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "controllers/joint_trajectory.h"
+#include "plugins/mujoco/mujoco_backend.h"
+#include "support/temporary_folder.h"
+#include "twin/experiment/experiment.h"
+
+namespace twin::experiment::test {
+
+/// What experiments need to run in a test: the program's simulated backend and its controllers,
+/// and the experiments' scenarios.
+class ExperimentBench {
+ public:
+  ExperimentBench() {
+    plugins::RegisterMujoco(backends_);
+    controllers_.Add("joint_trajectory", [](const control::ControllerRequest& request) {
+      controllers::JointTrajectoryOptions options;
+      options.command_interface = request.interface;
+      return std::make_unique<controllers::JointTrajectoryController>(request.trajectory, options);
+    });
+  }
+
+  /// Of the scenarios as they are. @param seeds  few, for speed.
+  [[nodiscard]] Setting setting(int seeds = 2) const {
+    return {.catalogue = catalogue_,
+            .files = {models_, {}, {}, false},
+            .scenarios = models_ / "experiments",
+            .scratch = folder_.path(),
+            .seed = 1,
+            .seeds = seeds,
+            .progress = {}};
+  }
+
+  /// Of the calibrated loops with a motion of one second.
+  [[nodiscard]] Setting short_setting(int seeds = 2) const {
+    for (const std::string name : {"bare", "synchronous", "asynchronous"}) {
+      std::string text = twin::test::ReadText(models_ / "experiments" / (name + ".yaml"));
+      const std::string motion = "../scenarios/trajectories/canonical.yaml";
+      text.replace(text.find(motion), motion.size(), kShortMotion);
+      std::ofstream(folder_ / (name + ".yaml")) << text;
+    }
+    Setting setting = this->setting(seeds);
+    setting.scenarios = folder_.path();
+    return setting;
+  }
+
+ private:
+  static constexpr const char* kShortMotion =
+      "{unit: rad, duration: 1 s, waypoints: [{q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}, "
+      "{q: [0.05, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}]}";
+
+  const std::filesystem::path models_ = std::filesystem::path(TWIN_SOURCE_DIR) / "models";
+  const twin::test::TemporaryFolder folder_;
+  backend::Registry backends_;
+  control::ControllerRegistry controllers_;
+  const scenario::Catalogue catalogue_{backends_, controllers_};
+};
+
+}  // namespace twin::experiment::test

@@ -1,0 +1,49 @@
+#include "experiment/lambda.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "experiment/chain_bench.h"
+#include "experiment/experiment_bench.h"
+
+namespace twin::experiment {
+namespace {
+
+TEST(ChainBenchTest, AnOffsetDecaysByLambdaACycle) {
+  constexpr double kLambda = 5e-3;
+  ChainBench bench(kLambda, 0);
+  for (int k = 0; k < 400; ++k) bench.Step(1e-3, 0, true);
+  EXPECT_NEAR((1e-3 - bench.q_d()) / 1e-3, std::pow(1 - kLambda, 400), 1e-9);
+}
+
+TEST(ChainBenchTest, ASourceInTimeIsFollowedWithItsVelocity) {
+  ChainBench bench(1e-3, 0);
+  for (int k = 1; k <= 12'000; ++k) bench.Step(0.2e-3 * k, 0.2, true);
+  EXPECT_NEAR(bench.dq_d(), 0.2, 1e-7);
+  EXPECT_NEAR(bench.jerk(), 0, 1e-3);
+}
+
+TEST(ChainBenchTest, ASourceThatStopsForEverIsDecayedTo) {
+  ChainBench bench(1e-3, 0);
+  double q = 0;
+  for (int k = 1; k <= 1000; ++k) {
+    q = 0.1e-3 * k;
+    bench.Step(q, 0.1, true);
+  }
+  for (int k = 0; k < 12'000; ++k) bench.Step(q, 0.1, false);
+  EXPECT_NEAR(bench.q_d(), q, 1e-5);
+  EXPECT_NEAR(bench.dq_d(), 0, 1e-5);
+}
+
+TEST(LambdaTest, ConvergenceKeepsToItsFormulaForJointsAndPoses) {
+  const test::ExperimentBench bench;
+  const Findings findings = RunLambda(bench.short_setting(1));
+  ASSERT_GE(findings.comparisons.size(), 2U);
+  EXPECT_EQ(findings.comparisons[0].verdict, Verdict::kMet) << findings.comparisons[0].ours;
+  EXPECT_EQ(findings.comparisons[1].verdict, Verdict::kMet) << findings.comparisons[1].ours;
+  EXPECT_EQ(findings.figures.size(), 2U);
+}
+
+}  // namespace
+}  // namespace twin::experiment

@@ -1,0 +1,216 @@
+#include "experiment/timings.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "experiment/experiment_bench.h"
+#include "experiment/loop_sample.h"
+#include "experiment/runs.h"
+#include "twin/core/error.h"
+#include "twin/experiment/calibration.h"
+#include "twin/experiment/page.h"
+
+namespace twin::experiment {
+namespace {
+
+using std::chrono::microseconds;
+using test::ExperimentBench;
+using ::testing::DoubleEq;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
+
+const Comparison& Of(const Findings& findings, const std::string& quantity) {
+  const auto found = std::ranges::find(findings.comparisons, quantity, &Comparison::quantity);
+  EXPECT_NE(found, findings.comparisons.end()) << quantity;
+  return *found;
+}
+
+TEST(TimingsTest, ComparesTheTwelveFiguresOfTheTableAndTheirRatio) {
+  const ExperimentBench bench;
+  const Findings findings = RunTimings(bench.short_setting());
+  EXPECT_EQ(findings.id, "timings");
+  EXPECT_EQ(std::ranges::count_if(findings.comparisons,
+                                  [](const Comparison& c) { return c.paper.has_value(); }),
+            13);
+  for (const Comparison& comparison : findings.comparisons) {
+    EXPECT_EQ(comparison.paper.has_value(), comparison.verdict != Verdict::kReported)
+        << comparison.quantity;
+    EXPECT_LE(*comparison.low, *comparison.high) << comparison.quantity;
+  }
+  EXPECT_EQ(Of(findings, "RS, d_EXT, max").paper, 2.174);
+  EXPECT_THAT(findings.figures, SizeIs(3));
+  for (const Figure& figure : findings.figures) {
+    const auto columns = 1 + std::ranges::count(figure.columns, ',');
+    EXPECT_THAT(figure.rows, Each(SizeIs(columns))) << figure.id;
+  }
+}
+
+TEST(TimingsTest, MediansDoNotHangOnTheLengthOfTheMotion) {
+  const ExperimentBench bench;
+  const Findings findings = RunTimings(bench.short_setting());
+  for (const char* loop : {"LF", "RS", "RA"}) {
+    const Comparison& median = Of(findings, std::string(loop) + ", d_EXT, median");
+    EXPECT_EQ(median.verdict, Verdict::kMet) << loop << " " << median.ours;
+  }
+}
+
+TEST(TimingsTest, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
+  const ExperimentBench bench;
+  Setting setting = bench.short_setting(1);
+  const std::vector<Findings> first{RunTimings(setting)};
+  const std::vector<Findings> second{RunTimings(setting)};
+  setting.seed = 2;
+  const std::vector<Findings> other{RunTimings(setting)};
+  EXPECT_EQ(Page(first, {}), Page(second, {}));
+  EXPECT_NE(Page(first, {}), Page(other, {}));
+}
+
+TEST(TimingsTest, VerdictsFollowTheDelays) {
+  const ExperimentBench bench;
+  const Setting setting = bench.short_setting(1);
+  std::string text = twin::test::ReadText(setting.scenarios / "bare.yaml");
+  text.replace(text.find("median: 8.3 us"), 14, "median: 83 us");
+  std::ofstream(setting.scenarios / "bare.yaml") << text;
+  const Findings findings = RunTimings(setting);
+  EXPECT_EQ(Of(findings, "LF, d_EXT, median").verdict, Verdict::kMissed);
+  EXPECT_EQ(Of(findings, "RA, d_EXT, median").verdict, Verdict::kMet);
+  EXPECT_FALSE(findings.succeeded());
+}
+
+TEST(CalibrationTest, HashChangesWithAnyFigure) {
+  const ExperimentBench bench;
+  const Setting setting = bench.short_setting();
+  const std::string before = ReadCalibration(setting.scenarios).hash;
+  EXPECT_THAT(before, SizeIs(16));
+  EXPECT_EQ(before, ReadCalibration(setting.scenarios).hash);
+  std::string text = twin::test::ReadText(setting.scenarios / "asynchronous.yaml");
+  text.replace(text.find("sigma: 0.68"), 11, "sigma: 0.67");
+  std::ofstream(setting.scenarios / "asynchronous.yaml") << text;
+  EXPECT_NE(before, ReadCalibration(setting.scenarios).hash);
+}
+
+TEST(CalibrationTest, TheThreeLoopsHaveOneLinkAndOneMotion) {
+  const ExperimentBench bench;
+  const Setting setting = bench.setting();
+  const auto bare = LoadScenario(setting, "bare");
+  for (const CalibratedLoop& loop : CalibratedLoops()) {
+    const auto scenario = LoadScenario(setting, loop.file);
+    EXPECT_EQ(scenario.link, bare.link) << loop.file;
+    EXPECT_EQ(scenario.motion, bare.motion) << loop.file;
+  }
+}
+
+TEST(PercentileTest, IsTheSmallestValueWithAtLeastTheShareBelowIt) {
+  const std::vector<double> values{1, 2, 3, 4};
+  EXPECT_EQ(Percentile(values, 0), 1);
+  EXPECT_EQ(Percentile(values, 0.5), 2);
+  EXPECT_EQ(Percentile(values, 0.51), 3);
+  EXPECT_EQ(Percentile(values, 1), 4);
+}
+
+TEST(HistogramTest, CountsBinsThatAreOpenAbove) {
+  const std::vector<double> values{-1, 0, 0.5, 1, 2, 7};
+  EXPECT_THAT(Histogram(values, std::vector<double>{0, 1, 2}),
+              ElementsAre(DoubleEq(2.0 / 6), DoubleEq(1.0 / 6)));
+  EXPECT_THAT(Histogram({}, std::vector<double>{0, 1}), ElementsAre(0));
+}
+
+TEST(SpreadTest, IsMeanAndExtremes) {
+  const Spread spread = SpreadOf(std::vector<double>{3, 1, 5});
+  EXPECT_EQ(spread.mean, 3);
+  EXPECT_EQ(spread.low, 1);
+  EXPECT_EQ(spread.high, 5);
+}
+
+/// @returns the largest difference of a draw from `factor` times that of the other, in ns.
+double LargestDifference(const scenario::Delay& delay, double factor) {
+  const auto model = delay.Model();
+  const auto scaled = Scaled(delay, factor).Model();
+  const Random random(1, RandomStream::kTest);
+  double largest = 0;
+  for (std::uint64_t tick = 0; tick < 500; ++tick) {
+    const auto ns = static_cast<double>(model.Draw(random, tick).count());
+    const auto scaled_ns = static_cast<double>(scaled.Draw(random, tick).count());
+    largest = std::max(largest, std::abs(scaled_ns - factor * ns));
+  }
+  return largest;
+}
+
+TEST(ScaledDelayTest, TakesSoManyTimesAsLongInEveryDraw) {
+  const std::vector<scenario::Delay> delays{
+      {rt::ConstantDelay{microseconds(7)}},
+      {rt::LogNormalDelay{microseconds(20), 0.5, microseconds(10)}},
+      {rt::NormalDelay{microseconds(30), microseconds(8)}},
+      {rt::GammaDelay{2, microseconds(10), microseconds(5)}},
+      {rt::EmpiricalDelay{{microseconds(0), microseconds(10), microseconds(100)}, {3, 1}}}};
+  for (const scenario::Delay& delay : delays) {
+    EXPECT_LT(LargestDifference(delay, 2.5), 10) << "ns, of law " << delay.law.index();
+  }
+}
+
+TEST(RunsTest, SeedsAndChoicesAreApartForEveryRun) {
+  const ExperimentBench bench;
+  const Setting setting = bench.setting();
+  std::set<std::uint64_t> seeds;
+  std::set<double> choices;
+  for (int run = 0; run < 100; ++run) {
+    seeds.insert(SeedOfRun(setting, run));
+    for (const std::uint32_t what : {0U, 1U, 2U}) {
+      const double choice = ChoiceOfRun(setting, run, what);
+      EXPECT_TRUE(choice >= 0 && choice < 1);
+      choices.insert(choice);
+    }
+  }
+  EXPECT_THAT(seeds, SizeIs(100));
+  EXPECT_THAT(choices, SizeIs(300));
+}
+
+TEST(InParallelTest, DoesEveryJobOnceAndTellsFromTheCallersThread) {
+  const ExperimentBench bench;
+  Setting setting = bench.setting();
+  const auto caller = std::this_thread::get_id();
+  double last = 0;
+  setting.progress = [&](double share) {
+    EXPECT_EQ(std::this_thread::get_id(), caller);
+    EXPECT_GE(share, last);
+    last = share;
+  };
+  std::vector<int> done(100);
+  InParallel(
+      setting, 100, [&](int job) { ++done[static_cast<std::size_t>(job)]; }, 0.2, 0.7);
+  EXPECT_THAT(done, Each(1));
+  EXPECT_EQ(last, 0.7);
+}
+
+TEST(InParallelTest, ThrowsWhatTheFirstJobInOrderThrew) {
+  const ExperimentBench bench;
+  const auto work = [](int job) {
+    if (job >= 3) throw InputError("job " + std::to_string(job));
+  };
+  try {
+    InParallel(bench.setting(), 20, work);
+    FAIL() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "job 3");
+  }
+}
+
+TEST(RunScenarioTest, AnInterruptEndsAnExperiment) {
+  const ExperimentBench bench;
+  Setting setting = bench.short_setting();
+  const volatile bool interrupted = true;
+  setting.interrupted = &interrupted;
+  EXPECT_THROW((void)RunTimings(setting), RobotFault);
+}
+
+}  // namespace
+}  // namespace twin::experiment
