@@ -79,6 +79,17 @@ struct ProxyFlags {
   std::optional<double> seconds;  ///< as serve's
 };
 
+struct ExperimentFlags {
+  std::vector<std::string> ids;  ///< or all
+  std::optional<std::uint64_t> seed;
+  int seeds = 20;  ///< runs of what is averaged, in [1, 1000]
+  std::filesystem::path out = "out/experiments";
+  std::optional<std::filesystem::path> calibration;  ///< instead of models/experiments
+  bool list = false;                                 ///< only say which there are
+  bool quiet = false;
+  DataFlags data;
+};
+
 struct ValidateFlags {
   std::filesystem::path scenario;
   DataFlags data;
@@ -117,6 +128,11 @@ struct DecodeFlags {
 
 /// Relays a robot's wire with faults until it is interrupted. @throws twin::Error.
 [[nodiscard]] ExitCode ProxyCommand(const ProxyFlags& flags);
+
+/// Reproduces the paper's tables and figures and writes the report. @returns kFailed when one could
+/// not be done or missed what is demanded of it. @throws twin::Error; Interrupted.
+[[nodiscard]] ExitCode ExperimentCommand(const ExperimentFlags& flags, const Host& host,
+                                         const scenario::Catalogue& catalogue);
 
 /// Checks a scenario without running it. @throws twin::Error.
 [[nodiscard]] ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,

@@ -27,6 +27,7 @@ constexpr const char* kFooter = R"(Start here:
   panda-twin run SCENARIO.yaml --drive realtime          on the wall clock, threads at real-time priority
   panda-twin serve                                       a Panda for libfranka programs, at 127.0.0.1
   panda-twin proxy --robot HOST --link FILE.yaml         a wire with faults, before a robot or a twin
+  panda-twin experiment all                              the paper's tables and figures, beside ours
   panda-twin validate my.yaml                            is my scenario sound? (no run)
   panda-twin run SCENARIO.yaml --backend fci --robot HOST --max-speed 0.1   on a robot, slowly
   panda-twin export out/canonical/run.mcap               the log as CSV tables
@@ -60,6 +61,12 @@ other flags take is what a scenario's section link takes (models/scenarios/READM
 d_INT is the robot's, and has no effect here. The first datagram of a session has number 0 in its direction; its fate
 follows from the faults, the seed and that number. At the end: how many came, went on, were delayed, and so on.)";
 
+constexpr const char* kExperimentFooter =
+    R"(In lockstep: the same seed gives the same report, byte by byte. Writes report.html, one page that needs no
+other file, and csv/*.csv, the points of every curve. The delays of the three loops are in bare.yaml,
+synchronous.yaml and asynchronous.yaml of models/experiments; --calibration takes a folder with yours.
+Exit code 1: an experiment could not be done, or missed what is demanded of it; each is named in a line.)";
+
 constexpr const char* kExplainFooter =
     R"(Of a run that an error ended: what happened, in which cycle, which joint or axis, value and limit, how the
 value was computed, what became of the last commands, the usual cause, and what helps; and explain.html,
@@ -70,6 +77,7 @@ struct Flags {
   RunFlags run;
   ServeFlags serve;
   ProxyFlags proxy;
+  ExperimentFlags experiment;
   ValidateFlags validate;
   CheckFlags check;
   ExportFlags exported;
@@ -231,6 +239,32 @@ CLI::App* AddProxy(CLI::App& app, ProxyFlags& flags) {
   return proxy;
 }
 
+CLI::App* AddExperiment(CLI::App& app, ExperimentFlags& flags) {
+  CLI::App* experiment =
+      app.add_subcommand("experiment", "Reproduce the paper's tables and figures, as a report");
+  CLI::Option* ids = experiment->add_option("experiments", flags.ids, "Which (see --list), or all");
+  ids->type_name("ID...");
+  experiment->add_flag("--list", flags.list, "Say which there are")->excludes(ids);
+  AddSeed(*experiment, flags.seed, "Seed of all random numbers (default: 1)");
+  experiment->add_option("--seeds", flags.seeds, "Runs of what is averaged")
+      ->capture_default_str()
+      ->type_name("N");
+  experiment->add_option("--out", flags.out, "Folder of the report")
+      ->capture_default_str()
+      ->type_name("DIR");
+  experiment
+      ->add_option("--calibration", flags.calibration,
+                   "Folder of the experiments' scenarios, instead of models/experiments")
+      ->type_name("DIR");
+  experiment->add_flag("--quiet", flags.quiet, "No progress; errors and what was missed only");
+  AddDataFlags(*experiment, flags.data);
+  experiment->final_callback([&flags] {
+    if (flags.ids.empty() && !flags.list) throw CLI::RequiredError("experiments or --list");
+  });
+  experiment->footer(kExperimentFooter);
+  return experiment;
+}
+
 CLI::App* AddValidate(CLI::App& app, ValidateFlags& flags) {
   CLI::App* validate = app.add_subcommand("validate", "Check a scenario without running it");
   validate->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
@@ -354,6 +388,7 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
   const CLI::App* run = AddRun(app, flags.run);
   const CLI::App* serve = AddServe(app, flags.serve);
   const CLI::App* proxy = AddProxy(app, flags.proxy);
+  const CLI::App* experiment = AddExperiment(app, flags.experiment);
   const CLI::App* validate = AddValidate(app, flags.validate);
   const CLI::App* check = AddCheck(app, flags.check);
   const CLI::App* explain = AddExplain(app, flags.explain);
@@ -376,6 +411,7 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
     if (run->parsed()) return RunCommand(flags.run, host, catalogue);
     if (serve->parsed()) return ServeCommand(flags.serve, host);
     if (proxy->parsed()) return ProxyCommand(flags.proxy);
+    if (experiment->parsed()) return ExperimentCommand(flags.experiment, host, catalogue);
     if (validate->parsed()) return ValidateCommand(flags.validate, host, catalogue);
     if (check->parsed()) return CheckCommand(flags.check, host);
     if (explain->parsed()) return ExplainCommand(flags.explain);
