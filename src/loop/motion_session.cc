@@ -170,6 +170,11 @@ void MotionSession::Conclude(RunReport& report) {
   if (report.end == backend::MotionEnd::kUserStopped && report.failure.empty()) {
     report.failure = "motion aborted: user stop pressed";
   }
+  if (report.end == backend::MotionEnd::kPreempted && report.failure.empty()) {
+    report.failure =
+        "the robot's side stopped the motion, and says there why; a twin served in lockstep stops "
+        "one that is not answered (--robot-time states answers each of its states)";
+  }
   Tell("motion", report.end == backend::MotionEnd::kSuccess ? "finished" : report.failure);
 
   stopping_ = true;

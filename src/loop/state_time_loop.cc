@@ -1,7 +1,12 @@
 #include "twin/loop/state_time_loop.h"
 
+#include <chrono>
+
 namespace twin::loop {
 namespace {
+
+/// Without a state, after which the controller's wake-ups are skipped: a cycle's work is bounded.
+constexpr Duration kLongestGap = std::chrono::milliseconds(64);
 
 /// Of the robot's time between two states.
 Duration Between(std::uint64_t first_id, std::uint64_t id) noexcept {
@@ -19,21 +24,30 @@ Time StateTimeLoop::ReadAt(const RobotState& state, Time /*arrival*/) noexcept {
 const RobotCommand* StateTimeLoop::Compute(const RobotState& state, Time read,
                                            Duration& cost) noexcept {
   cost = Duration::zero();
+  const bool controls = tick_.InMotion(state) && !stopped_;
+  if (controls && moving_) WakeUntil(TimeOf(state) - Duration(1));
   tick_.Publish(state, read);
-  if (tick_.InMotion(state) && !stopped_) Control(state);
+  if (controls) {
+    if (!moving_) Begin(state);
+    WakeUntil(TimeOf(state));
+  }
   return tick_.Answer(state);
 }
 
-void StateTimeLoop::Control(const RobotState& state) noexcept {
-  if (!moving_) {
-    moving_ = true;
-    motion_id_ = state.message_id;
-    wake_ = controller_.Start(Time());
-  }
-  const Time now(Between(motion_id_, state.message_id));
-  // After lost states: the wake-up that is due, and then, the others skipped, one that is due now.
-  while (wake_ <= now) {
-    wake_ = controller_.OnWake(wake_) ? controller_.OnDone(now) : controller_.NextWake(now);
+void StateTimeLoop::Begin(const RobotState& state) noexcept {
+  moving_ = true;
+  motion_id_ = state.message_id;
+  wake_ = controller_.Start(Time());
+}
+
+Time StateTimeLoop::TimeOf(const RobotState& state) const noexcept {
+  return Time(Between(motion_id_, state.message_id));
+}
+
+void StateTimeLoop::WakeUntil(Time end) noexcept {
+  if (end - wake_ > kLongestGap) wake_ = controller_.NextWake(end - kLongestGap);
+  while (wake_ <= end) {
+    wake_ = controller_.OnWake(wake_) ? controller_.OnDone(wake_) : controller_.NextWake(wake_);
   }
 }
 

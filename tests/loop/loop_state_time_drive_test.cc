@@ -115,6 +115,16 @@ TEST_F(StateTimeDriveTest, TheControllerHasItsOwnRate) {
   }
 }
 
+TEST_F(StateTimeDriveTest, TheControllerWakesInLostCyclesToo) {
+  test::PatientRobot robot(1);
+  robot.leaps_at = 300;
+  test::Swing swing;
+  const RunReport report = Run(robot, swing);
+  ASSERT_TRUE(report.succeeded()) << report.failure;
+  EXPECT_EQ(report.timings.skipped_states, 3u);
+  EXPECT_EQ(report.controller_overruns, 0u);
+}
+
 TEST_F(StateTimeDriveTest, ItsTimesAreTheRobots) {
   test::PatientRobot robot(50);
   test::Swing swing;

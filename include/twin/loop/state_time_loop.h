@@ -12,10 +12,11 @@ namespace twin::loop {
 ///
 ///   T_hat = (message_id(i) - message_id(i-1)) 1 ms
 ///
-/// Read a state -> publish -> every wake-up of the controller that is due by the state's time ->
-/// tick -> write, one after the other: nothing depends on how fast anything is, and the same motion
-/// gives the same commands. The controller has its own rate, as in the asynchronous loop; its time
-/// counts from the motion's first state.
+/// Read a state -> every wake-up of the controller that was due before the state's time, with the
+/// state before it -> publish -> one that is due at it -> tick -> write, one after the other:
+/// nothing depends on how fast anything is, and the same motion gives the same commands. The
+/// controller has its own rate, as in the asynchronous loop, and wakes in lost cycles as it does
+/// there; its time counts from the motion's first state.
 ///
 /// Threads: one. Real-time: as CommunicationLoop.
 class StateTimeLoop final : public CommunicationLoop {
@@ -43,7 +44,11 @@ class StateTimeLoop final : public CommunicationLoop {
   [[nodiscard]] Time ReadAt(const RobotState& state, Time arrival) noexcept TWIN_REALTIME override;
   [[nodiscard]] const RobotCommand* Compute(const RobotState& state, Time read,
                                             Duration& cost) noexcept TWIN_REALTIME override;
-  void Control(const RobotState& state) noexcept TWIN_REALTIME;
+  void Begin(const RobotState& state) noexcept TWIN_REALTIME;
+  /// @returns of a state, since the motion's first one.
+  [[nodiscard]] Time TimeOf(const RobotState& state) const noexcept TWIN_REALTIME;
+  /// All of the controller's wake-ups that are due by then, each at its own time.
+  void WakeUntil(Time end) noexcept TWIN_REALTIME;
 
   ControllerLoop& controller_;
   std::uint64_t first_id_ = 0;   ///< of all; 0 before
