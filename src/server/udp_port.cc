@@ -71,9 +71,10 @@ void UdpPort::Deliver(const RobotState& state) noexcept {
     fci::Encode(state, outgoing_);
     const fci::Endpoint to{static_cast<std::uint32_t>(client >> 16),
                            static_cast<std::uint16_t>(client)};
-    // What the system does not take is lost, as on the wire.
-    static_cast<void>(socket_.Send(outgoing_, to));
+    // Kept before it goes: the answer may be here before the next line. What the system does not
+    // take is lost, as on the wire.
     if (capture_ != nullptr) Keep(clock_.Now(), socket_.local(), to, outgoing_);
+    static_cast<void>(socket_.Send(outgoing_, to));
   }
   if (state.robot_mode == mode_ && state.motion_generator_mode == generator_) return;
   mode_ = state.robot_mode;
