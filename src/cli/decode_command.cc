@@ -18,6 +18,12 @@ ExitCode DecodeCommand(const DecodeFlags& flags) {
     const std::string text = transcript.Take(*packet);
     if (!text.empty()) Say(stdout, text);
   }
+  if (transcript.elsewhere() > 0) {
+    Say(stderr,
+        fmt::format("note: {} packets of TCP are between other ports than {} (arm) and {} (hand); "
+                    "if the robot's were others, name them with --port and --hand-port\n",
+                    transcript.elsewhere(), flags.arm_port, flags.hand_port));
+  }
   if (reader.passed_over() > 0) {
     Say(stderr, fmt::format("note: {} packets are neither UDP nor TCP over IPv4, or damaged\n",
                             reader.passed_over()));

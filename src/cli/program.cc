@@ -57,7 +57,7 @@ Exit codes: 0 after --for, 130 when interrupted, others as ever.)";
 constexpr const char* kProxyFooter =
     R"(TCP passes as it is; of datagrams, states are those from the robot, commands those to it. What --link and the
 other flags take is what a scenario's section link takes (models/scenarios/README.md), so
-  --state-delay "{log_normal: {median: 200 us, sigma: 0.5}}" --command-loss "{scripted: [{at: 2 s, count: 25}]}"
+  --state-delay "{log_normal: {median: 60 us, sigma: 0.3}}" --command-loss "{scripted: [{at: 2 s, count: 25}]}"
 d_INT is the robot's, and has no effect here. The first datagram of a session has number 0 in its direction; its fate
 follows from the faults, the seed and that number. At the end: how many came, went on, were delayed, and so on.)";
 
@@ -315,7 +315,9 @@ CLI::App* AddExplain(CLI::App& app, ExplainFlags& flags) {
 CLI::App* AddDecode(CLI::App& app, DecodeFlags& flags) {
   CLI::App* decode = app.add_subcommand("decode", "Print a capture of the wire, field by field");
   decode
-      ->add_option("capture", flags.capture, "What --capture, tcpdump or Wireshark wrote (pcapng)")
+      ->add_option("capture", flags.capture,
+                   "What --capture or Wireshark wrote (pcapng); what tcpdump -w wrote, after "
+                   "editcap -F pcapng IN OUT")
       ->required()
       ->type_name("FILE");
   decode->add_flag("--brief", flags.brief, "A line for each message, no fields");

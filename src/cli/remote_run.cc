@@ -29,6 +29,12 @@ void ChooseBackend(std::string_view backend, scenario::Scenario& scenario) {
 
 void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenario) {
   const bool is_remote = scenario.drive == scenario::Drive::kRemote;
+  if (!is_remote && flags.drive && scenario.backend == scenario::kRemoteBackend) {
+    throw InputError(fmt::format(
+        "--drive {} contradicts backend fci, whose drive is remote; leave out --drive, or the "
+        "backend",
+        *flags.drive));
+  }
   if (!is_remote && (flags.robot || flags.robot_time || flags.capture)) {
     throw InputError("--robot, --robot-time and --capture go with --backend fci");
   }

@@ -129,8 +129,10 @@ std::string RequestChannel::WhyLost() const {
 
 std::string RequestChannel::TextLocked(std::string_view name) const {
   return fmt::format(
-      "{}: {} {}; see whether it still runs and the network is up, then connect anew", name, peer_,
-      why_lost_);
+      "{}: {} {}; see whether it still runs and the network is up, or another program holds it; "
+      "then "
+      "connect anew",
+      name, peer_, why_lost_);
 }
 
 void RequestChannel::Lose(std::string why) {

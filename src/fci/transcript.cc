@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
@@ -54,6 +55,8 @@ class Transcript::Impl {
  public:
   explicit Impl(const TranscriptOptions& options) : options_(options) {}
 
+  [[nodiscard]] std::uint64_t elsewhere() const { return elsewhere_; }
+
   std::string Take(const record::Packet& packet) {
     if (packet.transport == record::Transport::kUdp) return TakeDatagram(packet);
     return TakeStream(packet);
@@ -101,6 +104,7 @@ class Transcript::Impl {
   std::string TakeStream(const record::Packet& packet) {
     const bool is_request = IsPort(packet.to.port);
     if (!is_request && !IsPort(packet.from.port)) {
+      ++elsewhere_;
       return HeadOf(packet) +
              fmt::format("{} bytes of TCP between other ports\n", packet.bytes.size());
     }
@@ -181,6 +185,7 @@ class Transcript::Impl {
   }
 
   TranscriptOptions options_;
+  std::uint64_t elsewhere_ = 0;
   std::map<Ends, Stream> streams_;
   /// Command of each request, by the ends of its answer and its id.
   std::map<std::pair<Ends, std::uint32_t>, std::uint32_t> asked_;
@@ -191,6 +196,10 @@ Transcript::~Transcript() = default;
 
 std::string Transcript::Take(const record::Packet& packet) {
   return impl_->Take(packet);
+}
+
+std::uint64_t Transcript::elsewhere() const noexcept {
+  return impl_->elsewhere();
 }
 
 }  // namespace twin::fci

@@ -26,6 +26,11 @@ namespace {
 PartialFile::PartialFile(std::filesystem::path path, Leftover leftover)
     : path_(std::move(path)), partial_(path_), leftover_(leftover) {
   partial_ += ".partial";
+  std::error_code unknown;
+  if (std::filesystem::is_directory(path_, unknown)) {
+    throw EnvironmentError(fmt::format(
+        "cannot write {}: it is a directory; name a file in it, or another one", path_.string()));
+  }
   descriptor_ = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (descriptor_ < 0) Fail("create", partial_, errno);
 }

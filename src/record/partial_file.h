@@ -15,7 +15,8 @@ class PartialFile {
   /// What happens to the `.partial` file when Commit() is never reached.
   enum class Leftover { kKeep, kRemove };
 
-  /// Creates `<path>.partial`, or empties the one that is left from before.
+  /// Creates `<path>.partial`, or empties the one that is left from before. A `path` that is a
+  /// directory is refused here, before anything is written: Commit() could not replace it.
   PartialFile(std::filesystem::path path, Leftover leftover);
   ~PartialFile();
   PartialFile(const PartialFile&) = delete;

@@ -12,6 +12,11 @@ inline constexpr std::uint32_t kInterfaceDescription = 1;
 inline constexpr std::uint32_t kEnhancedPacket = 6;
 inline constexpr std::uint32_t kByteOrderMagic = 0x1a2b3c4d;
 
+/// What the older format pcap begins with, of microseconds and of nanoseconds, in the byte order of
+/// its writer. Source: IETF draft-ietf-opsawg-pcap.
+inline constexpr std::uint32_t kClassicMicroseconds = 0xa1b2c3d4;
+inline constexpr std::uint32_t kClassicNanoseconds = 0xa1b23c4d;
+
 /// Of an interface description.
 inline constexpr std::uint16_t kOptionEnd = 0;
 inline constexpr std::uint16_t kOptionTimeResolution = 9;

@@ -34,6 +34,13 @@ struct Interface {
   std::uint64_t ns_per_tick = 1000;  ///< microseconds, unless it says otherwise
 };
 
+/// Whether a file that begins so is of the older format pcap, of either byte order.
+bool IsClassic(std::uint32_t magic) {
+  const std::uint32_t other = __builtin_bswap32(magic);
+  return magic == pcapng::kClassicMicroseconds || magic == pcapng::kClassicNanoseconds ||
+         other == pcapng::kClassicMicroseconds || other == pcapng::kClassicNanoseconds;
+}
+
 /// Where IPv4 begins in a packet of such a link; nothing: it is none.
 std::optional<std::size_t> IpOffset(std::uint16_t link, std::span<const std::byte> packet) {
   const auto ethertype_at = [&](std::size_t at) {
@@ -91,10 +98,17 @@ class PcapngReader::Impl {
   void ReadSectionHeader() {
     std::array<std::byte, 12> head{};
     const bool whole = source_->ReadAt(0, head) == head.size();
+    if (whole && IsClassic(Load<std::uint32_t>(head, 0))) {
+      throw InputError(
+          fmt::format("{0}: a classic pcap file, as tcpdump -w writes it, not pcapng; "
+                      "convert it: editcap -F pcapng {0} {0}ng",
+                      where_));
+    }
     if (!whole || Load<std::uint32_t>(head, 0) != pcapng::kSectionHeader) {
-      throw InputError(where_ +
-                       ": no pcapng file; decode reads what serve --capture writes, and what "
-                       "tcpdump or Wireshark save as pcapng");
+      throw InputError(
+          where_ +
+          ": no pcapng file; decode reads what --capture and Wireshark write, and what "
+          "tcpdump wrote once editcap -F pcapng IN OUT has converted it");
     }
     if (Load<std::uint32_t>(head, 8) != pcapng::kByteOrderMagic) {
       throw InputError(where_ + ": written on a big-endian machine, which is not supported");

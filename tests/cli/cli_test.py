@@ -130,12 +130,31 @@ class BadScenario(CliTest):
     def test_drive_that_does_not_go_with_the_backend(self):
         done = self.run_scenario(SHORT, "--drive", "remote", "--robot", "127.0.0.1")
         self.assert_refused(done, 3, "drive: remote does not go with backend mujoco")
-        done = self.run_scenario(SHORT, "--backend", "fci", "--drive", "realtime")
-        self.assert_refused(done, 3, "drive: realtime does not go with backend fci")
+        for drive in ("lockstep", "realtime"):
+            done = self.run_scenario(SHORT, "--backend", "fci", "--robot", "127.0.0.1:9", "--drive", drive)
+            self.assert_refused(done, 3, f"--drive {drive} contradicts backend fci, whose drive is remote")
 
     def test_remote_robot_without_address(self):
         done = self.run_scenario(SHORT, "--backend", "fci")
         self.assert_refused(done, 3, "--robot HOST")
+
+    def test_a_capture_that_is_a_directory_is_refused_at_the_start(self):
+        capture = self.folder / "captures"
+        capture.mkdir()
+        there = self.run_scenario(SHORT, "--backend", "fci", "--robot", "127.0.0.1:9", "--capture", capture)
+        served = self.call("serve", "--port", "0", "--hand-port", "0", "--for", "0.1", "--capture", capture,
+                           "--data", SOURCE / "models")
+        for done in (there, served):
+            self.assertEqual(done.returncode, 4, done.stderr)
+            self.assertIn(f"error: cannot write {capture}: it is a directory", done.stderr)
+            self.assertNotIn("serves", done.stdout)
+            self.assertNotIn("reach", done.stdout)
+        self.assertFalse(capture.with_name("captures.partial").exists())
+
+    def test_decode_names_a_classic_capture_and_what_converts_it(self):
+        capture = self.folder / "session.pcap"
+        capture.write_bytes(bytes.fromhex("d4c3b2a1") + bytes(20))
+        self.assert_refused(self.call("decode", capture), 3, f"editcap -F pcapng {capture} {capture}ng")
 
     def test_address_of_a_robot_that_is_in_this_process(self):
         done = self.run_scenario(SHORT, "--robot", "127.0.0.1")

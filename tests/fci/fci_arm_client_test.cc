@@ -202,7 +202,8 @@ TEST_F(ArmClientTest, AConnectionThatIsResetEndsTheWaitForAnAnswer) {
     return {};
   });
   EXPECT_THAT(FaultOf([&] { static_cast<void>(client().StopMove()); }),
-              AllOf(HasSubstr("Stop Move"), HasSubstr("reset the connection")));
+              AllOf(HasSubstr("Stop Move"), HasSubstr("reset the connection"),
+                    HasSubstr("another program holds it")));
 }
 
 TEST_F(ArmClientTest, DoesNotWaitForAnAnswerForEver) {

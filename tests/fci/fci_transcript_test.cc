@@ -121,6 +121,16 @@ TEST(TranscriptTest, SaysWhatIsWrongWithBytesThatAreNone) {
   EXPECT_THAT(transcript.Take(Stream(junk, kClient, kArm)), IsEmpty()) << "said once";
 }
 
+TEST(TranscriptTest, CountsTheTcpPacketsBetweenOtherPorts) {
+  Transcript transcript({.arm_port = 4242, .hand_port = 4243});
+  const auto move = EncodeRequest(7, ArmRequest(Move()));
+  EXPECT_THAT(transcript.Take(Stream(move, kClient, kArm)), HasSubstr("between other ports"));
+  static_cast<void>(transcript.Take(Stream(move, kArm, kClient)));
+  EXPECT_EQ(transcript.elsewhere(), 2U);
+  static_cast<void>(transcript.Take(Stream(move, kClient, {.address = 0x7f000001, .port = 4242})));
+  EXPECT_EQ(transcript.elsewhere(), 2U);
+}
+
 TEST(TranscriptTest, NeverFailsWhateverThePacketsHold) {
   const Random random(20261121, RandomStream::kTest);
   Transcript transcript({});

@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "record/temporary_folder.h"
@@ -263,6 +265,28 @@ TEST_F(PcapngTest, RefusesWhatIsNoCapture) {
   EXPECT_THROW(PcapngReader reader(Pattern(100, 0)), InputError);
   EXPECT_THROW(PcapngReader reader(Bytes{}), InputError);
   EXPECT_THROW(PcapngReader reader(folder_.path() / "missing.pcapng"), InputError);
+}
+
+TEST_F(PcapngTest, NamesTheOlderFormatAndWhatConvertsIt) {
+  // Microseconds and nanoseconds, each in either byte order.
+  for (const auto& words : {std::pair{0xd4c3, 0xb2a1}, std::pair{0xa1b2, 0xc3d4},
+                            std::pair{0x4d3c, 0xb2a1}, std::pair{0xa1b2, 0x3c4d}}) {
+    const Bytes file = Concatenate({BigEndian({static_cast<std::uint16_t>(words.first),
+                                               static_cast<std::uint16_t>(words.second)}),
+                                    Bytes(20)});
+    try {
+      PcapngReader reader(file);
+      ADD_FAILURE() << "taken: " << std::hex << words.first << words.second;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), ::testing::AllOf(::testing::HasSubstr("classic pcap"),
+                                                 ::testing::HasSubstr("editcap -F pcapng")));
+    }
+  }
+}
+
+TEST_F(PcapngTest, ADirectoryIsRefusedBeforeAnythingIsWritten) {
+  EXPECT_THROW(PcapngWriter writer(folder_.path()), EnvironmentError);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path().string() + ".partial"));
 }
 
 TEST_F(PcapngTest, DamagedFilesEndInAnErrorAndNeverInACrash) {

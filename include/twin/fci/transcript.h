@@ -34,6 +34,9 @@ class Transcript {
   /// @returns the lines this packet completes, each ended; empty when it completes none.
   [[nodiscard]] std::string Take(const record::Packet& packet);
 
+  /// Packets of TCP so far between other ports than those of the options.
+  [[nodiscard]] std::uint64_t elsewhere() const noexcept;
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

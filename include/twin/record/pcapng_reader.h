@@ -12,8 +12,9 @@
 namespace twin::record {
 
 /// Reads the UDP datagrams and the TCP bytes of a pcapng file: of PcapngWriter's, or of a capture
-/// that tcpdump or Wireshark made on an Ethernet, loopback or raw IPv4 interface (fragmented
-/// datagrams, as a state on a real network is, are put together). What is neither UDP nor TCP over
+/// that Wireshark made on an Ethernet, loopback or raw IPv4 interface (fragmented datagrams, as a
+/// state on a real network is, are put together). The older format pcap, as `tcpdump -w` writes it,
+/// is refused by name: `editcap -F pcapng IN OUT` converts it. What is neither UDP nor TCP over
 /// IPv4 is passed over and counted. TCP segments are given as captured, but for those repeated.
 ///
 /// The file is not trusted: no length in it is believed without a look, no packet above 256 KiB is
