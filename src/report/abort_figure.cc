@@ -88,7 +88,7 @@ void AddPanel(Script& script, const RunEnd& end, const EndPanel& panel) {
   script.Line("{}", plot);
 }
 
-/// Served, held or nothing due, cycle by cycle, and commands that were dropped.
+/// Served, held or nothing due (or nothing known), cycle by cycle, and commands that were dropped.
 void AddFates(Script& script, const RunEnd& end) {
   script.Line("$fates << EOD");
   for (std::size_t i = 0; i < end.cycles.size(); ++i) {
@@ -108,9 +108,10 @@ void AddFates(Script& script, const RunEnd& end) {
   script.Line(
       "plot $fates u 1:2 w boxes fc '{}' title 'served', $fates u 1:3 w boxes fc '{}' title "
       "'held', "
-      "$fates u 1:4 w boxes fc '{}' title 'none due', "
+      "$fates u 1:4 w boxes fc '{}' title '{}', "
       "$fates u 1:($5 > 0 ? 1.12 : NaN) w p pt 11 ps 0.9 lc '{}' title 'dropped'",
-      kServedColour, kHeldColour, kQuietColour, kReferenceColour);
+      kServedColour, kHeldColour, kQuietColour, end.fates_unknown() ? "not known" : "none due",
+      kReferenceColour);
 }
 
 }  // namespace

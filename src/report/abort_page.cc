@@ -12,13 +12,13 @@
 namespace twin::report {
 namespace {
 
-std::string_view NameOf(rt::CommandFate fate) {
+std::string_view NameOf(const RunEnd& end, rt::CommandFate fate) {
   switch (fate) {
     case rt::CommandFate::kServed: return "served";
     case rt::CommandFate::kHeld: return "held";
     case rt::CommandFate::kNone: break;
   }
-  return "none due";
+  return end.fates_unknown() ? "not known" : "none due";
 }
 
 /// All that the figure shows, in numbers.
@@ -35,7 +35,7 @@ std::string CycleTable(const RunEnd& end) {
     const rt::CycleRecord& cycle = end.cycles[i].cycle;
     html += fmt::format("<tr{}><td>{}</td><td class=\"word\">{}</td>",
                         cycle.fate == rt::CommandFate::kHeld ? " class=\"held\"" : "",
-                        cycle.state.message_id, NameOf(cycle.fate));
+                        cycle.state.message_id, NameOf(end, cycle.fate));
     for (const EndPanel& panel : panels) {
       for (const EndCurve& curve : panel.curves) {
         html += std::isfinite(curve.values[i]) ? fmt::format("<td>{:.7g}</td>", curve.values[i])

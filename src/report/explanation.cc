@@ -32,8 +32,10 @@ Violation ErrorOf(const rt::CycleRecord& cycle) {
   return {.error = static_cast<RobotError>(first)};
 }
 
+/// On the robot's time no thread can run late: what was lost, the robot's own clock or link lost.
 TimeKeeper KeeperOf(const RunEnd& end) {
-  return end.run.drive == "lockstep" ? TimeKeeper::kVirtualClock : TimeKeeper::kWallClock;
+  const bool is_virtual = end.run.drive == "lockstep" || end.on_robot_time;
+  return is_virtual ? TimeKeeper::kVirtualClock : TimeKeeper::kWallClock;
 }
 
 /// "joint 2, acceleration ..." in numbers; how far beyond the limit.
@@ -108,7 +110,10 @@ Story TellAbort(const RunEnd& end) {
     for (std::string& line : WorkOut(end)) computed.lines.push_back(std::move(line));
     story.paragraphs.push_back(std::move(computed));
   } else {
-    AddText(story, "value", "the log does not tell which value broke which limit.");
+    AddText(story, "value",
+            end.is_remote() ? "not known: the robot tells the names of its errors, but neither "
+                              "joint nor value nor limit."
+                            : "the log does not tell which value broke which limit.");
   }
   AddText(story, "commands", CountFates(end));
   AddText(story, "lost before", JudgeLosses(end));
@@ -137,8 +142,10 @@ std::string TellApproach(const RunEnd& end) {
   if (!end.approach.has_limits()) {
     text += "  this log does not hold the robot's limits: an earlier version wrote it\n";
   }
-  text += fmt::format("  {:<34} {:>5}    FCI ends a motion after 20\n",
-                      "most commands lost in a row", end.approach.longest_loss());
+  text += end.fates_unknown()
+              ? fmt::format("  {:<34} not known at this end of the wire\n", "commands lost")
+              : fmt::format("  {:<34} {:>5}    FCI ends a motion after 20\n",
+                            "most commands lost in a row", end.approach.longest_loss());
   text += fmt::format("  {:<34} {:>5.1f}    Nm, largest of the joints, estimated\n",
                       "external torque", end.approach.peak_torque());
   text += fmt::format("  {:<34} {:>5.1f}    N on the end effector, estimated\n", "external force",

@@ -70,9 +70,35 @@ std::pair<std::uint32_t, std::size_t> LastLoss(const RunEnd& end) {
   return {0, 0};
 }
 
+/// Where the commands of the shown held cycles went, counted. @pre end.has_ticks.
+std::vector<std::string> CausesOfHeld(const RunEnd& end, bool any_dropped) {
+  std::uint64_t silent = 0, unwritten = 0, late = 0;
+  for (std::size_t i = FirstShown(end); i < end.cycles.size(); ++i) {
+    const EndCycle& cycle = end.cycles[i];
+    if (!IsHeld(cycle)) continue;
+    ++(!cycle.answer ? silent : !cycle.written() ? unwritten : late);
+  }
+  std::vector<std::string> causes;
+  if (silent > 0) {
+    causes.push_back(fmt::format(
+        "{} because the workstation did not see the state before it, or did not run", silent));
+  }
+  if (unwritten > 0) {
+    causes.push_back(
+        fmt::format("{} because the workstation saw the state, but wrote nothing", unwritten));
+  }
+  if (late > 0) {
+    causes.push_back(
+        fmt::format("{} although the workstation wrote a command: it {}was lost on its way", late,
+                    any_dropped ? "came too late or " : ""));
+  }
+  return causes;
+}
+
 }  // namespace
 
 std::string JudgeLosses(const RunEnd& end) {
+  if (end.fates_unknown()) return "";
   const rt::CycleRecord& last = end.last();
   const bool is_loss =
       last.violated && last.violation.error == RobotError::kCommunicationConstraintsViolation;
@@ -105,47 +131,30 @@ std::string JudgeLosses(const RunEnd& end) {
 }
 
 std::string CountFates(const RunEnd& end) {
-  std::uint64_t served = 0, held = 0, none = 0, silent = 0, unwritten = 0, late = 0, dropped = 0;
+  if (end.fates_unknown()) {
+    return "what became of them is not known at this end of the wire; the log of the robot's side "
+           "(panda-twin serve --log) has it.";
+  }
+  std::uint64_t served = 0, held = 0, none = 0, dropped = 0;
   for (std::size_t i = FirstShown(end); i < end.cycles.size(); ++i) {
     const EndCycle& cycle = end.cycles[i];
     served += cycle.cycle.fate == rt::CommandFate::kServed;
+    held += IsHeld(cycle);
     none += cycle.cycle.fate == rt::CommandFate::kNone;
     dropped += cycle.cycle.dropped;
-    if (!IsHeld(cycle)) continue;
-    ++held;
-    if (!cycle.answer) {
-      ++silent;
-    } else if (!cycle.written()) {
-      ++unwritten;
-    } else {
-      ++late;
-    }
   }
   std::string text =
       fmt::format("{} served, {} held, {} in which none was due or the first was awaited.",
                   Count(served, "cycle"), held, none);
-  std::vector<std::string> causes;
-  if (silent > 0) {
-    causes.push_back(
-        fmt::format("{} because the workstation did not see the state before it, or "
-                    "did not run",
-                    silent));
-  }
-  if (unwritten > 0) {
-    causes.push_back(
-        fmt::format("{} because the workstation saw the state, but wrote nothing", unwritten));
-  }
-  if (late > 0) {
-    causes.push_back(
-        fmt::format("{} although the workstation wrote a command: it {}was lost on its way", late,
-                    dropped > 0 ? "came too late or " : ""));
-  }
   if (dropped > 0) {
     text += fmt::format(" {} came, but too late, doubled or with a wrong id.",
                         Count(dropped, "command"));
   }
-  if (!causes.empty()) text += fmt::format(" Of those held, {}.", fmt::join(causes, "; "));
-  return text;
+  if (held == 0) return text;
+  if (!end.has_ticks) {
+    return text + " What the client wrote is not in this log, which is of the robot's side.";
+  }
+  return text + fmt::format(" Of those held, {}.", fmt::join(CausesOfHeld(end, dropped > 0), "; "));
 }
 
 std::string CountTicks(const RunEnd& end) {

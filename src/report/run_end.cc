@@ -25,6 +25,7 @@ class Collector {
     any_ = true;
     end_.end = ToSeconds(cycle.at.time_since_epoch());
     end_.moved = end_.moved || cycle.state.motion_generator_mode != MotionGeneratorMode::kIdle;
+    end_.fates_told = end_.fates_told || cycle.fate != rt::CommandFate::kNone;
     const bool running = end_.last_word.starts_with("started");
     if (running && !end_.user_stopped && cycle.state.robot_mode == RobotMode::kUserStopped) {
       end_.user_stopped = end_.end;
@@ -43,6 +44,11 @@ class Collector {
   }
 
   void operator()(const rt::TickRecord& tick) {
+    end_.has_ticks = true;
+    if (WroteCommand(tick)) {
+      any_command_ = true;
+      any_cost_ = any_cost_ || tick.written != tick.read;
+    }
     if (abort_id_ && tick.message_id >= *abort_id_) return;
     ticks_[tick.message_id % kTicks] = tick;
   }
@@ -55,6 +61,8 @@ class Collector {
 
   /// Brings cycles and answers together.
   void Finish() {
+    // On the robot's time an answer takes none; a clock always sees some pass.
+    end_.on_robot_time = end_.is_remote() && any_command_ && !any_cost_;
     if (!abort_id_) return;
     for (rt::CycleRecord& cycle : cycles_) {
       const std::uint64_t answered = cycle.state.message_id - 1;
@@ -71,6 +79,8 @@ class Collector {
   std::optional<std::uint64_t> abort_id_;
   bool had_error_ = false;
   bool any_ = false;
+  bool any_command_ = false;  ///< a tick wrote one
+  bool any_cost_ = false;     ///< one of them took time
 };
 
 }  // namespace

@@ -25,6 +25,29 @@ constexpr Violation kJerk{.error = RobotError::kJointMotionGeneratorAcceleration
                           .value = 5000,
                           .limit = 3750};
 
+constexpr Violation kLost{
+    .error = RobotError::kCommunicationConstraintsViolation, .value = 20, .limit = 20};
+
+/// What the log of a run with --backend fci says about itself.
+record::RunInfo Remote() {
+  record::RunInfo info;
+  info.scenario = "sample";
+  info.drive = "remote";
+  return info;
+}
+
+/// 60 cycles as the workstation's end of a wire records them: every state answered, after `cost`,
+/// and no fate known.
+void StreamOverWire(SampleMotion& motion, Duration cost) {
+  for (int i = 0; i < 60; ++i) {
+    rt::TickRecord tick;
+    tick.action = rt::TickAction::kWritten;
+    tick.read = Time(static_cast<std::int64_t>(motion.k()) * kCycle);
+    tick.written = tick.read + cost;
+    motion.AnswerWith(tick).PassBy();
+  }
+}
+
 /// `text` with every run of white space as one blank: whatever the line breaks.
 std::string OneLine(const std::string& text) {
   std::istringstream words(text);
@@ -155,6 +178,57 @@ TEST_F(ExplainTest, ARunInRealTimeIsToldWhatHelpsThere) {
                rt::CommandFate::kHeld);
   EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
               AllOf(HasSubstr("panda-twin check"), HasSubstr("it may be at most 19")));
+}
+
+TEST_F(ExplainTest, AtTheEndOfAWireTheFateOfCommandsIsNotKnown) {
+  SampleMotion motion(log());
+  motion.Describe(Remote());
+  StreamOverWire(motion, Duration(20'000));
+  const Explanation told = Explain(motion.Abort(kLost, rt::CommandFate::kNone, false).Finish());
+  for (const std::string& text : {OneLine(told.text), told.page}) {
+    EXPECT_THAT(
+        text,
+        AllOf(HasSubstr("not known at this end of the wire"), HasSubstr("panda-twin serve --log"),
+              HasSubstr("neither joint nor value nor limit"), HasSubstr("panda-twin check")));
+    EXPECT_THAT(text, AllOf(Not(HasSubstr("0 cycles served")), Not(HasSubstr("none was due")),
+                            Not(HasSubstr("lost before")), Not(HasSubstr("had its command"))));
+  }
+  EXPECT_THAT(told.page, AllOf(HasSubstr("not known</td>"), Not(HasSubstr("none due"))));
+}
+
+TEST_F(ExplainTest, OnTheRobotsTimeNoThreadIsBlamed) {
+  SampleMotion motion(log());
+  motion.Describe(Remote());
+  StreamOverWire(motion, Duration::zero());
+  EXPECT_THAT(
+      OneLine(Explain(motion.Abort(kLost, rt::CommandFate::kNone, false).Finish()).text),
+      AllOf(HasSubstr("not known at this end of the wire"), Not(HasSubstr("panda-twin check"))));
+}
+
+TEST_F(ExplainTest, ASuccessOverAWireDoesNotClaimThatNothingWasLost) {
+  SampleMotion motion(log());
+  motion.Describe(Remote());
+  StreamOverWire(motion, Duration(20'000));
+  motion.Event("motion", "finished");
+  EXPECT_THAT(Explain(motion.Finish()).text,
+              AllOf(HasSubstr("not known at this end"), Not(HasSubstr("lost in a row"))));
+}
+
+TEST_F(ExplainTest, AtTheRobotsEndOfAWireItIsNotKnownWhatTheClientDid) {
+  SampleMotion motion(log());
+  motion.Lose(20, false);
+  EXPECT_THAT(OneLine(Explain(motion.Abort(kLost, rt::CommandFate::kHeld).Finish()).text),
+              AllOf(HasSubstr("0 cycles served, 21 held"), HasSubstr("is not in this log"),
+                    Not(HasSubstr("did not run"))));
+}
+
+TEST_F(ExplainTest, OverAWireWithoutAMotionNoCommandWasDue) {
+  SampleMotion motion(log());
+  motion.Describe(Remote());
+  motion.state().motion_generator_mode = MotionGeneratorMode::kIdle;
+  for (int i = 0; i < 60; ++i) motion.PassBy();
+  EXPECT_THAT(OneLine(Explain(motion.Abort(kLost, rt::CommandFate::kNone, false).Finish()).text),
+              AllOf(HasSubstr("none was due"), Not(HasSubstr("this end of the wire"))));
 }
 
 TEST_F(ExplainTest, PageShowsWhatTheRunIsCalledAndNotWhatItMeansToABrowser) {

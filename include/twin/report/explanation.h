@@ -9,8 +9,9 @@ namespace twin::report {
 struct Explanation {
   bool aborted = false;  ///< an error ended a motion
   /// For a terminal: what happened, where, value and limit and how the value came about, what
-  /// became of the last commands and whether lost ones can be the reason, the usual cause, the
-  /// cure; of a run without an error, how close it came to each limit. Lines of at most 100
+  /// became of the last commands and whether lost ones can be the reason (a log from the
+  /// workstation's end of a wire knows neither this nor the value, and says so), the usual cause,
+  /// the cure; of a run without an error, how close it came to each limit. Lines of at most 100
   /// columns.
   std::string text;
   /// The same as one HTML page with the last 50 cycles plotted and in numbers; it needs no other
