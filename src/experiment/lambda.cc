@@ -325,8 +325,10 @@ void Compare(const std::vector<Convergence>& all, const std::vector<Stall>& stal
 
 Findings RunLambda(const Setting& setting) {
   std::vector<Convergence> all;
+  all.reserve(kLambdas.size());
   for (const double lambda : kLambdas) all.push_back(Converge(lambda));
   std::vector<Stall> stalls;
+  stalls.reserve(kStallsMs.size());
   for (const int ms : kStallsMs) stalls.push_back(MeasureStall(kPaperLambda, ms));
   if (setting.progress) setting.progress(0.3);
   const double limit = JerkLimit(setting);

@@ -306,6 +306,7 @@ void CompareTracking(const Outcomes& outcomes, std::vector<Comparison>& out) {
                  "",
                  Verdict::kReported});
   std::vector<double> delays;
+  delays.reserve(proposed.size());
   for (const Outcome& outcome : proposed) delays.push_back(1e3 * outcome.delay_s);
   const Spread delay = SpreadOf(delays);
   out.push_back({"Proposed: delay of q behind the plan, from the first cycle served",
