@@ -36,6 +36,7 @@ TEST(WaveSourceTest, TheDelayOfASignalIsFound) {
   for (const CommandInterface interface :
        {CommandInterface::kJointPosition, CommandInterface::kJointVelocity}) {
     std::vector<double> signal;
+    signal.reserve(4000);
     for (int k = 0; k < 4000; ++k) {
       signal.push_back(3 + WaveAt(interface, 0.8, k * 1e-3 - 0.0035).value);
     }
