@@ -196,6 +196,22 @@ std::string CaseName(const ::testing::TestParamInfo<Case>& info) {
   return name;
 }
 
+TEST(SingularStartTest, OnlyMotionsOfJointsBeginThere) {
+  constexpr JointVector kNearlyStraight{0, 0.9, 0, -0.477, 0, 1.4, 0};
+  for (const HarnessCase& harness : Harnesses()) {
+    if (harness.plant_kind != robot::PlantKind::kIdeal) continue;
+    for (const auto generator :
+         {MotionGeneratorMode::kCartesianPosition, MotionGeneratorMode::kCartesianVelocity}) {
+      robot::RobotConfig robot = HarnessRobot(robot::PlantKind::kIdeal);
+      robot.q_start = kNearlyStraight;
+      Rig rig(harness.make(robot), robot, false);
+      EXPECT_FALSE(rig.Start({ControllerMode::kJointImpedance, generator}));
+      EXPECT_NE(rig.refusal().find("singular"), std::string::npos) << rig.refusal();
+      EXPECT_TRUE(rig.Start(kMotion)) << rig.refusal();
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Table, ModesTest, ::testing::ValuesIn(Cases()), CaseName);
 
 TEST(ModesCoverageTest, EveryModeIsAScene) {
