@@ -92,6 +92,7 @@ std::uint64_t Content(const RobotState& state) {
 
 std::vector<std::uint64_t> Contents(const std::vector<RobotState>& states) {
   std::vector<std::uint64_t> contents;
+  contents.reserve(states.size());
   for (const RobotState& state : states) contents.push_back(Content(state));
   return contents;
 }

@@ -141,6 +141,7 @@ TEST_F(ServerTest, ASessionThatSaysNothingIsNot) {
 TEST_F(ServerTest, SilentConnectionsDoNotKeepClientsOut) {
   ServeInLockstep();
   std::vector<fci::TcpStream> silent;
+  silent.reserve(10);
   for (int i = 0; i < 10; ++i) silent.push_back(Connect());
   fci::TcpStream session = Session();
   EXPECT_TRUE(WasTold("connected"));
@@ -149,6 +150,7 @@ TEST_F(ServerTest, SilentConnectionsDoNotKeepClientsOut) {
 TEST_F(ServerTest, TooManySilentConnectionsKeepNobodyOut) {
   ServeInLockstep();
   std::vector<fci::TcpStream> silent;
+  silent.reserve(16);
   for (int i = 0; i < 16; ++i) silent.push_back(Connect());
   fci::TcpStream session = Session();
   EXPECT_TRUE(Receive(silent.front(), 1).empty()) << "the oldest makes room";
