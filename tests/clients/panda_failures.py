@@ -142,6 +142,7 @@ def collision(address):
     facts = {"text": text, "height": pose_of(state)[2, 3], "collision": state.cartesian_collision} | aftermath(robot)
     robot.set_collision_behavior(*HIGH)
     facts["returned"] = panda.move_to_joint_position(panda_py.ik(above, downwards))
+    facts["errors_at_end"] = repr(robot.read_once().current_errors)  # why it did not, if it did not
     return facts
 
 
