@@ -90,7 +90,10 @@ void Robot::Cycle(Time now) noexcept {
   const bool in_motion = int_.robot_mode() == RobotMode::kMove;
   const RobotCommand* command = inbox_.Select(int_.message_id(), now - d_INT_);
   if (hand_) hand_->Cycle();
-  plant_->Step(int_.Cycle(command, plant_->sensors()));
+  const std::uint64_t begun = int_.motions_begun();
+  const JointDrive& drive = int_.Cycle(command, plant_->sensors());
+  if (int_.motions_begun() != begun) plant_->BeginMotion();
+  plant_->Step(drive);
   int_.FillState(plant_->sensors(), record_.state);
   states_.Send(record_.state);
 

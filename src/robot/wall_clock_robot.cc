@@ -67,6 +67,7 @@ void WallClockRobot::RunEventsUntil(Time until) noexcept {
     const bool was_cycle = robot().next_cycle() != due;
     if (!was_cycle) continue;
     lateness_.Add(now - due + postponed_);
+    overruns_ += static_cast<std::uint64_t>(postponed_ / robot().period());
     postponed_ = Duration::zero();
   }
 }
@@ -76,7 +77,6 @@ void WallClockRobot::PostponeIfStalled(Time now) noexcept {
   if (late <= kTolerated) return;
   robot().Postpone(late);
   postponed_ += late;
-  overruns_ += static_cast<std::uint64_t>(late / robot().period());
 }
 
 }  // namespace twin::robot

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -50,6 +51,24 @@ class LastCycle final : public rt::RecordSink {
   rt::CycleRecord last;
 };
 
+/// Keeps the steps before which it was told of a motion.
+class AttentivePlant final : public plant::Plant {
+ public:
+  explicit AttentivePlant(std::vector<std::uint64_t>& told) : told_(told) {}
+  void Reset(const JointVector& q) override { body_.Reset(q); }
+  void Step(const JointDrive& drive) noexcept override {
+    ++steps_;
+    body_.Step(drive);
+  }
+  void BeginMotion() noexcept override { told_.push_back(steps_); }
+  [[nodiscard]] const JointSensors& sensors() const noexcept override { return body_.sensors(); }
+
+ private:
+  plant::IdealPlant body_;
+  std::vector<std::uint64_t>& told_;
+  std::uint64_t steps_ = 0;
+};
+
 class RobotTest : public ::testing::Test {
  protected:
   void Make(const RobotConfig& config, std::unique_ptr<plant::Plant> plant) {
@@ -90,6 +109,34 @@ TEST_F(RobotTest, TakesACommandThatArrivesExactlyAtTheDeadlineAndDropsALaterOne)
     EXPECT_EQ(cycle_.last.fate, late_ns == 0 ? rt::CommandFate::kServed : rt::CommandFate::kNone);
     EXPECT_EQ(cycle_.last.dropped, late_ns == 0 ? 0u : 1u);
   }
+}
+
+TEST_F(RobotTest, TellsThePlantOfEachMotionInTheCycleThatTakesItsFirstCommand) {
+  std::vector<std::uint64_t> told;
+  Make(test::PandaRobot(), std::make_unique<AttentivePlant>(told));
+  const auto in_motion = [this] { return robot_->mode() == RobotMode::kMove; };
+  // A motion that nobody answers is none for the plant.
+  ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
+  RunFor(milliseconds(50));
+  robot_->StopMove();
+  RunFor(milliseconds(10));
+  ASSERT_FALSE(in_motion());
+  EXPECT_TRUE(told.empty());
+  workstation_.answer_after = microseconds(100);
+  std::vector<std::uint64_t> first_served;
+  for (int motion = 0; motion < 2; ++motion) {
+    ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
+    do {
+      RunFor(milliseconds(1));
+    } while (cycle_.last.fate != rt::CommandFate::kServed && in_motion());
+    first_served.push_back(cycle_.last.state.message_id);
+    RunFor(milliseconds(30));
+    robot_->StopMove();
+    RunFor(milliseconds(10));
+    ASSERT_FALSE(in_motion());
+  }
+  // Told before the step whose state is the first that followed a command.
+  EXPECT_EQ(told, (std::vector<std::uint64_t>{first_served[0] - 1, first_served[1] - 1}));
 }
 
 TEST_F(RobotTest, CyclesFallOnWholeMillisecondsWhenNoClockDrifts) {
