@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "model/vector3.h"
@@ -30,6 +31,15 @@ Vector6 Displacement(const Transform& X, const Transform& X_c) noexcept {
   for (std::size_t c = 0; c < 3; ++c) turn = turn + Cross(Column(X, c), Column(X_c, c));
   turn = 0.5 * turn;
   return {X_c[12] - X[12], X_c[13] - X[13], X_c[14] - X[14], turn[0], turn[1], turn[2]};
+}
+
+JointVector DampedLeastSquares(const Jacobian& J, const Vector6& v, double alpha) noexcept {
+  const Eigen::Map<const Eigen::Matrix<double, 6, 7>> jacobian(J.data());
+  const Eigen::Map<const Eigen::Matrix<double, 6, 1>> twist(v.data());
+  const Matrix6 A = jacobian * jacobian.transpose() + alpha * Matrix6::Identity();
+  JointVector dq;
+  Eigen::Map<Eigen::Matrix<double, 7, 1>>(dq.data()) = jacobian.transpose() * A.ldlt().solve(twist);
+  return dq;
 }
 
 InverseKinematics::InverseKinematics(const ArmModel& arm, const Configuration& q,

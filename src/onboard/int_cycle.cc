@@ -92,6 +92,7 @@ void Int::Take(const RobotCommand& command, bool is_first) noexcept {
     tau_J_d_ = tau_J_d;
     external_torque_acts_ = true;
   }
+  if (is_first) ++motions_begun_;
   phase_ = command.motion_generation_finished ? Phase::kFinishing : Phase::kRunning;
 }
 

@@ -52,6 +52,7 @@ constexpr std::string_view kPreamble = R"(<mujoco model="{}">
       <geom group="3" mass="0" rgba="0.3 0.3 0.3 0.5" priority="1" condim="4"
             friction="1 0.005 0.0001" solref="-62500 -1500" solimp="0.98 0.999 0.001"/>
     </default>
+    <default class="twin_object"/>
     <default class="twin_finger">
       <joint limited="true" range="-1 1" solreflimit="0.004 1" solimplimit="0.98 0.999 0.001"/>
     </default>
@@ -88,6 +89,7 @@ class Writer {
     std::swap(bodies, text_);
     Line("  <worldbody>\n");
     Body(sources_.robot.links.front());
+    text_ += sources_.objects_text;
     Line("  </worldbody>\n");
     std::swap(bodies, text_);  // assets are known once the bodies are written
     Assets();

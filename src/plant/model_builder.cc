@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <mutex>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -152,6 +153,9 @@ BuiltModel BuildModel(const ModelSources& sources) {
   std::string message(kErrorSize, '\0');
   const EngineWarnings warnings;
   BuiltModel built;
+  // The engine's reader keeps one document for the whole process.
+  static std::mutex reader;
+  const std::scoped_lock lock(reader);
   try {
     built.model.reset(mj_loadXML(name.c_str(), files.get(), message.data(), kErrorSize));
     mj_freeLastXML();  // otherwise the engine keeps a copy of every mesh

@@ -58,7 +58,7 @@ void ModelCache::Store(const std::string& key, const std::string& payload) const
   std::filesystem::create_directories(folder_, error);
   const std::filesystem::path file = FileOf(key);
   const std::filesystem::path partial =
-      folder_ / fmt::format("{}.mjb.{}.partial", key, static_cast<long>(getpid()));
+      folder_ / fmt::format("{}.mjb.{}.partial", key, static_cast<long>(gettid()));
   std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
   stream << HeaderOf(payload) << payload;
   stream.close();

@@ -14,6 +14,7 @@
 
 #include "plant/file_bytes.h"
 #include "plant/primitive_shapes.h"
+#include "plant/scene_objects.h"
 #include "twin/core/error.h"
 
 namespace twin::plant {
@@ -167,6 +168,15 @@ void RequireBody(const Matrix3& inertia) {
                   moments[0], moments[1], moments[2]));
 }
 
+/// What the robot weighs, against its URDF.
+void ScaleMasses(double scale, RobotDescription& robot) {
+  for (Link& link : robot.links) {
+    if (!link.inertial) continue;
+    link.inertial->mass *= scale;
+    for (double& moment : link.inertial->I) moment *= scale;
+  }
+}
+
 /// Fixes the load to the flange: the last link of the arm.
 void Attach(const setting::Load& load, RobotDescription& robot) {
   if (const auto bad = FindBadValue(load)) {
@@ -200,14 +210,18 @@ ModelSources ReadModelSources(const MujocoPlantOptions& options) {
                        static_cast<int>(options.hand), sources.uses_meshes));
   hash.Add(fmt::format("load {} {} {}", options.load.m_load, fmt::join(options.load.F_x_Cload, " "),
                        fmt::join(options.load.I_load, " ")));
+  if (options.mass_scale != 1) hash.Add(fmt::format("mass scale {}", options.mass_scale));
   DescriptionReader reader(options, sources, hash);
   sources.robot = reader.Read(options.urdf);
+  if (options.mass_scale != 1) ScaleMasses(options.mass_scale, sources.robot);
   RequireSevenJoints(sources.robot, options.urdf);
   RequireNoFingers(sources.robot, options.urdf);
   Attach(options.load, sources.robot);
   if (options.hand == HandKind::kFrankaHand) {
     const auto urdf = options.urdf.parent_path() / ".." / "hand" / "hand.urdf";
-    Mount(sources.robot, reader.Read(urdf), urdf.string());
+    RobotDescription hand = reader.Read(urdf);
+    if (options.mass_scale != 1) ScaleMasses(options.mass_scale, hand);
+    Mount(sources.robot, hand, urdf.string());
     RequireSevenJoints(sources.robot, urdf);
     RequireTwoFingers(sources.robot, urdf);
   }
@@ -216,6 +230,9 @@ ModelSources ReadModelSources(const MujocoPlantOptions& options) {
       options.scene.empty() ? std::string(kPlainScene) : ReadFileBytes(options.scene, "the scene");
   sources.scene_is_self_contained = !NamesFiles(sources.scene_text);
   hash.Add(sources.scene_text);
+  Validate(options.objects);
+  sources.objects_text = ObjectsMjcf(options.objects);
+  if (!options.objects.empty()) hash.Add(ObjectsKey(options.objects));
   sources.key = hash.Hex();
   return sources;
 }

@@ -21,6 +21,7 @@ struct ModelSources {
   std::map<std::string, MeshFile> meshes;  ///< by the URI the URDF uses
   bool uses_meshes = false;
   std::string scene_text;            ///< MJCF
+  std::string objects_text;          ///< MJCF of the objects' bodies
   std::filesystem::path scene_file;  ///< empty: the built-in scene
   bool scene_is_self_contained =
       true;  ///< false: it names further files, which the key does not cover

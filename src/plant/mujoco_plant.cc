@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -12,7 +13,7 @@
 #include "plant/hand_joints.h"
 #include "plant/joint_elasticity.h"
 #include "plant/model_builder.h"
-#include "plant/model_cache.h"
+#include "plant/model_loader.h"
 #include "plant/model_sources.h"
 #include "plant/perturber.h"
 #include "twin/core/check.h"
@@ -44,6 +45,15 @@ ArmJoints FindJoints(const mjModel& model, const RobotDescription& robot) {
   return found;
 }
 
+/// The base stays where it is and gravity turns the other way: g_O = R^T g_W. Level: not touched.
+void TiltGravity(const BaseTilt& tilt, mjModel& model) {
+  if (tilt == BaseTilt()) return;
+  const double g = -model.opt.gravity[2];
+  model.opt.gravity[0] = g * std::sin(tilt.pitch);
+  model.opt.gravity[1] = -g * std::cos(tilt.pitch) * std::sin(tilt.roll);
+  model.opt.gravity[2] = -g * std::cos(tilt.pitch) * std::cos(tilt.roll);
+}
+
 class EnginePlant final : public MujocoPlant {
  public:
   EnginePlant(const MujocoPlantOptions& options, const ModelSources& sources, BuiltModel built)
@@ -58,6 +68,7 @@ class EnginePlant final : public MujocoPlant {
         joints_(FindJoints(*model_, sources.robot)),
         brakes_(*model_, joints_.dof, joints_.tau_max),
         elasticity_(options.elasticity) {
+    TiltGravity(options.base_tilt, *model_);
     for (const Perturbation& perturbation : options.perturbations) perturber_.Add(perturbation);
     for (std::size_t i = 0; i < kJoints; ++i) armature_[i] = model_->dof_armature[joints_.dof[i]];
     if (options.hand == HandKind::kFrankaHand) hand_.emplace(*model_, sources.robot);
@@ -65,6 +76,7 @@ class EnginePlant final : public MujocoPlant {
 
   void Reset(const JointVector& q) override;
   void Step(const JointDrive& drive) noexcept TWIN_REALTIME override;
+  void BeginMotion() noexcept TWIN_REALTIME override { perturber_.BeginMotion(plant_time()); }
   [[nodiscard]] const JointSensors& sensors() const noexcept override { return sensors_; }
   [[nodiscard]] HandBody* hand() noexcept override { return hand_ ? &*hand_ : nullptr; }
 
@@ -244,28 +256,10 @@ JointVector EnginePlant::GravityTorque(const JointVector& q) {
   return g;
 }
 
-BuiltModel LoadOrBuild(const MujocoPlantOptions& options, const ModelSources& sources) {
-  if (options.cache.empty() || !sources.scene_is_self_contained) return BuildModel(sources);
-  const ModelCache cache(options.cache);
-  if (!options.rebuild_cache) {
-    if (const auto bytes = cache.Load(sources.key)) return {DeserializeModel(*bytes), {}};
-  }
-  BuiltModel built = BuildModel(sources);
-  // A model with warnings is compiled anew each time, so that they are seen each time.
-  if (built.warnings.empty()) cache.Store(sources.key, SerializeModel(*built.model));
-  return built;
-}
-
 }  // namespace
 
 std::unique_ptr<MujocoPlant> MujocoPlant::Create(const MujocoPlantOptions& options) {
-  InstallEngineHandlers();
-  if (mj_version() != mjVERSION_HEADER) {
-    throw EnvironmentError(
-        fmt::format("MuJoCo {} is installed, but this program was built for {}; rebuild it, or "
-                    "install that one",
-                    mj_version(), mjVERSION_HEADER));
-  }
+  PrepareEngine();
   try {
     const ModelSources sources = ReadModelSources(options);
     auto plant = std::make_unique<EnginePlant>(options, sources, LoadOrBuild(options, sources));

@@ -21,19 +21,25 @@ void RequireVector(std::string_view what, const Vector3& v, double most) {
   for (const double x : v) RequireInRange(what, x, -most, most);
 }
 
-void RequireTimes(std::string_view what, Duration begin, Duration duration) {
-  if (begin < Duration::zero()) {
+template <typename Kind>
+void RequireTimes(std::string_view what, const Kind& one) {
+  if (one.begin < Duration::zero()) {
     throw InputError(
-        fmt::format("{}: begin is {} s; it must not be negative", what, ToSeconds(begin)));
+        fmt::format("{}: begin is {} s; it must not be negative", what, ToSeconds(one.begin)));
   }
-  if (duration <= Duration::zero()) {
+  if (one.duration <= Duration::zero()) {
     throw InputError(
-        fmt::format("{}: duration is {} s; it must be above 0", what, ToSeconds(duration)));
+        fmt::format("{}: duration is {} s; it must be above 0", what, ToSeconds(one.duration)));
+  }
+  if (one.motion == 0u) {
+    throw InputError(fmt::format(
+        "{}: motion is 0; motions count from 1, or leave it out for the time since the start",
+        what));
   }
 }
 
 void ValidatePush(const Push& push) {
-  RequireTimes("push", push.begin, push.duration);
+  RequireTimes("push", push);
   if (push.rise < Duration::zero() || push.rise > push.duration / 2) {
     throw InputError(fmt::format(
         "push: rise is {} s; rise and fall take as long, so it must lie in [0, {}] s, half of "
@@ -46,7 +52,7 @@ void ValidatePush(const Push& push) {
 }
 
 void ValidateSpring(const HandSpring& spring) {
-  RequireTimes("spring", spring.begin, spring.duration);
+  RequireTimes("spring", spring);
   RequireVector("spring: point (m)", spring.point, kFarthest);
   if (spring.from) RequireVector("spring: from (m)", *spring.from, kFarthest);
   RequireVector("spring: by (m)", spring.by, kFarthest);

@@ -22,6 +22,17 @@ std::string NamesOfBodies(const mjModel& model) {
   return names;
 }
 
+/// Which motion a perturbation waits for; absent: none.
+std::optional<std::uint32_t> MotionOf(const Perturbation& perturbation) noexcept {
+  return std::visit([](const auto& one) { return one.motion; }, perturbation);
+}
+
+/// Where time counts from for a perturbation of a plant that has just been reset.
+std::optional<Duration> FirstOrigin(const Perturbation& perturbation) noexcept {
+  if (MotionOf(perturbation)) return std::nullopt;
+  return Duration::zero();
+}
+
 /// A vector or point given in the axes of a body, in those of the world.
 Vector3 Turned(const mjData& data, int body, const Vector3& v) noexcept {
   Vector3 turned{};
@@ -70,7 +81,7 @@ void Perturber::Add(const Perturbation& perturbation) {
                     "on; it has: {}",
                     name, NamesOfBodies(model_)));
   }
-  entries_.push_back({.what = perturbation, .body = body});
+  entries_.push_back({.what = perturbation, .body = body, .origin = FirstOrigin(perturbation)});
 }
 
 void Perturber::Clear(mjData& data) {
@@ -79,7 +90,18 @@ void Perturber::Clear(mjData& data) {
 }
 
 void Perturber::Restart() noexcept {
-  for (Entry& entry : entries_) entry.holds = false;
+  motions_ = 0;
+  for (Entry& entry : entries_) {
+    entry.holds = false;
+    entry.origin = FirstOrigin(entry.what);
+  }
+}
+
+void Perturber::BeginMotion(Duration now) noexcept {
+  ++motions_;
+  for (Entry& entry : entries_) {
+    if (MotionOf(entry.what) == motions_) entry.origin = now;
+  }
 }
 
 void Perturber::ClearForces(mjData& data) const noexcept {
@@ -90,17 +112,19 @@ void Perturber::Apply(Duration begin, mjData& data) noexcept {
   ClearForces(data);
   const Duration middle = begin + kCycle / 2;
   for (Entry& entry : entries_) {
+    if (!entry.origin) continue;
+    const Duration at = middle - *entry.origin;
     if (const auto* push = std::get_if<Push>(&entry.what)) {
-      Act(*push, entry, middle, data);
+      Act(*push, entry, at, data);
     } else {
-      Act(*std::get_if<HandSpring>(&entry.what), entry, middle, data);
+      Act(*std::get_if<HandSpring>(&entry.what), entry, at, data);
     }
   }
 }
 
-void Perturber::Act(const Push& push, const Entry& entry, Duration middle,
+void Perturber::Act(const Push& push, const Entry& entry, Duration at,
                     mjData& data) const noexcept {
-  const double share = ShareAt(push, middle);
+  const double share = ShareAt(push, at);
   if (share == 0) return;
   Vector3 force = push.force;
   Vector3 torque = push.torque;
@@ -113,9 +137,9 @@ void Perturber::Act(const Push& push, const Entry& entry, Duration middle,
   AddWrench(force, torque, PointOf(data, entry.body, push.point), entry.body, data);
 }
 
-void Perturber::Act(const HandSpring& spring, Entry& entry, Duration middle,
+void Perturber::Act(const HandSpring& spring, Entry& entry, Duration at,
                     mjData& data) const noexcept {
-  const Duration since = middle - spring.begin;
+  const Duration since = at - spring.begin;
   entry.holds = entry.holds && since < spring.duration;
   if (since < Duration::zero() || since >= spring.duration) return;
   const Vector3 p = PointOf(data, entry.body, spring.point);

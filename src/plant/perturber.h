@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <mujoco/mujoco.h>
@@ -12,7 +14,8 @@ namespace twin::plant {
 
 /// Puts perturbations into the engine: it alone writes mjData::xfrc_applied.
 ///
-/// Threads: one thread. Real-time: Apply() and Restart() are noexcept and allocate nothing.
+/// Threads: one thread. Real-time: Apply(), BeginMotion() and Restart() are noexcept and allocate
+/// nothing.
 class Perturber {
  public:
   /// @param model  must outlive this.
@@ -26,8 +29,11 @@ class Perturber {
   /// Forgets all, and takes their forces away.
   void Clear(mjData& data);
 
-  /// Plant time starts anew: every hand has still to take hold.
+  /// Plant time starts anew: every hand has still to take hold, and no motion has been.
   void Restart() noexcept;
+
+  /// A motion begins at plant time `now`.
+  void BeginMotion(Duration now) noexcept TWIN_REALTIME;
 
   /// Sets the forces of the step that begins at plant time `begin`.
   /// @pre data.xpos, xmat, xipos and cvel are of the state at `begin`.
@@ -37,18 +43,21 @@ class Perturber {
   struct Entry {
     Perturbation what;
     int body = 0;  ///< in the model
+    /// Plant time that its begin counts from; absent: its motion has not begun.
+    std::optional<Duration> origin;
     bool holds = false;
     Vector3 from{};  ///< where the hand took hold; valid while `holds`
   };
 
   void ClearForces(mjData& data) const noexcept TWIN_REALTIME;
-  void Act(const Push& push, const Entry& entry, Duration middle,
+  void Act(const Push& push, const Entry& entry, Duration at,
            mjData& data) const noexcept TWIN_REALTIME;
-  void Act(const HandSpring& spring, Entry& entry, Duration middle,
+  void Act(const HandSpring& spring, Entry& entry, Duration at,
            mjData& data) const noexcept TWIN_REALTIME;
 
   const mjModel& model_;
   std::vector<Entry> entries_;
+  std::uint32_t motions_ = 0;  ///< begun since Restart()
 };
 
 }  // namespace twin::plant

@@ -134,6 +134,47 @@ TEST_F(PerturbationTest, TurnsABodyThatIsPushedBesideItsCentre) {
   EXPECT_NEAR(momentum[5], 0, 1e-4);
 }
 
+TEST_F(PerturbationTest, AForceThatWaitsForAMotionBeginsWithThatMotionOnly) {
+  const auto plant = WithBall();
+  plant->Perturb(Push{.body = "ball",
+                      .begin = 5ms,
+                      .motion = 2,
+                      .duration = 10ms,
+                      .rise = 0ms,
+                      .force = {0, 5, 0},
+                      .point = {0.1, 0, 0}});
+  const auto momentum = [&plant] { return MomentumOfBall(*plant)[1]; };
+  for (int start = 0; start < 2; ++start) {
+    plant->Reset(kReady);
+    StepFor(*plant, 20ms);
+    plant->BeginMotion();
+    StepFor(*plant, 20ms);
+    EXPECT_EQ(momentum(), 0) << "it is the second that is waited for";
+    plant->BeginMotion();
+    StepFor(*plant, 5ms);
+    EXPECT_EQ(momentum(), 0) << "before it begins";
+    StepFor(*plant, 4ms);
+    EXPECT_NEAR(momentum(), 5 * 4e-3, 1e-9);
+    plant->BeginMotion();
+    StepFor(*plant, 50ms);
+    EXPECT_NEAR(momentum(), 5 * 10e-3, 1e-9) << "whole, once, whatever follows";
+  }
+}
+
+TEST_F(PerturbationTest, AHandThatWaitsForAMotionTakesHoldWhereThePointThenIs) {
+  const auto plant = WithBall();
+  plant->Perturb(Push{.body = "ball", .duration = 10ms, .rise = 0ms, .force = {5, 0, 0}});
+  plant->Perturb(HandSpring{.body = "ball", .motion = 1, .duration = 1h, .damping = 500});
+  plant->Reset(kReady);
+  const auto x = [&plant] { return plant->data().xpos[3 * BodyId(*plant, "ball")]; };
+  StepFor(*plant, 100ms);
+  const double held_from = x();
+  EXPECT_GT(held_from, 2.001);
+  plant->BeginMotion();
+  StepFor(*plant, 2s);
+  EXPECT_NEAR(x(), held_from, 1e-4) << "the spring has brought it back";
+}
+
 TEST_F(PerturbationTest, TheForceTurnsWithTheBodyOnlyInTheFrameOfTheBody) {
   for (const ForceFrame frame : {ForceFrame::kWorld, ForceFrame::kBody}) {
     const auto plant = MujocoPlant::Create(BareOptions());
@@ -304,11 +345,15 @@ TEST_F(PerturbationTest, ActsWithoutAllocationOrLock) {
   MujocoPlantOptions options = DefaultOptions();
   options.perturbations = {
       Push{.body = "panda_hand", .begin = 100ms, .force = {10, 0, 0}, .frame = ForceFrame::kBody},
-      HandSpring{.body = "panda_link5", .begin = 300ms, .duration = 400ms, .by = {0, 0.1, 0}}};
+      HandSpring{.body = "panda_link5", .begin = 300ms, .duration = 400ms, .by = {0, 0.1, 0}},
+      Push{.body = "panda_hand", .begin = 50ms, .motion = 2, .force = {0, 10, 0}}};
   const auto plant = MujocoPlant::Create(options);
   const JointDrive drive{.tau = plant->GravityTorque(kReady)};
   const test::RealtimeGuard guard;
-  for (int k = 0; k < 1000; ++k) plant->Step(drive);
+  for (int k = 0; k < 1000; ++k) {
+    if (k % 400 == 0) plant->BeginMotion();
+    plant->Step(drive);
+  }
   const auto counts = guard.counts();
   EXPECT_EQ(counts.allocations, 0);
   EXPECT_EQ(counts.frees, 0);
@@ -338,6 +383,8 @@ TEST_F(PerturbationTest, RefusesValuesOutOfRange) {
   refused(Push{.body = "x", .force = {0, 10001, 0}}, "push: force (N) is 10001");
   refused(Push{.body = "x", .torque = {0, nan, 0}}, "push: torque (Nm) is nan");
   refused(Push{.body = "x", .point = {-101, 0, 0}}, "push: point (m) is -101");
+  refused(Push{.body = "x", .motion = 0}, "push: motion is 0; motions count from 1");
+  refused(HandSpring{.body = "x", .motion = 0}, "spring: motion is 0");
   refused(HandSpring{.body = "x", .begin = -1ms}, "spring: begin");
   refused(HandSpring{.body = "x", .duration = -1ms}, "spring: duration");
   refused(HandSpring{.body = "x", .from = Vector3{nan, 0, 0}}, "spring: from (m)");

@@ -23,8 +23,15 @@ enum class RandomStream : std::uint32_t {
   kStateReorder = 13,
   kCommandReorder = 14,
   kTargetNoise = 15,
-  kFault = 16,     ///< of the fault-injecting backend
-  kHandSeed = 17,  ///< of the hand's way through a proxy, which is drawn apart from the arm's
+  kFault = 16,          ///< of the fault-injecting backend
+  kHandSeed = 17,       ///< of the hand's way through a proxy, which is drawn apart from the arm's
+  kPlannerSample = 18,  ///< where a planner's search trees grow to
+  kPlannerShortcut = 19,  ///< which shortcuts of a path it tries
+  kPlannerGoal = 20,      ///< random goals
+  kMotionSeed = 21,       ///< of a session's later motions
+  kGoalSeed = 22,         ///< of an application's later goals
+  kObjects = 23,          ///< sizes, masses and places of a scenario's objects
+  kPlace = 24,            ///< where an application puts something
   kTest = 1000,
 };
 

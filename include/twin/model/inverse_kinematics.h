@@ -15,6 +15,14 @@ namespace twin::model {
 /// Threads: any. Real-time: noexcept, allocates nothing.
 [[nodiscard]] Vector6 Displacement(const Transform& X, const Transform& X_c) noexcept TWIN_REALTIME;
 
+/// (J^T J + alpha I)^-1 J^T v, computed as J^T (J J^T + alpha I)^-1 v, which is the same: joint
+/// velocities that come near to a twist without being fast, alpha the price of speed.
+///
+/// Threads: any. Real-time: noexcept, allocates nothing.
+/// @param J  6 x 7, column-major. @param v  twist, m/s and rad/s. @returns rad/s.
+[[nodiscard]] JointVector DampedLeastSquares(const Jacobian& J, const Vector6& v,
+                                             double alpha) noexcept TWIN_REALTIME;
+
 /// Which joints may move, and how inverse kinematics is damped.
 struct InverseKinematicsOptions {
   bool joint_3_moves = true;  ///< else the others reach the displacement alone

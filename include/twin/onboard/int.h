@@ -120,6 +120,8 @@ class Int {
   [[nodiscard]] RobotMode robot_mode() const noexcept { return robot_mode_; }
   /// What the last Cycle() found; empty in a cycle without a violation.
   [[nodiscard]] const Violations& violations() const noexcept { return violations_; }
+  /// Motions whose first command was accepted, so far: the arm follows from that cycle on.
+  [[nodiscard]] std::uint64_t motions_begun() const noexcept { return motions_begun_; }
   /// How the last motion ended (kSuccess, kPreempted, kReflexAborted, kEmergencyAborted), or
   /// kMotionStarted while one runs or before the first.
   [[nodiscard]] MoveStatus last_end() const noexcept { return last_end_; }
@@ -183,6 +185,7 @@ class Int {
   Phase phase_ = Phase::kNone;
   MotionModes modes_;
   LossMonitor losses_;
+  std::uint64_t motions_begun_ = 0;
   std::uint32_t cycles_waited_ = 0;
   std::uint32_t recovery_cycles_left_ = 0;
   bool brakes_closed_ = false;    ///< by the switch; the user stop closes them for itself

@@ -9,6 +9,7 @@
 #include "twin/core/setting.h"
 #include "twin/plant/perturbation.h"
 #include "twin/plant/plant.h"
+#include "twin/plant/scene_object.h"
 #include "twin/plant/truth_probe.h"
 
 namespace twin::plant {
@@ -38,10 +39,18 @@ struct SensorNoise {
   double tau_J_Nm = 0;
 };
 
+/// How a base stands out of level, rad, each in [-0.2, 0.2]; about its own axes x and y.
+struct BaseTilt {
+  double roll = 0;
+  double pitch = 0;
+  bool operator==(const BaseTilt&) const = default;
+};
+
 /// Everything a MuJoCo plant is made of.
 struct MujocoPlantOptions {
   std::filesystem::path urdf;   ///< the arm
   std::filesystem::path scene;  ///< MJCF of the world around it; empty: a plain floor and a light
+  std::vector<SceneObject> objects;  ///< beside those of the scene
   std::filesystem::path
       mesh_package;  ///< folder of `panda_description`; empty or missing: primitive shapes
   std::filesystem::path cache;  ///< folder of compiled models; empty: no cache
@@ -50,6 +59,11 @@ struct MujocoPlantOptions {
   FrictionProfile friction = FrictionProfile::kResidual;
   bool armature = true;  ///< reflected rotor inertia of the drives
   ElasticityProfile elasticity = ElasticityProfile::kRigid;
+  /// Of every link's mass and inertia, arm and hand, against the URDFs'; in [0.5, 2].
+  double mass_scale = 1;
+  /// Roll and pitch of the base, with all that stands beside it, against gravity, rad: the base is
+  /// turned by R = R_y(pitch) R_x(roll) from level.
+  BaseTilt base_tilt;
   /// A body that is really there, fixed to the flange, whether INT is told of it or not. An inertia
   /// of zero stands for that of a ball of steel.
   setting::Load load;

@@ -10,7 +10,8 @@
 #include "twin/core/time.h"
 
 // Forces from outside, by a script in plant time (which is zero at Plant::Reset and advances 1 ms a
-// step): the same in lockstep and in real time. Several at once add up, on one body as well.
+// step), or in the time since a motion began: the same in lockstep and in real time. Several at
+// once add up, on one body as well.
 namespace twin::plant {
 
 /// The axes in which a force is written down.
@@ -30,7 +31,10 @@ enum class ForceFrame : std::uint8_t {
 /// a step acts over all of it.
 struct Push {
   std::string body;  ///< of the compiled model: "panda_hand", "panda_link4", one of the scene
-  Duration begin{};  ///< plant time, >= 0
+  Duration begin{};  ///< plant time, or since the motion began, >= 0
+  /// Which motion since Plant::Reset `begin` counts from, >= 1: somebody waits until the arm begins
+  /// to move. One that never comes: the force never acts. Absent: `begin` is plant time.
+  std::optional<std::uint32_t> motion = std::nullopt;
   Duration duration = std::chrono::milliseconds(300);  ///< rise and fall included, > 0
   Duration rise = std::chrono::milliseconds(100);      ///< and fall; in [0, duration / 2]
   Vector3 force{};                                     ///< N, each in [-10000, 10000]
@@ -48,10 +52,11 @@ struct Push {
 /// p is the point of the body and r the hand's, in the world; s as in Push. It takes hold at
 /// `begin` and lets go at begin + duration.
 struct HandSpring {
-  std::string body;                             ///< as in Push
-  Vector3 point{};                              ///< body frame, m, each in [-100, 100]
-  Duration begin{};                             ///< plant time, >= 0
-  Duration duration = std::chrono::seconds(1);  ///< > 0
+  std::string body;                                    ///< as in Push
+  Vector3 point{};                                     ///< body frame, m, each in [-100, 100]
+  Duration begin{};                                    ///< as in Push
+  std::optional<std::uint32_t> motion = std::nullopt;  ///< as in Push
+  Duration duration = std::chrono::seconds(1);         ///< > 0
   /// World, m. Absent: where the point is when the hand takes hold, so that it does not jerk.
   std::optional<Vector3> from = std::nullopt;
   Vector3 by{};               ///< how far the hand moves, world axes, m
@@ -67,7 +72,7 @@ using Perturbation = std::variant<Push, HandSpring>;
 /// range.
 void Validate(const Perturbation& perturbation);
 
-/// The share of a push's force at plant time `t`, in [0, 1].
+/// The share of a push's force at `t` of the time that its begin is in, in [0, 1].
 ///
 /// Threads: any. Real-time: noexcept.
 [[nodiscard]] double ShareAt(const Push& push, Duration t) noexcept;

@@ -20,6 +20,10 @@ class Plant {
   /// outcome.
   virtual void Step(const JointDrive& drive) noexcept TWIN_REALTIME = 0;
 
+  /// Tells that the robot begins a motion with the next Step(): people who wait for one see the arm
+  /// move (plant::Push::motion). Real-time: noexcept.
+  virtual void BeginMotion() noexcept TWIN_REALTIME {}
+
   /// The sensors after the last Step() or Reset().
   [[nodiscard]] virtual const JointSensors& sensors() const noexcept = 0;
 

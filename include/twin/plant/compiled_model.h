@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "twin/core/joint_vector.h"
+#include "twin/plant/mujoco_plant.h"
+
+namespace twin::plant {
+
+/// What a MuJoCo plant simulates, without any state: for those who reason about the same bodies on
+/// data of their own, as a planner does. Says nothing of where anything is in a run, so it is no
+/// ground truth.
+///
+/// Threads: the model is constant; any.
+struct CompiledModel {
+  std::shared_ptr<const mjModel_> model;  ///< shared: several may reason about one model
+  std::array<int, kJoints> arm{};         ///< ids of the arm's joints, base to wrist
+  std::vector<int> fingers;               ///< ids of the fingers' joints; empty without a hand
+};
+
+/// Composes robot, meshes and scene and compiles them, or takes them from the cache, exactly as
+/// MujocoPlant::Create() does. Of the options, those that make no body count for nothing here
+/// (elasticity, load, noise, seed, perturbations).
+/// @throws InputError and EnvironmentError as MujocoPlant::Create().
+[[nodiscard]] CompiledModel CompileModel(const MujocoPlantOptions& options);
+
+}  // namespace twin::plant

@@ -1,0 +1,38 @@
+#include "twin/plant/compiled_model.h"
+
+#include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "plant/model_loader.h"
+#include "twin/core/error.h"
+#include "twin/plant/engine.h"
+
+namespace twin::plant {
+
+CompiledModel CompileModel(const MujocoPlantOptions& options) {
+  PrepareEngine();
+  try {
+    const ModelSources sources = ReadModelSources(options);
+    BuiltModel built = LoadOrBuild(options, sources);
+    CompiledModel compiled;
+    std::size_t i = 0;
+    for (const Link& link : sources.robot.links) {
+      if (link.joint_kind == JointKind::kFixed) continue;
+      const int joint = mj_name2id(built.model.get(), mjOBJ_JOINT, link.joint.c_str());
+      if (link.joint_kind == JointKind::kRevolute) {
+        compiled.arm[i++] = joint;
+      } else {
+        compiled.fingers.push_back(joint);
+      }
+    }
+    compiled.model = std::move(built.model);
+    return compiled;
+  } catch (const EngineFault& fault) {
+    throw EnvironmentError(
+        fmt::format("the engine failed while it set up the model: {}", fault.what()));
+  }
+}
+
+}  // namespace twin::plant
