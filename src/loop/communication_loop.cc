@@ -2,25 +2,33 @@
 
 #include <algorithm>
 
+#include "loop/trace_points.h"
+
 namespace twin::loop {
 
 CommunicationLoop::Outcome CommunicationLoop::OnState() noexcept {
   Time read{};
+  TraceReadBegin(state_.message_id);
   switch (backend_.Read(rule_, state_, read)) {
     case backend::ReadResult::kPending: return Outcome::kPending;
     case backend::ReadResult::kLost: return Outcome::kLost;
     case backend::ReadResult::kState: break;
   }
+  TraceStateRead(state_.message_id);
   command_ = Compute(state_, ReadAt(state_, read), cost_);
   return Outcome::kComputing;
 }
 
+void CommunicationLoop::Write() noexcept {
+  if (command_ == nullptr) return;
+  TraceWriteBegin(state_.message_id);
+  backend_.Write(*command_);
+  TraceWriteEnd(state_.message_id);
+}
+
 Time CommunicationLoop::OnDone(Time now) noexcept {
   rt::TickRecord& record = tick_.record();
-  if (command_ != nullptr) {
-    backend_.Write(*command_);
-    record.written = now;
-  }
+  if (command_ != nullptr) record.written = now;
   Count(record);
   kept_[ticks_++ % kKept] = record;
   if (sink_ != nullptr) {

@@ -66,6 +66,7 @@ void CommunicationThread::Communicate(const std::stop_token& stop) {
       case CommunicationLoop::Outcome::kLost: StopMotion(LoopFailure::kConnectionLost); return;
       case CommunicationLoop::Outcome::kComputing: break;
     }
+    loop_.Write();
     next = loop_.OnDone(clock_.Now());
     states_.Publish(loop_.state());
     if (watch_.Observe(loop_.InMotion(), clock_.Now())) moving_.Notify();

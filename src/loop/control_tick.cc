@@ -59,7 +59,7 @@ const RobotCommand* ControlTick::Answer(const RobotState& state) noexcept {
     return nullptr;
   }
   Generate(state);
-  if (!IsValid(record_.command, interface_)) {
+  if (exchange_.deposits.value().failed || !IsValid(record_.command, interface_)) {
     record_.action = rt::TickAction::kInvalid;
     return nullptr;
   }

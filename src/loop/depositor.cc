@@ -22,6 +22,7 @@ void Depositor::Put(const control::ControllerOutput& output, Time source_time,
   deposit_.source_time = source_time;
   deposit_.based_on = based_on;
   deposit_.finished = output.finished;
+  deposit_.failed = output.failed;
   if (noise_ > 0) AddNoise();
   if (!output.has_velocity && interface_ == control::CommandInterface::kJointPosition) {
     deposit_.target.joint.dq = joint_.Next(source_time, deposit_.target.joint.q).dq;

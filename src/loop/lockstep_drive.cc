@@ -113,6 +113,7 @@ void LockstepStage::Look(Time now) noexcept {
 }
 
 void LockstepStage::OnTickDone(Time now) noexcept {
+  loop_->Write();
   const Time next = loop_->OnDone(now);
   if (loop_->record().action == rt::TickAction::kInvalid) {
     watch_.Fail(LoopFailure::kInvalidCommand);

@@ -148,8 +148,14 @@ void MotionSession::StopEarly(RunReport& report, std::string why) {
   report.failure = std::move(why);
   stopping_ = true;
   run_.backend.Stop();
-  Tell("stop", report.failure);
   const LoopFailure failure = watch_.failure();
+  if (failure == LoopFailure::kInvalidCommand) {
+    // Nobody else asks the controller anything from here on.
+    stage_.StopController();
+    const std::string reason = run_.controller.Explain();
+    if (!reason.empty()) report.failure = reason + "; the motion was stopped";
+  }
+  Tell("stop", report.failure);
   if (failure == LoopFailure::kConnectionLost || failure == LoopFailure::kException) return;
   if (!Pass(stage_.Now() + kPatience, [&] { return watch_.ended(); })) {
     report.failure += "; no state has come through that shows the arm at rest";

@@ -31,7 +31,6 @@ class RealtimeStage final : public Stage {
   RealtimeStage(const MonotonicClock& clock, const backend::Connection& connection,
                 const MotionRun& run, const RealtimeThreads& threads)
       : clock_(clock),
-        connection_(connection),
         run_(run),
         moving_(clock),
         tick_(run.tick, run.controller.command_interface(), exchange_),
@@ -42,7 +41,6 @@ class RealtimeStage final : public Stage {
     if (run.kind == LoopKind::kAsynchronous) {
       controller_.emplace(clock, controller_loop_, watch_, moving_, threads.controller);
     }
-    if (connection.robot_time != nullptr) connection.robot_time->Begin();
   }
   ~RealtimeStage() override { End(); }
   RealtimeStage(const RealtimeStage&) = delete;
@@ -56,9 +54,6 @@ class RealtimeStage final : public Stage {
     report.notices = communication_.notices();
     if (controller_) AddNew(controller_->notices(), report.notices);
     if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_->LastTicks();
-    if (connection_.robot_time != nullptr) {
-      report.robot_timings = connection_.robot_time->timings();
-    }
     return report;
   }
 
@@ -93,15 +88,13 @@ class RealtimeStage final : public Stage {
         "panda-twin check)");
   }
 
-  /// Ends all threads; afterwards nothing puts records or calls the controller.
+  /// Ends both threads; afterwards nothing puts ticks or calls the controller.
   void End() {
     if (controller_) controller_->Stop();
     communication_.Stop();
-    if (connection_.robot_time != nullptr) connection_.robot_time->End();
   }
 
   const MonotonicClock& clock_;
-  const backend::Connection& connection_;
   const MotionRun& run_;
   Exchange exchange_;
   MotionWatch watch_;
@@ -114,6 +107,20 @@ class RealtimeStage final : public Stage {
 };
 
 }  // namespace
+
+RobotCycles::RobotCycles(const backend::Connection& connection) : robot_(connection.robot_time) {
+  if (robot_ != nullptr) robot_->Begin();
+}
+
+RobotCycles::~RobotCycles() {
+  if (robot_ != nullptr) robot_->End();
+}
+
+backend::RobotTimings RobotCycles::End() {
+  if (robot_ == nullptr) return {};
+  robot_->End();
+  return robot_->timings();
+}
 
 RunReport RunInRealtime(const MonotonicClock& clock, const backend::Connection& connection,
                         const MotionRun& run, const RealtimeThreads& threads) {

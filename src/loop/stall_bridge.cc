@@ -12,9 +12,12 @@ using control::CommandInterface;
 
 constexpr double kT = kCycleSeconds;
 
-/// Of a motion, and of a torque, 1/s. A torque is inside a feedback loop, which wants it back soon.
+/// Of a motion, 1/s.
 constexpr double kOmega = 6;
-constexpr double kTorqueOmega = 30;
+
+/// Of a torque on its way back to the demand, Nm/s; and behind a source that is stalled, 1/s.
+constexpr double kTorqueRate = 500;
+constexpr double kTorqueDecay = 10;
 
 /// Unserved cycles in a row after which the demand is no longer what the robot does. After one the
 /// generator's own way back costs three times the trajectory's jerk.
@@ -125,17 +128,13 @@ void StallBridge::Observe(bool fresh, std::uint64_t cycles, Time source_time,
 
 double StallBridge::Drawn(std::size_t i, double demand, double last, double rate) const noexcept {
   const double missing = demand - last;
-  const bool motion = interface_ != CommandInterface::kTorque;
-  const double feed =
-      motion ? std::clamp((demand - slow_[i]) / kSlow, -kLargestFeed, kLargestFeed) : 0;
-  const double omega =
-      motion ? std::clamp(kGentle / std::abs(missing), kOmega, kLargestOmega) : kTorqueOmega;
+  const double feed = std::clamp((demand - slow_[i]) / kSlow, -kLargestFeed, kLargestFeed);
+  const double omega = OmegaOf(missing, kLargestOmega);
   return last + kT * (rate + kT * omega * (omega * missing + 2 * (feed - rate)));
 }
 
-double StallBridge::OmegaOf(double difference) const noexcept {
-  if (interface_ == CommandInterface::kTorque) return kTorqueOmega;
-  return std::clamp(kGentle / std::max(std::abs(difference), kGone), kOmega, kLargestReturn);
+double StallBridge::OmegaOf(double difference, double largest) noexcept {
+  return std::clamp(kGentle / std::max(std::abs(difference), kGone), kOmega, largest);
 }
 
 void StallBridge::CarryValues(Values& demand, const Values& last, const Values& rate) noexcept {
@@ -155,7 +154,7 @@ void StallBridge::CarryValues(Values& demand, const Values& last, const Values& 
       if (is_first) first_[i] = x;
       const bool has_rise = going_on_ + 1 < period_cycles_ + 3;
       e = {x, has_rise ? (x - first_[i]) / (kT * static_cast<double>(since_first_)) : -rate[i],
-           OmegaOf(x)};
+           OmegaOf(x, kLargestReturn)};
     } else {
       for (std::uint64_t k = 0; k < cycles_; ++k) e.Step();
     }
@@ -166,9 +165,13 @@ void StallBridge::CarryValues(Values& demand, const Values& last, const Values& 
 }
 
 void StallBridge::CarryTorques(const JointVector& last, JointVector& demand) noexcept {
-  CarryValues(demand, last, torque_rate_);
+  active_ = stalled();
   for (std::size_t i = 0; i < kJoints; ++i) {
-    torque_rate_[i] = active_ ? (demand[i] - last[i]) / kT : 0;
+    if (stalled()) demand[i] = std::abs(last[i]) < kGone ? 0 : last[i] * (1 - kTorqueDecay * kT);
+    const double missing = demand[i] - last[i];
+    if (std::abs(missing) <= kTorqueRate * kT) continue;
+    demand[i] = last[i] + std::copysign(kTorqueRate * kT, missing);
+    active_ = true;
   }
 }
 

@@ -28,18 +28,23 @@ MotionRun OnStates(const MotionRun& run) {
 
 class StateTimeStage final : public Stage {
  public:
-  StateTimeStage(const MonotonicClock& clock, rt::Arrival& arrival, const MotionRun& run)
+  StateTimeStage(const MonotonicClock& clock, rt::Arrival& arrival, const MotionRun& run,
+                 StateTimeline& timeline)
       : clock_(clock),
         arrival_(arrival),
         run_(run),
+        timeline_(timeline),
         tick_(run.tick, run.controller.command_interface(), exchange_),
         controller_(run.controller_loop, run.controller, exchange_, run.seed),
-        loop_(tick_, run.backend, run.sink, controller_) {
+        loop_(tick_, run.backend, run.sink, controller_, timeline.first_id, timeline.now) {
     loop_.RecordStates(run.record_states);
   }
+  ~StateTimeStage() override { timeline_ = {loop_.first_id(), loop_.now()}; }
+  StateTimeStage(const StateTimeStage&) = delete;
+  StateTimeStage& operator=(const StateTimeStage&) = delete;
 
   RunReport Run() {
-    static_cast<void>(loop_.Start(Time()));
+    static_cast<void>(loop_.Start(Now()));
     RunReport report = MotionSession(run_, *this, watch_).Run();
     report.timings = loop_.timings();
     report.controller_overruns = controller_.overruns();
@@ -72,6 +77,7 @@ class StateTimeStage final : public Stage {
         return;
       case CommunicationLoop::Outcome::kComputing: break;
     }
+    loop_.Write();
     static_cast<void>(loop_.OnDone(Now()));
     static_cast<void>(watch_.Observe(loop_.InMotion(), Now()));
     if (loop_.record().action == rt::TickAction::kInvalid) {
@@ -82,6 +88,7 @@ class StateTimeStage final : public Stage {
   const MonotonicClock& clock_;
   rt::Arrival& arrival_;
   const MotionRun& run_;
+  StateTimeline& timeline_;
   Exchange exchange_;
   MotionWatch watch_;
   ControlTick tick_;
@@ -93,10 +100,13 @@ class StateTimeStage final : public Stage {
 }  // namespace
 
 RunReport RunOnStateTime(const MonotonicClock& clock, const backend::Connection& connection,
-                         const MotionRun& run) {
+                         const MotionRun& run, StateTimeline* timeline) {
   TWIN_CHECK(connection.arrival != nullptr);
   const MotionRun on_states = OnStates(run);
-  return StateTimeStage(clock, *connection.arrival, on_states).Run();
+  StateTimeline own;
+  return StateTimeStage(clock, *connection.arrival, on_states,
+                        timeline == nullptr ? own : *timeline)
+      .Run();
 }
 
 }  // namespace twin::loop

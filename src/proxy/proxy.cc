@@ -37,22 +37,12 @@ RelayDesk::Settings DeskSettings(const ProxyConfig& config, fci::HeadKind kind) 
                      .cpu = config.cpu}};
 }
 
-server::Reception::Settings ReceptionSettings(const ProxyConfig& config, fci::HeadKind kind) {
-  const bool is_arm = kind == fci::HeadKind::kArm;
-  return {.name = is_arm ? "arm" : "hand",
-          .kind = kind,
-          .largest = is_arm ? fci::kLargestArmRequest : fci::kLargestHandRequest,
-          .local = {config.address, is_arm ? config.arm_port : config.hand_port},
-          .allow = config.allow,
-          .connect_patience = config.connect_patience};
-}
-
 /// A port, and the way behind it.
 struct Service {
   Service(const ProxyConfig& config, fci::HeadKind kind, const MonotonicClock& clock,
           const server::TellPeople& tell)
       : desk(DeskSettings(config, kind), clock, tell),
-        reception(ReceptionSettings(config, kind), desk, tell) {}
+        reception(server::Reception::SettingsOf(config, kind), desk, tell) {}
 
   RelayDesk desk;
   server::Reception reception;

@@ -14,14 +14,9 @@ namespace twin::server {
 namespace {
 
 Reception::Settings SettingsOf(const ServerConfig& config, fci::HeadKind kind, const Clock& clock) {
-  const bool is_arm = kind == fci::HeadKind::kArm;
-  return {.name = is_arm ? "arm" : "hand",
-          .kind = kind,
-          .largest = is_arm ? fci::kLargestArmRequest : fci::kLargestHandRequest,
-          .local = {config.address, is_arm ? config.arm_port : config.hand_port},
-          .allow = config.allow,
-          .connect_patience = config.connect_patience,
-          .tap = {config.capture, &clock}};
+  Reception::Settings settings = Reception::SettingsOf(config, kind);
+  settings.tap = {config.capture, &clock};
+  return settings;
 }
 
 }  // namespace

@@ -222,6 +222,21 @@ TEST_F(ControlTickTest, ATargetThatIsNoNumberIsNeverSent) {
   EXPECT_EQ(tick.record().action, rt::TickAction::kInvalid);
 }
 
+TEST_F(ControlTickTest, WhatAControllerGivesAsItGivesUpIsNeverSent) {
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(Step(tick, true));
+  Put(q_d_, id_);
+  ASSERT_NE(Step(tick, true), nullptr);
+  Deposit deposit;
+  deposit.target.joint.q = q_d_;
+  deposit.based_on = id_;
+  deposit.failed = true;
+  exchange_.deposits.Publish(deposit);
+  EXPECT_EQ(Step(tick, true), nullptr);
+  EXPECT_EQ(tick.record().action, rt::TickAction::kInvalid);
+}
+
 TEST_F(ControlTickTest, CountsStatesThatNeverCame) {
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   static_cast<void>(Step(tick, false));

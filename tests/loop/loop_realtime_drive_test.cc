@@ -72,19 +72,22 @@ class RealtimeDriveTest : public ::testing::Test {
   RunReport Run(control::Controller& controller, rt::RecordSink* sink = nullptr) {
     const backend::Connection connection = registry_.Find("mujoco")(
         {robot_, backend::RealtimeHost{clock_, {.name = "twin-int", .fifo_priority = 98}}, sink});
-    return RunInRealtime(clock_, connection,
-                         {.backend = *connection.backend,
-                          .controller = controller,
-                          .modes = {},
-                          .kind = kind_,
-                          .tick = tick_,
-                          .controller_loop = controller_loop_,
-                          .seed = 1,
-                          .time_limit = time_limit_,
-                          .sink = sink,
-                          .progress = progress_,
-                          .event = {},
-                          .interrupted = interrupted_});
+    RobotCycles cycles(connection);
+    RunReport report = RunInRealtime(clock_, connection,
+                                     {.backend = *connection.backend,
+                                      .controller = controller,
+                                      .modes = {},
+                                      .kind = kind_,
+                                      .tick = tick_,
+                                      .controller_loop = controller_loop_,
+                                      .seed = 1,
+                                      .time_limit = time_limit_,
+                                      .sink = sink,
+                                      .progress = progress_,
+                                      .event = {},
+                                      .interrupted = interrupted_});
+    report.robot_timings = cycles.End();
+    return report;
   }
 
   /// A run of a controller, and what is claimed of it.

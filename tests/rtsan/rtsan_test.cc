@@ -77,6 +77,7 @@ TEST(RtsanTest, TenThousandTicksOfCommunicationAndController) {
     const RealtimeSection section;
     for (int i = 1; i <= 10000; ++i) {
       static_cast<void>(loop.OnState());
+      loop.Write();
       static_cast<void>(loop.OnDone(Time(kCycle * i)));
       if (controller.OnWake(wake)) wake = controller.OnDone(wake);
     }

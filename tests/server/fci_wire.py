@@ -27,6 +27,7 @@ class State:
         assert len(data) == STATE_BYTES, len(data)
         self.id, = struct.unpack_from("<Q", data, 0)
         self.m_load, = struct.unpack_from("<d", data, 880)
+        self.tau_J = struct.unpack_from("<7d", data, 1016)
         self.q = struct.unpack_from("<7d", data, 1184)
         self.q_d = struct.unpack_from("<7d", data, 1240)
         self.generator, self.controller = data[2280], data[2281]

@@ -218,7 +218,7 @@ class SessionTest(ServeTest):
         self.assertEqual(arm.ask(fci.LOAD_MODEL_LIBRARY, b"\3\0"), b"\1")  # for ARM64
 
     def test_a_motion_that_is_not_answered_is_stopped(self):
-        server = self.serve("--idle", "freeze", "--session-timeout", 0.2)
+        server = self.serve("--idle", "freeze", "--session-timeout", 1)
         arm = self.arm(server)
         arm.read()
         move = arm.start()
@@ -451,6 +451,7 @@ class ProgramTest(ServeTest):
         self.assertIn("--session-timeout", self.refused("--session-timeout", "0"))
         self.assertIn("--for", self.refused("--for", "-1"))
         self.assertIn("12.0.0.0/99", self.refused("--allow", "12.0.0.0/99"))
+        self.assertIn("one of a, b", self.refused("--lab", "nowhere"))
 
     def test_a_port_that_is_taken_is_named(self):
         server = self.serve()
@@ -458,6 +459,32 @@ class ProgramTest(ServeTest):
                                 capture_output=True, text=True, timeout=fci.LIMIT)
         self.assertEqual(result.returncode, 4, result.stderr)
         self.assertIn(str(server.arm_port), result.stderr)
+
+
+class LabTest(ServeTest):
+    def gravity_torque(self, plant):
+        """What the second joint bears of an arm at rest at such a site, Nm."""
+        lab = pathlib.Path(self.folder) / "lab.yaml"
+        lab.write_text(f"plant: {plant}\nlink: {{state_delay: 5 ms}}\n")
+        server = self.serve("--lab", lab, scenario=SCENARIO.replace("plant: {kind: ideal}\n", ""))
+        arm = self.arm(server)
+        while arm.read().id < 1500:  # it sags by its own weight, against springs
+            pass
+        torques = [arm.read().tau_J[1] for _ in range(100)]
+        self.check_delay(arm)
+        server.end()
+        return sum(torques) / len(torques)
+
+    def check_delay(self, arm):
+        """The robot has an answer in time, as over a link that delays nothing: no cycle of the motion is lost."""
+        states, end = arm.run_motion(cycles=50, amplitude=0.0002)
+        self.assertEqual(end, fci.SUCCESS)
+        self.assertEqual({state.success_rate for state in states[:-1]}, {1})
+
+    def test_the_arm_is_that_of_the_lab_and_the_wire_that_which_is_there(self):
+        usual = self.gravity_torque("{friction: none}")
+        heavy = self.gravity_torque("{friction: none, mass_scale: 1.05}")
+        self.assertAlmostEqual(heavy / usual, 1.05, delta=0.002)
 
 
 class FreezeTest(ServeTest):

@@ -68,8 +68,8 @@ TEST_F(UdpPortTest, ACommandHasTheTimeItCame) {
   const Time before = clock_.Now();
   ASSERT_TRUE(client_.Send(Command(7), port_.local()));
   ASSERT_TRUE(port_.AwaitUntil(clock_.Now() + kLong));
-  const Time after = clock_.Now();
   const auto received = Receive();
+  const Time after = clock_.Now();
   ASSERT_TRUE(received);
   EXPECT_EQ(received->command.message_id, 7u);
   EXPECT_EQ(received->command.q_c[0], 0.25);

@@ -52,9 +52,8 @@ enum class RobotTime : std::uint8_t {
 /// A robot at the other end of a wire.
 struct RemoteHost {
   const MonotonicClock& clock;
-  std::string address;          ///< IPv4 address, or name
-  std::uint16_t arm_port = 0;   ///< of TCP; 0: the interface's own
-  std::uint16_t hand_port = 0;  ///< of TCP; 0: the one after the arm's
+  std::string address;         ///< IPv4 address, or name
+  std::uint16_t arm_port = 0;  ///< of TCP; 0: the interface's own
   RobotTime time = RobotTime::kWall;
   fci::Capture* capture = nullptr;  ///< keeps what goes over the wire; null: nothing does
 };

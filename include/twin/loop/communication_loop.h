@@ -27,11 +27,12 @@ struct LoopTimings {
 /// The workstation's side of the communication as a state machine that any drive can run: read a
 /// state, compute, write a command.
 ///
-///     reading --OnState--> computing --OnDone--> (sleeping until what OnDone returned) reading
+///     reading --OnState--> computing --Write, OnDone--> (sleeping until what OnDone returned)
+///     reading
 ///
-/// In lockstep the drive calls OnState when a state arrives and OnDone after cost(), which is
-/// drawn; on a thread it waits for a state, and the cost is what passes. What is computed, and when
-/// the next read begins, is the loop's: asynchronous, synchronous or bare.
+/// In lockstep the drive calls OnState when a state arrives, and Write and OnDone after cost(),
+/// which is drawn; on a thread it waits for a state, and the cost is what passes. What is computed,
+/// and when the next read begins, is the loop's: asynchronous, synchronous or bare.
 ///
 /// Threads: one. Real-time: all calls after construction are noexcept and allocate nothing.
 class CommunicationLoop {
@@ -39,7 +40,7 @@ class CommunicationLoop {
   /// What came of a look for a state.
   enum class Outcome : std::uint8_t {
     kPending,    ///< none yet: wait and look again
-    kComputing,  ///< a state was read; OnDone is due after cost()
+    kComputing,  ///< a state was read; Write and OnDone are due after cost()
     kLost,       ///< the connection is gone
   };
 
@@ -56,7 +57,10 @@ class CommunicationLoop {
   /// Looks for a state, and computes when there is one.
   [[nodiscard]] Outcome OnState() noexcept TWIN_REALTIME;
 
-  /// Writes the command, if there is one. @param now  end of the write.
+  /// Writes the command, if there is one.
+  void Write() noexcept TWIN_REALTIME;
+
+  /// The tick is done. @param now  after Write(): end of the write.
   /// @returns when to begin the next read; not after `now`: at once.
   [[nodiscard]] Time OnDone(Time now) noexcept TWIN_REALTIME;
 

@@ -29,8 +29,8 @@ namespace twin::loop {
 /// holds its acceleration (or torque) and the last consistent target stays. Source of both rules:
 /// the paper's section on the asynchronous thread.
 ///
-/// A command that is not valid (a controller gave NaN) is never sent; the record says kInvalid, and
-/// the drive stops the motion.
+/// A command that is not valid (a controller gave NaN) is never sent, nor one of a controller that
+/// gave up; the record says kInvalid, and the drive stops the motion.
 ///
 /// Finish: once a deposit says finished, its (matched) target is at rest and the robot's reference
 /// has come within the finish tolerance of it, the commands carry motion_generation_finished until

@@ -21,6 +21,7 @@ struct Deposit {
   Time source_time{};          ///< the source's own time of the target
   std::uint64_t based_on = 0;  ///< message_id of the state the controller had consumed
   bool finished = false;       ///< the target is the end of the task
+  bool failed = false;         ///< the controller gave up
 };
 
 /// The two buffers between the communication side (the tick) and the controller side. Each side

@@ -17,6 +17,27 @@ struct RealtimeThreads {
   rt::ThreadSettings controller{.name = "twin-control"};
 };
 
+/// The time of a simulated robot on the wall clock: its cycles go on from construction to End(),
+/// over as many motions as are run meanwhile. Of a robot that keeps its own time: nothing.
+///
+/// Threads: one.
+class RobotCycles {
+ public:
+  /// @param connection  of a RealtimeHost or RemoteHost; must outlive this. Once per connection.
+  /// @throws as backend::RealtimeRobotControl::Begin.
+  explicit RobotCycles(const backend::Connection& connection);
+  ~RobotCycles();
+  RobotCycles(const RobotCycles&) = delete;
+  RobotCycles& operator=(const RobotCycles&) = delete;
+
+  /// No record is put and no state sent after it returns. May be called again.
+  /// @returns how the robot kept its time.
+  backend::RobotTimings End();
+
+ private:
+  backend::RealtimeRobotControl* robot_;  ///< null: it keeps its own time
+};
+
 /// Runs a motion from start to end on the wall clock: the communication loop on a thread of its
 /// own, the controller of the asynchronous loop on another, the calling thread looks on.
 ///
@@ -30,9 +51,8 @@ struct RealtimeThreads {
 /// What overruns is counted and skipped, never caught up in bursts.
 ///
 /// @param clock       the run's time line.
-/// @param connection  of a RealtimeHost with the same clock; a simulated robot's cycles begin and
-/// end
-///                    with the run.
+/// @param connection  of a RealtimeHost with the same clock, while its RobotCycles go on; or of a
+///                    RemoteHost.
 /// @param run         run.backend is connection.backend. Delay models of tick and controller do not
 ///                    count: what things cost is what passes.
 /// @throws as LockstepDrive::Run; EnvironmentError when a thread cannot be set up as asked for.

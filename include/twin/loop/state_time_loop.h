@@ -24,10 +24,14 @@ class StateTimeLoop final : public CommunicationLoop {
   /// @param tick  that answers every state: what is not answered, such a robot waits for. Its
   ///              period_tolerance is 0.
   /// @param controller  with its delay models at zero.
+  /// @param first_id, now  of the state at time zero, and of the one read last; 0: the first that
+  ///              is read is at time zero.
   StateTimeLoop(ControlTick& tick, backend::Backend& backend, rt::RecordSink* sink,
-                ControllerLoop& controller)
+                ControllerLoop& controller, std::uint64_t first_id = 0, Time now = {})
       : CommunicationLoop(tick, backend, sink, backend::ReadRule::kNewest),
-        controller_(controller) {}
+        controller_(controller),
+        first_id_(first_id),
+        now_(now) {}
 
   [[nodiscard]] Time Start(Time now) noexcept TWIN_REALTIME override { return now; }
   void Activate(const MotionModes& modes) noexcept override {
@@ -37,8 +41,10 @@ class StateTimeLoop final : public CommunicationLoop {
   }
   void StopController() noexcept override { stopped_ = true; }
 
-  /// Of the state read last, since the first one that was; zero before.
+  /// Of the state read last, since the one at time zero.
   [[nodiscard]] Time now() const noexcept { return now_; }
+  /// Of the state at time zero; 0: none was read.
+  [[nodiscard]] std::uint64_t first_id() const noexcept { return first_id_; }
 
  private:
   [[nodiscard]] Time ReadAt(const RobotState& state, Time arrival) noexcept TWIN_REALTIME override;
@@ -51,9 +57,9 @@ class StateTimeLoop final : public CommunicationLoop {
   void WakeUntil(Time end) noexcept TWIN_REALTIME;
 
   ControllerLoop& controller_;
-  std::uint64_t first_id_ = 0;   ///< of all; 0 before
+  std::uint64_t first_id_;       ///< of all; 0 before
   std::uint64_t motion_id_ = 0;  ///< first of the motion
-  Time now_{};
+  Time now_;
   Time wake_{};  ///< the controller's next, since the motion's first state
   bool moving_ = false;
   bool stopped_ = false;

@@ -37,7 +37,8 @@ enum class TickAction : std::uint8_t {
   kWritten = 1,  ///< a command was written
   kFinished = 2,  ///< a command asking to end the motion was written
   kSkipped = 3,   ///< the cycle was anomalous: nothing written
-  kInvalid = 4,   ///< the command was not valid (not finite, no rotation): nothing written
+  kInvalid = 4,   ///< the command was not valid (not finite, no rotation), or the controller gave
+                  ///< up: nothing written
 };
 
 /// One tick of the workstation, as EXT saw it. Trivially copyable.

@@ -32,6 +32,19 @@ class Reception {
     Tap tap{};
   };
 
+  /// @param config  ServerConfig or ProxyConfig: where both listen, and who may connect.
+  /// @returns settings without a tap.
+  template <typename Config>
+  [[nodiscard]] static Settings SettingsOf(const Config& config, fci::HeadKind kind) {
+    const bool is_arm = kind == fci::HeadKind::kArm;
+    return {.name = is_arm ? "arm" : "hand",
+            .kind = kind,
+            .largest = is_arm ? fci::kLargestArmRequest : fci::kLargestHandRequest,
+            .local = {config.address, is_arm ? config.arm_port : config.hand_port},
+            .allow = config.allow,
+            .connect_patience = config.connect_patience};
+  }
+
   /// @param desk, tell  must outlive the reception. @throws EnvironmentError as fci::TcpListener.
   Reception(const Settings& settings, Desk& desk, const TellPeople& tell);
 
