@@ -14,6 +14,10 @@ JointTrajectoryController::JointTrajectoryController(reference::Trajectory traje
                                                      const JointTrajectoryOptions& options)
     : trajectory_(std::move(trajectory)), options_(options) {}
 
+void JointTrajectoryController::Configure(control::ParameterReader& parameters) {
+  options_.give_velocity = parameters.Bool("give_velocity", options_.give_velocity);
+}
+
 void JointTrajectoryController::Activate(const RobotState& state, Time /*now*/) {
   is_running_ = false;
   F_T_EE_ = state.F_T_EE;

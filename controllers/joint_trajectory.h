@@ -35,6 +35,9 @@ class JointTrajectoryController final : public control::Controller {
     return options_.command_interface;
   }
 
+  /// Takes give_velocity. @throws InputError as ParameterReader::Bool.
+  void Configure(control::ParameterReader& parameters) override;
+
   /// @throws InputError naming the joint, its q_d, the first point and the cure when a joint is
   /// further than reference::kStartTolerance from the path's first point (or q_d is not a number).
   void Activate(const RobotState& state, Time now) override;

@@ -8,15 +8,9 @@
 #include <vector>
 
 #include "twin/control/controller.h"
-#include "twin/reference/trajectory.h"
+#include "twin/control/controller_request.h"
 
 namespace twin::control {
-
-/// What a controller's factory gets. The trajectory must outlive the controller.
-struct ControllerRequest {
-  const reference::Trajectory& trajectory;
-  CommandInterface interface = CommandInterface::kJointPosition;
-};
 
 using ControllerFactory = std::function<std::unique_ptr<Controller>(const ControllerRequest&)>;
 

@@ -1,4 +1,4 @@
-#include "controllers/joint_effort.h"
+#include "controllers/joint_trajectory_effort.h"
 
 #include <cmath>
 #include <limits>
@@ -50,27 +50,28 @@ RobotState StateNear(const JointTarget& target) {
 }
 
 /// Without a soft start, so that the law stands alone.
-JointEffortOptions Plain() {
-  JointEffortOptions options;
+JointTrajectoryEffortOptions Plain() {
+  JointTrajectoryEffortOptions options;
   options.soft_start = Duration::zero();
   return options;
 }
 
-TEST(JointEffortControllerTest, HasThePapersGains) {
-  const JointEffortOptions options;
+TEST(JointTrajectoryEffortControllerTest, HasThePapersGains) {
+  const JointTrajectoryEffortOptions options;
   EXPECT_EQ(options.K_P, (JointVector{600, 600, 600, 600, 250, 150, 50}));
   EXPECT_EQ(options.K_I, JointVector{});
   EXPECT_EQ(options.K_D, (JointVector{30, 30, 30, 30, 10, 10, 5}));
 }
 
-TEST(JointEffortControllerTest, CommandsTorque) {
-  EXPECT_EQ(JointEffortController(TestTrajectory()).command_interface(), CommandInterface::kTorque);
+TEST(JointTrajectoryEffortControllerTest, CommandsTorque) {
+  EXPECT_EQ(JointTrajectoryEffortController(TestTrajectory()).command_interface(),
+            CommandInterface::kTorque);
 }
 
-TEST(JointEffortControllerTest, GivesTheTorqueOfItsLawAlongThePath) {
+TEST(JointTrajectoryEffortControllerTest, GivesTheTorqueOfItsLawAlongThePath) {
   const Trajectory trajectory = TestTrajectory();
-  const JointEffortOptions options = Plain();
-  JointEffortController controller(trajectory, options);
+  const JointTrajectoryEffortOptions options = Plain();
+  JointTrajectoryEffortController controller(trajectory, options);
   controller.Activate(StateAt(kFirst), Time(3s));
   ControllerOutput output;
   for (Duration t{}; t < 2s; t += 8ms) {
@@ -88,9 +89,9 @@ TEST(JointEffortControllerTest, GivesTheTorqueOfItsLawAlongThePath) {
   }
 }
 
-TEST(JointEffortControllerTest, GivesNoTorqueOnThePath) {
+TEST(JointTrajectoryEffortControllerTest, GivesNoTorqueOnThePath) {
   const Trajectory trajectory = TestTrajectory();
-  JointEffortController controller(trajectory);
+  JointTrajectoryEffortController controller(trajectory);
   controller.Activate(StateAt(kFirst), Time(0s));
   ControllerOutput output;
   for (Duration t{}; t < 3s; t += 50ms) {
@@ -100,9 +101,9 @@ TEST(JointEffortControllerTest, GivesNoTorqueOnThePath) {
   }
 }
 
-TEST(JointEffortControllerTest, IsNotDelayedByASkippedUpdate) {
+TEST(JointTrajectoryEffortControllerTest, IsNotDelayedByASkippedUpdate) {
   const Trajectory trajectory = TestTrajectory();
-  JointEffortController controller(trajectory);
+  JointTrajectoryEffortController controller(trajectory);
   controller.Activate(StateAt(kFirst), Time(0s));
   ControllerOutput output;
   controller.Update(StateAt(kFirst), Time(1s), output);
@@ -110,8 +111,8 @@ TEST(JointEffortControllerTest, IsNotDelayedByASkippedUpdate) {
   EXPECT_EQ(output.target.joint.q, trajectory.Sample(700ms).q);
 }
 
-TEST(JointEffortControllerTest, BeginsWithTheTorqueThatHeldTheArmAndFadesInALine) {
-  JointEffortController controller(TestTrajectory());
+TEST(JointTrajectoryEffortControllerTest, BeginsWithTheTorqueThatHeldTheArmAndFadesInALine) {
+  JointTrajectoryEffortController controller(TestTrajectory());
   const JointVector holding{0.9, -0.8, 0.7, 1.2, -0.5, 0.4, 0.3};
   JointVector q = kFirst;
   q[0] += 5e-3;  // 3 Nm by the law
@@ -123,7 +124,7 @@ TEST(JointEffortControllerTest, BeginsWithTheTorqueThatHeldTheArmAndFadesInALine
   }
 
   // Half a soft start later half of the difference is left, and the state's torque does not count.
-  JointEffortController plain(TestTrajectory(), Plain());
+  JointTrajectoryEffortController plain(TestTrajectory(), Plain());
   ControllerOutput law;
   plain.Update(StateAt(q), Time(0s), law);
   JointVector bump{};
@@ -138,11 +139,11 @@ TEST(JointEffortControllerTest, BeginsWithTheTorqueThatHeldTheArmAndFadesInALine
   EXPECT_EQ(output.target.tau_J_d, law.target.tau_J_d);
 }
 
-TEST(JointEffortControllerTest, IntegratesTheErrorOverTheElapsedTime) {
-  JointEffortOptions options = Plain();
+TEST(JointTrajectoryEffortControllerTest, IntegratesTheErrorOverTheElapsedTime) {
+  JointTrajectoryEffortOptions options = Plain();
   options.K_P = options.K_D = JointVector{};
   options.K_I.fill(10);
-  JointEffortController controller(TestTrajectory(), options);
+  JointTrajectoryEffortController controller(TestTrajectory(), options);
   controller.Activate(StateAt(kFirst), Time(0s));
   ControllerOutput output;
   controller.Update(StateAt(kFirst), Time(0s), output);
@@ -156,11 +157,11 @@ TEST(JointEffortControllerTest, IntegratesTheErrorOverTheElapsedTime) {
   EXPECT_NEAR(output.target.tau_J_d[2] - at_end, 10 * 0.02 * 0.3, 1e-12);
 }
 
-TEST(JointEffortControllerTest, TheIntegralDoesNotWindUp) {
-  JointEffortOptions options = Plain();
+TEST(JointTrajectoryEffortControllerTest, TheIntegralDoesNotWindUp) {
+  JointTrajectoryEffortOptions options = Plain();
   options.K_P = options.K_D = JointVector{};
   options.K_I.fill(100);
-  JointEffortController controller(TestTrajectory(), options);
+  JointTrajectoryEffortController controller(TestTrajectory(), options);
   controller.Activate(StateAt(kFirst), Time(0s));
   ControllerOutput output;
   JointVector q = kLast;
@@ -173,8 +174,8 @@ TEST(JointEffortControllerTest, TheIntegralDoesNotWindUp) {
   EXPECT_LE(output.target.tau_J_d[4], 0);
 }
 
-TEST(JointEffortControllerTest, FinishesWhenTheArmHasSettledNotBefore) {
-  JointEffortController controller(TestTrajectory());
+TEST(JointTrajectoryEffortControllerTest, FinishesWhenTheArmHasSettledNotBefore) {
+  JointTrajectoryEffortController controller(TestTrajectory());
   controller.Activate(StateAt(kFirst), Time(0s));
   ControllerOutput output;
   controller.Update(StateAt(kFirst), Time(0s), output);
@@ -195,8 +196,8 @@ TEST(JointEffortControllerTest, FinishesWhenTheArmHasSettledNotBefore) {
   EXPECT_EQ(output.target.joint.dq, JointVector{});
 }
 
-TEST(JointEffortControllerTest, FinishesAfterTheSettlingTimeAnyway) {
-  JointEffortController controller(TestTrajectory());
+TEST(JointTrajectoryEffortControllerTest, FinishesAfterTheSettlingTimeAnyway) {
+  JointTrajectoryEffortController controller(TestTrajectory());
   controller.Activate(StateAt(kFirst), Time(0s));
   ControllerOutput output;
   controller.Update(StateAt(kFirst), Time(0s), output);
@@ -206,10 +207,10 @@ TEST(JointEffortControllerTest, FinishesAfterTheSettlingTimeAnyway) {
   EXPECT_TRUE(output.finished);
 }
 
-TEST(JointEffortControllerTest, StartsAnewAfterEachActivation) {
-  JointEffortOptions options = Plain();
+TEST(JointTrajectoryEffortControllerTest, StartsAnewAfterEachActivation) {
+  JointTrajectoryEffortOptions options = Plain();
   options.K_I.fill(10);
-  JointEffortController controller(TestTrajectory(), options);
+  JointTrajectoryEffortController controller(TestTrajectory(), options);
   ControllerOutput output;
   for (const Duration start : std::initializer_list<Duration>{0s, 10s, 20s}) {
     controller.Activate(StateAt(kFirst), Time(start));
@@ -224,8 +225,8 @@ TEST(JointEffortControllerTest, StartsAnewAfterEachActivation) {
   }
 }
 
-TEST(JointEffortControllerTest, RefusesToStartAwayFromTheFirstPoint) {
-  JointEffortController controller(TestTrajectory());
+TEST(JointTrajectoryEffortControllerTest, RefusesToStartAwayFromTheFirstPoint) {
+  JointTrajectoryEffortController controller(TestTrajectory());
   JointVector q = kFirst;
   q[3] += 0.0199;
   EXPECT_NO_THROW(controller.Activate(StateAt(q), Time(0s)));
@@ -239,13 +240,13 @@ TEST(JointEffortControllerTest, RefusesToStartAwayFromTheFirstPoint) {
   EXPECT_THROW(controller.Activate(StateAt(q), Time(0s)), InputError);
 }
 
-TEST(JointEffortControllerTest, RefusesOptionsOutOfRangeByName) {
-  const auto refuses = [](const JointEffortOptions& options, const std::string& name) {
-    EXPECT_THAT([&] { JointEffortController(TestTrajectory(), options); },
+TEST(JointTrajectoryEffortControllerTest, RefusesOptionsOutOfRangeByName) {
+  const auto refuses = [](const JointTrajectoryEffortOptions& options, const std::string& name) {
+    EXPECT_THAT([&] { JointTrajectoryEffortController(TestTrajectory(), options); },
                 ThrowsMessage<InputError>(HasSubstr(name)));
   };
   const auto with = [](auto change) {
-    JointEffortOptions options;
+    JointTrajectoryEffortOptions options;
     change(options);
     return options;
   };
@@ -260,8 +261,95 @@ TEST(JointEffortControllerTest, RefusesOptionsOutOfRangeByName) {
   refuses(with([](auto& o) { o.settling_time = 61s; }), "settling_time");
 }
 
-TEST(JointEffortControllerTest, UpdatesWithoutAllocating) {
-  JointEffortController controller(TestTrajectory());
+/// Options with these tolerances, without a soft start.
+JointTrajectoryEffortOptions Tolerant(double path, double goal) {
+  JointTrajectoryEffortOptions options = Plain();
+  options.path_tolerance.fill(path);
+  options.goal_tolerance.fill(goal);
+  return options;
+}
+
+TEST(JointTrajectoryEffortControllerTest, GivesUpOffThePathNamingJointDistanceAndTolerance) {
+  const Trajectory trajectory = TestTrajectory();
+  JointTrajectoryEffortController controller(trajectory, Tolerant(0.1, 0));
+  controller.Activate(StateAt(kFirst), Time(0s));
+  ControllerOutput output;
+  controller.Update(StateAt(kFirst), Time(0s), output);
+  JointVector q = trajectory.Sample(1s).q;
+  q[4] += 0.0999;
+  controller.Update(StateAt(q), Time(1s), output);
+  EXPECT_FALSE(output.failed);
+  EXPECT_EQ(controller.Explain(), "");
+  q = trajectory.Sample(1100ms).q;
+  q[4] -= 0.11;
+  controller.Update(StateAt(q), Time(1100ms), output);
+  EXPECT_TRUE(output.failed);
+  EXPECT_FALSE(output.finished);
+  EXPECT_THAT(controller.Explain(), AllOf(HasSubstr("joint 5 was 0.1100 rad off the path"),
+                                          HasSubstr("1.100 s"), HasSubstr("0.1000 rad")));
+  ControllerOutput later;
+  controller.Update(StateAt(kLast), Time(5s), later);
+  EXPECT_TRUE(later.failed) << "for good";
+}
+
+TEST(JointTrajectoryEffortControllerTest, GivesUpOffTheGoalAfterItsTimeAndNotBefore) {
+  JointTrajectoryEffortController controller(TestTrajectory(), Tolerant(0, 0.05));
+  controller.Activate(StateAt(kFirst), Time(0s));
+  ControllerOutput output;
+  controller.Update(StateAt(kFirst), Time(0s), output);
+  JointVector q = kLast;
+  q[1] += 0.06;
+  controller.Update(StateAt(q), Time(2999ms), output);
+  EXPECT_FALSE(output.failed);
+  controller.Update(StateAt(q), Time(3s), output);
+  EXPECT_TRUE(output.failed);
+  EXPECT_THAT(controller.Explain(),
+              AllOf(HasSubstr("joint 2 was 0.0600 rad off the goal"), HasSubstr("goal_time")));
+}
+
+TEST(JointTrajectoryEffortControllerTest, IsFinishedWithinItsGoalTolerance) {
+  JointTrajectoryEffortController controller(TestTrajectory(), Tolerant(0, 0.05));
+  for (const Duration begin : std::initializer_list<Duration>{0s, 10s}) {
+    controller.Activate(StateAt(kFirst), Time(begin));
+    ControllerOutput output;
+    controller.Update(StateAt(kFirst), Time(begin), output);
+    JointVector q = kLast;
+    q[1] += 0.04;
+    controller.Update(StateAt(q), Time(begin + 2500ms), output);
+    EXPECT_FALSE(output.finished) << "not settled";
+    controller.Update(StateAt(q), Time(begin + 3s), output);
+    EXPECT_TRUE(output.finished);
+    EXPECT_FALSE(output.failed);
+    controller.Deactivate();
+  }
+}
+
+TEST(JointTrajectoryEffortControllerTest, TakesItsParameters) {
+  JointTrajectoryEffortController controller(TestTrajectory());
+  const control::Parameters parameters{
+      {.key = "K_P", .values = {"300 Nm/rad"}},
+      {.key = "K_I", .values = {"5 Nm/rad/s"}},
+      {.key = "K_D.unit", .values = {"Nms/rad"}},
+      {.key = "K_D.values", .values = {"1", "2", "3", "4", "5", "6", "7"}, .is_list = true},
+      {.key = "path_tolerance", .values = {"0.2 rad"}},
+      {.key = "goal_tolerance", .values = {"1 deg"}},
+      {.key = "goal_time", .values = {"2 s"}},
+      {.key = "stopped_velocity_tolerance", .values = {"0.02 rad/s"}}};
+  control::ParameterReader reader(parameters);
+  controller.Configure(reader);
+  EXPECT_NO_THROW(reader.RefuseUnread());
+  const JointTrajectoryEffortOptions& o = controller.options();
+  EXPECT_EQ(o.K_P[6], 300);
+  EXPECT_EQ(o.K_I[0], 5);
+  EXPECT_EQ(o.K_D[6], 7);
+  EXPECT_EQ(o.path_tolerance[3], 0.2);
+  EXPECT_NEAR(o.goal_tolerance[3], 0.01745, 1e-5);
+  EXPECT_EQ(o.settling_time, 2s);
+  EXPECT_EQ(o.settled_speed_rad_per_s, 0.02);
+}
+
+TEST(JointTrajectoryEffortControllerTest, UpdatesWithoutAllocating) {
+  JointTrajectoryEffortController controller(TestTrajectory());
   const RobotState state = StateAt(kFirst);
   controller.Activate(state, Time(0s));
   ControllerOutput output;

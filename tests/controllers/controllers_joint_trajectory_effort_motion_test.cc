@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
-#include "controllers/joint_effort.h"
+#include "controllers/joint_trajectory_effort.h"
 #include "support/panda_limits.h"
 #include "twin/onboard/int.h"
 #include "twin/plant/mujoco_plant.h"
@@ -75,7 +75,7 @@ class Arm {
     int_->FillState(plant_->sensors(), state_);
   }
 
-  Outcome Run(JointEffortController& controller, const Trajectory& trajectory) {
+  Outcome Run(JointTrajectoryEffortController& controller, const Trajectory& trajectory) {
     Outcome outcome;
     Cycle();
     controller.Activate(state_, Now());
@@ -135,11 +135,11 @@ void Print(const Outcome& outcome) {
       ToSeconds(outcome.settled.value_or(Duration::zero())) * 1e3, outcome.final_speed);
 }
 
-class JointEffortFrictionTest : public testing::TestWithParam<FrictionProfile> {};
+class JointTrajectoryEffortFrictionTest : public testing::TestWithParam<FrictionProfile> {};
 
-TEST_P(JointEffortFrictionTest, FollowsTheCanonicalTrajectoryAndEndsAtRest) {
+TEST_P(JointTrajectoryEffortFrictionTest, FollowsTheCanonicalTrajectoryAndEndsAtRest) {
   const Trajectory trajectory = Canonical();
-  JointEffortController controller(trajectory);
+  JointTrajectoryEffortController controller(trajectory);
   Arm arm(GetParam(), trajectory.start());
   const Outcome outcome = arm.Run(controller, trajectory);
   Print(outcome);
@@ -153,9 +153,9 @@ TEST_P(JointEffortFrictionTest, FollowsTheCanonicalTrajectoryAndEndsAtRest) {
   for (const double dq : arm.state().dq) EXPECT_NEAR(dq, 0, 1e-4);
 }
 
-TEST(JointEffortMotionTest, TakesInAStartOffThePathWithoutATorqueStep) {
+TEST(JointTrajectoryEffortMotionTest, TakesInAStartOffThePathWithoutATorqueStep) {
   const Trajectory trajectory = Canonical(0.0199);  // 12 Nm by the law
-  JointEffortController controller(trajectory);
+  JointTrajectoryEffortController controller(trajectory);
   JointVector q = trajectory.start();
   q[0] -= 0.0199;
   Arm arm(FrictionProfile::kResidual, q);
@@ -165,9 +165,9 @@ TEST(JointEffortMotionTest, TakesInAStartOffThePathWithoutATorqueStep) {
   EXPECT_LT(outcome.most_torque_rate, 200);
 }
 
-TEST(JointEffortMotionTest, RunsOneMotionAfterAnotherAgainstDryFriction) {
+TEST(JointTrajectoryEffortMotionTest, RunsOneMotionAfterAnotherAgainstDryFriction) {
   const Trajectory trajectory = Canonical();
-  JointEffortController controller(trajectory);
+  JointTrajectoryEffortController controller(trajectory);
   Arm arm(FrictionProfile::kBreakaway, trajectory.start());
   for (int motion = 0; motion < 2; ++motion) {
     const Outcome outcome = arm.Run(controller, trajectory);
@@ -177,7 +177,7 @@ TEST(JointEffortMotionTest, RunsOneMotionAfterAnotherAgainstDryFriction) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryFriction, JointEffortFrictionTest,
+INSTANTIATE_TEST_SUITE_P(EveryFriction, JointTrajectoryEffortFrictionTest,
                          testing::Values(FrictionProfile::kNone, FrictionProfile::kResidual,
                                          FrictionProfile::kBreakaway));
 
