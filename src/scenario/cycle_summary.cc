@@ -4,6 +4,18 @@
 
 namespace twin::scenario {
 
+double CycleCounts::unserved_percent() const noexcept {
+  const auto all = static_cast<double>(cycles());
+  return all > 0 ? 100 * static_cast<double>(held) / all : 0;
+}
+
+void CycleCounts::Add(const rt::CycleRecord& record) noexcept {
+  if (record.fate == rt::CommandFate::kServed) ++served;
+  if (record.fate == rt::CommandFate::kHeld) ++held;
+  dropped += record.dropped;
+  longest_loss = std::max<std::uint64_t>(longest_loss, record.lost_in_row);
+}
+
 void CycleSummary::AddState(const RobotState& state) noexcept {
   hash_.AddWord(state.message_id);
   for (const JointVector* values : {&state.q, &state.dq, &state.tau_J, &state.theta, &state.dtheta,
@@ -19,12 +31,18 @@ void CycleSummary::AddState(const RobotState& state) noexcept {
   hash_.AddNumber(state.control_command_success_rate);
 }
 
+void CycleSummary::CountMotion(const rt::CycleRecord& record) noexcept {
+  const bool moves = record.state.robot_mode == RobotMode::kMove;
+  if (moves && !moving_) tally_ = {.motion = {}, .motions = tally_.motions + 1};
+  moving_ = moves;
+  tally_.motion.Add(record);
+  shown_.Publish(tally_);
+}
+
 void CycleSummary::Put(const rt::CycleRecord& record) noexcept {
   AddState(record.state);
-  if (record.fate == rt::CommandFate::kServed) ++counts_.served;
-  if (record.fate == rt::CommandFate::kHeld) ++counts_.held;
-  counts_.dropped += record.dropped;
-  counts_.longest_loss = std::max<std::uint64_t>(counts_.longest_loss, record.lost_in_row);
+  counts_.Add(record);
+  CountMotion(record);
   if (next_ != nullptr) next_->Put(record);
 }
 

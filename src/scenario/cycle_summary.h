@@ -4,13 +4,21 @@
 
 #include "scenario/word_hash.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/latest_value.h"
 #include "twin/scenario/assembly.h"
 
 namespace twin::scenario {
 
+/// What has been counted so far.
+struct CycleTally {
+  CycleCounts motion;         ///< since the last motion began, what came behind it too
+  std::uint64_t motions = 0;  ///< that began: robot_mode became Move
+};
+
 /// Counts and fingerprints the cycles that pass through on their way to another sink.
 ///
-/// Threads and real-time: as rt::RecordSink.
+/// Threads and real-time: as rt::RecordSink; Tally() from one thread at any time; counts() and
+/// states_hash() while nothing is put.
 class CycleSummary final : public rt::RecordSink {
  public:
   /// @param next  may be null; must outlive this.
@@ -19,15 +27,24 @@ class CycleSummary final : public rt::RecordSink {
   void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
   void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
 
+  /// As of the last cycle put. Valid until the next call.
+  [[nodiscard]] const CycleTally& Tally() noexcept {
+    static_cast<void>(shown_.Refresh());
+    return shown_.value();
+  }
   [[nodiscard]] const CycleCounts& counts() const noexcept { return counts_; }
   [[nodiscard]] std::uint64_t states_hash() const noexcept { return hash_.value(); }
 
  private:
   void AddState(const RobotState& state) noexcept;
+  void CountMotion(const rt::CycleRecord& record) noexcept;
 
   rt::RecordSink* next_;
   CycleCounts counts_;
   WordHash hash_;
+  bool moving_ = false;
+  CycleTally tally_;
+  rt::LatestValue<CycleTally> shown_;
 };
 
 }  // namespace twin::scenario

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "scenario/quantity.h"
+#include "twin/core/quantity.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {
@@ -33,6 +33,11 @@ inline constexpr std::array<Spelling<plant::ForceFrame>, 2> kForceFrameNames{
 inline constexpr std::array<Spelling<ControllerMode>, 2> kControllerNames{
     {{"joint_impedance", ControllerMode::kJointImpedance},
      {"cartesian_impedance", ControllerMode::kCartesianImpedance}}};
+
+inline constexpr std::array<Spelling<plant::ObjectShape>, 3> kObjectShapeNames{
+    {{"box", plant::ObjectShape::kBox},
+     {"cylinder", plant::ObjectShape::kCylinder},
+     {"sphere", plant::ObjectShape::kSphere}}};
 
 inline constexpr std::array<Spelling<Drive>, 3> kDriveNames{
     {{"lockstep", Drive::kLockstep}, {"realtime", Drive::kRealtime}, {"remote", Drive::kRemote}}};

@@ -77,6 +77,8 @@ CollisionBehavior ReadCollisionBehavior(const YamlNode& node) {
   return b;
 }
 
+}  // namespace
+
 FramePose ReadFrame(const YamlNode& node) {
   constexpr double kTurn = 2 * std::numbers::pi;
   const YamlMap map = node.Map({"position", "rpy"});
@@ -88,6 +90,8 @@ FramePose ReadFrame(const YamlNode& node) {
           [&](const YamlNode& n) { pose.rpy = n.Vector(Dimension::kAngle, -kTurn, kTurn); });
   return pose;
 }
+
+namespace {
 
 setting::GuidingMode ReadGuidingMode(const YamlNode& node) {
   static constexpr std::array<Spelling<std::size_t>, 6> kAxes{

@@ -6,6 +6,7 @@ namespace {
 
 constexpr double kMostForce = 1e4;  // N or Nm
 constexpr double kFarthest = 100;   // m
+constexpr std::uint64_t kMostMotions = 1'000'000;
 
 Vector3 ReadPoint(const YamlNode& node) {
   return node.Vector(Dimension::kLength, -kFarthest, kFarthest);
@@ -16,14 +17,17 @@ template <typename Kind>
 void ReadWhereAndWhen(const YamlMap& map, Kind& what) {
   what.body = map.Require("body").Text();
   what.begin = map.Require("begin").Time(Duration::zero(), kDay);
+  IfGiven(map, "motion", [&](const YamlNode& n) {
+    what.motion = static_cast<std::uint32_t>(n.Integer(1, kMostMotions));
+  });
   IfGiven(map, "duration",
           [&](const YamlNode& n) { what.duration = n.Time(Duration::zero(), kDay); });
   IfGiven(map, "point", [&](const YamlNode& n) { what.point = ReadPoint(n); });
 }
 
 plant::Push ReadPush(const YamlNode& node) {
-  const YamlMap map =
-      node.Map({"body", "begin", "duration", "rise", "force", "torque", "point", "frame"});
+  const YamlMap map = node.Map(
+      {"body", "begin", "motion", "duration", "rise", "force", "torque", "point", "frame"});
   plant::Push push;
   ReadWhereAndWhen(map, push);
   IfGiven(map, "rise", [&](const YamlNode& n) { push.rise = n.Time(Duration::zero(), kDay); });
@@ -39,8 +43,8 @@ plant::Push ReadPush(const YamlNode& node) {
 }
 
 plant::HandSpring ReadSpring(const YamlNode& node) {
-  const YamlMap map = node.Map({"body", "begin", "duration", "point", "from", "by", "stiffness",
-                                "damping", "largest_force"});
+  const YamlMap map = node.Map({"body", "begin", "motion", "duration", "point", "from", "by",
+                                "stiffness", "damping", "largest_force"});
   plant::HandSpring spring;
   ReadWhereAndWhen(map, spring);
   IfGiven(map, "from", [&](const YamlNode& n) { spring.from = ReadPoint(n); });

@@ -3,26 +3,20 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "scenario/motion_planning.h"
+#include "scenario/place.h"
 #include "twin/core/error.h"
+#include "twin/model/arm_model.h"
+#include "twin/model/transform.h"
 #include "twin/reference/client_limits.h"
 #include "twin/scenario/link.h"
 
 namespace twin::scenario {
 namespace {
-
-/// Calls `check`; puts the line `name` was read from in front of what it complains of.
-template <typename Check>
-auto At(const Place& place, const std::string& name, Check check) {
-  try {
-    return check();
-  } catch (const InputError& error) {
-    if (place.where.empty() || place.name != name) throw;
-    throw InputError(fmt::format("{}: {}", place.where, error.what()));
-  }
-}
 
 onboard::IntConfig MakeOnboard(const Scenario& scenario, const RobotData& robot) {
   onboard::IntConfig config;
@@ -52,6 +46,7 @@ plant::MujocoPlantOptions MakePlant(const Scenario& scenario, const RobotData& r
   plant::MujocoPlantOptions options;
   options.urdf = robot.urdf;
   if (!scenario.scene.empty()) options.scene = files.models / scenario.scene;
+  options.objects = ObjectsOf(scenario.objects, scenario.seed);
   options.mesh_package = files.mesh_package;
   options.cache = files.cache;
   options.rebuild_cache = files.rebuild_cache;
@@ -59,6 +54,8 @@ plant::MujocoPlantOptions MakePlant(const Scenario& scenario, const RobotData& r
   options.friction = scenario.plant.friction;
   options.armature = scenario.plant.armature;
   options.elasticity = scenario.plant.elasticity;
+  options.mass_scale = scenario.plant.mass_scale;
+  options.base_tilt = scenario.plant.base_tilt;
   options.load = scenario.robot.load;
   options.perturbations = scenario.perturbations;
   options.noise.q_rad = scenario.plant.noise_q;
@@ -68,51 +65,20 @@ plant::MujocoPlantOptions MakePlant(const Scenario& scenario, const RobotData& r
   return options;
 }
 
-loop::TickConfig MakeTick(const Scenario& scenario, const RobotData& robot) {
-  const TickSection& tick = scenario.tick;
-  loop::TickConfig config;
-  config.generator = tick.generator;
-  config.lambda = tick.lambda;
-  config.rate_matching = tick.rate_matching;
-  config.source_rate_hz = scenario.controller.rate_hz;
-  config.finish_tolerance_rad = tick.finish_tolerance;
-  config.period_tolerance = tick.period_tolerance;
-  config.low_pass_hz = tick.low_pass_hz;
-  config.robot_shows_commands = scenario.onboard.filters == setting::Filters();
-  if (tick.limiter) config.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
-  config.cost = tick.cost.Model();
-  config.Validate(scenario.motion.interface);
-  return config;
-}
-
-loop::ControllerLoopConfig MakeControllerLoop(const ControllerSection& controller) {
-  loop::ControllerLoopConfig config;
-  config.rate_hz = controller.rate_hz;
-  config.clock_ppm = controller.clock_drift_ppm;
-  config.phase = controller.phase;
-  config.wake_delay = controller.wake_delay.Model();
-  config.cost = controller.cost.Model();
-  config.feed_forward = controller.feed_forward;
-  config.target_noise = controller.target_noise;
-  config.Validate();
-  return config;
-}
-
-/// Torques go with the joint velocity generator, whose commands stay 0. Source: FCI protocol 5,
-/// what a client library does for a torque loop.
-MotionModes ModesOf(const MotionSection& motion) {
-  using control::CommandInterface;
-  switch (motion.interface) {
-    case CommandInterface::kJointPosition:
-      return {motion.controller, MotionGeneratorMode::kJointPosition};
-    case CommandInterface::kJointVelocity:
-      return {motion.controller, MotionGeneratorMode::kJointVelocity};
-    case CommandInterface::kCartesianPose:
-      return {motion.controller, MotionGeneratorMode::kCartesianPosition};
-    case CommandInterface::kTorque:
-      return {ControllerMode::kExternalController, MotionGeneratorMode::kJointVelocity};
+/// The pose that `step` makes of the one before it.
+Transform Stepped(const Transform& last, const PoseStep& step) {
+  Transform next = last;
+  if (step.rpy) {
+    next = FramePose{{}, *step.rpy}.Matrix();
+  } else if (step.turn != Vector3{}) {
+    Transform turned = last;
+    turned[12] = turned[13] = turned[14] = 0;
+    next = model::Multiply(FramePose{{}, step.turn}.Matrix(), turned);
   }
-  return {};
+  for (std::size_t i = 0; i < 3; ++i) {
+    next[12 + i] = step.position ? (*step.position)[i] : last[12 + i] + step.by[i];
+  }
+  return next;
 }
 
 /// The motion must start where the arm rests; the controller would refuse it otherwise.
@@ -149,8 +115,10 @@ RobotData RequireNames(const Scenario& scenario, const Catalogue& catalogue,
                        const RunFiles& files) {
   At(scenario.places.backend, scenario.backend,
      [&] { (void)catalogue.backends.Find(scenario.backend); });
-  At(scenario.places.controller, scenario.controller.type,
-     [&] { (void)catalogue.controllers.Find(scenario.controller.type); });
+  if (scenario.controller.library.empty()) {
+    At(scenario.places.controller, scenario.controller.type,
+       [&] { (void)catalogue.controllers.Find(scenario.controller.type); });
+  }
   At(scenario.places.scene, scenario.scene.string(),
      [&] { RequireScene(files.models, scenario.scene); });
   return At(scenario.places.robot, scenario.robot.model,
@@ -158,6 +126,51 @@ RobotData RequireNames(const Scenario& scenario, const Catalogue& catalogue,
 }
 
 }  // namespace
+
+loop::TickConfig MakeTick(const Scenario& scenario, const RobotData& robot) {
+  const TickSection& tick = scenario.tick;
+  loop::TickConfig config;
+  config.generator = tick.generator;
+  config.lambda = tick.lambda;
+  config.rate_matching = tick.rate_matching;
+  config.source_rate_hz = scenario.controller.rate_hz;
+  config.finish_tolerance_rad = tick.finish_tolerance;
+  config.period_tolerance = tick.period_tolerance;
+  config.low_pass_hz = tick.low_pass_hz;
+  config.robot_shows_commands = scenario.onboard.filters == setting::Filters();
+  if (tick.limiter) config.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
+  config.cost = tick.cost.Model();
+  config.Validate(scenario.motion.interface);
+  return config;
+}
+
+loop::ControllerLoopConfig MakeControllerLoop(const ControllerSection& controller) {
+  loop::ControllerLoopConfig config;
+  config.rate_hz = controller.rate_hz;
+  config.clock_ppm = controller.clock_drift_ppm;
+  config.phase = controller.phase;
+  config.wake_delay = controller.wake_delay.Model();
+  config.cost = controller.cost.Model();
+  config.feed_forward = controller.feed_forward;
+  config.target_noise = controller.target_noise;
+  config.Validate();
+  return config;
+}
+
+MotionModes ModesOf(const MotionSection& motion) {
+  using control::CommandInterface;
+  switch (motion.interface) {
+    case CommandInterface::kJointPosition:
+      return {motion.controller, MotionGeneratorMode::kJointPosition};
+    case CommandInterface::kJointVelocity:
+      return {motion.controller, MotionGeneratorMode::kJointVelocity};
+    case CommandInterface::kCartesianPose:
+      return {motion.controller, MotionGeneratorMode::kCartesianPosition};
+    case CommandInterface::kTorque:
+      return {ControllerMode::kExternalController, MotionGeneratorMode::kJointVelocity};
+  }
+  return {};
+}
 
 robot::RobotConfig MakeRobotConfig(const Scenario& scenario, const RobotData& robot,
                                    const RunFiles& files) {
@@ -175,22 +188,92 @@ robot::RobotConfig MakeRobotConfig(const Scenario& scenario, const RobotData& ro
   return config;
 }
 
+robot::RobotConfig MakeServedConfig(const Scenario& scenario, const RunFiles& files) {
+  const RobotData robot = LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
+  robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
+  robot::LinkConfig link;
+  link.state.loss = config.link.state.loss;
+  link.command.loss = config.link.command.loss;
+  link.d_INT = config.link.d_INT;
+  config.link = link;
+  return config;
+}
+
+std::optional<reference::PoseTrajectory> MakePoses(const Scenario& scenario,
+                                                   const RobotData& robot) {
+  const MotionSection& motion = scenario.motion;
+  if (motion.poses.empty()) return std::nullopt;
+  const Transform F_T_EE = model::Multiply(robot.F_T_NE, scenario.onboard.NE_T_EE.Matrix());
+  reference::PoseWaypoint point;
+  point.O_T_EE =
+      model::ArmModel::Panda().Pose(model::Frame::kEndEffector, motion.waypoints.front().q, F_T_EE);
+  if (motion.poses.front().at) point.at = Duration::zero();
+  point.where = motion.waypoints.front().where;
+  std::vector<reference::PoseWaypoint> waypoints{point};
+  waypoints.reserve(motion.poses.size() + 1);
+  for (const PoseStep& step : motion.poses) {
+    point.O_T_EE = Stepped(point.O_T_EE, step);
+    point.at = step.at;
+    point.where = step.where;
+    waypoints.push_back(point);
+  }
+  return reference::PoseTrajectory(waypoints, motion.timing, robot.cartesian);
+}
+
 reference::Trajectory MakeTrajectory(const Scenario& scenario, const RobotData& robot) {
+  if (const auto poses = MakePoses(scenario, robot)) {
+    reference::Waypoint stand = scenario.motion.waypoints.front();
+    stand.at = Duration::zero();
+    reference::Waypoint end = stand;
+    end.at = poses->duration();
+    return reference::Trajectory({stand, end}, {}, robot.limits);
+  }
+  if (scenario.motion.plan) {
+    throw InputError("motion.plan: its points are known only once it is planned, by a run");
+  }
   return reference::Trajectory(scenario.motion.waypoints, scenario.motion.timing, robot.limits);
+}
+
+reference::Trajectory PlanFrom(const JointVector& start, const Scenario& scenario,
+                               const RobotData& robot, const RunFiles& files,
+                               planning::PlanStatistics& statistics) {
+  return PlanMotion(scenario, robot, start, MakePlant(scenario, robot, files), statistics);
+}
+
+RobotPlan MakeRobotPlan(const Scenario& scenario, const Catalogue& catalogue,
+                        const RunFiles& files) {
+  scenario.Validate();
+  RobotData robot = RequireNames(scenario, catalogue, files);
+  robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
+  return {std::move(robot), std::move(config)};
 }
 
 Plan MakePlan(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files) {
   scenario.Validate();
+  if (scenario.application) {
+    throw InputError("application: it makes motions of its own, and is no single run");
+  }
   RobotData robot = RequireNames(scenario, catalogue, files);
-  reference::Trajectory trajectory = MakeTrajectory(scenario, robot);
+  std::optional<planning::PlanStatistics> planning;
+  reference::Trajectory trajectory =
+      scenario.motion.plan
+          ? PlanFrom(*scenario.robot.q_start, scenario, robot, files, planning.emplace())
+          : MakeTrajectory(scenario, robot);
   robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
   RequireStart(config.q_start, trajectory);
   RequireTimeForTheHand(scenario.hand, trajectory.duration());
   const loop::TickConfig tick = MakeTick(scenario, robot);
   const loop::ControllerLoopConfig controller_loop = MakeControllerLoop(scenario.controller);
-  return {std::move(robot),         std::move(trajectory), std::move(config),
-          ModesOf(scenario.motion), scenario.loop,         tick,
-          controller_loop};
+  std::optional<reference::PoseTrajectory> poses = MakePoses(scenario, robot);
+  return {.robot = std::move(robot),
+          .trajectory = std::move(trajectory),
+          .poses = std::move(poses),
+          .planning = planning,
+          .config = std::move(config),
+          .modes = ModesOf(scenario.motion),
+          .loop = scenario.loop,
+          .tick = tick,
+          .controller_loop = controller_loop};
 }
 
 void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files) {

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include "twin/core/modes.h"
 #include "twin/loop/loop_config.h"
+#include "twin/planning/planner.h"
+#include "twin/reference/pose_trajectory.h"
 #include "twin/reference/trajectory.h"
 #include "twin/robot/robot_config.h"
 #include "twin/scenario/assembly.h"
@@ -10,10 +14,18 @@
 
 namespace twin::scenario {
 
+/// The robot a scenario comes to, short of a compiled model.
+struct RobotPlan {
+  RobotData robot;
+  robot::RobotConfig config;
+};
+
 /// What a scenario comes to, short of a compiled model: each part made once and checked.
 struct Plan {
   RobotData robot;
   reference::Trajectory trajectory;
+  std::optional<reference::PoseTrajectory> poses;    ///< of a motion of poses
+  std::optional<planning::PlanStatistics> planning;  ///< of a planned motion
   robot::RobotConfig config;
   MotionModes modes;
   loop::LoopKind loop = loop::LoopKind::kAsynchronous;
@@ -21,8 +33,30 @@ struct Plan {
   loop::ControllerLoopConfig controller_loop;
 };
 
-/// @throws InputError naming what is wrong and, where the scenario was read from a file, its line.
+/// @throws NoPlanError when no motion was found within the plan's budget; InputError naming what
+/// is wrong and, where the scenario was read from a file, its line.
 [[nodiscard]] Plan MakePlan(const Scenario& scenario, const Catalogue& catalogue,
                             const RunFiles& files);
+
+/// As MakePlan, of a planned motion only. @param start  where the arm stands, rad.
+[[nodiscard]] reference::Trajectory PlanFrom(const JointVector& start, const Scenario& scenario,
+                                             const RobotData& robot, const RunFiles& files,
+                                             planning::PlanStatistics& statistics);
+
+/// As MakePlan, of the robot only.
+[[nodiscard]] RobotPlan MakeRobotPlan(const Scenario& scenario, const Catalogue& catalogue,
+                                      const RunFiles& files);
+
+// Parts of a plan.
+
+/// Torques go with the joint velocity generator, whose commands stay 0. Source: FCI protocol 5,
+/// what a client library does for a torque loop.
+[[nodiscard]] MotionModes ModesOf(const MotionSection& motion);
+
+/// @throws InputError as TickConfig::Validate.
+[[nodiscard]] loop::TickConfig MakeTick(const Scenario& scenario, const RobotData& robot);
+
+/// @throws InputError as ControllerLoopConfig::Validate.
+[[nodiscard]] loop::ControllerLoopConfig MakeControllerLoop(const ControllerSection& controller);
 
 }  // namespace twin::scenario

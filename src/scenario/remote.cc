@@ -1,6 +1,7 @@
 #include "twin/scenario/remote.h"
 
 #include <charconv>
+#include <numbers>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -70,7 +71,7 @@ std::vector<std::string> WithoutEffectThere(const Scenario& scenario) {
   const auto add_if = [&lines](bool present, const char* text) {
     if (present) lines.emplace_back(text);
   };
-  add_if(!(scenario.plant == PlantSection()) || !scenario.scene.empty(),
+  add_if(!(scenario.plant == PlantSection()) || (!scenario.scene.empty() && !scenario.motion.plan),
          "plant, scene: the robot and its surroundings are what they are");
   add_if(!(scenario.robot.load == setting::Load()) || scenario.robot.clock_drift_ppm != 0,
          "robot.load, robot.clock_drift: they describe a simulated robot");
@@ -86,21 +87,38 @@ std::vector<std::string> WithoutEffectThere(const Scenario& scenario) {
   return lines;
 }
 
+Scenario DefaultServed() {
+  constexpr double kPi = std::numbers::pi;
+  Scenario scenario;
+  scenario.name = "serve";
+  scenario.robot.q_start = {0, -kPi / 4, 0, -3 * kPi / 4, 0, kPi / 2, kPi / 4};
+  return scenario;
+}
+
 void SlowDown(Scenario& scenario, const RobotData& robot, double share) {
   RequireInRange("--max-speed", share, 1e-3, 1);
   if (share == 1) return;
   const auto slower = [share](Duration time) { return FromSeconds(ToSeconds(time) / share); };
+  if (scenario.motion.plan) {
+    scenario.motion.plan->stretch /= share;
+    return;
+  }
   const Duration total = slower(MakeTrajectory(scenario, robot).duration());
   reference::Timing& timing = scenario.motion.timing;
-  bool is_timed = false;
+  std::optional<Duration> last;
   for (reference::Waypoint& waypoint : scenario.motion.waypoints) {
     if (!waypoint.at) continue;
     waypoint.at = slower(*waypoint.at);
-    is_timed = true;
+    last = waypoint.at;
+  }
+  for (PoseStep& step : scenario.motion.poses) {
+    if (!step.at) continue;
+    step.at = slower(*step.at);
+    last = step.at;
   }
   // Of timed points the last one's time is the duration, where one is given.
-  if (!is_timed) timing.duration = total;
-  if (is_timed && timing.duration) timing.duration = scenario.motion.waypoints.back().at;
+  if (!last) timing.duration = total;
+  if (last && timing.duration) timing.duration = last;
   for (HandEvent& event : scenario.hand) event.at = slower(event.at);
 }
 

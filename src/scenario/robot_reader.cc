@@ -14,6 +14,14 @@ void ReadNoise(const YamlNode& node, PlantSection& plant) {
           [&](const YamlNode& n) { plant.noise_tau_J = n.Quantity(Dimension::kTorque, 0, 100); });
 }
 
+void ReadTilt(const YamlNode& node, plant::BaseTilt& tilt) {
+  const YamlMap map = node.Map({"roll", "pitch"});
+  IfGiven(map, "roll",
+          [&](const YamlNode& n) { tilt.roll = n.Quantity(Dimension::kAngle, -0.2, 0.2); });
+  IfGiven(map, "pitch",
+          [&](const YamlNode& n) { tilt.pitch = n.Quantity(Dimension::kAngle, -0.2, 0.2); });
+}
+
 /// What panels offer, by the names they have.
 std::array<Spelling<PanelAction>, kPanelActions> PanelActionNames() {
   std::array<Spelling<PanelAction>, kPanelActions> names;
@@ -48,13 +56,16 @@ void ReadRobot(const YamlNode& node, Scenario& scenario) {
 }
 
 void ReadPlant(const YamlNode& node, PlantSection& plant) {
-  const YamlMap map = node.Map({"kind", "friction", "armature", "elasticity", "noise"});
+  const YamlMap map =
+      node.Map({"kind", "friction", "armature", "elasticity", "mass_scale", "base_tilt", "noise"});
   IfGiven(map, "kind", [&](const YamlNode& n) { plant.kind = ReadChoice(n, kPlantNames); });
   IfGiven(map, "friction",
           [&](const YamlNode& n) { plant.friction = ReadChoice(n, kFrictionNames); });
   IfGiven(map, "armature", [&](const YamlNode& n) { plant.armature = n.Bool(); });
   IfGiven(map, "elasticity",
           [&](const YamlNode& n) { plant.elasticity = ReadChoice(n, kElasticityNames); });
+  IfGiven(map, "mass_scale", [&](const YamlNode& n) { plant.mass_scale = n.Number(0.5, 2); });
+  IfGiven(map, "base_tilt", [&](const YamlNode& n) { ReadTilt(n, plant.base_tilt); });
   IfGiven(map, "noise", [&](const YamlNode& n) { ReadNoise(n, plant); });
 }
 

@@ -83,6 +83,20 @@ void ValidateDrive(const Scenario& scenario) {
                 : "a robot at the other end of a wire keeps its own time: say drive: remote"));
 }
 
+void ValidatePlant(const PlantSection& plant) {
+  RequireRange("plant.noise.q", plant.noise_q, 0, 1);
+  RequireRange("plant.noise.dq", plant.noise_dq, 0, 10);
+  RequireRange("plant.noise.tau_J", plant.noise_tau_J, 0, 100);
+  RequireRange("plant.mass_scale", plant.mass_scale, 0.5, 2);
+  RequireRange("plant.base_tilt.roll", plant.base_tilt.roll, -0.2, 0.2);
+  RequireRange("plant.base_tilt.pitch", plant.base_tilt.pitch, -0.2, 0.2);
+  if (plant.kind != robot::PlantKind::kIdeal) return;
+  if (plant.mass_scale == 1 && plant.base_tilt == plant::BaseTilt()) return;
+  throw InputError(
+      "plant: the ideal plant does what INT wants, whatever it weighs and however it stands; leave "
+      "mass_scale and base_tilt out, or say kind: mujoco");
+}
+
 void ValidateSetting(std::string_view section, const Setting& setting) {
   const auto bad = FindBadValue(setting);
   if (bad) throw InputError(fmt::format("{}: {}", section, Describe(*bad)));
@@ -113,6 +127,11 @@ void ValidatePerturbations(const Scenario& scenario) {
   }
 }
 
+/// Whether they can be drawn is the seed's affair as well: of a bad one there is no run.
+void ValidateObjects(const Scenario& scenario) {
+  (void)ObjectsOf(scenario.objects, scenario.seed);
+}
+
 void ValidatePanel(const std::vector<robot::PanelEvent>& panel) {
   const auto earlier = [](const auto& a, const auto& b) { return a.at < b.at; };
   if (std::ranges::is_sorted(panel, earlier)) return;
@@ -137,14 +156,63 @@ void ValidateHand(const Scenario& scenario) {
   }
 }
 
+/// What is planned has no points but its ends, and only shares of the limits for its pace.
+void ValidatePlan(const Scenario& scenario) {
+  const MotionSection& motion = scenario.motion;
+  if (!motion.plan) return;
+  if (!motion.waypoints.empty() || !motion.poses.empty()) {
+    throw InputError(
+        "motion.plan: waypoints or poses beside it; a motion has one of trajectory, poses, plan");
+  }
+  if (!scenario.robot.q_start) {
+    throw InputError(
+        "motion.plan: it begins at robot.q_start, which is not given; give it, as robot: {q_start: "
+        "{unit: rad, values: [...]}}");
+  }
+  if (!scenario.hand.empty()) {
+    throw InputError(
+        "motion.plan: it takes the hand to stay as it is; leave the commands to the hand out");
+  }
+  if (motion.timing.duration) {
+    throw InputError(
+        "motion.plan: a duration cannot be asked for; give shares of the limits, or stretch");
+  }
+  RequireRange("motion.plan.budget", static_cast<double>(motion.plan->budget), 1, 1e12);
+  RequireRange("motion.plan.clearance (m)", motion.plan->clearance, 0.001, 0.1);
+  RequireRange("motion.plan.stretch", motion.plan->stretch, 1, 1000);
+}
+
 void ValidateMotion(const MotionSection& motion) {
-  if (motion.waypoints.size() < 2) {
+  if (!motion.poses.empty() && motion.waypoints.size() != 1) {
+    throw InputError(
+        fmt::format("motion.poses: {} points through joint space beside them; give one, where the "
+                    "arm begins",
+                    motion.waypoints.size()));
+  }
+  if (motion.poses.empty() && !motion.plan && motion.waypoints.size() < 2) {
     throw InputError(fmt::format("motion.trajectory: {} waypoints; a trajectory needs at least two",
                                  motion.waypoints.size()));
   }
   RequireRange("motion.trajectory.velocity_scale", motion.timing.velocity_scale, 1e-6, 1);
   RequireRange("motion.trajectory.acceleration_scale", motion.timing.acceleration_scale, 1e-6, 1);
   RequireRange("motion.trajectory.jerk_scale", motion.timing.jerk_scale, 1e-6, 1);
+}
+
+/// It begins where the robot stands, and makes its motions and commands to the hand itself.
+void ValidateApplication(const Scenario& scenario) {
+  const MotionSection& motion = scenario.motion;
+  RequireName("application.type", scenario.application->type);
+  if (!motion.waypoints.empty() || !motion.poses.empty() || motion.plan) {
+    throw InputError("motion: beside an application, which makes its motions itself");
+  }
+  if (!scenario.robot.q_start) {
+    throw InputError(
+        "application: it begins at robot.q_start, which is not given; give it, as robot: {q_start: "
+        "{unit: rad, values: [...]}}");
+  }
+  if (!scenario.hand.empty()) {
+    throw InputError("hand: beside an application, which commands the hand itself");
+  }
 }
 
 void ValidateRender(const RenderSection& render) {
@@ -216,10 +284,20 @@ setting::CollisionBehavior NoCollisionBehavior() noexcept {
   return behavior;
 }
 
+bool PoseStep::operator==(const PoseStep& other) const {
+  return position == other.position && rpy == other.rpy && by == other.by && turn == other.turn &&
+         at == other.at;
+}
+
+bool PlanSection::operator==(const PlanSection& other) const {
+  return goal == other.goal && seed == other.seed && budget == other.budget &&
+         clearance == other.clearance && stretch == other.stretch;
+}
+
 bool MotionSection::operator==(const MotionSection& other) const {
   return interface == other.interface && controller == other.controller &&
-         std::ranges::equal(waypoints, other.waypoints, &SamePoint) &&
-         timing.duration == other.timing.duration &&
+         std::ranges::equal(waypoints, other.waypoints, &SamePoint) && poses == other.poses &&
+         plan == other.plan && timing.duration == other.timing.duration &&
          timing.velocity_scale == other.timing.velocity_scale &&
          timing.acceleration_scale == other.timing.acceleration_scale &&
          timing.jerk_scale == other.timing.jerk_scale;
@@ -237,9 +315,7 @@ void Scenario::Validate() const {
   ValidateLaw("tick.cost", tick.cost);
   ValidateLaw("controller.wake_delay", controller.wake_delay);
   ValidateLaw("controller.cost", controller.cost);
-  RequireRange("plant.noise.q", plant.noise_q, 0, 1);
-  RequireRange("plant.noise.dq", plant.noise_dq, 0, 10);
-  RequireRange("plant.noise.tau_J", plant.noise_tau_J, 0, 100);
+  ValidatePlant(plant);
   ValidateSetting("robot.load", robot.load);
   ValidateOnboard(onboard);
   RequireRange("tick.lambda", tick.lambda, 1e-9, 1);
@@ -248,7 +324,13 @@ void Scenario::Validate() const {
   RequireRange("controller.clock_drift", controller.clock_drift_ppm, -1000, 1000);
   RequireRange("controller.target_noise", controller.target_noise, 0, 1);
   ValidateLoop(*this);
-  ValidateMotion(motion);
+  if (application) {
+    ValidateApplication(*this);
+  } else {
+    ValidateMotion(motion);
+    ValidatePlan(*this);
+  }
+  ValidateObjects(*this);
   ValidatePerturbations(*this);
   ValidatePanel(panel);
   ValidateHand(*this);

@@ -5,6 +5,7 @@
 
 #include "scenario/link_reader.h"
 #include "scenario/names.h"
+#include "scenario/parameter_tree.h"
 #include "scenario/section_readers.h"
 #include "scenario/trajectory_reader.h"
 #include "scenario/yaml_node.h"
@@ -56,12 +57,36 @@ void ReadTick(const YamlNode& node, Scenario& scenario) {
   IfGiven(map, "cost", [&](const YamlNode& n) { tick.cost = ReadDelay(n); });
 }
 
-void ReadController(const YamlNode& node, Scenario& scenario) {
+/// A path is against the scenario's folder.
+std::filesystem::path ReadLibrary(const YamlNode& node, const std::filesystem::path& folder) {
+  if (node.Text().empty()) node.Fail("names no file; leave it out, or give a library's path");
+  return std::filesystem::absolute(folder / node.Text()).lexically_normal();
+}
+
+/// An application says itself which controllers it uses, and what they are told.
+void RefuseControllerOf(const YamlNode& node) {
+  for (const auto& [key, value] : node.Entries()) {
+    if (key != "library" && key != "type" && key != "parameters" && key != "target_noise") continue;
+    value.Fail("beside an application, which chooses its controllers itself; leave it out");
+  }
+}
+
+void ReadController(const YamlNode& node, const std::filesystem::path& folder, Scenario& scenario) {
   ControllerSection& controller = scenario.controller;
-  const YamlMap map = node.Map({"type", "rate", "clock_drift", "phase", "wake_delay", "cost",
-                                "feed_forward", "target_noise"});
+  if (scenario.application) RefuseControllerOf(node);
+  const YamlMap map = node.Map({"library", "type", "parameters", "rate", "clock_drift", "phase",
+                                "wake_delay", "cost", "feed_forward", "target_noise"});
   IfGiven(map, "type",
           [&](const YamlNode& n) { controller.type = ReadName(n, scenario.places.controller); });
+  IfGiven(map, "library", [&](const YamlNode& n) {
+    (void)map.Require("type");
+    controller.library = ReadLibrary(n, folder);
+    scenario.places.library = {controller.library.string(), n.Where()};
+  });
+  IfGiven(map, "parameters", [&](const YamlNode& n) {
+    controller.parameters = ReadParameters(n);
+    (void)map.Require("type");  // whose parameters they are
+  });
   IfGiven(map, "rate", [&](const YamlNode& n) {
     controller.rate_hz = n.Quantity(Dimension::kFrequency, 1, 1000);
   });
@@ -79,7 +104,7 @@ void ReadController(const YamlNode& node, Scenario& scenario) {
 }
 
 void ReadMotion(const YamlNode& node, const std::filesystem::path& folder, MotionSection& motion) {
-  const YamlMap map = node.Map({"interface", "controller", "trajectory"});
+  const YamlMap map = node.Map({"interface", "controller", "trajectory", "poses", "plan"});
   IfGiven(map, "interface",
           [&](const YamlNode& n) { motion.interface = ReadChoice(n, kInterfaceNames); });
   IfGiven(map, "controller", [&](const YamlNode& n) {
@@ -88,7 +113,41 @@ void ReadMotion(const YamlNode& node, const std::filesystem::path& folder, Motio
       n.Fail("on the torque interface the commanded torque takes its place; leave it out");
     }
   });
-  ReadTrajectory(map.Require("trajectory"), folder, motion);
+  const auto poses = map.Find("poses");
+  const auto plan = map.Find("plan");
+  for (const auto& either : {poses, plan}) {
+    if (either && map.Find("trajectory")) {
+      either->Fail("beside motion.trajectory; a motion has one of the two");
+    }
+  }
+  if (plan && poses) plan->Fail("beside motion.poses; a motion has one of the two");
+  if (plan) {
+    ReadPlan(*plan, motion);
+  } else if (poses) {
+    ReadPoses(*poses, motion);
+  } else {
+    ReadTrajectory(map.Require("trajectory"), folder, motion);
+  }
+}
+
+void ReadApplication(const YamlNode& node, Scenario& scenario) {
+  const YamlMap map = node.Map({"type", "parameters"});
+  ApplicationSection& application = scenario.application.emplace();
+  application.type = ReadName(map.Require("type"), scenario.places.application);
+  IfGiven(map, "parameters",
+          [&](const YamlNode& n) { application.parameters = ReadParameters(n); });
+}
+
+/// One motion, or an application that makes its own.
+void ReadWhatMoves(const YamlMap& map, const std::filesystem::path& folder, Scenario& scenario) {
+  if (const auto application = map.Find("application")) {
+    if (const auto motion = map.Find("motion")) {
+      motion->Fail("beside an application, which makes its motions itself; leave one of them out");
+    }
+    ReadApplication(*application, scenario);
+    return;
+  }
+  ReadMotion(map.Require("motion"), folder, scenario.motion);
 }
 
 /// The name of one of the scene's cameras, or a free camera that orbits a point.
@@ -136,9 +195,10 @@ Drive ReadDrive(const YamlNode& node) {
 
 Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder) {
   Scenario scenario;
-  const YamlMap map = root.Map({"name", "description", "seed", "backend", "drive", "loop", "scene",
-                                "robot", "plant", "link", "int", "tick", "controller", "motion",
-                                "perturbations", "panel", "hand", "render", "record"});
+  const YamlMap map = root.Map(
+      {"name",        "description",   "seed",  "backend", "drive",  "loop",       "scene",
+       "robot",       "plant",         "link",  "int",     "tick",   "controller", "motion",
+       "application", "perturbations", "panel", "hand",    "render", "record",     "objects"});
   scenario.name = map.Require("name").Text();
   IfGiven(map, "description", [&](const YamlNode& n) { scenario.description = n.Text(); });
   IfGiven(map, "seed", [&](const YamlNode& n) {
@@ -151,17 +211,18 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   IfGiven(map, "loop", [&](const YamlNode& n) { scenario.loop = ReadChoice(n, kLoopNames); });
   IfGiven(map, "scene",
           [&](const YamlNode& n) { scenario.scene = ReadName(n, scenario.places.scene); });
+  IfGiven(map, "objects", [&](const YamlNode& n) { scenario.objects = ReadObjects(n); });
   IfGiven(map, "robot", [&](const YamlNode& n) { ReadRobot(n, scenario); });
   IfGiven(map, "plant", [&](const YamlNode& n) { ReadPlant(n, scenario.plant); });
   IfGiven(map, "link", [&](const YamlNode& n) { ReadLink(n, scenario.link); });
   IfGiven(map, "int", [&](const YamlNode& n) { ReadOnboard(n, scenario.onboard); });
-  ReadMotion(map.Require("motion"), folder, scenario.motion);
+  ReadWhatMoves(map, folder, scenario);
   scenario.tick = TickDefaults(scenario);
   if (scenario.motion.interface == control::CommandInterface::kTorque) {
-    scenario.controller.type = "joint_effort";
+    scenario.controller.type = "joint_trajectory_effort";
   }
   IfGiven(map, "tick", [&](const YamlNode& n) { ReadTick(n, scenario); });
-  IfGiven(map, "controller", [&](const YamlNode& n) { ReadController(n, scenario); });
+  IfGiven(map, "controller", [&](const YamlNode& n) { ReadController(n, folder, scenario); });
   IfGiven(map, "perturbations",
           [&](const YamlNode& n) { scenario.perturbations = ReadPerturbations(n); });
   IfGiven(map, "panel", [&](const YamlNode& n) { scenario.panel = ReadPanel(n); });

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include "scenario/names.h"
-#include "scenario/quantity.h"
+#include "scenario/parameter_tree.h"
+#include "scenario/quoted.h"
+#include "scenario/section_writers.h"
+#include "twin/core/quantity.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {
@@ -15,25 +18,6 @@ using Text = std::string;
 template <typename... Arguments>
 void Put(Text& out, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   out += fmt::format(format, std::forward<Arguments>(arguments)...);
-}
-
-/// A YAML double-quoted scalar.
-std::string Quoted(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      quoted += '\\';
-      quoted += c;
-    } else if (c == '\n') {
-      quoted += "\\n";
-    } else if (byte < 0x20 || byte == 0x7f) {
-      quoted += fmt::format("\\x{:02x}", byte);
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + '"';
 }
 
 /// "[a, b, c]", each value as `format` writes it.
@@ -123,6 +107,12 @@ void PutRobotAndPlant(Text& out, const Scenario& s) {
   Put(out, "plant:\n  kind: {}\n  friction: {}\n  armature: {}\n  elasticity: {}\n",
       NameOf(kPlantNames, s.plant.kind), NameOf(kFrictionNames, s.plant.friction), s.plant.armature,
       NameOf(kElasticityNames, s.plant.elasticity));
+  // A plant as it always was is written as it always was.
+  if (s.plant.mass_scale != 1) Put(out, "  mass_scale: {}\n", FormatNumber(s.plant.mass_scale));
+  if (!(s.plant.base_tilt == plant::BaseTilt())) {
+    Put(out, "  base_tilt: {{roll: {} rad, pitch: {} rad}}\n", FormatNumber(s.plant.base_tilt.roll),
+        FormatNumber(s.plant.base_tilt.pitch));
+  }
   Put(out, "  noise: {{q: {} rad, dq: {} rad/s, tau_J: {} Nm}}\n", FormatNumber(s.plant.noise_q),
       FormatNumber(s.plant.noise_dq), FormatNumber(s.plant.noise_tau_J));
 }
@@ -230,15 +220,60 @@ void PutTick(Text& out, const Scenario& s) {
       s.tick.limiter, TextOf(s.tick.cost));
 }
 
+/// Which controller, and what it is told.
+void PutLaw(Text& out, const ControllerSection& controller, control::CommandInterface interface) {
+  if (!controller.library.empty()) Put(out, "  library: {}\n", Quoted(controller.library.string()));
+  Put(out, "  type: {}\n", Quoted(controller.type));
+  if (!controller.parameters.empty()) {
+    Put(out, "  parameters: {}\n", ParametersText(controller.parameters));
+  }
+  Put(out, "  target_noise: {} {}\n", FormatNumber(controller.target_noise),
+      BaseUnit(DimensionOf(interface)));
+}
+
 void PutController(Text& out, const Scenario& s) {
   const ControllerSection& controller = s.controller;
-  Put(out, "controller:\n  type: {}\n  rate: {} Hz\n  clock_drift: {} ppm\n  phase: {}\n",
-      Quoted(controller.type), FormatNumber(controller.rate_hz),
+  Put(out, "controller:\n");
+  if (!s.application) PutLaw(out, controller, s.motion.interface);
+  Put(out, "  rate: {} Hz\n  clock_drift: {} ppm\n  phase: {}\n", FormatNumber(controller.rate_hz),
       FormatNumber(controller.clock_drift_ppm), FormatDuration(controller.phase));
   Put(out, "  wake_delay: {}\n  cost: {}\n  feed_forward: {}\n", TextOf(controller.wake_delay),
       TextOf(controller.cost), NameOf(kFeedForwardNames, controller.feed_forward));
-  Put(out, "  target_noise: {} {}\n", FormatNumber(controller.target_noise),
-      BaseUnit(DimensionOf(s.motion.interface)));
+}
+
+void PutPoseStep(Text& out, const PoseStep& step) {
+  const auto value = [&](std::string_view key, const Vector3& v, Dimension dimension) {
+    return fmt::format("{}: {}", key, VectorText(v, dimension));
+  };
+  Put(out, "      - {{{}, {}",
+      step.position ? value("position", *step.position, Dimension::kLength)
+                    : value("by", step.by, Dimension::kLength),
+      step.rpy ? value("rpy", *step.rpy, Dimension::kAngle)
+               : value("turn", step.turn, Dimension::kAngle));
+  if (step.at) Put(out, ", at: {}", FormatDuration(*step.at));
+  Put(out, "}}\n");
+}
+
+std::string GoalText(const RandomGoal& /*goal*/) {
+  return "random";
+}
+
+std::string GoalText(const JointVector& q) {
+  return fmt::format("{{q: {}}}", JointText(q, Dimension::kAngle));
+}
+
+std::string GoalText(const FramePose& pose) {
+  return fmt::format("{{pose: {{position: {}, rpy: {}}}}}",
+                     VectorText(pose.position, Dimension::kLength),
+                     VectorText(pose.rpy, Dimension::kAngle));
+}
+
+void PutPlan(Text& out, const PlanSection& plan) {
+  Put(out, "  plan:\n    goal: {}\n",
+      std::visit([](const auto& goal) { return GoalText(goal); }, plan.goal));
+  if (plan.seed) Put(out, "    seed: {}\n", *plan.seed);
+  Put(out, "    budget: {}\n    clearance: {} m\n    stretch: {}\n", plan.budget,
+      FormatNumber(plan.clearance), FormatNumber(plan.stretch));
 }
 
 void PutMotion(Text& out, const MotionSection& motion) {
@@ -246,14 +281,24 @@ void PutMotion(Text& out, const MotionSection& motion) {
   if (motion.interface != control::CommandInterface::kTorque) {
     Put(out, "  controller: {}\n", NameOf(kControllerNames, motion.controller));
   }
-  Put(out, "  trajectory:\n    unit: rad\n");
+  const bool of_poses = !motion.poses.empty();
+  if (motion.plan) {
+    PutPlan(out, *motion.plan);
+  } else if (of_poses) {
+    Put(out, "  poses:\n    start: {}\n", JointText(motion.waypoints.front().q, Dimension::kAngle));
+  } else {
+    Put(out, "  trajectory:\n    unit: rad\n");
+  }
   if (motion.timing.duration) {
     Put(out, "    duration: {}\n", FormatDuration(*motion.timing.duration));
   }
   Put(out, "    velocity_scale: {}\n    acceleration_scale: {}\n    jerk_scale: {}\n",
       FormatNumber(motion.timing.velocity_scale), FormatNumber(motion.timing.acceleration_scale),
       FormatNumber(motion.timing.jerk_scale));
+  if (motion.plan) return;
   Put(out, "    waypoints:\n");
+  for (const PoseStep& step : motion.poses) PutPoseStep(out, step);
+  if (of_poses) return;
   for (const reference::Waypoint& point : motion.waypoints) {
     Put(out, "      - {{q: {}", List(point.q, FormatNumber));
     if (point.at) Put(out, ", at: {}", FormatDuration(*point.at));
@@ -262,19 +307,28 @@ void PutMotion(Text& out, const MotionSection& motion) {
   }
 }
 
+void PutApplication(Text& out, const ApplicationSection& application) {
+  Put(out, "application:\n  type: {}\n", Quoted(application.type));
+  if (application.parameters.empty()) return;
+  Put(out, "  parameters: {}\n", ParametersText(application.parameters));
+}
+
+template <typename Kind>
+std::string WhereAndWhenText(const Kind& what) {
+  return fmt::format(
+      "body: {}, begin: {}, {}duration: {}", Quoted(what.body), FormatDuration(what.begin),
+      what.motion ? fmt::format("motion: {}, ", *what.motion) : "", FormatDuration(what.duration));
+}
+
 void PutPerturbation(Text& out, const plant::Push& push) {
-  Put(out,
-      "  - push: {{body: {}, begin: {}, duration: {}, rise: {}, force: {}, torque: {}, "
-      "point: {}, frame: {}}}\n",
-      Quoted(push.body), FormatDuration(push.begin), FormatDuration(push.duration),
-      FormatDuration(push.rise), VectorText(push.force, Dimension::kForce),
+  Put(out, "  - push: {{{}, rise: {}, force: {}, torque: {}, point: {}, frame: {}}}\n",
+      WhereAndWhenText(push), FormatDuration(push.rise), VectorText(push.force, Dimension::kForce),
       VectorText(push.torque, Dimension::kTorque), VectorText(push.point, Dimension::kLength),
       NameOf(kForceFrameNames, push.frame));
 }
 
 void PutPerturbation(Text& out, const plant::HandSpring& spring) {
-  Put(out, "  - spring: {{body: {}, begin: {}, duration: {}, point: {}, ", Quoted(spring.body),
-      FormatDuration(spring.begin), FormatDuration(spring.duration),
+  Put(out, "  - spring: {{{}, point: {}, ", WhereAndWhenText(spring),
       VectorText(spring.point, Dimension::kLength));
   if (spring.from) Put(out, "from: {}, ", VectorText(*spring.from, Dimension::kLength));
   Put(out, "by: {}, stiffness: {} N/m, damping: {} Ns/m, largest_force: {} N}}\n",
@@ -343,12 +397,17 @@ std::string ToYaml(const Scenario& scenario) {
       Quoted(scenario.description), scenario.seed);
   Put(out, "backend: {}\ndrive: {}\nloop: {}\nscene: {}\n", Quoted(scenario.backend),
       Name(scenario.drive), NameOf(kLoopNames, scenario.loop), Quoted(scenario.scene.string()));
+  out += ObjectsText(scenario.objects);
   PutRobotAndPlant(out, scenario);
   PutLink(out, scenario);
   PutOnboard(out, scenario.onboard);
   PutTick(out, scenario);
   PutController(out, scenario);
-  PutMotion(out, scenario.motion);
+  if (scenario.application) {
+    PutApplication(out, *scenario.application);
+  } else {
+    PutMotion(out, scenario.motion);
+  }
   PutPerturbationsAndPanel(out, scenario);
   PutHand(out, scenario.hand);
   PutRender(out, scenario.render);

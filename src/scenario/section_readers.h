@@ -33,6 +33,9 @@ template <typename Enum, std::size_t N>
 /// last three zero unless given.
 [[nodiscard]] setting::Load ReadLoad(const YamlNode& node);
 
+/// {position: [x, y, z], rpy: [roll, pitch, yaw]}, each zero unless given.
+[[nodiscard]] FramePose ReadFrame(const YamlNode& node);
+
 /// Fails at the node with what is wrong with the setting, if anything is.
 void RequireValid(const YamlNode& node, const Setting& setting);
 
@@ -40,6 +43,7 @@ void ReadRobot(const YamlNode& node, Scenario& scenario);
 void ReadPlant(const YamlNode& node, PlantSection& plant);
 void ReadOnboard(const YamlNode& node, OnboardSection& onboard);
 [[nodiscard]] std::vector<plant::Perturbation> ReadPerturbations(const YamlNode& node);
+[[nodiscard]] std::vector<ObjectSection> ReadObjects(const YamlNode& node);
 [[nodiscard]] std::vector<robot::PanelEvent> ReadPanel(const YamlNode& node);
 [[nodiscard]] std::vector<HandEvent> ReadHand(const YamlNode& node);
 

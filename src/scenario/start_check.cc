@@ -136,20 +136,28 @@ CheckLine CheckPayload(const RobotState& state, const Scenario& scenario, const 
 
 CheckLine CheckStart(const RobotState& state, const Scenario& scenario, const JointVector& start) {
   const bool by_torque = scenario.motion.interface == control::CommandInterface::kTorque;
+  const bool is_planned = scenario.motion.plan.has_value();
   const JointVector& q = by_torque ? state.q : state.q_d;
   const double tolerance = by_torque ? kTorqueStartTolerance : reference::kStartTolerance;
+  const std::string_view point = is_planned ? "the plan's start" : "the first waypoint";
   const auto distance = [&](std::size_t i) { return std::abs(q[i] - start[i]); };
   const std::size_t worst = WorstJoint(distance);
   if (distance(worst) <= tolerance) {
-    return {
-        "start", true,
-        fmt::format("{:.1e} rad from the first waypoint (joint {})", distance(worst), worst + 1)};
+    return {"start", true,
+            fmt::format("{:.1e} rad from {} (joint {})", distance(worst), point, worst + 1)};
   }
+  const std::string cure =
+      is_planned
+          ? fmt::format(
+                "bring the arm within {} rad of robot.q_start: the plan then starts where "
+                "it stands",
+                kPlanStartTolerance)
+          : "bring the arm there with a motion that ends there, or let this one start where the "
+            "arm is";
   return {"start", false,
-          fmt::format("joint {} is {:.4f} rad from the first waypoint: it is at {:.4f} rad, the "
-                      "motion starts at {:.4f} rad, and {} rad are allowed; bring the arm there "
-                      "with a motion that ends there, or let this one start where the arm is",
-                      worst + 1, distance(worst), q[worst], start[worst], tolerance)};
+          fmt::format("joint {} is {:.4f} rad from {}: it is at {:.4f} rad, the motion starts at "
+                      "{:.4f} rad, and {} rad are allowed; {}",
+                      worst + 1, distance(worst), point, q[worst], start[worst], tolerance, cure)};
 }
 
 CheckLine CheckCommunication(const loop::ListenReport& heard, const loop::ListenSettings& settings,

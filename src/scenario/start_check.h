@@ -22,6 +22,10 @@ namespace twin::scenario {
 /// is stopped at low speed.
 inline constexpr double kLimitMargin = 0.02;
 
+/// How far from robot.q_start an arm may stand for which a motion is planned, rad: what people who
+/// guide it there can do. The plan starts where it stands.
+inline constexpr double kPlanStartTolerance = 0.02;
+
 /// Share of the states a loop must be able to answer. libfranka's own communication test calls a
 /// setup insufficient below it.
 inline constexpr double kLeastSuccessRate = 0.9;
@@ -33,7 +37,8 @@ inline constexpr double kLeastSuccessRate = 0.9;
 /// What the robot says it carries, against what the scenario says it was told.
 [[nodiscard]] CheckLine CheckPayload(const RobotState& state, const Scenario& scenario,
                                      const RobotData& robot);
-/// @param start  the trajectory's first point, rad.
+/// @param start  the trajectory's first point, rad; of a planned one that was not planned from
+/// where the robot stands, robot.q_start.
 [[nodiscard]] CheckLine CheckStart(const RobotState& state, const Scenario& scenario,
                                    const JointVector& start);
 [[nodiscard]] CheckLine CheckCommunication(const loop::ListenReport& heard,

@@ -29,22 +29,26 @@ void ReadTrajectoryMap(const YamlNode& node, MotionSection& motion) {
   } catch (const InputError& error) {
     unit.Fail(error.what());
   }
-  if (auto value = map.Find("duration")) {
-    motion.timing.duration = value->Time(Duration(1), kDay);
-  }
-  if (auto value = map.Find("velocity_scale")) {
-    motion.timing.velocity_scale = value->Number(1e-6, 1);
-  }
-  if (auto value = map.Find("acceleration_scale")) {
-    motion.timing.acceleration_scale = value->Number(1e-6, 1);
-  }
-  if (auto value = map.Find("jerk_scale")) motion.timing.jerk_scale = value->Number(1e-6, 1);
+  ReadTiming(map, motion.timing);
   for (const YamlNode& item : map.Require("waypoints").Items()) {
     motion.waypoints.push_back(ReadWaypoint(item, factor));
   }
 }
 
 }  // namespace
+
+void ReadTiming(const YamlMap& map, reference::Timing& timing) {
+  if (auto value = map.Find("duration")) {
+    timing.duration = value->Time(Duration(1), kDay);
+  }
+  if (auto value = map.Find("velocity_scale")) {
+    timing.velocity_scale = value->Number(1e-6, 1);
+  }
+  if (auto value = map.Find("acceleration_scale")) {
+    timing.acceleration_scale = value->Number(1e-6, 1);
+  }
+  if (auto value = map.Find("jerk_scale")) timing.jerk_scale = value->Number(1e-6, 1);
+}
 
 void ReadTrajectory(const YamlNode& node, const std::filesystem::path& folder,
                     MotionSection& motion) {

@@ -16,4 +16,15 @@ namespace twin::scenario {
 void ReadTrajectory(const YamlNode& node, const std::filesystem::path& folder,
                     MotionSection& motion);
 
+/// Reads a motion of poses: start, timing, waypoints.
+/// @throws InputError naming file, line and key.
+void ReadPoses(const YamlNode& node, MotionSection& motion);
+
+/// Reads a planned motion: goal, seed, budget, clearance, pace, stretch.
+/// @throws InputError naming file, line and key.
+void ReadPlan(const YamlNode& node, MotionSection& motion);
+
+/// Reads the keys of a motion's timing that a map has.
+void ReadTiming(const YamlMap& map, reference::Timing& timing);
+
 }  // namespace twin::scenario

@@ -5,31 +5,15 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <numeric>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/core/nearest_word.h"
 
 namespace twin::scenario {
 namespace {
-
-/// Levenshtein distance: the number of letters to insert, remove or replace.
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
 
 std::string Join(std::span<const std::string_view> words) {
   std::string text;
@@ -76,21 +60,6 @@ std::string Shown(std::string_view text) {
 }
 
 }  // namespace
-
-std::optional<std::string_view> Nearest(std::string_view word,
-                                        std::span<const std::string_view> candidates) {
-  constexpr std::size_t kLongestWord = 64;  // a longer one is no misspelling
-  std::optional<std::string_view> best;
-  if (word.size() > kLongestWord) return best;
-  std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
-  for (const std::string_view candidate : candidates) {
-    const std::size_t distance = EditDistance(word, candidate);
-    if (distance >= best_distance) continue;
-    best_distance = distance;
-    best = candidate;
-  }
-  return best;
-}
 
 std::string ReadTextFile(const std::string& path) {
   constexpr std::uintmax_t kMostBytes = 32 << 20;
@@ -145,6 +114,29 @@ void YamlNode::FailChoice(std::string_view given,
                    Join(accepted)));
 }
 
+YamlNode YamlNode::Entry(const YAML::Node& key, const YAML::Node& value) const {
+  const int line = LineOf(key, line_);
+  if (!key.IsScalar()) YamlNode(key, file_, key_, line).Fail("a key must be a plain word");
+  const std::string& name = key.Scalar();
+  return YamlNode(value, file_, key_.empty() ? name : key_ + "." + name, line);
+}
+
+std::vector<std::pair<std::string, YamlNode>> YamlNode::Entries() const {
+  if (!node_.IsMap() || node_.size() == 0) {
+    Fail(fmt::format("is {}; a map belongs here", node_.IsMap() ? "empty" : Kind(node_)));
+  }
+  std::vector<std::pair<std::string, YamlNode>> entries;
+  for (const auto& item : node_) {
+    YamlNode entry = Entry(item.first, item.second);
+    const std::string& name = item.first.Scalar();
+    for (const auto& [other, node] : entries) {
+      if (other == name) entry.Fail(fmt::format("given twice; first in line {}", node.line_));
+    }
+    entries.emplace_back(name, std::move(entry));
+  }
+  return entries;
+}
+
 YamlMap YamlNode::Map(std::initializer_list<std::string_view> allowed) const {
   if (!node_.IsMap()) {
     Fail(fmt::format("is {}; a map with the keys {} belongs here", Kind(node_),
@@ -152,15 +144,11 @@ YamlMap YamlNode::Map(std::initializer_list<std::string_view> allowed) const {
   }
   YamlMap map(*this);
   for (const auto& item : node_) {
-    const int line = LineOf(item.first, line_);
-    if (!item.first.IsScalar()) {
-      YamlNode(item.first, file_, key_, line).Fail("a key must be a plain word");
-    }
+    YamlNode entry = Entry(item.first, item.second);
     const std::string& key = item.first.Scalar();
-    YamlNode entry(item.second, file_, key_.empty() ? key : key_ + "." + key, line);
     if (std::ranges::find(allowed, key) == allowed.end()) {
       const std::span<const std::string_view> names(allowed.begin(), allowed.size());
-      YamlNode(item.second, file_, key_, line)
+      YamlNode(item.second, file_, key_, entry.line_)
           .Fail(fmt::format("unknown key \"{}\"; {}accepted: {}", Shown(key),
                             DidYouMean(key, names), Join(names)));
     }

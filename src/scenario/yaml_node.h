@@ -12,8 +12,8 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "scenario/quantity.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/quantity.h"
 
 namespace twin::scenario {
 
@@ -37,6 +37,8 @@ class YamlNode {
   /// The value as a map with exactly one of these keys. @returns the key and its value.
   [[nodiscard]] std::pair<std::string, YamlNode> OneOf(
       std::initializer_list<std::string_view> keys) const;
+  /// The value as a map of whatever keys, none of them twice, at least one.
+  [[nodiscard]] std::vector<std::pair<std::string, YamlNode>> Entries() const;
   /// The values of a sequence.
   [[nodiscard]] std::vector<YamlNode> Items() const;
 
@@ -86,6 +88,7 @@ class YamlNode {
   friend class YamlMap;
   YamlNode(const YAML::Node& node, std::shared_ptr<const std::string> file, std::string key,
            int line);
+  [[nodiscard]] YamlNode Entry(const YAML::Node& key, const YAML::Node& value) const;
   [[nodiscard]] double Factor(Dimension dimension) const;
   [[nodiscard]] const std::string& Scalar(std::string_view wanted) const;
   [[noreturn]] void FailChoice(std::string_view given,
@@ -122,9 +125,5 @@ void IfGiven(const YamlMap& map, std::string_view key, Use use) {
 /// Reads a file of at most 4 MiB. @throws InputError when it is no regular file, is larger, or
 /// cannot be read.
 [[nodiscard]] std::string ReadTextFile(const std::string& path);
-
-/// The candidate nearest to a misspelled `word`; nothing when none is near.
-[[nodiscard]] std::optional<std::string_view> Nearest(std::string_view word,
-                                                      std::span<const std::string_view> candidates);
 
 }  // namespace twin::scenario

@@ -23,7 +23,7 @@ class PlanTest : public ::testing::Test {
  protected:
   PlanTest() {
     backends_.Add("mujoco", [](const backend::Request&) { return backend::Connection(); });
-    for (const char* name : {"joint_trajectory", "joint_effort"}) {
+    for (const char* name : {"joint_trajectory", "joint_trajectory_effort"}) {
       controllers_.Add(name, [](const control::ControllerRequest&) { return nullptr; });
     }
   }
@@ -182,7 +182,7 @@ TEST_F(PlanTest, NamesTheLineOfANameThatIsUnknown) {
   EXPECT_THAT(spoiled("floor.xml", "nowhere.xml"), StartsWith("s.yaml:7: scene: "));
   EXPECT_THAT(spoiled("model: panda", "model: pandas"), StartsWith("s.yaml:9: robot.model: "));
   EXPECT_THAT(spoiled("joint_trajectory", "pid"), StartsWith("s.yaml:43: "));
-  EXPECT_THAT(spoiled("joint_trajectory", "pid"), HasSubstr("joint_effort"));
+  EXPECT_THAT(spoiled("joint_trajectory", "pid"), HasSubstr("joint_trajectory_effort"));
 }
 
 TEST_F(PlanTest, NamesNoLineForANameThatIsNotFromTheFile) {

@@ -223,41 +223,45 @@ TEST(ScenarioErrorsTest, RefusesPerturbationsThatCannotBe) {
   ExpectTouchedRefused(
       "damping: 20 Ns/m", "damping: 20 N/m",
       "s.yaml:28: perturbations[2].spring.damping: ", "\"N/m\" does not fit a damping");
+  ExpectTouchedRefused("motion: 3", "motion: 0",
+                       "s.yaml:31: perturbations[5].push.motion: ", "[1, 1000000]");
+  ExpectTouchedRefused("motion: 1}", "motion: first}",
+                       "s.yaml:32: perturbations[6].spring.motion: ", "first");
 }
 
 TEST(ScenarioErrorsTest, RefusesAPanelThatDoesNotWork) {
   ExpectTouchedRefused("at: 3.5 s", "at: 2.5 s",
-                       "s.yaml:33: panel[2].at: ", "comes before the event above it");
+                       "s.yaml:35: panel[2].at: ", "comes before the event above it");
   ExpectTouchedRefused("press_user_stop", "push_user_stop",
-                       "s.yaml:32: panel[1].action: ", "did you mean \"press_user_stop\"?");
+                       "s.yaml:34: panel[1].action: ", "did you mean \"press_user_stop\"?");
 }
 
 TEST(ScenarioErrorsTest, RefusesCommandsNoHandTakes) {
-  ExpectTouchedRefused("width: 70 mm", "width: 90 mm", "s.yaml:36: hand[2].move: ",
+  ExpectTouchedRefused("width: 70 mm", "width: 90 mm", "s.yaml:38: hand[2].move: ",
                        "width is 0.09; it must be in [0, the hand's largest opening] m");
-  ExpectTouchedRefused("speed: 0.1 m/s", "speed: 0 m/s", "s.yaml:36: hand[2].move: ",
+  ExpectTouchedRefused("speed: 0.1 m/s", "speed: 0 m/s", "s.yaml:38: hand[2].move: ",
                        "speed is 0; it must be finite and above 0 m/s");
-  ExpectTouchedRefused("force: 40 N", "force: 150 N", "s.yaml:37: hand[3].grasp: ",
+  ExpectTouchedRefused("force: 40 N", "force: 150 N", "s.yaml:39: hand[3].grasp: ",
                        "force is 150; it must be above 0 and at most 140 N");
   ExpectTouchedRefused("epsilon_inner: 2 mm", "epsilon_inner: -2 mm",
-                       "s.yaml:37: hand[3].grasp: ", "epsilon_inner is -0.002");
+                       "s.yaml:39: hand[3].grasp: ", "epsilon_inner is -0.002");
   ExpectTouchedRefused("force: 40 N", "force: 40 Nm",
-                       "s.yaml:37: hand[3].grasp.force: ", "\"Nm\" does not fit a force");
+                       "s.yaml:39: hand[3].grasp.force: ", "\"Nm\" does not fit a force");
   ExpectTouchedRefused(", force: 40 N", "",
-                       "s.yaml:37: hand[3].grasp: ", "key \"force\" is missing");
+                       "s.yaml:39: hand[3].grasp: ", "key \"force\" is missing");
 }
 
 TEST(ScenarioErrorsTest, RefusesAHandSectionThatDoesNotWork) {
   ExpectTouchedRefused("at: 30 ms", "at: 10 ms",
-                       "s.yaml:37: hand[3].at: ", "comes before the command above it");
-  ExpectTouchedRefused("stop: {}", "let_go: {}", "s.yaml:38: hand[4]", "let_go");
+                       "s.yaml:39: hand[3].at: ", "comes before the command above it");
+  ExpectTouchedRefused("stop: {}", "let_go: {}", "s.yaml:40: hand[4]", "let_go");
   ExpectTouchedRefused("stop: {}", "stop: {}, homing: {}",
-                       "s.yaml:38: hand[4]: ", "give exactly one of homing, move, grasp, stop");
+                       "s.yaml:40: hand[4]: ", "give exactly one of homing, move, grasp, stop");
   ExpectTouchedRefused(", stop: {}", "",
-                       "s.yaml:38: hand[4]: ", "give exactly one of homing, move, grasp, stop");
+                       "s.yaml:40: hand[4]: ", "give exactly one of homing, move, grasp, stop");
   for (const char* value : {"now", "{force: 3 N}", "[1]"}) {
     ExpectTouchedRefused("homing: {}", std::string("homing: ") + value,
-                         "s.yaml:35: hand[1].homing: ", "takes no values; write {}");
+                         "s.yaml:37: hand[1].homing: ", "takes no values; write {}");
   }
   ExpectTouchedRefused("robot:\n", "robot:\n  hand: none\n",
                        "s.yaml:1: ", "hand: robot.hand is none, so there is nothing to command");

@@ -143,6 +143,8 @@ perturbations:
   - spring: {body: panda_link4, begin: 2 s, duration: 1 s, point: [1 mm, 0 m, 0 m], from: [0.1 m, 0.2 m, 0.3 m], by: [0 m, 50 mm, 0 m], stiffness: 500 N/m, damping: 20 Ns/m, largest_force: 25 N}
   - push: {body: panda_link5, begin: 4 s, torque: [1 Nm, 0 Nm, 0 Nm]}
   - spring: {body: panda_hand, begin: 5 s}
+  - push: {body: panda_link6, begin: 0 s, motion: 3, force: [1 N, 0 N, 0 N]}
+  - spring: {body: panda_hand, begin: 6 s, motion: 1}
 panel:
   - {at: 3 s, action: press_user_stop}
   - {at: 3.5 s, action: release_user_stop}
@@ -151,6 +153,50 @@ hand:
   - {at: 20 ms, move: {width: 70 mm, speed: 0.1 m/s}}
   - {at: 30 ms, grasp: {width: 50 mm, speed: 20 mm/s, force: 40 N, epsilon_inner: 2 mm}}
   - {at: 40 ms, stop: {}}
+)";
+}
+
+/// A scenario of a motion of poses, by a controller of a user's library with parameters.
+inline std::string PosesText() {
+  return R"(name: poses
+controller:
+  library: build/my_law.so
+  type: my_law
+  parameters:
+    reference: hold
+    stiffness: {translation: 1000 N/m, rotation: [10 Nm/rad, 20 Nm/rad, 30 Nm/rad]}
+    q0: {unit: deg, values: [0, 0, 0, -90, 0, 107, 0]}
+    deep: {er: {still: true}}
+    none: []
+motion:
+  interface: torque
+  poses:
+    start: {unit: deg, values: [0, -45, 0, -135, 0, 90, 45]}
+    jerk_scale: 0.2
+    waypoints:
+      - {by: [0 m, 100 mm, 0 m], at: 2 s}
+      - {position: [0.4 m, 0.1 m, 0.5 m], turn: [0 deg, 0 deg, 45 deg], at: 4 s}
+      - {rpy: [180 deg, 0 deg, 0 deg], at: 5 s}
+)";
+}
+
+/// A scenario of a motion that is planned.
+inline std::string PlanText() {
+  return R"(name: plan
+scene: scenes/clutter.xml
+robot:
+  q_start: {unit: deg, values: [0, -45, 0, -135, 0, 90, 45]}
+motion:
+  interface: torque
+  plan:
+    goal: {pose: {position: [0.4 m, 0.3 m, 500 mm], rpy: [180 deg, 0 deg, 45 deg]}}
+    seed: 7
+    budget: 20000
+    clearance: 20 mm
+    stretch: 1.5
+    velocity_scale: 0.4
+    acceleration_scale: 0.15
+    jerk_scale: 0.05
 )";
 }
 

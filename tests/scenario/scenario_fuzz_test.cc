@@ -54,7 +54,8 @@ class Mutator {
 
 TEST(ScenarioFuzzTest, AnyTextIsReadOrRefusedWithOneError) {
   constexpr std::uint64_t kCases = 3000;
-  const std::string good[] = {test::FullText(), test::OtherText(), test::TouchedText()};
+  const std::string good[] = {test::FullText(), test::OtherText(), test::TouchedText(),
+                              test::PosesText()};
   std::uint64_t refused = 0;
   for (std::uint64_t i = 0; i < kCases; ++i) {
     const std::string text = Mutator(i).Apply(good[i % std::size(good)]);

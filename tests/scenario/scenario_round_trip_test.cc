@@ -123,7 +123,7 @@ TEST(ScenarioTest, ReadsWhatTheHandIsToDo) {
 
 TEST(ScenarioTest, ReadsWhatPushesAndLeadsTheRobot) {
   const Scenario s = Parse(test::TouchedText(), "s.yaml");
-  ASSERT_EQ(s.perturbations.size(), 4u);
+  ASSERT_EQ(s.perturbations.size(), 6u);
   EXPECT_EQ(s.perturbations[0],
             (plant::Perturbation(plant::Push{.body = "panda_hand",
                                              .begin = 1s,
@@ -145,6 +145,12 @@ TEST(ScenarioTest, ReadsWhatPushesAndLeadsTheRobot) {
                                                    .largest_force = 25})));
   EXPECT_EQ(s.perturbations[3],
             (plant::Perturbation(plant::HandSpring{.body = "panda_hand", .begin = 5s})));
+  EXPECT_EQ(s.perturbations[4],
+            (plant::Perturbation(
+                plant::Push{.body = "panda_link6", .motion = 3, .force = {1, 0, 0}})));
+  EXPECT_EQ(s.perturbations[5],
+            (plant::Perturbation(
+                plant::HandSpring{.body = "panda_hand", .begin = 6s, .motion = 1})));
   EXPECT_EQ(s.panel, (std::vector<robot::PanelEvent>{{3s, PanelAction::kPressUserStop},
                                                      {3500ms, PanelAction::kReleaseUserStop}}));
 }
@@ -267,7 +273,7 @@ TEST(ScenarioTest, TakesTheDefaultsThatGoWithLoopAndInterface) {
   EXPECT_EQ(with("asynchronous", "cartesian_pose").motion.controller,
             ControllerMode::kJointImpedance);
   EXPECT_EQ(with("asynchronous", "torque").tick.generator, loop::Generator::kNone);
-  EXPECT_EQ(with("asynchronous", "torque").controller.type, "joint_effort");
+  EXPECT_EQ(with("asynchronous", "torque").controller.type, "joint_trajectory_effort");
 }
 
 TEST(ScenarioTest, RemembersWhereItsNamesWereRead) {

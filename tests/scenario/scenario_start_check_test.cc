@@ -141,6 +141,17 @@ TEST(StartCheckTest, TheJointFarthestFromTheStartIsNamed) {
   EXPECT_THAT(line.text, AllOf(HasSubstr("joint 4"), HasSubstr("0.2000 rad")));
 }
 
+TEST(StartCheckTest, OfAPlannedMotionItTellsHowNearTheArmMustStand) {
+  Scenario scenario;
+  scenario.motion.plan.emplace();
+  RobotState state = Ready();
+  state.q_d[3] += 0.03;
+  const CheckLine line = CheckStart(state, scenario, kReady);
+  EXPECT_FALSE(line.ok);
+  EXPECT_THAT(line.text, AllOf(HasSubstr("0.0300 rad from the plan's start"),
+                               HasSubstr("within 0.02 rad of robot.q_start")));
+}
+
 TEST(StartCheckTest, AReferenceThatIsNoNumberIsNotTheStart) {
   RobotState state = Ready();
   state.q_d[5] = std::nan("");

@@ -11,11 +11,13 @@
 
 #include "twin/backend/registry.h"
 #include "twin/control/registry.h"
+#include "twin/core/error.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
 #include "twin/loop/realtime_drive.h"
 #include "twin/loop/run_report.h"
+#include "twin/reference/pose_trajectory.h"
 #include "twin/reference/trajectory.h"
 #include "twin/robot/robot_config.h"
 #include "twin/rt/cycle_record.h"
@@ -58,6 +60,13 @@ struct CycleCounts {
   std::uint64_t held = 0;          ///< cycles without one
   std::uint64_t dropped = 0;       ///< commands that came late, doubled or with a wrong id
   std::uint64_t longest_loss = 0;  ///< most held cycles in a row
+
+  [[nodiscard]] std::uint64_t cycles() const noexcept { return served + held; }
+  /// Share of the cycles without a command, %; 0 of none.
+  [[nodiscard]] double unserved_percent() const noexcept;
+
+  /// One cycle more. Real-time: noexcept, allocates nothing.
+  void Add(const rt::CycleRecord& record) noexcept TWIN_REALTIME;
 };
 
 /// What became of a command to the hand.
@@ -82,15 +91,32 @@ struct PoseError {
   double angle = 0;     ///< of the turn between them, rad
 };
 
+/// No way to the goal of a planned motion was found within its budget; there may be none. Exit code
+/// 1.
+class NoPlanError : public Error {
+  using Error::Error;
+};
+
+/// What planning a run's motion took, and gave.
+struct PlanReport {
+  std::uint64_t checks = 0;   ///< of configurations for collision, by the search
+  double found_length = 0;    ///< of the path as found, rad (Euclidean)
+  double path_length = 0;     ///< and after shortening
+  std::size_t waypoints = 0;  ///< of the trajectory
+  Duration duration{};        ///< of the motion
+};
+
 /// What a run came to. Everything in it repeats with the scenario, bit by bit.
 struct RunResult {
   loop::RunReport report;
-  JointVector goal{};      ///< last waypoint, rad
+  JointVector goal{};      ///< last waypoint, or where the plan ends, rad
   double final_error = 0;  ///< largest distance of a joint from it at the end, rad
-  /// Of a motion of poses: of the end effector, measured, from where the last waypoint has it.
+  /// Of a motion of poses, and of a controller that follows one: of the end effector, measured,
+  /// from where the last waypoint has it.
   std::optional<PoseError> final_pose_error;
   CycleCounts counts;
   std::optional<HandReport> hand;  ///< of a scenario with commands to it
+  std::optional<PlanReport> plan;  ///< of a planned motion
   /// Fingerprint of all states INT sent, in order: the physics, without the log's format.
   std::uint64_t states_hash = 0;
 };
@@ -100,12 +126,25 @@ struct RunResult {
 [[nodiscard]] robot::RobotConfig MakeRobotConfig(const Scenario& scenario, const RobotData& robot,
                                                  const RunFiles& files);
 
-/// The scenario's trajectory, checked against the robot's limits. @throws InputError as Trajectory.
+/// The same of a twin that is served, with the data of its robot: the wire itself delays and
+/// reorders, so that of the link only the losses and d_INT are left.
+/// @throws InputError also as LoadRobotData.
+[[nodiscard]] robot::RobotConfig MakeServedConfig(const Scenario& scenario, const RunFiles& files);
+
+/// The scenario's trajectory, checked against the robot's limits; of a motion of poses, the arm at
+/// rest where it begins for as long as they take. @throws InputError as Trajectory and
+/// PoseTrajectory, and for a motion that is planned: that takes a Run.
 [[nodiscard]] reference::Trajectory MakeTrajectory(const Scenario& scenario,
                                                    const RobotData& robot);
 
+/// The path of a motion of poses, checked against the robot's limits; nothing for others.
+/// @throws InputError as PoseTrajectory.
+[[nodiscard]] std::optional<reference::PoseTrajectory> MakePoses(const Scenario& scenario,
+                                                                 const RobotData& robot);
+
 /// Checks all of a scenario short of compiling the robot's model and running it: names, robot,
-/// trajectory, start, tick, controller, scene file.
+/// trajectory, start, tick, scene file. A motion that is to be planned is planned, on a model
+/// compiled for that.
 /// @throws InputError as Run does.
 void Check(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files);
 
@@ -127,8 +166,9 @@ class Run {
   /// lockstep all come from the calling thread; in real time cycles from the robot's thread and
   /// ticks from the communication's.
   /// @throws InputError for an unknown backend, controller or robot, a trajectory that breaks a
-  /// limit, and what the backend's factory finds wrong; EnvironmentError and RobotFault from the
-  /// latter.
+  /// limit, a plan whose start or goal touches something (which) or whose goal is out of reach, and
+  /// what the backend's factory finds wrong; EnvironmentError and RobotFault from the latter;
+  /// NoPlanError when no plan was found within its budget.
   Run(const Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
       rt::RecordSink* sink, const RealtimeSettings& settings = {});
   ~Run();
@@ -138,6 +178,8 @@ class Run {
   [[nodiscard]] const backend::Connection& connection() const noexcept;
   [[nodiscard]] const reference::Trajectory& trajectory() const noexcept;
   [[nodiscard]] const RobotData& robot() const noexcept;
+  /// How long the planner took, on the wall clock; nothing when nothing was planned.
+  [[nodiscard]] std::optional<Duration> planning_time() const noexcept;
 
   /// Drive remote, before Execute(): sends the robot the scenario's settings (section int) and
   /// looks whether it, the way to it and this host are ready for a motion. Nothing of it moves the

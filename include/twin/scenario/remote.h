@@ -23,6 +23,9 @@ struct RemoteSettings {
   backend::RobotTime time = backend::RobotTime::kWall;
   fci::Capture* capture =
       nullptr;  ///< keeps what goes over the wire, and outlives the run; or null
+  /// Run::CheckStart() must have found all well. False: a twin that this process serves itself, as
+  /// the scenario has it; nobody stands beside it.
+  bool checks_start = true;
 };
 
 /// @param robot  "HOST" or "HOST:PORT", PORT in [1, 65534]: the hand's is the next one.
@@ -33,8 +36,11 @@ struct RemoteSettings {
 /// only (plant, link, scene, pushes, buttons, computation times), and what a robot cannot be told.
 [[nodiscard]] std::vector<std::string> WithoutEffectThere(const Scenario& scenario);
 
+/// What is served when nothing else is said: the ready pose, nothing around it.
+[[nodiscard]] Scenario DefaultServed();
+
 /// Makes the scenario's motion slower: every time of its trajectory, and of the hand's commands
-/// beside it, is divided by `share`; the path stays.
+/// beside it, is divided by `share`; the path stays. A planned one's stretch is.
 /// @param share  in [0.001, 1]. @throws InputError when it is not; as MakeTrajectory.
 void SlowDown(Scenario& scenario, const RobotData& robot, double share);
 

@@ -6,9 +6,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "twin/control/controller.h"
+#include "twin/control/parameters.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/modes.h"
@@ -16,13 +18,16 @@
 #include "twin/core/time.h"
 #include "twin/loop/loop_config.h"
 #include "twin/onboard/int_config.h"
+#include "twin/planning/planner.h"
 #include "twin/plant/mujoco_plant.h"
 #include "twin/plant/perturbation.h"
 #include "twin/reference/feed_forward.h"
 #include "twin/reference/trajectory.h"
 #include "twin/robot/robot_config.h"
 #include "twin/scenario/delay.h"
+#include "twin/scenario/frame_pose.h"
 #include "twin/scenario/loss.h"
+#include "twin/scenario/objects.h"
 
 namespace twin::scenario {
 
@@ -41,7 +46,7 @@ enum class Drive : std::uint8_t {
 struct RobotSection {
   std::string model = "panda";  ///< folder below models/robots
   plant::HandKind hand = plant::HandKind::kFrankaHand;
-  std::optional<JointVector> q_start;  ///< rad; absent: the first waypoint
+  std::optional<JointVector> q_start;  ///< rad; absent: the first waypoint; a plan needs it
   double clock_drift_ppm = 0;          ///< of INT's clock against the run's, in [-1000, 1000]
   setting::Load load;  ///< really there; what INT is told of is the onboard section's
   bool operator==(const RobotSection&) const = default;
@@ -52,9 +57,11 @@ struct PlantSection {
   plant::FrictionProfile friction = plant::FrictionProfile::kResidual;
   bool armature = true;
   plant::ElasticityProfile elasticity = plant::ElasticityProfile::kRigid;
-  double noise_q = 0;      ///< rad, standard deviation, >= 0
-  double noise_dq = 0;     ///< rad/s
-  double noise_tau_J = 0;  ///< Nm
+  double mass_scale = 1;  ///< of every link of arm and hand, in [0.5, 2]; not of the ideal plant
+  plant::BaseTilt base_tilt;  ///< as plant::MujocoPlantOptions::base_tilt; not of the ideal plant
+  double noise_q = 0;         ///< rad, standard deviation, >= 0
+  double noise_dq = 0;        ///< rad/s
+  double noise_tau_J = 0;     ///< Nm
   bool operator==(const PlantSection&) const = default;
 };
 
@@ -85,15 +92,6 @@ struct LinkSection {
   DirectionSection command;  ///< workstation to robot
   Duration d_INT = robot::LinkConfig().d_INT;
   bool operator==(const LinkSection&) const = default;
-};
-
-/// A frame in another one.
-struct FramePose {
-  Vector3 position{};  ///< m
-  Vector3 rpy{};       ///< roll, pitch, yaw about the fixed axes x, y, z, rad: R = Rz Ry Rx
-
-  [[nodiscard]] Transform Matrix() const noexcept;
-  bool operator==(const FramePose&) const = default;
 };
 
 /// Thresholds that nothing reaches: neither contacts nor collisions are told.
@@ -130,12 +128,15 @@ struct TickSection {
 };
 
 struct ControllerSection {
-  /// Name in the controller registry. Not said in a scenario: joint_effort on the torque interface,
-  /// joint_trajectory on the others.
+  /// A user's shared library that has the controller, absolute; empty: it is one of the program's.
+  std::filesystem::path library;
+  /// Name in the controller registry, or of the library's. Not said in a scenario:
+  /// joint_trajectory_effort on the torque interface, joint_trajectory on the others.
   std::string type = "joint_trajectory";
-  double rate_hz = 1000;       ///< in [1, 1000]
-  double clock_drift_ppm = 0;  ///< in [-1000, 1000]
-  Duration phase{};            ///< >= 0
+  control::Parameters parameters;  ///< of the controller, understood by it alone
+  double rate_hz = 1000;           ///< in [1, 1000]
+  double clock_drift_ppm = 0;      ///< in [-1000, 1000]
+  Duration phase{};                ///< >= 0
   Delay wake_delay;
   Delay cost;
   reference::FeedForwardTime feed_forward = reference::FeedForwardTime::kSource;
@@ -144,14 +145,56 @@ struct ControllerSection {
   bool operator==(const ControllerSection&) const = default;
 };
 
+/// One pose of a motion of poses, absolute or against the pose before it.
+struct PoseStep {
+  std::optional<Vector3> position;  ///< of EE in the base, m; absent: the last one's, plus `by`
+  std::optional<Vector3> rpy;       ///< as FramePose::rpy, rad; absent: the last one's, turned
+  Vector3 by{};                     ///< base axes, m
+  Vector3 turn{};                   ///< as FramePose::rpy, about the base's axes, rad
+  std::optional<Duration> at;       ///< since the motion began
+  std::string where;                ///< where it was read; no part of the comparison
+  bool operator==(const PoseStep& other) const;
+};
+
+/// Anywhere that is free of collision, drawn from the joint limits, not near the start.
+struct RandomGoal {
+  bool operator==(const RandomGoal&) const = default;
+};
+
+/// A motion that is planned when the run is made ready: from robot.q_start around the scene. The
+/// bodies of the scene are taken to stay where it puts them, the hand to stay open.
+struct PlanSection {
+  /// A FramePose: of EE in the base. A JointVector: rad.
+  std::variant<RandomGoal, JointVector, FramePose> goal;
+  std::optional<std::uint64_t> seed;  ///< of goal and search; absent: the scenario's
+  std::uint64_t budget = planning::PlannerOptions().most_checks;  ///< collision checks
+  double clearance = planning::PlannerOptions().clearance;        ///< m, in [0.001, 0.1]
+  double stretch = 1;  ///< the motion takes this many times as long as planned, in [1, 1000]
+  std::string where;   ///< where it was read; no part of the comparison
+  bool operator==(const PlanSection& other) const;
+};
+
 struct MotionSection {
   control::CommandInterface interface = control::CommandInterface::kJointPosition;
   /// INT's own, kJointImpedance or kCartesianImpedance; of no meaning on the torque interface.
   ControllerMode controller = ControllerMode::kJointImpedance;
-  std::vector<reference::Waypoint> waypoints;  ///< at least two
-  reference::Timing timing;                    ///< used when the waypoints carry no times
+  /// At least two; of a motion of poses one: where the arm begins; of a planned one none.
+  std::vector<reference::Waypoint> waypoints;
+  /// A motion of poses: those after the first, which is the arm's where it begins. Else empty.
+  std::vector<PoseStep> poses;
+  std::optional<PlanSection> plan;  ///< of a planned motion, which has no waypoints or poses
+  /// Used when the waypoints or poses carry no times, and for what is planned.
+  reference::Timing timing;
   /// Where the waypoints were read is no part of the comparison.
   bool operator==(const MotionSection& other) const;
+};
+
+/// What moves the robot in place of one motion: an application, which makes its motions itself, one
+/// after the other (application/application.h).
+struct ApplicationSection {
+  std::string type;                ///< name in the application registry
+  control::Parameters parameters;  ///< understood by it alone
+  bool operator==(const ApplicationSection&) const = default;
 };
 
 /// A command to the hand, at a time of the run.
@@ -187,6 +230,8 @@ struct Places {
   Place scene;
   Place robot;
   Place controller;
+  Place library;
+  Place application;
   bool operator==(const Places& /*other*/) const { return true; }
 };
 
@@ -201,13 +246,16 @@ struct Scenario {
   loop::LoopKind loop = loop::LoopKind::kAsynchronous;
   std::filesystem::path
       scene;  ///< MJCF of the world, in the models folder or absolute; may be empty
+  std::vector<ObjectSection> objects;  ///< beside what the scene holds
   RobotSection robot;
   PlantSection plant;
   LinkSection link;
   OnboardSection onboard;
   TickSection tick;
+  /// Beside an application: rate, clock, delay and cost of whatever controllers it uses.
   ControllerSection controller;
-  MotionSection motion;
+  MotionSection motion;  ///< empty beside an application
+  std::optional<ApplicationSection> application;
   std::vector<plant::Perturbation> perturbations;  ///< none on the ideal plant, which feels nothing
   std::vector<robot::PanelEvent> panel;            ///< in order of time
   std::vector<HandEvent> hand;                     ///< in order of time; none without a hand

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string_view>
+
+#include "scenario/cycle_summary.h"
+#include "scenario/drive_setting.h"
+#include "scenario/plan.h"
+#include "scenario/prepared_motion.h"
+#include "twin/scenario/assembly.h"
+#include "twin/scenario/session.h"
+
+namespace twin::scenario {
+
+/// What sessions and runs have in common: the robot on its drive, and motions one after the other.
+///
+/// Threads: one thread.
+class SessionCore {
+ public:
+  /// Connects. @param scenario  has been planned: MakePlan or MakeRobotPlan. @throws as the
+  /// backend's factory.
+  SessionCore(const Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
+              rt::RecordSink* sink, const RealtimeSettings& settings);
+
+  [[nodiscard]] const Scenario& scenario() const noexcept { return scenario_; }
+  [[nodiscard]] const RobotData& robot() const noexcept { return robot_.robot; }
+  [[nodiscard]] DriveSetting& setting() const noexcept { return *setting_; }
+  [[nodiscard]] const backend::Connection& connection() const noexcept {
+    return setting_->connection();
+  }
+  /// @throws InputError when there is no hand.
+  [[nodiscard]] backend::Hand& RequireHand() const;
+
+  /// As Session's.
+  void Begin(const RunHooks& hooks);
+  /// @param attend  as loop::MotionRun's; may be empty.
+  [[nodiscard]] MotionResult Move(PreparedMotion& motion, std::function<Time(Time)> attend);
+  SessionResult End();
+
+  [[nodiscard]] bool interrupted() const noexcept {
+    return hooks_.interrupted != nullptr && *hooks_.interrupted;
+  }
+  void Tell(std::string_view kind, std::string_view text) const {
+    if (hooks_.event) hooks_.event(setting_->Now(), kind, text);
+  }
+  /// Until a state came. @throws RobotFault as DriveSetting::PassUntil.
+  [[nodiscard]] RobotState NextState();
+
+ private:
+  [[nodiscard]] std::uint64_t SeedOf(std::uint64_t motion) const noexcept;
+
+  const Scenario scenario_;
+  const RobotPlan robot_;
+  RunHooks hooks_;
+  std::uint64_t motions_ = 0;  ///< begun
+  CycleSummary summary_;
+  std::unique_ptr<DriveSetting> setting_;
+};
+
+}  // namespace twin::scenario

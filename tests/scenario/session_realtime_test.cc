@@ -1,0 +1,92 @@
+// Sessions whose time is not virtual: in this process on the wall clock, and over the wire.
+
+#include <chrono>
+#include <memory>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "scenario/session_fixture.h"
+#include "support/undisturbed.h"
+
+namespace twin::scenario {
+namespace {
+
+enum class Place : std::uint8_t { kInProcess, kServedOnTheWallClock, kServedInLockstep };
+
+class SessionRealtimeTest : public test::SessionFixture,
+                            public ::testing::WithParamInterface<Place> {
+ protected:
+  /// A scenario of moderate speed: states out of time must break no limit.
+  [[nodiscard]] static Scenario Slow() {
+    Scenario scenario = test::Standing();
+    scenario.link = LinkSection();
+    scenario.link.d_INT = Duration::zero();
+    scenario.motion.timing.velocity_scale = 0.05;
+    scenario.motion.timing.acceleration_scale = 0.02;
+    scenario.motion.timing.jerk_scale = 0.02;
+    return scenario;
+  }
+
+  /// One attempt: a robot, a session on it, and what is done there.
+  template <typename Do>
+  void Attempt(Do act) {
+    Scenario scenario = Slow();
+    RealtimeSettings settings;
+    std::unique_ptr<server::ServedRobot> served;
+    if (GetParam() == Place::kInProcess) {
+      scenario.drive = Drive::kRealtime;
+    } else {
+      const auto time = GetParam() == Place::kServedInLockstep ? backend::RobotTime::kStates
+                                                               : backend::RobotTime::kWall;
+      served = Serve(scenario, time);
+      scenario.backend = "fci";
+      scenario.drive = Drive::kRemote;
+      settings.remote = {
+          .host = "127.0.0.1", .arm_port = served->arm().port, .time = time, .checks_start = false};
+    }
+    disturbances_ = 0;
+    const auto session = Open(scenario, nullptr, settings);
+    session->Begin();
+    act(*session, scenario);
+    static_cast<void>(session->End());
+  }
+
+  /// Whether the machine disturbed the last attempt. A twin in lockstep waits for it.
+  [[nodiscard]] bool Spoilt() const {
+    return GetParam() != Place::kServedInLockstep && disturbances_ > 0;
+  }
+};
+
+TEST_P(SessionRealtimeTest, RunsAMotionAHandCommandAndAMotionFromThere) {
+  test::Undisturbed(
+      [&] {
+        Attempt(
+            [&](Session& session, const Scenario& scenario) { GoThereAndBack(session, scenario); });
+      },
+      [&] { return Spoilt(); }, 5);
+}
+
+TEST_P(SessionRealtimeTest, GoesOnAfterAReflexOnceRecovered) {
+  test::Undisturbed(
+      [&] {
+        Attempt(
+            [&](Session& session, const Scenario& scenario) { FailAndRecover(session, scenario); });
+      },
+      [&] { return Spoilt(); }, 5);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SessionRealtimeTest,
+                         ::testing::Values(Place::kInProcess, Place::kServedOnTheWallClock,
+                                           Place::kServedInLockstep),
+                         [](const auto& place) {
+                           switch (place.param) {
+                             case Place::kInProcess: return "InProcess";
+                             case Place::kServedOnTheWallClock: return "ServedOnTheWallClock";
+                             case Place::kServedInLockstep: return "ServedInLockstep";
+                           }
+                           return "";
+                         });
+
+}  // namespace
+}  // namespace twin::scenario
