@@ -3,6 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
 #include "twin/report/chart.h"
 #include "twin/scenario/fingerprint.h"
 #include "twin/scenario/scenario.h"
@@ -27,9 +30,9 @@ class ByteHash {
 
 const std::array<CalibratedLoop, 3>& CalibratedLoops() noexcept {
   static constexpr std::array<CalibratedLoop, 3> kLoops{{
-      {"LF", "bare", report::colour::kBare},
-      {"RS", "synchronous", report::colour::kSynchronous},
-      {"RA", "asynchronous", report::colour::kAsynchronous},
+      {"LF", "bare", loop::LoopKind::kBare, report::colour::kBare},
+      {"RS", "synchronous", loop::LoopKind::kSynchronous, report::colour::kSynchronous},
+      {"RA", "asynchronous", loop::LoopKind::kAsynchronous, report::colour::kAsynchronous},
   }};
   return kLoops;
 }
@@ -39,7 +42,13 @@ Calibration ReadCalibration(const std::filesystem::path& scenarios) {
   ByteHash hash;
   for (std::size_t i = 0; i < calibration.yaml.size(); ++i) {
     const auto file = std::string(CalibratedLoops()[i].file) + ".yaml";
-    calibration.yaml[i] = scenario::ToYaml(scenario::Load(scenarios / file));
+    const scenario::Scenario loop = scenario::Load(scenarios / file);
+    if (loop.loop != CalibratedLoops()[i].kind) {
+      throw InputError(fmt::format("{}: its loop must be {}; the file stands for {}",
+                                   (scenarios / file).string(), CalibratedLoops()[i].file,
+                                   CalibratedLoops()[i].name));
+    }
+    calibration.yaml[i] = scenario::ToYaml(loop);
     hash.Add(calibration.yaml[i]);
   }
   calibration.hash = scenario::FormatHash(hash.value());

@@ -14,12 +14,13 @@ namespace {
 
 // In the order of the paper.
 constexpr std::array kExperiments{
-    Experiment{"timings", "Loop timings (Table 1)", &RunTimings},
-    Experiment{"jitter", "Sampling jitter", &RunJitter},
+    Experiment{"timings", "Loop timings (Table 1)", &RunTimings, &RunTimingsOnWallClock},
+    Experiment{"jitter", "Sampling jitter", &RunJitter, &RunJitterOnWallClock},
     Experiment{"noise", "Noise on the commanded positions", &RunNoise},
     Experiment{"feed_forward", "The feed-forward of the reference generator", &RunFeedForwardStudy},
-    Experiment{"tracking", "Position control: velocity and its spectrum", &RunTracking},
-    Experiment{"rate_matching", "Rate matching", &RunRateMatching},
+    Experiment{"tracking", "Position control: velocity and its spectrum", &RunTracking,
+               &RunTrackingOnWallClock},
+    Experiment{"rate_matching", "Rate matching", &RunRateMatching, &RunRateMatchingOnWallClock},
     Experiment{"lambda", "The correction lambda of the reference generator", &RunLambda},
 };
 

@@ -170,26 +170,20 @@ double NominalAgainstRaw(const StreamSetting& streams, std::uint64_t seed) {
 /// Share of runs that abort through the whole stack, in the calibrated asynchronous loop.
 double AbortsThroughStack(const Setting& setting, reference::FeedForwardTime time) {
   const int runs = std::min(setting.seeds, 4);
-  std::vector<int> aborted(static_cast<std::size_t>(runs));
-  InParallel(
+  const int aborted = CountFailures(
       setting, runs,
-      [&](int run) {
-        scenario::Scenario scenario = LoadScenario(setting, "asynchronous");
-        scenario.seed = SeedOfRun(setting, run);
+      [&](scenario::Scenario& scenario) {
         scenario.tick.limiter = false;
         scenario.controller.feed_forward = time;
-        const scenario::RunResult result = RunScenario(setting, scenario, nullptr);
-        aborted[static_cast<std::size_t>(run)] = result.report.succeeded() ? 0 : 1;
       },
       0.9, 1);
-  return static_cast<double>(std::ranges::count(aborted, 1)) / runs;
+  return static_cast<double>(aborted) / runs;
 }
 
 void Compare(const Table& jittered, const Table& exact, double nominal, Findings& findings) {
   const auto add = [&](std::string quantity, std::string unit, double ours, std::string demand,
                        bool met) {
-    const Verdict verdict =
-        demand.empty() ? Verdict::kReported : (met ? Verdict::kMet : Verdict::kMissed);
+    const Verdict verdict = demand.empty() ? Verdict::kReported : Judge(met);
     findings.comparisons.push_back({.quantity = std::move(quantity),
                                     .unit = std::move(unit),
                                     .ours = ours,

@@ -23,9 +23,9 @@ constexpr double kPpm = 50;
 constexpr int kRunsForEverySeed = 5;  // 100 runs with the usual 20 seeds
 
 /// Ours beside the paper's, with what must hold.
-Comparison Judge(Comparison comparison, std::string demand, bool met) {
+Comparison Demanded(Comparison comparison, std::string demand, bool met) {
   comparison.demand = std::move(demand);
-  comparison.verdict = met ? Verdict::kMet : Verdict::kMissed;
+  comparison.verdict = Judge(met);
   return comparison;
 }
 
@@ -44,15 +44,15 @@ double JerkOfOneSample(double speed, double displacement_s) {
 
 void CompareFormula(const JitterJerk& jerk, const std::string& interface, Findings& findings) {
   findings.comparisons.push_back(
-      Judge({.quantity = interface + ": RMS of the jerk of jitter, reconstructed / formula",
-             .paper = 1,
-             .ours = jerk.ratio},
-            "within 1 % of 1", std::abs(jerk.ratio - 1) <= 0.01));
+      Demanded({.quantity = interface + ": RMS of the jerk of jitter, reconstructed / formula",
+                .paper = 1,
+                .ours = jerk.ratio},
+               "within 1 % of 1", std::abs(jerk.ratio - 1) <= 0.01));
   findings.comparisons.push_back(
-      Judge({.quantity = interface + ": RMS of reconstructed - formula, of the formula's",
-             .unit = "%",
-             .ours = jerk.residual * 100},
-            "at most 1 %", jerk.residual <= 0.01));
+      Demanded({.quantity = interface + ": RMS of reconstructed - formula, of the formula's",
+                .unit = "%",
+                .ours = jerk.residual * 100},
+               "at most 1 %", jerk.residual <= 0.01));
 }
 
 /// What came of the canonical trajectory behind a remedy.
@@ -84,12 +84,9 @@ CanonicalRuns RunCanonical(const Setting& setting, const StreamSetting& streams,
 
 /// The same through the whole stack in lockstep. @returns how many of the runs aborted.
 int AbortsThroughStack(const Setting& setting, loop::Generator generator, int runs) {
-  std::vector<int> aborted(static_cast<std::size_t>(runs));
-  InParallel(
+  return CountFailures(
       setting, runs,
-      [&](int run) {
-        scenario::Scenario scenario = LoadScenario(setting, "asynchronous");
-        scenario.seed = SeedOfRun(setting, run);
+      [&](scenario::Scenario& scenario) {
         scenario.link.state = {};
         scenario.link.command = {};
         scenario.link.state.delay.law = rt::ConstantDelay{microseconds(80)};
@@ -97,46 +94,43 @@ int AbortsThroughStack(const Setting& setting, loop::Generator generator, int ru
         scenario.controller.wake_delay.law = rt::NormalDelay{microseconds(20), microseconds(4)};
         scenario.tick.limiter = false;
         scenario.tick.generator = generator;
-        const scenario::RunResult result = RunScenario(setting, scenario, nullptr);
-        aborted[static_cast<std::size_t>(run)] = result.report.succeeded() ? 0 : 1;
       },
       0.2, 0.3);
-  return static_cast<int>(std::ranges::count(aborted, 1));
 }
 
 void CompareCanonical(const Setting& setting, const StreamSetting& streams, Findings& findings) {
   const int runs = kRunsForEverySeed * setting.seeds;
   const std::string of = fmt::format("{} runs of the canonical trajectory, 4 us: ", runs);
   const CanonicalRuns raw = RunCanonical(setting, streams, Remedy::kNone, runs, true);
-  findings.comparisons.push_back(Judge({.quantity = of + "raw stream aborts",
-                                        .unit = "%",
-                                        .paper = 100,
-                                        .ours = 100.0 * raw.aborted / runs},
-                                       "all of them", raw.aborted == runs));
+  findings.comparisons.push_back(Demanded({.quantity = of + "raw stream aborts",
+                                           .unit = "%",
+                                           .paper = 100,
+                                           .ours = 100.0 * raw.aborted / runs},
+                                          "all of them", raw.aborted == runs));
   const CanonicalRuns generator = RunCanonical(setting, streams, Remedy::kGenerator, runs, false);
-  findings.comparisons.push_back(Judge({.quantity = of + "reference generator aborts",
-                                        .unit = "%",
-                                        .paper = 0,
-                                        .ours = 100.0 * generator.aborted / runs},
-                                       "none", generator.aborted == 0));
+  findings.comparisons.push_back(Demanded({.quantity = of + "reference generator aborts",
+                                           .unit = "%",
+                                           .paper = 0,
+                                           .ours = 100.0 * generator.aborted / runs},
+                                          "none", generator.aborted == 0));
   findings.comparisons.push_back({.quantity = of + "largest jerk / limit, reference generator",
                                   .ours = generator.largest_jerk});
   const int whole = std::min(setting.seeds, 4);
   const int raw_aborts = AbortsThroughStack(setting, loop::Generator::kNone, whole);
   const int aborts = AbortsThroughStack(setting, loop::Generator::kJoint, whole);
+  findings.comparisons.push_back(Demanded(
+      {.quantity =
+           fmt::format("the same through the whole stack, {} runs: raw stream aborts", whole),
+       .unit = "%",
+       .paper = 100,
+       .ours = 100.0 * raw_aborts / whole},
+      "all of them", raw_aborts == whole));
   findings.comparisons.push_back(
-      Judge({.quantity =
-                 fmt::format("the same through the whole stack, {} runs: raw stream aborts", whole),
-             .unit = "%",
-             .paper = 100,
-             .ours = 100.0 * raw_aborts / whole},
-            "all of them", raw_aborts == whole));
-  findings.comparisons.push_back(
-      Judge({.quantity = fmt::format("the same, {} runs: reference generator aborts", whole),
-             .unit = "%",
-             .paper = 0,
-             .ours = 100.0 * aborts / whole},
-            "none", aborts == 0));
+      Demanded({.quantity = fmt::format("the same, {} runs: reference generator aborts", whole),
+                .unit = "%",
+                .paper = 0,
+                .ours = 100.0 * aborts / whole},
+               "none", aborts == 0));
 }
 
 /// How much each remedy leaves of the jerk of jitter, without a crossing of the clocks.
@@ -206,8 +200,9 @@ Findings RunJitter(const Setting& setting) {
                                   .unit = "rad/s^3",
                                   .paper = 1.2e4,
                                   .ours = JerkOfOneSample(1, kJitter)});
-  findings.comparisons.back() = Judge(findings.comparisons.back(), "within 1 % of the paper's",
-                                      std::abs(*findings.comparisons.back().ratio() - 1) <= 0.01);
+  findings.comparisons.back() =
+      Demanded(findings.comparisons.back(), "within 1 % of the paper's",
+               std::abs(*findings.comparisons.back().ratio() - 1) <= 0.01);
   const JitterJerk position = JerkOfJitter(streams.canonical, limits,
                                            CommandInterface::kJointPosition, kJitter, setting.seed);
   const JitterJerk velocity = JerkOfJitter(streams.canonical, limits,

@@ -8,5 +8,7 @@ namespace twin::experiment {
 /// the paper's formulas, how often it aborts behind each remedy, and where the reference
 /// generator's promise ends.
 [[nodiscard]] Findings RunJitter(const Setting& setting);
+/// As Experiment::run_on_wall_clock: raw stream and reference generator at this machine's jitter.
+[[nodiscard]] Findings RunJitterOnWallClock(const Setting& setting);
 
 }  // namespace twin::experiment

@@ -220,12 +220,14 @@ Figure DrawAbortMap(const AbortMap& map, const JointLimits& limits) {
     line.x.push_back(limits.dddq_max[0] * kT * kT * kT / std::sqrt(20.0) / speed * 1e6);
     line.y.push_back(speed);
   }
-  Figure figure{.id = "map",
-                .title = "Aborts against jitter and speed",
-                .what =
-                    "A raw stream aborts from a microsecond of jitter on; what remains with the "
-                    "reference generator are deposits consumed twice at high acceleration.",
-                .columns = "jitter [us],peak speed [rad/s]"};
+  Figure figure{
+      .id = "map",
+      .title = "Aborts against jitter and speed",
+      .what =
+          "A raw stream aborts the earlier the faster it moves, as the line has it; what remains "
+          "with the reference generator, deposits consumed twice and the jitter's own "
+          "error, comes with tenfold jitter.",
+      .columns = "jitter [us],peak speed [rad/s]"};
   for (std::size_t way = 0; way < kRemedyNames.size(); ++way) {
     const std::string name(kRemedyNames[way]);
     figure.columns += "," + name;

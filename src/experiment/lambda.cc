@@ -248,10 +248,6 @@ bool RunPoses(const Setting& setting) {
   return RunScenario(setting, scenario, nullptr).report.succeeded();
 }
 
-Verdict Judge(bool met) {
-  return met ? Verdict::kMet : Verdict::kMissed;
-}
-
 void Compare(const std::vector<Convergence>& all, const std::vector<Stall>& stalls, double limit,
              bool poses_end_well, std::vector<Comparison>& out) {
   double joint = 0;

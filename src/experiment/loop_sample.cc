@@ -17,6 +17,11 @@ namespace {
 /// Reads the times off the ticks.
 class TickTimes final : public rt::RecordSink {
  public:
+  TickTimes() {
+    // On the wall clock nothing is allocated while a run goes on: half a minute fits.
+    sample.interval_us.reserve(kTicks);
+    sample.d_EXT_us.reserve(kTicks);
+  }
   void Put(const rt::CycleRecord& /*record*/) noexcept override {}
   void Put(const rt::TickRecord& record) noexcept override {
     if (last_read_) sample.interval_us.push_back(1e6 * ToSeconds(record.read - *last_read_));
@@ -29,6 +34,8 @@ class TickTimes final : public rt::RecordSink {
   LoopSample sample;
 
  private:
+  static constexpr std::size_t kTicks = 32768;
+
   std::optional<Time> last_read_;
 };
 
@@ -44,10 +51,14 @@ LoopSample SampleLoop(const Setting& setting, const scenario::Scenario& scenario
   LoopSample& sample = times.sample;
   std::ranges::sort(sample.d_EXT_us);
   const auto& counts = result.counts;
-  const auto cycles = static_cast<double>(counts.served + counts.held);
-  sample.unserved_percent = cycles > 0 ? 100 * static_cast<double>(counts.held) / cycles : 0;
+  sample.cycles = counts.cycles();
+  sample.unserved_percent = counts.unserved_percent();
   sample.longest_loss = counts.longest_loss;
   sample.succeeded = result.report.succeeded();
+  sample.failure = result.report.failure;
+  const backend::RobotTimings& robot = result.report.robot_timings;
+  sample.robot_late_p99_us = 1e6 * ToSeconds(robot.lateness.Percentile(0.99));
+  sample.robot_overruns = robot.overruns;
   return std::move(sample);
 }
 
@@ -76,6 +87,25 @@ std::vector<double> Histogram(std::span<const double> values, std::span<const do
     for (double& share : shares) share /= static_cast<double>(values.size());
   }
   return shares;
+}
+
+std::vector<double> Exceedance(std::vector<double> values, std::span<const double> edges) {
+  std::ranges::sort(values);
+  std::vector<double> shares;
+  for (const double edge : edges) {
+    const auto above = values.end() - std::ranges::upper_bound(values, edge);
+    shares.push_back(
+        values.empty() ? 0 : static_cast<double>(above) / static_cast<double>(values.size()));
+  }
+  return shares;
+}
+
+std::vector<double> LogEdges(double from, double to, int per_decade) {
+  std::vector<double> edges;
+  for (int i = 0; edges.empty() || edges.back() < to; ++i) {
+    edges.push_back(from * std::pow(10, static_cast<double>(i) / per_decade));
+  }
+  return edges;
 }
 
 scenario::Delay Scaled(const scenario::Delay& delay, double factor) {

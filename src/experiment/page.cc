@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -103,16 +105,16 @@ std::string Lines(std::string_view text) {
   return html;
 }
 
+constexpr std::string_view kTitle = "The paper beside its digital twin";
+
 std::string FactsHtml(const PageFacts& facts) {
-  std::string html = fmt::format(
-      "<h2>How this was made</h2>\n<table>\n"
-      "<tr><td>seed of everything</td><td class=\"word\">{}</td></tr>\n"
-      "<tr><td>runs of what is averaged</td><td class=\"word\">{}</td></tr>\n"
-      "<tr><td>calibration</td><td class=\"word\">{}</td></tr>\n"
-      "<tr><td>panda-twin</td><td class=\"word\">{}</td></tr>\n</table>\n",
-      facts.seed, facts.seeds,
-      facts.calibration.empty() ? "could not be read" : Escape(facts.calibration),
-      Escape(facts.version));
+  std::vector<std::pair<std::string, std::string>> lines{
+      {"seed of everything", fmt::format("{}", facts.seed)},
+      {"runs of what is averaged", fmt::format("{}", facts.seeds)},
+      {"calibration", facts.calibration.empty() ? "could not be read" : facts.calibration},
+      {"panda-twin", facts.version}};
+  if (!facts.machine.empty()) lines.emplace_back("machine", facts.machine);
+  std::string html = report::FactsTable(lines);
   if (!facts.parameters.empty()) {
     html += "<details><summary>The calibrated loops</summary>\n<pre>" + Lines(facts.parameters) +
             "</pre></details>\n";
@@ -123,16 +125,34 @@ std::string FactsHtml(const PageFacts& facts) {
 }  // namespace
 
 std::string Page(std::span<const Findings> findings, const PageFacts& facts) {
-  constexpr std::string_view kTitle = "The paper beside its digital twin";
   std::string html = fmt::format(
       "<h1>{}</h1>\n<p class=\"run\">Keeping the Franka Emika Panda alive: a ROS 2 stack with a "
-      "reliable position interface (Langella, Risi, Petrone, Ferrentino, Chiacchio), reproduced in "
-      "lockstep. LF: bare libfranka; RS: synchronous ROS 2 stack; RA: asynchronous ROS 2 "
-      "stack.</p>\n",
-      kTitle);
+      "reliable position interface (Langella, Risi, Petrone, Ferrentino, Chiacchio), reproduced "
+      "{}. "
+      "LF: bare libfranka; RS: synchronous ROS 2 stack; RA: asynchronous ROS 2 stack.</p>\n",
+      kTitle, facts.machine.empty() ? "in lockstep" : "on the wall clock, over UDP on one machine");
+  if (!facts.left_out.empty()) html += fmt::format("<p>{}</p>\n", Escape(facts.left_out));
   html += SummaryTable(findings);
   for (const Findings& one : findings) html += Section(one);
   return report::HtmlPage(kTitle, html + FactsHtml(facts));
+}
+
+bool IsPage(std::string_view html) {
+  return html.find(fmt::format("<h1>{}</h1>", kTitle)) != std::string_view::npos;
+}
+
+std::vector<std::string> CsvNamesOf(std::string_view html) {
+  constexpr std::string_view kBefore = "href=\"csv/";
+  std::vector<std::string> names;
+  for (std::size_t at = html.find(kBefore); at != std::string_view::npos;
+       at = html.find(kBefore, at + 1)) {
+    const std::string_view rest = html.substr(at + kBefore.size());
+    const std::string_view name = rest.substr(0, rest.find('"'));
+    if (name.ends_with(".csv") && name.find('/') == std::string_view::npos) {
+      names.emplace_back(name);
+    }
+  }
+  return names;
 }
 
 std::string Csv(const Figure& figure) {

@@ -36,9 +36,16 @@ struct TickSample {
 
 /// Keeps a run's curves in memory: of every cycle in motion, and of every tick that wrote.
 ///
-/// Threads: one (lockstep).
+/// Threads: cycles from one, ticks from one; the rest once the run is over.
 class Recording final : public rt::RecordSink {
  public:
+  /// @param cycles  room for so many from the start: on the wall clock nothing is allocated while a
+  /// run goes on.
+  explicit Recording(std::size_t cycles = 0) {
+    cycles_.reserve(cycles);
+    ticks_.reserve(cycles);
+  }
+
   void Put(const rt::CycleRecord& record) noexcept override;
   void Put(const rt::TickRecord& record) noexcept override;
 

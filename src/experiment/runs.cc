@@ -6,26 +6,26 @@
 #include <string>
 #include <thread>
 
+#include "experiment/wire_run.h"
 #include "twin/core/error.h"
+#include "twin/scenario/remote.h"
 
 namespace twin::experiment {
 namespace {
 
-bool IsInterrupted(const Setting& setting) {
-  return setting.interrupted != nullptr && *setting.interrupted;
-}
-
-void ThrowIfInterrupted(const Setting& setting) {
-  if (IsInterrupted(setting)) throw RobotFault("the experiment was interrupted");
-}
-
-int Threads(int count) {
+int Threads(const Setting& setting, int count) {
+  if (setting.on_wall_clock) return 1;
   constexpr int kMost = 8;
   return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1,
                     std::min(kMost, std::max(count, 1)));
 }
 
 }  // namespace
+
+void ThrowIfInterrupted(const Setting& setting) {
+  if (setting.interrupted == nullptr || !*setting.interrupted) return;
+  throw RobotFault("the experiment was interrupted");
+}
 
 std::uint64_t SeedOfRun(const Setting& setting, int run) noexcept {
   const auto bits =
@@ -37,9 +37,23 @@ double ChoiceOfRun(const Setting& setting, int run, std::uint32_t what) noexcept
   return Random(setting.seed, kExperimentStream).Uniform(static_cast<std::uint64_t>(run), what + 1);
 }
 
+Setting With(const Setting& setting, const scenario::Catalogue& catalogue) {
+  return {.catalogue = catalogue,
+          .files = setting.files,
+          .scenarios = setting.scenarios,
+          .scratch = setting.scratch,
+          .seed = setting.seed,
+          .seeds = setting.seeds,
+          .is_calibrated = setting.is_calibrated,
+          .on_wall_clock = setting.on_wall_clock,
+          .progress = setting.progress,
+          .interrupted = setting.interrupted};
+}
+
 scenario::Scenario LoadScenario(const Setting& setting, std::string_view name) {
   scenario::Scenario scenario = scenario::Load(setting.scenarios / (std::string(name) + ".yaml"));
-  scenario.drive = scenario::Drive::kLockstep;
+  scenario.drive = setting.on_wall_clock ? scenario::Drive::kRemote : scenario::Drive::kLockstep;
+  scenario.backend = setting.on_wall_clock ? scenario::kRemoteBackend : "mujoco";
   scenario.render.enabled = false;
   scenario.record = false;
   return scenario;
@@ -48,10 +62,15 @@ scenario::Scenario LoadScenario(const Setting& setting, std::string_view name) {
 scenario::RunResult RunScenario(const Setting& setting, const scenario::Scenario& scenario,
                                 rt::RecordSink* sink) {
   ThrowIfInterrupted(setting);
-  scenario::Run run(scenario, setting.catalogue, setting.files, sink);
-  scenario::RunHooks hooks;
-  hooks.interrupted = setting.interrupted;
-  scenario::RunResult result = run.Execute(hooks);
+  scenario::RunResult result;
+  if (scenario.drive == scenario::Drive::kRemote) {
+    result = RunOverWire(setting, scenario, sink);
+  } else {
+    scenario::Run run(scenario, setting.catalogue, setting.files, sink);
+    scenario::RunHooks hooks;
+    hooks.interrupted = setting.interrupted;
+    result = run.Execute(hooks);
+  }
   ThrowIfInterrupted(setting);
   return result;
 }
@@ -77,13 +96,28 @@ void InParallel(const Setting& setting, int count, const std::function<void(int)
   };
   {
     std::vector<std::jthread> helpers;
-    for (int i = 1; i < Threads(count); ++i) helpers.emplace_back(work, false);
+    for (int i = 1; i < Threads(setting, count); ++i) helpers.emplace_back(work, false);
     work(true);
   }
   for (const std::exception_ptr& failure : failures) {
     if (failure) std::rethrow_exception(failure);
   }
   if (setting.progress) setting.progress(to);
+}
+
+int CountFailures(const Setting& setting, int runs,
+                  const std::function<void(scenario::Scenario&)>& change, double from, double to) {
+  std::atomic<int> failures{0};
+  InParallel(
+      setting, runs,
+      [&](int run) {
+        scenario::Scenario scenario = LoadScenario(setting, "asynchronous");
+        scenario.seed = SeedOfRun(setting, run);
+        change(scenario);
+        if (!RunScenario(setting, scenario, nullptr).report.succeeded()) ++failures;
+      },
+      from, to);
+  return failures;
 }
 
 }  // namespace twin::experiment

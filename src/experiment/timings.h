@@ -8,5 +8,7 @@ namespace twin::experiment {
 /// asynchronous loop, the distribution of their read-to-read intervals, and what the share of
 /// unserved cycles of the synchronous one hangs on.
 [[nodiscard]] Findings RunTimings(const Setting& setting);
+/// As Experiment::run_on_wall_clock.
+[[nodiscard]] Findings RunTimingsOnWallClock(const Setting& setting);
 
 }  // namespace twin::experiment

@@ -22,25 +22,6 @@ constexpr std::size_t kBare = 0;
 constexpr std::size_t kSynchronous = 1;
 constexpr std::size_t kAsynchronous = 2;
 
-/// Shares of values above each edge.
-std::vector<double> Exceedance(std::vector<double> values, const std::vector<double>& edges) {
-  std::ranges::sort(values);
-  std::vector<double> shares;
-  for (const double edge : edges) {
-    const auto above = values.end() - std::ranges::upper_bound(values, edge);
-    shares.push_back(static_cast<double>(above) / static_cast<double>(values.size()));
-  }
-  return shares;
-}
-
-std::vector<double> LogEdges(double from, double to, int per_decade) {
-  std::vector<double> edges;
-  for (int i = 0; edges.empty() || edges.back() < to; ++i) {
-    edges.push_back(from * std::pow(10, static_cast<double>(i) / per_decade));
-  }
-  return edges;
-}
-
 /// A curve of as many points as x; steps hold a bin's share from its lower edge.
 ChartCurve CurveOf(std::size_t loop, ChartCurve::Style style, std::vector<double> x,
                    std::vector<double> y) {
@@ -106,18 +87,19 @@ Figure LatencyFigure(const LoopRuns& runs) {
     density.curves.push_back(CurveOf(loop, ChartCurve::Style::kSteps, edges, shares));
     tail.curves.push_back(CurveOf(loop, ChartCurve::Style::kLine, edges, above));
   }
-  return {.id = "d_ext",
-          .title = "What the loops take between read and write",
-          .what =
-              "The bare and the asynchronous loop answer within some 10 us, for nothing but "
-              "the copy of two buffers lies between read and write; the synchronous one runs "
-              "its controllers there, takes five times as long, and has a tail beyond a cycle.",
-          .svg = report::DrawChart(
-              {.columns = 2, .width = 1040, .panel_height = 340, .panels = {density, tail}}),
-          .columns =
-              "d_EXT [us],LF in bin [%],LF above [1],RS in bin [%],RS above [1],RA in bin "
-              "[%],RA above [1]",
-          .rows = std::move(rows)};
+  return {
+      .id = "d_ext",
+      .title = "What the loops take between read and write",
+      .what =
+          "Between read and write the bare and the asynchronous loop do little more than copy two "
+          "buffers; the synchronous one runs its controllers there, and takes the longer for "
+          "it.",
+      .svg = report::DrawChart(
+          {.columns = 2, .width = 1040, .panel_height = 340, .panels = {density, tail}}),
+      .columns =
+          "d_EXT [us],LF in bin [%],LF above [1],RS in bin [%],RS above [1],RA in bin "
+          "[%],RA above [1]",
+      .rows = std::move(rows)};
 }
 
 Figure IntervalFigure(const LoopRuns& runs) {
@@ -140,16 +122,17 @@ Figure IntervalFigure(const LoopRuns& runs) {
         IntervalPanel(loop, centres_ms, shares, 1 / static_cast<double>(values.size())));
   }
   chart.panels.back().x_label = "time between two reads [ms]";
-  return {.id = "intervals",
-          .title = "From one read to the next",
-          .what =
-              "The synchronous loop, when it misses a state, waits for a later one: its "
-              "intervals pile up at whole cycles (A, B, C). Those of the other two, paced by "
-              "the states, lie in one bump around 1 ms, but for two in a thousand states that "
-              "come most of a cycle late: a long interval, and a short one after it.",
-          .svg = report::DrawChart(chart),
-          .columns = "interval [us],RS [1],LF [1],RA [1]",
-          .rows = std::move(rows)};
+  return {
+      .id = "intervals",
+      .title = "From one read to the next",
+      .what =
+          "The synchronous loop, when it misses a state, waits for a later one: its "
+          "intervals pile up around 2 and 3 cycles (B, C). Those of the other two, paced by the "
+          "states, are all around 1 ms (A), but where a state comes late: a long interval, and "
+          "a short one after it.",
+      .svg = report::DrawChart(chart),
+      .columns = "interval [us],RS [1],LF [1],RA [1]",
+      .rows = std::move(rows)};
 }
 
 }  // namespace twin::experiment

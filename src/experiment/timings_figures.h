@@ -1,15 +1,11 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
-#include "experiment/loop_sample.h"
+#include "experiment/loop_runs.h"
 #include "twin/experiment/experiment.h"
 
 namespace twin::experiment {
-
-/// The runs of LF, RS, RA.
-using LoopRuns = std::array<std::vector<LoopSample>, 3>;
 
 /// How d_EXT is distributed, all runs of a loop together.
 [[nodiscard]] Figure LatencyFigure(const LoopRuns& runs);

@@ -8,5 +8,7 @@ namespace twin::experiment {
 /// library's low-pass, by the asynchronous loop with the reference generator, and by the latter
 /// with the low-pass; what the joints really do, and its power spectral density.
 [[nodiscard]] Findings RunTracking(const Setting& setting);
+/// As Experiment::run_on_wall_clock: one run of each.
+[[nodiscard]] Findings RunTrackingOnWallClock(const Setting& setting);
 
 }  // namespace twin::experiment

@@ -18,7 +18,7 @@ using report::ChartPanel;
 constexpr std::string_view kFilteredColour = report::colour::kSeries[3];
 /// In the place of a key beside seven small panels.
 constexpr const char* kColours =
-    "red: synchronous + low-pass; amber: asynchronous + generator; green: the same + low-pass";
+    "red: synchronous + low-pass; amber: asynchronous; green: asynchronous + low-pass";
 
 struct NamedRun {
   const char* name;
@@ -31,7 +31,7 @@ struct NamedRun {
 std::array<NamedRun, 3> PaperRuns(const TrackingRuns& runs) {
   return {{{"synchronous + low-pass", "rs", report::colour::kSynchronous, runs.synchronous},
            {"asynchronous + generator", "ra", report::colour::kAsynchronous, runs.proposed},
-           {"the same + low-pass", "ra_low_pass", kFilteredColour, runs.filtered}}};
+           {"asynchronous + generator + low-pass", "ra_low_pass", kFilteredColour, runs.filtered}}};
 }
 
 ChartCurve VelocityCurve(std::string name, std::string_view colour,
@@ -77,6 +77,7 @@ ChartPanel SpectrumPanel(const TrackingRuns& runs, std::size_t joint, bool key) 
     panel.curves.push_back(
         SpectrumCurve(key ? run.name : "", run.colour, run.curves.spectrum[joint]));
   }
+  if (runs.quiet.spectrum[joint].density.empty()) return panel;
   ChartCurve quiet = SpectrumCurve(key ? "synchronous, timing faults off" : "",
                                    report::colour::kReference, runs.quiet.spectrum[joint]);
   quiet.style = ChartCurve::Style::kDashed;
@@ -96,8 +97,9 @@ Figure DrawFirstJoint(const TrackingRuns& runs) {
       .id = "joint_1",
       .title = "Position control, joint 1: measured velocity and its spectrum",
       .what =
-          "The synchronous loop follows but carries by far the most power between 20 and 150 "
-          "Hz; the low-pass behind the generator is smooth and follows a fraction of the "
+          "The synchronous loop swings about the plan while every second cycle goes unserved, "
+          "and carries by far the most power between 20 and 150 Hz; the low-pass behind the "
+          "generator is smooth and follows a fraction of the "
           "motion; the generator alone follows and is smooth.",
       .svg = {},
       .columns = "t [s],planned [rad/s],rs [rad/s],ra [rad/s],ra_low_pass [rad/s]",
@@ -148,14 +150,12 @@ Figure DrawSpectra(const TrackingRuns& runs) {
                 .title = "Spectrum of the measured velocity of all joints",
                 .what =
                     "Between 20 and 150 Hz the synchronous loop stands far above the others "
-                    "on every joint; without timing faults it lies on the sensors' noise.",
+                    "on every joint; without timing faults (dashes) it lies on the sensors' noise.",
                 .svg = {},
                 .columns = "f [Hz]",
                 .rows = {}};
-  report::Chart chart{.title = std::string(kColours) + "; dashes: timing faults off",
-                      .columns = 2,
-                      .panel_height = 220,
-                      .panels = {}};
+  report::Chart chart{
+      .title = std::string(kColours), .columns = 2, .panel_height = 220, .panels = {}};
   for (std::size_t j = 0; j < kJoints; ++j) {
     chart.panels.push_back(SpectrumPanel(runs, j, false));
     for (const NamedRun& run : PaperRuns(runs)) {

@@ -25,7 +25,7 @@ struct TrackingRuns {
   TrackingCurves synchronous;                        ///< with the low-pass
   TrackingCurves proposed;
   TrackingCurves filtered;  ///< the proposed with the low-pass
-  TrackingCurves quiet;     ///< synchronous, without timing faults
+  TrackingCurves quiet{};   ///< synchronous, without timing faults; may be none
 };
 
 /// The paper's figure, of joint 1: velocities above, their spectra below.

@@ -105,6 +105,46 @@ class Renderer::Impl {
     return scene_.Draw(*data_, camera_, std::string(caption));
   }
 
+  Image Render(std::span<const double> qpos, const Ghost& ghost, std::string_view caption) {
+    TWIN_CHECK(ghost.line.size() <= Ghost::kMostPoints);
+    SetPositions(qpos);
+    if (ghost.qpos.empty()) return scene_.Draw(*data_, camera_, std::string(caption), &ghost);
+    const DataPointer elsewhere(mj_makeData(model_.get()));
+    SetPositions(ghost.qpos, *elsewhere);
+    return scene_.Draw(*data_, camera_, std::string(caption), &ghost, elsewhere.get());
+  }
+
+  [[nodiscard]] std::vector<double> WithArmAt(std::span<const double> qpos,
+                                              const JointVector& q) const {
+    TWIN_CHECK(qpos.size() == qpos_size());
+    std::vector<double> moved(qpos.begin(), qpos.end());
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      const std::string name = fmt::format("panda_joint{}", i + 1);
+      const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, name.c_str());
+      if (joint < 0) throw InputError(fmt::format("render: the model has no joint {}", name));
+      moved[static_cast<std::size_t>(model_->jnt_qposadr[joint])] = q[i];
+    }
+    return moved;
+  }
+
+  [[nodiscard]] std::vector<double> WithBodyAt(std::span<const double> qpos,
+                                               const std::string& body,
+                                               const Transform& X_WB) const {
+    TWIN_CHECK(qpos.size() == qpos_size());
+    const int id = mj_name2id(model_.get(), mjOBJ_BODY, body.c_str());
+    const int joint = id < 0 ? -1 : model_->body_jntadr[id];
+    if (joint < 0 || model_->jnt_type[joint] != mjJNT_FREE) {
+      throw InputError(fmt::format("render: the model has no free body {}", body));
+    }
+    std::vector<double> moved(qpos.begin(), qpos.end());
+    double* const pose = moved.data() + model_->jnt_qposadr[joint];
+    std::copy_n(X_WB.begin() + 12, 3, pose);
+    const std::array<mjtNum, 9> R{X_WB[0], X_WB[4], X_WB[8], X_WB[1], X_WB[5],
+                                  X_WB[9], X_WB[2], X_WB[6], X_WB[10]};  // row-major
+    mju_mat2Quat(pose + 3, R.data());
+    return moved;
+  }
+
   SegmentationImage Segment(std::span<const double> qpos, std::span<const int> only_bodies) {
     SetPositions(qpos);
     return scene_.Segment(*data_, camera_, only_bodies);
@@ -139,13 +179,15 @@ class Renderer::Impl {
   [[nodiscard]] const RenderSettings& settings() const noexcept { return settings_; }
 
  private:
+  void SetPositions(std::span<const double> qpos) { SetPositions(qpos, *data_); }
+
   /// Poses of bodies, geoms, lights and cameras at `qpos`; no dynamics.
-  void SetPositions(std::span<const double> qpos) {
+  void SetPositions(std::span<const double> qpos, mjData& data) const {
     TWIN_CHECK(qpos.size() == qpos_size());
-    std::copy(qpos.begin(), qpos.end(), data_->qpos);
-    mj_kinematics(model_.get(), data_.get());
-    mj_comPos(model_.get(), data_.get());
-    mj_camlight(model_.get(), data_.get());
+    std::copy(qpos.begin(), qpos.end(), data.qpos);
+    mj_kinematics(model_.get(), &data);
+    mj_comPos(model_.get(), &data);
+    mj_camlight(model_.get(), &data);
   }
 
   RenderSettings settings_;
@@ -168,6 +210,19 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 
 Image Renderer::Render(std::span<const double> qpos, std::string_view caption) {
   return MujocoCall("A frame cannot be drawn", [&] { return impl_->Render(qpos, caption); });
+}
+
+Image Renderer::Render(std::span<const double> qpos, const Ghost& ghost, std::string_view caption) {
+  return MujocoCall("A frame cannot be drawn", [&] { return impl_->Render(qpos, ghost, caption); });
+}
+
+std::vector<double> Renderer::WithArmAt(std::span<const double> qpos, const JointVector& q) const {
+  return impl_->WithArmAt(qpos, q);
+}
+
+std::vector<double> Renderer::WithBodyAt(std::span<const double> qpos, const std::string& body,
+                                         const Transform& X_WB) const {
+  return impl_->WithBodyAt(qpos, body, X_WB);
 }
 
 SegmentationImage Renderer::Segment(std::span<const double> qpos,

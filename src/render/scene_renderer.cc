@@ -1,6 +1,8 @@
 #include "render/scene_renderer.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <mutex>
 #include <vector>
 
@@ -8,7 +10,7 @@ namespace twin::render {
 namespace {
 
 /// Room for what is drawn beside the model's geoms.
-constexpr int kSpareGeoms = 200;
+constexpr int kSpareGeoms = 200 + static_cast<int>(Ghost::kMostPoints);
 
 /// MuJoCo keeps its table of OpenGL functions in globals, filled when a context is made.
 std::mutex& LoaderMutex() {
@@ -25,6 +27,16 @@ class CurrentContext {
   CurrentContext& operator=(const CurrentContext&) = delete;
 };
 
+/// Whether a geom has the same pose in both.
+bool StandsAlike(const mjData& a, const mjData& b, int geom) {
+  constexpr mjtNum kAlike = 1e-6;
+  const auto alike = [&](const mjtNum* x, const mjtNum* y, std::ptrdiff_t count) {
+    return std::equal(x + geom * count, x + (geom + 1) * count, y + geom * count,
+                      [](mjtNum p, mjtNum q) { return std::abs(p - q) < kAlike; });
+  };
+  return alike(a.geom_xpos, b.geom_xpos, 3) && alike(a.geom_xmat, b.geom_xmat, 9);
+}
+
 /// Captions that can still be read when the picture is halved.
 int FontScale(int height) {
   if (height < 300) return mjFONTSCALE_100;
@@ -40,7 +52,7 @@ SceneRenderer::SceneRenderer(const mjModel& model, const RenderSettings& setting
   mjr_defaultContext(&context_);
   const CurrentContext current(gl_);
   try {
-    mjv_makeScene(&model_, &scene_, model_.ngeom + kSpareGeoms);
+    mjv_makeScene(&model_, &scene_, 2 * model_.ngeom + kSpareGeoms);
     const std::lock_guard lock(LoaderMutex());
     mjr_makeContext(&model_, &context_, FontScale(settings_.height));
     mjr_setBuffer(mjFB_OFFSCREEN, &context_);
@@ -58,9 +70,12 @@ SceneRenderer::~SceneRenderer() {
   mjv_freeScene(&scene_);
 }
 
-Image SceneRenderer::Draw(mjData& data, mjvCamera camera, const std::string& caption) {
+Image SceneRenderer::Draw(mjData& data, mjvCamera camera, const std::string& caption,
+                          const Ghost* ghost, mjData* elsewhere) {
   const CurrentContext current(gl_);
   UpdateScene(data, camera);
+  if (elsewhere != nullptr) AddElsewhere(data, *elsewhere, ghost->colour);
+  if (ghost != nullptr) AddLine(*ghost);
   scene_.flags[mjRND_SEGMENT] = 0;
   scene_.flags[mjRND_IDCOLOR] = 0;
   scene_.flags[mjRND_SKYBOX] = 1;
@@ -105,6 +120,32 @@ SegmentationImage SceneRenderer::Segment(mjData& data, mjvCamera camera,
 
 void SceneRenderer::UpdateScene(mjData& data, mjvCamera& camera) {
   mjv_updateScene(&model_, &data, &option_, /*pert=*/nullptr, &camera, mjCAT_ALL, &scene_);
+}
+
+void SceneRenderer::AddElsewhere(const mjData& data, mjData& elsewhere,
+                                 const std::array<float, 4>& colour) {
+  const int real = scene_.ngeom;
+  mjv_addGeoms(&model_, &elsewhere, &option_, /*pert=*/nullptr, mjCAT_DYNAMIC, &scene_);
+  mjvGeom* const end =
+      std::remove_if(scene_.geoms + real, scene_.geoms + scene_.ngeom, [&](const mjvGeom& geom) {
+        return geom.objtype != mjOBJ_GEOM || StandsAlike(data, elsewhere, geom.objid);
+      });
+  scene_.ngeom = static_cast<int>(end - scene_.geoms);
+  for (int i = real; i < scene_.ngeom; ++i) {
+    mjvGeom& geom = scene_.geoms[i];
+    std::copy(colour.begin(), colour.end(), geom.rgba);
+    geom.texid = -1;
+  }
+}
+
+void SceneRenderer::AddLine(const Ghost& ghost) {
+  const mjtNum size[3] = {ghost.radius, 0, 0};
+  for (const Vector3& point : ghost.line) {
+    mjvGeom& geom = scene_.geoms[scene_.ngeom++];
+    mjv_initGeom(&geom, mjGEOM_SPHERE, size, point.data(), /*mat=*/nullptr,
+                 ghost.line_colour.data());
+    geom.category = mjCAT_DECOR;
+  }
 }
 
 void SceneRenderer::KeepBodies(std::span<const int> bodies) {

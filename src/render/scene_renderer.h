@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -23,12 +24,18 @@ class SceneRenderer {
   SceneRenderer(const SceneRenderer&) = delete;
   SceneRenderer& operator=(const SceneRenderer&) = delete;
 
-  [[nodiscard]] Image Draw(mjData& data, mjvCamera camera, const std::string& caption);
+  /// @param ghost, elsewhere  what is drawn though it is not there, and the model's positions
+  /// there; may be null, the second when the first is.
+  [[nodiscard]] Image Draw(mjData& data, mjvCamera camera, const std::string& caption,
+                           const Ghost* ghost = nullptr, mjData* elsewhere = nullptr);
   [[nodiscard]] SegmentationImage Segment(mjData& data, mjvCamera camera,
                                           std::span<const int> only_bodies);
 
  private:
   void UpdateScene(mjData& data, mjvCamera& camera);
+  /// Adds the moving geoms that are not alike in both to the scene, in one colour.
+  void AddElsewhere(const mjData& data, mjData& elsewhere, const std::array<float, 4>& colour);
+  void AddLine(const Ghost& ghost);
   /// Takes the geoms of all bodies but these out of the scene.
   void KeepBodies(std::span<const int> bodies);
   /// Reads the off-screen buffer, top row first.

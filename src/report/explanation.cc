@@ -64,6 +64,7 @@ std::string WhereText(const RunEnd& end, const Violation& v) {
     text += fmt::format("{} motion under {}", Name(before.motion_generator_mode),
                         Name(before.controller_mode));
   }
+  if (!end.motion.empty()) text += "; in " + end.motion;
   return text + fmt::format("; cycle of state {}, {:.3f} s", end.last().state.message_id,
                             ToSeconds(end.last().at.time_since_epoch()));
 }

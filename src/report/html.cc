@@ -25,12 +25,17 @@ th{text-align:left;vertical-align:bottom;font-weight:normal;color:#555}
 td:first-child,td.word{text-align:left}
 tr.held{background:#fbe3e5}
 td.met{color:#1b6e4f;text-align:left}
+p.met{color:#1b6e4f;font-weight:bold}
 td.missed,td.failed,p.failed{color:#c0272d;font-weight:bold;text-align:left}
 td.reported{color:#777;text-align:left}
 figure{margin:0}
 pre{font-size:.8em;overflow-x:auto}
 .wide{overflow-x:auto}
 summary{cursor:pointer}
+img,video{max-width:100%}
+figure.pair{margin:0 0 1em}
+figure.pair img{width:49.5%}
+figure.pair img+img{margin-left:1%}
 )";
 
 }  // namespace
@@ -68,6 +73,15 @@ std::string InlineSvg(std::string_view svg, std::string_view name) {
     }
   }
   return text;
+}
+
+std::string FactsTable(const std::vector<std::pair<std::string, std::string>>& facts) {
+  std::string html = "<h2>How this was made</h2>\n<table>\n";
+  for (const auto& [name, text] : facts) {
+    html +=
+        fmt::format("<tr><td>{}</td><td class=\"word\">{}</td></tr>\n", Escape(name), Escape(text));
+  }
+  return html + "</table>\n";
 }
 
 std::string HtmlPage(std::string_view title, std::string_view body) {

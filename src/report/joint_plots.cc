@@ -38,6 +38,7 @@ Script BeginFigure(const RunData& run, std::string_view what) {
   script.Line("set xrange {}", TimeRange(run));
   script.Line("set xlabel 'time / s' offset 0,0.6");
   script.Line("set lmargin 11; set rmargin 2; set tmargin 3; set bmargin 3");
+  MarkMotions(script, run);
   MarkAbort(script, run);
   return script;
 }
@@ -63,7 +64,8 @@ void AddPanel(Script& script, const Panel& panel, const Curves& curves) {
 /// Fills the eighth place of the figure with the legend, which so covers no curve.
 std::string EndFigure(Script script, const RunData& run, const Curves& curves) {
   script.Line(
-      "unset title; unset xlabel; unset ylabel; unset tics; unset border; unset grid; unset arrow");
+      "unset title; unset xlabel; unset ylabel; unset tics; unset border; unset grid; unset arrow; "
+      "unset label");
   script.Line("set key center center Left reverse font ',14' spacing 1.6 samplen 4");
   script.Line("set xrange [0:1]; set yrange [0:1]");
   std::string plot = fmt::format("plot NaN w l lw 2 lc '{}' title {}", kReferenceColour,
@@ -74,6 +76,9 @@ std::string EndFigure(Script script, const RunData& run, const Curves& curves) {
   }
   if (curves.limits_in_view) {
     plot += fmt::format(", NaN w l dt 2 lw 2 lc '{}' title 'limit'", kLimitColour);
+  }
+  if (run.motions.size() > 1) {
+    plot += ", NaN w l dt 3 lw 1 lc '#888888' title 'a motion begins, with its number'";
   }
   if (run.abort) plot += fmt::format(", NaN w l lw 2 lc '{}' title 'abort'", kAbortColour);
   script.Line("{}", plot);

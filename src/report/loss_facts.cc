@@ -176,7 +176,7 @@ std::string CountTicks(const RunEnd& end) {
         fmt::format("left {} unanswered, because they came out of time", Count(skipped, "state")));
   }
   if (invalid > 0) {
-    facts.push_back(fmt::format("wrote nothing for {}, because the command was not valid",
+    facts.push_back(fmt::format("wrote nothing for {}, because the controller gave no valid one",
                                 Count(invalid, "state")));
   }
   if (reused > 0) {

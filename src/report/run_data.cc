@@ -57,6 +57,11 @@ class Collector {
     run_.end = time;
     run_.total.Add(CountsOf(cycle));
     if (!run_.abort && cycle.state.errors.any()) run_.abort = Abort{time, NameOf(cycle)};
+    const bool moves = cycle.state.robot_mode == RobotMode::kMove;
+    if (moves && !moved_ && run_.motions.size() < RunData::kMostMotions) {
+      run_.motions.push_back(time);
+    }
+    moved_ = moves;
     run_.longest_loss = std::max(run_.longest_loss, cycle.lost_in_row);
     run_.fates.Add(cycle);
     UpdatePeaks(run_.peak_dq, cycle.state.dq);
@@ -73,7 +78,7 @@ class Collector {
     run_.dddq_d.Add(time, cycle.dddq_d);
     run_.tau_J.Add(time, cycle.state.tau_J);
     run_.tau_J_d.Add(time, cycle.state.tau_J_d);
-    if (cycle.state.robot_mode == RobotMode::kMove) {
+    if (moves) {
       run_.success_rate.Add(time, std::array{cycle.state.control_command_success_rate});
     }
   }
@@ -100,6 +105,7 @@ class Collector {
   }
 
   RunData& run_;
+  bool moved_ = false;  ///< in the cycle before
   TrackingError tracking_;
 };
 

@@ -51,6 +51,8 @@ struct Abort {
 struct RunData {
   /// Bins of an envelope: about the pixels of a panel.
   static constexpr std::size_t kBins = 400;
+  /// Later ones are not told apart.
+  static constexpr std::size_t kMostMotions = 100;
 
   std::string scenario;
   bool truncated = false;
@@ -59,6 +61,7 @@ struct RunData {
   double end = 0;          ///< s
   FateCounts total;
   std::optional<Abort> abort;      ///< the first
+  std::vector<double> motions;     ///< when they began, s; at most kMostMotions
   std::uint32_t longest_loss = 0;  ///< most cycles held in a row
   JointVector peak_dq{};           ///< magnitude, rad/s
   JointVector peak_dq_d{};         ///< magnitude, rad/s

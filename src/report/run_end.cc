@@ -55,6 +55,7 @@ class Collector {
 
   void operator()(const record::EventRecord& event) {
     if (event.kind == "motion") end_.last_word = event.text;
+    if (event.kind == "session" && !abort_id_) end_.motion = event.text;
   }
 
   [[nodiscard]] bool any() const { return any_; }

@@ -41,6 +41,7 @@ struct RunEnd {
   std::optional<double> user_stopped;  ///< when the user stop ended the motion, s
   double end = 0;                      ///< time of the last cycle, s
   std::uint64_t aborts = 0;            ///< motions that an error ended
+  std::string motion;     ///< of a session: "motion 2: place", in which the first abort came
   std::string last_word;  ///< the log's last event about a motion: "finished", or why not
   /// Up to the first abort, its cycle last: kShown cycles, and the one before them. Empty when no
   /// error ended a motion.

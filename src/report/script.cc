@@ -50,6 +50,20 @@ void MarkAbort(Script& script, const RunData& run) {
       run.abort->time, kAbortColour);
 }
 
+void MarkMotions(Script& script, const RunData& run) {
+  if (run.motions.size() < 2) return;
+  for (std::size_t i = 0; i < run.motions.size(); ++i) {
+    script.Line(
+        "set arrow from first {0:.7g},graph 0 to first {0:.7g},graph 1 nohead back lw 0.8 dt 3 "
+        "lc '#888888'",
+        run.motions[i]);
+    script.Line(
+        "set label '{}' at first {:.7g},graph 0.97 left offset 0.2,0 front font ',8' "
+        "textcolor '#888888'",
+        i + 1, run.motions[i]);
+  }
+}
+
 std::string TimeRange(const RunData& run) {
   return fmt::format("[{:.7g}:{:.7g}]", run.begin, std::max(run.end, run.begin + 1e-3));
 }

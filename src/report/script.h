@@ -54,6 +54,10 @@ class Script {
 /// they show, for it may be areas.
 void MarkAbort(Script& script, const RunData& run);
 
+/// Marks in all panels from here on where each motion begins, by its number, when there is more
+/// than one.
+void MarkMotions(Script& script, const RunData& run);
+
 /// Range of the time axis; never empty.
 [[nodiscard]] std::string TimeRange(const RunData& run);
 

@@ -100,6 +100,7 @@ std::string ServedScript(const RunData& run) {
   // Right of the panel, where it covers nothing.
   script.Line("set key at screen 0.86,graph 0.95 left top Left reverse samplen 2 spacing 1.3");
   script.Line("set style fill solid noborder");
+  MarkMotions(script, run);
   MarkAbort(script, run);
   AddFates(script, run);
   AddFatePanels(script, run);

@@ -129,6 +129,87 @@ TEST(RendererTest, SegmentsEveryBodyAndNothingElse) {
   }
 }
 
+/// Pixels at which two pictures differ, and which of these lie on a body.
+struct Difference {
+  std::size_t all = 0;
+  std::size_t on_body = 0;
+};
+
+Difference Compare(const Image& a, const Image& b, const SegmentationImage& bodies,
+                   std::int32_t body) {
+  Difference difference;
+  for (int row = 0; row < a.height; ++row) {
+    for (int column = 0; column < a.width; ++column) {
+      if (a.at(column, row) == b.at(column, row)) continue;
+      ++difference.all;
+      if (bodies.at(column, row) == body) ++difference.on_body;
+    }
+  }
+  return difference;
+}
+
+TEST(RendererTest, DrawsAGhostBesideTheBodyThatIsReallyThere) {
+  const TestModel model(kArmMjcf);
+  RenderSettings settings = SmallSettings();
+  settings.shadows = false;
+  Renderer renderer(model.model(), settings);
+  const std::vector<double> here{0, 0};
+  const std::vector<double> there{0, -1.2};  // the upper link alone, clear of where it is
+  const Image plain = renderer.Render(here);
+  const Image with_ghost = renderer.Render(here, Ghost{.qpos = there});
+  const SegmentationImage real = renderer.Segment(here);
+  const SegmentationImage ghost = renderer.Segment(there);
+  const std::int32_t upper = renderer.BodyId("upper");
+  const std::int32_t lower = renderer.BodyId("lower");
+
+  std::size_t ghost_pixels = 0;
+  std::size_t changed = 0;
+  for (int row = 0; row < plain.height; ++row) {
+    for (int column = 0; column < plain.width; ++column) {
+      if (ghost.at(column, row) != upper || real.at(column, row) == upper ||
+          real.at(column, row) == lower) {
+        continue;
+      }
+      ++ghost_pixels;
+      const Rgb before = plain.at(column, row);
+      const Rgb after = with_ghost.at(column, row);
+      // Translucent blue: less red than what is behind, but not none.
+      if (after != before && after[0] < before[0] && after[0] > 0) ++changed;
+    }
+  }
+  EXPECT_GT(ghost_pixels, 80u);
+  EXPECT_GT(static_cast<double>(changed), 0.95 * static_cast<double>(ghost_pixels));
+  // What stands alike is drawn once, and as ever but for the ghost before it.
+  EXPECT_EQ(renderer.Render(here, Ghost{.qpos = here}), plain);
+  EXPECT_LT(Compare(plain, with_ghost, real, lower).on_body, 60u);
+  EXPECT_EQ(renderer.Render(here), plain) << "nothing is left of it";
+}
+
+TEST(RendererTest, DrawsALineWhereItsPointsAre) {
+  const TestModel model(kArmMjcf);
+  RenderSettings settings = SmallSettings();
+  settings.shadows = false;
+  Renderer renderer(model.model(), settings);
+  const std::vector<double> qpos{0, 0};
+  Ghost ghost;
+  ghost.radius = 0.03;
+  ghost.line_colour = {1, 0, 0, 1};
+  for (int i = 0; i < 5; ++i) ghost.line.push_back({-0.6 + 0.1 * i, 0, 0.9});
+  const Image image = renderer.Render(qpos, ghost);
+  for (const Vector3& point : ghost.line) {
+    const auto pixel = renderer.Camera(qpos).Project(point);
+    ASSERT_TRUE(pixel.has_value());
+    const Rgb colour = image.at(static_cast<int>(pixel->u), static_cast<int>(pixel->v));
+    EXPECT_GT(colour[0], 2 * colour[1]) << point[0];
+  }
+}
+
+TEST(RendererTest, PutsOnlyAPandaElsewhere) {
+  const TestModel model(kArmMjcf);
+  const Renderer renderer(model.model(), SmallSettings());
+  EXPECT_THROW((void)renderer.WithArmAt(model.Qpos(), JointVector{}), InputError);
+}
+
 TEST(RendererTest, HidesCollisionShapes) {
   const TestModel model(kArmMjcf);  // the sphere "hull" of group 3 would fill half the picture
   Renderer renderer(model.model(), SmallSettings());

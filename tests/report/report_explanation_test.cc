@@ -63,6 +63,16 @@ class ExplainTest : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
+TEST_F(ExplainTest, TellsInWhichMotionOfASessionTheErrorCame) {
+  SampleMotion motion(log());
+  motion.Event("session", "motion 1: approach").Serve(50);
+  motion.Event("session", "motion 2: place").Serve(50).Abort(kJerk, rt::CommandFate::kServed);
+  motion.Event("session", "motion 3: retreat");
+  EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
+              AllOf(HasSubstr("in motion 2: place; cycle of state"), Not(HasSubstr("approach")),
+                    Not(HasSubstr("retreat"))));
+}
+
 TEST_F(ExplainTest, TellsErrorCycleJointValueLimitCauseAndCure) {
   SampleMotion motion(log());
   motion.Serve(100).Abort(kJerk, rt::CommandFate::kServed);

@@ -132,6 +132,29 @@ TEST(RunDataTest, NamesTheErrorThatEndedTheMotion) {
   EXPECT_EQ(TitleOf(log), "outage: x");
 }
 
+/// Records motions of 20 cycles with rests of 10 cycles between them.
+void RecordMotions(const std::filesystem::path& path, int motions) {
+  record::Recorder recorder(path, {}, record::FullRing::kWait);
+  for (int k = 0; k < 30 * motions; ++k) {
+    rt::CycleRecord cycle;
+    cycle.at = Time(k * kCycle);
+    cycle.state.robot_mode = k % 30 < 20 ? RobotMode::kMove : RobotMode::kIdle;
+    recorder.Put(cycle);
+  }
+  recorder.Finish();
+}
+
+TEST(RunDataTest, TellsWhereEachMotionBegins) {
+  const TemporaryFolder folder;
+  const auto log = folder / "a.mcap";
+  RecordMotions(log, 3);
+  EXPECT_THAT(ReadRun(log).motions, ElementsAre(0, 0.03, 0.06));
+  EXPECT_THAT(TrackingScript(ReadRun(log)), HasSubstr("set label '3' at first 0.06"));
+  RecordMotions(log, 1);
+  EXPECT_THAT(TrackingScript(ReadRun(log)), Not(HasSubstr("set label '")))
+      << "a single motion needs no mark";
+}
+
 TEST(RunDataTest, MeasuresHowFarTheArmIsBehind) {
   const TemporaryFolder folder;
   RecordAbort(folder / "a.mcap", 100, false, false);

@@ -15,6 +15,11 @@ enum class Verdict : std::uint8_t {
   kReported,  ///< nothing is demanded of it
 };
 
+/// Of something that is demanded.
+[[nodiscard]] constexpr Verdict Judge(bool met) noexcept {
+  return met ? Verdict::kMet : Verdict::kMissed;
+}
+
 /// As a report words it. Thread-safe.
 [[nodiscard]] std::string_view Name(Verdict verdict) noexcept;
 

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "twin/core/joint_vector.h"
 #include "twin/render/image.h"
 #include "twin/render/pinhole_camera.h"
 
@@ -26,6 +30,21 @@ struct RenderSettings {
 
   /// @throws InputError naming field, value and range.
   void Validate() const;
+};
+
+/// What is drawn beside the model though it is not there: the model elsewhere, in one translucent
+/// colour, and a line of small balls, as those of a planned path. Both cast shadows.
+struct Ghost {
+  static constexpr std::size_t kMostPoints = 400;
+
+  /// The model elsewhere, as Renderer::Render()'s; drawn are the moving bodies that are not where
+  /// they are really. Empty: only the line.
+  std::vector<double> qpos{};
+  std::array<float, 4> colour{0.10F, 0.55F, 0.95F,
+                              0.35F};  ///< red, green, blue, opacity, in [0, 1]
+  std::vector<Vector3> line{};         ///< in the world, m; at most kMostPoints
+  double radius = 0.007;               ///< of the line's balls, m
+  std::array<float, 4> line_colour{0.95F, 0.35F, 0.05F, 1};
 };
 
 /// Draws a MuJoCo model without a window or a graphics card: MuJoCo's renderer on OSMesa.
@@ -54,6 +73,22 @@ class Renderer {
   /// @param caption  text in the lower left corner (ASCII); empty: none.
   /// @returns the picture.
   [[nodiscard]] Image Render(std::span<const double> qpos, std::string_view caption = {});
+
+  /// As Render(), with what is not there. @pre ghost.qpos is empty or of the model's size;
+  /// ghost.line is not too long.
+  [[nodiscard]] Image Render(std::span<const double> qpos, const Ghost& ghost,
+                             std::string_view caption = {});
+
+  /// @returns `qpos` with the arm elsewhere. @param q  rad.
+  /// @throws InputError when the model does not have the joints panda_joint1 to panda_joint7.
+  [[nodiscard]] std::vector<double> WithArmAt(std::span<const double> qpos,
+                                              const JointVector& q) const;
+
+  /// @returns `qpos` with a free body elsewhere. @param X_WB  its pose in the world.
+  /// @throws InputError when the model has no free body of this name.
+  [[nodiscard]] std::vector<double> WithBodyAt(std::span<const double> qpos,
+                                               const std::string& body,
+                                               const Transform& X_WB) const;
 
   /// @returns the body seen in each pixel.
   /// @param only_bodies  body ids; other bodies are taken away, so that what remains is not hidden

@@ -2,6 +2,8 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace twin::report {
 
@@ -12,6 +14,9 @@ namespace twin::report {
 /// other picture of the page has. @param svg  as DrawChart gives it. @param name  letters, digits
 /// and '_', another one for every picture.
 [[nodiscard]] std::string InlineSvg(std::string_view svg, std::string_view name);
+
+/// How a page was made: a heading and a table of names and texts.
+[[nodiscard]] std::string FactsTable(const std::vector<std::pair<std::string, std::string>>& facts);
 
 /// One HTML file that needs no other and no network, in the style of all our reports.
 /// @param title  plain text. @param body  HTML; the first of it should be the heading.

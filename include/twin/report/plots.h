@@ -21,6 +21,7 @@ inline constexpr std::array<const char*, 6> kPlotFiles{
 ///   jerk.svg        dddq_d of each joint, against its limits; not under torques
 ///   torques.svg     tau_J and tau_J_d of each joint; under torques only
 ///   served.svg      cycles served and held, commands dropped, d_EXT, success rate
+/// Of several motions each begins at a dotted line with its number.
 /// When an error ended a motion, a line in every panel marks when, and the titles say which.
 /// A log of any length gives files of at most some 100 kB: of the samples that fall into the same
 /// place, the lowest and the highest are drawn, so that no peak is lost. The same log gives the

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "experiment/tracking_figures.h"
+#include "twin/core/joint_vector.h"
+#include "twin/experiment/experiment.h"
+#include "twin/reference/trajectory.h"
+
+namespace twin::experiment {
+
+/// How the trajectory is brought to the robot.
+enum class Way : std::uint8_t {
+  kSynchronous,  ///< the synchronous loop and the low-pass
+  kProposed,     ///< the asynchronous loop and the reference generator
+  kFiltered,     ///< the same and the low-pass
+  kQuiet,        ///< the synchronous loop and the low-pass, without jitter, drift and overruns
+};
+inline constexpr std::size_t kWays = 4;
+
+/// Cut-off of the client library's low-pass, where a way has it.
+inline constexpr double kLowPassHz = 100;
+
+/// Of one run.
+struct TrackingOutcome {
+  bool succeeded = false;
+  double delay_s = 0;
+  JointVector rms_delayed{};  ///< error of q once the delay is taken out, rad
+  JointVector rms{};          ///< the delay included, rad
+  JointVector band{};         ///< power of dq in the band, (rad/s)^2
+  double median_band = 0;     ///< the same of joint 1, the median of the segments
+  JointVector slope{};        ///< regression of dq on the planned velocity
+  TrackingCurves curves;
+};
+
+/// The canonical trajectory, as planned. @throws InputError as the scenario.
+[[nodiscard]] reference::Trajectory TrackingPlan(const Setting& setting);
+
+/// Runs it and measures. @param run  which of the way's runs: gives its seed and start phase.
+/// @throws as RunScenario.
+[[nodiscard]] TrackingOutcome MeasureTracking(const Setting& setting,
+                                              const reference::Trajectory& plan, Way way, int run);
+
+}  // namespace twin::experiment
