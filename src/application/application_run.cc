@@ -1,0 +1,70 @@
+#include "twin/application/application_run.h"
+
+#include <chrono>
+#include <utility>
+
+#include "twin/application/stage.h"
+#include "twin/core/error.h"
+
+namespace twin::application {
+namespace {
+
+const scenario::Scenario& WithApplication(const scenario::Scenario& scenario) {
+  scenario.Validate();
+  if (!scenario.application) {
+    throw InputError("application: the scenario has a motion, and no application");
+  }
+  return scenario;
+}
+
+}  // namespace
+
+ApplicationRun::ApplicationRun(const scenario::Scenario& scenario,
+                               const scenario::Catalogue& catalogue,
+                               const scenario::RunFiles& files, rt::RecordSink* sink,
+                               const Clock& clock, const scenario::RealtimeSettings& settings)
+    : scenario_(WithApplication(scenario)),
+      files_(files),
+      clock_(clock),
+      application_(Make(scenario_)),
+      session_(scenario_, catalogue, files_, sink, settings) {}
+
+const backend::Connection& ApplicationRun::connection() const noexcept {
+  return session_.connection();
+}
+
+const scenario::RobotData& ApplicationRun::robot() const noexcept {
+  return session_.robot();
+}
+
+Duration ApplicationRun::longest() const noexcept {
+  return application_->longest();
+}
+
+bool ApplicationRun::CheckStart(const scenario::TellCheck& tell) {
+  const reference::Trajectory standing = scenario::StandingFor(
+      scenario_.robot.q_start.value(), std::chrono::seconds(1), robot().limits);
+  return session_.CheckStart(
+      scenario::MotionOn(scenario_, "start", application_->first_interface(), standing), tell);
+}
+
+const Deeds& ApplicationRun::Execute(const scenario::RunHooks& hooks,
+                                     const std::function<void(std::string_view)>& tell) {
+  session_.Begin(hooks);
+  try {
+    Stage stage(session_, scenario_, files_, clock_, tell);
+    deeds_ = application_->Perform(stage);
+  } catch (...) {
+    result_ = session_.End();
+    throw;
+  }
+  result_ = session_.End();
+  return deeds_;
+}
+
+Judgement ApplicationRun::Judge(Evidence evidence) {
+  evidence.session = result_;
+  return application_->Judge(deeds_, evidence);
+}
+
+}  // namespace twin::application

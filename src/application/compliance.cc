@@ -1,0 +1,139 @@
+#include "application/compliance.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "application/compliance_cases.h"
+#include "application/compliance_figures.h"
+#include "application/compliance_measures.h"
+#include "application/compliance_trace.h"
+#include "twin/application/evidence.h"
+#include "twin/application/stage.h"
+#include "twin/core/error.h"
+
+namespace twin::application {
+namespace {
+
+using namespace compliance;  // NOLINT(google-build-using-namespace): this is its application
+
+/// Points in a picture for each part of the trajectory.
+constexpr int kWayPoints = 24;
+
+class Compliance final : public Application {
+ public:
+  explicit Compliance(control::ParameterReader& parameters) : settings_(ReadSettings(parameters)) {}
+
+  [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
+    return control::CommandInterface::kTorque;
+  }
+  [[nodiscard]] Duration longest() const noexcept override;
+  [[nodiscard]] Deeds Perform(Stage& stage) override;
+  [[nodiscard]] Judgement Judge(const Deeds& deeds, const Evidence& evidence) override;
+
+ private:
+  StepEnd Do(const Case& one, CaseIndex index, Stage& stage);
+  static StepEnd GoBack(const Case& from, Stage& stage);
+  /// Two pictures: the arm before, and at the end of the push's constant force or of the motion.
+  void AddMoment(const Case& one, const scenario::Motion& motion, const Transform& O_T_EE,
+                 Time begun, Time ended);
+
+  const Settings settings_;
+  std::optional<Pushes> pushes_;
+  JointLimits limits_;
+  std::array<std::optional<Span>, kCases> spans_{};
+  std::vector<Moment> moments_;
+};
+
+Duration Compliance::longest() const noexcept {
+  Duration all{};
+  // The way back and settling take less.
+  for (const Case& one : kAllCases) all += LengthOf(one, settings_) + std::chrono::seconds(5);
+  return all;
+}
+
+Deeds Compliance::Perform(Stage& stage) {
+  if (!stage.scenario().record) {
+    throw InputError("record: is false, and the application compliance is judged by its log");
+  }
+  pushes_ = PushesOf(stage.scenario(), settings_);
+  limits_ = stage.robot().limits;
+  std::vector<TaskStep> steps;
+  for (std::size_t i = 0; i < kCases; ++i) {
+    const Case& one = kAllCases[i];
+    const auto index = static_cast<CaseIndex>(i);
+    steps.push_back({.name = fmt::format("{}, {}", one.id, one.what),
+                     .act = [this, &one, index, &stage] { return Do(one, index, stage); }});
+    if (i + 1 == kCases) break;
+    steps.push_back({.name = fmt::format("back from {}", one.id),
+                     .act = [&one, &stage] { return GoBack(one, stage); }});
+  }
+  Deeds deeds{.task = stage.Carry(steps)};
+  deeds.moments = std::move(moments_);
+  return deeds;
+}
+
+StepEnd Compliance::Do(const Case& one, CaseIndex index, Stage& stage) {
+  const RobotState state = stage.session().ReadState();
+  const scenario::Motion motion = MotionOf(one, settings_, stage, state);
+  const Time begun = stage.session().Now();
+  const scenario::MotionResult result = stage.session().Move(motion);
+  spans_[index] = {.begun = begun, .ended = stage.session().Now(), .path = motion.poses};
+  if (one.is_pushed || one.kind == Kind::kNullSpace) {
+    AddMoment(one, motion, state.O_T_EE, begun, stage.session().Now());
+  }
+  return {result.report.succeeded(), result.report.failure};
+}
+
+StepEnd Compliance::GoBack(const Case& from, Stage& stage) {
+  const RobotState state = stage.session().ReadState();
+  const scenario::MotionResult result = stage.session().Move(MotionBack(from, stage, state));
+  return {result.report.succeeded(), result.report.failure};
+}
+
+void Compliance::AddMoment(const Case& one, const scenario::Motion& motion, const Transform& O_T_EE,
+                           Time begun, Time ended) {
+  const auto point = [](const Transform& X) { return Vector3{X[12], X[13], X[14]}; };
+  Moment moment{.id = std::string(one.id),
+                .caption = fmt::format("{}: {}; right, {}", one.id, one.what,
+                                       one.is_pushed ? "while it is pushed" : "at its end"),
+                .planned = begun,
+                .done = ended,
+                .way = {point(O_T_EE)}};
+  if (one.is_pushed) {
+    const plant::Push& push = one.kind == Kind::kStandstill ? pushes_->standing : pushes_->moving;
+    moment.done = begun + push.begin + push.duration - push.rise;
+  }
+  if (motion.poses) {
+    const Duration step = settings_.leg / kWayPoints;
+    for (int i = 1; i < 3 * kWayPoints; ++i) {
+      moment.way.push_back(point(motion.poses->Sample(i * step).O_T_EE));
+    }
+  }
+  moments_.push_back(std::move(moment));
+}
+
+Judgement Compliance::Judge(const Deeds& /*deeds*/, const Evidence& evidence) {
+  if (evidence.log.empty() || !pushes_) {
+    return {.findings = {{.quantity = "log of the run",
+                          .value = 0,
+                          .unit = "",
+                          .demand = "one, to judge by",
+                          .met = false}}};
+  }
+  const Log log = ReadLog(evidence.log, spans_, limits_);
+  const Measures measures = Measure(log, settings_, *pushes_);
+  return {.findings = FindingsOf(measures), .figures = FiguresOf(log, measures, settings_)};
+}
+
+}  // namespace
+
+std::unique_ptr<Application> MakeCompliance(control::ParameterReader& parameters) {
+  return std::make_unique<Compliance>(parameters);
+}
+
+}  // namespace twin::application

@@ -1,0 +1,163 @@
+#include "twin/application/page.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/report/html.h"
+
+namespace twin::application {
+namespace {
+
+using report::Escape;
+
+std::string ReadFile(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in) throw EnvironmentError(fmt::format("{}: cannot be read for the page", path.string()));
+  return bytes;
+}
+
+std::string Base64(std::string_view bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t three = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      three = three << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0U);
+    }
+    for (std::size_t j = 0; j < 4; ++j) {
+      text += i + j <= bytes.size() ? kDigits[three >> (18 - 6 * j) & 0x3F] : '=';
+    }
+  }
+  return text;
+}
+
+std::string PictureHtml(const std::filesystem::path& png, std::string_view what) {
+  if (png.empty()) return {};
+  return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", Escape(what),
+                     Base64(ReadFile(png)));
+}
+
+std::string_view VerdictOf(const Finding& finding) {
+  if (!finding.met) return "reported";
+  return *finding.met ? "met" : "missed";
+}
+
+std::string FindingsHtml(const std::vector<Finding>& findings) {
+  if (findings.empty()) return {};
+  std::string html =
+      "<h2>What came of it</h2>\n<div class=\"wide\"><table>\n<tr><th>quantity</th><th>value</th>"
+      "<th>unit</th><th>demanded</th><th>verdict</th></tr>\n";
+  for (const Finding& finding : findings) {
+    const std::string_view verdict = VerdictOf(finding);
+    html += fmt::format(
+        "<tr><td>{}</td><td>{:.4g}</td><td class=\"word\">{}</td><td class=\"word\">{}</td>"
+        "<td class=\"{}\">{}</td></tr>\n",
+        Escape(finding.quantity), finding.value, Escape(finding.unit), Escape(finding.demand),
+        verdict, verdict);
+  }
+  return html + "</table></div>\n";
+}
+
+std::string StepsHtml(const TaskReport& task) {
+  std::string html =
+      "<h2>Steps</h2>\n<div class=\"wide\"><table>\n<tr><th>step</th><th>attempt</th><th>begun "
+      "[s]</th><th>took [s]</th><th>outcome</th><th></th></tr>\n";
+  for (const StepReport& step : task.steps) {
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{:.3f}</td><td>{:.3f}</td><td class=\"{}\">{}</td>"
+        "<td class=\"word\">{}</td></tr>\n",
+        Escape(step.name), step.attempt, ToSeconds(step.begun.time_since_epoch()),
+        ToSeconds(step.ended - step.begun), step.succeeded ? "met" : "failed",
+        step.succeeded ? "done" : "failed", Escape(step.text));
+  }
+  return html + "</table></div>\n";
+}
+
+std::string MomentsHtml(const Deeds& deeds, const PageFacts& facts) {
+  if (facts.moments.empty()) return {};
+  std::string html =
+      "<h2>Planned and done</h2>\n<p>Left, before each motion: the arm as it is, its goal as a "
+      "ghost, the way of its end effector as a line. Right: where it came to.</p>\n";
+  const std::size_t pairs = std::min(facts.moments.size(), deeds.moments.size());
+  for (std::size_t i = 0; i < pairs; ++i) {
+    const Moment& moment = deeds.moments[i];
+    html += fmt::format(
+        "<figure class=\"pair\"><figcaption>{}. {} <span class=\"run\">{:.2f} s to {:.2f} "
+        "s</span></figcaption>\n{}{}</figure>\n",
+        i + 1, Escape(moment.caption), ToSeconds(moment.planned.time_since_epoch()),
+        ToSeconds(moment.done.time_since_epoch()),
+        PictureHtml(facts.moments[i].planned, moment.caption + " (planned)"),
+        PictureHtml(facts.moments[i].done, moment.caption + " (done)"));
+  }
+  return html;
+}
+
+std::string FiguresHtml(const std::vector<Figure>& figures) {
+  std::string html;
+  for (const Figure& figure : figures) {
+    html += fmt::format("<h2>{}</h2>\n<figure>\n<figcaption>{}</figcaption>\n{}</figure>\n",
+                        Escape(figure.title), Escape(figure.what),
+                        report::InlineSvg(figure.svg, figure.id));
+  }
+  return html;
+}
+
+std::string PlotsHtml(const std::vector<std::filesystem::path>& plots) {
+  if (plots.empty()) return {};
+  std::string html = "<h2>The whole run, joint by joint</h2>\n";
+  for (const std::filesystem::path& plot : plots) {
+    const std::string name = plot.stem().string();
+    html += fmt::format("<details><summary>{}</summary>\n{}</details>\n", Escape(name),
+                        report::InlineSvg(ReadFile(plot), name));
+  }
+  return html;
+}
+
+}  // namespace
+
+bool Succeeded(const Deeds& deeds, const Judgement& judgement) noexcept {
+  return deeds.task.failure.empty() &&
+         std::ranges::none_of(judgement.findings,
+                              [](const Finding& finding) { return finding.met == false; });
+}
+
+std::string FailureOf(const Deeds& deeds, const Judgement& judgement) {
+  if (!deeds.task.failure.empty()) return deeds.task.failure;
+  for (const Finding& finding : judgement.findings) {
+    if (finding.met != false) continue;
+    return fmt::format("{} is {:.4g}{}{}; demanded: {}", finding.quantity, finding.value,
+                       finding.unit.empty() ? "" : " ", finding.unit, finding.demand);
+  }
+  return {};
+}
+
+std::string PageOf(const scenario::Scenario& scenario, const Deeds& deeds,
+                   const Judgement& judgement, const PageFacts& facts) {
+  const bool succeeded = Succeeded(deeds, judgement);
+  std::string body =
+      fmt::format("<h1>{}</h1>\n<p>{}</p>\n", Escape(scenario.name), Escape(scenario.description));
+  body += succeeded ? std::string("<p class=\"met\">succeeded</p>\n")
+                    : fmt::format("<p class=\"failed\">failed: {}</p>\n",
+                                  Escape(FailureOf(deeds, judgement)));
+  if (facts.has_video) body += "<video controls src=\"video.mp4\"></video>\n";
+  body += FindingsHtml(judgement.findings);
+  body += StepsHtml(deeds.task);
+  body += MomentsHtml(deeds, facts);
+  body += FiguresHtml(judgement.figures);
+  body += PlotsHtml(facts.plots);
+  body += report::FactsTable(facts.lines);
+  return report::HtmlPage(scenario.name, body);
+}
+
+}  // namespace twin::application

@@ -1,0 +1,220 @@
+#include "application/pick_judgement.h"
+
+#include <algorithm>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <Eigen/Core>
+
+#include "application/pick_figures.h"
+#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
+
+namespace twin::application {
+namespace {
+
+using plant::ObjectTrack;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kMostDistance = 5e-3;      // m, from the goal
+constexpr double kMostAngle = 3 * kDegree;  // rad
+constexpr double kStillSpeed = 1e-3;        // m/s
+constexpr double kStillTurnRate = kDegree;  // rad/s
+/// A fall of 2 mm takes as long.
+constexpr Duration kLongestFall = std::chrono::milliseconds(20);
+
+double Distance(const Transform& a, const Transform& b) {
+  return (model::Position(a) - model::Position(b)).norm();
+}
+
+double Angle(const Transform& a, const Transform& b) {
+  return model::TurnBetween(a, b).norm();
+}
+
+/// Collects findings.
+class Findings {
+ public:
+  void Tell(std::string quantity, double value, std::string unit = "") {
+    all.push_back({.quantity = std::move(quantity), .value = value, .unit = std::move(unit)});
+  }
+  void Demand(std::string quantity, double value, std::string unit, double most) {
+    const bool met = value <= most;
+    all.push_back({.quantity = std::move(quantity),
+                   .value = value,
+                   .unit = std::move(unit),
+                   .demand = most == 0 ? "none" : fmt::format("at most {:g}", most),
+                   .met = met});
+    if (!all.back().unit.empty() && most != 0) all.back().demand += " " + all.back().unit;
+  }
+
+  std::vector<Finding> all;
+};
+
+/// The longest time in which the object was borne neither by what is around it nor by both fingers.
+Duration LongestFall(const ObjectTrack& track) {
+  Duration longest{};
+  for (std::size_t i = 0; i < track.changes.size(); ++i) {
+    const plant::Support& now = track.changes[i].now;
+    // Before the first step it stands exactly on its place, which is no contact yet.
+    if (i == 0 || now.world || now.between_fingers()) continue;
+    const Time end = i + 1 < track.changes.size() ? track.changes[i + 1].at : track.last.at;
+    longest = std::max(longest, end - track.changes[i].at);
+  }
+  return longest;
+}
+
+/// When the object was in the fingers alone: from the last time it left its place until it first
+/// came to rest on another.
+struct Carried {
+  Time begin{};
+  Time end{};
+};
+
+std::optional<Carried> WhenCarried(const ObjectTrack& track) {
+  std::optional<Carried> carried;
+  for (std::size_t i = 0; i + 1 < track.changes.size(); ++i) {
+    const plant::Support& now = track.changes[i].now;
+    if (now.world || !now.between_fingers()) continue;
+    const Time end = track.changes[i + 1].at;
+    if (!carried || end - track.changes[i].at > carried->end - carried->begin) {
+      carried = Carried{track.changes[i].at, end};
+    }
+  }
+  return carried;
+}
+
+/// How far the object moved in the hand while it was carried.
+void TellSlip(const ObjectTrack& track, Findings& findings) {
+  const auto carried = WhenCarried(track);
+  if (!carried) return;
+  std::optional<Transform> first;
+  double distance = 0;
+  double angle = 0;
+  for (const plant::ObjectSample& sample : track.samples) {
+    if (sample.at < carried->begin || sample.at > carried->end) continue;
+    if (!first) first = sample.X_HB;
+    distance = std::max(distance, Distance(*first, sample.X_HB));
+    angle = std::max(angle, Angle(*first, sample.X_HB));
+  }
+  findings.Tell("the object moved in the hand while it was carried, at most", distance * 1e3, "mm");
+  findings.Tell("it turned there by at most", angle / kDegree, "deg");
+}
+
+/// How far the closing fingers moved the object.
+void TellPush(const ObjectTrack& track, const PickTask& task, Findings& findings) {
+  const auto carried = WhenCarried(track);
+  if (!carried) return;
+  Transform last = task.object.X_WB;
+  for (const plant::ObjectSample& sample : track.samples) {
+    if (sample.at <= carried->begin) last = sample.X_WB;
+  }
+  findings.Tell("the grasp moved the object by", Distance(task.object.X_WB, last) * 1e3, "mm");
+}
+
+std::vector<std::string> UnwantedContacts(const PickTask& task, const plant::ContactWatch& contacts,
+                                          const ObjectTrack& track) {
+  std::vector<std::string> unwanted;
+  for (const plant::ContactPair& pair : contacts.Pairs()) {
+    const bool is_finger = pair.a == "panda_leftfinger" || pair.a == "panda_rightfinger";
+    if (is_finger && pair.b == task.object.name) continue;
+    unwanted.push_back(fmt::format("{} and {}", pair.a, pair.b));
+  }
+  for (const plant::ObjectContact& contact : track.touched) {
+    if (contact.part == task.from || contact.part == task.to) continue;
+    unwanted.push_back(fmt::format("{} and {}", track.body, contact.part));
+  }
+  return unwanted;
+}
+
+/// What really became of the object.
+void JudgeTruth(const PickTask& task, const plant::ContactWatch& contacts, const ObjectTrack& track,
+                Findings& findings) {
+  const plant::ObjectSample& end = track.last;
+  findings.Demand("the object's distance from its goal in the end",
+                  Distance(end.X_WB, task.O_T_goal) * 1e3, "mm", kMostDistance * 1e3);
+  findings.Demand("its angle from its goal", Angle(end.X_WB, task.O_T_goal) / kDegree, "deg",
+                  kMostAngle / kDegree);
+  findings.Demand("its speed in the end", end.speed * 1e3, "mm/s", kStillSpeed * 1e3);
+  findings.Demand("the rate at which it turns in the end", end.turn_rate / kDegree, "deg/s",
+                  kStillTurnRate / kDegree);
+  findings.Demand("longest time in which nothing bore it", ToSeconds(LongestFall(track)) * 1e3,
+                  "ms", ToSeconds(kLongestFall) * 1e3);
+  const std::vector<std::string> unwanted = UnwantedContacts(task, contacts, track);
+  findings.Demand(unwanted.empty()
+                      ? "contacts other than fingers and object, object and surfaces"
+                      : fmt::format("contacts that should not be: {}", fmt::join(unwanted, "; ")),
+                  static_cast<double>(unwanted.size()), "", 0);
+  TellPush(track, task, findings);
+  TellSlip(track, findings);
+}
+
+/// Nothing where nobody simulates it.
+std::optional<ObjectTrack> TrackOf(const std::string& object, const Evidence& evidence) {
+  if (evidence.contacts == nullptr) return std::nullopt;
+  std::vector<ObjectTrack> tracks = evidence.contacts->objects().Tracks();
+  const auto track = std::ranges::find(tracks, object, &ObjectTrack::body);
+  if (track == tracks.end()) return std::nullopt;
+  return std::move(*track);
+}
+
+void DemandLimits(const PickTrace& trace, Findings& findings) {
+  if (trace.t.empty()) return;
+  findings.Demand("velocity of the reference, of a joint's limit at most",
+                  std::ranges::max(trace.velocity) * 1e2, "%", 100);
+  findings.Demand("acceleration of the reference, of a joint's limit at most",
+                  std::ranges::max(trace.acceleration) * 1e2, "%", 100);
+  findings.Demand("jerk of the reference, of a joint's limit at most",
+                  std::ranges::max(trace.jerk) * 1e2, "%", 100);
+}
+
+/// What the robot knows of it. @param is_all  whether nothing else is known.
+void JudgeReports(const PickRecord& record, bool is_all, Findings& findings) {
+  if (!record.is_placed) return;
+  const Transform O_T_object = model::Multiply(record.O_T_EE_placed, model::Inverse(record.B_T_EE));
+  const double distance = Distance(O_T_object, record.task.O_T_goal) * 1e3;
+  const double angle = Angle(O_T_object, record.task.O_T_goal) / kDegree;
+  const char* quantity = "distance from the goal when it was let go, by the robot's joints";
+  const char* turned = "angle from the goal then, by the robot's joints";
+  if (is_all) {
+    findings.Demand(quantity, distance, "mm", kMostDistance * 1e3);
+    findings.Demand(turned, angle, "deg", kMostAngle / kDegree);
+  } else {
+    findings.Tell(quantity, distance, "mm");
+    findings.Tell(turned, angle, "deg");
+  }
+  findings.Tell("width in the hand as it was gripped", record.width_grasped * 1e3, "mm");
+  findings.Tell("width in the hand before it was let go", record.width_placed * 1e3, "mm");
+}
+
+}  // namespace
+
+Judgement JudgePick(const PickRecord& record, const Deeds& deeds, const Evidence& evidence) {
+  Findings findings;
+  findings.Demand(record.robot_errors.empty() ? "errors of the robot"
+                                              : fmt::format("errors of the robot: {}",
+                                                            fmt::join(record.robot_errors, "; ")),
+                  static_cast<double>(record.robot_errors.size()), "", 0);
+  const std::optional<ObjectTrack> track = TrackOf(record.task.object.name, evidence);
+  if (track) JudgeTruth(record.task, *evidence.contacts, *track, findings);
+  JudgeReports(record, !track, findings);
+  const auto failed = std::ranges::count(deeds.task.steps, false, &StepReport::succeeded);
+  findings.Tell("attempts that were repeated or failed", static_cast<double>(failed));
+  findings.Tell("planned time of all ways", ToSeconds(record.moved), "s");
+  if (evidence.session.counts.cycles() > 0) {
+    findings.Tell("cycles the robot did without a command",
+                  evidence.session.counts.unserved_percent(), "%");
+  }
+  Judgement judgement;
+  if (!evidence.log.empty()) {
+    const PickTrace trace = ReadPickTrace(evidence.log, record.limits);
+    DemandLimits(trace, findings);
+    judgement.figures = PickFigures(trace, track ? &*track : nullptr);
+  }
+  judgement.findings = std::move(findings.all);
+  return judgement;
+}
+
+}  // namespace twin::application

@@ -1,0 +1,263 @@
+#include "application/pick_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "twin/application/way.h"
+#include "twin/core/check.h"
+#include "twin/core/error.h"
+#include "twin/core/hand_command.h"
+#include "twin/model/arm_model.h"
+#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
+
+namespace twin::application {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kSamePlace = 1e-4;  // m and rad
+constexpr double kHigher = 0.12;     // m, of points over which to go
+constexpr double kNearer = 0.75;     // of the distance from the robot, of points nearer to it
+constexpr int kSlowings = 4;
+
+Vector3d VectorOf(const Vector3& v) {
+  return {v[0], v[1], v[2]};
+}
+
+Transform MovedBy(Transform X, const Vector3d& by) {
+  for (std::size_t i = 0; i < 3; ++i) X[12 + i] += by[static_cast<Eigen::Index>(i)];
+  return X;
+}
+
+bool SamePose(const Transform& a, const Transform& b) {
+  return (model::Position(a) - model::Position(b)).norm() < kSamePlace &&
+         model::TurnBetween(a, b).norm() < kSamePlace;
+}
+
+/// Half way, nearer to the robot and above both.
+Transform Between(const Transform& a, const Transform& b) {
+  Vector3d p = (model::Position(a) + model::Position(b)) / 2;
+  p.head<2>() *= kNearer;
+  p.z() = std::max(a[14], b[14]) + kHigher / 2;
+  const Vector3d half_turn = model::TurnBetween(a, b) / 2;
+  return model::Pose(model::Exp(half_turn) * model::Orientation(a), p);
+}
+
+std::vector<reference::PoseWaypoint> WaypointsOf(const std::vector<Transform>& poses) {
+  std::vector<reference::PoseWaypoint> waypoints;
+  waypoints.reserve(poses.size());
+  for (const Transform& pose : poses) waypoints.push_back({.O_T_EE = pose});
+  return waypoints;
+}
+
+}  // namespace
+
+std::string_view Name(Leg leg) noexcept {
+  switch (leg) {
+    case Leg::kApproach: return "approach";
+    case Leg::kGrasp: return "grasp";
+    case Leg::kLift: return "lift";
+    case Leg::kTransfer: return "transfer";
+    case Leg::kPlace: return "place";
+    case Leg::kRetreat: return "retreat";
+  }
+  return "";
+}
+
+reference::PoseTrajectory PathOf(const LegPlan& leg, const CartesianLimits& limits) {
+  return reference::PoseTrajectory(WaypointsOf(leg.poses), {.duration = leg.duration}, limits);
+}
+
+PickPlanner::PickPlanner(planning::CollisionWorld& world, const PickRobot& robot, PickTask task,
+                         const PickOptions& options)
+    : world_(world), robot_(robot), task_(std::move(task)), options_(options) {}
+
+Transform PickPlanner::PoseAt(const JointVector& q) const noexcept {
+  return model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q, robot_.F_T_EE);
+}
+
+double PickPlanner::OpeningFor(const Grip& grip) const noexcept {
+  return std::min(kHandStroke, grip.width + options_.room);
+}
+
+std::vector<Grip> PickPlanner::Grips() const {
+  return GripsOf(task_.object, task_.from_up,
+                 {.palm = options_.clearance + 2e-3,
+                  .below = options_.near + 3e-3,
+                  .beside = options_.near + 1e-3});
+}
+
+std::vector<PickPlanner::Route> PickPlanner::RoutesOf(Leg leg, const Transform& here,
+                                                      const Grip& grip) const {
+  const Transform NE_T_EE = model::Multiply(model::Inverse(robot_.F_T_NE), robot_.F_T_EE);
+  const Transform B_T_EE = model::Multiply(grip.B_T_NE, NE_T_EE);
+  const Vector3d from_up = VectorOf(task_.from_up);
+  const Vector3d to_up = VectorOf(task_.to_up);
+  const Transform at_object = model::Multiply(task_.object.X_WB, B_T_EE);
+  const Transform above_object = MovedBy(at_object, options_.above * from_up);
+  const Transform at_goal = MovedBy(model::Multiply(task_.O_T_goal, B_T_EE), options_.gap * to_up);
+  const Transform above_goal = MovedBy(at_goal, options_.above * to_up);
+  const Vector3d higher(0, 0, kHigher);
+  switch (leg) {
+    case Leg::kApproach:
+      return {{above_object},
+              {MovedBy(above_object, higher), above_object},
+              {MovedBy(here, higher), MovedBy(above_object, higher), above_object}};
+    case Leg::kGrasp: return {{at_object}};
+    case Leg::kLift: return {{above_object}};
+    case Leg::kTransfer: {
+      const double rise = std::max(0.0, above_goal[14] - here[14]);
+      const Transform risen = MovedBy(here, Vector3d(0, 0, rise));
+      return {{above_goal},
+              {risen, above_goal},
+              {Between(here, above_goal), above_goal},
+              {MovedBy(risen, higher), MovedBy(above_goal, higher), above_goal},
+              {risen, Between(risen, above_goal), above_goal}};
+    }
+    case Leg::kPlace: return {{at_goal}};
+    case Leg::kRetreat: {
+      const Vector3d away =
+          model::Orientation(task_.O_T_goal) * VectorOf(grip.B_up) * options_.above;
+      return {{MovedBy(at_goal, away)}};
+    }
+  }
+  return {};
+}
+
+void PickPlanner::SetWorld(Leg leg, const Grip& grip) {
+  const std::string& name = task_.object.name;
+  world_.Detach();
+  world_.ForbidAll();
+  const bool is_held = leg == Leg::kLift || leg == Leg::kTransfer || leg == Leg::kPlace;
+  world_.SetHandWidth(is_held ? grip.width : OpeningFor(grip));
+  if (is_held) {
+    world_.Attach(name, model::Multiply(robot_.F_T_NE, model::Inverse(grip.B_T_NE)));
+    if (leg == Leg::kLift) world_.Allow(name, task_.from);
+    if (leg == Leg::kPlace) world_.Allow(name, task_.to);
+  } else {
+    world_.Place(name, leg == Leg::kRetreat ? task_.O_T_goal : task_.object.X_WB);
+  }
+}
+
+std::variant<PickPlanner::Way, std::string> PickPlanner::Followed(
+    LegPlan leg, const JointVector& q, const reference::Timing& pace) const {
+  reference::PoseTrajectory path(WaypointsOf(leg.poses), pace, robot_.cartesian);
+  for (int slowing = 0;; ++slowing) {
+    auto outcome = planning::Follow(path, q, robot_.F_T_EE, robot_.limits, options_.follow);
+    if (auto* why = std::get_if<std::string>(&outcome)) return std::move(*why);
+    auto& followed = std::get<planning::Followed>(outcome);
+    leg.duration = path.duration();
+    const double slower = std::max(followed.velocity_load, std::sqrt(followed.acceleration_load));
+    if (slower <= 1) return Way{std::move(leg), std::move(followed.q)};
+    if (slowing == kSlowings) {
+      return fmt::format("near a singularity: the joints would be {:.1f} times too fast", slower);
+    }
+    leg.duration = FromSeconds(1.02 * slower * ToSeconds(leg.duration));
+    path = PathOf(leg, robot_.cartesian);
+  }
+}
+
+std::variant<LegPlan, std::string> PickPlanner::Try(const Route& route, const JointVector& q,
+                                                    const reference::Timing& pace,
+                                                    double clearance) {
+  LegPlan leg{.poses = {PoseAt(q)}, .q_start = q, .q_end = q};
+  for (const Transform& pose : route) {
+    if (!SamePose(leg.poses.back(), pose)) leg.poses.push_back(pose);
+  }
+  if (leg.poses.size() == 1) return LegPlan{.q_start = q, .q_end = q};
+  try {
+    auto followed = Followed(std::move(leg), q, pace);
+    if (auto* why = std::get_if<std::string>(&followed)) return std::move(*why);
+    Way& way = std::get<Way>(followed);
+    if (auto touch = planning::FirstTouch(world_, way.q, clearance)) return std::move(*touch);
+    way.leg.q_end = way.q.back();
+    std::vector<Vector3> points;
+    points.reserve(way.q.size());
+    for (const JointVector& at : way.q) {
+      const Transform X = PoseAt(at);
+      points.push_back({X[12], X[13], X[14]});
+    }
+    way.leg.way = Thinned(points);
+    return std::move(way.leg);
+  } catch (const InputError& error) {  // half a turn: there is no shortest way
+    return error.what();
+  }
+}
+
+bool PickPlanner::Search(const JointVector& q, std::size_t number, PickPlan& plan) {
+  if (number == kLegs) return true;
+  const Leg leg = static_cast<Leg>(number);
+  const bool is_across = leg == Leg::kApproach || leg == Leg::kTransfer;
+  const bool is_down = leg == Leg::kGrasp || leg == Leg::kPlace;
+  for (const Route& route : RoutesOf(leg, PoseAt(q), plan.grip)) {
+    SetWorld(leg, plan.grip);
+    auto tried = Try(route, q, is_down ? options_.down_pace : options_.pace,
+                     is_across ? options_.clearance : options_.near);
+    if (const auto* why = std::get_if<std::string>(&tried)) {
+      if (failure_.empty() || number > furthest_) {
+        furthest_ = number;
+        failure_ = *why;
+      }
+      continue;
+    }
+    plan.legs[number] = std::move(std::get<LegPlan>(tried));
+    if (Search(plan.legs[number].q_end, number + 1, plan)) return true;
+  }
+  return false;
+}
+
+std::variant<PickPlan, std::string> PickPlanner::Plan(const JointVector& q) {
+  furthest_ = 0;
+  failure_.clear();
+  const std::vector<Grip> grips = Grips();
+  if (grips.empty()) {
+    return fmt::format(
+        "{} ({} x {} x {} m) cannot be gripped from above: it is too wide for the hand, which "
+        "opens "
+        "by {} m, or too flat",
+        task_.object.name, task_.object.size[0], task_.object.size[1], task_.object.size[2],
+        kHandStroke);
+  }
+  std::optional<PickPlan> best;
+  for (const Grip& grip : grips) {
+    auto planned = PlanWith(q, Leg::kApproach, grip);
+    auto* plan = std::get_if<PickPlan>(&planned);
+    if (plan == nullptr || (best && best->duration <= plan->duration)) continue;
+    best = std::move(*plan);
+  }
+  if (best) return std::move(*best);
+  return fmt::format("of {} grips none leads to the goal; the best fails at the way \"{}\": {}",
+                     grips.size(), Name(static_cast<Leg>(furthest_)), failure_);
+}
+
+std::variant<PickPlan, std::string> PickPlanner::PlanFrom(const JointVector& q, Leg first,
+                                                          const Grip& grip) {
+  furthest_ = 0;
+  failure_.clear();
+  return PlanWith(q, first, grip);
+}
+
+std::variant<PickPlan, std::string> PickPlanner::PlanWith(const JointVector& q, Leg first,
+                                                          const Grip& grip) {
+  PickPlan plan{.grip = grip, .legs = {}};
+  const auto number = static_cast<std::size_t>(first);
+  if (!Search(q, number, plan)) {
+    return fmt::format("the way \"{}\": {}", Name(static_cast<Leg>(furthest_)), failure_);
+  }
+  for (const LegPlan& leg : plan.legs) plan.duration += leg.duration;
+  return plan;
+}
+
+std::variant<LegPlan, std::string> PickPlanner::BackOff(const JointVector& q, const Grip& grip) {
+  SetWorld(Leg::kGrasp, grip);
+  return Try({MovedBy(PoseAt(q), options_.above * VectorOf(task_.from_up))}, q, options_.pace,
+             options_.near);
+}
+
+}  // namespace twin::application

@@ -1,0 +1,46 @@
+#include "twin/application/stage.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/model/transform.h"
+
+namespace twin::application {
+
+Stage::Stage(scenario::Session& session, const scenario::Scenario& scenario,
+             const scenario::RunFiles& files, const Clock& clock,
+             std::function<void(std::string_view)> tell)
+    : session_(session),
+      scenario_(scenario),
+      files_(files),
+      clock_(clock),
+      tell_(std::move(tell)),
+      F_T_EE_(model::Multiply(session.robot().F_T_NE, scenario.onboard.NE_T_EE.Matrix())) {}
+
+planning::CollisionWorld& Stage::World() {
+  if (!world_) {
+    world_ = std::make_unique<planning::CollisionWorld>(
+        scenario::MakeRobotConfig(scenario_, robot(), files_).plant);
+  }
+  return *world_;
+}
+
+scenario::Motion Stage::NewMotion(std::string name, control::CommandInterface interface,
+                                  reference::Trajectory trajectory) const {
+  return scenario::MotionOn(scenario_, std::move(name), interface, std::move(trajectory));
+}
+
+TaskReport Stage::Carry(const std::vector<TaskStep>& steps) const {
+  const auto told = [this](const StepReport& step) {
+    const std::string line =
+        fmt::format("{}: {}{}{}", step.name, step.succeeded ? "done" : "failed",
+                    step.text.empty() ? "" : ", ", step.text);
+    session_.Tell("step", line);
+    Tell(fmt::format("{:8.3f} s  {}", ToSeconds(step.ended.time_since_epoch()), line));
+  };
+  return application::Carry(
+      steps, [this] { return session_.Now(); }, told, [this] { return session_.interrupted(); });
+}
+
+}  // namespace twin::application

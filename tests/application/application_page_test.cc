@@ -1,0 +1,80 @@
+#include "twin/application/page.h"
+
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.h"
+#include "twin/core/error.h"
+
+namespace twin::application {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+scenario::Scenario Task() {
+  scenario::Scenario scenario;
+  scenario.name = "task";
+  scenario.description = "Fetch & carry.";
+  return scenario;
+}
+
+Deeds Done() {
+  Deeds deeds;
+  deeds.task.steps = {{.name = "reach", .succeeded = true}};
+  return deeds;
+}
+
+TEST(ApplicationPageTest, SucceedsWhenEveryStepIsDoneAndEveryDemandMet) {
+  Judgement judgement{
+      .findings = {{.quantity = "way", .value = 1}, {.quantity = "x", .met = true}}};
+  EXPECT_TRUE(Succeeded(Done(), judgement));
+  EXPECT_EQ(FailureOf(Done(), judgement), "");
+  judgement.findings[1] = {
+      .quantity = "error", .value = 7.5, .unit = "mm", .demand = "at most 5 mm", .met = false};
+  EXPECT_FALSE(Succeeded(Done(), judgement));
+  EXPECT_EQ(FailureOf(Done(), judgement), "error is 7.5 mm; demanded: at most 5 mm");
+  Deeds deeds = Done();
+  deeds.task.failure = "step grasp failed: nothing there";
+  EXPECT_EQ(FailureOf(deeds, judgement), "step grasp failed: nothing there");
+}
+
+TEST(ApplicationPageTest, TellsStepsFindingsAndFailureAsText) {
+  Deeds deeds = Done();
+  deeds.task.steps.push_back(
+      {.name = "grasp", .attempt = 2, .succeeded = false, .text = "width < 1 mm"});
+  deeds.task.failure = "step grasp failed: width < 1 mm";
+  const std::string page =
+      PageOf(Task(), deeds, {.findings = {{.quantity = "force", .value = 3, .unit = "N"}}}, {});
+  EXPECT_THAT(page, HasSubstr("Fetch &amp; carry."));
+  EXPECT_THAT(page, HasSubstr("failed: step grasp failed: width &lt; 1 mm"));
+  EXPECT_THAT(page, HasSubstr("<td>force</td><td>3</td>"));
+  EXPECT_THAT(page, HasSubstr("<td>grasp</td><td>2</td>"));
+  EXPECT_THAT(page, Not(HasSubstr("<video")));
+}
+
+TEST(ApplicationPageTest, HasItsPicturesInIt) {
+  const test::TemporaryFolder folder;
+  // Of 1, 2 and 3 bytes: each rest of three once.
+  for (const auto& [name, bytes] : {std::pair{"a.png", "M"}, {"b.png", "Ma"}, {"c.png", "Man"}}) {
+    std::ofstream(folder / name) << bytes;
+  }
+  Deeds deeds = Done();
+  deeds.moments = {{.id = "a", .caption = "Reach"}, {.id = "b", .caption = "Grasp"}};
+  PageFacts facts;
+  facts.moments = {{folder / "a.png", folder / "b.png"}, {folder / "c.png", {}}};
+  facts.has_video = true;
+  const std::string page = PageOf(Task(), deeds, {}, facts);
+  EXPECT_THAT(page, HasSubstr("base64,TQ==\""));
+  EXPECT_THAT(page, HasSubstr("base64,TWE=\""));
+  EXPECT_THAT(page, HasSubstr("base64,TWFu\""));
+  EXPECT_THAT(page, HasSubstr("<video"));
+  facts.moments[0].done = folder / "none.png";
+  EXPECT_THROW((void)PageOf(Task(), deeds, {}, facts), EnvironmentError);
+}
+
+}  // namespace
+}  // namespace twin::application

@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "application/performance.h"
+#include "support/temporary_folder.h"
+#include "twin/core/error.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::application {
+namespace {
+
+using testing::HasSubstr;
+
+scenario::Scenario Shipped(const std::string& name = "pick_and_place") {
+  return scenario::Load(test::FileOf(name));
+}
+
+/// The shipped one with another text in one place.
+scenario::Scenario With(const std::string& from, const std::string& to) {
+  std::string text = scenario::ToYaml(Shipped());
+  text.replace(text.find(from), from.size(), to);
+  return scenario::Parse(text, "task.yaml");
+}
+
+std::string Refusal(const scenario::Scenario& scenario) {
+  try {
+    (void)Make(scenario);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<std::string> StepsOf(const test::Performance& performance) {
+  std::vector<std::string> steps;
+  for (const StepReport& step : performance.deeds.task.steps) steps.push_back(step.name);
+  return steps;
+}
+
+TEST(PickAndPlaceTest, CarriesTheParcelUpAndTurnsIt) {
+  const twin::test::TemporaryFolder folder;
+  test::Performance performance(Shipped(), folder.path());
+  performance.Perform();
+  EXPECT_TRUE(performance.succeeded()) << performance.Story();
+  EXPECT_EQ(performance.judgement.figures.size(), 3U);
+  ASSERT_EQ(performance.deeds.moments.size(), 6U);
+  const std::vector<Moment>& moments = performance.deeds.moments;
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_LT(moments[i].planned, moments[i].done) << moments[i].id;
+    EXPECT_GT(moments[i].way.size(), 2U);
+    EXPECT_EQ(moments[i].object, i >= 2 && i <= 4 ? "parcel" : "") << moments[i].id;
+  }
+  // From lift to transfer: 0.2 m up, and a quarter of a turn, in the plan's own words.
+  const Transform& lifted = moments[2].O_T_object;
+  const Transform& above = moments[3].O_T_object;
+  EXPECT_NEAR(above[14] - lifted[14], 0.2, 0.031);
+  const double turned = std::atan2(above[1], above[0]) - std::atan2(lifted[1], lifted[0]);
+  EXPECT_NEAR(std::remainder(turned, 2 * M_PI), M_PI / 2, 0.9) << "of this seed";
+}
+
+TEST(PickAndPlaceTest, CarriesACan) {
+  test::Performance performance(Shipped("pick_and_place_can"));
+  performance.Perform();
+  EXPECT_TRUE(performance.succeeded()) << performance.Story();
+}
+
+TEST(PickAndPlaceTest, TiltsTheParcelOntoASurfaceThatLeans) {
+  test::Performance performance(Shipped("pick_and_place_tilted"));
+  performance.Perform();
+  EXPECT_TRUE(performance.succeeded()) << performance.Story();
+  const Transform& goal = performance.deeds.moments.at(4).O_T_object;
+  EXPECT_LT(goal[10], std::cos(0.25)) << "by 15 degrees at least";
+}
+
+TEST(PickAndPlaceTest, SaysWhichWayLeadsNowhere) {
+  scenario::Scenario scenario = Shipped();
+  scenario.objects[1].pose.position[0] = 1.3;
+  test::Performance performance(scenario);
+  performance.Perform();
+  EXPECT_FALSE(performance.succeeded());
+  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("step plan failed"));
+  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("the way \"transfer\""));
+  EXPECT_EQ(performance.deeds.task.steps.size(), 1U) << "nothing has moved";
+}
+
+TEST(PickAndPlaceTest, NamesWhatIsInTheWay) {
+  scenario::Scenario scenario = Shipped();
+  scenario::ObjectSection roof{.name = "roof", .size = {0.5, 0.5, 0.02}};
+  roof.pose.position = {0.46, -0.3, 0.36};
+  scenario.objects.push_back(roof);
+  test::Performance performance(scenario);
+  performance.Perform();
+  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("roof"));
+}
+
+// The robot is told of an object that is not there: it stands aside.
+TEST(PickAndPlaceTest, TriesToGraspWhatIsNotThereAndGivesUp) {
+  scenario::Scenario scenario = Shipped();
+  for (scenario::ObjectSection& object : scenario.objects) object.spread = {};
+  // It slides off a leaning board, out from under the hand, before the hand is there.
+  scenario.objects[2].friction = 0;
+  scenario.objects[0].friction = 0;
+  scenario.objects[0].pose.rpy = {0, 0.1, 0};
+  test::Performance performance(scenario);
+  performance.Perform();
+  EXPECT_FALSE(performance.succeeded());
+  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("step grasp failed"));
+  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("(attempt 3)"));
+  EXPECT_EQ(StepsOf(performance), (std::vector<std::string>{"plan", "approach", "grasp", "approach",
+                                                            "grasp", "approach", "grasp"}));
+}
+
+// Somebody pushes the hand while it carries: the robot stops itself, recovers, and goes on.
+TEST(PickAndPlaceTest, GoesOnAfterAReflex) {
+  scenario::Scenario scenario = Shipped();
+  plant::Push push{.body = "panda_link7", .begin = std::chrono::seconds(11)};
+  push.force = {0, 0, 60};
+  scenario.perturbations.push_back(push);
+  test::Performance performance(scenario);
+  performance.Perform();
+  EXPECT_TRUE(performance.deeds.task.failure.empty()) << performance.Story();
+  EXPECT_EQ(std::ranges::count(StepsOf(performance), "transfer"), 2) << performance.Story();
+  EXPECT_TRUE(*performance.Find("the object's distance")->met);
+  EXPECT_TRUE(*performance.Find("longest time in which nothing bore it")->met);
+  // What became of the object is well; but the robot has made an error, and none is allowed.
+  ASSERT_NE(performance.Find("errors of the robot"), nullptr);
+  EXPECT_EQ(performance.Find("errors of the robot")->value, 1);
+  EXPECT_FALSE(performance.succeeded());
+}
+
+TEST(PickAndPlaceTest, NoticesADroppedObject) {
+  scenario::Scenario scenario = Shipped();
+  // Somebody tears the parcel out of the hand.
+  plant::Push pull{.body = "parcel", .begin = std::chrono::seconds(11)};
+  pull.force = {0, 0, -110};
+  scenario.perturbations.push_back(pull);
+  test::Performance performance(scenario);
+  performance.Perform();
+  EXPECT_FALSE(performance.succeeded());
+  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("the hand lost the parcel"));
+  EXPECT_FALSE(*performance.Find("longest time in which nothing bore it")->met);
+}
+
+TEST(PickAndPlaceTest, RefusesParametersByPlace) {
+  EXPECT_THAT(Refusal(With("object: \"parcel\"", "object: crate")),
+              HasSubstr("it has: low, high, parcel"));
+  EXPECT_THAT(Refusal(With("object: \"parcel\"", "object: crate")), HasSubstr("task.yaml:"));
+  EXPECT_THAT(Refusal(With("object: \"parcel\"", "object: low")), HasSubstr("fixed to the world"));
+  EXPECT_THAT(Refusal(With("place: {on: \"high\"", "place: {on: shelf")),
+              HasSubstr("application.parameters.place.on"));
+  EXPECT_THAT(Refusal(With("force: \"40 N\"", "force: 40 kg")),
+              HasSubstr("parameters.grasp.force"));
+  EXPECT_THAT(Refusal(With("speed: \"0.05 m/s\"", "haste: 1")), HasSubstr("grasp.haste"));
+  scenario::Scenario scenario = Shipped();
+  scenario.robot.hand = plant::HandKind::kNone;
+  EXPECT_THAT(Refusal(scenario), HasSubstr("robot.hand"));
+}
+
+}  // namespace
+}  // namespace twin::application
