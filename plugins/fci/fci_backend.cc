@@ -97,7 +97,7 @@ class FciBackend final : public backend::Backend {
         client_(host.clock, host.address, port_, PatienceFor(host.time), host.capture) {
     if (request.robot.plant.hand == plant::HandKind::kNone) return;
     const auto next = static_cast<std::uint16_t>(port_ + 1);
-    hand_.emplace(host.address, host.hand_port == 0 ? next : host.hand_port, host.capture);
+    hand_.emplace(host.address, next, host.capture);
   }
 
   [[nodiscard]] rt::Arrival& arrival() noexcept { return client_.arrival(); }
@@ -118,6 +118,7 @@ class FciBackend final : public backend::Backend {
     if (time_ == backend::RobotTime::kStates) found_none_ = true;
   }
   void Stop() override;
+  /// The robot begins once the arm rests, and answers at its end.
   void Recover() override {
     const RecoveryStatus status = client_.Recover();
     backend::RequireRecovered(status, mode());

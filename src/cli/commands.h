@@ -37,6 +37,7 @@ struct NetworkFlags {
 
 struct RunFlags {
   std::filesystem::path scenario;
+  std::optional<std::string> lab;  ///< laid over the scenario: a name in models/labs, or a file
   std::optional<std::uint64_t> seed;
   std::filesystem::path out;  ///< empty: out/<scenario's name>
   std::optional<std::string> backend;
@@ -48,6 +49,9 @@ struct RunFlags {
   std::optional<int> ext_cpu;             ///< processor of the communication thread; real time
   std::optional<int> int_cpu;             ///< processor of the robot's thread; real time
   std::optional<std::filesystem::path> capture;  ///< backend fci
+  std::optional<int> seeds;  ///< of an application: so many, one run each, from the seed on
+  int threads = 2;           ///< with seeds
+  double least_share = 100;  ///< with seeds: percent that must succeed
   bool no_video = false;
   bool rebuild_cache = false;
   bool quiet = false;
@@ -56,6 +60,7 @@ struct RunFlags {
 
 struct ServeFlags {
   std::filesystem::path scenario;              ///< robot, scene, start; empty: the ready pose
+  std::optional<std::string> lab;              ///< as run's
   std::optional<std::filesystem::path> scene;  ///< instead of the scenario's
   std::optional<std::uint64_t> seed;
   NetworkFlags network;
@@ -82,9 +87,13 @@ struct ProxyFlags {
 struct ExperimentFlags {
   std::vector<std::string> ids;  ///< or all
   std::optional<std::uint64_t> seed;
-  int seeds = 20;  ///< runs of what is averaged, in [1, 1000]
-  std::filesystem::path out = "out/experiments";
+  std::string drive = "lockstep";  ///< or realtime
+  std::optional<int> seeds;        ///< runs of what is averaged, in [1, 1000]; 20, in realtime 5
+  std::optional<std::filesystem::path> out;  ///< out/experiments, or out/experiments_realtime
   std::optional<std::filesystem::path> calibration;  ///< instead of models/experiments
+  std::optional<std::string> client;                 ///< a program to be timed, for /bin/sh
+  std::uint16_t port = 1337;                         ///< where the client finds the arm
+  std::optional<double> seconds;                     ///< after which the client is ended
   bool list = false;                                 ///< only say which there are
   bool quiet = false;
   DataFlags data;

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <exception>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -8,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "cli/host.h"
+#include "cli/host_facts.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/result_folder.h"
@@ -15,8 +18,10 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/experiment/calibration.h"
+#include "twin/experiment/client_study.h"
 #include "twin/experiment/experiment.h"
 #include "twin/experiment/page.h"
+#include "twin/model/model_library.h"
 #include "twin/scenario/data_directory.h"
 
 namespace twin::cli {
@@ -35,7 +40,7 @@ std::string KnownIds() {
 }
 
 /// Those that were asked for, in the order of the paper. @throws InputError for one there is not.
-std::vector<Experiment> Chosen(const std::vector<std::string>& ids) {
+std::vector<Experiment> Chosen(const std::vector<std::string>& ids, bool on_wall_clock) {
   const auto known = experiment::Experiments();
   for (const std::string& id : ids) {
     if (id == "all" || std::ranges::find(known, id, &Experiment::id) != known.end()) continue;
@@ -45,17 +50,86 @@ std::vector<Experiment> Chosen(const std::vector<std::string>& ids) {
   const bool all = std::ranges::find(ids, "all") != ids.end();
   std::vector<Experiment> chosen;
   for (const Experiment& one : known) {
-    if (all || std::ranges::find(ids, one.id) != ids.end()) chosen.push_back(one);
+    const bool by_name = std::ranges::find(ids, one.id) != ids.end();
+    const bool is_there = !on_wall_clock || one.run_on_wall_clock != nullptr;
+    if (by_name && !is_there) {
+      throw InputError(
+          fmt::format("experiment \"{}\": nothing in it hangs on how a machine keeps time; run it "
+                      "without --drive realtime",
+                      one.id));
+    }
+    if ((all && is_there) || by_name) chosen.push_back(one);
   }
   return chosen;
 }
 
-void CheckSeeds(int seeds) {
+bool IsOnWallClock(const ExperimentFlags& flags) {
+  if (flags.client) return true;  // whose clock is this machine's, too
+  if (flags.drive == "lockstep") return false;
+  if (flags.drive == "realtime") return true;
+  throw InputError(fmt::format("--drive {}: must be lockstep or realtime", flags.drive));
+}
+
+/// @returns how many runs. @throws InputError when they are too many or none.
+int SeedsOf(const ExperimentFlags& flags) {
+  constexpr int kDefault = 20;
+  constexpr int kDefaultOnWallClock = 5;
   constexpr int kMost = 1000;
-  if (seeds >= 1 && seeds <= kMost) return;
+  const int seeds = flags.seeds.value_or(IsOnWallClock(flags) ? kDefaultOnWallClock : kDefault);
+  if (seeds >= 1 && seeds <= kMost) return seeds;
   throw InputError(fmt::format(
       "--seeds {}: must be from 1 to {}; so many runs are averaged, the report's default is 20",
       seeds, kMost));
+}
+
+std::string ReadText(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// What kept time, for the report.
+std::string MachineText() {
+  const HostFacts host = ReadHostFacts();
+  return fmt::format(
+      "{} processors ({}{}), {}{}, {}", host.processors, host.processor,
+      host.virtual_machine ? ", virtual" : "", host.kernel,
+      host.realtime_kernel ? " PREEMPT_RT" : "",
+      host.may_use_fifo ? "threads at real-time priority" : "no real-time priority was permitted");
+}
+
+/// Those that are run in lockstep only.
+std::string LeftOutText() {
+  std::string ids;
+  for (const Experiment& one : experiment::Experiments()) {
+    if (one.run_on_wall_clock == nullptr)
+      ids += fmt::format("{}{}", ids.empty() ? "" : ", ", one.id);
+  }
+  return fmt::format(
+      "Left out: {}; nothing in them hangs on how a machine keeps time, and the report in lockstep "
+      "has "
+      "them.",
+      ids);
+}
+
+experiment::ClientProgram ClientOf(const ExperimentFlags& flags, const Host& host) {
+  experiment::ClientProgram program{
+      .command = *flags.client, .arm_port = flags.port, .model_library = {}};
+  if (flags.seconds) program.most = FromSeconds(*flags.seconds);
+  try {
+    program.model_library = model::ReadModelLibrary(model::FindModelLibrary(host.executable));
+  } catch (const EnvironmentError& error) {
+    Say(stderr,
+        fmt::format("panda-twin: note: the client gets no model library: {}\n", error.what()));
+  }
+  return program;
+}
+
+/// @returns the flags. @throws InputError when a client was given beside other experiments.
+const ExperimentFlags& RequireClientAlone(const ExperimentFlags& flags) {
+  if (!flags.client) return flags;
+  if (flags.client->empty()) throw InputError("--client: give the program's command line");
+  if (flags.ids == std::vector<std::string>{"timings"}) return flags;
+  throw InputError("--client goes with the experiment timings, and with that alone");
 }
 
 /// A folder that is there as long as this.
@@ -89,13 +163,17 @@ class ExperimentSession {
   ExperimentSession(const ExperimentFlags& flags, const Host& host,
                     const scenario::Catalogue& catalogue)
       : flags_(flags),
+        host_(host),
         catalogue_(catalogue),
-        chosen_(Chosen(flags.ids)),
+        on_wall_clock_(IsOnWallClock(RequireClientAlone(flags))),
+        seeds_(SeedsOf(flags)),
+        chosen_(Chosen(flags.ids, on_wall_clock_)),
         data_(scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes})),
         cache_(host.cache),
         scenarios_(flags.calibration.value_or(data_.models / "experiments")),
-        out_(flags.out) {
-    CheckSeeds(flags.seeds);
+        out_(flags.out.value_or(flags.client     ? "out/experiments_client"
+                                : on_wall_clock_ ? "out/experiments_realtime"
+                                                 : "out/experiments")) {
     calibration_ = experiment::ReadCalibration(scenarios_);
     RequireProgram("gnuplot", host.path, "apt-get install gnuplot-nox");
   }
@@ -103,6 +181,8 @@ class ExperimentSession {
   ExitCode Execute();
 
  private:
+  /// @throws InputError when something else has the report's place.
+  void RequireOurs() const;
   void Clear() const;
   [[nodiscard]] Findings Do(const Experiment& one, const fs::path& scratch);
   void WriteCsv(const Findings& findings) const;
@@ -115,7 +195,10 @@ class ExperimentSession {
 
   const MonotonicClock clock_;
   const ExperimentFlags& flags_;
+  const Host& host_;
   const scenario::Catalogue& catalogue_;
+  const bool on_wall_clock_;
+  const int seeds_;
   const std::vector<Experiment> chosen_;
   const scenario::DataDirectory data_;
   const fs::path cache_;
@@ -126,17 +209,24 @@ class ExperimentSession {
   std::vector<Findings> findings_;
 };
 
-/// Takes away what an earlier report left, by name.
+void ExperimentSession::RequireOurs() const {
+  std::error_code ignored;
+  if (!fs::exists(page(), ignored)) return;
+  if (!fs::is_regular_file(page(), ignored) || !experiment::IsPage(ReadText(page()))) {
+    throw InputError(
+        fmt::format("{}: is there and no report of panda-twin; choose another folder with --out",
+                    page().string()));
+  }
+}
+
+/// Takes away an earlier report, and the tables that it names.
 void ExperimentSession::Clear() const {
   std::error_code error;
-  fs::remove(page(), error);
-  for (const auto& entry : fs::directory_iterator(tables(), error)) {
-    const std::string name = entry.path().filename();
-    const bool is_ours = std::ranges::any_of(experiment::Experiments(), [&](const Experiment& one) {
-      return name.starts_with(fmt::format("{}_", one.id)) && name.ends_with(".csv");
-    });
-    std::error_code ignored;
-    if (is_ours) fs::remove(entry.path(), ignored);
+  if (fs::exists(page(), error)) {
+    for (const std::string& name : experiment::CsvNamesOf(ReadText(page()))) {
+      fs::remove(tables() / name, error);
+    }
+    fs::remove(page(), error);
   }
   fs::create_directories(tables(), error);
   if (error) {
@@ -153,13 +243,17 @@ Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
       .scenarios = scenarios_,
       .scratch = scratch,
       .seed = flags_.seed.value_or(1),
-      .seeds = flags_.seeds,
+      .seeds = seeds_,
+      .is_calibrated = !flags_.calibration,
+      .on_wall_clock = on_wall_clock_,
       .progress = [&progress](double share) { progress.Show(share, ""); },
       .interrupted = interrupt_.flag()};
   try {
-    return one.run(setting);
+    if (flags_.client) return experiment::RunClientStudy(setting, ClientOf(flags_, host_));
+    return on_wall_clock_ ? one.run_on_wall_clock(setting) : one.run(setting);
   } catch (const std::exception& failure) {
     interrupt_.ThrowIfInterrupted();
+    if (flags_.client && dynamic_cast<const EnvironmentError*>(&failure) != nullptr) throw;
     return {.id = std::string(one.id), .title = std::string(one.title), .failure = failure.what()};
   }
 }
@@ -172,9 +266,13 @@ void ExperimentSession::WriteCsv(const Findings& findings) const {
 
 void ExperimentSession::WritePage() const {
   experiment::PageFacts facts{.seed = flags_.seed.value_or(1),
-                              .seeds = flags_.seeds,
+                              .seeds = seeds_,
                               .calibration = calibration_.hash,
                               .version = TWIN_VERSION};
+  if (on_wall_clock_) {
+    facts.machine = MachineText();
+    if (!flags_.client) facts.left_out = LeftOutText();
+  }
   for (const std::string& yaml : calibration_.yaml) (facts.parameters += yaml) += '\n';
   WriteWholeFile(page(), experiment::Page(findings_, facts));
 }
@@ -198,17 +296,18 @@ bool ExperimentSession::TellFailures() const {
 
 ExitCode ExperimentSession::Execute() {
   out_.Prepare();
-  Clear();
+  RequireOurs();
   const ScratchFolder scratch(out_.folder() / "scratch.partial");
   for (const Experiment& one : chosen_) {
     const Time begin = clock_.Now();
     findings_.push_back(Do(one, scratch.path()));
     interrupt_.ThrowIfInterrupted();
-    WriteCsv(findings_.back());
     if (flags_.quiet) continue;
     Say(stdout, fmt::format("{:<14}{} ({:.1f} s)\n", one.id, experiment::Outcome(findings_.back()),
                             ToSeconds(clock_.Now() - begin)));
   }
+  Clear();  // what was there stays until there is something in its place
+  for (const Findings& findings : findings_) WriteCsv(findings);
   WritePage();
   if (!flags_.quiet) Say(stdout, fmt::format("report        {}\n", page().string()));
   return TellFailures() ? kOk : kFailed;

@@ -3,18 +3,15 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <memory>
 #include <string>
 
 #include "cli/exit_code.h"
 #include "cli/program.h"
-#include "controllers/joint_effort.h"
-#include "controllers/joint_trajectory.h"
+#include "controllers/registration.h"
 #include "plugins/fci/fci_backend.h"
 #include "plugins/mujoco/mujoco_backend.h"
 #include "twin/backend/registry.h"
 #include "twin/control/registry.h"
-#include "twin/core/error.h"
 
 namespace {
 
@@ -30,29 +27,6 @@ std::filesystem::path CacheFolder() {
   const std::string home = Environment("HOME");
   if (home.starts_with('/')) return std::filesystem::path(home) / ".cache" / "panda-twin";
   return {};
-}
-
-std::unique_ptr<twin::control::Controller> MakeJointTrajectory(
-    const twin::control::ControllerRequest& request) {
-  using twin::control::CommandInterface;
-  if (request.interface == CommandInterface::kTorque) {
-    throw twin::InputError(
-        "controller joint_trajectory commands no torques; set motion.interface to joint_position, "
-        "joint_velocity or cartesian_pose, or controller.type to joint_effort");
-  }
-  twin::controllers::JointTrajectoryOptions options;
-  options.command_interface = request.interface;
-  return std::make_unique<twin::controllers::JointTrajectoryController>(request.trajectory,
-                                                                        options);
-}
-
-std::unique_ptr<twin::control::Controller> MakeJointEffort(
-    const twin::control::ControllerRequest& request) {
-  if (request.interface != twin::control::CommandInterface::kTorque) {
-    throw twin::InputError(
-        "controller joint_effort commands torques; set motion.interface to torque");
-  }
-  return std::make_unique<twin::controllers::JointEffortController>(request.trajectory);
 }
 
 /// A standard file that is closed must not become the log of a run: in its place stands one that
@@ -77,8 +51,7 @@ int main(int argc, char** argv) {
   twin::plugins::RegisterMujoco(backends);
   twin::plugins::RegisterFci(backends);
   twin::control::ControllerRegistry controllers;
-  controllers.Add("joint_trajectory", &MakeJointTrajectory);
-  controllers.Add("joint_effort", &MakeJointEffort);
+  twin::controllers::RegisterControllers(controllers);
 
   twin::cli::Host host;
   std::error_code error;

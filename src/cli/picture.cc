@@ -1,8 +1,11 @@
 #include "cli/picture.h"
 
+#include <cstddef>
 #include <numbers>
 
-#include "twin/render/snapshots.h"
+#include <fmt/format.h>
+
+#include "cli/progress.h"
 
 namespace twin::cli {
 
@@ -17,8 +20,22 @@ render::RenderSettings PictureOf(const scenario::RenderSection& wanted) {
   return settings;
 }
 
-void CheckPicture(const scenario::Run& run, const scenario::RenderSection& wanted) {
-  const render::Renderer renderer(run.connection().truth->model(), PictureOf(wanted));
+void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted) {
+  const render::Renderer renderer(connection.truth->model(), PictureOf(wanted));
+}
+
+render::ClipStats MakeClip(const mjModel_& model, const render::Snapshots& snapshots,
+                           const scenario::RenderSection& wanted, const ResultFolder& out,
+                           const InterruptGuard& interrupt, const Clock& clock, bool quiet) {
+  render::ClipSettings settings;
+  settings.render = PictureOf(wanted);
+  Progress progress("video", Progress::StyleOfStdout(quiet), clock);
+  return render::RenderClip(model, snapshots, settings, {out.video(), out.contact_sheet()}, clock,
+                            [&](std::size_t done, std::size_t total) {
+                              interrupt.ThrowIfInterrupted();
+                              progress.Show(static_cast<double>(done) / static_cast<double>(total),
+                                            fmt::format("{} of {} frames", done, total));
+                            });
 }
 
 }  // namespace twin::cli

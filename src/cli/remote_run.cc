@@ -76,9 +76,9 @@ void TellReach(const scenario::RemoteSettings& robot, const std::function<std::s
   }
 }
 
-void RequireReady(scenario::Run& run) {
+void RequireReady(const std::function<bool(const scenario::TellCheck&)>& check) {
   int failed = 0;
-  const bool ready = run.CheckStart([&failed](const scenario::CheckLine& line) {
+  const bool ready = check([&failed](const scenario::CheckLine& line) {
     Print(line);
     failed += line.ok ? 0 : 1;
   });

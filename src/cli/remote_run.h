@@ -31,6 +31,7 @@ void TellWhatHasNoEffect(const scenario::Scenario& scenario, bool video);
 void TellReach(const scenario::RemoteSettings& robot, const std::function<std::string()>& connect);
 
 /// Prints the other lines. @throws RobotFault when one of them is not well: nothing has moved.
-void RequireReady(scenario::Run& run);
+/// @param check  the checks: Run::CheckStart, or an application's.
+void RequireReady(const std::function<bool(const scenario::TellCheck&)>& check);
 
 }  // namespace twin::cli

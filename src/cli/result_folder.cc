@@ -75,9 +75,14 @@ void ResultFolder::Lock() {
 }
 
 std::vector<fs::path> ResultFolder::Files() const {
-  std::vector<fs::path> files{log(),     scenario(), video(),      contact_sheet(),
-                              summary(), timing(),   explanation()};
+  std::vector<fs::path> files{log(),     scenario(),   video(),       contact_sheet(),
+                              summary(), timing(),     explanation(), plan_initial(),
+                              plan(),    plan_final(), report(),      seeds()};
   for (const char* plot : report::kPlotFiles) files.push_back(plots() / plot);
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(moments(), error)) {
+    if (entry.path().extension() == ".png") files.push_back(entry.path());
+  }
   return files;
 }
 

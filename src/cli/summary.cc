@@ -15,11 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Text of a file. Texts may hold bytes of a user's file names: what is no UTF-8 is replaced.
-std::string ToText(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 double Microseconds(Duration duration) {
   return ToSeconds(duration) * 1e6;
 }
@@ -63,7 +58,7 @@ Json SecondsOf(const std::optional<Time>& time) {
 
 /// Poses leave the joints where the null space took them: of their motions the pose counts.
 std::string FinalErrorText(const scenario::RunResult& result) {
-  const std::string joints = fmt::format("{:.2e} rad, largest of the joints", result.final_error);
+  std::string joints = fmt::format("{:.2e} rad, largest of the joints", result.final_error);
   const auto& pose = result.final_pose_error;
   if (!pose) return joints;
   return fmt::format("{:.2e} m and {:.2e} rad of the pose ({})", pose->distance, pose->angle,
@@ -96,6 +91,30 @@ Json HandJson(const scenario::Scenario& scenario, const scenario::RunResult& res
           {"is_grasped", result.hand->state.is_grasped}};
 }
 
+/// What planning took and gave; null when nothing was planned.
+Json PlanJson(const scenario::RunResult& result) {
+  if (!result.plan) return {};
+  const scenario::PlanReport& plan = *result.plan;
+  return {{"checks", plan.checks},
+          {"found_length_rad", plan.found_length},
+          {"path_length_rad", plan.path_length},
+          {"waypoints", plan.waypoints},
+          {"duration_s", ToSeconds(plan.duration)}};
+}
+
+std::string PlanText(const scenario::PlanReport& plan) {
+  return fmt::format(
+      "{:.3f} s through {} points, {:.2f} rad ({:.2f} as found); {} collision checks",
+      ToSeconds(plan.duration), plan.waypoints, plan.path_length, plan.found_length, plan.checks);
+}
+
+std::string ContactsText(const plant::ContactWatch& contacts) {
+  if (contacts.cycles() == 0) return "none";
+  const plant::ContactPair first = contacts.Pairs().front();
+  return fmt::format("in {} cycles; first {} and {}, at {:.3f} s", contacts.cycles(), first.a,
+                     first.b, ToSeconds(first.first.time_since_epoch()));
+}
+
 std::string CyclesText(const scenario::CycleCounts& counts) {
   const double all = static_cast<double>(counts.served + counts.held);
   return fmt::format("{} served, {} held ({:.2f} %, at most {} in a row); {} commands dropped",
@@ -124,6 +143,22 @@ std::string HandText(const scenario::Scenario& scenario, const scenario::HandRep
 
 }  // namespace
 
+std::string TextOf(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+nlohmann::ordered_json ContactsJson(const std::optional<plant::ContactWatch>& contacts) {
+  if (!contacts) return {};
+  Json pairs = Json::array();
+  for (const plant::ContactPair& pair : contacts->Pairs()) {
+    pairs.push_back({{"a", pair.a},
+                     {"b", pair.b},
+                     {"first_s", ToSeconds(pair.first.time_since_epoch())},
+                     {"cycles", pair.cycles}});
+  }
+  return {{"cycles", contacts->cycles()}, {"pairs", pairs}};
+}
+
 std::string OutcomeOf(const scenario::RunResult& result, bool interrupted) {
   if (result.report.succeeded()) return "success";
   if (interrupted) return "interrupted";
@@ -133,7 +168,8 @@ std::string OutcomeOf(const scenario::RunResult& result, bool interrupted) {
 }
 
 std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunResult& result,
-                        bool interrupted, const std::optional<report::Deviation>& deviation) {
+                        bool interrupted, const std::optional<report::Deviation>& deviation,
+                        const std::optional<plant::ContactWatch>& contacts) {
   Json violations = Json::array();
   for (const Violation& violation : result.report.violations) {
     violations.push_back(Describe(violation));
@@ -167,17 +203,20 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"states_out_of_time", result.report.timings.anomalous},
       {"controller_overruns", result.report.controller_overruns},
       {"hand", HandJson(scenario, result)},
+      {"plan", PlanJson(result)},
+      {"contacts", ContactsJson(contacts)},
       {"d_EXT_us", PercentilesUs(result.report.timings.d_EXT)},
       {"period_us", PercentilesUs(result.report.timings.period)},
       {"libm", scenario::FormatHash(scenario::LibmFingerprint())},
       {"states_hash", scenario::FormatHash(result.states_hash)},
   };
-  return ToText(summary);
+  return TextOf(summary);
 }
 
 std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot) {
   Json timing{
       {"prepare_s", times.prepare_s},
+      {"planning_s", times.planning_s ? Json(*times.planning_s) : Json()},
       {"run_s", times.run_s},
       {"plots_s", times.plots_s},
       {"video_s", times.video_s},
@@ -190,12 +229,13 @@ std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robo
     timing["robot_commands_lost"] = robot.commands_lost;
     timing["records_dropped"] = times.records_dropped;
   }
-  return ToText(timing);
+  return TextOf(timing);
 }
 
 std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunResult& result,
                         bool interrupted, const WallTimes& times,
-                        const std::optional<report::Deviation>& deviation) {
+                        const std::optional<report::Deviation>& deviation,
+                        const std::optional<plant::ContactWatch>& contacts) {
   std::string out;
   const auto line = [&out](std::string_view label, const std::string& text) {
     out += fmt::format("  {:<13}{}\n", label, text);
@@ -209,6 +249,10 @@ std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunR
          fmt::format("{:.2e} rad at most (joint {}, at {:.2f} s; rms {:.2e}), arm from "
                      "planned target, delay included",
                      deviation->largest, deviation->joint + 1, deviation->at, deviation->rms));
+  }
+  if (result.plan) {
+    line("plan", PlanText(*result.plan));
+    if (contacts) line("contacts", ContactsText(*contacts));
   }
   if (result.hand) line("hand", HandText(scenario, *result.hand));
   const bool is_remote = scenario.drive == scenario::Drive::kRemote;

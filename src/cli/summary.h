@@ -4,8 +4,11 @@
 #include <optional>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "twin/backend/registry.h"
 #include "twin/core/time.h"
+#include "twin/plant/contact_watch.h"
 #include "twin/report/deviation.h"
 #include "twin/scenario/assembly.h"
 #include "twin/scenario/scenario.h"
@@ -14,8 +17,9 @@ namespace twin::cli {
 
 /// Wall-clock figures of a run; they differ from run to run.
 struct WallTimes {
-  double prepare_s = 0;  ///< scenario read, model composed or taken from the cache
-  double run_s = 0;      ///< the motion
+  double prepare_s = 0;              ///< scenario read, model composed or taken from the cache
+  std::optional<double> planning_s;  ///< part of it: the search for a motion, where one is planned
+  double run_s = 0;                  ///< the motion
   double plots_s = 0;
   double video_s = 0;
   double real_time_factor = 0;        ///< simulated time over run_s
@@ -28,9 +32,18 @@ struct WallTimes {
 
 /// summary.json: what, in lockstep, repeats with scenario and seed, byte by byte.
 /// @param deviation  from the planned target; absent: not measured.
+/// @param contacts   what the arm touched; absent: nobody simulates it.
 [[nodiscard]] std::string SummaryJson(const scenario::Scenario& scenario,
                                       const scenario::RunResult& result, bool interrupted,
-                                      const std::optional<report::Deviation>& deviation);
+                                      const std::optional<report::Deviation>& deviation,
+                                      const std::optional<plant::ContactWatch>& contacts);
+
+/// Text of a file. Texts may hold bytes of a user's file names: what is no UTF-8 is replaced.
+[[nodiscard]] std::string TextOf(const nlohmann::ordered_json& json);
+
+/// What the arm touched; null when nobody knows.
+[[nodiscard]] nlohmann::ordered_json ContactsJson(
+    const std::optional<plant::ContactWatch>& contacts);
 
 /// timing.json: what does not. @param robot  how a robot in real time kept its time.
 [[nodiscard]] std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot);
@@ -39,6 +52,7 @@ struct WallTimes {
 [[nodiscard]] std::string SummaryText(const scenario::Scenario& scenario,
                                       const scenario::RunResult& result, bool interrupted,
                                       const WallTimes& times,
-                                      const std::optional<report::Deviation>& deviation);
+                                      const std::optional<report::Deviation>& deviation,
+                                      const std::optional<plant::ContactWatch>& contacts);
 
 }  // namespace twin::cli

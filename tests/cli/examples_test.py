@@ -18,10 +18,16 @@ ABORTS = {"outage": "communication_constraints_violation", "collision": "cartesi
 # How near the goal, rad. Torques leave what dry friction holds: the break-away torque over the controller's gain. A wrong
 # load leaves a sag; poses leave the joints where the null space took them.
 NEAR = 1e-3
-NEAR_BY = {"torque": 1e-2, "wrong_load": 5e-3, "cartesian": 0.2}
+NEAR_BY = {"torque": 1e-2, "wrong_load": 5e-3, "plan_and_execute": 1e-2, "cartesian": 0.2, "compliance": 0.3, "cartesian_pose": 0.3}
+
+# Examples whose goal is a pose.
+OF_POSES = {"cartesian", "compliance", "cartesian_pose"}
 
 # Examples at whose end the hand holds something.
 GRASPS = {"grasp"}
+
+# Examples whose motion is planned: they touch nothing.
+PLANNED = {"plan_and_execute"}
 
 
 class ExamplesTest(unittest.TestCase):
@@ -41,18 +47,21 @@ class ExamplesTest(unittest.TestCase):
     def check_success(self, name, code, summary):
         self.assertEqual((code, summary["outcome"]), (0, "success"), summary["failure"])
         self.assertLess(summary["final_error_rad"], NEAR_BY.get(name, NEAR))
-        if name == "cartesian":
+        if name in OF_POSES:
             self.assertLess(summary["final_error_m"], 2e-3)
             self.assertLess(summary["final_error_rotation_rad"], 1e-2)
         else:
             self.assertIsNone(summary["final_error_m"])
+        self.assertEqual(summary["plan"] is not None, name in PLANNED)
+        if name in PLANNED:
+            self.assertEqual(summary["contacts"], {"cycles": 0, "pairs": []})
         self.assertEqual(bool(summary["hand"] and summary["hand"]["is_grasped"]), name in GRASPS)
 
     def test_every_example_ends_as_it_should(self):
         examples = {p.stem: p for p in sorted((SOURCE / "models" / "scenarios").glob("*.yaml"))
                     if not p.name.endswith(".hash.yaml")}
         self.assertGreaterEqual(len(examples), 5)
-        self.assertLessEqual(ABORTS.keys() | NEAR_BY.keys() | GRASPS, examples.keys())
+        self.assertLessEqual(ABORTS.keys() | NEAR_BY.keys() | OF_POSES | GRASPS | PLANNED, examples.keys())
         for name, path in examples.items():
             check = self.check_abort if name in ABORTS else self.check_success
             with self.subTest(example=name), tempfile.TemporaryDirectory() as out:

@@ -134,7 +134,9 @@ class RealtimeTest(unittest.TestCase):
         shift = first_move(*runs["realtime"]) - first_move(times, values)
         worst = max(max(abs(a - b) for a, b in zip(v, at(*runs["realtime"], t + shift)))
                     for t, v in zip(times[::5], values[::5]))
-        self.assertLess(worst, 1e-3)
+        # An undisturbed run, see undisturbed(): three wake-ups behind and three commands; the shift is known to a cycle.
+        way_of_a_cycle = max(max(abs(a - b) for a, b in zip(v, w)) for v, w in zip(values, values[1:]))
+        self.assertLess(worst, 7 * way_of_a_cycle)
 
     def test_terminated_it_stops_the_arm_and_completes_the_log(self):
         process, out = self.start()

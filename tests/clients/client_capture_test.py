@@ -54,11 +54,20 @@ class ClientCaptureTest(unittest.TestCase):
     def run_there(self, server, **options):
         return self.run_it("--backend", "fci", "--robot", server.address, "--robot-time", "states", **options)
 
+    def succeed(self, *flags, **options):
+        """On a robot of its own; again where this machine let states go missing before the motion, when they come by the
+        wall clock."""
+        for _ in range(own_client_test.ATTEMPTS):
+            with TwinServer(PROGRAM, SOURCE, "lockstep", *flags) as server:
+                done = self.run_there(server, **options)
+            if done.returncode == 0:
+                return
+            self.assertTrue(any(sign in done.stdout for sign in own_client_test.DISTURBED_BEFORE), done.stdout + done.stderr)
+        self.skipTest("this machine disturbed every run")
+
     def test_both_ends_capture_the_same(self):
         theirs = self.tmp / "server.pcapng"
-        with TwinServer(PROGRAM, SOURCE, "lockstep", "--capture", theirs) as server:
-            done = self.run_there(server, extra="hand: [{at: 0 s, homing: {}}]")
-            self.assertEqual(done.returncode, 0, done.stderr)
+        self.succeed("--capture", theirs, extra="hand: [{at: 0 s, homing: {}}]")
         client, robot = decode(self.mine), decode(theirs)
 
         def of(messages, wanted):
@@ -76,8 +85,7 @@ class ClientCaptureTest(unittest.TestCase):
         self.assertTrue(any(message.summary.startswith("hand state ") for message in client))
 
     def test_the_captures_time_never_runs_back(self):
-        with TwinServer(PROGRAM, SOURCE, "lockstep") as server:
-            self.assertEqual(self.run_there(server).returncode, 0)
+        self.succeed()
         messages = decode(self.mine)
         for kind in ("is_state", "is_command"):
             times = [message.at for message in messages if getattr(message, kind)]

@@ -17,8 +17,6 @@ import twin_server
 
 PROGRAM, SOURCE = "", pathlib.Path()
 ATTEMPTS = 5
-DISTURBED = ("communication_constraints", "discontinuity", "FAILED states", "FAILED communication", "FAILED scheduler",
-             "no robot state")
 
 
 class Proxy:
@@ -75,12 +73,12 @@ class ProxyTest(unittest.TestCase):
                                           "--command-delay", "60 us", "--seed", "3")
             if done.returncode == 0:
                 break
-            self.assertTrue(any(sign in done.stdout + done.stderr for sign in DISTURBED), done.stdout + done.stderr)
+            self.assertTrue(any(sign in done.stdout + done.stderr for sign in own_client_test.DISTURBED), done.stdout + done.stderr)
         else:
             self.skipTest("this machine disturbed every run")
         self.assertEqual(json.loads((self.tmp / "out/summary.json").read_text())["outcome"], "success")
         states, commands = proxy.counts("arm states"), proxy.counts("arm commands")
-        self.assertGreater(commands["relayed"], 1000)
+        self.assertGreater(commands["relayed"], 800)  # one a cycle of the 1 s motion, but for what came late
         for counts in (states, commands):
             self.assertEqual(counts["delayed"], counts["came"])
             self.assertEqual((counts["lost"], counts["duplicated"], counts["dropped"], counts["foreign"]), (0, 0, 0, 0))

@@ -28,9 +28,13 @@ class BackendHarness {
   [[nodiscard]] virtual bool by_the_wall_clock() const { return false; }
   /// Whether it waits for every answer from a motion's first on: then none can be lost by silence.
   [[nodiscard]] virtual bool waits_for_answers() const { return false; }
+  /// Whether a recovery that is asked for while the arm moves is done once it rests, not refused.
+  [[nodiscard]] virtual bool recovers_at_rest() const { return false; }
   /// Whether, since ForgetDisturbances(), a state was never read or a command missed its cycle,
   /// because of the machine.
   [[nodiscard]] virtual bool disturbed() { return false; }
+  /// The most states in a row that were never read since then.
+  [[nodiscard]] virtual std::uint64_t missed_in_row() const { return 0; }
   virtual void ForgetDisturbances() {}
 
   /// The buttons and switches of a simulated robot; null for hardware.

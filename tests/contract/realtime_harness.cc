@@ -1,7 +1,9 @@
 // The emulated robot in process, on the wall clock.
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 
 #include "contract/backend_harness.h"
 #include "contract/urgent.h"
@@ -51,7 +53,7 @@ class RealtimeHarness final : public BackendHarness {
     while (backend().Read(rule, state, arrival) == backend::ReadResult::kPending) {
       if (!connection_.arrival->AwaitUntil(limit) && clock_.Now() >= limit) return false;
     }
-    missed_state_ = missed_state_ || state.message_id != last_id_ + 1;
+    missed_in_row_ = std::max(missed_in_row_, state.message_id - last_id_ - 1);
     last_id_ = state.message_id;
     return arrival <= clock_.Now();
   }
@@ -66,14 +68,15 @@ class RealtimeHarness final : public BackendHarness {
 
   bool by_the_wall_clock() const override { return true; }
   bool disturbed() override {
-    const bool missed_state = missed_state_;
+    const bool missed_state = missed_in_row_ > 0;
     // A command that came too late is dropped one or two cycles on.
     RobotState state;
     for (int i = 0; i < 3; ++i) static_cast<void>(AwaitState(state, backend::ReadRule::kNewest));
     return missed_state || late_commands_.any();
   }
+  std::uint64_t missed_in_row() const override { return missed_in_row_; }
   void ForgetDisturbances() override {
-    missed_state_ = false;
+    missed_in_row_ = 0;
     late_commands_.Forget();
   }
 
@@ -84,7 +87,7 @@ class RealtimeHarness final : public BackendHarness {
   LateCommands late_commands_;
   backend::Connection connection_;
   std::uint64_t last_id_ = 0;
-  bool missed_state_ = false;
+  std::uint64_t missed_in_row_ = 0;
 };
 
 }  // namespace

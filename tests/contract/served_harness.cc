@@ -1,20 +1,17 @@
 #include "contract/served_harness.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
-#include <stop_token>
-#include <thread>
 
 #include "contract/urgent.h"
 #include "plugins/fci/fci_backend.h"
 #include "twin/core/clock.h"
-#include "twin/robot/lockstep_robot.h"
-#include "twin/robot/make_plant.h"
-#include "twin/robot/wall_clock_robot.h"
 #include "twin/rt/pause.h"
-#include "twin/server/server.h"
+#include "twin/server/served_robot.h"
 
 namespace twin::test {
 namespace {
@@ -43,51 +40,13 @@ class Witness final : public rt::RecordSink {
   std::atomic<bool> late_commands_ = false;
 };
 
-/// A robot and its server, which both run.
-class Service {
- public:
-  Service(const robot::RobotConfig& config, backend::RobotTime time, bool freeze,
-          rt::RecordSink& sink) {
-    auto plant = robot::MakePlant(config).plant;
-    if (time == backend::RobotTime::kStates) {
-      const robot::LockstepOptions options{.answer_timeout = kAnswerTimeout,
-                                           .freeze_when_idle = freeze};
-      robot_ = &lockstep_.emplace(config, std::move(plant), port_, port_, clock_,
-                                  Urgent("robot", 0), &sink, options);
-    } else {
-      robot_ =
-          &real_time_.emplace(config, std::move(plant), port_, clock_, Urgent("robot", 85), &sink);
-    }
-    server::ServerConfig served;
-    served.arm_port = 0;
-    served.hand_port = 0;
-    server_.emplace(std::move(served), *robot_, port_, changed_, clock_, [](std::string_view) {});
-    robot_->Begin();
-    thread_ = std::jthread([this](const std::stop_token& stop) {
-      server_->Run([&stop] { return stop.stop_requested(); });
-    });
-  }
-  ~Service() {
-    thread_.request_stop();
-    changed_.Ring();
-    thread_.join();
-    robot_->End();
-  }
-  Service(const Service&) = delete;
-  Service& operator=(const Service&) = delete;
-
-  [[nodiscard]] const server::Server& server() const { return *server_; }
-
- private:
-  const MonotonicClock clock_;
-  server::Bell changed_;
-  server::UdpPort port_{clock_, 0x7f000001, changed_};
-  std::optional<robot::LockstepRobot> lockstep_;
-  std::optional<robot::WallClockRobot> real_time_;
-  robot::ThreadedRobot* robot_ = nullptr;  ///< the one of the two that is there
-  std::optional<server::Server> server_;
-  std::jthread thread_;
-};
+server::ServedRobotSettings SettingsOf(backend::RobotTime time, bool freeze, rt::RecordSink& sink) {
+  server::ServedRobotSettings settings{.takes_free_ports = true, .sink = &sink};
+  const bool waits = time == backend::RobotTime::kStates;
+  settings.thread = Urgent("robot", waits ? 0 : 85);
+  if (waits) settings.lockstep = {.answer_timeout = kAnswerTimeout, .freeze_when_idle = freeze};
+  return settings;
+}
 
 class ServedHarness final : public BackendHarness {
  public:
@@ -95,11 +54,10 @@ class ServedHarness final : public BackendHarness {
       : time_(time), config_(robot) {
     if (time == backend::RobotTime::kWall) urgent_.emplace();
     config_.link.d_INT = Duration::zero();  // the whole period is there for the answer
-    service_.emplace(config_, time, freeze, witness_);
+    service_.emplace(config_, robot::MakePlant(config_), SettingsOf(time, freeze, witness_));
+    service_->Start();
     connection_ = plugins::ConnectFci(
-        {config_,
-         backend::RemoteHost{clock_, "127.0.0.1", service_->server().arm().port, HandPort(), time},
-         nullptr});
+        {config_, backend::RemoteHost{clock_, "127.0.0.1", service_->arm().port, time}, nullptr});
   }
 
   backend::Backend& backend() override { return *connection_.backend; }
@@ -114,7 +72,7 @@ class ServedHarness final : public BackendHarness {
       if (result == backend::ReadResult::kLost || clock_.Now() >= limit) return false;
       static_cast<void>(connection_.arrival->AwaitUntil(limit));
     }
-    missed_state_ = missed_state_ || state.message_id != last_id_ + 1;
+    missed_in_row_ = std::max(missed_in_row_, state.message_id - last_id_ - 1);
     last_id_ = state.message_id;
     return arrival <= clock_.Now();
   }
@@ -132,34 +90,31 @@ class ServedHarness final : public BackendHarness {
 
   bool by_the_wall_clock() const override { return true; }
   bool waits_for_answers() const override { return time_ == backend::RobotTime::kStates; }
+  bool recovers_at_rest() const override { return true; }
   bool disturbed() override {
-    const bool missed_state = missed_state_;
+    const bool missed_state = missed_in_row_ > 0;
     if (waits_for_answers()) return missed_state;
     // A command that came too late is dropped one or two cycles on.
     RobotState state;
     for (int i = 0; i < 3; ++i) static_cast<void>(AwaitState(state, backend::ReadRule::kNewest));
     return missed_state || witness_.late_commands();
   }
+  std::uint64_t missed_in_row() const override { return missed_in_row_; }
   void ForgetDisturbances() override {
-    missed_state_ = false;
+    missed_in_row_ = 0;
     witness_.Forget();
   }
 
  private:
-  [[nodiscard]] std::uint16_t HandPort() const {
-    const auto hand = service_->server().hand();
-    return hand ? hand->port : std::uint16_t{0};
-  }
-
   std::optional<UrgentHere> urgent_;
   const backend::RobotTime time_;
   const MonotonicClock clock_;
   robot::RobotConfig config_;
   Witness witness_;
-  std::optional<Service> service_;
+  std::optional<server::ServedRobot> service_;
   backend::Connection connection_;
   std::uint64_t last_id_ = 0;
-  bool missed_state_ = false;
+  std::uint64_t missed_in_row_ = 0;
 };
 
 }  // namespace

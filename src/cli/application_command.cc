@@ -1,0 +1,196 @@
+#include "cli/application_command.h"
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "cli/application_summary.h"
+#include "cli/interrupt.h"
+#include "cli/moment_pictures.h"
+#include "cli/picture.h"
+#include "cli/remote_run.h"
+#include "cli/result_folder.h"
+#include "cli/run_records.h"
+#include "cli/run_setup.h"
+#include "cli/say.h"
+#include "cli/summary.h"
+#include "twin/application/application_run.h"
+#include "twin/application/page.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/render/renderer.h"
+#include "twin/report/plots.h"
+
+namespace twin::cli {
+namespace {
+
+scenario::Scenario WithoutSpeed(const scenario::Scenario& scenario, const RunFlags& flags) {
+  if (flags.max_speed) {
+    throw InputError(
+        "--max-speed goes with a motion; an application makes its own: see its parameters");
+  }
+  return scenario;
+}
+
+/// One run of an application, from its flags to its results.
+class ApplicationSession {
+ public:
+  ApplicationSession(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
+                     const scenario::Catalogue& catalogue, std::optional<fci::Capture>& capture)
+      : flags_(flags),
+        scenario_(WithoutSpeed(scenario, flags)),
+        settings_(SettingsOf(flags)),
+        out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out) {
+    RequirePrograms(scenario_, wants_video(), host);
+    Connect(
+        scenario_, flags, wants_video(), settings_, capture, [&]() -> const auto& {
+          run_.emplace(scenario_, catalogue, FilesOf(flags, host), &records_, clock_, settings_);
+          return run_->connection();
+        });
+    TellIfWithoutMeshes(scenario_, run_->connection());
+    if (makes_video()) CheckPicture(run_->connection(), scenario_.render);
+    out_.Prepare();
+    times_.prepare_s = SecondsSince(Time());
+  }
+
+  ExitCode Execute();
+
+ private:
+  void Perform();
+  void Judge();
+  void WriteResults();
+  void MakePictures();
+  [[nodiscard]] application::PageFacts FactsOf() const;
+  [[nodiscard]] bool wants_video() const { return scenario_.render.enabled && !flags_.no_video; }
+  [[nodiscard]] bool makes_video() const {
+    return wants_video() && run_->connection().truth != nullptr;
+  }
+  [[nodiscard]] bool is_simulated() const { return scenario_.drive != scenario::Drive::kRemote; }
+  [[nodiscard]] double SecondsSince(Time begin) const { return ToSeconds(clock_.Now() - begin); }
+
+  const MonotonicClock clock_;
+  const RunFlags& flags_;
+  const scenario::Scenario scenario_;
+  scenario::RealtimeSettings settings_;  ///< not changed after the constructor
+  ResultFolder out_;
+  const InterruptGuard interrupt_;
+  WallTimes times_;
+  RunRecords records_;
+  std::optional<application::ApplicationRun> run_;
+  ApplicationResult result_;
+  std::vector<application::MomentPictures> moments_;
+  std::vector<std::filesystem::path> plots_;
+};
+
+ExitCode ApplicationSession::Execute() {
+  interrupt_.ThrowIfInterrupted();
+  if (!is_simulated()) {
+    RequireReady([this](const scenario::TellCheck& tell) { return run_->CheckStart(tell); });
+  }
+  interrupt_.ThrowIfInterrupted();
+  out_.Clear();
+  CarryOut(records_, out_, interrupt_, [this] {
+    Perform();
+    Judge();
+    WriteResults();
+  });
+  if (!flags_.quiet) {
+    Say(stdout, fmt::format("{}  {:<13}{}\n", SummaryText(scenario_, result_, times_), "files",
+                            out_.folder().string()));
+  }
+  if (result_.interrupted) throw Interrupted();
+  if (application::Succeeded(result_.deeds, result_.judgement)) return kOk;
+  throw RobotFault(application::FailureOf(result_.deeds, result_.judgement));
+}
+
+void ApplicationSession::Perform() {
+  BeginLog(records_, out_.log(), scenario_, run_->robot(), settings_);
+  const plant::TruthProbe* truth = run_->connection().truth;
+  if (makes_video()) records_.Film(*truth, run_->longest(), scenario_.render.fps);
+  if (truth != nullptr) records_.WatchContacts(*truth);
+  scenario::RunHooks hooks;
+  hooks.interrupted = interrupt_.flag();
+  hooks.event = records_.Events();
+  const Time begin = clock_.Now();
+  result_.deeds = run_->Execute(hooks, [this](std::string_view line) {
+    if (flags_.quiet) return;
+    Say(stdout, fmt::format("{}\n", line));
+    std::fflush(stdout);
+  });
+  times_.run_s = SecondsSince(begin);
+  times_.planning_s = ToSeconds(result_.deeds.planning_time);
+  times_.records_dropped = records_.Finish();
+  result_.session = run_->result();
+  result_.interrupted = interrupt_.interrupted();
+  if (!result_.deeds.task.steps.empty()) {
+    const Time end = result_.deeds.task.steps.back().ended;
+    times_.real_time_factor = ToSeconds(end.time_since_epoch()) / times_.run_s;
+  }
+  TellNotices({}, result_.session.robot_timings.notices);
+}
+
+void ApplicationSession::Judge() {
+  if (result_.interrupted) return;
+  result_.judgement =
+      run_->Judge({.log = scenario_.record ? out_.log() : std::filesystem::path(),
+                   .truth = run_->connection().truth,
+                   .contacts = records_.contacts() ? &*records_.contacts() : nullptr,
+                   .snapshots = records_.snapshots()});
+}
+
+void ApplicationSession::WriteResults() {
+  WriteWholeFile(out_.scenario(), scenario::ToYaml(scenario_));
+  WriteWholeFile(out_.summary(), SummaryJson(scenario_, result_, records_.contacts()));
+  if (!result_.interrupted) {
+    const Time begin = clock_.Now();
+    if (scenario_.record) {
+      if (!flags_.quiet) Say(stdout, "plots ...\n");
+      plots_ = report::WritePlots(out_.log(), run_->robot().limits, out_.plots());
+    }
+    times_.plots_s = SecondsSince(begin);
+    if (records_.was_filmed()) MakePictures();
+    WriteWholeFile(out_.report(),
+                   application::PageOf(scenario_, result_.deeds, result_.judgement, FactsOf()));
+  }
+  times_.peak_memory_mb = PeakMemoryMb();
+  WriteWholeFile(out_.timing(), TimingJson(times_, result_.session.robot_timings));
+}
+
+void ApplicationSession::MakePictures() {
+  const mjModel_& model = run_->connection().truth->model();
+  times_.video_s = MakeClip(model, *records_.snapshots(), scenario_.render, out_, interrupt_,
+                            clock_, flags_.quiet)
+                       .seconds;
+  render::RenderSettings settings = PictureOf(scenario_.render);
+  settings.samples = 4;
+  moments_ =
+      DrawMoments(model, *records_.snapshots(), result_.deeds.moments, settings, out_.moments());
+}
+
+application::PageFacts ApplicationSession::FactsOf() const {
+  application::PageFacts facts{
+      .moments = moments_, .plots = plots_, .has_video = records_.was_filmed()};
+  facts.lines = {{"application", scenario_.application->type},
+                 {"seed", fmt::format("{}", scenario_.seed)},
+                 {"site", flags_.lab ? "lab " + *flags_.lab : "the scenario's own"},
+                 {"backend", scenario_.backend},
+                 {"drive", std::string(Name(scenario_.drive))},
+                 {"motions", fmt::format("{}", result_.session.motions)},
+                 {"panda-twin", TWIN_VERSION}};
+  return facts;
+}
+
+}  // namespace
+
+ExitCode RunApplication(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
+                        const scenario::Catalogue& catalogue,
+                        std::optional<fci::Capture>& capture) {
+  return ApplicationSession(scenario, flags, host, catalogue, capture).Execute();
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,103 @@
+#include "cli/application_summary.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "twin/application/page.h"
+#include "twin/scenario/fingerprint.h"
+
+namespace twin::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json StepsJson(const application::TaskReport& task) {
+  Json steps = Json::array();
+  for (const application::StepReport& step : task.steps) {
+    steps.push_back({{"step", step.name},
+                     {"attempt", step.attempt},
+                     {"begun_s", ToSeconds(step.begun.time_since_epoch())},
+                     {"ended_s", ToSeconds(step.ended.time_since_epoch())},
+                     {"succeeded", step.succeeded},
+                     {"text", step.text}});
+  }
+  return steps;
+}
+
+Json FindingsJson(const application::Judgement& judgement) {
+  Json findings = Json::array();
+  for (const application::Finding& finding : judgement.findings) {
+    findings.push_back({{"quantity", finding.quantity},
+                        {"value", finding.value},
+                        {"unit", finding.unit},
+                        {"demand", finding.demand},
+                        {"met", finding.met ? Json(*finding.met) : Json()}});
+  }
+  return findings;
+}
+
+std::string_view Mark(const application::Finding& finding) {
+  if (!finding.met) return " ";
+  return *finding.met ? "met" : "MISSED";
+}
+
+}  // namespace
+
+std::string OutcomeOf(const ApplicationResult& result) {
+  if (result.interrupted) return "interrupted";
+  return application::Succeeded(result.deeds, result.judgement) ? "success" : "failed";
+}
+
+std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationResult& result,
+                        const std::optional<plant::ContactWatch>& contacts) {
+  // What became of commands, a robot at the other end of a wire does not tell.
+  const bool is_remote = scenario.drive == scenario::Drive::kRemote;
+  const auto known = [&](std::uint64_t count) { return is_remote ? Json() : Json(count); };
+  const scenario::CycleCounts& counts = result.session.counts;
+  const Json summary{
+      {"scenario", scenario.name},
+      {"application", scenario.application->type},
+      {"seed", scenario.seed},
+      {"drive", Name(scenario.drive)},
+      {"version", TWIN_VERSION},
+      {"outcome", OutcomeOf(result)},
+      {"failure", application::FailureOf(result.deeds, result.judgement)},
+      {"steps", StepsJson(result.deeds.task)},
+      {"findings", FindingsJson(result.judgement)},
+      {"motions", result.session.motions},
+      {"cycles_served", known(counts.served)},
+      {"cycles_held", known(counts.held)},
+      {"longest_loss_cycles", known(counts.longest_loss)},
+      {"commands_dropped", known(counts.dropped)},
+      {"contacts", ContactsJson(contacts)},
+      {"libm", scenario::FormatHash(scenario::LibmFingerprint())},
+      {"states_hash", scenario::FormatHash(result.session.states_hash)},
+  };
+  return TextOf(summary);
+}
+
+std::string SummaryText(const scenario::Scenario& scenario, const ApplicationResult& result,
+                        const WallTimes& times) {
+  std::string out = fmt::format("{}: {}\n", scenario.name, OutcomeOf(result));
+  for (const application::Finding& finding : result.judgement.findings) {
+    out += fmt::format("  {:<7}{}: {:.4g}{}{}{}\n", Mark(finding), finding.quantity, finding.value,
+                       finding.unit.empty() ? "" : " ", finding.unit,
+                       finding.demand.empty() ? "" : fmt::format(" ({})", finding.demand));
+  }
+  const scenario::CycleCounts& counts = result.session.counts;
+  if (scenario.drive != scenario::Drive::kRemote) {
+    out += fmt::format("  {:<13}{} in {} motions; {} served, {} held (at most {} in a row)\n",
+                       "cycles", counts.cycles(), result.session.motions, counts.served,
+                       counts.held, counts.longest_loss);
+  }
+  out += fmt::format("  {:<13}{:.2f} s: {:.1f} x real time; of it planning {:.2f} s\n", "took",
+                     times.run_s, times.real_time_factor, times.planning_s.value_or(0));
+  if (scenario.drive == scenario::Drive::kLockstep) {
+    out += fmt::format("  {:<13}{} (libm {})\n", "states hash",
+                       scenario::FormatHash(result.session.states_hash),
+                       scenario::FormatHash(scenario::LibmFingerprint()));
+  }
+  return out;
+}
+
+}  // namespace twin::cli

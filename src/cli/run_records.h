@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "twin/core/time.h"
+#include "twin/plant/contact_watch.h"
+#include "twin/plant/truth_probe.h"
+#include "twin/record/recorder.h"
+#include "twin/render/snapshots.h"
+#include "twin/rt/cycle_record.h"
+
+namespace twin::cli {
+
+/// Where a run's records go: to the log, to the camera, to what watches contacts, as many of them
+/// as were asked for between the robot's assembly and its first cycle.
+///
+/// Threads: Put() as RecordSink's; the others from the run's thread while no motion runs.
+class RunRecords final : public rt::RecordSink {
+ public:
+  /// @throws EnvironmentError as record::Recorder.
+  void Log(const std::filesystem::path& path, const record::RunInfo& run,
+           record::FullRing full_ring);
+  /// @param truth  must outlive this, as WatchContacts(). @throws as render::SnapshotRecorder.
+  void Film(const plant::TruthProbe& truth, Duration duration, int fps);
+  void WatchContacts(const plant::TruthProbe& truth);
+
+  void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
+
+  /// For RunHooks::event; empty without a log.
+  [[nodiscard]] std::function<void(Time, std::string_view, std::string_view)> Events();
+
+  /// After the run: the log is whole. @returns records it had no room for.
+  /// @throws EnvironmentError as record::Recorder::Finish.
+  std::uint64_t Finish();
+
+  /// After a run that threw: the log stays partial.
+  void Abandon() { log_.reset(); }
+
+  /// Null when it was not filmed.
+  [[nodiscard]] const render::Snapshots* snapshots() const noexcept {
+    return camera_ ? &camera_->snapshots() : nullptr;
+  }
+  /// Whether there is at least one frame.
+  [[nodiscard]] bool was_filmed() const noexcept {
+    return camera_ && camera_->snapshots().size() > 0;
+  }
+  /// Of a robot that MuJoCo simulates.
+  [[nodiscard]] const std::optional<plant::ContactWatch>& contacts() const noexcept {
+    return contacts_;
+  }
+
+ private:
+  std::optional<record::Recorder> log_;
+  std::optional<render::SnapshotRecorder> camera_;
+  std::optional<plant::ContactWatch> contacts_;
+  const plant::TruthProbe* truth_ = nullptr;  ///< set with camera_
+};
+
+}  // namespace twin::cli

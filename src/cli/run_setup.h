@@ -1,0 +1,72 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/result_folder.h"
+#include "cli/run_records.h"
+#include "twin/backend/registry.h"
+#include "twin/fci/capture.h"
+#include "twin/record/recorder.h"
+#include "twin/scenario/assembly.h"
+#include "twin/scenario/robot_data.h"
+#include "twin/scenario/scenario.h"
+
+// What every run begins and ends with, be it one motion or an application.
+namespace twin::cli {
+
+/// The scenario with what the command line says in its place, validated.
+/// @throws InputError as scenario::Load, and for flags that do not go together.
+[[nodiscard]] scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host);
+
+[[nodiscard]] scenario::RealtimeSettings SettingsOf(const RunFlags& flags);
+
+/// @throws as scenario::FindDataDirectory.
+[[nodiscard]] scenario::RunFiles FilesOf(const RunFlags& flags, const Host& host);
+
+/// @throws EnvironmentError when a program that the results need is missing.
+void RequirePrograms(const scenario::Scenario& scenario, bool wants_video, const Host& host);
+
+/// Makes a run's connection to its robot. Before one on the network it says what of the scenario
+/// has no effect there, begins what --capture keeps, and says whether the robot is reached.
+/// @param capture  is made when the flags want one. @param connect  with the settings as they are
+/// then; what it throws is thrown on.
+void Connect(const scenario::Scenario& scenario, const RunFlags& flags, bool wants_video,
+             scenario::RealtimeSettings& settings, std::optional<fci::Capture>& capture,
+             const std::function<const backend::Connection&()>& connect);
+
+/// Begins the log of a run, if the scenario wants one. Where nobody waits for the run, what is late
+/// is lost: the log's records too. @throws as RunRecords::Log.
+void BeginLog(RunRecords& records, const std::filesystem::path& path,
+              const scenario::Scenario& scenario, const scenario::RobotData& robot,
+              const scenario::RealtimeSettings& settings);
+
+/// Carries out what makes a run and its results. Where that throws, no file is left that is not
+/// whole, and an interrupt counts before whatever else it led to.
+/// @throws Interrupted; else what `work` throws.
+void CarryOut(RunRecords& records, const ResultFolder& out, const InterruptGuard& interrupt,
+              const std::function<void()>& work);
+
+/// What a log says of its run.
+[[nodiscard]] record::RunInfo InfoOf(const scenario::Scenario& scenario,
+                                     const scenario::RobotData& robot);
+
+/// A note when the robot is simulated in primitive shapes.
+void TellIfWithoutMeshes(const scenario::Scenario& scenario, const backend::Connection& connection);
+
+/// What threads of either side had to say of their set-up.
+void TellNotices(const std::vector<std::string>& workstation,
+                 const std::vector<std::string>& robot);
+
+/// What was captured of a run that failed is wanted most. What fails here is told beside it.
+void KeepAfterFailure(std::optional<fci::Capture>& capture);
+
+/// Largest resident size of the process, MB.
+[[nodiscard]] double PeakMemoryMb();
+
+}  // namespace twin::cli
