@@ -17,8 +17,17 @@ find_package(assimp REQUIRED)
 find_package(mujoco 2.2.2 REQUIRED)
 set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "")
 
+# Debian's ompl package lists libraries of Boost, of which we need none: libompl alone, and its headers.
+find_package(ompl 1.5 REQUIRED)
+add_library(OMPL::OMPL INTERFACE IMPORTED)
+target_include_directories(OMPL::OMPL INTERFACE ${OMPL_INCLUDE_DIR})
+target_link_libraries(OMPL::OMPL INTERFACE ompl)
+
 if(TWIN_BUILD_TESTS)
   find_package(GTest REQUIRED)
+endif()
+if(TWIN_LTTNG)
+  pkg_check_modules(LTTNG_UST REQUIRED IMPORTED_TARGET lttng-ust)
 endif()
 if(TWIN_BUILD_BENCH)
   find_package(benchmark REQUIRED)

@@ -25,8 +25,11 @@ MACHINE_PATH = re.compile(r"(?<![\w.])/(work|root|home/\w+)/|[.][.]/shared\b")
 LOOSE_TODO = re.compile(r"\b(TODO|FIXME|XXX)\b(?!\(#\d+\))")
 
 CLOCK_READERS = ("src/core/clock.cc", "src/rt/")
-MUJOCO_USERS = ("src/plant/", "src/render/", "plugins/mujoco/", "tests/")
-TRUTH_USERS = ("include/twin/plant/", "src/plant/", "include/twin/render/", "src/render/", "plugins/mujoco/", "tests/")
+MUJOCO_USERS = ("src/plant/", "src/planning/", "src/render/", "plugins/mujoco/", "tests/")
+TRUTH_USERS = ("include/twin/plant/", "src/plant/", "include/twin/render/", "src/render/", "plugins/mujoco/", "tests/",
+               "include/twin/application/evidence.h", "src/cli/run_records.h")
+TRUTH = {"twin/plant/truth_probe.h": TRUTH_USERS, "twin/plant/contact_watch.h": (*TRUTH_USERS, "src/cli/"),
+         "twin/plant/object_watch.h": TRUTH_USERS}
 PLUG_IN_NAMERS = ("src/cli/", "plugins/", "controllers/", "tests/")
 ENVIRONMENT_READERS = ("src/cli/", "tests/")
 
@@ -68,8 +71,8 @@ def check_include(path, included, areas):
             yield f'includes "{included}": the onboard controller knows no plant'
     if included.startswith("mujoco/") and not path.startswith(MUJOCO_USERS):
         yield f"includes <{included}>: MuJoCo stays inside {', '.join(MUJOCO_USERS)}"
-    if included == "twin/plant/truth_probe.h" and not path.startswith(TRUTH_USERS):
-        yield "includes the truth probe: ground truth is for render, experiments and tests"
+    if included in TRUTH and not path.startswith(TRUTH[included]):
+        yield f'includes "{included}": ground truth, as of the truth probe, is for render, experiments and tests'
     if included.startswith(("plugins/", "controllers/")) and not path.startswith(PLUG_IN_NAMERS):
         yield f'includes "{included}": only cli names plug-ins and controllers'
 
@@ -158,6 +161,10 @@ SELF_TEST = [
     ("src/onboard/a.cc", "#include <mujoco/mujoco.h>\n", "MuJoCo stays inside"),
     ("src/plant/a.cc", "#include <mujoco/mujoco.h>\n", ""),
     ("controllers/a.cc", '#include "twin/plant/truth_probe.h"\n', "truth probe"),
+    ("controllers/a.cc", '#include "twin/plant/contact_watch.h"\n', "ground truth"),
+    ("src/cli/a.cc", '#include "twin/plant/object_watch.h"\n', "ground truth"),
+    ("src/application/a.cc", '#include "twin/plant/truth_probe.h"\n', "ground truth"),
+    ("include/twin/application/evidence.h", '#pragma once\n#include "twin/plant/truth_probe.h"\n', ""),
     ("src/onboard/a.cc", '#include "plugins/mujoco/x.h"\n', "only cli names plug-ins"),
     ("src/core/a.cc", "auto t = std::chrono::steady_clock::now();\n", "reads a clock"),
     ("src/core/a.cc", "clock_gettime(CLOCK_MONOTONIC, &t);\n", "reads a clock"),
@@ -184,8 +191,8 @@ def self_test():
     for path, content, expected in SELF_TEST:
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
-            sound = {"src/CMakeLists.txt": "foreach(area core rt plant onboard)\n"}
-            for area in ("src/core", "src/rt", "src/plant", "src/onboard", "tests/core"):
+            sound = {"src/CMakeLists.txt": "foreach(area core rt plant onboard application cli)\n"}
+            for area in ("src/core", "src/rt", "src/plant", "src/onboard", "src/application", "src/cli", "tests/core"):
                 sound[f"{area}/CMakeLists.txt"] = "a.cc a_test clock.cc BadName.cc\n"
             for name, text in {**sound, path: content}.items():
                 (root / name).parent.mkdir(parents=True, exist_ok=True)

@@ -34,6 +34,7 @@ struct LastMotion {
 /// to the nearest nanosecond (exactly k ms after begin without drift). In it
 ///   select the newest command that answers state k-1 and arrived by t_k - d_INT, else hold;
 ///   INT checks, integrates, controls;  the plant moves by 1 ms;  state k is filled and sent.
+/// In the cycle that takes a motion's first command, the plant is told before it moves.
 ///
 /// Its workstation end: Send() puts a command on the way, and `state_ready` is told when a state
 /// has come through, to be taken with states().
