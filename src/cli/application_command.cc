@@ -163,7 +163,7 @@ void ApplicationSession::WriteResults() {
 
 void ApplicationSession::MakePictures() {
   const mjModel_& model = run_->connection().truth->model();
-  times_.video_s = MakeClip(model, *records_.snapshots(), scenario_.render, out_, interrupt_,
+  times_.video_s = MakeClip({&model, records_.snapshots()}, scenario_.render, out_, interrupt_,
                             clock_, flags_.quiet)
                        .seconds;
   render::RenderSettings settings = PictureOf(scenario_.render);

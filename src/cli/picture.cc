@@ -24,13 +24,22 @@ void CheckPicture(const backend::Connection& connection, const scenario::RenderS
   const render::Renderer renderer(connection.truth->model(), PictureOf(wanted));
 }
 
-render::ClipStats MakeClip(const mjModel_& model, const render::Snapshots& snapshots,
-                           const scenario::RenderSection& wanted, const ResultFolder& out,
-                           const InterruptGuard& interrupt, const Clock& clock, bool quiet) {
+render::FilmSettings FilmOf(const scenario::RenderSection& wanted) {
+  render::FilmSettings film;
+  film.render = PictureOf(wanted);
+  film.view.kind = wanted.camera.empty() ? render::ViewKind::kOrbit : render::ViewKind::kScene;
+  film.view.name = wanted.camera;
+  film.view.orbit = film.render.free_camera;
+  return film;
+}
+
+render::ClipStats MakeClip(const render::Film& film, const scenario::RenderSection& wanted,
+                           const ResultFolder& out, const InterruptGuard& interrupt,
+                           const Clock& clock, bool quiet) {
   render::ClipSettings settings;
-  settings.render = PictureOf(wanted);
+  settings.film = FilmOf(wanted);
   Progress progress("video", Progress::StyleOfStdout(quiet), clock);
-  return render::RenderClip(model, snapshots, settings, {out.video(), out.contact_sheet()}, clock,
+  return render::RenderClip(film, settings, {out.video(), out.contact_sheet()}, clock,
                             [&](std::size_t done, std::size_t total) {
                               interrupt.ThrowIfInterrupted();
                               progress.Show(static_cast<double>(done) / static_cast<double>(total),

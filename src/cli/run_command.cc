@@ -147,7 +147,7 @@ void Session::WriteResults() {
                  SummaryJson(scenario_, result_, interrupted, deviation_, records_.contacts()));
   if (!interrupted && scenario_.record) MakePlots();
   if (!interrupted && records_.was_filmed()) {
-    times_.video_s = MakeClip(run_->connection().truth->model(), *records_.snapshots(),
+    times_.video_s = MakeClip({&run_->connection().truth->model(), records_.snapshots()},
                               scenario_.render, out_, interrupt_, clock_, flags_.quiet)
                          .seconds;
   }

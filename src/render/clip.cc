@@ -26,8 +26,8 @@ void CheckRange(const char* field, int value, int low, int high) {
 
 VideoSettings MakeVideoSettings(const ClipSettings& settings, int fps) {
   VideoSettings video;
-  video.width = settings.render.width;
-  video.height = settings.render.height;
+  video.width = settings.film.render.width;
+  video.height = settings.film.render.height;
   video.fps = fps;
   video.crf = settings.crf;
   video.ffmpeg = settings.ffmpeg;
@@ -57,23 +57,22 @@ class SheetCollector {
   std::vector<Image> images_;
 };
 
-std::vector<std::unique_ptr<FrameWorker>> StartWorkers(const mjModel_& model,
-                                                       const Snapshots& snapshots,
+std::vector<std::unique_ptr<FrameWorker>> StartWorkers(const Film& film,
                                                        const ClipSettings& settings) {
   const std::size_t count =
-      std::min(snapshots.size(), static_cast<std::size_t>(settings.render_threads));
+      std::min(film.snapshots->size(), static_cast<std::size_t>(settings.render_threads));
   std::vector<std::unique_ptr<FrameWorker>> workers;
   for (std::size_t i = 0; i < count; ++i) {
-    workers.push_back(std::make_unique<FrameWorker>(model, snapshots, settings.render, i, count));
+    workers.push_back(std::make_unique<FrameWorker>(film, settings.film, i, count));
   }
   return workers;
 }
 
 }  // namespace
 
-ClipStats RenderClip(const mjModel_& model, const Snapshots& snapshots,
-                     const ClipSettings& settings, const ClipPaths& paths, const Clock& clock,
-                     const ClipProgress& progress) {
+ClipStats RenderClip(const Film& film, const ClipSettings& settings, const ClipPaths& paths,
+                     const Clock& clock, const ClipProgress& progress) {
+  const Snapshots& snapshots = *film.snapshots;
   TWIN_CHECK(snapshots.size() > 0);
   CheckRange("sheet_pictures", settings.sheet_pictures, 1, 1000);
   CheckRange("render_threads", settings.render_threads, 1, 16);
@@ -83,7 +82,7 @@ ClipStats RenderClip(const mjModel_& model, const Snapshots& snapshots,
     video.emplace(paths.video, MakeVideoSettings(settings, snapshots.fps()));
   }
   SheetCollector sheet(snapshots.size(), static_cast<std::size_t>(settings.sheet_pictures));
-  const auto workers = StartWorkers(model, snapshots, settings);
+  const auto workers = StartWorkers(film, settings);
   for (std::size_t i = 0; i < snapshots.size(); ++i) {
     const Image image = workers[i % workers.size()]->Take();
     if (video) video->Write(image);

@@ -1,21 +1,14 @@
 #include "render/frame_worker.h"
 
-#include <fmt/format.h>
-
 #include <utility>
 
+#include "twin/render/frame_painter.h"
+
 namespace twin::render {
-namespace {
 
-std::string Caption(Time time) {
-  return fmt::format("t = {:.2f} s", ToSeconds(time.time_since_epoch()));
-}
-
-}  // namespace
-
-FrameWorker::FrameWorker(const mjModel_& model, const Snapshots& snapshots,
-                         const RenderSettings& settings, std::size_t first, std::size_t stride)
-    : model_(model), snapshots_(snapshots), settings_(settings), first_(first), stride_(stride) {
+FrameWorker::FrameWorker(const Film& film, const FilmSettings& settings, std::size_t first,
+                         std::size_t stride)
+    : film_(film), settings_(settings), first_(first), stride_(stride) {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
 
@@ -31,9 +24,9 @@ Image FrameWorker::Take() {
 
 void FrameWorker::Run(const std::stop_token& stop) {
   try {
-    Renderer renderer(model_, settings_);
-    for (std::size_t i = first_; i < snapshots_.size(); i += stride_) {
-      if (!Put(renderer.Render(snapshots_.qpos(i), Caption(snapshots_.time(i))), stop)) return;
+    FramePainter painter(film_, settings_);
+    for (std::size_t i = first_; i < film_.snapshots->size(); i += stride_) {
+      if (!Put(painter.Paint(i), stop)) return;
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);

@@ -8,8 +8,7 @@
 #include <stop_token>
 #include <thread>
 
-#include "twin/render/renderer.h"
-#include "twin/render/snapshots.h"
+#include "twin/render/film.h"
 
 namespace twin::render {
 
@@ -18,12 +17,12 @@ namespace twin::render {
 /// Threads: constructed, taken from and destroyed by one thread.
 class FrameWorker {
  public:
-  /// Draws the frames first, first + stride, ... The model and the snapshots must outlive this.
-  FrameWorker(const mjModel_& model, const Snapshots& snapshots, const RenderSettings& settings,
-              std::size_t first, std::size_t stride);
+  /// Draws the frames first, first + stride, ... The film must outlive this.
+  FrameWorker(const Film& film, const FilmSettings& settings, std::size_t first,
+              std::size_t stride);
 
   /// @returns the next of its frames; waits for it. @pre there is one.
-  /// @throws what Renderer throws.
+  /// @throws what FramePainter throws.
   [[nodiscard]] Image Take();
 
  private:
@@ -31,9 +30,8 @@ class FrameWorker {
   /// @returns false when the worker was told to stop.
   bool Put(Image image, const std::stop_token& stop);
 
-  const mjModel_& model_;
-  const Snapshots& snapshots_;
-  RenderSettings settings_;
+  const Film& film_;
+  FilmSettings settings_;
   std::size_t first_;
   std::size_t stride_;
 

@@ -6,26 +6,19 @@
 #include <mutex>
 #include <vector>
 
+#include "twin/core/check.h"
+
 namespace twin::render {
 namespace {
 
-/// Room for what is drawn beside the model's geoms.
-constexpr int kSpareGeoms = 200 + static_cast<int>(Ghost::kMostPoints);
+/// Room for what is drawn beside the model's geoms: marks, and what MuJoCo adds itself.
+constexpr int kSpareGeoms = 1000 + static_cast<int>(Ghost::kMostPoints);
 
 /// MuJoCo keeps its table of OpenGL functions in globals, filled when a context is made.
 std::mutex& LoaderMutex() {
   static std::mutex mutex;
   return mutex;
 }
-
-/// Makes a context current for the life of this object.
-class CurrentContext {
- public:
-  explicit CurrentContext(OsMesaContext& gl) { gl.MakeCurrent(); }
-  ~CurrentContext() { OsMesaContext::ReleaseCurrent(); }
-  CurrentContext(const CurrentContext&) = delete;
-  CurrentContext& operator=(const CurrentContext&) = delete;
-};
 
 /// Whether a geom has the same pose in both.
 bool StandsAlike(const mjData& a, const mjData& b, int geom) {
@@ -43,6 +36,23 @@ int FontScale(int height) {
   return height < 700 ? mjFONTSCALE_150 : mjFONTSCALE_250;
 }
 
+void PutFrame(const CameraFrame& frame, mjvGLCamera& camera) {
+  std::copy(frame.p_W.begin(), frame.p_W.end(), camera.pos);
+  std::copy(frame.forward_W.begin(), frame.forward_W.end(), camera.forward);
+  std::copy(frame.up_W.begin(), frame.up_W.end(), camera.up);
+}
+
+/// Turns rows upside down: OpenGL's first one is the lowest.
+template <class T>
+void FlipRows(std::vector<T>& values, std::size_t row) {
+  for (std::size_t top = 0, bottom = values.size(); top + row < bottom; top += row) {
+    bottom -= row;
+    std::swap_ranges(values.begin() + static_cast<std::ptrdiff_t>(top),
+                     values.begin() + static_cast<std::ptrdiff_t>(top + row),
+                     values.begin() + static_cast<std::ptrdiff_t>(bottom));
+  }
+}
+
 }  // namespace
 
 SceneRenderer::SceneRenderer(const mjModel& model, const RenderSettings& settings)
@@ -50,7 +60,7 @@ SceneRenderer::SceneRenderer(const mjModel& model, const RenderSettings& setting
   mjv_defaultOption(&option_);
   mjv_defaultScene(&scene_);
   mjr_defaultContext(&context_);
-  const CurrentContext current(gl_);
+  const Current current = Use();
   try {
     mjv_makeScene(&model_, &scene_, 2 * model_.ngeom + kSpareGeoms);
     const std::lock_guard lock(LoaderMutex());
@@ -65,39 +75,82 @@ SceneRenderer::SceneRenderer(const mjModel& model, const RenderSettings& setting
 }
 
 SceneRenderer::~SceneRenderer() {
-  const CurrentContext current(gl_);
+  const Current current = Use();
   mjr_freeContext(&context_);
   mjv_freeScene(&scene_);
 }
 
-Image SceneRenderer::Draw(mjData& data, mjvCamera camera, const std::string& caption,
-                          const Ghost* ghost, mjData* elsewhere) {
-  const CurrentContext current(gl_);
-  UpdateScene(data, camera);
-  if (elsewhere != nullptr) AddElsewhere(data, *elsewhere, ghost->colour);
-  if (ghost != nullptr) AddLine(*ghost);
+void SceneRenderer::Draw(const Shot& shot, mjrRect viewport) {
+  UpdateScene(shot);
+  if (shot.elsewhere != nullptr) AddElsewhere(shot);
+  TWIN_CHECK(static_cast<std::size_t>(scene_.maxgeom - scene_.ngeom) >= shot.marks.size());
+  std::copy(shot.marks.begin(), shot.marks.end(), scene_.geoms + scene_.ngeom);
+  scene_.ngeom += static_cast<int>(shot.marks.size());
   scene_.flags[mjRND_SEGMENT] = 0;
   scene_.flags[mjRND_IDCOLOR] = 0;
   scene_.flags[mjRND_SKYBOX] = 1;
   scene_.flags[mjRND_SHADOW] = settings_.shadows;
-  mjr_render(Viewport(), &scene_, &context_);
-  if (!caption.empty()) {
-    mjr_overlay(mjFONT_NORMAL, mjGRID_BOTTOMLEFT, Viewport(), caption.c_str(), nullptr, &context_);
-  }
-  return ReadPixels();
+  mjr_render(viewport, &scene_, &context_);
 }
 
-SegmentationImage SceneRenderer::Segment(mjData& data, mjvCamera camera,
-                                         std::span<const int> only_bodies) {
-  const CurrentContext current(gl_);
-  UpdateScene(data, camera);
+void SceneRenderer::Write(int where, const std::string& text) {
+  mjr_overlay(mjFONT_NORMAL, where, Whole(), text.c_str(), nullptr, &context_);
+}
+
+void SceneRenderer::Fill(mjrRect rectangle, const std::array<float, 4>& colour) const {
+  mjr_rectangle(rectangle, colour[0], colour[1], colour[2], colour[3]);
+}
+
+Image SceneRenderer::Read() const {
+  Image image(settings_.width, settings_.height);
+  mjr_readPixels(image.rgb.data(), /*depth=*/nullptr, Whole(), &context_);
+  FlipRows(image.rgb, 3 * static_cast<std::size_t>(image.width));
+  return image;
+}
+
+/// The buffer holds z = (1/near - 1/d) / (1/near - 1/far).
+DepthImage SceneRenderer::Measure(const Shot& shot) {
+  UpdateScene(shot);
+  scene_.flags[mjRND_SEGMENT] = 0;
+  scene_.flags[mjRND_IDCOLOR] = 0;
+  scene_.flags[mjRND_SKYBOX] = 0;
+  scene_.flags[mjRND_SHADOW] = 0;
+  mjr_render(Whole(), &scene_, &context_);
+  DepthImage image{settings_.width, settings_.height, {}};
+  image.depth_m.resize(static_cast<std::size_t>(image.width) *
+                       static_cast<std::size_t>(image.height));
+  mjr_readPixels(/*rgb=*/nullptr, image.depth_m.data(), Whole(), &context_);
+  FlipRows(image.depth_m, static_cast<std::size_t>(image.width));
+  const double near_m = model_.vis.map.znear * model_.stat.extent;
+  const double far_m = model_.vis.map.zfar * model_.stat.extent;
+  for (float& z : image.depth_m) {
+    const double nearness = 1 / near_m - z * (1 / near_m - 1 / far_m);
+    z = z >= 1 ? DepthImage::kBackground : static_cast<float>(1 / nearness);
+  }
+  return image;
+}
+
+SegmentationImage SceneRenderer::Segment(const Shot& shot, std::span<const int> only_bodies) {
+  UpdateScene(shot);
   if (!only_bodies.empty()) KeepBodies(only_bodies);
   scene_.flags[mjRND_SEGMENT] = 1;
   scene_.flags[mjRND_IDCOLOR] = 1;
   scene_.flags[mjRND_SKYBOX] = 0;
   scene_.flags[mjRND_SHADOW] = 0;
-  mjr_render(Viewport(), &scene_, &context_);
+  mjr_render(Whole(), &scene_, &context_);
+  const std::vector<std::int32_t> bodies = BodiesByColour();
+  const Image colours = Read();
+  SegmentationImage out{colours.width, colours.height, {}};
+  out.body.reserve(colours.Pixels());
+  for (std::size_t i = 0; i < colours.rgb.size(); i += 3) {
+    const std::size_t id =
+        colours.rgb[i] | (colours.rgb[i + 1] << 8U) | (colours.rgb[i + 2] << 16U);
+    out.body.push_back(id < bodies.size() ? bodies[id] : SegmentationImage::kBackground);
+  }
+  return out;
+}
 
+std::vector<std::int32_t> SceneRenderer::BodiesByColour() const {
   std::vector<std::int32_t> bodies(static_cast<std::size_t>(scene_.ngeom) + 1,
                                    SegmentationImage::kBackground);
   for (int i = 0; i < scene_.ngeom; ++i) {
@@ -107,44 +160,28 @@ SegmentationImage SceneRenderer::Segment(mjData& data, mjvCamera camera,
     if (colour >= bodies.size()) bodies.resize(colour + 1, SegmentationImage::kBackground);
     bodies[colour] = model_.geom_bodyid[geom.objid];
   }
-  const Image colours = ReadPixels();
-  SegmentationImage out{colours.width, colours.height, {}};
-  out.body.reserve(colours.Pixels());
-  for (int row = 0; row < colours.height; ++row) {
-    for (int column = 0; column < colours.width; ++column) {
-      out.body.push_back(BodyOfColour(colours.at(column, row), bodies));
-    }
-  }
-  return out;
+  return bodies;
 }
 
-void SceneRenderer::UpdateScene(mjData& data, mjvCamera& camera) {
-  mjv_updateScene(&model_, &data, &option_, /*pert=*/nullptr, &camera, mjCAT_ALL, &scene_);
+void SceneRenderer::UpdateScene(const Shot& shot) {
+  mjvCamera camera = shot.camera;
+  mjv_updateScene(&model_, shot.data, &option_, /*pert=*/nullptr, &camera, mjCAT_ALL, &scene_);
+  if (!shot.frame) return;
+  for (mjvGLCamera& eye : scene_.camera) PutFrame(*shot.frame, eye);
 }
 
-void SceneRenderer::AddElsewhere(const mjData& data, mjData& elsewhere,
-                                 const std::array<float, 4>& colour) {
+void SceneRenderer::AddElsewhere(const Shot& shot) {
   const int real = scene_.ngeom;
-  mjv_addGeoms(&model_, &elsewhere, &option_, /*pert=*/nullptr, mjCAT_DYNAMIC, &scene_);
+  mjv_addGeoms(&model_, shot.elsewhere, &option_, /*pert=*/nullptr, mjCAT_DYNAMIC, &scene_);
   mjvGeom* const end =
       std::remove_if(scene_.geoms + real, scene_.geoms + scene_.ngeom, [&](const mjvGeom& geom) {
-        return geom.objtype != mjOBJ_GEOM || StandsAlike(data, elsewhere, geom.objid);
+        return geom.objtype != mjOBJ_GEOM || StandsAlike(*shot.data, *shot.elsewhere, geom.objid);
       });
   scene_.ngeom = static_cast<int>(end - scene_.geoms);
   for (int i = real; i < scene_.ngeom; ++i) {
     mjvGeom& geom = scene_.geoms[i];
-    std::copy(colour.begin(), colour.end(), geom.rgba);
+    std::copy(shot.elsewhere_colour.begin(), shot.elsewhere_colour.end(), geom.rgba);
     geom.texid = -1;
-  }
-}
-
-void SceneRenderer::AddLine(const Ghost& ghost) {
-  const mjtNum size[3] = {ghost.radius, 0, 0};
-  for (const Vector3& point : ghost.line) {
-    mjvGeom& geom = scene_.geoms[scene_.ngeom++];
-    mjv_initGeom(&geom, mjGEOM_SPHERE, size, point.data(), /*mat=*/nullptr,
-                 ghost.line_colour.data());
-    geom.category = mjCAT_DECOR;
   }
 }
 
@@ -156,25 +193,6 @@ void SceneRenderer::KeepBodies(std::span<const int> bodies) {
                    bodies.end();
       });
   scene_.ngeom = static_cast<int>(end - scene_.geoms);
-}
-
-Image SceneRenderer::ReadPixels() const {
-  Image image(settings_.width, settings_.height);
-  mjr_readPixels(image.rgb.data(), /*depth=*/nullptr, Viewport(), &context_);
-  for (int top = 0, bottom = image.height - 1; top < bottom; ++top, --bottom) {
-    const auto upper = image.Row(top);
-    std::swap_ranges(upper.begin(), upper.end(), image.Row(bottom).begin());
-  }
-  return image;
-}
-
-mjrRect SceneRenderer::Viewport() const noexcept {
-  return {0, 0, settings_.width, settings_.height};
-}
-
-std::int32_t SceneRenderer::BodyOfColour(Rgb colour, std::span<const std::int32_t> bodies) const {
-  const std::size_t id = colour[0] | (colour[1] << 8U) | (colour[2] << 16U);
-  return id < bodies.size() ? bodies[id] : SegmentationImage::kBackground;
 }
 
 }  // namespace twin::render

@@ -3,7 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <array>
-#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -13,36 +13,68 @@
 
 namespace twin::render {
 
-/// The OpenGL half of Renderer: MuJoCo's abstract scene and its drawing, in one context.
+/// A camera that stands where no camera of MuJoCo's can: with any frame of its own.
+struct CameraFrame {
+  Vector3 p_W{};
+  Vector3 forward_W{};
+  Vector3 up_W{};
+};
+
+/// What one rendering pass draws.
+struct Shot {
+  mjData* data = nullptr;  ///< with positions set
+  mjvCamera camera{};
+  std::optional<CameraFrame> frame{};  ///< in the camera's place, with its field of view
+  mjData* elsewhere = nullptr;         ///< the model elsewhere, as Ghost::qpos; may be null
+  std::array<float, 4> elsewhere_colour{};
+  std::span<const mjvGeom> marks{};  ///< drawn beside the model
+};
+
+/// MuJoCo's abstract scene and its drawing, in one OpenGL context.
 ///
-/// Every call makes the context current, and releases it, so that calls may come from any thread.
+/// Use() makes the context current for a scope, so that calls may come from any thread; all other
+/// calls are made within it.
 class SceneRenderer {
  public:
+  class Current {
+   public:
+    explicit Current(OsMesaContext& gl) { gl.MakeCurrent(); }
+    ~Current() { OsMesaContext::ReleaseCurrent(); }
+    Current(const Current&) = delete;
+    Current& operator=(const Current&) = delete;
+  };
+
   /// @param model  with the sizes of its off-screen buffer and shadow map set. Must outlive this.
   SceneRenderer(const mjModel& model, const RenderSettings& settings);
   ~SceneRenderer();
   SceneRenderer(const SceneRenderer&) = delete;
   SceneRenderer& operator=(const SceneRenderer&) = delete;
 
-  /// @param ghost, elsewhere  what is drawn though it is not there, and the model's positions
-  /// there; may be null, the second when the first is.
-  [[nodiscard]] Image Draw(mjData& data, mjvCamera camera, const std::string& caption,
-                           const Ghost* ghost = nullptr, mjData* elsewhere = nullptr);
-  [[nodiscard]] SegmentationImage Segment(mjData& data, mjvCamera camera,
-                                          std::span<const int> only_bodies);
+  [[nodiscard]] Current Use() { return Current(gl_); }
+
+  /// Draws into a part of the off-screen buffer; what was there before goes.
+  void Draw(const Shot& shot, mjrRect viewport);
+  /// Writes text into a corner, over what is drawn. @param where  an mjtGridPos.
+  void Write(int where, const std::string& text);
+  /// Fills a rectangle. @param colour  red, green, blue, opacity.
+  void Fill(mjrRect rectangle, const std::array<float, 4>& colour) const;
+  [[nodiscard]] mjrRect Whole() const noexcept { return {0, 0, settings_.width, settings_.height}; }
+  /// @returns what is drawn, top row first, as the following.
+  [[nodiscard]] Image Read() const;
+
+  /// @returns distances along the camera's axis.
+  [[nodiscard]] DepthImage Measure(const Shot& shot);
+  /// @param only_bodies  other bodies are taken away; empty: all are there.
+  [[nodiscard]] SegmentationImage Segment(const Shot& shot, std::span<const int> only_bodies);
 
  private:
-  void UpdateScene(mjData& data, mjvCamera& camera);
+  void UpdateScene(const Shot& shot);
   /// Adds the moving geoms that are not alike in both to the scene, in one colour.
-  void AddElsewhere(const mjData& data, mjData& elsewhere, const std::array<float, 4>& colour);
-  void AddLine(const Ghost& ghost);
+  void AddElsewhere(const Shot& shot);
   /// Takes the geoms of all bodies but these out of the scene.
   void KeepBodies(std::span<const int> bodies);
-  /// Reads the off-screen buffer, top row first.
-  [[nodiscard]] Image ReadPixels() const;
-  [[nodiscard]] mjrRect Viewport() const noexcept;
-  /// @returns the body a pixel of an id-coloured picture stands for.
-  [[nodiscard]] std::int32_t BodyOfColour(Rgb colour, std::span<const std::int32_t> bodies) const;
+  /// @returns the body each colour of an id-coloured picture stands for.
+  [[nodiscard]] std::vector<std::int32_t> BodiesByColour() const;
 
   const mjModel& model_;
   RenderSettings settings_;

@@ -4,6 +4,7 @@
 
 #include "twin/core/check.h"
 #include "twin/core/error.h"
+#include "twin/plant/scene_capture.h"
 
 namespace twin::render {
 namespace {
@@ -18,31 +19,39 @@ Snapshots MakeSnapshots(Duration duration, int fps, std::size_t qpos_size) {
     throw InputError(
         fmt::format("video: the run's duration is {} ns; it must be >= 0", duration.count()));
   }
+  if (qpos_size > rt::SceneRecord::kMostPositions) {
+    throw InputError(fmt::format(
+        "video: the scene has {} positions; a picture takes {} at most. Leave objects out of it",
+        qpos_size, rt::SceneRecord::kMostPositions));
+  }
   return Snapshots(fps, qpos_size);
 }
 
 }  // namespace
 
+void Snapshots::Append(const rt::SceneRecord& scene) {
+  TWIN_CHECK(scene.positions == qpos_size_);
+  scenes_.push_back(scene);
+}
+
 SnapshotRecorder::SnapshotRecorder(Duration duration, int fps, std::size_t qpos_size)
     : snapshots_(MakeSnapshots(duration, fps, qpos_size)),
       max_frames_(static_cast<std::size_t>(duration.count() * fps / kNanosecondsPerSecond) + 1) {
-  snapshots_.times_.reserve(max_frames_);
-  snapshots_.qpos_.reserve(max_frames_ * qpos_size);
+  snapshots_.scenes_.reserve(max_frames_);
 }
 
-void SnapshotRecorder::Capture(Time now, const plant::TruthProbe& probe) noexcept {
-  if (snapshots_.times_.empty()) {
+std::size_t SnapshotRecorder::Capture(Time now, const plant::TruthProbe& probe) noexcept {
+  std::vector<rt::SceneRecord>& scenes = snapshots_.scenes_;
+  if (scenes.empty()) {
     start_ = now;
     next_due_ = now;
   }
-  while (next_due_ <= now && snapshots_.times_.size() < max_frames_) {
-    // Within the capacity reserved: neither call allocates.
-    const std::size_t begin = snapshots_.qpos_.size();
-    snapshots_.qpos_.resize(begin + snapshots_.qpos_size_);
-    probe.CopyQpos(std::span(snapshots_.qpos_).subspan(begin));
-    snapshots_.times_.push_back(now);
-    next_due_ = DueTime(snapshots_.times_.size());
+  const std::size_t before = scenes.size();
+  while (next_due_ <= now && scenes.size() < max_frames_) {
+    plant::CaptureScene(now, probe, scenes.emplace_back());  // within the capacity reserved
+    next_due_ = DueTime(scenes.size());
   }
+  return scenes.size() - before;
 }
 
 Time SnapshotRecorder::DueTime(std::size_t frame) const noexcept {

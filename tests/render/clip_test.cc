@@ -33,16 +33,17 @@ class ClipTest : public testing::Test {
       model_.SetQpos(0, 2e-3 * t);
       recorder_.Capture(Time(milliseconds(t)), model_);
     }
-    settings_.render.width = 160;
-    settings_.render.height = 120;
-    settings_.render.camera = "side";
+    settings_.film.render.width = 160;
+    settings_.film.render.height = 120;
+    settings_.film.render.camera = "side";
+    settings_.film.view = {.kind = ViewKind::kScene, .name = "side", .orbit = {}};
     settings_.sheet_pictures = 4;
     settings_.sheet.columns = 2;
     settings_.sheet.border_px = 2;
   }
 
   ClipStats RenderTo(const ClipPaths& paths, const ClipProgress& progress = {}) {
-    return RenderClip(model_.model(), recorder_.snapshots(), settings_, paths, CountingClock(),
+    return RenderClip({&model_.model(), &recorder_.snapshots()}, settings_, paths, CountingClock(),
                       progress);
   }
 
@@ -64,7 +65,7 @@ TEST_F(ClipTest, IsTheSameBytesWithAnyNumberOfThreads) {
 
 TEST_F(ClipTest, PutsEvenlySpacedFramesOnTheSheetFirstAndLastIncluded) {
   RenderTo({{}, folder_ / "sheet.png"});
-  Renderer renderer(model_.model(), settings_.render);
+  Renderer renderer(model_.model(), settings_.film.render);
   std::vector<Image> expected;
   for (const auto& [frame, caption] :
        {std::pair{0, "t = 0.00 s"}, {3, "t = 0.12 s"}, {6, "t = 0.24 s"}, {10, "t = 0.40 s"}}) {
@@ -88,7 +89,7 @@ TEST_F(ClipTest, ReportsEveryFrameInOrderAndTheTimeByTheClockGiven) {
 }
 
 TEST_F(ClipTest, PassesOnWhatARenderingThreadThrows) {
-  settings_.render.camera = "no such camera";
+  settings_.film.view.name = "no such camera";
   EXPECT_THROW(RenderTo({{}, folder_ / "sheet.png"}), InputError);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "sheet.png"));
 }

@@ -6,13 +6,12 @@
 
 #include "twin/core/clock.h"
 #include "twin/render/contact_sheet.h"
-#include "twin/render/renderer.h"
-#include "twin/render/snapshots.h"
+#include "twin/render/film.h"
 
 namespace twin::render {
 
 struct ClipSettings {
-  RenderSettings render;
+  FilmSettings film;
   int crf = 20;                             ///< see VideoSettings
   std::filesystem::path ffmpeg = "ffmpeg";  ///< see VideoSettings
   ContactSheetLayout sheet;
@@ -34,13 +33,11 @@ struct ClipStats {
 /// Called from the calling thread after each frame, with the frames done and their total.
 using ClipProgress = std::function<void(std::size_t done, std::size_t total)>;
 
-/// Renders snapshots of a run into a video and a contact sheet, each frame with its time in a
-/// corner. Frames are drawn by several threads and encoded in order by one.
-/// @param model  the model the snapshots are of.
-/// @pre snapshots.qpos_size() is the model's, snapshots.size() > 0.
-/// @throws what Renderer, VideoWriter and WritePng throw.
-ClipStats RenderClip(const mjModel_& model, const Snapshots& snapshots,
-                     const ClipSettings& settings, const ClipPaths& paths, const Clock& clock,
-                     const ClipProgress& progress = {});
+/// Renders a film into a video and a contact sheet. Frames are drawn by several threads and encoded
+/// in order by one.
+/// @pre film.snapshots->size() > 0.
+/// @throws what FramePainter, VideoWriter and WritePng throw.
+ClipStats RenderClip(const Film& film, const ClipSettings& settings, const ClipPaths& paths,
+                     const Clock& clock, const ClipProgress& progress = {});
 
 }  // namespace twin::render

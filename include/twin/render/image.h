@@ -63,4 +63,21 @@ struct SegmentationImage {
   bool operator==(const SegmentationImage&) const = default;
 };
 
+/// How far away what each pixel shows is, along the camera's axis, m; kBackground where there is
+/// nothing. Rows from top to bottom.
+struct DepthImage {
+  static constexpr float kBackground = 0;
+
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
+  std::vector<float> depth_m;
+
+  /// @pre 0 <= column < width, 0 <= row < height; row 0 is the topmost.
+  [[nodiscard]] float at(int column, int row) const noexcept {
+    return depth_m[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                   static_cast<std::size_t>(column)];
+  }
+  bool operator==(const DepthImage&) const = default;
+};
+
 }  // namespace twin::render

@@ -7,32 +7,34 @@
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
 #include "twin/plant/truth_probe.h"
+#include "twin/rt/scene_record.h"
 
 namespace twin::render {
 
-/// What a camera would have seen of a run: one set of generalised positions per frame.
+/// What a camera would have seen of a run: the scene at each frame.
 class Snapshots {
  public:
   /// @param fps  frames per second of the run's time, in [1, 1000].
   Snapshots(int fps, std::size_t qpos_size) : fps_(fps), qpos_size_(qpos_size) {}
 
+  /// @pre scene.positions == qpos_size().
+  void Append(const rt::SceneRecord& scene);
+
   [[nodiscard]] int fps() const noexcept { return fps_; }
   [[nodiscard]] std::size_t qpos_size() const noexcept { return qpos_size_; }
-  [[nodiscard]] std::size_t size() const noexcept { return times_.size(); }
-  /// @returns the instant at which frame `i` was captured. @pre i < size()
-  [[nodiscard]] Time time(std::size_t i) const { return times_[i]; }
-  /// @returns the positions in frame `i`. @pre i < size()
-  [[nodiscard]] std::span<const double> qpos(std::size_t i) const {
-    return {qpos_.data() + i * qpos_size_, qpos_size_};
-  }
+  [[nodiscard]] std::size_t size() const noexcept { return scenes_.size(); }
+  /// @returns the instant at which frame `i` was captured. @pre i < size(), as the following.
+  [[nodiscard]] Time time(std::size_t i) const { return scenes_[i].at; }
+  /// @returns the positions in frame `i`.
+  [[nodiscard]] std::span<const double> qpos(std::size_t i) const { return scenes_[i].Positions(); }
+  [[nodiscard]] const rt::SceneRecord& scene(std::size_t i) const { return scenes_[i]; }
 
  private:
   friend class SnapshotRecorder;
 
   int fps_;
   std::size_t qpos_size_;
-  std::vector<Time> times_;
-  std::vector<double> qpos_;
+  std::vector<rt::SceneRecord> scenes_;
 };
 
 /// Captures snapshots while a run goes on, into storage taken at construction.
@@ -45,12 +47,13 @@ class Snapshots {
 class SnapshotRecorder {
  public:
   /// @param duration  of the run; frames due later are not captured.
-  /// @throws InputError when fps is outside [1, 1000] or duration is negative.
+  /// @throws InputError when fps is outside [1, 1000], duration is negative, or the model has more
+  /// positions than a scene's record holds.
   SnapshotRecorder(Duration duration, int fps, std::size_t qpos_size);
 
   /// Captures what is due at `now`; nearly free when nothing is. @pre probe has the qpos_size
-  /// given.
-  void Capture(Time now, const plant::TruthProbe& probe) noexcept TWIN_REALTIME;
+  /// given. @returns how many frames that were: the last ones of snapshots().
+  std::size_t Capture(Time now, const plant::TruthProbe& probe) noexcept TWIN_REALTIME;
 
   [[nodiscard]] const Snapshots& snapshots() const noexcept { return snapshots_; }
 

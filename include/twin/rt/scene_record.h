@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "twin/core/joint_vector.h"
+#include "twin/core/time.h"
+
+namespace twin::rt {
+
+/// A force and where it acts, in the world.
+struct PointForce {
+  Vector3 p_W{};      ///< m
+  Vector3 force_W{};  ///< N
+};
+
+/// Where everything was in a simulated run, and what pressed on what: ground truth, which no robot
+/// could report, for pictures alone. Trivially copyable; of bounded size, so that it crosses a ring
+/// without allocation.
+struct SceneRecord {
+  static constexpr std::size_t kMostPositions = 96;
+  static constexpr std::size_t kMostContacts = 16;
+  static constexpr std::size_t kMostPushes = 4;
+
+  Time at{};
+  std::uint32_t positions = 0;                      ///< of the model
+  std::uint32_t contacts = 0;                       ///< the first of what touched
+  std::uint32_t pushes = 0;                         ///< the first of who pushed
+  std::array<double, kMostPositions> qpos{};        ///< in the model's order; m, rad, quaternions
+  std::array<PointForce, kMostContacts> contact{};  ///< force on the body of the larger id
+  std::array<PointForce, kMostPushes> push{};       ///< by a perturbation
+
+  [[nodiscard]] std::span<const double> Positions() const noexcept {
+    return std::span(qpos).first(positions);
+  }
+  [[nodiscard]] std::span<const PointForce> Contacts() const noexcept {
+    return std::span(contact).first(contacts);
+  }
+  [[nodiscard]] std::span<const PointForce> Pushes() const noexcept {
+    return std::span(push).first(pushes);
+  }
+};
+
+}  // namespace twin::rt

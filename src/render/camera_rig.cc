@@ -1,0 +1,72 @@
+#include "render/camera_rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace twin::render {
+namespace {
+
+constexpr const char* kFlange = "panda_link7";  ///< the flange is its last 10.7 cm
+
+/// Of the gripper's camera in panda_link7's frame (z along the flange's axis), m: beside it, with
+/// the fingers (0.21 m on) in the middle of its picture.
+constexpr Vector3 kEye{0.07, 0.0, 0.085};
+constexpr Vector3 kAim{0.0, 0.0, 0.215};
+
+Vector3 InWorld(const mjData& data, int body, const Vector3& p_B) {
+  Vector3 p_W{};
+  mju_mulMatVec(p_W.data(), data.xmat + std::ptrdiff_t{9} * body, p_B.data(), 3, 3);
+  mju_addTo3(p_W.data(), data.xpos + std::ptrdiff_t{3} * body);
+  return p_W;
+}
+
+/// Up in its picture is the flange's +x: the side it is mounted on.
+CameraFrame GripperCamera(const mjData& data, int flange) {
+  CameraFrame frame;
+  frame.p_W = InWorld(data, flange, kEye);
+  const Vector3 aim = InWorld(data, flange, kAim);
+  mju_sub3(frame.forward_W.data(), aim.data(), frame.p_W.data());
+  mju_normalize3(frame.forward_W.data());
+  const mjtNum* const R = data.xmat + std::ptrdiff_t{9} * flange;  // row-major
+  const Vector3 x{R[0], R[3], R[6]};
+  const mjtNum along = mju_dot3(x.data(), frame.forward_W.data());
+  mju_addScl3(frame.up_W.data(), x.data(), frame.forward_W.data(), -along);
+  mju_normalize3(frame.up_W.data());
+  return frame;
+}
+
+}  // namespace
+
+CameraRig::CameraRig(const View& view, const DrawnModel& model) : view_(view) {
+  view_.Validate();
+  if (view_.kind == ViewKind::kScene) id_ = model.CameraId(view_.name);
+  if (view_.kind == ViewKind::kTracking) id_ = model.BodyId(view_.name);
+  if (view_.kind == ViewKind::kGripper) id_ = model.BodyId(kFlange);
+}
+
+void CameraRig::Aim(Duration since, const mjData& data, Shot& shot) const {
+  mjv_defaultCamera(&shot.camera);
+  shot.frame.reset();
+  if (view_.kind == ViewKind::kScene) {
+    shot.camera.type = mjCAMERA_FIXED;
+    shot.camera.fixedcamid = id_;
+    return;
+  }
+  shot.camera.type = mjCAMERA_FREE;
+  if (view_.kind == ViewKind::kGripper) {
+    shot.frame = GripperCamera(data, id_);
+    return;
+  }
+  const FreeCamera& orbit = view_.orbit;
+  shot.camera.distance = orbit.distance_m;
+  shot.camera.elevation = orbit.elevation_deg;
+  shot.camera.azimuth =
+      std::fmod(orbit.azimuth_deg + view_.turn_deg_per_s * ToSeconds(since), 360.0);
+  std::copy(orbit.lookat_m.begin(), orbit.lookat_m.end(), shot.camera.lookat);
+  if (view_.kind == ViewKind::kTracking) {
+    mju_addTo3(shot.camera.lookat, data.xpos + std::ptrdiff_t{3} * id_);
+  }
+}
+
+}  // namespace twin::render

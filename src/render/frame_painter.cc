@@ -1,0 +1,203 @@
+#include "twin/render/frame_painter.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/camera_rig.h"
+#include "render/drawn_model.h"
+#include "render/joint_bars.h"
+#include "render/marks.h"
+#include "render/mujoco_call.h"
+#include "render/scene_renderer.h"
+#include "render/tool_trace.h"
+#include "twin/core/check.h"
+
+namespace twin::render {
+namespace {
+
+constexpr Colour kTraceColour{0.98F, 0.75F, 0.10F, 1};
+constexpr Colour kContactColour{0.90F, 0.10F, 0.10F, 1};
+constexpr Colour kContactForceColour{0.95F, 0.35F, 0.10F, 1};
+constexpr Colour kPushColour{0.55F, 0.20F, 0.85F, 1};
+
+/// A note is shown for so long after it happened, or until the next.
+constexpr Duration kNoteStays = std::chrono::milliseconds(2500);
+
+mjrRect PlaceOf(const Inset& inset, const mjrRect& whole) {
+  constexpr int kMargin = 6;
+  const int width = static_cast<int>(std::lround(inset.share * whole.width));
+  const int height = static_cast<int>(std::lround(inset.share * whole.height));
+  const bool right = inset.corner == Corner::kTopRight || inset.corner == Corner::kBottomRight;
+  const bool top = inset.corner == Corner::kTopLeft || inset.corner == Corner::kTopRight;
+  return {right ? whole.width - width - kMargin : kMargin,
+          top ? whole.height - height - kMargin : kMargin, width, height};
+}
+
+}  // namespace
+
+class FramePainter::Impl {
+ public:
+  Impl(Film film, FilmSettings settings)
+      : film_(std::move(film)),
+        settings_(std::move(settings)),
+        model_(*film_.model, settings_.render),
+        data_(model_.NewData()),
+        elsewhere_(model_.NewData()),
+        camera_(settings_.view, model_),
+        trace_(settings_.overlays.trace ? ToolTrace(model_, *film_.snapshots) : ToolTrace()),
+        bars_(settings_.overlays.limits ? JointBars(model_) : JointBars()),
+        scene_(model_.get(), settings_.render) {
+    for (const Inset& inset : settings_.insets) insets_.emplace_back(inset.view, model_);
+  }
+
+  Image Paint(std::size_t frame) {
+    Shot shot = ShotOf(frame);
+    const PlannedGoal* const goal = GoalAt(film_.snapshots->time(frame));
+    if (goal != nullptr) PutElsewhere(*goal, film_.snapshots->qpos(frame), shot);
+    const std::vector<mjvGeom> marks = MarksOf(frame, goal);
+    shot.marks = marks;
+    const SceneRenderer::Current current = scene_.Use();
+    scene_.Draw(shot, scene_.Whole());
+    for (std::size_t i = 0; i < insets_.size(); ++i) DrawInset(i, frame, shot);
+    if (settings_.overlays.limits) bars_.Draw(*data_, scene_);
+    if (settings_.overlays.text) WriteTexts(film_.snapshots->time(frame));
+    return scene_.Read();
+  }
+
+  DepthImage Depth(std::size_t frame) {
+    const Shot shot = ShotOf(frame);
+    const SceneRenderer::Current current = scene_.Use();
+    return scene_.Measure(shot);
+  }
+
+  SegmentationImage Segment(std::size_t frame) {
+    const Shot shot = ShotOf(frame);
+    const SceneRenderer::Current current = scene_.Use();
+    return scene_.Segment(shot, {});
+  }
+
+ private:
+  [[nodiscard]] Duration Since(std::size_t frame) const {
+    return film_.snapshots->time(frame) - film_.snapshots->time(0);
+  }
+
+  Shot ShotOf(std::size_t frame) {
+    TWIN_CHECK(frame < film_.snapshots->size());
+    model_.SetPositions(film_.snapshots->qpos(frame), *data_);
+    Shot shot;
+    shot.data = data_.get();
+    camera_.Aim(Since(frame), *data_, shot);
+    return shot;
+  }
+
+  [[nodiscard]] const PlannedGoal* GoalAt(Time at) const {
+    if (!settings_.overlays.goal) return nullptr;
+    const auto found =
+        std::find_if(film_.goals.rbegin(), film_.goals.rend(),
+                     [&](const PlannedGoal& goal) { return goal.from <= at && at < goal.until; });
+    return found == film_.goals.rend() ? nullptr : &*found;
+  }
+
+  void PutElsewhere(const PlannedGoal& goal, std::span<const double> qpos, Shot& shot) {
+    if (!goal.q && goal.object.empty()) return;
+    std::vector<double> there(qpos.begin(), qpos.end());
+    if (goal.q) there = model_.WithArmAt(there, *goal.q);
+    if (!goal.object.empty()) there = model_.WithBodyAt(there, goal.object, goal.O_T_object);
+    model_.SetPositions(there, *elsewhere_);
+    shot.elsewhere = elsewhere_.get();
+    shot.elsewhere_colour = Ghost{}.colour;
+  }
+
+  [[nodiscard]] std::vector<mjvGeom> MarksOf(std::size_t frame, const PlannedGoal* goal) const {
+    const Overlays& wanted = settings_.overlays;
+    const rt::SceneRecord& scene = film_.snapshots->scene(frame);
+    std::vector<mjvGeom> marks;
+    if (goal != nullptr) {
+      const Ghost style;
+      for (const Vector3& point : goal->way) {
+        marks.push_back(Ball(point, style.radius, style.line_colour));
+      }
+    }
+    if (wanted.trace) trace_.Append(frame, settings_.trace_s, kTraceColour, marks);
+    if (wanted.contacts) {
+      for (const rt::PointForce& contact : scene.Contacts()) {
+        marks.push_back(Ball(contact.p_W, 0.006, kContactColour));
+      }
+    }
+    if (wanted.forces) {
+      for (const rt::PointForce& contact : scene.Contacts()) {
+        marks.push_back(ForceArrow(contact, settings_.newton_m, kContactForceColour));
+      }
+      for (const rt::PointForce& push : scene.Pushes()) {
+        marks.push_back(ForceArrow(push, settings_.newton_m, kPushColour));
+      }
+    }
+    return marks;
+  }
+
+  void DrawInset(std::size_t number, std::size_t frame, Shot shot) {
+    const mjrRect place = PlaceOf(settings_.insets[number], scene_.Whole());
+    constexpr int kFrame = 2;
+    scene_.Fill({place.left - kFrame, place.bottom - kFrame, place.width + 2 * kFrame,
+                 place.height + 2 * kFrame},
+                {0.1F, 0.1F, 0.12F, 1});
+    insets_[number].Aim(Since(frame), *data_, shot);
+    scene_.Draw(shot, place);
+  }
+
+  void WriteTexts(Time at) {
+    if (!film_.title.empty()) scene_.Write(mjGRID_TOPLEFT, film_.title);
+    scene_.Write(mjGRID_BOTTOMLEFT, fmt::format("t = {:.2f} s", ToSeconds(at.time_since_epoch())));
+    const auto next =
+        std::upper_bound(film_.notes.begin(), film_.notes.end(), at,
+                         [](Time time, const FilmNote& note) { return time < note.at; });
+    if (next == film_.notes.begin()) return;
+    const FilmNote& note = *std::prev(next);
+    if (at - note.at < kNoteStays) scene_.Write(mjGRID_BOTTOMRIGHT, note.text);
+  }
+
+  Film film_;
+  FilmSettings settings_;
+  DrawnModel model_;
+  DrawnModel::DataPointer data_;
+  DrawnModel::DataPointer elsewhere_;
+  CameraRig camera_;
+  std::vector<CameraRig> insets_;
+  ToolTrace trace_;
+  JointBars bars_;
+  SceneRenderer scene_;
+};
+
+FramePainter::FramePainter(const Film& film, const FilmSettings& settings) {
+  TWIN_CHECK(film.model != nullptr && film.snapshots != nullptr);
+  settings.Validate();
+  impl_ = MujocoCall(
+      "The off-screen renderer cannot start (it needs Debian's libosmesa6, and no "
+      "libEGL or libGL in the process)",
+      [&] { return std::make_unique<Impl>(film, settings); });
+}
+
+FramePainter::~FramePainter() = default;
+FramePainter::FramePainter(FramePainter&&) noexcept = default;
+
+Image FramePainter::Paint(std::size_t frame) {
+  return MujocoCall("A frame cannot be drawn", [&] { return impl_->Paint(frame); });
+}
+
+DepthImage FramePainter::Depth(std::size_t frame) {
+  return MujocoCall("A depth picture cannot be drawn", [&] { return impl_->Depth(frame); });
+}
+
+SegmentationImage FramePainter::Segment(std::size_t frame) {
+  return MujocoCall("A segmentation cannot be drawn", [&] { return impl_->Segment(frame); });
+}
+
+}  // namespace twin::render

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <array>
+
+#include "render/drawn_model.h"
+#include "render/scene_renderer.h"
+
+namespace twin::render {
+
+/// Seven bars in the lower right corner, base to wrist from left to right: each the range of a
+/// joint, upper limit at its top, with a slider where the joint is; amber within a tenth of the
+/// range from a limit, red within a fiftieth.
+class JointBars {
+ public:
+  JointBars() = default;
+  /// @throws InputError when the model has no arm.
+  explicit JointBars(const DrawnModel& model);
+
+  /// @pre scene's context is in use.
+  void Draw(const mjData& data, const SceneRenderer& scene) const;
+
+ private:
+  struct Joint {
+    int position = 0;  ///< in qpos
+    double lower = 0;
+    double upper = 0;
+  };
+  std::array<Joint, kJoints> joints_{};
+};
+
+}  // namespace twin::render
