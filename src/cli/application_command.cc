@@ -23,7 +23,6 @@
 #include "twin/application/page.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
-#include "twin/render/renderer.h"
 #include "twin/report/plots.h"
 
 namespace twin::cli {
@@ -166,10 +165,8 @@ void ApplicationSession::MakePictures() {
   times_.video_s = MakeClip({&model, records_.snapshots()}, scenario_.render, out_, interrupt_,
                             clock_, flags_.quiet)
                        .seconds;
-  render::RenderSettings settings = PictureOf(scenario_.render);
-  settings.samples = 4;
-  moments_ =
-      DrawMoments(model, *records_.snapshots(), result_.deeds.moments, settings, out_.moments());
+  moments_ = DrawMoments(model, *records_.snapshots(), result_.deeds.moments,
+                         FilmOf(scenario_.render), out_.moments());
 }
 
 application::PageFacts ApplicationSession::FactsOf() const {

@@ -1,36 +1,80 @@
 #include "cli/picture.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "cli/progress.h"
+#include "twin/render/frame_painter.h"
 
 namespace twin::cli {
 
-render::RenderSettings PictureOf(const scenario::RenderSection& wanted) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
-  render::RenderSettings settings;
-  settings.width = wanted.width;
-  settings.height = wanted.height;
-  settings.camera = wanted.camera;
-  settings.free_camera = {wanted.azimuth * kDegrees, wanted.elevation * kDegrees, wanted.distance,
-                          wanted.lookat};
-  return settings;
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+render::View ViewOf(const scenario::CameraSection& camera) {
+  render::View view;
+  view.orbit = {camera.azimuth * kDegrees, camera.elevation * kDegrees, camera.distance,
+                camera.lookat};
+  view.turn_deg_per_s = camera.turn * kDegrees;
+  switch (camera.kind) {
+    case scenario::CameraKind::kOrbit:
+      view.kind = camera.track.empty() ? render::ViewKind::kOrbit : render::ViewKind::kTracking;
+      view.name = camera.track;
+      break;
+    case scenario::CameraKind::kScene:
+      view.kind = render::ViewKind::kScene;
+      view.name = camera.name;
+      break;
+    case scenario::CameraKind::kGripper: view.kind = render::ViewKind::kGripper; break;
+  }
+  return view;
 }
 
-void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted) {
-  const render::Renderer renderer(connection.truth->model(), PictureOf(wanted));
+render::Corner CornerOf(scenario::PictureCorner corner) {
+  switch (corner) {
+    case scenario::PictureCorner::kTopLeft: return render::Corner::kTopLeft;
+    case scenario::PictureCorner::kTopRight: return render::Corner::kTopRight;
+    case scenario::PictureCorner::kBottomLeft: return render::Corner::kBottomLeft;
+    case scenario::PictureCorner::kBottomRight: break;
+  }
+  return render::Corner::kBottomRight;
 }
+
+render::Overlays OverlaysOf(const std::vector<scenario::Overlay>& wanted) {
+  const auto has = [&](scenario::Overlay overlay) {
+    return std::find(wanted.begin(), wanted.end(), overlay) != wanted.end();
+  };
+  return {.text = has(scenario::Overlay::kText),
+          .goal = has(scenario::Overlay::kGoal),
+          .trace = has(scenario::Overlay::kTrace),
+          .forces = has(scenario::Overlay::kForces),
+          .contacts = has(scenario::Overlay::kContacts),
+          .limits = has(scenario::Overlay::kLimits)};
+}
+
+}  // namespace
 
 render::FilmSettings FilmOf(const scenario::RenderSection& wanted) {
   render::FilmSettings film;
-  film.render = PictureOf(wanted);
-  film.view.kind = wanted.camera.empty() ? render::ViewKind::kOrbit : render::ViewKind::kScene;
-  film.view.name = wanted.camera;
-  film.view.orbit = film.render.free_camera;
+  film.render.width = wanted.width;
+  film.render.height = wanted.height;
+  film.view = ViewOf(wanted.camera);
+  for (const scenario::InsetSection& inset : wanted.insets) {
+    film.insets.push_back(
+        {ViewOf(inset.camera), CornerOf(inset.corner), inset.share_percent / 100});
+  }
+  film.overlays = OverlaysOf(wanted.overlays);
   return film;
+}
+
+void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted) {
+  const render::Snapshots none(wanted.fps, connection.truth->qpos_size());
+  const render::FramePainter painter({&connection.truth->model(), &none}, FilmOf(wanted));
 }
 
 render::ClipStats MakeClip(const render::Film& film, const scenario::RenderSection& wanted,

@@ -6,20 +6,17 @@
 #include "twin/core/clock.h"
 #include "twin/render/clip.h"
 #include "twin/render/film.h"
-#include "twin/render/renderer.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::cli {
 
-/// What a scenario wants to be shown, in the renderer's terms.
-[[nodiscard]] render::RenderSettings PictureOf(const scenario::RenderSection& wanted);
-
-/// What it wants its film to look like.
+/// What a scenario wants its film to look like.
 [[nodiscard]] render::FilmSettings FilmOf(const scenario::RenderSection& wanted);
 
 /// Tries the renderer once, before a run writes anything.
 /// @pre connection.truth is not null.
-/// @throws InputError for a camera the scene does not have; EnvironmentError without OSMesa.
+/// @throws InputError for a camera or body the scene does not have; EnvironmentError without
+/// OSMesa.
 void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted);
 
 /// Renders the film of a run, of at least one frame, as its video and contact sheet, and shows how

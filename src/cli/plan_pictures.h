@@ -22,15 +22,15 @@ class PlanPictures {
   /// Before the run: keeps where everything is. @param truth  must outlive this.
   explicit PlanPictures(const plant::TruthProbe& truth);
 
-  /// After the run. @throws what render::Renderer and render::WritePng throw.
-  void Write(const scenario::Run& run, const scenario::Scenario& scenario,
-             const Paths& paths) const;
+  /// After the run. @throws what render::FramePainter and render::WritePng throw.
+  void Write(const scenario::Run& run, const scenario::Scenario& scenario, const Paths& paths);
 
  private:
-  [[nodiscard]] std::vector<double> Positions() const;
+  /// Between its two pictures, as far as it matters.
+  static constexpr Duration kRunsLonger = std::chrono::seconds(1);
 
   const plant::TruthProbe& truth_;
-  std::vector<double> before_;
+  render::SnapshotRecorder recorder_;
 };
 
 }  // namespace twin::cli

@@ -7,12 +7,16 @@
 namespace twin::render {
 namespace {
 
-constexpr const char* kFlange = "panda_link7";  ///< the flange is its last 10.7 cm
+constexpr const char* kFlange = "panda_link7";  ///< the flange is its end, 10.7 cm on
 
-/// Of the gripper's camera in panda_link7's frame (z along the flange's axis), m: beside it, with
-/// the fingers (0.21 m on) in the middle of its picture.
-constexpr Vector3 kEye{0.07, 0.0, 0.085};
-constexpr Vector3 kAim{0.0, 0.0, 0.215};
+/// Of the gripper's camera in panda_link7's frame (z along the flange's axis), m. It stands beside
+/// the hand, which is mounted at -45 degrees, where no finger goes; the finger tips are in the
+/// middle of its picture.
+constexpr double kMount = -0.70710678118654752;  ///< sine of that angle; its cosine is the opposite
+constexpr Vector3 kAside{-kMount, kMount, 0};
+constexpr double kEyeAside = 0.09;
+constexpr double kEyeAlong = 0.09;
+constexpr Vector3 kAim{0, 0, 0.205};
 
 Vector3 InWorld(const mjData& data, int body, const Vector3& p_B) {
   Vector3 p_W{};
@@ -21,17 +25,16 @@ Vector3 InWorld(const mjData& data, int body, const Vector3& p_B) {
   return p_W;
 }
 
-/// Up in its picture is the flange's +x: the side it is mounted on.
+/// Up in its picture is the side it is mounted on.
 CameraFrame GripperCamera(const mjData& data, int flange) {
   CameraFrame frame;
-  frame.p_W = InWorld(data, flange, kEye);
+  frame.p_W = InWorld(data, flange, {kEyeAside * kAside[0], kEyeAside * kAside[1], kEyeAlong});
   const Vector3 aim = InWorld(data, flange, kAim);
   mju_sub3(frame.forward_W.data(), aim.data(), frame.p_W.data());
   mju_normalize3(frame.forward_W.data());
-  const mjtNum* const R = data.xmat + std::ptrdiff_t{9} * flange;  // row-major
-  const Vector3 x{R[0], R[3], R[6]};
-  const mjtNum along = mju_dot3(x.data(), frame.forward_W.data());
-  mju_addScl3(frame.up_W.data(), x.data(), frame.forward_W.data(), -along);
+  mju_mulMatVec(frame.up_W.data(), data.xmat + std::ptrdiff_t{9} * flange, kAside.data(), 3, 3);
+  const mjtNum along = mju_dot3(frame.up_W.data(), frame.forward_W.data());
+  mju_addToScl3(frame.up_W.data(), frame.forward_W.data(), -along);
   mju_normalize3(frame.up_W.data());
   return frame;
 }

@@ -58,9 +58,18 @@ class FramePainter::Impl {
     for (const Inset& inset : settings_.insets) insets_.emplace_back(inset.view, model_);
   }
 
-  Image Paint(std::size_t frame) {
+  [[nodiscard]] const PlannedGoal* GoalOf(std::size_t frame) const {
+    if (!settings_.overlays.goal) return nullptr;
+    const Time at = film_.snapshots->time(frame);
+    const auto found =
+        std::find_if(film_.goals.rbegin(), film_.goals.rend(),
+                     [&](const PlannedGoal& goal) { return goal.from <= at && at < goal.until; });
+    return found == film_.goals.rend() ? nullptr : &*found;
+  }
+
+  /// @param goal  may be null.
+  Image Paint(std::size_t frame, const PlannedGoal* goal) {
     Shot shot = ShotOf(frame);
-    const PlannedGoal* const goal = GoalAt(film_.snapshots->time(frame));
     if (goal != nullptr) PutElsewhere(*goal, film_.snapshots->qpos(frame), shot);
     const std::vector<mjvGeom> marks = MarksOf(frame, goal);
     shot.marks = marks;
@@ -96,14 +105,6 @@ class FramePainter::Impl {
     shot.data = data_.get();
     camera_.Aim(Since(frame), *data_, shot);
     return shot;
-  }
-
-  [[nodiscard]] const PlannedGoal* GoalAt(Time at) const {
-    if (!settings_.overlays.goal) return nullptr;
-    const auto found =
-        std::find_if(film_.goals.rbegin(), film_.goals.rend(),
-                     [&](const PlannedGoal& goal) { return goal.from <= at && at < goal.until; });
-    return found == film_.goals.rend() ? nullptr : &*found;
   }
 
   void PutElsewhere(const PlannedGoal& goal, std::span<const double> qpos, Shot& shot) {
@@ -189,7 +190,12 @@ FramePainter::~FramePainter() = default;
 FramePainter::FramePainter(FramePainter&&) noexcept = default;
 
 Image FramePainter::Paint(std::size_t frame) {
-  return MujocoCall("A frame cannot be drawn", [&] { return impl_->Paint(frame); });
+  return MujocoCall("A frame cannot be drawn",
+                    [&] { return impl_->Paint(frame, impl_->GoalOf(frame)); });
+}
+
+Image FramePainter::Paint(std::size_t frame, const PlannedGoal& goal) {
+  return MujocoCall("A frame cannot be drawn", [&] { return impl_->Paint(frame, &goal); });
 }
 
 DepthImage FramePainter::Depth(std::size_t frame) {

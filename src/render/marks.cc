@@ -32,7 +32,9 @@ mjvGeom ForceArrow(const rt::PointForce& force, double newton_m, const Colour& c
   constexpr double kWidth = 0.008;  // m
   Vector3 tail{};
   for (std::size_t i = 0; i < 3; ++i) tail[i] = force.p_W[i] - newton_m * force.force_W[i];
-  return Between(mjGEOM_ARROW, tail, force.p_W, kWidth, colour);
+  mjvGeom arrow = Between(mjGEOM_ARROW, tail, force.p_W, kWidth, colour);
+  arrow.size[2] *= 2;  // a connector's is half its length, an arrow's all of it
+  return arrow;
 }
 
 }  // namespace twin::render

@@ -215,17 +215,6 @@ void ValidateApplication(const Scenario& scenario) {
   }
 }
 
-void ValidateRender(const RenderSection& render) {
-  RequireRange("render.width", render.width, 16, 4096);
-  RequireRange("render.height", render.height, 16, 4096);
-  RequireRange("render.fps", render.fps, 1, 240);
-  if (render.width % 2 != 0 || render.height % 2 != 0) {
-    throw InputError(fmt::format("render: {} x {} pixels; both must be even for H.264",
-                                 render.width, render.height));
-  }
-  RequireRange("render.camera.distance", render.distance, 0.01, 1000);
-}
-
 bool SamePoint(const reference::Waypoint& a, const reference::Waypoint& b) {
   return a.q == b.q && a.at == b.at && a.stop == b.stop;
 }
@@ -334,7 +323,7 @@ void Scenario::Validate() const {
   ValidatePerturbations(*this);
   ValidatePanel(panel);
   ValidateHand(*this);
-  ValidateRender(render);
+  render.Validate();
 }
 
 }  // namespace twin::scenario

@@ -150,41 +150,6 @@ void ReadWhatMoves(const YamlMap& map, const std::filesystem::path& folder, Scen
   ReadMotion(map.Require("motion"), folder, scenario.motion);
 }
 
-/// The name of one of the scene's cameras, or a free camera that orbits a point.
-void ReadCamera(const YamlNode& node, RenderSection& render) {
-  constexpr double kTurn = 2 * std::numbers::pi;
-  if (node.IsScalar()) {
-    render.camera = node.Text();
-    return;
-  }
-  const YamlMap map = node.Map({"azimuth", "elevation", "distance", "lookat"});
-  IfGiven(map, "azimuth", [&](const YamlNode& n) {
-    render.azimuth = n.Quantity(Dimension::kAngle, -kTurn, kTurn);
-  });
-  IfGiven(map, "elevation", [&](const YamlNode& n) {
-    render.elevation = n.Quantity(Dimension::kAngle, -kTurn / 4, kTurn / 4);
-  });
-  IfGiven(map, "distance",
-          [&](const YamlNode& n) { render.distance = n.Quantity(Dimension::kLength, 0.01, 1000); });
-  IfGiven(map, "lookat",
-          [&](const YamlNode& n) { render.lookat = n.Vector(Dimension::kLength, -1000, 1000); });
-}
-
-void ReadRender(const YamlNode& node, RenderSection& render) {
-  const YamlMap map = node.Map({"enabled", "width", "height", "fps", "camera"});
-  const auto integer = [](const YamlNode& n, std::uint64_t least, std::uint64_t most) {
-    return static_cast<int>(n.Integer(least, most));
-  };
-  IfGiven(map, "enabled", [&](const YamlNode& n) { render.enabled = n.Bool(); });
-  IfGiven(map, "width", [&](const YamlNode& n) { render.width = integer(n, 16, 4096); });
-  IfGiven(map, "height", [&](const YamlNode& n) { render.height = integer(n, 16, 4096); });
-  IfGiven(map, "fps", [&](const YamlNode& n) {
-    render.fps = static_cast<int>(n.Quantity(Dimension::kFrequency, 1, 240));
-    if (n.Quantity(Dimension::kFrequency, 1, 240) != render.fps) n.Fail("must be whole Hz");
-  });
-  IfGiven(map, "camera", [&](const YamlNode& n) { ReadCamera(n, render); });
-}
-
 Drive ReadDrive(const YamlNode& node) {
   try {
     return DriveFromName(node.Text());

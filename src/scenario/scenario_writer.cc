@@ -376,19 +376,6 @@ void PutHand(Text& out, const std::vector<HandEvent>& hand) {
   }
 }
 
-void PutRender(Text& out, const RenderSection& render) {
-  Put(out, "render:\n  enabled: {}\n  width: {}\n  height: {}\n  fps: {} Hz\n", render.enabled,
-      render.width, render.height, render.fps);
-  if (!render.camera.empty()) {
-    Put(out, "  camera: {}\n", Quoted(render.camera));
-    return;
-  }
-  Put(out, "  camera:\n    azimuth: {} rad\n    elevation: {} rad\n    distance: {} m\n",
-      FormatNumber(render.azimuth), FormatNumber(render.elevation), FormatNumber(render.distance));
-  Put(out, "    lookat: [{} m, {} m, {} m]\n", FormatNumber(render.lookat[0]),
-      FormatNumber(render.lookat[1]), FormatNumber(render.lookat[2]));
-}
-
 }  // namespace
 
 std::string ToYaml(const Scenario& scenario) {
@@ -410,7 +397,7 @@ std::string ToYaml(const Scenario& scenario) {
   }
   PutPerturbationsAndPanel(out, scenario);
   PutHand(out, scenario.hand);
-  PutRender(out, scenario.render);
+  out += RenderText(scenario.render);
   Put(out, "record: {}\n", scenario.record);
   return out;
 }

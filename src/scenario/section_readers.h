@@ -46,5 +46,6 @@ void ReadOnboard(const YamlNode& node, OnboardSection& onboard);
 [[nodiscard]] std::vector<ObjectSection> ReadObjects(const YamlNode& node);
 [[nodiscard]] std::vector<robot::PanelEvent> ReadPanel(const YamlNode& node);
 [[nodiscard]] std::vector<HandEvent> ReadHand(const YamlNode& node);
+void ReadRender(const YamlNode& node, RenderSection& render);
 
 }  // namespace twin::scenario

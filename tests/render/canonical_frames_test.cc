@@ -35,7 +35,7 @@ TEST(CanonicalFramesTest, EveryLinkIsDrawnWhereTheModelComputesIt) {
   RenderSettings settings;
   settings.width = canonical.render.width;
   settings.height = canonical.render.height;
-  settings.camera = canonical.render.camera;
+  settings.camera = canonical.render.camera.name;
   Renderer renderer(plant->model(), settings);
 
   for (int frame = 0; frame < kKeyFrames; ++frame) {

@@ -2,6 +2,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <stdexcept>
@@ -38,6 +40,12 @@ class TestModel final : public plant::TruthProbe {
   }
   [[nodiscard]] std::vector<double> Qpos() const { return {data_->qpos, data_->qpos + model_->nq}; }
   void SetQpos(std::size_t i, double value) { data_->qpos[i] = value; }
+  void Step() { mj_step(model_.get(), data_.get()); }
+  /// Applies a wrench [f; m] at a body's centre of mass, world axes.
+  void Push(int body, const std::array<double, 6>& wrench) {
+    mj_forward(model_.get(), data_.get());
+    std::copy(wrench.begin(), wrench.end(), data_->xfrc_applied + std::ptrdiff_t{6} * body);
+  }
 
  private:
   struct Free {

@@ -79,6 +79,12 @@ render:
     elevation: -20 deg
     distance: 2 m
     lookat: [0.1 m, 0 m, 400 mm]
+    track: panda_hand
+    turn: 10 deg/s
+  overlays: [limits, trace]
+  insets:
+    - {camera: gripper, corner: bottom_left, share: 25 %}
+    - {camera: {azimuth: 90 deg}}
 record: false
 )";
 }

@@ -58,7 +58,7 @@ TEST(ScenarioTest, ReadsEveryKey) {
   ASSERT_EQ(s.motion.waypoints.size(), 3u);
   EXPECT_TRUE(s.motion.waypoints[1].stop);
   EXPECT_EQ(s.motion.waypoints[1].where, "s.yaml:61");
-  EXPECT_EQ(s.render.lookat[2], 0.4);
+  EXPECT_EQ(s.render.camera.lookat[2], 0.4);
   EXPECT_FALSE(s.record);
 }
 
@@ -145,12 +145,12 @@ TEST(ScenarioTest, ReadsWhatPushesAndLeadsTheRobot) {
                                                    .largest_force = 25})));
   EXPECT_EQ(s.perturbations[3],
             (plant::Perturbation(plant::HandSpring{.body = "panda_hand", .begin = 5s})));
-  EXPECT_EQ(s.perturbations[4],
-            (plant::Perturbation(
-                plant::Push{.body = "panda_link6", .motion = 3, .force = {1, 0, 0}})));
-  EXPECT_EQ(s.perturbations[5],
-            (plant::Perturbation(
-                plant::HandSpring{.body = "panda_hand", .begin = 6s, .motion = 1})));
+  EXPECT_EQ(
+      s.perturbations[4],
+      (plant::Perturbation(plant::Push{.body = "panda_link6", .motion = 3, .force = {1, 0, 0}})));
+  EXPECT_EQ(
+      s.perturbations[5],
+      (plant::Perturbation(plant::HandSpring{.body = "panda_hand", .begin = 6s, .motion = 1})));
   EXPECT_EQ(s.panel, (std::vector<robot::PanelEvent>{{3s, PanelAction::kPressUserStop},
                                                      {3500ms, PanelAction::kReleaseUserStop}}));
 }

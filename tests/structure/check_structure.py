@@ -18,7 +18,7 @@ TEXT_SUFFIXES = {".h", ".cc", ".py", ".txt", ".cmake", ".in", ".md", ".yaml", ".
 MOST_LINES = 600
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
-CLOCK = re.compile(r"(steady|system|high_resolution|utc|file)_clock\b|\bclock_gettime\b|\bgettimeofday\b|\btime\((nullptr|NULL|0)\)")
+CLOCK = re.compile(r"(steady|system|high_resolution|utc|file)_clock\b|\bclock_gettime\b|\bgettimeofday\b|(?<![.>])\btime\((nullptr|NULL|0)\)")
 RANDOMNESS = re.compile(r"\bs?rand\(|\brandom_device\b|\bmt19937|\bdefault_random_engine\b|\bdrand48\b")
 ENVIRONMENT = re.compile(r"\bgetenv\(")
 MACHINE_PATH = re.compile(r"(?<![\w.])/(work|root|home/\w+)/|[.][.]/shared\b")

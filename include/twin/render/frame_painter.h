@@ -25,6 +25,9 @@ class FramePainter {
   /// @returns the picture, with insets and overlays. @pre frame < film.snapshots->size(), as the
   /// following.
   [[nodiscard]] Image Paint(std::size_t frame);
+  /// As Paint(), with this goal in place of the film's, whatever its time and the overlays.
+  /// @throws InputError when the model lacks what it names.
+  [[nodiscard]] Image Paint(std::size_t frame, const PlannedGoal& goal);
   /// @returns distances along the main view's axis; neither insets nor overlays.
   [[nodiscard]] DepthImage Depth(std::size_t frame);
   /// @returns the body seen in each pixel of the main view; neither insets nor overlays.

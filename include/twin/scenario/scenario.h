@@ -28,6 +28,7 @@
 #include "twin/scenario/frame_pose.h"
 #include "twin/scenario/loss.h"
 #include "twin/scenario/objects.h"
+#include "twin/scenario/render_section.h"
 
 namespace twin::scenario {
 
@@ -202,20 +203,6 @@ struct HandEvent {
   Duration at{};  ///< since the run began
   HandCommand command;
   bool operator==(const HandEvent&) const = default;
-};
-
-/// What the video shows; drawn after the run, never on its path.
-struct RenderSection {
-  bool enabled = true;
-  int width = 640;     ///< pixels, even, in [16, 4096]
-  int height = 480;    ///< pixels, even, in [16, 4096]
-  int fps = 25;        ///< in [1, 240]
-  std::string camera;  ///< a camera of the scene; empty: the free camera below
-  double azimuth = 142 * std::numbers::pi / 180;    ///< rad
-  double elevation = -18 * std::numbers::pi / 180;  ///< rad
-  double distance = 2.05;                           ///< m, > 0
-  Vector3 lookat{0.18, 0, 0.46};                    ///< m, in the world
-  bool operator==(const RenderSection&) const = default;
 };
 
 /// Where a name was read.

@@ -1,0 +1,53 @@
+#include "twin/scenario/render_section.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "scenario/names.h"
+#include "twin/core/error.h"
+
+namespace twin::scenario {
+namespace {
+
+void RequireRange(std::string_view field, double value, double least, double most) {
+  if (!(value >= least && value <= most)) {
+    throw InputError(
+        fmt::format("render: {} is {}; it must be in [{}, {}]", field, value, least, most));
+  }
+}
+
+void Validate(const CameraSection& camera) {
+  RequireRange("camera.distance (m)", camera.distance, 0.01, 1000);
+  RequireRange("camera.turn (rad/s)", camera.turn, -2 * std::numbers::pi, 2 * std::numbers::pi);
+  if (camera.kind == CameraKind::kScene && camera.name.empty()) {
+    throw InputError("render: camera of the scene without a name");
+  }
+}
+
+}  // namespace
+
+void RenderSection::Validate() const {
+  RequireRange("width", width, 16, 4096);
+  RequireRange("height", height, 16, 4096);
+  RequireRange("fps", fps, 1, 240);
+  if (width % 2 != 0 || height % 2 != 0) {
+    throw InputError(
+        fmt::format("render: {} x {} pixels; both must be even for H.264", width, height));
+  }
+  scenario::Validate(camera);
+  for (const InsetSection& inset : insets) {
+    scenario::Validate(inset.camera);
+    RequireRange("insets.share (%)", inset.share_percent, 10, 50);
+  }
+  for (std::size_t i = 0; i < overlays.size(); ++i) {
+    if (std::count(overlays.begin(), overlays.end(), overlays[i]) > 1) {
+      throw InputError(fmt::format("render.overlays: {} is there twice; leave one of them out",
+                                   NameOf(kOverlayNames, overlays[i])));
+    }
+  }
+}
+
+}  // namespace twin::scenario
