@@ -41,7 +41,8 @@ class Collector {
     }
   }
 
-  void Add(const record::EventRecord& /*event*/) {}
+  template <class Other>
+  void Add(const Other& /*record*/) {}
 
   /// From the command on that ends a motion, the robot stops the arm by itself.
   void LeaveOutStops() {

@@ -13,6 +13,7 @@
 #include "cli/interrupt.h"
 #include "cli/moment_pictures.h"
 #include "cli/picture.h"
+#include "cli/plan_records.h"
 #include "cli/remote_run.h"
 #include "cli/result_folder.h"
 #include "cli/run_records.h"
@@ -69,6 +70,7 @@ class ApplicationSession {
   [[nodiscard]] bool makes_video() const {
     return wants_video() && run_->connection().truth != nullptr;
   }
+  [[nodiscard]] bool is_filmed() const { return makes_video() && records_.was_filmed(); }
   [[nodiscard]] bool is_simulated() const { return scenario_.drive != scenario::Drive::kRemote; }
   [[nodiscard]] double SecondsSince(Time begin) const { return ToSeconds(clock_.Now() - begin); }
 
@@ -110,7 +112,10 @@ ExitCode ApplicationSession::Execute() {
 void ApplicationSession::Perform() {
   BeginLog(records_, out_.log(), scenario_, run_->robot(), settings_);
   const plant::TruthProbe* truth = run_->connection().truth;
-  if (makes_video()) records_.Film(*truth, run_->longest(), scenario_.render.fps);
+  // Logs are the same with a video and without.
+  if (makes_video() || (truth != nullptr && RunRecords::CanFilm(*truth))) {
+    records_.Film(*truth, run_->longest(), scenario_.render.fps);
+  }
   if (truth != nullptr) records_.WatchContacts(*truth);
   scenario::RunHooks hooks;
   hooks.interrupted = interrupt_.flag();
@@ -123,6 +128,7 @@ void ApplicationSession::Perform() {
   });
   times_.run_s = SecondsSince(begin);
   times_.planning_s = ToSeconds(result_.deeds.planning_time);
+  for (const application::Moment& moment : result_.deeds.moments) records_.Add(PlanOf(moment));
   times_.records_dropped = records_.Finish();
   result_.session = run_->result();
   result_.interrupted = interrupt_.interrupted();
@@ -152,7 +158,7 @@ void ApplicationSession::WriteResults() {
       plots_ = report::WritePlots(out_.log(), run_->robot().limits, out_.plots());
     }
     times_.plots_s = SecondsSince(begin);
-    if (records_.was_filmed()) MakePictures();
+    if (is_filmed()) MakePictures();
     WriteWholeFile(out_.report(),
                    application::PageOf(scenario_, result_.deeds, result_.judgement, FactsOf()));
   }
@@ -170,8 +176,7 @@ void ApplicationSession::MakePictures() {
 }
 
 application::PageFacts ApplicationSession::FactsOf() const {
-  application::PageFacts facts{
-      .moments = moments_, .plots = plots_, .has_video = records_.was_filmed()};
+  application::PageFacts facts{.moments = moments_, .plots = plots_, .has_video = is_filmed()};
   facts.lines = {{"application", scenario_.application->type},
                  {"seed", fmt::format("{}", scenario_.seed)},
                  {"site", flags_.lab ? "lab " + *flags_.lab : "the scenario's own"},

@@ -9,6 +9,7 @@
 #include "cli/interrupt.h"
 #include "cli/picture.h"
 #include "cli/plan_pictures.h"
+#include "cli/plan_records.h"
 #include "cli/progress.h"
 #include "cli/remote_run.h"
 #include "cli/result_folder.h"
@@ -113,13 +114,14 @@ void Session::Move() {
   BeginLog(records_, out_.log(), scenario_, run_->robot(), settings_);
   const scenario::Run& run = *run_;
   const plant::TruthProbe* truth = run.connection().truth;
-  if (makes_video()) {
+  // Logs are the same with a video and without.
+  if (makes_video() || (truth != nullptr && RunRecords::CanFilm(*truth))) {
     // The reference generator settles behind the plan: frames of that second belong to the video.
     constexpr Duration kSettling = std::chrono::seconds(1);
     records_.Film(*truth, run.trajectory().duration() + kSettling, scenario_.render.fps);
-    if (run.planning_time()) plan_pictures_.emplace(*truth);
   }
   if (truth != nullptr) records_.WatchContacts(*truth);
+  if (makes_video() && run.planning_time()) plan_pictures_.emplace(*truth);
 
   Progress progress("run", Progress::StyleOfStdout(flags_.quiet), clock_);
   const Time begin = clock_.Now();
@@ -135,6 +137,7 @@ void Session::Move() {
   result_ = run_->Execute(hooks);
   times_.run_s = SecondsSince(begin);
   times_.real_time_factor = ToSeconds(result_.report.simulated) / times_.run_s;
+  if (run.planning_time()) records_.Add(PlanOf(run, scenario_, Time(result_.report.simulated)));
   times_.records_dropped = records_.Finish();
   TellNotices(result_.report.notices, result_.report.robot_timings.notices);
 }
@@ -146,7 +149,7 @@ void Session::WriteResults() {
   WriteWholeFile(out_.summary(),
                  SummaryJson(scenario_, result_, interrupted, deviation_, records_.contacts()));
   if (!interrupted && scenario_.record) MakePlots();
-  if (!interrupted && records_.was_filmed()) {
+  if (!interrupted && makes_video() && records_.was_filmed()) {
     times_.video_s = MakeClip({&run_->connection().truth->model(), records_.snapshots()},
                               scenario_.render, out_, interrupt_, clock_, flags_.quiet)
                          .seconds;

@@ -1,5 +1,8 @@
 #include "cli/run_records.h"
 
+#include <cstddef>
+#include <utility>
+
 namespace twin::cli {
 
 void RunRecords::Log(const std::filesystem::path& path, const record::RunInfo& run,
@@ -18,8 +21,17 @@ void RunRecords::WatchContacts(const plant::TruthProbe& truth) {
 
 void RunRecords::Put(const rt::CycleRecord& record) noexcept {
   if (contacts_) contacts_->Look(record.at);
-  if (camera_) camera_->Capture(record.at, *truth_);
   if (log_) log_->Put(record);
+  if (camera_) TakeScenes(record.at);
+}
+
+void RunRecords::TakeScenes(Time now) noexcept {
+  const std::size_t captured = camera_->Capture(now, *truth_);
+  if (!log_) return;
+  const render::Snapshots& snapshots = camera_->snapshots();
+  for (std::size_t i = snapshots.size() - captured; i < snapshots.size(); ++i) {
+    log_->Put(snapshots.scene(i));
+  }
 }
 
 void RunRecords::Put(const rt::TickRecord& record) noexcept {
@@ -31,6 +43,10 @@ std::function<void(Time, std::string_view, std::string_view)> RunRecords::Events
   return [this](Time at, std::string_view kind, std::string_view text) {
     log_->Event(at, kind, text);
   };
+}
+
+void RunRecords::Add(record::PlanRecord plan) {
+  if (log_) log_->Add(std::move(plan));
 }
 
 std::uint64_t RunRecords::Finish() {

@@ -12,6 +12,7 @@
 #include "twin/record/recorder.h"
 #include "twin/render/snapshots.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/scene_record.h"
 
 namespace twin::cli {
 
@@ -24,8 +25,13 @@ class RunRecords final : public rt::RecordSink {
   /// @throws EnvironmentError as record::Recorder.
   void Log(const std::filesystem::path& path, const record::RunInfo& run,
            record::FullRing full_ring);
+  /// Takes down the scene at each frame of the video, for the log too.
   /// @param truth  must outlive this, as WatchContacts(). @throws as render::SnapshotRecorder.
   void Film(const plant::TruthProbe& truth, Duration duration, int fps);
+  /// Whether a scene's record holds all there is.
+  [[nodiscard]] static bool CanFilm(const plant::TruthProbe& truth) noexcept {
+    return truth.qpos_size() <= rt::SceneRecord::kMostPositions;
+  }
   void WatchContacts(const plant::TruthProbe& truth);
 
   void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
@@ -33,6 +39,9 @@ class RunRecords final : public rt::RecordSink {
 
   /// For RunHooks::event; empty without a log.
   [[nodiscard]] std::function<void(Time, std::string_view, std::string_view)> Events();
+
+  /// What was planned, for the log; after the run, before Finish().
+  void Add(record::PlanRecord plan);
 
   /// After the run: the log is whole. @returns records it had no room for.
   /// @throws EnvironmentError as record::Recorder::Finish.
@@ -55,6 +64,9 @@ class RunRecords final : public rt::RecordSink {
   }
 
  private:
+  /// The scenes that are due: for pictures, and in the log.
+  void TakeScenes(Time now) noexcept TWIN_REALTIME;
+
   std::optional<record::Recorder> log_;
   std::optional<render::SnapshotRecorder> camera_;
   std::optional<plant::ContactWatch> contacts_;

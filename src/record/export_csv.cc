@@ -118,6 +118,9 @@ class CsvFiles {
     ++written_.events;
   }
 
+  void operator()(const rt::SceneRecord& /*scene*/) {}
+  void operator()(const PlanRecord& /*plan*/) {}
+
   CsvExport Commit() {
     for (CsvFile* file : {&cycles_, &configs_, &ticks_, &events_}) file->Commit();
     return written_;

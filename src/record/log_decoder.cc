@@ -23,21 +23,56 @@ void Parse(std::span<const std::byte> data, Message& message) {
   }
 }
 
+using Doubles = google::protobuf::RepeatedField<double>;
+
+void DecodeVector(std::string_view name, const Doubles& from, std::span<double> to) {
+  if (from.empty()) {
+    std::ranges::fill(to, 0.0);
+    return;
+  }
+  if (static_cast<std::size_t>(from.size()) != to.size()) {
+    throw InputError(
+        fmt::format("{} has {} values; it must have {} or none", name, from.size(), to.size()));
+  }
+  std::ranges::copy(from, to.begin());
+}
+
 template <class Table, class Record, class Message>
 void DecodeVectors(const Table& table, Message& message, Record& record) {
   for (const auto& field : table) {
-    const auto& from = *field.repeated(message);
-    const auto to = field.mutable_values(record);
-    if (from.empty()) {
-      std::ranges::fill(to, 0.0);
-      continue;
-    }
-    if (static_cast<std::size_t>(from.size()) != to.size()) {
-      throw InputError(fmt::format("{} has {} values; it must have {} or none", field.name,
-                                   from.size(), to.size()));
-    }
-    std::ranges::copy(from, to.begin());
+    DecodeVector(field.name, *field.repeated(message), field.mutable_values(record));
   }
+}
+
+/// @returns `count`, which is at most `most`.
+std::uint32_t DecodeCount(std::string_view name, int count, std::size_t most) {
+  if (static_cast<std::size_t>(count) > most) {
+    throw InputError(fmt::format("{} are {}; at most {} are accepted", name, count, most));
+  }
+  return static_cast<std::uint32_t>(count);
+}
+
+void DecodeForces(const google::protobuf::RepeatedPtrField<pb::PointForce>& from,
+                  std::span<rt::PointForce> to) {
+  for (int i = 0; i < from.size(); ++i) {
+    rt::PointForce& force = to[static_cast<std::size_t>(i)];
+    DecodeVector("p_W", from[i].p_w(), force.p_W);
+    DecodeVector("force_W", from[i].force_w(), force.force_W);
+  }
+}
+
+std::vector<Vector3> DecodePoints(const Doubles& from) {
+  constexpr int kNumbers = 3;
+  if (from.size() % kNumbers != 0) {
+    throw InputError(fmt::format("way has {} values; it must have 3 for each point", from.size()));
+  }
+  std::vector<Vector3> points(
+      DecodeCount("points of way", from.size() / kNumbers, PlanRecord::kMostPoints));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(kNumbers * i), kNumbers,
+                points[i].begin());
+  }
+  return points;
 }
 
 /// @returns the enumerator of ours with the number that the message holds.
@@ -130,6 +165,32 @@ void LogDecoder::Decode(std::span<const std::byte> data, rt::TickRecord& record)
 void LogDecoder::Decode(std::span<const std::byte> data, EventRecord& record) {
   Parse(data, event_);
   record = {.at = ToTime(event_.at_ns()), .kind = event_.kind(), .text = event_.text()};
+}
+
+void LogDecoder::Decode(std::span<const std::byte> data, rt::SceneRecord& record) {
+  Parse(data, scene_);
+  record = {};
+  record.at = ToTime(scene_.at_ns());
+  record.positions = DecodeCount("values of qpos", scene_.qpos_size(), record.qpos.size());
+  std::ranges::copy(scene_.qpos(), record.qpos.begin());
+  record.contacts = DecodeCount("contacts", scene_.contacts_size(), record.contact.size());
+  DecodeForces(scene_.contacts(), record.contact);
+  record.pushes = DecodeCount("pushes", scene_.pushes_size(), record.push.size());
+  DecodeForces(scene_.pushes(), record.push);
+}
+
+void LogDecoder::Decode(std::span<const std::byte> data, PlanRecord& record) {
+  Parse(data, plan_);
+  record = {.id = plan_.id(),
+            .caption = plan_.caption(),
+            .from = ToTime(plan_.from_ns()),
+            .until = ToTime(plan_.until_ns()),
+            .way = DecodePoints(plan_.way()),
+            .object = plan_.object()};
+  if (!plan_.q().empty()) DecodeVector("q", plan_.q(), record.q.emplace());
+  if (!plan_.o_t_object().empty()) {
+    DecodeVector("O_T_object", plan_.o_t_object(), record.O_T_object);
+  }
 }
 
 }  // namespace twin::record

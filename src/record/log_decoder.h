@@ -9,6 +9,7 @@
 #include "twin/core/robot_state.h"
 #include "twin/record/log_records.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/scene_record.h"
 
 namespace twin::record {
 
@@ -23,6 +24,8 @@ class LogDecoder {
   void Decode(std::span<const std::byte> data, rt::CycleRecord& record);
   void Decode(std::span<const std::byte> data, rt::TickRecord& record);
   void Decode(std::span<const std::byte> data, EventRecord& record);
+  void Decode(std::span<const std::byte> data, rt::SceneRecord& record);
+  void Decode(std::span<const std::byte> data, PlanRecord& record);
 
  private:
   RobotState config_;  ///< default but for the configuration
@@ -30,6 +33,8 @@ class LogDecoder {
   pb::Config config_message_;
   pb::Tick tick_;
   pb::Event event_;
+  pb::Scene scene_;
+  pb::Plan plan_;
 };
 
 }  // namespace twin::record

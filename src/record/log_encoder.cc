@@ -47,6 +47,11 @@ void Encode(const Violation& violation, pb::Violation& message) {
   message.set_message_id(violation.message_id);
 }
 
+void Encode(const rt::PointForce& force, pb::PointForce& message) {
+  message.mutable_p_w()->Add(force.p_W.begin(), force.p_W.end());
+  message.mutable_force_w()->Add(force.force_W.begin(), force.force_W.end());
+}
+
 void Encode(const RobotCommand& command, pb::Command& message) {
   message.set_message_id(command.message_id);
   message.set_valid_elbow(command.valid_elbow);
@@ -88,6 +93,8 @@ LogEncoder::LogEncoder(McapWriter& writer, const RunInfo& run) : writer_(writer)
   tick_channel_ = AddChannel<pb::Tick>(writer_, kTickTopic);
   event_channel_ = AddChannel<pb::Event>(writer_, kEventTopic);
   frames_channel_ = AddChannel<foxglove::FrameTransforms>(writer_, kFramesTopic);
+  scene_channel_ = AddChannel<pb::Scene>(writer_, kSceneTopic);
+  plan_channel_ = AddChannel<pb::Plan>(writer_, kPlanTopic);
 }
 
 void LogEncoder::Add(const rt::CycleRecord& record) {
@@ -133,6 +140,32 @@ void LogEncoder::Add(Time at, std::string_view kind, std::string_view text) {
   event_.set_kind(ToUtf8(kind));
   event_.set_text(ToUtf8(text));
   Write(event_channel_, at, event_);
+}
+
+void LogEncoder::Add(const rt::SceneRecord& record) {
+  scene_.Clear();
+  scene_.set_at_ns(record.at.time_since_epoch().count());
+  const std::span<const double> qpos = record.Positions();
+  scene_.mutable_qpos()->Add(qpos.begin(), qpos.end());
+  for (const rt::PointForce& contact : record.Contacts()) Encode(contact, *scene_.add_contacts());
+  for (const rt::PointForce& push : record.Pushes()) Encode(push, *scene_.add_pushes());
+  Write(scene_channel_, record.at, scene_);
+}
+
+void LogEncoder::Add(const PlanRecord& record) {
+  TWIN_CHECK(record.way.size() <= PlanRecord::kMostPoints);
+  plan_.Clear();
+  plan_.set_id(ToUtf8(record.id));
+  plan_.set_caption(ToUtf8(record.caption));
+  plan_.set_from_ns(record.from.time_since_epoch().count());
+  plan_.set_until_ns(record.until.time_since_epoch().count());
+  if (record.q) plan_.mutable_q()->Add(record.q->begin(), record.q->end());
+  for (const Vector3& point : record.way) plan_.mutable_way()->Add(point.begin(), point.end());
+  plan_.set_object(ToUtf8(record.object));
+  if (!record.object.empty()) {
+    plan_.mutable_o_t_object()->Add(record.O_T_object.begin(), record.O_T_object.end());
+  }
+  Write(plan_channel_, record.from, plan_);
 }
 
 void LogEncoder::AddConfig(Time at, const RobotState& state) {

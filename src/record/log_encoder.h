@@ -9,6 +9,7 @@
 #include "twin/record/log_records.h"
 #include "twin/record/mcap_writer.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/scene_record.h"
 
 namespace twin::record {
 
@@ -27,6 +28,9 @@ class LogEncoder {
   void Add(const rt::TickRecord& record);
   /// Bytes that are not UTF-8 become '?'.
   void Add(Time at, std::string_view kind, std::string_view text);
+  void Add(const rt::SceneRecord& record);
+  /// Texts as an event's. @pre at most PlanRecord::kMostPoints points.
+  void Add(const PlanRecord& record);
 
  private:
   void AddConfig(Time at, const RobotState& state);
@@ -39,12 +43,16 @@ class LogEncoder {
   std::uint16_t tick_channel_ = 0;
   std::uint16_t event_channel_ = 0;
   std::uint16_t frames_channel_ = 0;
+  std::uint16_t scene_channel_ = 0;
+  std::uint16_t plan_channel_ = 0;
   bool has_config_ = false;
   RobotState config_;  ///< whose configuration was written last
   pb::Cycle cycle_;
   pb::Config config_message_;
   pb::Tick tick_;
   pb::Event event_;
+  pb::Scene scene_;
+  pb::Plan plan_;
   ArmFrames frames_;
 };
 

@@ -137,6 +137,8 @@ inline constexpr std::string_view kConfigTopic = "/robot/config";
 inline constexpr std::string_view kTickTopic = "/ext/tick";
 inline constexpr std::string_view kEventTopic = "/event";
 inline constexpr std::string_view kFramesTopic = "/tf";
+inline constexpr std::string_view kSceneTopic = "/scene";
+inline constexpr std::string_view kPlanTopic = "/plan";
 
 /// Names of the metadata records about the run and its limits, keys of the former, and the
 /// attachment with the scenario.

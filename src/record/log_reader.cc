@@ -48,6 +48,8 @@ class LogReader::Impl {
     if (topic == kCycleTopic) return DecodeAs<pb::Cycle, rt::CycleRecord>(message, entry);
     if (topic == kTickTopic) return DecodeAs<pb::Tick, rt::TickRecord>(message, entry);
     if (topic == kEventTopic) return DecodeAs<pb::Event, EventRecord>(message, entry);
+    if (topic == kSceneTopic) return DecodeAs<pb::Scene, rt::SceneRecord>(message, entry);
+    if (topic == kPlanTopic) return DecodeAs<pb::Plan, PlanRecord>(message, entry);
     return false;
   }
 

@@ -49,7 +49,7 @@ struct EventItem {
   BoundedText<2000> text;
 };
 
-using Item = std::variant<rt::CycleRecord, rt::TickRecord, EventItem>;
+using Item = std::variant<rt::CycleRecord, rt::TickRecord, EventItem, rt::SceneRecord>;
 static_assert(std::is_trivially_copyable_v<Item>);
 
 }  // namespace
@@ -66,6 +66,8 @@ class Recorder::Writer {
 
   void operator()(const rt::CycleRecord& record) { encoder_.Add(record); }
   void operator()(const rt::TickRecord& record) { encoder_.Add(record); }
+  void operator()(const rt::SceneRecord& record) { encoder_.Add(record); }
+  void operator()(const PlanRecord& record) { encoder_.Add(record); }
   void operator()(const EventItem& event) {
     encoder_.Add(event.at, event.kind.Get(), event.text.Get());
   }
@@ -103,6 +105,10 @@ void Recorder::Put(const rt::CycleRecord& record) noexcept {
 
 void Recorder::Put(const rt::TickRecord& record) noexcept {
   Push(ticks_, [&record](Item& slot) { slot.emplace<rt::TickRecord>(record); });
+}
+
+void Recorder::Put(const rt::SceneRecord& record) noexcept {
+  Push(cycles_, [&record](Item& slot) { slot.emplace<rt::SceneRecord>(record); });
 }
 
 void Recorder::Event(Time at, std::string_view kind, std::string_view text) noexcept {
@@ -159,6 +165,10 @@ std::size_t Recorder::Drain() {
   return count;
 }
 
+void Recorder::Add(PlanRecord plan) {
+  plans_.push_back(std::move(plan));
+}
+
 void Recorder::StopThread() {
   if (!thread_.joinable()) return;
   thread_.request_stop();
@@ -169,6 +179,7 @@ RecordingSummary Recorder::Finish() {
   StopThread();
   const std::unique_ptr<Writer> writer = std::move(writer_);
   if (failure_ != nullptr) std::rethrow_exception(failure_);
+  for (const PlanRecord& plan : plans_) (*writer)(plan);
   const McapTotals totals = writer->Finish();
   return {.messages = totals.messages,
           .bytes = totals.bytes,

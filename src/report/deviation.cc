@@ -18,7 +18,8 @@ class Collector {
     if (cycle.state.controller_mode != ControllerMode::kOther) Take(match_.Add(cycle));
   }
   void operator()(const rt::TickRecord& tick) { Take(match_.Add(tick)); }
-  void operator()(const record::EventRecord&) {}
+  template <class Other>
+  void operator()(const Other& /*record*/) {}
 
   [[nodiscard]] std::optional<Deviation> Result() const {
     if (count_ == 0) return std::nullopt;

@@ -93,7 +93,8 @@ class Collector {
     run_.d_EXT.Add(Seconds(tick.read), std::array{ToSeconds(tick.written - tick.read) * 1e6});
   }
 
-  void operator()(const record::EventRecord&) {}
+  template <class Other>
+  void operator()(const Other& /*record*/) {}
 
  private:
   void AddError(const std::optional<TrackingError::Value>& value) {

@@ -58,6 +58,9 @@ class Collector {
     if (event.kind == "session" && !abort_id_) end_.motion = event.text;
   }
 
+  void operator()(const rt::SceneRecord& /*scene*/) {}
+  void operator()(const record::PlanRecord& /*plan*/) {}
+
   [[nodiscard]] bool any() const { return any_; }
 
   /// Brings cycles and answers together.

@@ -20,6 +20,8 @@ except ImportError as missing:
 CYCLES = 1500
 CONFIGS = 3  # the sample changes its configuration every 500 cycles
 FRAMES = CYCLES // 20  # 50 a second
+SCENES = (CYCLES + 39) // 40  # 25 a second
+MESSAGES = 2 * CYCLES + CONFIGS + FRAMES + SCENES + 2  # and an event, and a plan
 
 
 def check(condition, what):
@@ -40,17 +42,18 @@ def check_stream(path):
     with open(path, "rb") as file:
         flat = list(StreamReader(file, validate_crcs=True).records)
     messages = sum(isinstance(record, Message) for record in flat)
-    check(messages == 2 * CYCLES + CONFIGS + FRAMES + 1, f"{messages} messages in the stream")
+    check(messages == MESSAGES, f"{messages} messages in the stream")
 
 
 def check_summary(reader):
     summary = reader.get_summary()
     statistics = summary.statistics
-    check(statistics.message_count == 2 * CYCLES + CONFIGS + FRAMES + 1, "message count of the statistics")
+    check(statistics.message_count == MESSAGES, "message count of the statistics")
     check(statistics.chunk_count == len(summary.chunk_indexes), "chunk count of the statistics")
     check(statistics.message_end_time == (CYCLES - 1) * 1_000_000 + 200_000, "end time")
     topics = {channel.topic: statistics.channel_message_counts[channel.id] for channel in summary.channels.values()}
-    check(topics == {"/robot/cycle": CYCLES, "/ext/tick": CYCLES, "/robot/config": CONFIGS, "/event": 1, "/tf": FRAMES},
+    check(topics == {"/robot/cycle": CYCLES, "/ext/tick": CYCLES, "/robot/config": CONFIGS, "/event": 1, "/tf": FRAMES,
+                     "/scene": SCENES, "/plan": 1},
           f"message counts by topic {topics}")
     attachments = list(reader.iter_attachments())
     check([(a.name, a.data) for a in attachments] == [("scenario.yaml", "name: sample\n# ü\n".encode())], "attachment")
@@ -129,7 +132,7 @@ def check_frames(number, message, log_time, joints):
 
 def check_messages(reader, joints):
     """Through the indexes, every message decoded by the schema in the file."""
-    cycles = ticks = configs = frames = 0
+    cycles = ticks = configs = frames = scenes = 0
     for schema, channel, message, decoded in reader.iter_decoded_messages():
         if channel.topic == "/robot/cycle":
             check_cycle(cycles, decoded, message.log_time)
@@ -144,9 +147,18 @@ def check_messages(reader, joints):
             check(schema.name == "foxglove.FrameTransforms", f"schema of the frames: {schema.name}")
             check_frames(frames, decoded, message.log_time, joints)
             frames += 1
+        elif channel.topic == "/scene":
+            k = 40 * scenes
+            check(message.log_time == decoded.at_ns == k * 1_000_000, f"log time of scene {scenes}")
+            check((len(decoded.qpos), len(decoded.contacts), len(decoded.pushes)) == (16, k % 4, k % 2),
+                  f"lengths of scene {scenes}")
+            scenes += 1
+        elif channel.topic == "/plan":
+            check((decoded.id, decoded.object, message.log_time) == ("place", "block", 20_000_000), "plan")
+            check(list(decoded.way) == [0.5, 0, 0.25, 0.5, 0.125, 0.5] and decoded.O_T_object[14] == 0.75, "way and goal")
         else:
             check((decoded.kind, decoded.text) == ("mode", "Idle → Move"), "event")
-    check((cycles, ticks, configs, frames) == (CYCLES, CYCLES, CONFIGS, FRAMES), "numbers of decoded messages")
+    check((cycles, ticks, configs, frames, scenes) == (CYCLES, CYCLES, CONFIGS, FRAMES, SCENES), "numbers of decoded messages")
     seconds = list(reader.iter_decoded_messages(topics=["/robot/cycle"],
                                                  starting_at=1_000_000_000, ending_before=1_200_000_000))
     check([m.message_id for _, _, _, m in seconds] == list(range(2000, 2200)), "messages of a span of time")

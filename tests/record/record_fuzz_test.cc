@@ -25,8 +25,10 @@ std::vector<std::byte> SmallLog() {
   for (std::uint64_t k = 0; k < 6; ++k) {
     recorder.Put(SampleCycle(k));
     recorder.Put(SampleTick(k));
+    recorder.Put(SampleScene(k));
   }
   recorder.Event(Time(), "mode", "Move");
+  recorder.Add(SamplePlan());
   recorder.Finish();
   return ReadBytes(folder / "a.mcap");
 }
@@ -124,7 +126,7 @@ TEST(LogFuzzTest, ReadsTheBareLogThatItMutates) {
   McapReader reader(bare, "bare");
   while (whole.Next().has_value()) ASSERT_TRUE(reader.Next().has_value());
   EXPECT_FALSE(reader.Next().has_value());
-  EXPECT_GT(reader.message_count(), 12U);
+  EXPECT_GT(reader.message_count(), 18U);
 }
 
 }  // namespace

@@ -2,12 +2,14 @@
 #include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -86,6 +88,32 @@ void ExpectSame(const rt::TickRecord& a, const rt::TickRecord& b) {
   EXPECT_EQ(a.command.tau_J_d, b.command.tau_J_d);
 }
 
+void ExpectSame(std::span<const rt::PointForce> a, std::span<const rt::PointForce> b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].p_W, b[i].p_W);
+    EXPECT_EQ(a[i].force_W, b[i].force_W);
+  }
+}
+
+void ExpectSame(const rt::SceneRecord& a, const rt::SceneRecord& b) {
+  EXPECT_EQ(a.at, b.at);
+  EXPECT_TRUE(std::ranges::equal(a.Positions(), b.Positions()));
+  ExpectSame(a.Contacts(), b.Contacts());
+  ExpectSame(a.Pushes(), b.Pushes());
+}
+
+void ExpectSame(const PlanRecord& a, const PlanRecord& b) {
+  EXPECT_EQ(a.id, b.id);
+  EXPECT_EQ(a.caption, b.caption);
+  EXPECT_EQ(a.from, b.from);
+  EXPECT_EQ(a.until, b.until);
+  EXPECT_EQ(a.q, b.q);
+  EXPECT_EQ(a.way, b.way);
+  EXPECT_EQ(a.object, b.object);
+  EXPECT_EQ(a.O_T_object, b.O_T_object);
+}
+
 /// Records one cycle and reads it back.
 rt::CycleRecord ThereAndBack(const rt::CycleRecord& cycle) {
   const TemporaryFolder folder;
@@ -113,6 +141,56 @@ TEST(LogReaderTest, GivesBackEveryRecordBitByBitInOrder) {
     ExpectSame(std::get<rt::TickRecord>(entries[2 * k + 1]), SampleTick(k));
     ASSERT_FALSE(HasFailure()) << "cycle " << k;
   }
+}
+
+TEST(LogReaderTest, GivesBackScenesBitByBitAmongTheCycles) {
+  const TemporaryFolder folder;
+  constexpr std::uint64_t kScenes = 9;
+  {
+    Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+    for (std::uint64_t k = 0; k < kScenes; ++k) {
+      recorder.Put(SampleCycle(k));
+      recorder.Put(SampleScene(k));
+    }
+    recorder.Finish();
+  }
+  const auto entries = Entries(folder / "a.mcap");
+  ASSERT_EQ(entries.size(), 2 * kScenes);
+  for (std::size_t k = 0; k < kScenes; ++k) {
+    ExpectSame(std::get<rt::SceneRecord>(entries[2 * k + 1]), SampleScene(k));
+  }
+}
+
+TEST(LogReaderTest, GivesBackTheFullestScene) {
+  rt::SceneRecord scene;
+  scene.positions = rt::SceneRecord::kMostPositions;
+  scene.contacts = rt::SceneRecord::kMostContacts;
+  scene.pushes = rt::SceneRecord::kMostPushes;
+  scene.qpos.back() = -0.0;
+  scene.contact.back() = {{1, 2, 3}, {4, 5, 6}};
+  scene.push.back() = {{0, 0, 0}, {0, 0, -9}};
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  recorder.Put(scene);
+  recorder.Finish();
+  ExpectSame(std::get<rt::SceneRecord>(Entries(folder / "a.mcap").at(0)), scene);
+}
+
+TEST(LogReaderTest, GivesBackPlansAfterAllElse) {
+  const PlanRecord whole = SamplePlan();
+  const PlanRecord bare{.id = "stay", .caption = {}};
+  PlanRecord at_zero = bare;
+  at_zero.q = JointVector{};
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  for (const PlanRecord& plan : {whole, bare, at_zero}) recorder.Add(plan);
+  recorder.Put(SampleCycle(0));
+  recorder.Finish();
+  const auto entries = Entries(folder / "a.mcap");
+  ASSERT_EQ(entries.size(), 4U);
+  ExpectSame(std::get<PlanRecord>(entries[1]), whole);
+  ExpectSame(std::get<PlanRecord>(entries[2]), bare);
+  ExpectSame(std::get<PlanRecord>(entries[3]), at_zero);
 }
 
 TEST(LogReaderTest, GivesBackDefaultsAndZerosWithTheirSign) {
@@ -239,6 +317,48 @@ TEST(LogReaderTest, NamesTheFieldOfAMessageThatIsNotAcceptable) {
   EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Tick", ""), HasSubstr("panda_twin.Tick"));
   EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", std::string(70'000, 'x')),
               HasSubstr("at most 65536"));
+}
+
+TEST(LogReaderTest, NamesWhatIsTooMuchForAScene) {
+  const auto failure = [](const pb::Scene& scene) {
+    return FailureOf(kSceneTopic, "panda_twin.Scene", scene.SerializeAsString());
+  };
+  pb::Scene scene;
+  for (int i = 0; i < 96; ++i) scene.add_qpos(i);
+  for (int i = 0; i < 16; ++i) scene.add_contacts();
+  for (int i = 0; i < 4; ++i) scene.add_pushes();
+  EXPECT_EQ(failure(scene), "no failure");
+  pb::Scene more = scene;
+  more.add_qpos(1);
+  EXPECT_THAT(failure(more), HasSubstr("values of qpos are 97; at most 96 are accepted"));
+  more = scene;
+  more.add_contacts();
+  EXPECT_THAT(failure(more), HasSubstr("contacts are 17; at most 16"));
+  more = scene;
+  more.add_pushes();
+  EXPECT_THAT(failure(more), HasSubstr("pushes are 5; at most 4"));
+  scene.mutable_contacts(3)->add_p_w(1);
+  EXPECT_THAT(failure(scene), HasSubstr("p_W has 1 values; it must have 3 or none"));
+}
+
+TEST(LogReaderTest, NamesWhatIsWrongWithAPlan) {
+  const auto failure = [](const pb::Plan& plan) {
+    return FailureOf(kPlanTopic, "panda_twin.Plan", plan.SerializeAsString());
+  };
+  pb::Plan plan;
+  for (int i = 0; i < 1200; ++i) plan.add_way(i);
+  EXPECT_EQ(failure(plan), "no failure");
+  plan.add_way(1);
+  EXPECT_THAT(failure(plan), HasSubstr("way has 1201 values; it must have 3 for each point"));
+  plan.add_way(1);
+  plan.add_way(1);
+  EXPECT_THAT(failure(plan), HasSubstr("points of way are 401; at most 400"));
+  plan.Clear();
+  plan.add_q(1);
+  EXPECT_THAT(failure(plan), HasSubstr("q has 1 values"));
+  plan.Clear();
+  plan.add_o_t_object(1);
+  EXPECT_THAT(failure(plan), HasSubstr("O_T_object has 1 values"));
 }
 
 TEST(LogReaderTest, PassesOverTopicsItDoesNotKnow) {

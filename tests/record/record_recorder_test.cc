@@ -76,6 +76,29 @@ TEST(RecorderTest, CountsWhatItWrote) {
   EXPECT_EQ(summary.dropped, 0U);
 }
 
+TEST(RecorderTest, WithoutFinishKeepsScenesAndNoPlans) {
+  const TemporaryFolder folder;
+  {
+    Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+    recorder.Put(SampleScene(1));
+    recorder.Add(SamplePlan());
+  }
+  LogReader reader(folder / "a.mcap.partial");
+  LogEntry entry;
+  ASSERT_TRUE(reader.Next(entry));
+  EXPECT_TRUE(std::holds_alternative<rt::SceneRecord>(entry));
+  EXPECT_FALSE(reader.Next(entry));
+  EXPECT_TRUE(reader.truncated());
+}
+
+TEST(RecorderTest, ASceneTakesAtMostAKilobyte) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
+  constexpr std::uint64_t kScenes = 1000;
+  for (std::uint64_t k = 0; k < kScenes; ++k) recorder.Put(SampleScene(k));
+  EXPECT_LE(recorder.Finish().bytes, 1000 * kScenes);
+}
+
 /// A cycle of a joint motion with sensor noise: nothing Cartesian is commanded, nothing touches.
 rt::CycleRecord JointMotionCycle(std::uint64_t k) {
   rt::CycleRecord cycle = SampleCycle(k);
@@ -131,10 +154,12 @@ TEST(RecorderTest, AllocatesNothingAndLocksNothingInPut) {
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
   const rt::CycleRecord cycle = SampleCycle(0);
   const rt::TickRecord tick = SampleTick(0);
+  const rt::SceneRecord scene = SampleScene(0);
   const test::RealtimeGuard guard;
   for (int k = 0; k < 2000; ++k) {
     recorder.Put(cycle);
     recorder.Put(tick);
+    recorder.Put(scene);
     recorder.Event(Time(), "mode", "Move");
   }
   EXPECT_EQ(guard.counts(), test::RealtimeGuard::Counts{});

@@ -21,8 +21,10 @@ int main(int argc, char** argv) {
       }
       recorder.Put(cycle);
       recorder.Put(twin::record::SampleTick(k));
+      if (k % 40 == 0) recorder.Put(twin::record::SampleScene(k));
     }
     recorder.Event(twin::Time(twin::Duration(1)), "mode", "Idle \xe2\x86\x92 Move");
+    recorder.Add(twin::record::SamplePlan());
     recorder.Finish();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "twin/core/random.h"
 #include "twin/record/log_records.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/scene_record.h"
 
 namespace twin::record {
 
@@ -115,6 +117,41 @@ inline rt::TickRecord SampleTick(std::uint64_t k) {
   command.valid_elbow = k % 2 == 0;
   command.motion_generation_finished = k % 3 == 0;
   return record;
+}
+
+/// The scene of a frame at SampleCycle(k): an arm with its fingers and an object, k % 4 contacts
+/// and k % 2 pushes.
+inline rt::SceneRecord SampleScene(std::uint64_t k) {
+  rt::SceneRecord scene;
+  SampleNumbers numbers(4, k);
+  scene.at = Time(static_cast<std::int64_t>(k) * kCycle);
+  scene.positions = 16;
+  for (std::size_t i = 0; i < scene.positions; ++i) scene.qpos[i] = numbers();
+  scene.contacts = static_cast<std::uint32_t>(k % 4);
+  scene.pushes = static_cast<std::uint32_t>(k % 2);
+  for (std::size_t i = 0; i < scene.contacts; ++i) {
+    numbers(scene.contact[i].p_W);
+    numbers(scene.contact[i].force_W);
+  }
+  for (std::size_t i = 0; i < scene.pushes; ++i) {
+    numbers(scene.push[i].p_W);
+    numbers(scene.push[i].force_W);
+  }
+  return scene;
+}
+
+/// A plan that carries an object.
+inline PlanRecord SamplePlan() {
+  PlanRecord plan{.id = "place",
+                  .caption = "Onto the shelf",
+                  .from = Time(std::chrono::milliseconds(20)),
+                  .until = Time(std::chrono::milliseconds(900)),
+                  .q = JointVector{0, 0.5, 0, -1.5, 0, 2, 0.25},
+                  .way = {{0.5, 0, 0.25}, {0.5, 0.125, 0.5}},
+                  .object = "block",
+                  .O_T_object = kIdentityTransform};
+  plan.O_T_object[14] = 0.75;
+  return plan;
 }
 
 }  // namespace twin::record

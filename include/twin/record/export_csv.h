@@ -17,6 +17,8 @@ struct CsvExport {
 /// events.csv, and config.csv with the quantities of the robot state that seldom change, a row
 /// whenever one does. Files of these names are replaced; each is `.partial` until it is whole.
 ///
+/// Scenes and plans, which serve pictures, have no table.
+///
 /// One row per record, in the order of the log. Vectors have a column per element, `q[0]` to
 /// `q[6]`; times are whole nanoseconds of the run (`at_ns`); numbers are the shortest text that
 /// reads back to the same double; modes, fates and errors are names, several errors joined by '|'.

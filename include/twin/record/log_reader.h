@@ -10,11 +10,13 @@
 
 #include "twin/record/log_records.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/scene_record.h"
 
 namespace twin::record {
 
 /// One thing out of a log.
-using LogEntry = std::variant<rt::CycleRecord, rt::TickRecord, EventRecord>;
+using LogEntry =
+    std::variant<rt::CycleRecord, rt::TickRecord, EventRecord, rt::SceneRecord, PlanRecord>;
 
 /// Reads a log that Recorder wrote, whole or of a killed run, back into records, bit by bit as they
 /// were put, in the order in which they were put. What a log does not keep comes back as default: a

@@ -9,10 +9,12 @@
 #include <stop_token>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "twin/core/time.h"
 #include "twin/record/log_records.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/scene_record.h"
 
 namespace twin::record {
 
@@ -34,7 +36,8 @@ struct RecordingSummary {
 /// kWait: one producer thread, one ring. The order of the file is that of the calls, and the same
 /// calls give the same bytes.
 ///
-///     Put(cycle) --+                   +----------------+
+///     Put(cycle) --+
+///     Put(scene) --+                   +----------------+
 ///     Put(tick)  --+-- ring of 1024 -->| writer thread  |--> <path>.partial, <path> when finished
 ///     Event(...) --+                   | encode, chunk  |
 ///                                      +----------------+
@@ -42,20 +45,23 @@ struct RecordingSummary {
 /// kDrop: three producer threads, each with a ring of its own: robot, communication, onlooker. The
 /// file holds each kind in the order of its calls; between kinds, log time tells.
 ///
-///     Put(cycle) ----- ring of 1024 -->+----------------+
+///     Put(scene) --+
+///     Put(cycle) --+-- ring of 1024 -->+----------------+
 ///     Put(tick)  ----- ring of 1024 -->| writer thread  |--> the same
 ///     Event(...) ----- ring of 64 ---->+----------------+
 ///
-/// Topics: /robot/config (when it changes), /robot/cycle, /ext/tick, /event, and /tf, 50 times a
-/// second: the arm's frames from the measured q, a foxglove.FrameTransforms that moves the robot's
-/// URDF in Foxglove's 3D panel. Log time is the run's time line. Metadata "run" and
-/// "limits" and attachment "scenario.yaml" tell what was run. A killed process loses the open chunk
-/// (512 kB before compression, about 0.2 s of cycles) and what the ring still held.
+/// Topics: /robot/config (when it changes), /robot/cycle, /ext/tick, /event, /scene (as often as
+/// scenes are put: at each frame of the video), /plan, and /tf, 50 times a second: the arm's frames
+/// from the measured q, a foxglove.FrameTransforms that moves the robot's URDF in Foxglove's 3D
+/// panel. Log time is the run's time line; of a plan, when it was made. Plans are written last.
+/// Metadata "run" and "limits" and attachment "scenario.yaml" tell what was run. A killed process
+/// loses the open chunk (512 kB before compression, about 0.2 s of cycles) and what the ring still
+/// held.
 ///
-/// Threads: with kWait one producer thread; with kDrop one for cycles, one for ticks, one for
-/// events. Finish() after the producers are done. Real-time: Put() and Event() copy the record into
-/// the ring, nothing else; with kWait they may sleep. When the writer fails, the failure is kept
-/// for Finish() and records are thrown away: no producer is held up.
+/// Threads: with kWait one producer thread; with kDrop one for cycles and scenes, one for ticks,
+/// one for events. Add() and Finish() after the producers are done. Real-time: Put() and Event()
+/// copy the record into the ring, nothing else; with kWait they may sleep. When the writer fails,
+/// the failure is kept for Finish() and records are thrown away: no producer is held up.
 class Recorder final : public rt::RecordSink {
  public:
   /// A chunk ends before it would hold more, uncompressed.
@@ -72,8 +78,14 @@ class Recorder final : public rt::RecordSink {
   void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
   void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
 
+  /// As a cycle.
+  void Put(const rt::SceneRecord& record) noexcept TWIN_REALTIME;
+
   /// Something happened. @param kind  one word, cut at 31 bytes. @param text  cut at 2000 bytes.
   void Event(Time at, std::string_view kind, std::string_view text) noexcept TWIN_REALTIME;
+
+  /// What was planned; kept for Finish(). Not for real-time code.
+  void Add(PlanRecord plan);
 
   /// Writes everything out and gives the file its name. Call once.
   /// @throws EnvironmentError when anything could not be written, now or before.
@@ -99,6 +111,7 @@ class Recorder final : public rt::RecordSink {
   /// writer after it freed slots, acquire by the producer before it tries again.
   std::atomic<std::uint32_t> drained_{0};
   std::atomic<std::uint64_t> dropped_{0};  ///< a count only: relaxed
+  std::vector<PlanRecord> plans_;          ///< whose calls Add() and Finish() are
   std::exception_ptr failure_;             ///< the writer thread's, then Finish()'s
   std::jthread thread_;
 };
