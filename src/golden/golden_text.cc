@@ -1,0 +1,170 @@
+#include "golden/golden_text.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string_view>
+
+#include "twin/core/error.h"
+#include "twin/core/quantity.h"
+
+namespace twin::golden {
+namespace {
+
+constexpr int kFormat = 1;
+
+/// In double quotes, as YAML reads it back.
+std::string Quoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return quoted + '"';
+}
+
+/// Hashes as one text: YAML is slow at long lists.
+std::string HashesText(const std::vector<std::uint64_t>& hashes) {
+  std::string text;
+  for (const std::uint64_t hash : hashes) {
+    if (!text.empty()) text += ' ';
+    text += fmt::format("{:016x}", hash);
+  }
+  return Quoted(text);
+}
+
+std::vector<std::uint64_t> HashesOf(const std::string& text) {
+  std::vector<std::uint64_t> hashes;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    std::uint64_t hash = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), hash, 16);
+    if (error != std::errc() || end != word.data() + word.size()) {
+      throw InputError(fmt::format("\"{}\" is no hash", word));
+    }
+    hashes.push_back(hash);
+  }
+  return hashes;
+}
+
+template <typename Value>
+Value Get(const YAML::Node& map, const char* key) {
+  const YAML::Node node = map[key];
+  if (!node) throw InputError(fmt::format("{} is missing", key));
+  return node.as<Value>();
+}
+
+ViewPictures ViewOf(const YAML::Node& node) {
+  ViewPictures view;
+  view.name = Get<std::string>(node, "name");
+  view.width = Get<int>(node, "width");
+  view.height = Get<int>(node, "height");
+  for (const auto frame : Get<std::vector<std::size_t>>(node, "keys")) {
+    view.keys.emplace_back().frame = frame;
+  }
+  return view;
+}
+
+Golden GoldenOf(const YAML::Node& root) {
+  if (Get<int>(root, "format") != kFormat) {
+    throw InputError(
+        fmt::format("format is {}; this program knows {}", Get<int>(root, "format"), kFormat));
+  }
+  Golden golden;
+  golden.pictures.frames = Get<std::size_t>(root, "frames");
+  golden.pictures.interval_s = Get<double>(root, "interval_s");
+  golden.pictures.bodies = Get<std::vector<std::string>>(root, "bodies");
+  for (const YAML::Node& view : root["views"]) golden.pictures.views.push_back(ViewOf(view));
+  golden.states = HashesOf(Get<std::string>(root, "states"));
+  for (const YAML::Node& rendering : root["renderings"]) {
+    Rendering& hashes = golden.renderings.emplace_back();
+    for (const YAML::Node& view : rendering) hashes.push_back(HashesOf(view.as<std::string>()));
+  }
+  for (const YAML::Node& approval : root["approvals"]) {
+    golden.approvals.push_back({Get<std::string>(approval, "reason"),
+                                Get<std::string>(approval, "changed"),
+                                Get<std::string>(approval, "version")});
+  }
+  return golden;
+}
+
+/// What a text may say and no golden does.
+void RequireSense(const Golden& golden) {
+  const Pictures& pictures = golden.pictures;
+  constexpr std::size_t kMostFrames = 1'000'000;
+  if (pictures.frames == 0 || pictures.frames > kMostFrames || pictures.views.empty() ||
+      pictures.bodies.empty()) {
+    throw InputError("frames, views or bodies are not those of a golden");
+  }
+  for (const ViewPictures& view : pictures.views) {
+    for (const KeyPicture& key : view.keys) {
+      if (key.frame >= pictures.frames) {
+        throw InputError(fmt::format("view {} has a key picture of frame {}, of {} frames",
+                                     view.name, key.frame, pictures.frames));
+      }
+    }
+  }
+  for (const Rendering& rendering : golden.renderings) {
+    bool fits = rendering.size() == pictures.views.size();
+    for (const auto& hashes : rendering) fits = fits && hashes.size() == pictures.frames;
+    if (!fits) throw InputError("a rendering has not a hash for each frame of each view");
+  }
+}
+
+}  // namespace
+
+std::string TextOf(const Golden& golden) {
+  const Pictures& pictures = golden.pictures;
+  std::string text = fmt::format(
+      "# Written by panda-twin video approve.\nformat: {}\nframes: {}\n"
+      "interval_s: {}\nbodies:\n",
+      kFormat, pictures.frames, FormatNumber(pictures.interval_s));
+  for (const std::string& body : pictures.bodies) text += fmt::format("  - {}\n", Quoted(body));
+  text += "views:\n";
+  for (const ViewPictures& view : pictures.views) {
+    std::vector<std::size_t> keys;
+    keys.reserve(view.keys.size());
+    for (const KeyPicture& key : view.keys) keys.push_back(key.frame);
+    text += fmt::format("  - {{name: {}, width: {}, height: {}, keys: [{}]}}\n", Quoted(view.name),
+                        view.width, view.height, fmt::join(keys, ", "));
+  }
+  text += fmt::format("states: {}\nrenderings:\n", HashesText(golden.states));
+  for (const Rendering& rendering : golden.renderings) {
+    const char* begin = "  - - ";
+    for (const auto& hashes : rendering) {
+      text += begin + HashesText(hashes) + '\n';
+      begin = "    - ";
+    }
+  }
+  text += "approvals:\n";
+  for (const Approval& approval : golden.approvals) {
+    text +=
+        fmt::format("  - reason: {}\n    changed: {}\n    version: {}\n", Quoted(approval.reason),
+                    Quoted(approval.changed), Quoted(approval.version));
+  }
+  return text;
+}
+
+Golden ReadGoldenText(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw InputError(fmt::format("{}: cannot be read", path.string()));
+  try {
+    Golden golden = GoldenOf(YAML::Load(text));
+    RequireSense(golden);
+    return golden;
+  } catch (const YAML::Exception& error) {
+    throw InputError(fmt::format("{}:{}: not as panda-twin video approve wrote it: {}",
+                                 path.string(), error.mark.line + 1, error.msg));
+  } catch (const std::exception& error) {
+    throw InputError(fmt::format("{}: not as panda-twin video approve wrote it: {}", path.string(),
+                                 error.what()));
+  }
+}
+
+}  // namespace twin::golden
