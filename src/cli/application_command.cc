@@ -168,9 +168,9 @@ void ApplicationSession::WriteResults() {
 
 void ApplicationSession::MakePictures() {
   const mjModel_& model = run_->connection().truth->model();
-  times_.video_s = MakeClip({&model, records_.snapshots()}, scenario_.render, out_, interrupt_,
-                            clock_, flags_.quiet)
-                       .seconds;
+  times_.video_s =
+      MakeClip(records_.FilmOf(scenario_), scenario_.render, out_, interrupt_, clock_, flags_.quiet)
+          .seconds;
   moments_ = DrawMoments(model, *records_.snapshots(), result_.deeds.moments,
                          FilmOf(scenario_.render), out_.moments());
 }

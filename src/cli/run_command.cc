@@ -150,8 +150,8 @@ void Session::WriteResults() {
                  SummaryJson(scenario_, result_, interrupted, deviation_, records_.contacts()));
   if (!interrupted && scenario_.record) MakePlots();
   if (!interrupted && makes_video() && records_.was_filmed()) {
-    times_.video_s = MakeClip({&run_->connection().truth->model(), records_.snapshots()},
-                              scenario_.render, out_, interrupt_, clock_, flags_.quiet)
+    times_.video_s = MakeClip(records_.FilmOf(scenario_), scenario_.render, out_, interrupt_,
+                              clock_, flags_.quiet)
                          .seconds;
   }
   if (!interrupted && plan_pictures_) {

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "twin/replay/run_film.h"
+
 namespace twin::cli {
 
 void RunRecords::Log(const std::filesystem::path& path, const record::RunInfo& run,
@@ -39,14 +41,20 @@ void RunRecords::Put(const rt::TickRecord& record) noexcept {
 }
 
 std::function<void(Time, std::string_view, std::string_view)> RunRecords::Events() {
-  if (!log_) return {};
+  if (!log_ && !camera_) return {};
   return [this](Time at, std::string_view kind, std::string_view text) {
-    log_->Event(at, kind, text);
+    if (log_) log_->Event(at, kind, text);
+    if (camera_) events_.push_back({at, std::string(kind), std::string(text)});
   };
 }
 
+render::Film RunRecords::FilmOf(const scenario::Scenario& scenario) const {
+  return replay::FilmOfRun(truth_->model(), camera_->snapshots(), scenario, plans_, events_);
+}
+
 void RunRecords::Add(record::PlanRecord plan) {
-  if (log_) log_->Add(std::move(plan));
+  if (log_) log_->Add(plan);
+  plans_.push_back(std::move(plan));
 }
 
 std::uint64_t RunRecords::Finish() {

@@ -4,15 +4,19 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "twin/core/time.h"
 #include "twin/plant/contact_watch.h"
 #include "twin/plant/truth_probe.h"
 #include "twin/record/recorder.h"
+#include "twin/render/film.h"
 #include "twin/render/snapshots.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/scene_record.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::cli {
 
@@ -37,10 +41,10 @@ class RunRecords final : public rt::RecordSink {
   void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
   void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
 
-  /// For RunHooks::event; empty without a log.
+  /// For RunHooks::event; empty when neither log nor camera is there. They are for the film, too.
   [[nodiscard]] std::function<void(Time, std::string_view, std::string_view)> Events();
 
-  /// What was planned, for the log; after the run, before Finish().
+  /// What was planned, for log and film; after the run, before Finish().
   void Add(record::PlanRecord plan);
 
   /// After the run: the log is whole. @returns records it had no room for.
@@ -58,6 +62,8 @@ class RunRecords final : public rt::RecordSink {
   [[nodiscard]] bool was_filmed() const noexcept {
     return camera_ && camera_->snapshots().size() > 0;
   }
+  /// The film of the run, as its log will give it. Refers to this. @pre was_filmed().
+  [[nodiscard]] render::Film FilmOf(const scenario::Scenario& scenario) const;
   /// Of a robot that MuJoCo simulates.
   [[nodiscard]] const std::optional<plant::ContactWatch>& contacts() const noexcept {
     return contacts_;
@@ -71,6 +77,8 @@ class RunRecords final : public rt::RecordSink {
   std::optional<render::SnapshotRecorder> camera_;
   std::optional<plant::ContactWatch> contacts_;
   const plant::TruthProbe* truth_ = nullptr;  ///< set with camera_
+  std::vector<record::PlanRecord> plans_;
+  std::vector<record::EventRecord> events_;
 };
 
 }  // namespace twin::cli

@@ -25,6 +25,7 @@ CompiledModel CompileModel(const MujocoPlantOptions& options) {
         compiled.arm[i++] = joint;
       } else {
         compiled.fingers.push_back(joint);
+        compiled.open = link.q_max;
       }
     }
     compiled.model = std::move(built.model);
@@ -33,6 +34,17 @@ CompiledModel CompileModel(const MujocoPlantOptions& options) {
     throw EnvironmentError(
         fmt::format("the engine failed while it set up the model: {}", fault.what()));
   }
+}
+
+std::vector<double> PositionsAt(const CompiledModel& compiled, const JointVector& q) {
+  const mjModel& model = *compiled.model;
+  std::vector<double> qpos(model.qpos0, model.qpos0 + model.nq);
+  const auto put = [&](int joint, double value) {
+    qpos[static_cast<std::size_t>(model.jnt_qposadr[joint])] = value;
+  };
+  for (std::size_t i = 0; i < kJoints; ++i) put(compiled.arm[i], q[i]);
+  for (const int finger : compiled.fingers) put(finger, compiled.open);
+  return qpos;
 }
 
 }  // namespace twin::plant

@@ -18,6 +18,7 @@ struct CompiledModel {
   std::shared_ptr<const mjModel_> model;  ///< shared: several may reason about one model
   std::array<int, kJoints> arm{};         ///< ids of the arm's joints, base to wrist
   std::vector<int> fingers;               ///< ids of the fingers' joints; empty without a hand
+  double open = 0;                        ///< position of each finger of an open hand, m
 };
 
 /// Composes robot, meshes and scene and compiles them, or takes them from the cache, exactly as
@@ -25,5 +26,9 @@ struct CompiledModel {
 /// (elasticity, load, noise, seed, perturbations).
 /// @throws InputError and EnvironmentError as MujocoPlant::Create().
 [[nodiscard]] CompiledModel CompileModel(const MujocoPlantOptions& options);
+
+/// @returns generalised positions as a plant of this model has them after Reset(q): the arm at q
+/// (rad), the hand open, all else where the scene puts it.
+[[nodiscard]] std::vector<double> PositionsAt(const CompiledModel& compiled, const JointVector& q);
 
 }  // namespace twin::plant

@@ -1,0 +1,186 @@
+#include "twin/replay/recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "twin/core/error.h"
+#include "twin/plant/compiled_model.h"
+#include "twin/record/log_reader.h"
+#include "twin/replay/run_film.h"
+
+namespace twin::replay {
+namespace {
+
+constexpr int kMostFps = 1000;
+constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+
+/// The arm at an instant.
+struct ArmSample {
+  Time at{};
+  JointVector q{};
+};
+
+/// What a log holds for pictures. Takes its records as std::visit gives them.
+class Contents {
+ public:
+  explicit Contents(int fps) : fps_(fps) {}
+
+  void operator()(const rt::CycleRecord& cycle) {
+    if (!begin_) begin_ = cycle.at;
+    while (cycle.at >= Due()) arm.push_back({cycle.at, cycle.state.q});
+  }
+  void operator()(const rt::TickRecord& /*tick*/) {}
+  void operator()(const record::EventRecord& event) { events.push_back(event); }
+  void operator()(const rt::SceneRecord& scene) { scenes.push_back(scene); }
+  void operator()(const record::PlanRecord& plan) { plans.push_back(plan); }
+
+  std::vector<ArmSample> arm;  ///< one for each frame: the first cycle at or after its instant
+  std::vector<rt::SceneRecord> scenes;
+  std::vector<record::PlanRecord> plans;
+  std::vector<record::EventRecord> events;
+
+ private:
+  [[nodiscard]] Time Due() const {
+    return *begin_ + Duration(static_cast<std::int64_t>(arm.size()) * kNanosecondsPerSecond / fps_);
+  }
+
+  int fps_;
+  std::optional<Time> begin_;
+};
+
+scenario::Scenario ScenarioOf(const std::filesystem::path& log, const record::RunInfo& run) {
+  if (run.scenario_yaml.empty()) {
+    throw InputError(fmt::format(
+        "{}: the log tells no scenario, so nobody knows what to draw; name the log of a run, of "
+        "which more than the beginning was written",
+        log.string()));
+  }
+  return scenario::Parse(run.scenario_yaml, log.string() + ": scenario.yaml");
+}
+
+plant::CompiledModel ModelOf(const scenario::Scenario& scenario, const scenario::RunFiles& files) {
+  const scenario::RobotData robot =
+      scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
+  return plant::CompileModel(scenario::MakeRobotConfig(scenario, robot, files).plant);
+}
+
+}  // namespace
+
+class Recording::Impl {
+ public:
+  Impl(const std::filesystem::path& log, const scenario::RunFiles& files, int least_fps)
+      : Impl(log, record::LogReader(log), files, least_fps) {}
+
+  const record::RunInfo run;
+  const bool truncated;
+  const scenario::Scenario scenario;
+  const plant::CompiledModel compiled;
+  FrameSource source = FrameSource::kScenes;
+  std::vector<record::PlanRecord> plans;
+  std::vector<record::EventRecord> events;
+  std::optional<render::Snapshots> snapshots;  ///< always there after construction
+
+ private:
+  Impl(const std::filesystem::path& log, record::LogReader reader, const scenario::RunFiles& files,
+       int least_fps)
+      : run(reader.run()),
+        truncated(reader.truncated()),
+        scenario(ScenarioOf(log, run)),
+        compiled(ModelOf(scenario, files)) {
+    const int fps = std::max(scenario.render.fps, std::min(least_fps, kMostFps));
+    Contents contents(fps);
+    record::LogEntry entry;
+    while (reader.Next(entry)) std::visit(contents, entry);
+    if (!contents.scenes.empty()) {
+      TakeScenes(log, contents);
+    } else if (!contents.arm.empty()) {
+      TakeStates(contents, fps);
+    } else {
+      throw InputError(fmt::format(
+          "{} holds no state of the robot, so there is nothing to draw; name the log of a run that "
+          "began",
+          log.string()));
+    }
+    plans = std::move(contents.plans);
+    events = std::move(contents.events);
+  }
+
+  void TakeScenes(const std::filesystem::path& log, const Contents& contents) {
+    const std::size_t size = plant::PositionsAt(compiled, {}).size();
+    snapshots.emplace(scenario.render.fps, size);
+    for (const rt::SceneRecord& scene : contents.scenes) {
+      if (scene.positions != size) {
+        throw InputError(fmt::format(
+            "{}: a scene in the log has {} positions, and the model made of its scenario has {}: "
+            "robot, scene file or program are not those of the run; name them with --data",
+            log.string(), scene.positions, size));
+      }
+      snapshots->Append(scene);
+    }
+  }
+
+  void TakeStates(const Contents& contents, int fps) {
+    source = FrameSource::kStates;
+    rt::SceneRecord scene;
+    scene.positions =
+        static_cast<std::uint32_t>(plant::PositionsAt(compiled, contents.arm.front().q).size());
+    if (scene.positions > rt::SceneRecord::kMostPositions) {
+      throw InputError(fmt::format("the scene has {} positions; a picture takes {} at most",
+                                   scene.positions, rt::SceneRecord::kMostPositions));
+    }
+    snapshots.emplace(fps, scene.positions);
+    for (const ArmSample& sample : contents.arm) {
+      scene.at = sample.at;
+      std::ranges::copy(plant::PositionsAt(compiled, sample.q), scene.qpos.begin());
+      snapshots->Append(scene);
+    }
+  }
+};
+
+Recording::Recording(const std::filesystem::path& log, const scenario::RunFiles& files,
+                     int least_fps)
+    : impl_(std::make_unique<Impl>(log, files, least_fps)) {}
+
+Recording::~Recording() = default;
+Recording::Recording(Recording&&) noexcept = default;
+
+const record::RunInfo& Recording::run() const noexcept {
+  return impl_->run;
+}
+
+const scenario::Scenario& Recording::scenario() const noexcept {
+  return impl_->scenario;
+}
+
+FrameSource Recording::source() const noexcept {
+  return impl_->source;
+}
+
+bool Recording::truncated() const noexcept {
+  return impl_->truncated;
+}
+
+const mjModel_& Recording::model() const noexcept {
+  return *impl_->compiled.model;
+}
+
+const render::Snapshots& Recording::snapshots() const noexcept {
+  return *impl_->snapshots;
+}
+
+const std::vector<record::PlanRecord>& Recording::plans() const noexcept {
+  return impl_->plans;
+}
+
+const std::vector<record::EventRecord>& Recording::events() const noexcept {
+  return impl_->events;
+}
+
+render::Film Recording::Film() const {
+  return FilmOfRun(model(), snapshots(), scenario(), plans(), events());
+}
+
+}  // namespace twin::replay

@@ -1,0 +1,93 @@
+#include "twin/replay/run_film.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace twin::replay {
+namespace {
+
+constexpr std::size_t kMostLetters = 48;
+
+/// A line that fits into a picture, in the letters that its font has.
+std::string LineOf(std::string_view text) {
+  std::string line(text.substr(0, text.find('\n')));
+  std::erase_if(line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; });
+  std::ranges::replace_if(
+      line, [](char c) { return c < ' ' || c > '~'; }, '?');
+  if (line.size() > kMostLetters) line = line.substr(0, kMostLetters - 3) + "...";
+  return line;
+}
+
+std::string TextOf(const control::Parameter& parameter) {
+  return parameter.is_list
+             ? fmt::format("{} [{}]", parameter.key, fmt::join(parameter.values, ", "))
+             : fmt::format("{} {}", parameter.key, parameter.values.front());
+}
+
+/// Whether a parameter of a controller is what people call a gain.
+bool IsGain(std::string_view key) {
+  constexpr std::array<std::string_view, 7> kWords = {"stiffness", "damping", "gain", "k0",
+                                                      "p",         "i",       "d"};
+  const std::string_view last = key.substr(key.find_last_of('.') + 1);
+  return std::ranges::any_of(kWords, [&](std::string_view word) {
+    return last == word || (word.size() > 1 && key.find(word) != std::string_view::npos);
+  });
+}
+
+std::string TitleOf(const scenario::Scenario& scenario) {
+  if (scenario.application) {
+    if (scenario.application->type == scenario.name) return LineOf(scenario.name);
+    return fmt::format("{}\n{}", LineOf(scenario.name), LineOf(scenario.application->type));
+  }
+  std::string gains = scenario.controller.type;
+  for (const control::Parameter& parameter : scenario.controller.parameters) {
+    if (IsGain(parameter.key)) gains += ", " + TextOf(parameter);
+  }
+  return fmt::format("{}\n{}", LineOf(scenario.name), LineOf(gains));
+}
+
+/// A step's text goes into detail after its first comma.
+std::string NoteOf(const record::EventRecord& event) {
+  std::string_view text = event.text;
+  if (event.kind == "step" && text.find(": done") != std::string_view::npos) {
+    text = text.substr(0, text.find(','));
+  }
+  return LineOf(fmt::format("{}: {}", event.kind, text));
+}
+
+bool IsShown(const record::EventRecord& event) {
+  constexpr std::array<std::string_view, 5> kKinds = {"step", "hand", "error", "stop", "recovery"};
+  return std::ranges::find(kKinds, event.kind) != kKinds.end();
+}
+
+}  // namespace
+
+render::Film FilmOfRun(const mjModel_& model, const render::Snapshots& snapshots,
+                       const scenario::Scenario& scenario,
+                       std::span<const record::PlanRecord> plans,
+                       std::span<const record::EventRecord> events) {
+  render::Film film;
+  film.model = &model;
+  film.snapshots = &snapshots;
+  film.title = TitleOf(scenario);
+  for (const record::PlanRecord& plan : plans) {
+    film.goals.push_back({.from = plan.from,
+                          .until = plan.until,
+                          .q = plan.q,
+                          .way = plan.way,
+                          .object = plan.object,
+                          .O_T_object = plan.O_T_object});
+    if (!plan.caption.empty()) film.notes.push_back({plan.from, LineOf(plan.caption)});
+  }
+  for (const record::EventRecord& event : events) {
+    if (IsShown(event)) film.notes.push_back({event.at, NoteOf(event)});
+  }
+  std::ranges::stable_sort(film.notes, {}, &render::FilmNote::at);
+  return film;
+}
+
+}  // namespace twin::replay
