@@ -1,0 +1,51 @@
+#include "twin/reference/viability_filter.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "twin/core/time.h"
+
+namespace twin::reference {
+
+AxisBounds BoundsOf(const JointLimits& limits, std::size_t joint) {
+  return {limits.q_min[joint], limits.q_max[joint], limits.dq_max[joint], limits.ddq_max[joint],
+          limits.dddq_max[joint]};
+}
+
+ViabilityFilter::ViabilityFilter(const JointLimits& limits, int lost) {
+  axes_.reserve(kJoints);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    axes_.emplace_back(BoundsOf(limits, i), lost, fmt::format("joint {}", i + 1));
+  }
+}
+
+bool ViabilityFilter::Outcome::any() const noexcept {
+  return std::find(active.begin(), active.end(), true) != active.end();
+}
+
+ViabilityFilter::Outcome ViabilityFilter::Next(const JointVector& q_d, const JointVector& dq_d,
+                                               const JointVector& ddq_d,
+                                               const JointVector& q_c) const noexcept {
+  constexpr double kT = kCycleSeconds;
+  Outcome outcome{q_c, {}};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const AxisState x{q_d[i], dq_d[i], ddq_d[i]};
+    const double wish = (((q_c[i] - x.q) / kT - x.dq) / kT - x.ddq) / kT;
+    const double jerk = axes_[i].Nearest(x, wish);
+    outcome.active[i] = jerk != wish;
+    if (outcome.active[i]) outcome.q_c[i] = ViableAxis::Step(x, jerk).q;
+  }
+  return outcome;
+}
+
+double ViabilityFilter::Margin(const JointVector& q_d, const JointVector& dq_d,
+                               const JointVector& ddq_d) const noexcept {
+  double least = axes_[0].Margin({q_d[0], dq_d[0], ddq_d[0]});
+  for (std::size_t i = 1; i < kJoints; ++i) {
+    least = std::min(least, axes_[i].Margin({q_d[i], dq_d[i], ddq_d[i]}));
+  }
+  return least;
+}
+
+}  // namespace twin::reference

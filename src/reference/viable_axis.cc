@@ -1,0 +1,193 @@
+#include "twin/reference/viable_axis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/core/time.h"
+
+namespace twin::reference {
+namespace {
+
+constexpr double kT = kCycleSeconds;
+
+/// How far inside the given bounds those are that are kept: shares, and of the range's ends rad.
+constexpr double kInside = 1e-6;
+
+/// Halvings of the range of jerks: what is left is a 10^-10th of it.
+constexpr int kHalvings = 34;
+
+AxisBounds KeptOf(const AxisBounds& given) {
+  return {.q_min = given.q_min + kInside,
+          .q_max = given.q_max - kInside,
+          .dq_max = given.dq_max * (1 - kInside),
+          .ddq_max = given.ddq_max * (1 - kInside),
+          .dddq_max = given.dddq_max * (1 - kInside)};
+}
+
+void RequireSound(const AxisBounds& bounds, int lost, std::string_view name) {
+  for (const auto& [field, value] : std::initializer_list<std::pair<const char*, double>>{
+           {"dq_max", bounds.dq_max}, {"ddq_max", bounds.ddq_max}, {"dddq_max", bounds.dddq_max}}) {
+    if (!(std::isfinite(value) && value > 0)) {
+      throw InputError(
+          fmt::format("viability filter: {}: {} is {}; it must be positive", name, field, value));
+    }
+  }
+  if (!(std::isfinite(bounds.q_min) && std::isfinite(bounds.q_max) &&
+        bounds.q_min < bounds.q_max)) {
+    throw InputError(fmt::format("viability filter: {}: the range [{}, {}] rad is none", name,
+                                 bounds.q_min, bounds.q_max));
+  }
+  if (lost < 0 || lost > ViableAxis::kMostLost) {
+    throw InputError(
+        fmt::format("viability filter: {} commands lost in a row; the number must be in [0, {}]",
+                    lost, ViableAxis::kMostLost));
+  }
+}
+
+}  // namespace
+
+ViableAxis::ViableAxis(const AxisBounds& bounds, int lost, std::string_view name)
+    : lost_((RequireSound(bounds, lost, name), lost)), kept_(KeptOf(bounds)) {
+  // Rounds until a = -A, in which the velocity rises, and those that take it back to zero.
+  const double per_round = (lost_ + 1) * kT * kept_.ddq_max;
+  const double turns = std::ceil(2 * kept_.ddq_max / (kT * kept_.dddq_max)) + 1;
+  constexpr double kMostRounds = 1e5;
+  const double rounds = turns + std::ceil((kept_.dq_max + turns * per_round) / per_round) + 2;
+  if (rounds > kMostRounds) {
+    throw InputError(fmt::format(
+        "viability filter: {}: to stop from full speed takes {:.3g} commands; more than {:.0g} are "
+        "no bounds of a joint",
+        name, rounds, kMostRounds));
+  }
+  rounds_ = static_cast<int>(rounds);
+  longest_way_ = ReachOf(kept_.dq_max, kept_.ddq_max).q;
+  RequireNoConflict(name);
+}
+
+/// The lower bounds never bind while the upper ones do, nor in the cycle after.
+void ViableAxis::RequireNoConflict(std::string_view name) const {
+  const double range = kept_.q_max - kept_.q_min;
+  const double enough = 2 * longest_way_ + 4 * kT * kept_.dq_max;
+  if (range < enough) {
+    throw InputError(fmt::format(
+        "viability filter: {}: a range of {:.4g} rad is too small to stop in from both sides after "
+        "{} lost commands; at least {:.4g} rad are needed at these limits. Lower its velocity",
+        name, range, lost_, enough));
+  }
+  const double gathered = ReachOf(0, kept_.ddq_max).dq + kT * kept_.ddq_max;
+  if (kept_.dq_max < gathered) {
+    throw InputError(fmt::format(
+        "viability filter: {}: its velocity limit of {:.4g} rad/s is gathered within {} lost "
+        "commands; at least {:.4g} rad/s are needed at these limits. Lower its acceleration",
+        name, kept_.dq_max, lost_, gathered));
+  }
+}
+
+AxisState ViableAxis::Step(const AxisState& x, double jerk) noexcept {
+  AxisState next;
+  next.ddq = x.ddq + kT * jerk;
+  next.dq = x.dq + kT * next.ddq;
+  next.q = x.q + kT * next.dq;
+  return next;
+}
+
+ViableAxis::Reach ViableAxis::ReachOf(double dq, double ddq) const noexcept {
+  const double n = lost_;
+  Reach reach{0, dq};
+  double q = 0;
+  for (int round = 0; round < rounds_ && (dq > 0 || ddq > 0); ++round) {
+    if (ddq < 0 && dq > 0) {  // the highest point may be among the held cycles
+      const double peak = std::min(n, std::floor(-dq / (kT * ddq)));
+      reach.q = std::max(reach.q, q + kT * peak * (dq + kT * ddq * (peak + 1) / 2));
+    }
+    q += kT * n * (dq + kT * ddq * (n + 1) / 2);
+    dq += kT * n * ddq;
+    reach.q = std::max(reach.q, q);
+    reach.dq = std::max(reach.dq, dq);
+    ddq = std::max(ddq - kT * kept_.dddq_max, -kept_.ddq_max);
+    dq += kT * ddq;
+    q += kT * dq;
+    reach.q = std::max(reach.q, q);
+    reach.dq = std::max(reach.dq, dq);
+  }
+  return reach;
+}
+
+bool ViableAxis::KeepsUpper(const AxisState& x) const noexcept {
+  if (!(x.q <= kept_.q_max && x.dq <= kept_.dq_max)) return false;
+  const Reach reach = ReachOf(x.dq, x.ddq);
+  return x.q + reach.q <= kept_.q_max && reach.dq <= kept_.dq_max;
+}
+
+bool ViableAxis::Keeps(Side side, const AxisState& x) const noexcept {
+  if (side == Side::kUpper) return KeepsUpper(x);
+  // The mirrored joint's range is [-q_max, -q_min].
+  return KeepsUpper({.q = kept_.q_max + kept_.q_min - x.q, .dq = -x.dq, .ddq = -x.ddq});
+}
+
+bool ViableAxis::Contains(const AxisState& x) const noexcept {
+  return std::abs(x.ddq) <= kept_.ddq_max && Keeps(Side::kUpper, x) && Keeps(Side::kLower, x);
+}
+
+JerkRange ViableAxis::Feasible(double ddq) const noexcept {
+  const JerkRange range{std::max(-kept_.dddq_max, (-kept_.ddq_max - ddq) / kT),
+                        std::min(kept_.dddq_max, (kept_.ddq_max - ddq) / kT)};
+  if (!range.empty()) return range;
+  const double back = std::clamp(-ddq / kT, -kept_.dddq_max, kept_.dddq_max);
+  return {back, back};  // an acceleration far beyond its bound: towards it
+}
+
+double ViableAxis::Braking(Side side, double ddq) const noexcept {
+  const JerkRange range = Feasible(ddq);
+  return side == Side::kUpper ? range.lowest : range.highest;
+}
+
+double ViableAxis::Bisect(Side side, const AxisState& x, double keeps,
+                          double breaks) const noexcept {
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (keeps + breaks) / 2;
+    (Keeps(side, Step(x, middle)) ? keeps : breaks) = middle;
+  }
+  return keeps;
+}
+
+double ViableAxis::Nearest(const AxisState& x, double wish) const noexcept {
+  const JerkRange range = Feasible(x.ddq);
+  if (!std::isfinite(wish)) wish = x.dq > 0 ? range.lowest : range.highest;
+  double jerk = std::clamp(wish, range.lowest, range.highest);
+  for (const Side side : {Side::kUpper, Side::kLower}) {
+    if (Keeps(side, Step(x, jerk))) continue;
+    const double braking = Braking(side, x.ddq);
+    return Keeps(side, Step(x, braking)) ? Bisect(side, x, braking, jerk) : braking;
+  }
+  return jerk;
+}
+
+JerkRange ViableAxis::Admissible(const AxisState& x) const noexcept {
+  JerkRange range = Feasible(x.ddq);
+  const JerkRange feasible = range;
+  for (const Side side : {Side::kUpper, Side::kLower}) {
+    double& end = side == Side::kUpper ? range.highest : range.lowest;
+    const double braking = side == Side::kUpper ? feasible.lowest : feasible.highest;
+    if (Keeps(side, Step(x, end))) continue;
+    if (!Keeps(side, Step(x, braking))) return {1, 0};
+    end = Bisect(side, x, braking, end);
+  }
+  return range;
+}
+
+double ViableAxis::Margin(const AxisState& x) const noexcept {
+  const Reach up = ReachOf(x.dq, x.ddq);
+  const Reach down = ReachOf(-x.dq, -x.ddq);
+  const double range = kept_.q_max - kept_.q_min;
+  return std::min({(kept_.q_max - x.q - up.q) / range, (x.q - down.q - kept_.q_min) / range,
+                   (kept_.dq_max - up.dq) / kept_.dq_max, (kept_.dq_max - down.dq) / kept_.dq_max,
+                   (kept_.ddq_max - std::abs(x.ddq)) / kept_.ddq_max});
+}
+
+}  // namespace twin::reference

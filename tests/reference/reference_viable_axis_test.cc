@@ -1,0 +1,362 @@
+#include "twin/reference/viable_axis.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "support/panda_limits.h"
+#include "support/realtime_guard.h"
+#include "twin/core/error.h"
+#include "twin/core/random.h"
+#include "twin/core/time.h"
+#include "twin/reference/viability_filter.h"
+
+namespace twin::reference {
+namespace {
+
+constexpr double kT = kCycleSeconds;
+
+ViableAxis PandaAxis(std::size_t joint, int lost) {
+  return ViableAxis(BoundsOf(test::PandaLimits(), joint), lost, "joint");
+}
+
+/// The bounds as the robot checks them, to a billionth of each.
+bool KeepsGiven(const AxisState& x, double jerk, const AxisBounds& b) {
+  constexpr double kRelative = 1 + 1e-9;
+  return x.q <= b.q_max + 1e-9 && x.q >= b.q_min - 1e-9 && std::abs(x.dq) <= b.dq_max * kRelative &&
+         std::abs(x.ddq) <= b.ddq_max * kRelative && std::abs(jerk) <= b.dddq_max * kRelative;
+}
+
+/// The worst way upwards, cycle by cycle, without the closed form: n losses, hardest braking, and
+/// again, until it no longer rises. @returns whether the upper bounds were kept all along.
+bool WalksBelowUpper(AxisState x, const ViableAxis& axis) {
+  const AxisBounds& b = axis.kept();
+  const auto within = [&] { return x.q <= b.q_max && x.dq <= b.dq_max; };
+  if (!within()) return false;
+  while (x.dq > 0 || x.ddq > 0) {
+    for (int i = 0; i < axis.lost(); ++i) {
+      x = ViableAxis::Step(x, 0);
+      if (!within()) return false;
+    }
+    x = ViableAxis::Step(x, std::max(-b.dddq_max, (-b.ddq_max - x.ddq) / kT));
+    if (!within()) return false;
+  }
+  return true;
+}
+AxisState Mirrored(const AxisState& x, const AxisBounds& b) {
+  return {b.q_min + b.q_max - x.q, -x.dq, -x.ddq};
+}
+
+/// States of which most are near the border of the viable set.
+class States {
+ public:
+  States(const ViableAxis& axis, std::uint64_t seed)
+      : axis_(axis), random_(seed, RandomStream::kTest) {}
+
+  AxisState Next() {
+    const AxisBounds& b = axis_.kept();
+    const auto uniform = [&](double low, double high) {
+      return low + (high - low) * random_.Uniform(++draws_);
+    };
+    AxisState x{0, uniform(-b.dq_max, b.dq_max), uniform(-b.ddq_max, b.ddq_max)};
+    if (uniform(0, 1) < 0.3) x.ddq = std::copysign(b.ddq_max, x.ddq);
+    x.q = uniform(b.q_min, b.q_max);
+    if (uniform(0, 1) > 0.75) return x;
+    // To the border in q, by the walk alone, then a little to either side.
+    const bool up = uniform(0, 1) < 0.5;
+    double inside = up ? b.q_min : b.q_max;
+    double outside = up ? b.q_max : b.q_min;
+    for (int i = 0; i < 45; ++i) {
+      x.q = (inside + outside) / 2;
+      const bool keeps = WalksBelowUpper(up ? x : Mirrored(x, b), axis_);
+      (keeps ? inside : outside) = x.q;
+    }
+    x.q = inside + uniform(-1e-6, 1e-6);
+    return x;
+  }
+
+ private:
+  const ViableAxis& axis_;
+  Random random_;
+  std::uint64_t draws_ = 0;
+};
+
+TEST(ViableAxisTest, TheClosedFormIsTheWorstWayCycleByCycle) {
+  for (const int lost : {0, 3, 19, 20}) {
+    for (std::size_t joint = 0; joint < kJoints; ++joint) {
+      const ViableAxis axis = PandaAxis(joint, lost);
+      States states(axis, 1);
+      int viable = 0;
+      for (int i = 0; i < 400; ++i) {
+        const AxisState x = states.Next();
+        const bool walks =
+            WalksBelowUpper(x, axis) && WalksBelowUpper(Mirrored(x, axis.kept()), axis);
+        if (std::abs(axis.Margin(x)) > 1e-12) {  // beyond rounding
+          EXPECT_EQ(axis.Contains(x), walks) << "joint " << joint + 1 << ", n = " << lost << ": "
+                                             << x.q << " " << x.dq << " " << x.ddq;
+        }
+        viable += walks ? 1 : 0;
+      }
+      EXPECT_GT(viable, 40);
+      EXPECT_LT(viable, 360);
+    }
+  }
+}
+
+TEST(ViableAxisTest, FromAViableStateAJerkLeadsToAnother) {
+  for (const int lost : {0, 3, 19}) {
+    const ViableAxis axis = PandaAxis(3, lost);
+    States states(axis, 2);
+    int seen = 0;
+    for (int i = 0; i < 600; ++i) {
+      AxisState x = states.Next();
+      if (axis.Margin(x) < 1e-10) continue;
+      ++seen;
+      for (int k = 0; k <= lost; ++k) {
+        const JerkRange range = axis.Admissible(x);
+        ASSERT_FALSE(range.empty()) << "after " << k << " losses";
+        EXPECT_GE(axis.Margin(ViableAxis::Step(x, range.lowest)), -1e-12);
+        EXPECT_GE(axis.Margin(ViableAxis::Step(x, range.highest)), -1e-12);
+        x = ViableAxis::Step(x, 0);
+      }
+    }
+    EXPECT_GT(seen, 100);
+  }
+}
+
+TEST(ViableAxisTest, TheNearestJerkIsTheWishOrTheBorder) {
+  const ViableAxis axis = PandaAxis(0, 19);
+  States states(axis, 3);
+  const Random random(3, RandomStream::kTest);
+  int passed = 0;
+  int changed = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const AxisState x = states.Next();
+    if (axis.Margin(x) < 1e-9) continue;
+    const double wish = 15000 * (random.Uniform(static_cast<std::uint64_t>(i), 7) - 0.5);
+    const double jerk = axis.Nearest(x, wish);
+    if (jerk == wish) {
+      ++passed;
+      EXPECT_TRUE(axis.Contains(ViableAxis::Step(x, wish)));
+      continue;
+    }
+    ++changed;
+    const double towards = jerk + std::copysign(1e-3, wish - jerk);  // rad/s^3
+    EXPECT_FALSE(axis.Contains(ViableAxis::Step(x, towards))) << wish << " -> " << jerk;
+  }
+  EXPECT_GT(passed, 200);
+  EXPECT_GT(changed, 200);
+}
+
+/// One who wishes the worst, and a wire that loses as much as is allowed.
+class HostileWorld {
+ public:
+  HostileWorld(int lost, std::uint64_t seed) : lost_(lost), random_(seed, RandomStream::kTest) {}
+
+  [[nodiscard]] double Wish(const AxisState& x, const AxisBounds& b) {
+    if (Draw() < 0.01) mode_ = static_cast<int>(6 * Draw());
+    switch (mode_) {
+      case 0: return 1e9;
+      case 1: return -1e9;
+      case 2: return 2 * b.dddq_max * (Draw() - 0.5) * 2;
+      case 3: return x.dq > 0 ? -1e9 : 1e9;
+      case 4: return x.ddq > 0 ? -b.dddq_max : b.dddq_max;
+      default: return 0;
+    }
+  }
+  /// Runs of losses, most of them as long as can be, with one command between.
+  [[nodiscard]] bool Loses() {
+    if (run_ > 0) return --run_, true;
+    if (Draw() < 0.5) run_ = Draw() < 0.7 ? lost_ : static_cast<int>(lost_ * Draw());
+    return false;
+  }
+
+ private:
+  double Draw() { return random_.Uniform(++draws_); }
+
+  int lost_;
+  Random random_;
+  std::uint64_t draws_ = 0;
+  int mode_ = 0;
+  int run_ = 0;
+};
+
+TEST(ViableAxisTest, KeepsItsBoundsWhateverIsWishedAndLost) {
+  for (const int lost : {0, 1, 3, 19, 20}) {
+    for (std::size_t joint = 0; joint < kJoints; ++joint) {
+      const AxisBounds bounds = BoundsOf(test::PandaLimits(), joint);
+      const ViableAxis axis = PandaAxis(joint, lost);
+      HostileWorld world(lost, 100 * static_cast<std::uint64_t>(lost) + joint);
+      AxisState x{(bounds.q_min + bounds.q_max) / 2, 0, 0};
+      double nearest = 1;
+      for (int k = 0; k < 20000; ++k) {
+        const double jerk = world.Loses() ? 0 : axis.Nearest(x, world.Wish(x, bounds));
+        x = ViableAxis::Step(x, jerk);
+        ASSERT_TRUE(KeepsGiven(x, jerk, bounds))
+            << "joint " << joint + 1 << ", n = " << lost << ", cycle " << k << ": " << x.q << " "
+            << x.dq << " " << x.ddq << " " << jerk;
+        nearest = std::min(nearest, axis.Margin(x));
+      }
+      EXPECT_LT(nearest, 1e-6) << "the world was not hostile";
+    }
+  }
+}
+
+/// Every word of losses of a length, runs of more than n left out, from one state.
+void WalkAllWords(const ViableAxis& axis, const AxisBounds& bounds, const AxisState& x, double wish,
+                  int left, int run, int& words) {
+  if (left == 0) {
+    ++words;
+    return;
+  }
+  const double jerk = axis.Nearest(x, wish);
+  const AxisState taken = ViableAxis::Step(x, jerk);
+  ASSERT_TRUE(KeepsGiven(taken, jerk, bounds)) << taken.q << " " << taken.dq << " " << taken.ddq;
+  WalkAllWords(axis, bounds, taken, wish, left - 1, 0, words);
+  if (run == axis.lost()) return;
+  const AxisState lost = ViableAxis::Step(x, 0);
+  ASSERT_TRUE(KeepsGiven(lost, 0, bounds)) << lost.q << " " << lost.dq << " " << lost.ddq;
+  WalkAllWords(axis, bounds, lost, wish, left - 1, run + 1, words);
+}
+
+TEST(ViableAxisTest, EveryWordOfLossesKeepsTheBoundsFromItsBorder) {
+  constexpr int kLength = 10;
+  for (const int lost : {1, 2, 3}) {
+    const AxisBounds bounds = BoundsOf(test::PandaLimits(), 0);
+    const ViableAxis axis = PandaAxis(0, lost);
+    States states(axis, 4);
+    int words = 0;
+    for (int i = 0; i < 60; ++i) {
+      const AxisState x = states.Next();
+      if (!axis.Contains(x)) continue;
+      for (const double wish : {1e9, -1e9}) {
+        WalkAllWords(axis, bounds, x, wish, kLength, 0, words);
+        if (HasFatalFailure()) return;
+      }
+    }
+    EXPECT_GT(words, 1000);
+  }
+}
+
+TEST(ViableAxisTest, StandsStillAnywhereInsideTheRange) {
+  const ViableAxis axis = PandaAxis(1, 19);
+  for (const double q : {axis.kept().q_min, 0.0, axis.kept().q_max}) {
+    EXPECT_TRUE(axis.Contains({q, 0, 0}));
+    EXPECT_EQ(axis.Nearest({q, 0, 0}, 0), 0);
+  }
+}
+
+TEST(ViableAxisTest, BrakesWhereItIsLeftOutside) {
+  const ViableAxis axis = PandaAxis(0, 19);
+  const AxisState x{axis.kept().q_max - 0.01, 2.0, 0};
+  ASSERT_FALSE(axis.Contains(x));
+  EXPECT_EQ(axis.Nearest(x, 0), -axis.kept().dddq_max);
+  EXPECT_TRUE(axis.Admissible(x).empty());
+  EXPECT_LT(axis.Margin(x), 0);
+}
+
+TEST(ViableAxisTest, AWishThatIsNoNumberBrakes) {
+  const ViableAxis axis = PandaAxis(0, 19);
+  EXPECT_EQ(axis.Nearest({0, 1, 0}, NAN), -axis.kept().dddq_max);
+  EXPECT_EQ(axis.Nearest({0, -1, 0}, NAN), axis.kept().dddq_max);
+}
+
+std::string RefusalOf(const AxisBounds& bounds, int lost) {
+  try {
+    const ViableAxis axis(bounds, lost, "joint 5");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(ViableAxisTest, RefusesARangeTooSmallToStopInAndSaysWhatIsEnough) {
+  AxisBounds bounds{-0.2, 0.2, 2.175, 15, 7500};
+  const std::string refusal = RefusalOf(bounds, 19);
+  EXPECT_NE(refusal.find("joint 5"), std::string::npos) << refusal;
+  const std::size_t at = refusal.find("at least ");
+  ASSERT_NE(at, std::string::npos) << refusal;
+  const double enough = std::stod(refusal.substr(at + 9));
+  bounds.q_max = bounds.q_min + enough * 1.001 + 2e-6;
+  EXPECT_EQ(RefusalOf(bounds, 19), "");
+}
+
+TEST(ViableAxisTest, RefusesASpeedThatLossesGather) {
+  EXPECT_NE(RefusalOf({-10, 10, 0.1, 15, 7500}, 19).find("at least "), std::string::npos);
+}
+
+TEST(ViableAxisTest, RefusesWhatIsNoBound) {
+  const AxisBounds good{-3, 3, 2, 15, 7500};
+  EXPECT_EQ(RefusalOf(good, 19), "");
+  AxisBounds bad = good;
+  bad.ddq_max = NAN;
+  EXPECT_NE(RefusalOf(bad, 19).find("ddq_max"), std::string::npos);
+  bad = good;
+  bad.q_min = 3;
+  EXPECT_NE(RefusalOf(bad, 19).find("range"), std::string::npos);
+  EXPECT_NE(RefusalOf(good, -1).find("[0, 100]"), std::string::npos);
+  bad = good;
+  bad.dddq_max = 1e-9;
+  EXPECT_NE(RefusalOf(bad, 19), "");
+}
+
+TEST(ViabilityFilterTest, WhatIsAdmissiblePassesBitByBit) {
+  const ViabilityFilter filter(test::PandaLimits());
+  const JointVector q{0.1, -0.7, 0.3, -2.1, 0.2, 1.5, 0.7};
+  const JointVector dq{0.3, -0.2, 0.1, 0.4, -0.5, 0.6, 1};
+  const JointVector ddq{1, -1, 2, 0.5, -3, 4, 1};
+  JointVector wish{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    wish[i] = ViableAxis::Step({q[i], dq[i], ddq[i]}, 333.3).q;
+  }
+  const ViabilityFilter::Outcome outcome = filter.Next(q, dq, ddq, wish);
+  EXPECT_EQ(outcome.q_c, wish);
+  EXPECT_FALSE(outcome.any());
+  EXPECT_GT(filter.Margin(q, dq, ddq), 0);
+}
+
+TEST(ViabilityFilterTest, OnlyTheJointThatWishesTooMuchIsChanged) {
+  const ViabilityFilter filter(test::PandaLimits());
+  const JointVector q{0.1, -0.7, 0.3, -2.1, 0.2, 1.5, 0.7};
+  JointVector wish = q;
+  wish[4] += 0.1;
+  const ViabilityFilter::Outcome outcome = filter.Next(q, {}, {}, wish);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    EXPECT_EQ(outcome.active[i], i == 4);
+    if (i != 4) {
+      EXPECT_EQ(outcome.q_c[i], wish[i]);
+    }
+  }
+  const double jerk = filter.axis(4).kept().dddq_max;
+  EXPECT_NEAR(outcome.q_c[4], q[4] + kT * kT * kT * jerk, 1e-15);
+}
+
+TEST(ViabilityFilterTest, NextAllocatesNothing) {
+  const ViabilityFilter filter(test::PandaLimits());
+  const JointVector q{0.1, -0.7, 0.3, -2.1, 0.2, 1.5, 0.7};
+  JointVector wish = q;
+  const test::RealtimeGuard guard;
+  for (int i = 0; i < 1000; ++i) {
+    wish[static_cast<std::size_t>(i) % kJoints] += 0.01;
+    static_cast<void>(filter.Next(q, {}, {}, wish));
+  }
+  EXPECT_EQ(guard.counts(), test::RealtimeGuard::Counts{});
+}
+
+TEST(ViabilityFilterTest, TheRefusalNamesTheJoint) {
+  JointLimits limits = test::PandaLimits();
+  limits.q_max[5] = limits.q_min[5] + 0.1;
+  try {
+    const ViabilityFilter filter(limits);
+    FAIL() << "it was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("joint 6"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace twin::reference
