@@ -11,6 +11,7 @@
 #include "render/frame_worker.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
+#include "twin/render/frame_painter.h"
 #include "twin/render/png.h"
 #include "twin/render/video_writer.h"
 
@@ -24,11 +25,11 @@ void CheckRange(const char* field, int value, int low, int high) {
   }
 }
 
-VideoSettings MakeVideoSettings(const ClipSettings& settings, int fps) {
+VideoSettings MakeVideoSettings(const ClipSettings& settings, const ClipFrames& frames) {
   VideoSettings video;
-  video.width = settings.film.render.width;
-  video.height = settings.film.render.height;
-  video.fps = fps;
+  video.width = frames.width;
+  video.height = frames.height;
+  video.fps = frames.fps;
   video.crf = settings.crf;
   video.ffmpeg = settings.ffmpeg;
   return video;
@@ -57,13 +58,11 @@ class SheetCollector {
   std::vector<Image> images_;
 };
 
-std::vector<std::unique_ptr<FrameWorker>> StartWorkers(const Film& film,
-                                                       const ClipSettings& settings) {
-  const std::size_t count =
-      std::min(film.snapshots->size(), static_cast<std::size_t>(settings.render_threads));
+std::vector<std::unique_ptr<FrameWorker>> StartWorkers(const ClipFrames& frames, int threads) {
+  const std::size_t count = std::min(frames.count, static_cast<std::size_t>(threads));
   std::vector<std::unique_ptr<FrameWorker>> workers;
   for (std::size_t i = 0; i < count; ++i) {
-    workers.push_back(std::make_unique<FrameWorker>(film, settings.film, i, count));
+    workers.push_back(std::make_unique<FrameWorker>(frames, i, count));
   }
   return workers;
 }
@@ -72,28 +71,43 @@ std::vector<std::unique_ptr<FrameWorker>> StartWorkers(const Film& film,
 
 ClipStats RenderClip(const Film& film, const ClipSettings& settings, const ClipPaths& paths,
                      const Clock& clock, const ClipProgress& progress) {
-  const Snapshots& snapshots = *film.snapshots;
-  TWIN_CHECK(snapshots.size() > 0);
+  const auto new_painter = [&film, &settings]() -> DrawFrame {
+    // Shared, since a function is copied; it has one user all the same.
+    return [painter = std::make_shared<FramePainter>(film, settings.film)](std::size_t frame) {
+      return painter->Paint(frame);
+    };
+  };
+  return RenderClip(ClipFrames{.count = film.snapshots->size(),
+                               .fps = film.snapshots->fps(),
+                               .width = settings.film.render.width,
+                               .height = settings.film.render.height,
+                               .new_drawer = new_painter},
+                    settings, paths, clock, progress);
+}
+
+ClipStats RenderClip(const ClipFrames& frames, const ClipSettings& settings, const ClipPaths& paths,
+                     const Clock& clock, const ClipProgress& progress) {
+  TWIN_CHECK(frames.count > 0);
   CheckRange("sheet_pictures", settings.sheet_pictures, 1, 1000);
   CheckRange("render_threads", settings.render_threads, 1, 16);
   const Time begin = clock.Now();
   std::optional<VideoWriter> video;
   if (!paths.video.empty()) {
-    video.emplace(paths.video, MakeVideoSettings(settings, snapshots.fps()));
+    video.emplace(paths.video, MakeVideoSettings(settings, frames));
   }
-  SheetCollector sheet(snapshots.size(), static_cast<std::size_t>(settings.sheet_pictures));
-  const auto workers = StartWorkers(film, settings);
-  for (std::size_t i = 0; i < snapshots.size(); ++i) {
+  SheetCollector sheet(frames.count, static_cast<std::size_t>(settings.sheet_pictures));
+  const auto workers = StartWorkers(frames, settings.render_threads);
+  for (std::size_t i = 0; i < frames.count; ++i) {
     const Image image = workers[i % workers.size()]->Take();
     if (video) video->Write(image);
     sheet.Add(i, image);
-    if (progress) progress(i + 1, snapshots.size());
+    if (progress) progress(i + 1, frames.count);
   }
   if (video) video->Finish();
   if (!paths.contact_sheet.empty()) {
     WritePng(paths.contact_sheet, ComposeContactSheet(sheet.images(), settings.sheet));
   }
-  return {snapshots.size(), ToSeconds(clock.Now() - begin)};
+  return {frames.count, ToSeconds(clock.Now() - begin)};
 }
 
 }  // namespace twin::render

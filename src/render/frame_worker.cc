@@ -2,13 +2,10 @@
 
 #include <utility>
 
-#include "twin/render/frame_painter.h"
-
 namespace twin::render {
 
-FrameWorker::FrameWorker(const Film& film, const FilmSettings& settings, std::size_t first,
-                         std::size_t stride)
-    : film_(film), settings_(settings), first_(first), stride_(stride) {
+FrameWorker::FrameWorker(const ClipFrames& frames, std::size_t first, std::size_t stride)
+    : frames_(frames), first_(first), stride_(stride) {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
 
@@ -24,9 +21,9 @@ Image FrameWorker::Take() {
 
 void FrameWorker::Run(const std::stop_token& stop) {
   try {
-    FramePainter painter(film_, settings_);
-    for (std::size_t i = first_; i < film_.snapshots->size(); i += stride_) {
-      if (!Put(painter.Paint(i), stop)) return;
+    const DrawFrame draw = frames_.new_drawer();
+    for (std::size_t i = first_; i < frames_.count; i += stride_) {
+      if (!Put(draw(i), stop)) return;
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);

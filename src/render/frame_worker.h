@@ -8,21 +8,20 @@
 #include <stop_token>
 #include <thread>
 
-#include "twin/render/film.h"
+#include "twin/render/clip.h"
 
 namespace twin::render {
 
-/// Draws every n-th frame of a run on a thread of its own, one ahead of what is taken.
+/// Draws every n-th frame of a clip on a thread of its own, one ahead of what is taken.
 ///
 /// Threads: constructed, taken from and destroyed by one thread.
 class FrameWorker {
  public:
-  /// Draws the frames first, first + stride, ... The film must outlive this.
-  FrameWorker(const Film& film, const FilmSettings& settings, std::size_t first,
-              std::size_t stride);
+  /// Draws the frames first, first + stride, ... of `frames`, which must outlive this.
+  FrameWorker(const ClipFrames& frames, std::size_t first, std::size_t stride);
 
   /// @returns the next of its frames; waits for it. @pre there is one.
-  /// @throws what FramePainter throws.
+  /// @throws what the drawer throws.
   [[nodiscard]] Image Take();
 
  private:
@@ -30,8 +29,7 @@ class FrameWorker {
   /// @returns false when the worker was told to stop.
   bool Put(Image image, const std::stop_token& stop);
 
-  const Film& film_;
-  FilmSettings settings_;
+  const ClipFrames& frames_;
   std::size_t first_;
   std::size_t stride_;
 

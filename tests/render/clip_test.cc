@@ -100,6 +100,20 @@ TEST_F(ClipTest, StopsItsThreadsWhenFfmpegFails) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a.mp4"));
 }
 
+TEST_F(ClipTest, IsMadeOfWhateverDraws) {
+  const auto picture = [](std::size_t frame) {
+    return Image(32, 16, {static_cast<std::uint8_t>(40 * frame), 100, 200});
+  };
+  settings_.render_threads = 2;
+  settings_.sheet_pictures = 3;
+  RenderClip(
+      ClipFrames{.count = 3, .width = 32, .height = 16, .new_drawer = [&] { return picture; }},
+      settings_, {{}, folder_ / "sheet.png"}, CountingClock());
+  std::vector<Image> expected;
+  for (std::size_t i = 0; i < 3; ++i) expected.push_back(HalveImage(picture(i)));
+  EXPECT_EQ(ReadPng(folder_ / "sheet.png"), ComposeContactSheet(expected, settings_.sheet));
+}
+
 TEST_F(ClipTest, RefusesSettingsOutOfRange) {
   settings_.render_threads = 0;
   EXPECT_THROW(RenderTo({{}, folder_ / "sheet.png"}), InputError);

@@ -7,6 +7,7 @@
 #include "twin/core/clock.h"
 #include "twin/render/contact_sheet.h"
 #include "twin/render/film.h"
+#include "twin/render/image.h"
 
 namespace twin::render {
 
@@ -30,6 +31,19 @@ struct ClipStats {
   double seconds = 0;  ///< by the clock passed in
 };
 
+/// Draws a frame of a clip, any of them, in any order.
+using DrawFrame = std::function<Image(std::size_t frame)>;
+
+/// Frames that make a clip, whatever it is that draws them.
+struct ClipFrames {
+  std::size_t count = 0;  ///< >= 1
+  int fps = 25;           ///< of the clip, in [1, 240]
+  int width = 640;        ///< of each frame, pixels, even
+  int height = 480;       ///< pixels, even
+  /// Called once on each thread that draws; what it gives is used by that thread alone.
+  std::function<DrawFrame()> new_drawer;
+};
+
 /// Called from the calling thread after each frame, with the frames done and their total.
 using ClipProgress = std::function<void(std::size_t done, std::size_t total)>;
 
@@ -38,6 +52,11 @@ using ClipProgress = std::function<void(std::size_t done, std::size_t total)>;
 /// @pre film.snapshots->size() > 0.
 /// @throws what FramePainter, VideoWriter and WritePng throw.
 ClipStats RenderClip(const Film& film, const ClipSettings& settings, const ClipPaths& paths,
+                     const Clock& clock, const ClipProgress& progress = {});
+
+/// The same of frames that are no film's. @param settings  its film counts for nothing.
+/// @throws what the drawers, VideoWriter and WritePng throw.
+ClipStats RenderClip(const ClipFrames& frames, const ClipSettings& settings, const ClipPaths& paths,
                      const Clock& clock, const ClipProgress& progress = {});
 
 }  // namespace twin::render
