@@ -86,10 +86,13 @@ CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
       cartesian_generator_(config.lambda),
       low_pass_(config.low_pass_hz),
       // The source's updates last N cycles, matched or not.
-      bridge_(interface, reference::RateMatchingWindow(config.source_rate_hz)) {}
+      bridge_(interface, reference::RateMatchingWindow(config.source_rate_hz)) {
+  if (config_.viability) viability_.emplace(config_.viability->limits, config_.viability->lost);
+}
 
 void CommandChain::Reset(const RobotState& state) noexcept {
   bridge_.Reset();
+  kept_back_ = 0;
   sent_.reset();
   unserved_ = 0;
   switch (interface_) {
@@ -133,6 +136,7 @@ void CommandChain::Next(const RobotState& state, const reference::Target& target
   if (low_pass_.is_on()) Filter(state, command);
   if (bridge_.active()) bridge_.Carry(state, command);
   if (config_.limiter) Limit(state, command);
+  if (viability_) KeepViable(state, command);
   sent_ = Sent(command, interface_);
 }
 
@@ -160,6 +164,20 @@ void CommandChain::Generate(const RobotState& state, RobotCommand& command) cons
       break;
     case CommandInterface::kTorque: command.tau_J_d = matched_.tau_J_d; break;
   }
+}
+
+void CommandChain::KeepViable(const RobotState& state, RobotCommand& command) noexcept {
+  bool changed = false;
+  if (interface_ == CommandInterface::kJointPosition) {
+    const auto outcome = viability_->Next(state.q_d, state.dq_d, state.ddq_d, command.q_c);
+    changed = outcome.any();
+    command.q_c = outcome.q_c;
+  } else {
+    const auto outcome = viability_->NextVelocity(state.q_d, state.dq_d, state.ddq_d, command.dq_c);
+    changed = outcome.any();
+    command.dq_c = outcome.dq_c;
+  }
+  kept_back_ += changed ? 1 : 0;
 }
 
 void CommandChain::Filter(const RobotState& state, RobotCommand& command) const noexcept {

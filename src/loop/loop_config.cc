@@ -22,6 +22,16 @@ void RequireGenerator(Generator generator, CommandInterface interface) {
                   joint ? "joint makes joint positions" : "cartesian makes poses"));
 }
 
+void RequireJoints(CommandInterface interface) {
+  if (interface == CommandInterface::kJointPosition ||
+      interface == CommandInterface::kJointVelocity) {
+    return;
+  }
+  throw InputError(
+      "tick.viability: it keeps the limits of joint positions and velocities, and motion.interface "
+      "is another; say off, or leave it out");
+}
+
 }  // namespace
 
 void TickConfig::Validate(CommandInterface interface) const {
@@ -31,6 +41,7 @@ void TickConfig::Validate(CommandInterface interface) const {
   RequireInRange("tick: period_tolerance (us)", ToSeconds(period_tolerance) * 1e6, 0, 1000);
   RequireInRange("tick: low_pass_hz", low_pass_hz, 1, 1000);
   RequireGenerator(generator, interface);
+  if (viability) RequireJoints(interface);
 }
 
 void ControllerLoopConfig::Validate() const {

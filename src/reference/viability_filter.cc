@@ -28,13 +28,29 @@ ViabilityFilter::Outcome ViabilityFilter::Next(const JointVector& q_d, const Joi
                                                const JointVector& ddq_d,
                                                const JointVector& q_c) const noexcept {
   constexpr double kT = kCycleSeconds;
-  Outcome outcome{q_c, {}};
+  Outcome outcome{.q_c = q_c};
   for (std::size_t i = 0; i < kJoints; ++i) {
     const AxisState x{q_d[i], dq_d[i], ddq_d[i]};
     const double wish = (((q_c[i] - x.q) / kT - x.dq) / kT - x.ddq) / kT;
     const double jerk = axes_[i].Nearest(x, wish);
     outcome.active[i] = jerk != wish;
     if (outcome.active[i]) outcome.q_c[i] = ViableAxis::Step(x, jerk).q;
+  }
+  return outcome;
+}
+
+ViabilityFilter::Outcome ViabilityFilter::NextVelocity(const JointVector& q_d,
+                                                       const JointVector& dq_d,
+                                                       const JointVector& ddq_d,
+                                                       const JointVector& dq_c) const noexcept {
+  constexpr double kT = kCycleSeconds;
+  Outcome outcome{.dq_c = dq_c};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const AxisState x{q_d[i], dq_d[i], ddq_d[i]};
+    const double wish = ((dq_c[i] - x.dq) / kT - x.ddq) / kT;
+    const double jerk = axes_[i].Nearest(x, wish);
+    outcome.active[i] = jerk != wish;
+    if (outcome.active[i]) outcome.dq_c[i] = ViableAxis::Step(x, jerk).dq;
   }
   return outcome;
 }

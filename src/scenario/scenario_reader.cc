@@ -35,10 +35,16 @@ TickSection TickDefaults(const Scenario& scenario) {
   return tick;
 }
 
+/// "off", or the losses in a row it bridges.
+std::optional<int> ReadViability(const YamlNode& node) {
+  if (node.IsScalar() && node.Text() == "off") return {};
+  return static_cast<int>(node.Integer(0, reference::ViableAxis::kMostLost));
+}
+
 void ReadTick(const YamlNode& node, Scenario& scenario) {
   TickSection& tick = scenario.tick;
   const YamlMap map = node.Map({"generator", "lambda", "rate_matching", "finish_tolerance",
-                                "period_tolerance", "low_pass", "limiter", "cost"});
+                                "period_tolerance", "low_pass", "limiter", "viability", "cost"});
   IfGiven(map, "generator",
           [&](const YamlNode& n) { tick.generator = ReadGenerator(n, scenario.motion.interface); });
   IfGiven(map, "lambda", [&](const YamlNode& n) { tick.lambda = n.Number(1e-9, 1); });
@@ -54,6 +60,7 @@ void ReadTick(const YamlNode& node, Scenario& scenario) {
   });
   IfGiven(map, "low_pass", [&](const YamlNode& n) { tick.low_pass_hz = ReadCutoff(n); });
   IfGiven(map, "limiter", [&](const YamlNode& n) { tick.limiter = n.Bool(); });
+  IfGiven(map, "viability", [&](const YamlNode& n) { tick.viability = ReadViability(n); });
   IfGiven(map, "cost", [&](const YamlNode& n) { tick.cost = ReadDelay(n); });
 }
 

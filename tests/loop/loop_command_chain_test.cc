@@ -74,6 +74,38 @@ TEST(CommandChainTest, TheLowPassScalesAnIncrementalCommand) {
   EXPECT_NEAR(q_c[0], 0.385870e-3, 1e-9);
 }
 
+TEST(CommandChainTest, TheViabilityFilterStandsBehindTheLimiter) {
+  TickConfig config = Raw();
+  config.limiter = reference::ClientLimits::Of(test::PandaLimits(), test::PandaCartesianLimits());
+  Target target;
+  target.joint.q = {1, 1, 1, -1, 1, 1, 1};
+  RobotState state;
+  state.q_d = {0, 0, 0, -1.5, 0, 1.5, 0};
+  // Half of libfranka's jerk.
+  config.viability.emplace(test::PandaLimits());
+  for (double& jerk : config.viability->limits.dddq_max) jerk /= 2;
+  CommandChain chain(config, CommandInterface::kJointPosition);
+  chain.Reset(state);
+  RobotCommand command;
+  chain.Next(state, target, true, 1, {}, command);
+  EXPECT_NEAR(command.q_c[0], test::PandaLimits().dddq_max[0] / 2 * 1e-9, 1e-14);
+  EXPECT_EQ(chain.kept_back(), 1U);
+  target.joint.q = state.q_d;
+  chain.Next(state, target, true, 1, {}, command);
+  EXPECT_EQ(command.q_c, state.q_d) << "an admissible command passes";
+  EXPECT_EQ(chain.kept_back(), 1U);
+  chain.Reset(state);
+  EXPECT_EQ(chain.kept_back(), 0U);
+}
+
+TEST(CommandChainTest, TheViabilityFilterRefusesWhatIsNotOfJoints) {
+  for (const auto interface : {CommandInterface::kCartesianPose, CommandInterface::kTorque}) {
+    TickConfig config = Raw();
+    config.viability.emplace(test::PandaLimits());
+    EXPECT_THROW(CommandChain(config, interface), InputError);
+  }
+}
+
 TEST(CommandChainTest, TheLimiterStandsBehindTheLowPass) {
   TickConfig config = Raw();
   config.limiter = reference::ClientLimits::Of(test::PandaLimits(), test::PandaCartesianLimits());

@@ -47,6 +47,7 @@ tick:
   period_tolerance: 300 us
   low_pass: 100 Hz
   limiter: true
+  viability: 12
   cost: 13 us
 controller:
   type: joint_trajectory

@@ -14,16 +14,18 @@
 #include "twin/reference/low_pass.h"
 #include "twin/reference/rate_matcher.h"
 #include "twin/reference/target.h"
+#include "twin/reference/viability_filter.h"
 
 namespace twin::loop {
 
 /// From the deposited target to the command that answers a state:
-///   rate matcher -> reference generator -> [low-pass] -> stall bridge -> [rate limiter].
-/// Those in brackets are libfranka's client-side stages, in its order, off unless configured. The
-/// bridge comes after the low-pass, which would scale the motion that the bridge goes on with.
-/// Everything but the matcher's window and the bridge is a function of the state: it continues from
-/// what the robot really took. A raw position stream (no generator) is not bridged: a source that
-/// stalls stops dead, and the robot aborts.
+///   rate matcher -> reference generator -> [low-pass] -> stall bridge -> [rate limiter]
+///   -> [viability filter].
+/// Those in brackets are off unless configured; the first two are libfranka's client-side stages,
+/// in its order. The bridge comes after the low-pass, which would scale the motion that the bridge
+/// goes on with. Everything but the matcher's window and the bridge is a function of the state: it
+/// continues from what the robot really took. A raw position stream (no generator) is not bridged:
+/// a source that stalls stops dead, and the robot aborts.
 ///
 /// Threads: one. Real-time: Reset() and Next() are noexcept and allocate nothing.
 class CommandChain {
@@ -45,6 +47,9 @@ class CommandChain {
   /// Target after rate matching, of the last Next().
   [[nodiscard]] const reference::Target& matched() const noexcept { return matched_; }
 
+  /// Commands since Reset() that the viability filter changed.
+  [[nodiscard]] std::uint64_t kept_back() const noexcept { return kept_back_; }
+
   /// The matched target is at rest, nothing is left of a stall, and the robot's reference is within
   /// the finish tolerance of it.
   [[nodiscard]] bool Arrived(const RobotState& state) const noexcept TWIN_REALTIME;
@@ -56,6 +61,7 @@ class CommandChain {
   std::uint64_t CountUnserved(const RobotState& state, std::uint64_t cycles) noexcept;
   void Filter(const RobotState& state, RobotCommand& command) const noexcept;
   void Limit(const RobotState& state, RobotCommand& command) const noexcept;
+  void KeepViable(const RobotState& state, RobotCommand& command) noexcept;
 
   TickConfig config_;
   control::CommandInterface interface_;
@@ -66,6 +72,8 @@ class CommandChain {
   reference::CartesianReferenceGenerator cartesian_generator_;
   reference::LowPass low_pass_;
   StallBridge bridge_;
+  std::optional<reference::ViabilityFilter> viability_;
+  std::uint64_t kept_back_ = 0;
   std::optional<JointVector> sent_;  ///< by which the next state shows that the command was taken
   std::uint64_t unserved_ = 0;
   reference::Target matched_;

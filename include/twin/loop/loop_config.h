@@ -4,9 +4,11 @@
 #include <optional>
 
 #include "twin/control/controller.h"
+#include "twin/core/limits.h"
 #include "twin/core/time.h"
 #include "twin/reference/client_limits.h"
 #include "twin/reference/feed_forward.h"
+#include "twin/reference/viability_filter.h"
 #include "twin/rt/delay_model.h"
 
 namespace twin::loop {
@@ -23,6 +25,12 @@ enum class Generator : std::uint8_t {
   kNone,       ///< the deposited value goes out as it is: a raw stream
   kJoint,      ///< the paper's joint reference generator
   kCartesian,  ///< its Cartesian counterpart
+};
+
+/// What reference::ViabilityFilter keeps.
+struct ViabilityConfig {
+  JointLimits limits;
+  int lost = reference::ViabilityFilter::kLostByDefault;  ///< in a row, that it bridges
 };
 
 /// The control tick's chain.
@@ -48,11 +56,14 @@ struct TickConfig {
   double low_pass_hz = 1000;
   /// libfranka's rate limiter on the command; absent: off.
   std::optional<reference::ClientLimits> limiter;
+  /// Limits that are kept for ever whatever is lost, by a filter behind everything else; absent:
+  /// off. Joint positions and velocities only.
+  std::optional<ViabilityConfig> viability{};
   rt::DelayModel cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
 
   /// @param interface  what the controller commands.
-  /// @throws InputError naming field, value and range, or a generator that does not go with the
-  /// interface.
+  /// @throws InputError naming field, value and range, or a generator or filter that does not go
+  /// with the interface.
   void Validate(control::CommandInterface interface) const;
 };
 

@@ -30,7 +30,8 @@ class ViabilityFilter {
 
   /// What was made of a command.
   struct Outcome {
-    JointVector q_c{};                   ///< rad
+    JointVector q_c{};                   ///< rad; Next() only
+    JointVector dq_c{};                  ///< rad/s; NextVelocity() only
     std::array<bool, kJoints> active{};  ///< joints whose command was changed
     [[nodiscard]] bool any() const noexcept;
   };
@@ -40,6 +41,12 @@ class ViabilityFilter {
   [[nodiscard]] Outcome Next(const JointVector& q_d, const JointVector& dq_d,
                              const JointVector& ddq_d,
                              const JointVector& q_c) const noexcept TWIN_REALTIME;
+
+  /// The same on the velocity interface, where the robot integrates the command. @param dq_c
+  /// wished, rad/s.
+  [[nodiscard]] Outcome NextVelocity(const JointVector& q_d, const JointVector& dq_d,
+                                     const JointVector& ddq_d,
+                                     const JointVector& dq_c) const noexcept TWIN_REALTIME;
 
   /// Least of the joints' margins: ViableAxis::Margin.
   [[nodiscard]] double Margin(const JointVector& q_d, const JointVector& dq_d,

@@ -124,6 +124,9 @@ struct TickSection {
   Duration period_tolerance = loop::TickConfig().period_tolerance;
   double low_pass_hz = loop::TickConfig().low_pass_hz;  ///< in [1, 1000]; 1000: off
   bool limiter = false;
+  /// Losses in a row under which the joints' limits are kept for ever, in [0, 100]; absent: no
+  /// filter.
+  std::optional<int> viability{};
   Delay cost;
   bool operator==(const TickSection&) const = default;
 };
