@@ -12,6 +12,7 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
 find_package(urdfdom REQUIRED)
 find_package(assimp REQUIRED)
+find_package(meshoptimizer REQUIRED)
 
 # Debian's mujoco package names a qhull include folder that does not exist; its headers are in the default path anyway.
 find_package(mujoco 2.2.2 REQUIRED)

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "plant/mesh_decimation.h"
 #include "plant/mesh_import.h"
 #include "plant/mjcf_writer.h"
 #include "twin/core/error.h"
@@ -19,6 +20,10 @@ namespace twin::plant {
 namespace {
 
 constexpr int kErrorSize = 1000;
+
+/// How far what is drawn may be from the visual mesh, m; see Decimate(). Chosen by what pictures
+/// cost and show (src/render/README.md). What is touched is not concerned.
+constexpr double kVisualError = 0.00025;
 
 /// MuJoCo's files in memory. The structure itself takes 2 MB, hence not on the stack.
 class VirtualFiles {
@@ -64,7 +69,8 @@ void ImportMeshes(const ModelSources& sources, MeshAssets& visual, MeshAssets& c
     };
     if (seen) {
       for (const MeshPart& part : ImportVisualMesh(mesh.bytes, mesh.file.string())) {
-        visual[uri].push_back({name("visual"), EncodeMsh(part), part.colour});
+        visual[uri].push_back(
+            {name("visual"), EncodeMsh(Decimate(part, kVisualError)), part.colour});
       }
     }
     if (touched) {

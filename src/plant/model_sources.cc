@@ -21,7 +21,7 @@ namespace twin::plant {
 namespace {
 
 /// Part of every key: raised whenever the same sources are composed differently.
-constexpr std::string_view kComposition = "panda-twin composition 2";
+constexpr std::string_view kComposition = "panda-twin composition 3";
 
 constexpr std::string_view kPlainScene = R"(<mujoco>
   <worldbody>
