@@ -88,7 +88,7 @@ TEST(CommandChainTest, TheViabilityFilterStandsBehindTheLimiter) {
   chain.Reset(state);
   RobotCommand command;
   chain.Next(state, target, true, 1, {}, command);
-  EXPECT_NEAR(command.q_c[0], test::PandaLimits().dddq_max[0] / 2 * 1e-9, 1e-14);
+  EXPECT_NEAR(command.q_c[0], test::PandaLimits().dddq_max[0] / 2 * 1e-9, 1e-11);
   EXPECT_EQ(chain.kept_back(), 1U);
   target.joint.q = state.q_d;
   chain.Next(state, target, true, 1, {}, command);

@@ -49,6 +49,7 @@ TEST(ScenarioTest, ReadsEveryKey) {
   EXPECT_EQ(s.tick.period_tolerance, 300us);
   EXPECT_EQ(s.tick.low_pass_hz, 100);
   EXPECT_TRUE(s.tick.limiter);
+  EXPECT_EQ(s.tick.viability, 12);
   EXPECT_EQ(s.controller.target_noise, 0.0005);
   EXPECT_EQ(s.controller.rate_hz, 125);
   EXPECT_EQ(s.controller.clock_drift_ppm, -20);
@@ -57,8 +58,15 @@ TEST(ScenarioTest, ReadsEveryKey) {
   EXPECT_EQ(s.motion.timing.duration, std::chrono::milliseconds(4500));
   ASSERT_EQ(s.motion.waypoints.size(), 3u);
   EXPECT_TRUE(s.motion.waypoints[1].stop);
-  EXPECT_EQ(s.motion.waypoints[1].where, "s.yaml:61");
+  EXPECT_EQ(s.motion.waypoints[1].where, "s.yaml:62");
   EXPECT_EQ(s.render.camera.lookat[2], 0.4);
+  EXPECT_EQ(s.render.camera.track, "panda_hand");
+  EXPECT_NEAR(s.render.camera.turn, 10 * std::numbers::pi / 180, 1e-15);
+  EXPECT_EQ(s.render.overlays, (std::vector{Overlay::kLimits, Overlay::kTrace}));
+  ASSERT_EQ(s.render.insets.size(), 2U);
+  EXPECT_EQ(s.render.insets[0].camera.kind, CameraKind::kGripper);
+  EXPECT_EQ(s.render.insets[0].corner, PictureCorner::kBottomLeft);
+  EXPECT_EQ(s.render.insets[0].share_percent, 25);
   EXPECT_FALSE(s.record);
 }
 
@@ -281,7 +289,7 @@ TEST(ScenarioTest, RemembersWhereItsNamesWereRead) {
   EXPECT_EQ(s.places.backend.where, "s.yaml:4");
   EXPECT_EQ(s.places.scene.where, "s.yaml:7");
   EXPECT_EQ(s.places.robot.where, "s.yaml:9");
-  EXPECT_EQ(s.places.controller.where, "s.yaml:43");
+  EXPECT_EQ(s.places.controller.where, "s.yaml:44");
   EXPECT_EQ(s.places.controller.name, "joint_trajectory");
   EXPECT_EQ(Parse(test::OtherText(), "s.yaml").places.backend.where, "");
 }
