@@ -86,8 +86,10 @@ CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
       cartesian_generator_(config.lambda),
       low_pass_(config.low_pass_hz),
       // The source's updates last N cycles, matched or not.
-      bridge_(interface, reference::RateMatchingWindow(config.source_rate_hz)) {
-  if (config_.viability) viability_.emplace(config_.viability->limits, config_.viability->lost);
+      bridge_(interface, reference::RateMatchingWindow(config.source_rate_hz)),
+      resampler_(config.source_rate_hz),
+      rejoining_generator_(config.limits) {
+  if (config_.viability) viability_.emplace(config_.limits, *config_.viability);
 }
 
 void CommandChain::Reset(const RobotState& state) noexcept {
@@ -95,6 +97,8 @@ void CommandChain::Reset(const RobotState& state) noexcept {
   kept_back_ = 0;
   sent_.reset();
   unserved_ = 0;
+  resampler_.Reset(state.q_d);
+  rejoining_generator_.Reset(state.q_d);
   switch (interface_) {
     case CommandInterface::kJointPosition:
     case CommandInterface::kJointVelocity: joint_matcher_.Reset({state.q_d, {}, {}}); break;
@@ -119,6 +123,22 @@ void CommandChain::Match(const reference::Target& target) noexcept {
 
 void CommandChain::Next(const RobotState& state, const reference::Target& target, bool fresh,
                         std::uint64_t cycles, Time source_time, RobotCommand& command) noexcept {
+  if (config_.generator == Generator::kRejoining) {
+    Resample(target.joint.q, fresh, cycles, source_time);
+  } else {
+    MatchAndBridge(state, target, fresh, cycles, source_time);
+  }
+  Generate(state, command);
+  // After the low-pass: it would scale the motion that the bridge goes on with.
+  if (low_pass_.is_on()) Filter(state, command);
+  if (bridge_.active()) bridge_.Carry(state, command);
+  if (config_.limiter) Limit(state, command);
+  if (viability_) KeepViable(state, command);
+  sent_ = Sent(command, interface_);
+}
+
+void CommandChain::MatchAndBridge(const RobotState& state, const reference::Target& target,
+                                  bool fresh, std::uint64_t cycles, Time source_time) noexcept {
   // More than a window of cycles fills it with the same target as a window does.
   const std::uint64_t steps = std::min<std::uint64_t>(cycles, joint_matcher_.window() + 1);
   for (std::uint64_t i = 0; i < steps; ++i) Match(target);
@@ -131,13 +151,21 @@ void CommandChain::Next(const RobotState& state, const reference::Target& target
     matched_.pose.O_dP_EE = {};
     matched_.tau_J_d = {};
   }
-  Generate(state, command);
-  // After the low-pass: it would scale the motion that the bridge goes on with.
-  if (low_pass_.is_on()) Filter(state, command);
-  if (bridge_.active()) bridge_.Carry(state, command);
-  if (config_.limiter) Limit(state, command);
-  if (viability_) KeepViable(state, command);
-  sent_ = Sent(command, interface_);
+}
+
+void CommandChain::Resample(const JointVector& q, bool fresh, std::uint64_t cycles,
+                            Time source_time) noexcept {
+  // Of a longer gap only the last cycles count for the generator's differences.
+  constexpr std::uint64_t kMostCycles = 64;
+  if (fresh) resampler_.Deposit(source_time, q);
+  for (std::uint64_t i = 0; i < std::min(cycles, kMostCycles); ++i) {
+    const JointVector r = resampler_.Next();
+    rejoining_generator_.Observe(r);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      matched_.joint.dq[j] = (r[j] - matched_.joint.q[j]) / kCycleSeconds;
+    }
+    matched_.joint.q = r;
+  }
 }
 
 std::uint64_t CommandChain::CountUnserved(const RobotState& state, std::uint64_t cycles) noexcept {
@@ -149,13 +177,20 @@ std::uint64_t CommandChain::CountUnserved(const RobotState& state, std::uint64_t
   return unserved_;
 }
 
+JointVector CommandChain::JointPosition(const RobotState& state) const noexcept {
+  switch (config_.generator) {
+    case Generator::kJoint: return joint_generator_.Next(state.q_d, matched_.joint);
+    case Generator::kRejoining:
+      return rejoining_generator_.Next(state.q_d, state.dq_d, state.ddq_d);
+    case Generator::kNone:
+    case Generator::kCartesian: break;
+  }
+  return matched_.joint.q;
+}
+
 void CommandChain::Generate(const RobotState& state, RobotCommand& command) const noexcept {
   switch (interface_) {
-    case CommandInterface::kJointPosition:
-      command.q_c = config_.generator == Generator::kJoint
-                        ? joint_generator_.Next(state.q_d, matched_.joint)
-                        : matched_.joint.q;
-      break;
+    case CommandInterface::kJointPosition: command.q_c = JointPosition(state); break;
     case CommandInterface::kJointVelocity: command.dq_c = matched_.joint.dq; break;
     case CommandInterface::kCartesianPose:
       command.O_T_EE_c = config_.generator == Generator::kCartesian

@@ -1,5 +1,7 @@
 #include "twin/loop/loop_config.h"
 
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
@@ -10,16 +12,26 @@ namespace {
 
 using control::CommandInterface;
 
+/// @returns what a generator makes that does not go with the interface; empty when it does.
+std::string_view Misfit(Generator generator, CommandInterface interface) {
+  const bool positions = interface == CommandInterface::kJointPosition;
+  switch (generator) {
+    case Generator::kNone: return {};
+    case Generator::kJoint: return positions ? "" : "joint makes joint positions";
+    case Generator::kRejoining: return positions ? "" : "rejoining makes joint positions";
+    case Generator::kCartesian:
+      return interface == CommandInterface::kCartesianPose ? "" : "cartesian makes poses";
+  }
+  return {};
+}
+
 void RequireGenerator(Generator generator, CommandInterface interface) {
-  const bool joint = generator == Generator::kJoint;
-  const bool fits = generator == Generator::kNone ||
-                    (joint && interface == CommandInterface::kJointPosition) ||
-                    (!joint && interface == CommandInterface::kCartesianPose);
-  if (fits) return;
+  const std::string_view misfit = Misfit(generator, interface);
+  if (misfit.empty()) return;
   throw InputError(
       fmt::format("tick.generator: {} and does not go with this motion.interface; say none, or "
                   "leave it out",
-                  joint ? "joint makes joint positions" : "cartesian makes poses"));
+                  misfit));
 }
 
 void RequireJoints(CommandInterface interface) {
@@ -42,6 +54,7 @@ void TickConfig::Validate(CommandInterface interface) const {
   RequireInRange("tick: low_pass_hz", low_pass_hz, 1, 1000);
   RequireGenerator(generator, interface);
   if (viability) RequireJoints(interface);
+  if (viability || generator == Generator::kRejoining) limits.Validate();
 }
 
 void ControllerLoopConfig::Validate() const {

@@ -63,9 +63,10 @@ inline constexpr std::array<Spelling<loop::LoopKind>, 3> kLoopNames{
      {"synchronous", loop::LoopKind::kSynchronous},
      {"bare", loop::LoopKind::kBare}}};
 
-inline constexpr std::array<Spelling<loop::Generator>, 3> kGeneratorNames{
+inline constexpr std::array<Spelling<loop::Generator>, 4> kGeneratorNames{
     {{"none", loop::Generator::kNone},
      {"joint", loop::Generator::kJoint},
+     {"rejoining", loop::Generator::kRejoining},
      {"cartesian", loop::Generator::kCartesian}}};
 
 inline constexpr std::array<Spelling<reference::FeedForwardTime>, 2> kFeedForwardNames{

@@ -139,7 +139,8 @@ loop::TickConfig MakeTick(const Scenario& scenario, const RobotData& robot) {
   config.low_pass_hz = tick.low_pass_hz;
   config.robot_shows_commands = scenario.onboard.filters == setting::Filters();
   if (tick.limiter) config.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
-  if (tick.viability) config.viability.emplace(robot.limits, *tick.viability);
+  config.viability = tick.viability;
+  config.limits = robot.limits;
   config.cost = tick.cost.Model();
   config.Validate(scenario.motion.interface);
   return config;

@@ -18,10 +18,13 @@ namespace {
 
 loop::Generator ReadGenerator(const YamlNode& node, control::CommandInterface interface) {
   const loop::Generator generator = ReadChoice(node, kGeneratorNames);
-  if (generator != loop::Generator::kNone && generator != GeneratorOf(interface)) {
-    node.Fail(fmt::format("{}, and motion.interface is {}; say none, or leave it out",
-                          generator == loop::Generator::kJoint ? "joint makes joint positions"
-                                                               : "cartesian makes poses",
+  // Both of joints go with the interface that has one of them.
+  const loop::Generator kind =
+      generator == loop::Generator::kRejoining ? loop::Generator::kJoint : generator;
+  if (kind != loop::Generator::kNone && kind != GeneratorOf(interface)) {
+    node.Fail(fmt::format("{} makes {}, and motion.interface is {}; say none, or leave it out",
+                          NameOf(kGeneratorNames, generator),
+                          kind == loop::Generator::kJoint ? "joint positions" : "poses",
                           NameOf(kInterfaceNames, interface)));
   }
   return generator;

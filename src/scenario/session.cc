@@ -230,7 +230,9 @@ Motion MotionOn(const Scenario& scenario, std::string name, control::CommandInte
                 .controller = scenario.controller,
                 .tick = scenario.tick,
                 .loop = scenario.loop};
-  if (motion.tick.generator != loop::Generator::kNone) {
+  const bool rejoins = motion.tick.generator == loop::Generator::kRejoining &&
+                       interface == control::CommandInterface::kJointPosition;
+  if (motion.tick.generator != loop::Generator::kNone && !rejoins) {
     motion.tick.generator = GeneratorOf(interface);
   }
   motion.controller.type = interface == control::CommandInterface::kTorque

@@ -82,8 +82,9 @@ TEST(CommandChainTest, TheViabilityFilterStandsBehindTheLimiter) {
   RobotState state;
   state.q_d = {0, 0, 0, -1.5, 0, 1.5, 0};
   // Half of libfranka's jerk.
-  config.viability.emplace(test::PandaLimits());
-  for (double& jerk : config.viability->limits.dddq_max) jerk /= 2;
+  config.viability = 19;
+  config.limits = test::PandaLimits();
+  for (double& jerk : config.limits.dddq_max) jerk /= 2;
   CommandChain chain(config, CommandInterface::kJointPosition);
   chain.Reset(state);
   RobotCommand command;
@@ -101,7 +102,8 @@ TEST(CommandChainTest, TheViabilityFilterStandsBehindTheLimiter) {
 TEST(CommandChainTest, TheViabilityFilterRefusesWhatIsNotOfJoints) {
   for (const auto interface : {CommandInterface::kCartesianPose, CommandInterface::kTorque}) {
     TickConfig config = Raw();
-    config.viability.emplace(test::PandaLimits());
+    config.viability = 19;
+    config.limits = test::PandaLimits();
     EXPECT_THROW(CommandChain(config, interface), InputError);
   }
 }

@@ -103,6 +103,39 @@ TEST_P(ScenarioViabilityTest, VelocitiesAreKeptLegalUnderLosses) {
   EXPECT_NE(result.report.end, backend::MotionEnd::kAborted) << result.report.failure;
 }
 
+TEST_P(ScenarioViabilityTest, TheRejoiningGeneratorFollowsUnderJitterAndBursts) {
+  Scenario scenario = Brisk();
+  scenario.controller.phase = microseconds(920);
+  scenario.tick.generator = loop::Generator::kRejoining;
+  scenario.tick.viability = 19;
+  Lose(scenario, 19);
+  const RunResult result = Run(scenario);
+  EXPECT_TRUE(result.report.succeeded()) << result.report.failure;
+  EXPECT_LT(result.final_error, 1e-3);
+}
+
+TEST_P(ScenarioViabilityTest, WithoutLossesItNeedsNoFilterOnABriskTrajectory) {
+  Scenario scenario = Brisk();
+  scenario.controller.phase = microseconds(920);
+  scenario.controller.clock_drift_ppm = 50;
+  scenario.tick.generator = loop::Generator::kRejoining;
+  const RunResult result = Run(scenario);
+  EXPECT_TRUE(result.report.succeeded()) << result.report.failure;
+  EXPECT_LT(result.final_error, 1e-3);
+}
+
+TEST_P(ScenarioViabilityTest, ASlowSourceIsPlayedEvenlyByTheRejoiningGenerator) {
+  for (const double rate : {50.0, 125.0}) {
+    Scenario scenario = Brisk();
+    scenario.controller.rate_hz = rate;
+    scenario.tick.generator = loop::Generator::kRejoining;
+    scenario.tick.viability = 19;
+    const RunResult result = Run(scenario);
+    EXPECT_TRUE(result.report.succeeded()) << rate << " Hz: " << result.report.failure;
+    EXPECT_LT(result.final_error, 1e-3);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, ScenarioViabilityTest, ::testing::Range<std::uint64_t>(1, 4));
 
 }  // namespace

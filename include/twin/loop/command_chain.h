@@ -13,6 +13,8 @@
 #include "twin/reference/joint_reference_generator.h"
 #include "twin/reference/low_pass.h"
 #include "twin/reference/rate_matcher.h"
+#include "twin/reference/rejoining_generator.h"
+#include "twin/reference/resampler.h"
 #include "twin/reference/target.h"
 #include "twin/reference/viability_filter.h"
 
@@ -55,7 +57,11 @@ class CommandChain {
   [[nodiscard]] bool Arrived(const RobotState& state) const noexcept TWIN_REALTIME;
 
  private:
+  void MatchAndBridge(const RobotState& state, const reference::Target& target, bool fresh,
+                      std::uint64_t cycles, Time source_time) noexcept;
   void Match(const reference::Target& target) noexcept;
+  void Resample(const JointVector& q, bool fresh, std::uint64_t cycles, Time source_time) noexcept;
+  [[nodiscard]] JointVector JointPosition(const RobotState& state) const noexcept;
   void Generate(const RobotState& state, RobotCommand& command) const noexcept;
   /// @returns cycles before `state` in a row in which the robot took no command of ours.
   std::uint64_t CountUnserved(const RobotState& state, std::uint64_t cycles) noexcept;
@@ -72,6 +78,8 @@ class CommandChain {
   reference::CartesianReferenceGenerator cartesian_generator_;
   reference::LowPass low_pass_;
   StallBridge bridge_;
+  reference::Resampler resampler_;
+  reference::RejoiningGenerator rejoining_generator_;
   std::optional<reference::ViabilityFilter> viability_;
   std::uint64_t kept_back_ = 0;
   std::optional<JointVector> sent_;  ///< by which the next state shows that the command was taken

@@ -25,12 +25,7 @@ enum class Generator : std::uint8_t {
   kNone,       ///< the deposited value goes out as it is: a raw stream
   kJoint,      ///< the paper's joint reference generator
   kCartesian,  ///< its Cartesian counterpart
-};
-
-/// What reference::ViabilityFilter keeps.
-struct ViabilityConfig {
-  JointLimits limits;
-  int lost = reference::ViabilityFilter::kLostByDefault;  ///< in a row, that it bridges
+  kRejoining,  ///< deposits resampled by their source's time, rejoined by a saturated correction
 };
 
 /// The control tick's chain.
@@ -56,9 +51,11 @@ struct TickConfig {
   double low_pass_hz = 1000;
   /// libfranka's rate limiter on the command; absent: off.
   std::optional<reference::ClientLimits> limiter;
-  /// Limits that are kept for ever whatever is lost, by a filter behind everything else; absent:
-  /// off. Joint positions and velocities only.
-  std::optional<ViabilityConfig> viability{};
+  /// Losses in a row under which the joints' limits are kept for ever, by a filter behind everything
+  /// else (reference::ViabilityFilter); absent: off. Joint positions and velocities only.
+  std::optional<int> viability{};
+  /// Of the robot's joints: what that filter and Generator::kRejoining keep to.
+  JointLimits limits{};
   rt::DelayModel cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
 
   /// @param interface  what the controller commands.

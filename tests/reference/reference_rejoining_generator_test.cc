@@ -1,0 +1,144 @@
+#include "twin/reference/rejoining_generator.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/panda_limits.h"
+#include "support/realtime_guard.h"
+#include "twin/core/time.h"
+#include "twin/reference/viable_axis.h"
+
+namespace twin::reference {
+namespace {
+
+constexpr double kT = kCycleSeconds;
+
+/// Joint 1's reference as the robot holds it, and a source's.
+class Following {
+ public:
+  Following() : limits_(test::PandaLimits()), generator_(limits_) { generator_.Reset({}); }
+
+  double (*source)(double t) = [](double /*t*/) { return 0.0; };
+
+  /// One cycle. @param lost  whether the command is.
+  void Step(bool lost = false) {
+    ++k_;
+    JointVector r{};
+    r[0] = source(k_ * kT);
+    generator_.Observe(r);
+    JointVector q{};
+    JointVector dq{};
+    JointVector ddq{};
+    q[0] = x.q;
+    dq[0] = x.dq;
+    ddq[0] = x.ddq;
+    const double q_c = generator_.Next(q, dq, ddq)[0];
+    if (lost) {
+      x = ViableAxis::Step(x, 0);
+      jerk = 0;
+      return;
+    }
+    const double dq_c = (q_c - x.q) / kT;
+    const double ddq_c = (dq_c - x.dq) / kT;
+    jerk = (ddq_c - x.ddq) / kT;
+    x = {q_c, dq_c, ddq_c};
+  }
+  /// Of the robot's reference from the source's, rad.
+  [[nodiscard]] double error() const { return x.q - source(k_ * kT); }
+
+  AxisState x;
+  double jerk = 0;
+
+ private:
+  JointLimits limits_;
+  RejoiningGenerator generator_;
+  int k_ = 0;
+};
+
+TEST(RejoiningGeneratorTest, FollowsItsSourceExactlyWhileEveryCommandIsTaken) {
+  Following following;
+  following.source = [](double t) { return 0.2 * (1 - std::cos(3 * t)); };
+  for (int k = 0; k < 3000; ++k) {
+    following.Step();
+    ASSERT_NEAR(following.error(), 0, 1e-12) << k;
+  }
+}
+
+TEST(RejoiningGeneratorTest, RejoinsAfterLossesWithinItsBoundsAndStaysThere) {
+  const JointLimits limits = test::PandaLimits();
+  Following following;
+  following.source = [](double t) { return 0.2 * (1 - std::cos(3 * t)); };
+  for (int k = 0; k < 500; ++k) following.Step();
+  for (int k = 0; k < 19; ++k) following.Step(/*lost=*/true);
+  const double left = std::abs(following.error());
+  EXPECT_GT(left, 1e-7);
+  for (int k = 0; k < 600; ++k) {
+    const double before = following.x.ddq;
+    following.Step();
+    // The source's own jerk is 5.4 rad/s^3.
+    EXPECT_LE(std::abs(following.jerk), RejoiningGenerator::kShare * limits.dddq_max[0] + 6) << k;
+    EXPECT_LE(std::abs(before), limits.ddq_max[0]);
+  }
+  EXPECT_NEAR(following.error(), 0, 1e-6);
+}
+
+/// How an offset of the source is closed.
+struct Closing {
+  double overshoot = 0;  ///< rad
+  int cycles = 0;        ///< until the error stays below 1e-4 of the offset
+  double most_dq = 0;    ///< rad/s
+  double most_ddq = 0;   ///< rad/s^2
+};
+Closing Close(double offset) {
+  Following following;
+  following.x.q = offset;
+  Closing closing;
+  for (int k = 1; k <= 8000; ++k) {
+    following.Step();
+    closing.overshoot = std::max(closing.overshoot, -following.error() * (offset > 0 ? 1 : -1));
+    closing.most_dq = std::max(closing.most_dq, std::abs(following.x.dq));
+    closing.most_ddq = std::max(closing.most_ddq, std::abs(following.x.ddq));
+    if (std::abs(following.error()) > 1e-4 * std::abs(offset)) closing.cycles = k;
+  }
+  return closing;
+}
+
+TEST(RejoiningGeneratorTest, ClosesAnOffsetWithoutOvershoot) {
+  for (const double offset : {1e-4, -3e-3, 0.05, -0.5, 1.5}) {
+    const Closing closing = Close(offset);
+    EXPECT_LE(closing.overshoot, 1e-4 * std::abs(offset)) << offset;
+    const JointLimits limits = test::PandaLimits();
+    EXPECT_LE(closing.most_dq, 1.01 * RejoiningGenerator::kVelocityShare * limits.dq_max[0]);
+    EXPECT_LE(closing.most_ddq, 1.01 * RejoiningGenerator::kShare * limits.ddq_max[0]);
+  }
+}
+
+TEST(RejoiningGeneratorTest, ClosesASmallOffsetTenTimesFasterThanLambda) {
+  // lambda = 1e-3 needs ln(1e4) / lambda = 9210 cycles to a 10^-4th.
+  EXPECT_LT(Close(1e-3).cycles, 900);
+}
+
+TEST(RejoiningGeneratorTest, ClosesALargeOffsetAboutAsFastAsItsBoundsAllow) {
+  // At most V_c, with ramps of A_c up and of A_c / 2 down.
+  const JointLimits limits = test::PandaLimits();
+  const double v = RejoiningGenerator::kVelocityShare * limits.dq_max[0];
+  const double a = RejoiningGenerator::kShare * limits.ddq_max[0];
+  const double least = 1.5 / v + v / (2 * a) + v / a;
+  EXPECT_LT(Close(1.5).cycles * kT, 1.3 * least);
+}
+
+TEST(RejoiningGeneratorTest, AllocatesNothing) {
+  RejoiningGenerator generator(test::PandaLimits());
+  const test::RealtimeGuard guard;
+  generator.Reset({});
+  for (int i = 0; i < 1000; ++i) {
+    generator.Observe({});
+    static_cast<void>(generator.Next({}, {}, {}));
+  }
+  EXPECT_EQ(guard.counts(), test::RealtimeGuard::Counts{});
+}
+
+}  // namespace
+}  // namespace twin::reference
