@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <string_view>
@@ -25,27 +24,10 @@ std::string ReadFile(const std::filesystem::path& path) {
   return bytes;
 }
 
-std::string Base64(std::string_view bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t three = 0;
-    for (std::size_t j = 0; j < 3; ++j) {
-      three = three << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0U);
-    }
-    for (std::size_t j = 0; j < 4; ++j) {
-      text += i + j <= bytes.size() ? kDigits[three >> (18 - 6 * j) & 0x3F] : '=';
-    }
-  }
-  return text;
-}
-
 std::string PictureHtml(const std::filesystem::path& png, std::string_view what) {
   if (png.empty()) return {};
   return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", Escape(what),
-                     Base64(ReadFile(png)));
+                     report::Base64(ReadFile(png)));
 }
 
 std::string_view VerdictOf(const Finding& finding) {

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "cli/video_options.h"
+
 namespace twin::cli {
 namespace {
 
@@ -24,6 +26,7 @@ constexpr const char* kFooter = R"(Start here:
   panda-twin serve                                       a Panda for libfranka programs, at 127.0.0.1
   panda-twin proxy --robot HOST --link FILE.yaml         a wire with faults, before a robot or a twin
   panda-twin experiment all                              the paper's tables and figures, beside ours
+  panda-twin video check                                 do the runs look as they were approved?
   panda-twin validate my.yaml                            is my scenario sound? (no run)
   panda-twin run SCENARIO.yaml --backend fci --robot HOST --max-speed 0.1   on a robot, slowly
   panda-twin export out/canonical/run.mcap               the log as CSV tables
@@ -359,6 +362,7 @@ Commands AddCommands(CLI::App& app, Flags& flags) {
   const Commands commands{.run = AddRun(app, flags.run),
                           .serve = AddServe(app, flags.serve),
                           .proxy = AddProxy(app, flags.proxy),
+                          .video = AddVideo(app, flags.video),
                           .experiment = AddExperiment(app, flags.experiment),
                           .validate = AddValidate(app, flags.validate),
                           .check = AddCheck(app, flags.check),

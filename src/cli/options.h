@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
+#include "cli/video_command.h"
 
 namespace twin::cli {
 
@@ -11,6 +12,7 @@ struct Flags {
   RunFlags run;
   ServeFlags serve;
   ProxyFlags proxy;
+  VideoFlags video;
   ExperimentFlags experiment;
   ValidateFlags validate;
   CheckFlags check;
@@ -24,6 +26,7 @@ struct Commands {
   const CLI::App* run = nullptr;
   const CLI::App* serve = nullptr;
   const CLI::App* proxy = nullptr;
+  const CLI::App* video = nullptr;
   const CLI::App* experiment = nullptr;
   const CLI::App* validate = nullptr;
   const CLI::App* check = nullptr;

@@ -24,8 +24,8 @@ constexpr std::array<Words, kGates> kWords{
      {"hashes", "frames without an approved hash"},
      {"frames", "frames too few or too many"},
      {"signatures", "every frame at 32 x 24: levels of the channel most off"},
-     {"colours", "key pictures: channels off by more than 1 of 255, %"},
-     {"colour window", "pixels off by more than 2 of 255, in the fullest window"},
+     {"colours", "key pictures: channels off by more than 1 of 255 (scenery: 5), %"},
+     {"colour window", "pixels off by more than 2 of 255 (scenery: 5), in the fullest window"},
      {"depths", "pixels whose depth is off by more than 1 mm, %"},
      {"depth window", "pixels whose depth is off, in the fullest window"},
      {"bodies", "pixels that show another body, %"},
@@ -213,7 +213,8 @@ class Comparer {
       gates_.Take(window, difference.window_pixels, place);
     };
     take(Gate::kColours, Gate::kColourWindow,
-         CompareColours(before.colour, after.colour, limits_.colour, limits_.window_px));
+         CompareColours(before.colour, after.colour, SceneryOf(before.bodies, after.bodies),
+                        limits_.colour, limits_.window_px));
     take(Gate::kDepths, Gate::kDepthWindow,
          CompareDepths(before.depth, RoundedDepths(after.depth), limits_.depth_m,
                        limits_.window_px));

@@ -10,6 +10,9 @@
 namespace twin::golden {
 namespace {
 
+/// The first body that is not the world.
+constexpr std::int32_t kFirstOfRun = 1;
+
 /// Sums over the pixels left of and above each corner, so that any box is four readings.
 class Integral {
  public:
@@ -102,14 +105,26 @@ Difference DensestWindow(const DifferenceMask& mask, int window_px) {
   return densest;
 }
 
+std::vector<bool> SceneryOf(const render::SegmentationImage& expected,
+                            const render::SegmentationImage& actual) {
+  TWIN_CHECK(expected.body.size() == actual.body.size());
+  std::vector<bool> scenery(expected.body.size());
+  for (std::size_t i = 0; i < scenery.size(); ++i) {
+    scenery[i] = expected.body[i] < kFirstOfRun && actual.body[i] < kFirstOfRun;
+  }
+  return scenery;
+}
+
 Difference CompareColours(const render::Image& expected, const render::Image& actual,
-                          const ColourTolerance& tolerance, int window_px) {
+                          const std::vector<bool>& scenery, const ColourTolerance& tolerance,
+                          int window_px) {
   DifferenceMask mask = MaskOf(expected, actual, expected.Pixels());
+  TWIN_CHECK(scenery.size() == mask.differs.size());
   std::size_t channels = 0;
   for (std::size_t i = 0; i < expected.rgb.size(); ++i) {
     const int off = std::abs(int{expected.rgb[i]} - int{actual.rgb[i]});
-    if (off > tolerance.channel) ++channels;
-    if (off > tolerance.pixel) mask.differs[i / 3] = 1;
+    if (off > (scenery[i / 3] ? tolerance.scenery : tolerance.channel)) ++channels;
+    if (off > (scenery[i / 3] ? tolerance.scenery : tolerance.pixel)) mask.differs[i / 3] = 1;
   }
   Difference difference = OfMask(mask, window_px);
   difference.share = Share(channels, expected.rgb.size());
@@ -162,9 +177,8 @@ std::int32_t BodyUnder(const render::SegmentationImage& expected,
     }
     return body;
   };
-  constexpr std::int32_t kFirstOfWorld = 1;
   for (const auto* counts : {&differing, &all}) {
-    const std::int32_t body = best(*counts, kFirstOfWorld);
+    const std::int32_t body = best(*counts, kFirstOfRun);
     if (body != render::SegmentationImage::kBackground) return body;
   }
   return best(all, 0);

@@ -22,7 +22,10 @@ png_image EmptyPng() {
   return png;
 }
 
-std::vector<char> Encode(const Image& image) {
+}  // namespace
+
+std::vector<char> EncodePng(const Image& image) {
+  TWIN_CHECK(image.width > 0 && image.height > 0 && image.rgb.size() == 3 * image.Pixels());
   png_image png = EmptyPng();
   png.width = static_cast<png_uint_32>(image.width);
   png.height = static_cast<png_uint_32>(image.height);
@@ -35,11 +38,8 @@ std::vector<char> Encode(const Image& image) {
   return bytes;
 }
 
-}  // namespace
-
 void WritePng(const std::filesystem::path& path, const Image& image) {
-  TWIN_CHECK(image.width > 0 && image.height > 0 && image.rgb.size() == 3 * image.Pixels());
-  const std::vector<char> bytes = Encode(image);
+  const std::vector<char> bytes = EncodePng(image);
   std::filesystem::path partial = path;
   partial += ".partial";
   errno = 0;

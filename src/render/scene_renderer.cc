@@ -20,14 +20,16 @@ std::mutex& LoaderMutex() {
   return mutex;
 }
 
-/// Whether a geom has the same pose in both.
+/// Whether a geom is in both at nearly the same place: two surfaces that coincide are drawn as
+/// speckles, other ones with every rasteriser.
 bool StandsAlike(const mjData& a, const mjData& b, int geom) {
-  constexpr mjtNum kAlike = 1e-6;
-  const auto alike = [&](const mjtNum* x, const mjtNum* y, std::ptrdiff_t count) {
+  constexpr mjtNum kNear = 4e-3;     // m
+  constexpr mjtNum kAligned = 0.02;  // of a rotation matrix: about a degree
+  const auto alike = [&](const mjtNum* x, const mjtNum* y, std::ptrdiff_t count, mjtNum most) {
     return std::equal(x + geom * count, x + (geom + 1) * count, y + geom * count,
-                      [](mjtNum p, mjtNum q) { return std::abs(p - q) < kAlike; });
+                      [most](mjtNum p, mjtNum q) { return std::abs(p - q) < most; });
   };
-  return alike(a.geom_xpos, b.geom_xpos, 3) && alike(a.geom_xmat, b.geom_xmat, 9);
+  return alike(a.geom_xpos, b.geom_xpos, 3, kNear) && alike(a.geom_xmat, b.geom_xmat, 9, kAligned);
 }
 
 /// Captions that can still be read when the picture is halved.

@@ -48,10 +48,25 @@ TEST(CompareColoursTest, CountsChannelsForTheShareAndPixelsForTheWindow) {
   actual.rgb[0] = 101;                  // within the tolerance of both
   actual.rgb[3] = 102;                  // a channel, no pixel
   actual.rgb[6] = actual.rgb[7] = 103;  // two channels, one pixel
-  const Difference found = CompareColours(expected, actual, {.channel = 1, .pixel = 2}, 4);
+  const Difference found = CompareColours(expected, actual, std::vector<bool>(10),
+                                          {.channel = 1, .pixel = 2, .scenery = 9}, 4);
   EXPECT_DOUBLE_EQ(found.share, 3.0 / 30);
   EXPECT_EQ(found.window_pixels, 1);
   EXPECT_EQ(found.region, (Region{2, 0, 1, 1}));
+}
+
+TEST(CompareColoursTest, LetsSceneryDifferByMore) {
+  const render::Image expected(2, 1, {100, 100, 100});
+  const render::Image actual(2, 1, {105, 100, 100});
+  const ColourTolerance tolerance{.channel = 1, .pixel = 2, .scenery = 5};
+  const Difference found = CompareColours(expected, actual, {true, false}, tolerance, 2);
+  EXPECT_DOUBLE_EQ(found.share, 1.0 / 6);
+  EXPECT_EQ(found.region, (Region{1, 0, 1, 1}));
+}
+
+TEST(SceneryOfTest, IsWhereNeitherPictureShowsABodyOfTheRun) {
+  EXPECT_EQ(SceneryOf(Bodies(4, {-1, 0, 1, 0}), Bodies(4, {0, 0, 0, 2})),
+            (std::vector<bool>{true, true, false, false}));
 }
 
 TEST(CompareDepthsTest, CountsWhatIsFurtherOffThanToleratedOrThereInOneAlone) {

@@ -42,8 +42,8 @@ inline constexpr std::size_t kGates = 11;
 /// How much is let pass. src/golden/README.md tells what was measured to choose it.
 struct Limits {
   int signature_levels = 5;  ///< 8-bit
-  /// Off by more than 1 of 255 counts for the share, by more than 2 in windows. The share is
-  /// Drake's (its tests of rendering ask for 99.5 % within 1/255).
+  /// Drake's tests of rendering ask for 99.5 % of the channels within 1/255, as is done here of
+  /// what is not scenery.
   ColourTolerance colour;
   double colour_percent = 0.5;
   double depth_m = 1e-3;

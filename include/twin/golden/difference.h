@@ -36,14 +36,22 @@ struct DifferenceMask {
 /// row. `share` is left 0. @pre window_px >= 1
 [[nodiscard]] Difference DensestWindow(const DifferenceMask& mask, int window_px);
 
-/// What two colours may differ by.
+/// What two colours may differ by, 8-bit levels.
 struct ColourTolerance {
-  int channel = 1;  ///< a channel differs that is off by more; counts for the share. 8-bit levels
+  int channel = 1;  ///< a channel differs that is off by more; counts for the share
   int pixel = 2;    ///< a pixel differs of which a channel is off by more; counts in windows
+  int scenery = 5;  ///< instead of both where nothing but scenery is seen: its textures are
+                    ///< filtered by each rasteriser in its own way
 };
 
+/// Where neither picture shows a body that is part of the run, but the world or nothing.
 /// @pre both are of one size, as in the following.
+[[nodiscard]] std::vector<bool> SceneryOf(const render::SegmentationImage& expected,
+                                          const render::SegmentationImage& actual);
+
+/// @param scenery  SceneryOf() the pictures.
 [[nodiscard]] Difference CompareColours(const render::Image& expected, const render::Image& actual,
+                                        const std::vector<bool>& scenery,
                                         const ColourTolerance& tolerance, int window_px);
 
 /// A pixel differs when its depth is off by more than `tolerance_m`, or only one has any.

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "twin/render/image.h"
 
 namespace twin::render {
+
+/// @returns `image` as the bytes of an 8-bit RGB PNG. @pre it is not empty.
+[[nodiscard]] std::vector<char> EncodePng(const Image& image);
 
 /// Writes `image` as an 8-bit RGB PNG; the same image gives the same bytes. The file is written as
 /// `<path>.partial` and renamed when it is whole.

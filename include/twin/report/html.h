@@ -15,6 +15,9 @@ namespace twin::report {
 /// and '_', another one for every picture.
 [[nodiscard]] std::string InlineSvg(std::string_view svg, std::string_view name);
 
+/// Bytes as letters, for the address of a picture within a page: "data:image/png;base64,...".
+[[nodiscard]] std::string Base64(std::string_view bytes);
+
 /// How a page was made: a heading and a table of names and texts.
 [[nodiscard]] std::string FactsTable(const std::vector<std::pair<std::string, std::string>>& facts);
 

@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""Compares and approves pictures by the command line: video_test.py PROGRAM SOURCE_TREE [unittest options]."""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+PROGRAM = ""
+SOURCE = pathlib.Path()
+CASE = """scenario: scenarios/smoke.yaml
+every: 5
+key_frames: 2
+views:
+  overview: {width: 64, height: 48, camera: {azimuth: 142 deg}}
+"""
+
+
+class VideoTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="panda_twin_video_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.goldens = self.folder / "cases"
+        self.goldens.mkdir()
+        self.write(CASE)
+
+    def write(self, text, case="small"):
+        (self.goldens / f"{case}.yaml").write_text(text)
+
+    def video(self, deed, *arguments, code=0):
+        done = subprocess.run([PROGRAM, "video", deed, *map(str, arguments), "--goldens", self.goldens, "--data",
+                               SOURCE / "models", "--out", self.folder / "out"],
+                              capture_output=True, text=True, timeout=100)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stdout if code == 0 else done.stderr
+
+    def approve(self, *arguments):
+        return self.video("approve", "small", "--reason", "It is right.", *arguments)
+
+    def approved(self):
+        return {path.name: path.read_bytes() for path in (self.goldens / "small").iterdir()}
+
+    def test_what_was_approved_is_the_same_again(self):
+        self.assertIn("approved: all", self.approve())
+        text = self.approved()["golden.yaml"].decode()
+        self.assertIn("It is right.", text)
+        summary = json.loads((self.folder / "out/small/summary.json").read_text())
+        self.assertIn(f'states: "{summary["states_hash"]}"', text)
+        self.assertIn("the same, bit by bit", self.video("check"))
+        self.assertFalse((self.folder / "out/report.html").exists())
+
+    def test_approving_it_again_writes_nothing(self):
+        self.approve()
+        before = self.approved()
+        self.assertIn("nothing was written", self.approve())
+        self.assertEqual(self.approved(), before)
+
+    def test_what_looks_different_fails_with_page_and_xml_until_it_is_approved(self):
+        self.approve()
+        self.write(CASE.replace("142", "150"))
+        error = self.video("check", "--junit", self.folder / "junit.xml", code=1)
+        self.assertIn("1 of 1 cases look different", error)
+        page = (self.folder / "out/report.html").read_text()
+        self.assertIn("the rendering changed", page)
+        self.assertIn(f"panda-twin video approve small --goldens {self.goldens}", page)
+        suite = xml.etree.ElementTree.parse(self.folder / "junit.xml").getroot().find("testsuite")
+        self.assertEqual((suite.get("tests"), suite.get("failures")), ("1", "1"))
+        self.assertIn("view overview", suite.find("testcase/failure").get("message"))
+        self.assertIn("approved: pictures; the rendering changed", self.approve())
+        self.assertIn("the same", self.video("check"))
+
+    def test_a_run_that_differs_too_little_to_be_seen_is_told_and_passes(self):
+        text = (SOURCE / "models/scenarios/smoke.yaml").read_text()
+        smoke = self.folder / "smoke.yaml"
+        smoke.write_text(text)
+        self.write(CASE.replace("scenarios/smoke.yaml", str(smoke)))
+        self.approve()
+        smoke.write_text(text.replace("scale: 0.2", "scale: 0.2000001"))
+        self.assertIn("the states differ from those approved, and the pictures look the same", self.video("check"))
+        self.assertIn("approved: a hash of the states", self.approve())
+        self.assertIn("the same, bit by bit", self.video("check"))
+
+    def test_a_report_is_written_whatever_comes_of_it(self):
+        self.approve()
+        self.assertIn("report.html", self.video("report", "small"))
+        self.assertIn("the same, bit by bit", (self.folder / "out/report.html").read_text())
+
+    def test_a_recorded_run_will_do(self):
+        self.approve()
+        for log in ("out/small", "out/small/run.mcap"):
+            self.assertIn("the same", self.video("check", "small", "--log", self.folder / log))
+        self.write(CASE, "other")
+        self.assertIn("--log goes with one case", self.video("check", "--log", self.folder, code=3))
+
+    def test_without_a_reason_nothing_is_approved(self):
+        self.video("approve", "small", code=2)
+        self.assertIn("needs a reason", self.video("approve", "small", "--reason", " ", code=3))
+        self.video("approve", "--reason", "none named", code=2)
+        self.assertFalse((self.goldens / "small").exists())
+
+    def test_what_cannot_be_compared_is_refused_and_left_as_it_is(self):
+        self.approve()
+        self.write(CASE.replace("64", "80"))
+        before = self.approved()
+        self.assertIn("overview (64 x 48), the case overview (80 x 48)", self.video("check", code=3))
+        self.assertEqual(self.approved(), before)
+        self.write(CASE)
+        for name in ("overview_0000_depth.png", "overview.png", "golden.yaml"):
+            whole = before[name]
+            (self.goldens / "small" / name).write_bytes(whole[:len(whole) // 2])
+            damaged = self.approved()
+            for deed in (("check",), ("approve", "small", "--reason", "again")):
+                error = self.video(*deed, code=3)
+                self.assertIn(name, error)
+                self.assertEqual(len(error.splitlines()), 1)
+            self.assertEqual(self.approved(), damaged)
+            (self.goldens / "small" / name).write_bytes(whole)
+
+    def test_what_is_not_there_is_named(self):
+        self.assertIn("nothing was approved of this case yet: panda-twin video approve small", self.video("check", code=3))
+        self.write(CASE, "other")
+        self.assertIn("there is no case tall in", error := self.video("check", "tall", code=3))
+        self.assertIn("there are other, small", error)
+        self.goldens = self.folder / "nowhere"
+        self.assertIn("nowhere", self.video("check", code=3))
+
+    def test_what_is_wrong_in_a_case_is_refused_by_its_line(self):
+        for old, new, says in (
+                ("every: 5", "every: 0", "small.yaml:2: every"),
+                ("key_frames: 2", "keyframes: 2", "small.yaml:3"),
+                ("overview:", "over view:", "a view's name has letters"),
+                ("width: 64", "width: 63", "must be even"),
+                ("width: 64", "width: 30", "goldens need at least 32 x 24"),
+                ("{azimuth: 142 deg}", "{track: no_body}", "no_body"),
+                ("smoke.yaml", "none.yaml", "none.yaml"),
+        ):
+            with self.subTest(new=new):
+                self.write(CASE.replace(old, new))
+                self.assertIn(says, self.video("approve", "small", "--reason", "x", code=3))
+                self.assertFalse((self.goldens / "small").exists())
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
