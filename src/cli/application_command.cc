@@ -167,12 +167,9 @@ void ApplicationSession::WriteResults() {
 }
 
 void ApplicationSession::MakePictures() {
-  const mjModel_& model = run_->connection().truth->model();
-  times_.video_s =
-      MakeClip(records_.FilmOf(scenario_), scenario_.render, out_, interrupt_, clock_, flags_.quiet)
-          .seconds;
-  moments_ = DrawMoments(model, *records_.snapshots(), result_.deeds.moments,
-                         FilmOf(scenario_.render), out_.moments());
+  const render::Film film = records_.FilmOf(scenario_);
+  times_.video_s = MakeClip(film, scenario_.render, out_, interrupt_, clock_, flags_.quiet).seconds;
+  moments_ = DrawMoments(film, result_.deeds.moments, FilmOf(scenario_.render), out_.moments());
 }
 
 application::PageFacts ApplicationSession::FactsOf() const {

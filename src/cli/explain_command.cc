@@ -17,19 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The log that the user means: a file, or a run's folder, whose log may not be whole.
-fs::path LogOf(const fs::path& named) {
-  std::error_code error;
-  if (!fs::is_directory(named, error)) return named;
-  const ResultFolder results(named);
-  if (fs::exists(results.log(), error)) return results.log();
-  fs::path partial = PartialOf(results.log());
-  if (fs::exists(partial, error)) return partial;
-  throw InputError(fmt::format(
-      "{} holds no {}; name a run's log, or the folder of a run that kept one (record: true)",
-      named.string(), results.log().filename().string()));
-}
-
 fs::path FolderOf(const ExplainFlags& flags, const fs::path& log) {
   if (flags.out.empty()) return log.has_parent_path() ? log.parent_path() : fs::path(".");
   std::error_code error;
@@ -47,7 +34,7 @@ ExitCode ExplainCommand(const ExplainFlags& flags) {
     FinishOutput();
     return kOk;
   }
-  const fs::path log = LogOf(flags.log);
+  const fs::path log = FindLog(flags.log);
   const report::Explanation explanation = report::Explain(log);
   std::string text = explanation.text;
   if (explanation.aborted) {

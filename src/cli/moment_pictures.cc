@@ -2,59 +2,52 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/render/frame_painter.h"
 #include "twin/render/png.h"
+#include "twin/replay/plan_pictures.h"
 
 namespace twin::cli {
 namespace {
 
-/// The last frame at or before `at`; the first one when there is none.
-std::size_t FrameAt(const render::Snapshots& snapshots, Time at) {
-  std::size_t frame = 0;
-  while (frame + 1 < snapshots.size() && snapshots.time(frame + 1) <= at) ++frame;
-  return frame;
-}
-
-render::PlannedGoal GoalOf(const application::Moment& moment) {
-  return {.from = moment.planned,
-          .until = moment.done,
-          .q = moment.goal,
-          .way = moment.way,
-          .object = moment.object,
-          .O_T_object = moment.O_T_object};
+render::FilmSettings Bare(render::FilmSettings settings) {
+  settings.overlays = {.text = false};
+  return settings;
 }
 
 }  // namespace
 
-std::vector<application::MomentPictures> DrawMoments(
-    const mjModel_& model, const render::Snapshots& snapshots,
-    const std::vector<application::Moment>& moments, render::FilmSettings settings,
-    const std::filesystem::path& folder) {
+std::vector<application::MomentPictures> DrawMoments(const render::Film& film,
+                                                     std::span<const application::Moment> moments,
+                                                     render::FilmSettings settings,
+                                                     const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) {
     throw EnvironmentError(
         fmt::format("{}: cannot be made ({})", folder.string(), error.message()));
   }
-  settings.render.samples = 4;
-  settings.overlays = {.text = false};
-  render::FramePainter painter({&model, &snapshots}, settings);
-  std::vector<application::MomentPictures> pictures;
-  pictures.reserve(moments.size());
-  for (const application::Moment& moment : moments) {
-    const std::string name = fmt::format("{}_{}", pictures.size() + 1, moment.id);
-    const application::MomentPictures pair{.planned = folder / (name + "_plan.png"),
-                                           .done = folder / (name + ".png")};
-    render::WritePng(pair.planned,
-                     painter.Paint(FrameAt(snapshots, moment.planned), GoalOf(moment)));
-    render::WritePng(pair.done, painter.Paint(FrameAt(snapshots, moment.done)));
-    pictures.push_back(pair);
+  replay::PlanPictures pictures(film, Bare(std::move(settings)));
+  std::vector<application::MomentPictures> pairs;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const std::string name = fmt::format("{}_{}", i + 1, moments[i].id);
+    pairs.push_back({.planned = folder / (name + "_plan.png"), .done = folder / (name + ".png")});
+    render::WritePng(pairs[i].planned, pictures.Planned(film.goals[i]));
+    render::WritePng(pairs[i].done, pictures.Done(film.goals[i]));
   }
-  return pictures;
+  return pairs;
+}
+
+void DrawPlannedMotion(const render::Film& film, render::FilmSettings settings,
+                       const ResultFolder& out) {
+  replay::PlanPictures pictures(film, Bare(std::move(settings)));
+  const render::PlannedGoal& plan = film.goals.front();
+  render::WritePng(out.plan_initial(), pictures.Before(plan));
+  render::WritePng(out.plan(), pictures.Planned(plan));
+  render::WritePng(out.plan_final(), pictures.Done(plan));
 }
 
 }  // namespace twin::cli

@@ -1,24 +1,27 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <vector>
 
+#include "cli/result_folder.h"
 #include "twin/application/application.h"
 #include "twin/application/page.h"
 #include "twin/render/film.h"
 
-struct mjModel_;
-
 namespace twin::cli {
 
 /// Draws an application's moments, two pictures of each: <number>_<id>_plan.png and
-/// <number>_<id>.png in `folder`, which is made when missing. What the arm looked like is taken
-/// from the frame before. @param settings  smoothed edges are added, texts taken away.
-/// @param model  the model the snapshots are of. @pre snapshots.size() > 0
-/// @returns their paths. @throws what render::FramePainter and render::WritePng throw.
+/// <number>_<id>.png in `folder`, which is made when missing.
+/// @param film  of the run; its goals are the moments'. @param settings  overlays are taken away.
+/// @returns their paths. @throws what replay::PlanPictures and render::WritePng throw.
 [[nodiscard]] std::vector<application::MomentPictures> DrawMoments(
-    const mjModel_& model, const render::Snapshots& snapshots,
-    const std::vector<application::Moment>& moments, render::FilmSettings settings,
-    const std::filesystem::path& folder);
+    const render::Film& film, std::span<const application::Moment> moments,
+    render::FilmSettings settings, const std::filesystem::path& folder);
+
+/// Draws a planned motion: plan_initial.png, plan.png and plan_final.png. @param film  its only
+/// goal is the plan's. @param settings, @throws as above.
+void DrawPlannedMotion(const render::Film& film, render::FilmSettings settings,
+                       const ResultFolder& out);
 
 }  // namespace twin::cli

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "cli/data_options.h"
+#include "cli/render_options.h"
 #include "cli/video_options.h"
 
 namespace twin::cli {
@@ -26,6 +28,7 @@ constexpr const char* kFooter = R"(Start here:
   panda-twin serve                                       a Panda for libfranka programs, at 127.0.0.1
   panda-twin proxy --robot HOST --link FILE.yaml         a wire with faults, before a robot or a twin
   panda-twin experiment all                              the paper's tables and figures, beside ours
+  panda-twin render out/canonical --out slow.mp4 --speed 0.25   any recorded run as a video, any camera; two side by side
   panda-twin video check                                 do the runs look as they were approved?
   panda-twin validate my.yaml                            is my scenario sound? (no run)
   panda-twin run SCENARIO.yaml --backend fci --robot HOST --max-speed 0.1   on a robot, slowly
@@ -77,13 +80,6 @@ constexpr const char* kExplainFooter =
     R"(Of a run that an error ended: what happened, in which cycle, which joint or axis, value and limit, how the
 value was computed, what became of the last commands, the usual cause, and what helps; and explain.html,
 one page with the last 50 cycles plotted. Of any other run: how close it came to each limit.)";
-
-void AddDataFlags(CLI::App& app, DataFlags& flags) {
-  app.add_option("--data", flags.models, "Folder of models, if not beside the program")
-      ->type_name("DIR");
-  app.add_option("--meshes", flags.meshes, "Folder panda_description with the robot's meshes")
-      ->type_name("DIR");
-}
 
 /// CLI11 would take -1 as a large number, clamp what is too large, and read 010 as octal.
 std::uint64_t ParseSeed(const std::string& text) {
@@ -362,6 +358,7 @@ Commands AddCommands(CLI::App& app, Flags& flags) {
   const Commands commands{.run = AddRun(app, flags.run),
                           .serve = AddServe(app, flags.serve),
                           .proxy = AddProxy(app, flags.proxy),
+                          .render = AddRender(app, flags.render),
                           .video = AddVideo(app, flags.video),
                           .experiment = AddExperiment(app, flags.experiment),
                           .validate = AddValidate(app, flags.validate),

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
+#include "cli/render_command.h"
 #include "cli/video_command.h"
 
 namespace twin::cli {
@@ -12,6 +13,7 @@ struct Flags {
   RunFlags run;
   ServeFlags serve;
   ProxyFlags proxy;
+  RenderFlags render;
   VideoFlags video;
   ExperimentFlags experiment;
   ValidateFlags validate;
@@ -26,6 +28,7 @@ struct Commands {
   const CLI::App* run = nullptr;
   const CLI::App* serve = nullptr;
   const CLI::App* proxy = nullptr;
+  const CLI::App* render = nullptr;
   const CLI::App* video = nullptr;
   const CLI::App* experiment = nullptr;
   const CLI::App* validate = nullptr;

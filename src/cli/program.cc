@@ -95,6 +95,7 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
     if (commands.run->parsed()) return RunCommand(flags.run, host, catalogue);
     if (commands.serve->parsed()) return ServeCommand(flags.serve, host);
     if (commands.proxy->parsed()) return ProxyCommand(flags.proxy);
+    if (commands.render->parsed()) return RenderCommand(flags.render, host);
     if (commands.video->parsed()) return VideoCommand(flags.video, host, catalogue);
     if (commands.experiment->parsed()) return ExperimentCommand(flags.experiment, host, catalogue);
     if (commands.validate->parsed()) return ValidateCommand(flags.validate, host, catalogue);

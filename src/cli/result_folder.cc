@@ -102,6 +102,18 @@ void ResultFolder::RemovePartial() const {
   }
 }
 
+fs::path FindLog(const fs::path& named) {
+  std::error_code error;
+  if (!fs::is_directory(named, error)) return named;
+  const ResultFolder results(named);
+  if (fs::exists(results.log(), error)) return results.log();
+  fs::path partial = PartialOf(results.log());
+  if (fs::exists(partial, error)) return partial;
+  throw InputError(fmt::format(
+      "{} holds no {}; name a run's log, or the folder of a run that kept one (record: true)",
+      named.string(), results.log().filename().string()));
+}
+
 void WriteWholeFile(const fs::path& file, std::string_view text) {
   const fs::path partial = PartialOf(file);
   std::ofstream out(partial, std::ios::binary);

@@ -58,6 +58,10 @@ class ResultFolder {
   int lock_ = -1;  ///< descriptor of the folder
 };
 
+/// The log that the user means: a file, or a run's folder, whose log may not be whole.
+/// @throws InputError when the folder holds none.
+[[nodiscard]] std::filesystem::path FindLog(const std::filesystem::path& named);
+
 /// What a file is called until it is whole.
 [[nodiscard]] std::filesystem::path PartialOf(std::filesystem::path file);
 

@@ -7,8 +7,8 @@
 #include "cli/commands.h"
 #include "cli/host.h"
 #include "cli/interrupt.h"
+#include "cli/moment_pictures.h"
 #include "cli/picture.h"
-#include "cli/plan_pictures.h"
 #include "cli/plan_records.h"
 #include "cli/progress.h"
 #include "cli/remote_run.h"
@@ -59,6 +59,7 @@ class Session {
  private:
   void Move();
   void WriteResults();
+  void MakePictures();
   void MakePlots();
   /// --no-video is no part of the scenario: log and plots are the same with and without.
   [[nodiscard]] bool wants_video() const { return scenario_.render.enabled && !flags_.no_video; }
@@ -77,7 +78,6 @@ class Session {
   WallTimes times_;
   RunRecords records_;
   std::optional<scenario::Run> run_;
-  std::optional<PlanPictures> plan_pictures_;  ///< of a planned motion that is filmed
   scenario::RunResult result_;
   std::optional<report::Deviation> deviation_;
 };
@@ -121,7 +121,6 @@ void Session::Move() {
     records_.Film(*truth, run.trajectory().duration() + kSettling, scenario_.render.fps);
   }
   if (truth != nullptr) records_.WatchContacts(*truth);
-  if (makes_video() && run.planning_time()) plan_pictures_.emplace(*truth);
 
   Progress progress("run", Progress::StyleOfStdout(flags_.quiet), clock_);
   const Time begin = clock_.Now();
@@ -149,16 +148,15 @@ void Session::WriteResults() {
   WriteWholeFile(out_.summary(),
                  SummaryJson(scenario_, result_, interrupted, deviation_, records_.contacts()));
   if (!interrupted && scenario_.record) MakePlots();
-  if (!interrupted && makes_video() && records_.was_filmed()) {
-    times_.video_s = MakeClip(records_.FilmOf(scenario_), scenario_.render, out_, interrupt_,
-                              clock_, flags_.quiet)
-                         .seconds;
-  }
-  if (!interrupted && plan_pictures_) {
-    plan_pictures_->Write(*run_, scenario_, {out_.plan_initial(), out_.plan(), out_.plan_final()});
-  }
+  if (!interrupted && makes_video() && records_.was_filmed()) MakePictures();
   times_.peak_memory_mb = PeakMemoryMb();
   WriteWholeFile(out_.timing(), TimingJson(times_, result_.report.robot_timings));
+}
+
+void Session::MakePictures() {
+  const render::Film film = records_.FilmOf(scenario_);
+  times_.video_s = MakeClip(film, scenario_.render, out_, interrupt_, clock_, flags_.quiet).seconds;
+  if (!film.goals.empty()) DrawPlannedMotion(film, FilmOf(scenario_.render), out_);
 }
 
 void Session::MakePlots() {

@@ -47,4 +47,12 @@ std::vector<double> PositionsAt(const CompiledModel& compiled, const JointVector
   return qpos;
 }
 
+JointVector ArmIn(const CompiledModel& compiled, std::span<const double> qpos) {
+  JointVector q{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    q[i] = qpos[static_cast<std::size_t>(compiled.model->jnt_qposadr[compiled.arm[i]])];
+  }
+  return q;
+}
+
 }  // namespace twin::plant

@@ -7,6 +7,8 @@
 #include <variant>
 
 #include "twin/core/error.h"
+#include "twin/model/arm_model.h"
+#include "twin/model/transform.h"
 #include "twin/plant/compiled_model.h"
 #include "twin/record/log_reader.h"
 #include "twin/replay/run_film.h"
@@ -61,9 +63,8 @@ scenario::Scenario ScenarioOf(const std::filesystem::path& log, const record::Ru
   return scenario::Parse(run.scenario_yaml, log.string() + ": scenario.yaml");
 }
 
-plant::CompiledModel ModelOf(const scenario::Scenario& scenario, const scenario::RunFiles& files) {
-  const scenario::RobotData robot =
-      scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
+plant::CompiledModel ModelOf(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                             const scenario::RunFiles& files) {
   return plant::CompileModel(scenario::MakeRobotConfig(scenario, robot, files).plant);
 }
 
@@ -77,6 +78,8 @@ class Recording::Impl {
   const record::RunInfo run;
   const bool truncated;
   const scenario::Scenario scenario;
+  const scenario::RobotData robot;
+  const Transform F_T_EE;
   const plant::CompiledModel compiled;
   FrameSource source = FrameSource::kScenes;
   std::vector<record::PlanRecord> plans;
@@ -89,7 +92,9 @@ class Recording::Impl {
       : run(reader.run()),
         truncated(reader.truncated()),
         scenario(ScenarioOf(log, run)),
-        compiled(ModelOf(scenario, files)) {
+        robot(scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand)),
+        F_T_EE(model::Multiply(robot.F_T_NE, scenario.onboard.NE_T_EE.Matrix())),
+        compiled(ModelOf(scenario, robot, files)) {
     const int fps = std::max(scenario.render.fps, std::min(least_fps, kMostFps));
     Contents contents(fps);
     record::LogEntry entry;
@@ -169,6 +174,16 @@ const mjModel_& Recording::model() const noexcept {
 
 const render::Snapshots& Recording::snapshots() const noexcept {
   return *impl_->snapshots;
+}
+
+JointVector Recording::ArmIn(std::span<const double> qpos) const {
+  return plant::ArmIn(impl_->compiled, qpos);
+}
+
+Vector3 Recording::ToolAt(std::size_t frame) const {
+  const Transform O_T_EE = model::ArmModel::Panda().Pose(
+      model::Frame::kEndEffector, ArmIn(snapshots().qpos(frame)), impl_->F_T_EE);
+  return {O_T_EE[12], O_T_EE[13], O_T_EE[14]};
 }
 
 const std::vector<record::PlanRecord>& Recording::plans() const noexcept {

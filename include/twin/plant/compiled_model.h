@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "twin/core/joint_vector.h"
@@ -30,5 +31,8 @@ struct CompiledModel {
 /// @returns generalised positions as a plant of this model has them after Reset(q): the arm at q
 /// (rad), the hand open, all else where the scene puts it.
 [[nodiscard]] std::vector<double> PositionsAt(const CompiledModel& compiled, const JointVector& q);
+
+/// @returns where the arm is in generalised positions of this model, rad. @pre of the model's size.
+[[nodiscard]] JointVector ArmIn(const CompiledModel& compiled, std::span<const double> qpos);
 
 }  // namespace twin::plant

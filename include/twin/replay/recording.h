@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "twin/core/joint_vector.h"
 #include "twin/record/log_records.h"
 #include "twin/render/film.h"
 #include "twin/render/snapshots.h"
@@ -51,6 +54,11 @@ class Recording {
   /// In order of time; at least one. Their rate is that of the scenario's video, or the one that
   /// was asked for.
   [[nodiscard]] const render::Snapshots& snapshots() const noexcept;
+  /// Where the arm is in positions of the model, rad. @pre of the model's size.
+  [[nodiscard]] JointVector ArmIn(std::span<const double> qpos) const;
+  /// Where its end effector is in a snapshot, as the robot was told of it; base frame, m.
+  /// @pre frame < snapshots().size()
+  [[nodiscard]] Vector3 ToolAt(std::size_t frame) const;
   [[nodiscard]] const std::vector<record::PlanRecord>& plans() const noexcept;
   [[nodiscard]] const std::vector<record::EventRecord>& events() const noexcept;
 

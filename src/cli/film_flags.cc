@@ -1,0 +1,131 @@
+#include "cli/film_flags.h"
+
+#include <array>
+#include <charconv>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "cli/picture.h"
+#include "twin/core/error.h"
+
+namespace twin::cli {
+namespace {
+
+using Place = std::pair<std::string_view, render::Corner>;
+constexpr std::array<Place, 4> kCorners = {{{"top_left", render::Corner::kTopLeft},
+                                            {"top_right", render::Corner::kTopRight},
+                                            {"bottom_left", render::Corner::kBottomLeft},
+                                            {"bottom_right", render::Corner::kBottomRight}}};
+
+using Switch = std::pair<std::string_view, bool render::Overlays::*>;
+constexpr std::array<Switch, 6> kOverlays = {{{"text", &render::Overlays::text},
+                                              {"goal", &render::Overlays::goal},
+                                              {"trace", &render::Overlays::trace},
+                                              {"forces", &render::Overlays::forces},
+                                              {"contacts", &render::Overlays::contacts},
+                                              {"limits", &render::Overlays::limits}}};
+
+/// Of a body that is followed: near, and straight at it.
+constexpr render::FreeCamera kNear{
+    .azimuth_deg = 142, .elevation_deg = -18, .distance_m = 0.9, .lookat_m = {}};
+
+render::View ViewOf(std::string_view text, const render::View& otherwise) {
+  constexpr std::string_view kTrack = "track:";
+  if (text == "gripper") return {.kind = render::ViewKind::kGripper, .name = {}, .orbit = {}};
+  if (text.starts_with(kTrack)) {
+    return {.kind = render::ViewKind::kTracking,
+            .name = std::string(text.substr(kTrack.size())),
+            .orbit = kNear};
+  }
+  if (text != "orbit") {
+    return {.kind = render::ViewKind::kScene, .name = std::string(text), .orbit = {}};
+  }
+  if (otherwise.kind == render::ViewKind::kOrbit) return otherwise;
+  const scenario::CameraSection usual;
+  return FilmOf(scenario::RenderSection{.camera = usual}).view;
+}
+
+/// The angles and distances that were given.
+void Turn(const FilmFlags& flags, render::View& view) {
+  const bool given = flags.azimuth_deg || flags.elevation_deg || flags.distance ||
+                     !flags.lookat.empty() || flags.turn_deg;
+  if (!given) return;
+  if (view.kind != render::ViewKind::kOrbit && view.kind != render::ViewKind::kTracking) {
+    throw InputError(
+        "--azimuth, --elevation, --distance, --lookat and --turn go with --camera orbit or "
+        "--camera track:BODY: another camera stands where it is mounted");
+  }
+  render::FreeCamera& orbit = view.orbit;
+  orbit.azimuth_deg = flags.azimuth_deg.value_or(orbit.azimuth_deg);
+  orbit.elevation_deg = flags.elevation_deg.value_or(orbit.elevation_deg);
+  orbit.distance_m = flags.distance.value_or(orbit.distance_m);
+  if (!flags.lookat.empty()) orbit.lookat_m = {flags.lookat[0], flags.lookat[1], flags.lookat[2]};
+  view.turn_deg_per_s = flags.turn_deg.value_or(view.turn_deg_per_s);
+}
+
+render::Inset InsetOf(std::string_view text, const render::View& otherwise) {
+  const std::size_t at = text.find('@');
+  render::Inset inset{.view = ViewOf(text.substr(0, at), otherwise)};
+  if (at == std::string_view::npos) return inset;
+  for (const auto& [name, corner] : kCorners) {
+    if (name != text.substr(at + 1)) continue;
+    inset.corner = corner;
+    return inset;
+  }
+  throw InputError(fmt::format(
+      "--inset {}: there is no corner {}; choose one of top_left, top_right, bottom_left, "
+      "bottom_right",
+      text, text.substr(at + 1)));
+}
+
+render::Overlays OverlaysOf(std::string_view text) {
+  render::Overlays overlays{.text = false};
+  if (text == "none") return overlays;
+  while (true) {
+    const std::string_view name = text.substr(0, text.find(','));
+    bool known = false;
+    for (const auto& [word, member] : kOverlays) {
+      if (word != name) continue;
+      overlays.*member = true;
+      known = true;
+    }
+    if (!known) {
+      throw InputError(fmt::format(
+          "--overlays: there is no {}; choose of text, goal, trace, forces, contacts, limits, with "
+          "commas between them, or none",
+          name));
+    }
+    if (name.size() == text.size()) return overlays;
+    text.remove_prefix(name.size() + 1);
+  }
+}
+
+void Resize(std::string_view text, render::RenderSettings& settings) {
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, settings.width);
+  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, settings.height);
+    if (height.ec == std::errc() && height.ptr == end) return;
+  }
+  throw InputError(
+      fmt::format("--size is {}; give WIDTHxHEIGHT in pixels, such as 1280x720", text));
+}
+
+}  // namespace
+
+render::FilmSettings FilmOf(const scenario::RenderSection& wanted, const FilmFlags& flags) {
+  render::FilmSettings film = FilmOf(wanted);
+  if (flags.camera) film.view = ViewOf(*flags.camera, film.view);
+  Turn(flags, film.view);
+  if (!flags.insets.empty()) film.insets.clear();
+  for (const std::string& inset : flags.insets) {
+    if (inset != "none") film.insets.push_back(InsetOf(inset, film.view));
+  }
+  if (flags.overlays) film.overlays = OverlaysOf(*flags.overlays);
+  if (flags.size) Resize(*flags.size, film.render);
+  film.Validate();
+  return film;
+}
+
+}  // namespace twin::cli

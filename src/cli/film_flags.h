@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "twin/render/film.h"
+#include "twin/scenario/render_section.h"
+
+namespace twin::cli {
+
+/// What a film should look like, where that differs from what its scenario says.
+struct FilmFlags {
+  std::optional<std::string> camera;  ///< a scene's camera by name, orbit, track:BODY or gripper
+  std::optional<double> azimuth_deg;
+  std::optional<double> elevation_deg;
+  std::optional<double> distance;       ///< m
+  std::vector<double> lookat;           ///< x, y, z, m; empty: not given
+  std::optional<double> turn_deg;       ///< per second
+  std::vector<std::string> insets;      ///< CAMERA or CAMERA@CORNER; none takes all away
+  std::optional<std::string> overlays;  ///< names with commas between them, or none
+  std::optional<std::string> size;      ///< WIDTHxHEIGHT, pixels
+};
+
+/// The scenario's film with what the flags say in its place.
+/// @throws InputError for what is none of the words that may stand there (names those), or when an
+/// angle goes with a camera that has none.
+[[nodiscard]] render::FilmSettings FilmOf(const scenario::RenderSection& wanted,
+                                          const FilmFlags& flags);
+
+}  // namespace twin::cli

@@ -1,0 +1,195 @@
+#include "cli/render_command.h"
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/host.h"
+#include "cli/interrupt.h"
+#include "cli/progress.h"
+#include "cli/result_folder.h"
+#include "cli/say.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/render/clip.h"
+#include "twin/render/frame_painter.h"
+#include "twin/render/png.h"
+#include "twin/replay/comparison.h"
+#include "twin/replay/layout.h"
+#include "twin/replay/recording.h"
+#include "twin/replay/time_line.h"
+#include "twin/scenario/data_directory.h"
+
+namespace twin::cli {
+namespace {
+
+void TellNote(const std::string& note) {
+  Say(stderr, fmt::format("panda-twin: note: {}\n", note));
+}
+
+std::optional<Time> InstantOf(const std::optional<double>& seconds) {
+  if (!seconds) return std::nullopt;
+  return Time(Duration(std::llround(*seconds * 1e9)));
+}
+
+/// What a log is called in pictures: its folder, or its own name where that says more.
+std::string NameOf(const std::filesystem::path& log) {
+  const std::filesystem::path folder = std::filesystem::absolute(log).parent_path().filename();
+  return (log.stem() == "run" ? folder : log.stem()).string();
+}
+
+/// One picture, or a film.
+bool IsPicture(const RenderFlags& flags) {
+  const bool wanted = flags.at || flags.layout;
+  const bool named = flags.out.extension() == ".png";
+  if (wanted == named) return wanted;
+  throw InputError(named ? "--out: a .png is one picture: say which with --at S or --layout NAME, "
+                           "or name a video or a folder"
+                         : "--out: --at and --layout make one picture, so name a .png");
+}
+
+void RefuseWhatDoesNotGoTogether(const RenderFlags& flags) {
+  if (flags.at && (flags.from || flags.until || flags.layout)) {
+    throw InputError("--at shows one instant; leave --from, --to and --layout out");
+  }
+  if (flags.layout && flags.second) {
+    throw InputError("--layout is of one run; leave the second log out");
+  }
+  if (flags.layout && (flags.from || flags.until)) {
+    throw InputError("--layout takes its instants from the plans; leave --from and --to out");
+  }
+}
+
+/// One rendering, from its flags to its file.
+class Rendering {
+ public:
+  Rendering(const RenderFlags& flags, const Host& host)
+      : flags_(flags), picture_(IsPicture(flags)), files_(FilesOf(host)) {
+    RefuseWhatDoesNotGoTogether(flags);
+    if (!picture_) RequireProgram("ffmpeg", host.path, "apt-get install ffmpeg");
+    Read(flags.log, first_);
+    if (flags.second) Read(*flags.second, second_);
+    settings_ = FilmOf(first_->scenario().render, flags.film);
+  }
+
+  void Execute() {
+    if (flags_.layout) {
+      render::WritePng(flags_.out, replay::DrawLayout(
+                                       *first_, replay::LayoutFromName(*flags_.layout), settings_));
+    } else if (second_) {
+      DrawBoth();
+    } else {
+      DrawOne();
+    }
+  }
+
+ private:
+  [[nodiscard]] scenario::RunFiles FilesOf(const Host& host) const {
+    const auto data =
+        scenario::FindDataDirectory({host.executable, flags_.data.models, flags_.data.meshes});
+    if (data.mesh_package.empty()) {
+      TellNote(
+          "the robot's meshes were not found; it is drawn in primitive shapes (scripts/setup "
+          "fetches them; or name them with --meshes)");
+    }
+    return {data.models, data.mesh_package, host.cache};
+  }
+
+  void Read(const std::filesystem::path& named, std::optional<replay::Recording>& recording) {
+    const std::filesystem::path log = FindLog(named);
+    const int least = static_cast<int>(std::ceil(flags_.fps.value_or(0) / flags_.speed));
+    recording.emplace(log, files_, std::max(least, 0));
+    if (recording->truncated()) {
+      TellNote(fmt::format("{}: the run was killed; its last part is missing, and what it planned",
+                           log.string()));
+    }
+    if (recording->source() == replay::FrameSource::kStates) {
+      TellNote(fmt::format(
+          "{}: it holds no scenes, so the arm moves as it was measured, the hand stays open, and "
+          "objects stay where the scenario puts them",
+          log.string()));
+    } else if (flags_.speed < 1) {
+      TellNote(
+          fmt::format("{}: scenes were recorded {} times a second; slower, each is shown "
+                      "several times",
+                      log.string(), recording->snapshots().fps()));
+    }
+  }
+
+  [[nodiscard]] replay::TimeLine TimeLineOf() const {
+    replay::TimeLine line{.from = InstantOf(flags_.at ? flags_.at : flags_.from),
+                          .until = InstantOf(flags_.at ? flags_.at : flags_.until),
+                          .speed = flags_.speed,
+                          .fps = flags_.fps.value_or(first_->scenario().render.fps)};
+    return line;
+  }
+
+  void DrawOne() {
+    const render::Snapshots& scenes = first_->snapshots();
+    const replay::TimeLine line = TimeLineOf();
+    const render::Snapshots shown = replay::SnapshotsAt(
+        scenes, replay::FrameTimes(scenes.time(0), scenes.time(scenes.size() - 1), line), line.fps);
+    render::Film film = first_->Film();
+    film.snapshots = &shown;
+    const auto new_painter = [&]() -> render::DrawFrame {
+      return [painter = std::make_shared<render::FramePainter>(film, settings_)](
+                 std::size_t frame) { return painter->Paint(frame); };
+    };
+    Write({.count = shown.size(),
+           .fps = line.fps,
+           .width = settings_.render.width,
+           .height = settings_.render.height,
+           .new_drawer = new_painter});
+  }
+
+  void DrawBoth() {
+    const replay::Comparison comparison(
+        *first_, *second_,
+        {.kind = replay::ComparisonFromName(flags_.compare),
+         .film = settings_,
+         .time_line = TimeLineOf(),
+         .tolerance = flags_.tolerance},
+        {NameOf(FindLog(flags_.log)), NameOf(FindLog(*flags_.second))});
+    for (const std::string& note : comparison.Notes()) TellNote(note);
+    Write(comparison.Frames());
+  }
+
+  void Write(const render::ClipFrames& frames) {
+    if (picture_) {
+      render::WritePng(flags_.out, frames.new_drawer()(0));
+      return;
+    }
+    Progress progress("video", Progress::StyleOfStdout(flags_.quiet), clock_);
+    const Time begin = clock_.Now();
+    render::RenderClip(
+        frames, {}, {.video = flags_.out, .contact_sheet = {}}, clock_,
+        [&](std::size_t done, std::size_t total) {
+          interrupt_.ThrowIfInterrupted();
+          progress.Show(static_cast<double>(done) / static_cast<double>(total),
+                        fmt::format("{} of {} frames, {:.1f} frames/s", done, total,
+                                    static_cast<double>(done) / ToSeconds(clock_.Now() - begin)));
+        });
+  }
+
+  const MonotonicClock clock_;
+  const InterruptGuard interrupt_;
+  const RenderFlags& flags_;
+  const bool picture_;
+  const scenario::RunFiles files_;
+  std::optional<replay::Recording> first_;  ///< always there after construction
+  std::optional<replay::Recording> second_;
+  render::FilmSettings settings_;
+};
+
+}  // namespace
+
+ExitCode RenderCommand(const RenderFlags& flags, const Host& host) {
+  Rendering(flags, host).Execute();
+  if (!flags.quiet) Say(stdout, fmt::format("{}\n", flags.out.string()));
+  return kOk;
+}
+
+}  // namespace twin::cli

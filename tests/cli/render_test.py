@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Draws recorded runs by the command line: render_test.py PROGRAM SOURCE_TREE [unittest options]."""
+
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM = ""
+SOURCE = pathlib.Path()
+
+
+def size_of_png(path):
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", path
+    return struct.unpack(">II", data[16:24])
+
+
+def frames_of(path):
+    """A hash of each frame of a video, as ffmpeg decodes it."""
+    done = subprocess.run(["ffmpeg", "-v", "error", "-i", path, "-f", "framemd5", "-"], capture_output=True, text=True,
+                          check=True, timeout=60)
+    return [line.split(",")[-1].strip() for line in done.stdout.splitlines() if not line.startswith("#")]
+
+
+class RenderTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="panda_twin_render_")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        cls.task = cls.write("task.yaml", (SOURCE / "models/applications/plan_and_execute.yaml").read_text().replace(
+            "render:", "render:\n  width: 160\n  height: 120\n  fps: 10 Hz\n  overlays: [text, goal, forces]"))
+        cls.smoke = SOURCE / "models/scenarios/smoke.yaml"
+        cls.run_in(cls.task, "task")
+        cls.run_in(cls.task, "other", "--seed", "3", "--no-video")
+        cls.run_in(cls.smoke, "smoke", "--no-video")
+
+    @classmethod
+    def write(cls, name, text):
+        (cls.folder / name).write_text(text)
+        return cls.folder / name
+
+    @classmethod
+    def run_in(cls, scenario, out, *flags):
+        subprocess.run([PROGRAM, "run", scenario, "--out", cls.folder / out, "--data", SOURCE / "models", "--quiet",
+                        *flags], check=True, timeout=120)
+
+    def render(self, *flags):
+        return subprocess.run([PROGRAM, "render", *flags, "--data", SOURCE / "models"], capture_output=True, text=True,
+                              timeout=120, cwd=self.folder)
+
+    def rendered(self, out, *flags):
+        done = self.render(*flags, "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(list(self.folder.glob("*.partial")), [])
+        return self.folder / out
+
+    def refused(self, says, *flags, code=3):
+        before = sorted(self.folder.rglob("*"))
+        done = self.render(*flags)
+        self.assertEqual(done.returncode, code, done.stderr)
+        self.assertIn(says, done.stderr)
+        self.assertEqual(len([line for line in done.stderr.splitlines() if "error:" in line]), 1, done.stderr)
+        self.assertEqual(sorted(self.folder.rglob("*")), before)
+
+    def test_a_log_gives_the_frames_of_the_runs_own_video(self):
+        video = frames_of(self.folder / "task/video.mp4")
+        self.assertGreater(len(video), 20)
+        self.assertEqual(frames_of(self.rendered("again.mp4", "task")), video)
+
+    def test_half_the_speed_takes_twice_as_many_frames(self):
+        whole = len(frames_of(self.rendered("whole.mp4", "smoke", "--from", "0.5", "--to", "1.5", "--size", "64x48")))
+        slow = len(frames_of(self.rendered("slow.mp4", "smoke", "--from", "0.5", "--to", "1.5", "--size", "64x48",
+                                           "--speed", "0.5")))
+        self.assertEqual((whole, slow), (26, 51))
+
+    def test_a_log_without_scenes_is_drawn_by_its_arm_and_says_so(self):
+        done = self.render("smoke/run.mcap", "--out", "smoke.png", "--at", "1", "--size", "64x48")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("it holds no scenes", done.stderr)
+        self.assertEqual(size_of_png(self.folder / "smoke.png"), (64, 48))
+
+    def test_a_log_that_was_cut_off_is_drawn_as_far_as_it_goes(self):
+        whole = (self.folder / "task/run.mcap").read_bytes()
+        (self.folder / "cut.mcap").write_bytes(whole[:len(whole) // 2])
+        done = self.render("cut.mcap", "--out", "cut.png", "--at", "0.5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("the run was killed", done.stderr)
+
+    def test_cameras_insets_and_overlays_change_the_picture(self):
+        plain = self.rendered("plain.png", "task", "--at", "1").read_bytes()
+        for i, flags in enumerate((["--camera", "track:panda_hand"], ["--camera", "gripper"], ["--camera", "close"],
+                                   ["--camera", "orbit", "--azimuth", "90"], ["--inset", "gripper@top_left"],
+                                   ["--overlays", "limits,trace"], ["--overlays", "none"])):
+            other = self.rendered(f"view{i}.png", "task", "--at", "1", *flags)
+            self.assertNotEqual(other.read_bytes(), plain, flags)
+
+    def test_two_runs_share_a_picture(self):
+        self.assertEqual(size_of_png(self.rendered("split.png", "task", "other", "--at", "1")), (320, 120))
+        for how in ("ghost", "difference"):
+            picture = self.rendered(f"{how}.png", "task", "other", "--at", "1", "--compare", how)
+            self.assertEqual(size_of_png(picture), (160, 120))
+        video = self.rendered("both.mp4", "task", "other", "--from", "2.5", "--compare", "difference")
+        self.assertGreater(len(frames_of(video)), 5)
+
+    def test_a_layout_is_one_picture(self):
+        # Three pictures of 160 pixels, four borders of 4.
+        self.assertEqual(size_of_png(self.rendered("triple.png", "task", "--layout", "triple")), (496, 128))
+
+    def test_what_cannot_be_is_refused_by_name_and_leaves_nothing(self):
+        self.refused("cannot read nothing", "nothing", "--out", "a.mp4")
+        self.refused("no run.mcap", ".", "--out", "a.mp4")
+        self.refused("cameras it has: ", "task", "--out", "a.png", "--at", "1", "--camera", "nowhere")
+        self.refused("bodies it has: ", "task", "--out", "a.png", "--at", "1", "--camera", "track:nobody")
+        self.refused("the log holds 0", "task", "--out", "a.png", "--at", "60")
+        self.refused("there is no blink", "task", "other", "--out", "a.mp4", "--compare", "blink")
+        self.refused("there is no heat", "task", "--out", "a.mp4", "--overlays", "text,heat")
+        self.refused("there is no corner middle", "task", "--out", "a.mp4", "--inset", "gripper@middle")
+        self.refused("WIDTHxHEIGHT", "task", "--out", "a.mp4", "--size", "big")
+        self.refused("say which with --at", "task", "--out", "a.png")
+        self.refused("name a .png", "task", "--out", "a.mp4", "--at", "1")
+        self.refused("it takes six plans; the log of plan_and_execute has only goal_1", "task", "--out", "a.png",
+                     "--layout", "strip")
+        self.refused("leave the second log out", "task", "other", "--out", "a.png", "--layout", "triple")
+        self.refused("--compare requires second", "task", "--out", "a.mp4", "--compare", "ghost", code=2)
+        self.refused("--speed", "task", "--out", "a.mp4", "--speed", "0", code=2)
+        self.refused("nowhere/a.png", "task", "--out", "nowhere/a.png", "--at", "1", code=4)
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
