@@ -3,6 +3,7 @@
 #include "experiment/feed_forward.h"
 #include "experiment/jitter.h"
 #include "experiment/lambda.h"
+#include "experiment/losses.h"
 #include "experiment/noise.h"
 #include "experiment/rate_matching.h"
 #include "experiment/timings.h"
@@ -22,6 +23,7 @@ constexpr std::array kExperiments{
                &RunTrackingOnWallClock},
     Experiment{"rate_matching", "Rate matching", &RunRateMatching, &RunRateMatchingOnWallClock},
     Experiment{"lambda", "The correction lambda of the reference generator", &RunLambda},
+    Experiment{"losses", "Runs of lost commands", &RunLosses},
 };
 
 }  // namespace
