@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <numbers>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -77,18 +78,26 @@ void CheckPicture(const backend::Connection& connection, const scenario::RenderS
   const render::FramePainter painter({&connection.truth->model(), &none}, FilmOf(wanted));
 }
 
+int RenderThreads(unsigned processors) {
+  return static_cast<int>(std::clamp(processors, 1U, 16U));
+}
+
 render::ClipStats MakeClip(const render::Film& film, const scenario::RenderSection& wanted,
                            const ResultFolder& out, const InterruptGuard& interrupt,
                            const Clock& clock, bool quiet) {
   render::ClipSettings settings;
   settings.film = FilmOf(wanted);
+  settings.render_threads = RenderThreads(std::thread::hardware_concurrency());
   Progress progress("video", Progress::StyleOfStdout(quiet), clock);
-  return render::RenderClip(film, settings, {out.video(), out.contact_sheet()}, clock,
-                            [&](std::size_t done, std::size_t total) {
-                              interrupt.ThrowIfInterrupted();
-                              progress.Show(static_cast<double>(done) / static_cast<double>(total),
-                                            fmt::format("{} of {} frames", done, total));
-                            });
+  const Time begin = clock.Now();
+  return render::RenderClip(
+      film, settings, {out.video(), out.contact_sheet()}, clock,
+      [&](std::size_t done, std::size_t total) {
+        interrupt.ThrowIfInterrupted();
+        const double rate = static_cast<double>(done) / ToSeconds(clock.Now() - begin);
+        progress.Show(static_cast<double>(done) / static_cast<double>(total),
+                      fmt::format("{} of {} frames, {:.0f} frames/s", done, total, rate));
+      });
 }
 
 }  // namespace twin::cli

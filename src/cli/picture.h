@@ -19,6 +19,10 @@ namespace twin::cli {
 /// OSMesa.
 void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted);
 
+/// @returns how many threads draw best: one for each processor, within what RenderClip takes.
+/// @param processors  0 when unknown.
+[[nodiscard]] int RenderThreads(unsigned processors);
+
 /// Renders the film of a run, of at least one frame, as its video and contact sheet, and shows how
 /// far that is. @returns what it took. @throws as render::RenderClip; Interrupted.
 [[nodiscard]] render::ClipStats MakeClip(const render::Film& film,

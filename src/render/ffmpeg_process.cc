@@ -72,6 +72,30 @@ std::string DescribeEnd(int status) {
   return fmt::format("ended with exit code {}", WEXITSTATUS(status));
 }
 
+bool Contains(const std::string& text, const char* part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// ffmpeg may end well though it could not write all.
+bool LostData(const std::string& messages) {
+  return Contains(messages, "No space left on device") || Contains(messages, "Error writing") ||
+         Contains(messages, "Error closing");
+}
+
+const char* CureOf(const std::string& messages) {
+  if (Contains(messages, "Unknown encoder")) {
+    return "This ffmpeg was built without the encoder; Debian's package ffmpeg has it";
+  }
+  if (Contains(messages, "No space left on device")) {
+    return "Make room on the disk, or choose another folder";
+  }
+  if (Contains(messages, "No such file") || Contains(messages, "Not a directory") ||
+      Contains(messages, "ermission denied")) {
+    return "Choose a folder that exists and may be written to";
+  }
+  return "Look at what the lines name";
+}
+
 }  // namespace
 
 void FileDescriptor::Close() noexcept {
@@ -134,10 +158,10 @@ void FfmpegProcess::Send(std::span<const std::uint8_t> bytes) {
 void FfmpegProcess::Finish() {
   input_.Close();
   const int status = Wait();
-  if (status != 0) {
-    throw EnvironmentError(
-        fmt::format("video: ffmpeg {}. Its last lines: {}", DescribeEnd(status), LastMessages()));
-  }
+  const std::string messages = LastMessages();
+  if (status == 0 && !LostData(messages)) return;
+  throw EnvironmentError(fmt::format("video: ffmpeg {}. Its last lines: {}. {}",
+                                     DescribeEnd(status), messages, CureOf(messages)));
 }
 
 int FfmpegProcess::Wait() noexcept {
@@ -152,10 +176,10 @@ int FfmpegProcess::Wait() noexcept {
 void FfmpegProcess::Fail() {
   input_.Close();
   const int status = Wait();
-  throw EnvironmentError(fmt::format(
-      "video: ffmpeg {} while frames were still being sent. Its last lines: {}. Look for room on "
-      "the disk, and at what else the lines name",
-      DescribeEnd(status), LastMessages()));
+  const std::string messages = LastMessages();
+  throw EnvironmentError(
+      fmt::format("video: ffmpeg {} while frames were still being sent. Its last lines: {}. {}",
+                  DescribeEnd(status), messages, CureOf(messages)));
 }
 
 std::string FfmpegProcess::LastMessages() const {

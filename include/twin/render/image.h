@@ -20,7 +20,8 @@ struct Image {
   Image() = default;
   /// A picture filled with `colour`.
   Image(int width_px, int height_px, Rgb colour = {})
-      : width(width_px), height(height_px), rgb(Pixels() * 3) {
+      : width(width_px), height(height_px), rgb(Pixels() * 3, colour[0]) {
+    if (colour[1] == colour[0] && colour[2] == colour[0]) return;  // grey is quick
     for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = colour[i % 3];
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 
@@ -7,22 +8,35 @@
 
 namespace twin::render {
 
+/// What pictures are encoded to.
+enum class VideoFormat : std::uint8_t {
+  kH264,      ///< `.mp4`: H.264, small, as every player shows it; with loss
+  kFfv1,      ///< `.mkv`: FFV1 in Matroska, every byte of every picture as it was
+  kPictures,  ///< a folder: frame_000000.png and so on, every byte too
+};
+
 struct VideoSettings {
-  int width = 640;   ///< pixels, even, in [16, 4096]
-  int height = 480;  ///< pixels, even, in [16, 4096]
+  int width = 640;   ///< pixels, in [16, 4096]; even for H.264
+  int height = 480;  ///< pixels, as width
   int fps = 25;      ///< frames per second, in [1, 240]
   int crf = 20;      ///< x264's constant rate factor, in [0, 51]; smaller is better and larger
   std::filesystem::path ffmpeg = "ffmpeg";  ///< program; without a slash it is looked up in PATH
 
   /// @throws InputError naming field, value and range.
-  void Validate() const;
+  void Validate(VideoFormat format) const;
 };
 
-/// Encodes pictures to H.264 in MP4 by an ffmpeg process.
+/// @returns the format that a path's name asks for: by `.mp4` or `.mkv`; a folder when it ends with
+/// a slash or has no extension.
+/// @throws InputError for another extension, or no name (says which there are).
+[[nodiscard]] VideoFormat FormatOf(const std::filesystem::path& path);
+
+/// Encodes pictures by an ffmpeg process.
 ///
-/// One encoder thread and bit-exact flags: the same pictures give the same file, with the same
-/// build of ffmpeg. The file is in fragments of two seconds: `<path>.partial` can be played up to
-/// the last of them whatever ends the run, and a run that dies leaves ffmpeg to complete it.
+/// One encoder thread and bit-exact flags: the same pictures give the same files, with the same
+/// build of ffmpeg. Both kinds of file can be played while they are made, whatever ends the run:
+/// `<path>.partial` in steps of two seconds (MP4: fragments, Matroska: clusters), of
+/// `<folder>.partial` every picture; and a run that dies leaves ffmpeg to complete them.
 ///
 /// ffmpeg has a process group of its own (an interrupt from the terminal does not reach it), reads
 /// from a socket (its death is an error here, never a SIGPIPE) and ends when the writer is gone.
@@ -30,12 +44,14 @@ struct VideoSettings {
 /// Threads: one thread. Not real-time: Write() waits while ffmpeg is behind.
 class VideoWriter {
  public:
-  /// @param path  of the finished video; it appears, replacing an older one, with Finish().
-  /// @throws InputError for settings out of range; EnvironmentError when ffmpeg cannot be started
-  /// (says what to install).
-  VideoWriter(std::filesystem::path path, const VideoSettings& settings);
+  /// @param path  of the finished video, see FormatOf(); it appears, replacing an older one, with
+  /// Finish(). A folder may only hold the pictures of an older video.
+  /// @throws InputError for settings out of range, an odd size for H.264, another extension, a
+  /// folder that holds anything else, a folder where a file is to be; EnvironmentError when ffmpeg
+  /// cannot be started (says what to install).
+  VideoWriter(const std::filesystem::path& path, const VideoSettings& settings);
 
-  /// Without Finish(), ends ffmpeg and leaves `<path>.partial`.
+  /// Without Finish(), ends ffmpeg and leaves what is partial.
   ~VideoWriter();
   VideoWriter(VideoWriter&&) noexcept;
   VideoWriter& operator=(VideoWriter&&) = delete;
@@ -44,9 +60,9 @@ class VideoWriter {
   /// @throws EnvironmentError when ffmpeg has died, with its last lines.
   void Write(const Image& image);
 
-  /// Ends the video and gives the file its name.
-  /// @throws EnvironmentError when ffmpeg failed (a full disk, say), with its last lines; the
-  /// `.partial` file then stays.
+  /// Ends the video and gives it its name.
+  /// @throws EnvironmentError when ffmpeg failed (a full disk, say), with its last lines; what is
+  /// partial then stays, and so does an older video.
   void Finish();
 
  private:
