@@ -21,10 +21,6 @@ namespace {
 
 constexpr int kErrorSize = 1000;
 
-/// How far what is drawn may be from the visual mesh, m; see Decimate(). Chosen by what pictures
-/// cost and show (src/render/README.md). What is touched is not concerned.
-constexpr double kVisualError = 0.00025;
-
 /// MuJoCo's files in memory. The structure itself takes 2 MB, hence not on the stack.
 class VirtualFiles {
  public:
@@ -69,8 +65,9 @@ void ImportMeshes(const ModelSources& sources, MeshAssets& visual, MeshAssets& c
     };
     if (seen) {
       for (const MeshPart& part : ImportVisualMesh(mesh.bytes, mesh.file.string())) {
+        const double error = sources.visual_error;
         visual[uri].push_back(
-            {name("visual"), EncodeMsh(Decimate(part, kVisualError)), part.colour});
+            {name("visual"), EncodeMsh(error > 0 ? Decimate(part, error) : part), part.colour});
       }
     }
     if (touched) {

@@ -168,6 +168,12 @@ void RequireBody(const Matrix3& inertia) {
                   moments[0], moments[1], moments[2]));
 }
 
+void RequireVisualError(double error) {
+  if (error >= 0 && error <= 0.01) return;
+  throw InputError(fmt::format(
+      "visual_error is {} m; it must be in [0, 0.01], 0 for the meshes as they are", error));
+}
+
 /// What the robot weighs, against its URDF.
 void ScaleMasses(double scale, RobotDescription& robot) {
   for (Link& link : robot.links) {
@@ -199,6 +205,8 @@ void Attach(const setting::Load& load, RobotDescription& robot) {
 
 ModelSources ReadModelSources(const MujocoPlantOptions& options) {
   ModelSources sources;
+  RequireVisualError(options.visual_error);
+  sources.visual_error = options.visual_error;
   sources.friction = options.friction;
   sources.armature = options.armature;
   sources.uses_meshes =
@@ -211,6 +219,7 @@ ModelSources ReadModelSources(const MujocoPlantOptions& options) {
   hash.Add(fmt::format("load {} {} {}", options.load.m_load, fmt::join(options.load.F_x_Cload, " "),
                        fmt::join(options.load.I_load, " ")));
   if (options.mass_scale != 1) hash.Add(fmt::format("mass scale {}", options.mass_scale));
+  hash.Add(fmt::format("visual error {}", options.visual_error));
   DescriptionReader reader(options, sources, hash);
   sources.robot = reader.Read(options.urdf);
   if (options.mass_scale != 1) ScaleMasses(options.mass_scale, sources.robot);

@@ -20,6 +20,7 @@ struct ModelSources {
   RobotDescription robot;                  ///< arm and hand
   std::map<std::string, MeshFile> meshes;  ///< by the URI the URDF uses
   bool uses_meshes = false;
+  double visual_error = 0;           ///< see MujocoPlantOptions
   std::string scene_text;            ///< MJCF
   std::string objects_text;          ///< MJCF of the objects' bodies
   std::filesystem::path scene_file;  ///< empty: the built-in scene

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "plant/plant_fixture.h"
+#include "twin/core/error.h"
 #include "twin/core/random.h"
 
 namespace twin::plant {
@@ -120,6 +121,41 @@ TEST(PlantModelTest, MeshesComeFromThePackage) {
   std::size_t dark = 0;
   for (int i = 0; i < plant->model().nmat; ++i) dark += plant->model().mat_rgba[4 * i] < 0.3f;
   EXPECT_GE(dark, 1u);
+}
+
+TEST(PlantModelTest, VisualErrorOfZeroKeepsTheMeshesAsTheyAre) {
+  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "no mesh package: scripts/setup";
+  MujocoPlantOptions options = MeshOptions();
+  options.visual_error = 0;
+  EXPECT_GT(MujocoPlant::Create(options)->model().nmeshface, 134'300);
+}
+
+TEST(PlantModelTest, VisualErrorMovesNoCollisionMesh) {
+  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "no mesh package: scripts/setup";
+  MujocoPlantOptions options = MeshOptions();
+  const auto fewer = MujocoPlant::Create(options);
+  options.visual_error = 0;
+  const auto all = MujocoPlant::Create(options);
+  const mjModel& a = fewer->model();
+  const mjModel& b = all->model();
+  ASSERT_EQ(a.ngeom, b.ngeom);
+  for (int i = 0; i < a.ngeom; ++i) {
+    const int mesh = a.geom_dataid[i];
+    if (a.geom_group[i] != 3 || mesh < 0) continue;
+    ASSERT_EQ(a.mesh_vertnum[mesh], b.mesh_vertnum[mesh]);
+    for (int k = 0; k < 3 * a.mesh_vertnum[mesh]; ++k) {
+      ASSERT_EQ(a.mesh_vert[3 * a.mesh_vertadr[mesh] + k],
+                b.mesh_vert[3 * b.mesh_vertadr[mesh] + k]);
+    }
+  }
+}
+
+TEST(PlantModelTest, RefusesAVisualErrorOutOfRange) {
+  MujocoPlantOptions options = DefaultOptions();
+  options.visual_error = -1e-3;
+  EXPECT_THROW(MujocoPlant::Create(options), InputError);
+  options.visual_error = 0.1;
+  EXPECT_THROW(MujocoPlant::Create(options), InputError);
 }
 
 // Each costs every picture two more passes (src/render/README.md).

@@ -55,6 +55,9 @@ struct MujocoPlantOptions {
       mesh_package;  ///< folder of `panda_description`; empty or missing: primitive shapes
   std::filesystem::path cache;  ///< folder of compiled models; empty: no cache
   bool rebuild_cache = false;   ///< ignore and replace what the cache holds
+  /// How far the meshes that are drawn may be from those of the package, for fewer triangles, m, in
+  /// [0, 0.01]; 0: as they are. What is touched is not concerned (src/render/README.md).
+  double visual_error = 0.00025;
   HandKind hand = HandKind::kFrankaHand;
   FrictionProfile friction = FrictionProfile::kResidual;
   bool armature = true;  ///< reflected rotor inertia of the drives
