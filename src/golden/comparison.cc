@@ -34,6 +34,9 @@ constexpr std::array<Words, kGates> kWords{
 
 constexpr double kPercent = 100;
 
+/// The first gate that can fail a case.
+constexpr std::size_t kDeciding = static_cast<std::size_t>(Gate::kFrames);
+
 /// The gates of one comparison while it goes on.
 class Gates {
  public:
@@ -242,7 +245,7 @@ class Comparer {
 
   [[nodiscard]] Verdict VerdictOf() {
     const auto& gates = gates_.results();
-    const bool looks_the_same = std::all_of(gates.begin() + 2, gates.end(),
+    const bool looks_the_same = std::all_of(gates.begin() + kDeciding, gates.end(),
                                             [](const GateResult& gate) { return gate.passed; });
     const bool same_states = gates_.Of(Gate::kStates).passed;
     if (!looks_the_same) {
@@ -286,11 +289,15 @@ std::string_view Meaning(Gate gate) noexcept {
 }
 
 const GateResult* Comparison::FirstFailure() const noexcept {
+  // Of one frame, the gate that knows most of it.
+  const auto rank = [](const GateResult& gate) {
+    const Place& place = *gate.first;
+    return std::pair(place.frame, place.body.empty() ? 2 : place.body == "world" ? 1 : 0);
+  };
   const GateResult* first = nullptr;
-  for (std::size_t i = 2; i < kGates; ++i) {
+  for (std::size_t i = kDeciding; i < kGates; ++i) {
     const GateResult& gate = gates[i];
-    if (!gate.first) continue;
-    if (first == nullptr || gate.first->frame < first->first->frame) first = &gate;
+    if (gate.first && (first == nullptr || rank(gate) < rank(*first))) first = &gate;
   }
   return first;
 }

@@ -93,6 +93,16 @@ TEST_F(ComparisonTest, NamesFrameViewRegionBodyAndGate) {
             "colour window (16, at most 12)");
 }
 
+TEST_F(ComparisonTest, NamesABodyOfTheRunBeforeTheWorldWhereAFrameHasBoth) {
+  const Comparison other = After([](Pictures& pictures) {
+    pictures.views[0].signatures[0].rgb[0] = 0;  // where the world is seen
+    auto& depths = pictures.views[0].keys[0].depth.depth_m;
+    for (std::size_t i = 0; i < depths.size(); ++i) depths[i] += i % 64 < 32 ? 0 : 0.1F;
+  });
+  EXPECT_EQ(other.FirstFailure()->gate, Gate::kDepths);
+  EXPECT_EQ(other.FirstFailure()->first->frame, 0U);
+}
+
 TEST_F(ComparisonTest, FindsAFilmOfOtherLength) {
   for (const std::size_t frames : {4U, 6U}) {
     actual_ = GreyPictures(frames);

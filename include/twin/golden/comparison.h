@@ -89,7 +89,8 @@ struct Comparison {
   [[nodiscard]] bool passed() const noexcept {
     return verdict != Verdict::kRenderingChanged && verdict != Verdict::kPhysicsChanged;
   }
-  /// Of the gates that failed, the one that did so at the first frame; of those the first in order.
+  /// Of the gates that failed, the one that did so at the first frame; of those one that names a
+  /// body of the run, if there is one; of those the first in order.
   /// @returns null when all passed.
   [[nodiscard]] const GateResult* FirstFailure() const noexcept;
 };
