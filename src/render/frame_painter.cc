@@ -150,6 +150,7 @@ class FramePainter::Impl {
     scene_.Fill({place.left - kFrame, place.bottom - kFrame, place.width + 2 * kFrame,
                  place.height + 2 * kFrame},
                 {0.1F, 0.1F, 0.12F, 1});
+    shot.elsewhere = nullptr;  // a ghost of the hand would fill the gripper's view
     insets_[number].Aim(Since(frame), *data_, shot);
     scene_.Draw(shot, place);
   }

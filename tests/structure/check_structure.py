@@ -115,6 +115,25 @@ def check_text(path, lines):
             yield number, "a TODO names its issue: TODO(#12)"
 
 
+PICTURE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)\)")
+GALLERY = "models/gallery"
+
+
+def check_pictures(root, files):
+    """Pictures of notes that are not there, and pictures of the gallery that scripts/gallery does not draw."""
+    for path in files:
+        if not path.endswith(".md"):
+            continue
+        for number, line in enumerate((root / path).read_text(errors="replace").splitlines(), 1):
+            for target in PICTURE.findall(line):
+                if "://" not in target and not (root / path).parent.joinpath(target).is_file():
+                    yield path, number, f"shows {target}, which is not there"
+    drawn = (root / "scripts/gallery").read_text() if (root / "scripts/gallery").is_file() else ""
+    for picture in sorted((root / GALLERY).glob("*")):
+        if picture.stem not in drawn:
+            yield f"{GALLERY}/{picture.name}", 1, "is not drawn by scripts/gallery"
+
+
 def check_listed(root, folder_files):
     """Test programs and sources that no CMakeLists.txt beside them names: they would never run."""
     for path in folder_files:
@@ -140,7 +159,7 @@ def check_tree(root):
     """All breaches of the tree, as "file:line: text"."""
     areas = areas_in_order(root)
     files = text_files(root)
-    breaches = list(check_listed(root, files))
+    breaches = list(check_listed(root, files)) + list(check_pictures(root, files))
     for path in files:
         lines = (root / path).read_text(errors="replace").splitlines()
         breaches += [(path, number, text) for number, text in check_text(path, lines)]
@@ -180,6 +199,9 @@ SELF_TEST = [
     ("src/core/a.cc", "// TO" "DO(#12): later\n", ""),
     ("README.md", "see /wo" "rk/main\n", "path of one machine"),
     ("models/robots/a.yaml", "file: ../sha" "red/data.json\n", "path of one machine"),
+    ("README.md", "![a picture](models/there_is_none.png)\n", "which is not there"),
+    ("README.md", "![a picture](https://example.com/a.png)\n", ""),
+    ("models/gallery/forgotten.png", "", "is not drawn by scripts/gallery"),
     ("src/core/unlisted.cc", "int x;\n", "is not named"),
     ("tests/core/unlisted_test.cc", "int x;\n", "is not named"),
 ]

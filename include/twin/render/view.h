@@ -27,7 +27,7 @@ struct View {
 
 enum class Corner : std::uint8_t { kTopLeft, kTopRight, kBottomLeft, kBottomRight };
 
-/// A second view within the picture of the first.
+/// A second view within the picture of the first; without ghosts of planned goals.
 struct Inset {
   View view;
   Corner corner = Corner::kTopRight;
