@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "reference/hostile_world.h"
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
@@ -22,13 +23,6 @@ constexpr double kT = kCycleSeconds;
 
 ViableAxis PandaAxis(std::size_t joint, int lost) {
   return ViableAxis(BoundsOf(test::PandaLimits(), joint), lost, "joint");
-}
-
-/// The bounds as the robot checks them, to a billionth of each.
-bool KeepsGiven(const AxisState& x, double jerk, const AxisBounds& b) {
-  constexpr double kRelative = 1 + 1e-9;
-  return x.q <= b.q_max + 1e-9 && x.q >= b.q_min - 1e-9 && std::abs(x.dq) <= b.dq_max * kRelative &&
-         std::abs(x.ddq) <= b.ddq_max * kRelative && std::abs(jerk) <= b.dddq_max * kRelative;
 }
 
 /// The worst way upwards, cycle by cycle, without the closed form: n losses, hardest braking, and
@@ -151,39 +145,6 @@ TEST(ViableAxisTest, TheNearestJerkIsTheWishOrTheBorder) {
   EXPECT_GT(passed, 200);
   EXPECT_GT(changed, 200);
 }
-
-/// One who wishes the worst, and a wire that loses as much as is allowed.
-class HostileWorld {
- public:
-  HostileWorld(int lost, std::uint64_t seed) : lost_(lost), random_(seed, RandomStream::kTest) {}
-
-  [[nodiscard]] double Wish(const AxisState& x, const AxisBounds& b) {
-    if (Draw() < 0.01) mode_ = static_cast<int>(6 * Draw());
-    switch (mode_) {
-      case 0: return 1e9;
-      case 1: return -1e9;
-      case 2: return 2 * b.dddq_max * (Draw() - 0.5) * 2;
-      case 3: return x.dq > 0 ? -1e9 : 1e9;
-      case 4: return x.ddq > 0 ? -b.dddq_max : b.dddq_max;
-      default: return 0;
-    }
-  }
-  /// Runs of losses, most of them as long as can be, with one command between.
-  [[nodiscard]] bool Loses() {
-    if (run_ > 0) return --run_, true;
-    if (Draw() < 0.5) run_ = Draw() < 0.7 ? lost_ : static_cast<int>(lost_ * Draw());
-    return false;
-  }
-
- private:
-  double Draw() { return random_.Uniform(++draws_); }
-
-  int lost_;
-  Random random_;
-  std::uint64_t draws_ = 0;
-  int mode_ = 0;
-  int run_ = 0;
-};
 
 TEST(ViableAxisTest, KeepsItsBoundsWhateverIsWishedAndLost) {
   for (const int lost : {0, 1, 3, 19, 20}) {

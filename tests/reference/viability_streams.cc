@@ -1,0 +1,68 @@
+// Drives the viability filter with hostile wishes and losses for as many joint-cycles as are asked
+// for: viability_streams [--cycles N] [--seed S]. Each joint of the Panda with n of 0, 3, 19 and 20
+// gets its share. Exits with 1 at the first limit that is broken, and says where; and when a joint
+// never came near its border, for then nothing was shown.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "reference/hostile_world.h"
+#include "support/panda_limits.h"
+#include "twin/reference/viability_filter.h"
+
+namespace twin::reference {
+namespace {
+
+constexpr int kLosses[] = {0, 3, 19, 20};
+
+/// @returns whether the bounds were kept, and the border was reached.
+bool Drive(std::size_t joint, int lost, std::uint64_t cycles, std::uint64_t seed) {
+  const AxisBounds bounds = BoundsOf(test::PandaLimits(), joint);
+  const ViableAxis axis(bounds, lost, "joint");
+  HostileWorld world(lost, seed);
+  AxisState x{(bounds.q_min + bounds.q_max) / 2, 0, 0};
+  double nearest = 1;
+  for (std::uint64_t k = 0; k < cycles; ++k) {
+    const double jerk = world.Loses() ? 0 : axis.Nearest(x, world.Wish(x, bounds));
+    x = ViableAxis::Step(x, jerk);
+    if (!KeepsGiven(x, jerk, bounds)) {
+      std::printf(
+          "joint %zu, n = %d, seed %llu, cycle %llu: q %.17g, dq %.17g, ddq %.17g, jerk %.17g\n",
+          joint + 1, lost, static_cast<unsigned long long>(seed),
+          static_cast<unsigned long long>(k), x.q, x.dq, x.ddq, jerk);
+      return false;
+    }
+    if (k % 16 == 0) nearest = std::min(nearest, axis.Margin(x));
+  }
+  if (nearest > 1e-4) std::printf("joint %zu, n = %d: never near its border\n", joint + 1, lost);
+  return nearest <= 1e-4;
+}
+
+int Run(std::uint64_t cycles, std::uint64_t seed) {
+  const std::uint64_t each = cycles / (kJoints * std::size(kLosses)) + 1;
+  for (const int lost : kLosses) {
+    for (std::size_t joint = 0; joint < kJoints; ++joint) {
+      if (!Drive(joint, lost, each, seed + 1000 * static_cast<std::uint64_t>(lost) + joint))
+        return 1;
+    }
+    std::printf("n = %2d: %llu joint-cycles, every limit kept\n", lost,
+                static_cast<unsigned long long>(each * kJoints));
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace twin::reference
+
+int main(int argc, char** argv) {
+  std::uint64_t cycles = 10'000'000;
+  std::uint64_t seed = 1;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    if (std::strcmp(argv[i], "--cycles") == 0) cycles = std::strtoull(argv[i + 1], nullptr, 10);
+    if (std::strcmp(argv[i], "--seed") == 0) seed = std::strtoull(argv[i + 1], nullptr, 10);
+  }
+  return twin::reference::Run(cycles, seed);
+}
