@@ -52,7 +52,10 @@ CLI::App* AddRender(CLI::App& app, RenderFlags& flags) {
       ->type_name("FILE|DIR");
   CLI::Option* second = render->add_option("second", flags.second, "Of another run, to compare");
   second->type_name("FILE|DIR");
-  render->add_option("--out", flags.out, "Video, or a .png with --at or --layout")
+  render
+      ->add_option("--out", flags.out,
+                   "Video (.mp4, or .mkv without loss), folder/ of pictures, or a .png with --at "
+                   "or --layout")
       ->required()
       ->type_name("FILE");
   AddPicture(*render, flags.film);

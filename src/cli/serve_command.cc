@@ -126,7 +126,14 @@ void Service::MakeLog() {
   if (!flags_.log) return;
   const scenario::RobotData robot =
       scenario::LoadRobotData(data_.models, scenario_.robot.model, scenario_.robot.hand);
-  log_.emplace(*flags_.log, InfoOf(scenario_, robot),
+  // Of no scenario nobody knows the motion, which is the client's: the log's one stands, so that
+  // the log can be read as any other.
+  scenario::Scenario told = scenario_;
+  if (flags_.scenario.empty()) {
+    const reference::Waypoint stand{.q = told.robot.q_start.value()};
+    told.motion.waypoints = {stand, stand};
+  }
+  log_.emplace(*flags_.log, InfoOf(told, robot),
                is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
 }
 

@@ -28,29 +28,40 @@ struct ArmSample {
 /// What a log holds for pictures. Takes its records as std::visit gives them.
 class Contents {
  public:
-  explicit Contents(int fps) : fps_(fps) {}
+  /// @param fps  at which the arm is sampled. @param scenes  gets the scenes.
+  /// @param log  for messages.
+  Contents(int fps, render::Snapshots& scenes, const std::filesystem::path& log)
+      : fps_(fps), scenes_(scenes), log_(log) {}
 
   void operator()(const rt::CycleRecord& cycle) {
-    if (!begin_) begin_ = cycle.at;
-    while (cycle.at >= Due()) arm.push_back({cycle.at, cycle.state.q});
+    while (arm.empty() || cycle.at >= Due()) arm.push_back({cycle.at, cycle.state.q});
   }
   void operator()(const rt::TickRecord& /*tick*/) {}
   void operator()(const record::EventRecord& event) { events.push_back(event); }
-  void operator()(const rt::SceneRecord& scene) { scenes.push_back(scene); }
+  void operator()(const rt::SceneRecord& scene) {
+    if (scene.positions != scenes_.qpos_size()) {
+      throw InputError(fmt::format(
+          "{}: a scene in the log has {} positions, and the model made of its scenario has {}: "
+          "robot, scene file or program are not those of the run; name them with --data",
+          log_.string(), scene.positions, scenes_.qpos_size()));
+    }
+    scenes_.Append(scene);
+  }
   void operator()(const record::PlanRecord& plan) { plans.push_back(plan); }
 
   std::vector<ArmSample> arm;  ///< one for each frame: the first cycle at or after its instant
-  std::vector<rt::SceneRecord> scenes;
   std::vector<record::PlanRecord> plans;
   std::vector<record::EventRecord> events;
 
  private:
   [[nodiscard]] Time Due() const {
-    return *begin_ + Duration(static_cast<std::int64_t>(arm.size()) * kNanosecondsPerSecond / fps_);
+    return arm.front().at +
+           Duration(static_cast<std::int64_t>(arm.size()) * kNanosecondsPerSecond / fps_);
   }
 
   int fps_;
-  std::optional<Time> begin_;
+  render::Snapshots& scenes_;
+  const std::filesystem::path& log_;
 };
 
 scenario::Scenario ScenarioOf(const std::filesystem::path& log, const record::RunInfo& run) {
@@ -96,48 +107,32 @@ class Recording::Impl {
         F_T_EE(model::Multiply(robot.F_T_NE, scenario.onboard.NE_T_EE.Matrix())),
         compiled(ModelOf(scenario, robot, files)) {
     const int fps = std::max(scenario.render.fps, std::min(least_fps, kMostFps));
-    Contents contents(fps);
+    snapshots.emplace(scenario.render.fps, plant::PositionsAt(compiled, {}).size());
+    Contents contents(fps, *snapshots, log);
     record::LogEntry entry;
     while (reader.Next(entry)) std::visit(contents, entry);
-    if (!contents.scenes.empty()) {
-      TakeScenes(log, contents);
-    } else if (!contents.arm.empty()) {
-      TakeStates(contents, fps);
-    } else {
+    if (snapshots->size() == 0) TakeStates(contents.arm, fps, log);
+    plans = std::move(contents.plans);
+    events = std::move(contents.events);
+  }
+
+  void TakeStates(const std::vector<ArmSample>& arm, int fps, const std::filesystem::path& log) {
+    if (arm.empty()) {
       throw InputError(fmt::format(
           "{} holds no state of the robot, so there is nothing to draw; name the log of a run that "
           "began",
           log.string()));
     }
-    plans = std::move(contents.plans);
-    events = std::move(contents.events);
-  }
-
-  void TakeScenes(const std::filesystem::path& log, const Contents& contents) {
-    const std::size_t size = plant::PositionsAt(compiled, {}).size();
-    snapshots.emplace(scenario.render.fps, size);
-    for (const rt::SceneRecord& scene : contents.scenes) {
-      if (scene.positions != size) {
-        throw InputError(fmt::format(
-            "{}: a scene in the log has {} positions, and the model made of its scenario has {}: "
-            "robot, scene file or program are not those of the run; name them with --data",
-            log.string(), scene.positions, size));
-      }
-      snapshots->Append(scene);
-    }
-  }
-
-  void TakeStates(const Contents& contents, int fps) {
-    source = FrameSource::kStates;
     rt::SceneRecord scene;
-    scene.positions =
-        static_cast<std::uint32_t>(plant::PositionsAt(compiled, contents.arm.front().q).size());
-    if (scene.positions > rt::SceneRecord::kMostPositions) {
-      throw InputError(fmt::format("the scene has {} positions; a picture takes {} at most",
-                                   scene.positions, rt::SceneRecord::kMostPositions));
+    if (snapshots->qpos_size() > scene.qpos.size()) {
+      throw InputError(fmt::format("{}: its scene has {} positions; a picture takes {} at most",
+                                   log.string(), snapshots->qpos_size(), scene.qpos.size()));
     }
-    snapshots.emplace(fps, scene.positions);
-    for (const ArmSample& sample : contents.arm) {
+    source = FrameSource::kStates;
+    scene.positions = static_cast<std::uint32_t>(snapshots->qpos_size());
+    snapshots.emplace(fps, snapshots->qpos_size());
+    snapshots->Reserve(arm.size());
+    for (const ArmSample& sample : arm) {
       scene.at = sample.at;
       std::ranges::copy(plant::PositionsAt(compiled, sample.q), scene.qpos.begin());
       snapshots->Append(scene);

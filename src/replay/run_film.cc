@@ -81,7 +81,10 @@ render::Film FilmOfRun(const mjModel_& model, const render::Snapshots& snapshots
                           .way = plan.way,
                           .object = plan.object,
                           .O_T_object = plan.O_T_object});
-    if (!plan.caption.empty()) film.notes.push_back({plan.from, LineOf(plan.caption)});
+    // What a caption says behind a semicolon is about the pair of pictures of a report.
+    const std::string_view caption =
+        std::string_view(plan.caption).substr(0, plan.caption.find(';'));
+    if (!caption.empty()) film.notes.push_back({plan.from, LineOf(caption)});
   }
   for (const record::EventRecord& event : events) {
     if (IsShown(event)) film.notes.push_back({event.at, NoteOf(event)});

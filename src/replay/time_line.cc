@@ -59,6 +59,7 @@ std::vector<Time> FrameTimes(Time first, Time last, const TimeLine& time_line) {
 render::Snapshots SnapshotsAt(const render::Snapshots& scenes, std::span<const Time> times,
                               int fps) {
   render::Snapshots shown(fps, scenes.qpos_size());
+  shown.Reserve(times.size());
   std::size_t i = 0;
   for (const Time time : times) {
     while (i + 1 < scenes.size() && scenes.time(i) < time) ++i;

@@ -20,7 +20,7 @@ def size_of_png(path):
 
 def frames_of(path):
     """A hash of each frame of a video, as ffmpeg decodes it."""
-    done = subprocess.run(["ffmpeg", "-v", "error", "-i", path, "-f", "framemd5", "-"], capture_output=True, text=True,
+    done = subprocess.run(["ffmpeg", "-v", "error", "-i", path, "-pix_fmt", "rgb24", "-f", "framemd5", "-"], capture_output=True, text=True,
                           check=True, timeout=60)
     return [line.split(",")[-1].strip() for line in done.stdout.splitlines() if not line.startswith("#")]
 
@@ -70,6 +70,13 @@ class RenderTest(unittest.TestCase):
         video = frames_of(self.folder / "task/video.mp4")
         self.assertGreater(len(video), 20)
         self.assertEqual(frames_of(self.rendered("again.mp4", "task")), video)
+
+    def test_without_loss_it_is_the_same_frames_in_a_file_and_in_a_folder(self):
+        flags = ["task", "--from", "1", "--to", "1.5"]
+        file = frames_of(self.rendered("lossless.mkv", *flags))
+        folder = self.rendered("pictures/", *flags)
+        self.assertEqual(len(file), 6)
+        self.assertEqual(frames_of(folder / "frame_%06d.png"), file)
 
     def test_half_the_speed_takes_twice_as_many_frames(self):
         whole = len(frames_of(self.rendered("whole.mp4", "smoke", "--from", "0.5", "--to", "1.5", "--size", "64x48")))

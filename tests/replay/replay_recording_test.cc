@@ -106,7 +106,7 @@ TEST(RecordingTest, SamplesAsOftenAsIsAskedForWhereThereAreNoScenes) {
 TEST(RecordingTest, FilmsPlansAsGoalsAndSaysWhatHappened) {
   const twin::test::TemporaryFolder folder;
   const record::PlanRecord plan{.id = "goal",
-                                .caption = "Round the box",
+                                .caption = "Round the box; right, when it is done",
                                 .from = Time(milliseconds(20)),
                                 .until = Time(milliseconds(70)),
                                 .q = JointVector{1, 2, 3},

@@ -17,6 +17,8 @@ class Snapshots {
   /// @param fps  frames per second of the run's time, in [1, 1000].
   Snapshots(int fps, std::size_t qpos_size) : fps_(fps), qpos_size_(qpos_size) {}
 
+  /// Makes room for so many in all.
+  void Reserve(std::size_t scenes) { scenes_.reserve(scenes); }
   /// @pre scene.positions == qpos_size().
   void Append(const rt::SceneRecord& scene);
 
