@@ -65,7 +65,7 @@ class ComparisonTest : public testing::Test {
 
   /// @param later  by how many ms the arm is ahead.
   std::filesystem::path Log(const std::string& name, std::uint64_t cycles, std::uint64_t later) {
-    const std::filesystem::path path = folder_ / (name + ".mcap");
+    std::filesystem::path path = folder_ / (name + ".mcap");
     record::Recorder recorder(path, test::InfoOf(test::Sample()), record::FullRing::kWait);
     for (std::uint64_t k = 0; k < cycles; ++k) {
       rt::CycleRecord cycle = test::CycleAt(k);

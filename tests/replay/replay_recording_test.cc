@@ -25,7 +25,7 @@ template <class More>
 std::filesystem::path WriteLog(const twin::test::TemporaryFolder& folder,
                                const scenario::Scenario& scenario, std::uint64_t cycles,
                                More&& more) {
-  const std::filesystem::path path = folder / "run.mcap";
+  std::filesystem::path path = folder / "run.mcap";
   record::Recorder recorder(path, test::InfoOf(scenario), record::FullRing::kWait);
   for (std::uint64_t k = 0; k < cycles; ++k) recorder.Put(test::CycleAt(k));
   more(recorder);
