@@ -2,6 +2,7 @@
 """Compares and approves pictures by the command line: video_test.py PROGRAM SOURCE_TREE [unittest options]."""
 
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -31,15 +32,18 @@ class VideoTest(unittest.TestCase):
     def write(self, text, case="small"):
         (self.goldens / f"{case}.yaml").write_text(text)
 
-    def video(self, deed, *arguments, code=0):
+    def video(self, deed, *arguments, code=0, surroundings=None):
         done = subprocess.run([PROGRAM, "video", deed, *map(str, arguments), "--goldens", self.goldens, "--data",
                                SOURCE / "models", "--out", self.folder / "out"],
-                              capture_output=True, text=True, timeout=100)
+                              capture_output=True, text=True, timeout=100, env={**os.environ, **(surroundings or {})})
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout if code == 0 else done.stderr
 
     def approve(self, *arguments):
         return self.video("approve", "small", "--reason", "It is right.", *arguments)
+
+    def approve_under(self, surroundings):
+        return self.video("approve", "small", "--reason", "Another rasteriser.", surroundings=surroundings)
 
     def approved(self):
         return {path.name: path.read_bytes() for path in (self.goldens / "small").iterdir()}
@@ -83,6 +87,23 @@ class VideoTest(unittest.TestCase):
         self.assertIn("the states differ from those approved, and the pictures look the same", self.video("check"))
         self.assertIn("approved: a hash of the states", self.approve())
         self.assertIn("the same, bit by bit", self.video("check"))
+
+    def test_other_rasterisers_have_other_bits_and_raise_no_alarm(self):
+        self.write("""scenario: applications/plan_and_execute.yaml
+every: 26
+key_frames: 3
+views:
+  overview: {camera: {distance: 2.9 m}, overlays: [text, goal]}
+  hand: {camera: {track: panda_hand, distance: 0.5 m}, overlays: []}
+""")
+        self.approve()
+        for other in ({"GALLIUM_OVERRIDE_CPU_CAPS": "sse2"}, {"GALLIUM_DRIVER": "softpipe"}):
+            with self.subTest(surroundings=other):
+                self.assertIn("rendering only", self.video("check", surroundings=other))
+        self.assertIn("bit by bit", self.video("check", surroundings={"LP_NUM_THREADS": "1"}))
+        self.assertIn("approved: hashes of the frames", self.approve_under({"GALLIUM_DRIVER": "softpipe"}))
+        self.assertIn("bit by bit", self.video("check", surroundings={"GALLIUM_DRIVER": "softpipe"}))
+        self.assertIn("bit by bit", self.video("check"))
 
     def test_a_report_is_written_whatever_comes_of_it(self):
         self.approve()

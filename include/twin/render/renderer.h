@@ -38,7 +38,7 @@ struct Ghost {
   static constexpr std::size_t kMostPoints = 400;
 
   /// The model elsewhere, as Renderer::Render()'s; drawn are the moving bodies that are not where
-  /// they are really. Empty: only the line.
+  /// they are really, by 4 mm or a degree. Empty: only the line.
   std::vector<double> qpos{};
   std::array<float, 4> colour{0.10F, 0.55F, 0.95F,
                               0.35F};  ///< red, green, blue, opacity, in [0, 1]
