@@ -1,10 +1,12 @@
 #include "twin/render/clip.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <vector>
 
 #include "render/test_model.h"
+#include "support/peak_memory.h"
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/render/png.h"
@@ -42,6 +44,16 @@ class ClipTest : public testing::Test {
     settings_.sheet.border_px = 2;
   }
 
+  /// @returns the memory that rendering so many frames takes at most, bytes.
+  std::size_t PeakOf(std::int64_t frames) {
+    SnapshotRecorder recorder(milliseconds(40 * (frames - 1)), 25, model_.qpos_size());
+    for (std::int64_t i = 0; i < frames; ++i) recorder.Capture(Time(milliseconds(40 * i)), model_);
+    test::ResetPeakMemory();
+    RenderClip({&model_.model(), &recorder.snapshots()}, settings_,
+               {folder_ / "a.mp4", folder_ / "a.png"}, CountingClock());
+    return test::PeakMemory();
+  }
+
   ClipStats RenderTo(const ClipPaths& paths, const ClipProgress& progress = {}) {
     return RenderClip({&model_.model(), &recorder_.snapshots()}, settings_, paths, CountingClock(),
                       progress);
@@ -73,6 +85,26 @@ TEST_F(ClipTest, PutsEvenlySpacedFramesOnTheSheetFirstAndLastIncluded) {
     expected.push_back(HalveImage(renderer.Render(qpos, caption)));
   }
   EXPECT_EQ(ReadPng(folder_ / "sheet.png"), ComposeContactSheet(expected, settings_.sheet));
+}
+
+// 760 frames more are 44 MB of pictures and 1.3 MB of snapshots.
+TEST_F(ClipTest, TakesNoMoreMemoryForMoreFrames) {
+  const std::size_t few = PeakOf(40);
+  const std::size_t many = PeakOf(800);
+  EXPECT_LT(many, few + 10'000'000);
+}
+
+TEST_F(ClipTest, OverlaysAndInsetsAreTheSameBytesWithAnyNumberOfThreads) {
+  settings_.film.insets = {{.view = {.kind = ViewKind::kScene, .name = "wrist", .orbit = {}}}};
+  settings_.film.overlays.contacts = true;
+  settings_.film.overlays.forces = true;
+  settings_.film.view = {.kind = ViewKind::kOrbit, .name = {}, .orbit = {}, .turn_deg_per_s = 30};
+  for (const int threads : {1, 4}) {
+    settings_.render_threads = threads;
+    RenderTo({folder_ / fmt::format("{}.mkv", threads), {}});
+  }
+  EXPECT_GT(test::ReadText(folder_ / "1.mkv").size(), 1000U);
+  EXPECT_EQ(test::ReadText(folder_ / "1.mkv"), test::ReadText(folder_ / "4.mkv"));
 }
 
 TEST_F(ClipTest, ReportsEveryFrameInOrderAndTheTimeByTheClockGiven) {
