@@ -86,6 +86,7 @@ class VideoSession {
   ExitCode Compare() {
     const std::vector<scenario::VideoCase> cases = Wanted(flags_);
     std::vector<golden::Golden> goldens;
+    goldens.reserve(cases.size());
     for (const scenario::VideoCase& wanted : cases) goldens.push_back(ReadGoldenOf(wanted));
     std::vector<golden::CaseResult> results;
     for (std::size_t i = 0; i < cases.size(); ++i) {
