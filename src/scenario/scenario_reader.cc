@@ -39,8 +39,15 @@ TickSection TickDefaults(const Scenario& scenario) {
 }
 
 /// "off", or the losses in a row it bridges.
-std::optional<int> ReadViability(const YamlNode& node) {
+std::optional<int> ReadViability(const YamlNode& node, control::CommandInterface interface) {
   if (node.IsScalar() && node.Text() == "off") return {};
+  if (interface != control::CommandInterface::kJointPosition &&
+      interface != control::CommandInterface::kJointVelocity) {
+    node.Fail(fmt::format(
+        "keeps the limits of joint positions and velocities, and motion.interface is {}; say off, "
+        "or leave it out",
+        NameOf(kInterfaceNames, interface)));
+  }
   return static_cast<int>(node.Integer(0, reference::ViableAxis::kMostLost));
 }
 
@@ -63,7 +70,8 @@ void ReadTick(const YamlNode& node, Scenario& scenario) {
   });
   IfGiven(map, "low_pass", [&](const YamlNode& n) { tick.low_pass_hz = ReadCutoff(n); });
   IfGiven(map, "limiter", [&](const YamlNode& n) { tick.limiter = n.Bool(); });
-  IfGiven(map, "viability", [&](const YamlNode& n) { tick.viability = ReadViability(n); });
+  IfGiven(map, "viability",
+          [&](const YamlNode& n) { tick.viability = ReadViability(n, scenario.motion.interface); });
   IfGiven(map, "cost", [&](const YamlNode& n) { tick.cost = ReadDelay(n); });
 }
 

@@ -156,6 +156,7 @@ TEST_F(PlanTest, LeavesTheClientsStagesOffUnlessAskedFor) {
 TEST_F(PlanTest, StartsTheMotionThatGoesWithTheInterface) {
   using control::CommandInterface;
   Scenario scenario = Full();
+  scenario.tick.viability.reset();
   for (const auto& [interface, controller, generator] :
        {std::tuple{CommandInterface::kJointPosition, ControllerMode::kJointImpedance,
                    MotionGeneratorMode::kJointPosition},
