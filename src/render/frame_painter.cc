@@ -157,13 +157,19 @@ class FramePainter::Impl {
 
   void WriteTexts(Time at) {
     if (!film_.title.empty()) scene_.Write(mjGRID_TOPLEFT, film_.title);
-    scene_.Write(mjGRID_BOTTOMLEFT, fmt::format("t = {:.2f} s", ToSeconds(at.time_since_epoch())));
+    // One below the other: beside each other they would meet in a small picture.
+    const std::string note = NoteAt(at);
+    const std::string time = fmt::format("t = {:.2f} s", ToSeconds(at.time_since_epoch()));
+    scene_.Write(mjGRID_BOTTOMLEFT, note.empty() ? time : note + "\n" + time);
+  }
+
+  [[nodiscard]] std::string NoteAt(Time at) const {
     const auto next =
         std::upper_bound(film_.notes.begin(), film_.notes.end(), at,
                          [](Time time, const FilmNote& note) { return time < note.at; });
-    if (next == film_.notes.begin()) return;
+    if (next == film_.notes.begin()) return {};
     const FilmNote& note = *std::prev(next);
-    if (at - note.at < kNoteStays) scene_.Write(mjGRID_BOTTOMRIGHT, note.text);
+    return at - note.at < kNoteStays ? note.text : std::string();
   }
 
   Film film_;
