@@ -51,8 +51,9 @@ struct TickConfig {
   double low_pass_hz = 1000;
   /// libfranka's rate limiter on the command; absent: off.
   std::optional<reference::ClientLimits> limiter;
-  /// Losses in a row under which the joints' limits are kept for ever, by a filter behind everything
-  /// else (reference::ViabilityFilter); absent: off. Joint positions and velocities only.
+  /// Losses in a row under which the joints' limits are kept for ever, by a filter behind
+  /// everything else (reference::ViabilityFilter); absent: off. Joint positions and velocities
+  /// only.
   std::optional<int> viability{};
   /// Of the robot's joints: what that filter and Generator::kRejoining keep to.
   JointLimits limits{};
