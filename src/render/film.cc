@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstddef>
+
 #include "twin/core/error.h"
 
 namespace twin::render {
@@ -28,8 +31,13 @@ void View::Validate() const {
 void FilmSettings::Validate() const {
   render.Validate();
   view.Validate();
-  for (const Inset& inset : insets) {
+  for (std::size_t i = 0; i < insets.size(); ++i) {
+    const Inset& inset = insets[i];
     inset.view.Validate();
+    const auto hides = [&](const Inset& other) { return other.corner == inset.corner; };
+    if (std::any_of(insets.begin() + static_cast<std::ptrdiff_t>(i) + 1, insets.end(), hides)) {
+      throw InputError("render: two insets in one corner, where one hides the other; move one");
+    }
     CheckRange("inset's share of the picture", inset.share, 0.1, 0.5);
   }
   CheckRange("trace (s)", trace_s, 0.1, 1e4);

@@ -42,6 +42,13 @@ void RenderSection::Validate() const {
     scenario::Validate(inset.camera);
     RequireRange("insets.share (%)", inset.share_percent, 10, 50);
   }
+  for (std::size_t i = 0; i < insets.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (insets[k].corner != insets[i].corner) continue;
+      throw InputError(fmt::format("render.insets: two at {}, where one hides the other; move one",
+                                   NameOf(kPictureCornerNames, insets[i].corner)));
+    }
+  }
   for (std::size_t i = 0; i < overlays.size(); ++i) {
     if (std::count(overlays.begin(), overlays.end(), overlays[i]) > 1) {
       throw InputError(fmt::format("render.overlays: {} is there twice; leave one of them out",

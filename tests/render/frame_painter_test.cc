@@ -145,6 +145,14 @@ TEST_F(FramePainterTest, PutsAnInsetIntoItsCornerAndNowhereElse) {
   EXPECT_EQ(changes.outside, 0);
 }
 
+TEST_F(FramePainterTest, RefusesTwoInsetsInOneCorner) {
+  const Inset gripper{.view = {.kind = ViewKind::kGripper, .name = {}, .orbit = {}}};
+  settings_.insets = {gripper, gripper};
+  EXPECT_THROW(static_cast<void>(Paint()), InputError);
+  settings_.insets[1].corner = Corner::kBottomRight;
+  EXPECT_NO_THROW(static_cast<void>(Paint()));
+}
+
 TEST_F(FramePainterTest, TheGrippersCameraHasTheToolInTheMiddle) {
   settings_.view.kind = ViewKind::kGripper;
   for (const double turn : {0.0, 1.0}) {

@@ -59,7 +59,7 @@ struct FilmSettings {
   double trace_s = 3;       ///< how far back the trace goes, s, > 0
   double newton_m = 0.004;  ///< length of an arrow per newton, m, > 0
 
-  /// @throws InputError naming field, value and range.
+  /// @throws InputError naming field, value and range; for two insets in one corner.
   void Validate() const;
 };
 
