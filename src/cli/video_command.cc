@@ -15,6 +15,7 @@
 #include "twin/core/error.h"
 #include "twin/golden/approval.h"
 #include "twin/golden/comparison.h"
+#include "twin/golden/goldens_lock.h"
 #include "twin/golden/page.h"
 
 namespace twin::cli {
@@ -99,9 +100,12 @@ class VideoSession {
   }
 
   ExitCode Approve() {
-    for (const scenario::VideoCase& wanted : Wanted(flags_)) {
+    const std::vector<scenario::VideoCase> cases = Wanted(flags_);
+    const golden::GoldensLock lock(flags_.goldens);
+    for (const scenario::VideoCase& wanted : cases) golden::RequireNothingElse(FolderOf(wanted));
+    for (const scenario::VideoCase& wanted : cases) {
       std::optional<golden::Golden> old;
-      if (fs::exists(FolderOf(wanted))) old = golden::ReadGolden(FolderOf(wanted));
+      if (golden::HasGolden(FolderOf(wanted))) old = golden::ReadGolden(FolderOf(wanted));
       VideoCaseRun run(wanted, flags_, host_, catalogue_);
       run.Take(nullptr);
       const golden::Approved approved =
@@ -120,7 +124,7 @@ class VideoSession {
   }
 
   [[nodiscard]] golden::Golden ReadGoldenOf(const scenario::VideoCase& wanted) const {
-    if (fs::exists(FolderOf(wanted))) return golden::ReadGolden(FolderOf(wanted));
+    if (golden::HasGolden(FolderOf(wanted))) return golden::ReadGolden(FolderOf(wanted));
     throw InputError(fmt::format("{}: nothing was approved of this case yet: {}",
                                  FolderOf(wanted).string(), ApproveCommand(wanted, flags_)));
   }

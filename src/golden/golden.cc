@@ -2,10 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <fstream>
+#include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "golden/exchange.h"
 #include "golden/golden_text.h"
 #include "golden/grey_png.h"
 #include "twin/core/error.h"
@@ -39,20 +44,17 @@ class ViewFiles {
 template <typename Picture>
 Picture RequireSize(Picture picture, const ViewPictures& view, const fs::path& path) {
   if (picture.width == view.width && picture.height == view.height) return picture;
-  throw InputError(fmt::format(
-      "{}: is of {} x {} pixels, {} says {} x {}; restore it, or remove "
-      "the folder and approve the case anew",
-      path.string(), picture.width, picture.height, kGoldenFile, view.width, view.height));
+  throw InputError(fmt::format("{}: is of {} x {} pixels, {} says {} x {}", path.string(),
+                               picture.width, picture.height, kGoldenFile, view.width,
+                               view.height));
 }
 
 void ReadPictures(const fs::path& folder, std::size_t frames, ViewPictures& view) {
   const ViewFiles files(folder, view.name);
   view.signatures = SplitSignatures(render::ReadPng(files.Signatures()), frames);
   if (view.signatures.empty()) {
-    throw InputError(
-        fmt::format("{}: is not of the size that {} frames make; restore it, or "
-                    "remove the folder and approve the case anew",
-                    files.Signatures().string(), frames));
+    throw InputError(fmt::format("{}: is not of the size that {} frames make",
+                                 files.Signatures().string(), frames));
   }
   for (KeyPicture& key : view.keys) {
     const fs::path colour = files.Colour(key.frame);
@@ -64,42 +66,32 @@ void ReadPictures(const fs::path& folder, std::size_t frames, ViewPictures& view
   }
 }
 
+void WriteFile(const fs::path& path, std::string_view bytes) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary);
+  file << bytes;
+  file.close();
+  if (file) return;
+  throw EnvironmentError(fmt::format("{}: cannot be written ({})", path.string(),
+                                     std::generic_category().message(errno)));
+}
+
+void WriteColours(const fs::path& path, const render::Image& picture) {
+  const std::vector<char> png = render::EncodePng(picture);
+  WriteFile(path, {png.data(), png.size()});
+}
+
 void WriteInto(const fs::path& folder, const Golden& golden) {
   for (const ViewPictures& view : golden.pictures.views) {
     const ViewFiles files(folder, view.name);
-    render::WritePng(files.Signatures(), JoinSignatures(view.signatures));
+    WriteColours(files.Signatures(), JoinSignatures(view.signatures));
     for (const KeyPicture& key : view.keys) {
-      render::WritePng(files.Colour(key.frame), key.colour);
+      WriteColours(files.Colour(key.frame), key.colour);
       WriteDepths(files.Depth(key.frame), key.depth);
       WriteBodies(files.Bodies(key.frame), key.bodies);
     }
   }
-  const fs::path path = folder / kGoldenFile;
-  std::ofstream file(path, std::ios::binary);
-  file << TextOf(golden);
-  file.close();
-  if (!file) throw EnvironmentError(fmt::format("{}: cannot be written", path.string()));
-}
-
-fs::path Beside(const fs::path& folder, const char* end) {
-  fs::path other = folder;
-  other += end;
-  return other;
-}
-
-/// Puts `made` where `folder` is.
-void Exchange(const fs::path& made, const fs::path& folder) {
-  const fs::path old = Beside(folder, ".old");
-  fs::remove_all(old);
-  const bool replaces = fs::exists(folder);
-  if (replaces) fs::rename(folder, old);
-  try {
-    fs::rename(made, folder);
-  } catch (const fs::filesystem_error&) {
-    if (replaces) fs::rename(old, folder);
-    throw;
-  }
-  fs::remove_all(old);
+  WriteFile(folder / kGoldenFile, TextOf(golden));
 }
 
 void RequireFewBodies(const Pictures& pictures) {
@@ -109,32 +101,98 @@ void RequireFewBodies(const Pictures& pictures) {
                                pictures.bodies.size(), kMost));
 }
 
+/// The names of a golden's files.
+std::set<std::string> FilesOf(const Golden& golden) {
+  std::set<std::string> names{kGoldenFile};
+  for (const ViewPictures& view : golden.pictures.views) {
+    const ViewFiles files("", view.name);
+    names.insert(files.Signatures());
+    for (const KeyPicture& key : view.keys) {
+      names.insert({files.Colour(key.frame), files.Depth(key.frame), files.Bodies(key.frame)});
+    }
+  }
+  return names;
+}
+
+[[noreturn]] void ThrowWithCure(const InputError& error, const fs::path& folder) {
+  throw InputError(fmt::format(
+      "{}; bring it back (git checkout -- {}), or remove the folder and approve the case anew",
+      error.what(), folder.string()));
+}
+
+[[noreturn]] void ThrowForeign(const fs::path& path) {
+  throw InputError(fmt::format(
+      "{}: not written by panda-twin video approve, which replaces the folder; move it elsewhere",
+      path.string()));
+}
+
+/// The names of the files that a golden's folder should have.
+std::set<std::string> FilesIn(const fs::path& folder) {
+  if (!fs::exists(folder / kGoldenFile)) return {};
+  try {
+    return FilesOf(ReadGoldenText(folder / kGoldenFile));
+  } catch (const InputError& error) {
+    ThrowWithCure(error, folder);
+  }
+}
+
+void RemovePartial(const fs::path& made) {
+  std::error_code ignored;
+  fs::remove_all(made, ignored);
+}
+
 }  // namespace
 
-Golden ReadGolden(const fs::path& folder) {
-  Golden golden = ReadGoldenText(folder / kGoldenFile);
-  for (ViewPictures& view : golden.pictures.views) {
-    ReadPictures(folder, golden.pictures.frames, view);
+bool HasGolden(const fs::path& folder) {
+  return fs::exists(WholeOf(folder));
+}
+
+Golden ReadGolden(const fs::path& named) {
+  const fs::path folder = WholeOf(named);
+  try {
+    Golden golden = ReadGoldenText(folder / kGoldenFile);
+    for (ViewPictures& view : golden.pictures.views) {
+      ReadPictures(folder, golden.pictures.frames, view);
+    }
+    return golden;
+  } catch (const InputError& error) {
+    ThrowWithCure(error, named);
   }
-  return golden;
+}
+
+void RequireNothingElse(const fs::path& named) {
+  const fs::path folder = WholeOf(named);
+  try {
+    if (!fs::exists(folder)) return;
+    const std::set<std::string> ours = FilesIn(folder);
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (!ours.contains(entry.path().filename())) ThrowForeign(entry.path());
+    }
+  } catch (const fs::filesystem_error& error) {
+    throw EnvironmentError(
+        fmt::format("{}: cannot be read ({})", folder.string(), error.code().message()));
+  }
 }
 
 void WriteGolden(const fs::path& folder, const Golden& golden) {
   RequireFewBodies(golden.pictures);
-  const fs::path made = Beside(folder, ".partial");
+  const fs::path made = PartialOf(folder);
   try {
+    RequireNothingElse(folder);
     fs::remove_all(made);
     fs::create_directories(made);
     WriteInto(made, golden);
     Exchange(made, folder);
   } catch (const fs::filesystem_error& error) {
-    std::error_code ignored;
-    fs::remove_all(made, ignored);
+    RemovePartial(made);
     throw EnvironmentError(fmt::format("{}: cannot be written ({}); what was there is as it was",
                                        folder.string(), error.code().message()));
+  } catch (const EnvironmentError& error) {
+    RemovePartial(made);
+    throw EnvironmentError(fmt::format(
+        "{}; what was approved before is as it was: make room, and approve again", error.what()));
   } catch (const Error&) {
-    std::error_code ignored;
-    fs::remove_all(made, ignored);
+    RemovePartial(made);
     throw;
   }
 }

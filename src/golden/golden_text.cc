@@ -4,11 +4,13 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cerrno>
 #include <charconv>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string_view>
+#include <system_error>
 
 #include "twin/core/error.h"
 #include "twin/core/quantity.h"
@@ -116,6 +118,17 @@ void RequireSense(const Golden& golden) {
   }
 }
 
+std::string ReadText(const std::filesystem::path& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  file.peek();  // a folder opens, and cannot be read
+  if (!file.is_open() || file.bad()) {
+    throw InputError(fmt::format("{}: cannot be read ({})", path.string(),
+                                 std::generic_category().message(errno)));
+  }
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 }  // namespace
 
 std::string TextOf(const Golden& golden) {
@@ -151,9 +164,7 @@ std::string TextOf(const Golden& golden) {
 }
 
 Golden ReadGoldenText(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw InputError(fmt::format("{}: cannot be read", path.string()));
+  const std::string text = ReadText(path);
   try {
     Golden golden = GoldenOf(YAML::Load(text));
     RequireSense(golden);

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Compares and approves pictures by the command line: video_test.py PROGRAM SOURCE_TREE [unittest options]."""
 
+import fcntl
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -116,6 +118,23 @@ views:
             self.assertIn("the same", self.video("check", "small", "--log", self.folder / log))
         self.write(CASE, "other")
         self.assertIn("--log goes with one case", self.video("check", "--log", self.folder, code=3))
+
+    def test_a_second_approval_at_the_same_time_is_refused(self):
+        self.approve()
+        before = self.approved()
+        folder = os.open(self.goldens, os.O_RDONLY)
+        self.addCleanup(os.close, folder)
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        self.assertIn("another approval writes into", self.video("approve", "small", "--reason", "x", code=4))
+        self.assertEqual(self.approved(), before)
+
+    def test_a_file_beside_the_pictures_is_refused_before_the_run_and_kept(self):
+        self.approve()
+        (self.goldens / "small/notes.txt").write_text("mine")
+        shutil.rmtree(self.folder / "out")
+        self.assertIn("small/notes.txt: ", self.video("approve", "small", "--reason", "x", code=3))
+        self.assertFalse((self.folder / "out").exists())
+        self.assertEqual((self.goldens / "small/notes.txt").read_text(), "mine")
 
     def test_without_a_reason_nothing_is_approved(self):
         self.video("approve", "small", code=2)

@@ -3,12 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
 #include <fstream>
 #include <functional>
+#include <optional>
+#include <thread>
 
 #include "golden/made_up_golden.h"
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
+#include "twin/golden/goldens_lock.h"
 #include "twin/render/png.h"
 
 namespace twin::golden {
@@ -29,6 +38,13 @@ class GoldenTest : public testing::Test {
       return error.what();
     }
     return "";
+  }
+
+  [[noreturn]] void WriteForever() noexcept {
+    while (true) {
+      ++golden_.states[0];
+      WriteGolden(at_, golden_);
+    }
   }
 
   void Replace(const std::string& old, const std::string& with) {
@@ -100,11 +116,100 @@ TEST_F(GoldenTest, StaysAsItWasWhenTheNewOneCannotBeWritten) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "goldens"), {}), 1);
 }
 
+TEST_F(GoldenTest, IsThereWhenTheExchangeWasKilledBetweenItsSteps) {
+  fs::rename(at_, folder_ / "goldens/case.replaced");
+  fs::create_directories(folder_ / "goldens/case.partial");
+  EXPECT_TRUE(HasGolden(at_));
+  EXPECT_EQ(ReadGolden(at_).states, golden_.states);
+}
+
+TEST_F(GoldenTest, IsReplacedAfterTheExchangeWasKilledBetweenItsSteps) {
+  fs::rename(at_, folder_ / "goldens/case.replaced");
+  fs::create_directories(folder_ / "goldens/case.partial");
+  golden_.states = {8};
+  WriteGolden(at_, golden_);
+  EXPECT_EQ(ReadGolden(at_).states, golden_.states);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "goldens"), {}), 1);
+}
+
+TEST_F(GoldenTest, IsNotThereWhenNothingWasApproved) {
+  EXPECT_FALSE(HasGolden(folder_ / "goldens/other"));
+}
+
+// However it is killed: while one process writes in a loop, a whole golden can be read, old or new.
+TEST_F(GoldenTest, IsWholeWheneverTheWriterIsKilled) {
+  for (int kill_after_ms = 1; kill_after_ms <= 20; ++kill_after_ms) {
+    const pid_t writer = ::fork();
+    if (writer == 0) WriteForever();
+    std::this_thread::sleep_for(std::chrono::milliseconds(kill_after_ms));
+    ::kill(writer, SIGKILL);
+    ::waitpid(writer, nullptr, 0);
+    EXPECT_NO_THROW(static_cast<void>(ReadGolden(at_))) << kill_after_ms;
+  }
+}
+
+TEST_F(GoldenTest, RefusesToReplaceWhatItDidNotWrite) {
+  std::ofstream(at_ / "notes.txt") << "mine";
+  golden_.states = {8};
+  try {
+    WriteGolden(at_, golden_);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("case/notes.txt"));
+  }
+  EXPECT_EQ(test::ReadText(at_ / "notes.txt"), "mine");
+  EXPECT_EQ(ReadGolden(at_).states, std::vector<std::uint64_t>{7});
+}
+
+TEST_F(GoldenTest, RefusesToReplaceAFolderThatIsNoGolden) {
+  fs::create_directories(folder_ / "mine/video");
+  EXPECT_THROW(WriteGolden(folder_ / "mine", golden_), InputError);
+  EXPECT_TRUE(fs::exists(folder_ / "mine/video"));
+}
+
+TEST_F(GoldenTest, IsApprovedByOneAtATime) {
+  std::optional<GoldensLock> first(at_.parent_path());
+  EXPECT_THROW(GoldensLock(at_.parent_path()), EnvironmentError);
+  first.reset();
+  EXPECT_NO_THROW(GoldensLock(at_.parent_path()));
+}
+
+TEST_F(GoldenTest, StaysAsItWasOnAFullDiskAndSaysWhatToDo) {
+  // A limit on the size of files stands for the full disk.
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{20, before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  std::string refusal;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  try {
+    WriteGolden(at_, golden_);
+  } catch (const EnvironmentError& error) {
+    refusal = error.what();
+  }
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_THAT(refusal, HasSubstr("overview.png: cannot be written (File too large)"));
+  EXPECT_THAT(refusal, HasSubstr("make room, and approve again"));
+  EXPECT_EQ(ReadGolden(at_).states, golden_.states);
+}
+
 TEST_F(GoldenTest, NamesAMissingFile) {
   fs::remove(at_ / "hand_0004_depth.png");
   EXPECT_THAT(Refusal(), HasSubstr("hand_0004_depth.png"));
   fs::remove(at_ / kGoldenFile);
-  EXPECT_THAT(Refusal(), HasSubstr("golden.yaml: cannot be read"));
+  EXPECT_THAT(Refusal(), HasSubstr("golden.yaml: cannot be read (No such file or directory)"));
+}
+
+TEST_F(GoldenTest, SaysHowToGetBackWhatIsMissing) {
+  fs::remove(at_ / "hand.png");
+  EXPECT_THAT(Refusal(), HasSubstr("git checkout -- " + at_.string()));
+}
+
+TEST_F(GoldenTest, SaysWhyItsTextCannotBeRead) {
+  fs::remove(at_ / kGoldenFile);
+  fs::create_directory(at_ / kGoldenFile);
+  EXPECT_THAT(Refusal(), HasSubstr("golden.yaml: cannot be read (Is a directory)"));
 }
 
 TEST_F(GoldenTest, NamesADamagedPicture) {
