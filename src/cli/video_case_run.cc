@@ -1,13 +1,17 @@
 #include "cli/video_case_run.h"
 
 #include <algorithm>
+#include <sstream>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "cli/picture.h"
+#include "cli/result_folder.h"
+#include "cli/run_setup.h"
 #include "cli/say.h"
 #include "twin/core/error.h"
+#include "twin/record/log_reader.h"
 #include "twin/render/frame_painter.h"
 #include "twin/scenario/data_directory.h"
 #include "twin/scenario/states_hash.h"
@@ -36,6 +40,72 @@ scenario::RunFiles FilesFor(const VideoFlags& flags, const Host& host) {
   return {data.models, data.mesh_package, host.cache, false};
 }
 
+/// How the case is run.
+RunFlags FlagsOf(const scenario::VideoCase& wanted, const VideoFlags& flags,
+                 const scenario::RunFiles& files) {
+  RunFlags run;
+  run.scenario = files.models / wanted.scenario;
+  run.lab = wanted.lab;
+  run.seed = wanted.seed;
+  run.out = flags.out / wanted.name;
+  run.no_video = true;
+  run.quiet = true;
+  run.data = flags.data;
+  return run;
+}
+
+/// Where two texts differ first, in words. @pre they differ.
+std::string FirstDifference(const std::string& theirs, const std::string& wanted) {
+  std::istringstream left(theirs);
+  std::istringstream right(wanted);
+  std::string a;
+  std::string b;
+  while (std::getline(left, a) && std::getline(right, b) && a == b) continue;
+  const auto trim = [](const std::string& line) {
+    constexpr std::size_t kMost = 100;
+    return line.substr(std::min(line.find_first_not_of(" -"), line.size()), kMost);
+  };
+  return fmt::format("\"{}\", the case's \"{}\"", trim(a), trim(b));
+}
+
+/// @returns what a log's run has other than the case, in words; empty: nothing. From where it was
+/// filmed is no part of it.
+std::string DifferenceOf(scenario::Scenario theirs, scenario::Scenario wanted) {
+  if (theirs.name != wanted.name) {
+    return fmt::format("its scenario is {}, the case's {}", theirs.name, wanted.name);
+  }
+  if (theirs.seed != wanted.seed) {
+    return fmt::format("its seed is {}, the case's {}", theirs.seed, wanted.seed);
+  }
+  theirs.render = wanted.render;
+  const std::string text = ToYaml(theirs);
+  const std::string wanted_text = ToYaml(wanted);
+  if (text == wanted_text) return {};
+  return "its scenario's text (or lab) is another: " + FirstDifference(text, wanted_text);
+}
+
+/// @throws InputError when the log's run is not the case's, or, to approve, is not whole.
+void RequireRunOf(const scenario::VideoCase& wanted, const std::filesystem::path& log,
+                  const VideoFlags& flags, const scenario::RunFiles& files, const Host& host) {
+  const record::LogReader reader(log);
+  if (reader.truncated()) {
+    const std::string cut =
+        fmt::format("{}: the run was killed, and its last part is missing", log.string());
+    if (flags.deed == VideoDeed::kApprove) {
+      throw InputError(cut + "; approve the log of a whole run");
+    }
+    Say(stderr, fmt::format("panda-twin: note: {}\n", cut));
+  }
+  const std::string& text = reader.run().scenario_yaml;
+  if (text.empty()) return;  // nothing can be drawn of such a log: replay::Recording says so
+  const std::string difference =
+      DifferenceOf(scenario::Parse(text, log.string() + ": scenario.yaml"),
+                   LoadWithFlags(FlagsOf(wanted, flags, files), host));
+  if (difference.empty()) return;
+  throw InputError(
+      fmt::format("{}: not a run of the case {}: {}", log.string(), wanted.name, difference));
+}
+
 }  // namespace
 
 VideoCaseRun::VideoCaseRun(const scenario::VideoCase& wanted, const VideoFlags& flags,
@@ -43,7 +113,8 @@ VideoCaseRun::VideoCaseRun(const scenario::VideoCase& wanted, const VideoFlags& 
     : plan_(PlanOf(wanted)) {
   const scenario::RunFiles files = FilesFor(flags, host);
   if (flags.log) {
-    log_ = std::filesystem::is_directory(*flags.log) ? *flags.log / "run.mcap" : *flags.log;
+    log_ = FindLog(*flags.log);
+    RequireRunOf(wanted, log_, flags, files, host);
   } else {
     Run(wanted, flags, host, catalogue);
   }
@@ -53,14 +124,7 @@ VideoCaseRun::VideoCaseRun(const scenario::VideoCase& wanted, const VideoFlags& 
 
 void VideoCaseRun::Run(const scenario::VideoCase& wanted, const VideoFlags& flags, const Host& host,
                        const scenario::Catalogue& catalogue) {
-  RunFlags run;
-  run.scenario = FilesFor(flags, host).models / wanted.scenario;
-  run.lab = wanted.lab;
-  run.seed = wanted.seed;
-  run.out = flags.out / wanted.name;
-  run.no_video = true;
-  run.quiet = true;
-  run.data = flags.data;
+  const RunFlags run = FlagsOf(wanted, flags, FilesFor(flags, host));
   log_ = run.out / "run.mcap";
   try {
     static_cast<void>(RunCommand(run, host, catalogue));

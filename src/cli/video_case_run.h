@@ -18,8 +18,9 @@ class VideoCaseRun {
  public:
   /// Runs the case, unless the flags name a log. A run that fails is taken as it came out: its
   /// pictures tell more.
-  /// @throws InputError for a scenario, lab or log that is not acceptable; EnvironmentError without
-  /// the robot's meshes; Interrupted.
+  /// @throws InputError for a scenario, lab or log that is not acceptable, a log of another run
+  /// than the case's, and, to approve, one of a run that was killed; EnvironmentError without the
+  /// robot's meshes; Interrupted.
   VideoCaseRun(const scenario::VideoCase& wanted, const VideoFlags& flags, const Host& host,
                const scenario::Catalogue& catalogue);
 

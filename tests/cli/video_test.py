@@ -119,6 +119,41 @@ views:
         self.write(CASE, "other")
         self.assertIn("--log goes with one case", self.video("check", "--log", self.folder, code=3))
 
+    def test_a_recorded_run_of_another_case_is_refused_by_what_differs(self):
+        self.approve()
+        before = self.approved()
+        text = (SOURCE / "models/scenarios/smoke.yaml").read_text()
+        other = self.folder / "other.yaml"
+        for old, new, case, says in (
+                ("name: smoke", "name: other", "", "its scenario is smoke, the case's other"),
+                ("", "", "seed: 5\n", "its seed is 1, the case's 5"),
+                ("scale: 0.2", "scale: 0.25", "", "its scenario's text (or lab) is another: \""),
+        ):
+            with self.subTest(says=says):
+                other.write_text(text.replace(old, new))
+                self.write(CASE.replace("scenarios/smoke.yaml", str(other)) + case)
+                for deed in (("check",), ("approve", "--reason", "x")):
+                    error = self.video(deed[0], "small", *deed[1:], "--log", self.folder / "out/small", code=3)
+                    self.assertIn("run.mcap: not a run of the case small: " + says, error)
+                    self.assertEqual(len(error.splitlines()), 1)
+        self.assertEqual(self.approved(), before)
+
+    def test_a_recorded_run_filmed_otherwise_is_a_run_of_the_case(self):
+        self.approve()
+        smoke = self.folder / "smoke.yaml"
+        smoke.write_text((SOURCE / "models/scenarios/smoke.yaml").read_text() + "render: {width: 80}\n")
+        self.write(CASE.replace("scenarios/smoke.yaml", str(smoke)))
+        self.assertIn("the same", self.video("check", "small", "--log", self.folder / "out/small"))
+
+    def test_a_killed_run_is_not_approved_and_noted_by_a_check(self):
+        self.approve()
+        whole = (self.folder / "out/small/run.mcap").read_bytes()
+        cut = self.folder / "cut.mcap"
+        cut.write_bytes(whole[:len(whole) * 3 // 4])
+        error = self.video("approve", "small", "--reason", "x", "--log", cut, code=3)
+        self.assertIn("cut.mcap: the run was killed", error)
+        self.assertIn("note: " + str(cut), self.video("check", "small", "--log", cut, code=1))
+
     def test_a_second_approval_at_the_same_time_is_refused(self):
         self.approve()
         before = self.approved()
