@@ -53,7 +53,7 @@ class ApplicationSession {
           return run_->connection();
         });
     TellIfWithoutMeshes(scenario_, run_->connection());
-    if (makes_video()) CheckPicture(run_->connection(), scenario_.render);
+    if (makes_video()) CheckPicture(run_->connection(), scenario_.render, flags.scenario);
     out_.Prepare();
     times_.prepare_s = SecondsSince(Time());
   }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "cli/progress.h"
+#include "twin/core/error.h"
 #include "twin/render/frame_painter.h"
 
 namespace twin::cli {
@@ -73,9 +74,14 @@ render::FilmSettings FilmOf(const scenario::RenderSection& wanted) {
   return film;
 }
 
-void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted) {
+void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted,
+                  const std::filesystem::path& scenario) {
   const render::Snapshots none(wanted.fps, connection.truth->qpos_size());
-  const render::FramePainter painter({&connection.truth->model(), &none}, FilmOf(wanted));
+  try {
+    const render::FramePainter painter({&connection.truth->model(), &none}, FilmOf(wanted));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scenario.string(), error.what()));
+  }
 }
 
 int RenderThreads(unsigned processors) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+
 #include "cli/interrupt.h"
 #include "cli/result_folder.h"
 #include "twin/backend/registry.h"
@@ -15,9 +17,11 @@ namespace twin::cli {
 
 /// Tries the renderer once, before a run writes anything.
 /// @pre connection.truth is not null.
-/// @throws InputError for a camera or body the scene does not have; EnvironmentError without
-/// OSMesa.
-void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted);
+/// @param scenario  the file that wants it, for messages.
+/// @throws InputError naming it for a camera or body the scene does not have; EnvironmentError
+/// without OSMesa.
+void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted,
+                  const std::filesystem::path& scenario);
 
 /// @returns how many threads draw best: one for each processor, within what RenderClip takes.
 /// @param processors  0 when unknown.

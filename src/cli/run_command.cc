@@ -48,7 +48,7 @@ class Session {
           return run_->connection();
         });
     TellIfWithoutMeshes(scenario_, run_->connection());
-    if (makes_video()) CheckPicture(run_->connection(), scenario_.render);
+    if (makes_video()) CheckPicture(run_->connection(), scenario_.render, flags.scenario);
     out_.Prepare();
     times_.prepare_s = SecondsSince(Time());
     if (const auto planning = run_->planning_time()) times_.planning_s = ToSeconds(*planning);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <string>
 
 #include <fmt/format.h>
@@ -36,25 +37,26 @@ std::string DescribeMotion(const scenario::MotionSection& motion,
       points, length_s, Largest(peaks.velocity), Largest(peaks.acceleration), Largest(peaks.jerk));
 }
 
-void CheckCamera(const scenario::Scenario& scenario, const backend::Connection& connection) {
+void CheckCamera(const scenario::Scenario& scenario, const std::filesystem::path& file,
+                 const backend::Connection& connection) {
   if (scenario.render.enabled && connection.truth != nullptr) {
-    CheckPicture(connection, scenario.render);
+    CheckPicture(connection, scenario.render, file);
   }
 }
 
-std::string CheckMotion(const scenario::Scenario& scenario, const scenario::Catalogue& catalogue,
-                        const scenario::RunFiles& files) {
+std::string CheckMotion(const scenario::Scenario& scenario, const std::filesystem::path& file,
+                        const scenario::Catalogue& catalogue, const scenario::RunFiles& files) {
   const scenario::Run run(scenario, catalogue, files, nullptr);
-  CheckCamera(scenario, run.connection());
+  CheckCamera(scenario, file, run.connection());
   return fmt::format("  motion  {}\n", DescribeMotion(scenario.motion, run.trajectory()));
 }
 
-std::string CheckApplication(const scenario::Scenario& scenario,
+std::string CheckApplication(const scenario::Scenario& scenario, const std::filesystem::path& file,
                              const scenario::Catalogue& catalogue,
                              const scenario::RunFiles& files) {
   const MonotonicClock clock;
   const application::ApplicationRun run(scenario, catalogue, files, nullptr, clock);
-  CheckCamera(scenario, run.connection());
+  CheckCamera(scenario, file, run.connection());
   return fmt::format("  application  {}; what it does is planned as it goes\n",
                      scenario.application->type);
 }
@@ -68,8 +70,9 @@ ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,
   const auto data =
       scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes});
   const scenario::RunFiles files{data.models, data.mesh_package, host.cache, false};
-  const std::string text = scenario.application ? CheckApplication(scenario, catalogue, files)
-                                                : CheckMotion(scenario, catalogue, files);
+  const std::string text = scenario.application
+                               ? CheckApplication(scenario, flags.scenario, catalogue, files)
+                               : CheckMotion(scenario, flags.scenario, catalogue, files);
   Say(stdout, fmt::format("{}: ok\n{}", flags.scenario.string(), text));
   FinishOutput();
   return kOk;

@@ -110,7 +110,7 @@ void RequireRunOf(const scenario::VideoCase& wanted, const std::filesystem::path
 
 VideoCaseRun::VideoCaseRun(const scenario::VideoCase& wanted, const VideoFlags& flags,
                            const Host& host, const scenario::Catalogue& catalogue)
-    : plan_(PlanOf(wanted)) {
+    : file_(flags.goldens / (wanted.name + ".yaml")), plan_(PlanOf(wanted)) {
   const scenario::RunFiles files = FilesFor(flags, host);
   if (flags.log) {
     log_ = FindLog(*flags.log);
@@ -140,7 +140,11 @@ void VideoCaseRun::Take(const golden::Golden* golden) {
     keys.emplace();
     for (const golden::KeyPicture& key : golden->pictures.views[0].keys) keys->push_back(key.frame);
   }
-  pictures_ = golden::TakePictures(recording_->Film(), plan_, keys);
+  try {
+    pictures_ = golden::TakePictures(recording_->Film(), plan_, keys);
+  } catch (const InputError& error) {  // a body or camera that the model lacks, say
+    throw InputError(fmt::format("{}: {}", file_.string(), error.what()));
+  }
 }
 
 golden::Evidence VideoCaseRun::Evidence() const {

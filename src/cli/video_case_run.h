@@ -25,6 +25,7 @@ class VideoCaseRun {
                const scenario::Catalogue& catalogue);
 
   /// Takes the pictures. @param golden  whose key frames are taken; null: by the case.
+  /// @throws InputError naming the case's file when a view's body or camera is not in the model.
   void Take(const golden::Golden* golden);
 
   /// @pre Take(). Refers to this.
@@ -36,6 +37,7 @@ class VideoCaseRun {
   void Run(const scenario::VideoCase& wanted, const VideoFlags& flags, const Host& host,
            const scenario::Catalogue& catalogue);
 
+  std::filesystem::path file_;  ///< of the case, for messages
   golden::PicturePlan plan_;
   std::filesystem::path log_;
   std::optional<replay::Recording> recording_;

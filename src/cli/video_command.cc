@@ -1,7 +1,9 @@
 #include "cli/video_command.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
+#include <fstream>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -22,6 +24,21 @@ namespace twin::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Makes the file for machines, and removes it, before the work. @throws EnvironmentError.
+void TryJunit(const fs::path& file) {
+  std::error_code error;
+  const fs::path partial = PartialOf(file);
+  errno = 0;
+  std::ofstream probe(partial);
+  const int why = probe ? (fs::is_directory(file, error) ? EISDIR : 0) : errno;
+  if (probe) fs::remove(partial, error);
+  if (why == 0) return;
+  throw EnvironmentError(
+      fmt::format("--junit: {}: cannot be written ({}); name a file in a folder that exists and "
+                  "may be written to",
+                  file.string(), std::generic_category().message(why)));
+}
 
 constexpr const char* kGoldensFlag = "--goldens names the folder of cases";
 
@@ -86,6 +103,7 @@ class VideoSession {
 
   ExitCode Compare() {
     const std::vector<scenario::VideoCase> cases = Wanted(flags_);
+    if (flags_.junit) TryJunit(*flags_.junit);
     std::vector<golden::Golden> goldens;
     goldens.reserve(cases.size());
     for (const scenario::VideoCase& wanted : cases) goldens.push_back(ReadGoldenOf(wanted));
@@ -150,15 +168,28 @@ class VideoSession {
       return !result.comparison.passed();
     });
     if (flags_.junit) WriteWholeFile(*flags_.junit, golden::JUnitOf(results));
+    const fs::path page = flags_.out / "report.html";
     if (failed > 0 || flags_.deed == VideoDeed::kReport) {
-      const fs::path page = flags_.out / "report.html";
       MakeFolder(flags_.out);
       WriteWholeFile(page, golden::PageOf(results));
       Tell(fmt::format("report                   {}\n", page.string()));
+    } else {
+      RemoveStale(page);
     }
     if (failed == 0 || flags_.deed == VideoDeed::kReport) return kOk;
     throw RobotFault(fmt::format("{} of {} cases look different from what was approved; see {}",
-                                 failed, results.size(), (flags_.out / "report.html").string()));
+                                 failed, results.size(), page.string()));
+  }
+
+  /// An earlier check's page tells of what is no more.
+  static void RemoveStale(const fs::path& page) {
+    if (!golden::IsPage(page)) return;
+    std::error_code error;
+    fs::remove(page, error);
+    if (error) {
+      throw EnvironmentError(fmt::format("{}: of an earlier check, and cannot be removed ({})",
+                                         page.string(), error.message()));
+    }
   }
 
   static void MakeFolder(const fs::path& folder) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <fstream>
 #include <string_view>
 
 #include "golden/page_script.h"
@@ -16,6 +17,8 @@ namespace twin::golden {
 namespace {
 
 using report::Escape;
+
+constexpr std::string_view kTitle = "panda-twin: video regression";
 
 std::string AddressOf(const render::Image& image) {
   const std::vector<char> png = render::EncodePng(image);
@@ -191,8 +194,15 @@ std::string PageOf(std::span<const CaseResult> results) {
       "between them as small as they are kept.</p>\n{}",
       PageStyle(), SummaryHtml(results));
   for (std::size_t i = 0; i < results.size(); ++i) body += CaseHtml(results[i], i);
-  return report::HtmlPage("panda-twin: video regression",
-                          body + fmt::format("<script>{}</script>\n", PageScript()));
+  return report::HtmlPage(kTitle, body + fmt::format("<script>{}</script>\n", PageScript()));
+}
+
+bool IsPage(const std::filesystem::path& file) {
+  constexpr std::size_t kHead = 1000;
+  std::string head(kHead, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(head.data(), kHead);
+  return head.find(fmt::format("<title>{}</title>", kTitle)) != std::string::npos;
 }
 
 std::string JUnitOf(std::span<const CaseResult> results) {

@@ -227,6 +227,12 @@ class BadData(CliTest):
         done = self.run_scenario("scene: scenes/nowhere.xml\n" + self.MUJOCO)
         self.assert_refused(done, 3, "nowhere.xml")
 
+    def test_body_to_follow_that_the_model_lacks(self):
+        text = self.MUJOCO.replace("enabled: false", "camera: {track: no_body}")
+        self.assertNotEqual(text, self.MUJOCO)
+        for done in (self.run_scenario(text), self.call("validate", self.scenario(text), "--data", SOURCE / "models")):
+            self.assert_refused(done, 3, 'scenario.yaml: render: the model has no body named "no_body"')
+
     def test_missing_models(self):
         done = self.run_scenario(SHORT, models=self.folder)
         self.assert_refused(done, 3, "--data")

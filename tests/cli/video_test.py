@@ -79,6 +79,26 @@ class VideoTest(unittest.TestCase):
         self.assertIn("approved: pictures; the rendering changed", self.approve())
         self.assertIn("the same", self.video("check"))
 
+    def test_a_passing_check_takes_an_earlier_ones_page_away(self):
+        self.approve()
+        self.video("report")
+        self.video("check")
+        self.assertFalse((self.folder / "out/report.html").exists())
+
+    def test_a_passing_check_leaves_a_page_that_is_not_its_own(self):
+        self.approve()
+        (self.folder / "out/report.html").write_text("<title>mine</title>")
+        self.video("check")
+        self.assertEqual((self.folder / "out/report.html").read_text(), "<title>mine</title>")
+
+    def test_where_the_file_for_machines_cannot_be_is_said_before_the_run(self):
+        self.approve()
+        shutil.rmtree(self.folder / "out")
+        for file, why in ((self.folder / "no/such.xml", "No such file or directory"), (self.goldens, "Is a directory")):
+            self.assertIn(f"--junit: {file}: cannot be written ({why})", self.video("check", "--junit", file, code=4))
+        self.assertFalse((self.folder / "out").exists())
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["cases"])
+
     def test_a_run_that_differs_too_little_to_be_seen_is_told_and_passes(self):
         text = (SOURCE / "models/scenarios/smoke.yaml").read_text()
         smoke = self.folder / "smoke.yaml"
@@ -210,7 +230,7 @@ views:
                 ("overview:", "over view:", "a view's name has letters"),
                 ("width: 64", "width: 63", "must be even"),
                 ("width: 64", "width: 30", "goldens need at least 32 x 24"),
-                ("{azimuth: 142 deg}", "{track: no_body}", "no_body"),
+                ("{azimuth: 142 deg}", "{track: no_body}", 'cases/small.yaml: render: the model has no body named "no_body"'),
                 ("smoke.yaml", "none.yaml", "none.yaml"),
         ):
             with self.subTest(new=new):

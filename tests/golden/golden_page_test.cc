@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "golden/made_up_golden.h"
+#include "support/temporary_folder.h"
 
 namespace twin::golden {
 namespace {
@@ -48,6 +51,15 @@ TEST(PageTest, TellsVerdictPlaceGatesAndHowToApprove) {
     EXPECT_THAT(page, HasSubstr("<td>" + std::string(Name(static_cast<Gate>(i))) + "</td>"));
   }
   EXPECT_THAT(page, HasSubstr("\"first\":4,\"firstView\":1"));
+}
+
+TEST(PageTest, IsKnownAgain) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "page.html") << PageOf(std::vector{Differing()});
+  std::ofstream(folder / "other.html") << "<title>panda-twin: demo</title>";
+  EXPECT_TRUE(IsPage(folder / "page.html"));
+  EXPECT_FALSE(IsPage(folder / "other.html"));
+  EXPECT_FALSE(IsPage(folder / "none.html"));
 }
 
 TEST(PageTest, EscapesWhatItIsGiven) {

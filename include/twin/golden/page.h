@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,6 +27,9 @@ struct CaseResult {
 /// at the frame, and the command that approves it. The same results give the same bytes.
 /// @throws EnvironmentError as report::DrawChart.
 [[nodiscard]] std::string PageOf(std::span<const CaseResult> results);
+
+/// Whether a file is a page that PageOf() made; one that cannot be read is none.
+[[nodiscard]] bool IsPage(const std::filesystem::path& file);
 
 /// The same for machines, as JUnit's XML: a test case each, whose failure is the verdict.
 [[nodiscard]] std::string JUnitOf(std::span<const CaseResult> results);
