@@ -243,11 +243,14 @@ Findings RunLosses(const Setting& setting) {
   const int runs = std::min(setting.seeds, 3);
   std::vector<Loss> bursts;
   std::vector<double> lengths;
+  bursts.reserve(kBursts.size());
+  lengths.reserve(kBursts.size());
   for (const int burst : kBursts) {
     bursts.push_back({.burst = burst});
     lengths.push_back(burst);
   }
   std::vector<Loss> shares;
+  shares.reserve(kShares.size());
   for (const double share : kShares) shares.push_back({.share_percent = share});
   const Outcomes by_burst = MeasureAll(setting, bursts, runs, 0, 0.55);
   const Outcomes by_share = MeasureAll(setting, shares, runs, 0.55, 1);

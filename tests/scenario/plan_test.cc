@@ -182,7 +182,7 @@ TEST_F(PlanTest, NamesTheLineOfANameThatIsUnknown) {
   EXPECT_THAT(spoiled("backend: mujoco", "backend: gazebo"), HasSubstr("gazebo"));
   EXPECT_THAT(spoiled("floor.xml", "nowhere.xml"), StartsWith("s.yaml:7: scene: "));
   EXPECT_THAT(spoiled("model: panda", "model: pandas"), StartsWith("s.yaml:9: robot.model: "));
-  EXPECT_THAT(spoiled("joint_trajectory", "pid"), StartsWith("s.yaml:43: "));
+  EXPECT_THAT(spoiled("joint_trajectory", "pid"), StartsWith("s.yaml:44: "));
   EXPECT_THAT(spoiled("joint_trajectory", "pid"), HasSubstr("joint_trajectory_effort"));
 }
 
