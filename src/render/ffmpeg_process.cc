@@ -32,11 +32,12 @@ constexpr off_t kMessageTail = 600;
 /// What the child starts with: its descriptors, default signals, a process group of its own.
 class SpawnSettings {
  public:
-  SpawnSettings(int input, int messages) {
+  SpawnSettings(int input, int messages, int lock) {
     posix_spawn_file_actions_init(&actions_);
     posix_spawn_file_actions_adddup2(&actions_, input, STDIN_FILENO);
     posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&actions_, messages, STDERR_FILENO);
+    if (lock >= 0) posix_spawn_file_actions_adddup2(&actions_, lock, STDERR_FILENO + 1);
 
     sigset_t none;
     sigemptyset(&none);
@@ -107,8 +108,8 @@ void FileDescriptor::Reset(int fd) noexcept {
   fd_ = fd;
 }
 
-FfmpegProcess::FfmpegProcess(const std::string& program,
-                             const std::vector<std::string>& arguments) {
+FfmpegProcess::FfmpegProcess(const std::string& program, const std::vector<std::string>& arguments,
+                             int lock) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     ThrowHostError("socketpair", errno);
@@ -117,7 +118,7 @@ FfmpegProcess::FfmpegProcess(const std::string& program,
   const FileDescriptor child_end(ends[1]);
   messages_.Reset(memfd_create("ffmpeg-messages", MFD_CLOEXEC));
   if (messages_.get() < 0) ThrowHostError("memfd_create", errno);
-  Spawn(program, arguments, child_end.get());
+  Spawn(program, arguments, child_end.get(), lock);
 }
 
 FfmpegProcess::~FfmpegProcess() {
@@ -126,8 +127,8 @@ FfmpegProcess::~FfmpegProcess() {
 }
 
 void FfmpegProcess::Spawn(const std::string& program, const std::vector<std::string>& arguments,
-                          int input) {
-  const SpawnSettings settings(input, messages_.get());
+                          int input, int lock) {
+  const SpawnSettings settings(input, messages_.get(), lock);
   std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;

@@ -36,8 +36,10 @@ class FfmpegProcess {
  public:
   /// @param program  looked up in PATH unless it has a slash.
   /// @param arguments  without the program's name.
+  /// @param lock  descriptor that it inherits and holds until it ends; negative: none.
   /// @throws EnvironmentError when it cannot be started.
-  FfmpegProcess(const std::string& program, const std::vector<std::string>& arguments);
+  FfmpegProcess(const std::string& program, const std::vector<std::string>& arguments,
+                int lock = -1);
 
   /// Ends its input and waits for it to end.
   ~FfmpegProcess();
@@ -53,7 +55,8 @@ class FfmpegProcess {
   void Finish();
 
  private:
-  void Spawn(const std::string& program, const std::vector<std::string>& arguments, int input);
+  void Spawn(const std::string& program, const std::vector<std::string>& arguments, int input,
+             int lock);
   /// Waits for the process. @returns the status of waitpid().
   int Wait() noexcept;
   /// Waits for the process. @throws EnvironmentError always: why it ended and its last lines.

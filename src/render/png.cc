@@ -6,8 +6,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <system_error>
 
+#include "render/partial_output.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
 
@@ -40,24 +40,18 @@ std::vector<char> EncodePng(const Image& image) {
 
 void WritePng(const std::filesystem::path& path, const Image& image) {
   const std::vector<char> bytes = EncodePng(image);
-  std::filesystem::path partial = path;
-  partial += ".partial";
+  PartialOutput output(path, PartialOutput::Kind::kFile);
   errno = 0;
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+  std::ofstream file(output.partial(), std::ios::binary | std::ios::trunc);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
   if (!file) {
     throw EnvironmentError(fmt::format(
         "{}: cannot be written ({}). Choose an output folder that exists, may be written and has "
         "room",
-        partial.string(), std::strerror(errno)));
+        output.partial().string(), std::strerror(errno)));
   }
-  std::error_code error;
-  std::filesystem::rename(partial, path, error);
-  if (error) {
-    throw EnvironmentError(
-        fmt::format("{}: cannot be given its name ({})", path.string(), error.message()));
-  }
+  output.Publish();
 }
 
 Image ReadPng(const std::filesystem::path& path) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "twin/core/error.h"
 
@@ -53,13 +54,29 @@ void RequireNoFolder(const fs::path& file) {
                                file.string()));
 }
 
-[[noreturn]] void ThrowRefused(const fs::path& path, const char* what, const std::error_code& why) {
-  throw EnvironmentError(fmt::format("video: {} {} ({})", path.string(), what, why.message()));
-}
-
 /// @returns a path without the slash it may end with.
 fs::path WithoutSlash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
+}
+
+fs::path PartialOf(fs::path path) {
+  return path += ".partial";
+}
+
+/// @returns the path without slash. @throws as CheckVideoPath().
+fs::path Checked(const fs::path& path) {
+  CheckVideoPath(path);
+  return WithoutSlash(path);
+}
+
+/// A folder that holds anything else is left as it is.
+void RemovePictures(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> pictures;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (IsPicture(entry.path().filename().string())) pictures.push_back(entry.path());
+  }
+  for (const fs::path& picture : pictures) fs::remove(picture, error);
 }
 
 }  // namespace
@@ -76,29 +93,41 @@ VideoFormat FormatOf(const fs::path& path) {
       path.string(), extension));
 }
 
-VideoTarget::VideoTarget(const fs::path& path)
-    : format_(FormatOf(path)), path_(WithoutSlash(path)), partial_(path_) {
-  partial_ += ".partial";
-  if (format_ != VideoFormat::kPictures) {
-    RequireNoFolder(path_);
-    return;
+void CheckVideoPath(const fs::path& path) {
+  const VideoFormat format = FormatOf(path);
+  const fs::path plain = WithoutSlash(path);
+  if (!plain.has_filename() || plain.filename() == "." || plain.filename() == "..") {
+    throw InputError(fmt::format(
+        "video: {} is a folder that is there already, not the name of a new one; name a folder in "
+        "it, such as {}",
+        path.string(), (path / "frames/").string()));
   }
-  RequirePicturesOnly(path_);
-  RequirePicturesOnly(partial_);
-  std::error_code error;
-  fs::remove_all(partial_, error);
-  if (!error) fs::create_directory(partial_, error);
-  if (error) ThrowRefused(partial_, "cannot be made", error);
+  if (format == VideoFormat::kPictures) {
+    RequirePicturesOnly(plain);
+    RequirePicturesOnly(PartialOf(plain));
+  } else {
+    RequireNoFolder(plain);
+  }
 }
 
-void VideoTarget::Publish() const {
-  std::error_code error;
+VideoTarget::VideoTarget(const fs::path& path)
+    : format_(FormatOf(path)),
+      path_(Checked(path)),
+      output_(path_, format_ == VideoFormat::kPictures ? PartialOutput::Kind::kFolder
+                                                       : PartialOutput::Kind::kFile) {
+  if (format_ == VideoFormat::kPictures) RemovePictures(partial());
+}
+
+VideoTarget::~VideoTarget() {
+  if (format_ == VideoFormat::kPictures && output_.IsOurs()) RemovePictures(partial());
+}
+
+void VideoTarget::Publish() {
   if (format_ == VideoFormat::kPictures) {
     RequirePicturesOnly(path_);
-    fs::remove_all(path_, error);
+    RemovePictures(path_);
   }
-  if (!error) fs::rename(partial_, path_, error);
-  if (error) ThrowRefused(partial_, "cannot be given its name", error);
+  output_.Publish();
 }
 
 }  // namespace twin::render

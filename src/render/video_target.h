@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "render/partial_output.h"
 #include "twin/render/video_writer.h"
 
 namespace twin::render {
@@ -9,23 +10,27 @@ namespace twin::render {
 /// Where a video is to be: a partial one beside it until it is whole.
 class VideoTarget {
  public:
-  /// Removes the partial pictures of an earlier run, and makes the folder of partial pictures.
-  /// @throws InputError where a video cannot go: a folder where a file is to be, a file where a
-  /// folder is to be, a folder that holds anything but the pictures of a video; EnvironmentError
-  /// when a folder cannot be made.
+  /// Makes the partial one, which nobody else then writes, without the pictures of an earlier run.
+  /// @throws InputError as CheckVideoPath(); EnvironmentError as PartialOutput.
   explicit VideoTarget(const std::filesystem::path& path);
+  /// Removes the partial one, unless it got its name.
+  ~VideoTarget();
+  VideoTarget(const VideoTarget&) = delete;
+  VideoTarget& operator=(const VideoTarget&) = delete;
 
   [[nodiscard]] VideoFormat format() const noexcept { return format_; }
-  [[nodiscard]] const std::filesystem::path& partial() const noexcept { return partial_; }
+  [[nodiscard]] const std::filesystem::path& partial() const noexcept { return output_.partial(); }
+  /// @returns the lock on it, for the process that writes it.
+  [[nodiscard]] int lock() const noexcept { return output_.lock(); }
 
   /// The partial video gets its name, in place of an older one.
   /// @throws EnvironmentError when the system refuses.
-  void Publish() const;
+  void Publish();
 
  private:
   VideoFormat format_;
   std::filesystem::path path_;
-  std::filesystem::path partial_;
+  PartialOutput output_;
 };
 
 }  // namespace twin::render

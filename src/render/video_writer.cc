@@ -40,7 +40,7 @@ class VideoWriter::Encoder {
       : settings_(settings),
         target_(path),
         process_(settings.ffmpeg.string(),
-                 FfmpegArguments(settings, target_.format(), target_.partial())) {}
+                 FfmpegArguments(settings, target_.format(), target_.partial()), target_.lock()) {}
 
   void Write(const Image& image) {
     TWIN_CHECK(image.width == settings_.width && image.height == settings_.height);

@@ -1,7 +1,10 @@
 #include "twin/render/png.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -38,6 +41,30 @@ TEST(PngTest, LeavesNoPartialFileBehind) {
   const test::TemporaryFolder folder;
   WritePng(folder / "a.png", Pattern(8, 8));
   EXPECT_FALSE(std::filesystem::exists(folder / "a.png.partial"));
+}
+
+TEST(PngTest, LeavesNoPartialFileWhereAFolderIsInTheWay) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "a.png/mine");
+  EXPECT_THROW(WritePng(folder / "a.png", Pattern(8, 8)), EnvironmentError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.png.partial"));
+}
+
+TEST(PngTest, LeavesNoPartialFileOnAFullDisk) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink("/dev/full", folder / "a.png.partial");
+  EXPECT_THROW(WritePng(folder / "a.png", Pattern(64, 48)), EnvironmentError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(PngTest, RefusesWhatAnotherWrites) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "a.png.partial") << "half a picture";
+  const int other = open((folder / "a.png.partial").c_str(), O_RDONLY);
+  ASSERT_EQ(flock(other, LOCK_EX), 0);
+  EXPECT_THROW(WritePng(folder / "a.png", Pattern(8, 8)), EnvironmentError);
+  EXPECT_EQ(test::ReadText(folder / "a.png.partial"), "half a picture");
+  close(other);
 }
 
 TEST(PngTest, NamesTheFileThatCannotBeWritten) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mount.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -69,6 +70,7 @@ TEST_P(FullDiskTest, IsReportedAndLeavesTheOlderVideo) {
   EXPECT_THAT(text, testing::HasSubstr("No space left on device"));
   EXPECT_THAT(text, testing::HasSubstr("Make room on the disk"));
   EXPECT_EQ(test::ReadText(path_), "an older video");
+  EXPECT_FALSE(fs::is_symlink(path_.string() + ".partial"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, FullDiskTest, testing::Values(".mp4", ".mkv"),
@@ -94,13 +96,49 @@ TEST_P(SmallDiskTest, ThatFillsUpIsReportedAndHoldsNoWholeVideo) {
   const fs::path path = folder_ / ("disk/a" + GetParam());
   const std::string text = FailureOf(path);
   EXPECT_THAT(text, testing::HasSubstr("No space left on device"));
-  EXPECT_FALSE(fs::exists(path));
+  EXPECT_TRUE(fs::is_empty(folder_ / "disk"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, SmallDiskTest, testing::Values(".mp4", ".mkv", ""),
                          [](const auto& info) {
                            return info.param.empty() ? "folder" : info.param.substr(1);
                          });
+
+class SecondWriterTest : public testing::TestWithParam<std::string> {};
+
+TEST_P(SecondWriterTest, IsRefusedAndTheFirstIsWhole) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder / ("a" + GetParam());
+  VideoWriter first(path, Settings());
+  first.Write(Noise(0));
+  EXPECT_THAT(FailureOf(path), testing::AllOf(testing::HasSubstr("another run writes"),
+                                              testing::HasSubstr(path.string())));
+  first.Write(Noise(1));
+  first.Finish();
+  EXPECT_EQ(FailureOf(path), "no error");  // it is free again
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, SecondWriterTest, testing::Values(".mp4", ".mkv", ""),
+                         [](const auto& info) {
+                           return info.param.empty() ? "folder" : info.param.substr(1);
+                         });
+
+TEST(VideoFaultsTest, APartialOneOfAnotherIsNotPassedOffAsOnesOwn) {
+  const test::TemporaryFolder folder;
+  const fs::path ffmpeg = folder / "ffmpeg.sh";
+  std::ofstream(ffmpeg)
+      << "#!/bin/sh\nfor out; do :; done\necho a video >\"${out#file:}\"\ncat >/dev/null\n";
+  fs::permissions(ffmpeg, fs::perms::owner_all);
+  VideoSettings settings = Settings();
+  settings.ffmpeg = ffmpeg;
+  VideoWriter video(folder / "a.mp4", settings);
+  while (fs::file_size(folder / "a.mp4.partial") == 0) usleep(1000);
+  fs::remove(folder / "a.mp4.partial");
+  std::ofstream(folder / "a.mp4.partial") << "of another";
+  EXPECT_THROW(video.Finish(), EnvironmentError);
+  EXPECT_FALSE(fs::exists(folder / "a.mp4"));
+  EXPECT_EQ(test::ReadText(folder / "a.mp4.partial"), "of another");
+}
 
 TEST(VideoFaultsTest, AnFfmpegWithoutTheEncoderIsNamed) {
   const test::TemporaryFolder folder;

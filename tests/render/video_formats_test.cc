@@ -1,8 +1,12 @@
 // The formats without loss, and what a video may replace.
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdio.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -73,6 +77,21 @@ std::string MessageOf(const fs::path& path, const VideoSettings& settings = OddS
   return "no error";
 }
 
+/// Writes a video in a process that ends in the middle, as one that is killed; waits until ffmpeg,
+/// which holds the lock on the partial one, is done with it.
+void WriteAndDie(const fs::path& path) {
+  const pid_t writer = fork();
+  if (writer == 0) {
+    VideoWriter video(path, OddSettings());
+    for (int i = 0; i < kFrames; ++i) video.Write(Noise(i));
+    _exit(0);
+  }
+  waitpid(writer, nullptr, 0);
+  const int partial = open((path.string() + ".partial").c_str(), O_RDONLY);
+  ASSERT_EQ(flock(partial, LOCK_EX), 0);
+  close(partial);
+}
+
 TEST(VideoFormatTest, FollowsFromTheName) {
   EXPECT_EQ(FormatOf("out/a.mp4"), VideoFormat::kH264);
   EXPECT_EQ(FormatOf("out.d/a.mkv"), VideoFormat::kFfv1);
@@ -129,12 +148,9 @@ TEST(VideoFormatTest, SameFramesGiveTheSameBytes) {
             test::ReadText(folder / "b/frame_000002.png"));
 }
 
-TEST(VideoFormatTest, AbandonedMatroskaPlays) {
+TEST(VideoFormatTest, KilledMatroskaPlays) {
   const test::TemporaryFolder folder;
-  {
-    VideoWriter video(folder / "a.mkv", OddSettings());
-    for (int i = 0; i < kFrames; ++i) video.Write(Noise(i));
-  }
+  WriteAndDie(folder / "a.mkv");
   EXPECT_FALSE(fs::exists(folder / "a.mkv"));
   EXPECT_EQ(Count(folder / "a.mkv.partial"), "ffv1,60\n");
 }
@@ -160,6 +176,12 @@ TEST(VideoFormatTest, TouchesNoFolderThatHoldsAnythingElse) {
   EXPECT_THAT(MessageOf(folder / "work"), testing::HasSubstr("holds thesis.txt"));
   EXPECT_EQ(test::ReadText(folder / "work/thesis.txt"), "years");
   EXPECT_FALSE(fs::exists(folder / "work.partial"));
+}
+
+TEST(VideoFormatTest, TakesNoFolderThatIsThereForTheNameOfANewOne) {
+  for (const char* name : {".", "./", "..", "a/..", "/"}) {
+    EXPECT_THROW(CheckVideoPath(name), InputError) << name;
+  }
 }
 
 TEST(VideoFormatTest, PutsNoFolderInPlaceOfAFile) {

@@ -1,8 +1,12 @@
 #include "twin/render/video_writer.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdio.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <string>
@@ -78,6 +82,21 @@ std::string FailureOf(const std::filesystem::path& path, const VideoSettings& se
   return "no error";
 }
 
+/// Writes a video in a process that ends in the middle, as one that is killed; waits until ffmpeg,
+/// which holds the lock on the partial one, is done with it.
+void WriteAndDie(const std::filesystem::path& path) {
+  const pid_t writer = fork();
+  if (writer == 0) {
+    VideoWriter video(path, SmallSettings());
+    for (int i = 0; i < kFrames; ++i) video.Write(Frame(i));
+    _exit(0);
+  }
+  waitpid(writer, nullptr, 0);
+  const int partial = open((path.string() + ".partial").c_str(), O_RDONLY);
+  ASSERT_EQ(flock(partial, LOCK_EX), 0);
+  close(partial);
+}
+
 TEST(VideoWriterTest, WritesEveryFrameAsH264InBt709) {
   const test::TemporaryFolder folder;
   WriteVideo(folder / "a.mp4");
@@ -119,12 +138,18 @@ TEST(VideoWriterTest, IsPartialUntilItIsFinished) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.mp4.partial"));
 }
 
-TEST(VideoWriterTest, LeavesAPlayablePartialFileWhenItIsAbandoned) {
+TEST(VideoWriterTest, LeavesNothingWhenItIsAbandoned) {
   const test::TemporaryFolder folder;
-  {
-    VideoWriter video(folder / "a.mp4", SmallSettings());
-    for (int i = 0; i < kFrames; ++i) video.Write(Frame(i));
+  for (const char* name : {"a.mp4", "a.mkv", "frames/"}) {
+    VideoWriter video(folder / name, SmallSettings());
+    video.Write(Frame(0));
   }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(VideoWriterTest, LeavesAPlayablePartialFileWhenItIsKilled) {
+  const test::TemporaryFolder folder;
+  WriteAndDie(folder / "a.mp4");
   EXPECT_FALSE(std::filesystem::exists(folder / "a.mp4"));
   EXPECT_EQ(Probe(folder / "a.mp4.partial", "nb_read_frames"), "60\n");
 }

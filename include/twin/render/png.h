@@ -11,8 +11,8 @@ namespace twin::render {
 [[nodiscard]] std::vector<char> EncodePng(const Image& image);
 
 /// Writes `image` as an 8-bit RGB PNG; the same image gives the same bytes. The file is written as
-/// `<path>.partial` and renamed when it is whole.
-/// @throws EnvironmentError when the file cannot be written.
+/// `<path>.partial` and renamed when it is whole, or else removed.
+/// @throws EnvironmentError when the file cannot be written, or another writes it.
 void WritePng(const std::filesystem::path& path, const Image& image);
 
 /// Reads a PNG as 8-bit RGB; transparency is laid over black.

@@ -31,12 +31,18 @@ struct VideoSettings {
 /// @throws InputError for another extension, or no name (says which there are).
 [[nodiscard]] VideoFormat FormatOf(const std::filesystem::path& path);
 
+/// Whether a video may be called so, for who wants to know before there is anything to write.
+/// @throws InputError for another extension, a folder where a file is to be, a file where a folder
+/// is to be, a folder that holds anything but the pictures of a video, and for `.`, `..` and `/`.
+void CheckVideoPath(const std::filesystem::path& path);
+
 /// Encodes pictures by an ffmpeg process.
 ///
 /// One encoder thread and bit-exact flags: the same pictures give the same files, with the same
-/// build of ffmpeg. Both kinds of file can be played while they are made, whatever ends the run:
-/// `<path>.partial` in steps of two seconds (MP4: fragments, Matroska: clusters), of
-/// `<folder>.partial` every picture; and a run that dies leaves ffmpeg to complete them.
+/// build of ffmpeg. Both kinds of file can be played while they are made, whatever kills the
+/// run: `<path>.partial` in steps of two seconds (MP4: fragments, Matroska: clusters), of
+/// `<folder>.partial` every picture; and a run that dies leaves ffmpeg to complete them. The
+/// partial one is locked until both are done with it.
 ///
 /// ffmpeg has a process group of its own (an interrupt from the terminal does not reach it), reads
 /// from a socket (its death is an error here, never a SIGPIPE) and ends when the writer is gone.
@@ -46,12 +52,12 @@ class VideoWriter {
  public:
   /// @param path  of the finished video, see FormatOf(); it appears, replacing an older one, with
   /// Finish(). A folder may only hold the pictures of an older video.
-  /// @throws InputError for settings out of range, an odd size for H.264, another extension, a
-  /// folder that holds anything else, a folder where a file is to be; EnvironmentError when ffmpeg
-  /// cannot be started (says what to install).
+  /// @throws InputError for settings out of range, an odd size for H.264, and as CheckVideoPath();
+  /// EnvironmentError when another writes a video of this name, its folder cannot be written to, or
+  /// ffmpeg cannot be started (says what to install).
   VideoWriter(const std::filesystem::path& path, const VideoSettings& settings);
 
-  /// Without Finish(), ends ffmpeg and leaves what is partial.
+  /// Without Finish(), ends ffmpeg and removes what is partial.
   ~VideoWriter();
   VideoWriter(VideoWriter&&) noexcept;
   VideoWriter& operator=(VideoWriter&&) = delete;
@@ -61,8 +67,8 @@ class VideoWriter {
   void Write(const Image& image);
 
   /// Ends the video and gives it its name.
-  /// @throws EnvironmentError when ffmpeg failed (a full disk, say), with its last lines; what is
-  /// partial then stays, and so does an older video.
+  /// @throws EnvironmentError when ffmpeg failed (a full disk, say), with its last lines; an older
+  /// video then stays.
   void Finish();
 
  private:

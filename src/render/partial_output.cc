@@ -1,0 +1,77 @@
+#include "render/partial_output.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "twin/core/error.h"
+
+namespace twin::render {
+namespace {
+
+constexpr mode_t kAnyFile = 0666;  // less what the umask says, as the following
+constexpr mode_t kAnyFolder = 0777;
+
+std::string MessageOf(int error) {
+  return std::generic_category().message(error);
+}
+
+}  // namespace
+
+PartialOutput::PartialOutput(std::filesystem::path path, Kind kind)
+    : path_(std::move(path)), partial_(path_) {
+  partial_ += ".partial";
+  // Between opening and locking, another writer may have given it its name, or removed it.
+  do {
+    const int error = Open(kind);
+    if (error != 0) {
+      throw EnvironmentError(
+          fmt::format("{}: cannot be made ({}). Choose a folder that exists and may be written to",
+                      partial_.string(), MessageOf(error)));
+    }
+    if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      throw EnvironmentError(
+          fmt::format("another run writes {}; wait for it or choose another name", path_.string()));
+    }
+  } while (!IsOurs());
+}
+
+PartialOutput::~PartialOutput() {
+  std::error_code ignored;
+  if (IsOurs()) std::filesystem::remove(partial_, ignored);
+}
+
+void PartialOutput::Publish() {
+  std::error_code error;
+  if (!IsOurs()) error = std::make_error_code(std::errc::no_such_file_or_directory);
+  if (!error) std::filesystem::rename(partial_, path_, error);
+  if (error) {
+    throw EnvironmentError(fmt::format("{}: cannot be given the name {} ({})", partial_.string(),
+                                       path_.string(), error.message()));
+  }
+}
+
+bool PartialOutput::IsOurs() const noexcept {
+  struct stat mine {};
+  struct stat there {};
+  return ::fstat(lock_.get(), &mine) == 0 && ::stat(partial_.c_str(), &there) == 0 &&
+         mine.st_dev == there.st_dev && mine.st_ino == there.st_ino;
+}
+
+int PartialOutput::Open(Kind kind) {
+  const bool folder = kind == Kind::kFolder;
+  if (folder && ::mkdir(partial_.c_str(), kAnyFolder) != 0 && errno != EEXIST) return errno;
+  const int flags = folder ? O_RDONLY | O_DIRECTORY | O_NOFOLLOW : O_RDWR | O_CREAT;
+  lock_.Reset(::open(partial_.c_str(), flags | O_CLOEXEC, kAnyFile));
+  if (lock_.get() >= 0) return 0;
+  // A folder that was just there got its name: again.
+  return folder && errno == ENOENT ? 0 : errno;
+}
+
+}  // namespace twin::render
