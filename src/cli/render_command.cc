@@ -132,8 +132,11 @@ class Rendering {
     const replay::TimeLine line = TimeLineOf();
     const render::Snapshots shown = replay::SnapshotsAt(
         scenes, replay::FrameTimes(scenes.time(0), scenes.time(scenes.size() - 1), line), line.fps);
+    const render::Snapshots before =
+        replay::SnapshotsBefore(scenes, shown.time(0), FromSeconds(settings_.trace_s));
     render::Film film = first_->Film();
     film.snapshots = &shown;
+    film.before = &before;
     const auto new_painter = [&]() -> render::DrawFrame {
       return [painter = std::make_shared<render::FramePainter>(film, settings_)](
                  std::size_t frame) { return painter->Paint(frame); };

@@ -52,7 +52,8 @@ class FramePainter::Impl {
         data_(model_.NewData()),
         elsewhere_(model_.NewData()),
         camera_(settings_.view, model_),
-        trace_(settings_.overlays.trace ? ToolTrace(model_, *film_.snapshots) : ToolTrace()),
+        trace_(settings_.overlays.trace ? ToolTrace(model_, film_.before, *film_.snapshots)
+                                        : ToolTrace()),
         bars_(settings_.overlays.limits ? JointBars(model_) : JointBars()),
         scene_(model_.get(), settings_.render) {
     for (const Inset& inset : settings_.insets) insets_.emplace_back(inset.view, model_);

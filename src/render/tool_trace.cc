@@ -26,10 +26,16 @@ double Distance(const Vector3& a, const Vector3& b) {
 
 }  // namespace
 
-ToolTrace::ToolTrace(const DrawnModel& model, const Snapshots& snapshots) {
+ToolTrace::ToolTrace(const DrawnModel& model, const Snapshots* before, const Snapshots& frames) {
+  if (before != nullptr) Follow(model, *before);
+  before_ = points_.size();
+  Follow(model, frames);
+}
+
+void ToolTrace::Follow(const DrawnModel& model, const Snapshots& snapshots) {
   const Tool tool = ToolOf(model);
   const DrawnModel::DataPointer data = model.NewData();
-  points_.reserve(snapshots.size());
+  points_.reserve(points_.size() + snapshots.size());
   for (std::size_t i = 0; i < snapshots.size(); ++i) {
     model.SetPositions(snapshots.qpos(i), *data);
     const mjtNum* const R = data->xmat + std::ptrdiff_t{9} * tool.body;  // row-major
@@ -43,10 +49,11 @@ void ToolTrace::Append(std::size_t frame, double seconds, const Colour& colour,
                        std::vector<mjvGeom>& marks) const {
   constexpr double kRadius = 0.003;
   constexpr double kApart = 0.004;  // shorter pieces would not be seen
-  Vector3 end = points_[frame].p_W;
+  const std::size_t last = before_ + frame;
+  Vector3 end = points_[last].p_W;
   std::size_t pieces = 0;
-  for (std::size_t i = frame; i-- > 0 && pieces < kMostPieces;) {
-    if (points_[i].at_s < points_[frame].at_s - seconds) break;
+  for (std::size_t i = last; i-- > 0 && pieces < kMostPieces;) {
+    if (points_[i].at_s < points_[last].at_s - seconds) break;
     if (Distance(points_[i].p_W, end) < kApart) continue;
     marks.push_back(Rod(points_[i].p_W, end, kRadius, colour));
     end = points_[i].p_W;

@@ -15,8 +15,9 @@ namespace twin::render {
 class ToolTrace {
  public:
   ToolTrace() = default;
+  /// @param before  what came before the frames; may be null.
   /// @throws InputError when the model has neither hand nor arm.
-  ToolTrace(const DrawnModel& model, const Snapshots& snapshots);
+  ToolTrace(const DrawnModel& model, const Snapshots* before, const Snapshots& frames);
 
   /// Appends the way up to a frame. @param seconds  how far back.
   void Append(std::size_t frame, double seconds, const Colour& colour,
@@ -27,7 +28,10 @@ class ToolTrace {
     double at_s = 0;
     Vector3 p_W{};
   };
-  std::vector<Point> points_;  ///< one for each frame
+  void Follow(const DrawnModel& model, const Snapshots& snapshots);
+
+  std::vector<Point> points_;  ///< before the frames, then one for each
+  std::size_t before_ = 0;     ///< how many are before them
 };
 
 }  // namespace twin::render

@@ -37,12 +37,17 @@ double LengthOf(const Recording& recording) {
 /// A run on the clip's time line, and its words.
 struct Side {
   render::Snapshots snapshots;
+  render::Snapshots before;
   render::Film film;
 
-  Side(const Recording& recording, const std::vector<Time>& times, int fps,
-       const std::string& label)
-      : snapshots(SnapshotsAt(recording.snapshots(), times, fps)), film(recording.Film()) {
+  Side(const Recording& recording, const std::vector<Time>& times,
+       const ComparisonSettings& settings, const std::string& label)
+      : snapshots(SnapshotsAt(recording.snapshots(), times, settings.time_line.fps)),
+        before(SnapshotsBefore(recording.snapshots(), snapshots.time(0),
+                               FromSeconds(settings.film.trace_s))),
+        film(recording.Film()) {
     film.snapshots = &snapshots;
+    film.before = &before;
     film.title = fmt::format("{}\n{}", label, film.title.substr(0, film.title.find('\n')));
     film.notes.push_back({LastOf(recording), "ended"});
   }
@@ -66,8 +71,7 @@ ComparisonKind ComparisonFromName(std::string_view name) {
   for (const auto& [known, kind] : kNames) {
     if (known == name) return kind;
   }
-  throw InputError(
-      fmt::format("compare: there is no {}; choose one of split, ghost, difference", name));
+  throw InputError(fmt::format("there is no {}; choose one of split, ghost, difference", name));
 }
 
 class Comparison::Impl {
@@ -78,8 +82,8 @@ class Comparison::Impl {
         second_(second),
         settings_(settings),
         times_(FrameTimes(FirstOf(first), LastOfBoth(), settings.time_line)),
-        left_(first, times_, settings.time_line.fps, "A: " + labels[0]),
-        right_(second, Shifted(times_, FirstOf(second) - FirstOf(first)), settings.time_line.fps,
+        left_(first, times_, settings, "A: " + labels[0]),
+        right_(second, Shifted(times_, FirstOf(second) - FirstOf(first)), settings,
                "B: " + labels[1]) {
     if (settings_.tolerance < 0 || settings_.tolerance > 254) {
       throw InputError(fmt::format("tolerance is {}; it must be in [0, 254]", settings_.tolerance));

@@ -68,4 +68,12 @@ render::Snapshots SnapshotsAt(const render::Snapshots& scenes, std::span<const T
   return shown;
 }
 
+render::Snapshots SnapshotsBefore(const render::Snapshots& scenes, Time from, Duration length) {
+  render::Snapshots before(scenes.fps(), scenes.qpos_size());
+  for (std::size_t i = 0; i < scenes.size() && scenes.time(i) < from; ++i) {
+    if (scenes.time(i) >= from - length) before.Append(scenes.scene(i));
+  }
+  return before;
+}
+
 }  // namespace twin::replay

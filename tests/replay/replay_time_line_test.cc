@@ -107,5 +107,13 @@ TEST(SnapshotsAtTest, StayAtTheLastSceneAfterTheEnd) {
   EXPECT_THAT(Numbers(SnapshotsAt(Scenes({0, 40}, 25), times, 25)), ElementsAre(0, 1, 1, 1));
 }
 
+TEST(SnapshotsBeforeTest, AreThoseOfTheTimeBeforeAnInstant) {
+  const render::Snapshots scenes = Scenes({0, 40, 80, 120, 160}, 25);
+  const render::Snapshots before = SnapshotsBefore(scenes, At(120), std::chrono::milliseconds(80));
+  ASSERT_EQ(before.size(), 2U);
+  EXPECT_EQ(before.time(0), At(40));
+  EXPECT_EQ(before.time(1), At(80));
+}
+
 }  // namespace
 }  // namespace twin::replay

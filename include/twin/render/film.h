@@ -31,13 +31,14 @@ struct FilmNote {
   std::string text;  ///< one line, ASCII
 };
 
-/// All that is known of a run and can be drawn of it. Model and snapshots must outlive it.
+/// All that is known of a run and can be drawn of it. What it points to must outlive it.
 struct Film {
   const mjModel_* model = nullptr;
   const Snapshots* snapshots = nullptr;
-  std::string title{};               ///< case, gains: a line or two; empty: none
-  std::vector<PlannedGoal> goals{};  ///< in any order; of those that overlap the last counts
-  std::vector<FilmNote> notes{};     ///< in order of time
+  std::string title{};                ///< case, gains: a line or two; empty: none
+  std::vector<PlannedGoal> goals{};   ///< in any order; of those that overlap the last counts
+  std::vector<FilmNote> notes{};      ///< in order of time
+  const Snapshots* before = nullptr;  ///< what came before the first: the trace begins there
 };
 
 /// What is drawn over a picture.

@@ -34,4 +34,8 @@ struct TimeLine {
 [[nodiscard]] render::Snapshots SnapshotsAt(const render::Snapshots& scenes,
                                             std::span<const Time> times, int fps);
 
+/// What was recorded in the time before an instant: at from - length, or later, and before from.
+[[nodiscard]] render::Snapshots SnapshotsBefore(const render::Snapshots& scenes, Time from,
+                                                Duration length);
+
 }  // namespace twin::replay
