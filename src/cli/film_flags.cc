@@ -64,7 +64,9 @@ void Turn(const FilmFlags& flags, render::View& view) {
   view.turn_deg_per_s = flags.turn_deg.value_or(view.turn_deg_per_s);
 }
 
-render::Inset InsetOf(std::string_view text, const render::View& otherwise) {
+}  // namespace
+
+render::Inset InsetFromText(std::string_view text, const render::View& otherwise) {
   const std::size_t at = text.find('@');
   render::Inset inset{.view = ViewOf(text.substr(0, at), otherwise)};
   if (at == std::string_view::npos) return inset;
@@ -74,12 +76,11 @@ render::Inset InsetOf(std::string_view text, const render::View& otherwise) {
     return inset;
   }
   throw InputError(fmt::format(
-      "--inset {}: there is no corner {}; choose one of top_left, top_right, bottom_left, "
-      "bottom_right",
-      text, text.substr(at + 1)));
+      "there is no corner {}; choose one of top_left, top_right, bottom_left, bottom_right",
+      text.substr(at + 1)));
 }
 
-render::Overlays OverlaysOf(std::string_view text) {
+render::Overlays OverlaysFromText(std::string_view text) {
   render::Overlays overlays{.text = false};
   if (text == "none") return overlays;
   while (true) {
@@ -91,28 +92,26 @@ render::Overlays OverlaysOf(std::string_view text) {
       known = true;
     }
     if (!known) {
-      throw InputError(fmt::format(
-          "--overlays: there is no {}; choose of text, goal, trace, forces, contacts, limits, with "
-          "commas between them, or none",
-          name));
+      throw InputError(
+          fmt::format("there is no {}; choose of text, goal, trace, forces, contacts, limits, with "
+                      "commas between them, or none",
+                      name));
     }
     if (name.size() == text.size()) return overlays;
     text.remove_prefix(name.size() + 1);
   }
 }
 
-void Resize(std::string_view text, render::RenderSettings& settings) {
+void SetSizeFromText(std::string_view text, render::RenderSettings& settings) {
   const char* const end = text.data() + text.size();
   const auto width = std::from_chars(text.data(), end, settings.width);
   if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
     const auto height = std::from_chars(width.ptr + 1, end, settings.height);
-    if (height.ec == std::errc() && height.ptr == end) return;
+    if (height.ec == std::errc() && height.ptr == end) return settings.Validate();
   }
   throw InputError(
-      fmt::format("--size is {}; give WIDTHxHEIGHT in pixels, such as 1280x720", text));
+      fmt::format("{} is no size; give WIDTHxHEIGHT in pixels, such as 1280x720", text));
 }
-
-}  // namespace
 
 render::FilmSettings FilmOf(const scenario::RenderSection& wanted, const FilmFlags& flags) {
   render::FilmSettings film = FilmOf(wanted);
@@ -120,10 +119,10 @@ render::FilmSettings FilmOf(const scenario::RenderSection& wanted, const FilmFla
   Turn(flags, film.view);
   if (!flags.insets.empty()) film.insets.clear();
   for (const std::string& inset : flags.insets) {
-    if (inset != "none") film.insets.push_back(InsetOf(inset, film.view));
+    if (inset != "none") film.insets.push_back(InsetFromText(inset, film.view));
   }
-  if (flags.overlays) film.overlays = OverlaysOf(*flags.overlays);
-  if (flags.size) Resize(*flags.size, film.render);
+  if (flags.overlays) film.overlays = OverlaysFromText(*flags.overlays);
+  if (flags.size) SetSizeFromText(*flags.size, film.render);
   film.Validate();
   return film;
 }

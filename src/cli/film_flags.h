@@ -23,6 +23,13 @@ struct FilmFlags {
   std::optional<std::string> size;      ///< WIDTHxHEIGHT, pixels
 };
 
+/// What a flag's words mean. @throws InputError naming those that may stand there.
+[[nodiscard]] render::Overlays OverlaysFromText(std::string_view text);
+/// As the above. @param otherwise  what the camera `orbit` shows, where it is one that orbits.
+[[nodiscard]] render::Inset InsetFromText(std::string_view text, const render::View& otherwise);
+/// As the above. @param settings  gets the size. @throws InputError also for one out of range.
+void SetSizeFromText(std::string_view text, render::RenderSettings& settings);
+
 /// The scenario's film with what the flags say in its place.
 /// @throws InputError for what is none of the words that may stand there (names those), or when an
 /// angle goes with a camera that has none.

@@ -17,6 +17,7 @@
 #include "twin/render/clip.h"
 #include "twin/render/frame_painter.h"
 #include "twin/render/png.h"
+#include "twin/render/video_writer.h"
 #include "twin/replay/comparison.h"
 #include "twin/replay/layout.h"
 #include "twin/replay/recording.h"
@@ -55,6 +56,12 @@ void RefuseWhatDoesNotGoTogether(const RenderFlags& flags) {
   if (flags.at && (flags.from || flags.until || flags.layout)) {
     throw InputError("--at shows one instant; leave --from, --to and --layout out");
   }
+  if ((flags.at || flags.layout) && (flags.fps || flags.speed != 1)) {
+    throw InputError("--at and --layout make one picture; leave --fps and --speed out");
+  }
+  if (flags.tolerance && flags.compare != "difference") {
+    throw InputError("--tolerance is for --compare difference; leave it out, or compare so");
+  }
   if (flags.layout && flags.second) {
     throw InputError("--layout is of one run; leave the second log out");
   }
@@ -63,12 +70,26 @@ void RefuseWhatDoesNotGoTogether(const RenderFlags& flags) {
   }
 }
 
+/// Before anything is read or drawn. @throws twin::Error when nothing can be written there.
+void RequirePlace(const std::filesystem::path& out, bool picture) {
+  std::error_code error;
+  if (!picture) {
+    render::CheckVideoPath(out);
+  } else if (std::filesystem::is_directory(out, error)) {
+    throw InputError(
+        fmt::format("--out: {} is a folder; name a file that is not there", out.string()));
+  }
+  const std::filesystem::path folder = (out.has_filename() ? out : out.parent_path()).parent_path();
+  TryToWrite(folder.empty() ? "." : folder);
+}
+
 /// One rendering, from its flags to its file.
 class Rendering {
  public:
   Rendering(const RenderFlags& flags, const Host& host)
       : flags_(flags), picture_(IsPicture(flags)), files_(FilesOf(host)) {
     RefuseWhatDoesNotGoTogether(flags);
+    RequirePlace(flags.out, picture_);
     if (!picture_) RequireProgram("ffmpeg", host.path, "apt-get install ffmpeg");
     Read(flags.log, first_);
     if (flags.second) Read(*flags.second, second_);
@@ -77,8 +98,7 @@ class Rendering {
 
   void Execute() {
     if (flags_.layout) {
-      render::WritePng(flags_.out, replay::DrawLayout(
-                                       *first_, replay::LayoutFromName(*flags_.layout), settings_));
+      WritePicture(replay::DrawLayout(*first_, replay::LayoutFromName(*flags_.layout), settings_));
     } else if (second_) {
       DrawBoth();
     } else {
@@ -154,15 +174,20 @@ class Rendering {
         {.kind = replay::ComparisonFromName(flags_.compare),
          .film = settings_,
          .time_line = TimeLineOf(),
-         .tolerance = flags_.tolerance},
+         .tolerance = flags_.tolerance.value_or(replay::ComparisonSettings().tolerance)},
         {NameOf(FindLog(flags_.log)), NameOf(FindLog(*flags_.second))});
     for (const std::string& note : comparison.Notes()) TellNote(note);
     Write(comparison.Frames());
   }
 
+  void WritePicture(const render::Image& image) const {
+    interrupt_.ThrowIfInterrupted();
+    render::WritePng(flags_.out, image);
+  }
+
   void Write(const render::ClipFrames& frames) {
     if (picture_) {
-      render::WritePng(flags_.out, frames.new_drawer()(0));
+      WritePicture(frames.new_drawer()(0));
       return;
     }
     Progress progress("video", Progress::StyleOfStdout(flags_.quiet), clock_);

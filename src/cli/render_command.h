@@ -20,7 +20,7 @@ struct RenderFlags {
   std::optional<double> until;
   std::optional<double> at;  ///< one picture
   std::string compare = "split";
-  int tolerance = 16;
+  std::optional<int> tolerance;  ///< absent: 16
   std::optional<std::string> layout;
   bool quiet = false;
   DataFlags data;

@@ -31,7 +31,8 @@ std::string LastError() {
   return std::generic_category().message(errno);
 }
 
-/// Makes a file of its own in `folder`, and removes it. @throws EnvironmentError when it cannot.
+}  // namespace
+
 void TryToWrite(const fs::path& folder) {
   std::string probe = folder / ".panda-twin.XXXXXX";
   const int descriptor = ::mkostemp(probe.data(), O_CLOEXEC);
@@ -39,8 +40,6 @@ void TryToWrite(const fs::path& folder) {
   ::close(descriptor);
   ::unlink(probe.c_str());
 }
-
-}  // namespace
 
 fs::path PartialOf(fs::path file) {
   return file += ".partial";

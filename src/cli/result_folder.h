@@ -62,6 +62,9 @@ class ResultFolder {
 /// @throws InputError when the folder holds none.
 [[nodiscard]] std::filesystem::path FindLog(const std::filesystem::path& named);
 
+/// Makes a file of its own in `folder`, and removes it. @throws EnvironmentError when it cannot.
+void TryToWrite(const std::filesystem::path& folder);
+
 /// What a file is called until it is whole.
 [[nodiscard]] std::filesystem::path PartialOf(std::filesystem::path file);
 

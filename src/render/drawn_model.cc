@@ -81,8 +81,8 @@ int DrawnModel::CameraId(const std::string& name) const {
   const int id = mj_name2id(model_.get(), mjOBJ_CAMERA, name.c_str());
   if (id < 0) {
     throw InputError(fmt::format(
-        "render: the model has no camera named \"{}\"; cameras it has: {}. Leave the name empty to "
-        "use the free camera",
+        "render: the model has no camera named \"{}\"; cameras it has: {}. Besides those there are "
+        "orbit, gripper, and track:BODY (in a scenario, track: BODY)",
         name, NamesOf(*model_, mjOBJ_CAMERA, model_->ncam)));
   }
   return id;

@@ -144,7 +144,7 @@ Layout LayoutFromName(std::string_view name) {
   for (const auto& [known, layout] : kNames) {
     if (known == name) return layout;
   }
-  throw InputError(fmt::format("layout: there is no {}; choose one of grid, strip, triple", name));
+  throw InputError(fmt::format("there is no {}; choose one of grid, strip, triple", name));
 }
 
 double DistanceFromWay(const Vector3& point, std::span<const Vector3> way) {

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Draws recorded runs by the command line: render_test.py PROGRAM SOURCE_TREE [unittest options]."""
 
+import fcntl
 import pathlib
+import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 PROGRAM = ""
@@ -112,6 +115,34 @@ class RenderTest(unittest.TestCase):
             other = self.rendered(f"view{i}.png", "task", "--at", "1", *flags)
             self.assertNotEqual(other.read_bytes(), plain, flags)
 
+    def test_a_still_is_the_films_frame_of_its_instant_with_the_trace_before_it(self):
+        flags = ["task", "--overlays", "text,trace"]
+        film = frames_of(self.rendered("trace.mkv", *flags, "--to", "1.55"))
+        self.assertEqual(frames_of(self.rendered("trace.png", *flags, "--at", "1.45")), film[-1:])
+        self.assertEqual(frames_of(self.rendered("late.mkv", *flags, "--from", "1.45", "--to", "1.5")), film[-1:])
+        both = [self.rendered(f"{name}.png", "task", "other", "--at", "1.5", "--overlays", name).read_bytes()
+                for name in ("trace", "none")]
+        self.assertNotEqual(*both)
+
+    def test_two_do_not_write_into_one_name(self):
+        for name, *flags in (["held.mp4"], ["held.mkv"], ["held.png", "--at", "1"]):
+            with open(self.folder / f"{name}.partial", "w") as partial:
+                fcntl.flock(partial, fcntl.LOCK_EX)
+                self.refused("another run writes", "task", "--out", name, *flags, code=4)
+            self.rendered(name, "task", *flags)  # it is free again, and what was left is taken away
+
+    def test_an_interrupt_leaves_nothing(self):
+        for name in ("stopped.mp4", "stopped/"):
+            partial = self.folder / f"{name.rstrip('/')}.partial"
+            render = subprocess.Popen([PROGRAM, "render", "task", "--out", name, "--speed", "0.01", "--quiet", "--data",
+                                       SOURCE / "models"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+            while not partial.exists() and render.poll() is None:
+                time.sleep(0.01)
+            render.send_signal(signal.SIGINT)
+            self.assertIn("interrupted", render.communicate(timeout=120)[1])
+            self.assertEqual(render.returncode, 130)
+            self.assertEqual(list(self.folder.glob("stopped*")), [])
+
     def test_two_runs_share_a_picture(self):
         self.assertEqual(size_of_png(self.rendered("split.png", "task", "other", "--at", "1")), (320, 120))
         for how in ("ghost", "difference"):
@@ -127,21 +158,37 @@ class RenderTest(unittest.TestCase):
     def test_what_cannot_be_is_refused_by_name_and_leaves_nothing(self):
         self.refused("cannot read nothing", "nothing", "--out", "a.mp4")
         self.refused("no run.mcap", ".", "--out", "a.mp4")
-        self.refused("cameras it has: ", "task", "--out", "a.png", "--at", "1", "--camera", "nowhere")
+        self.refused("cameras it has: overview, close. Besides those there are orbit, gripper, and track:BODY", "task", "--out",
+                     "a.png", "--at", "1", "--camera", "nowhere")
         self.refused("bodies it has: ", "task", "--out", "a.png", "--at", "1", "--camera", "track:nobody")
         self.refused("the log holds 0", "task", "--out", "a.png", "--at", "60")
-        self.refused("there is no blink", "task", "other", "--out", "a.mp4", "--compare", "blink")
-        self.refused("there is no heat", "task", "--out", "a.mp4", "--overlays", "text,heat")
-        self.refused("there is no corner middle", "task", "--out", "a.mp4", "--inset", "gripper@middle")
-        self.refused("WIDTHxHEIGHT", "task", "--out", "a.mp4", "--size", "big")
         self.refused("say which with --at", "task", "--out", "a.png")
         self.refused("name a .png", "task", "--out", "a.mp4", "--at", "1")
         self.refused("it takes six plans; the log of plan_and_execute has only goal_1", "task", "--out", "a.png",
                      "--layout", "strip")
         self.refused("leave the second log out", "task", "other", "--out", "a.png", "--layout", "triple")
+        self.refused("leave --fps and --speed out", "task", "--out", "a.png", "--at", "1", "--fps", "5")
+        self.refused("leave --fps and --speed out", "task", "--out", "a.png", "--layout", "triple", "--speed", "2")
+        self.refused("--tolerance is for --compare difference", "task", "other", "--out", "a.mp4", "--tolerance", "5")
+
+    def test_values_that_are_none_are_refused_as_usage(self):
         self.refused("--compare requires second", "task", "--out", "a.mp4", "--compare", "ghost", code=2)
-        self.refused("--speed", "task", "--out", "a.mp4", "--speed", "0", code=2)
-        self.refused("nowhere/a.png", "task", "--out", "nowhere/a.png", "--at", "1", code=4)
+        for flag, value, says in (("--speed", "0", "[0.01 - 100]"), ("--speed", "nan", "[0.01 - 100]"),
+                                  ("--at", "nan", "nan"), ("--from", "nan", "nan"), ("--to", "inf", "inf"),
+                                  ("--from", "-1", "-1"), ("--size", "big", "WIDTHxHEIGHT"), ("--size", "1x1", "width"),
+                                  ("--overlays", "text,heat", "there is no heat"), ("--layout", "row", "there is no row"),
+                                  ("--inset", "gripper@middle", "there is no corner middle")):
+            self.refused(says, "task", "--out", "a.mp4", flag, value, code=2)
+        self.refused("there is no blink", "task", "other", "--out", "a.mp4", "--compare", "blink", code=2)
+
+    def test_a_place_where_nothing_can_be_written_is_refused_before_the_log_is_read(self):
+        for out in (".", "./", "..", "task/.."):
+            self.refused("folder that is there already", "no.log", "--out", out)
+        for out, *flags in (["nowhere/a.png", "--at", "1"], ["nowhere/a.mp4"], ["nowhere/frames/"]):
+            self.refused("nowhere: cannot be written (No such file", "no.log", "--out", out, *flags, code=4)
+        (self.folder / "folder.png").mkdir(exist_ok=True)
+        self.refused("folder.png is a folder", "no.log", "--out", "folder.png", "--at", "1")
+        (self.folder / "folder.png").rmdir()
 
 
 if __name__ == "__main__":
