@@ -122,6 +122,7 @@ double RateOfReadBack(const Stage& stage, const ClipSettings& settings) {
   std::vector<double> seconds(static_cast<std::size_t>(settings.render_threads));
   {
     std::vector<std::jthread> threads;
+    threads.reserve(seconds.size());
     for (double& mine : seconds) {
       threads.emplace_back([&] {
         SceneRenderer scene(model.get(), settings.film.render);

@@ -126,12 +126,12 @@ TEST_F(ComparisonTest, FindsAFrameOutOfPlaceThatIsNoKeyPicture) {
 
 TEST_F(ComparisonTest, LooksUpTheBodyOfAFrameThatIsNoKeyPicture) {
   actual_.views[1].signatures[2].rgb[0] = 0;
-  const render::SegmentationImage bodies{64, 48, std::vector<std::int32_t>(64 * 48, 2)};
-  const Comparison other = Compare(golden_, {&actual_, 7, [&](std::size_t view, std::size_t frame) {
-                                               EXPECT_EQ(view, 1U);
-                                               EXPECT_EQ(frame, 2U);
-                                               return bodies;
-                                             }});
+  const Comparison other = Compare(
+      golden_, {&actual_, 7, [](std::size_t view, std::size_t frame) {
+                  EXPECT_EQ(view, 1U);
+                  EXPECT_EQ(frame, 2U);
+                  return render::SegmentationImage{64, 48, std::vector<std::int32_t>(3072, 2)};
+                }});
   EXPECT_EQ(other.FirstFailure()->first->body, "parcel");
 }
 

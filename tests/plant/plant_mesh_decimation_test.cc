@@ -58,7 +58,7 @@ MeshPart Can() {
 }
 
 std::array<double, 3> Row(const std::vector<float>& values, int i) {
-  const auto at = static_cast<std::size_t>(3 * i);
+  const auto at = 3 * static_cast<std::size_t>(i);
   return {values[at], values[at + 1], values[at + 2]};
 }
 

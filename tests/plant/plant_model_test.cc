@@ -153,9 +153,9 @@ TEST(PlantModelTest, VisualErrorMovesNoCollisionMesh) {
 TEST(PlantModelTest, RefusesAVisualErrorOutOfRange) {
   MujocoPlantOptions options = DefaultOptions();
   options.visual_error = -1e-3;
-  EXPECT_THROW(MujocoPlant::Create(options), InputError);
+  EXPECT_THROW(static_cast<void>(MujocoPlant::Create(options)), InputError);
   options.visual_error = 0.1;
-  EXPECT_THROW(MujocoPlant::Create(options), InputError);
+  EXPECT_THROW(static_cast<void>(MujocoPlant::Create(options)), InputError);
 }
 
 // Each costs every picture two more passes (src/render/README.md).

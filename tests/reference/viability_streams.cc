@@ -41,14 +41,14 @@ bool Drive(std::size_t joint, int lost, std::uint64_t cycles, std::uint64_t seed
 }
 
 int Run(std::uint64_t cycles, std::uint64_t seed) {
-  const std::uint64_t each = cycles / (kJoints * std::size(kLosses)) + 1;
+  const unsigned long long each = cycles / (kJoints * std::size(kLosses)) + 1;
+  const unsigned long long of_all = each * kJoints;
   for (const int lost : kLosses) {
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
       if (!Drive(joint, lost, each, seed + 1000 * static_cast<std::uint64_t>(lost) + joint))
         return 1;
     }
-    std::printf("n = %2d: %llu joint-cycles, every limit kept\n", lost,
-                static_cast<unsigned long long>(each * kJoints));
+    std::printf("n = %2d: %llu joint-cycles, every limit kept\n", lost, of_all);
     std::fflush(stdout);
   }
   return 0;

@@ -24,8 +24,9 @@ std::string ChainMjcf() {
   std::string close;
   for (int i = 1; i <= 7; ++i) {
     const std::string n = std::to_string(i);
-    open += "<body name='panda_link" + n + "' pos='0 0 0.1'><joint name='panda_joint" + n +
-            "' axis='0 0 1' range='-2 2' limited='true'/><geom type='box' size='0.03 0.02 0.04'/>";
+    open.append("<body name='panda_link").append(n);
+    open.append("' pos='0 0 0.1'><joint name='panda_joint").append(n);
+    open += "' axis='0 0 1' range='-2 2' limited='true'/><geom type='box' size='0.03 0.02 0.04'/>";
     close += "</body>";
   }
   return "<mujoco><visual><headlight ambient='1 1 1' diffuse='0 0 0' specular='0 0 0'/></visual>"

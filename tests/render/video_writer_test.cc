@@ -64,7 +64,7 @@ std::string Probe(const std::filesystem::path& path, const std::string& entries)
 
 /// A stand-in for ffmpeg.
 std::filesystem::path Script(const test::TemporaryFolder& folder, const std::string& body) {
-  const std::filesystem::path path = folder / "ffmpeg.sh";
+  std::filesystem::path path = folder / "ffmpeg.sh";
   std::ofstream(path) << "#!/bin/sh\n" << body << "\n";
   std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   return path;
