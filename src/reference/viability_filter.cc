@@ -7,6 +7,11 @@
 #include "twin/core/time.h"
 
 namespace twin::reference {
+namespace {
+
+constexpr double kT = kCycleSeconds;
+
+}  // namespace
 
 AxisBounds BoundsOf(const JointLimits& limits, std::size_t joint) {
   return {limits.q_min[joint], limits.q_max[joint], limits.dq_max[joint], limits.ddq_max[joint],
@@ -24,17 +29,22 @@ bool ViabilityFilter::Outcome::any() const noexcept {
   return std::find(active.begin(), active.end(), true) != active.end();
 }
 
+std::optional<AxisState> ViabilityFilter::Instead(std::size_t joint, const AxisState& x,
+                                                  double wish) const noexcept {
+  const double jerk = axes_[joint].Nearest(x, wish);
+  if (jerk == wish) return {};
+  return ViableAxis::Step(x, jerk);
+}
+
 ViabilityFilter::Outcome ViabilityFilter::Next(const JointVector& q_d, const JointVector& dq_d,
                                                const JointVector& ddq_d,
                                                const JointVector& q_c) const noexcept {
-  constexpr double kT = kCycleSeconds;
   Outcome outcome{.q_c = q_c};
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const AxisState x{q_d[i], dq_d[i], ddq_d[i]};
-    const double wish = (((q_c[i] - x.q) / kT - x.dq) / kT - x.ddq) / kT;
-    const double jerk = axes_[i].Nearest(x, wish);
-    outcome.active[i] = jerk != wish;
-    if (outcome.active[i]) outcome.q_c[i] = ViableAxis::Step(x, jerk).q;
+    const double wish = (((q_c[i] - q_d[i]) / kT - dq_d[i]) / kT - ddq_d[i]) / kT;
+    const auto instead = Instead(i, {q_d[i], dq_d[i], ddq_d[i]}, wish);
+    outcome.active[i] = instead.has_value();
+    if (instead) outcome.q_c[i] = instead->q;
   }
   return outcome;
 }
@@ -43,14 +53,12 @@ ViabilityFilter::Outcome ViabilityFilter::NextVelocity(const JointVector& q_d,
                                                        const JointVector& dq_d,
                                                        const JointVector& ddq_d,
                                                        const JointVector& dq_c) const noexcept {
-  constexpr double kT = kCycleSeconds;
   Outcome outcome{.dq_c = dq_c};
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const AxisState x{q_d[i], dq_d[i], ddq_d[i]};
-    const double wish = ((dq_c[i] - x.dq) / kT - x.ddq) / kT;
-    const double jerk = axes_[i].Nearest(x, wish);
-    outcome.active[i] = jerk != wish;
-    if (outcome.active[i]) outcome.dq_c[i] = ViableAxis::Step(x, jerk).dq;
+    const double wish = ((dq_c[i] - dq_d[i]) / kT - ddq_d[i]) / kT;
+    const auto instead = Instead(i, {q_d[i], dq_d[i], ddq_d[i]}, wish);
+    outcome.active[i] = instead.has_value();
+    if (instead) outcome.dq_c[i] = instead->dq;
   }
   return outcome;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "twin/core/joint_vector.h"
@@ -55,6 +57,10 @@ class ViabilityFilter {
   [[nodiscard]] const ViableAxis& axis(std::size_t joint) const { return axes_[joint]; }
 
  private:
+  /// @returns where the nearest admissible jerk leads to; nothing when that is the wished one.
+  [[nodiscard]] std::optional<AxisState> Instead(std::size_t joint, const AxisState& x,
+                                                 double wish) const noexcept;
+
   std::vector<ViableAxis> axes_;  ///< one for each joint
 };
 
