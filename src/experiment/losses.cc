@@ -70,18 +70,7 @@ struct Outcome {
 
 Scenario MakeScenario(const Setting& setting, const Pace& pace, const Way& way) {
   Scenario scenario = LoadScenario(setting, "asynchronous");
-  const auto constant = [](int us) {
-    return scenario::Delay{rt::ConstantDelay{std::chrono::microseconds(us)}};
-  };
-  // Losses alone are to be judged: no jitter, no drift, states half a period after the wake-ups.
-  scenario.link.state = {};
-  scenario.link.command = {};
-  scenario.link.state.delay = constant(100);
-  scenario.link.command.delay = constant(70);
-  scenario.controller.wake_delay = constant(18);
-  scenario.controller.cost = constant(65);
-  scenario.controller.clock_drift_ppm = 0;
-  scenario.controller.phase = std::chrono::microseconds(500);
+  TakeOutTimingFaults(scenario);  // losses alone are to be judged
   if (pace.stretch > 0) {
     scenario.motion = scenario::Load(setting.files.models / "scenarios" / "brisk.yaml").motion;
     scenario.motion.interface = control::CommandInterface::kJointPosition;

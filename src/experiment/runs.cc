@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <string>
 #include <thread>
@@ -57,6 +58,18 @@ scenario::Scenario LoadScenario(const Setting& setting, std::string_view name) {
   scenario.render.enabled = false;
   scenario.record = false;
   return scenario;
+}
+
+void TakeOutTimingFaults(scenario::Scenario& scenario) {
+  const auto constant = [](int us) {
+    return scenario::Delay{rt::ConstantDelay{std::chrono::microseconds(us)}};
+  };
+  scenario.link.state.delay = constant(100);
+  scenario.link.command.delay = constant(70);
+  scenario.controller.wake_delay = constant(18);
+  scenario.controller.cost = constant(65);
+  scenario.controller.clock_drift_ppm = 0;
+  scenario.controller.phase = std::chrono::microseconds(500);
 }
 
 scenario::RunResult RunScenario(const Setting& setting, const scenario::Scenario& scenario,

@@ -32,6 +32,10 @@ void ThrowIfInterrupted(const Setting& setting);
 /// `name`.yaml of the setting's scenarios, without log and video. @throws InputError as Load.
 [[nodiscard]] scenario::Scenario LoadScenario(const Setting& setting, std::string_view name);
 
+/// Makes every delay a constant, without drift, the states half a period after the wake-ups; what
+/// is lost stays as it is.
+void TakeOutTimingFaults(scenario::Scenario& scenario);
+
 /// Runs it, in lockstep or as RunOverWire. How it ended is in the result. @param sink  may be null.
 /// @throws as scenario::Run; RobotFault when the setting says it was interrupted.
 scenario::RunResult RunScenario(const Setting& setting, const scenario::Scenario& scenario,

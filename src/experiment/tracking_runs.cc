@@ -1,6 +1,5 @@
 #include "experiment/tracking_runs.h"
 
-#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,19 +19,6 @@ using scenario::Scenario;
 constexpr double kNoise = 1e-3;  // rad/s, standard deviation of the measured velocity
 constexpr double kFromHz = 20;   // the paper's band
 constexpr double kToHz = 150;
-
-/// Every delay a constant, no drift, and the states half a period after the wake-ups.
-void TakeOutTimingFaults(Scenario& scenario) {
-  const auto constant = [](int us) {
-    return scenario::Delay{rt::ConstantDelay{std::chrono::microseconds(us)}};
-  };
-  scenario.link.state.delay = constant(100);
-  scenario.link.command.delay = constant(70);
-  scenario.controller.wake_delay = constant(18);
-  scenario.controller.cost = constant(65);
-  scenario.controller.clock_drift_ppm = 0;
-  scenario.controller.phase = std::chrono::microseconds(500);
-}
 
 Scenario MakeScenario(const Setting& setting, Way way, int run) {
   const bool synchronous = way == Way::kSynchronous || way == Way::kQuiet;
