@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "twin/model/transform.h"
-
 namespace twin::application {
 
 Stage::Stage(scenario::Session& session, const scenario::Scenario& scenario,
@@ -16,7 +14,7 @@ Stage::Stage(scenario::Session& session, const scenario::Scenario& scenario,
       files_(files),
       clock_(clock),
       tell_(std::move(tell)),
-      F_T_EE_(model::Multiply(session.robot().F_T_NE, scenario.onboard.NE_T_EE.Matrix())) {}
+      F_T_EE_(session.robot().F_T_EE(scenario.onboard.NE_T_EE)) {}
 
 planning::CollisionWorld& Stage::World() {
   if (!world_) {

@@ -1,7 +1,6 @@
 #include "cli/plan_records.h"
 
 #include "twin/application/way.h"
-#include "twin/model/transform.h"
 #include "twin/render/renderer.h"
 
 namespace twin::cli {
@@ -20,7 +19,7 @@ record::PlanRecord PlanOf(const application::Moment& moment) {
 }
 
 record::PlanRecord PlanOf(const scenario::Run& run, const scenario::Scenario& scenario, Time end) {
-  const Transform F_T_EE = model::Multiply(run.robot().F_T_NE, scenario.onboard.NE_T_EE.Matrix());
+  const Transform F_T_EE = run.robot().F_T_EE(scenario.onboard.NE_T_EE);
   return {.id = "plan",
           .caption = "Around what stands there to the goal",
           .from = Time(),

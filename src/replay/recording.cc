@@ -8,7 +8,6 @@
 
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
-#include "twin/model/transform.h"
 #include "twin/plant/compiled_model.h"
 #include "twin/record/log_reader.h"
 #include "twin/replay/run_film.h"
@@ -104,7 +103,7 @@ class Recording::Impl {
         truncated(reader.truncated()),
         scenario(ScenarioOf(log, run)),
         robot(scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand)),
-        F_T_EE(model::Multiply(robot.F_T_NE, scenario.onboard.NE_T_EE.Matrix())),
+        F_T_EE(robot.F_T_EE(scenario.onboard.NE_T_EE)),
         compiled(ModelOf(scenario, robot, files)) {
     const int fps = std::max(scenario.render.fps, std::min(least_fps, kMostFps));
     snapshots.emplace(scenario.render.fps, plant::PositionsAt(compiled, {}).size());

@@ -25,7 +25,7 @@ class Question {
         start_(start),
         seed_(plan_.seed.value_or(scenario.seed)),
         robot_(robot),
-        F_T_EE_(model::Multiply(robot.F_T_NE, scenario.onboard.NE_T_EE.Matrix())),
+        F_T_EE_(robot.F_T_EE(scenario.onboard.NE_T_EE)),
         world_(world),
         planner_(world, robot.limits, clock,
                  {.most_checks = plan_.budget,

@@ -205,7 +205,7 @@ std::optional<reference::PoseTrajectory> MakePoses(const Scenario& scenario,
                                                    const RobotData& robot) {
   const MotionSection& motion = scenario.motion;
   if (motion.poses.empty()) return std::nullopt;
-  const Transform F_T_EE = model::Multiply(robot.F_T_NE, scenario.onboard.NE_T_EE.Matrix());
+  const Transform F_T_EE = robot.F_T_EE(scenario.onboard.NE_T_EE);
   reference::PoseWaypoint point;
   point.O_T_EE =
       model::ArmModel::Panda().Pose(model::Frame::kEndEffector, motion.waypoints.front().q, F_T_EE);

@@ -12,7 +12,6 @@
 #include "twin/core/half_norm.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/inverse_kinematics.h"
-#include "twin/model/transform.h"
 
 namespace twin::scenario {
 namespace {
@@ -59,7 +58,7 @@ std::unique_ptr<control::Controller> MakeController(const Scenario& scenario,
 PreparedMotion::PreparedMotion(const Scenario& scenario, const RobotData& robot, Motion motion,
                                const control::ControllerRegistry& known)
     : motion_(std::move(motion)),
-      F_T_EE_(model::Multiply(robot.F_T_NE, scenario.onboard.NE_T_EE.Matrix())),
+      F_T_EE_(robot.F_T_EE(scenario.onboard.NE_T_EE)),
       modes_(ModesOf(scenario.motion)),
       tick_(MakeTick(scenario, robot)),
       controller_loop_(MakeControllerLoop(scenario.controller)),

@@ -9,6 +9,7 @@
 
 #include "scenario/yaml_node.h"
 #include "twin/core/error.h"
+#include "twin/model/transform.h"
 
 namespace twin::scenario {
 namespace {
@@ -79,6 +80,10 @@ YamlNode LimitsSection(const std::filesystem::path& file, std::string_view secti
 }
 
 }  // namespace
+
+Transform RobotData::F_T_EE(const FramePose& NE_T_EE) const {
+  return model::Multiply(F_T_NE, NE_T_EE.Matrix());
+}
 
 JointLimits LoadJointLimits(const std::filesystem::path& file) {
   const YamlMap joints =

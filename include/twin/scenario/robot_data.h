@@ -8,6 +8,7 @@
 #include "twin/core/limits.h"
 #include "twin/model/arm_model.h"
 #include "twin/plant/mujoco_plant.h"
+#include "twin/scenario/frame_pose.h"
 
 namespace twin::scenario {
 
@@ -20,6 +21,9 @@ struct RobotData {
   JointVector rotor_inertia{};  ///< from <name>/drives.yaml; seen at the link, kg m^2
   model::Payload end_effector;  ///< of the mounted hand, flange axes; all zero without one
   Transform F_T_NE = kIdentityTransform;  ///< nominal end effector in the flange frame
+
+  /// @param NE_T_EE  as the robot is told. @returns the end effector in the flange.
+  [[nodiscard]] Transform F_T_EE(const FramePose& NE_T_EE) const;
 };
 
 /// Reads the joint limits of a limits.yaml:
