@@ -8,6 +8,7 @@
 #include "twin/core/error.h"
 #include "twin/golden/signature.h"
 #include "twin/render/body_names.h"
+#include "twin/render/contact_sheet.h"
 #include "twin/render/frame_painter.h"
 
 namespace twin::golden {
@@ -51,15 +52,6 @@ std::uint64_t HashOf(const render::Image& image) {
   return hash;
 }
 
-std::vector<std::size_t> SpreadFrames(std::size_t frames, std::size_t count) {
-  std::vector<std::size_t> spread;
-  const std::size_t taken = std::min(frames, count);
-  for (std::size_t i = 0; i < taken; ++i) {
-    spread.push_back(taken == 1 ? 0 : i * (frames - 1) / (taken - 1));
-  }
-  return spread;
-}
-
 std::vector<std::size_t> FramesOf(const render::Film& film, const PicturePlan& plan) {
   TWIN_CHECK(plan.every >= 1);
   std::vector<std::size_t> frames;
@@ -75,7 +67,7 @@ Pictures TakePictures(const render::Film& film, const PicturePlan& plan,
   pictures.frames = frames.size();
   pictures.interval_s = static_cast<double>(plan.every) / film.snapshots->fps();
   pictures.bodies = render::BodyNames(*film.model);
-  const auto key_frames = keys ? *keys : SpreadFrames(frames.size(), plan.key_frames);
+  const auto key_frames = keys ? *keys : render::SpreadFrames(frames.size(), plan.key_frames);
   for (const ViewPlan& view : plan.views) {
     pictures.views.push_back(TakeView(film, view, frames, key_frames));
   }

@@ -1,7 +1,5 @@
 #include "twin/render/clip.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -10,20 +8,13 @@
 
 #include "render/frame_worker.h"
 #include "twin/core/check.h"
-#include "twin/core/error.h"
+#include "twin/core/require.h"
 #include "twin/render/frame_painter.h"
 #include "twin/render/png.h"
 #include "twin/render/video_writer.h"
 
 namespace twin::render {
 namespace {
-
-void CheckRange(const char* field, int value, int low, int high) {
-  if (value < low || value > high) {
-    throw InputError(
-        fmt::format("video: {} is {}; it must be in [{}, {}]", field, value, low, high));
-  }
-}
 
 VideoSettings MakeVideoSettings(const ClipSettings& settings, const ClipFrames& frames) {
   VideoSettings video;
@@ -35,26 +26,20 @@ VideoSettings MakeVideoSettings(const ClipSettings& settings, const ClipFrames& 
   return video;
 }
 
-/// Collects evenly spaced frames, at half their size.
+/// Collects some frames, at half their size.
 class SheetCollector {
  public:
-  SheetCollector(std::size_t frames, std::size_t pictures)
-      : frames_(frames), pictures_(std::min(frames, pictures)) {}
+  explicit SheetCollector(std::vector<std::size_t> frames) : frames_(std::move(frames)) {}
 
   void Add(std::size_t frame, const Image& image) {
-    if (images_.size() < pictures_ && frame == FrameOf(images_.size())) {
+    if (images_.size() < frames_.size() && frame == frames_[images_.size()]) {
       images_.push_back(HalveImage(image));
     }
   }
   [[nodiscard]] const std::vector<Image>& images() const noexcept { return images_; }
 
  private:
-  [[nodiscard]] std::size_t FrameOf(std::size_t picture) const noexcept {
-    return pictures_ == 1 ? 0 : picture * (frames_ - 1) / (pictures_ - 1);
-  }
-
-  std::size_t frames_;
-  std::size_t pictures_;
+  std::vector<std::size_t> frames_;  ///< in order
   std::vector<Image> images_;
 };
 
@@ -69,33 +54,37 @@ std::vector<std::unique_ptr<FrameWorker>> StartWorkers(const ClipFrames& frames,
 
 }  // namespace
 
-ClipStats RenderClip(const Film& film, const ClipSettings& settings, const ClipPaths& paths,
-                     const Clock& clock, const ClipProgress& progress) {
+ClipFrames FramesOf(const Film& film, const FilmSettings& settings) {
   const auto new_painter = [&film, &settings]() -> DrawFrame {
     // Shared, since a function is copied; it has one user all the same.
-    return [painter = std::make_shared<FramePainter>(film, settings.film)](std::size_t frame) {
+    return [painter = std::make_shared<FramePainter>(film, settings)](std::size_t frame) {
       return painter->Paint(frame);
     };
   };
-  return RenderClip(ClipFrames{.count = film.snapshots->size(),
-                               .fps = film.snapshots->fps(),
-                               .width = settings.film.render.width,
-                               .height = settings.film.render.height,
-                               .new_drawer = new_painter},
-                    settings, paths, clock, progress);
+  return {.count = film.snapshots->size(),
+          .fps = film.snapshots->fps(),
+          .width = settings.render.width,
+          .height = settings.render.height,
+          .new_drawer = new_painter};
+}
+
+ClipStats RenderClip(const Film& film, const ClipSettings& settings, const ClipPaths& paths,
+                     const Clock& clock, const ClipProgress& progress) {
+  return RenderClip(FramesOf(film, settings.film), settings, paths, clock, progress);
 }
 
 ClipStats RenderClip(const ClipFrames& frames, const ClipSettings& settings, const ClipPaths& paths,
                      const Clock& clock, const ClipProgress& progress) {
   TWIN_CHECK(frames.count > 0);
-  CheckRange("sheet_pictures", settings.sheet_pictures, 1, 1000);
-  CheckRange("render_threads", settings.render_threads, 1, 16);
+  RequireInRange("video: sheet_pictures", settings.sheet_pictures, 1, 1000);
+  RequireInRange("video: render_threads", settings.render_threads, 1, 16);
   const Time begin = clock.Now();
   std::optional<VideoWriter> video;
   if (!paths.video.empty()) {
     video.emplace(paths.video, MakeVideoSettings(settings, frames));
   }
-  SheetCollector sheet(frames.count, static_cast<std::size_t>(settings.sheet_pictures));
+  SheetCollector sheet(
+      SpreadFrames(frames.count, static_cast<std::size_t>(settings.sheet_pictures)));
   const auto workers = StartWorkers(frames, settings.render_threads);
   for (std::size_t i = 0; i < frames.count; ++i) {
     const Image image = workers[i % workers.size()]->Take();

@@ -18,6 +18,16 @@ void Paste(const Image& image, int column, int row, Image& sheet) {
 
 }  // namespace
 
+std::vector<std::size_t> SpreadFrames(std::size_t frames, std::size_t count) {
+  const std::size_t taken = std::min(frames, count);
+  std::vector<std::size_t> spread;
+  spread.reserve(taken);
+  for (std::size_t i = 0; i < taken; ++i) {
+    spread.push_back(taken == 1 ? 0 : i * (frames - 1) / (taken - 1));
+  }
+  return spread;
+}
+
 Image ComposeContactSheet(std::span<const Image> images, const ContactSheetLayout& layout) {
   TWIN_CHECK(!images.empty() && layout.columns >= 1 && layout.border_px >= 0);
   const int count = static_cast<int>(images.size());

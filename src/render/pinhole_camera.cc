@@ -1,6 +1,10 @@
 #include "twin/render/pinhole_camera.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
+
+#include "twin/core/require.h"
 
 namespace twin::render {
 namespace {
@@ -8,6 +12,14 @@ namespace {
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180;
 
 }  // namespace
+
+void FreeCamera::Validate(std::string_view what) const {
+  const auto field = [&](const char* name) { return fmt::format("render: {} {}", what, name); };
+  RequireInRange(field("distance (m)"), distance_m, 0.01, 1000);
+  RequireInRange(field("azimuth (degrees)"), azimuth_deg, -360, 360);
+  RequireInRange(field("elevation (degrees)"), elevation_deg, -90, 90);
+  for (const double x : lookat_m) RequireInRange(field("lookat (m)"), x, -1e3, 1e3);
+}
 
 PinholeCamera::PinholeCamera(const Transform& X_WC, double fovy_deg, int width, int height)
     : X_WC_(X_WC),

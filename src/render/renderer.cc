@@ -13,16 +13,10 @@
 #include "render/scene_renderer.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
+#include "twin/core/require.h"
 
 namespace twin::render {
 namespace {
-
-void CheckRange(const char* field, double value, double low, double high) {
-  if (!(value >= low && value <= high)) {
-    throw InputError(
-        fmt::format("render: {} is {}; it must be in [{}, {}]", field, value, low, high));
-  }
-}
 
 mjvCamera MakeCamera(const DrawnModel& model, const RenderSettings& settings) {
   mjvCamera camera;
@@ -54,13 +48,10 @@ std::vector<mjvGeom> LineOf(const Ghost& ghost) {
 }  // namespace
 
 void RenderSettings::Validate() const {
-  CheckRange("width (pixels)", width, 16, 4096);
-  CheckRange("height (pixels)", height, 16, 4096);
-  CheckRange("shadow_size (texels)", shadow_size, 128, 8192);
-  CheckRange("free camera's distance (m)", free_camera.distance_m, 0.01, 1000);
-  CheckRange("free camera's azimuth (degrees)", free_camera.azimuth_deg, -360, 360);
-  CheckRange("free camera's elevation (degrees)", free_camera.elevation_deg, -90, 90);
-  for (const double x : free_camera.lookat_m) CheckRange("free camera's lookat (m)", x, -1e3, 1e3);
+  RequireInRange("render: width (pixels)", width, 16, 4096);
+  RequireInRange("render: height (pixels)", height, 16, 4096);
+  RequireInRange("render: shadow_size (texels)", shadow_size, 128, 8192);
+  free_camera.Validate("free camera's");
   if (samples != 0 && samples != 2 && samples != 4) {
     throw InputError(fmt::format("render: samples is {}; it must be 0, 2 or 4", samples));
   }

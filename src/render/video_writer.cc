@@ -9,24 +9,14 @@
 #include "render/video_target.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
+#include "twin/core/require.h"
 
 namespace twin::render {
-namespace {
-
-void CheckRange(const char* field, int value, int low, int high) {
-  if (value < low || value > high) {
-    throw InputError(
-        fmt::format("video: {} is {}; it must be in [{}, {}]", field, value, low, high));
-  }
-}
-
-}  // namespace
-
 void VideoSettings::Validate(VideoFormat format) const {
-  CheckRange("width (pixels)", width, 16, 4096);
-  CheckRange("height (pixels)", height, 16, 4096);
-  CheckRange("fps", fps, 1, 240);
-  CheckRange("crf", crf, 0, 51);
+  RequireInRange("video: width (pixels)", width, 16, 4096);
+  RequireInRange("video: height (pixels)", height, 16, 4096);
+  RequireInRange("video: fps", fps, 1, 240);
+  RequireInRange("video: crf", crf, 0, 51);
   if (format == VideoFormat::kH264 && (width % 2 != 0 || height % 2 != 0)) {
     throw InputError(fmt::format(
         "video: the size is {}x{}; H.264 needs an even width and height (.mkv does not)", width,

@@ -115,9 +115,9 @@ render::Image DrawStrip(const Recording& recording, const Page& page) {
   if (goals.size() < kStripPlans) LacksPlans(recording, "six plans");
   std::vector<render::Image> above;
   std::vector<render::Image> below;
-  for (std::size_t i = 0; i < kStripPlans; ++i) {
-    const std::size_t n = i * (goals.size() - 1) / (kStripPlans - 1);
-    PlanPictures pictures = page.Titled(fmt::format("{} {}", i + 1, recording.plans()[n].id));
+  for (const std::size_t n : render::SpreadFrames(goals.size(), kStripPlans)) {
+    PlanPictures pictures =
+        page.Titled(fmt::format("{} {}", above.size() + 1, recording.plans()[n].id));
     above.push_back(pictures.Planned(goals[n]));
     below.push_back(pictures.Done(goals[n]));
   }

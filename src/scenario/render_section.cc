@@ -2,26 +2,20 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <string_view>
 
 #include <fmt/format.h>
 
 #include "scenario/names.h"
 #include "twin/core/error.h"
+#include "twin/core/require.h"
 
 namespace twin::scenario {
 namespace {
 
-void RequireRange(std::string_view field, double value, double least, double most) {
-  if (!(value >= least && value <= most)) {
-    throw InputError(
-        fmt::format("render: {} is {}; it must be in [{}, {}]", field, value, least, most));
-  }
-}
-
 void Validate(const CameraSection& camera) {
-  RequireRange("camera.distance (m)", camera.distance, 0.01, 1000);
-  RequireRange("camera.turn (rad/s)", camera.turn, -2 * std::numbers::pi, 2 * std::numbers::pi);
+  RequireInRange("render: camera.distance (m)", camera.distance, 0.01, 1000);
+  RequireInRange("render: camera.turn (rad/s)", camera.turn, -2 * std::numbers::pi,
+                 2 * std::numbers::pi);
   if (camera.kind == CameraKind::kScene && camera.name.empty()) {
     throw InputError("render: camera of the scene without a name");
   }
@@ -30,9 +24,9 @@ void Validate(const CameraSection& camera) {
 }  // namespace
 
 void RenderSection::Validate() const {
-  RequireRange("width", width, 16, 4096);
-  RequireRange("height", height, 16, 4096);
-  RequireRange("fps", fps, 1, 240);
+  RequireInRange("render: width", width, 16, 4096);
+  RequireInRange("render: height", height, 16, 4096);
+  RequireInRange("render: fps", fps, 1, 240);
   if (width % 2 != 0 || height % 2 != 0) {
     throw InputError(
         fmt::format("render: {} x {} pixels; both must be even for H.264", width, height));
@@ -40,7 +34,7 @@ void RenderSection::Validate() const {
   scenario::Validate(camera);
   for (const InsetSection& inset : insets) {
     scenario::Validate(inset.camera);
-    RequireRange("insets.share (%)", inset.share_percent, 10, 50);
+    RequireInRange("render: insets.share (%)", inset.share_percent, 10, 50);
   }
   for (std::size_t i = 0; i < insets.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {

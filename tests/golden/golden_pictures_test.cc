@@ -36,12 +36,6 @@ class PicturesTest : public testing::Test {
   PicturePlan plan_;
 };
 
-TEST(SpreadFramesTest, TakesFirstAndLastAndSpreadsTheOthers) {
-  EXPECT_EQ(SpreadFrames(11, 3), (std::vector<std::size_t>{0, 5, 10}));
-  EXPECT_EQ(SpreadFrames(3, 5), (std::vector<std::size_t>{0, 1, 2}));
-  EXPECT_EQ(SpreadFrames(0, 5), (std::vector<std::size_t>{}));
-}
-
 TEST(HashOfTest, TellsBytesAndShapesApart) {
   render::Image image(4, 2, {1, 2, 3});
   const std::uint64_t hash = HashOf(image);

@@ -48,5 +48,11 @@ TEST(HalveImageTest, TakesTheMeanOfFourPixels) {
   EXPECT_EQ(half.at(0, 0), (Rgb{2, 25, 100}));  // (7 + 2) / 4, (101 + 2) / 4, (401 + 2) / 4
 }
 
+TEST(SpreadFramesTest, TakesFirstAndLastAndSpreadsTheOthers) {
+  EXPECT_EQ(SpreadFrames(11, 3), (std::vector<std::size_t>{0, 5, 10}));
+  EXPECT_EQ(SpreadFrames(3, 5), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(SpreadFrames(0, 5), (std::vector<std::size_t>{}));
+}
+
 }  // namespace
 }  // namespace twin::render

@@ -53,10 +53,6 @@ struct Pictures {
 /// A fingerprint of a picture's size and bytes. No defence against an adversary.
 [[nodiscard]] std::uint64_t HashOf(const render::Image& image);
 
-/// @returns `count` numbers of [0, frames), evenly spaced, first and last included; all of them
-/// when there are no more.
-[[nodiscard]] std::vector<std::size_t> SpreadFrames(std::size_t frames, std::size_t count);
-
 /// @returns the numbers, in the film, of the frames that are looked at.
 [[nodiscard]] std::vector<std::size_t> FramesOf(const render::Film& film, const PicturePlan& plan);
 

@@ -44,6 +44,10 @@ struct ClipFrames {
   std::function<DrawFrame()> new_drawer;
 };
 
+/// The frames of a film. @param film, settings  must outlive what is returned and its drawers.
+/// @pre film.snapshots->size() > 0.
+[[nodiscard]] ClipFrames FramesOf(const Film& film, const FilmSettings& settings);
+
 /// Called from the calling thread after each frame, with the frames done and their total.
 using ClipProgress = std::function<void(std::size_t done, std::size_t total)>;
 

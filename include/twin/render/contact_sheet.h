@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
+#include <vector>
 
 #include "twin/render/image.h"
 
@@ -12,6 +14,10 @@ struct ContactSheetLayout {
   int border_px = 4;  ///< between pictures and round them
   Rgb border = {32, 32, 36};
 };
+
+/// Which of `frames` frames stand for all: `count` of them, or all where they are fewer, evenly
+/// spaced and in order, the first and the last among them; one alone is the first.
+[[nodiscard]] std::vector<std::size_t> SpreadFrames(std::size_t frames, std::size_t count);
 
 /// Lays pictures out row by row, first one top left; cells that remain are border.
 /// @pre images is not empty, all images have one size, columns >= 1, border_px >= 0.

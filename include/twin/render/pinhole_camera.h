@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "twin/core/joint_vector.h"
 
@@ -22,6 +23,9 @@ struct FreeCamera {
   double elevation_deg = -16;
   double distance_m = 1.95;
   Vector3 lookat_m = {0.12, 0, 0.52};  ///< in the world
+
+  /// @param what  it is called in messages. @throws InputError naming field, value and range.
+  void Validate(std::string_view what) const;
 };
 
 /// An ideal camera: no distortion, square pixels, principal point at the centre of the picture.
