@@ -168,8 +168,11 @@ void ApplicationSession::WriteResults() {
 
 void ApplicationSession::MakePictures() {
   const render::Film film = records_.FilmOf(scenario_);
-  times_.video_s = MakeClip(film, scenario_.render, out_, interrupt_, clock_, flags_.quiet).seconds;
-  moments_ = DrawMoments(film, result_.deeds.moments, FilmOf(scenario_.render), out_.moments());
+  const render::FilmSettings settings = FilmOf(scenario_.render);
+  times_.video_s = ShowClip(render::FramesOf(film, settings), {out_.video(), out_.contact_sheet()},
+                            interrupt_, clock_, flags_.quiet)
+                       .seconds;
+  moments_ = DrawMoments(film, result_.deeds.moments, settings, out_.moments());
 }
 
 application::PageFacts ApplicationSession::FactsOf() const {

@@ -1,6 +1,6 @@
 #include "cli/film_flags.h"
 
-#include <array>
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -12,27 +12,14 @@
 namespace twin::cli {
 namespace {
 
-using Place = std::pair<std::string_view, render::Corner>;
-constexpr std::array<Place, 4> kCorners = {{{"top_left", render::Corner::kTopLeft},
-                                            {"top_right", render::Corner::kTopRight},
-                                            {"bottom_left", render::Corner::kBottomLeft},
-                                            {"bottom_right", render::Corner::kBottomRight}}};
-
-using Switch = std::pair<std::string_view, bool render::Overlays::*>;
-constexpr std::array<Switch, 6> kOverlays = {{{"text", &render::Overlays::text},
-                                              {"goal", &render::Overlays::goal},
-                                              {"trace", &render::Overlays::trace},
-                                              {"forces", &render::Overlays::forces},
-                                              {"contacts", &render::Overlays::contacts},
-                                              {"limits", &render::Overlays::limits}}};
-
 /// Of a body that is followed: near, and straight at it.
 constexpr render::FreeCamera kNear{
     .azimuth_deg = 142, .elevation_deg = -18, .distance_m = 0.9, .lookat_m = {}};
 
 render::View ViewOf(std::string_view text, const render::View& otherwise) {
   constexpr std::string_view kTrack = "track:";
-  if (text == "gripper") return {.kind = render::ViewKind::kGripper, .name = {}, .orbit = {}};
+  if (text == scenario::kGripperCamera)
+    return {.kind = render::ViewKind::kGripper, .name = {}, .orbit = {}};
   if (text.starts_with(kTrack)) {
     return {.kind = render::ViewKind::kTracking,
             .name = std::string(text.substr(kTrack.size())),
@@ -70,9 +57,9 @@ render::Inset InsetFromText(std::string_view text, const render::View& otherwise
   const std::size_t at = text.find('@');
   render::Inset inset{.view = ViewOf(text.substr(0, at), otherwise)};
   if (at == std::string_view::npos) return inset;
-  for (const auto& [name, corner] : kCorners) {
+  for (const auto& [name, corner] : scenario::kPictureCornerNames) {
     if (name != text.substr(at + 1)) continue;
-    inset.corner = corner;
+    inset.corner = CornerOf(corner);
     return inset;
   }
   throw InputError(fmt::format(
@@ -81,23 +68,20 @@ render::Inset InsetFromText(std::string_view text, const render::View& otherwise
 }
 
 render::Overlays OverlaysFromText(std::string_view text) {
-  render::Overlays overlays{.text = false};
-  if (text == "none") return overlays;
+  std::vector<scenario::Overlay> overlays;
+  if (text == "none") return OverlaysOf(overlays);
   while (true) {
     const std::string_view name = text.substr(0, text.find(','));
-    bool known = false;
-    for (const auto& [word, member] : kOverlays) {
-      if (word != name) continue;
-      overlays.*member = true;
-      known = true;
-    }
-    if (!known) {
+    const auto* const found = std::ranges::find(
+        scenario::kOverlayNames, name, &std::pair<std::string_view, scenario::Overlay>::first);
+    if (found == scenario::kOverlayNames.end()) {
       throw InputError(
           fmt::format("there is no {}; choose of text, goal, trace, forces, contacts, limits, with "
                       "commas between them, or none",
                       name));
     }
-    if (name.size() == text.size()) return overlays;
+    overlays.push_back(found->second);
+    if (name.size() == text.size()) return OverlaysOf(overlays);
     text.remove_prefix(name.size() + 1);
   }
 }

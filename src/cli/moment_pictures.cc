@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/error.h"
 #include "twin/render/png.h"
 #include "twin/replay/plan_pictures.h"
 
@@ -24,12 +23,7 @@ std::vector<application::MomentPictures> DrawMoments(const render::Film& film,
                                                      std::span<const application::Moment> moments,
                                                      render::FilmSettings settings,
                                                      const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) {
-    throw EnvironmentError(
-        fmt::format("{}: cannot be made ({})", folder.string(), error.message()));
-  }
+  MakeFolder(folder);
   replay::PlanPictures pictures(film, Bare(std::move(settings)));
   std::vector<application::MomentPictures> pairs;
   for (std::size_t i = 0; i < moments.size(); ++i) {

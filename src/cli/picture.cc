@@ -37,6 +37,8 @@ render::View ViewOf(const scenario::CameraSection& camera) {
   return view;
 }
 
+}  // namespace
+
 render::Corner CornerOf(scenario::PictureCorner corner) {
   switch (corner) {
     case scenario::PictureCorner::kTopLeft: return render::Corner::kTopLeft;
@@ -58,8 +60,6 @@ render::Overlays OverlaysOf(const std::vector<scenario::Overlay>& wanted) {
           .contacts = has(scenario::Overlay::kContacts),
           .limits = has(scenario::Overlay::kLimits)};
 }
-
-}  // namespace
 
 render::FilmSettings FilmOf(const scenario::RenderSection& wanted) {
   render::FilmSettings film;
@@ -88,17 +88,14 @@ int RenderThreads(unsigned processors) {
   return static_cast<int>(std::clamp(processors, 1U, 16U));
 }
 
-render::ClipStats MakeClip(const render::Film& film, const scenario::RenderSection& wanted,
-                           const ResultFolder& out, const InterruptGuard& interrupt,
-                           const Clock& clock, bool quiet) {
+render::ClipStats ShowClip(const render::ClipFrames& frames, const render::ClipPaths& paths,
+                           const InterruptGuard& interrupt, const Clock& clock, bool quiet) {
   render::ClipSettings settings;
-  settings.film = FilmOf(wanted);
   settings.render_threads = RenderThreads(std::thread::hardware_concurrency());
   Progress progress("video", Progress::StyleOfStdout(quiet), clock);
   const Time begin = clock.Now();
   return render::RenderClip(
-      film, settings, {out.video(), out.contact_sheet()}, clock,
-      [&](std::size_t done, std::size_t total) {
+      frames, settings, paths, clock, [&](std::size_t done, std::size_t total) {
         interrupt.ThrowIfInterrupted();
         const double rate = static_cast<double>(done) / ToSeconds(clock.Now() - begin);
         progress.Show(static_cast<double>(done) / static_cast<double>(total),

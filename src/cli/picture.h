@@ -1,9 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "cli/interrupt.h"
-#include "cli/result_folder.h"
 #include "twin/backend/registry.h"
 #include "twin/core/clock.h"
 #include "twin/render/clip.h"
@@ -11,6 +11,10 @@
 #include "twin/scenario/scenario.h"
 
 namespace twin::cli {
+
+/// A scenario's words in the renderer's.
+[[nodiscard]] render::Corner CornerOf(scenario::PictureCorner corner);
+[[nodiscard]] render::Overlays OverlaysOf(const std::vector<scenario::Overlay>& wanted);
 
 /// What a scenario wants its film to look like.
 [[nodiscard]] render::FilmSettings FilmOf(const scenario::RenderSection& wanted);
@@ -27,11 +31,9 @@ void CheckPicture(const backend::Connection& connection, const scenario::RenderS
 /// @param processors  0 when unknown.
 [[nodiscard]] int RenderThreads(unsigned processors);
 
-/// Renders the film of a run, of at least one frame, as its video and contact sheet, and shows how
-/// far that is. @returns what it took. @throws as render::RenderClip; Interrupted.
-[[nodiscard]] render::ClipStats MakeClip(const render::Film& film,
-                                         const scenario::RenderSection& wanted,
-                                         const ResultFolder& out, const InterruptGuard& interrupt,
-                                         const Clock& clock, bool quiet);
+/// Renders frames as a video, and a contact sheet of them, on as many threads as draw best, and
+/// shows how far that is. @returns what it took. @throws as render::RenderClip; Interrupted.
+render::ClipStats ShowClip(const render::ClipFrames& frames, const render::ClipPaths& paths,
+                           const InterruptGuard& interrupt, const Clock& clock, bool quiet);
 
 }  // namespace twin::cli

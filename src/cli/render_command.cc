@@ -2,20 +2,18 @@
 
 #include <array>
 #include <cmath>
-#include <memory>
 #include <system_error>
 
 #include <fmt/format.h>
 
 #include "cli/host.h"
 #include "cli/interrupt.h"
-#include "cli/progress.h"
+#include "cli/picture.h"
 #include "cli/result_folder.h"
 #include "cli/say.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/render/clip.h"
-#include "twin/render/frame_painter.h"
 #include "twin/render/png.h"
 #include "twin/render/video_writer.h"
 #include "twin/replay/comparison.h"
@@ -157,15 +155,7 @@ class Rendering {
     render::Film film = first_->Film();
     film.snapshots = &shown;
     film.before = &before;
-    const auto new_painter = [&]() -> render::DrawFrame {
-      return [painter = std::make_shared<render::FramePainter>(film, settings_)](
-                 std::size_t frame) { return painter->Paint(frame); };
-    };
-    Write({.count = shown.size(),
-           .fps = line.fps,
-           .width = settings_.render.width,
-           .height = settings_.render.height,
-           .new_drawer = new_painter});
+    Write(render::FramesOf(film, settings_));
   }
 
   void DrawBoth() {
@@ -190,16 +180,7 @@ class Rendering {
       WritePicture(frames.new_drawer()(0));
       return;
     }
-    Progress progress("video", Progress::StyleOfStdout(flags_.quiet), clock_);
-    const Time begin = clock_.Now();
-    render::RenderClip(
-        frames, {}, {.video = flags_.out, .contact_sheet = {}}, clock_,
-        [&](std::size_t done, std::size_t total) {
-          interrupt_.ThrowIfInterrupted();
-          progress.Show(static_cast<double>(done) / static_cast<double>(total),
-                        fmt::format("{} of {} frames, {:.1f} frames/s", done, total,
-                                    static_cast<double>(done) / ToSeconds(clock_.Now() - begin)));
-        });
+    ShowClip(frames, {.video = flags_.out, .contact_sheet = {}}, interrupt_, clock_, flags_.quiet);
   }
 
   const MonotonicClock clock_;

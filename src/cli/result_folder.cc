@@ -33,6 +33,15 @@ std::string LastError() {
 
 }  // namespace
 
+void MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw EnvironmentError(
+        fmt::format("{}: cannot be made ({})", folder.string(), error.message()));
+  }
+}
+
 void TryToWrite(const fs::path& folder) {
   std::string probe = folder / ".panda-twin.XXXXXX";
   const int descriptor = ::mkostemp(probe.data(), O_CLOEXEC);

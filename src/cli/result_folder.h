@@ -65,6 +65,9 @@ class ResultFolder {
 /// Makes a file of its own in `folder`, and removes it. @throws EnvironmentError when it cannot.
 void TryToWrite(const std::filesystem::path& folder);
 
+/// Makes a folder, and those it is in, unless it is there. @throws EnvironmentError naming it.
+void MakeFolder(const std::filesystem::path& folder);
+
 /// What a file is called until it is whole.
 [[nodiscard]] std::filesystem::path PartialOf(std::filesystem::path file);
 

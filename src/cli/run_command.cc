@@ -155,8 +155,11 @@ void Session::WriteResults() {
 
 void Session::MakePictures() {
   const render::Film film = records_.FilmOf(scenario_);
-  times_.video_s = MakeClip(film, scenario_.render, out_, interrupt_, clock_, flags_.quiet).seconds;
-  if (!film.goals.empty()) DrawPlannedMotion(film, FilmOf(scenario_.render), out_);
+  const render::FilmSettings settings = FilmOf(scenario_.render);
+  times_.video_s = ShowClip(render::FramesOf(film, settings), {out_.video(), out_.contact_sheet()},
+                            interrupt_, clock_, flags_.quiet)
+                       .seconds;
+  if (!film.goals.empty()) DrawPlannedMotion(film, settings, out_);
 }
 
 void Session::MakePlots() {

@@ -192,15 +192,6 @@ class VideoSession {
     }
   }
 
-  static void MakeFolder(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) {
-      throw EnvironmentError(
-          fmt::format("{}: cannot be made ({})", folder.string(), error.message()));
-    }
-  }
-
   void Tell(const std::string& line) const {
     if (flags_.quiet) return;
     Say(stdout, line);

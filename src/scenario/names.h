@@ -39,22 +39,6 @@ inline constexpr std::array<Spelling<plant::ObjectShape>, 3> kObjectShapeNames{
      {"cylinder", plant::ObjectShape::kCylinder},
      {"sphere", plant::ObjectShape::kSphere}}};
 
-inline constexpr std::array<Spelling<PictureCorner>, 4> kPictureCornerNames{
-    {{"top_left", PictureCorner::kTopLeft},
-     {"top_right", PictureCorner::kTopRight},
-     {"bottom_left", PictureCorner::kBottomLeft},
-     {"bottom_right", PictureCorner::kBottomRight}}};
-
-inline constexpr std::array<Spelling<Overlay>, 6> kOverlayNames{{{"text", Overlay::kText},
-                                                                 {"goal", Overlay::kGoal},
-                                                                 {"trace", Overlay::kTrace},
-                                                                 {"forces", Overlay::kForces},
-                                                                 {"contacts", Overlay::kContacts},
-                                                                 {"limits", Overlay::kLimits}}};
-
-/// The camera on the flange; no scene's camera of this name can be chosen.
-inline constexpr std::string_view kGripperCamera = "gripper";
-
 inline constexpr std::array<Spelling<Drive>, 3> kDriveNames{
     {{"lockstep", Drive::kLockstep}, {"realtime", Drive::kRealtime}, {"remote", Drive::kRemote}}};
 

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <numbers>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "twin/core/joint_vector.h"
@@ -47,6 +50,24 @@ enum class Overlay : std::uint8_t {
   kContacts,  ///< where anything touches
   kLimits,    ///< where each joint is between its limits
 };
+
+/// How scenarios and flags spell these.
+inline constexpr std::array<std::pair<std::string_view, PictureCorner>, 4> kPictureCornerNames{
+    {{"top_left", PictureCorner::kTopLeft},
+     {"top_right", PictureCorner::kTopRight},
+     {"bottom_left", PictureCorner::kBottomLeft},
+     {"bottom_right", PictureCorner::kBottomRight}}};
+
+inline constexpr std::array<std::pair<std::string_view, Overlay>, 6> kOverlayNames{
+    {{"text", Overlay::kText},
+     {"goal", Overlay::kGoal},
+     {"trace", Overlay::kTrace},
+     {"forces", Overlay::kForces},
+     {"contacts", Overlay::kContacts},
+     {"limits", Overlay::kLimits}}};
+
+/// The camera on the flange; no scene's camera of this name can be chosen.
+inline constexpr std::string_view kGripperCamera = "gripper";
 
 /// The video of a run.
 struct RenderSection {
