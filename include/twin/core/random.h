@@ -32,6 +32,17 @@ enum class RandomStream : std::uint32_t {
   kGoalSeed = 22,         ///< of an application's later goals
   kObjects = 23,          ///< sizes, masses and places of a scenario's objects
   kPlace = 24,            ///< where an application puts something
+  kOperatorDelay = 32,    ///< of what an operator's hands do, on the way to the robot
+  kOperatorLoss = 33,
+  kOperatorBurst = 34,
+  kOperatorDuplicate = 35,
+  kOperatorReorder = 36,
+  kFeedbackDelay = 37,  ///< of what the operator is made to feel, on the way back
+  kFeedbackLoss = 38,
+  kFeedbackBurst = 39,
+  kFeedbackDuplicate = 40,
+  kFeedbackReorder = 41,
+  kPerson = 42,  ///< hands and eyes of a scripted person
   kTest = 1000,
 };
 

@@ -11,6 +11,9 @@ namespace twin::teleop {
 
 /// What an operator holds in the hands. A plug-in (plugins/devices); the only seam to it.
 ///
+/// A living device gives samples at least every 50 ms, whether or not anything moves: silence is
+/// how a robot learns that nobody leads it any more.
+///
 /// Threads: Read() and Feel() from one thread. What a device does on threads of its own is its own
 /// affair. Real-time: both noexcept, allocate nothing, wait for nobody.
 class Device {

@@ -17,7 +17,7 @@ enum class AxisKind : std::uint8_t {
 
 /// What the operator's hands do, as a device tells it. Trivially copyable; goes over wires that
 /// lose and reorder, so presses are counted, not told: a counter that went on by k was pressed k
-/// times.
+/// times. Counters stand at zero as a device's life begins.
 struct OperatorSample {
   std::uint64_t sequence = 0;  ///< grows with every sample of a device, from 1
   Time at{};                   ///< on the device's own clock
@@ -27,6 +27,7 @@ struct OperatorSample {
   std::uint32_t mode_presses = 0;     ///< switches between arm and base
   std::uint32_t gripper_presses = 0;  ///< closes or opens the hand
   std::uint32_t frame_presses = 0;    ///< switches between axes of the base and of the end effector
+  std::uint32_t scale_presses = 0;    ///< switches between coarse and fine motion
   std::uint32_t stop_presses = 0;     ///< emergency stop
   std::uint32_t release_presses = 0;  ///< ends an emergency stop
   std::uint32_t end_presses = 0;      ///< ends the session
@@ -48,6 +49,8 @@ struct OperatorFeedback {
   bool stopped = false;      ///< emergency stop
   bool holding = false;      ///< the device is lost or its samples are too old
   bool hand_closed = false;  ///< as it was last asked for
+  bool fine = false;         ///< motion is scaled down
+  bool at_border = false;    ///< the arm goes no further that way: workspace, posture or force
 };
 
 }  // namespace twin::teleop
