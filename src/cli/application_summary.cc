@@ -69,6 +69,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationRes
       {"cycles_held", known(counts.held)},
       {"longest_loss_cycles", known(counts.longest_loss)},
       {"commands_dropped", known(counts.dropped)},
+      {"viability", ViabilityJson(result.session.viability)},
       {"contacts", ContactsJson(contacts)},
       {"libm", scenario::FormatHash(scenario::LibmFingerprint())},
       {"states_hash", scenario::FormatHash(result.session.states_hash)},
@@ -89,6 +90,9 @@ std::string SummaryText(const scenario::Scenario& scenario, const ApplicationRes
     out += fmt::format("  {:<13}{} in {} motions; {} served, {} held (at most {} in a row)\n",
                        "cycles", counts.cycles(), result.session.motions, counts.served,
                        counts.held, counts.longest_loss);
+  }
+  if (result.session.viability) {
+    out += fmt::format("  {:<13}{}\n", "kept back", ViabilityText(*result.session.viability));
   }
   out += fmt::format("  {:<13}{:.2f} s: {:.1f} x real time; of it planning {:.2f} s\n", "took",
                      times.run_s, times.real_time_factor, times.planning_s.value_or(0));

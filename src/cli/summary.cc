@@ -159,6 +159,32 @@ nlohmann::ordered_json ContactsJson(const std::optional<plant::ContactWatch>& co
   return {{"cycles", contacts->cycles()}, {"pairs", pairs}};
 }
 
+nlohmann::ordered_json ViabilityJson(const std::optional<rt::FilterCounts>& counts) {
+  if (!counts) return {};
+  const auto& nearest = counts->nearest;
+  return {{"commands", counts->commands},
+          {"kept_back", counts->kept_back},
+          {"kept_back_of_joint", counts->of_joint},
+          {"least_margin", nearest ? Json(nearest->margin) : Json()},
+          {"least_margin_s", nearest ? Json(ToSeconds(nearest->at.time_since_epoch())) : Json()}};
+}
+
+std::string ViabilityText(const rt::FilterCounts& counts) {
+  std::string text = fmt::format("{} of {} commands ({:.2f} %)", counts.kept_back, counts.commands,
+                                 counts.kept_back_percent());
+  std::string_view separator = ": ";
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (counts.of_joint[i] == 0) continue;
+    text += fmt::format("{}joint {} in {}", separator, i + 1, counts.of_joint[i]);
+    separator = ", ";
+  }
+  if (counts.nearest) {
+    text += fmt::format("; least margin {:.3g}, at {:.3f} s", counts.nearest->margin,
+                        ToSeconds(counts.nearest->at.time_since_epoch()));
+  }
+  return text;
+}
+
 std::string OutcomeOf(const scenario::RunResult& result, bool interrupted) {
   if (result.report.succeeded()) return "success";
   if (interrupted) return "interrupted";
@@ -202,6 +228,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"states_lost", result.report.timings.skipped_states},
       {"states_out_of_time", result.report.timings.anomalous},
       {"controller_overruns", result.report.controller_overruns},
+      {"viability", ViabilityJson(result.viability)},
       {"hand", HandJson(scenario, result)},
       {"plan", PlanJson(result)},
       {"contacts", ContactsJson(contacts)},
@@ -257,6 +284,7 @@ std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunR
   if (result.hand) line("hand", HandText(scenario, *result.hand));
   const bool is_remote = scenario.drive == scenario::Drive::kRemote;
   line("cycles", is_remote ? RemoteCyclesText(result.report.timings) : CyclesText(result.counts));
+  if (result.viability) line("kept back", ViabilityText(*result.viability));
   line("speed", fmt::format("{:.2f} s {} in {:.2f} s: {:.1f} x real time",
                             ToSeconds(result.report.simulated),
                             is_remote ? "of the robot's time" : "simulated", times.run_s,

@@ -10,6 +10,7 @@
 #include "twin/core/time.h"
 #include "twin/plant/contact_watch.h"
 #include "twin/report/deviation.h"
+#include "twin/rt/filter_counts.h"
 #include "twin/scenario/assembly.h"
 #include "twin/scenario/scenario.h"
 
@@ -44,6 +45,12 @@ struct WallTimes {
 /// What the arm touched; null when nobody knows.
 [[nodiscard]] nlohmann::ordered_json ContactsJson(
     const std::optional<plant::ContactWatch>& contacts);
+
+/// What the viability filter did; null without one.
+[[nodiscard]] nlohmann::ordered_json ViabilityJson(const std::optional<rt::FilterCounts>& counts);
+
+/// The same in a line for people.
+[[nodiscard]] std::string ViabilityText(const rt::FilterCounts& counts);
 
 /// timing.json: what does not. @param robot  how a robot in real time kept its time.
 [[nodiscard]] std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot);

@@ -43,6 +43,13 @@ bool IsTransform(const Transform& T) noexcept {
   return true;
 }
 
+/// Bit i for flag i.
+std::uint8_t BitsOf(const std::array<bool, kJoints>& flags) noexcept {
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) bits |= flags[i] ? 1U << i : 0U;
+  return static_cast<std::uint8_t>(bits);
+}
+
 /// The values of a command by which the next state shows that it was taken. None for poses: the
 /// robot may have made one orthonormal, and there is no telling.
 std::optional<JointVector> Sent(const RobotCommand& command, CommandInterface interface) noexcept {
@@ -94,6 +101,8 @@ CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
 
 void CommandChain::Reset(const RobotState& state) noexcept {
   bridge_.Reset();
+  margin_.reset();
+  changed_joints_ = 0;
   kept_back_ = 0;
   sent_.reset();
   unserved_ = 0;
@@ -202,17 +211,14 @@ void CommandChain::Generate(const RobotState& state, RobotCommand& command) cons
 }
 
 void CommandChain::KeepViable(const RobotState& state, RobotCommand& command) noexcept {
-  bool changed = false;
-  if (interface_ == CommandInterface::kJointPosition) {
-    const auto outcome = viability_->Next(state.q_d, state.dq_d, state.ddq_d, command.q_c);
-    changed = outcome.any();
-    command.q_c = outcome.q_c;
-  } else {
-    const auto outcome = viability_->NextVelocity(state.q_d, state.dq_d, state.ddq_d, command.dq_c);
-    changed = outcome.any();
-    command.dq_c = outcome.dq_c;
-  }
-  kept_back_ += changed ? 1 : 0;
+  const bool by_position = interface_ == CommandInterface::kJointPosition;
+  const auto outcome =
+      by_position ? viability_->Next(state.q_d, state.dq_d, state.ddq_d, command.q_c)
+                  : viability_->NextVelocity(state.q_d, state.dq_d, state.ddq_d, command.dq_c);
+  (by_position ? command.q_c : command.dq_c) = by_position ? outcome.q_c : outcome.dq_c;
+  margin_ = viability_->Margin(state.q_d, state.dq_d, state.ddq_d);
+  changed_joints_ = BitsOf(outcome.active);
+  kept_back_ += outcome.any() ? 1 : 0;
 }
 
 void CommandChain::Filter(const RobotState& state, RobotCommand& command) const noexcept {

@@ -44,6 +44,8 @@ void ControlTick::Publish(const RobotState& state, Time read) noexcept {
   record_.written = read;
   record_.action = rt::TickAction::kPublished;
   record_.command = RobotCommand();
+  record_.margin.reset();
+  record_.kept_back = 0;
 
   exchange_.states.PublishWith([&](PublishedState& published) {
     published.state = state;
@@ -94,6 +96,8 @@ void ControlTick::Generate(const RobotState& state) noexcept {
   record_.deposit_time = deposit.source_time;
   record_.q_ext = chain_.matched().joint.q;
   record_.dq_ext = chain_.matched().joint.dq;
+  record_.margin = chain_.margin();
+  record_.kept_back = chain_.changed_joints();
 }
 
 }  // namespace twin::loop

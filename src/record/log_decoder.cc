@@ -52,6 +52,16 @@ std::uint32_t DecodeCount(std::string_view name, int count, std::size_t most) {
   return static_cast<std::uint32_t>(count);
 }
 
+/// @returns `bits`, of which there is one for each joint.
+std::uint8_t DecodeJoints(std::string_view name, std::uint32_t bits) {
+  constexpr std::uint32_t kAll = (1U << kJoints) - 1;
+  if (bits > kAll) {
+    throw InputError(fmt::format("{} is {}; at most {}, a bit for each of {} joints, is accepted",
+                                 name, bits, kAll, kJoints));
+  }
+  return static_cast<std::uint8_t>(bits);
+}
+
 void DecodeForces(const google::protobuf::RepeatedPtrField<pb::PointForce>& from,
                   std::span<rt::PointForce> to) {
   for (int i = 0; i < from.size(); ++i) {
@@ -154,6 +164,8 @@ void LogDecoder::Decode(std::span<const std::byte> data, rt::TickRecord& record)
       DecodeEnum<rt::TickAction>("action", tick_.action(), pb::TickAction_IsValid(tick_.action()));
   record.skipped_states = tick_.skipped_states();
   record.deposit_time = ToTime(tick_.deposit_time_ns());
+  if (tick_.has_margin()) record.margin = tick_.margin();
+  record.kept_back = DecodeJoints("kept_back", tick_.kept_back());
   pb::Command& command = *tick_.mutable_command();
   record.command.message_id = command.message_id();
   record.command.valid_elbow = command.valid_elbow();

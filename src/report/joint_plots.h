@@ -18,4 +18,7 @@ namespace twin::report {
 /// Script of served.svg.
 [[nodiscard]] std::string ServedScript(const RunData& run);
 
+/// Script of viability.svg. @pre run.filter.commands > 0.
+[[nodiscard]] std::string ViabilityScript(const RunData& run);
+
 }  // namespace twin::report

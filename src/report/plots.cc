@@ -26,7 +26,7 @@ std::vector<std::filesystem::path> WritePlots(const std::filesystem::path& log,
                                        folder.string(), error.message()));
   }
   using Plot = std::pair<const char*, std::string>;
-  const std::vector<Plot> plots{
+  std::vector<Plot> plots{
       {"joints.svg", PositionScript(run, limits)},
       {"tracking.svg", TrackingScript(run)},
       {"velocities.svg", VelocityScript(run, limits)},
@@ -34,6 +34,7 @@ std::vector<std::filesystem::path> WritePlots(const std::filesystem::path& log,
       run.by_torque ? Plot{"torques.svg", TorqueScript(run, limits)}
                     : Plot{"jerk.svg", JerkScript(run, limits)},
       {"served.svg", ServedScript(run)}};
+  if (run.filter.commands > 0) plots.emplace_back("viability.svg", ViabilityScript(run));
   std::vector<std::filesystem::path> paths;
   for (const auto& [name, script] : plots) {
     paths.push_back(folder / name);

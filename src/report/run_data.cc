@@ -1,7 +1,9 @@
 #include "report/run_data.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -89,6 +91,7 @@ class Collector {
       run_.q_ext.Add(Seconds(tick.read), tick.q_ext);
       run_.dq_ext.Add(Seconds(tick.read), tick.dq_ext);
     }
+    AddFiltered(tick);
     if (tick.written == tick.read) return;
     run_.d_EXT.Add(Seconds(tick.read), std::array{ToSeconds(tick.written - tick.read) * 1e6});
   }
@@ -97,6 +100,19 @@ class Collector {
   void operator()(const Other& /*record*/) {}
 
  private:
+  void AddFiltered(const rt::TickRecord& tick) {
+    run_.filter.Add(tick);
+    if (!tick.margin) return;
+    run_.margin.Add(Seconds(tick.read), std::array{*tick.margin});
+    if (tick.kept_back == 0) return;
+    JointVector joints{};
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      const bool active = ((tick.kept_back >> i) & 1U) != 0;
+      joints[i] = active ? static_cast<double>(i + 1) : std::numeric_limits<double>::quiet_NaN();
+    }
+    run_.kept_back.Add(Seconds(tick.read), joints);
+  }
+
   void AddError(const std::optional<TrackingError::Value>& value) {
     if (!value) return;
     JointVector error{};

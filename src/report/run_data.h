@@ -11,6 +11,7 @@
 #include "report/envelope.h"
 #include "twin/core/joint_vector.h"
 #include "twin/record/log_reader.h"
+#include "twin/rt/filter_counts.h"
 
 namespace twin::report {
 
@@ -81,6 +82,9 @@ struct RunData {
   Envelope error{kJoints, kBins};       ///< TrackingError, mrad
   Envelope success_rate{1, 2 * kBins};  ///< while a motion runs
   Envelope d_EXT{1, 2 * kBins};         ///< us, of ticks that wrote a command
+  rt::FilterCounts filter;              ///< of a viability filter; no commands without one
+  Envelope margin{1, 2 * kBins};        ///< TickRecord::margin
+  Envelope kept_back{kJoints, kBins};   ///< joint i, from 0, was kept back: i + 1
   FateHistory fates;
 };
 

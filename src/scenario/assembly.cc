@@ -134,6 +134,7 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
   result.final_error = motion.final_error;
   result.final_pose_error = motion.final_pose_error;
   result.counts = session.counts;
+  result.viability = session.viability;
   result.states_hash = session.states_hash;
   if (planning_) {
     result.plan = PlanReport{.checks = planning_->checks,

@@ -47,6 +47,7 @@ void CycleSummary::Put(const rt::CycleRecord& record) noexcept {
 }
 
 void CycleSummary::Put(const rt::TickRecord& record) noexcept {
+  viability_.Add(record);
   if (next_ != nullptr) next_->Put(record);
 }
 

@@ -4,6 +4,7 @@
 
 #include "scenario/word_hash.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/filter_counts.h"
 #include "twin/rt/latest_value.h"
 #include "twin/scenario/assembly.h"
 
@@ -17,8 +18,8 @@ struct CycleTally {
 
 /// Counts and fingerprints the cycles that pass through on their way to another sink.
 ///
-/// Threads and real-time: as rt::RecordSink; Tally() from one thread at any time; counts() and
-/// states_hash() while nothing is put.
+/// Threads and real-time: as rt::RecordSink; Tally() from one thread at any time; the rest while
+/// nothing is put.
 class CycleSummary final : public rt::RecordSink {
  public:
   /// @param next  may be null; must outlive this.
@@ -33,6 +34,7 @@ class CycleSummary final : public rt::RecordSink {
     return shown_.value();
   }
   [[nodiscard]] const CycleCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] const rt::FilterCounts& viability() const noexcept { return viability_; }
   [[nodiscard]] std::uint64_t states_hash() const noexcept { return hash_.value(); }
 
  private:
@@ -41,6 +43,7 @@ class CycleSummary final : public rt::RecordSink {
 
   rt::RecordSink* next_;
   CycleCounts counts_;
+  rt::FilterCounts viability_;  ///< written by the ticks' thread, all else by the cycles'
   WordHash hash_;
   bool moving_ = false;
   CycleTally tally_;

@@ -93,6 +93,7 @@ SessionResult SessionCore::End() {
   result.robot_timings = setting_->End();
   result.motions = motions_;
   result.counts = summary_.counts();
+  if (scenario_.tick.viability) result.viability = summary_.viability();
   result.states_hash = summary_.states_hash();
   const auto& warnings = connection().engine_warnings;
   if (warnings) result.unsound = warnings();

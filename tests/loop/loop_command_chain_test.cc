@@ -91,12 +91,34 @@ TEST(CommandChainTest, TheViabilityFilterStandsBehindTheLimiter) {
   chain.Next(state, target, true, 1, {}, command);
   EXPECT_NEAR(command.q_c[0], test::PandaLimits().dddq_max[0] / 2 * 1e-9, 1e-11);
   EXPECT_EQ(chain.kept_back(), 1U);
+  EXPECT_EQ(chain.changed_joints(), 0b1111111);
   target.joint.q = state.q_d;
   chain.Next(state, target, true, 1, {}, command);
   EXPECT_EQ(command.q_c, state.q_d) << "an admissible command passes";
   EXPECT_EQ(chain.kept_back(), 1U);
   chain.Reset(state);
   EXPECT_EQ(chain.kept_back(), 0U);
+}
+
+TEST(CommandChainTest, TellsTheMarginOfTheStateAnsweredBehindTheViabilityFilter) {
+  TickConfig config = Raw();
+  RobotState state;
+  state.q_d = {0, 0, 0, -1.5, 0, 1.5, 0};
+  Target target;
+  target.joint.q = state.q_d;
+  const auto margin = [&] {
+    CommandChain chain(config, CommandInterface::kJointPosition);
+    chain.Reset(state);
+    RobotCommand command;
+    chain.Next(state, target, true, 1, {}, command);
+    EXPECT_EQ(chain.changed_joints(), 0);
+    return chain.margin();
+  };
+  EXPECT_FALSE(margin().has_value()) << "no filter";
+  config.viability = 19;
+  config.limits = test::PandaLimits();
+  const reference::ViabilityFilter filter(config.limits, 19);
+  EXPECT_EQ(margin(), filter.Margin(state.q_d, state.dq_d, state.ddq_d));
 }
 
 TEST(CommandChainTest, TheViabilityFilterRefusesWhatIsNotOfJoints) {

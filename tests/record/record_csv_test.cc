@@ -82,6 +82,18 @@ TEST(ExportCsvTest, NumbersReadBackBitByBit) {
   }
 }
 
+TEST(ExportCsvTest, TellsOfTheViabilityFilterWhereThereWasOne) {
+  const TemporaryFolder folder;
+  Record(folder / "a.mcap", 5);
+  ExportCsv(folder / "a.mcap", folder / "csv");
+  const auto ticks = ReadCsv(folder / "csv" / "ticks.csv");
+  ASSERT_EQ(ticks.size(), 5U);
+  EXPECT_EQ(Bits(ticks[2].at("margin")), Bits(SampleTick(2).margin.value()));
+  EXPECT_EQ(ticks[2].at("kept_back"), "2");
+  EXPECT_EQ(ticks[1].at("margin"), "") << "no filter";
+  EXPECT_EQ(ticks[1].at("kept_back"), "0");
+}
+
 TEST(ExportCsvTest, WritesTheConfigurationWhenItChanges) {
   const TemporaryFolder folder;
   Record(folder / "a.mcap", 1001);

@@ -77,6 +77,8 @@ void ExpectSame(const rt::TickRecord& a, const rt::TickRecord& b) {
   EXPECT_EQ(a.deposit_time, b.deposit_time);
   EXPECT_EQ(a.q_ext, b.q_ext);
   EXPECT_EQ(a.dq_ext, b.dq_ext);
+  EXPECT_EQ(a.margin, b.margin);
+  EXPECT_EQ(a.kept_back, b.kept_back);
   EXPECT_EQ(a.command.message_id, b.command.message_id);
   EXPECT_EQ(a.command.q_c, b.command.q_c);
   EXPECT_EQ(a.command.dq_c, b.command.dq_c);
@@ -317,6 +319,15 @@ TEST(LogReaderTest, NamesTheFieldOfAMessageThatIsNotAcceptable) {
   EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Tick", ""), HasSubstr("panda_twin.Tick"));
   EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", std::string(70'000, 'x')),
               HasSubstr("at most 65536"));
+}
+
+TEST(LogReaderTest, KeepsBackNoJointThatIsNotThere) {
+  pb::Tick tick;
+  tick.set_kept_back(127);
+  EXPECT_EQ(FailureOf(kTickTopic, "panda_twin.Tick", tick.SerializeAsString()), "no failure");
+  tick.set_kept_back(128);
+  EXPECT_THAT(FailureOf(kTickTopic, "panda_twin.Tick", tick.SerializeAsString()),
+              HasSubstr("kept_back is 128; at most 127, a bit for each of 7 joints"));
 }
 
 TEST(LogReaderTest, NamesWhatIsTooMuchForAScene) {

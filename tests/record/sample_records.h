@@ -106,6 +106,10 @@ inline rt::TickRecord SampleTick(std::uint64_t k) {
   numbers(record.q_ext);
   numbers(record.dq_ext);
   if (k == 3 || k == 4) return record;
+  if (k % 2 == 0) {
+    record.margin = numbers();
+    record.kept_back = static_cast<std::uint8_t>(k % 128);
+  }
   RobotCommand& command = record.command;
   command.message_id = record.message_id;
   numbers(command.q_c);

@@ -84,6 +84,46 @@ TEST(WritePlotsTest, DrawsItsFilesInBoundedSize) {
       names, ElementsAre("joints.svg", "tracking.svg", "velocities.svg", "jerk.svg", "served.svg"));
 }
 
+/// Records a motion of 100 cycles whose margin falls to 0.25; joint 3 is kept back in each tenth.
+void RecordFiltered(const std::filesystem::path& path) {
+  record::Recorder recorder(path, {}, record::FullRing::kWait);
+  for (int k = 0; k < 100; ++k) {
+    rt::CycleRecord cycle;
+    cycle.at = Time(k * kCycle);
+    cycle.state.robot_mode = RobotMode::kMove;
+    recorder.Put(cycle);
+    rt::TickRecord tick;
+    tick.action = rt::TickAction::kWritten;
+    tick.read = cycle.at;
+    tick.written = cycle.at + Duration(20'000);
+    tick.margin = k == 40 ? 0.25 : 0.5;
+    tick.kept_back = k % 10 == 0 ? 0b100 : 0;
+    recorder.Put(tick);
+  }
+  recorder.Finish();
+}
+
+TEST(WritePlotsTest, DrawsWhatTheViabilityFilterDidWhereThereWasOne) {
+  const TemporaryFolder folder;
+  RecordFiltered(folder / "a.mcap");
+  const auto paths = WritePlots(folder / "a.mcap", test::PandaLimits(), folder / "plots");
+  EXPECT_EQ(paths.back().filename(), "viability.svg");
+  EXPECT_THAT(kPlotFiles, Contains(std::string("viability.svg")));
+  EXPECT_THAT(ReadText(paths.back()),
+              AllOf(HasSubstr("at least 0.25, at 0.04 s"), HasSubstr("10 of 100 (10 %)")));
+}
+
+TEST(RunDataTest, KnowsWhichJointWasKeptBackWhen) {
+  const TemporaryFolder folder;
+  RecordFiltered(folder / "a.mcap");
+  const RunData run = ReadRun(folder / "a.mcap");
+  EXPECT_EQ(run.filter.of_joint[2], 10U);
+  EXPECT_TRUE(run.kept_back.Curve(0).empty());
+  const auto third = run.kept_back.Curve(2);
+  ASSERT_FALSE(third.empty());
+  EXPECT_EQ(third.front().value, 3);
+}
+
 /// Records a motion of 100 cycles that an error ends in cycle `aborted`, if it is one of them; q is
 /// behind q_d by 2 mrad times the joint's number.
 void RecordAbort(const std::filesystem::path& path, int aborted, bool explained, bool two_errors) {

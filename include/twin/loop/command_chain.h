@@ -49,6 +49,11 @@ class CommandChain {
   /// Target after rate matching, of the last Next().
   [[nodiscard]] const reference::Target& matched() const noexcept { return matched_; }
 
+  /// Of the last Next(), behind a viability filter: as TickRecord::margin and
+  /// TickRecord::kept_back.
+  [[nodiscard]] std::optional<double> margin() const noexcept { return margin_; }
+  [[nodiscard]] std::uint8_t changed_joints() const noexcept { return changed_joints_; }
+
   /// Commands since Reset() that the viability filter changed.
   [[nodiscard]] std::uint64_t kept_back() const noexcept { return kept_back_; }
 
@@ -81,6 +86,8 @@ class CommandChain {
   reference::Resampler resampler_;
   reference::RejoiningGenerator rejoining_generator_;
   std::optional<reference::ViabilityFilter> viability_;
+  std::optional<double> margin_;
+  std::uint8_t changed_joints_ = 0;
   std::uint64_t kept_back_ = 0;
   std::optional<JointVector> sent_;  ///< by which the next state shows that the command was taken
   std::uint64_t unserved_ = 0;

@@ -9,9 +9,10 @@
 namespace twin::report {
 
 /// Names of the files that may be drawn, in their order: of jerk.svg and torques.svg a run gets
-/// one.
-inline constexpr std::array<const char*, 6> kPlotFiles{
-    "joints.svg", "tracking.svg", "velocities.svg", "jerk.svg", "torques.svg", "served.svg"};
+/// one, and viability.svg one with a viability filter.
+inline constexpr std::array<const char*, 7> kPlotFiles{
+    "joints.svg",  "tracking.svg", "velocities.svg", "jerk.svg",
+    "torques.svg", "served.svg",   "viability.svg"};
 
 /// Draws a log as SVG, with gnuplot, into `folder`, which is made when missing:
 ///   joints.svg      q and q_d of each joint, between its limits; under torques q and q_ext
@@ -21,6 +22,9 @@ inline constexpr std::array<const char*, 6> kPlotFiles{
 ///   jerk.svg        dddq_d of each joint, against its limits; not under torques
 ///   torques.svg     tau_J and tau_J_d of each joint; under torques only
 ///   served.svg      cycles served and held, commands dropped, d_EXT, success rate
+///   viability.svg   behind a viability filter: the least of the joints' margins, and when it kept
+///   a
+///                   joint's command back
 /// Of several motions each begins at a dotted line with its number.
 /// When an error ended a motion, a line in every panel marks when, and the titles say which.
 /// A log of any length gives files of at most some 100 kB: of the samples that fall into the same

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "twin/core/realtime.h"
 #include "twin/core/robot_command.h"
@@ -53,6 +54,11 @@ struct TickRecord {
   Time deposit_time{};   ///< source time of the deposit in use
   JointVector q_ext{};   ///< deposited target after rate matching: position, rad
   JointVector dq_ext{};  ///< its velocity, rad/s
+  /// Behind a viability filter (reference::ViabilityFilter): the least of the joints' margins in
+  /// the state answered, and the joints whose command was changed, bit i for joint i, from 0.
+  /// Absent, and none, where no command passed one.
+  std::optional<double> margin{};
+  std::uint8_t kept_back = 0;
   RobotCommand command;  ///< what was written; all zero when nothing was
 };
 

@@ -21,6 +21,7 @@
 #include "twin/reference/trajectory.h"
 #include "twin/robot/robot_config.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/rt/filter_counts.h"
 #include "twin/rt/thread_setup.h"
 #include "twin/scenario/data_directory.h"
 #include "twin/scenario/remote.h"
@@ -115,8 +116,9 @@ struct RunResult {
   /// from where the last waypoint has it.
   std::optional<PoseError> final_pose_error;
   CycleCounts counts;
-  std::optional<HandReport> hand;  ///< of a scenario with commands to it
-  std::optional<PlanReport> plan;  ///< of a planned motion
+  std::optional<rt::FilterCounts> viability;  ///< of a scenario with tick.viability
+  std::optional<HandReport> hand;             ///< of a scenario with commands to it
+  std::optional<PlanReport> plan;             ///< of a planned motion
   /// Fingerprint of all states INT sent, in order: the physics, without the log's format.
   std::uint64_t states_hash = 0;
 };

@@ -18,6 +18,7 @@
 #include "twin/loop/run_report.h"
 #include "twin/reference/pose_trajectory.h"
 #include "twin/reference/trajectory.h"
+#include "twin/rt/filter_counts.h"
 #include "twin/scenario/assembly.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
@@ -64,11 +65,12 @@ struct MotionResult {
 
 /// What a session came to.
 struct SessionResult {
-  std::uint64_t motions = 0;            ///< that were run
-  CycleCounts counts;                   ///< of all its cycles
-  std::uint64_t states_hash = 0;        ///< as RunResult
-  backend::RobotTimings robot_timings;  ///< real time: of the simulated robot
-  std::string unsound;                  ///< what the simulation complained of; empty: nothing
+  std::uint64_t motions = 0;                  ///< that were run
+  CycleCounts counts;                         ///< of all its cycles
+  std::optional<rt::FilterCounts> viability;  ///< of a scenario with tick.viability
+  std::uint64_t states_hash = 0;              ///< as RunResult
+  backend::RobotTimings robot_timings;        ///< real time: of the simulated robot
+  std::string unsound;                        ///< what the simulation complained of; empty: nothing
 };
 
 /// How a wait ended.
