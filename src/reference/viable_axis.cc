@@ -66,20 +66,21 @@ ViableAxis::ViableAxis(const AxisBounds& bounds, int lost, std::string_view name
   }
   rounds_ = static_cast<int>(rounds);
   longest_way_ = ReachOf(kept_.dq_max, kept_.ddq_max).q;
+  least_range_ = ReachOf(0, kept_.ddq_max).q;
   RequireNoConflict(name);
 }
 
-/// The lower bounds never bind while the upper ones do, nor in the cycle after.
+/// No jerk breaks an upper and a lower bound at once.
 void ViableAxis::RequireNoConflict(std::string_view name) const {
   const double range = kept_.q_max - kept_.q_min;
-  const double enough = 2 * longest_way_ + 4 * kT * kept_.dq_max;
-  if (range < enough) {
+  if (range < least_range_) {
     throw InputError(fmt::format(
-        "viability filter: {}: a range of {:.4g} rad is too small to stop in from both sides after "
-        "{} lost commands; at least {:.4g} rad are needed at these limits. Lower its velocity",
-        name, range, lost_, enough));
+        "viability filter: {}: in a range of {:.4g} rad it may have to brake both ways at once "
+        "after {} lost commands; at least {:.4g} rad are needed at these limits. Lower its "
+        "acceleration",
+        name, range + 2 * kInside, lost_, least_range_ + 2 * kInside));
   }
-  const double gathered = ReachOf(0, kept_.ddq_max).dq + kT * kept_.ddq_max;
+  const double gathered = ReachOf(0, kept_.ddq_max).dq;
   if (kept_.dq_max < gathered) {
     throw InputError(fmt::format(
         "viability filter: {}: its velocity limit of {:.4g} rad/s is gathered within {} lost "

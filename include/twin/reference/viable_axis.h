@@ -42,10 +42,9 @@ struct JerkRange {
 /// Definitions, lemmas and proofs: src/reference/VIABILITY.md.
 ///
 /// From a viable state a jerk exists that leads to a viable one, whatever of up to n losses comes
-/// between, if the range is wide enough for upper and lower bound never to bind at once:
-///   q_max - q_min >= 2 P(V, A) + 4 T V,   V >= (what the worst way gathers from v = 0, a = A) + T
-///   A.
-/// That is enough, and not far from necessary; other bounds are refused.
+/// between, if upper and lower bounds never bind at once, for which it is enough that
+///   q_max - q_min >= P(0, A),   V >= what the worst way gathers from v = 0, a = A.
+/// Other bounds are refused. No smaller range is enough.
 ///
 /// The bounds kept are a millionth inside the given ones, so that rounding, of ours or the robot's,
 /// never leads outside.
@@ -85,6 +84,8 @@ class ViableAxis {
   [[nodiscard]] const AxisBounds& kept() const noexcept { return kept_; }
   /// How far a joint may go on from full speed and acceleration, P(V, A), rad.
   [[nodiscard]] double longest_way() const noexcept { return longest_way_; }
+  /// The smallest range that is not refused, P(0, A), rad, between the bounds that are kept.
+  [[nodiscard]] double least_range() const noexcept { return least_range_; }
 
  private:
   /// What the worst way reaches above its start.
@@ -107,6 +108,7 @@ class ViableAxis {
   AxisBounds kept_;
   int rounds_ = 0;  ///< of the worst way, at most
   double longest_way_ = 0;
+  double least_range_ = 0;
 };
 
 }  // namespace twin::reference
