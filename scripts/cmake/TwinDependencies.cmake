@@ -26,6 +26,7 @@ target_link_libraries(OMPL::OMPL INTERFACE ompl)
 
 if(TWIN_BUILD_TESTS)
   find_package(GTest REQUIRED)
+  find_package(Qhull REQUIRED)
 endif()
 if(TWIN_LTTNG)
   pkg_check_modules(LTTNG_UST REQUIRED IMPORTED_TARGET lttng-ust)
