@@ -43,6 +43,8 @@ bool IsTransform(const Transform& T) noexcept {
   return true;
 }
 
+constexpr std::uint8_t kAllJoints = (1U << kJoints) - 1;
+
 /// Bit i for flag i.
 std::uint8_t BitsOf(const std::array<bool, kJoints>& flags) noexcept {
   unsigned bits = 0;
@@ -96,7 +98,12 @@ CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
       bridge_(interface, reference::RateMatchingWindow(config.source_rate_hz)),
       resampler_(config.source_rate_hz),
       rejoining_generator_(config.limits) {
-  if (config_.viability) viability_.emplace(config_.limits, *config_.viability);
+  if (!config_.viability) return;
+  if (interface_ == CommandInterface::kCartesianPose) {
+    pose_viability_.emplace(config_.cartesian, config_.limits, *config_.viability);
+  } else {
+    viability_.emplace(config_.limits, *config_.viability);
+  }
 }
 
 void CommandChain::Reset(const RobotState& state) noexcept {
@@ -142,7 +149,7 @@ void CommandChain::Next(const RobotState& state, const reference::Target& target
   if (low_pass_.is_on()) Filter(state, command);
   if (bridge_.active()) bridge_.Carry(state, command);
   if (config_.limiter) Limit(state, command);
-  if (viability_) KeepViable(state, command);
+  if (config_.viability) KeepViable(state, command);
   sent_ = Sent(command, interface_);
 }
 
@@ -211,14 +218,24 @@ void CommandChain::Generate(const RobotState& state, RobotCommand& command) cons
 }
 
 void CommandChain::KeepViable(const RobotState& state, RobotCommand& command) noexcept {
-  const bool by_position = interface_ == CommandInterface::kJointPosition;
-  const auto outcome =
-      by_position ? viability_->Next(state.q_d, state.dq_d, state.ddq_d, command.q_c)
-                  : viability_->NextVelocity(state.q_d, state.dq_d, state.ddq_d, command.dq_c);
-  (by_position ? command.q_c : command.dq_c) = by_position ? outcome.q_c : outcome.dq_c;
-  margin_ = viability_->Margin(state.q_d, state.dq_d, state.ddq_d);
-  changed_joints_ = BitsOf(outcome.active);
-  kept_back_ += outcome.any() ? 1 : 0;
+  bool changed = false;
+  if (interface_ == CommandInterface::kCartesianPose) {
+    const auto outcome = pose_viability_->Next(state, command.O_T_EE_c);
+    command.O_T_EE_c = outcome.O_T_EE_c;
+    margin_ = pose_viability_->Margin(state);
+    changed = outcome.active;
+    changed_joints_ = changed ? kAllJoints : 0;
+  } else {
+    const bool by_position = interface_ == CommandInterface::kJointPosition;
+    const auto outcome =
+        by_position ? viability_->Next(state.q_d, state.dq_d, state.ddq_d, command.q_c)
+                    : viability_->NextVelocity(state.q_d, state.dq_d, state.ddq_d, command.dq_c);
+    (by_position ? command.q_c : command.dq_c) = by_position ? outcome.q_c : outcome.dq_c;
+    margin_ = viability_->Margin(state.q_d, state.dq_d, state.ddq_d);
+    changed = outcome.any();
+    changed_joints_ = BitsOf(outcome.active);
+  }
+  kept_back_ += changed ? 1 : 0;
 }
 
 void CommandChain::Filter(const RobotState& state, RobotCommand& command) const noexcept {

@@ -34,14 +34,11 @@ void RequireGenerator(Generator generator, CommandInterface interface) {
                   misfit));
 }
 
-void RequireJoints(CommandInterface interface) {
-  if (interface == CommandInterface::kJointPosition ||
-      interface == CommandInterface::kJointVelocity) {
-    return;
-  }
+void RequireMotion(CommandInterface interface) {
+  if (interface != CommandInterface::kTorque) return;
   throw InputError(
-      "tick.viability: it keeps the limits of joint positions and velocities, and motion.interface "
-      "is another; say off, or leave it out");
+      "tick.viability: it keeps the limits of commanded motions, and motion.interface is torque; "
+      "say off, or leave it out");
 }
 
 }  // namespace
@@ -53,8 +50,9 @@ void TickConfig::Validate(CommandInterface interface) const {
   RequireInRange("tick: period_tolerance (us)", ToSeconds(period_tolerance) * 1e6, 0, 1000);
   RequireInRange("tick: low_pass_hz", low_pass_hz, 1, 1000);
   RequireGenerator(generator, interface);
-  if (viability) RequireJoints(interface);
+  if (viability) RequireMotion(interface);
   if (viability || generator == Generator::kRejoining) limits.Validate();
+  if (viability && interface == CommandInterface::kCartesianPose) cartesian.Validate();
 }
 
 void ControllerLoopConfig::Validate() const {

@@ -141,6 +141,7 @@ loop::TickConfig MakeTick(const Scenario& scenario, const RobotData& robot) {
   if (tick.limiter) config.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
   config.viability = tick.viability;
   config.limits = robot.limits;
+  config.cartesian = robot.cartesian;
   config.cost = tick.cost.Model();
   config.Validate(scenario.motion.interface);
   return config;

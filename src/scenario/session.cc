@@ -230,9 +230,7 @@ Motion MotionOn(const Scenario& scenario, std::string name, control::CommandInte
                 .controller = scenario.controller,
                 .tick = scenario.tick,
                 .loop = scenario.loop};
-  const bool moves_joints = interface == control::CommandInterface::kJointPosition ||
-                            interface == control::CommandInterface::kJointVelocity;
-  if (!moves_joints) motion.tick.viability.reset();
+  if (interface == control::CommandInterface::kTorque) motion.tick.viability.reset();
   const bool rejoins = motion.tick.generator == loop::Generator::kRejoining &&
                        interface == control::CommandInterface::kJointPosition;
   if (motion.tick.generator != loop::Generator::kNone && !rejoins) {

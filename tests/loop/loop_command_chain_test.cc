@@ -8,6 +8,7 @@
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
+#include "twin/model/arm_model.h"
 
 namespace twin::loop {
 namespace {
@@ -121,13 +122,37 @@ TEST(CommandChainTest, TellsTheMarginOfTheStateAnsweredBehindTheViabilityFilter)
   EXPECT_EQ(margin(), filter.Margin(state.q_d, state.dq_d, state.ddq_d));
 }
 
-TEST(CommandChainTest, TheViabilityFilterRefusesWhatIsNotOfJoints) {
-  for (const auto interface : {CommandInterface::kCartesianPose, CommandInterface::kTorque}) {
-    TickConfig config = Raw();
-    config.viability = 19;
-    config.limits = test::PandaLimits();
-    EXPECT_THROW(CommandChain(config, interface), InputError);
-  }
+TEST(CommandChainTest, TheViabilityFilterRefusesTorques) {
+  TickConfig config = Raw();
+  config.viability = 19;
+  config.limits = test::PandaLimits();
+  EXPECT_THROW(CommandChain(config, CommandInterface::kTorque), InputError);
+}
+
+TEST(CommandChainTest, TheViabilityFilterOfPosesKeepsTheJerkOfTheEndEffector) {
+  TickConfig config = Raw();
+  config.viability = 19;
+  config.limits = test::PandaLimits();
+  config.cartesian = test::PandaCartesianLimits();
+  CommandChain chain(config, CommandInterface::kCartesianPose);
+  RobotState state;
+  state.q_d = {0, 0, 0, -1.5, 0, 1.5, 0};
+  state.O_T_EE_c = model::ArmModel::Panda().Pose(model::Frame::kFlange, state.q_d);
+  chain.Reset(state);
+  Target target;
+  target.pose.O_T_EE = state.O_T_EE_c;
+  RobotCommand command;
+  chain.Next(state, target, true, 1, {}, command);
+  EXPECT_EQ(command.O_T_EE_c, state.O_T_EE_c) << "an admissible command passes";
+  EXPECT_EQ(chain.kept_back(), 0U);
+  target.pose.O_T_EE[12] += 0.1;
+  chain.Next(state, target, true, 1, {}, command);
+  // 1e-9 J from rest, where no joint has to be faster for it than it may.
+  const double most = config.cartesian.translation.dddp_max * 1e-9;
+  const double step = command.O_T_EE_c[12] - state.O_T_EE_c[12];
+  EXPECT_GT(step, 0);
+  EXPECT_LE(step, most);
+  EXPECT_EQ(chain.kept_back(), 1U);
 }
 
 TEST(CommandChainTest, TheLimiterStandsBehindTheLowPass) {

@@ -103,6 +103,22 @@ TEST_P(ScenarioViabilityTest, VelocitiesAreKeptLegalUnderLosses) {
   EXPECT_NE(result.report.end, backend::MotionEnd::kAborted) << result.report.failure;
 }
 
+TEST_P(ScenarioViabilityTest, APoseStreamUnderLossesIsKeptLegalToo) {
+  Scenario scenario = Load(models_ / "scenarios" / "cartesian.yaml");
+  scenario.seed = GetParam();
+  scenario.record = false;
+  scenario.plant.kind = robot::PlantKind::kIdeal;
+  for (reference::Waypoint& waypoint : scenario.motion.waypoints) waypoint.at.reset();
+  scenario.motion.timing = {.velocity_scale = 0.6, .acceleration_scale = 0.5, .jerk_scale = 0.3};
+  scenario.tick.generator = loop::Generator::kNone;
+  Lose(scenario, 10);
+  EXPECT_EQ(Run(scenario).report.end, backend::MotionEnd::kAborted);
+  scenario.tick.viability = 19;
+  const RunResult result = Run(scenario);
+  EXPECT_TRUE(result.report.violations.empty());
+  EXPECT_NE(result.report.end, backend::MotionEnd::kAborted) << result.report.failure;
+}
+
 TEST_P(ScenarioViabilityTest, TheRejoiningGeneratorFollowsUnderJitterAndBursts) {
   Scenario scenario = Brisk();
   scenario.controller.phase = microseconds(920);

@@ -12,6 +12,7 @@
 #include "twin/reference/cartesian_reference_generator.h"
 #include "twin/reference/joint_reference_generator.h"
 #include "twin/reference/low_pass.h"
+#include "twin/reference/pose_viability_filter.h"
 #include "twin/reference/rate_matcher.h"
 #include "twin/reference/rejoining_generator.h"
 #include "twin/reference/resampler.h"
@@ -86,6 +87,7 @@ class CommandChain {
   reference::Resampler resampler_;
   reference::RejoiningGenerator rejoining_generator_;
   std::optional<reference::ViabilityFilter> viability_;
+  std::optional<reference::PoseViabilityFilter> pose_viability_;  ///< the same, of poses
   std::optional<double> margin_;
   std::uint8_t changed_joints_ = 0;
   std::uint64_t kept_back_ = 0;

@@ -51,12 +51,14 @@ struct TickConfig {
   double low_pass_hz = 1000;
   /// libfranka's rate limiter on the command; absent: off.
   std::optional<reference::ClientLimits> limiter;
-  /// Losses in a row under which the joints' limits are kept for ever, by a filter behind
-  /// everything else (reference::ViabilityFilter); absent: off. Joint positions and velocities
-  /// only.
+  /// Losses in a row under which the reference's limits are kept for ever, by a filter behind
+  /// everything else: reference::ViabilityFilter on joint positions and velocities,
+  /// reference::PoseViabilityFilter on poses; absent: off. Not on torques.
   std::optional<int> viability{};
   /// Of the robot's joints: what that filter and Generator::kRejoining keep to.
   JointLimits limits{};
+  /// Of its end effector: what that filter keeps to on poses.
+  CartesianLimits cartesian{};
   rt::DelayModel cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
 
   /// @param interface  what the controller commands.

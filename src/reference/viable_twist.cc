@@ -1,0 +1,120 @@
+#include "twin/reference/viable_twist.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/core/time.h"
+#include "twin/reference/viable_axis.h"
+
+namespace twin::reference {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kT = kCycleSeconds;
+constexpr double kInside = 1e-6;  ///< share by which the bounds kept are inside those given
+constexpr int kHalvings = 30;
+
+void RequireSound(const CartesianBound& bound, int lost, std::string_view name) {
+  for (const auto& [field, value] : std::initializer_list<std::pair<const char*, double>>{
+           {"dp_max", bound.dp_max}, {"ddp_max", bound.ddp_max}, {"dddp_max", bound.dddp_max}}) {
+    if (!(std::isfinite(value) && value > 0)) {
+      throw InputError(
+          fmt::format("viability filter: {}: {} is {}; it must be positive", name, field, value));
+    }
+  }
+  if (lost < 0 || lost > ViableAxis::kMostLost) {
+    throw InputError(
+        fmt::format("viability filter: {} commands lost in a row; the number must be in [0, {}]",
+                    lost, ViableAxis::kMostLost));
+  }
+  constexpr double kMostSteps = 1000;
+  if (bound.ddp_max > kMostSteps * kT * bound.dddp_max) {
+    throw InputError(fmt::format(
+        "viability filter: {}: at a jerk of {:.4g} it takes more than {} commands to end an "
+        "acceleration of {:.4g}; raise dddp_max",
+        name, bound.dddp_max, kMostSteps, bound.ddp_max));
+  }
+}
+
+/// `x`, or the nearest of the ball about `centre`.
+Vector3d IntoBall(const Vector3d& x, const Vector3d& centre, double radius) noexcept {
+  const Vector3d way = x - centre;
+  const double distance = way.norm();
+  return distance <= radius ? x : Vector3d(centre + way * (radius / distance));
+}
+
+}  // namespace
+
+ViableTwist::ViableTwist(const CartesianBound& bound, int lost, std::string_view name)
+    : lost_((RequireSound(bound, lost, name), lost)),
+      kept_{bound.dp_max * (1 - kInside), bound.ddp_max * (1 - kInside),
+            bound.dddp_max * (1 - kInside)} {
+  const double gathered = Gathered(kept_.ddp_max);
+  if (kept_.dp_max >= gathered) return;
+  throw InputError(fmt::format(
+      "viability filter: {}: its velocity limit of {:.4g} is gathered within {} lost commands; at "
+      "least {:.4g} is needed at these limits. Lower its acceleration",
+      name, kept_.dp_max, lost_, gathered));
+}
+
+double ViableTwist::Gathered(double acceleration) const noexcept {
+  double velocity = 0;
+  while (acceleration > 0) {
+    velocity += lost_ * kT * acceleration;
+    acceleration = std::max(acceleration - kT * kept_.dddp_max, 0.0);
+    velocity += kT * acceleration;
+  }
+  return velocity;
+}
+
+bool ViableTwist::Contains(const Vector3d& v, const Vector3d& a) const noexcept {
+  const double acceleration = a.norm();
+  if (!(acceleration <= kept_.ddp_max && v.norm() <= kept_.dp_max)) return false;
+  if (acceleration == 0) return true;
+  return (v + a * (Gathered(acceleration) / acceleration)).norm() <= kept_.dp_max;
+}
+
+bool ViableTwist::Allows(const Vector3d& v, const Vector3d& a, const Vector3d& v_c) const noexcept {
+  const Vector3d a_c = (v_c - v) / kT;
+  return (a_c - a).norm() <= kT * kept_.dddp_max && Contains(v_c, a_c);
+}
+
+Vector3d ViableTwist::Braked(const Vector3d& v, const Vector3d& a) const noexcept {
+  const double acceleration = a.norm();
+  // A hair less than J, so that rounding does not make it more.
+  const double step = kT * kept_.dddp_max * (1 - 1e-9);
+  if (!(acceleration > step)) return v;
+  return v + kT * (1 - step / acceleration) * a;
+}
+
+Vector3d ViableTwist::Nearest(const Vector3d& v, const Vector3d& a,
+                              const Vector3d& wish) const noexcept {
+  if (Allows(v, a, wish)) return wish;
+  const Vector3d braked = Braked(v, a);
+  if (!wish.allFinite()) return braked;
+  const Vector3d a_wish =
+      IntoBall(IntoBall((wish - v) / kT, Vector3d::Zero(), kept_.ddp_max), a, kT * kept_.dddp_max);
+  const Vector3d way = v + kT * a_wish - braked;
+  double keeps = 0;
+  double breaks = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (keeps + breaks) / 2;
+    (Allows(v, a, braked + middle * way) ? keeps : breaks) = middle;
+  }
+  return braked + keeps * way;
+}
+
+Vector3d ViableTwist::Slowed(const Vector3d& v, const Vector3d& a) const noexcept {
+  const double speed = v.norm();
+  if (speed == 0) return Nearest(v, a, v);
+  const double braking = std::min(kept_.ddp_max, speed / (4 * kT));
+  return Nearest(v, a, v * (1 - kT * braking / speed));
+}
+
+}  // namespace twin::reference
