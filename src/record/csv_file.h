@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "record/partial_file.h"
+#include "twin/record/partial_file.h"
 
 namespace twin::record {
 

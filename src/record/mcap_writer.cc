@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "record/mcap_format.h"
-#include "record/partial_file.h"
 #include "twin/core/check.h"
+#include "twin/record/partial_file.h"
 
 namespace twin::record {
 

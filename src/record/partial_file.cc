@@ -1,4 +1,4 @@
-#include "record/partial_file.h"
+#include "twin/record/partial_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "record/partial_file.h"
 #include "record/pcapng_format.h"
 #include "twin/core/check.h"
+#include "twin/record/partial_file.h"
 
 namespace twin::record {
 namespace {
