@@ -1,0 +1,149 @@
+#include "plugins/devices/network_device.h"
+
+#include <sys/random.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "plugins/devices/lockstep_refusal.h"
+#include "plugins/devices/operator_ranges.h"
+#include "twin/core/error.h"
+#include "twin/core/require.h"
+
+namespace twin::devices {
+namespace {
+
+using teleop::OperatorSample;
+
+/// 64 bits of the kernel's, in 16 characters. No number of the simulation: a secret.
+Token DrawToken() {
+  std::uint64_t bits = 0;
+  if (::getrandom(&bits, sizeof bits, 0) != static_cast<ssize_t>(sizeof bits)) {
+    throw EnvironmentError(fmt::format("the system gives no random token: {}; set `token`",
+                                       std::generic_category().message(errno)));
+  }
+  return *TokenOf(fmt::format("{:016x}", bits));
+}
+
+std::string_view TextOf(const Token& token) {
+  const std::string_view whole(token.data(), token.size());
+  return whole.substr(0, whole.find('\0'));
+}
+
+}  // namespace
+
+void NetworkSettings::Validate() const {
+  RequireInRange("network device: silence (s)", ToSeconds(silence), 0.05, 60);
+  if (fci::IsLoopback(bind.address) || allow) return;
+  throw InputError(
+      "network device: bound to an address that other machines reach, whoever is there could move "
+      "the robot: name the network that may with `allow: ADDRESS/BITS`, or leave `bind` out");
+}
+
+NetworkDevice::NetworkDevice(const MonotonicClock& clock, const NetworkSettings& settings)
+    : settings_((settings.Validate(), settings)), socket_(clock, settings.bind) {}
+
+std::optional<OperatorSample> NetworkDevice::Read(Time now) noexcept {
+  std::optional<OperatorSample> newest;
+  // One byte more than a sample has: what is longer shows as such.
+  std::array<std::byte, kSampleBytes + 1> room;
+  for (int i = 0; i < kMostDatagrams; ++i) {
+    const std::optional<fci::Datagram> datagram = socket_.Receive(room);
+    if (!datagram) break;
+    if (const auto sample = Take(*datagram, now)) newest = sample;
+  }
+  if (peer_ && now - heard_ > settings_.silence) {
+    peer_.reset();
+    lost_.store(true, std::memory_order_relaxed);
+  }
+  return newest;
+}
+
+bool NetworkDevice::MaySend(std::uint32_t address) const noexcept {
+  return fci::IsLoopback(address) || (settings_.allow && settings_.allow->Contains(address));
+}
+
+std::optional<OperatorSample> NetworkDevice::Take(const fci::Datagram& datagram,
+                                                  Time now) noexcept {
+  const bool is_foreign = !MaySend(datagram.from.address) || (peer_ && *peer_ != datagram.from);
+  if (is_foreign) {
+    ++tally_.foreign;
+    return {};
+  }
+  const std::optional<SampleMessage> message = ParseSample(datagram.bytes);
+  if (!message) {
+    ++tally_.malformed;
+    return {};
+  }
+  if (!IsSame(message->token, settings_.token)) {
+    ++tally_.wrong_token;
+    return {};
+  }
+  if (!peer_) {
+    BeginSession(datagram.from, message->sample);
+  } else if (message->sample.sequence <= last_) {
+    ++tally_.overtaken;
+    return {};
+  }
+  ++tally_.taken;
+  heard_ = now;
+  last_ = message->sample.sequence;
+  given_ = message->sample;
+  given_.sequence += offset_.sequence;
+  for (const auto presses : kPresses) given_.*presses += offset_.*presses;
+  lost_.store(false, std::memory_order_relaxed);
+  return given_;
+}
+
+void NetworkDevice::BeginSession(const fci::Endpoint& peer, const OperatorSample& first) noexcept {
+  peer_ = peer;
+  first_ = first.sequence;
+  // The first sample's number becomes the next of ours, its presses those there have been. All are
+  // unsigned: what is subtracted wraps around, and back when it is added.
+  offset_.sequence = given_.sequence + 1 - first.sequence;
+  for (const auto presses : kPresses) offset_.*presses = given_.*presses - first.*presses;
+}
+
+void NetworkDevice::Feel(const teleop::OperatorFeedback& feedback) noexcept {
+  if (!peer_) return;
+  teleop::OperatorFeedback told = feedback;
+  // Of a sample that came before the session, its program knows nothing.
+  const std::uint64_t echo = feedback.echo - offset_.sequence;
+  told.echo = echo >= first_ && echo <= last_ ? echo : 0;
+  std::array<std::byte, kFeedbackBytes> bytes;
+  WriteFeedback(told, bytes);
+  static_cast<void>(socket_.Send(bytes, *peer_));  // what is lost, the next one replaces
+}
+
+std::string NetworkDevice::Describe() const {
+  return fmt::format("a program at {} (UDP), token {}", fci::ToString(socket_.local()),
+                     TextOf(settings_.token));
+}
+
+std::unique_ptr<teleop::Device> MakeNetworkDevice(const teleop::DeviceRequest& request) {
+  RefuseLockstep(request, "network");
+  control::ParameterReader& parameters = request.parameters;
+  NetworkSettings settings;
+  const auto port = parameters.Number("port", settings.bind.port, 0, 65535);
+  if (port != std::floor(port)) parameters.Refuse("port", "must be a whole number");
+  settings.bind =
+      fci::Resolve(parameters.Text("bind", "127.0.0.1"), static_cast<std::uint16_t>(port));
+  if (const std::string allow = parameters.Text("allow", ""); !allow.empty()) {
+    settings.allow = fci::ParseNetwork(allow);
+  }
+  settings.silence = parameters.Time("silence", settings.silence, std::chrono::milliseconds(50),
+                                     std::chrono::minutes(1));
+  const std::string text = parameters.Text("token", "");
+  const std::optional<Token> token = text.empty() ? DrawToken() : TokenOf(text);
+  if (!token) parameters.Refuse("token", "must be 1 to 16 printable characters of ASCII");
+  settings.token = *token;
+  return std::make_unique<NetworkDevice>(request.clock, settings);
+}
+
+}  // namespace twin::devices

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "twin/core/time.h"
+#include "twin/teleop/device.h"
+#include "twin/teleop/device_registry.h"
+
+namespace twin::devices {
+
+/// How a script is replayed.
+struct ScriptSettings {
+  /// The newest sample is given again, under a new sequence, when none has been for so long: what a
+  /// person wrote by hand has few rows. Zero: never, as a recording is replayed.
+  Duration repeat{};
+  /// After the last row: at rest, and the session's end is pressed, unless the script did. False:
+  /// the device is lost.
+  bool ends = true;
+};
+
+/// A recorded or written operator: gives a script's samples at their times, counted from the first
+/// Read(). What it gives depends on the script and on the times of Read() alone.
+///
+/// Of samples between two calls the newest is given; presses are counters, and none is missed.
+/// lost(): from the call after the last sample on, for ever.
+///
+/// Threads: Read() and Feel() from one; lost() from any. Real-time: as Device.
+class ScriptDevice final : public teleop::Device {
+ public:
+  /// How long after the last row the end is pressed.
+  static constexpr Duration kEndAfter = std::chrono::milliseconds(100);
+
+  /// @param samples  as ReadOperatorScript gives them. @param name  for people.
+  /// @pre samples are not empty.
+  ScriptDevice(std::vector<teleop::OperatorSample> samples, std::string name,
+               const ScriptSettings& settings);
+
+  [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time now) noexcept override;
+  void Feel(const teleop::OperatorFeedback& /*feedback*/) noexcept override {}
+  [[nodiscard]] bool lost() const noexcept override {
+    return lost_.load(std::memory_order_relaxed);  // alone: nothing else is published with it
+  }
+  [[nodiscard]] std::string Describe() const override;
+
+ private:
+  [[nodiscard]] teleop::OperatorSample Give(Time now) noexcept;
+
+  std::vector<teleop::OperatorSample> samples_;
+  const std::string name_;
+  const Duration repeat_;
+  std::optional<Time> begun_;   ///< when Read() was called first
+  Time given_{};                ///< when a sample was, last
+  std::size_t next_ = 0;        ///< sample that was not reached yet
+  std::uint64_t sequence_ = 0;  ///< of the newest that was given
+  std::atomic<bool> lost_{false};
+};
+
+/// The device "script". Parameters: file (against the scenario's folder), repeat, at_end
+/// (README.md). @throws InputError for a parameter, or in the file.
+[[nodiscard]] std::unique_ptr<teleop::Device> MakeScriptDevice(
+    const teleop::DeviceRequest& request);
+
+}  // namespace twin::devices
