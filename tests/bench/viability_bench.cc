@@ -1,43 +1,70 @@
 // What the viability filter costs, seven joints, by n: behind a generator, where it is idle, and
 // with every joint at its border in every cycle. Counters: microseconds, median and 99.9th
 // percentile, of single calls. What is hoped for: at most 1 us in the median for n >= 10, and at
-// most 40 us in 99.9 % of the calls with all joints saturated.
+// most 40 us in 99.9 % of the calls with all joints saturated. Late: with so many commands in
+// flight and n = 19, from joints that rest inside the range, or a little below its end.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "support/panda_limits.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
 #include "twin/reference/viability_filter.h"
+#include "twin/reference/viability_in_flight.h"
 
 namespace twin::reference {
 namespace {
 
-/// A reference that the filter's own commands move. @param wish  jerk of a joint, rad/s^3.
+const JointVector kStart{0, 0, 0, -1.5, 0, 1.9, 0};
+
+/// Costs of single calls, microseconds.
+class Costs {
+ public:
+  template <typename Call>
+  auto Of(benchmark::State& state, Call call) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto outcome = call();
+    const auto end = std::chrono::steady_clock::now();
+    costs_.push_back(std::chrono::duration<double, std::micro>(end - begin).count());
+    state.SetIterationTime(1e-6 * costs_.back());
+    return outcome;
+  }
+  void Report(benchmark::State& state) {
+    std::sort(costs_.begin(), costs_.end());
+    state.counters["median_us"] = costs_[costs_.size() / 2];
+    state.counters["p99.9_us"] = costs_[costs_.size() * 999 / 1000];
+  }
+
+ private:
+  std::vector<double> costs_;
+};
+
+/// A reference that the filter's own commands move. @param wish  of a joint: (joint, its state,
+/// cycle), rad.
 template <typename Wish>
 void Measure(benchmark::State& state, Wish wish) {
   constexpr double kT = kCycleSeconds;
   const ViabilityFilter filter(test::PandaLimits(), static_cast<int>(state.range(0)));
-  JointVector q{0, 0, 0, -1.5, 0, 1.9, 0};
+  JointVector q = kStart;
   JointVector dq{};
   JointVector ddq{};
-  std::vector<double> costs;
+  Costs costs;
   std::uint64_t cycle = 0;
+  std::uint64_t changed = 0;
   for (auto _ : state) {
     JointVector q_c{};
     for (std::size_t i = 0; i < kJoints; ++i) {
-      q_c[i] = ViableAxis::Step({q[i], dq[i], ddq[i]}, wish(i, cycle)).q;
+      q_c[i] = wish(i, AxisState{q[i], dq[i], ddq[i]}, cycle);
     }
-    const auto begin = std::chrono::steady_clock::now();
-    const ViabilityFilter::Outcome outcome = filter.Next(q, dq, ddq, q_c);
-    const auto end = std::chrono::steady_clock::now();
-    costs.push_back(std::chrono::duration<double, std::micro>(end - begin).count());
-    state.SetIterationTime(1e-6 * costs.back());
+    const auto outcome = costs.Of(state, [&] { return filter.Next(q, dq, ddq, q_c); });
+    changed += outcome.any() ? 1 : 0;
     for (std::size_t i = 0; i < kJoints; ++i) {
       const double v = (outcome.q_c[i] - q[i]) / kT;
       ddq[i] = (v - dq[i]) / kT;
@@ -46,23 +73,64 @@ void Measure(benchmark::State& state, Wish wish) {
     }
     ++cycle;
   }
-  std::sort(costs.begin(), costs.end());
-  state.counters["median_us"] = costs[costs.size() / 2];
-  state.counters["p99.9_us"] = costs[costs.size() * 999 / 1000];
+  costs.Report(state);
+  state.counters["changed"] = static_cast<double>(changed) / static_cast<double>(cycle);
 }
 
+/// A late client with range(0) commands in flight; each of them moves joints at rest by a jerk of
+/// a hundredth of the limit, whether it arrives or not. @param below  rad, how far the
+/// joints are from their upper limits. @param wish  share of the greatest jerk.
+void MeasureLate(benchmark::State& state, double below, double wish) {
+  const ViabilityInFlight filter(test::PandaLimits(), static_cast<int>(state.range(0)));
+  const JointLimits limits = test::PandaLimits();
+  JointVector q{};
+  JointVector wished{};
+  std::array<InFlight, ViabilityInFlight::kMostInFlight> since{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    q[i] = limits.q_max[i] - below;
+    AxisState x{.q = q[i]};
+    for (InFlight& command : since) {
+      x = ViableAxis::Step(x, 0.01 * limits.dddq_max[i]);
+      command.sent = true;
+      command.c[i] = x.q;
+    }
+    wished[i] = ViableAxis::Step(x, wish * limits.dddq_max[i]).q;
+  }
+  const auto in_flight = std::span(since).first(static_cast<std::size_t>(state.range(0)));
+  Costs costs;
+  std::uint64_t sent = 0;
+  for (auto _ : state) {
+    const auto outcome = costs.Of(state, [&] { return filter.Next(q, {}, {}, in_flight, wished); });
+    sent += outcome.send ? 1 : 0;
+  }
+  costs.Report(state);
+  state.counters["sent"] = static_cast<double>(sent) / static_cast<double>(state.iterations());
+}
+
+/// To and fro, up to 1 rad/s; the way begins without a jump of the acceleration.
 void Idle(benchmark::State& state) {
-  Measure(state, [](std::size_t joint, std::uint64_t cycle) {
-    const double period = 800 + 50 * static_cast<double>(joint);  // cycles
-    return 100 * std::sin(6.28 * static_cast<double>(cycle) / period);
+  Measure(state, [](std::size_t joint, const AxisState&, std::uint64_t cycle) {
+    const double period = 2000 + 100 * static_cast<double>(joint);  // cycles
+    const double lift = 1 - std::cos(6.283185307 * static_cast<double>(cycle + 1) / period);
+    return kStart[joint] + 0.12 * lift * lift;
   });
 }
 void Saturated(benchmark::State& state) {
-  Measure(state,
-          [](std::size_t, std::uint64_t cycle) { return cycle / 400 % 2 == 0 ? 1e6 : -1e6; });
+  Measure(state, [](std::size_t, const AxisState& x, std::uint64_t cycle) {
+    return ViableAxis::Step(x, cycle / 400 % 2 == 0 ? 1e6 : -1e6).q;
+  });
 }
+void LateIdle(benchmark::State& state) {
+  MeasureLate(state, 1, 0.01);
+}
+void LateSaturated(benchmark::State& state) {
+  MeasureLate(state, 3e-4, 0.5);
+}
+
 BENCHMARK(Idle)->Arg(0)->Arg(3)->Arg(10)->Arg(19)->UseManualTime()->Iterations(200000);
 BENCHMARK(Saturated)->Arg(0)->Arg(3)->Arg(10)->Arg(19)->UseManualTime()->Iterations(100000);
+BENCHMARK(LateIdle)->Arg(1)->Arg(2)->UseManualTime()->Iterations(100000);
+BENCHMARK(LateSaturated)->Arg(1)->Arg(2)->UseManualTime()->Iterations(50000);
 
 }  // namespace
 }  // namespace twin::reference
