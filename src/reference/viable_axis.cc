@@ -148,11 +148,18 @@ double ViableAxis::Braking(Side side, double ddq) const noexcept {
   return side == Side::kUpper ? range.lowest : range.highest;
 }
 
-double ViableAxis::Bisect(Side side, const AxisState& x, double keeps,
+bool ViableAxis::KeepsAll(Side side, std::span<const PossibleState> states,
+                          double jerk) const noexcept {
+  return std::all_of(states.begin(), states.end(), [&](const PossibleState& state) {
+    return Keeps(side, Step(state.x, jerk + state.extra));
+  });
+}
+
+double ViableAxis::Bisect(Side side, std::span<const PossibleState> states, double keeps,
                           double breaks) const noexcept {
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = (keeps + breaks) / 2;
-    (Keeps(side, Step(x, middle)) ? keeps : breaks) = middle;
+    (KeepsAll(side, states, middle) ? keeps : breaks) = middle;
   }
   return keeps;
 }
@@ -161,23 +168,48 @@ double ViableAxis::Nearest(const AxisState& x, double wish) const noexcept {
   const JerkRange range = Feasible(x.ddq);
   if (!std::isfinite(wish)) wish = x.dq > 0 ? range.lowest : range.highest;
   double jerk = std::clamp(wish, range.lowest, range.highest);
+  const PossibleState only{.x = x};
   for (const Side side : {Side::kUpper, Side::kLower}) {
     if (Keeps(side, Step(x, jerk))) continue;
     const double braking = Braking(side, x.ddq);
-    return Keeps(side, Step(x, braking)) ? Bisect(side, x, braking, jerk) : braking;
+    return Keeps(side, Step(x, braking)) ? Bisect(side, {&only, 1}, braking, jerk) : braking;
   }
+  return jerk;
+}
+
+std::optional<double> ViableAxis::NearestOfAll(std::span<const PossibleState> states,
+                                               double wish) const noexcept {
+  if (states.size() == 1) return Nearest(states[0].x, wish);
+  JerkRange range = Feasible(states[0].x.ddq);
+  for (const PossibleState& state : states.subspan(1)) {
+    const JerkRange here = Feasible(state.x.ddq);
+    range.lowest = std::max(range.lowest, here.lowest - state.extra);
+    range.highest = std::min(range.highest, here.highest - state.extra);
+  }
+  if (range.empty()) return {};
+  if (!std::isfinite(wish)) wish = states[0].x.dq > 0 ? range.lowest : range.highest;
+  double jerk = std::clamp(wish, range.lowest, range.highest);
+  for (const Side side : {Side::kUpper, Side::kLower}) {
+    if (KeepsAll(side, states, jerk)) continue;
+    const double braking = side == Side::kUpper ? range.lowest : range.highest;
+    if (!KeepsAll(side, states, braking)) return {};
+    jerk = Bisect(side, states, braking, jerk);
+  }
+  // What the lower bounds ask for may be too much for the upper ones.
+  if (!KeepsAll(Side::kUpper, states, jerk)) return {};
   return jerk;
 }
 
 JerkRange ViableAxis::Admissible(const AxisState& x) const noexcept {
   JerkRange range = Feasible(x.ddq);
   const JerkRange feasible = range;
+  const PossibleState only{.x = x};
   for (const Side side : {Side::kUpper, Side::kLower}) {
     double& end = side == Side::kUpper ? range.highest : range.lowest;
     const double braking = side == Side::kUpper ? feasible.lowest : feasible.highest;
     if (Keeps(side, Step(x, end))) continue;
     if (!Keeps(side, Step(x, braking))) return {1, 0};
-    end = Bisect(side, x, braking, end);
+    end = Bisect(side, {&only, 1}, braking, end);
   }
   return range;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string_view>
 
 #include "twin/core/realtime.h"
@@ -20,6 +22,12 @@ struct AxisState {
   double q = 0;    ///< rad
   double dq = 0;   ///< rad/s
   double ddq = 0;  ///< rad/s^2
+};
+
+/// One of the states that a joint may be in when a command arrives.
+struct PossibleState {
+  AxisState x;
+  double extra = 0;  ///< rad/s^3: how much more jerk one command has here than in the first of them
 };
 
 /// Jerks that a command may have, rad/s^3.
@@ -69,6 +77,12 @@ class ViableAxis {
   /// of the speed.
   [[nodiscard]] double Nearest(const AxisState& x, double wish) const noexcept TWIN_REALTIME;
 
+  /// The same for a command that has to do in each of several states. From a single one it is
+  /// Nearest(); of more, there may be none that does.
+  /// @param states  at least one. @param wish  jerk in the first of them, as is what is returned.
+  [[nodiscard]] std::optional<double> NearestOfAll(std::span<const PossibleState> states,
+                                                   double wish) const noexcept TWIN_REALTIME;
+
   /// All such jerks. Costs some sixty times Contains(). Empty outside the set.
   [[nodiscard]] JerkRange Admissible(const AxisState& x) const noexcept TWIN_REALTIME;
 
@@ -100,7 +114,9 @@ class ViableAxis {
   [[nodiscard]] bool Keeps(Side side, const AxisState& x) const noexcept;
   [[nodiscard]] double Braking(Side side, double ddq) const noexcept;
   [[nodiscard]] JerkRange Feasible(double ddq) const noexcept;
-  [[nodiscard]] double Bisect(Side side, const AxisState& x, double keeps,
+  [[nodiscard]] bool KeepsAll(Side side, std::span<const PossibleState> states,
+                              double jerk) const noexcept;
+  [[nodiscard]] double Bisect(Side side, std::span<const PossibleState> states, double keeps,
                               double breaks) const noexcept;
   void RequireNoConflict(std::string_view name) const;
 
