@@ -11,9 +11,13 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
 pkg_check_modules(LIBEVDEV REQUIRED IMPORTED_TARGET libevdev)
+pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 find_package(urdfdom REQUIRED)
 find_package(assimp REQUIRED)
 find_package(meshoptimizer REQUIRED)
+
+# Asio and Beast for the operator's page; of Boost only headers are used, in the default path.
+find_package(Boost 1.74 REQUIRED)
 
 # Debian's mujoco package names a qhull include folder that does not exist; its headers are in the default path anyway.
 find_package(mujoco 2.2.2 REQUIRED)

@@ -16,6 +16,7 @@
 #include "cli/plan_records.h"
 #include "cli/remote_run.h"
 #include "cli/result_folder.h"
+#include "cli/run_page.h"
 #include "cli/run_records.h"
 #include "cli/run_setup.h"
 #include "cli/say.h"
@@ -45,11 +46,12 @@ class ApplicationSession {
       : flags_(flags),
         scenario_(WithoutSpeed(scenario, flags)),
         settings_(SettingsOf(flags)),
-        out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out) {
+        out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out),
+        page_(flags.page, records_, interrupt_) {
     RequirePrograms(scenario_, wants_video(), host);
     Connect(
         scenario_, flags, wants_video(), settings_, capture, [&]() -> const auto& {
-          run_.emplace(scenario_, catalogue, FilesOf(flags, host), &records_, clock_, settings_);
+          run_.emplace(scenario_, catalogue, FilesOf(flags, host), page_.sink(), clock_, settings_);
           return run_->connection();
         });
     TellIfWithoutMeshes(scenario_, run_->connection());
@@ -82,6 +84,7 @@ class ApplicationSession {
   const InterruptGuard interrupt_;
   WallTimes times_;
   RunRecords records_;
+  RunPage page_;
   std::optional<application::ApplicationRun> run_;
   ApplicationResult result_;
   std::vector<application::MomentPictures> moments_;
@@ -117,15 +120,18 @@ void ApplicationSession::Perform() {
     records_.Film(*truth, run_->longest(), scenario_.render.fps);
   }
   if (truth != nullptr) records_.WatchContacts(*truth);
+  const RunPage::Opening opening = page_.Open(scenario_, run_->robot(), run_->connection());
   scenario::RunHooks hooks;
   hooks.interrupted = interrupt_.flag();
-  hooks.event = records_.Events();
+  hooks.event = page_.Also(records_.Events());
   const Time begin = clock_.Now();
   result_.deeds = run_->Execute(hooks, [this](std::string_view line) {
     if (flags_.quiet) return;
     Say(stdout, fmt::format("{}\n", line));
     std::fflush(stdout);
   });
+  const std::string& failure = result_.deeds.task.failure;
+  page_.Close(failure.empty() ? "it went well" : failure);
   times_.run_s = SecondsSince(begin);
   times_.planning_s = ToSeconds(result_.deeds.planning_time);
   for (const application::Moment& moment : result_.deeds.moments) records_.Add(PlanOf(moment));

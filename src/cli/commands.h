@@ -35,6 +35,14 @@ struct NetworkFlags {
   std::uint16_t hand_port = fci::kHandPort;
 };
 
+/// The operator's page.
+struct PageFlags {
+  std::string port;  ///< as given; 0: any free one; empty: no page
+  std::string bind = "127.0.0.1";
+  std::optional<std::string> allow;  ///< network that may connect
+  [[nodiscard]] bool wanted() const noexcept { return !port.empty(); }
+};
+
 struct RunFlags {
   std::filesystem::path scenario;
   std::optional<std::string> lab;  ///< laid over the scenario: a name in models/labs, or a file
@@ -55,6 +63,7 @@ struct RunFlags {
   bool no_video = false;
   bool rebuild_cache = false;
   bool quiet = false;
+  PageFlags page;
   DataFlags data;
 };
 

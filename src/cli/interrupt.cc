@@ -35,6 +35,10 @@ const volatile bool* InterruptGuard::flag() const noexcept {
   return &interrupt_flag;
 }
 
+void InterruptGuard::Interrupt() const noexcept {
+  interrupt_flag = true;
+}
+
 void InterruptGuard::ThrowIfInterrupted() const {
   if (interrupted()) throw Interrupted();
 }

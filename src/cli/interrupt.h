@@ -21,6 +21,8 @@ class InterruptGuard {
   [[nodiscard]] bool interrupted() const noexcept;
   /// What a run polls.
   [[nodiscard]] const volatile bool* flag() const noexcept;
+  /// As if the user had asked for it, once or more. Threads: any.
+  void Interrupt() const noexcept;
   /// @throws Interrupted when interrupted.
   void ThrowIfInterrupted() const;
 

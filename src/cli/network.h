@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "cli/commands.h"
 #include "twin/fci/sockets.h"
@@ -18,6 +19,10 @@ struct Listening {
 
 /// @throws InputError when an address is none, or others could connect without being named.
 [[nodiscard]] Listening ListeningOf(const NetworkFlags& flags);
+/// The same. @param bind_flag, allow_flag  what the flags are called, for messages.
+[[nodiscard]] Listening ListeningOf(const std::string& bind,
+                                    const std::optional<std::string>& allow,
+                                    std::string_view bind_flag, std::string_view allow_flag);
 
 /// Who may connect, for people.
 [[nodiscard]] std::string DescribeAccess(const NetworkFlags& flags);

@@ -120,11 +120,25 @@ void AddRemote(CLI::App& app, RunFlags& flags) {
       ->type_name("F");
 }
 
+/// Takes its port behind a '=' only: what follows it is the scenario.
+void AddPage(CLI::App& app, PageFlags& flags) {
+  app.add_flag("--page{8080}", flags.port,
+               "Show it in a browser: --page, or --page=PORT (0: any free one); the address is "
+               "printed")
+      ->type_name("PORT");
+  app.add_option("--page-bind", flags.bind, "Address of this machine to serve the page at")
+      ->capture_default_str()
+      ->type_name("ADDRESS");
+  app.add_option("--page-allow", flags.allow, "Network that may open the page, beside this machine")
+      ->type_name("ADDRESS/BITS");
+}
+
 CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
   CLI::App* run = app.add_subcommand("run", "Run a scenario and write log, plots and video");
   run->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
   AddSeed(*run, flags.seed);
   AddLab(*run, flags.lab);
+  AddPage(*run, flags.page);
   run->add_option("--out", flags.out, "Folder of results (default: out/<name of the scenario>)")
       ->type_name("DIR");
   run->add_option("--backend", flags.backend,

@@ -13,6 +13,7 @@
 #include "cli/progress.h"
 #include "cli/remote_run.h"
 #include "cli/result_folder.h"
+#include "cli/run_page.h"
 #include "cli/run_records.h"
 #include "cli/run_setup.h"
 #include "cli/say.h"
@@ -38,13 +39,14 @@ class Session {
       : flags_(flags),
         scenario_(scenario),
         settings_(SettingsOf(flags)),
-        out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out) {
+        out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out),
+        page_(flags.page, records_, interrupt_) {
     RequirePrograms(scenario_, wants_video(), host);
     const scenario::RunFiles files = FilesOf(flags, host);
     if (flags.max_speed) SlowDown(scenario_, files.models, *flags.max_speed);
     Connect(
         scenario_, flags, wants_video(), settings_, capture, [&]() -> const auto& {
-          run_.emplace(scenario_, catalogue, files, &records_, settings_);
+          run_.emplace(scenario_, catalogue, files, page_.sink(), settings_);
           return run_->connection();
         });
     TellIfWithoutMeshes(scenario_, run_->connection());
@@ -77,6 +79,7 @@ class Session {
   const InterruptGuard interrupt_;
   WallTimes times_;
   RunRecords records_;
+  RunPage page_;
   std::optional<scenario::Run> run_;
   scenario::RunResult result_;
   std::optional<report::Deviation> deviation_;
@@ -121,6 +124,7 @@ void Session::Move() {
     records_.Film(*truth, run.trajectory().duration() + kSettling, scenario_.render.fps);
   }
   if (truth != nullptr) records_.WatchContacts(*truth);
+  const RunPage::Opening opening = page_.Open(scenario_, run.robot(), run.connection());
 
   Progress progress("run", Progress::StyleOfStdout(flags_.quiet), clock_);
   const Time begin = clock_.Now();
@@ -132,8 +136,9 @@ void Session::Move() {
                   fmt::format("{:.1f} of {:.1f} s, {:.1f} x real time", simulated,
                               ToSeconds(planned), simulated / SecondsSince(begin)));
   };
-  hooks.event = records_.Events();
+  hooks.event = page_.Also(records_.Events());
   result_ = run_->Execute(hooks);
+  page_.Close(result_.report.succeeded() ? "it went well" : result_.report.failure);
   times_.run_s = SecondsSince(begin);
   times_.real_time_factor = ToSeconds(result_.report.simulated) / times_.run_s;
   if (run.planning_time()) records_.Add(PlanOf(run, scenario_, Time(result_.report.simulated)));

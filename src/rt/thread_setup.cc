@@ -28,6 +28,7 @@ constexpr std::size_t kPage = 4096;
 
 void RequireSound(const ThreadSettings& settings) {
   TWIN_CHECK(settings.name.size() <= kLongestName);
+  TWIN_CHECK(settings.nice >= 0 && settings.nice <= 19);
   const int most = sched_get_priority_max(SCHED_FIFO);
   if (settings.fifo_priority < 0 || settings.fifo_priority > most) {
     throw InputError(fmt::format(
@@ -104,6 +105,8 @@ std::vector<std::string> SetUpThisThread(const ThreadSettings& settings) {
   }
   const std::size_t wanted = settings.stack_kb * 1024 / kPage;
   if (const std::size_t pages = std::min(wanted, StackPagesLeft()); pages > 0) TouchStack(pages);
+  // Of this thread alone, and to yield more is never refused.
+  if (settings.nice > 0) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), settings.nice);
   if (settings.cpu && !BindTo(*settings.cpu)) {
     notices.push_back(fmt::format(
         "thread \"{}\" is not bound to processor {}, so it moves between processors; this process "

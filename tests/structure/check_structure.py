@@ -27,7 +27,7 @@ LOOSE_TODO = re.compile(r"\b(TODO|FIXME|XXX)\b(?!\(#\d+\))")
 CLOCK_READERS = ("src/core/clock.cc", "src/rt/")
 MUJOCO_USERS = ("src/plant/", "src/planning/", "src/render/", "plugins/mujoco/", "tests/")
 TRUTH_USERS = ("include/twin/plant/", "src/plant/", "include/twin/render/", "src/render/", "plugins/mujoco/", "tests/",
-               "include/twin/application/evidence.h", "src/cli/run_records.h")
+               "include/twin/application/evidence.h", "src/page/live_page.cc", "src/cli/run_records.h")
 TRUTH = {"twin/plant/truth_probe.h": TRUTH_USERS, "twin/plant/contact_watch.h": (*TRUTH_USERS, "src/cli/"),
          "twin/plant/object_watch.h": TRUTH_USERS}
 PLUG_IN_NAMERS = ("src/cli/", "plugins/", "controllers/", "tests/")

@@ -12,8 +12,11 @@ namespace twin::rt {
 
 /// How a thread of the 1 kHz path is to run.
 struct ThreadSettings {
-  std::string name{};          ///< shown by tools, at most 15 letters
-  int fifo_priority = 0;       ///< SCHED_FIFO, 1 to 99; 0: the ordinary scheduler
+  std::string name{};     ///< shown by tools, at most 15 letters
+  int fifo_priority = 0;  ///< SCHED_FIFO, 1 to 99; 0: the ordinary scheduler
+  /// Of the ordinary scheduler, in [0, 19]: the more, the more it leaves to others. Threads that
+  /// it starts are the same.
+  int nice = 0;
   std::optional<int> cpu{};    ///< the only processor it may run on; absent: any
   bool lock_memory = true;     ///< mlockall of present and future pages of the whole process
   std::size_t stack_kb = 256;  ///< of its stack, touched in advance

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "twin/core/clock.h"
+#include "twin/core/joint_vector.h"
+#include "twin/core/modes.h"
+#include "twin/core/realtime.h"
+#include "twin/core/robot_errors.h"
+#include "twin/core/time.h"
+#include "twin/rt/cycle_record.h"
+#include "twin/rt/latest_value.h"
+#include "twin/rt/scene_record.h"
+
+namespace twin::plant {
+class TruthProbe;
+}  // namespace twin::plant
+
+namespace twin::page {
+
+/// What the page shows of the arm. Units, frames: as RobotState.
+struct ArmView {
+  Time at{};  ///< of the run
+  JointVector q{};
+  JointVector dq{};
+  JointVector tau_J{};
+  JointVector q_d{};
+  JointVector dq_d{};
+  JointVector ddq_d{};
+  Vector6 O_F_ext_hat_K{};
+  Vector3 p_EE{};  ///< of the end effector in O, m
+  RobotMode mode = RobotMode::kOther;
+  RobotErrors errors;         ///< current
+  RobotErrors reflex_reason;  ///< of the last motion
+  std::uint64_t served = 0;   ///< cycles with a command in time, so far
+  std::uint64_t held = 0;     ///< cycles without one
+};
+
+/// Looks on at a run's records, passes them on as they are, and shows the newest some sixty times a
+/// second of the run's time: of the arm to one thread, of the scene to another.
+///
+///     cycles --> LiveFeed --> the run's own sink
+///                   |--> [LatestValue] --> web server's thread
+///                   `--> [LatestValue] --> camera's thread
+///
+/// Threads: Put() as RecordSink's; Show() and KeepPace() before the first of them; arm() and
+/// scene() one consumer each. Real-time: Put() as next's, and a copy more; it waits only where it
+/// is to keep pace.
+class LiveFeed final : public rt::RecordSink {
+ public:
+  /// @param next  may be null; must outlive this.
+  explicit LiveFeed(rt::RecordSink* next) noexcept : next_(next) {}
+
+  /// Also shows the scene. @param truth  must outlive the run.
+  /// @pre truth.qpos_size() <= rt::SceneRecord::kMostPositions.
+  void Show(const plant::TruthProbe& truth) noexcept { truth_ = &truth; }
+
+  /// Holds back a run on a virtual clock, so that its time goes no faster than the wall's. What is
+  /// computed does not depend on it. @param wall  must outlive the run.
+  void KeepPace(const MonotonicClock& wall) noexcept { wall_ = &wall; }
+
+  void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
+
+  [[nodiscard]] rt::LatestValue<ArmView>& arm() noexcept { return arm_; }
+  [[nodiscard]] rt::LatestValue<rt::SceneRecord>& scene() noexcept { return scene_; }
+
+ private:
+  void Wait(Time now) noexcept;
+
+  rt::RecordSink* const next_;
+  const plant::TruthProbe* truth_ = nullptr;
+  const MonotonicClock* wall_ = nullptr;
+  std::optional<Duration> behind_;  ///< of the run's time behind the wall's
+  Time next_view_{};
+  std::uint64_t served_ = 0;
+  std::uint64_t held_ = 0;
+  rt::LatestValue<ArmView> arm_;
+  rt::LatestValue<rt::SceneRecord> scene_;
+};
+
+}  // namespace twin::page

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <atomic>
+
+#include "twin/core/realtime.h"
+#include "twin/rt/latest_value.h"
+#include "twin/teleop/operator_sample.h"
+
+namespace twin::page {
+
+/// Between the page and who does what the operator there wants.
+///
+///     web server's thread --OperatorSample-->   [LatestValue] --> the device's thread
+///                         <--OperatorFeedback-- [LatestValue] <--
+///
+/// Threads: two, as drawn. Real-time: noexcept, allocates nothing, waits for nobody.
+class OperatorChannel {
+ public:
+  // The web server's side.
+
+  void Publish(const teleop::OperatorSample& sample) noexcept { samples_.Publish(sample); }
+  /// The page has ended: nothing more will come.
+  void End() noexcept { ended_.store(true, std::memory_order_relaxed); }
+  /// The newest; null when there was none yet. Valid until the next call.
+  [[nodiscard]] const teleop::OperatorFeedback* Feedback() noexcept {
+    static_cast<void>(feedback_.Refresh());
+    return feedback_.has_value() ? &feedback_.value() : nullptr;
+  }
+
+  // The device's side.
+
+  /// @returns the newest sample if there is one since the last call, else null. Valid until the
+  /// next call.
+  [[nodiscard]] const teleop::OperatorSample* NewSample() noexcept TWIN_REALTIME {
+    return samples_.Refresh() ? &samples_.value() : nullptr;
+  }
+  void Tell(const teleop::OperatorFeedback& feedback) noexcept TWIN_REALTIME {
+    feedback_.Publish(feedback);
+  }
+  [[nodiscard]] bool ended() const noexcept TWIN_REALTIME {
+    return ended_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  rt::LatestValue<teleop::OperatorSample> samples_;
+  rt::LatestValue<teleop::OperatorFeedback> feedback_;
+  std::atomic<bool> ended_{false};  ///< relaxed: nothing else is read by it
+};
+
+}  // namespace twin::page

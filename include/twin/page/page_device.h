@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "twin/page/operator_channel.h"
+#include "twin/teleop/device.h"
+
+namespace twin::page {
+
+/// Sticks and buttons on the operator's page. Before anyone has taken control there, no sample
+/// comes; when the operator's browser falls silent, none comes any more, and whoever reads it finds
+/// what it has too old. What is felt is shown. Lost when the page has ended.
+///
+/// Threads, real-time: as teleop::Device; one device of a channel at a time.
+class PageDevice final : public teleop::Device {
+ public:
+  /// @param channel  must outlive this. @param where  the page's address.
+  PageDevice(OperatorChannel& channel, std::string where)
+      : channel_(channel), where_(std::move(where)) {}
+
+  [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time /*now*/) noexcept
+      TWIN_REALTIME override {
+    const teleop::OperatorSample* sample = channel_.NewSample();
+    if (sample == nullptr) return {};
+    return *sample;
+  }
+  void Feel(const teleop::OperatorFeedback& feedback) noexcept TWIN_REALTIME override {
+    channel_.Tell(feedback);
+  }
+  [[nodiscard]] bool lost() const noexcept TWIN_REALTIME override { return channel_.ended(); }
+  [[nodiscard]] std::string Describe() const override { return "the page at " + where_; }
+
+ private:
+  OperatorChannel& channel_;
+  const std::string where_;
+};
+
+}  // namespace twin::page

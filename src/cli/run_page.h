@@ -1,0 +1,78 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "twin/backend/registry.h"
+#include "twin/core/time.h"
+#include "twin/page/live_feed.h"
+#include "twin/page/live_page.h"
+#include "twin/page/operator_channel.h"
+#include "twin/rt/cycle_record.h"
+#include "twin/scenario/robot_data.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::cli {
+
+/// @throws InputError when an address is none, a port is out of range, or others could connect
+/// without being named.
+[[nodiscard]] page::PageSettings PageAt(const PageFlags& flags);
+
+/// The cameras of a page: the scenario's, the hand's, and some round about.
+[[nodiscard]] std::vector<page::NamedView> PageViews(const scenario::RenderSection& render);
+
+/// Says where the page is.
+void TellPage(const page::LivePage& page, const PageFlags& flags);
+
+/// The operator's page of a run, where the flags want one; else nothing, and all calls are without
+/// effect.
+///
+/// Threads: one; the sink as LiveFeed.
+class RunPage {
+ public:
+  /// @param records  the run's own sink. @param flags, records, interrupt  must outlive this.
+  RunPage(const PageFlags& flags, rt::RecordSink& records, const InterruptGuard& interrupt);
+
+  /// What the run's records go to.
+  [[nodiscard]] rt::RecordSink* sink() noexcept;
+
+  /// As long as it lives, the page is served; the run may then be gone.
+  class [[nodiscard]] Opening {
+   public:
+    explicit Opening(RunPage& page) noexcept : page_(page) {}
+    ~Opening() { page_.Close("it was broken off"); }
+    Opening(const Opening&) = delete;
+    Opening& operator=(const Opening&) = delete;
+
+   private:
+    RunPage& page_;
+  };
+
+  /// Begins to serve. @param connection  of a run that has not begun.
+  /// @throws as PageAt and page::LivePage.
+  Opening Open(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+               const backend::Connection& connection);
+
+  /// @returns `own`, and the page is told too. @param own  may be empty.
+  using Events = std::function<void(Time, std::string_view, std::string_view)>;
+  [[nodiscard]] Events Also(Events own);
+
+  /// Says how the run ended, and ends. More than once: no effect.
+  void Close(std::string_view how);
+
+ private:
+  const PageFlags& flags_;
+  const InterruptGuard& interrupt_;
+  rt::RecordSink& records_;
+  const MonotonicClock wall_;
+  page::LiveFeed feed_;
+  page::OperatorChannel channel_;
+  std::unique_ptr<page::LivePage> page_;
+};
+
+}  // namespace twin::cli

@@ -1,0 +1,275 @@
+#include "page/connection.h"
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <boost/asio/bind_executor.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "page/gate.h"
+#include "page/site.h"
+
+namespace twin::page {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using boost::system::error_code;
+using Request = http::request<http::empty_body>;
+using Response = http::response<http::string_body>;
+
+constexpr std::uint32_t kLongestHeader = 8192;
+
+/// Nothing but our own files and sockets, in no frame of others.
+constexpr std::string_view kSecurityPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+std::string_view ViewOf(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+fci::Endpoint LocalOf(const beast::tcp_stream& stream) {
+  error_code error;
+  const auto local = stream.socket().local_endpoint(error);
+  if (error || !local.address().is_v4()) return {};
+  return {.address = local.address().to_v4().to_uint(), .port = local.port()};
+}
+
+Response PlainResponse(http::status status, std::string_view text) {
+  Response response{status, 11};
+  response.set(http::field::content_type, "text/plain; charset=utf-8");
+  response.body() = text;
+  return response;
+}
+
+Response FileResponse(const SiteFile& file) {
+  Response response{http::status::ok, 11};
+  response.set(http::field::content_type, fmt::format("{}; charset=utf-8", file.type));
+  response.body() = file.text;
+  return response;
+}
+
+/// What a request gets that is not for the WebSocket.
+Response Answer(const Request& request) {
+  if (request.method() != http::verb::get && request.method() != http::verb::head) {
+    Response response = PlainResponse(http::status::method_not_allowed, "GET and HEAD only\n");
+    response.set(http::field::allow, "GET, HEAD");
+    return response;
+  }
+  const auto files = Site();
+  const auto file = std::ranges::find(files, ViewOf(request.target()), &SiteFile::path);
+  if (file == files.end()) return PlainResponse(http::status::not_found, "There is no such file\n");
+  return FileResponse(*file);
+}
+
+/// A browser's WebSocket. It keeps itself while an operation goes on (Asio's idiom), hence the
+/// shared_ptr.
+class Socket final : public Visitor, public std::enable_shared_from_this<Socket> {
+ public:
+  Socket(beast::tcp_stream stream, ConnectionHouse& house)
+      : stream_(std::move(stream)), house_(house), deadline_(stream_.get_executor()) {
+    ++house_.connections;
+  }
+  ~Socket() override { --house_.connections; }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  void Start(const Request& request) {
+    stream_.set_option(websocket::stream_base::timeout{.handshake_timeout = house_.config.patience,
+                                                       .idle_timeout = 4 * house_.config.patience,
+                                                       .keep_alive_pings = true});
+    stream_.read_message_max(house_.config.longest_message);
+    stream_.async_accept(request, [self = shared_from_this()](error_code error) {
+      if (error) return;
+      self->house_.visitors.OnCome(*self);
+      self->Read();
+    });
+  }
+
+  void Send(SharedParcel parcel) override {
+    if (is_closing_) return;
+    if (queue_.size() >= house_.config.most_waiting) {
+      Drop();
+      return;
+    }
+    queue_.push_back(std::move(parcel));
+    if (queue_.size() == 1) Write();
+  }
+
+  [[nodiscard]] std::size_t waiting() const noexcept override { return queue_.size(); }
+
+  void Close(std::string_view reason) override {
+    if (is_closing_) return;
+    is_closing_ = true;
+    reason_ = reason.substr(0, 120);  // as long as a close frame takes
+    if (queue_.empty()) SendClose();
+  }
+
+ private:
+  void Read() {
+    stream_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) {
+        self->Leave();
+        return;
+      }
+      self->Take();
+      self->Read();
+    });
+  }
+
+  void Take() {
+    if (!is_closing_) {
+      if (stream_.got_text()) {
+        const auto bytes = buffer_.data();
+        house_.visitors.OnText(*this, {static_cast<const char*>(bytes.data()), bytes.size()});
+      } else {
+        Close("only text is understood");
+      }
+    }
+    buffer_.clear();
+  }
+
+  void Write() {
+    stream_.text(queue_.front()->is_text);
+    deadline_.expires_after(house_.config.patience);
+    deadline_.async_wait([self = shared_from_this()](error_code error) {
+      if (!error) self->Drop();
+    });
+    stream_.async_write(asio::buffer(queue_.front()->bytes),
+                        [self = shared_from_this()](error_code error, std::size_t) {
+                          self->deadline_.cancel();
+                          if (!error) self->Written();
+                        });
+  }
+
+  void Written() {
+    queue_.pop_front();
+    if (!queue_.empty()) {
+      Write();
+    } else if (is_closing_) {
+      SendClose();
+    }
+  }
+
+  void SendClose() {
+    stream_.async_close({websocket::close_code::policy_error, reason_},
+                        [self = shared_from_this()](error_code /*error*/) {});
+  }
+
+  /// Without waiting for anything; what is under way ends with an error.
+  void Drop() {
+    is_closing_ = true;
+    error_code ignored;
+    beast::get_lowest_layer(stream_).socket().close(ignored);
+  }
+
+  void Leave() {
+    is_closing_ = true;
+    deadline_.cancel();
+    house_.visitors.OnGone(*this);
+    Drop();
+  }
+
+  websocket::stream<beast::tcp_stream> stream_;
+  ConnectionHouse& house_;
+  asio::steady_timer deadline_;
+  beast::flat_buffer buffer_;
+  std::deque<SharedParcel> queue_;  ///< the first is going out
+  bool is_closing_ = false;
+  std::string reason_;
+};
+
+/// A browser that asks for files, and becomes a Socket when it asks for that. Keeps itself as
+/// Socket does.
+class Files final : public std::enable_shared_from_this<Files> {
+ public:
+  Files(asio::ip::tcp::socket socket, ConnectionHouse& house)
+      : stream_(std::move(socket)),
+        house_(house),
+        local_(LocalOf(stream_)),
+        is_one_too_many_(house.connections >= house.config.most_connections) {
+    ++house_.connections;
+  }
+  ~Files() { --house_.connections; }
+  Files(const Files&) = delete;
+  Files& operator=(const Files&) = delete;
+
+  void Read() {
+    parser_.emplace();
+    parser_->header_limit(kLongestHeader);
+    parser_->body_limit(0);
+    stream_.expires_after(house_.config.patience);
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](error_code error, std::size_t) {
+                       if (!error) self->Decide();
+                     });
+  }
+
+ private:
+  void Decide() {
+    const Request& request = parser_->get();
+    const std::string_view host = ViewOf(request[http::field::host]);
+    if (is_one_too_many_) {
+      Reply(PlainResponse(http::status::service_unavailable, "Too many look on already\n"));
+    } else if (!IsOurHost(host, local_)) {
+      Reply(PlainResponse(http::status::misdirected_request,
+                          "This page is asked for by its address, as panda-twin prints it\n"));
+    } else if (!websocket::is_upgrade(request) || request.target() != "/ws") {
+      Reply(Answer(request));
+    } else if (!IsOurOrigin(ViewOf(request[http::field::origin]), host)) {
+      Reply(PlainResponse(http::status::forbidden, "Only our own page may open this WebSocket\n"));
+    } else {
+      stream_.expires_never();  // the WebSocket has time limits of its own
+      std::make_shared<Socket>(std::move(stream_), house_)->Start(request);
+    }
+  }
+
+  void Reply(Response response) {
+    const Request& request = parser_->get();
+    response.set(http::field::cache_control, "no-store");
+    response.set("X-Content-Type-Options", "nosniff");
+    response.set("X-Frame-Options", "DENY");
+    response.set("Content-Security-Policy",
+                 beast::string_view(kSecurityPolicy.data(), kSecurityPolicy.size()));
+    response.set("Referrer-Policy", "no-referrer");
+    response.set("Cross-Origin-Resource-Policy", "same-origin");
+    response.keep_alive(request.keep_alive() && response.result() == http::status::ok);
+    response.prepare_payload();
+    if (request.method() == http::verb::head) response.body().clear();
+    response_ = std::move(response);
+    http::async_write(stream_, response_,
+                      [self = shared_from_this()](error_code error, std::size_t) {
+                        if (!error && self->response_.keep_alive()) self->Read();
+                      });
+  }
+
+  beast::tcp_stream stream_;
+  ConnectionHouse& house_;
+  const fci::Endpoint local_;
+  const bool is_one_too_many_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  Response response_;
+};
+
+}  // namespace
+
+void ServeConnection(asio::ip::tcp::socket socket, ConnectionHouse& house) {
+  std::make_shared<Files>(std::move(socket), house)->Read();
+}
+
+}  // namespace twin::page

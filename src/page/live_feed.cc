@@ -1,0 +1,63 @@
+#include "twin/page/live_feed.h"
+
+#include <chrono>
+
+#include "twin/plant/scene_capture.h"
+#include "twin/rt/sleep.h"
+
+namespace twin::page {
+namespace {
+
+constexpr Duration kViewPeriod = std::chrono::milliseconds(17);
+/// A run that fell behind (the machine was busy) does not hurry to make up for more than that.
+constexpr Duration kMostHurry = std::chrono::milliseconds(100);
+
+void Fill(const rt::CycleRecord& record, std::uint64_t served, std::uint64_t held, ArmView& view) {
+  const RobotState& state = record.state;
+  view.at = record.at;
+  view.q = state.q;
+  view.dq = state.dq;
+  view.tau_J = state.tau_J;
+  view.q_d = state.q_d;
+  view.dq_d = state.dq_d;
+  view.ddq_d = state.ddq_d;
+  view.O_F_ext_hat_K = state.O_F_ext_hat_K;
+  view.p_EE = {state.O_T_EE[12], state.O_T_EE[13], state.O_T_EE[14]};
+  view.mode = state.robot_mode;
+  view.errors = state.errors;
+  view.reflex_reason = state.reflex_reason;
+  view.served = served;
+  view.held = held;
+}
+
+}  // namespace
+
+void LiveFeed::Put(const rt::CycleRecord& record) noexcept {
+  if (next_ != nullptr) next_->Put(record);
+  served_ += record.fate == rt::CommandFate::kServed ? 1 : 0;
+  held_ += record.fate == rt::CommandFate::kHeld ? 1 : 0;
+  if (record.at >= next_view_) {
+    next_view_ = record.at + kViewPeriod;
+    arm_.PublishWith([&](ArmView& view) { Fill(record, served_, held_, view); });
+    if (truth_ != nullptr) {
+      scene_.PublishWith(
+          [&](rt::SceneRecord& scene) { plant::CaptureScene(record.at, *truth_, scene); });
+    }
+  }
+  if (wall_ != nullptr) Wait(record.at);
+}
+
+void LiveFeed::Put(const rt::TickRecord& record) noexcept {
+  if (next_ != nullptr) next_->Put(record);
+}
+
+void LiveFeed::Wait(Time now) noexcept {
+  const Duration wall = wall_->Now().time_since_epoch();
+  if (!behind_) behind_ = wall - now.time_since_epoch();
+  if (wall - now.time_since_epoch() > *behind_ + kMostHurry) {
+    behind_ = wall - now.time_since_epoch() - kMostHurry;
+  }
+  rt::SleepUntil(*wall_, now + *behind_);
+}
+
+}  // namespace twin::page

@@ -1,0 +1,168 @@
+#include "twin/page/live_page.h"
+
+#include <chrono>
+#include <future>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "page/desk.h"
+#include "page/gate.h"
+#include "page/live_camera.h"
+#include "page/message.h"
+#include "page/status.h"
+#include "page/web_server.h"
+#include "twin/core/clock.h"
+#include "twin/plant/truth_probe.h"
+#include "twin/rt/sleep.h"
+#include "twin/rt/thread_setup.h"
+
+namespace twin::page {
+namespace {
+
+/// Until those who look have heard that the run is over.
+constexpr Duration kFarewell = std::chrono::seconds(1);
+
+std::string WelcomeOf(const PageSettings& settings, const PageScene& scene) {
+  std::vector<std::string> cameras;
+  for (const NamedView& view : scene.views) cameras.push_back(Quoted(view.name));
+  const JointLimits& limits = settings.limits;
+  return fmt::format(
+      R"("title":{},"about":{},"cameras":[{}],"limits":{{"q_min":[{:.5g}],"q_max":[{:.5g}],"dq_max":[{:.5g}]}})",
+      Quoted(settings.title), Quoted(settings.about), fmt::join(cameras, ","),
+      fmt::join(limits.q_min, ","), fmt::join(limits.q_max, ","), fmt::join(limits.dq_max, ","));
+}
+
+}  // namespace
+
+class LivePage::Impl {
+ public:
+  Impl(const PageSettings& settings, const PageScene& scene, LiveFeed& feed,
+       OperatorChannel& channel)
+      : token_(MakeToken()),
+        channel_(channel),
+        status_(settings.limits, scene, feed.arm()),
+        desk_(DeskConfigOf(settings, scene), CallsOf(settings), channel, clock_),
+        server_({.at = settings.at, .allow = settings.allow}, desk_) {
+    if (scene.truth != nullptr && !scene.views.empty()) {
+      camera_.emplace(
+          scene.truth->model(), feed.scene(), scene.views,
+          LiveCamera::Calls{.picture = [this](std::string bytes) { Show(std::move(bytes)); },
+                            .failure = [this](std::string why) { TellNoPicture(std::move(why)); }});
+    } else {
+      status_.SetNoPicture("nobody here sees this robot: there are no pictures");
+    }
+    thread_ = std::jthread([this] {
+      static_cast<void>(rt::SetUpThisThread({.name = "twin-page", .lock_memory = false}));
+      server_.Run();
+    });
+  }
+
+  ~Impl() { Stop(); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  [[nodiscard]] std::string address() const {
+    return fmt::format("http://{}/", fci::ToString(server_.at()));
+  }
+  [[nodiscard]] const std::string& token() const noexcept { return token_; }
+
+  void Tell(Time at, std::string_view kind, std::string_view text) {
+    server_.Post([this, at, kind = std::string(kind), text = std::string(text)] {
+      desk_.Tell(at, kind, text);
+    });
+  }
+
+  void End(std::string_view text) {
+    if (!thread_.joinable()) return;
+    server_.Post([this, text = std::string(text)] { desk_.End(text); });
+    const Time until = clock_.Now() + kFarewell;
+    while (VisitorsLeft() > 0 && clock_.Now() < until) {
+      rt::SleepUntil(clock_, clock_.Now() + std::chrono::milliseconds(20));
+    }
+    Stop();
+  }
+
+ private:
+  [[nodiscard]] DeskConfig DeskConfigOf(const PageSettings& settings,
+                                        const PageScene& scene) const {
+    return {
+        .token = token_, .welcome = WelcomeOf(settings, scene), .watch_only = settings.watch_only};
+  }
+
+  [[nodiscard]] DeskCalls CallsOf(const PageSettings& settings) {
+    return {.status = [this] { return status_.Text(camera_ ? camera_->chosen() : 0); },
+            .stop = settings.stop,
+            .choose_camera =
+                [this](std::size_t number) {
+                  if (camera_) camera_->Choose(number);
+                },
+            .watched =
+                [this](bool wanted) {
+                  if (camera_) camera_->Want(wanted);
+                },
+            .record = settings.record};
+  }
+
+  void Show(std::string bytes) {
+    server_.Post([this, picture = std::make_shared<const Parcel>(Parcel{std::move(bytes), false})] {
+      desk_.OnPicture(picture);
+    });
+  }
+
+  void TellNoPicture(std::string why) {
+    server_.Post([this, why = std::move(why)]() mutable {
+      status_.SetNoPicture("there are no pictures: " + std::move(why));
+    });
+  }
+
+  [[nodiscard]] std::size_t VisitorsLeft() {
+    std::promise<std::size_t> left;
+    std::future<std::size_t> answer = left.get_future();
+    server_.Post([this, &left] { left.set_value(desk_.visitors()); });
+    return answer.get();
+  }
+
+  void Stop() {
+    channel_.End();
+    camera_.reset();
+    server_.Stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  const MonotonicClock clock_;
+  const std::string token_;
+  OperatorChannel& channel_;
+  Status status_;  ///< this and the following: the server's thread's, once it runs
+  Desk desk_;
+  WebServer server_;
+  std::optional<LiveCamera> camera_;  ///< set before the server runs
+  std::jthread thread_;
+};
+
+LivePage::LivePage(const PageSettings& settings, const PageScene& scene, LiveFeed& feed,
+                   OperatorChannel& channel)
+    : impl_(std::make_unique<Impl>(settings, scene, feed, channel)) {}
+
+LivePage::~LivePage() = default;
+
+std::string LivePage::address() const {
+  return impl_->address();
+}
+
+std::string LivePage::url() const {
+  return impl_->address() + "#token=" + impl_->token();
+}
+
+void LivePage::Tell(Time at, std::string_view kind, std::string_view text) {
+  impl_->Tell(at, kind, text);
+}
+
+void LivePage::End(std::string_view text) {
+  impl_->End(text);
+}
+
+}  // namespace twin::page

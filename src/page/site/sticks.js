@@ -1,0 +1,74 @@
+// What the operator's hands do: three sticks by touch or mouse, and keys.
+
+const KEYS = {
+  KeyW: [0, 1], KeyS: [0, -1], KeyA: [1, 1], KeyD: [1, -1], KeyR: [2, 1], KeyF: [2, -1],
+  ArrowRight: [3, 1], ArrowLeft: [3, -1], ArrowUp: [4, 1], ArrowDown: [4, -1], KeyQ: [5, 1], KeyE: [5, -1],
+};
+
+// A stick in `element`; value() is [to the right, up], each in [-1, 1].
+function stick(element) {
+  const knob = element.firstElementChild;
+  let holder = null;
+  let value = [0, 0];
+
+  function set(x, y) {
+    const length = Math.max(1, Math.hypot(x, y));
+    value = [x / length, y / length];
+    knob.style.transform = `translate(${value[0] * 85}%, ${-value[1] * 85}%)`;
+  }
+  function follow(event) {
+    if (event.pointerId !== holder) return;
+    const box = element.getBoundingClientRect();
+    set((event.clientX - box.left) / box.width * 2.6 - 1.3, 1.3 - (event.clientY - box.top) / box.height * 2.6);
+  }
+  function letGo(event) {
+    if (event && event.pointerId !== holder) return;
+    holder = null;
+    set(0, 0);
+  }
+  element.addEventListener("pointerdown", (event) => {
+    if (holder !== null) return;
+    holder = event.pointerId;
+    element.setPointerCapture(holder);
+    follow(event);
+    event.preventDefault();
+  });
+  element.addEventListener("pointermove", follow);
+  for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) element.addEventListener(kind, letGo);
+  return { value: () => value, letGo };
+}
+
+// axes(speed, drives): x, y, z, about x, y, z: ahead, left, up of the operator. A base drives ahead and turns; it has
+// no way to the left, so the left stick turns it.
+export function hands(left, right, tilt) {
+  const sticks = [stick(left), stick(right), stick(tilt)];
+  const held = new Set();
+
+  window.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("input, select")) return;
+    if (!(event.code in KEYS)) return;
+    held.add(event.code);
+    event.preventDefault();
+  });
+  window.addEventListener("keyup", (event) => held.delete(event.code));
+  function letGo() {
+    held.clear();
+    for (const each of sticks) each.letGo();
+  }
+  window.addEventListener("blur", letGo);
+  document.addEventListener("visibilitychange", () => { if (document.hidden) letGo(); });
+
+  return {
+    letGo,
+    axes(speed, drives) {
+      const [a, b, c] = sticks.map((each) => each.value());
+      const all = [a[1], -a[0], b[1], c[0], c[1], -b[0]];
+      for (const code of held) all[KEYS[code][0]] += KEYS[code][1];
+      if (drives) {
+        all[5] += all[1];
+        all[1] = 0;
+      }
+      return all.map((value) => Math.max(-1, Math.min(1, value)) * speed);
+    },
+  };
+}

@@ -1,0 +1,97 @@
+#include "page/status.h"
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "page/message.h"
+#include "twin/core/base.h"
+#include "twin/core/error.h"
+#include "twin/core/modes.h"
+
+namespace twin::page {
+namespace {
+
+/// JSON knows no number that is not finite.
+template <typename Values>
+std::string Numbers(const Values& values) {
+  std::string text;
+  for (const double value : values) {
+    if (!text.empty()) text += ',';
+    text += std::isfinite(value) ? fmt::format("{:.5g}", value) : "0";
+  }
+  return text;
+}
+
+std::string NamesOf(const RobotErrors& errors) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
+    if (errors[i]) names.push_back(Quoted(Name(static_cast<RobotError>(i))));
+  }
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+std::optional<reference::ViabilityFilter> FilterOf(const JointLimits& limits) {
+  try {
+    return reference::ViabilityFilter(limits);
+  } catch (const InputError&) {
+    return {};  // limits too narrow for it: the page shows no margin
+  }
+}
+
+const char* NameOf(BaseMode mode) {
+  switch (mode) {
+    case BaseMode::kStanding: return "stands";
+    case BaseMode::kDriving: return "drives";
+    case BaseMode::kEmergencyStop: break;
+  }
+  return "emergency stop";
+}
+
+}  // namespace
+
+Status::Status(const JointLimits& limits, const PageScene& scene, rt::LatestValue<ArmView>& arm)
+    : filter_(FilterOf(limits)), base_(scene.base), hand_(scene.hand), arm_(arm) {}
+
+std::string Status::Text(std::size_t camera) {
+  static_cast<void>(arm_.Refresh());
+  const double t = ToSeconds(arm_.value().at.time_since_epoch());
+  return fmt::format(R"("t":{:.3f},"camera":{},"no_picture":{},"arm":{},"base":{},"hand":{})", t,
+                     camera, Quoted(no_picture_), ArmText(), BaseText(), HandText());
+}
+
+std::string Status::ArmText() const {
+  if (!arm_.has_value()) return "null";
+  const ArmView& arm = arm_.value();
+  const double margin = filter_ ? filter_->Margin(arm.q_d, arm.dq_d, arm.ddq_d) : NAN;
+  return fmt::format(
+      R"({{"t":{:.3f},"q":[{}],"dq":[{}],"F":[{}],"p":[{}],"mode":{},"errors":[{}],"reflex":[{}],"served":{},"held":{},"margin":{}}})",
+      ToSeconds(arm.at.time_since_epoch()), Numbers(arm.q), Numbers(arm.dq),
+      Numbers(arm.O_F_ext_hat_K), Numbers(arm.p_EE), Quoted(Name(arm.mode)), NamesOf(arm.errors),
+      NamesOf(arm.reflex_reason), arm.served, arm.held,
+      std::isfinite(margin) ? fmt::format("{:.4f}", margin) : "null");
+}
+
+std::string Status::BaseText() const {
+  if (base_ == nullptr) return "null";
+  const BaseState state = base_->ReadState();
+  return fmt::format(R"({{"x":{:.4f},"y":{:.4f},"yaw":{:.4f},"v":{:.4f},"w":{:.4f},"mode":"{}"}})",
+                     state.odometry.x, state.odometry.y, state.odometry.yaw, state.twist.v,
+                     state.twist.w, NameOf(state.mode));
+}
+
+std::string Status::HandText() {
+  if (hand_ == nullptr) return "null";
+  try {
+    const HandState state = hand_->ReadState();
+    return fmt::format(R"({{"width":{:.4f},"is_grasped":{}}})", state.width, state.is_grasped);
+  } catch (const RobotFault&) {
+    hand_ = nullptr;  // it does not answer: it is not asked again
+    return "null";
+  }
+}
+
+}  // namespace twin::page

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "twin/core/limits.h"
+#include "twin/page/live_feed.h"
+#include "twin/page/live_page.h"
+#include "twin/reference/viability_filter.h"
+
+namespace twin::page {
+
+/// What is now, as the members of a JSON object: arm, base, hand, camera.
+///
+/// The margin is reference::ViabilityFilter's, of the arm's reference q_d and with the losses the
+/// robot bridges, whether or not the run uses the filter.
+///
+/// Threads: one.
+class Status {
+ public:
+  /// @param scene, arm  what is pointed to must outlive this.
+  Status(const JointLimits& limits, const PageScene& scene, rt::LatestValue<ArmView>& arm);
+
+  void SetNoPicture(std::string why) { no_picture_ = std::move(why); }
+
+  /// @param camera  that is looked through.
+  [[nodiscard]] std::string Text(std::size_t camera);
+
+ private:
+  [[nodiscard]] std::string ArmText() const;
+  [[nodiscard]] std::string BaseText() const;
+  [[nodiscard]] std::string HandText();
+
+  std::optional<reference::ViabilityFilter> filter_;  ///< absent: of these limits there is none
+  const backend::Base* base_;
+  const backend::Hand* hand_;
+  rt::LatestValue<ArmView>& arm_;
+  std::string no_picture_;
+};
+
+}  // namespace twin::page

@@ -1,0 +1,289 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "page/desk.h"
+#include "twin/page/page_device.h"
+
+namespace twin::page {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+constexpr const char* kHello = R"({"type":"hello","token":"secret"})";
+constexpr const char* kTake = R"({"type":"take"})";
+constexpr const char* kStop = R"({"type":"stop"})";
+
+struct SetClock final : Clock {
+  [[nodiscard]] Time Now() const noexcept override { return now; }
+  Time now{};
+};
+
+/// A browser that keeps what it is sent.
+struct Browser final : Visitor {
+  void Send(SharedParcel parcel) override { got.push_back(parcel->bytes); }
+  [[nodiscard]] std::size_t waiting() const noexcept override { return behind; }
+  void Close(std::string_view reason) override { closed = reason; }
+  std::vector<std::string> got;
+  std::size_t behind = 0;
+  std::string closed;
+};
+
+class DeskTest : public testing::Test {
+ protected:
+  DeskTest() { desk.emplace(Config(), Calls(), channel, clock); }
+
+  static DeskConfig Config() { return {.token = "secret", .welcome = R"("title":"x")"}; }
+  DeskCalls Calls() {
+    return {.status = [] { return R"("t":0)"; },
+            .stop = [this] { ++stops; },
+            .choose_camera = [this](std::size_t number) { camera = number; },
+            .watched = [this](bool wanted) { watched = wanted; }};
+  }
+  void Come(Browser& browser, const char* hello = kHello) {
+    desk->OnCome(browser);
+    desk->OnText(browser, hello);
+  }
+  void Hands(Browser& browser, const std::string& ahead) {
+    desk->OnText(browser, R"({"type":"hands","axes":[)" + ahead +
+                              R"(,0,0,0,0,0],"engaged":true,"sent_ms":7})");
+  }
+  void Pass(Duration time) {
+    clock.now += time;
+    desk->OnTick();
+  }
+
+  SetClock clock;
+  OperatorChannel channel;
+  PageDevice device{channel, "here"};
+  int stops = 0;
+  std::size_t camera = 0;
+  bool watched = false;
+  std::optional<Desk> desk;
+  Browser first;
+  Browser second;
+};
+
+TEST_F(DeskTest, WelcomesWhoKnowsTheToken) {
+  Come(first);
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("type":"welcome","you":1)")));
+  EXPECT_THAT(first.closed, IsEmpty());
+}
+
+TEST_F(DeskTest, SendsAwayWhoDoesNot) {
+  Come(first, R"({"type":"hello","token":"Secret"})");
+  EXPECT_EQ(first.closed, "wrong token");
+  EXPECT_THAT(first.got, Not(Contains(HasSubstr("welcome"))));
+}
+
+TEST_F(DeskTest, WantsTheTokenBeforeAnythingElse) {
+  Come(first, kStop);
+  EXPECT_EQ(first.closed, "the token comes first");
+  EXPECT_EQ(stops, 0);
+}
+
+TEST_F(DeskTest, SendsAwayWhoSaysNothing) {
+  desk->OnCome(first);
+  Pass(milliseconds(4900));
+  EXPECT_THAT(first.closed, IsEmpty());
+  Pass(milliseconds(200));
+  EXPECT_EQ(first.closed, "no token came");
+}
+
+TEST_F(DeskTest, TellsNothingToWhoHasNotShownTheToken) {
+  desk->OnCome(first);
+  Come(second);
+  Pass(milliseconds(100));
+  EXPECT_THAT(first.got, IsEmpty());
+}
+
+TEST_F(DeskTest, EndsTheConnectionOfWhoTalksNonsense) {
+  Come(first);
+  Come(second);
+  desk->OnText(first, "nonsense");
+  EXPECT_THAT(first.closed, HasSubstr("no message"));
+  EXPECT_THAT(second.closed, IsEmpty());
+}
+
+TEST_F(DeskTest, HandsOfTheOperatorAreSamples) {
+  Come(first);
+  desk->OnText(first, kTake);
+  Hands(first, "0.5");
+  const auto sample = device.Read({});
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->axes[0], 0.5);
+  EXPECT_EQ(sample->sequence, 1U);
+  EXPECT_FALSE(device.Read({}));  // each is read once
+}
+
+TEST_F(DeskTest, HandsOfAWatcherAreNone) {
+  Come(first);
+  Come(second);
+  desk->OnText(first, kTake);
+  Hands(second, "0.5");
+  EXPECT_FALSE(device.Read({}));
+}
+
+TEST_F(DeskTest, OneOperatesAtATime) {
+  Come(first);
+  Come(second);
+  desk->OnText(first, kTake);
+  desk->OnText(second, kTake);
+  EXPECT_THAT(second.got, Contains(HasSubstr(R"("type":"refused","text":"visitor 1 operates)")));
+  Hands(second, "0.5");
+  EXPECT_FALSE(device.Read({}));
+}
+
+TEST_F(DeskTest, ControlThatIsGivenBackMayBeTaken) {
+  Come(first);
+  Come(second);
+  desk->OnText(first, kTake);
+  desk->OnText(first, R"({"type":"give_back"})");
+  desk->OnText(second, kTake);
+  Hands(second, "0.25");
+  EXPECT_EQ(device.Read({})->axes[0], 0.25);
+}
+
+TEST_F(DeskTest, HandsOffWhenTheOperatorGoes) {
+  Come(first);
+  desk->OnText(first, kTake);
+  Hands(first, "1");
+  desk->OnGone(first);
+  const auto sample = device.Read({});
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->axes, Vector6{});
+  EXPECT_FALSE(sample->engaged);
+}
+
+TEST_F(DeskTest, NoSampleComesWithoutAHeartbeat) {
+  Come(first);
+  desk->OnText(first, kTake);
+  Hands(first, "1");
+  static_cast<void>(device.Read({}));
+  Pass(milliseconds(300));
+  EXPECT_FALSE(device.Read({}));
+}
+
+TEST_F(DeskTest, SilenceOfTwoSecondsTakesControlAway) {
+  Come(first);
+  Come(second);
+  desk->OnText(first, kTake);
+  Hands(first, "1");
+  Pass(milliseconds(1900));
+  desk->OnText(second, kTake);
+  EXPECT_THAT(second.got, Contains(HasSubstr("refused")));
+  Pass(milliseconds(200));
+  second.got.clear();
+  desk->OnText(second, kTake);
+  EXPECT_THAT(second.got, Not(Contains(HasSubstr("refused"))));
+}
+
+TEST_F(DeskTest, AnyoneMayStop) {
+  Come(first);
+  Come(second);
+  desk->OnText(first, kTake);
+  Hands(first, "1");
+  static_cast<void>(device.Read({}));
+  desk->OnText(second, kStop);
+  const auto sample = device.Read({});
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->stop_presses, 1U);
+  EXPECT_EQ(sample->axes, Vector6{});
+  EXPECT_EQ(stops, 1);
+}
+
+TEST_F(DeskTest, OnlyTheOperatorPressesButtons) {
+  Come(first);
+  Come(second);
+  desk->OnText(first, kTake);
+  desk->OnText(second, R"({"type":"press","button":"gripper"})");
+  EXPECT_FALSE(device.Read({}));
+  desk->OnText(first, R"({"type":"press","button":"gripper"})");
+  EXPECT_EQ(device.Read({})->gripper_presses, 1U);
+}
+
+TEST_F(DeskTest, NobodyOperatesWhereOneMayOnlyWatch) {
+  DeskConfig config = Config();
+  config.watch_only = "a real arm";
+  desk.emplace(config, Calls(), channel, clock);
+  Come(first);
+  desk->OnText(first, kTake);
+  Hands(first, "1");
+  EXPECT_FALSE(device.Read({}));
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("refused","text":"a real arm")")));
+}
+
+TEST_F(DeskTest, OnlyTheOperatorPointsTheCamera) {
+  Come(first);
+  Come(second);
+  desk->OnText(first, kTake);
+  desk->OnText(second, R"({"type":"camera","number":3})");
+  EXPECT_EQ(camera, 0U);
+  desk->OnText(first, R"({"type":"camera","number":2})");
+  EXPECT_EQ(camera, 2U);
+}
+
+TEST_F(DeskTest, NextPictureGoesToWhoHasShownTheLast) {
+  const auto picture = std::make_shared<const Parcel>(Parcel{"jpeg", false});
+  Come(first);
+  Come(second);
+  desk->OnPicture(picture);
+  desk->OnText(second, R"({"type":"shown"})");
+  desk->OnPicture(picture);
+  EXPECT_EQ(std::ranges::count(first.got, "jpeg"), 1);
+  EXPECT_EQ(std::ranges::count(second.got, "jpeg"), 2);
+}
+
+TEST_F(DeskTest, NoPictureIsWantedWhenNobodyWaitsForOne) {
+  Come(first);
+  Pass(milliseconds(20));
+  EXPECT_TRUE(watched);
+  desk->OnPicture(std::make_shared<const Parcel>(Parcel{"jpeg", false}));
+  Pass(milliseconds(20));
+  EXPECT_FALSE(watched);
+}
+
+TEST_F(DeskTest, StatesAreLeftOutForWhoIsBehind) {
+  Come(first);
+  Come(second);
+  first.behind = 10;
+  Pass(milliseconds(100));
+  EXPECT_THAT(first.got, Not(Contains(HasSubstr(R"("type":"state")"))));
+  EXPECT_THAT(second.got, Contains(HasSubstr(R"("type":"state","operator":0,"visitors":2)")));
+}
+
+TEST_F(DeskTest, FeedbackIsToldWithTheTimeOfTheSampleItAnswers) {
+  Come(first);
+  desk->OnText(first, kTake);
+  Hands(first, "1");
+  device.Feel({.sequence = 1, .echo = 1, .mode = teleop::Mode::kBase});
+  Pass(milliseconds(100));
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("mode":"base")")));
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("echo_ms":7.0)")));
+}
+
+TEST_F(DeskTest, WhoComesLaterHearsWhatHappened) {
+  desk->Tell(Time(milliseconds(1500)), "error", "joint 3");
+  Come(first);
+  EXPECT_THAT(first.got, Contains(R"({"type":"event","t":1.500,"kind":"error","text":"joint 3"})"));
+}
+
+TEST_F(DeskTest, TheEndIsToldAndNobodyStays) {
+  Come(first);
+  desk->End("it went well");
+  EXPECT_THAT(first.got, Contains(R"({"type":"end","text":"it went well"})"));
+  EXPECT_EQ(first.closed, "the run is over");
+}
+
+}  // namespace
+}  // namespace twin::page

@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <vector>
+
+#include "support/realtime_guard.h"
+#include "twin/core/clock.h"
+#include "twin/page/live_feed.h"
+
+namespace twin::page {
+namespace {
+
+using std::chrono::milliseconds;
+
+struct Keeper final : rt::RecordSink {
+  void Put(const rt::CycleRecord& record) noexcept override {
+    last = record.at;
+    ++cycles;
+  }
+  void Put(const rt::TickRecord& /*record*/) noexcept override { ++ticks; }
+  Time last{};
+  int cycles = 0;
+  int ticks = 0;
+};
+
+rt::CycleRecord CycleAt(Duration at) {
+  rt::CycleRecord record;
+  record.at = Time(at);
+  record.fate = rt::CommandFate::kServed;
+  return record;
+}
+
+TEST(LiveFeedTest, PassesEveryRecordOn) {
+  Keeper keeper;
+  LiveFeed feed(&keeper);
+  for (int i = 0; i < 100; ++i) feed.Put(CycleAt(milliseconds(i)));
+  feed.Put(rt::TickRecord{});
+  EXPECT_EQ(keeper.cycles, 100);
+  EXPECT_EQ(keeper.ticks, 1);
+}
+
+TEST(LiveFeedTest, ShowsSomeSixtyASecond) {
+  LiveFeed feed(nullptr);
+  int shown = 0;
+  for (int i = 0; i < 1000; ++i) {
+    feed.Put(CycleAt(milliseconds(i)));
+    shown += feed.arm().Refresh() ? 1 : 0;
+  }
+  EXPECT_EQ(shown, 59);  // 1000 / 17, and the first
+}
+
+TEST(LiveFeedTest, CountsCyclesWithAndWithoutACommand) {
+  LiveFeed feed(nullptr);
+  rt::CycleRecord held = CycleAt(milliseconds(0));
+  held.fate = rt::CommandFate::kHeld;
+  feed.Put(CycleAt(milliseconds(0)));
+  feed.Put(held);
+  feed.Put(held);
+  feed.Put(CycleAt(milliseconds(17)));
+  ASSERT_TRUE(feed.arm().Refresh());
+  EXPECT_EQ(feed.arm().value().served, 2U);
+  EXPECT_EQ(feed.arm().value().held, 2U);
+}
+
+TEST(LiveFeedTest, AllocatesAndLocksNothing) {
+  LiveFeed feed(nullptr);
+  const rt::CycleRecord record = CycleAt(milliseconds(0));
+  const test::RealtimeGuard guard;
+  rt::CycleRecord next = record;
+  for (int i = 0; i < 1000; ++i) {
+    next.at = Time(milliseconds(i));
+    feed.Put(next);
+  }
+  const auto counts = guard.counts();
+  EXPECT_EQ(counts, test::RealtimeGuard::Counts());
+}
+
+TEST(LiveFeedTest, HoldsAVirtualClockBackToTheWalls) {
+  const MonotonicClock wall;
+  LiveFeed feed(nullptr);
+  feed.KeepPace(wall);
+  feed.Put(CycleAt(milliseconds(0)));
+  const Time begin = wall.Now();
+  feed.Put(CycleAt(milliseconds(50)));
+  EXPECT_GE(wall.Now() - begin, milliseconds(49));
+}
+
+}  // namespace
+}  // namespace twin::page

@@ -1,0 +1,231 @@
+#!/usr/bin/env python3
+"""Talks to the page of a run over sockets, well and badly: page_server_test.py PROGRAM SOURCE_TREE [unittest options]."""
+
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+from web_client import PING, TEXT, Refused, WebSocket, http
+
+PROGRAM = ""
+SOURCE = pathlib.Path()
+# An arm that holds still for a minute; the tests end it.
+SCENARIO = """name: page
+motion:
+  trajectory:
+    unit: rad
+    waypoints:
+      - {at: 0 s, q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+      - {at: 60 s, q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+record: false
+"""
+
+
+class Run:
+    """A run whose page is served at a free port."""
+
+    def __init__(self, folder, scenario=SCENARIO, flags=()):
+        path = pathlib.Path(folder, "page.yaml")
+        path.write_text(scenario)
+        self.process = subprocess.Popen(
+            [PROGRAM, "run", path, "--page=0", "--no-video", "--out", pathlib.Path(folder, "out"), "--data", SOURCE / "models",
+             *flags], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.said = ""
+        for line in self.process.stdout:
+            self.said += line
+            if match := re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
+                self.port, self.token = int(match[1]), match[2]
+                return
+        raise AssertionError(f"no page: {self.said}")
+
+    def end(self):
+        self.process.terminate()
+        try:
+            self.said += self.process.communicate(timeout=20)[0]
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise
+
+    def visit(self, token=None):
+        visitor = WebSocket(self.port)
+        visitor.say("hello", token=token or self.token)
+        return visitor
+
+
+class PageServerTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="panda_twin_page_")
+        cls.addClassCleanup(folder.cleanup)
+        cls.served = Run(folder.name)
+        cls.addClassCleanup(cls.served.end)
+        cls.port = cls.served.port
+
+    def get(self, path, host=None, more=()):
+        return http(self.port, [f"GET {path} HTTP/1.1", f"Host: {host or f'127.0.0.1:{self.port}'}", "Connection: close", *more])
+
+    def assert_lives(self):
+        with self.served.visit() as visitor:
+            visitor.hear("state")
+
+    def test_page_comes_with_headers_that_lock_it_in(self):
+        status, head, body = self.get("/")
+        self.assertEqual(status, 200)
+        self.assertIn(b"<title>panda-twin</title>", body)
+        for line in ("Cache-Control: no-store", "X-Content-Type-Options: nosniff", "X-Frame-Options: DENY", "default-src 'none'",
+                     "script-src 'self'", "frame-ancestors 'none'"):
+            self.assertIn(line, head)
+        self.assertNotIn("unsafe", head)
+
+    def test_page_holds_no_script_and_no_style_of_its_own(self):
+        body = self.get("/")[2].decode()
+        self.assertNotRegex(body, r"<script(?![^>]*\bsrc=)|<style|\sstyle=|\son\w+=")
+
+    def test_nothing_else_is_served(self):
+        for path in ("/../CMakeLists.txt", "/page.js?x", "/etc/passwd", "/%2e%2e/", "/wss"):
+            self.assertEqual(self.get(path)[0], 404, path)
+        self.assertEqual(http(self.port, ["POST / HTTP/1.1", f"Host: 127.0.0.1:{self.port}", "Content-Length: 0"])[0], 405)
+
+    def test_a_name_that_resolves_to_us_is_not_us(self):
+        for host in ("evil.example", f"evil.example:{self.port}", f"127.0.0.1:{self.port + 1}"):
+            self.assertEqual(self.get("/", host=host)[0], 421, host)
+            with self.assertRaises(Refused) as refused:
+                WebSocket(self.port, host=host)
+            self.assertEqual(refused.exception.args, (421,))
+
+    def test_pages_from_elsewhere_get_no_socket(self):
+        for origin in ("http://evil.example", "null", f"http://127.0.0.1:{self.port + 1}", f"https://127.0.0.1:{self.port}", ""):
+            with self.assertRaises(Refused) as refused:
+                WebSocket(self.port, origin=origin)
+            self.assertEqual(refused.exception.args, (403,))
+
+    def test_wrong_token_is_sent_away(self):
+        with self.served.visit(token="0" * 32) as visitor:
+            self.assertEqual(visitor.closing(), "wrong token")
+
+    def test_who_says_nothing_is_sent_away(self):
+        with WebSocket(self.port) as visitor:
+            self.assertEqual(visitor.closing(), "no token came")
+
+    def test_visitor_is_told_what_is(self):
+        with self.served.visit() as visitor:
+            welcome = visitor.hear("welcome")
+            self.assertEqual(welcome["title"], "page")
+            self.assertEqual(len(welcome["limits"]["q_max"]), 7)
+            first = visitor.hear(lambda message: message["type"] == "state" and message["arm"])
+            later = visitor.hear(lambda message: message["type"] == "state" and message["t"] > first["t"] + 0.1)
+            self.assertEqual(later["arm"]["mode"], "Move")
+            self.assertGreater(later["arm"]["margin"], 0)
+            self.assertEqual(later["arm"]["held"], 0)
+
+    def test_run_on_a_virtual_clock_goes_at_the_walls_pace(self):
+        with self.served.visit() as visitor:
+            first = visitor.hear(lambda message: message["type"] == "state" and message["arm"])
+            begin = time.monotonic()
+            later = visitor.hear(lambda message: message["type"] == "state" and message["t"] > first["t"] + 1, most=4000)
+            self.assertLessEqual(later["t"] - first["t"], time.monotonic() - begin + 0.3)
+
+    def test_a_picture_comes_and_the_next_when_it_was_shown(self):
+        with self.served.visit() as visitor:
+            picture = visitor.picture()
+            self.assertEqual(picture[:3], b"\xff\xd8\xff")
+            visitor.say("shown")
+            self.assertEqual(visitor.picture()[:3], b"\xff\xd8\xff")
+
+    def test_nobody_operates_a_run_that_goes_by_itself(self):
+        with self.served.visit() as visitor:
+            visitor.say("take")
+            self.assertIn("nobody operates", visitor.hear("refused")["text"])
+
+    def test_malformed_frames_end_their_connection_and_nothing_else(self):
+        def unmasked(visitor): visitor.send_frame(TEXT, b'{"type":"stop"}', masked=False)
+        def reserved(visitor): visitor.send_frame(11, b"x")
+        def long_ping(visitor): visitor.send_frame(PING, b"x" * 200)
+        def too_long(visitor): visitor.send_frame(TEXT, b"x" * 5000)
+        def no_text(visitor): visitor.send_frame(2, b"\x00\x01")
+        def no_utf8(visitor): visitor.send_frame(TEXT, b"\xff\xfe")
+        def no_json(visitor): visitor.send_frame(TEXT, b"{")
+        def endless(visitor): visitor.connection.sendall(b"\x81\xff" + b"\x7f" + b"\xff" * 7 + b"mask")
+        def garbage(visitor): visitor.connection.sendall(bytes(range(256)))
+        for bad in (unmasked, reserved, long_ping, too_long, no_text, no_utf8, no_json, endless, garbage):
+            with self.subTest(bad.__name__), self.served.visit() as visitor:
+                visitor.hear("welcome")
+                bad(visitor)
+                visitor.closing()
+        self.assert_lives()
+
+    def test_malformed_requests_end_their_connection_and_nothing_else(self):
+        for lines in (["x"], ["GET / HTTP/9.9", "Host: x"], ["GET /" + "a" * 20000 + " HTTP/1.1"], ["\0\1\2"],
+                      ["GET / HTTP/1.1", f"Host: 127.0.0.1:{self.port}", "Content-Length: 10", "", "0123456789"]):
+            self.assertNotEqual(http(self.port, lines)[0], 200)
+        self.assert_lives()
+
+    def test_fifty_connections_that_stay_hurt_nobody(self):
+        visitors = [self.served.visit() for _ in range(50)]
+        try:
+            for visitor in visitors:
+                visitor.hear("welcome")
+            with self.served.visit() as late:
+                self.assertGreaterEqual(late.hear("state")["visitors"], 51)
+                begin = late.hear("state")["t"]
+                self.assertGreater(late.hear(lambda m: m["type"] == "state" and m["t"] > begin + 0.5)["t"], begin)
+        finally:
+            for visitor in visitors:
+                visitor.connection.close()
+
+    def test_one_too_many_is_told_so(self):
+        visitors = []
+        try:
+            with self.assertRaises(Refused) as refused:
+                for _ in range(120):
+                    visitors.append(WebSocket(self.port))
+            self.assertEqual(refused.exception.args, (503,))
+            self.assertGreaterEqual(len(visitors), 90)
+        finally:
+            for visitor in visitors:
+                visitor.connection.close()
+        time.sleep(0.2)
+        self.assert_lives()
+
+    def test_visitor_who_takes_nothing_holds_up_nobody(self):
+        with self.served.visit() as slow, self.served.visit() as quick:
+            slow.hear("welcome")
+            for _ in range(200):  # answers to these pile up: nobody reads them
+                slow.say("ping", sent_ms=1)
+            first = quick.hear("state")["t"]
+            self.assertGreater(quick.hear(lambda m: m["type"] == "state" and m["t"] > first + 0.5)["t"], first)
+
+
+class PageEndTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="panda_twin_page_")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def test_anyone_may_stop_and_all_hear_it(self):
+        served = Run(self.folder)
+        with served.visit() as watcher, served.visit() as other:
+            watcher.hear(lambda message: message["type"] == "state" and message["arm"])
+            watcher.say("stop")
+            self.assertIn("emergency stop", other.hear(lambda m: m["type"] == "event" and m["kind"] == "stop")["text"])
+            self.assertIn("interrupt", other.hear("end")["text"])
+        self.assertEqual(served.process.wait(timeout=20), 130)
+        served.process.stdout.close()
+
+    def test_a_run_that_is_over_says_so(self):
+        served = Run(self.folder, SCENARIO.replace("60 s", "1.5 s"))
+        with served.visit() as visitor:
+            self.assertEqual(visitor.hear("end")["text"], "it went well")
+            self.assertEqual(visitor.closing(), "the run is over")
+        self.assertEqual(served.process.wait(timeout=20), 0)
+        served.process.stdout.close()
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+    del sys.argv[1:3]
+    unittest.main()

@@ -1,0 +1,122 @@
+"""A WebSocket client on a bare socket, so that tests can also say what no browser would."""
+
+import base64
+import json
+import os
+import socket
+import struct
+
+TEXT, BINARY, CLOSE, PING = 1, 2, 8, 9
+
+
+class Refused(Exception):
+    """The server did not open the WebSocket; the HTTP status is the argument."""
+
+
+def http(port, lines, patience=10):
+    """Sends a request as it is and returns (status, header, body); 0 for the status when nothing came."""
+    with socket.create_connection(("127.0.0.1", port), timeout=patience) as connection:
+        connection.sendall("\r\n".join([*lines, "", ""]).encode("latin1"))
+        reply = b""
+        try:
+            while chunk := connection.recv(65536):
+                reply += chunk
+        except ConnectionResetError:  # it did not read all that was sent
+            pass
+    head, _, body = reply.partition(b"\r\n\r\n")
+    if not head:
+        return 0, "", b""
+    return int(head.split()[1]), head.decode("latin1"), body
+
+
+class WebSocket:
+    def __init__(self, port, host=None, origin=None, patience=10):
+        host = host or f"127.0.0.1:{port}"
+        self.connection = socket.create_connection(("127.0.0.1", port), timeout=patience)
+        key = base64.b64encode(os.urandom(16)).decode()
+        lines = ["GET /ws HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
+                 f"Sec-WebSocket-Key: {key}"]
+        if origin != "":
+            lines.append(f"Origin: {origin or 'http://' + host}")
+        self.connection.sendall("\r\n".join([*lines, "", ""]).encode())
+        self.buffer = b""
+        while b"\r\n\r\n" not in self.buffer:
+            chunk = self.connection.recv(4096)
+            if not chunk:
+                raise Refused(0)
+            self.buffer += chunk
+        head, _, self.buffer = self.buffer.partition(b"\r\n\r\n")
+        status = int(head.split()[1])
+        if status != 101:
+            self.connection.close()
+            raise Refused(status)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.connection.close()
+
+    def send_frame(self, kind, payload, final=True, masked=True):
+        head = bytes([(0x80 if final else 0) | kind])
+        mask_bit = 0x80 if masked else 0
+        if len(payload) < 126:
+            head += bytes([mask_bit | len(payload)])
+        else:
+            head += bytes([mask_bit | 126]) + struct.pack(">H", len(payload))
+        if masked:
+            mask = os.urandom(4)
+            head += mask
+            payload = bytes(byte ^ mask[i % 4] for i, byte in enumerate(payload))
+        self.connection.sendall(head + payload)
+
+    def say(self, kind, **more):
+        self.send_frame(TEXT, json.dumps({"type": kind, **more}).encode())
+
+    def _take(self, size):
+        while len(self.buffer) < size:
+            chunk = self.connection.recv(65536)
+            if not chunk:
+                raise ConnectionError("ended")
+            self.buffer += chunk
+        taken, self.buffer = self.buffer[:size], self.buffer[size:]
+        return taken
+
+    def frame(self):
+        """The next frame: (kind, payload)."""
+        first, second = self._take(2)
+        size = second & 0x7F
+        if size == 126:
+            size = struct.unpack(">H", self._take(2))[0]
+        elif size == 127:
+            size = struct.unpack(">Q", self._take(8))[0]
+        return first & 0x0F, self._take(size)
+
+    def hear(self, wanted, most=400):
+        """The next message of this type; others are left out. `wanted` may be a test of the message instead."""
+        fits = wanted if callable(wanted) else lambda message: message["type"] == wanted
+        for _ in range(most):
+            kind, payload = self.frame()
+            if kind == TEXT and fits(message := json.loads(payload)):
+                return message
+            if kind == CLOSE:
+                raise ConnectionError(payload[2:].decode())
+        raise AssertionError(f"did not hear {wanted}")
+
+    def picture(self, most=400):
+        """The next picture's bytes."""
+        for _ in range(most):
+            kind, payload = self.frame()
+            if kind == BINARY:
+                return payload
+        raise AssertionError("no picture came")
+
+    def closing(self):
+        """Why the server ends it: the reason it gives, or "" when it just ends."""
+        try:
+            while True:
+                kind, payload = self.frame()
+                if kind == CLOSE:
+                    return payload[2:].decode()
+        except (ConnectionError, OSError):
+            return ""
