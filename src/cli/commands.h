@@ -77,6 +77,7 @@ struct ServeFlags {
   std::string idle = "run";         ///< or "freeze"
   std::optional<double> clock_ppm;  ///< of INT's clock; real time
   double session_timeout = 10;      ///< s, for an answer in lockstep
+  std::optional<int> viability;     ///< as robot::RobotConfig's
   std::optional<double> seconds;    ///< after which it ends; absent: when it is interrupted
   std::optional<std::filesystem::path> log;
   std::optional<std::filesystem::path> capture;

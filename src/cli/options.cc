@@ -13,6 +13,7 @@
 #include "cli/data_options.h"
 #include "cli/render_options.h"
 #include "cli/video_options.h"
+#include "twin/reference/viable_axis.h"
 
 namespace twin::cli {
 namespace {
@@ -201,6 +202,13 @@ CLI::App* AddServe(CLI::App& app, ServeFlags& flags) {
                    "lockstep: a motion that is not answered for so long is stopped")
       ->capture_default_str()
       ->type_name("S");
+  serve
+      ->add_option(
+          "--viability", flags.viability,
+          "Keep the clients' motions within the limits, whatever up to N commands in a row "
+          "are lost; 19 bridges all that no robot aborts for")
+      ->type_name("N")
+      ->check(CLI::Range(0, reference::ViableAxis::kMostLost));
   AddSeed(*serve, flags.seed);
   serve->add_option("--log", flags.log, "Write every cycle (MCAP)")->type_name("FILE");
   serve->add_option("--capture", flags.capture, "Keep what goes over the wire (pcapng; see decode)")

@@ -91,8 +91,9 @@ class Service {
       : flags_(flags),
         data_(scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes})),
         scenario_(LoadWithFlags(flags, data_.models)) {
-    const robot::RobotConfig robot = scenario::MakeServedConfig(
+    robot::RobotConfig robot = scenario::MakeServedConfig(
         scenario_, {data_.models, data_.mesh_package, host.cache, false});
+    robot.viability = flags_.viability;
     server::ServedRobotSettings settings = MakeSettings(host);
     robot::MadePlant plant = robot::MakePlant(robot);
     MakeLog();
@@ -157,6 +158,10 @@ void Service::Introduce() const {
   std::string text = fmt::format("panda-twin serves {} ({}), drive {}{}\n", scenario_.robot.model,
                                  robot_->plant_name(), Name(scenario_.drive),
                                  FreezesWhenIdle(flags_) ? ", idle freeze" : "");
+  if (flags_.viability) {
+    text += fmt::format("  commands are kept within the limits, up to {} lost in a row\n",
+                        *flags_.viability);
+  }
   text += fmt::format("  arm   {}\n", fci::ToString(robot_->arm()));
   if (const auto hand = robot_->hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
   text += fmt::format("  {}\n", DescribeAccess(flags_.network));

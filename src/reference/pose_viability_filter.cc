@@ -105,13 +105,26 @@ PoseViabilityFilter::Outcome PoseViabilityFilter::Next(const RobotState& state,
   const Step from(state);
   const Twist wish{(model::Position(O_T_EE_c) - model::Position(from.X)) / kT,
                    model::TurnBetween(from.X, O_T_EE_c) / kT};
-  const Twist kept{translation_.Nearest(from.v, from.dv, wish.v),
-                   rotation_.Nearest(from.w, from.dw, wish.w)};
-  const bool saturated = kept.v != wish.v || kept.w != wish.w;
-  const Transform pose = saturated ? from.After(kept) : O_T_EE_c;
-  const JointVector q = JointsAt(state, pose);
-  if (JointsCanKeep(state, q)) return {pose, saturated};
-  return {from.After(Milder(state, from, {kept, q})), true};
+  const Twist kept = Kept(state, from, wish);
+  if (kept.v == wish.v && kept.w == wish.w) return {O_T_EE_c, false};
+  return {from.After(kept), true};
+}
+
+PoseViabilityFilter::TwistOutcome PoseViabilityFilter::NextTwist(
+    const RobotState& state, const Vector6& O_dP_EE_c) const noexcept {
+  const Step from(state);
+  const Twist wish{First(O_dP_EE_c), Second(O_dP_EE_c)};
+  const Twist kept = Kept(state, from, wish);
+  if (kept.v == wish.v && kept.w == wish.w) return {O_dP_EE_c, false};
+  return {{kept.v[0], kept.v[1], kept.v[2], kept.w[0], kept.w[1], kept.w[2]}, true};
+}
+
+PoseViabilityFilter::Twist PoseViabilityFilter::Kept(const RobotState& state, const Step& from,
+                                                     const Twist& wish) const noexcept {
+  const Twist saturated{translation_.Nearest(from.v, from.dv, wish.v),
+                        rotation_.Nearest(from.w, from.dw, wish.w)};
+  const JointVector q = JointsAt(state, from.After(saturated));
+  return JointsCanKeep(state, q) ? saturated : Milder(state, from, {saturated, q});
 }
 
 PoseViabilityFilter::Twist PoseViabilityFilter::Milder(const RobotState& state, const Step& from,

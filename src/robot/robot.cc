@@ -24,6 +24,9 @@ Robot::Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt:
       d_INT_(config.link.d_INT),
       clock_speed_(1 + config.clock_ppm * 1e-6),
       panel_(config.panel) {
+  if (config.viability) {
+    keeper_.emplace(config.onboard.limits, config.onboard.cartesian, *config.viability);
+  }
   plant_->Reset(config.q_start);
   if (plant_->hand() != nullptr) hand_.emplace(*plant_->hand());
 }
@@ -89,6 +92,12 @@ void Robot::Cycle(Time now) noexcept {
   OperatePanel();
   const bool in_motion = int_.robot_mode() == RobotMode::kMove;
   const RobotCommand* command = inbox_.Select(int_.message_id(), now - d_INT_);
+  RobotCommand kept;
+  const bool begun_before = int_.fate() != rt::CommandFate::kNone;
+  if (keeper_ && command != nullptr && begun_before) {
+    kept = keeper_->Keep(record_.state, *command);
+    command = &kept;
+  }
   if (hand_) hand_->Cycle();
   const std::uint64_t begun = int_.motions_begun();
   const JointDrive& drive = int_.Cycle(command, plant_->sensors());

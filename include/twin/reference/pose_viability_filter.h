@@ -43,6 +43,15 @@ class PoseViabilityFilter {
   [[nodiscard]] Outcome Next(const RobotState& state,
                              const Transform& O_T_EE_c) const noexcept TWIN_REALTIME;
 
+  struct TwistOutcome {
+    Vector6 O_dP_EE_c{};
+    bool active = false;  ///< the command was changed
+  };
+
+  /// The same on the interface of twists. @param O_dP_EE_c  wished, m/s and rad/s, base axes.
+  [[nodiscard]] TwistOutcome NextTwist(const RobotState& state,
+                                       const Vector6& O_dP_EE_c) const noexcept TWIN_REALTIME;
+
   /// Of the joints, as ViabilityFilter::Margin.
   [[nodiscard]] double Margin(const RobotState& state) const noexcept TWIN_REALTIME {
     return joints_.Margin(state.q_d, state.dq_d, state.ddq_d);
@@ -60,6 +69,9 @@ class PoseViabilityFilter {
     JointVector q{};
   };
   struct Step;
+  /// The twist to command: the wished one where it may be.
+  [[nodiscard]] Twist Kept(const RobotState& state, const Step& from,
+                           const Twist& wish) const noexcept;
   [[nodiscard]] static Option Between(const Option& a, const Option& b, double share) noexcept;
   [[nodiscard]] bool Allows(const Step& from, const Twist& twist) const noexcept;
   [[nodiscard]] bool JointsCanKeep(const RobotState& state, const JointVector& q) const noexcept;

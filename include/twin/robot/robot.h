@@ -13,6 +13,7 @@
 #include "twin/core/setting.h"
 #include "twin/onboard/int.h"
 #include "twin/plant/plant.h"
+#include "twin/robot/command_keeper.h"
 #include "twin/robot/hand_unit.h"
 #include "twin/robot/link.h"
 #include "twin/robot/robot_config.h"
@@ -112,6 +113,7 @@ class Robot final : private rt::EventHandler {
   CommandLink commands_;
   Duration d_INT_;
   double clock_speed_;  ///< of INT's clock, against the queue's
+  std::optional<CommandKeeper> keeper_;
   const std::vector<PanelEvent> panel_;
   std::size_t next_panel_event_ = 0;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "twin/core/joint_vector.h"
@@ -33,7 +34,10 @@ struct RobotConfig {
   LinkConfig link;
   JointVector q_start{};          ///< where the arm rests when the run starts, rad
   std::vector<PanelEvent> panel;  ///< in order of time
-  double clock_ppm = 0;    ///< how much faster INT's clock runs than the run's, in [-1000, 1000]
+  double clock_ppm = 0;  ///< how much faster INT's clock runs than the run's, in [-1000, 1000]
+  /// Losses in a row under which the robot itself sees to it that what it is commanded keeps the
+  /// limits (CommandKeeper), in [0, 100]; absent, as on every real one: it takes what comes.
+  std::optional<int> viability{};
   std::uint64_t seed = 0;  ///< of link and sensors
 
   /// @throws InputError naming field, value and range.
