@@ -27,9 +27,9 @@ void CartesianPoseController::Configure(control::ParameterReader& p) {
       p.Time("goal_time", options_.goal_time, Duration::zero(), std::chrono::seconds(60));
 }
 
-void CartesianPoseController::Activate(const RobotState& state, Time /*now*/) {
+void CartesianPoseController::Activate(const RobotState& state, Time now) {
   is_running_ = false;
-  reference_.Begin(state.q_d, state.F_T_EE, "cartesian_pose");
+  reference_.Begin(state.q_d, state.F_T_EE, now, "cartesian_pose");
 }
 
 void CartesianPoseController::Update(const RobotState& state, Time now,

@@ -57,7 +57,7 @@ ComplianceController::ComplianceController(const control::ControllerRequest& req
 void ComplianceController::Configure(control::ParameterReader& p) {
   using std::chrono::seconds;
   ComplianceOptions& o = options_;
-  reference_.Configure(p);
+  reference_.Configure(p, true);
   o.K_P =
       Axes(p, "stiffness", Dimension::kLinearStiffness, Dimension::kStiffness, o.K_P, 5000, 500);
   o.K_D =
@@ -79,9 +79,10 @@ void ComplianceController::Configure(control::ParameterReader& p) {
   soft_start_ = SoftStart(o.soft_start);
 }
 
-void ComplianceController::Activate(const RobotState& state, Time /*now*/) {
+void ComplianceController::Activate(const RobotState& state, Time now) {
   is_running_ = false;
-  reference_.Begin(state.q, state.F_T_EE, "compliance");
+  over_.reset();
+  reference_.Begin(state.q, state.F_T_EE, now, "compliance");
   payload_ = model::Combine({state.m_ee, state.F_x_Cee, state.I_ee},
                             {state.m_load, state.F_x_Cload, state.I_load});
 }
@@ -92,7 +93,7 @@ void ComplianceController::Update(const RobotState& state, Time now,
   if (is_first) start_ = now;
   is_running_ = true;
   const Duration elapsed = now - start_;
-  output.target.pose = reference_.Sample(elapsed);
+  output.target.pose = reference_.Next(state, now, elapsed);
   output.target.joint = {.q = state.q, .dq = state.dq, .ddq = {}};
   JointVector tau = Law(state, output.target.pose);
   if (is_first) soft_start_.Begin(state, tau);
@@ -100,7 +101,8 @@ void ComplianceController::Update(const RobotState& state, Time now,
   output.target.tau_J_d = tau;
   output.has_velocity = false;
   output.failed = false;
-  output.finished = elapsed >= reference_.duration() + options_.settling_time;
+  if (!over_ && reference_.IsOver(elapsed)) over_ = std::min(elapsed, reference_.duration());
+  output.finished = over_ && elapsed >= *over_ + options_.settling_time;
 }
 
 JointVector ComplianceController::Law(const RobotState& state,

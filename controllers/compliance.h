@@ -49,7 +49,8 @@ struct ComplianceOptions {
 /// inertia). J# is damped: J J^T + 1e-6 I (m^2, rad^2), which takes part only where the arm is
 /// singular; there a share of tau_0 acts along the direction that is lost.
 ///
-/// The motion lasts as long as its path, and settling_time longer; then it is finished. f(t) b: see
+/// The motion lasts as long as its path, or as whoever leads wants, and settling_time longer; then
+/// it is finished. f(t) b: see
 /// SoftStart. Nothing bounds the torque's rate beyond that: a reference that jumps, or a force that
 /// does, may be too much for the robot; tick.limiter bounds it.
 ///
@@ -83,9 +84,10 @@ class ComplianceController final : public control::Controller {
   ComplianceOptions options_;
   PoseReference reference_;
   SoftStart soft_start_;
-  model::Payload payload_;   ///< as of Activate()
-  bool is_running_ = false;  ///< start_ is set
-  Time start_{};             ///< `now` of the first update
+  model::Payload payload_;        ///< as of Activate()
+  bool is_running_ = false;       ///< start_ is set
+  Time start_{};                  ///< `now` of the first update
+  std::optional<Duration> over_;  ///< since the start: when the reference came to its end
 };
 
 }  // namespace twin::controllers

@@ -1,5 +1,7 @@
 #include "controllers/pose_reference.h"
 
+#include <string>
+
 #include <fmt/format.h>
 #include <Eigen/Core>
 
@@ -15,13 +17,26 @@ constexpr double kStartAngle = 0.02;     // rad
 
 }  // namespace
 
-void PoseReference::Configure(control::ParameterReader& parameters) {
-  holds_ = parameters.Choice("reference", "path", {"path", "hold"}) == "hold";
+void PoseReference::Configure(control::ParameterReader& parameters, bool may_be_live) {
+  const std::string kind = may_be_live
+                               ? parameters.Choice("reference", "path", {"path", "hold", "live"})
+                               : parameters.Choice("reference", "path", {"path", "hold"});
+  holds_ = kind == "hold";
+  is_live_ = kind == "live";
+  if (!is_live_ || request_.live != nullptr) return;
+  parameters.Refuse("reference",
+                    "live needs somebody who leads the arm, and there is nobody: use the "
+                    "application teleoperation");
 }
 
-void PoseReference::Begin(const JointVector& q, const Transform& F_T_EE, std::string_view who) {
+void PoseReference::Begin(const JointVector& q, const Transform& F_T_EE, Time now,
+                          std::string_view who) {
   F_T_EE_ = F_T_EE;
   held_ = request_.arm.Pose(model::Frame::kEndEffector, q, F_T_EE);
+  if (is_live_) {
+    request_.live->Begin(held_, now);
+    return;
+  }
   const Vector6 way = WayTo(held_, Sample(Duration::zero()).O_T_EE);
   const double distance = HalfNorm(way, 0);
   const double angle = HalfNorm(way, 3);
@@ -30,6 +45,15 @@ void PoseReference::Begin(const JointVector& q, const Transform& F_T_EE, std::st
       "{}: the end effector is {:.4f} m and {:.4f} rad from where the path begins; {} m and {} rad "
       "are allowed. Move the robot there, or let the path begin where the robot is",
       who, distance, angle, kStartDistance, kStartAngle));
+}
+
+reference::PoseTarget PoseReference::Next(const RobotState& state, Time now,
+                                          Duration t) const noexcept {
+  return is_live_ ? request_.live->Next(state, now) : Sample(t);
+}
+
+bool PoseReference::IsOver(Duration t) const noexcept {
+  return is_live_ ? request_.live->finished() : t >= duration();
 }
 
 reference::PoseTarget PoseReference::Sample(Duration t) const noexcept {

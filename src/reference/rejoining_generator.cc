@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "twin/core/time.h"
+#include "twin/reference/closing_speed.h"
 
 namespace twin::reference {
 namespace {
@@ -17,14 +18,6 @@ constexpr double kOmega3 = 400;
 
 double Saturated(double x, double most) noexcept {
   return std::clamp(x, -most, most);
-}
-
-/// Speed at which a distance is closed: linear near its end, further out what a constant
-/// deceleration takes away.
-double ClosingSpeed(double distance, double deceleration) noexcept {
-  const double near_by = deceleration / (kOmega1 * kOmega1);
-  if (distance <= near_by) return kOmega1 * distance;
-  return std::sqrt(deceleration * (2 * distance - near_by));
 }
 
 }  // namespace
@@ -46,7 +39,7 @@ void RejoiningGenerator::Observe(const JointVector& r) noexcept {
 }
 
 double RejoiningGenerator::Jerk(double e, double de, double dde, const Bounds& most) noexcept {
-  const double speed = std::min(ClosingSpeed(std::abs(e), most.a / 2), most.v);
+  const double speed = std::min(ClosingSpeed(std::abs(e), most.a / 2, kOmega1), most.v);
   const double acceleration = Saturated(kOmega2 * (-std::copysign(speed, e) - de), most.a);
   return Saturated(kOmega3 * (acceleration - dde), most.j);
 }

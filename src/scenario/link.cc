@@ -4,7 +4,6 @@
 #include "scenario/yaml_node.h"
 
 namespace twin::scenario {
-namespace {
 
 robot::DirectionConfig MakeDirection(const DirectionSection& section) {
   robot::DirectionConfig config;
@@ -16,8 +15,6 @@ robot::DirectionConfig MakeDirection(const DirectionSection& section) {
   config.reorder_by = section.reordering.by;
   return config;
 }
-
-}  // namespace
 
 robot::LinkConfig MakeLink(const LinkSection& link) {
   robot::LinkConfig config;

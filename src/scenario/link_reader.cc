@@ -1,6 +1,8 @@
 #include "scenario/link_reader.h"
 
-#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
 
 #include "scenario/section_readers.h"
 #include "twin/core/error.h"
@@ -124,24 +126,6 @@ Reordering ReadReordering(const YamlNode& node) {
   return reordering;
 }
 
-/// The keys of one direction, each with the direction's name in front.
-struct DirectionKeys {
-  std::string_view delay, loss, duplication, reordering;
-};
-constexpr DirectionKeys kStateKeys{"state_delay", "state_loss", "state_duplication",
-                                   "state_reordering"};
-constexpr DirectionKeys kCommandKeys{"command_delay", "command_loss", "command_duplication",
-                                     "command_reordering"};
-
-void ReadDirection(const YamlMap& map, const DirectionKeys& keys, DirectionSection& direction) {
-  IfGiven(map, keys.delay, [&](const YamlNode& n) { direction.delay = ReadDelay(n); });
-  IfGiven(map, keys.loss, [&](const YamlNode& n) { direction.loss = ReadLoss(n); });
-  IfGiven(map, keys.duplication,
-          [&](const YamlNode& n) { direction.duplication = ReadDuplication(n); });
-  IfGiven(map, keys.reordering,
-          [&](const YamlNode& n) { direction.reordering = ReadReordering(n); });
-}
-
 }  // namespace
 
 Delay ReadDelay(const YamlNode& node) {
@@ -152,12 +136,22 @@ Loss ReadLoss(const YamlNode& node) {
   return Checked(node, Loss{ReadLossLaw(node)});
 }
 
+void ReadDirection(const YamlMap& map, std::string_view name, DirectionSection& direction) {
+  const auto key = [name](std::string_view what) { return fmt::format("{}_{}", name, what); };
+  IfGiven(map, key("delay"), [&](const YamlNode& n) { direction.delay = ReadDelay(n); });
+  IfGiven(map, key("loss"), [&](const YamlNode& n) { direction.loss = ReadLoss(n); });
+  IfGiven(map, key("duplication"),
+          [&](const YamlNode& n) { direction.duplication = ReadDuplication(n); });
+  IfGiven(map, key("reordering"),
+          [&](const YamlNode& n) { direction.reordering = ReadReordering(n); });
+}
+
 void ReadLink(const YamlNode& node, LinkSection& link) {
-  const YamlMap map = node.Map({kStateKeys.delay, kStateKeys.loss, kStateKeys.duplication,
-                                kStateKeys.reordering, kCommandKeys.delay, kCommandKeys.loss,
-                                kCommandKeys.duplication, kCommandKeys.reordering, "d_INT"});
-  ReadDirection(map, kStateKeys, link.state);
-  ReadDirection(map, kCommandKeys, link.command);
+  const YamlMap map = node.Map({"state_delay", "state_loss", "state_duplication",
+                                "state_reordering", "command_delay", "command_loss",
+                                "command_duplication", "command_reordering", "d_INT"});
+  ReadDirection(map, "state", link.state);
+  ReadDirection(map, "command", link.command);
   IfGiven(map, "d_INT",
           [&](const YamlNode& n) { link.d_INT = n.Time(Duration::zero(), kCycle - Duration(1)); });
 }

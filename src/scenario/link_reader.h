@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "scenario/yaml_node.h"
 #include "twin/scenario/scenario.h"
 
@@ -21,6 +23,10 @@ inline constexpr Duration kLongestDelay = std::chrono::seconds(10);
 /// Reads which messages are lost: 0.1 %, {gilbert_elliott: {...}} or {scripted: [...]}.
 /// @throws InputError naming file, line and key.
 [[nodiscard]] Loss ReadLoss(const YamlNode& node);
+
+/// Reads one direction of a link; its keys have its name in front: "state_delay".
+/// @throws InputError naming file, line and key.
+void ReadDirection(const YamlMap& map, std::string_view name, DirectionSection& direction);
 
 /// Reads the section `link`. @throws InputError naming file, line and key.
 void ReadLink(const YamlNode& node, LinkSection& link);

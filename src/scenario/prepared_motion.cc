@@ -30,6 +30,7 @@ std::unique_ptr<control::Controller> MakeController(const Scenario& scenario,
       .trajectory = motion.trajectory,
       .interface = motion.interface,
       .poses = motion.poses ? &*motion.poses : nullptr,
+      .live = motion.live,
       .limits = robot.limits,
       .cartesian = robot.cartesian,
       .F_T_EE = F_T_EE,
@@ -80,6 +81,7 @@ loop::MotionRun PreparedMotion::Run(backend::Backend& backend, std::uint64_t see
 }
 
 std::optional<PoseError> PreparedMotion::PoseErrorAt(const JointVector& q) const {
+  if (motion_.live != nullptr) return std::nullopt;
   if (motion_.interface != control::CommandInterface::kCartesianPose && !motion_.poses &&
       !controller_->follows_pose()) {
     return std::nullopt;

@@ -215,6 +215,15 @@ void ValidateApplication(const Scenario& scenario) {
   }
 }
 
+void ValidateOperator(const Scenario& scenario) {
+  if (!scenario.application) {
+    throw InputError(
+        "operator: a motion has its path, and nobody leads it; leave it out, or say application: "
+        "{type: teleoperation}");
+  }
+  scenario.operator_section->Validate();
+}
+
 bool SamePoint(const reference::Waypoint& a, const reference::Waypoint& b) {
   return a.q == b.q && a.at == b.at && a.stop == b.stop;
 }
@@ -319,6 +328,7 @@ void Scenario::Validate() const {
     ValidateMotion(motion);
     ValidatePlan(*this);
   }
+  if (operator_section) ValidateOperator(*this);
   ValidateObjects(*this);
   ValidatePerturbations(*this);
   ValidatePanel(panel);

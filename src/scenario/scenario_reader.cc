@@ -178,10 +178,11 @@ Drive ReadDrive(const YamlNode& node) {
 
 Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder) {
   Scenario scenario;
-  const YamlMap map = root.Map(
-      {"name",        "description",   "seed",  "backend", "drive",  "loop",       "scene",
-       "robot",       "plant",         "link",  "int",     "tick",   "controller", "motion",
-       "application", "perturbations", "panel", "hand",    "render", "record",     "objects"});
+  const YamlMap map =
+      root.Map({"name",       "description", "seed",        "backend",       "drive", "loop",
+                "scene",      "robot",       "plant",       "link",          "int",   "tick",
+                "controller", "motion",      "application", "perturbations", "panel", "hand",
+                "render",     "record",      "objects",     "operator"});
   scenario.name = map.Require("name").Text();
   IfGiven(map, "description", [&](const YamlNode& n) { scenario.description = n.Text(); });
   IfGiven(map, "seed", [&](const YamlNode& n) {
@@ -200,6 +201,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   IfGiven(map, "link", [&](const YamlNode& n) { ReadLink(n, scenario.link); });
   IfGiven(map, "int", [&](const YamlNode& n) { ReadOnboard(n, scenario.onboard); });
   ReadWhatMoves(map, folder, scenario);
+  IfGiven(map, "operator", [&](const YamlNode& n) { ReadOperator(n, scenario); });
   scenario.tick = TickDefaults(scenario);
   if (scenario.motion.interface == control::CommandInterface::kTorque) {
     scenario.controller.type = "joint_trajectory_effort";

@@ -314,6 +314,17 @@ void PutApplication(Text& out, const ApplicationSection& application) {
   Put(out, "  parameters: {}\n", ParametersText(application.parameters));
 }
 
+void PutOperator(Text& out, const OperatorSection& section) {
+  Put(out, "operator:\n  device: {}\n", Quoted(section.device));
+  const auto parameters = [&out](std::string_view key, const control::Parameters& values) {
+    if (!values.empty()) Put(out, "  {}: {}\n", key, ParametersText(values));
+  };
+  parameters("parameters", section.parameters);
+  parameters("settings", section.settings);
+  PutDirection(out, "to_robot", section.to_robot);
+  PutDirection(out, "from_robot", section.from_robot);
+}
+
 template <typename Kind>
 std::string WhereAndWhenText(const Kind& what) {
   return fmt::format(
@@ -396,6 +407,7 @@ std::string ToYaml(const Scenario& scenario) {
   } else {
     PutMotion(out, scenario.motion);
   }
+  if (scenario.operator_section) PutOperator(out, *scenario.operator_section);
   PutPerturbationsAndPanel(out, scenario);
   PutHand(out, scenario.hand);
   out += RenderText(scenario.render);

@@ -46,6 +46,7 @@ void ReadOnboard(const YamlNode& node, OnboardSection& onboard);
 [[nodiscard]] std::vector<ObjectSection> ReadObjects(const YamlNode& node);
 [[nodiscard]] std::vector<robot::PanelEvent> ReadPanel(const YamlNode& node);
 [[nodiscard]] std::vector<HandEvent> ReadHand(const YamlNode& node);
+void ReadOperator(const YamlNode& node, Scenario& scenario);
 void ReadRender(const YamlNode& node, RenderSection& render);
 
 }  // namespace twin::scenario

@@ -28,6 +28,7 @@ constexpr Duration kPatience = std::chrono::seconds(5);
 /// A scenario without waypoints gets two where its arm rests.
 Scenario Standing(Scenario scenario) {
   scenario.application.reset();
+  scenario.operator_section.reset();
   if (!scenario.motion.waypoints.empty()) return scenario;
   if (!scenario.robot.q_start) {
     throw InputError(
@@ -55,7 +56,7 @@ class Session::Impl {
 
   MotionResult Move(const Motion& motion) {
     PreparedMotion prepared(As(core_.scenario(), motion), core_.robot(), motion, controllers_);
-    return core_.Move(prepared, {});
+    return core_.Move(prepared, motion.attend);
   }
   HandOutcome Command(const HandCommand& command, Duration limit);
   WaitEnd Wait(Duration limit, const std::function<bool(const RobotState&)>& done);

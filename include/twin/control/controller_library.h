@@ -23,7 +23,7 @@ namespace twin::control {
 
 /// Version of the border between program and library: the entry, Controller, and what its calls
 /// pass. Raised whenever one of these changes.
-inline constexpr std::uint32_t kControllerLibraryAbi = 1;
+inline constexpr std::uint32_t kControllerLibraryAbi = 2;
 
 /// Sizes of what crosses the border: equal versions built from unequal headers differ in it.
 inline constexpr std::uint64_t kControllerLayout =

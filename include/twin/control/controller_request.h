@@ -1,6 +1,7 @@
 #pragma once
 
 #include "twin/control/controller.h"
+#include "twin/control/live_reference.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
 #include "twin/model/arm_model.h"
@@ -19,6 +20,8 @@ struct ControllerRequest {
   CommandInterface interface = CommandInterface::kJointPosition;
   /// The motion's path of end effector poses; null when it is one through joint space.
   const reference::PoseTrajectory* poses = nullptr;
+  /// Who leads the end effector while the motion goes on; null: nobody does.
+  LiveReference* live = nullptr;
   const model::ArmModel& arm = model::ArmModel::Panda();
   JointLimits limits{};
   CartesianLimits cartesian{};

@@ -27,6 +27,7 @@
 #include "twin/scenario/remote.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
+#include "twin/teleop/device_registry.h"
 
 namespace twin::scenario {
 
@@ -34,6 +35,7 @@ namespace twin::scenario {
 struct Catalogue {
   const backend::Registry& backends;
   const control::ControllerRegistry& controllers;
+  const teleop::DeviceRegistry* devices = nullptr;  ///< of operators; null: there are none
 };
 
 /// Where a run gets its files from.

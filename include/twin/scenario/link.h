@@ -12,6 +12,9 @@ namespace twin::scenario {
 /// What the section asks for. @throws InputError when a parameter is outside its range.
 [[nodiscard]] robot::LinkConfig MakeLink(const LinkSection& link);
 
+/// The same of one direction. @throws InputError as MakeLink.
+[[nodiscard]] robot::DirectionConfig MakeDirection(const DirectionSection& direction);
+
 /// @param path  a scenario, whose section `link` counts; or a file with that section only.
 /// @throws InputError naming file, line and key.
 [[nodiscard]] LinkSection LoadLink(const std::filesystem::path& path);

@@ -201,6 +201,19 @@ struct ApplicationSection {
   bool operator==(const ApplicationSection&) const = default;
 };
 
+/// Who leads the robot in an application that is led: by which device, and over which wire.
+struct OperatorSection {
+  std::string device;              ///< name in the device registry
+  control::Parameters parameters;  ///< of the device, understood by it alone
+  control::Parameters settings;    ///< of teleop::TeleoperatorConfig
+  DirectionSection to_robot;       ///< operator to robot; messages are numbered by their sequence
+  DirectionSection from_robot;     ///< robot to operator
+
+  /// @throws InputError naming the field, where it was read, and the range.
+  void Validate() const;
+  bool operator==(const OperatorSection&) const = default;
+};
+
 /// A command to the hand, at a time of the run.
 struct HandEvent {
   Duration at{};  ///< since the run began
@@ -222,6 +235,7 @@ struct Places {
   Place controller;
   Place library;
   Place application;
+  Place device;
   bool operator==(const Places& /*other*/) const { return true; }
 };
 
@@ -246,6 +260,7 @@ struct Scenario {
   ControllerSection controller;
   MotionSection motion;  ///< empty beside an application
   std::optional<ApplicationSection> application;
+  std::optional<OperatorSection> operator_section;  ///< `operator`; beside an application only
   std::vector<plant::Perturbation> perturbations;  ///< none on the ideal plant, which feels nothing
   std::vector<robot::PanelEvent> panel;            ///< in order of time
   std::vector<HandEvent> hand;                     ///< in order of time; none without a hand

@@ -9,6 +9,7 @@
 
 #include "twin/backend/registry.h"
 #include "twin/control/controller.h"
+#include "twin/control/live_reference.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/modes.h"
@@ -39,6 +40,11 @@ struct Motion {
   /// Its generator goes with the interface, as in scenarios.
   TickSection tick{};
   loop::LoopKind loop = loop::LoopKind::kAsynchronous;
+  /// Who leads the end effector; null: nobody. Must outlive the motion. The trajectory is then the
+  /// arm at rest for as long as it may take.
+  control::LiveReference* live = nullptr;
+  /// As loop::MotionRun's; may be empty.
+  std::function<Time(Time now)> attend{};
 };
 
 /// The arm at rest for a while. @throws InputError when `q` (rad) is not inside the limits or the

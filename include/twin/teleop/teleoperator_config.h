@@ -1,0 +1,81 @@
+#pragma once
+
+#include "twin/control/parameters.h"
+#include "twin/core/joint_vector.h"
+#include "twin/core/time.h"
+#include "twin/rt/message_fate.h"
+#include "twin/teleop/shaped_velocity.h"
+
+namespace twin::teleop {
+
+/// What becomes of a device's axes.
+struct MappingConfig {
+  double dead_zone = 0.05;  ///< share of full scale that means nothing, in [0, 0.5]
+  double fine = 0.25;       ///< share of the motion that is left when it is fine, in [0.01, 1]
+  /// Motion of the end effector per motion of a handle (kPose), in [0.01, 10].
+  double pose_scale = 1;
+  /// Handle's way (m) and turn (rad) that mean full speed of the base (kPose), > 0.
+  double full_way = 0.1;
+  double full_turn = 0.5;
+  bool operator==(const MappingConfig&) const = default;
+};
+
+/// Where the arm's reference may be, in the base frame.
+struct Workspace {
+  Vector3 low{-0.4, -0.75, -0.6};  ///< m, of the end effector's origin
+  Vector3 high{0.85, 0.75, 1.0};
+  double nearest = 0.25;   ///< m, from the shoulder (0, 0, 0.333 m)
+  double farthest = 0.85;  ///< m, from the shoulder
+  /// How far the reference goes ahead of the end effector where something stops it; times the
+  /// stiffness, how hard an operator can press: m and rad.
+  double press = 0.04;
+  double wring = 0.25;
+  bool operator==(const Workspace&) const = default;
+};
+
+/// What of the external wrench the operator feels.
+struct FeedbackConfig {
+  double scale = 0.3;         ///< of the wrench, in [0, 10]; 0: none
+  double cutoff_hz = 10;      ///< of the low-pass, in [0.1, 500]
+  double dead_force = 4;      ///< N: what the observer tells of a free arm; it is taken off
+  double dead_torque = 1.5;   ///< Nm
+  double most_force = 5;      ///< N at the handle, > 0
+  double most_torque = 0.3;   ///< Nm at the handle, > 0
+  bool passive = true;        ///< false: for experiments only
+  double reserve = 0.02;      ///< J per axis that the port may give before it has got any, > 0
+  double damping = 20;        ///< most that pays a debt of energy back, Ns/m, > 0
+  double turn_damping = 0.1;  ///< Nms/rad, > 0
+  /// What full deflection of a stick (kRate) is taken to be as a way, m and rad.
+  double stick_way = 0.01;
+  double stick_turn = 0.15;
+  bool operator==(const FeedbackConfig&) const = default;
+};
+
+/// How a person leads the robot.
+struct TeleoperatorConfig {
+  Duration stale_after = std::chrono::milliseconds(200);  ///< without a sample, in [10 ms, 10 s]
+  MotionBounds along{.speed = 0.25, .acceleration = 2, .jerk = 60};     ///< end effector, m
+  MotionBounds about{.speed = 0.8, .acceleration = 6, .jerk = 200};     ///< end effector, rad
+  MotionBounds ahead{.speed = 0.6, .acceleration = 0.6, .jerk = 6};     ///< base, m
+  MotionBounds turning{.speed = 0.8, .acceleration = 1.0, .jerk = 10};  ///< base, rad
+  MappingConfig mapping{};
+  Workspace workspace{};
+  FeedbackConfig feedback{};
+
+  /// @throws InputError naming field, value and range.
+  void Validate() const;
+  bool operator==(const TeleoperatorConfig&) const = default;
+};
+
+/// What the way between operator and robot does to messages.
+struct WireConfig {
+  rt::DirectionConfig to_robot{};
+  rt::DirectionConfig from_robot{};
+};
+
+/// Takes a configuration from what a scenario gives: its keys are the fields' names, dotted; of
+/// bounds arm.along, arm.about, base.ahead, base.turning.
+/// @throws InputError as ParameterReader's functions.
+[[nodiscard]] TeleoperatorConfig ReadTeleoperatorConfig(control::ParameterReader& parameters);
+
+}  // namespace twin::teleop

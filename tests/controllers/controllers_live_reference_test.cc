@@ -1,0 +1,111 @@
+// The compliance controller led by somebody.
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "controllers/compliance.h"
+#include "support/panda_limits.h"
+#include "twin/control/live_reference.h"
+#include "twin/core/error.h"
+
+namespace twin::controllers {
+namespace {
+
+using control::ControllerOutput;
+using control::Parameters;
+using testing::HasSubstr;
+using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 1s
+
+const JointVector kReady{0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854};
+
+/// Leads straight upwards, until it is told to end.
+class Leader final : public control::LiveReference {
+ public:
+  int begins = 0;
+  bool ends = false;
+  reference::PoseTarget target;
+
+  void Begin(const Transform& O_T_EE, Time /*now*/) override {
+    ++begins;
+    target = {O_T_EE, {}};
+  }
+  [[nodiscard]] reference::PoseTarget Next(const RobotState& /*state*/,
+                                           Time /*now*/) noexcept override {
+    target.O_T_EE[14] += 1e-4;
+    return target;
+  }
+  [[nodiscard]] bool finished() const noexcept override { return ends; }
+};
+
+class LiveReferenceTest : public testing::Test {
+ protected:
+  void Start() {
+    control::ParameterReader reader(parameters_);
+    controller_.Configure(reader);
+    controller_.Activate(state_, Time{});
+  }
+  ControllerOutput Update(Duration at) {
+    ControllerOutput output;
+    controller_.Update(state_, Time{at}, output);
+    return output;
+  }
+
+  const reference::Trajectory standing_{
+      {{.q = kReady, .at = 0s}, {.q = kReady, .at = 60s}}, {}, test::PandaLimits()};
+  const Parameters parameters_{{.key = "reference", .values = {"live"}}};
+  Leader leader_;
+  RobotState state_ = [] {
+    RobotState state;
+    state.q = kReady;
+    return state;
+  }();
+  ComplianceController controller_{{.trajectory = standing_,
+                                    .interface = control::CommandInterface::kTorque,
+                                    .live = &leader_,
+                                    .limits = test::PandaLimits(),
+                                    .cartesian = test::PandaCartesianLimits()}};
+};
+
+TEST_F(LiveReferenceTest, BeginsWhereTheEndEffectorIs) {
+  Start();
+  EXPECT_EQ(leader_.begins, 1);
+  EXPECT_EQ(leader_.target.O_T_EE,
+            model::ArmModel::Panda().Pose(model::Frame::kEndEffector, kReady));
+}
+
+TEST_F(LiveReferenceTest, FollowsWhatItIsLedTo) {
+  Start();
+  for (int i = 0; i < 10; ++i) static_cast<void>(Update(i * 1ms));
+  EXPECT_EQ(Update(10ms).target.pose.O_T_EE, leader_.target.O_T_EE);
+}
+
+TEST_F(LiveReferenceTest, GoesOnUntilItIsEnded) {
+  Start();
+  EXPECT_FALSE(Update(50s).finished);
+}
+
+TEST_F(LiveReferenceTest, IsFinishedARestAfterItIsEnded) {
+  Start();
+  static_cast<void>(Update(0s));
+  leader_.ends = true;
+  static_cast<void>(Update(1s));
+  EXPECT_FALSE(Update(1s + ComplianceOptions().settling_time - 1ms).finished);
+  EXPECT_TRUE(Update(1s + ComplianceOptions().settling_time).finished);
+}
+
+TEST_F(LiveReferenceTest, RefusesToBeLedByNobody) {
+  ComplianceController controller({.trajectory = standing_,
+                                   .interface = control::CommandInterface::kTorque,
+                                   .limits = test::PandaLimits()});
+  control::ParameterReader reader(parameters_);
+  try {
+    controller.Configure(reader);
+    FAIL() << "it was taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("there is nobody"));
+  }
+}
+
+}  // namespace
+}  // namespace twin::controllers

@@ -1,0 +1,267 @@
+#include "twin/teleop/teleoperator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/realtime_guard.h"
+#include "teleop/teleop_fixture.h"
+#include "twin/core/error.h"
+#include "twin/core/random.h"
+
+namespace twin::teleop {
+namespace {
+
+using std::chrono::milliseconds;
+using test::Rig;
+
+WireConfig BadWire() {
+  WireConfig wire;
+  for (rt::DirectionConfig* direction : {&wire.to_robot, &wire.from_robot}) {
+    direction->delay = rt::DelayModel(rt::ConstantDelay{milliseconds(300)});
+    direction->loss = rt::LossModel(rt::IndependentLoss{0.1});
+  }
+  return wire;
+}
+
+TEST(TeleoperatorTest, RestsWhereItBeginsUntilSomebodyLeads) {
+  Rig rig;
+  rig.device.silent = true;
+  rig.Run(500);
+  EXPECT_EQ(rig.target.O_T_EE, rig.start);
+}
+
+TEST(TeleoperatorTest, LeadsTheArmByTheStick) {
+  Rig rig;
+  rig.Run(10);
+  rig.device.now.axes[2] = 0.5;
+  rig.Run(1000);
+  EXPECT_GT(rig.target.O_T_EE[14] - rig.start[14], 0.05);
+}
+
+TEST(TeleoperatorTest, DoesNotDriveTheBaseWhileTheArmIsLed) {
+  Rig rig;
+  rig.device.now.axes[0] = 0.5;
+  rig.Run(500);
+  EXPECT_EQ(rig.base.drives, 0);
+}
+
+TEST(TeleoperatorTest, DrivesTheBaseAndLeavesTheArmWhereItIs) {
+  Rig rig;
+  ++rig.device.now.mode_presses;  // before the first sample: it is where counting begins
+  rig.Run(10);
+  ++rig.device.now.mode_presses;
+  rig.Run(10);
+  rig.device.now.axes[0] = 1;
+  rig.Run(3000);
+  EXPECT_NEAR(rig.base.state.twist.v, TeleoperatorConfig().ahead.speed, 1e-3);
+  EXPECT_EQ(rig.target.O_T_EE, rig.start);
+}
+
+TEST(TeleoperatorTest, ComesToRestWhenSamplesStayAway) {
+  Rig rig;
+  rig.Run(10);
+  rig.device.now.axes[2] = 0.5;
+  rig.Run(600);
+  rig.device.silent = true;
+  rig.Run(200);
+  EXPECT_GT(rig.Speed(), 0.05);  // not yet
+  rig.Run(800);
+  EXPECT_EQ(rig.Speed(), 0);
+}
+
+TEST(TeleoperatorTest, HoldsAtOnceWhenTheDeviceIsLost) {
+  Rig rig;
+  rig.Run(10);
+  rig.device.now.axes[2] = 0.5;
+  rig.Run(600);
+  rig.device.is_lost = true;
+  rig.Run(700);
+  EXPECT_EQ(rig.Speed(), 0);
+  EXPECT_TRUE(rig.teleoperator.TakeStatus().holding);
+}
+
+TEST(TeleoperatorTest, DoesNotGoOnByItselfWhenSamplesComeBack) {
+  Rig rig;
+  rig.Run(10);
+  rig.device.now.axes[2] = 0.5;
+  rig.Run(600);
+  rig.device.silent = true;
+  rig.Run(1000);
+  rig.device.silent = false;
+  rig.Run(500);
+  EXPECT_EQ(rig.Speed(), 0);
+}
+
+TEST(TeleoperatorTest, TellsTheOperatorThatItHolds) {
+  Rig rig;
+  rig.Run(10);
+  EXPECT_FALSE(rig.device.felt.holding);
+  rig.device.silent = true;
+  rig.Run(300);
+  EXPECT_TRUE(rig.device.felt.holding);
+}
+
+TEST(TeleoperatorTest, StopsTheBaseOnceAndReleasesItOnce) {
+  Rig rig;
+  rig.Run(10);
+  ++rig.device.now.stop_presses;
+  rig.Run(100);
+  EXPECT_EQ(rig.base.stops, 1);
+  ++rig.device.now.release_presses;
+  rig.Run(100);
+  EXPECT_EQ(rig.base.releases, 1);
+}
+
+TEST(TeleoperatorTest, IsFinishedOnlyWhenAllRests) {
+  Rig rig;
+  rig.Run(10);
+  rig.device.now.axes[2] = 1;
+  rig.Run(600);
+  ++rig.device.now.end_presses;
+  rig.Run(2);
+  EXPECT_FALSE(rig.teleoperator.finished());
+  rig.Run(1500);
+  EXPECT_TRUE(rig.teleoperator.finished());
+  EXPECT_EQ(rig.Speed(), 0);
+}
+
+TEST(TeleoperatorTest, CountsTheHandsPressesForWhoAttends) {
+  Rig rig;
+  rig.Run(10);
+  ++rig.device.now.gripper_presses;
+  rig.Run(10);
+  EXPECT_EQ(rig.teleoperator.gripper_presses(), 1U);
+}
+
+TEST(TeleoperatorTest, TellsWhichSampleHasArrived) {
+  Rig rig({}, BadWire());
+  rig.Run(1000);
+  const auto late = static_cast<double>(rig.device.now.sequence - rig.device.felt.echo);
+  EXPECT_GE(late, 600);
+  EXPECT_LE(late, 660);
+}
+
+/// All that was commanded, by third differences, while modes are switched under full deflection.
+struct Abrupt {
+  double arm = 0;   ///< m/s^3
+  double base = 0;  ///< m/s^3
+};
+
+Abrupt WorstJerkWhileSwitching(const WireConfig& wire) {
+  Rig rig({}, wire);
+  rig.Run(10);
+  const Random random(5, RandomStream::kTest);
+  Abrupt worst;
+  std::vector<double> z(3, rig.start[14]);
+  std::vector<double> v(2, 0.0);
+  for (std::uint64_t i = 0; i < 30'000; ++i) {
+    if (i % 250 == 0) {
+      rig.device.now.axes[0] = random.Uniform(i, 0) < 0.4 ? 0 : 2 * random.Uniform(i, 1) - 1;
+      rig.device.now.axes[2] = rig.device.now.axes[0];
+    }
+    if (i % 1700 == 900) ++rig.device.now.mode_presses;
+    rig.Step();
+    const double z_now = rig.target.O_T_EE[14];
+    const double v_now = rig.base.state.twist.v;
+    worst.arm = std::max(worst.arm, std::abs(z_now - 3 * z[0] + 3 * z[1] - z[2]) / 1e-9);
+    worst.base = std::max(worst.base, std::abs(v_now - 2 * v[0] + v[1]) / 1e-6);
+    z = {z_now, z[0], z[1]};
+    v = {v_now, v[0]};
+  }
+  return worst;
+}
+
+TEST(TeleoperatorTest, SwitchesModesWithoutAStepInTheArmsJerk) {
+  EXPECT_LE(WorstJerkWhileSwitching({}).arm, TeleoperatorConfig().along.jerk * 1.02);
+}
+
+TEST(TeleoperatorTest, SwitchesModesWithoutAStepInTheBasesJerk) {
+  EXPECT_LE(WorstJerkWhileSwitching({}).base, TeleoperatorConfig().ahead.jerk * 1.02);
+}
+
+TEST(TeleoperatorTest, KeepsItsBoundsOverABadWire) {
+  const Abrupt worst = WorstJerkWhileSwitching(BadWire());
+  EXPECT_LE(worst.arm, TeleoperatorConfig().along.jerk * 1.02);
+  EXPECT_LE(worst.base, TeleoperatorConfig().ahead.jerk * 1.02);
+}
+
+TEST(TeleoperatorTest, ReportsThePeaksThatAreSeenFromOutside) {
+  Rig rig;
+  rig.Run(10);
+  rig.device.now.axes[2] = 1;
+  double fastest = 0;
+  for (int i = 0; i < 800; ++i) {
+    rig.Step();
+    fastest = std::max(fastest, rig.Speed());
+  }
+  EXPECT_NEAR(rig.teleoperator.TakeStatus().peaks.along.speed, fastest, 1e-9);
+}
+
+std::vector<Transform> PosesOf(std::uint64_t seed) {
+  Rig rig({}, BadWire());
+  Teleoperator other({.device = rig.device, .limits = twin::test::PandaLimits()}, {}, BadWire(),
+                     seed);
+  other.Begin(rig.start, Time{});
+  std::vector<Transform> poses;
+  for (int i = 1; i < 3000; ++i) {
+    rig.device.now.axes[1] = std::sin(i * 0.004);
+    poses.push_back(other.Next(rig.state, Time{milliseconds(i)}).O_T_EE);
+  }
+  return poses;
+}
+
+TEST(TeleoperatorTest, RepeatsBitByBitWithItsSeed) {
+  EXPECT_EQ(PosesOf(3), PosesOf(3));
+}
+
+TEST(TeleoperatorTest, DiffersWithAnotherSeed) {
+  EXPECT_NE(PosesOf(3), PosesOf(4));
+}
+
+TEST(TeleoperatorTest, TakesNoMemoryAndNoLocks) {
+  Rig rig({}, BadWire());
+  rig.device.now.axes[0] = 0.4;
+  const twin::test::RealtimeGuard guard;
+  for (int i = 0; i < 1000; ++i) {
+    if (i % 300 == 0) ++rig.device.now.mode_presses;
+    if (i == 600) ++rig.device.now.stop_presses;
+    if (i == 700) rig.device.now.kind = AxisKind::kPose;
+    if (i == 800) ++rig.device.now.release_presses;
+    rig.Step();
+  }
+  EXPECT_EQ(guard.counts(), twin::test::RealtimeGuard::Counts());
+}
+
+TEST(TeleoperatorConfigTest, NamesTheFieldThatIsOutOfRange) {
+  TeleoperatorConfig config;
+  config.along.jerk = -1;
+  try {
+    config.Validate();
+    FAIL() << "it was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("arm.along.jerk"), std::string::npos);
+  }
+}
+
+TEST(TeleoperatorConfigTest, ReadsWhatAScenarioGives) {
+  const control::Parameters parameters{
+      {.key = "stale_after", .values = {"150 ms"}},
+      {.key = "arm.along.speed", .values = {"0.1 m/s"}},
+      {.key = "workspace.low", .values = {"0 m", "-1 m", "0 m"}, .is_list = true},
+      {.key = "feedback.passive", .values = {"false"}}};
+  control::ParameterReader reader(parameters, "operator.settings");
+  const TeleoperatorConfig config = ReadTeleoperatorConfig(reader);
+  reader.RefuseUnread();
+  TeleoperatorConfig expected;
+  expected.stale_after = milliseconds(150);
+  expected.along.speed = 0.1;
+  expected.workspace.low = {0, -1, 0};
+  expected.feedback.passive = false;
+  EXPECT_EQ(config, expected);
+}
+
+}  // namespace
+}  // namespace twin::teleop
