@@ -1,5 +1,6 @@
 #include "twin/plant/compiled_model.h"
 
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -19,7 +20,7 @@ CompiledModel CompileModel(const MujocoPlantOptions& options) {
     CompiledModel compiled;
     std::size_t i = 0;
     for (const Link& link : sources.robot.links) {
-      if (link.joint_kind == JointKind::kFixed) continue;
+      if (!HasRange(link.joint_kind)) continue;
       const int joint = mj_name2id(built.model.get(), mjOBJ_JOINT, link.joint.c_str());
       if (link.joint_kind == JointKind::kRevolute) {
         compiled.arm[i++] = joint;
@@ -28,6 +29,9 @@ CompiledModel CompileModel(const MujocoPlantOptions& options) {
         compiled.open = link.q_max;
       }
     }
+    const Link& root = sources.robot.links.front();
+    if (options.base)
+      compiled.base = mj_name2id(built.model.get(), mjOBJ_JOINT, root.joint.c_str());
     compiled.model = std::move(built.model);
     return compiled;
   } catch (const EngineFault& fault) {
@@ -53,6 +57,43 @@ JointVector ArmIn(const CompiledModel& compiled, std::span<const double> qpos) {
     q[i] = qpos[static_cast<std::size_t>(compiled.model->jnt_qposadr[compiled.arm[i]])];
   }
   return q;
+}
+
+Transform ArmBaseIn(const CompiledModel& compiled, std::span<const double> qpos) {
+  const mjModel& model = *compiled.model;
+  if (compiled.base < 0) return kIdentityTransform;
+  // From link 0 down to the body that the free joint moves, all is fixed.
+  const int root = model.jnt_bodyid[compiled.base];
+  const mjtNum* const free = qpos.data() + model.jnt_qposadr[compiled.base];
+  std::array<mjtNum, 3> p{};
+  std::array<mjtNum, 4> turn{1, 0, 0, 0};
+  int body = model.body_parentid[model.jnt_bodyid[compiled.arm.front()]];
+  while (true) {
+    const mjtNum* const p_body = body == root ? free : model.body_pos + std::ptrdiff_t{3} * body;
+    const mjtNum* const turn_body =
+        body == root ? free + 3 : model.body_quat + std::ptrdiff_t{4} * body;
+    mjtNum turned[3];
+    mju_rotVecQuat(turned, p.data(), turn_body);
+    mju_add3(p.data(), p_body, turned);
+    mjtNum product[4];
+    mju_mulQuat(product, turn_body, turn.data());
+    mju_copy4(turn.data(), product);
+    if (body == root) break;
+    body = model.body_parentid[body];
+  }
+  std::array<mjtNum, 9> R{};
+  mju_quat2Mat(R.data(), turn.data());
+  return {R[0], R[3], R[6], 0, R[1], R[4], R[7], 0, R[2], R[5], R[8], 0, p[0], p[1], p[2], 1};
+}
+
+void MoveBase(const CompiledModel& compiled, const BasePose& from_start, std::span<double> qpos) {
+  if (compiled.base < 0) return;
+  const auto at = static_cast<std::size_t>(compiled.model->jnt_qposadr[compiled.base]);
+  const double yaw = 2 * std::atan2(qpos[at + 6], qpos[at + 3]);
+  qpos[at] += std::cos(yaw) * from_start.x - std::sin(yaw) * from_start.y;
+  qpos[at + 1] += std::sin(yaw) * from_start.x + std::cos(yaw) * from_start.y;
+  qpos[at + 3] = std::cos((yaw + from_start.yaw) / 2);
+  qpos[at + 6] = std::sin((yaw + from_start.yaw) / 2);
 }
 
 }  // namespace twin::plant

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "plant/base_joints.h"
 #include "plant/friction.h"
 #include "plant/hand_joints.h"
 
@@ -30,6 +31,9 @@ namespace {
 // the rows would also swing for ever. The pads' B = 1500 1/s leaves a sixth of a micrometre per
 // second for each mm/s^2 of c; MuJoCo's own way to set B allows no more than 1/T, three times as
 // much.
+//
+// A tyre only bears: its friction is a law of its own (tyre.h). Its contact gives way by about a
+// millimetre under a mobile base, critically damped.
 constexpr std::string_view kPreamble = R"(<mujoco model="{}">
   <size njmax="420" nconmax="100"/>
   <option cone="elliptic" impratio="10" noslip_iterations="5"/>
@@ -51,6 +55,9 @@ constexpr std::string_view kPreamble = R"(<mujoco model="{}">
     <default class="twin_pad">
       <geom group="3" mass="0" rgba="0.3 0.3 0.3 0.5" priority="1" condim="4"
             friction="1 0.005 0.0001" solref="-62500 -1500" solimp="0.98 0.999 0.001"/>
+    </default>
+    <default class="twin_tyre">
+      <geom group="3" mass="0" rgba="0.3 0.3 0.3 0.5" priority="1" condim="1" solref="0.01 1"/>
     </default>
     <default class="twin_object"/>
     <default class="twin_finger">
@@ -168,14 +175,15 @@ class Writer {
     }
     if (link.joint_kind == JointKind::kRevolute) Joint(link);
     if (link.joint_kind == JointKind::kPrismatic) Finger(link);
+    if (link.joint_kind == JointKind::kContinuous) Wheel(link);
+    if (link.joint_kind == JointKind::kFree) Line("<freejoint name=\"{}\"/>\n", link.joint);
     int number = 0;
     for (const Shape& shape : link.visual) {
       Geom(shape, "visual", fmt::format("{}_visual_{}", link.name, number++));
     }
     number = 0;
     for (const Shape& shape : link.collision) {
-      Geom(shape, shape.pad ? "pad" : "collision",
-           fmt::format("{}_collision_{}", link.name, number++));
+      Geom(shape, CollisionClass(link, shape), fmt::format("{}_collision_{}", link.name, number++));
     }
     for (const Link& child : sources_.robot.links) {
       if (child.parent == link.name) Body(child);
@@ -198,6 +206,16 @@ class Writer {
         "<joint name=\"{}\" class=\"twin_finger\" type=\"slide\" axis=\"{}\" "
         "armature=\"{}\"/>\n",
         link.joint, Row(link.axis), kFingerInertia);
+  }
+
+  void Wheel(const Link& link) {
+    Line("<joint name=\"{}\" type=\"hinge\" axis=\"{}\" armature=\"{}\"/>\n", link.joint,
+         Row(link.axis), kWheelRotorInertia);
+  }
+
+  static std::string_view CollisionClass(const Link& link, const Shape& shape) {
+    if (link.joint_kind == JointKind::kContinuous) return "tyre";
+    return shape.pad ? "pad" : "collision";
   }
 
   /// Number of the arm's joints between the root and each link.

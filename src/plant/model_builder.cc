@@ -131,7 +131,7 @@ constexpr double kFingerClearance = 1e-6;
 
 void SetJointRanges(const ModelSources& sources, mjModel& model) {
   for (const Link& link : sources.robot.links) {
-    if (link.joint_kind == JointKind::kFixed) continue;
+    if (!HasRange(link.joint_kind)) continue;
     const std::ptrdiff_t joint = mj_name2id(&model, mjOBJ_JOINT, link.joint.c_str());
     const double clearance = link.joint_kind == JointKind::kPrismatic ? kFingerClearance : 0;
     model.jnt_range[2 * joint] = link.q_min - clearance;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "plant/base_joints.h"
 #include "plant/model_cache.h"
 #include "plant/scene_objects.h"
 #include "twin/core/error.h"
@@ -38,6 +39,7 @@ BuiltModel Fetch(const MujocoPlantOptions& options, const ModelSources& sources)
 
 BuiltModel LoadOrBuild(const MujocoPlantOptions& options, const ModelSources& sources) {
   BuiltModel built = Fetch(options, sources);
+  if (options.base) PlaceBase(options.base->start, sources.robot, *built.model);
   ShapeObjects(options.objects, *built.model);
   return built;
 }

@@ -12,6 +12,8 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Eigenvalues>
 
+#include "plant/base_joints.h"
+#include "plant/base_sources.h"
 #include "plant/file_bytes.h"
 #include "plant/primitive_shapes.h"
 #include "plant/scene_objects.h"
@@ -118,6 +120,16 @@ std::vector<Link> Fingers(const RobotDescription& robot) {
   return fingers;
 }
 
+void RequireNoWheels(const RobotDescription& robot, const std::filesystem::path& urdf) {
+  for (const Link& link : robot.links) {
+    if (link.joint_kind != JointKind::kContinuous) continue;
+    throw InputError(
+        fmt::format("{}: joint '{}' of robot '{}' is continuous; only a mobile base "
+                    "has such joints, its wheels",
+                    urdf.string(), link.joint, robot.name));
+  }
+}
+
 void RequireNoFingers(const RobotDescription& robot, const std::filesystem::path& urdf) {
   const auto found = Fingers(robot);
   if (found.empty()) return;
@@ -174,6 +186,13 @@ void RequireVisualError(double error) {
       "visual_error is {} m; it must be in [0, 0.01], 0 for the meshes as they are", error));
 }
 
+/// A mobile base stands as its tyres let it.
+void RequireLevel(const MujocoPlantOptions& options) {
+  if (options.base_tilt == BaseTilt()) return;
+  throw InputError(
+      "base_tilt: the arm stands on a mobile base, which finds its own attitude; leave one out");
+}
+
 /// What the robot weighs, against its URDF.
 void ScaleMasses(double scale, RobotDescription& robot) {
   for (Link& link : robot.links) {
@@ -223,6 +242,7 @@ ModelSources ReadModelSources(const MujocoPlantOptions& options) {
   DescriptionReader reader(options, sources, hash);
   sources.robot = reader.Read(options.urdf);
   if (options.mass_scale != 1) ScaleMasses(options.mass_scale, sources.robot);
+  RequireNoWheels(sources.robot, options.urdf);
   RequireSevenJoints(sources.robot, options.urdf);
   RequireNoFingers(sources.robot, options.urdf);
   Attach(options.load, sources.robot);
@@ -231,8 +251,14 @@ ModelSources ReadModelSources(const MujocoPlantOptions& options) {
     RobotDescription hand = reader.Read(urdf);
     if (options.mass_scale != 1) ScaleMasses(options.mass_scale, hand);
     Mount(sources.robot, hand, urdf.string());
+    RequireNoWheels(sources.robot, urdf);
     RequireSevenJoints(sources.robot, urdf);
     RequireTwoFingers(sources.robot, urdf);
+  }
+  if (options.base) {
+    RequireLevel(options);
+    PutOnBase(ReadBase(options.base->urdf, hash), kArmMount, sources.robot,
+              options.base->urdf.string());
   }
   sources.scene_file = options.scene;
   sources.scene_text =

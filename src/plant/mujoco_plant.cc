@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "plant/base_joints.h"
 #include "plant/brakes.h"
 #include "plant/friction.h"
 #include "plant/hand_joints.h"
@@ -72,13 +73,19 @@ class EnginePlant final : public MujocoPlant {
     for (const Perturbation& perturbation : options.perturbations) perturber_.Add(perturbation);
     for (std::size_t i = 0; i < kJoints; ++i) armature_[i] = model_->dof_armature[joints_.dof[i]];
     if (options.hand == HandKind::kFrankaHand) hand_.emplace(*model_, sources.robot);
+    if (options.base) base_.emplace(*model_, sources.robot);
   }
 
   void Reset(const JointVector& q) override;
+  /// As BaseJoints's, of what Reset() came to.
+  void RequireStanding(const BasePose& start) const {
+    base_->RequireStanding(start, *model_, *data_);
+  }
   void Step(const JointDrive& drive) noexcept TWIN_REALTIME override;
   void BeginMotion() noexcept TWIN_REALTIME override { perturber_.BeginMotion(plant_time()); }
   [[nodiscard]] const JointSensors& sensors() const noexcept override { return sensors_; }
   [[nodiscard]] HandBody* hand() noexcept override { return hand_ ? &*hand_ : nullptr; }
+  [[nodiscard]] BaseBody* base() noexcept override { return base_ ? &*base_ : nullptr; }
 
   [[nodiscard]] const mjModel& model() const noexcept override { return *model_; }
   [[nodiscard]] const mjData& data() const noexcept override { return *data_; }
@@ -120,6 +127,7 @@ class EnginePlant final : public MujocoPlant {
   const ArmJoints joints_;
   Brakes brakes_;
   std::optional<HandJoints> hand_;
+  std::optional<BaseJoints> base_;
   JointVector armature_{};
   const ElasticityProfile elasticity_;
   JointVector tau_J_{};  ///< of the last step, without noise
@@ -140,6 +148,7 @@ void EnginePlant::Reset(const JointVector& q) {
   tick_ = 0;
   halted_ = false;
   try {
+    if (base_) base_->Settle(*model_, *data_);
     mj_forward(model_.get(), data_.get());
   } catch (const EngineFault&) {
     ++faults_;
@@ -153,6 +162,7 @@ void EnginePlant::Reset(const JointVector& q) {
   for (std::size_t i = 0; i < kJoints; ++i) tau_J[i] = data_->qfrc_bias[joints_.dof[i]];
   tau_J_ = tau_J;
   Sense(tau_J);
+  if (base_) base_->Sense(*data_);
 }
 
 void EnginePlant::Step(const JointDrive& drive) noexcept {
@@ -166,6 +176,7 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
       friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
   perturber_.Apply(plant_time(), *data_);
   if (hand_) hand_->Apply(*data_);
+  if (base_) base_->Apply(*model_, *data_);
   JointVector tau_J{};
   try {
     brakes_.Set(drive.brakes, *model_, *data_);
@@ -175,6 +186,7 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
     // The two halves in this order leave poses and contacts of the new state in data().
     mj_step2(model_.get(), data_.get());
     const JointVector tau_brake = brakes_.Take(*data_);
+    if (base_) base_->Take(*model_, *data_);
     for (std::size_t i = 0; i < kJoints; ++i) {
       tau_J[i] = drive.tau[i] + tau_brake[i] - armature_[i] * data_->qacc[joints_.dof[i]];
     }
@@ -189,6 +201,7 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
   ++tick_;
   Sense(tau_J);
   if (hand_) hand_->Sense(*data_);
+  if (base_) base_->Sense(*data_);
 }
 
 void EnginePlant::Sense(const JointVector& tau_J) noexcept {
@@ -265,6 +278,7 @@ std::unique_ptr<MujocoPlant> MujocoPlant::Create(const MujocoPlantOptions& optio
     auto plant = std::make_unique<EnginePlant>(options, sources, LoadOrBuild(options, sources));
     plant->Reset({0, -0.78539816339744831, 0, -2.3561944901923448, 0, 1.5707963267948966,
                   0.78539816339744831});
+    if (options.base) plant->RequireStanding(options.base->start);
     return plant;
   } catch (const EngineFault& fault) {
     throw EnvironmentError(

@@ -11,7 +11,6 @@
 namespace twin::plant {
 namespace {
 
-constexpr const char* kRobotRoot = "panda_link0";
 constexpr const char* kHand = "panda_hand";
 constexpr const char* kLeftFinger = "panda_leftfinger";
 constexpr const char* kRightFinger = "panda_rightfinger";
@@ -41,7 +40,7 @@ ObjectWatch::ObjectWatch(const TruthProbe& truth) : truth_(truth) {
   part_of_geom_ = std::move(parts.of_geom);
   names_ = std::move(parts.names);
   hand_ = mj_name2id(&model, mjOBJ_BODY, kHand);
-  const int root = mj_name2id(&model, mjOBJ_BODY, kRobotRoot);
+  const int root = RobotRoot(model);
   const int left = mj_name2id(&model, mjOBJ_BODY, kLeftFinger);
   const int right = mj_name2id(&model, mjOBJ_BODY, kRightFinger);
   for (int geom = 0; geom < model.ngeom; ++geom) {
@@ -53,7 +52,7 @@ ObjectWatch::ObjectWatch(const TruthProbe& truth) : truth_(truth) {
   }
   watched_of_body_.assign(model.nbody, -1);
   for (int body = 1; body < model.nbody && watched_.size() < kMostBodies; ++body) {
-    if (!IsFree(model, body)) continue;
+    if (!IsFree(model, body) || body == root) continue;
     watched_of_body_[body] = static_cast<int>(watched_.size());
     watched_.emplace_back().body = body;
     watched_.back().samples.reserve(kMostSamples);

@@ -5,7 +5,9 @@
 namespace twin::plant {
 namespace {
 
-/// The link that the arm's first joint moves; all that hangs on it is the arm.
+/// The arm's base, and the link that its first joint moves; all that hangs on the latter is the
+/// arm.
+constexpr const char* kArmBase = "panda_link0";
 constexpr const char* kFirstMovingLink = "panda_link1";
 
 std::string NameOr(const mjModel& model, int type, int id, const char* kind) {
@@ -25,12 +27,22 @@ ModelParts::ModelParts(const mjModel& model) {
   }
 }
 
+int RobotRoot(const mjModel& model) {
+  const int arm = mj_name2id(&model, mjOBJ_BODY, kArmBase);
+  return arm < 0 ? -1 : model.body_rootid[arm];
+}
+
 // A body comes after its parent.
 std::vector<bool> MovingBodies(const mjModel& model) {
   std::vector<bool> moves(model.nbody, false);
   const int first = mj_name2id(&model, mjOBJ_BODY, kFirstMovingLink);
+  const int root = RobotRoot(model);
+  const bool has_base = root >= 0 && model.body_jntnum[root] > 0;
   for (int body = 1; body < model.nbody; ++body) {
-    moves[body] = body == first || moves[model.body_parentid[body]];
+    const bool is_wheel = has_base && body != first && model.body_parentid[body] == root &&
+                          model.body_jntnum[body] > 0;
+    moves[body] = body == first || (has_base && body == root) ||
+                  (moves[model.body_parentid[body]] && !is_wheel);
   }
   return moves;
 }

@@ -17,7 +17,12 @@ struct ModelParts {
   std::map<int, std::string> names;
 };
 
-/// By body: whether it moves with the arm, from its first moving link on.
+/// The body that carries the whole robot: the arm's base, or the mobile base below it. -1: there is
+/// no arm.
+[[nodiscard]] int RobotRoot(const mjModel& model);
+
+/// By body: whether it moves with the arm, from its first moving link on; with a mobile base also
+/// the base, all but the wheels, which always touch.
 [[nodiscard]] std::vector<bool> MovingBodies(const mjModel& model);
 
 }  // namespace twin::plant

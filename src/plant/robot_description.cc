@@ -91,11 +91,13 @@ JointKind KindOf(const urdf::Joint& joint, const std::string& where) {
     case urdf::Joint::FIXED: return JointKind::kFixed;
     case urdf::Joint::REVOLUTE: return JointKind::kRevolute;
     case urdf::Joint::PRISMATIC: return JointKind::kPrismatic;
+    case urdf::Joint::CONTINUOUS: return JointKind::kContinuous;
     default: break;
   }
   throw InputError(fmt::format(
-      "{}: joint '{}' is neither revolute, prismatic nor fixed; only these are supported", where,
-      joint.name));
+      "{}: joint '{}' is neither revolute, continuous, prismatic nor fixed; only these are "
+      "supported",
+      where, joint.name));
 }
 
 /// @returns name of the joint that `joint` follows; empty when none.
@@ -115,6 +117,7 @@ void FillJoint(const urdf::Joint& joint, const std::string& where, Link& link) {
   if (link.joint_kind == JointKind::kFixed) return;
   link.follows = FollowedBy(joint, where);
   link.axis = ToVector(joint.axis);
+  if (!HasRange(link.joint_kind)) return;
   link.q_min = joint.limits->lower;  // urdfdom refuses such a joint without limits
   link.q_max = joint.limits->upper;
   if (!std::isfinite(link.q_min) || !std::isfinite(link.q_max) || link.q_min >= link.q_max) {
@@ -180,6 +183,23 @@ RobotDescription ParseUrdf(const std::string& text, const std::string& where) {
   robot.name = model->getName();
   Append(*model->getRoot(), where, robot);
   return robot;
+}
+
+void PutOnBase(const RobotDescription& base, const std::string& mount, RobotDescription& robot,
+               const std::string& where) {
+  if (base.Find(mount) == nullptr) {
+    throw InputError(fmt::format("{}: base '{}' has no link '{}', where the arm would stand", where,
+                                 base.name, mount));
+  }
+  for (const Link& link : robot.links) {
+    if (base.Find(link.name) == nullptr) continue;
+    throw InputError(fmt::format("{}: link '{}' is also a link of robot '{}'; names must differ",
+                                 where, link.name, robot.name));
+  }
+  Link& root = robot.links.front();
+  root.parent = mount;
+  root.joint = mount + "_joint";
+  robot.links.insert(robot.links.begin(), base.links.begin(), base.links.end());
 }
 
 void Mount(RobotDescription& robot, const RobotDescription& tool, const std::string& where) {

@@ -45,7 +45,18 @@ struct Shape {
 };
 
 /// How a link is attached to its parent.
-enum class JointKind { kFixed, kRevolute, kPrismatic };
+enum class JointKind {
+  kFixed,
+  kRevolute,    ///< a joint of the arm
+  kPrismatic,   ///< a finger
+  kContinuous,  ///< a wheel
+  kFree,        ///< the root of a mobile base, on the world
+};
+
+/// Whether it moves between two ends.
+[[nodiscard]] constexpr bool HasRange(JointKind kind) noexcept {
+  return kind == JointKind::kRevolute || kind == JointKind::kPrismatic;
+}
 
 /// One link and the joint that carries it.
 struct Link {
@@ -76,8 +87,15 @@ struct RobotDescription {
 /// Reads a URDF. A collision shape whose name begins with "pad" is a pad.
 /// @param text   the document. @param where  its file, for messages.
 /// @throws InputError naming file and element: what urdfdom reports, or what is not supported
-/// (joints other than fixed, revolute and prismatic; a <mimic> that scales or shifts).
+/// (joints other than fixed, revolute, continuous and prismatic; a
+/// <mimic> that scales or shifts).
 [[nodiscard]] RobotDescription ParseUrdf(const std::string& text, const std::string& where);
+
+/// Puts `robot` on a base: the base's links go before it, and its root onto `mount`, a link of the
+/// base. @param where  the base's file, for messages. @throws InputError for a mount that is not
+/// there or a name that both have.
+void PutOnBase(const RobotDescription& base, const std::string& mount, RobotDescription& robot,
+               const std::string& where);
 
 /// Mounts `tool` on `robot`: the tool's root names the link of the robot that carries it.
 /// @param where  the tool's file, for messages. @throws InputError for an unknown mount or a name

@@ -25,8 +25,9 @@ struct ContactPair {
 
 /// What the arm touched in the course of a run, by the engine's own contacts: ground truth, for the
 /// report of a run and for tests, never for what controls it. Counted are pairs of which at least
-/// one moves with the arm (its links from 1 on, hand, fingers); a box that lies on a table is none.
-/// What became of such bodies is told apart from that (objects()).
+/// one moves with the arm (its links from 1 on, hand, fingers; of a mobile base all but its
+/// wheels); a box that lies on a table is none. What became of such bodies is told apart from that
+/// (objects()).
 ///
 /// Threads: Look() from the plant's thread; the others once it has ended. Real-time: Look() is
 /// noexcept, O(contacts), allocates nothing.

@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "twin/core/setting.h"
+#include "twin/plant/base_body.h"
 #include "twin/plant/perturbation.h"
 #include "twin/plant/plant.h"
 #include "twin/plant/scene_object.h"
@@ -65,8 +67,11 @@ struct MujocoPlantOptions {
   /// Of every link's mass and inertia, arm and hand, against the URDFs'; in [0.5, 2].
   double mass_scale = 1;
   /// Roll and pitch of the base, with all that stands beside it, against gravity, rad: the base is
-  /// turned by R = R_y(pitch) R_x(roll) from level.
+  /// turned by R = R_y(pitch) R_x(roll) from level. Not beside a mobile base, which stands as its
+  /// tyres let it.
   BaseTilt base_tilt;
+  /// The mobile base that carries the arm; absent: the arm stands on the world, O in its origin.
+  std::optional<BaseOptions> base{};
   /// A body that is really there, fixed to the flange, whether INT is told of it or not. An inertia
   /// of zero stands for that of a ball of steel.
   setting::Load load;

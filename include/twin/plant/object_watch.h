@@ -29,7 +29,7 @@ struct Support {
 /// Where a free body is.
 struct ObjectSample {
   Time at{};
-  Transform X_WB = kIdentityTransform;  ///< in the world, which is the robot's base
+  Transform X_WB = kIdentityTransform;  ///< in the world; without a mobile base that is the robot's
   Transform X_HB = kIdentityTransform;  ///< in the hand's frame (body panda_hand)
   double speed = 0;                     ///< of its centre of mass, m/s
   double turn_rate = 0;                 ///< rad/s

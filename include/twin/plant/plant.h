@@ -2,6 +2,7 @@
 
 #include "twin/core/joint_interface.h"
 #include "twin/core/realtime.h"
+#include "twin/plant/base_body.h"
 #include "twin/plant/hand_body.h"
 
 namespace twin::plant {
@@ -29,6 +30,9 @@ class Plant {
 
   /// The hand on the flange, owned by the plant; null when there is none.
   [[nodiscard]] virtual HandBody* hand() noexcept { return nullptr; }
+
+  /// The mobile base below the arm, owned by the plant; null when the arm stands on the world.
+  [[nodiscard]] virtual BaseBody* base() noexcept { return nullptr; }
 };
 
 }  // namespace twin::plant

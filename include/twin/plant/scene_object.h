@@ -25,9 +25,10 @@ struct SceneObject {
   /// Outer dimensions along its own axes, m, each in [0.001, 10]; of a cylinder x = y is the
   /// diameter, of a sphere all three are.
   Vector3 size{0.05, 0.05, 0.05};
-  std::optional<double> mass{};         ///< kg, in [0.001, 100]; absent: it is fixed to the world
-  Transform X_WB = kIdentityTransform;  ///< of its frame in the world, which is the robot's base
-  double friction = 1;  ///< sliding, in [0, 10]; against fingers, their pads' counts instead
+  std::optional<double> mass{};  ///< kg, in [0.001, 100]; absent: it is fixed to the world
+  Transform X_WB =
+      kIdentityTransform;  ///< of its frame in the world; without a mobile base that is O
+  double friction = 1;     ///< sliding, in [0, 10]; against fingers, their pads' counts instead
   std::array<double, 4> rgba{0.8, 0.25, 0.2, 1};
   bool operator==(const SceneObject&) const = default;
 };
