@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "plugins/mujoco/emulated_base.h"
 #include "plugins/mujoco/emulated_hand.h"
 #include "twin/backend/backend.h"
 #include "twin/backend/refusal.h"
@@ -47,6 +48,11 @@ class EmulatedBackend : public backend::Backend, public backend::Panel {
   /// Null when none is mounted.
   [[nodiscard]] backend::Hand* hand() noexcept { return robot_.has_hand() ? &hand_ : nullptr; }
 
+  /// Null when the arm stands on the world.
+  [[nodiscard]] backend::Base* base() noexcept {
+    return robot_.base() != nullptr ? &base_ : nullptr;
+  }
+
   void Start(const MotionModes& modes) final {
     const MoveStatus status = robot_.Move(modes);
     backend::RequireStarted(status, modes, robot_.mode());
@@ -72,6 +78,7 @@ class EmulatedBackend : public backend::Backend, public backend::Panel {
   std::string plant_name_;
   Robot robot_;
   EmulatedHand<Robot> hand_{robot_};
+  EmulatedBase base_{robot_.base()};
 };
 
 }  // namespace twin::plugins

@@ -42,6 +42,7 @@ void ConnectLockstep(const backend::Request& request, const backend::LockstepHos
   auto backend = std::make_unique<LockstepBackend>(request, host, std::move(plant));
   connection.panel = backend.get();
   connection.hand = backend->hand();
+  connection.base = backend->base();
   connection.backend = std::move(backend);
 }
 

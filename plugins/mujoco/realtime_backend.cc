@@ -58,6 +58,7 @@ void ConnectRealtime(const backend::Request& request, const backend::RealtimeHos
   connection.robot_time = backend.get();
   connection.panel = backend.get();
   connection.hand = backend->hand();
+  connection.base = backend->base();
   connection.backend = std::move(backend);
 }
 

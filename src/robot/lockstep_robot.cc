@@ -82,7 +82,8 @@ bool LockstepRobot::IsFrozen() const noexcept {
   const RobotMode mode = robot().mode();
   const bool settled =
       mode == RobotMode::kIdle || mode == RobotMode::kMove || mode == RobotMode::kReflex;
-  return settled && robot().AtRest() && !hand_is_busy();
+  const bool base_stands = robot().base() == nullptr || robot().base()->AtRest();
+  return settled && base_stands && robot().AtRest() && !hand_is_busy();
 }
 
 void LockstepRobot::OnGranted(Granted what) noexcept {

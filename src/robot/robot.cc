@@ -29,6 +29,7 @@ Robot::Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt:
   }
   plant_->Reset(config.q_start);
   if (plant_->hand() != nullptr) hand_.emplace(*plant_->hand());
+  if (plant_->base() != nullptr) base_.emplace(*plant_->base(), config.base);
 }
 
 void Robot::Begin() noexcept {
@@ -99,6 +100,7 @@ void Robot::Cycle(Time now) noexcept {
     command = &kept;
   }
   if (hand_) hand_->Cycle();
+  if (base_) base_->Cycle();
   const std::uint64_t begun = int_.motions_begun();
   const JointDrive& drive = int_.Cycle(command, plant_->sensors());
   if (int_.motions_begun() != begun) plant_->BeginMotion();
@@ -113,6 +115,7 @@ void Robot::Cycle(Time now) noexcept {
   }
   if (sink_ == nullptr) return;
   record_.at = now;
+  if (base_) record_.base = base_->state();
   record_.dddq_d = int_.reference().dddq_d;
   record_.fate = int_.fate();
   record_.lost_in_row = int_.lost_in_row();

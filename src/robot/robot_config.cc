@@ -12,6 +12,12 @@ namespace twin::robot {
 void RobotConfig::Validate() const {
   onboard.Validate();
   link.Validate();
+  if (plant.base) {
+    base.Validate();
+    if (plant_kind == PlantKind::kIdeal) {
+      throw InputError("robot.base: the ideal plant has no mobile base; say kind: mujoco");
+    }
+  }
   RequireInRange("robot.clock_ppm", clock_ppm, -1000, 1000);
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (q_start[i] >= onboard.limits.q_min[i] && q_start[i] <= onboard.limits.q_max[i]) continue;

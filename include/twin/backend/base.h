@@ -12,8 +12,8 @@ namespace twin::backend {
 /// brakes to a stand. Limits of speed and acceleration are the base's own; what exceeds them is
 /// saturated.
 ///
-/// Threads: any, where the drive has several. Real-time: noexcept, allocates nothing, waits for
-/// nobody.
+/// Threads: where the drive has several, Drive() from one of them, the others from any. Real-time:
+/// noexcept, allocates nothing, waits for nobody.
 class Base {
  public:
   virtual ~Base() = default;

@@ -13,6 +13,7 @@
 #include "twin/core/setting.h"
 #include "twin/onboard/int.h"
 #include "twin/plant/plant.h"
+#include "twin/robot/base_unit.h"
 #include "twin/robot/command_keeper.h"
 #include "twin/robot/hand_unit.h"
 #include "twin/robot/link.h"
@@ -28,7 +29,8 @@ struct LastMotion {
   onboard::Violations violations;               ///< what ended it, when an error did
 };
 
-/// A whole emulated robot on an event queue: INT, plant, hand and link, run by one event a period.
+/// A whole emulated robot on an event queue: INT, plant, hand, mobile base and link, run by one
+/// event a period.
 ///
 /// INT's clock runs clock_ppm faster than the queue's: cycle k is due at
 ///   t_k = begin + k * 1 ms / (1 + clock_ppm 1e-6),
@@ -82,6 +84,10 @@ class Robot final : private rt::EventHandler {
   }
   [[nodiscard]] HandState hand_state() const noexcept { return hand_->state(); }
 
+  /// The mobile base below the arm; null when there is none.
+  [[nodiscard]] BaseUnit* base() noexcept { return base_ ? &*base_ : nullptr; }
+  [[nodiscard]] const BaseUnit* base() const noexcept { return base_ ? &*base_ : nullptr; }
+
   /// Sends a command from the workstation, at the queue's now; it may be lost on the way.
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
 
@@ -105,6 +111,7 @@ class Robot final : private rt::EventHandler {
 
   std::unique_ptr<plant::Plant> plant_;
   std::optional<HandUnit> hand_;
+  std::optional<BaseUnit> base_;
   onboard::Int int_;
   onboard::CommandInbox inbox_;
   rt::EventQueue& events_;

@@ -7,6 +7,7 @@
 #include "twin/core/joint_vector.h"
 #include "twin/core/panel.h"
 #include "twin/core/time.h"
+#include "twin/onboard/base_controller.h"
 #include "twin/onboard/int_config.h"
 #include "twin/plant/mujoco_plant.h"
 #include "twin/robot/link_config.h"
@@ -31,6 +32,7 @@ struct RobotConfig {
   onboard::IntConfig onboard;
   PlantKind plant_kind = PlantKind::kMujoco;
   plant::MujocoPlantOptions plant;  ///< used by kMujoco
+  onboard::BaseConfig base;         ///< of the mobile base in `plant`; of no meaning without one
   LinkConfig link;
   JointVector q_start{};          ///< where the arm rests when the run starts, rad
   std::vector<PanelEvent> panel;  ///< in order of time

@@ -61,6 +61,8 @@ class ThreadedRobot : protected rt::EventHandler {
   [[nodiscard]] HandStart StartHand(const HandCommand& command);
   [[nodiscard]] std::optional<HandResult> HandOutcome(HandTicket ticket) const;
   [[nodiscard]] HandState hand_state() const;
+  /// As Robot's: its requests and its state are exchanged without the robot's thread.
+  [[nodiscard]] BaseUnit* base() noexcept { return robot_.base(); }
   [[nodiscard]] RobotMode mode() const;
   [[nodiscard]] LastMotion last_motion() const;
   [[nodiscard]] RobotReport report() const;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "twin/core/base.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_errors.h"
@@ -29,6 +30,7 @@ struct CycleRecord {
       0;  ///< commands that arrived for this cycle but too late, doubled or with a wrong id
   bool violated = false;  ///< this cycle raised `violation`
   Violation violation;
+  std::optional<BaseState> base{};  ///< of a robot on a mobile base: what its drives knew
 };
 
 /// What the workstation's tick did with a state.

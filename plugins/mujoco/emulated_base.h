@@ -1,0 +1,23 @@
+#pragma once
+
+#include "twin/backend/base.h"
+#include "twin/robot/base_unit.h"
+
+namespace twin::plugins {
+
+/// The emulated mobile base behind the base seam, whoever advances its time.
+class EmulatedBase final : public backend::Base {
+ public:
+  /// @param unit  must outlive the base; null: there is none, and nothing is asked.
+  explicit EmulatedBase(robot::BaseUnit* unit) noexcept : unit_(unit) {}
+
+  void Drive(const BaseTwist& twist) noexcept override { unit_->Drive(twist); }
+  void EmergencyStop() noexcept override { unit_->EmergencyStop(); }
+  void Release() noexcept override { unit_->Release(); }
+  [[nodiscard]] BaseState ReadState() const noexcept override { return unit_->ReadState(); }
+
+ private:
+  robot::BaseUnit* unit_;
+};
+
+}  // namespace twin::plugins
