@@ -1,5 +1,6 @@
 #include "twin/record/export_csv.h"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,6 +39,15 @@ std::string_view Name(rt::TickAction action) {
   return "unknown";
 }
 
+std::string_view Name(BaseMode mode) {
+  switch (mode) {
+    case BaseMode::kStanding: return "standing";
+    case BaseMode::kDriving: return "driving";
+    case BaseMode::kEmergencyStop: return "emergency_stop";
+  }
+  return "unknown";
+}
+
 std::string Names(const RobotErrors& errors) {
   std::string names;
   for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -70,7 +80,8 @@ class CsvFiles {
       : cycles_(folder / "cycles.csv"),
         configs_(folder / "config.csv"),
         ticks_(folder / "ticks.csv"),
-        events_(folder / "events.csv") {
+        events_(folder / "events.csv"),
+        base_path_(folder / "base.csv") {
     AddHeadings();
   }
 
@@ -91,6 +102,7 @@ class CsvFiles {
     cycles_.Add(std::string_view(record.violated ? Describe(record.violation) : std::string()));
     AddVectors(cycles_, kCycleFields, record);
     cycles_.EndRow();
+    if (record.base) AddBase(record.at, *record.base);
     ++written_.cycles;
   }
 
@@ -125,6 +137,7 @@ class CsvFiles {
 
   CsvExport Commit() {
     for (CsvFile* file : {&cycles_, &configs_, &ticks_, &events_}) file->Commit();
+    if (base_) base_->Commit();
     return written_;
   }
 
@@ -159,10 +172,29 @@ class CsvFiles {
     configs_.EndRow();
   }
 
+  /// The file is made when there is a mobile base.
+  void AddBase(Time at, const BaseState& base) {
+    if (!base_) {
+      base_.emplace(base_path_);
+      AddTexts(*base_, {"at_ns", "message_id", "mode", "x", "y", "yaw", "v", "w", "v_d", "w_d",
+                        "dq_front_left", "dq_front_right", "dq_rear_left", "dq_rear_right"});
+      base_->EndRow();
+    }
+    base_->Add(Nanoseconds(at));
+    base_->Add(base.message_id);
+    base_->Add(Name(base.mode));
+    base_->AddValues(std::array{base.odometry.x, base.odometry.y, base.odometry.yaw, base.twist.v,
+                                base.twist.w, base.twist_d.v, base.twist_d.w});
+    base_->AddValues(base.dq_wheels);
+    base_->EndRow();
+  }
+
   CsvFile cycles_;
   CsvFile configs_;
   CsvFile ticks_;
   CsvFile events_;
+  const std::filesystem::path base_path_;
+  std::optional<CsvFile> base_;
   std::optional<RobotState> config_;
   CsvExport written_;
 };

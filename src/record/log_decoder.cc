@@ -114,6 +114,18 @@ Violation DecodeViolation(const pb::Violation& message) {
           .message_id = message.message_id()};
 }
 
+BaseState DecodeBase(const pb::Base& message) {
+  BaseState base;
+  base.message_id = message.message_id();
+  base.mode = DecodeEnum<BaseMode>("mode of the base", message.mode(),
+                                   pb::BaseMode_IsValid(message.mode()));
+  base.odometry = {message.x(), message.y(), message.yaw()};
+  base.twist = {message.v(), message.w()};
+  base.twist_d = {message.v_d(), message.w_d()};
+  DecodeVector("dq_wheels", message.dq_wheels(), base.dq_wheels);
+  return base;
+}
+
 Time ToTime(std::int64_t ns) {
   return Time(Duration(ns));
 }
@@ -151,6 +163,7 @@ void LogDecoder::Decode(std::span<const std::byte> data, rt::CycleRecord& record
   state.control_command_success_rate = cycle_.control_command_success_rate();
   record.violated = cycle_.has_violation();
   if (record.violated) record.violation = DecodeViolation(cycle_.violation());
+  if (cycle_.has_base()) record.base = DecodeBase(cycle_.base());
   DecodeVectors(kCycleFields, cycle_, record);
 }
 

@@ -47,6 +47,19 @@ void Encode(const Violation& violation, pb::Violation& message) {
   message.set_message_id(violation.message_id);
 }
 
+void Encode(const BaseState& base, pb::Base& message) {
+  message.set_message_id(base.message_id);
+  message.set_mode(static_cast<pb::BaseMode>(base.mode));
+  message.set_x(base.odometry.x);
+  message.set_y(base.odometry.y);
+  message.set_yaw(base.odometry.yaw);
+  message.set_v(base.twist.v);
+  message.set_w(base.twist.w);
+  message.set_v_d(base.twist_d.v);
+  message.set_w_d(base.twist_d.w);
+  message.mutable_dq_wheels()->Add(base.dq_wheels.begin(), base.dq_wheels.end());
+}
+
 void Encode(const rt::PointForce& force, pb::PointForce& message) {
   message.mutable_p_w()->Add(force.p_W.begin(), force.p_W.end());
   message.mutable_force_w()->Add(force.force_W.begin(), force.force_W.end());
@@ -115,6 +128,7 @@ void LogEncoder::Add(const rt::CycleRecord& record) {
                [this](pb::RobotError error) { cycle_.add_reflex_reason(error); });
   cycle_.set_control_command_success_rate(state.control_command_success_rate);
   if (record.violated) Encode(record.violation, *cycle_.mutable_violation());
+  if (record.base) Encode(*record.base, *cycle_.mutable_base());
   EncodeVectors(kCycleFields, record, cycle_);
   Write(cycle_channel_, record.at, cycle_);
   const foxglove::FrameTransforms* frames = frames_.Next(record.at, state.q);

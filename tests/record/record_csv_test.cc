@@ -106,6 +106,23 @@ TEST(ExportCsvTest, WritesTheConfigurationWhenItChanges) {
   EXPECT_EQ(Bits(rows[2].at("m_ee")), Bits(SampleCycle(1000).state.m_ee));
 }
 
+TEST(ExportCsvTest, HasATableOfTheBaseWhereThereIsOne) {
+  const TemporaryFolder folder;
+  Record(folder / "a.mcap", 5);
+  ExportCsv(folder / "a.mcap", folder / "without");
+  EXPECT_FALSE(std::filesystem::exists(folder / "without" / "base.csv"));
+  Record(folder / "b.mcap", 10);
+  ExportCsv(folder / "b.mcap", folder / "with");
+  const auto rows = ReadCsv(folder / "with" / "base.csv");
+  ASSERT_EQ(rows.size(), 1U);
+  const BaseState base = SampleCycle(7).base.value();
+  EXPECT_EQ(rows[0].at("at_ns"), "7000000");
+  EXPECT_EQ(rows[0].at("mode"), "emergency_stop");
+  EXPECT_EQ(Bits(rows[0].at("yaw")), Bits(base.odometry.yaw));
+  EXPECT_EQ(Bits(rows[0].at("w_d")), Bits(base.twist_d.w));
+  EXPECT_EQ(Bits(rows[0].at("dq_rear_right")), Bits(base.dq_wheels[3]));
+}
+
 TEST(ExportCsvTest, ReplacesEarlierFilesWithTheSameBytes) {
   const TemporaryFolder folder;
   Record(folder / "a.mcap", 20);

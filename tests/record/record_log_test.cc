@@ -66,6 +66,7 @@ void ExpectSame(const rt::CycleRecord& a, const rt::CycleRecord& b) {
   EXPECT_EQ(a.violation.value, b.violation.value);
   EXPECT_EQ(a.violation.limit, b.violation.limit);
   EXPECT_EQ(a.violation.message_id, b.violation.message_id);
+  EXPECT_EQ(a.base, b.base);
 }
 
 void ExpectSame(const rt::TickRecord& a, const rt::TickRecord& b) {

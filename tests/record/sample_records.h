@@ -44,7 +44,8 @@ inline std::uint64_t SampleFrames(std::uint64_t cycles) {
 }
 
 /// A cycle in which every number of the robot state differs from every other: the worst case for
-/// compression. The configuration changes every 500 cycles; cycle 3 holds, cycle 5 is violated.
+/// compression. The configuration changes every 500 cycles; cycle 3 holds, cycle 5 is violated, in
+/// cycle 7 there is a mobile base.
 inline rt::CycleRecord SampleCycle(std::uint64_t k) {
   rt::CycleRecord record;
   RobotState& s = record.state;
@@ -87,6 +88,15 @@ inline rt::CycleRecord SampleCycle(std::uint64_t k) {
                         .value = 2.7,
                         .limit = 2.61,
                         .message_id = 1005};
+  }
+  if (k == 7) {
+    BaseState& base = record.base.emplace();
+    base.message_id = 77;
+    base.odometry = {numbers(), numbers(), numbers()};
+    base.twist = {numbers(), numbers()};
+    base.twist_d = {numbers(), numbers()};
+    numbers(base.dq_wheels);
+    base.mode = BaseMode::kEmergencyStop;
   }
   return record;
 }

@@ -15,7 +15,8 @@ struct CsvExport {
 
 /// Writes a log as CSV into `folder`, which is made when missing: cycles.csv, ticks.csv,
 /// events.csv, and config.csv with the quantities of the robot state that seldom change, a row
-/// whenever one does. Files of these names are replaced; each is `.partial` until it is whole.
+/// whenever one does. Of a robot on a mobile base also base.csv, a row a cycle. Files of these
+/// names are replaced; each is `.partial` until it is whole.
 ///
 /// Scenes and plans, which serve pictures, have no table.
 ///
