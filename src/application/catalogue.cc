@@ -48,6 +48,11 @@ std::unique_ptr<Application> Make(const scenario::Scenario& scenario) {
   control::ParameterReader reader(wanted.parameters, "application.parameters");
   std::unique_ptr<Application> application = entry->make(reader);
   reader.RefuseUnread();
+  if (scenario.base && !application->drives_base()) {
+    throw InputError(
+        fmt::format("{}application {}: it takes the arm to stand on the world; leave base out",
+                    PlaceOf(scenario), wanted.type));
+  }
   application->Require(scenario);
   return application;
 }

@@ -132,6 +132,20 @@ std::string RemoteCyclesText(const loop::LoopTimings& timings) {
       timings.written, timings.skipped_states);
 }
 
+/// Where its odometry has it; null when the arm stands on the world.
+Json BaseJson(const scenario::RunResult& result) {
+  if (!result.base) return {};
+  const BasePose& at = result.base->odometry;
+  return {{"x_m", at.x}, {"y_m", at.y}, {"yaw_rad", at.yaw}};
+}
+
+std::string BaseText(const BaseState& base) {
+  return fmt::format(
+      "{:.3f} m ahead, {:.3f} m to the left, {:.2f} rad of where it began, by its "
+      "wheels",
+      base.odometry.x, base.odometry.y, base.odometry.yaw);
+}
+
 std::string HandText(const scenario::Scenario& scenario, const scenario::HandReport& hand) {
   std::string text;
   for (std::size_t i = 0; i < hand.commands.size(); ++i) {
@@ -230,6 +244,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"controller_overruns", result.report.controller_overruns},
       {"viability", ViabilityJson(result.viability)},
       {"hand", HandJson(scenario, result)},
+      {"base", BaseJson(result)},
       {"plan", PlanJson(result)},
       {"contacts", ContactsJson(contacts)},
       {"d_EXT_us", PercentilesUs(result.report.timings.d_EXT)},
@@ -282,6 +297,7 @@ std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunR
     if (contacts) line("contacts", ContactsText(*contacts));
   }
   if (result.hand) line("hand", HandText(scenario, *result.hand));
+  if (result.base) line("base", BaseText(*result.base));
   const bool is_remote = scenario.drive == scenario::Drive::kRemote;
   line("cycles", is_remote ? RemoteCyclesText(result.report.timings) : CyclesText(result.counts));
   if (result.viability) line("kept back", ViabilityText(*result.viability));

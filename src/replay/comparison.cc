@@ -88,6 +88,11 @@ class Comparison::Impl {
     if (settings_.tolerance < 0 || settings_.tolerance > 254) {
       throw InputError(fmt::format("tolerance is {}; it must be in [0, 254]", settings_.tolerance));
     }
+    if (settings_.kind == ComparisonKind::kGhost && second.scenario().base) {
+      throw InputError(
+          "a ghost stands where the first run's robot does, and the second run's drives about; "
+          "choose split");
+    }
     if (settings_.kind == ComparisonKind::kGhost) {
       left_.film.title = fmt::format("{}\nghost: {}", labels[0], labels[1]);
     } else if (settings_.kind == ComparisonKind::kDifference) {

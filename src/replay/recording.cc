@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <variant>
 
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
+#include "twin/model/transform.h"
 #include "twin/plant/compiled_model.h"
 #include "twin/record/log_reader.h"
 #include "twin/replay/run_film.h"
@@ -22,7 +24,14 @@ constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 struct ArmSample {
   Time at{};
   JointVector q{};
+  std::optional<BasePose> odometry;  ///< of a mobile base
 };
+
+ArmSample SampleOf(const rt::CycleRecord& cycle) {
+  ArmSample sample{cycle.at, cycle.state.q, {}};
+  if (cycle.base) sample.odometry = cycle.base->odometry;
+  return sample;
+}
 
 /// What a log holds for pictures. Takes its records as std::visit gives them.
 class Contents {
@@ -33,7 +42,7 @@ class Contents {
       : fps_(fps), scenes_(scenes), log_(log) {}
 
   void operator()(const rt::CycleRecord& cycle) {
-    while (arm.empty() || cycle.at >= Due()) arm.push_back({cycle.at, cycle.state.q});
+    while (arm.empty() || cycle.at >= Due()) arm.push_back(SampleOf(cycle));
   }
   void operator()(const rt::TickRecord& /*tick*/) {}
   void operator()(const record::EventRecord& event) { events.push_back(event); }
@@ -133,7 +142,9 @@ class Recording::Impl {
     snapshots->Reserve(arm.size());
     for (const ArmSample& sample : arm) {
       scene.at = sample.at;
-      std::ranges::copy(plant::PositionsAt(compiled, sample.q), scene.qpos.begin());
+      std::vector<double> positions = plant::PositionsAt(compiled, sample.q);
+      if (sample.odometry) plant::MoveBase(compiled, *sample.odometry, positions);
+      std::ranges::copy(positions, scene.qpos.begin());
       snapshots->Append(scene);
     }
   }
@@ -175,9 +186,11 @@ JointVector Recording::ArmIn(std::span<const double> qpos) const {
 }
 
 Vector3 Recording::ToolAt(std::size_t frame) const {
-  const Transform O_T_EE = model::ArmModel::Panda().Pose(
-      model::Frame::kEndEffector, ArmIn(snapshots().qpos(frame)), impl_->F_T_EE);
-  return {O_T_EE[12], O_T_EE[13], O_T_EE[14]};
+  const std::span<const double> qpos = snapshots().qpos(frame);
+  const Transform O_T_EE =
+      model::ArmModel::Panda().Pose(model::Frame::kEndEffector, ArmIn(qpos), impl_->F_T_EE);
+  const Transform W_T_EE = model::Multiply(plant::ArmBaseIn(impl_->compiled, qpos), O_T_EE);
+  return {W_T_EE[12], W_T_EE[13], W_T_EE[14]};
 }
 
 const std::vector<record::PlanRecord>& Recording::plans() const noexcept {

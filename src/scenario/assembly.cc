@@ -1,5 +1,6 @@
 #include "twin/scenario/assembly.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -7,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "scenario/drive_script.h"
 #include "scenario/hand_script.h"
 #include "scenario/plan.h"
 #include "scenario/prepared_motion.h"
@@ -91,6 +93,9 @@ class Run::Impl {
   /// Nothing when the scenario has no commands to the hand.
   [[nodiscard]] std::optional<HandScript> MakeHandScript(const RunHooks& hooks) const;
 
+  /// Nothing when the scenario asks nothing of a base.
+  [[nodiscard]] std::optional<DriveScript> MakeDriveScript(const RunHooks& hooks) const;
+
   std::optional<planning::PlanStatistics> planning_;  ///< of a planned motion
   std::optional<PreparedMotion> motion_;              ///< always there
   SessionCore core_;
@@ -115,15 +120,32 @@ std::optional<HandScript> Run::Impl::MakeHandScript(const RunHooks& hooks) const
   return HandScript(core_.scenario().hand, core_.RequireHand(), tell);
 }
 
+std::optional<DriveScript> Run::Impl::MakeDriveScript(const RunHooks& hooks) const {
+  const Scenario& scenario = core_.scenario();
+  if (!scenario.base || scenario.base->drive.empty()) return std::nullopt;
+  DriveScript::Tell tell;
+  if (hooks.event) {
+    tell = [&hooks](Time now, std::string_view text) { hooks.event(now, "base", text); };
+  }
+  return DriveScript(scenario.base->drive, core_.RequireBase(), tell);
+}
+
 RunResult Run::Impl::Execute(const RunHooks& hooks) {
   std::optional<HandScript> hand = MakeHandScript(hooks);
+  std::optional<DriveScript> drive = MakeDriveScript(hooks);
   std::function<Time(Time)> attend;
-  if (hand) attend = [&hand](Time now) { return hand->Attend(now); };
+  if (hand || drive) {
+    attend = [&hand, &drive](Time now) {
+      const Time next = hand ? hand->Attend(now) : Time::max();
+      return drive ? std::min(next, drive->Attend(now)) : next;
+    };
+  }
   core_.Begin(hooks);
   const EndOfTime end_of_time(core_);
   MotionResult motion = core_.Move(*motion_, attend);
   RunResult result;
   if (hand) result.hand = hand->Report();
+  if (const backend::Base* base = core_.connection().base) result.base = base->ReadState();
   const SessionResult session = core_.End();
   result.report = std::move(motion.report);
   result.report.robot_timings = session.robot_timings;

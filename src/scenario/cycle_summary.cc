@@ -31,6 +31,16 @@ void CycleSummary::AddState(const RobotState& state) noexcept {
   hash_.AddNumber(state.control_command_success_rate);
 }
 
+void CycleSummary::AddBase(const BaseState& base) noexcept {
+  hash_.AddWord(base.message_id);
+  hash_.AddWord(static_cast<std::uint64_t>(base.mode));
+  for (const double value : {base.odometry.x, base.odometry.y, base.odometry.yaw, base.twist.v,
+                             base.twist.w, base.twist_d.v, base.twist_d.w}) {
+    hash_.AddNumber(value);
+  }
+  hash_.AddNumbers(base.dq_wheels.data(), base.dq_wheels.size());
+}
+
 void CycleSummary::CountMotion(const rt::CycleRecord& record) noexcept {
   const bool moves = record.state.robot_mode == RobotMode::kMove;
   if (moves && !moving_) tally_ = {.motion = {}, .motions = tally_.motions + 1};
@@ -41,6 +51,7 @@ void CycleSummary::CountMotion(const rt::CycleRecord& record) noexcept {
 
 void CycleSummary::Put(const rt::CycleRecord& record) noexcept {
   AddState(record.state);
+  if (record.base) AddBase(*record.base);
   counts_.Add(record);
   CountMotion(record);
   if (next_ != nullptr) next_->Put(record);

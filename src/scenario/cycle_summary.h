@@ -39,6 +39,7 @@ class CycleSummary final : public rt::RecordSink {
 
  private:
   void AddState(const RobotState& state) noexcept;
+  void AddBase(const BaseState& base) noexcept;
   void CountMotion(const rt::CycleRecord& record) noexcept;
 
   rt::RecordSink* next_;

@@ -103,6 +103,19 @@ void RequireTimeForTheHand(const std::vector<HandEvent>& hand, Duration motion) 
   }
 }
 
+/// What begins at the motion's end or later would never be asked for.
+void RequireTimeForTheBase(const Scenario& scenario, Duration motion) {
+  if (!scenario.base) return;
+  const std::vector<DriveEvent>& drive = scenario.base->drive;
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    if (drive[i].at < motion) continue;
+    throw InputError(
+        fmt::format("base.drive[{}].at: {} s is not before the end of the motion, {} s; give an "
+                    "earlier time, or a longer motion",
+                    i + 1, ToSeconds(drive[i].at), ToSeconds(motion)));
+  }
+}
+
 void RequireScene(const std::filesystem::path& models, const std::filesystem::path& scene) {
   std::error_code error;
   if (scene.empty() || std::filesystem::is_regular_file(models / scene, error)) return;
@@ -181,6 +194,12 @@ robot::RobotConfig MakeRobotConfig(const Scenario& scenario, const RobotData& ro
   config.onboard = MakeOnboard(scenario, robot);
   config.plant_kind = scenario.plant.kind;
   config.plant = MakePlant(scenario, robot, files);
+  if (scenario.base) {
+    BaseData base = At(scenario.places.base, scenario.base->model,
+                       [&] { return LoadBaseData(files.models, scenario.base->model); });
+    config.plant.base = plant::BaseOptions{std::move(base.urdf), scenario.base->start};
+    config.base = base.config;
+  }
   config.link = MakeLink(scenario.link);
   config.q_start =
       scenario.robot.q_start ? *scenario.robot.q_start : scenario.motion.waypoints.front().q;
@@ -265,6 +284,7 @@ Plan MakePlan(const Scenario& scenario, const Catalogue& catalogue, const RunFil
   robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
   RequireStart(config.q_start, trajectory);
   RequireTimeForTheHand(scenario.hand, trajectory.duration());
+  RequireTimeForTheBase(scenario, trajectory.duration());
   const loop::TickConfig tick = MakeTick(scenario, robot);
   const loop::ControllerLoopConfig controller_loop = MakeControllerLoop(scenario.controller);
   std::optional<reference::PoseTrajectory> poses = MakePoses(scenario, robot);

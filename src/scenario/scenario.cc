@@ -97,6 +97,31 @@ void ValidatePlant(const PlantSection& plant) {
       "mass_scale and base_tilt out, or say kind: mujoco");
 }
 
+/// A mobile base rolls in the engine, and only a run's own motion may stand on one.
+void ValidateBase(const Scenario& scenario) {
+  if (!scenario.base) return;
+  RequireName("base.model", scenario.base->model);
+  scenario.base->Validate();
+  const auto refuse = [](std::string_view why) {
+    throw InputError(fmt::format("base: {}, or leave base out", why));
+  };
+  if (scenario.drive == Drive::kRemote) {
+    refuse("a robot at the other end of a wire has none; say backend: mujoco");
+  }
+  if (scenario.plant.kind == robot::PlantKind::kIdeal) {
+    refuse("the ideal plant has no wheels; say plant: {kind: mujoco}");
+  }
+  if (!(scenario.plant.base_tilt == plant::BaseTilt())) {
+    refuse("it stands as its tyres let it; leave plant.base_tilt out");
+  }
+  if (scenario.motion.plan) {
+    refuse("a motion is planned for an arm that stands on the world; give a trajectory or poses");
+  }
+  if (scenario.application && !scenario.base->drive.empty()) {
+    throw InputError("base.drive: beside an application, which drives the base itself");
+  }
+}
+
 void ValidateSetting(std::string_view section, const Setting& setting) {
   const auto bad = FindBadValue(setting);
   if (bad) throw InputError(fmt::format("{}: {}", section, Describe(*bad)));
@@ -314,6 +339,7 @@ void Scenario::Validate() const {
   ValidateLaw("controller.wake_delay", controller.wake_delay);
   ValidateLaw("controller.cost", controller.cost);
   ValidatePlant(plant);
+  ValidateBase(*this);
   ValidateSetting("robot.load", robot.load);
   ValidateOnboard(onboard);
   RequireRange("tick.lambda", tick.lambda, 1e-9, 1);

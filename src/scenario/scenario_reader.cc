@@ -182,7 +182,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
       root.Map({"name",       "description", "seed",        "backend",       "drive", "loop",
                 "scene",      "robot",       "plant",       "link",          "int",   "tick",
                 "controller", "motion",      "application", "perturbations", "panel", "hand",
-                "render",     "record",      "objects",     "operator"});
+                "render",     "record",      "objects",     "operator",      "base"});
   scenario.name = map.Require("name").Text();
   IfGiven(map, "description", [&](const YamlNode& n) { scenario.description = n.Text(); });
   IfGiven(map, "seed", [&](const YamlNode& n) {
@@ -197,6 +197,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
           [&](const YamlNode& n) { scenario.scene = ReadName(n, scenario.places.scene); });
   IfGiven(map, "objects", [&](const YamlNode& n) { scenario.objects = ReadObjects(n); });
   IfGiven(map, "robot", [&](const YamlNode& n) { ReadRobot(n, scenario); });
+  IfGiven(map, "base", [&](const YamlNode& n) { ReadBase(n, scenario); });
   IfGiven(map, "plant", [&](const YamlNode& n) { ReadPlant(n, scenario.plant); });
   IfGiven(map, "link", [&](const YamlNode& n) { ReadLink(n, scenario.link); });
   IfGiven(map, "int", [&](const YamlNode& n) { ReadOnboard(n, scenario.onboard); });

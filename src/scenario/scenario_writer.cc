@@ -104,6 +104,7 @@ void PutRobotAndPlant(Text& out, const Scenario& s) {
     Put(out, "  q_start: {{unit: rad, values: {}}}\n", List(*s.robot.q_start, FormatNumber));
   Put(out, "  clock_drift: {} ppm\n  load: {}\n", FormatNumber(s.robot.clock_drift_ppm),
       LoadText(s.robot.load));
+  if (s.base) out += BaseText(*s.base);
   Put(out, "plant:\n  kind: {}\n  friction: {}\n  armature: {}\n  elasticity: {}\n",
       NameOf(kPlantNames, s.plant.kind), NameOf(kFrictionNames, s.plant.friction), s.plant.armature,
       NameOf(kElasticityNames, s.plant.elasticity));

@@ -40,6 +40,7 @@ template <typename Enum, std::size_t N>
 void RequireValid(const YamlNode& node, const Setting& setting);
 
 void ReadRobot(const YamlNode& node, Scenario& scenario);
+void ReadBase(const YamlNode& node, Scenario& scenario);
 void ReadPlant(const YamlNode& node, PlantSection& plant);
 void ReadOnboard(const YamlNode& node, OnboardSection& onboard);
 [[nodiscard]] std::vector<plant::Perturbation> ReadPerturbations(const YamlNode& node);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "twin/scenario/base_section.h"
 #include "twin/scenario/objects.h"
 #include "twin/scenario/render_section.h"
 
@@ -11,6 +12,9 @@ namespace twin::scenario {
 
 /// The section `objects`; empty when there are none.
 [[nodiscard]] std::string ObjectsText(const std::vector<ObjectSection>& objects);
+
+/// The section `base`.
+[[nodiscard]] std::string BaseText(const BaseSection& base);
 
 /// The section `render`.
 [[nodiscard]] std::string RenderText(const RenderSection& render);

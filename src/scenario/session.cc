@@ -147,6 +147,10 @@ const backend::Connection& Session::connection() const noexcept {
   return impl_->core().connection();
 }
 
+backend::Base* Session::base() const noexcept {
+  return connection().base;
+}
+
 const RobotData& Session::robot() const noexcept {
   return impl_->core().robot();
 }

@@ -35,6 +35,13 @@ backend::Hand& SessionCore::RequireHand() const {
       fmt::format("hand: the backend {} has no hand; leave the commands out", scenario_.backend));
 }
 
+backend::Base& SessionCore::RequireBase() const {
+  backend::Base* base = connection().base;
+  if (base != nullptr) return *base;
+  throw InputError(
+      fmt::format("base: the backend {} has no mobile base; leave it out", scenario_.backend));
+}
+
 void SessionCore::Begin(const RunHooks& hooks) {
   hooks_ = hooks;
   setting_->Begin();

@@ -32,6 +32,8 @@ class SessionCore {
   }
   /// @throws InputError when there is no hand.
   [[nodiscard]] backend::Hand& RequireHand() const;
+  /// @throws InputError when the arm stands on no mobile base.
+  [[nodiscard]] backend::Base& RequireBase() const;
 
   /// As Session's.
   void Begin(const RunHooks& hooks);

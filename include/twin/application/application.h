@@ -72,6 +72,8 @@ class Application {
   /// Looks whether a scenario has what it takes, before anything is connected.
   /// @throws InputError naming what is missing, with file and line.
   virtual void Require(const scenario::Scenario& /*scenario*/) const {}
+  /// Whether it is at home on a mobile base, where O moves; the others are refused beside one.
+  [[nodiscard]] virtual bool drives_base() const noexcept { return false; }
 
   /// Interface of the motion that comes first: what a robot must grant before anything moves.
   [[nodiscard]] virtual control::CommandInterface first_interface() const noexcept = 0;

@@ -56,7 +56,7 @@ class Recording {
   [[nodiscard]] const render::Snapshots& snapshots() const noexcept;
   /// Where the arm is in positions of the model, rad. @pre of the model's size.
   [[nodiscard]] JointVector ArmIn(std::span<const double> qpos) const;
-  /// Where its end effector is in a snapshot, as the robot was told of it; base frame, m.
+  /// Where its end effector is in a snapshot, as the robot was told of it; world, m.
   /// @pre frame < snapshots().size()
   [[nodiscard]] Vector3 ToolAt(std::size_t frame) const;
   [[nodiscard]] const std::vector<record::PlanRecord>& plans() const noexcept;

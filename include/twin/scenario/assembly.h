@@ -11,6 +11,7 @@
 
 #include "twin/backend/registry.h"
 #include "twin/control/registry.h"
+#include "twin/core/base.h"
 #include "twin/core/error.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/joint_vector.h"
@@ -120,6 +121,7 @@ struct RunResult {
   CycleCounts counts;
   std::optional<rt::FilterCounts> viability;  ///< of a scenario with tick.viability
   std::optional<HandReport> hand;             ///< of a scenario with commands to it
+  std::optional<BaseState> base;              ///< at the end; of a robot on a mobile base
   std::optional<PlanReport> plan;             ///< of a planned motion
   /// Fingerprint of all states INT sent, in order: the physics, without the log's format.
   std::uint64_t states_hash = 0;

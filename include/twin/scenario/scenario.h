@@ -24,6 +24,7 @@
 #include "twin/reference/feed_forward.h"
 #include "twin/reference/trajectory.h"
 #include "twin/robot/robot_config.h"
+#include "twin/scenario/base_section.h"
 #include "twin/scenario/delay.h"
 #include "twin/scenario/frame_pose.h"
 #include "twin/scenario/loss.h"
@@ -232,6 +233,7 @@ struct Places {
   Place backend;
   Place scene;
   Place robot;
+  Place base;
   Place controller;
   Place library;
   Place application;
@@ -252,6 +254,7 @@ struct Scenario {
       scene;  ///< MJCF of the world, in the models folder or absolute; may be empty
   std::vector<ObjectSection> objects;  ///< beside what the scene holds
   RobotSection robot;
+  std::optional<BaseSection> base;  ///< absent: the arm stands on the world
   PlantSection plant;
   LinkSection link;
   OnboardSection onboard;

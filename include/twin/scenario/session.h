@@ -116,6 +116,9 @@ class Session {
   [[nodiscard]] const backend::Connection& connection() const noexcept;
   [[nodiscard]] const RobotData& robot() const noexcept;
 
+  /// The mobile base below the arm; null when there is none. Nobody else asks anything of it.
+  [[nodiscard]] backend::Base* base() const noexcept;
+
   /// As Run::CheckStart. @param first  the motion that will come first.
   [[nodiscard]] bool CheckStart(const Motion& first, const TellCheck& tell);
 
