@@ -7,6 +7,8 @@ import pathlib
 import sys
 import unittest
 
+sys.dont_write_bytecode = True  # nothing beside the tests
+
 import cli_test
 from cli_test import SHORT, CliTest
 

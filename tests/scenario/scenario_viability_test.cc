@@ -140,6 +140,38 @@ TEST_P(ScenarioViabilityTest, WithoutLossesItNeedsNoFilterOnABriskTrajectory) {
   EXPECT_LT(result.final_error, 1e-3);
 }
 
+TEST_P(ScenarioViabilityTest, AnAdmissibleReferencePassesBitByBit) {
+  for (const auto generator : {loop::Generator::kJoint, loop::Generator::kRejoining}) {
+    Scenario scenario = Load(models_ / "scenarios" / "canonical.yaml");
+    scenario.seed = GetParam();
+    scenario.record = false;
+    scenario.plant.kind = robot::PlantKind::kIdeal;
+    scenario.link.command.loss = {};
+    scenario.link.state.loss = {};
+    scenario.tick.generator = generator;
+    const RunResult without = Run(scenario);
+    EXPECT_FALSE(without.viability.has_value());
+    scenario.tick.viability = 19;
+    const RunResult with = Run(scenario);
+    EXPECT_EQ(with.states_hash, without.states_hash);
+    ASSERT_TRUE(with.viability.has_value());
+    EXPECT_EQ(with.viability->kept_back, 0U);
+    EXPECT_GT(with.viability->nearest.value().margin, 0);
+  }
+}
+
+TEST_P(ScenarioViabilityTest, AdmissibleVelocitiesPassBitByBit) {
+  Scenario scenario = Brisk();
+  scenario.motion.interface = control::CommandInterface::kJointVelocity;
+  scenario.tick.generator = loop::Generator::kNone;
+  scenario.controller.wake_delay.law = rt::ConstantDelay{microseconds(20)};
+  const RunResult without = Run(scenario);
+  scenario.tick.viability = 19;
+  const RunResult with = Run(scenario);
+  EXPECT_EQ(with.states_hash, without.states_hash);
+  EXPECT_EQ(with.viability.value().kept_back, 0U);
+}
+
 TEST_P(ScenarioViabilityTest, ASlowSourceIsPlayedEvenlyByTheRejoiningGenerator) {
   for (const double rate : {50.0, 125.0}) {
     Scenario scenario = Brisk();
