@@ -8,6 +8,7 @@
 #include "experiment/rate_matching.h"
 #include "experiment/timings.h"
 #include "experiment/tracking.h"
+#include "experiment/viability.h"
 #include "twin/experiment/experiment.h"
 
 namespace twin::experiment {
@@ -24,6 +25,7 @@ constexpr std::array kExperiments{
     Experiment{"rate_matching", "Rate matching", &RunRateMatching, &RunRateMatchingOnWallClock},
     Experiment{"lambda", "The correction lambda of the reference generator", &RunLambda},
     Experiment{"losses", "Runs of lost commands", &RunLosses},
+    Experiment{"viability", "Legal for ever, whatever is lost", &RunViability},
 };
 
 }  // namespace

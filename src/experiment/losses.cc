@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "experiment/recording.h"
 #include "experiment/runs.h"
+#include "experiment/tempos.h"
 #include "twin/report/chart.h"
 #include "twin/scenario/robot_data.h"
 
@@ -37,22 +38,14 @@ constexpr std::array kWays{
 };
 constexpr std::size_t kOurs = 3;
 
-/// What is moved along: the largest acceleration as a share of its limit.
-struct Pace {
-  std::string_view name;
-  double stretch;  ///< of the brisk trajectory's time; 0: it is the canonical one
-};
-constexpr std::array kPaces{Pace{"canonical", 0}, Pace{"brisk", 1}, Pace{"hard", 0.84}};
-
 constexpr std::array<int, 6> kBursts{1, 3, 5, 10, 15, 19};
-constexpr std::array<double, 5> kShares{0.1, 1, 5, 20, 50};  ///< of all commands, %
-
-/// Bursts begin so often in the mean, per second.
-constexpr double kBurstsPerSecond = 2;
+constexpr std::array<double, 5> kShares{0.1, 1, 5, 20, 50};       ///< of all commands, %
+constexpr std::array<double, 4> kBurstsPerSecond{0.5, 2, 5, 10};  ///< of the map
+constexpr int kLongest = reference::ViabilityFilter::kLostByDefault;
 
 /// What is lost: bursts of a length, or each command for itself.
 struct Loss {
-  int burst = 0;             ///< 0: each for itself
+  Bursts bursts{};           ///< of length 0: each for itself
   double share_percent = 0;  ///< of those
 };
 
@@ -68,50 +61,28 @@ struct Outcome {
   }
 };
 
-Scenario MakeScenario(const Setting& setting, const Pace& pace, const Way& way) {
+Scenario MakeScenario(const Setting& setting, const Tempo& tempo, const Way& way) {
   Scenario scenario = LoadScenario(setting, "asynchronous");
   TakeOutTimingFaults(scenario);  // losses alone are to be judged
-  if (pace.stretch > 0) {
-    scenario.motion = scenario::Load(setting.files.models / "scenarios" / "brisk.yaml").motion;
-    scenario.motion.interface = control::CommandInterface::kJointPosition;
-    scenario.motion.timing.duration.reset();
-    for (reference::Waypoint& waypoint : scenario.motion.waypoints) {
-      if (waypoint.at) waypoint.at = FromSeconds(ToSeconds(*waypoint.at) * pace.stretch);
-    }
-  }
+  SetTempo(setting, tempo, scenario);
   scenario.tick.generator = way.generator;
   scenario.tick.limiter = way.limiter;
   if (way.filter) scenario.tick.viability = reference::ViabilityFilter::kLostByDefault;
   return scenario;
 }
 
-/// Bursts at random instants, the same for every way.
-scenario::Loss LossOf(const Setting& setting, const Loss& loss, double seconds, int run) {
-  if (loss.burst == 0) return {scenario::IndependentLoss{loss.share_percent}};
-  scenario::ScriptedLoss script;
-  std::uint32_t draw = 0;
-  std::int64_t at = 20;  // ms: the motion has begun
-  for (;;) {
-    const double wait = -std::log1p(-ChoiceOfRun(setting, run, ++draw)) / kBurstsPerSecond;
-    at += std::llround(1e3 * wait) + 1;
-    if (static_cast<double>(at + loss.burst) > 1e3 * seconds) break;
-    script.bursts.push_back(
-        {std::chrono::milliseconds(at), static_cast<std::uint64_t>(loss.burst)});
-    at += loss.burst;
-  }
-  return {script};
-}
-
-Outcome Measure(const Setting& setting, const Pace& pace, const Way& way, const Loss& loss,
+Outcome Measure(const Setting& setting, const Tempo& tempo, const Way& way, const Loss& loss,
                 int runs) {
-  Scenario scenario = MakeScenario(setting, pace, way);
+  Scenario scenario = MakeScenario(setting, tempo, way);
   const reference::Trajectory plan = scenario::MakeTrajectory(
       scenario,
       scenario::LoadRobotData(setting.files.models, scenario.robot.model, scenario.robot.hand));
   Outcome outcome{.runs = runs};
   for (int run = 0; run < runs; ++run) {
     scenario.seed = SeedOfRun(setting, run);
-    scenario.link.command.loss = LossOf(setting, loss, ToSeconds(plan.duration()), run);
+    scenario.link.command.loss =
+        loss.bursts.length == 0 ? scenario::Loss{scenario::IndependentLoss{loss.share_percent}}
+                                : LossOf(setting, loss.bursts, ToSeconds(plan.duration()), run);
     Recording recording;
     const scenario::RunResult result = RunScenario(setting, scenario, &recording);
     if (result.report.end == backend::MotionEnd::kAborted) {
@@ -125,40 +96,132 @@ Outcome Measure(const Setting& setting, const Pace& pace, const Way& way, const 
   return outcome;
 }
 
-/// By pace, way and loss.
-using Outcomes = std::vector<std::vector<std::vector<Outcome>>>;
+/// One way at one tempo under one kind of losses.
+struct Job {
+  std::size_t tempo = 0;
+  std::size_t way = 0;
+  Loss loss;
+};
 
-Outcomes MeasureAll(const Setting& setting, const std::vector<Loss>& losses, int runs, double from,
-                    double to) {
-  Outcomes outcomes(kPaces.size(), std::vector<std::vector<Outcome>>(
-                                       kWays.size(), std::vector<Outcome>(losses.size())));
-  const auto count = static_cast<int>(kPaces.size() * kWays.size() * losses.size());
+std::vector<Outcome> MeasureAll(const Setting& setting, const std::vector<Job>& jobs, int runs,
+                                double from, double to) {
+  std::vector<Outcome> outcomes(jobs.size());
   InParallel(
-      setting, count,
-      [&](int job) {
-        const auto i = static_cast<std::size_t>(job);
-        const std::size_t loss = i % losses.size();
-        const std::size_t way = i / losses.size() % kWays.size();
-        const std::size_t pace = i / losses.size() / kWays.size();
-        outcomes[pace][way][loss] = Measure(setting, kPaces[pace], kWays[way], losses[loss], runs);
+      setting, static_cast<int>(jobs.size()),
+      [&](int i) {
+        const Job& job = jobs[static_cast<std::size_t>(i)];
+        outcomes[static_cast<std::size_t>(i)] =
+            Measure(setting, kTempos.at(job.tempo), kWays.at(job.way), job.loss, runs);
       },
       from, to);
   return outcomes;
 }
 
-/// Of each pace a panel of aborted shares and one of errors.
+/// By tempo, way and loss.
+using Outcomes = std::vector<std::vector<std::vector<Outcome>>>;
+
+Outcomes MeasureTable(const Setting& setting, const std::vector<Loss>& losses, int runs,
+                      double from, double to) {
+  std::vector<Job> jobs;
+  for (std::size_t tempo = 0; tempo < kTempos.size(); ++tempo) {
+    for (std::size_t way = 0; way < kWays.size(); ++way) {
+      for (const Loss& loss : losses) jobs.push_back({tempo, way, loss});
+    }
+  }
+  const std::vector<Outcome> all = MeasureAll(setting, jobs, runs, from, to);
+  Outcomes outcomes(kTempos.size(), std::vector<std::vector<Outcome>>(kWays.size()));
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    outcomes[jobs[i].tempo][jobs[i].way].push_back(all[i]);
+  }
+  return outcomes;
+}
+
+/// Share of aborted runs against how long bursts are and how often they come, at the hard tempo.
+Figure MapAborts(const Setting& setting, int runs, double from, double to) {
+  std::vector<Job> jobs;
+  for (std::size_t way = 0; way < kWays.size(); ++way) {
+    for (const double per_second : kBurstsPerSecond) {
+      for (const int length : kBursts) {
+        jobs.push_back({kTempos.size() - 1, way, {.bursts = {length, per_second}}});
+      }
+    }
+  }
+  const std::vector<Outcome> outcomes = MeasureAll(setting, jobs, runs, from, to);
+  Figure figure{
+      .id = "map",
+      .title = "Aborts against length and rate of bursts, hard",
+      .what =
+          "Long bursts end a stream, limited or not. The paper's generator comes through dense "
+          "ones, "
+          "as it then hardly follows: its error is hundreds of mrad. Ours follows through all.",
+      .columns =
+          "way [-],bursts a second [-],commands lost in a row [-],aborted [%],RMS error "
+          "[mrad]"};
+  report::Chart chart{.title = figure.title, .columns = 2, .width = 1000, .panel_height = 260};
+  const std::size_t places = kBurstsPerSecond.size() * kBursts.size();
+  for (std::size_t way = 0; way < kWays.size(); ++way) {
+    report::HeatMap map{.x = {kBursts.begin(), kBursts.end()},
+                        .y = {kBurstsPerSecond.begin(), kBurstsPerSecond.end()},
+                        .z_label = "aborted [%]",
+                        .z_range = {{0, 100}}};
+    for (std::size_t i = way * places; i < (way + 1) * places; ++i) {
+      map.z.push_back(outcomes[i].aborted_percent());
+      const Bursts& bursts = jobs[i].loss.bursts;
+      figure.rows.push_back({static_cast<double>(way), bursts.per_second,
+                             static_cast<double>(bursts.length), outcomes[i].aborted_percent(),
+                             outcomes[i].rms_mrad()});
+    }
+    chart.panels.push_back({.title = std::string(kWays.at(way).name),
+                            .x_label = "commands lost in a row",
+                            .y_label = "bursts a second",
+                            .log_y = true,
+                            .map = std::move(map)});
+  }
+  figure.svg = report::DrawChart(chart);
+  return figure;
+}
+
+/// Ours under bursts of every length that the robot bridges.
+void CompareEveryLength(const Setting& setting, int runs, double from, double to,
+                        Findings& findings) {
+  std::vector<Job> jobs;
+  for (std::size_t tempo = 0; tempo < kTempos.size(); ++tempo) {
+    for (int length = 1; length <= kLongest; ++length) {
+      jobs.push_back({tempo, kOurs, {.bursts = {.length = length}}});
+    }
+  }
+  const std::vector<Outcome> outcomes = MeasureAll(setting, jobs, runs, from, to);
+  int aborted = 0;
+  double largest = 0;
+  for (const Outcome& outcome : outcomes) {
+    aborted += outcome.aborted;
+    largest = std::fmax(largest, outcome.rms_mrad());
+  }
+  findings.comparisons.push_back(
+      {.quantity = fmt::format("all tempos, every length of bursts from 1 to {}, ours: aborted of "
+                               "{} runs",
+                               kLongest, static_cast<int>(jobs.size()) * runs),
+       .ours = static_cast<double>(aborted),
+       .demand = "none",
+       .verdict = Judge(aborted == 0)});
+  findings.comparisons.push_back({.quantity = "the same: largest RMS error without its delay",
+                                  .unit = "mrad",
+                                  .ours = largest});
+}
+
+/// Of each tempo a panel of aborted shares and one of errors.
 Figure Draw(std::string id, std::string title, std::string what, const std::string& x_label,
             const std::vector<double>& x, const Outcomes& outcomes) {
   report::Chart chart{.title = title, .columns = 2, .width = 1000, .panel_height = 300};
   Figure figure{.id = std::move(id), .title = std::move(title), .what = std::move(what)};
-  figure.columns = x_label + ",pace [-],way [-],aborted [%],RMS error [mrad]";
-  for (std::size_t p = 0; p < kPaces.size(); ++p) {
-    report::ChartPanel aborted{.title = fmt::format("{}: aborted", kPaces[p].name),
+  figure.columns = x_label + ",tempo [-],way [-],aborted [%],RMS error [mrad]";
+  for (std::size_t p = 0; p < kTempos.size(); ++p) {
+    report::ChartPanel aborted{.title = fmt::format("{}: aborted", kTempos[p].name),
                                .x_label = x_label,
                                .y_label = "[%]",
                                .log_x = true,
                                .y_range = {{-5, 105}}};
-    report::ChartPanel error{.title = fmt::format("{}: error of the completed", kPaces[p].name),
+    report::ChartPanel error{.title = fmt::format("{}: error of the completed", kTempos[p].name),
                              .x_label = x_label,
                              .y_label = "[mrad]",
                              .log_x = true,
@@ -186,7 +249,7 @@ Figure Draw(std::string id, std::string title, std::string what, const std::stri
 }
 
 void Compare(const Outcomes& bursts, Findings& findings) {
-  for (std::size_t p = 0; p < kPaces.size(); ++p) {
+  for (std::size_t p = 0; p < kTempos.size(); ++p) {
     for (std::size_t w = 0; w < kWays.size(); ++w) {
       int aborted = 0;
       int runs = 0;
@@ -195,7 +258,7 @@ void Compare(const Outcomes& bursts, Findings& findings) {
         runs += outcome.runs;
       }
       Comparison comparison{.quantity = fmt::format("{}, bursts of 1 to 19, {}: aborted, {} runs",
-                                                    kPaces[p].name, kWays[w].name, runs),
+                                                    kTempos[p].name, kWays[w].name, runs),
                             .unit = "%",
                             .ours = 100.0 * aborted / runs};
       if (w == kOurs) {
@@ -204,12 +267,31 @@ void Compare(const Outcomes& bursts, Findings& findings) {
       }
       findings.comparisons.push_back(comparison);
     }
-    const Outcome& longest = bursts[p][kOurs].back();
-    findings.comparisons.push_back(
-        {.quantity =
-             fmt::format("{}, bursts of 19, ours: RMS error without its delay", kPaces[p].name),
-         .unit = "mrad",
-         .ours = longest.rms_mrad()});
+    for (std::size_t w = 0; w < kWays.size(); ++w) {
+      const Outcome& longest = bursts[p][w].back();
+      findings.comparisons.push_back(
+          {.quantity = fmt::format("{}, bursts of 19, {}: RMS error without its delay",
+                                   kTempos[p].name, kWays[w].name),
+           .unit = "mrad",
+           .ours = longest.rms_mrad()});
+    }
+  }
+}
+
+/// Where ours does not matter: up to which of the lengths no run was aborted.
+void CompareSurvived(const Outcomes& bursts, Findings& findings) {
+  for (std::size_t p = 0; p < kTempos.size(); ++p) {
+    for (std::size_t w = 0; w < kWays.size(); ++w) {
+      int survived = 0;
+      for (std::size_t i = 0; i < kBursts.size() && bursts[p][w][i].aborted == 0; ++i) {
+        survived = kBursts.at(i);
+      }
+      findings.comparisons.push_back(
+          {.quantity = fmt::format("{}, {}: bursts up to this length abort nothing",
+                                   kTempos[p].name, kWays[w].name),
+           .unit = "commands",
+           .ours = static_cast<double>(survived)});
+    }
   }
 }
 
@@ -219,11 +301,13 @@ std::string Describe(int runs) {
       "same for every way; or each for itself. Nothing else disturbs: no jitter, no drift, the "
       "ideal plant. {} runs of each. Canonical: a tenth of the acceleration limits; brisk: 0.6 of "
       "them and 0.8 of the speed limits; hard: 0.85 and 0.95. The paper's generator has the stall "
-      "bridge behind it, as everywhere here. Where this matters and where not: on the canonical "
-      "trajectory and up to 3 commands in a row, the paper's generator serves as well, without the "
-      "delay of 2.25 ms that resampling costs; the guarantee is for longer runs of losses, motions "
-      "near the limits, and limits of the position.",
-      kBurstsPerSecond, runs);
+      "bridge behind it, as everywhere here. Where ours does not matter: up to 3 commands in a row "
+      "nothing here aborts at any tempo, and on the canonical trajectory almost nothing at any "
+      "length; there a stream that is sampled on the robot's own grid is nearer to the plan than "
+      "ours, and without the delay of 2.25 ms that resampling costs. It matters for longer runs of "
+      "losses near the limits, for limits of the position, for sources with a clock of their own, "
+      "and where a promise is wanted in place of a statistic.",
+      Bursts().per_second, runs);
 }
 
 }  // namespace
@@ -231,31 +315,29 @@ std::string Describe(int runs) {
 Findings RunLosses(const Setting& setting) {
   const int runs = std::min(setting.seeds, 3);
   std::vector<Loss> bursts;
-  std::vector<double> lengths;
   bursts.reserve(kBursts.size());
-  lengths.reserve(kBursts.size());
-  for (const int burst : kBursts) {
-    bursts.push_back({.burst = burst});
-    lengths.push_back(burst);
-  }
+  for (const int length : kBursts) bursts.push_back({.bursts = {.length = length}});
   std::vector<Loss> shares;
   shares.reserve(kShares.size());
   for (const double share : kShares) shares.push_back({.share_percent = share});
-  const Outcomes by_burst = MeasureAll(setting, bursts, runs, 0, 0.55);
-  const Outcomes by_share = MeasureAll(setting, shares, runs, 0.55, 1);
+  const Outcomes by_burst = MeasureTable(setting, bursts, runs, 0, 0.3);
+  const Outcomes by_share = MeasureTable(setting, shares, runs, 0.3, 0.55);
   Findings findings{.id = "losses",
                     .title = "Runs of lost commands",
                     .source = "left open by the paper (its outlook)",
                     .text = Describe(runs)};
   Compare(by_burst, findings);
+  CompareEveryLength(setting, runs, 0.55, 0.8, findings);
+  CompareSurvived(by_burst, findings);
   findings.figures = {
       Draw("bursts", "Bursts of losses",
            "Share of motions that the robot aborts, and the error of those completed, against the "
            "length of the bursts.",
-           "commands lost in a row", lengths, by_burst),
+           "commands lost in a row", {kBursts.begin(), kBursts.end()}, by_burst),
       Draw("shares", "Losses one by one",
            "The same when each command is lost for itself: long runs are rare, until most are.",
-           "lost commands [%]", {kShares.begin(), kShares.end()}, by_share)};
+           "lost commands [%]", {kShares.begin(), kShares.end()}, by_share),
+      MapAborts(setting, runs, 0.8, 1)};
   return findings;
 }
 

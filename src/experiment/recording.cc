@@ -31,7 +31,9 @@ void Recording::Put(const rt::TickRecord& record) noexcept {
                     .q_ext = record.q_ext,
                     .dq_ext = record.dq_ext,
                     .q_c = record.command.q_c,
-                    .dq_c = record.command.dq_c});
+                    .dq_c = record.command.dq_c,
+                    .margin = record.margin,
+                    .kept_back = record.kept_back});
 }
 
 std::vector<double> Signal(const std::vector<CycleSample>& cycles, JointVector CycleSample::*field,

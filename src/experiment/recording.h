@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "twin/core/joint_vector.h"
@@ -32,6 +33,8 @@ struct TickSample {
   JointVector dq_ext{};
   JointVector q_c{};
   JointVector dq_c{};
+  std::optional<double> margin{};
+  std::uint8_t kept_back = 0;
 };
 
 /// Keeps a run's curves in memory: of every cycle in motion, and of every tick that wrote.

@@ -29,8 +29,11 @@ TEST(LossesTest, BurstsEndWhatIsNotMadeForThemAndNothingOfOurs) {
   EXPECT_GT(Named(findings, "brisk", "stream of positions").ours, 0);
   EXPECT_GT(Named(findings, "hard", "stream, client's limiter").ours, 0);
   EXPECT_GT(Named(findings, "hard", "the paper's generator").ours, 0);
-  EXPECT_LT(Named(findings, "hard", "RMS error").ours, 1) << "mrad";
-  EXPECT_EQ(findings.figures.size(), 2U);
+  EXPECT_LT(Named(findings, "hard, bursts of 19, rejoining", "RMS error").ours, 1) << "mrad";
+  EXPECT_EQ(Named(findings, "all tempos", "every length").ours, 0);
+  EXPECT_EQ(Named(findings, "hard, rejoining", "up to this length").ours, 19);
+  EXPECT_LT(Named(findings, "hard, stream of positions", "up to this length").ours, 19);
+  EXPECT_EQ(findings.figures.size(), 3U);
 }
 
 }  // namespace

@@ -1,0 +1,294 @@
+#include "experiment/viable_set.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "twin/core/time.h"
+#include "twin/report/chart.h"
+
+namespace twin::experiment {
+namespace {
+
+using reference::AxisBounds;
+using reference::AxisState;
+using reference::ViableAxis;
+
+/// Losses in a row of which the borders are drawn.
+constexpr std::array<int, 3> kDrawn{0, 3, 20};
+constexpr std::array<double, 3> kDistances{0.05, 0.3, 1.5};  ///< rad
+
+/// Where a condition ends that holds at `holds` and not at `fails`.
+template <class Condition>
+double Border(double holds, double fails, const Condition& condition) {
+  constexpr int kHalvings = 50;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (holds + fails) / 2;
+    (condition(middle) ? holds : fails) = middle;
+  }
+  return holds;
+}
+
+std::vector<ViableAxis> AxesOf(const AxisBounds& bounds) {
+  std::vector<ViableAxis> axes;
+  axes.reserve(kDrawn.size());
+  for (const int lost : kDrawn) axes.emplace_back(bounds, lost, "joint 1");
+  return axes;
+}
+
+double Middle(const ViableAxis& axis) {
+  return (axis.kept().q_min + axis.kept().q_max) / 2;
+}
+
+std::string NameOf(int lost) {
+  return lost == 0 ? "no loss" : fmt::format("{} lost in a row", lost);
+}
+
+report::ChartCurve CurveOf(std::size_t series, std::string name) {
+  return {.name = std::move(name), .colour = report::colour::kSeries.at(series)};
+}
+
+/// Velocity against acceleration, far from the range's ends: the upper border, then the lower one
+/// back, which is the upper one mirrored.
+void AddAgainstAcceleration(const std::vector<ViableAxis>& axes, report::Chart& chart,
+                            Figure& figure) {
+  constexpr int kSteps = 200;
+  report::ChartPanel panel{
+      .title = "far from the ends of the range",
+      .x_label = "acceleration [rad/s^2]",
+      .y_label = "velocity [rad/s]",
+      .x_range = {{-1.1 * axes[0].kept().ddq_max, 1.1 * axes[0].kept().ddq_max}},
+      .y_range = {{-1.1 * axes[0].kept().dq_max, 1.1 * axes[0].kept().dq_max}}};
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    report::ChartCurve curve = CurveOf(i, NameOf(kDrawn[i]));
+    const double most = axes[i].kept().ddq_max;
+    const auto add = [&](double ddq, double sign) {
+      const double dq = HighestSpeed(axes[i], Middle(axes[i]), ddq);
+      curve.x.push_back(sign * ddq);
+      curve.y.push_back(sign * dq);
+      figure.rows.push_back({static_cast<double>(kDrawn[i]), sign * ddq, sign * dq,
+                             std::numeric_limits<double>::quiet_NaN()});
+    };
+    for (const double sign : {1.0, -1.0}) {
+      for (int k = 0; k <= kSteps; ++k) add(most * (2.0 * k / kSteps - 1), sign);
+    }
+    curve.x.push_back(curve.x.front());
+    curve.y.push_back(curve.y.front());
+    panel.curves.push_back(std::move(curve));
+  }
+  chart.panels.push_back(std::move(panel));
+}
+
+/// Velocity against what is left to the upper end of the range, without acceleration.
+void AddAgainstDistance(const std::vector<ViableAxis>& axes, report::Chart& chart, Figure& figure) {
+  constexpr double kFarthest = 0.3;  // rad
+  constexpr int kSteps = 300;
+  report::ChartPanel panel{.title = "towards an end of the range, without acceleration",
+                           .x_label = "distance to the end [rad]",
+                           .y_label = "highest velocity [rad/s]",
+                           .y_range = {{0, 1.1 * axes[0].kept().dq_max}}};
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    report::ChartCurve curve = CurveOf(i, "");
+    for (int k = 0; k <= kSteps; ++k) {
+      const double distance = kFarthest * k / kSteps;
+      const double dq = HighestSpeed(axes[i], axes[i].kept().q_max - distance, 0);
+      curve.x.push_back(distance);
+      curve.y.push_back(dq);
+      figure.rows.push_back({static_cast<double>(kDrawn[i]), 0, dq, distance});
+    }
+    panel.curves.push_back(std::move(curve));
+  }
+  chart.panels.push_back(std::move(panel));
+}
+
+Figure DrawBorder(const AxisBounds& bounds) {
+  Figure figure{.id = "border",
+                .title = "Border of the viable set, joint 1",
+                .what =
+                    "Inside, a joint's limits can be kept for ever, whatever is lost; outside "
+                    "they cannot. The more commands may be lost in a row, the earlier a joint "
+                    "must stop to accelerate, and the earlier it must brake.",
+                .svg = {},
+                .columns =
+                    "lost in a row [-],acceleration [rad/s^2],velocity [rad/s],distance to "
+                    "the end of the range [rad]",
+                .rows = {}};
+  report::Chart chart{
+      .title = figure.title, .columns = 2, .width = 1000, .panel_height = 360, .panels = {}};
+  const std::vector<ViableAxis> axes = AxesOf(bounds);
+  AddAgainstAcceleration(axes, chart, figure);
+  AddAgainstDistance(axes, chart, figure);
+  figure.svg = report::DrawChart(chart);
+  return figure;
+}
+
+/// What a motion takes longer than without losses to reckon with, %.
+double LongerPercent(const AxisBounds& bounds, int lost, double distance) {
+  return 100 * (RestToRestTime(bounds, lost, distance) / RestToRestTime(bounds, 0, distance) - 1);
+}
+
+Figure DrawPrice(const AxisBounds& bounds) {
+  constexpr int kMost = 20;
+  Figure figure{.id = "price",
+                .title = "Price of the losses that are reckoned with, joint 1",
+                .what =
+                    "What a filter for n losses in a row costs when nothing is lost: speed at "
+                    "full acceleration, way to stop from full speed, time from rest to rest.",
+                .svg = {},
+                .columns =
+                    "lost in a row [-],speed at full acceleration [rad/s],stopping distance "
+                    "[rad],0.05 rad longer by [%],0.3 rad longer by [%],1.5 rad longer by [%]",
+                .rows = {}};
+  report::ChartCurve speed = CurveOf(0, "");
+  report::ChartCurve way = CurveOf(0, "");
+  std::array<report::ChartCurve, kDistances.size()> longer;
+  for (std::size_t d = 0; d < longer.size(); ++d) {
+    longer.at(d) = CurveOf(d, fmt::format("{} rad", kDistances.at(d)));
+  }
+  for (int lost = 0; lost <= kMost; ++lost) {
+    const ViableAxis axis(bounds, lost, "joint 1");
+    figure.rows.push_back({static_cast<double>(lost),
+                           HighestSpeed(axis, Middle(axis), axis.kept().ddq_max),
+                           StoppingDistance(axis)});
+    std::vector<double>& row = figure.rows.back();
+    for (const double distance : kDistances) row.push_back(LongerPercent(bounds, lost, distance));
+    const auto add = [&](report::ChartCurve& curve, std::size_t column) {
+      curve.x.push_back(lost);
+      curve.y.push_back(row.at(column));
+    };
+    add(speed, 1);
+    add(way, 2);
+    for (std::size_t d = 0; d < longer.size(); ++d) add(longer.at(d), 3 + d);
+  }
+  const std::string x = "commands lost in a row, n";
+  report::Chart chart{.title = figure.title,
+                      .columns = 3,
+                      .width = 1200,
+                      .panel_height = 320,
+                      .panels = {{.title = "at full acceleration",
+                                  .x_label = x,
+                                  .y_label = "highest speed [rad/s]",
+                                  .curves = {std::move(speed)}},
+                                 {.title = "from full speed",
+                                  .x_label = x,
+                                  .y_label = "way to stop [rad]",
+                                  .curves = {std::move(way)}},
+                                 {.title = "from rest to rest",
+                                  .x_label = x,
+                                  .y_label = "longer than with n = 0 [%]",
+                                  .curves = {std::make_move_iterator(longer.begin()),
+                                             std::make_move_iterator(longer.end())}}}};
+  figure.svg = report::DrawChart(chart);
+  return figure;
+}
+
+/// A figure that is known beforehand. @param share  how far off it may be.
+void AddKnown(std::string quantity, std::string unit, double ours, double known, double share,
+              Findings& findings) {
+  findings.comparisons.push_back({.quantity = std::move(quantity),
+                                  .unit = std::move(unit),
+                                  .ours = ours,
+                                  .demand = fmt::format("{} within {:.2g} %", known, 100 * share),
+                                  .verdict = Judge(std::abs(ours / known - 1) <= share)});
+}
+
+/// Of the first joint, whose figures are known beforehand.
+void CompareBorder(const AxisBounds& bounds, Findings& findings) {
+  struct Known {
+    int lost;
+    double speed_at_full_acceleration;
+    double stopping_distance;
+  };
+  constexpr std::array kKnown{Known{0, 2.1675, 0.1574}, Known{3, 2.10, 0.1671},
+                              Known{20, 1.7175, 0.2217}};
+  for (const Known& known : kKnown) {
+    const ViableAxis axis(bounds, known.lost, "joint 1");
+    const std::string name = fmt::format("joint 1, n = {}, ", known.lost);
+    AddKnown(name + "highest speed without acceleration", "rad/s",
+             HighestSpeed(axis, Middle(axis), 0), 2.175, 1e-4, findings);
+    AddKnown(name + "highest speed at full acceleration", "rad/s",
+             HighestSpeed(axis, Middle(axis), axis.kept().ddq_max),
+             known.speed_at_full_acceleration, 1e-4, findings);
+    AddKnown(name + "way to stop from full speed", "rad", StoppingDistance(axis),
+             known.stopping_distance, 3e-3, findings);
+  }
+}
+
+/// Of all joints: the range of what a motion takes longer.
+void CompareTimes(const std::vector<AxisBounds>& bounds, Findings& findings) {
+  struct Demand {
+    double distance;
+    double low_percent;
+    double high_percent;
+  };
+  constexpr std::array kDemands{Demand{kDistances[0], 12, 29}, Demand{kDistances[1], 1.5, 5.5},
+                                Demand{kDistances[2], 0, 1}};
+  for (const Demand& demand : kDemands) {
+    for (const int lost : {3, 19, 20}) {
+      std::vector<double> longer;
+      for (const AxisBounds& joint : bounds) {
+        longer.push_back(LongerPercent(joint, lost, demand.distance));
+      }
+      const auto [low, high] = std::ranges::minmax(longer);
+      Comparison comparison{.quantity = fmt::format("all joints, n = {}, {} rad from rest to rest: "
+                                                    "longer than with n = 0, joint 1",
+                                                    lost, demand.distance),
+                            .unit = "%",
+                            .ours = longer.front(),
+                            .low = low,
+                            .high = high};
+      if (lost == kDrawn.back()) {
+        comparison.demand =
+            fmt::format("all within {} to {} %", demand.low_percent, demand.high_percent);
+        comparison.verdict = Judge(low >= demand.low_percent && high <= demand.high_percent);
+      }
+      findings.comparisons.push_back(std::move(comparison));
+    }
+  }
+}
+
+}  // namespace
+
+double HighestSpeed(const ViableAxis& axis, double q, double ddq) {
+  const auto is_viable = [&](double dq) { return axis.Contains({.q = q, .dq = dq, .ddq = ddq}); };
+  const double most = axis.kept().dq_max;
+  if (is_viable(most)) return most;
+  return is_viable(0) ? Border(0, most, is_viable) : 0;
+}
+
+double StoppingDistance(const ViableAxis& axis) {
+  const auto is_viable = [&](double distance) {
+    return axis.Contains({.q = axis.kept().q_max - distance, .dq = axis.kept().dq_max, .ddq = 0});
+  };
+  return Border(axis.longest_way(), 0, is_viable);
+}
+
+double RestToRestTime(const AxisBounds& bounds, int lost, double distance) {
+  constexpr double kClose = 1e-3;  // rad
+  constexpr int kMostCycles = 60'000;
+  AxisBounds towards = bounds;
+  towards.q_max = distance;
+  towards.q_min = distance - (bounds.q_max - bounds.q_min);
+  const ViableAxis axis(towards, lost, "the joint");
+  AxisState x;
+  int cycles = 0;
+  while (distance - x.q > kClose && cycles < kMostCycles) {
+    x = ViableAxis::Step(x, axis.Nearest(x, bounds.dddq_max));
+    ++cycles;
+  }
+  return cycles * kCycleSeconds;
+}
+
+void AddViableSet(const std::vector<AxisBounds>& bounds, Findings& findings) {
+  CompareBorder(bounds.front(), findings);
+  CompareTimes(bounds, findings);
+  findings.figures.push_back(DrawBorder(bounds.front()));
+  findings.figures.push_back(DrawPrice(bounds.front()));
+}
+
+}  // namespace twin::experiment
