@@ -1,11 +1,7 @@
 // The targets of the wire over the seeds that fuzzing starts from, as they are and changed by
 // seeded mutations: what libFuzzer does at length.
 
-#include <algorithm>
 #include <cstddef>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <ostream>
 #include <string>
@@ -15,29 +11,16 @@
 
 #include "fuzz/fci_targets.h"
 #include "fuzz/mutations.h"
+#include "fuzz/seeds.h"
 #include "fuzz/session_targets.h"
 
 namespace twin::fci {
 namespace {
 
-using Seeds = std::map<std::string, std::vector<std::byte>>;
+using test::Seeds;
+using test::SeedsOf;
 
 constexpr std::uint64_t kRounds = 20'000;
-
-/// The seeds of a target, by name.
-Seeds SeedsOf(const std::string& target) {
-  Seeds seeds;
-  const std::filesystem::path folder =
-      std::filesystem::path(TWIN_SOURCE_DIR) / "tests/fuzz/corpus" / target;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    std::ifstream file(entry.path(), std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(file)), {});
-    std::vector<std::byte>& bytes = seeds[entry.path().stem().string()];
-    std::ranges::transform(text, std::back_inserter(bytes),
-                           [](char c) { return static_cast<std::byte>(c); });
-  }
-  return seeds;
-}
 
 struct Case {
   const char* name;

@@ -4,7 +4,7 @@
 #include <span>
 
 // What reads untrusted bytes of the Franka Control Interface, and the rules that must hold for any
-// bytes; breaking one ends the program. Each is an entry of libFuzzer (fci_fuzz_entry.cc), and
+// bytes; breaking one ends the program. Each is an entry of libFuzzer (fuzz_entry.cc), and
 // fci_fuzz_test and fci_corpus_test drive them by seeded mutations.
 namespace twin::fci::fuzz {
 

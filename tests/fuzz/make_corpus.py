@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The seeds that fuzzing starts from: whole frames and datagrams as client and robot exchange them.
+"""The seeds that fuzzing starts from: whole frames and datagrams as client and robot exchange them,
+datagrams of operators' devices and scripts of what operators did.
 
     make_corpus.py          writes them to corpus/TARGET/NAME.bin beside this file
     make_corpus.py --check  says whether they are what it would write; exit code 1 when not
@@ -164,9 +165,63 @@ def gripper():
     yield "state_short", STATE + hand_state()[:-1]
 
 
+def sample(kind=0, engaged=1, token=b"secret", sequence=7, axes=(0.1, -0.2, 0.3, 0, 0, -1), presses=(1, 2, 3, 4, 5, 6, 7), magic=b"PTOS",
+           version=1):
+    return struct.pack("<4sHBB16sQq6d7I", magic, version, kind, engaged, token, sequence, -5, *axes, *presses)
+
+
+def feedback(mode=1, flags=31, wrench=(1, 2, 3, 4, 5, 6)):
+    return struct.pack("<4sHBBQQ6d", b"PTOF", 1, mode, flags, 9, 8, *wrench)
+
+
+def operator_datagrams():
+    yield "good_rate", sample()
+    yield "good_pose", sample(kind=1, axes=(0.5, -2, 9.5, 3.1, 0, 0))
+    yield "good_clutch", sample(engaged=0, sequence=1 << 40, presses=7 * (0xFFFFFFFF,))
+    yield "good_feedback", feedback()
+    yield "good_feedback_of_nothing", feedback(0, 0, 6 * (0,))
+    yield "bad_magic", sample(magic=b"PTOX")
+    yield "bad_version", sample(version=2)
+    yield "bad_kind", sample(kind=2)
+    yield "bad_flag", sample(engaged=255)
+    yield "bad_sequence", sample(sequence=0)
+    yield "bad_deflection", sample(axes=(1.01, 0, 0, 0, 0, 0))
+    yield "bad_handle", sample(kind=1, axes=(0, 0, -11, 0, 0, 0))
+    yield "bad_number", sample(axes=(0, math.nan, 0, 0, 0, 0))
+    yield "bad_short", sample()[:-1]
+    yield "bad_long", sample() + b"\0"
+    yield "bad_feedback_flag", feedback(flags=32)
+    yield "bad_feedback_mode", feedback(mode=2)
+    yield "bad_feedback_number", feedback(wrench=(math.inf, 0, 0, 0, 0, 0))
+
+
+SCRIPT = b"time,kind,x,y,z,rx,ry,rz,engaged,mode,gripper,frame,scale,stop,release,end\n"
+REST = b"0,rate,0,0,0,0,0,0,1,0,0,0,0,0,0,0\n"
+
+
+def operator_scripts():
+    yield "good_short", SCRIPT + REST
+    yield "good_session", SCRIPT + REST + b"".join(
+        f"{0.01 * i:.9f},rate,{i / 20},0,0,0,0,{-i / 20},{i % 2},0,{i % 3},0,0,0,0,{i // 19}\n".encode() for i in range(1, 20))
+    yield "good_poses", SCRIPT + b" 1e-3 , pose ,1.5,-2,3,0,0,0,0,1,1,1,1,1,1,1\r\n\r\n"
+    yield "good_end_of_line", b"\xef\xbb\xbf" + SCRIPT + REST[:-1]
+    yield "bad_empty", b""
+    yield "bad_no_rows", SCRIPT
+    yield "bad_header", SCRIPT.replace(b"kind", b"sort") + REST
+    yield "bad_time", SCRIPT + REST + REST
+    yield "bad_kind", SCRIPT + REST.replace(b"rate", b"speed")
+    yield "bad_axis", SCRIPT + b"0,rate,0,0,1.5,0,0,0,1,0,0,0,0,0,0,0\n"
+    yield "bad_number", SCRIPT + b"0,rate,0,0,nan,0,0,0,1,0,0,0,0,0,0,0\n"
+    yield "bad_presses", SCRIPT + b"0,rate,0,0,0,0,0,0,1,0,-1,0,0,0,0,0\n"
+    yield "bad_fields", SCRIPT + b"0,rate,0,0,0\n"
+    yield "bad_gap", SCRIPT + REST + b"\n" + b"1" + REST[1:]
+    yield "bad_bytes", SCRIPT + bytes(range(256)) * 4
+
+
 def corpus():
     """@returns {path: bytes}."""
-    targets = {"server_tcp": arm_sessions, "server_udp": commands, "client_tcp": arm_answers, "client_udp": states, "gripper": gripper}
+    targets = {"server_tcp": arm_sessions, "server_udp": commands, "client_tcp": arm_answers, "client_udp": states, "gripper": gripper,
+               "operator_datagram": operator_datagrams, "operator_script": operator_scripts}
     return {FOLDER / target / f"{name}.bin": data for target, seeds in targets.items() for name, data in seeds()}
 
 
