@@ -46,6 +46,10 @@ void NetworkSettings::Validate() const {
       "the robot: name the network that may with `allow: ADDRESS/BITS`, or leave `bind` out");
 }
 
+bool NetworkSettings::MaySend(std::uint32_t address) const noexcept {
+  return fci::IsLoopback(address) || (allow && allow->Contains(address));
+}
+
 NetworkDevice::NetworkDevice(const MonotonicClock& clock, const NetworkSettings& settings)
     : settings_((settings.Validate(), settings)), socket_(clock, settings.bind) {}
 
@@ -65,13 +69,10 @@ std::optional<OperatorSample> NetworkDevice::Read(Time now) noexcept {
   return newest;
 }
 
-bool NetworkDevice::MaySend(std::uint32_t address) const noexcept {
-  return fci::IsLoopback(address) || (settings_.allow && settings_.allow->Contains(address));
-}
-
 std::optional<OperatorSample> NetworkDevice::Take(const fci::Datagram& datagram,
                                                   Time now) noexcept {
-  const bool is_foreign = !MaySend(datagram.from.address) || (peer_ && *peer_ != datagram.from);
+  const bool is_foreign =
+      !settings_.MaySend(datagram.from.address) || (peer_ && *peer_ != datagram.from);
   if (is_foreign) {
     ++tally_.foreign;
     return {};

@@ -26,6 +26,8 @@ struct NetworkSettings {
   /// @throws InputError when others could send without being named, or the silence is not in
   /// [0.05, 60] s.
   void Validate() const;
+  /// Whether somebody at `address` may: this machine, and who is in `allow`.
+  [[nodiscard]] bool MaySend(std::uint32_t address) const noexcept TWIN_REALTIME;
 };
 
 /// A device's own program, which sends samples by UDP (operator_message.h) and gets the feedback
@@ -71,7 +73,6 @@ class NetworkDevice final : public teleop::Device {
  private:
   /// @returns the sample as the session has it, unless it is passed over.
   std::optional<teleop::OperatorSample> Take(const fci::Datagram& datagram, Time now) noexcept;
-  [[nodiscard]] bool MaySend(std::uint32_t address) const noexcept;
   void BeginSession(const fci::Endpoint& peer, const teleop::OperatorSample& first) noexcept;
 
   const NetworkSettings settings_;

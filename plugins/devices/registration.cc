@@ -15,8 +15,8 @@ namespace {
 using Maker = std::unique_ptr<teleop::Device> (*)(const teleop::DeviceRequest&);
 
 /// What `make` makes, recorded where a file for it is named.
-teleop::DeviceFactory Recorded(Maker make, std::function<void(std::string_view)> tell) {
-  return [make, tell = std::move(tell)](const teleop::DeviceRequest& request) {
+teleop::DeviceFactory Recorded(Maker make, const std::function<void(std::string_view)>& tell) {
+  return [make, tell](const teleop::DeviceRequest& request) {
     std::unique_ptr<teleop::Device> device = make(request);
     const std::string file = request.parameters.Text("record", "");
     if (file.empty()) return device;
@@ -27,7 +27,8 @@ teleop::DeviceFactory Recorded(Maker make, std::function<void(std::string_view)>
 
 }  // namespace
 
-void RegisterDevices(teleop::DeviceRegistry& registry, std::function<void(std::string_view)> tell) {
+void RegisterDevices(teleop::DeviceRegistry& registry,
+                     const std::function<void(std::string_view)>& tell) {
   registry.Add("evdev", Recorded(&MakeEvdevDevice, tell));
   registry.Add("network", Recorded(&MakeNetworkDevice, tell));
   registry.Add("script", Recorded(&MakeScriptDevice, tell));

@@ -12,6 +12,7 @@ namespace twin::devices {
 /// parameter `record`, the file into which its samples go (recording_device.h).
 /// @param tell  gets a line, from any thread, about what goes wrong when nobody asks any more: a
 /// recording that is not whole. May be empty.
-void RegisterDevices(teleop::DeviceRegistry& registry, std::function<void(std::string_view)> tell);
+void RegisterDevices(teleop::DeviceRegistry& registry,
+                     const std::function<void(std::string_view)>& tell);
 
 }  // namespace twin::devices

@@ -4,14 +4,18 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "cli/exit_code.h"
 #include "cli/program.h"
+#include "cli/say.h"
 #include "controllers/registration.h"
+#include "plugins/devices/registration.h"
 #include "plugins/fci/fci_backend.h"
 #include "plugins/mujoco/mujoco_backend.h"
 #include "twin/backend/registry.h"
 #include "twin/control/registry.h"
+#include "twin/teleop/device_registry.h"
 
 namespace {
 
@@ -52,11 +56,15 @@ int main(int argc, char** argv) {
   twin::plugins::RegisterFci(backends);
   twin::control::ControllerRegistry controllers;
   twin::controllers::RegisterControllers(controllers);
+  twin::teleop::DeviceRegistry devices;
+  twin::devices::RegisterDevices(devices, [](std::string_view text) {
+    twin::cli::Say(stderr, "panda-twin: note: " + std::string(text) + "\n");
+  });
 
   twin::cli::Host host;
   std::error_code error;
   host.executable = std::filesystem::read_symlink("/proc/self/exe", error);
   host.cache = CacheFolder();
   host.path = Environment("PATH");
-  return twin::cli::RunProgram(argc, argv, host, {backends, controllers});
+  return twin::cli::RunProgram(argc, argv, host, {backends, controllers, &devices});
 }

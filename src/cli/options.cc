@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "cli/data_options.h"
+#include "cli/devices_options.h"
 #include "cli/render_options.h"
 #include "cli/video_options.h"
 #include "twin/reference/viable_axis.h"
@@ -34,6 +35,7 @@ constexpr const char* kFooter = R"(Start here:
   panda-twin validate my.yaml                            is my scenario sound? (no run)
   panda-twin run SCENARIO.yaml --backend fci --robot HOST --max-speed 0.1   on a robot, slowly
   panda-twin export out/canonical/run.mcap               the log as CSV tables
+  panda-twin devices                                     what is plugged in to lead the robot by hand?
   panda-twin explain out/canonical                       why did the run abort? value, limit, cause, cure
 
 A scenario is a YAML file that describes a run: robot, link, controller, motion or application. Start from one in
@@ -387,6 +389,7 @@ Commands AddCommands(CLI::App& app, Flags& flags) {
                           .check = AddCheck(app, flags.check),
                           .explain = AddExplain(app, flags.explain),
                           .decode = AddDecode(app, flags.decode),
+                          .devices = AddDevices(app, flags.devices),
                           .exported = AddExport(app, flags.exported)};
   app.footer(kFooter);  // after its commands, which else would repeat it
   return commands;

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
+#include "cli/devices_command.h"
 #include "cli/render_command.h"
 #include "cli/video_command.h"
 
@@ -21,6 +22,7 @@ struct Flags {
   ExportFlags exported;
   ExplainFlags explain;
   DecodeFlags decode;
+  DevicesFlags devices;
 };
 
 /// The parsed command line's way to a command. Each pointer is the app's.
@@ -35,6 +37,7 @@ struct Commands {
   const CLI::App* check = nullptr;
   const CLI::App* explain = nullptr;
   const CLI::App* decode = nullptr;
+  const CLI::App* devices = nullptr;
   const CLI::App* exported = nullptr;
 };
 

@@ -101,6 +101,7 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
     if (commands.validate->parsed()) return ValidateCommand(flags.validate, host, catalogue);
     if (commands.check->parsed()) return CheckCommand(flags.check, host);
     if (commands.explain->parsed()) return ExplainCommand(flags.explain);
+    if (commands.devices->parsed()) return DevicesCommand(flags.devices, *catalogue.devices);
     if (commands.decode->parsed()) return DecodeCommand(flags.decode);
     return ExportCommand(flags.exported);
   });
