@@ -1,21 +1,17 @@
 #!/usr/bin/env python3
-"""Mutants of INT, each a single change of its text, and the tests of this folder that must catch it.
+"""Mutants of INT and the tests of this folder that must catch them.
 
-    check_mutants.py --source ROOT --build DIR [--quick] [--only NAME]
+    check_mutants.py --source ROOT --build DIR [--quick] [--only NAME] [--all]
 
-Copies the file to change, compiles it as the build does, links it in front of the library into the test programs and runs
-these until one fails. A mutant that no program catches is a failure, and so is a change that no longer applies: then this
-list wants an update. --quick takes a few that stand for the rest. Needs a build by Ninja with the programs built.
+How: tests/support/mutants.py.
 """
 
-import argparse
-import concurrent.futures
-import json
 import pathlib
-import shlex
-import subprocess
 import sys
-import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+
+import mutants  # noqa: E402
 
 # Program and arguments, cheapest first.
 CATCHERS = [
@@ -23,8 +19,6 @@ CATCHERS = [
     ("random_streams", ["--streams", "1000", "--seed", "1"]),
     ("int_modes_test", ["--gtest_brief=1"]),
 ]
-SECONDS = 200
-
 
 
 def scaled(limits, factor):
@@ -130,100 +124,6 @@ MUTANTS = [
 
 QUICK = ["joint acceleration limit 1 % wider", "a loss holds velocity, not acceleration", "elbow sign unchecked"]
 
-
-class Build:
-    """How the build compiles a source and links a program."""
-
-    def __init__(self, source, folder):
-        self.source = source
-        self.folder = folder
-        entries = json.loads((folder / "compile_commands.json").read_text())
-        self.commands = {pathlib.Path(entry["file"]).name: entry for entry in entries
-                         if "/src/onboard/" in entry["file"]}
-
-    def run(self, command):
-        done = subprocess.run(command, cwd=self.folder, shell=True, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise RuntimeError(f"{command[:200]} ...\n{done.stderr[-3000:]}")
-        return done.stdout
-
-    def compile(self, name, text, scratch):
-        """The object of a changed source."""
-        changed = scratch / name
-        changed.write_text(text)
-        entry = self.commands[name]
-        words = shlex.split(entry["command"])
-        words[words.index("-o") + 1] = str(scratch / "mutant.o")
-        words[words.index("-c") + 1] = str(changed)
-        kept = [word for word in words if not word.endswith("ccache")]
-        self.run(shlex.join(kept + ["-O1", "-Wno-error"]))  # a mutant may leave something unused
-        return scratch / "mutant.o"
-
-    def link(self, program, mutant, scratch):
-        """The program with the object in front of the libraries."""
-        last = self.run(f"ninja -t commands {program}").strip().splitlines()[-1]
-        word = f" -o tests/int/{program} "
-        if last.count(word) != 1:
-            raise RuntimeError(f"no link command of {program}: {last[:300]}")
-        linked = scratch / program
-        self.run(last.replace(word, f" -o {linked} {mutant} "))
-        return linked
-
-
-def run(program, arguments):
-    """Whether the program fails; text for how."""
-    try:
-        done = subprocess.run([program, *arguments], capture_output=True, timeout=SECONDS, check=False)
-    except subprocess.TimeoutExpired:
-        return " (does not end)"
-    return "" if done.returncode else None
-
-
-def read(source, name, old):
-    text = (source / "src/onboard" / name).read_text()
-    if text.count(old) != 1:
-        raise RuntimeError(f"the change applies to {text.count(old)} places of src/onboard/{name}, not to one: {old!r}")
-    return text
-
-
-def catch(build, mutant):
-    """The first program that fails with the mutant; None when all pass."""
-    name, file, old, new = mutant
-    text = read(build.source, file, old).replace(old, new)
-    with tempfile.TemporaryDirectory() as folder:
-        scratch = pathlib.Path(folder)
-        changed = build.compile(file, text, scratch)
-        for program, arguments in CATCHERS:
-            failure = run(build.link(program, changed, scratch), arguments)
-            if failure is not None:
-                return program + failure
-    return None
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--source", type=pathlib.Path, required=True)
-    parser.add_argument("--build", type=pathlib.Path, required=True)
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--only")
-    options = parser.parse_args()
-    build = Build(options.source, options.build)
-
-    chosen = [m for m in MUTANTS if (not options.quick or m[0] in QUICK) and options.only in (None, m[0])]
-    for _, file, old, _ in MUTANTS:
-        read(options.source, file, old)  # all of them, so that a quick run already tells what no longer applies
-    for program, arguments in CATCHERS:
-        if run(options.build / "tests/int" / program, arguments) is not None:
-            sys.exit(f"{program} fails without any mutant: what it would catch says nothing")
-    survivors = []
-    with concurrent.futures.ThreadPoolExecutor(max_workers=2) as pool:
-        for mutant, catcher in zip(chosen, pool.map(lambda m: catch(build, m), chosen)):
-            print(f"{'caught' if catcher else 'SURVIVES'}: {mutant[0]}" + (f" ({catcher})" if catcher else ""), flush=True)
-            if not catcher:
-                survivors.append(mutant[0])
-    print(f"{len(chosen) - len(survivors)} of {len(chosen)} mutants caught")
-    sys.exit(1 if survivors or not chosen else 0)
-
-
 if __name__ == "__main__":
-    main()
+    mutants.main(__doc__, "tests/int", CATCHERS, [(name, "src/onboard/" + file, *change) for name, file, *change in MUTANTS],
+                 QUICK)

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -88,6 +89,39 @@ TEST(ViableAxisTest, TheNearestJerkIsTheWishOrTheBorder) {
   }
   EXPECT_GT(passed, 200);
   EXPECT_GT(changed, 200);
+}
+
+/// At the border of the upper bounds, going up.
+AxisState BeforeTheEnd(const ViableAxis& axis) {
+  double inside = axis.kept().q_min;
+  double outside = axis.kept().q_max;
+  for (int i = 0; i < 60; ++i) {
+    const double q = (inside + outside) / 2;
+    (axis.Contains({q, 1, 0}) ? inside : outside) = q;
+  }
+  return {inside, 1, 0};
+}
+
+TEST(ViableAxisTest, ACommandForSeveralStatesIsTheNearestThatDoesInEach) {
+  const ViableAxis axis = PandaAxis(0, 19);
+  const AxisState end = BeforeTheEnd(axis);
+  const double alone = axis.Nearest(end, 1000);
+  ASSERT_LT(alone, -100);
+  const std::array<PossibleState, 2> states{PossibleState{.x = {}}, PossibleState{end, 500}};
+  EXPECT_NEAR(axis.NearestOfAll(states, 1000).value_or(NAN), alone - 500, 1e-3);
+  const std::array<PossibleState, 2> jerky{PossibleState{.x = {}},
+                                           PossibleState{.x = {}, .extra = 7000}};
+  EXPECT_NEAR(axis.NearestOfAll(jerky, 1000).value_or(NAN), axis.kept().dddq_max - 7000, 1e-9);
+}
+
+TEST(ViableAxisTest, NoCommandDoesInStatesThatMustBrakeOppositeWays) {
+  const ViableAxis axis = PandaAxis(0, 19);
+  const AxisState end = BeforeTheEnd(axis);
+  const std::array<PossibleState, 2> states{PossibleState{end, 0},
+                                            PossibleState{Mirrored(end, axis.kept()), 0}};
+  for (const double wish : {-1e9, 0.0, 1e9}) {
+    EXPECT_FALSE(axis.NearestOfAll(states, wish).has_value());
+  }
 }
 
 TEST(ViableAxisTest, KeepsItsBoundsWhateverIsWishedAndLost) {
