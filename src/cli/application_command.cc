@@ -47,11 +47,14 @@ class ApplicationSession {
         scenario_(WithoutSpeed(scenario, flags)),
         settings_(SettingsOf(flags)),
         out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out),
-        page_(flags.page, records_, interrupt_) {
+        page_(flags, records_, interrupt_, out_.folder()),
+        devices_(page_.Devices(catalogue)),
+        catalogue_{catalogue.backends, catalogue.controllers, &devices_} {
     RequirePrograms(scenario_, wants_video(), host);
     Connect(
         scenario_, flags, wants_video(), settings_, capture, [&]() -> const auto& {
-          run_.emplace(scenario_, catalogue, FilesOf(flags, host), page_.sink(), clock_, settings_);
+          run_.emplace(scenario_, catalogue_, FilesOf(flags, host), page_.sink(), clock_,
+                       settings_);
           return run_->connection();
         });
     TellIfWithoutMeshes(scenario_, run_->connection());
@@ -85,6 +88,8 @@ class ApplicationSession {
   WallTimes times_;
   RunRecords records_;
   RunPage page_;
+  const teleop::DeviceRegistry devices_;  ///< of page_, too
+  const scenario::Catalogue catalogue_;
   std::optional<application::ApplicationRun> run_;
   ApplicationResult result_;
   std::vector<application::MomentPictures> moments_;

@@ -40,6 +40,7 @@ struct PageFlags {
   std::string port;  ///< as given; 0: any free one; empty: no page
   std::string bind = "127.0.0.1";
   std::optional<std::string> allow;  ///< network that may connect
+  bool allow_hardware = false;       ///< the page may move an arm that is not simulated here
   [[nodiscard]] bool wanted() const noexcept { return !port.empty(); }
 };
 
@@ -50,6 +51,7 @@ struct RunFlags {
   std::filesystem::path out;  ///< empty: out/<scenario's name>
   std::optional<std::string> backend;
   std::optional<std::string> drive;
+  std::optional<std::string> device;      ///< of the operator, in place of the scenario's
   std::optional<std::string> robot;       ///< backend fci: HOST[:PORT]
   std::optional<std::string> robot_time;  ///< backend fci: wall or states
   std::optional<double> max_speed;        ///< share of the scenario's, in (0, 1]
@@ -81,6 +83,7 @@ struct ServeFlags {
   std::optional<double> seconds;    ///< after which it ends; absent: when it is interrupted
   std::optional<std::filesystem::path> log;
   std::optional<std::filesystem::path> capture;
+  PageFlags page;
   DataFlags data;
 };
 
@@ -143,7 +146,8 @@ struct DecodeFlags {
                                   const scenario::Catalogue& catalogue);
 
 /// Serves a robot over the Franka Control Interface until it is interrupted. @throws twin::Error.
-[[nodiscard]] ExitCode ServeCommand(const ServeFlags& flags, const Host& host);
+[[nodiscard]] ExitCode ServeCommand(const ServeFlags& flags, const Host& host,
+                                    const scenario::Catalogue& catalogue);
 
 /// Relays a robot's wire with faults until it is interrupted. @throws twin::Error.
 [[nodiscard]] ExitCode ProxyCommand(const ProxyFlags& flags);

@@ -27,6 +27,8 @@ constexpr const char* kFooter = R"(Start here:
   panda-twin run models/applications/pick_and_place.yaml a whole task: steps, retries, what is demanded, report.html
   panda-twin run APPLICATION.yaml --seeds 100            the same for a hundred seeds: how many succeed, and why not
   panda-twin run SCENARIO.yaml --drive realtime          on the wall clock, threads at real-time priority
+  panda-twin run SCENARIO.yaml --page                    watch it in a browser; the address is printed
+  panda-twin run models/applications/teleoperation.yaml --device page --page   lead it from there
   panda-twin serve                                       a Panda for libfranka programs, at 127.0.0.1
   panda-twin proxy --robot HOST --link FILE.yaml         a wire with faults, before a robot or a twin
   panda-twin experiment all                              the paper's tables and figures, beside ours
@@ -136,17 +138,26 @@ void AddPage(CLI::App& app, PageFlags& flags) {
       ->type_name("ADDRESS/BITS");
 }
 
+/// What also needs --page.
+void AddPageOfARun(CLI::App& app, RunFlags& flags) {
+  AddPage(app, flags.page);
+  app.add_flag("--allow-hardware", flags.page.allow_hardware,
+               "The page may move a real arm; without it, one only watches there");
+}
+
 CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
   CLI::App* run = app.add_subcommand("run", "Run a scenario and write log, plots and video");
   run->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
   AddSeed(*run, flags.seed);
   AddLab(*run, flags.lab);
-  AddPage(*run, flags.page);
+  AddPageOfARun(*run, flags);
   run->add_option("--out", flags.out, "Folder of results (default: out/<name of the scenario>)")
       ->type_name("DIR");
   run->add_option("--backend", flags.backend,
                   "Backend, instead of the scenario's: mujoco, or fci (a robot on the network)");
   run->add_option("--drive", flags.drive, "Who advances time: lockstep, realtime; remote with fci");
+  run->add_option("--device", flags.device,
+                  "What the operator holds, instead of the scenario's: page, evdev, network, ...");
   AddRemote(*run, flags);
   run->add_option("--clock-ppm", flags.clock_ppm,
                   "Drift of the robot's clock, instead of the scenario's")
@@ -215,6 +226,7 @@ CLI::App* AddServe(CLI::App& app, ServeFlags& flags) {
   serve->add_option("--log", flags.log, "Write every cycle (MCAP)")->type_name("FILE");
   serve->add_option("--capture", flags.capture, "Keep what goes over the wire (pcapng; see decode)")
       ->type_name("FILE");
+  AddPage(*serve, flags.page);
   serve->add_option("--for", flags.seconds, "End after so long")->type_name("S");
   AddDataFlags(*serve, flags.data);
   serve->footer(kServeFooter);

@@ -93,7 +93,7 @@ int RunProgram(int argc, const char* const* argv, const Host& host,
   }
   return Guarded([&]() -> int {
     if (commands.run->parsed()) return RunCommand(flags.run, host, catalogue);
-    if (commands.serve->parsed()) return ServeCommand(flags.serve, host);
+    if (commands.serve->parsed()) return ServeCommand(flags.serve, host, catalogue);
     if (commands.proxy->parsed()) return ProxyCommand(flags.proxy);
     if (commands.render->parsed()) return RenderCommand(flags.render, host);
     if (commands.video->parsed()) return VideoCommand(flags.video, host, catalogue);

@@ -40,7 +40,7 @@ class Session {
         scenario_(scenario),
         settings_(SettingsOf(flags)),
         out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out),
-        page_(flags.page, records_, interrupt_) {
+        page_(flags, records_, interrupt_, out_.folder()) {
     RequirePrograms(scenario_, wants_video(), host);
     const scenario::RunFiles files = FilesOf(flags, host);
     if (flags.max_speed) SlowDown(scenario_, files.models, *flags.max_speed);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -13,17 +14,28 @@
 #include "cli/run_records.h"
 #include "cli/say.h"
 #include "twin/core/error.h"
+#include "twin/page/page_device.h"
+#include "twin/scenario/remote.h"
 
 namespace twin::cli {
 namespace {
 
-render::View Around(const render::View& first, double azimuth_deg, double elevation_deg) {
+/// From this side of what the run's own camera looks at; of a robot that drives, with it.
+render::View Around(const scenario::Scenario& scenario, double azimuth_deg, double elevation_deg) {
   render::View view;
-  view.orbit = first.orbit;
+  view.orbit = FilmOf(scenario.render).view.orbit;
+  if (scenario.base) {
+    view.kind = render::ViewKind::kTracking;
+    view.name = "panda_link0";
+    view.orbit.lookat_m = {0.25, 0, 0.1};
+    view.orbit.distance_m = 2.6;
+  }
   view.orbit.azimuth_deg = azimuth_deg;
   view.orbit.elevation_deg = elevation_deg;
   return view;
 }
+
+constexpr std::string_view kPageDevice = "page";
 
 std::string AboutOf(const scenario::Scenario& scenario) {
   const bool is_lockstep = scenario.drive == scenario::Drive::kLockstep;
@@ -48,15 +60,15 @@ page::PageSettings PageAt(const PageFlags& flags) {
   return settings;
 }
 
-std::vector<page::NamedView> PageViews(const scenario::RenderSection& render) {
-  const render::View first = FilmOf(render).view;
+std::vector<page::NamedView> PageViews(const scenario::Scenario& scenario) {
   render::View hand;
   hand.kind = render::ViewKind::kGripper;
-  return {{"the run's", first},
+  return {{"the run's", FilmOf(scenario.render).view},
+          {"from behind", Around(scenario, 20, -25)},
           {"the hand's", hand},
-          {"from ahead", Around(first, 180, -15)},
-          {"from the left", Around(first, -90, -15)},
-          {"from above", Around(first, 180, -80)}};
+          {"from ahead", Around(scenario, 180, -15)},
+          {"from the left", Around(scenario, -90, -15)},
+          {"from above", Around(scenario, 0, -80)}};
 }
 
 void TellPage(const page::LivePage& page, const PageFlags& flags) {
@@ -69,8 +81,48 @@ void TellPage(const page::LivePage& page, const PageFlags& flags) {
   std::fflush(stdout);
 }
 
-RunPage::RunPage(const PageFlags& flags, rt::RecordSink& records, const InterruptGuard& interrupt)
-    : flags_(flags), interrupt_(interrupt), records_(records), feed_(&records) {}
+RunPage::RunPage(const RunFlags& flags, rt::RecordSink& records, const InterruptGuard& interrupt,
+                 const std::filesystem::path& out)
+    : flags_(flags.page),
+      robot_(flags.robot),
+      interrupt_(interrupt),
+      records_(records),
+      feed_(&records),
+      recording_(out) {}
+
+teleop::DeviceRegistry RunPage::Devices(const scenario::Catalogue& catalogue) {
+  teleop::DeviceRegistry devices =
+      catalogue.devices != nullptr ? *catalogue.devices : teleop::DeviceRegistry();
+  devices.Add(std::string(kPageDevice),
+              [this](const teleop::DeviceRequest&) -> std::unique_ptr<teleop::Device> {
+                if (!flags_.wanted()) {
+                  throw InputError(
+                      "operator.device: page is the operator's page in a browser; run with --page");
+                }
+                return std::make_unique<page::PageDevice>(channel_, "port " + flags_.port);
+              });
+  return devices;
+}
+
+void RunPage::Permit(const scenario::Scenario& scenario, page::PageSettings& settings) {
+  if (!scenario.operator_section || scenario.operator_section->device != kPageDevice) {
+    settings.watch_only = "nobody operates this run from here; anyone may stop it";
+    settings.stop = [this] { interrupt_.Interrupt(); };
+    return;
+  }
+  const bool is_elsewhere =
+      robot_ &&
+      !fci::IsLoopback(fci::Resolve(scenario::ParseRemote(*robot_, "wall").host, 0).address);
+  if (is_elsewhere && !flags_.allow_hardware) {
+    settings.watch_only =
+        "this page moves no real arm: that takes a run with --allow-hardware; anyone may stop it";
+    settings.stop = [this] { interrupt_.Interrupt(); };
+    Say(stderr, fmt::format("panda-twin: note: {}\n", settings.watch_only));
+    return;
+  }
+  settings.sample = [this](const teleop::OperatorSample& sample) { recording_.Take(sample); };
+  settings.record = [this](bool on) { return recording_.Switch(on); };
+}
 
 rt::RecordSink* RunPage::sink() noexcept {
   if (!flags_.wanted()) return &records_;
@@ -84,13 +136,12 @@ RunPage::Opening RunPage::Open(const scenario::Scenario& scenario, const scenari
   settings.title = scenario.name;
   settings.about = AboutOf(scenario);
   settings.limits = robot.limits;
-  settings.watch_only = "nobody operates in this run; anyone may stop it";
-  settings.stop = [this] { interrupt_.Interrupt(); };
+  Permit(scenario, settings);
   page::PageScene scene;
   const bool is_lockstep = scenario.drive == scenario::Drive::kLockstep;
   if (connection.truth != nullptr && RunRecords::CanFilm(*connection.truth)) {
     scene.truth = connection.truth;
-    scene.views = PageViews(scenario.render);
+    scene.views = PageViews(scenario);
     feed_.Show(*connection.truth);
   }
   if (is_lockstep) {

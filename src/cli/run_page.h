@@ -1,21 +1,26 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/page_recording.h"
 #include "twin/backend/registry.h"
 #include "twin/core/time.h"
 #include "twin/page/live_feed.h"
 #include "twin/page/live_page.h"
 #include "twin/page/operator_channel.h"
 #include "twin/rt/cycle_record.h"
+#include "twin/scenario/assembly.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
+#include "twin/teleop/device_registry.h"
 
 namespace twin::cli {
 
@@ -24,7 +29,7 @@ namespace twin::cli {
 [[nodiscard]] page::PageSettings PageAt(const PageFlags& flags);
 
 /// The cameras of a page: the scenario's, the hand's, and some round about.
-[[nodiscard]] std::vector<page::NamedView> PageViews(const scenario::RenderSection& render);
+[[nodiscard]] std::vector<page::NamedView> PageViews(const scenario::Scenario& scenario);
 
 /// Says where the page is.
 void TellPage(const page::LivePage& page, const PageFlags& flags);
@@ -35,8 +40,13 @@ void TellPage(const page::LivePage& page, const PageFlags& flags);
 /// Threads: one; the sink as LiveFeed.
 class RunPage {
  public:
-  /// @param records  the run's own sink. @param flags, records, interrupt  must outlive this.
-  RunPage(const PageFlags& flags, rt::RecordSink& records, const InterruptGuard& interrupt);
+  /// @param records  the run's own sink. @param out  folder of its results.
+  /// @param flags, records, interrupt  must outlive this.
+  RunPage(const RunFlags& flags, rt::RecordSink& records, const InterruptGuard& interrupt,
+          const std::filesystem::path& out);
+
+  /// The program's devices and another one, "page": what the operator does there. Refers to this.
+  [[nodiscard]] teleop::DeviceRegistry Devices(const scenario::Catalogue& catalogue);
 
   /// What the run's records go to.
   [[nodiscard]] rt::RecordSink* sink() noexcept;
@@ -66,12 +76,17 @@ class RunPage {
   void Close(std::string_view how);
 
  private:
+  /// What one may do there. @param scenario  of the run.
+  void Permit(const scenario::Scenario& scenario, page::PageSettings& settings);
+
   const PageFlags& flags_;
+  const std::optional<std::string> robot_;  ///< flag of backend fci
   const InterruptGuard& interrupt_;
   rt::RecordSink& records_;
   const MonotonicClock wall_;
   page::LiveFeed feed_;
   page::OperatorChannel channel_;
+  PageRecording recording_;  ///< of the page's thread, while there is one
   std::unique_ptr<page::LivePage> page_;
 };
 

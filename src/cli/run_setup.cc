@@ -26,6 +26,17 @@ bool WaitsForNobody(const scenario::Scenario& scenario,
   return scenario.drive == scenario::Drive::kRealtime;
 }
 
+/// With the device's own defaults: the scenario's parameters are of another one.
+void ChooseDevice(const std::string& device, scenario::Scenario& scenario) {
+  if (!scenario.operator_section) {
+    throw InputError("--device goes with a scenario in which somebody leads: its section operator");
+  }
+  if (scenario.operator_section->device == device) return;
+  scenario.operator_section->device = device;
+  scenario.operator_section->parameters.clear();
+  scenario.places.device = {};
+}
+
 }  // namespace
 
 scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
@@ -36,6 +47,7 @@ scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
   if (flags.seed) scenario.seed = *flags.seed;
   if (flags.backend) ChooseBackend(*flags.backend, scenario);
   if (flags.drive) scenario.drive = scenario::DriveFromName(*flags.drive);
+  if (flags.device) ChooseDevice(*flags.device, scenario);
   RequireRemoteFlags(flags, scenario);
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
   if (scenario.drive == scenario::Drive::kLockstep && (flags.ext_cpu || flags.int_cpu)) {

@@ -12,6 +12,7 @@
 #include "cli/network.h"
 #include "cli/run_setup.h"
 #include "cli/say.h"
+#include "cli/serve_page.h"
 #include "cli/wire_capture.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -87,39 +88,49 @@ server::ServerConfig ServerConfigOf(const ServeFlags& flags, const Host& host) {
 /// A served robot, from flags to the end.
 class Service {
  public:
-  Service(const ServeFlags& flags, const Host& host)
+  Service(const ServeFlags& flags, const Host& host, const scenario::Catalogue& catalogue)
       : flags_(flags),
+        catalogue_(catalogue),
         data_(scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes})),
+        files_({data_.models, data_.mesh_package, host.cache, false}),
         scenario_(LoadWithFlags(flags, data_.models)) {
-    robot::RobotConfig robot = scenario::MakeServedConfig(
-        scenario_, {data_.models, data_.mesh_package, host.cache, false});
+    robot::RobotConfig robot = scenario::MakeServedConfig(scenario_, files_);
     robot.viability = flags_.viability;
     server::ServedRobotSettings settings = MakeSettings(host);
     robot::MadePlant plant = robot::MakePlant(robot);
     MakeLog();
-    if (log_) settings.sink = &*log_;
+    page_.emplace(flags_.page, log_ ? &*log_ : nullptr);
+    settings.sink = page_->sink();
     if (flags_.capture) settings.server.capture = &capture_.emplace(*flags_.capture);
     robot_.emplace(robot, std::move(plant), std::move(settings));
   }
+  ~Service() {
+    if (page_) page_->Close();  // it looks at the robot
+  }
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
 
   ExitCode Run();
 
  private:
   /// Short of log and capture.
-  [[nodiscard]] server::ServedRobotSettings MakeSettings(const Host& host) const;
+  [[nodiscard]] server::ServedRobotSettings MakeSettings(const Host& host);
   void MakeLog();
   void Introduce() const;
-  void Tell(std::string_view line) const;
+  void Tell(std::string_view line);
   [[nodiscard]] bool Ends() const;
   [[nodiscard]] bool is_lockstep() const { return scenario_.drive == scenario::Drive::kLockstep; }
 
   const MonotonicClock clock_;
   const ServeFlags& flags_;
+  const scenario::Catalogue& catalogue_;
   const scenario::DataDirectory data_;
+  const scenario::RunFiles files_;
   const scenario::Scenario scenario_;
   const InterruptGuard interrupt_;
   std::optional<record::Recorder> log_;
   std::optional<fci::Capture> capture_;
+  std::optional<ServePage> page_;
   std::optional<server::ServedRobot> robot_;
 };
 
@@ -138,7 +149,7 @@ void Service::MakeLog() {
                is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
 }
 
-server::ServedRobotSettings Service::MakeSettings(const Host& host) const {
+server::ServedRobotSettings Service::MakeSettings(const Host& host) {
   server::ServedRobotSettings settings;
   settings.server = ServerConfigOf(flags_, host);
   if (is_lockstep()) {
@@ -149,8 +160,10 @@ server::ServedRobotSettings Service::MakeSettings(const Host& host) const {
   return settings;
 }
 
-void Service::Tell(std::string_view line) const {
-  Say(stdout, fmt::format("{:10.3f} s  {}\n", ToSeconds(clock_.Now().time_since_epoch()), line));
+void Service::Tell(std::string_view line) {
+  const Time now = clock_.Now();
+  Say(stdout, fmt::format("{:10.3f} s  {}\n", ToSeconds(now.time_since_epoch()), line));
+  if (page_) page_->Tell(now, line);
   static_cast<void>(std::fflush(stdout));
 }
 
@@ -176,12 +189,16 @@ bool Service::Ends() const {
 
 ExitCode Service::Run() {
   interrupt_.ThrowIfInterrupted();
+  page_->Open(scenario_,
+              scenario::LoadRobotData(data_.models, scenario_.robot.model, scenario_.robot.hand),
+              catalogue_, files_, *robot_);
   robot_->Begin();
   for (const std::string& notice : robot_->notices()) {
     Say(stderr, fmt::format("panda-twin: note: robot: {}\n", notice));
   }
   Introduce();
   robot_->Serve([this] { return Ends(); });
+  page_->Close();
   robot_->End();
   if (log_) static_cast<void>(log_->Finish());
   if (capture_) FinishCapture(*capture_);
@@ -192,9 +209,10 @@ ExitCode Service::Run() {
 
 }  // namespace
 
-ExitCode ServeCommand(const ServeFlags& flags, const Host& host) {
+ExitCode ServeCommand(const ServeFlags& flags, const Host& host,
+                      const scenario::Catalogue& catalogue) {
   RequireAgreement(flags);
-  return Service(flags, host).Run();
+  return Service(flags, host, catalogue).Run();
 }
 
 }  // namespace twin::cli

@@ -119,6 +119,7 @@ void Desk::Obey(Guest& guest, const message::TakeControl& /*take*/) {
   } else if (operator_ == 0) {
     operator_ = guest.number;
     heard_ = clock_.Now();
+    if (calls_.control) calls_.control(true);
     Tell(heard_, "control", fmt::format("visitor {} operates", guest.number));
   } else if (!IsOperator(guest)) {
     Refuse(*guest.visitor, fmt::format("visitor {} operates; one at a time", operator_));
@@ -145,7 +146,11 @@ void Desk::Obey(Guest& guest, const message::Press& press) {
     case Button::kMode: ++sample_.mode_presses; break;
     case Button::kGripper: ++sample_.gripper_presses; break;
     case Button::kFrame: ++sample_.frame_presses; break;
-    case Button::kRelease: ++sample_.release_presses; break;
+    case Button::kScale: ++sample_.scale_presses; break;
+    case Button::kRelease:
+      ++sample_.release_presses;
+      if (calls_.release) calls_.release();
+      break;
     case Button::kEnd: ++sample_.end_presses; break;
   }
   Publish(sample_.axes, sample_.engaged, sent_ms_[sample_.sequence % kEchoes]);
@@ -188,6 +193,10 @@ void Desk::Obey(Guest& guest, const message::Record& record) {
 void Desk::EndControl(std::string_view why) {
   if (operator_ == 0) return;
   const std::uint64_t number = std::exchange(operator_, 0);
+  if (calls_.control) {
+    calls_.control(false);
+    ++sample_.end_presses;
+  }
   Publish({}, false, 0);
   Tell(clock_.Now(), "control", fmt::format("visitor {} operates no more: {}", number, why));
 }
@@ -199,6 +208,7 @@ void Desk::Publish(const Vector6& axes, bool engaged, double sent_ms) {
   sample_.engaged = engaged;
   sent_ms_[sample_.sequence % kEchoes] = sent_ms;
   channel_.Publish(sample_);
+  if (calls_.sample) calls_.sample(sample_);
 }
 
 void Desk::SendState() {
@@ -227,9 +237,9 @@ std::string Desk::TeleopText() {
   if (feedback == nullptr) return "null";
   const bool has_echo = feedback->echo != 0 && sample_.sequence - feedback->echo < kEchoes;
   return fmt::format(
-      R"({{"mode":"{}","stopped":{},"holding":{},"hand_closed":{},"wrench":[{:.4g}],"echo_ms":{}}})",
+      R"({{"mode":"{}","stopped":{},"holding":{},"hand_closed":{},"fine":{},"at_border":{},"wrench":[{:.4g}],"echo_ms":{}}})",
       feedback->mode == teleop::Mode::kArm ? "arm" : "base", feedback->stopped, feedback->holding,
-      feedback->hand_closed, fmt::join(feedback->wrench, ","),
+      feedback->hand_closed, feedback->fine, feedback->at_border, fmt::join(feedback->wrench, ","),
       has_echo ? fmt::format("{:.1f}", sent_ms_[feedback->echo % kEchoes]) : "null");
 }
 

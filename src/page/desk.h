@@ -32,9 +32,15 @@ struct DeskConfig {
 /// What the desk has others do. All are called on its thread; those marked may be empty.
 struct DeskCalls {
   std::function<std::string()> status;  ///< members of a JSON object: what is now
-  std::function<void()> stop{};         ///< emergency stop, beside the device's; or empty
+  /// Somebody operates now; or nobody does any more. Where this is set, the session's end is
+  /// pressed after the latter. Or empty.
+  std::function<void(bool)> control{};
+  std::function<void()> release{};  ///< of an emergency stop, beside the device's; or empty
+  std::function<void()> stop{};     ///< emergency stop, beside the device's; or empty
   std::function<void(std::size_t)> choose_camera{};  ///< or empty
   std::function<void(bool)> watched{};               ///< whether a picture is wanted now; or empty
+  /// Each sample, as it goes to the device; or empty.
+  std::function<void(const teleop::OperatorSample&)> sample{};
   /// Begins or ends a recording of what the operator does. @returns a line for people. Or empty:
   /// that cannot be.
   std::function<std::string(bool)> record{};

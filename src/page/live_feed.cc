@@ -26,6 +26,7 @@ void Fill(const rt::CycleRecord& record, std::uint64_t served, std::uint64_t hel
   view.mode = state.robot_mode;
   view.errors = state.errors;
   view.reflex_reason = state.reflex_reason;
+  view.base = record.base;
   view.served = served;
   view.held = held;
 }

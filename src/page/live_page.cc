@@ -95,6 +95,8 @@ class LivePage::Impl {
 
   [[nodiscard]] DeskCalls CallsOf(const PageSettings& settings) {
     return {.status = [this] { return status_.Text(camera_ ? camera_->chosen() : 0); },
+            .control = settings.control,
+            .release = settings.release,
             .stop = settings.stop,
             .choose_camera =
                 [this](std::size_t number) {
@@ -104,6 +106,7 @@ class LivePage::Impl {
                 [this](bool wanted) {
                   if (camera_) camera_->Want(wanted);
                 },
+            .sample = settings.sample,
             .record = settings.record};
   }
 

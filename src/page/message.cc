@@ -68,10 +68,11 @@ std::optional<Message> ReadHands(const Json& object) {
 
 std::optional<Message> ReadPress(const Json& object) {
   using message::Button;
-  constexpr std::array<std::pair<std::string_view, Button>, 5> kButtons = {
+  constexpr std::array<std::pair<std::string_view, Button>, 6> kButtons = {
       {{"mode", Button::kMode},
        {"gripper", Button::kGripper},
        {"frame", Button::kFrame},
+       {"scale", Button::kScale},
        {"release", Button::kRelease},
        {"end", Button::kEnd}}};
   const auto name = TextAt(object, "button");

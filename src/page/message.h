@@ -28,7 +28,7 @@ struct Hands {
   double sent_ms = 0;   ///< on the browser's clock; given back, so that it knows the round trip
 };
 
-enum class Button : std::uint8_t { kMode, kGripper, kFrame, kRelease, kEnd };
+enum class Button : std::uint8_t { kMode, kGripper, kFrame, kScale, kRelease, kEnd };
 
 struct Press {
   Button button = Button::kMode;

@@ -54,7 +54,7 @@ const char* NameOf(BaseMode mode) {
 }  // namespace
 
 Status::Status(const JointLimits& limits, const PageScene& scene, rt::LatestValue<ArmView>& arm)
-    : filter_(FilterOf(limits)), base_(scene.base), hand_(scene.hand), arm_(arm) {}
+    : filter_(FilterOf(limits)), hand_(scene.hand), arm_(arm) {}
 
 std::string Status::Text(std::size_t camera) {
   static_cast<void>(arm_.Refresh());
@@ -76,8 +76,8 @@ std::string Status::ArmText() const {
 }
 
 std::string Status::BaseText() const {
-  if (base_ == nullptr) return "null";
-  const BaseState state = base_->ReadState();
+  if (!arm_.has_value() || !arm_.value().base) return "null";
+  const BaseState& state = *arm_.value().base;
   return fmt::format(R"({{"x":{:.4f},"y":{:.4f},"yaw":{:.4f},"v":{:.4f},"w":{:.4f},"mode":"{}"}})",
                      state.odometry.x, state.odometry.y, state.odometry.yaw, state.twist.v,
                      state.twist.w, NameOf(state.mode));

@@ -33,7 +33,6 @@ class Status {
   [[nodiscard]] std::string HandText();
 
   std::optional<reference::ViabilityFilter> filter_;  ///< absent: of these limits there is none
-  const backend::Base* base_;
   const backend::Hand* hand_;
   rt::LatestValue<ArmView>& arm_;
   std::string no_picture_;

@@ -8,6 +8,7 @@
 #include "twin/core/check.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
+#include "twin/core/panel.h"
 #include "twin/robot/wall_clock_robot.h"
 #include "twin/server/bell.h"
 #include "twin/server/udp_port.h"
@@ -63,6 +64,11 @@ class ServedRobot::Impl {
       serving_.join();
     }
     robot_->End();
+  }
+
+  void PressUserStop(bool pressed) {
+    static_cast<void>(
+        robot_->Operate(pressed ? PanelAction::kPressUserStop : PanelAction::kReleaseUserStop));
   }
 
   [[nodiscard]] const Server& server() const noexcept { return *server_; }
@@ -132,6 +138,10 @@ void ServedRobot::Begin() {
 
 const std::vector<std::string>& ServedRobot::notices() const {
   return impl_->robot().notices();
+}
+
+void ServedRobot::PressUserStop(bool pressed) {
+  impl_->PressUserStop(pressed);
 }
 
 void ServedRobot::Serve(const std::function<bool()>& ends) {

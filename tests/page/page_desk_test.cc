@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -210,6 +211,50 @@ TEST_F(DeskTest, OnlyTheOperatorPressesButtons) {
   EXPECT_FALSE(device.Read({}));
   desk->OnText(first, R"({"type":"press","button":"gripper"})");
   EXPECT_EQ(device.Read({})->gripper_presses, 1U);
+}
+
+TEST_F(DeskTest, DeviceThatComesLaterIsToldOfNoEarlierPress) {
+  Come(first);
+  desk->OnText(first, kTake);
+  desk->OnText(first, R"({"type":"press","button":"gripper"})");
+  PageDevice later(channel, "here");
+  EXPECT_FALSE(later.Read({}));
+  desk->OnText(first, R"({"type":"press","button":"gripper"})");
+  EXPECT_EQ(later.Read({})->gripper_presses, 1U);
+}
+
+TEST_F(DeskTest, SessionThatEndsWithItsOperatorIsToldTheEndLast) {
+  DeskCalls calls = Calls();
+  std::vector<std::uint32_t> ends;
+  calls.control = [&](bool wanted) {
+    const auto sample = device.Read({});
+    if (!wanted) ends.push_back(sample ? sample->end_presses : 0);
+  };
+  desk.emplace(Config(), calls, channel, clock);
+  Come(first);
+  desk->OnText(first, kTake);
+  desk->OnText(first, R"({"type":"give_back"})");
+  EXPECT_EQ(ends, std::vector<std::uint32_t>{0});
+  EXPECT_EQ(device.Read({})->end_presses, 1U);
+}
+
+TEST_F(DeskTest, SessionGoesOnWithoutAnOperatorElsewhere) {
+  Come(first);
+  desk->OnText(first, kTake);
+  desk->OnText(first, R"({"type":"give_back"})");
+  EXPECT_EQ(device.Read({})->end_presses, 0U);
+}
+
+TEST_F(DeskTest, EverySampleIsShownToWhoRecords) {
+  DeskCalls calls = Calls();
+  std::vector<std::uint64_t> kept;
+  calls.sample = [&](const teleop::OperatorSample& sample) { kept.push_back(sample.sequence); };
+  desk.emplace(Config(), calls, channel, clock);
+  Come(first);
+  desk->OnText(first, kTake);
+  Hands(first, "1");
+  desk->OnText(first, R"({"type":"press","button":"mode"})");
+  EXPECT_EQ(kept, (std::vector<std::uint64_t>{1, 2}));
 }
 
 TEST_F(DeskTest, NobodyOperatesWhereOneMayOnlyWatch) {

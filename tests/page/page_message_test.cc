@@ -40,11 +40,9 @@ TEST(MessageTest, AxesAreCutToFullScale) {
 
 TEST(MessageTest, EveryButtonHasItsName) {
   using message::Button;
-  const std::pair<const char*, Button> kAll[] = {{"mode", Button::kMode},
-                                                 {"gripper", Button::kGripper},
-                                                 {"frame", Button::kFrame},
-                                                 {"release", Button::kRelease},
-                                                 {"end", Button::kEnd}};
+  const std::pair<const char*, Button> kAll[] = {
+      {"mode", Button::kMode},   {"gripper", Button::kGripper}, {"frame", Button::kFrame},
+      {"scale", Button::kScale}, {"release", Button::kRelease}, {"end", Button::kEnd}};
   for (const auto& [name, button] : kAll) {
     const auto press =
         Parse<message::Press>(std::string(R"({"type":"press","button":")") + name + R"("})");

@@ -38,7 +38,7 @@ class Run:
         for line in self.process.stdout:
             self.said += line
             if match := re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
-                self.port, self.token = int(match[1]), match[2]
+                self.url, self.port, self.token = match[0], int(match[1]), match[2]
                 return
         raise AssertionError(f"no page: {self.said}")
 
@@ -139,7 +139,7 @@ class PageServerTest(unittest.TestCase):
     def test_nobody_operates_a_run_that_goes_by_itself(self):
         with self.served.visit() as visitor:
             visitor.say("take")
-            self.assertIn("nobody operates", visitor.hear("refused")["text"])
+            self.assertIn("nobody operates this run", visitor.hear("refused")["text"])
 
     def test_malformed_frames_end_their_connection_and_nothing_else(self):
         def unmasked(visitor): visitor.send_frame(TEXT, b'{"type":"stop"}', masked=False)

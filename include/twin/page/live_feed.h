@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "twin/core/base.h"
 #include "twin/core/clock.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/modes.h"
@@ -31,10 +32,11 @@ struct ArmView {
   Vector6 O_F_ext_hat_K{};
   Vector3 p_EE{};  ///< of the end effector in O, m
   RobotMode mode = RobotMode::kOther;
-  RobotErrors errors;         ///< current
-  RobotErrors reflex_reason;  ///< of the last motion
-  std::uint64_t served = 0;   ///< cycles with a command in time, so far
-  std::uint64_t held = 0;     ///< cycles without one
+  RobotErrors errors;               ///< current
+  RobotErrors reflex_reason;        ///< of the last motion
+  std::optional<BaseState> base{};  ///< of an arm on a mobile base
+  std::uint64_t served = 0;         ///< cycles with a command in time, so far
+  std::uint64_t held = 0;           ///< cycles without one
 };
 
 /// Looks on at a run's records, passes them on as they are, and shows the newest some sixty times a

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "twin/backend/base.h"
 #include "twin/backend/hand.h"
 #include "twin/core/limits.h"
 #include "twin/core/time.h"
@@ -36,6 +35,14 @@ struct PageSettings {
   /// Emergency stop, beside the samples' (which the device tells); or empty. Called on the page's
   /// thread.
   std::function<void()> stop{};
+  /// Its release, by the operator; as stop.
+  std::function<void()> release{};
+  /// Somebody operates now, or nobody does any more: then the session's end is pressed, too. Empty:
+  /// a session goes on without an operator. Called on the page's thread.
+  std::function<void(bool)> control{};
+  /// Each sample of the operator's, as it goes to the device; or empty. Called on the page's
+  /// thread.
+  std::function<void(const teleop::OperatorSample&)> sample{};
   /// Begins or ends a recording of what the operator does. @returns a line for people, which begins
   /// with "recording" when one began. Empty: there is no such button. Called on the page's thread.
   std::function<std::string(bool)> record{};
@@ -46,7 +53,6 @@ struct PageSettings {
 struct PageScene {
   const plant::TruthProbe* truth = nullptr;  ///< whose scenes the feed shows
   std::vector<NamedView> views{};            ///< of it; the first is looked through first
-  const backend::Base* base = nullptr;
   const backend::Hand* hand = nullptr;
 };
 

@@ -9,22 +9,38 @@
 
 namespace twin::page {
 
+/// `sample` with its buttons pressed as often as since `before`.
+[[nodiscard]] inline teleop::OperatorSample Since(const teleop::OperatorSample& before,
+                                                  teleop::OperatorSample sample) noexcept {
+  sample.mode_presses -= before.mode_presses;
+  sample.gripper_presses -= before.gripper_presses;
+  sample.frame_presses -= before.frame_presses;
+  sample.scale_presses -= before.scale_presses;
+  sample.stop_presses -= before.stop_presses;
+  sample.release_presses -= before.release_presses;
+  sample.end_presses -= before.end_presses;
+  return sample;
+}
+
 /// Sticks and buttons on the operator's page. Before anyone has taken control there, no sample
 /// comes; when the operator's browser falls silent, none comes any more, and whoever reads it finds
-/// what it has too old. What is felt is shown. Lost when the page has ended.
+/// what it has too old. What was done before the device was made does not count. What is felt is
+/// shown. Lost when the page has ended.
 ///
 /// Threads, real-time: as teleop::Device; one device of a channel at a time.
 class PageDevice final : public teleop::Device {
  public:
   /// @param channel  must outlive this. @param where  the page's address.
   PageDevice(OperatorChannel& channel, std::string where)
-      : channel_(channel), where_(std::move(where)) {}
+      : channel_(channel), where_(std::move(where)) {
+    if (const teleop::OperatorSample* sample = channel_.NewSample()) before_ = *sample;
+  }
 
   [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time /*now*/) noexcept
       TWIN_REALTIME override {
     const teleop::OperatorSample* sample = channel_.NewSample();
     if (sample == nullptr) return {};
-    return *sample;
+    return Since(before_, *sample);
   }
   void Feel(const teleop::OperatorFeedback& feedback) noexcept TWIN_REALTIME override {
     channel_.Tell(feedback);
@@ -35,6 +51,7 @@ class PageDevice final : public teleop::Device {
  private:
   OperatorChannel& channel_;
   const std::string where_;
+  teleop::OperatorSample before_;  ///< the device
 };
 
 }  // namespace twin::page

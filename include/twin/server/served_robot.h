@@ -76,6 +76,10 @@ class ServedRobot {
   /// Begin(), and Serve() on a thread of its own until End().
   void Start();
 
+  /// Presses the robot's user stop, or lets it go. Threads: any, between Begin() and End().
+  /// @throws RobotFault as robot::ThreadedRobot's requests.
+  void PressUserStop(bool pressed);
+
   /// Ends connections and robot; no record is put after it returns. More than once: no effect.
   void End();
 

@@ -113,10 +113,11 @@ function showRole() {
 function showButtons() {
   const teleop = state.teleop;
   $("take").textContent = operating() ? "Give back" : "Take control";
-  for (const id of ["mode", "gripper", "frame", "clutch", "release", "record", "end"]) $(id).disabled = !operating();
-  $("release").hidden = !(teleop && teleop.stopped);
+  for (const id of ["mode", "gripper", "frame", "scale", "clutch", "release", "record", "end"]) $(id).disabled = !operating();
+  $("release").hidden = !((teleop && teleop.stopped) || (state.arm && state.arm.mode === "User stopped"));
   if (teleop) {
     $("mode").firstChild.textContent = teleop.mode === "base" ? "Drive base " : "Move arm ";
+    $("scale").setAttribute("aria-pressed", String(teleop.fine));
     $("gripper").firstChild.textContent = teleop.hand_closed ? "Open hand " : "Close hand ";
   }
 }
@@ -148,6 +149,7 @@ function facts() {
   }
   if (hand) all.push(["hand", `${(1000 * hand.width).toFixed(0)} mm${hand.is_grasped ? ", holds something" : ""}`]);
   if (teleop) {
+    if (teleop.at_border) all.push(["border", "no further that way", true]);
     all.push(["moves", teleop.stopped ? "stopped" : teleop.holding ? `${teleop.mode}, holds` : teleop.mode, teleop.stopped || teleop.holding]);
     if (operating() && teleop.echo_ms !== null) all.push(["to the robot and back", `${(performance.now() - teleop.echo_ms).toFixed(0)} ms`]);
   }
@@ -229,7 +231,7 @@ function stop() {
 }
 
 $("take").onclick = () => say(operating() ? "give_back" : "take");
-for (const id of ["mode", "gripper", "frame", "release", "end"]) $(id).onclick = () => say("press", { button: id });
+for (const id of ["mode", "gripper", "frame", "scale", "release", "end"]) $(id).onclick = () => say("press", { button: id });
 $("record").onclick = () => say("record", { on: !recording });
 $("cameras").onchange = () => say("camera", { number: $("cameras").selectedIndex });
 $("speed").oninput = () => { $("speed-told").textContent = `${$("speed").value} %`; };
@@ -239,7 +241,7 @@ $("stop").addEventListener("keydown", (event) => { if (event.code === "Enter") s
 $("clutch").addEventListener("pointerdown", (event) => { $("clutch").setPointerCapture(event.pointerId); clutch(true); });
 for (const kind of ["pointerup", "pointercancel"]) $("clutch").addEventListener(kind, () => clutch(false));
 
-const PRESSES = { KeyM: "mode", KeyG: "gripper", KeyX: "frame" };
+const PRESSES = { KeyM: "mode", KeyG: "gripper", KeyX: "frame", KeyV: "scale" };
 window.addEventListener("keydown", (event) => {
   if (event.code === "Escape" || (event.code === "Space" && !event.target.closest("input, select"))) {
     event.preventDefault();

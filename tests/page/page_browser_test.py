@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""A person at the page, played by a browser: page_browser_test.py PROGRAM SOURCE_TREE [--keep FOLDER] [unittest options].
+
+Drives the base, moves the arm, closes the hand and stops, by keys, sticks and buttons. Needs Debian's chromium, chromium-driver and
+python3-selenium (scripts/setup installs them). --keep saves what the browser shows.
+"""
+
+import pathlib
+import re
+import shutil
+import sys
+import tempfile
+import time
+import unittest
+
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import WebDriverWait
+
+import page_server_test
+
+KEEP = None
+FACT = """const terms = [...document.querySelectorAll("#facts dt")];
+const term = terms.find((each) => each.textContent === arguments[0]);
+return term ? term.nextElementSibling.textContent : null"""
+
+
+def start_browser(folder, name, width, height):
+    options = webdriver.ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for flag in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", f"--window-size={width},{height}",
+                 f"--user-data-dir={folder}/{name}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+
+
+class PageBrowserTest(unittest.TestCase):
+    """One person's session from connecting to the emergency stop, in this order; another one watches."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="panda_twin_page_", ignore_cleanup_errors=True)
+        cls.addClassCleanup(folder.cleanup)
+        source = page_server_test.SOURCE
+        cls.served = page_server_test.Run(folder.name, (source / "models/applications/teleoperation.yaml").read_text(),
+                                          ["--device", "page"])
+        cls.addClassCleanup(cls.served.end)
+        cls.browser = start_browser(folder.name, "operator", 1280, 1000)
+        cls.addClassCleanup(cls.browser.quit)
+        cls.browser.get(cls.served.url)
+        cls.wait_until(lambda: cls.fact("robot") == "Move")
+
+    @classmethod
+    def wait_until(cls, holds, seconds=20):
+        WebDriverWait(cls.browser, seconds, poll_frequency=0.1).until(lambda _: holds())
+
+    @classmethod
+    def fact(cls, name):
+        return cls.browser.execute_script(FACT, name)
+
+    def numbers(self, name):
+        return [float(number) for number in re.findall(r"-?\d+(?:\.\d+)?", self.fact(name))]
+
+    def element(self, name):
+        return self.browser.find_element(By.ID, name)
+
+    def hold(self, key, seconds):
+        ActionChains(self.browser).key_down(key).pause(seconds).key_up(key).perform()
+
+    def picture(self):
+        return self.browser.execute_script("return document.getElementById('camera').toDataURL()")
+
+    def keep(self, name):
+        if KEEP:
+            self.browser.save_screenshot(f"{KEEP}/{name}.png")
+
+    def make_mode(self, mode):
+        if self.fact("moves") != mode:
+            self.element("mode").click()
+        self.wait_until(lambda: self.fact("moves") == mode)
+
+    def test_1_shows_moving_pictures_and_no_error(self):
+        self.wait_until(lambda: not self.element("no-picture").is_displayed())
+        first = self.picture()
+        self.wait_until(lambda: self.picture() != first)
+        self.assertEqual([entry for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"], [])
+
+    def test_2_takes_control(self):
+        self.element("take").click()
+        self.wait_until(lambda: self.element("role").text == "you operate")
+
+    def test_3_second_visitor_only_watches(self):
+        with self.served.visit() as other:
+            other.say("take")
+            self.assertIn("operates; one at a time", other.hear("refused")["text"])
+            other.say("press", button="mode")
+            self.assertIn("take control first", other.hear("refused")["text"])
+        self.assertEqual(self.element("role").text, "you operate")
+
+    def test_4_moves_the_arm_by_a_stick(self):
+        self.make_mode("arm")
+        before = self.numbers("end effector")
+        stick = self.element("right")
+        ActionChains(self.browser).click_and_hold(stick).move_by_offset(0, -60).pause(1.5).release().perform()
+        self.assertGreater(self.numbers("end effector")[2], before[2] + 0.03)
+
+    def test_5_closes_the_hand(self):
+        self.element("gripper").click()
+        self.wait_until(lambda: self.element("gripper").text.startswith("Open hand"))
+
+    def test_6_drives_the_base_by_keys(self):
+        self.make_mode("base")
+        before = self.numbers("odometry")
+        self.hold("w", 2)
+        after = self.numbers("odometry")
+        self.assertGreater(abs(after[0] - before[0]) + abs(after[1] - before[1]), 0.1)
+        self.keep("desk")
+
+    def test_7_lost_heartbeat_holds(self):
+        with self.served.visit() as watcher:
+            # As when the network is lost in the middle of a drive: the key is down, and nothing more is sent.
+            ActionChains(self.browser).key_down("s").pause(1.5).perform()
+            watcher.hear(lambda message: message["type"] == "state" and abs(message["base"]["v"]) > 0.1, most=1000)
+            self.browser.execute_cdp_cmd("Network.enable", {})
+            self.browser.execute_script("WebSocket.prototype.send = () => {};")
+            held = watcher.hear(lambda message: message["type"] == "state" and message["teleop"]["holding"], most=1000)
+            rest = watcher.hear(lambda message: message["type"] == "state" and abs(message["base"]["v"]) < 0.01, most=1000)
+            self.assertLess(rest["t"] - held["t"], 2.0)
+            watcher.hear(lambda message: message["type"] == "event" and "nothing was heard" in message["text"], most=1000)
+        self.browser.refresh()
+        self.wait_until(lambda: self.element("role").text == "watching")
+
+    def test_8_emergency_stop_by_key_and_release(self):
+        self.element("take").click()
+        self.wait_until(lambda: self.element("role").text == "you operate")
+        self.make_mode("base")
+        self.hold(" ", 0.1)
+        self.wait_until(lambda: self.fact("moves") == "stopped" and self.fact("base") == "emergency stop")
+        self.keep("stopped")
+        self.element("release").click()
+        self.wait_until(lambda: self.fact("base") != "emergency stop")
+
+    def test_9_fits_a_phone(self):
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                     {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
+        time.sleep(0.5)
+        self.keep("phone")
+        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 390)
+        self.assertTrue(self.element("stop").is_displayed())
+
+
+if __name__ == "__main__":
+    page_server_test.PROGRAM, page_server_test.SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+    if "--keep" in sys.argv:
+        at = sys.argv.index("--keep")
+        KEEP = sys.argv[at + 1]
+        del sys.argv[at:at + 2]
+    del sys.argv[1:3]
+    unittest.main()

@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""A person moves a served robot from its page: page_served_test.py PROGRAM SOURCE_TREE [unittest options].
+
+On the wall clock. A machine that does not keep time may end a motion; then control is taken anew, as a person would.
+"""
+
+import pathlib
+import re
+import socket
+import subprocess
+import sys
+import time
+import unittest
+
+from web_client import WebSocket
+
+PROGRAM = ""
+SOURCE = pathlib.Path()
+PATIENCE = 40
+HANDS_S = 0.033
+
+
+def two_free_ports():
+    """The first of two in a row: clients look for the hand behind the arm."""
+    for port in range(23337, 23537, 2):
+        try:
+            with socket.create_server(("127.0.0.1", port)), socket.create_server(("127.0.0.1", port + 1)):
+                return port
+        except OSError:
+            pass
+    raise AssertionError("no two free ports")
+
+
+class Operator:
+    """A visitor whose hands do the same thing for as long as it listens."""
+
+    def __init__(self, port, token):
+        self.visitor = WebSocket(port)
+        self.visitor.say("hello", token=token)
+        self.me = self.visitor.hear("welcome")["you"]
+
+    def lead(self, axes, until):
+        """Holds these axes until a state fits; that state."""
+        deadline = time.monotonic() + PATIENCE
+        sent = 0
+        while time.monotonic() < deadline:
+            state = self.visitor.hear("state")
+            if not state["arm"]:
+                continue
+            if state["operator"] != self.me:
+                self.visitor.say("take")
+            if time.monotonic() - sent > HANDS_S:
+                sent = time.monotonic()
+                self.visitor.say("hands", axes=axes, engaged=True, sent_ms=0)
+            if until(state):
+                return state
+            if state["arm"]["mode"] in ("Reflex", "Idle") and state["operator"] == self.me and self.waits_too_long():
+                self.visitor.say("give_back")
+        raise AssertionError(f"not within {PATIENCE} s: {state}")
+
+    def waits_too_long(self):
+        """Whether the arm has stood outside a motion for seconds: the session has ended, or never began."""
+        now = time.monotonic()
+        if now - getattr(self, "last_asked", 0) > 0.5:
+            self.standing_since = now
+        self.last_asked = now
+        if now - self.standing_since < 4:
+            return False
+        self.standing_since = now
+        return True
+
+
+class PageServedTest(unittest.TestCase):
+    def setUp(self):
+        arm = two_free_ports()
+        self.process = subprocess.Popen(
+            [PROGRAM, "serve", "--page=0", "--port", str(arm), "--hand-port", str(arm + 1), "--data", SOURCE / "models"],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(self.end)
+        for line in self.process.stdout:
+            if match := re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
+                self.operator = Operator(int(match[1]), match[2])
+                self.where = (int(match[1]), match[2])
+                return
+        self.fail("no page")
+
+    def end(self):
+        self.process.terminate()
+        self.process.communicate(timeout=20)
+
+    def test_moves_stops_and_goes_on(self):
+        operator = self.operator
+        begin = operator.lead([0] * 6, lambda state: state["arm"]["mode"] == "Move")["arm"]["p"]
+        operator.lead([0, 0, 1, 0, 0, 0], lambda state: state["arm"]["p"][2] > begin[2] + 0.02)
+
+        # Anyone may stop: here one who only watches.
+        watcher = Operator(*self.where)
+        watcher.visitor.say("stop")
+        operator.lead([0] * 6, lambda state: state["arm"]["mode"] == "User stopped")
+
+        operator.visitor.say("press", button="release")
+        operator.lead([0] * 6, lambda state: state["arm"]["mode"] in ("Idle", "Reflex"))
+        operator.visitor.say("give_back")
+        stopped = operator.lead([0] * 6, lambda state: state["arm"]["mode"] == "Move")["arm"]["p"]
+        operator.lead([0, 0, -1, 0, 0, 0], lambda state: state["arm"]["p"][2] < stopped[2] - 0.02)
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+    del sys.argv[1:3]
+    unittest.main()
