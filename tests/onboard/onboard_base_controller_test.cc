@@ -81,7 +81,7 @@ TEST_F(BaseControllerTest, KeepsTheAccelerationsItMay) {
 
 TEST_F(BaseControllerTest, TurnsWheelsAsTheTwistAsks) {
   Run(6000, BaseTwist{0.3, 0.5});
-  const double half = 1.81 * 0.5708 / 2;
+  const double half = 1.805 * 0.5708 / 2;
   for (const std::size_t left : {0, 2}) {
     EXPECT_NEAR(wheels_.sensors.dq[left], (0.3 - 0.5 * half) / 0.1651, 1e-3);
     EXPECT_NEAR(wheels_.sensors.dq[left + 1], (0.3 + 0.5 * half) / 0.1651, 1e-3);
@@ -98,7 +98,7 @@ TEST_F(BaseControllerTest, OdometryFollowsAnArc) {
   // Wheels that turn evenly: a quarter of a circle of 0.6 m to the left, from its own start.
   constexpr int kCycles = 1000;
   const double yaw = std::numbers::pi / 2;
-  const double half = 1.81 * 0.5708 / 2;
+  const double half = 1.805 * 0.5708 / 2;
   for (int k = 1; k <= kCycles; ++k) {
     for (std::size_t i = 0; i < 4; ++i) {
       const double way = yaw * (0.6 + (i % 2 == 0 ? -half : half));

@@ -100,10 +100,10 @@ TEST(RobotBaseTest, GoesTwoMetresStraight) {
   ride.Go(seconds(2), BaseTwist{});
   const BasePose truth = ride.Truth();
   RecordProperty("x_mm", std::to_string(truth.x * 1e3));
-  EXPECT_NEAR(truth.x, 2, 0.01) << "half a per cent";
+  EXPECT_NEAR(truth.x, 2, 0.005) << "a quarter of a per cent";
   EXPECT_NEAR(truth.y, 0, 0.005);
   EXPECT_NEAR(truth.yaw, 0, 0.2 * kDegree);
-  EXPECT_NEAR(ride.base().state().odometry.x, truth.x, 0.005) << "a quarter of a per cent";
+  EXPECT_NEAR(ride.base().state().odometry.x, truth.x, 0.002) << "a tenth of a per cent";
 }
 
 TEST(RobotBaseTest, TurnsAQuarter) {
@@ -116,8 +116,8 @@ TEST(RobotBaseTest, TurnsAQuarter) {
   const BasePose odometry = ride.base().state().odometry;
   RecordProperty("yaw_deg", std::to_string(truth.yaw / kDegree));
   RecordProperty("moved_mm", std::to_string(1e3 * std::hypot(truth.x, truth.y)));
-  EXPECT_NEAR(truth.yaw, 90 * kDegree, 3 * kDegree);
-  EXPECT_NEAR(odometry.yaw, truth.yaw, 3 * kDegree);
+  EXPECT_NEAR(truth.yaw, 90 * kDegree, 1 * kDegree);
+  EXPECT_NEAR(odometry.yaw, truth.yaw, 1 * kDegree);
   EXPECT_LT(std::hypot(truth.x, truth.y), 0.03) << "it turns about a point near its middle";
 }
 

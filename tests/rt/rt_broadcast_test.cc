@@ -63,6 +63,7 @@ TEST(BroadcastTest, ManyReadersSeeWholeValuesThatNeverGoBack) {
   std::atomic<int> torn{0};
   std::atomic<int> backwards{0};
   std::vector<std::jthread> readers;
+  readers.reserve(3);
   for (int i = 0; i < 3; ++i) {
     readers.emplace_back([&] {
       for (std::uint64_t seen = 0; seen < kLast;) {

@@ -137,6 +137,11 @@ int:
   NE_T_EE: {position: [0 m, 10 mm, 0.1 m]}
   guiding_mode: {axes: [x, z, Y], elbow: false}
   filters: {joint_position: 100 Hz, cartesian_velocity: 50 Hz, controller: off}
+base:
+  model: husky
+  start: {x: 0.5 m, y: -250 mm, yaw: 45 deg}
+  drive:
+    - {at: 100 ms, for: 400 ms, v: 0.3 m/s, w: -0.2 rad/s}
 motion:
   interface: cartesian_pose
   controller: cartesian_impedance

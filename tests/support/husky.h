@@ -10,7 +10,7 @@ namespace twin::test {
 inline onboard::BaseConfig HuskyConfig() {
   return {.wheel_radius = 0.1651,
           .track = 0.5708,
-          .track_factor = 1.81,
+          .track_factor = 1.805,
           .most = {.v = 1, .w = 2},
           .ordinary = {.dv = 0.5, .dw = 1},
           .lost = {.dv = 1, .dw = 2},
