@@ -1,13 +1,9 @@
 #include "plugins/devices/network_device.h"
 
-#include <sys/random.h>
-
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 
@@ -15,24 +11,20 @@
 #include "plugins/devices/operator_ranges.h"
 #include "twin/core/error.h"
 #include "twin/core/require.h"
+#include "twin/core/secret.h"
 
 namespace twin::devices {
 namespace {
 
 using teleop::OperatorSample;
 
-/// 64 bits of the kernel's, in 16 characters. No number of the simulation: a secret.
-Token DrawToken() {
-  std::uint64_t bits = 0;
-  if (::getrandom(&bits, sizeof bits, 0) != static_cast<ssize_t>(sizeof bits)) {
-    throw EnvironmentError(fmt::format("the system gives no random token: {}; set `token`",
-                                       std::generic_category().message(errno)));
-  }
-  return *TokenOf(fmt::format("{:016x}", bits));
+/// With the zeros behind it.
+std::string_view WholeOf(const Token& token) noexcept {
+  return {token.data(), token.size()};
 }
 
 std::string_view TextOf(const Token& token) {
-  const std::string_view whole(token.data(), token.size());
+  const std::string_view whole = WholeOf(token);
   return whole.substr(0, whole.find('\0'));
 }
 
@@ -82,7 +74,7 @@ std::optional<OperatorSample> NetworkDevice::Take(const fci::Datagram& datagram,
     ++tally_.malformed;
     return {};
   }
-  if (!IsSame(message->token, settings_.token)) {
+  if (!IsSameSecret(WholeOf(message->token), WholeOf(settings_.token))) {
     ++tally_.wrong_token;
     return {};
   }
@@ -141,7 +133,7 @@ std::unique_ptr<teleop::Device> MakeNetworkDevice(const teleop::DeviceRequest& r
   settings.silence = parameters.Time("silence", settings.silence, std::chrono::milliseconds(50),
                                      std::chrono::minutes(1));
   const std::string text = parameters.Text("token", "");
-  const std::optional<Token> token = text.empty() ? DrawToken() : TokenOf(text);
+  const std::optional<Token> token = TokenOf(text.empty() ? MakeSecret(Token().size()) : text);
   if (!token) parameters.Refuse("token", "must be 1 to 16 printable characters of ASCII");
   settings.token = *token;
   return std::make_unique<NetworkDevice>(request.clock, settings);

@@ -72,14 +72,6 @@ std::optional<Token> TokenOf(std::string_view text) noexcept {
   return token;
 }
 
-bool IsSame(const Token& a, const Token& b) noexcept {
-  unsigned difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    difference |= static_cast<unsigned>(static_cast<unsigned char>(a[i] ^ b[i]));
-  }
-  return difference == 0;
-}
-
 std::optional<SampleMessage> ParseSample(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() != kSampleBytes) return {};
   Taker in(bytes);

@@ -25,9 +25,6 @@ using Token = std::array<char, 16>;
 /// printable ones of ASCII.
 [[nodiscard]] std::optional<Token> TokenOf(std::string_view text) noexcept;
 
-/// Whether two tokens are the same; takes as long wherever they differ.
-[[nodiscard]] bool IsSame(const Token& a, const Token& b) noexcept TWIN_REALTIME;
-
 /// The largest number of a sample: more than thirty years of a thousand a second.
 inline constexpr std::uint64_t kMostSequence = std::uint64_t{1} << 40;
 

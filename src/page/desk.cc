@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "page/gate.h"
+#include "twin/core/secret.h"
 
 namespace twin::page {
 namespace {
@@ -99,7 +99,7 @@ void Desk::End(std::string_view text) {
 }
 
 void Desk::Obey(Guest& guest, const message::Hello& hello) {
-  if (!IsSameToken(hello.token, config_.token)) {
+  if (!IsSameSecret(hello.token, config_.token)) {
     Refuse(*guest.visitor, "that is not the token this run has printed");
     guest.visitor->Close("wrong token");
     return;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -11,15 +11,8 @@
 // (Origin), and that whoever opened it was told the token.
 namespace twin::page {
 
-/// Letters of a token: 128 bits in hexadecimal.
+/// Letters of a token (core/secret.h): 128 bits.
 inline constexpr std::size_t kTokenLetters = 32;
-
-/// A new one from the operating system's generator, in [0-9a-f]. It is a secret, no part of any
-/// run: core/random.h is not for it. @throws EnvironmentError when the system has none.
-[[nodiscard]] std::string MakeToken();
-
-/// Whether both are the same, in a time that does not tell where they differ.
-[[nodiscard]] bool IsSameToken(std::string_view one, std::string_view other) noexcept;
 
 /// Whether a request's header Host names this end of its connection: its address, or "localhost"
 /// where that is a loopback's, and its port (which may be left out when it is 80). A name that

@@ -16,6 +16,7 @@
 #include "page/status.h"
 #include "page/web_server.h"
 #include "twin/core/clock.h"
+#include "twin/core/secret.h"
 #include "twin/plant/truth_probe.h"
 #include "twin/rt/sleep.h"
 #include "twin/rt/thread_setup.h"
@@ -42,7 +43,7 @@ class LivePage::Impl {
  public:
   Impl(const PageSettings& settings, const PageScene& scene, LiveFeed& feed,
        OperatorChannel& channel)
-      : token_(MakeToken()),
+      : token_(MakeSecret(kTokenLetters)),
         channel_(channel),
         status_(settings.limits, scene, feed.arm()),
         desk_(DeskConfigOf(settings, scene), CallsOf(settings), channel, clock_),

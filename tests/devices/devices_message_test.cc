@@ -162,11 +162,5 @@ TEST(TokenTest, IsOneToSixteenPrintableCharacters) {
   EXPECT_FALSE(TokenOf("a\tb").has_value());
 }
 
-TEST(TokenTest, IsTheSameOnlyInFull) {
-  EXPECT_TRUE(IsSame(*TokenOf("secret"), *TokenOf("secret")));
-  EXPECT_FALSE(IsSame(*TokenOf("secret"), *TokenOf("secre")));
-  EXPECT_FALSE(IsSame(*TokenOf("secret"), *TokenOf("Secret")));
-}
-
 }  // namespace
 }  // namespace twin::devices
