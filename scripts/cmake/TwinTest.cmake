@@ -5,6 +5,8 @@
 #
 # Labels: unit (seconds, no network, no GPU, no luck), contract, rt (wall clock; whatever the machine does), stress (threads; also
 # for tsan), video, package (installs), bench, slow. The targets unit_tests and stress_tests build all that those labels need.
+# Unit tests of folders that handle untrusted bytes, threads or raw memory are also labelled memory (target memory_tests): those
+# that .ci/run repeats under asan. The others compute; under asan they are for `scripts/test --preset asan -L unit`.
 
 # The tests' Python: .venv, made by scripts/setup, has the packages of scripts/requirements-test.txt.
 if(EXISTS ${PROJECT_SOURCE_DIR}/.venv/bin/python)
@@ -24,7 +26,10 @@ mark_as_advanced(TWIN_LLD)
 if(TWIN_BUILD_TESTS)
   add_custom_target(unit_tests)
   add_custom_target(stress_tests)
+  add_custom_target(memory_tests)
 endif()
+set(TWIN_MEMORY_FOLDERS support core rt record fci onboard plant robot server proxy backend control loop teleop page scenario
+    contract devices fuzz)
 
 function(twin_add_test name)
   cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LABELS;LINK" ${ARGN})
@@ -65,11 +70,15 @@ function(twin_register_test name)
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 120)
   endif()
+  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
+  if("unit" IN_LIST TEST_LABELS AND "${folder}" IN_LIST TWIN_MEMORY_FOLDERS AND NOT panda-twin IN_LIST TEST_NEEDS)
+    list(APPEND TEST_LABELS memory)
+  endif()
   add_test(NAME ${name} COMMAND ${TEST_COMMAND})
   # LSAN_OPTIONS counts under the asan preset only: what libraries leak is named there, what we leak fails.
   set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT}
     ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.supp:print_suppressions=0")
-  foreach(label unit stress)
+  foreach(label unit stress memory)
     if(TEST_NEEDS AND "${label}" IN_LIST TEST_LABELS)
       add_dependencies(${label}_tests ${TEST_NEEDS})
     endif()
