@@ -16,6 +16,10 @@ constexpr double kOmega1 = 25;
 constexpr double kOmega2 = 100;
 constexpr double kOmega3 = 400;
 
+/// Share of the correction's acceleration by which it comes to rest: what is left of it, should the
+/// source begin to accelerate meanwhile.
+constexpr double kBraking = RejoiningGenerator::kShare;
+
 double Saturated(double x, double most) noexcept {
   return std::clamp(x, -most, most);
 }
@@ -24,9 +28,14 @@ double Saturated(double x, double most) noexcept {
 
 RejoiningGenerator::RejoiningGenerator(const JointLimits& limits) noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) {
-    most_[i] = {kVelocityShare * limits.dq_max[i], kShare * limits.ddq_max[i],
-                kShare * limits.dddq_max[i]};
+    limits_[i] = {limits.dq_max[i], limits.ddq_max[i], limits.dddq_max[i]};
   }
+}
+
+RejoiningGenerator::Bounds RejoiningGenerator::LeftBy(double v, double a,
+                                                      const Bounds& limits) noexcept {
+  return {std::max(kVelocityShare * limits.v, kMostShare * limits.v - std::abs(v)),
+          std::max(kShare * limits.a, kMostShare * limits.a - std::abs(a)), kShare * limits.j};
 }
 
 void RejoiningGenerator::Reset(const JointVector& q_d) noexcept {
@@ -39,7 +48,7 @@ void RejoiningGenerator::Observe(const JointVector& r) noexcept {
 }
 
 double RejoiningGenerator::Jerk(double e, double de, double dde, const Bounds& most) noexcept {
-  const double speed = std::min(ClosingSpeed(std::abs(e), most.a / 2, kOmega1), most.v);
+  const double speed = std::min(ClosingSpeed(std::abs(e), kBraking * most.a, kOmega1), most.v);
   const double acceleration = Saturated(kOmega2 * (-std::copysign(speed, e) - de), most.a);
   return Saturated(kOmega3 * (acceleration - dde), most.j);
 }
@@ -49,11 +58,11 @@ JointVector RejoiningGenerator::Next(const JointVector& q_d, const JointVector& 
   JointVector q_c{};
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double v = (r_[1][i] - r_[2][i]) / kT;
-    const double v_before = (r_[2][i] - r_[3][i]) / kT;
+    const double a = (v - (r_[2][i] - r_[3][i]) / kT) / kT;
     const double e = q_d[i] - r_[1][i];
     const double de = dq_d[i] - v;
-    const double dde = ddq_d[i] - (v - v_before) / kT;
-    const double jerk = Jerk(e, de, dde, most_[i]);
+    const double dde = ddq_d[i] - a;
+    const double jerk = Jerk(e, de, dde, LeftBy(v, a, limits_[i]));
     q_c[i] = r_[0][i] + e + kT * (de + kT * (dde + kT * jerk));
   }
   return q_c;

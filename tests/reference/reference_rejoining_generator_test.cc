@@ -110,9 +110,36 @@ TEST(RejoiningGeneratorTest, ClosesAnOffsetWithoutOvershoot) {
     const Closing closing = Close(offset);
     EXPECT_LE(closing.overshoot, 1e-4 * std::abs(offset)) << offset;
     const JointLimits limits = test::PandaLimits();
-    EXPECT_LE(closing.most_dq, 1.01 * RejoiningGenerator::kVelocityShare * limits.dq_max[0]);
-    EXPECT_LE(closing.most_ddq, 1.01 * RejoiningGenerator::kShare * limits.ddq_max[0]);
+    EXPECT_LE(closing.most_dq, 1.01 * RejoiningGenerator::kMostShare * limits.dq_max[0]);
+    EXPECT_LE(closing.most_ddq, 1.01 * RejoiningGenerator::kMostShare * limits.ddq_max[0]);
   }
+}
+
+TEST(RejoiningGeneratorTest, DoesNotOvershootASourceThatAcceleratesMeanwhile) {
+  // At 0.65 of its acceleration limit, and as much the other way.
+  Following following;
+  following.source = [](double t) { return 0.2 * (1 - std::cos(7 * t)); };
+  following.x.q = -0.5;
+  for (int k = 0; k < 3000; ++k) {
+    following.Step();
+    ASSERT_LE(following.error(), 1e-9) << k;
+  }
+  EXPECT_NEAR(following.error(), 0, 1e-9);
+}
+
+TEST(RejoiningGeneratorTest, TakesItsShareOfASourceThatLeavesLess) {
+  // Constant, at 0.8 of the speed limit.
+  const double dq_max = test::PandaLimits().dq_max[0];
+  Following following;
+  following.source = [](double t) { return 0.8 * 2.175 * t; };
+  for (int k = 0; k < 10; ++k) following.Step();  // its begin is a jump of the velocity
+  following.x = {following.x.q - 0.5, 0.8 * dq_max, 0};
+  double fastest = 0;
+  for (int k = 0; k < 1000; ++k) {
+    following.Step();
+    fastest = std::max(fastest, following.x.dq);
+  }
+  EXPECT_NEAR(fastest, (0.8 + RejoiningGenerator::kVelocityShare) * dq_max, 0.01 * dq_max);
 }
 
 TEST(RejoiningGeneratorTest, ClosesASmallOffsetTenTimesFasterThanLambda) {
@@ -121,11 +148,11 @@ TEST(RejoiningGeneratorTest, ClosesASmallOffsetTenTimesFasterThanLambda) {
 }
 
 TEST(RejoiningGeneratorTest, ClosesALargeOffsetAboutAsFastAsItsBoundsAllow) {
-  // At most V_c, with ramps of A_c up and of A_c / 2 down.
+  // At most V_c, with ramps of A_c up and of 0.4 A_c down.
   const JointLimits limits = test::PandaLimits();
-  const double v = RejoiningGenerator::kVelocityShare * limits.dq_max[0];
-  const double a = RejoiningGenerator::kShare * limits.ddq_max[0];
-  const double least = 1.5 / v + v / (2 * a) + v / a;
+  const double v = RejoiningGenerator::kMostShare * limits.dq_max[0];
+  const double a = RejoiningGenerator::kMostShare * limits.ddq_max[0];
+  const double least = 1.5 / v + v / (2 * a) + v / (2 * RejoiningGenerator::kShare * a);
   EXPECT_LT(Close(1.5).cycles * kT, 1.3 * least);
 }
 
