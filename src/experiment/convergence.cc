@@ -12,6 +12,7 @@
 
 #include "experiment/chain_bench.h"
 #include "experiment/stream.h"
+#include "experiment/viable_set.h"
 #include "twin/core/time.h"
 #include "twin/reference/resampler.h"
 #include "twin/reference/viability_filter.h"
@@ -98,6 +99,17 @@ void Compare(const std::vector<ConvergenceWay>& ways, const std::vector<Converge
         one.overshoot <= 1e-3);
     add("largest share of a limit", "", one.share, "at most 1", one.share <= 1);
   }
+}
+
+/// How much longer ours takes to a source that stands than the fastest way behind the same filter.
+void CompareWithFastest(const Convergence& ours, const JointLimits& limits, double offset,
+                        Findings& findings) {
+  const double fastest = RestToRestTime(reference::BoundsOf(limits, 0),
+                                        reference::ViabilityFilter::kLostByDefault, offset, kClose);
+  findings.comparisons.push_back(
+      {.quantity = fmt::format("{}, saturated correction: time over that of the fastest way",
+                               CaseName(offset, false)),
+       .ours = ours.time_s / fastest});
 }
 
 /// What is added to the lag of an admissible source: nothing but the resampler's.
@@ -236,6 +248,7 @@ void AddConvergence(const scenario::RobotData& robot, Findings& findings) {
         all.push_back(MeasureConvergence(way.tick, rest, offset, moves));
       }
       Compare(ways, all, offset, moves, findings);
+      if (!moves) CompareWithFastest(all[kOurs], robot.limits, offset, findings);
       if (offset == kDrawnOffset) drawn.at(moves ? 1 : 0) = std::move(all);
     }
   }

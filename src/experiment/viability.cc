@@ -257,6 +257,7 @@ Findings RunViability(const Setting& setting) {
                     .source = "left open by the paper (its outlook)",
                     .text = Describe(runs)};
   std::vector<reference::AxisBounds> bounds;
+  bounds.reserve(kJoints);
   for (std::size_t i = 0; i < kJoints; ++i) {
     bounds.push_back(reference::BoundsOf(streams.robot.limits, i));
   }

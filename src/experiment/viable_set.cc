@@ -231,6 +231,7 @@ void CompareTimes(const std::vector<AxisBounds>& bounds, Findings& findings) {
   for (const Demand& demand : kDemands) {
     for (const int lost : {3, 19, 20}) {
       std::vector<double> longer;
+      longer.reserve(bounds.size());
       for (const AxisBounds& joint : bounds) {
         longer.push_back(LongerPercent(joint, lost, demand.distance));
       }
@@ -268,8 +269,7 @@ double StoppingDistance(const ViableAxis& axis) {
   return Border(axis.longest_way(), 0, is_viable);
 }
 
-double RestToRestTime(const AxisBounds& bounds, int lost, double distance) {
-  constexpr double kClose = 1e-3;  // rad
+double RestToRestTime(const AxisBounds& bounds, int lost, double distance, double close) {
   constexpr int kMostCycles = 60'000;
   AxisBounds towards = bounds;
   towards.q_max = distance;
@@ -277,7 +277,7 @@ double RestToRestTime(const AxisBounds& bounds, int lost, double distance) {
   const ViableAxis axis(towards, lost, "the joint");
   AxisState x;
   int cycles = 0;
-  while (distance - x.q > kClose && cycles < kMostCycles) {
+  while (distance - x.q > close && cycles < kMostCycles) {
     x = ViableAxis::Step(x, axis.Nearest(x, bounds.dddq_max));
     ++cycles;
   }

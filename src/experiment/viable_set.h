@@ -15,11 +15,13 @@ namespace twin::experiment {
 /// viable, rad.
 [[nodiscard]] double StoppingDistance(const reference::ViableAxis& axis);
 
-/// How long a joint takes from rest until 1 mrad before its goal when it always asks for the
-/// largest jerk, and the filter, for which the goal is the end of the range, has it stop there.
+/// How long a joint takes from rest until close to its goal when it always asks for the largest
+/// jerk, and the filter, for which the goal is the end of the range, has it stop there.
 /// Nothing is lost. Without losses to reckon with (lost = 0) that is the fastest way there is.
-/// @param bounds  of the joint. @param distance  rad, below its range. @returns s.
-[[nodiscard]] double RestToRestTime(const reference::AxisBounds& bounds, int lost, double distance);
+/// @param bounds  of the joint. @param distance  rad, below its range. @param close  rad.
+/// @returns s.
+[[nodiscard]] double RestToRestTime(const reference::AxisBounds& bounds, int lost, double distance,
+                                    double close = 1e-3);
 
 /// Borders of the set, and what it costs to reckon with losses: figures and what they must be.
 /// @param bounds  of the joints.
