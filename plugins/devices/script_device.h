@@ -61,7 +61,7 @@ class ScriptDevice final : public teleop::Device {
   std::atomic<bool> lost_{false};
 };
 
-/// The device "script". Parameters: file (against the scenario's folder), repeat, at_end
+/// The device "script". Parameters: file (against the request's folder), repeat, at_end
 /// (README.md). @throws InputError for a parameter, or in the file.
 [[nodiscard]] std::unique_ptr<teleop::Device> MakeScriptDevice(
     const teleop::DeviceRequest& request);

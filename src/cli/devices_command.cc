@@ -28,7 +28,6 @@ constexpr Duration kBetweenReads = std::chrono::milliseconds(5);
 constexpr Duration kBetweenLines = std::chrono::milliseconds(100);
 
 std::string LineOf(const devices::FoundDevice& device) {
-  if (!device.why_not.empty()) return fmt::format("  {}\n", device.why_not);
   const devices::EvdevCapabilities& has = device.capabilities;
   const auto kind = devices::KindOf(has);
   std::string_view text = "none to lead with";
@@ -41,7 +40,17 @@ std::string LineOf(const devices::FoundDevice& device) {
 void List(const teleop::DeviceRegistry& devices) {
   std::string text = "input devices:\n";
   const auto found = devices::FindEventDevices();
-  for (const devices::FoundDevice& device : found) text += LineOf(device);
+  std::size_t closed = 0;
+  std::string why_not;
+  for (const devices::FoundDevice& device : found) {
+    if (device.why_not.empty()) {
+      text += LineOf(device);
+    } else if (closed++ == 0) {
+      why_not = device.why_not;
+    }
+  }
+  // Keyboards are nobody's business but the group's: one line for all.
+  if (closed > 0) text += fmt::format("  {} cannot be opened; {}\n", closed, why_not);
   if (found.empty()) text += "  none: nothing is plugged in, or this machine shows no /dev/input\n";
   text += fmt::format("devices of scenarios: {}; panda-twin devices NAME shows one\n",
                       fmt::join(devices.Names(), ", "));

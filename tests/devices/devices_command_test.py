@@ -79,8 +79,11 @@ class DevicesTest(unittest.TestCase):
             node = pathlib.PurePath(path).name
             (self.folder / f"{node}.device").write_text(
                 f"P: /devices/virtual/input/{node}\nN: input/{node}\nE: DEVNAME={path}\nE: SUBSYSTEM=input\n\n")
+            command += ["--device", f"{self.folder}/{node}.device"]
+            if not name:  # a node that answers nothing
+                continue
             (self.folder / f"{node}.ioctl").write_text(described(path, name, axes, keys))
-            command += ["--device", f"{self.folder}/{node}.device", "--ioctl", f"{path}={self.folder}/{node}.ioctl"]
+            command += ["--ioctl", f"{path}={self.folder}/{node}.ioctl"]
         if events:
             (self.folder / "events").write_text(events)
             command += ["--evemu-events", f"{devices[0][0]}={self.folder}/events"]
@@ -100,6 +103,13 @@ class DevicesTest(unittest.TestCase):
                           ["/dev/input/event5", "SpaceMouse", "3Dconnexion SpaceMouse Compact (6 axes, 2 buttons)"],
                           ["/dev/input/event11", "gamepad", "A gamepad (4 axes, 15 buttons)"]])
         self.assertIn("evdev, network, script", lines[4])
+
+    def test_says_once_that_some_cannot_be_opened(self):
+        mute = [(f"/dev/input/event{number}", "", {}, []) for number in (3, 4)]
+        done = self.call(before=self.plugged_in(*mute, SPACE_MOUSE))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("SpaceMouse Compact", done.stdout)
+        self.assertIn("  2 cannot be opened; /dev/input/event3: is no input device", done.stdout)
 
     def test_shows_the_axes_of_a_space_mouse_by_a_part_of_its_name(self):
         events = reports((0, (EV_ABS, 1, -175)), (0.2, (EV_KEY, BTN_0, 1)), (0.4, (EV_KEY, BTN_0, 0)))
