@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "controllers/joint_trajectory.h"
+#include "controllers/registration.h"
 #include "plugins/mujoco/mujoco_backend.h"
 #include "twin/core/error.h"
 #include "twin/scenario/assembly.h"
@@ -34,6 +33,33 @@ motion:
       - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], at: 4 s}
 )",
                "rolling.yaml");
+}
+
+/// The arm as a spring of 900 N/m, on a base that drives about as fast as it may.
+Scenario SoftlyRolling() {
+  return Parse(R"(name: softly_rolling
+base:
+  drive:
+    - {at: 500 ms, for: 2.5 s, v: 1 m/s}
+    - {at: 5 s, for: 2 s, v: -0.5 m/s, w: 0.8 rad/s}
+int: {collision_behavior: off}
+controller:
+  type: compliance
+  parameters:
+    reference: hold
+    stiffness: {translation: 900 N/m, rotation: 90 Nm/rad}
+    damping: {translation: 100 Ns/m, rotation: 10 Nms/rad}
+    k0: 0.3 Nm/rad
+    q0: {unit: deg, values: [0, -45, 0, -135, 0, 90, 45]}
+motion:
+  interface: torque
+  trajectory:
+    unit: rad
+    waypoints:
+      - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], at: 0 s}
+      - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], at: 8 s}
+)",
+               "softly_rolling.yaml");
 }
 
 /// What the base was, cycle by cycle, and how far the arm went from where it began.
@@ -61,11 +87,7 @@ class BaseRunTest : public ::testing::Test {
  protected:
   BaseRunTest() {
     plugins::RegisterMujoco(backends_);
-    controllers_.Add("joint_trajectory", [](const control::ControllerRequest& request) {
-      controllers::JointTrajectoryOptions options;
-      options.command_interface = request.interface;
-      return std::make_unique<controllers::JointTrajectoryController>(request.trajectory, options);
-    });
+    controllers::RegisterControllers(controllers_);
   }
   [[nodiscard]] RunResult Execute(const Scenario& scenario, rt::RecordSink* sink = nullptr) const {
     scenario::Run run(scenario, {backends_, controllers_}, files_, sink);
@@ -84,6 +106,14 @@ TEST_F(BaseRunTest, DrivesWhileTheArmIsHeld) {
   ASSERT_TRUE(result.base.has_value());
   EXPECT_NEAR(result.base->odometry.x, 0.4, 0.01) << "where it was switched on";
   EXPECT_NEAR(result.base->odometry.yaw, 0.4, 0.02);
+  EXPECT_LT(watch.arm_way, 0.01);
+}
+
+TEST_F(BaseRunTest, ASoftArmKeepsItsPlaceOnItWithinACentimetre) {
+  Watch watch;
+  const RunResult result = Execute(SoftlyRolling(), &watch);
+  EXPECT_EQ(result.report.end, backend::MotionEnd::kSuccess) << result.report.failure;
+  EXPECT_GT(watch.arm_way, 0.002) << "it does swing";
   EXPECT_LT(watch.arm_way, 0.01);
 }
 
