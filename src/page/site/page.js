@@ -1,6 +1,6 @@
 // The operator's page: one WebSocket, whose messages src/page/README.md lists.
 import { hands as makeHands } from "./sticks.js";
-import { curves, jointBars } from "./plots.js";
+import { curves, fixed, jointBars } from "./plots.js";
 
 const $ = (id) => document.getElementById(id);
 const HANDS_MS = 33;
@@ -138,22 +138,22 @@ function facts() {
     const cycles = arm.served + arm.held;
     all.push(["robot", arm.mode, arm.mode !== "Move" && arm.mode !== "Idle"]);
     if (arm.margin !== null) all.push(["margin", `${(100 * arm.margin).toFixed(1)} %`, arm.margin < 0.02]);
-    all.push(["end effector", `${arm.p.map((v) => v.toFixed(2)).join("  ")} m`]);
+    all.push(["end effector", `${arm.p.map((v) => fixed(v, 2)).join("  ")} m`]);
     all.push(["force", `${Math.hypot(...arm.F.slice(0, 3)).toFixed(1)} N`]);
-    all.push(["cycles unserved", cycles ? `${(100 * arm.held / cycles).toFixed(2)} %` : "none yet"]);
+    all.push(["unserved", cycles ? `${(100 * arm.held / cycles).toFixed(2)} %` : "none yet"]);
   }
   if (base) {
     all.push(["base", base.mode, base.mode === "emergency stop"]);
-    all.push(["speed", `${base.v.toFixed(2)} m/s  ${base.w.toFixed(2)} rad/s`]);
-    all.push(["odometry", `${base.x.toFixed(2)}  ${base.y.toFixed(2)} m  ${(base.yaw * 180 / Math.PI).toFixed(0)}\u00b0`]);
+    all.push(["speed", `${fixed(base.v, 2)} m/s  ${fixed(base.w, 2)} rad/s`]);
+    all.push(["odometry", `${fixed(base.x, 2)}  ${fixed(base.y, 2)} m  ${fixed(base.yaw * 180 / Math.PI, 0)}\u00b0`]);
   }
   if (hand) all.push(["hand", `${(1000 * hand.width).toFixed(0)} mm${hand.is_grasped ? ", holds something" : ""}`]);
   if (teleop) {
     if (teleop.at_border) all.push(["border", "no further that way", true]);
     all.push(["moves", teleop.stopped ? "stopped" : teleop.holding ? `${teleop.mode}, holds` : teleop.mode, teleop.stopped || teleop.holding]);
-    if (operating() && teleop.echo_ms !== null) all.push(["to the robot and back", `${(performance.now() - teleop.echo_ms).toFixed(0)} ms`]);
+    if (operating() && teleop.echo_ms !== null) all.push(["robot, there and back", `${(performance.now() - teleop.echo_ms).toFixed(0)} ms`]);
   }
-  if (turnaround !== null) all.push(["to the page and back", `${turnaround.toFixed(0)} ms`]);
+  if (turnaround !== null) all.push(["page, there and back", `${turnaround.toFixed(0)} ms`]);
   all.push(["visitors", String(state.visitors)]);
   return all;
 }

@@ -3,6 +3,11 @@
 const SECONDS = 20;
 const COLOURS = ["#6cb4ee", "#f0bf5c", "#7fc98f", "#e58a8a", "#b79cf0", "#6fd3d0", "#d8d3c4"];
 
+// As toFixed, but zero has no sign.
+export function fixed(value, digits) {
+  return value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1");
+}
+
 // Curves of `names` in `canvas`; at least `least` either side of zero is shown.
 export function curves(canvas, names, least) {
   const points = [];
@@ -76,6 +81,6 @@ export function jointBars(box, limits) {
     const track = row.children[1];
     track.firstElementChild.style.left = `${Math.max(0, Math.min(1, share)) * 100}%`;
     track.classList.toggle("near", share < 0.08 || share > 0.92);
-    row.lastElementChild.textContent = `${(q[i] * 180 / Math.PI).toFixed(1)}\u00b0`;
+    row.lastElementChild.textContent = `${fixed(q[i] * 180 / Math.PI, 1)}\u00b0`;
   });
 }
