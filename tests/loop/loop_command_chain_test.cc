@@ -260,6 +260,9 @@ TEST(CommandChainTest, AllocatesNothingOnAnyInterface) {
     config.low_pass_hz = 100;
     config.limiter = reference::ClientLimits::Of(test::PandaLimits(), test::PandaCartesianLimits());
     config.source_rate_hz = 125;
+    config.limits = test::PandaLimits();
+    config.cartesian = test::PandaCartesianLimits();
+    if (interface != CommandInterface::kTorque) config.viability = 19;
     CommandChain chain(config, interface);
     RobotState state;
     Target target;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
@@ -248,6 +249,26 @@ TEST_F(ControlTickTest, CountsStatesThatNeverCame) {
 TEST_F(ControlTickTest, RefusesAGeneratorThatDoesNotFitTheInterface) {
   EXPECT_THROW(ControlTick(config_, control::CommandInterface::kJointVelocity, exchange_),
                InputError);
+}
+
+TEST_F(ControlTickTest, RecordsWhatTheViabilityFilterDidToEachAnswer) {
+  config_.generator = Generator::kNone;
+  config_.viability = 19;
+  config_.limits = test::PandaLimits();
+  q_d_ = {0, 0, 0, -1.5, 0, 1.5, 0};
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  EXPECT_EQ(Step(tick, true), nullptr);
+  EXPECT_FALSE(tick.record().margin.has_value()) << "nothing was answered";
+  JointVector target = q_d_;
+  target[2] += 0.1;
+  Put(target, id_);
+  ASSERT_NE(Step(tick, true), nullptr);
+  EXPECT_EQ(tick.record().kept_back, 0b100);
+  EXPECT_GT(tick.record().margin.value_or(0), 0);
+  EXPECT_EQ(Step(tick, false), nullptr);
+  EXPECT_EQ(tick.record().kept_back, 0);
+  EXPECT_FALSE(tick.record().margin.has_value()) << "of this tick, not of the last";
 }
 
 TEST_F(ControlTickTest, AllocatesAndLocksNothingInTenThousandTicks) {
