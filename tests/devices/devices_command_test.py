@@ -119,6 +119,14 @@ class DevicesTest(unittest.TestCase):
         self.assertIn("x +0.50 y +0.00 z", done.stdout)
         self.assertRegex(done.stdout.splitlines()[-2], r"rz \+0\.00 gripper 1$")
 
+    def test_asks_the_device_when_the_kernel_has_dropped_events(self):
+        # What is described has its axes in the middle: so it is, whatever was told before.
+        dropped = (EV_SYN, 3, 0)
+        events = reports((0, (EV_ABS, 1, -175)), (0.4, dropped))
+        done = self.call("spacemouse", "--for", "1", before=self.plugged_in(SPACE_MOUSE, events=events))
+        self.assertIn("x +0.50", done.stdout)
+        self.assertIn("x +0.00", done.stdout.splitlines()[-2])
+
     def test_takes_a_space_mouse_before_a_gamepad(self):
         done = self.call("evdev", "--for", "0.1", before=self.plugged_in(GAMEPAD, SPACE_MOUSE))
         self.assertIn("SpaceMouse Compact at", done.stdout)
