@@ -17,7 +17,8 @@ void AddMarginPanel(Script& script, const RunData& run) {
                   "share of it: at least {:.3g}, at {:.4g} s",
                   least.margin, ToSeconds(least.at.time_since_epoch()))));
   script.Line("set ylabel 'margin'");
-  script.Line("set yrange [{:.6g}:1]", std::min(-0.05, 1.1 * least.margin));
+  // In the middle of its range a joint has half of it to either end.
+  script.Line("set yrange [{:.6g}:0.5]", std::min(-0.05, 1.1 * least.margin));
   script.Line(
       "plot 0 w l dt 2 lw 1.5 lc '{}' title 'border', $margin w l lw 1.2 lc '{}' title 'margin'",
       kLimitColour, kReferenceColour);
