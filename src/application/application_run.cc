@@ -26,6 +26,7 @@ ApplicationRun::ApplicationRun(const scenario::Scenario& scenario,
     : scenario_(WithApplication(scenario)),
       files_(files),
       clock_(clock),
+      devices_(catalogue.devices),
       application_(Make(scenario_)),
       session_(scenario_, catalogue, files_, sink, settings) {}
 
@@ -52,7 +53,7 @@ const Deeds& ApplicationRun::Execute(const scenario::RunHooks& hooks,
                                      const std::function<void(std::string_view)>& tell) {
   session_.Begin(hooks);
   try {
-    Stage stage(session_, scenario_, files_, clock_, tell);
+    Stage stage(session_, scenario_, files_, clock_, tell, devices_);
     deeds_ = application_->Perform(stage);
   } catch (...) {
     result_ = session_.End();

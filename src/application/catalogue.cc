@@ -10,6 +10,7 @@
 #include "application/compliance.h"
 #include "application/pick_and_place.h"
 #include "application/plan_and_execute.h"
+#include "application/teleoperation.h"
 #include "twin/application/application.h"
 #include "twin/control/parameters.h"
 #include "twin/core/error.h"
@@ -24,10 +25,11 @@ struct Entry {
   Maker make;
 };
 
-constexpr std::array<Entry, 3> kApplications{{
+constexpr std::array<Entry, 4> kApplications{{
     {"compliance", MakeCompliance},
     {"pick_and_place", MakePickAndPlace},
     {"plan_and_execute", MakePlanAndExecute},
+    {"teleoperation", MakeTeleoperation},
 }};
 
 /// "<file>:<line>: " when the name was read from there.

@@ -8,12 +8,13 @@ namespace twin::application {
 
 Stage::Stage(scenario::Session& session, const scenario::Scenario& scenario,
              const scenario::RunFiles& files, const Clock& clock,
-             std::function<void(std::string_view)> tell)
+             std::function<void(std::string_view)> tell, const teleop::DeviceRegistry* devices)
     : session_(session),
       scenario_(scenario),
       files_(files),
       clock_(clock),
       tell_(std::move(tell)),
+      devices_(devices),
       F_T_EE_(session.robot().F_T_EE(scenario.onboard.NE_T_EE)) {}
 
 planning::CollisionWorld& Stage::World() {

@@ -178,6 +178,7 @@ Drive ReadDrive(const YamlNode& node) {
 
 Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder) {
   Scenario scenario;
+  scenario.places.folder = folder;
   const YamlMap map =
       root.Map({"name",       "description", "seed",        "backend",       "drive", "loop",
                 "scene",      "robot",       "plant",       "link",          "int",   "tick",

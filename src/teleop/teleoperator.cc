@@ -174,6 +174,9 @@ void Teleoperator::Show(const RobotState& state, Time now) noexcept {
   status_.gripper_presses = mapping_.gripper_presses();
   status_.target = pose_.target();
   status_.arm_error = error.norm();
+  if (mapping_.mode() == Mode::kBase) {
+    status_.most_drive_error = std::max(status_.most_drive_error, status_.arm_error);
+  }
   status_.base_twist = {ahead_.v()[0], turning_.v()[0]};
   status_.felt = felt_.wrench;
   status_.energy = port_.energy();

@@ -31,15 +31,16 @@ inline std::filesystem::path FileOf(const std::string& name) {
 /// An application carried out in this process, with a log and somebody who watches for contacts.
 class Performance final : public rt::RecordSink {
  public:
-  /// @param folder  for the log; empty: none is written.
+  /// @param folder  for the log; empty: none is written. @param devices  of operators; may be null.
   explicit Performance(const scenario::Scenario& scenario, std::filesystem::path folder = {},
-                       const scenario::RealtimeSettings& settings = {})
+                       const scenario::RealtimeSettings& settings = {},
+                       const teleop::DeviceRegistry* devices = nullptr)
       : folder_(std::move(folder)) {
     plugins::RegisterMujoco(backends_);
     plugins::RegisterFci(backends_);
     controllers::RegisterControllers(controllers_);
-    run_.emplace(scenario, scenario::Catalogue{backends_, controllers_}, files_, this, clock_,
-                 settings);
+    run_.emplace(scenario, scenario::Catalogue{backends_, controllers_, devices}, files_, this,
+                 clock_, settings);
     if (!folder_.empty()) {
       log_.emplace(
           LogPath(),

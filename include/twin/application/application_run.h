@@ -54,6 +54,7 @@ class ApplicationRun {
   const scenario::Scenario scenario_;
   const scenario::RunFiles files_;
   const Clock& clock_;
+  const teleop::DeviceRegistry* devices_;
   std::unique_ptr<Application> application_;
   scenario::Session session_;
   Deeds deeds_;

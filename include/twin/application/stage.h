@@ -14,6 +14,7 @@
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 #include "twin/scenario/session.h"
+#include "twin/teleop/device_registry.h"
 
 namespace twin::application {
 
@@ -27,7 +28,8 @@ class Stage {
   /// outlive the stage.
   Stage(scenario::Session& session, const scenario::Scenario& scenario,
         const scenario::RunFiles& files, const Clock& clock,
-        std::function<void(std::string_view)> tell = {});
+        std::function<void(std::string_view)> tell = {},
+        const teleop::DeviceRegistry* devices = nullptr);
 
   [[nodiscard]] scenario::Session& session() const noexcept { return session_; }
   [[nodiscard]] const scenario::Scenario& scenario() const noexcept { return scenario_; }
@@ -40,6 +42,9 @@ class Stage {
   /// The world to plan in, made when first asked for: scene and robot as the scenario has them.
   /// @throws as planning::CollisionWorld.
   [[nodiscard]] planning::CollisionWorld& World();
+
+  /// What an operator may lead by; null: nothing.
+  [[nodiscard]] const teleop::DeviceRegistry* devices() const noexcept { return devices_; }
 
   /// A motion on this interface, its loop, tick and controller's timing the scenario's, its
   /// generator the interface's. What it follows, and the controller's type and parameters, are the
@@ -60,6 +65,7 @@ class Stage {
   const scenario::RunFiles& files_;
   const Clock& clock_;
   std::function<void(std::string_view)> tell_;
+  const teleop::DeviceRegistry* devices_;
   Transform F_T_EE_;
   std::unique_ptr<planning::CollisionWorld> world_;
 };

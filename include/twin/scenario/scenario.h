@@ -238,6 +238,7 @@ struct Places {
   Place library;
   Place application;
   Place device;
+  std::filesystem::path folder;  ///< of the file; empty when nothing was read
   bool operator==(const Places& /*other*/) const { return true; }
 };
 

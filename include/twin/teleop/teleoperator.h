@@ -35,6 +35,7 @@ struct TeleoperatorStatus {
   std::uint32_t gripper_presses = 0;
   reference::PoseTarget target{};  ///< x_d
   double arm_error = 0;            ///< m, of the measured end effector from x_d
+  double most_drive_error = 0;     ///< m, the largest arm_error while the base was led
   BaseTwist base_twist{};          ///< commanded
   Vector6 felt{};                  ///< wrench at the handle, N and Nm
   Vector6 energy{};                ///< as PassivePort::energy()

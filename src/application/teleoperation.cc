@@ -1,0 +1,311 @@
+#include "application/teleoperation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "application/operator_person.h"
+#include "application/teleoperation_judgement.h"
+#include "twin/application/stage.h"
+#include "twin/backend/hand.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/core/hand_command.h"
+#include "twin/scenario/objects.h"
+#include "twin/scenario/operator.h"
+#include "twin/teleop/teleoperator.h"
+
+namespace twin::application {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using teleop::Teleoperator;
+using teleop::TeleoperatorStatus;
+
+constexpr const char* kPerson = "person";
+constexpr Duration kAttend = milliseconds(10);
+constexpr int kAttendsPerSample = 5;
+/// Moments that are shown are at least so long.
+constexpr Duration kShortest = seconds(2);
+constexpr double kHalfTurn = std::numbers::pi;
+constexpr double kFar = 100;  // m
+
+/// The paper's gains of teleoperation, unless the scenario says otherwise.
+control::Parameters Gains(control::Parameters given) {
+  const control::Parameters otherwise{{.key = "stiffness.translation", .values = {"900 N/m"}},
+                                      {.key = "stiffness.rotation", .values = {"90 Nm/rad"}},
+                                      {.key = "damping.translation", .values = {"100 Ns/m"}},
+                                      {.key = "damping.rotation",
+                                       .values = {"10 Nms/rad", "1 Nms/rad", "1 Nms/rad"},
+                                       .is_list = true},
+                                      {.key = "k0", .values = {"0.3 Nm/rad"}},
+                                      {.key = "reference", .values = {"live"}}};
+  for (const control::Parameter& parameter : otherwise) {
+    const bool is_given = std::ranges::any_of(
+        given, [&](const control::Parameter& one) { return one.key == parameter.key; });
+    if (!is_given) given.push_back(parameter);
+  }
+  return given;
+}
+
+/// What the hand does at the operator's presses.
+struct Grip {
+  double width = 0.04;  ///< m, of what is grasped, +- tolerance
+  double tolerance = 0.04;
+  double force = 30;    ///< N
+  double speed = 0.05;  ///< m/s
+};
+
+class Teleoperation final : public Application {
+ public:
+  explicit Teleoperation(control::ParameterReader& p)
+      : object_(p.Text("object", "")),
+        from_yaw_(p.Quantity("from.heading", Dimension::kAngle, 0, -kHalfTurn, kHalfTurn)),
+        to_(p.Vector("to.position", Dimension::kLength, {}, -kFar, kFar)),
+        to_yaw_(p.Quantity("to.heading", Dimension::kAngle, 0, -kHalfTurn, kHalfTurn)),
+        reach_(p.Quantity("reach", Dimension::kLength, FetchTask().reach, 0.3, 0.7)),
+        longest_(p.Time("longest", seconds(240), seconds(1), std::chrono::hours(1))),
+        controller_(Gains(p.Below("controller"))) {
+    grip_.force = p.Quantity("grasp.force", Dimension::kForce, grip_.force, 1, 140);
+    grip_.speed = p.Quantity("grasp.speed", Dimension::kVelocity, grip_.speed, 0.001, 0.1);
+    person_.hand_noise = p.Number("person.hand_noise", person_.hand_noise, 0, 0.5);
+    person_.tremor = p.Number("person.tremor", person_.tremor, 0, 0.2);
+    person_.eye_noise =
+        p.Quantity("person.eye_noise", Dimension::kLength, person_.eye_noise, 0, 0.05);
+    person_.far_noise =
+        p.Quantity("person.far_noise", Dimension::kLength, person_.far_noise, 0, 0.1);
+    person_.reaction = p.Time("person.reaction", person_.reaction, Duration::zero(), seconds(1));
+  }
+
+  void Require(const scenario::Scenario& scenario) const override;
+  [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
+    return control::CommandInterface::kTorque;
+  }
+  [[nodiscard]] Duration longest() const noexcept override { return longest_ + seconds(10); }
+  [[nodiscard]] bool drives_base() const noexcept override { return true; }
+  [[nodiscard]] Deeds Perform(Stage& stage) override;
+  [[nodiscard]] Judgement Judge(const Deeds& /*deeds*/, const Evidence& evidence) override {
+    return JudgeTeleoperation(record_, evidence);
+  }
+
+ private:
+  [[nodiscard]] FetchTask TaskOf(const scenario::Scenario& scenario) const;
+  [[nodiscard]] std::unique_ptr<teleop::Device> MakeDevice(const Stage& stage);
+  StepEnd Lead();
+  /// Beside the motion: the hand, moments, the trace.
+  Time Attend(Time now);
+  void TendHand(std::uint32_t presses);
+  void Note(const TeleoperatorStatus& status, Time now);
+  void BeginMoment(teleop::Mode mode, Time now);
+
+  const std::string object_;
+  const double from_yaw_;
+  const Vector3 to_;
+  const double to_yaw_;
+  const double reach_;
+  const Duration longest_;
+  const control::Parameters controller_;
+  Grip grip_;
+  PersonConfig person_;
+
+  const MonotonicClock clock_;  ///< of devices' own threads
+  Stage* stage_ = nullptr;      ///< set while it performs
+  std::unique_ptr<teleop::Device> device_;
+  OperatorPerson* scripted_ = nullptr;  ///< device_, if it is one
+  std::optional<Teleoperator> teleoperator_;
+  std::uint32_t presses_ = 0;  ///< of the hand's button that were acted on
+  int attends_ = 0;
+  TeleoperatorStatus last_{};
+  TeleoperationRecord record_;
+  Deeds deeds_;
+};
+
+void Teleoperation::Require(const scenario::Scenario& scenario) const {
+  if (!scenario.operator_section) {
+    throw InputError(
+        "application teleoperation: nobody leads; say who, as operator: {device: person}");
+  }
+  if (scenario.operator_section->device != kPerson) return;
+  if (scenario.drive != scenario::Drive::kLockstep) {
+    throw InputError(
+        "operator: the scripted person sees the simulation and is for drive: lockstep only; name a "
+        "device that somebody holds");
+  }
+  if (!scenario.base) {
+    throw InputError(
+        "operator: the scripted person drives a base, and there is none; say base: {model: husky}, "
+        "or name another device");
+  }
+  static_cast<void>(TaskOf(scenario));
+}
+
+FetchTask Teleoperation::TaskOf(const scenario::Scenario& scenario) const {
+  const auto named = std::ranges::find(scenario.objects, object_, &scenario::ObjectSection::name);
+  if (named == scenario.objects.end()) {
+    throw InputError(fmt::format(
+        "application.parameters.object: \"{}\" is none of the scenario's objects; name one that is "
+        "to be fetched",
+        object_));
+  }
+  const auto drawn = ObjectsOf(scenario.objects, scenario.seed);
+  const plant::SceneObject& object =
+      drawn[static_cast<std::size_t>(named - scenario.objects.begin())];
+  FetchTask task{.object = object_,
+                 .height = object.size[2],
+                 .from = named->pose.position,
+                 .from_yaw = from_yaw_,
+                 .to = to_,
+                 .to_yaw = to_yaw_,
+                 .reach = reach_};
+  task.to[2] += object.size[2] / 2;
+  return task;
+}
+
+std::unique_ptr<teleop::Device> Teleoperation::MakeDevice(const Stage& stage) {
+  const scenario::OperatorSection& section = *stage.scenario().operator_section;
+  if (section.device == kPerson) {
+    const plant::TruthProbe* truth = stage.session().connection().truth;
+    if (truth == nullptr) {
+      throw InputError(
+          "operator: the scripted person sees nothing of this plant; say plant: "
+          "{kind: mujoco}");
+    }
+    auto person = std::make_unique<OperatorPerson>(*truth, record_.task, person_, record_.config,
+                                                   stage.scenario().seed);
+    scripted_ = person.get();
+    return person;
+  }
+  if (stage.devices() == nullptr) {
+    throw InputError(fmt::format("operator.device: \"{}\" is unknown here; there is: {}",
+                                 section.device, kPerson));
+  }
+  control::ParameterReader reader(section.parameters, "operator.parameters");
+  auto device = stage.devices()->Find(section.device)(
+      {.parameters = reader,
+       .folder = stage.scenario().places.folder,
+       .clock = clock_,
+       .is_lockstep = stage.scenario().drive == scenario::Drive::kLockstep,
+       .seed = stage.scenario().seed});
+  reader.RefuseUnread();
+  return device;
+}
+
+Deeds Teleoperation::Perform(Stage& stage) {
+  stage_ = &stage;
+  const scenario::OperatorSection& section = *stage.scenario().operator_section;
+  record_.config = MakeTeleoperator(section);
+  if (!object_.empty()) record_.task = TaskOf(stage.scenario());
+  device_ = MakeDevice(stage);
+  teleoperator_.emplace(
+      Teleoperator::Parts{
+          .device = *device_, .base = stage.session().base(), .limits = stage.robot().limits},
+      record_.config, MakeWire(section), stage.scenario().seed);
+  stage.Tell(fmt::format("led by {}", device_->Describe()));
+  deeds_.task = stage.Carry({{.name = "teleoperation", .act = [this] { return Lead(); }}});
+  // What holds on to the session ends with it.
+  teleoperator_.reset();
+  scripted_ = nullptr;
+  device_.reset();
+  stage_ = nullptr;
+  return std::move(deeds_);
+}
+
+StepEnd Teleoperation::Lead() {
+  scenario::Session& session = stage_->session();
+  scenario::Motion motion = stage_->NewMotion(
+      "teleoperation", control::CommandInterface::kTorque,
+      scenario::StandingFor(session.ReadState().q, longest_, stage_->robot().limits));
+  motion.controller.type = "compliance";
+  motion.controller.parameters = controller_;
+  // Who feels his way touches things, and a contact steps the damping's torque.
+  motion.tick.limiter = true;
+  motion.live = &*teleoperator_;
+  motion.attend = [this](Time now) { return Attend(now); };
+  BeginMoment(teleop::Mode::kArm, session.Now());
+  const scenario::MotionResult result = session.Move(motion);
+  Note(teleoperator_->TakeStatus(), session.Now());
+  deeds_.moments.back().done = session.Now();
+  if (result.report.errors.any()) record_.robot_errors.push_back(result.report.failure);
+  if (!result.report.succeeded()) return {false, result.report.failure};
+  if (scripted_ == nullptr) return {};
+  record_.motions = scripted_->motions();
+  const std::string why = scripted_->failure();
+  return {why.empty(),
+          why.empty() ? fmt::format("{} motions of the person", record_.motions) : why};
+}
+
+Time Teleoperation::Attend(Time now) {
+  TendHand(teleoperator_->gripper_presses());
+  const TeleoperatorStatus& status = teleoperator_->TakeStatus();
+  if (status.mode != last_.mode) {
+    ++record_.switches;
+    stage_->session().Tell("operator",
+                           status.mode == teleop::Mode::kBase ? "leads the base" : "leads the arm");
+    BeginMoment(status.mode, now);
+  }
+  if (status.stopped != last_.stopped) {
+    stage_->session().Tell("operator", status.stopped ? "emergency stop" : "stop released");
+  }
+  if (status.holding != last_.holding) {
+    stage_->session().Tell("operator", status.holding ? "nobody leads" : "somebody leads");
+  }
+  last_ = status;
+  if (attends_++ % kAttendsPerSample == 0) record_.trace.push_back(status);
+  return now + kAttend;
+}
+
+void Teleoperation::Note(const TeleoperatorStatus& status, Time now) {
+  record_.trace.push_back(status);
+  record_.trace.back().now = now;
+}
+
+void Teleoperation::TendHand(std::uint32_t presses) {
+  const std::uint32_t since = presses - std::exchange(presses_, presses);
+  backend::Hand* hand = stage_->session().connection().hand;
+  if (since % 2 == 0 || hand == nullptr) return;
+  const bool closes = presses % 2 == 1;
+  const HandCommand command =
+      closes ? HandCommand(hand::Grasp{.width = grip_.width,
+                                       .speed = grip_.speed,
+                                       .force = grip_.force,
+                                       .epsilon_inner = grip_.tolerance,
+                                       .epsilon_outer = grip_.tolerance})
+             : HandCommand(hand::Move{.width = kHandStroke, .speed = grip_.speed});
+  try {
+    static_cast<void>(hand->Start(command));
+    stage_->session().Tell("operator", closes ? "closes the hand" : "opens the hand");
+    BeginMoment(last_.mode, stage_->session().Now());
+  } catch (const Error& error) {
+    stage_->session().Tell("operator", error.what());
+  }
+}
+
+void Teleoperation::BeginMoment(teleop::Mode mode, Time now) {
+  std::vector<Moment>& moments = deeds_.moments;
+  if (!moments.empty()) moments.back().done = now;
+  // What was hardly begun is nothing to show.
+  if (!moments.empty() && now - moments.back().planned < kShortest) moments.pop_back();
+  const bool drives = mode == teleop::Mode::kBase;
+  const bool holds = presses_ % 2 == 1;
+  moments.push_back({.id = fmt::format("{}_{}", drives ? "base" : "arm", moments.size() + 1),
+                     .caption = fmt::format("{}; the hand is {}",
+                                            drives ? "The base is led, the arm holds its pose on it"
+                                                   : "The arm is led, the base stands",
+                                            holds ? "closed" : "open"),
+                     .planned = now,
+                     .done = now});
+}
+
+}  // namespace
+
+std::unique_ptr<Application> MakeTeleoperation(control::ParameterReader& parameters) {
+  return std::make_unique<Teleoperation>(parameters);
+}
+
+}  // namespace twin::application
