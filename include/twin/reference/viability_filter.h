@@ -19,7 +19,8 @@ namespace twin::reference {
 ///
 /// The promise holds for a robot that aborts after n + 1 losses in a row, or loses no more; that
 /// holds the acceleration of a lost command; and whose state, which the command answers, is the one
-/// before. It begins at a viable state: every one at rest inside the range is.
+/// before (ViabilityInFlight: an older one). It begins at a viable state: every one at rest inside
+/// the range is.
 ///
 /// Threads: constant after construction. Real-time: noexcept, allocates nothing.
 class ViabilityFilter {
