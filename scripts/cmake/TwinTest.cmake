@@ -15,6 +15,10 @@ else()
   set(TWIN_PYTHON python3)
 endif()
 
+# Of tests that play a person at a browser: it has Debian's python3-selenium, which .venv does not see.
+find_program(TWIN_SYSTEM_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python of the system")
+mark_as_advanced(TWIN_SYSTEM_PYTHON)
+
 # A test's own source takes longer to compile than it runs; what it tests is compiled as everywhere.
 set(TWIN_TEST_OPTIMISATION -O0 CACHE STRING "Optimisation of the tests' own sources")
 mark_as_advanced(TWIN_TEST_OPTIMISATION)

@@ -2,32 +2,44 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "twin/application/application_run.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
-#include "twin/core/hand_command.h"
+#include "twin/page/page_device.h"
 #include "twin/rt/sleep.h"
-#include "twin/scenario/operator.h"
 #include "twin/scenario/session.h"
-#include "twin/teleop/teleoperator.h"
+#include "twin/teleop/device_registry.h"
 
 namespace twin::cli {
 namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds(50);
-/// An operator has to go home some time.
-constexpr Duration kLongest = std::chrono::hours(8);
+/// As long as one session of the application may be.
+constexpr const char* kLongest = "3600 s";
+constexpr const char* kDevice = "page";
 
-scenario::Scenario OverTheWire(scenario::Scenario served) {
+/// The robot's own scenario from the other end of the wire, led by the page.
+scenario::Scenario LedFromThePage(scenario::Scenario served) {
   served.backend = scenario::kRemoteBackend;
   served.drive = scenario::Drive::kRemote;
   served.robot.clock_drift_ppm = 0;
-  served.application.reset();
   served.hand.clear();
+  if (!served.robot.q_start && !served.motion.waypoints.empty()) {
+    served.robot.q_start = served.motion.waypoints.front().q;
+  }
+  served.motion = {};
+  served.base.reset();  // the interface knows of none
+  served.application = scenario::ApplicationSection{
+      .type = "teleoperation", .parameters = {{.key = "longest", .values = {kLongest}}}};
+  if (!served.operator_section) served.operator_section.emplace();
+  served.operator_section->device = kDevice;
+  served.operator_section->parameters.clear();
   return served;
 }
 
@@ -39,50 +51,12 @@ scenario::RealtimeSettings ServedAt(const fci::Endpoint& arm) {
   return settings;
 }
 
-/// The paper's, of its teleoperation.
-control::Parameters Gains() {
-  return {{.key = "reference", .values = {"live"}},
-          {.key = "k0", .values = {"0.3 Nm/rad"}},
-          {.key = "stiffness.translation", .values = {"900 N/m"}},
-          {.key = "stiffness.rotation", .values = {"90 Nm/rad"}},
-          {.key = "damping.translation", .values = {"100 Ns/m"}},
-          {.key = "damping.rotation",
-           .values = {"10 Nms/rad", "1 Nms/rad", "1 Nms/rad"},
-           .is_list = true}};
-}
-
-/// Whatever there is between the fingers is held.
-const HandCommand kClose =
-    hand::Grasp{.width = 0, .speed = 0.1, .force = 30, .epsilon_outer = kHandStroke};
-const HandCommand kOpen = hand::Move{.width = kHandStroke, .speed = 0.1};
-
-/// Closes and opens the hand as often as the operator presses.
-class Fingers {
- public:
-  Fingers(backend::Hand* hand, const teleop::Teleoperator& led) : hand_(hand), led_(led) {}
-
-  /// As loop::MotionRun::attend.
-  Time Attend(Time now) {
-    const std::uint32_t presses = led_.gripper_presses();
-    if (hand_ != nullptr && presses != done_) {
-      static_cast<void>(hand_->Start(presses % 2 == 1 ? kClose : kOpen));
-      done_ = presses;
-    }
-    return now + kLook;
-  }
-
- private:
-  backend::Hand* hand_;
-  const teleop::Teleoperator& led_;
-  std::uint32_t done_ = 0;
-};
-
 }  // namespace
 
 PageOperator::PageOperator(const Parts& parts, const scenario::Scenario& served,
                            const fci::Endpoint& arm, Tell tell)
     : parts_(parts),
-      scenario_(OverTheWire(served)),
+      scenario_(LedFromThePage(served)),
       settings_(ServedAt(arm)),
       tell_(std::move(tell)),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
@@ -95,12 +69,12 @@ void PageOperator::Run(const std::stop_token& stop) {
     if (!wanted_.load(std::memory_order_acquire)) continue;
     const std::uint64_t take = takes_.load(std::memory_order_relaxed);
     if (take == served) continue;  // that one's session has ended, and control was not given back
-    page::PageDevice device(parts_.channel, "this server");
+    auto device = std::make_unique<page::PageDevice>(parts_.channel, "this server");
     // Whoever gives control back from now on presses an end that this device is told.
     if (!wanted_.load(std::memory_order_acquire)) continue;
     served = take;
     try {
-      Session(device);
+      Session(std::move(device));
     } catch (const Error& error) {
       tell_(clock.Now(), "error",
             fmt::format("{}; to try again, give control back and take it", error.what()));
@@ -108,28 +82,24 @@ void PageOperator::Run(const std::stop_token& stop) {
   }
 }
 
-void PageOperator::Session(page::PageDevice& device) {
-  scenario::Session session(scenario_, parts_.catalogue, parts_.files, nullptr, settings_);
+void PageOperator::Session(std::unique_ptr<teleop::Device> device) {
   scenario::RunHooks hooks;
   hooks.interrupted = &interrupted_;
   hooks.event = tell_;
-  session.Begin(hooks);
-  session.Recover();
-  const scenario::OperatorSection section =
-      scenario_.operator_section.value_or(scenario::OperatorSection());
-  teleop::Teleoperator led({.device = device, .limits = session.robot().limits},
-                           scenario::MakeTeleoperator(section), scenario::MakeWire(section),
-                           scenario_.seed);
-  Fingers fingers(session.connection().hand, led);
-  scenario::Motion motion = scenario::MotionOn(
-      scenario_, "led by the page", control::CommandInterface::kTorque,
-      scenario::StandingFor(session.ReadState().q_d, kLongest, session.robot().limits));
-  motion.controller.type = "compliance";
-  motion.controller.parameters = Gains();
-  motion.live = &led;
-  motion.attend = [&fingers](Time now) { return fingers.Attend(now); };
-  const scenario::MotionResult result = session.Move(motion);
-  if (!result.report.succeeded()) tell_(session.Now(), "error", result.report.failure);
+  {
+    // What a stop or a reflex has left.
+    scenario::Session session(scenario_, parts_.catalogue, parts_.files, nullptr, settings_);
+    session.Begin(hooks);
+    session.Recover();
+  }
+  teleop::DeviceRegistry devices;
+  devices.Add(kDevice, [&device](const teleop::DeviceRequest&) { return std::move(device); });
+  const scenario::Catalogue catalogue{parts_.catalogue.backends, parts_.catalogue.controllers,
+                                      &devices};
+  const MonotonicClock clock;
+  application::ApplicationRun run(scenario_, catalogue, parts_.files, nullptr, clock, settings_);
+  const application::Deeds& deeds = run.Execute(hooks);
+  if (!deeds.task.failure.empty()) tell_(clock.Now(), "error", deeds.task.failure);
 }
 
 }  // namespace twin::cli

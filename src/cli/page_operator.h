@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <stop_token>
 #include <string_view>
 #include <thread>
@@ -10,14 +11,14 @@
 #include "twin/core/time.h"
 #include "twin/fci/sockets.h"
 #include "twin/page/operator_channel.h"
-#include "twin/page/page_device.h"
 #include "twin/scenario/assembly.h"
 #include "twin/scenario/scenario.h"
+#include "twin/teleop/device.h"
 
 namespace twin::cli {
 
 /// Does on a served robot what the operator at its page wants: as a client like any other, over the
-/// Franka Control Interface on the loopback network, by backend fci and the paper's gains of
+/// Franka Control Interface on the loopback network, by backend fci and the application
 /// teleoperation. Connects when somebody takes control, and is gone when nobody has it; while
 /// another client is connected, it is refused as any second one.
 ///
@@ -46,7 +47,7 @@ class PageOperator {
  private:
   void Run(const std::stop_token& stop);
   /// From connecting to the end of the motion.
-  void Session(page::PageDevice& device);
+  void Session(std::unique_ptr<teleop::Device> device);
 
   const Parts parts_;
   const scenario::Scenario scenario_;

@@ -180,6 +180,10 @@ ExitCode RunCommand(const RunFlags& flags, const Host& host, const scenario::Cat
   std::optional<fci::Capture> capture;
   try {
     const scenario::Scenario scenario = LoadWithFlags(flags, host);
+    RequirePageFlags(flags.page);
+    if (flags.seeds && flags.page.wanted()) {
+      throw InputError("--page shows one run; leave out --seeds, or the page");
+    }
     if (flags.seeds) return RunManySeeds(scenario, flags, host, catalogue);
     const ExitCode code = scenario.application
                               ? RunApplication(scenario, flags, host, catalogue, capture)

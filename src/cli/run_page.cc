@@ -60,6 +60,14 @@ page::PageSettings PageAt(const PageFlags& flags) {
   return settings;
 }
 
+void RequirePageFlags(const PageFlags& flags) {
+  if (flags.wanted()) {
+    static_cast<void>(PageAt(flags));
+  } else if (flags.allow || flags.allow_hardware || flags.bind != PageFlags().bind) {
+    throw InputError("--page-bind, --page-allow and --allow-hardware go with --page");
+  }
+}
+
 std::vector<page::NamedView> PageViews(const scenario::Scenario& scenario) {
   render::View hand;
   hand.kind = render::ViewKind::kGripper;

@@ -28,6 +28,9 @@ namespace twin::cli {
 /// without being named.
 [[nodiscard]] page::PageSettings PageAt(const PageFlags& flags);
 
+/// Before anything is done. @throws InputError as PageAt, and for flags of a page without --page.
+void RequirePageFlags(const PageFlags& flags);
+
 /// The cameras of a page: the scenario's, the hand's, and some round about.
 [[nodiscard]] std::vector<page::NamedView> PageViews(const scenario::Scenario& scenario);
 

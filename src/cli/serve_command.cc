@@ -10,6 +10,7 @@
 #include "cli/commands.h"
 #include "cli/interrupt.h"
 #include "cli/network.h"
+#include "cli/run_page.h"
 #include "cli/run_setup.h"
 #include "cli/say.h"
 #include "cli/serve_page.h"
@@ -49,6 +50,7 @@ bool FreezesWhenIdle(const ServeFlags& flags) {
 }
 
 void RequireAgreement(const ServeFlags& flags) {
+  RequirePageFlags(flags.page);
   const scenario::Drive drive = scenario::DriveFromName(flags.drive);
   if (drive == scenario::Drive::kRemote) {
     throw InputError(

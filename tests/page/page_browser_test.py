@@ -48,6 +48,7 @@ class PageBrowserTest(unittest.TestCase):
         cls.served = page_server_test.Run(folder.name, (source / "models/applications/teleoperation.yaml").read_text(),
                                           ["--device", "page"])
         cls.addClassCleanup(cls.served.end)
+        cls.out = pathlib.Path(folder.name, "out")
         cls.browser = start_browser(folder.name, "operator", 1280, 1000)
         cls.addClassCleanup(cls.browser.quit)
         cls.browser.get(cls.served.url)
@@ -118,6 +119,15 @@ class PageBrowserTest(unittest.TestCase):
         after = self.numbers("odometry")
         self.assertGreater(abs(after[0] - before[0]) + abs(after[1] - before[1]), 0.1)
         self.keep("desk")
+
+    def test_6_records_what_is_done_into_a_script(self):
+        self.element("record").click()
+        self.wait_until(lambda: self.element("record").get_attribute("aria-pressed") == "true")
+        self.hold("a", 0.5)
+        self.element("record").click()
+        self.wait_until((self.out / "operator_1.csv").is_file)
+        rows = (self.out / "operator_1.csv").read_text().splitlines()
+        self.assertGreater(len(rows), 8)  # half a second of some thirty a second, less what a busy machine leaves out
 
     def test_7_lost_heartbeat_holds(self):
         with self.served.visit() as watcher:

@@ -9,6 +9,7 @@ import re
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
@@ -16,6 +17,12 @@ from web_client import WebSocket
 
 PROGRAM = ""
 SOURCE = pathlib.Path()
+LED = """name: led
+robot: {q_start: {unit: deg, values: [0, -45, 0, -135, 0, 90, 45]}}
+operator: {device: page}
+application: {type: teleoperation}
+record: false
+"""
 PATIENCE = 40
 HANDS_S = 0.033
 
@@ -29,6 +36,17 @@ def two_free_ports():
         except OSError:
             pass
     raise AssertionError("no two free ports")
+
+
+def address_elsewhere():
+    """An address of this machine that is not the loopback's; empty: it has none."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
+        try:
+            asking.connect(("192.0.2.1", 9))  # nothing is sent: only the way there is asked for
+            address = asking.getsockname()[0]
+        except OSError:
+            return ""
+    return "" if address.startswith("127.") else address
 
 
 class Operator:
@@ -80,6 +98,7 @@ class PageServedTest(unittest.TestCase):
         for line in self.process.stdout:
             if match := re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
                 self.operator = Operator(int(match[1]), match[2])
+                self.addCleanup(self.operator.visitor.connection.close)
                 self.where = (int(match[1]), match[2])
                 return
         self.fail("no page")
@@ -103,6 +122,53 @@ class PageServedTest(unittest.TestCase):
         operator.visitor.say("give_back")
         stopped = operator.lead([0] * 6, lambda state: state["arm"]["mode"] == "Move")["arm"]["p"]
         operator.lead([0, 0, -1, 0, 0, 0], lambda state: state["arm"]["p"][2] < stopped[2] - 0.02)
+
+
+class PageHardwareTest(unittest.TestCase):
+    """A robot at another address than this machine's loopback: as far as the program knows, a real one."""
+
+    def setUp(self):
+        self.address = address_elsewhere()
+        if not self.address:
+            self.skipTest("this machine has no address but the loopback's")
+        self.port = two_free_ports()
+        folder = tempfile.TemporaryDirectory(prefix="panda_twin_page_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        (self.folder / "led.yaml").write_text(LED)
+        server = self.start("serve", "--bind", self.address, "--allow", f"{self.address}/32", "--port", str(self.port), "--hand-port",
+                            str(self.port + 1), "--drive", "lockstep")
+        for line in server.stdout:
+            if "open to" in line:
+                break
+
+    def start(self, *args):
+        process = subprocess.Popen([PROGRAM, *args, "--data", SOURCE / "models"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+        def end():
+            process.kill()
+            process.communicate(timeout=20)
+        self.addCleanup(end)
+        return process
+
+    def refusal(self, *flags):
+        """What an operator is told who takes control of it; None: it is given."""
+        run = self.start("run", str(self.folder / "led.yaml"), "--backend", "fci", "--robot", f"{self.address}:{self.port}", "--robot-time",
+                         "states", "--device", "page", "--page=0", "--out", str(self.folder / "out"), *flags)
+        said = ""
+        for line in run.stdout:
+            said += line
+            if match := re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
+                with WebSocket(int(match[1])) as visitor:
+                    visitor.say("hello", token=match[2])
+                    return visitor.hear("welcome")["watch_only"]
+        self.fail(said)
+
+    def test_is_only_watched(self):
+        self.assertIn("--allow-hardware", self.refusal())
+
+    def test_is_moved_when_that_was_said(self):
+        self.assertEqual(self.refusal("--allow-hardware"), "")
 
 
 if __name__ == "__main__":

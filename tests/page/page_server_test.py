@@ -3,6 +3,7 @@
 
 import pathlib
 import re
+import socket
 import subprocess
 import sys
 import tempfile
@@ -223,6 +224,31 @@ class PageEndTest(unittest.TestCase):
             self.assertEqual(visitor.closing(), "the run is over")
         self.assertEqual(served.process.wait(timeout=20), 0)
         served.process.stdout.close()
+
+
+class PageFlagsTest(unittest.TestCase):
+    def refusal(self, command, *flags):
+        process = subprocess.run([PROGRAM, command, SOURCE / "models/scenarios/smoke.yaml", *flags, "--data", SOURCE / "models"],
+                                 capture_output=True, text=True, timeout=20)
+        self.assertEqual(process.returncode, 3, process.stderr)
+        return process.stderr
+
+    def test_what_cannot_be_is_said_before_anything_is_done(self):
+        for command in ("run", "serve"):
+            self.assertIn('--page is "99999"; it must be a port in [0, 65535]', self.refusal(command, "--page=99999"))
+            self.assertIn("--page-allow", self.refusal(command, "--page", "--page-bind", "0.0.0.0"))
+            self.assertIn("go with --page", self.refusal(command, "--page-bind", "127.0.0.2"))
+        self.assertIn("leave out --seeds", self.refusal("run", "--page", "--seeds", "2"))
+        self.assertIn("section operator", self.refusal("run", "--page", "--device", "page"))
+
+    def test_port_that_is_taken_is_named(self):
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            port = taken.getsockname()[1]
+            with tempfile.TemporaryDirectory() as folder:
+                process = subprocess.run([PROGRAM, "run", SOURCE / "models/scenarios/smoke.yaml", f"--page={port}", "--out", folder,
+                                          "--data", SOURCE / "models"], capture_output=True, text=True, timeout=20)
+        self.assertEqual(process.returncode, 4)
+        self.assertIn(f"127.0.0.1:{port}", process.stderr)
 
 
 if __name__ == "__main__":
