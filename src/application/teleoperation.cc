@@ -131,7 +131,9 @@ void Teleoperation::Require(const scenario::Scenario& scenario) const {
     throw InputError(
         "application teleoperation: nobody leads; say who, as operator: {device: person}");
   }
-  if (scenario.operator_section->device != kPerson) return;
+  const bool is_scripted = scenario.operator_section->device == kPerson;
+  if (is_scripted || !object_.empty()) static_cast<void>(TaskOf(scenario));
+  if (!is_scripted) return;
   if (scenario.drive != scenario::Drive::kLockstep) {
     throw InputError(
         "operator: the scripted person sees the simulation and is for drive: lockstep only; name a "
@@ -142,7 +144,6 @@ void Teleoperation::Require(const scenario::Scenario& scenario) const {
         "operator: the scripted person drives a base, and there is none; say base: {model: husky}, "
         "or name another device");
   }
-  static_cast<void>(TaskOf(scenario));
 }
 
 FetchTask Teleoperation::TaskOf(const scenario::Scenario& scenario) const {

@@ -70,7 +70,7 @@ reference::PoseTarget Teleoperator::Next(const RobotState& state, Time now) noex
   TendOperator(now, T);
   connected_ = Receive(now);
   const Wish wish = mapping_.Update(sample_, {.connected = connected_,
-                                              .arm_rests = pose_.rests(),
+                                              .arm_rests = pose_.nearly_rests(),
                                               .base_rests = base_rests(),
                                               .O_T_EE_d = pose_.target().O_T_EE});
   if (mapping_.is_switching()) switched_ = now;
@@ -143,7 +143,7 @@ void Teleoperator::LeadBase(const Wish& wish, double T) noexcept {
 bool Teleoperator::base_rests() const noexcept {
   if (base_ == nullptr) return true;
   const BaseTwist twist = base_->ReadState().twist;
-  return ahead_.rests() && turning_.rests() && std::abs(twist.v) < kStands &&
+  return ahead_.nearly_rests() && turning_.nearly_rests() && std::abs(twist.v) < kStands &&
          std::abs(twist.w) < kStands;
 }
 

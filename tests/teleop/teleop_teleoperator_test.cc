@@ -188,6 +188,21 @@ TEST(TeleoperatorTest, KeepsItsBoundsOverABadWire) {
   EXPECT_LE(worst.base, TeleoperatorConfig().ahead.jerk * 1.02);
 }
 
+TEST(TeleoperatorTest, LeadsTheArmWithinASecondAfterAGentleBaseStands) {
+  TeleoperatorConfig config;
+  config.ahead = {.speed = 0.5, .acceleration = 0.3, .jerk = 4};
+  Rig rig(config);
+  rig.Run(10);
+  ++rig.device.now.mode_presses;
+  rig.Run(10);
+  rig.device.now.axes[0] = 1;
+  rig.Run(3000);
+  rig.device.now.axes[0] = 0;
+  ++rig.device.now.mode_presses;
+  rig.Run(1667 + 1000);  // 0.5 m/s at 0.3 m/s^2, and a second
+  EXPECT_EQ(rig.teleoperator.TakeStatus().mode, Mode::kArm);
+}
+
 TEST(TeleoperatorTest, ReportsThePeaksThatAreSeenFromOutside) {
   Rig rig;
   rig.Run(10);

@@ -14,7 +14,7 @@ namespace twin::teleop {
 /// What the robot is doing, for who reads the operator's wishes.
 struct Situation {
   bool connected = false;  ///< samples come
-  bool arm_rests = true;   ///< its reference
+  bool arm_rests = true;   ///< its reference, nearly
   bool base_rests = true;
   Transform O_T_EE_d = kIdentityTransform;  ///< the arm's reference
 };

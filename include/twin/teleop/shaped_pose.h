@@ -37,6 +37,10 @@ class ShapedPose {
 
   [[nodiscard]] const reference::PoseTarget& target() const noexcept { return target_; }
   [[nodiscard]] bool rests() const noexcept { return along_.rests() && about_.rests(); }
+  /// As ShapedVelocity's.
+  [[nodiscard]] bool nearly_rests() const noexcept {
+    return along_.nearly_rests() && about_.nearly_rests();
+  }
   /// Whether a border took most of the last wish away.
   [[nodiscard]] bool at_border() const noexcept { return at_border_; }
 

@@ -55,6 +55,10 @@ class ShapedVelocity {
 
   [[nodiscard]] const Vector& v() const noexcept { return v_; }
   [[nodiscard]] bool rests() const noexcept { return v_.isZero(0) && a_.isZero(0); }
+  /// Rests but for a tail that nobody notices, and which only ends long after.
+  [[nodiscard]] bool nearly_rests() const noexcept {
+    return v_.norm() <= kNearly * most_.speed && a_.norm() <= kNearly * most_.acceleration;
+  }
   [[nodiscard]] const MotionBounds& bounds() const noexcept { return most_; }
 
   /// w1, 1/s: of a loop of positions around this one, four times slower.
@@ -67,8 +71,9 @@ class ShapedVelocity {
   }
 
  private:
-  static constexpr double kInside = 4;  ///< each loop as much faster than the one around it
-  static constexpr double kRest = 1e-7;
+  static constexpr double kInside = 4;   ///< each loop as much faster than the one around it
+  static constexpr double kRest = 1e-7;  ///< shares of the bounds
+  static constexpr double kNearly = 2e-3;
 
   [[nodiscard]] double Omega(double T) const noexcept {
     return std::min(most_.jerk / (2 * most_.acceleration), 0.1 / T);
