@@ -206,6 +206,41 @@ TEST(ViableAxisTest, RefusesARangeTooSmallAndSaysWhatIsEnough) {
   EXPECT_EQ(RefusalOf(bounds, 19), "");
 }
 
+TEST(ViableAxisTest, BoundsOfAnyKindAreRefusedOrKept) {
+  const Random random(13, RandomStream::kTest);
+  int kept = 0;
+  int refused = 0;
+  for (std::uint64_t trial = 0; trial < 120; ++trial) {
+    const auto between = [&](double low, double high, std::uint32_t draw) {
+      return low * std::pow(high / low, random.Uniform(trial, draw));
+    };
+    const int lost = static_cast<int>(20 * random.Uniform(trial, 1));
+    AxisBounds bounds{-50, 50, between(0.05, 5, 2), between(1, 50, 3), between(100, 50000, 4)};
+    if (!RefusalOf(bounds, lost).empty()) {  // its speed
+      ++refused;
+      continue;
+    }
+    const double least = ViableAxis(bounds, lost, "joint").least_range() + 2e-6;
+    bounds.q_max = bounds.q_min + least * between(0.5, 4, 5);
+    if (!RefusalOf(bounds, lost).empty()) {
+      ++refused;
+      EXPECT_LT(bounds.q_max - bounds.q_min, least);
+      continue;
+    }
+    ++kept;
+    const ViableAxis axis(bounds, lost, "joint");
+    HostileWorld world(lost, trial);
+    AxisState x{(bounds.q_min + bounds.q_max) / 2, 0, 0};
+    for (int k = 0; k < 3000; ++k) {
+      const double jerk = world.Loses() ? 0 : axis.Nearest(x, world.Wish(x, bounds));
+      x = ViableAxis::Step(x, jerk);
+      ASSERT_TRUE(KeepsGiven(x, jerk, bounds)) << "trial " << trial << ", cycle " << k;
+    }
+  }
+  EXPECT_GT(kept, 30);
+  EXPECT_GT(refused, 10);
+}
+
 TEST(ViableAxisTest, RefusesASpeedThatLossesGather) {
   EXPECT_NE(RefusalOf({-10, 10, 0.1, 15, 7500}, 19).find("at least "), std::string::npos);
 }

@@ -58,6 +58,17 @@ TEST(FixedPointTest, IsTheClosedForm) {
   }
 }
 
+TEST(FixedPointTest, IsTheClosedFormWhereJerkAndAccelerationAreInAnotherRatio) {
+  // The Panda's acceleration is two commands from zero to its limit; here five and a bit, and less
+  // than one.
+  for (const double jerk : {2800.0, 40000.0}) {
+    const ViableAxis axis({-0.6, 0.6, 1.1, 15, jerk}, 7, "joint");
+    const Agreement agreement = Compare(FixedPointOf(axis.kept(), 7), axis, 20000, 11);
+    EXPECT_EQ(agreement.disagreements, 0U) << jerk;
+    EXPECT_GT(agreement.viable, 4000U);
+  }
+}
+
 TEST(FixedPointTest, IsNotThatOfAnotherN) {
   const ViableAxis axis = PandaAxis(6, 19);
   const FixedPoint found = FixedPointOf(axis.kept(), 18);
