@@ -13,6 +13,10 @@
 
 namespace twin::cli {
 
+void TellOfRecording(std::string_view why) {
+  Say(stderr, fmt::format("panda-twin: note: {}\n", why));
+}
+
 /// A device that gives what it was given.
 class PageRecording::Tap final : public teleop::Device {
  public:
@@ -65,9 +69,7 @@ std::string PageRecording::Begin() {
   }
   auto tap = std::make_unique<Tap>();
   Tap* const given = tap.get();
-  recording_ = std::make_unique<devices::RecordingDevice>(
-      std::move(tap), path_,
-      [](std::string_view why) { Say(stderr, fmt::format("panda-twin: note: {}\n", why)); });
+  recording_ = std::make_unique<devices::RecordingDevice>(std::move(tap), path_, &TellOfRecording);
   tap_ = given;
   return fmt::format("recording what the operator does into {}", path_.string());
 }

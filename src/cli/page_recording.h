@@ -3,12 +3,16 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "plugins/devices/recording_device.h"
 #include "twin/core/clock.h"
 #include "twin/teleop/operator_sample.h"
 
 namespace twin::cli {
+
+/// Says, as a note, why a recording is not whole.
+void TellOfRecording(std::string_view why);
 
 /// What the record button of the page does: puts what the operator does into a script that device
 /// `script` runs again, operator_1.csv, operator_2.csv and so on, whatever is free.

@@ -13,6 +13,7 @@
 #include "cli/picture.h"
 #include "cli/run_records.h"
 #include "cli/say.h"
+#include "plugins/devices/recording_device.h"
 #include "twin/core/error.h"
 #include "twin/page/page_device.h"
 #include "twin/scenario/remote.h"
@@ -20,13 +21,15 @@
 namespace twin::cli {
 namespace {
 
-/// From this side of what the run's own camera looks at; of a robot that drives, with it.
+/// From this side of what the run's own camera looks at; of a robot that drives, of itself and with
+/// it as it turns.
 render::View Around(const scenario::Scenario& scenario, double azimuth_deg, double elevation_deg) {
   render::View view;
   view.orbit = FilmOf(scenario.render).view.orbit;
   if (scenario.base) {
     view.kind = render::ViewKind::kTracking;
     view.name = "panda_link0";
+    view.turns_along = true;
     view.orbit.lookat_m = {0.25, 0, 0.1};
     view.orbit.distance_m = 2.6;
   }
@@ -72,7 +75,7 @@ std::vector<page::NamedView> PageViews(const scenario::Scenario& scenario) {
   render::View hand;
   hand.kind = render::ViewKind::kGripper;
   return {{"the run's", FilmOf(scenario.render).view},
-          {"from behind", Around(scenario, 20, -25)},
+          {"from behind", Around(scenario, 0, -25)},
           {"the hand's", hand},
           {"from ahead", Around(scenario, 180, -15)},
           {"from the left", Around(scenario, -90, -15)},
@@ -102,12 +105,16 @@ teleop::DeviceRegistry RunPage::Devices(const scenario::Catalogue& catalogue) {
   teleop::DeviceRegistry devices =
       catalogue.devices != nullptr ? *catalogue.devices : teleop::DeviceRegistry();
   devices.Add(std::string(kPageDevice),
-              [this](const teleop::DeviceRequest&) -> std::unique_ptr<teleop::Device> {
+              [this](const teleop::DeviceRequest& request) -> std::unique_ptr<teleop::Device> {
                 if (!flags_.wanted()) {
                   throw InputError(
                       "operator.device: page is the operator's page in a browser; run with --page");
                 }
-                return std::make_unique<page::PageDevice>(channel_, "port " + flags_.port);
+                auto device = std::make_unique<page::PageDevice>(channel_, "port " + flags_.port);
+                const std::string file = request.parameters.Text("record", "");
+                if (file.empty()) return device;
+                return std::make_unique<devices::RecordingDevice>(
+                    std::move(device), request.folder / file, &TellOfRecording);
               });
   return devices;
 }

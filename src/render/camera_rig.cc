@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 namespace twin::render {
 namespace {
@@ -39,6 +40,16 @@ CameraFrame GripperCamera(const mjData& data, int flange) {
   return frame;
 }
 
+/// @param R_WB  of the body, as MuJoCo stores it: row by row.
+void TurnAlong(const mjtNum* R_WB, mjvCamera& camera) {
+  const double yaw = std::atan2(R_WB[3], R_WB[0]);
+  const double x = camera.lookat[0];
+  const double y = camera.lookat[1];
+  camera.lookat[0] = std::cos(yaw) * x - std::sin(yaw) * y;
+  camera.lookat[1] = std::sin(yaw) * x + std::cos(yaw) * y;
+  camera.azimuth += yaw * 180 / std::numbers::pi;
+}
+
 }  // namespace
 
 CameraRig::CameraRig(const View& view, const DrawnModel& model) : view_(view) {
@@ -67,9 +78,9 @@ void CameraRig::Aim(Duration since, const mjData& data, Shot& shot) const {
   shot.camera.azimuth =
       std::fmod(orbit.azimuth_deg + view_.turn_deg_per_s * ToSeconds(since), 360.0);
   std::copy(orbit.lookat_m.begin(), orbit.lookat_m.end(), shot.camera.lookat);
-  if (view_.kind == ViewKind::kTracking) {
-    mju_addTo3(shot.camera.lookat, data.xpos + std::ptrdiff_t{3} * id_);
-  }
+  if (view_.kind != ViewKind::kTracking) return;
+  if (view_.turns_along) TurnAlong(data.xmat + std::ptrdiff_t{9} * id_, shot.camera);
+  mju_addTo3(shot.camera.lookat, data.xpos + std::ptrdiff_t{3} * id_);
 }
 
 }  // namespace twin::render

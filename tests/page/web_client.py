@@ -6,7 +6,7 @@ import os
 import socket
 import struct
 
-TEXT, BINARY, CLOSE, PING = 1, 2, 8, 9
+CONTINUATION, TEXT, BINARY, CLOSE, PING = 0, 1, 2, 8, 9
 
 
 class Refused(Exception):
@@ -83,14 +83,22 @@ class WebSocket:
         return taken
 
     def frame(self):
-        """The next frame: (kind, payload)."""
+        """The next message, or control frame: (kind, payload)."""
+        kind, payload, final = self._frame()
+        while not final:
+            more, part, last = self._frame()
+            if more == CONTINUATION:
+                payload, final = payload + part, last
+        return kind, payload
+
+    def _frame(self):
         first, second = self._take(2)
         size = second & 0x7F
         if size == 126:
             size = struct.unpack(">H", self._take(2))[0]
         elif size == 127:
             size = struct.unpack(">Q", self._take(8))[0]
-        return first & 0x0F, self._take(size)
+        return first & 0x0F, self._take(size), bool(first & 0x80)
 
     def hear(self, wanted, most=400):
         """The next message of this type; others are left out. `wanted` may be a test of the message instead."""

@@ -186,6 +186,30 @@ TEST_F(FramePainterTest, ATrackingCameraKeepsItsBodyInTheMiddle) {
   }
 }
 
+TEST_F(FramePainterTest, ACameraThatTurnsAlongSeesItsBodyAsBefore) {
+  settings_.view.kind = ViewKind::kTracking;
+  settings_.view.name = "parcel";
+  settings_.view.turns_along = true;
+  settings_.view.orbit.lookat_m = {0.05, 0.02, 0};
+  settings_.view.orbit.azimuth_deg = 20;
+  settings_.view.orbit.distance_m = 0.4;
+  rt::SceneRecord scene = snapshots_.scene(4);
+  scene.qpos[10] = std::cos(0.35);  // the parcel's quaternion: turned by 0.7 rad about z
+  scene.qpos[13] = std::sin(0.35);
+  snapshots_.Append(scene);
+  FramePainter painter(film_, settings_);
+  const SegmentationImage before = painter.Segment(0);
+  const SegmentationImage turned = painter.Segment(5);
+  int seen = 0;
+  int differ = 0;
+  for (std::size_t i = 0; i < before.body.size(); ++i) {
+    seen += before.body[i] == 9 ? 1 : 0;
+    differ += (before.body[i] == 9) != (turned.body[i] == 9) ? 1 : 0;
+  }
+  EXPECT_GT(seen, 1000);
+  EXPECT_LT(differ, seen / 100);
+}
+
 TEST_F(FramePainterTest, AnOrbitTurnsByTheRunsTime) {
   settings_.view.turn_deg_per_s = 100;
   const Image turned = Paint(4);  // 0.4 s

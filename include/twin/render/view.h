@@ -17,8 +17,10 @@ enum class ViewKind : std::uint8_t {
 /// From where a film is seen.
 struct View {
   ViewKind kind = ViewKind::kOrbit;
-  std::string name;           ///< kScene: the camera; kTracking: the body
-  FreeCamera orbit;           ///< kOrbit, kTracking; of the latter, lookat_m is seen from the body
+  std::string name;  ///< kScene: the camera; kTracking: the body
+  FreeCamera orbit;  ///< kOrbit, kTracking; of the latter, lookat_m is seen from the body
+  bool turns_along =
+      false;  ///< kTracking: azimuth and lookat_m are the body's, as it turns about z
   double turn_deg_per_s = 0;  ///< kOrbit, kTracking: of the azimuth, by the run's time; |.| <= 360
 
   /// @throws InputError naming field, value and range.
