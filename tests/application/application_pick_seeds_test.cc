@@ -1,9 +1,7 @@
 // What pick and place bears: a hundred drawn tasks; with lost messages, at both labs, of other
 // shapes.
-#include <cstdio>
 #include <string>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "application/performance.h"
@@ -14,29 +12,13 @@
 namespace twin::application {
 namespace {
 
+using test::Draw;
+
 scenario::Scenario Shipped(const std::string& lab = "",
                            const std::string& name = "pick_and_place") {
   scenario::Scenario scenario = scenario::Load(test::FileOf(name));
   if (!lab.empty()) ApplyLab(scenario::FindLab(lab, test::Models()), scenario);
   return scenario;
-}
-
-/// Tells what came of it, for the record of the test.
-MonteCarloResult Draw(const scenario::Scenario& scenario, const std::string& what,
-                      int seeds = 100) {
-  MonteCarloResult result = test::Seeds(scenario, {.seeds = seeds, .threads = 2});
-  std::string text =
-      fmt::format("{}: {} of {} succeeded ({:.1f} to {:.1f} %)\n", what, result.succeeded,
-                  result.outcomes.size(), result.least_share * 100, result.most_share * 100);
-  for (const SeedOutcome& outcome : result.outcomes) {
-    if (!outcome.succeeded) text += fmt::format("  seed {}: {}\n", outcome.seed, outcome.failure);
-  }
-  for (const FindingSpread& spread : result.Spreads()) {
-    text += fmt::format("  {}: {:.4g} (median), {:.4g} (most, seed {}) {}\n", spread.quantity,
-                        spread.median, spread.largest, spread.largest_seed, spread.unit);
-  }
-  std::fputs(text.c_str(), stdout);
-  return result;
 }
 
 TEST(PickSeedsTest, NearlyAllDrawnTasksSucceed) {

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <cstdio>
 #include <functional>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "application/performance.h"
 #include "twin/application/monte_carlo.h"
@@ -17,6 +21,24 @@ inline MonteCarloResult Seeds(const scenario::Scenario& scenario, const MonteCar
   const MonotonicClock clock;
   return RunSeeds(scenario, {backends, controllers},
                   {.models = Models(), .mesh_package = {}, .cache = {}}, clock, options, told);
+}
+
+/// Tells what came of it, for the record of the test.
+inline MonteCarloResult Draw(const scenario::Scenario& scenario, const std::string& what,
+                             int seeds = 100) {
+  MonteCarloResult result = Seeds(scenario, {.seeds = seeds, .threads = 2});
+  std::string text =
+      fmt::format("{}: {} of {} succeeded ({:.1f} to {:.1f} %)\n", what, result.succeeded,
+                  result.outcomes.size(), result.least_share * 100, result.most_share * 100);
+  for (const SeedOutcome& outcome : result.outcomes) {
+    if (!outcome.succeeded) text += fmt::format("  seed {}: {}\n", outcome.seed, outcome.failure);
+  }
+  for (const FindingSpread& spread : result.Spreads()) {
+    text += fmt::format("  {}: {:.4g} (median), {:.4g} (most, seed {}) {}\n", spread.quantity,
+                        spread.median, spread.largest, spread.largest_seed, spread.unit);
+  }
+  std::fputs(text.c_str(), stdout);
+  return result;
 }
 
 }  // namespace twin::application::test
