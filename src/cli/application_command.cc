@@ -68,6 +68,7 @@ class ApplicationSession {
  private:
   void Perform();
   void Judge();
+  [[nodiscard]] std::string HowItEnded() const;
   void WriteResults();
   void MakePictures();
   [[nodiscard]] application::PageFacts FactsOf() const;
@@ -102,10 +103,12 @@ ExitCode ApplicationSession::Execute() {
     RequireReady([this](const scenario::TellCheck& tell) { return run_->CheckStart(tell); });
   }
   interrupt_.ThrowIfInterrupted();
+  const RunPage::Opening opening = page_.Open(scenario_, run_->robot(), run_->connection());
   out_.Clear();
   CarryOut(records_, out_, interrupt_, [this] {
     Perform();
     Judge();
+    page_.Close(HowItEnded());
     WriteResults();
   });
   if (!flags_.quiet) {
@@ -125,7 +128,6 @@ void ApplicationSession::Perform() {
     records_.Film(*truth, run_->longest(), scenario_.render.fps);
   }
   if (truth != nullptr) records_.WatchContacts(*truth);
-  const RunPage::Opening opening = page_.Open(scenario_, run_->robot(), run_->connection());
   scenario::RunHooks hooks;
   hooks.interrupted = interrupt_.flag();
   hooks.event = page_.Also(records_.Events());
@@ -135,8 +137,6 @@ void ApplicationSession::Perform() {
     Say(stdout, fmt::format("{}\n", line));
     std::fflush(stdout);
   });
-  const std::string& failure = result_.deeds.task.failure;
-  page_.Close(failure.empty() ? "it went well" : failure);
   times_.run_s = SecondsSince(begin);
   times_.planning_s = ToSeconds(result_.deeds.planning_time);
   for (const application::Moment& moment : result_.deeds.moments) records_.Add(PlanOf(moment));
@@ -148,6 +148,12 @@ void ApplicationSession::Perform() {
     times_.real_time_factor = ToSeconds(end.time_since_epoch()) / times_.run_s;
   }
   TellNotices({}, result_.session.robot_timings.notices);
+}
+
+std::string ApplicationSession::HowItEnded() const {
+  if (result_.interrupted) return "it was broken off";
+  if (application::Succeeded(result_.deeds, result_.judgement)) return "it went well";
+  return application::FailureOf(result_.deeds, result_.judgement);
 }
 
 void ApplicationSession::Judge() {

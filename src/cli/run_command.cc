@@ -91,6 +91,7 @@ ExitCode Session::Execute() {
     RequireReady([this](const scenario::TellCheck& tell) { return run_->CheckStart(tell); });
   }
   interrupt_.ThrowIfInterrupted();
+  const RunPage::Opening opening = page_.Open(scenario_, run_->robot(), run_->connection());
   out_.Clear();
   CarryOut(records_, out_, interrupt_, [this] {
     Move();
@@ -124,7 +125,6 @@ void Session::Move() {
     records_.Film(*truth, run.trajectory().duration() + kSettling, scenario_.render.fps);
   }
   if (truth != nullptr) records_.WatchContacts(*truth);
-  const RunPage::Opening opening = page_.Open(scenario_, run.robot(), run.connection());
 
   Progress progress("run", Progress::StyleOfStdout(flags_.quiet), clock_);
   const Time begin = clock_.Now();

@@ -18,6 +18,7 @@ void Fill(const rt::CycleRecord& record, std::uint64_t served, std::uint64_t hel
   view.q = state.q;
   view.dq = state.dq;
   view.tau_J = state.tau_J;
+  view.follows_reference = state.controller_mode != ControllerMode::kExternalController;
   view.q_d = state.q_d;
   view.dq_d = state.dq_d;
   view.ddq_d = state.ddq_d;

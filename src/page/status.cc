@@ -66,7 +66,8 @@ std::string Status::Text(std::size_t camera) {
 std::string Status::ArmText() const {
   if (!arm_.has_value()) return "null";
   const ArmView& arm = arm_.value();
-  const double margin = filter_ ? filter_->Margin(arm.q_d, arm.dq_d, arm.ddq_d) : NAN;
+  const bool has_margin = filter_ && arm.follows_reference;
+  const double margin = has_margin ? filter_->Margin(arm.q_d, arm.dq_d, arm.ddq_d) : NAN;
   return fmt::format(
       R"({{"t":{:.3f},"q":[{}],"dq":[{}],"F":[{}],"p":[{}],"mode":{},"errors":[{}],"reflex":[{}],"served":{},"held":{},"margin":{}}})",
       ToSeconds(arm.at.time_since_epoch()), Numbers(arm.q), Numbers(arm.dq),

@@ -14,7 +14,7 @@ namespace twin::page {
 /// What is now, as the members of a JSON object: arm, base, hand, camera.
 ///
 /// The margin is reference::ViabilityFilter's, of the arm's reference q_d and with the losses the
-/// robot bridges, whether or not the run uses the filter.
+/// robot bridges, whether or not the run uses the filter. None while torques are commanded.
 ///
 /// Threads: one.
 class Status {

@@ -17,6 +17,7 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 import page_server_test
@@ -147,6 +148,8 @@ class PageBrowserTest(unittest.TestCase):
         self.element("take").click()
         self.wait_until(lambda: self.element("role").text == "you operate")
         self.make_mode("base")
+        self.element("cameras").click()  # what was touched last must not keep the key
+        ActionChains(self.browser).send_keys(Keys.ARROW_DOWN, Keys.ENTER).perform()
         self.hold(" ", 0.1)
         self.wait_until(lambda: self.fact("moves") == "stopped" and self.fact("base") == "emergency stop")
         self.keep("stopped")

@@ -112,11 +112,12 @@ function showRole() {
 
 function showButtons() {
   const teleop = state.teleop;
+  $("take").disabled = over;
   $("take").textContent = operating() ? "Give back" : "Take control";
-  for (const id of ["mode", "gripper", "frame", "scale", "clutch", "release", "record", "end"]) $(id).disabled = !operating();
+  for (const id of ["mode", "gripper", "frame", "scale", "clutch", "release", "record", "end"]) $(id).disabled = over || !operating();
   $("release").hidden = !((teleop && teleop.stopped) || (state.arm && state.arm.mode === "User stopped"));
   if (teleop) {
-    $("mode").firstChild.textContent = teleop.mode === "base" ? "Drive base " : "Move arm ";
+    $("mode").firstChild.textContent = teleop.mode === "base" ? "Lead the arm " : "Lead the base ";
     $("scale").setAttribute("aria-pressed", String(teleop.fine));
     $("gripper").firstChild.textContent = teleop.hand_closed ? "Open hand " : "Close hand ";
   }
@@ -241,20 +242,24 @@ $("stop").addEventListener("keydown", (event) => { if (event.code === "Enter") s
 $("clutch").addEventListener("pointerdown", (event) => { $("clutch").setPointerCapture(event.pointerId); clutch(true); });
 for (const kind of ["pointerup", "pointercancel"]) $("clutch").addEventListener(kind, () => clutch(false));
 
+// Keys belong to the robot, whatever was touched last: only where text is written do they write.
+const writes = (event) => event.target.closest("#ask");
+for (const id of ["cameras", "speed"]) $(id).addEventListener("change", () => $(id).blur());
+
 const PRESSES = { KeyM: "mode", KeyG: "gripper", KeyX: "frame", KeyV: "scale" };
 window.addEventListener("keydown", (event) => {
-  if (event.code === "Escape" || (event.code === "Space" && !event.target.closest("input, select"))) {
+  if (event.code === "Escape" || (event.code === "Space" && !writes(event))) {
     event.preventDefault();
     if (!event.repeat) stop();
     return;
   }
-  if (event.repeat || event.ctrlKey || event.altKey || event.metaKey || event.target.closest("input, select")) return;
+  if (event.repeat || event.ctrlKey || event.altKey || event.metaKey || writes(event)) return;
   if (event.code in PRESSES && operating()) say("press", { button: PRESSES[event.code] });
   if (event.code === "KeyC") clutch(true);
 }, true);
 window.addEventListener("keyup", (event) => {
   if (event.code === "KeyC") clutch(false);
-  if (event.code === "Space" && !event.target.closest("input, select")) event.preventDefault();
+  if (event.code === "Space" && !writes(event)) event.preventDefault();
 }, true);
 window.addEventListener("blur", () => clutch(false));
 

@@ -45,7 +45,7 @@ export function hands(left, right, tilt) {
   const held = new Set();
 
   window.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("input, select")) return;
+    if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("#ask")) return;
     if (!(event.code in KEYS)) return;
     held.add(event.code);
     event.preventDefault();
