@@ -75,6 +75,17 @@ std::optional<JointVector> Shown(const RobotState& state, CommandInterface inter
   return {};
 }
 
+/// Slow enough for the robot to be told that the motion is over: it stops within its limits at once.
+bool Rests(const RobotState& state) noexcept {
+  constexpr double kSlow = 1e-3;  // rad/s; m/s for a pose
+  constexpr double kEven = 1;     // rad/s^2; m/s^2
+  const auto below = [](const auto& values, double bound) {
+    return std::ranges::all_of(values, [bound](double x) { return std::abs(x) <= bound; });
+  };
+  return below(state.dq_d, kSlow) && below(state.ddq_d, kEven) && below(state.O_dP_EE_c, kSlow) &&
+         below(state.O_ddP_EE_c, kEven);
+}
+
 /// Largest distance of two poses: of a coordinate in m, of a rotation matrix's element (rad, when
 /// it is small).
 double Distance(const Transform& a, const Transform& b) noexcept {
@@ -277,6 +288,8 @@ void CommandChain::Limit(const RobotState& state, RobotCommand& command) const n
 
 bool CommandChain::Arrived(const RobotState& state) const noexcept {
   if (!bridge_.settled()) return false;
+  // A wish is not what was sent: where the filter brakes, the reference may pass its target at speed.
+  if (config_.viability && !Rests(state)) return false;
   const reference::JointTarget& joint = matched_.joint;
   switch (interface_) {
     case CommandInterface::kJointPosition:

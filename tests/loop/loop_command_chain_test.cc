@@ -194,6 +194,24 @@ TEST(CommandChainTest, ArrivesWhenThePoseIsReachedAtRest) {
   EXPECT_FALSE(chain.Arrived(state));
 }
 
+TEST(CommandChainTest, ArrivesBehindTheViabilityFilterOnlyAtRest) {
+  TickConfig config = Raw();
+  config.viability = 19;
+  config.limits = test::PandaLimits();
+  CommandChain chain(config, CommandInterface::kJointPosition);
+  RobotState state;
+  state.q_d = {0, 0, 0, -1.5, 0, 1.5, 0};
+  chain.Reset(state);
+  Target target;
+  target.joint.q = state.q_d;
+  RobotCommand command;
+  chain.Next(state, target, true, 1, {}, command);
+  EXPECT_TRUE(chain.Arrived(state));
+  state.dq_d[0] = 0.5;  // it passes its target
+  chain.Next(state, target, true, 1, {}, command);
+  EXPECT_FALSE(chain.Arrived(state));
+}
+
 TEST(CommandChainTest, RefusesAGeneratorOfAnotherInterface) {
   TickConfig joint;
   TickConfig cartesian;

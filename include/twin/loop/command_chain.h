@@ -59,7 +59,7 @@ class CommandChain {
   [[nodiscard]] std::uint64_t kept_back() const noexcept { return kept_back_; }
 
   /// The matched target is at rest, nothing is left of a stall, and the robot's reference is within
-  /// the finish tolerance of it.
+  /// the finish tolerance of it; behind a viability filter also nearly at rest.
   [[nodiscard]] bool Arrived(const RobotState& state) const noexcept TWIN_REALTIME;
 
  private:
