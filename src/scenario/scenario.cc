@@ -339,7 +339,6 @@ void Scenario::Validate() const {
   ValidateLaw("controller.wake_delay", controller.wake_delay);
   ValidateLaw("controller.cost", controller.cost);
   ValidatePlant(plant);
-  ValidateBase(*this);
   ValidateSetting("robot.load", robot.load);
   ValidateOnboard(onboard);
   RequireRange("tick.lambda", tick.lambda, 1e-9, 1);
@@ -357,6 +356,7 @@ void Scenario::Validate() const {
   if (operator_section) ValidateOperator(*this);
   ValidateObjects(*this);
   ValidatePerturbations(*this);
+  ValidateBase(*this);
   ValidatePanel(panel);
   ValidateHand(*this);
   render.Validate();

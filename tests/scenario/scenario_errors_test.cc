@@ -218,56 +218,56 @@ TEST(ScenarioErrorsTest, RefusesPerturbationsThatCannotBe) {
   ExpectTouchedRefused("elasticity: static", "kind: ideal",
                        "s.yaml:1: ", "perturbations: the ideal plant feels no forces");
   ExpectTouchedRefused("- push: {body: panda_hand, ", "- push: {",
-                       "s.yaml:27: perturbations[1].push: ", "key \"body\" is missing");
-  ExpectTouchedRefused("rise: 50 ms", "rise: 250 ms", "s.yaml:27: perturbations[1].push: ",
+                       "s.yaml:32: perturbations[1].push: ", "key \"body\" is missing");
+  ExpectTouchedRefused("rise: 50 ms", "rise: 250 ms", "s.yaml:32: perturbations[1].push: ",
                        "rise is 0.25 s; rise and fall take as long");
   ExpectTouchedRefused("begin: 4 s, torque: [1 Nm, 0 Nm, 0 Nm]", "begin: 4 s",
-                       "s.yaml:29: perturbations[3].push: ", "give a force, a torque or both");
-  ExpectTouchedRefused("- push", "- shove", "s.yaml:27: perturbations[1]", "shove");
+                       "s.yaml:34: perturbations[3].push: ", "give a force, a torque or both");
+  ExpectTouchedRefused("- push", "- shove", "s.yaml:32: perturbations[1]", "shove");
   ExpectTouchedRefused("frame: body", "frame: hand",
-                       "s.yaml:27: perturbations[1].push.frame: ", "accepted: world, body");
+                       "s.yaml:32: perturbations[1].push.frame: ", "accepted: world, body");
   ExpectTouchedRefused(
       "damping: 20 Ns/m", "damping: 20 N/m",
-      "s.yaml:28: perturbations[2].spring.damping: ", "\"N/m\" does not fit a damping");
+      "s.yaml:33: perturbations[2].spring.damping: ", "\"N/m\" does not fit a damping");
   ExpectTouchedRefused("motion: 3", "motion: 0",
-                       "s.yaml:31: perturbations[5].push.motion: ", "[1, 1000000]");
+                       "s.yaml:36: perturbations[5].push.motion: ", "[1, 1000000]");
   ExpectTouchedRefused("motion: 1}", "motion: first}",
-                       "s.yaml:32: perturbations[6].spring.motion: ", "first");
+                       "s.yaml:37: perturbations[6].spring.motion: ", "first");
 }
 
 TEST(ScenarioErrorsTest, RefusesAPanelThatDoesNotWork) {
   ExpectTouchedRefused("at: 3.5 s", "at: 2.5 s",
-                       "s.yaml:35: panel[2].at: ", "comes before the event above it");
+                       "s.yaml:40: panel[2].at: ", "comes before the event above it");
   ExpectTouchedRefused("press_user_stop", "push_user_stop",
-                       "s.yaml:34: panel[1].action: ", "did you mean \"press_user_stop\"?");
+                       "s.yaml:39: panel[1].action: ", "did you mean \"press_user_stop\"?");
 }
 
 TEST(ScenarioErrorsTest, RefusesCommandsNoHandTakes) {
-  ExpectTouchedRefused("width: 70 mm", "width: 90 mm", "s.yaml:38: hand[2].move: ",
+  ExpectTouchedRefused("width: 70 mm", "width: 90 mm", "s.yaml:43: hand[2].move: ",
                        "width is 0.09; it must be in [0, the hand's largest opening] m");
-  ExpectTouchedRefused("speed: 0.1 m/s", "speed: 0 m/s", "s.yaml:38: hand[2].move: ",
+  ExpectTouchedRefused("speed: 0.1 m/s", "speed: 0 m/s", "s.yaml:43: hand[2].move: ",
                        "speed is 0; it must be finite and above 0 m/s");
-  ExpectTouchedRefused("force: 40 N", "force: 150 N", "s.yaml:39: hand[3].grasp: ",
+  ExpectTouchedRefused("force: 40 N", "force: 150 N", "s.yaml:44: hand[3].grasp: ",
                        "force is 150; it must be above 0 and at most 140 N");
   ExpectTouchedRefused("epsilon_inner: 2 mm", "epsilon_inner: -2 mm",
-                       "s.yaml:39: hand[3].grasp: ", "epsilon_inner is -0.002");
+                       "s.yaml:44: hand[3].grasp: ", "epsilon_inner is -0.002");
   ExpectTouchedRefused("force: 40 N", "force: 40 Nm",
-                       "s.yaml:39: hand[3].grasp.force: ", "\"Nm\" does not fit a force");
+                       "s.yaml:44: hand[3].grasp.force: ", "\"Nm\" does not fit a force");
   ExpectTouchedRefused(", force: 40 N", "",
-                       "s.yaml:39: hand[3].grasp: ", "key \"force\" is missing");
+                       "s.yaml:44: hand[3].grasp: ", "key \"force\" is missing");
 }
 
 TEST(ScenarioErrorsTest, RefusesAHandSectionThatDoesNotWork) {
   ExpectTouchedRefused("at: 30 ms", "at: 10 ms",
-                       "s.yaml:39: hand[3].at: ", "comes before the command above it");
-  ExpectTouchedRefused("stop: {}", "let_go: {}", "s.yaml:40: hand[4]", "let_go");
+                       "s.yaml:44: hand[3].at: ", "comes before the command above it");
+  ExpectTouchedRefused("stop: {}", "let_go: {}", "s.yaml:45: hand[4]", "let_go");
   ExpectTouchedRefused("stop: {}", "stop: {}, homing: {}",
-                       "s.yaml:40: hand[4]: ", "give exactly one of homing, move, grasp, stop");
+                       "s.yaml:45: hand[4]: ", "give exactly one of homing, move, grasp, stop");
   ExpectTouchedRefused(", stop: {}", "",
-                       "s.yaml:40: hand[4]: ", "give exactly one of homing, move, grasp, stop");
+                       "s.yaml:45: hand[4]: ", "give exactly one of homing, move, grasp, stop");
   for (const char* value : {"now", "{force: 3 N}", "[1]"}) {
     ExpectTouchedRefused("homing: {}", std::string("homing: ") + value,
-                         "s.yaml:37: hand[1].homing: ", "takes no values; write {}");
+                         "s.yaml:42: hand[1].homing: ", "takes no values; write {}");
   }
   ExpectTouchedRefused("robot:\n", "robot:\n  hand: none\n",
                        "s.yaml:1: ", "hand: robot.hand is none, so there is nothing to command");
@@ -275,7 +275,7 @@ TEST(ScenarioErrorsTest, RefusesAHandSectionThatDoesNotWork) {
 
 TEST(ScenarioErrorsTest, RefusesAControllerWhereTorquesAreCommanded) {
   ExpectTouchedRefused("interface: cartesian_pose", "interface: torque",
-                       "s.yaml:20: motion.controller: ", "the commanded torque takes its place");
+                       "s.yaml:25: motion.controller: ", "the commanded torque takes its place");
 }
 
 TEST(ScenarioErrorsTest, RefusesAScriptThatNamesNoMessages) {
