@@ -75,7 +75,8 @@ std::optional<JointVector> Shown(const RobotState& state, CommandInterface inter
   return {};
 }
 
-/// Slow enough for the robot to be told that the motion is over: it stops within its limits at once.
+/// Slow enough for the robot to be told that the motion is over: it stops within its limits at
+/// once.
 bool Rests(const RobotState& state) noexcept {
   constexpr double kSlow = 1e-3;  // rad/s; m/s for a pose
   constexpr double kEven = 1;     // rad/s^2; m/s^2
@@ -288,7 +289,8 @@ void CommandChain::Limit(const RobotState& state, RobotCommand& command) const n
 
 bool CommandChain::Arrived(const RobotState& state) const noexcept {
   if (!bridge_.settled()) return false;
-  // A wish is not what was sent: where the filter brakes, the reference may pass its target at speed.
+  // A wish is not what was sent: where the filter brakes, the reference may pass its target at
+  // speed.
   if (config_.viability && !Rests(state)) return false;
   const reference::JointTarget& joint = matched_.joint;
   switch (interface_) {

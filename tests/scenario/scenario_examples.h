@@ -1,6 +1,12 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "twin/core/error.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::scenario::test {
 
@@ -218,6 +224,17 @@ inline std::string Replaced(std::string text, const std::string& from, const std
   EXPECT_NE(at, std::string::npos) << from;
   if (at != std::string::npos) text.replace(at, from.size(), to);
   return text;
+}
+
+/// The message of the error that comes of reading `text`, as s.yaml, with one place changed. Empty
+/// when there is none.
+inline std::string Spoiled(std::string_view text, std::string_view from, std::string_view to) {
+  try {
+    (void)Parse(Replaced(std::string(text), std::string(from), std::string(to)), "s.yaml");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
 }
 
 }  // namespace twin::scenario::test

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scenario/scenario_examples.h"
 #include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
@@ -39,15 +40,9 @@ objects:
 application: {type: whatever}
 )";
 
+/// The message of the error that comes of changing the text in one place.
 std::string Spoiled(std::string_view from, std::string_view to) {
-  std::string text(kText);
-  text.replace(text.find(from), from.size(), to);
-  try {
-    (void)Parse(text, "s.yaml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::Spoiled(kText, from, to);
 }
 
 std::vector<plant::SceneObject> OfSeed(std::uint64_t seed) {

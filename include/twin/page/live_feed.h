@@ -32,7 +32,7 @@ struct ArmView {
   Vector6 O_F_ext_hat_K{};
   Vector3 p_EE{};  ///< of the end effector in O, m
   RobotMode mode = RobotMode::kOther;
-  bool follows_reference = true;  ///< false: led by torques, and q_d says nothing
+  bool follows_reference = true;    ///< false: torques lead, q_d says nothing
   RobotErrors errors;               ///< current
   RobotErrors reflex_reason;        ///< of the last motion
   std::optional<BaseState> base{};  ///< of an arm on a mobile base
