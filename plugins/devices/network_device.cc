@@ -87,9 +87,14 @@ std::optional<OperatorSample> NetworkDevice::Take(const fci::Datagram& datagram,
   ++tally_.taken;
   heard_ = now;
   last_ = message->sample.sequence;
-  given_ = message->sample;
-  given_.sequence += offset_.sequence;
-  for (const auto presses : kPresses) given_.*presses += offset_.*presses;
+  OperatorSample sample = message->sample;
+  sample.sequence += offset_.sequence;
+  for (const auto presses : kPresses) {
+    const std::uint32_t before = given_.*presses - offset_.*presses;
+    if (sample.*presses < before) offset_.*presses += before - sample.*presses;
+    sample.*presses += offset_.*presses;
+  }
+  given_ = sample;
   lost_.store(false, std::memory_order_relaxed);
   return given_;
 }

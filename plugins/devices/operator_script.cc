@@ -28,7 +28,7 @@ constexpr std::array<std::string_view, 16> kColumns{
 enum Column : std::size_t { kTime, kKind, kFirstAxis, kEngaged = 8, kFirstPress };
 constexpr CsvFormat kFormat{kColumns, "time in s, kind rate or pose, presses since the row before"};
 constexpr double kLongestSeconds = 86400;
-constexpr double kMostPresses = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kMostPresses = std::numeric_limits<std::uint32_t>::max();
 
 double InRange(const CsvLines& lines, std::size_t column, std::string_view unit, double least,
                double most) {
@@ -70,7 +70,13 @@ OperatorSample SampleOf(const CsvLines& lines, const OperatorSample& before) {
   }
   sample.engaged = FlagOf(lines, kEngaged);
   for (std::size_t i = 0; i < kPresses.size(); ++i) {
-    sample.*kPresses[i] += PressesOf(lines, kFirstPress + i);
+    const std::uint32_t presses = PressesOf(lines, kFirstPress + i);
+    if (presses > kMostPresses - sample.*kPresses[i]) {
+      lines.Refuse(
+          kFirstPress + i,
+          fmt::format("with those of the lines before it must be at most {}", kMostPresses));
+    }
+    sample.*kPresses[i] += presses;
   }
   return sample;
 }

@@ -18,7 +18,8 @@ inline constexpr std::uintmax_t kMostScriptBytes = std::uintmax_t{64} << 20;
 
 /// Reads samples: times rise, sequences go from 1 on, presses are summed up.
 /// @param name  of the file, for messages.
-/// @throws InputError "<name>:<line>: what is wrong"; when there is no row.
+/// @throws InputError "<name>:<line>: what is wrong", also when the presses of a button do not fit
+/// their counter; when there is no row.
 [[nodiscard]] std::vector<teleop::OperatorSample> ReadOperatorScript(std::istream& in,
                                                                      const std::string& name);
 

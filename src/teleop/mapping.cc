@@ -25,11 +25,6 @@ bool IsFinite(const Vector6& x) {
   return std::ranges::all_of(x, [](double value) { return std::isfinite(value); });
 }
 
-/// Presses since a counter stood there; a counter that went back is another device's.
-std::uint32_t Since(std::uint32_t before, std::uint32_t now) {
-  return now >= before ? now - before : 0;
-}
-
 bool IsOdd(std::uint32_t presses) {
   return presses % 2 == 1;
 }
@@ -46,7 +41,7 @@ void Mapping::Count(const OperatorSample& sample) noexcept {
   has_counted_ = true;
   if (sample.kind != last_.kind) is_open_ = false;
   const auto since = [&](std::uint32_t OperatorSample::*counter) {
-    return Since(last_.*counter, sample.*counter);
+    return PressesSince(last_.*counter, sample.*counter);
   };
   if (IsOdd(since(&OperatorSample::mode_presses)) && has_base_) {
     wanted_ = wanted_ == Mode::kArm ? Mode::kBase : Mode::kArm;

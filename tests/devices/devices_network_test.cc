@@ -147,6 +147,17 @@ TEST_F(NetworkDeviceTest, PressesNothingWhenAnotherTakesOver) {
   EXPECT_EQ(device_.Read(Time(2002ms))->gripper_presses, 8u);
 }
 
+TEST_F(NetworkDeviceTest, PressesNothingWhenItsProgramCountsAnew) {
+  program_.Send(1, 5);
+  static_cast<void>(device_.Read(Time(0ms)));
+  program_.Send(2, 7);
+  EXPECT_EQ(device_.Read(Time(1ms))->gripper_presses, 2u);
+  program_.Send(3, 0);
+  EXPECT_EQ(device_.Read(Time(2ms))->gripper_presses, 2u);
+  program_.Send(4, 1);
+  EXPECT_EQ(device_.Read(Time(3ms))->gripper_presses, 3u);
+}
+
 TEST_F(NetworkDeviceTest, ReadsNoMoreThanABoundAtOnce) {
   for (std::uint64_t i = 1; i <= NetworkDevice::kMostDatagrams + 1; ++i) program_.Send(i);
   EXPECT_EQ(SequenceAt(0ms), static_cast<std::uint64_t>(NetworkDevice::kMostDatagrams));

@@ -33,6 +33,13 @@ struct OperatorSample {
   std::uint32_t end_presses = 0;      ///< ends the session
 };
 
+/// How often a button was pressed since its counter stood at `before`. One that fell is of a device
+/// whose life began anew: where it stands is the new begin, and nothing was pressed.
+[[nodiscard]] constexpr std::uint32_t PressesSince(std::uint32_t before,
+                                                   std::uint32_t now) noexcept {
+  return now >= before ? now - before : 0;
+}
+
 /// What the operator moves.
 enum class Mode : std::uint8_t {
   kArm = 0,
