@@ -1,9 +1,11 @@
 #include "plugins/devices/script_device.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "plugins/devices/operator_ranges.h"
 #include "plugins/devices/operator_script.h"
 #include "twin/core/check.h"
 
@@ -21,6 +23,17 @@ OperatorSample EndAfter(const OperatorSample& last) {
   return end;
 }
 
+bool HasPresses(const OperatorSample& sample) {
+  return std::ranges::any_of(kPresses, [&](auto presses) { return sample.*presses > 0; });
+}
+
+/// The sample before a first one with presses: at its place, at rest, nothing pressed.
+OperatorSample RestBefore(const OperatorSample& first) {
+  OperatorSample rest{.kind = first.kind, .engaged = first.engaged};
+  if (first.kind == teleop::AxisKind::kPose) rest.axes = first.axes;
+  return rest;
+}
+
 }  // namespace
 
 ScriptDevice::ScriptDevice(std::vector<OperatorSample> samples, std::string name,
@@ -29,6 +42,18 @@ ScriptDevice::ScriptDevice(std::vector<OperatorSample> samples, std::string name
   TWIN_CHECK(!samples_.empty());
   const bool is_ended = samples_.back().end_presses > 0;
   if (settings.ends && !is_ended) samples_.push_back(EndAfter(samples_.back()));
+  has_lead_ = HasPresses(samples_.front());
+  if (!has_lead_) return;
+  const Duration late = std::max(Time(kLead) - samples_.front().at, Duration::zero());
+  for (OperatorSample& sample : samples_) sample.at += late;
+  samples_.insert(samples_.begin(), RestBefore(samples_.front()));
+}
+
+Duration ScriptDevice::Pause() const noexcept {
+  if (next_ == 0) return Duration::zero();
+  const bool leads_in = has_lead_ && next_ == 1;
+  const bool ends = next_ == samples_.size();
+  return leads_in || ends ? kHeartbeat : repeat_;
 }
 
 OperatorSample ScriptDevice::Give(Time now) noexcept {
@@ -45,11 +70,14 @@ std::optional<OperatorSample> ScriptDevice::Read(Time now) noexcept {
   const std::size_t before = next_;
   while (next_ < samples_.size() && samples_[next_].at <= at) ++next_;
   if (next_ > before) return Give(now);
-  if (next_ == samples_.size()) {
+  const OperatorSample& last = samples_.back();
+  const Duration lasting = last.end_presses > 0 ? kEndLasts : Duration::zero();
+  if (next_ == samples_.size() && at > last.at + lasting) {
     lost_.store(true, std::memory_order_relaxed);
     return {};
   }
-  const bool is_repeated = repeat_ > Duration::zero() && next_ > 0 && now - given_ >= repeat_;
+  const Duration pause = Pause();
+  const bool is_repeated = pause > Duration::zero() && now - given_ >= pause;
   if (is_repeated) return Give(now);
   return {};
 }

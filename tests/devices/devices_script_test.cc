@@ -10,6 +10,7 @@
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
+#include "twin/teleop/mapping.h"
 
 namespace twin::devices {
 namespace {
@@ -86,6 +87,11 @@ TEST(OperatorScriptTest, RefusesFlagsThatAreNone) {
 TEST(OperatorScriptTest, RefusesPartsOfAPress) {
   ExpectRefused("0,rate,0,0,0,0,0,0,1,0,0.5,0,0,0,0,0\n",
                 "column gripper is '0.5'; it must be a whole number");
+}
+
+TEST(OperatorScriptTest, RefusesMorePressesThanACounterHolds) {
+  ExpectRefused("0,rate,0,0,0,0,0,0,1,0,4294967295,0,0,0,0,0\n1,rate,0,0,0,0,0,0,1,0,1,0,0,0,0,0\n",
+                "hands.csv:3: column gripper is '1'; with those of the lines before");
 }
 
 TEST(OperatorScriptTest, RefusesAFileWithoutSamples) {
@@ -177,9 +183,62 @@ TEST_F(ScriptDeviceTest, IsLostAfterItsEnd) {
   ScriptDevice device = Device({});
   static_cast<void>(device.Read(Time(0s)));
   static_cast<void>(device.Read(Time(120ms)));
+  static_cast<void>(device.Read(Time(120ms + ScriptDevice::kEndLasts)));
   EXPECT_FALSE(device.lost());
-  static_cast<void>(device.Read(Time(121ms)));
+  static_cast<void>(device.Read(Time(121ms + ScriptDevice::kEndLasts)));
   EXPECT_TRUE(device.lost());
+}
+
+TEST_F(ScriptDeviceTest, TellsItsEndAgainForSecondsAsAWireMayLoseIt) {
+  ScriptDevice device = Device({});
+  static_cast<void>(device.Read(Time(0s)));
+  std::uint64_t before = device.Read(Time(120ms))->sequence;
+  int told = 0;
+  for (int ms = 121; ms < 3120; ++ms) {
+    const auto sample = device.Read(Time(ms * 1ms));
+    if (!sample) continue;
+    ++told;
+    EXPECT_EQ(sample->end_presses, 1u);
+    EXPECT_GT(sample->sequence, before);
+    before = sample->sequence;
+  }
+  EXPECT_GE(told, 80);
+}
+
+/// What a script's first row presses must reach who takes the first sample's counters as the begin.
+class ScriptPressedAtOnceTest : public ScriptDeviceTest {
+ protected:
+  ScriptDevice device_{Parse("0,rate,0.3,0,0,0,0,0,1,1,0,0,0,0,0,0\n"
+                             "0.5,rate,0.3,0,0,0,0,0,1,0,0,0,0,0,0,1\n"),
+                       "hands.csv",
+                       {}};
+};
+
+TEST_F(ScriptPressedAtOnceTest, IsFollowedWhenHalfOfTheSamplesAreLost) {
+  teleop::Mapping mapping({}, {.along = 1, .about = 1, .ahead = 1, .turning = 1});
+  mapping.Begin(true);
+  int given = 0;
+  for (int ms = 0; ms < 1000 && !mapping.ends(); ++ms) {
+    const auto sample = device_.Read(Time(ms * 1ms));
+    if (sample && given++ % 2 == 1) {
+      static_cast<void>(mapping.Update(*sample, {.connected = true}));
+    }
+  }
+  EXPECT_TRUE(mapping.ends());
+  EXPECT_EQ(mapping.mode(), teleop::Mode::kBase);
+}
+
+TEST_F(ScriptPressedAtOnceTest, RestsBeforeThat) {
+  const auto sample = device_.Read(Time(0s));
+  EXPECT_EQ(sample->axes, Vector6{});
+  EXPECT_EQ(sample->mode_presses, 0u);
+}
+
+TEST_F(ScriptPressedAtOnceTest, KeepsItsRowsAsFarApart) {
+  static_cast<void>(device_.Read(Time(0s)));
+  EXPECT_EQ(device_.Read(Time(ScriptDevice::kLead))->mode_presses, 1u);
+  EXPECT_FALSE(device_.Read(Time(ScriptDevice::kLead + 499ms)).has_value());
+  EXPECT_EQ(device_.Read(Time(ScriptDevice::kLead + 500ms))->end_presses, 1u);
 }
 
 TEST_F(ScriptDeviceTest, LeavesTheEndOutWhereItIsToBeLost) {

@@ -73,6 +73,25 @@ class LockstepTest(SessionTest):
             self.assertEqual(self.run_led(name, "script", f"file: {name}.csv").returncode, 0)
         self.assertNotEqual(self.summary("ahead")["states_hash"], self.summary("back")["states_hash"])
 
+    def test_files_are_named_against_the_folder_of_the_scenario(self):
+        (self.folder / "deep").mkdir()
+        (self.folder / "deep" / "hands.csv").write_text(script())
+        arguments = self.arguments("deep/led", "script", "file: hands.csv, record: again.csv")
+        done = subprocess.run(arguments, cwd=self.folder, capture_output=True, text=True, timeout=100)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertTrue((self.folder / "deep" / "again.csv").is_file())
+
+    def test_a_script_ends_over_a_wire_that_loses_most(self):
+        (self.folder / "hands.csv").write_text(HEADER + "0,rate,0,0,0,0,0,0,1,0,0,0,0,0,0,1\n")
+        arguments = self.arguments("lossy", "script", "file: hands.csv")
+        path = self.folder / "lossy.yaml"
+        lossy = path.read_text().replace("  device:", "  to_robot_loss: 60 %\n  device:")
+        path.write_text(lossy.replace("type: teleoperation", "type: teleoperation\n  parameters: {longest: 9 s}"))
+        done = subprocess.run(arguments, cwd=self.folder, capture_output=True, text=True, timeout=100)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        took = re.search(r"\bduration: ([\d.]+) s", done.stdout)
+        self.assertLess(float(took[1]), 6, done.stdout)  # and not for as long as it may
+
     def test_refuses_what_a_device_does_not_take(self):
         (self.folder / "hands.csv").write_text(HEADER + "0,rate,2,0,0,0,0,0,1,0,0,0,0,0,0,0\n")
         for device, parameters, text in (
