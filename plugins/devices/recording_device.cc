@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "plugins/devices/operator_ranges.h"
 #include "plugins/devices/operator_script.h"
 #include "twin/core/error.h"
 #include "twin/rt/pause.h"
@@ -53,14 +54,28 @@ std::optional<teleop::OperatorSample> RecordingDevice::Read(Time now) noexcept {
   if (!begun_) begun_ = now;
   const auto sample = device_->Read(now);
   if (!sample) return sample;
+  Count(*sample);
   // Rows have times of their own, also of two calls at one.
   last_ = std::max(Time(now - *begun_), last_ + Duration(1));
   const bool is_kept = ring_.TryPushWith([&](teleop::OperatorSample& slot) {
     slot = *sample;
     slot.at = last_;
+    for (const auto presses : kPresses) slot.*presses = counted_.*presses;
   });
   if (!is_kept) left_out_.fetch_add(1, std::memory_order_relaxed);
   return sample;
+}
+
+void RecordingDevice::Count(const teleop::OperatorSample& sample) noexcept {
+  if (!before_) {
+    before_ = sample;
+    counted_.mode_presses = felt_.mode == teleop::Mode::kBase ? 1 : 0;
+    counted_.scale_presses = felt_.fine ? 1 : 0;
+  }
+  for (const auto presses : kPresses) {
+    counted_.*presses += teleop::PressesSince((*before_).*presses, sample.*presses);
+  }
+  before_ = sample;
 }
 
 std::string RecordingDevice::Describe() const {

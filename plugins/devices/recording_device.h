@@ -19,7 +19,9 @@ namespace twin::devices {
 
 /// Another device, of which every sample that is read also goes into a script (operator_script.h),
 /// so that what a person did can be run again: at the time of its Read(), counted from the first
-/// Read().
+/// Read(). Presses count from the first sample on, as they do for who is led. The first row presses
+/// what it takes to come from a session's begin to where the feedback says things are: mode, when
+/// the base is led; scale, when motion is fine.
 ///
 ///     Read() --SpscRing--> thread of its own --> <path>.partial, at the end <path>
 ///
@@ -44,7 +46,10 @@ class RecordingDevice final : public teleop::Device {
   RecordingDevice& operator=(const RecordingDevice&) = delete;
 
   [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time now) noexcept override;
-  void Feel(const teleop::OperatorFeedback& feedback) noexcept override { device_->Feel(feedback); }
+  void Feel(const teleop::OperatorFeedback& feedback) noexcept override {
+    felt_ = feedback;
+    device_->Feel(feedback);
+  }
   [[nodiscard]] bool lost() const noexcept override { return device_->lost(); }
   [[nodiscard]] std::string Describe() const override;
 
@@ -54,6 +59,8 @@ class RecordingDevice final : public teleop::Device {
   void Finish();
 
  private:
+  /// Sums presses up.
+  void Count(const teleop::OperatorSample& sample) noexcept;
   void WriteAll(const std::stop_token& stop);
   void WriteWaiting();
 
@@ -62,6 +69,9 @@ class RecordingDevice final : public teleop::Device {
   record::PartialFile file_;
   std::optional<Time> begun_;  ///< when Read() was called first
   Time last_{Duration(-1)};    ///< of the newest sample, from then
+  teleop::OperatorFeedback felt_;
+  std::optional<teleop::OperatorSample> before_;  ///< newest of the device
+  teleop::OperatorSample counted_;                ///< presses as the file has them
   rt::SpscRing<teleop::OperatorSample> ring_;
   std::atomic<std::uint64_t> left_out_{0};  ///< relaxed: read once the reader is at rest
   teleop::OperatorSample written_;          ///< newest in the file

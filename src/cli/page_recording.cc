@@ -8,7 +8,6 @@
 
 #include "cli/say.h"
 #include "twin/core/error.h"
-#include "twin/page/page_device.h"
 #include "twin/teleop/device.h"
 
 namespace twin::cli {
@@ -20,11 +19,7 @@ void TellOfRecording(std::string_view why) {
 /// A device that gives what it was given.
 class PageRecording::Tap final : public teleop::Device {
  public:
-  /// Buttons count from the first one.
-  void Put(const teleop::OperatorSample& sample) {
-    if (!first_) first_ = sample;
-    next_ = page::Since(*first_, sample);
-  }
+  void Put(const teleop::OperatorSample& sample) { next_ = sample; }
   [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time /*now*/) noexcept override {
     return std::exchange(next_, std::nullopt);
   }
@@ -33,11 +28,11 @@ class PageRecording::Tap final : public teleop::Device {
   [[nodiscard]] std::string Describe() const override { return "the operator's page"; }
 
  private:
-  std::optional<teleop::OperatorSample> first_;
   std::optional<teleop::OperatorSample> next_;
 };
 
-PageRecording::PageRecording(std::filesystem::path folder) : folder_(std::move(folder)) {}
+PageRecording::PageRecording(std::filesystem::path folder, page::OperatorChannel& channel)
+    : folder_(std::move(folder)), channel_(channel) {}
 
 PageRecording::~PageRecording() {
   if (recording_) static_cast<void>(End());
@@ -56,6 +51,7 @@ std::string PageRecording::Switch(bool on) {
 
 void PageRecording::Take(const teleop::OperatorSample& sample) {
   if (!recording_) return;
+  if (const auto* feedback = channel_.Feedback()) recording_->Feel(*feedback);
   tap_->Put(sample);
   static_cast<void>(recording_->Read(clock_.Now()));
 }

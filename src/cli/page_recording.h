@@ -7,6 +7,7 @@
 
 #include "plugins/devices/recording_device.h"
 #include "twin/core/clock.h"
+#include "twin/page/operator_channel.h"
 #include "twin/teleop/operator_sample.h"
 
 namespace twin::cli {
@@ -20,8 +21,9 @@ void TellOfRecording(std::string_view why);
 /// Threads: the page's; the destructor once that has ended.
 class PageRecording {
  public:
-  /// @param folder  is made when the first recording begins.
-  explicit PageRecording(std::filesystem::path folder);
+  /// @param folder   is made when the first recording begins.
+  /// @param channel  whose feedback tells in which mode a recording begins; must outlive this.
+  PageRecording(std::filesystem::path folder, page::OperatorChannel& channel);
   ~PageRecording();
   PageRecording(const PageRecording&) = delete;
   PageRecording& operator=(const PageRecording&) = delete;
@@ -38,6 +40,7 @@ class PageRecording {
   [[nodiscard]] std::string End();
 
   const std::filesystem::path folder_;
+  page::OperatorChannel& channel_;
   const MonotonicClock clock_;
   std::filesystem::path path_;  ///< of the recording that goes on
   Tap* tap_ = nullptr;          ///< recording_'s

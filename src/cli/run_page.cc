@@ -99,7 +99,7 @@ RunPage::RunPage(const RunFlags& flags, rt::RecordSink& records, const Interrupt
       interrupt_(interrupt),
       records_(records),
       feed_(&records),
-      recording_(out) {}
+      recording_(out, channel_) {}
 
 teleop::DeviceRegistry RunPage::Devices(const scenario::Catalogue& catalogue) {
   teleop::DeviceRegistry devices =

@@ -54,7 +54,7 @@ class ServePage {
   rt::RecordSink* log_;
   page::LiveFeed feed_;
   page::OperatorChannel channel_;
-  PageRecording recording_{"."};
+  PageRecording recording_{".", channel_};
   std::unique_ptr<PageOperator> operator_;  ///< from before the page is open until it has ended
   std::unique_ptr<page::LivePage> page_;    ///< outlives it
 };

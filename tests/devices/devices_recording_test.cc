@@ -64,6 +64,53 @@ TEST_F(RecordingDeviceTest, KeepsWhatRunsAgainAsItWas) {
   }
 }
 
+/// Gives what it is told to, at every call.
+class Given final : public teleop::Device {
+ public:
+  explicit Given(const OperatorSample& sample) : sample_(sample) {}
+  std::optional<OperatorSample> Read(Time) noexcept override { return sample_; }
+  void Feel(const teleop::OperatorFeedback&) noexcept override {}
+  bool lost() const noexcept override { return false; }
+  std::string Describe() const override { return "a test"; }
+
+ private:
+  const OperatorSample& sample_;
+};
+
+TEST_F(RecordingDeviceTest, PressesNothingWhenACounterFalls) {
+  OperatorSample sample{.sequence = 1, .gripper_presses = 5};
+  {
+    RecordingDevice device(std::make_unique<Given>(sample), path(), {});
+    static_cast<void>(device.Read(Time(0ms)));
+    sample.gripper_presses = 0;
+    static_cast<void>(device.Read(Time(1ms)));
+    sample.gripper_presses = 2;
+    static_cast<void>(device.Read(Time(2ms)));
+  }
+  const auto samples = ReadOperatorScript(path());
+  ASSERT_EQ(samples.size(), 3u);
+  EXPECT_EQ(samples[0].gripper_presses, 0u);
+  EXPECT_EQ(samples[1].gripper_presses, 0u);
+  EXPECT_EQ(samples[2].gripper_presses, 2u);
+}
+
+TEST_F(RecordingDeviceTest, BeginsInTheModeAndScaleInWhichThingsAre) {
+  OperatorSample sample{.sequence = 1, .mode_presses = 3, .scale_presses = 1};
+  {
+    RecordingDevice device(std::make_unique<Given>(sample), path(), {});
+    device.Feel({.mode = teleop::Mode::kBase, .fine = true});
+    static_cast<void>(device.Read(Time(0ms)));
+    device.Feel({.mode = teleop::Mode::kArm});
+    ++sample.mode_presses;
+    static_cast<void>(device.Read(Time(1ms)));
+  }
+  const auto samples = ReadOperatorScript(path());
+  ASSERT_EQ(samples.size(), 2u);
+  EXPECT_EQ(samples[0].mode_presses, 1u);
+  EXPECT_EQ(samples[0].scale_presses, 1u);
+  EXPECT_EQ(samples[1].mode_presses, 2u);
+}
+
 TEST_F(RecordingDeviceTest, IsPartialUntilItIsWhole) {
   RecordingDevice device(std::make_unique<EveryCall>(), path(), {});
   static_cast<void>(device.Read(Time(0s)));

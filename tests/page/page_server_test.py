@@ -201,6 +201,41 @@ class PageServerTest(unittest.TestCase):
             self.assertGreater(quick.hear(lambda m: m["type"] == "state" and m["t"] > first + 0.5)["t"], first)
 
 
+LED = """name: led
+base: {model: husky}
+robot: {q_start: {unit: deg, values: [0, -45, 0, -135, 0, 90, 45]}}
+operator: {device: page}
+application: {type: teleoperation}
+record: false
+"""
+
+
+class PageRecordingTest(unittest.TestCase):
+    def test_a_recording_begins_in_the_mode_in_which_it_was_begun(self):
+        folder = tempfile.TemporaryDirectory(prefix="panda_twin_page_")
+        self.addCleanup(folder.cleanup)
+        served = Run(folder.name, LED)
+        self.addCleanup(served.end)
+        with served.visit() as visitor:
+            def hands(until):
+                visitor.say("hands", axes=[0] * 6, engaged=True, sent_ms=0)
+                return lambda message: message["type"] == "state" and bool(message["teleop"]) and until(message["teleop"])
+
+            visitor.say("take")
+            visitor.hear(hands(lambda teleop: True))
+            visitor.say("press", button="mode")
+            visitor.hear(hands(lambda teleop: teleop["mode"] == "base"))
+            visitor.say("record", on=True)
+            visitor.say("press", button="gripper")
+            visitor.hear(hands(lambda teleop: teleop["hand_closed"]))
+            visitor.say("record", on=False)
+            visitor.hear(lambda message: message["type"] == "event" and "recorded:" in message["text"])
+        header, first, *more = pathlib.Path(folder.name, "out", "operator_1.csv").read_text().splitlines()
+        row = dict(zip(header.split(","), first.split(",")))
+        self.assertEqual((row["mode"], row["gripper"]), ("1", "0"))
+        self.assertTrue(more)
+
+
 class PageEndTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="panda_twin_page_")
