@@ -37,14 +37,16 @@ void PeakWatch::Begin(const Transform& O_T_EE) noexcept {
 }
 
 void PeakWatch::Look(const reference::PoseTarget& target, const BaseTwist& base, double T,
-                     bool is_switch) noexcept {
+                     bool is_switch, bool is_stopped) noexcept {
   const std::array<Eigen::Vector3d, 4> v{
       (model::Position(target.O_T_EE) - model::Position(O_T_EE_)) / T,
       model::TurnBetween(O_T_EE_, target.O_T_EE) / T, Eigen::Vector3d(base.v, 0, 0),
       Eigen::Vector3d(0, 0, base.w)};
   O_T_EE_ = target.O_T_EE;
   std::array<Peaks, 4> now{};
-  for (std::size_t i = 0; i < now.size(); ++i) now[i] = tracks_[i].Next(v[i], T);
+  if (is_stopped) tracks_[2] = tracks_[3] = {};
+  const std::size_t counted = is_stopped ? 2 : now.size();
+  for (std::size_t i = 0; i < counted; ++i) now[i] = tracks_[i].Next(v[i], T);
   Raise(all_, now);
   if (is_switch) Raise(at_switch_, now);
 }

@@ -77,7 +77,7 @@ reference::PoseTarget Teleoperator::Next(const RobotState& state, Time now) noex
   LeadArm(wish, state, T);
   LeadBase(wish, T);
   watch_.Look(pose_.target(), {ahead_.v()[0], turning_.v()[0]}, T,
-              switched_ && now - *switched_ <= kSwitch);
+              switched_ && now - *switched_ <= kSwitch, is_stopped_);
   Answer(state, now, T);
   gripper_presses_.store(mapping_.gripper_presses(), std::memory_order_relaxed);
   finished_.store(mapping_.ends() && pose_.rests() && base_rests(), std::memory_order_relaxed);
@@ -129,6 +129,7 @@ void Teleoperator::LeadBase(const Wish& wish, double T) noexcept {
     is_stopped_ = mapping_.stopped();
     is_stopped_ ? base_->EmergencyStop() : base_->Release();
   }
+  is_braking_ = is_stopped_ || (is_braking_ && !base_rests());
   if (is_stopped_) {
     ahead_.Rest();
     turning_.Rest();
@@ -174,7 +175,7 @@ void Teleoperator::Show(const RobotState& state, Time now) noexcept {
   status_.gripper_presses = mapping_.gripper_presses();
   status_.target = pose_.target();
   status_.arm_error = error.norm();
-  if (mapping_.mode() == Mode::kBase) {
+  if (mapping_.mode() == Mode::kBase && !is_braking_) {
     status_.most_drive_error = std::max(status_.most_drive_error, status_.arm_error);
   }
   status_.base_twist = {ahead_.v()[0], turning_.v()[0]};

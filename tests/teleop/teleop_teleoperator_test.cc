@@ -215,6 +215,69 @@ TEST(TeleoperatorTest, ReportsThePeaksThatAreSeenFromOutside) {
   EXPECT_NEAR(rig.teleoperator.TakeStatus().peaks.along.speed, fastest, 1e-9);
 }
 
+/// Drives the base at full speed, stops it, and drives on; the release comes so long after the
+/// stop.
+void StopAndGoOn(Rig& rig, int stopped_for) {
+  rig.Run(10);
+  ++rig.device.now.mode_presses;
+  rig.Run(10);
+  rig.device.now.axes[0] = 1;
+  rig.Run(3000);
+  ++rig.device.now.stop_presses;
+  rig.Run(stopped_for);
+  ++rig.device.now.release_presses;
+  rig.device.now.axes[0] = 0;
+  rig.Run(10);
+  rig.device.now.axes[0] = 1;
+  rig.Run(3000);
+}
+
+TEST(TeleoperatorTest, DoesNotCountAnEmergencyStopAsAbrupt) {
+  for (const int stopped_for : {1, 500}) {
+    Rig rig;
+    StopAndGoOn(rig, stopped_for);
+    const Peaks& ahead = rig.teleoperator.TakeStatus().peaks.ahead;
+    EXPECT_NEAR(rig.base.state.twist.v, TeleoperatorConfig().ahead.speed, 1e-3);
+    EXPECT_LE(ahead.jerk, TeleoperatorConfig().ahead.jerk * 1.02);
+    EXPECT_LE(ahead.acceleration, TeleoperatorConfig().ahead.acceleration * 1.02);
+  }
+}
+
+TEST(TeleoperatorTest, CountsWhatIsDrivenAfterAnEmergencyStop) {
+  Rig rig;
+  rig.Run(10);
+  ++rig.device.now.mode_presses;
+  ++rig.device.now.stop_presses;
+  rig.Run(10);
+  ++rig.device.now.release_presses;
+  rig.Run(10);
+  rig.device.now.axes[0] = 1;
+  rig.Run(3000);
+  EXPECT_NEAR(rig.teleoperator.TakeStatus().peaks.ahead.speed, TeleoperatorConfig().ahead.speed,
+              1e-3);
+}
+
+TEST(TeleoperatorTest, DoesNotCountHowAStopShakesTheArm) {
+  Rig rig;
+  rig.Run(10);
+  ++rig.device.now.mode_presses;
+  rig.Run(10);
+  ++rig.device.now.stop_presses;
+  rig.Run(2);
+  const auto shaken_to = [&] {
+    rig.now += kCycle;
+    rig.state.O_T_EE[12] = rig.target.O_T_EE[12] + 0.05;
+    static_cast<void>(rig.teleoperator.Next(rig.state, rig.now));
+    return rig.teleoperator.TakeStatus().most_drive_error;
+  };
+  EXPECT_LT(shaken_to(), 0.01);
+  ++rig.device.now.release_presses;
+  rig.base.state.twist.v = 0.3;  // it brakes still
+  EXPECT_LT(shaken_to(), 0.01);
+  rig.base.state.twist.v = 0;
+  EXPECT_NEAR(shaken_to(), 0.05, 1e-3);
+}
+
 std::vector<Transform> PosesOf(std::uint64_t seed) {
   Rig rig({}, BadWire());
   Teleoperator other({.device = rig.device, .limits = twin::test::PandaLimits()}, {}, BadWire(),

@@ -35,8 +35,10 @@ class PeakWatch {
   void Begin(const Transform& O_T_EE) noexcept TWIN_REALTIME;
 
   /// @param T  since the last call, s, > 0. @param is_switch  these count for at_switch() too.
-  void Look(const reference::PoseTarget& target, const BaseTwist& base, double T,
-            bool is_switch) noexcept TWIN_REALTIME;
+  /// @param is_stopped  the base is in an emergency stop, abrupt by intent: of its commands nothing
+  /// counts, and after it they begin at rest.
+  void Look(const reference::PoseTarget& target, const BaseTwist& base, double T, bool is_switch,
+            bool is_stopped) noexcept TWIN_REALTIME;
 
   [[nodiscard]] const CommandPeaks& all() const noexcept { return all_; }
   [[nodiscard]] const CommandPeaks& at_switch() const noexcept { return at_switch_; }

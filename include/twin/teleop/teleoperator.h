@@ -35,12 +35,12 @@ struct TeleoperatorStatus {
   std::uint32_t gripper_presses = 0;
   reference::PoseTarget target{};  ///< x_d
   double arm_error = 0;            ///< m, of the measured end effector from x_d
-  double most_drive_error = 0;     ///< m, the largest arm_error while the base was led
+  double most_drive_error = 0;     ///< m, the largest arm_error while the base was led, not stopped
   BaseTwist base_twist{};          ///< commanded
   Vector6 felt{};                  ///< wrench at the handle, N and Nm
   Vector6 energy{};                ///< as PassivePort::energy()
   double least_energy = 0;         ///< as PassivePort::least_energy()
-  CommandPeaks peaks{};
+  CommandPeaks peaks{};            ///< the base's: but of emergency stops
   CommandPeaks peaks_at_switch{};  ///< from each mode press to half a second after the switch
   std::uint64_t samples_sent = 0;
   std::uint64_t samples_arrived = 0;
@@ -137,6 +137,7 @@ class Teleoperator final : public control::LiveReference {
   ShapedVelocity<1> turning_;
   ReflectedWrench reflected_;
   bool is_stopped_ = false;  ///< the base has been told to stop
+  bool is_braking_ = false;  ///< it has, until it is released and rests
   bool guarded_ = false;     ///< the posture took most of the last wish away
   std::uint64_t answers_ = 0;
   bool connected_ = false;
