@@ -38,8 +38,8 @@ const scenario::RobotData& ApplicationRun::robot() const noexcept {
   return session_.robot();
 }
 
-Duration ApplicationRun::longest() const noexcept {
-  return application_->longest();
+Duration ApplicationRun::longest() const {
+  return application_->longest(scenario_);
 }
 
 bool ApplicationRun::CheckStart(const scenario::TellCheck& tell) {

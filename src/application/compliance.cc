@@ -31,7 +31,7 @@ class Compliance final : public Application {
   [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
     return control::CommandInterface::kTorque;
   }
-  [[nodiscard]] Duration longest() const noexcept override;
+  [[nodiscard]] Duration longest(const scenario::Scenario& scenario) const override;
   [[nodiscard]] Deeds Perform(Stage& stage) override;
   [[nodiscard]] Judgement Judge(const Deeds& deeds, const Evidence& evidence) override;
 
@@ -49,7 +49,7 @@ class Compliance final : public Application {
   std::vector<Moment> moments_;
 };
 
-Duration Compliance::longest() const noexcept {
+Duration Compliance::longest(const scenario::Scenario& /*scenario*/) const {
   Duration all{};
   // The way back and settling take less.
   for (const Case& one : kAllCases) all += LengthOf(one, settings_) + std::chrono::seconds(5);

@@ -56,7 +56,9 @@ class PickAndPlace final : public Application {
   [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
     return control::CommandInterface::kJointPosition;
   }
-  [[nodiscard]] Duration longest() const noexcept override { return std::chrono::seconds(120); }
+  [[nodiscard]] Duration longest(const scenario::Scenario& /*scenario*/) const override {
+    return std::chrono::seconds(120);
+  }
   [[nodiscard]] Deeds Perform(Stage& stage) override;
   [[nodiscard]] Judgement Judge(const Deeds& deeds, const Evidence& evidence) override {
     return JudgePick(record_, deeds, evidence);

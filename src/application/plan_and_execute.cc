@@ -39,7 +39,7 @@ class PlanAndExecute final : public Application {
   [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
     return control::CommandInterface::kTorque;
   }
-  [[nodiscard]] Duration longest() const noexcept override {
+  [[nodiscard]] Duration longest(const scenario::Scenario& /*scenario*/) const override {
     return goals_ * std::chrono::seconds(30);
   }
   [[nodiscard]] Deeds Perform(Stage& stage) override;

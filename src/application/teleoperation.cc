@@ -33,6 +33,9 @@ constexpr Duration kAttend = milliseconds(10);
 constexpr int kAttendsPerSample = 5;
 /// Moments that are shown are at least so long.
 constexpr Duration kShortest = seconds(2);
+/// How long it may take, unless said: a scripted person, and one who is not.
+constexpr Duration kPersonTakes = seconds(240);
+constexpr Duration kAnyoneTakes = seconds(1800);
 constexpr double kHalfTurn = std::numbers::pi;
 constexpr double kFar = 100;  // m
 
@@ -70,8 +73,9 @@ class Teleoperation final : public Application {
         to_(p.Vector("to.position", Dimension::kLength, {}, -kFar, kFar)),
         to_yaw_(p.Quantity("to.heading", Dimension::kAngle, 0, -kHalfTurn, kHalfTurn)),
         reach_(p.Quantity("reach", Dimension::kLength, FetchTask().reach, 0.3, 0.7)),
-        longest_(p.Time("longest", seconds(240), seconds(1), std::chrono::hours(1))),
         controller_(Gains(p.Below("controller"))) {
+    const Duration longest = p.Time("longest", kPersonTakes, seconds(1), std::chrono::hours(1));
+    if (p.Has("longest")) longest_ = longest;
     grip_.force = p.Quantity("grasp.force", Dimension::kForce, grip_.force, 1, 140);
     grip_.speed = p.Quantity("grasp.speed", Dimension::kVelocity, grip_.speed, 0.001, 0.1);
     person_.hand_noise = p.Number("person.hand_noise", person_.hand_noise, 0, 0.5);
@@ -87,7 +91,9 @@ class Teleoperation final : public Application {
   [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
     return control::CommandInterface::kTorque;
   }
-  [[nodiscard]] Duration longest() const noexcept override { return longest_ + seconds(10); }
+  [[nodiscard]] Duration longest(const scenario::Scenario& scenario) const override {
+    return LastsFor(scenario) + seconds(10);
+  }
   [[nodiscard]] bool drives_base() const noexcept override { return true; }
   [[nodiscard]] Deeds Perform(Stage& stage) override;
   [[nodiscard]] Judgement Judge(const Deeds& /*deeds*/, const Evidence& evidence) override {
@@ -95,6 +101,7 @@ class Teleoperation final : public Application {
   }
 
  private:
+  [[nodiscard]] Duration LastsFor(const scenario::Scenario& scenario) const;
   [[nodiscard]] FetchTask TaskOf(const scenario::Scenario& scenario) const;
   [[nodiscard]] std::unique_ptr<teleop::Device> MakeDevice(const Stage& stage);
   StepEnd Lead();
@@ -109,7 +116,7 @@ class Teleoperation final : public Application {
   const Vector3 to_;
   const double to_yaw_;
   const double reach_;
-  const Duration longest_;
+  std::optional<Duration> longest_;
   const control::Parameters controller_;
   Grip grip_;
   PersonConfig person_;
@@ -134,6 +141,8 @@ void Teleoperation::Require(const scenario::Scenario& scenario) const {
   const bool is_scripted = scenario.operator_section->device == kPerson;
   if (is_scripted || !object_.empty()) static_cast<void>(TaskOf(scenario));
   if (!is_scripted) return;
+  control::ParameterReader(scenario.operator_section->parameters, "operator.parameters")
+      .RefuseUnread();
   if (scenario.drive != scenario::Drive::kLockstep) {
     throw InputError(
         "operator: the scripted person sees the simulation and is for drive: lockstep only; name a "
@@ -144,6 +153,11 @@ void Teleoperation::Require(const scenario::Scenario& scenario) const {
         "operator: the scripted person drives a base, and there is none; say base: {model: husky}, "
         "or name another device");
   }
+}
+
+Duration Teleoperation::LastsFor(const scenario::Scenario& scenario) const {
+  const bool is_scripted = scenario.operator_section->device == kPerson;
+  return longest_.value_or(is_scripted ? kPersonTakes : kAnyoneTakes);
 }
 
 FetchTask Teleoperation::TaskOf(const scenario::Scenario& scenario) const {
@@ -219,9 +233,10 @@ Deeds Teleoperation::Perform(Stage& stage) {
 
 StepEnd Teleoperation::Lead() {
   scenario::Session& session = stage_->session();
-  scenario::Motion motion = stage_->NewMotion(
-      "teleoperation", control::CommandInterface::kTorque,
-      scenario::StandingFor(session.ReadState().q, longest_, stage_->robot().limits));
+  scenario::Motion motion =
+      stage_->NewMotion("teleoperation", control::CommandInterface::kTorque,
+                        scenario::StandingFor(session.ReadState().q, LastsFor(stage_->scenario()),
+                                              stage_->robot().limits));
   motion.controller.type = "compliance";
   motion.controller.parameters = controller_;
   // Who feels his way touches things, and a contact steps the damping's torque.

@@ -17,7 +17,7 @@ namespace twin::application {
 ///   from        {heading}: of the base before it, rad
 ///   to          {position, heading}: of the surface on which it is set down, world, m; of the base
 ///   reach       from the arm's base to object and place, along the heading, m; 0.55 m unless said
-///   longest     that it may take, 240 s unless said
+///   longest     that it may take; unless said 240 s for the scripted person, else 1800 s
 ///   grasp       {force, speed} of the hand
 ///   controller  of compliance; the paper's gains of teleoperation unless said
 ///   person      {reaction, hand_noise, tremor, eye_noise, far_noise}: see PersonConfig

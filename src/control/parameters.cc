@@ -211,7 +211,7 @@ void ParameterReader::RefuseUnread() const {
   const std::vector<std::string_view> asked(asked_.begin(), asked_.end());
   for (const Parameter& parameter : parameters_) {
     if (std::ranges::find(asked_, parameter.key) != asked_.end()) continue;
-    if (asked.empty()) Fail(parameter, "this controller takes no parameters; leave them out");
+    if (asked.empty()) Fail(parameter, "no parameters are taken here; leave them out");
     Fail(parameter, fmt::format("unknown; {}accepted: {}", DidYouMean(parameter.key, asked),
                                 fmt::join(asked, ", ")));
   }

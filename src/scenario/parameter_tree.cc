@@ -77,7 +77,7 @@ std::string MapText(std::span<const control::Parameter> parameters, std::size_t 
 }  // namespace
 
 control::Parameters ReadParameters(const YamlNode& node) {
-  if (!node.IsMap()) node.Fail("must be a map of the controller's parameters");
+  if (!node.IsMap()) node.Fail("must be a map of parameters");
   control::Parameters parameters;
   if (node.IsEmpty()) return parameters;
   Flatten(node, "", 0, parameters);

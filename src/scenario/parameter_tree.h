@@ -5,7 +5,8 @@
 #include "scenario/yaml_node.h"
 #include "twin/control/parameters.h"
 
-// A controller's parameters in a scenario: keys and values of its own, which only it understands.
+// Parameters of a controller, an application or a device in a scenario: keys and values of its own,
+// which only it understands.
 namespace twin::scenario {
 
 /// A map of plain values, lists of plain values, and such maps, made flat: the keys dotted.

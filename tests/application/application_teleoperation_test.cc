@@ -62,6 +62,22 @@ TEST(TeleoperationTest, RefusesTheScriptedPersonOnTheWallClock) {
   EXPECT_THAT(Refusal("drive: lockstep", "drive: realtime"), HasSubstr("for drive: lockstep only"));
 }
 
+TEST(TeleoperationTest, TakesNoParametersOfTheScriptedPerson) {
+  scenario::Scenario scenario = Shipped();
+  scenario.operator_section->parameters = {{.key = "foo", .values = {"1"}}};
+  EXPECT_THAT([&] { (void)Make(scenario); },
+              testing::ThrowsMessage<InputError>(HasSubstr("operator.parameters.foo")));
+}
+
+TEST(TeleoperationTest, GivesAnyoneButTheScriptedPersonHalfAnHour) {
+  scenario::Scenario scenario = Shipped();
+  EXPECT_EQ(Make(scenario)->longest(scenario), std::chrono::seconds(250));
+  scenario.operator_section->device = "evdev";
+  EXPECT_EQ(Make(scenario)->longest(scenario), std::chrono::seconds(1810));
+  scenario.application->parameters.push_back({.key = "longest", .values = {"60 s"}});
+  EXPECT_EQ(Make(scenario)->longest(scenario), std::chrono::seconds(70));
+}
+
 TEST(TeleoperationTest, RefusesADeviceThatNobodyKnows) {
   scenario::Scenario scenario = Shipped();
   scenario.operator_section->device = "ouija";

@@ -67,6 +67,12 @@ TEST(ScenarioOperatorTest, RefusesAKeyThatNobodyKnows) {
   EXPECT_THAT(Spoiled("to_robot_loss", "to_robot_lost"), HasSubstr("to_robot_lost"));
 }
 
+TEST(ScenarioOperatorTest, RefusesParametersThatAreNoMap) {
+  const std::string said = Spoiled("{path: /dev/input/event5}", "7");
+  EXPECT_THAT(said, HasSubstr("operator.parameters"));
+  EXPECT_THAT(said, HasSubstr("must be a map of parameters"));
+}
+
 TEST(ScenarioOperatorTest, NeedsADevice) {
   EXPECT_THAT(Spoiled("  device: stick\n", ""), HasSubstr("device"));
 }

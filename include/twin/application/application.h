@@ -77,8 +77,8 @@ class Application {
 
   /// Interface of the motion that comes first: what a robot must grant before anything moves.
   [[nodiscard]] virtual control::CommandInterface first_interface() const noexcept = 0;
-  /// Longer than it takes, in the robot's time; what comes later is not filmed.
-  [[nodiscard]] virtual Duration longest() const noexcept = 0;
+  /// Longer than it takes on a scenario, in the robot's time; what comes later is not filmed.
+  [[nodiscard]] virtual Duration longest(const scenario::Scenario& scenario) const = 0;
 
   /// @throws InputError for what the scenario asks and cannot be; RobotFault outside steps.
   [[nodiscard]] virtual Deeds Perform(Stage& stage) = 0;

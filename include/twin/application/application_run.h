@@ -34,7 +34,7 @@ class ApplicationRun {
   [[nodiscard]] const backend::Connection& connection() const noexcept;
   [[nodiscard]] const scenario::RobotData& robot() const noexcept;
   /// As Application's.
-  [[nodiscard]] Duration longest() const noexcept;
+  [[nodiscard]] Duration longest() const;
 
   /// As scenario::Run::CheckStart.
   [[nodiscard]] bool CheckStart(const scenario::TellCheck& tell);
