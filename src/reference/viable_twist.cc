@@ -96,7 +96,7 @@ Vector3d ViableTwist::Braked(const Vector3d& v, const Vector3d& a) const noexcep
 Vector3d ViableTwist::Nearest(const Vector3d& v, const Vector3d& a,
                               const Vector3d& wish) const noexcept {
   if (Allows(v, a, wish)) return wish;
-  const Vector3d braked = Braked(v, a);
+  Vector3d braked = Braked(v, a);
   if (!wish.allFinite()) return braked;
   const Vector3d a_wish =
       IntoBall(IntoBall((wish - v) / kT, Vector3d::Zero(), kept_.ddp_max), a, kT * kept_.dddp_max);
