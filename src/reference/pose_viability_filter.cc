@@ -180,7 +180,7 @@ bool PoseViabilityFilter::JointsCanKeep(const RobotState& state,
   for (std::size_t i = 0; i < kJoints; ++i) {
     const ViableAxis& axis = joints_.axis(i);
     const AxisState x{state.q_d[i], state.dq_d[i], state.ddq_d[i]};
-    const double jerk = (((q[i] - x.q) / kT - x.dq) / kT - x.ddq) / kT;
+    const double jerk = ViableAxis::JerkToPosition(x, q[i]);
     if (!(std::abs(jerk) <= axis.kept().dddq_max)) return false;
     const AxisState next = ViableAxis::Step(x, jerk);
     const bool outwards = next.dq * (next.q - (axis.kept().q_min + axis.kept().q_max) / 2) > 0;

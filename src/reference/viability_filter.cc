@@ -4,14 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/time.h"
-
 namespace twin::reference {
-namespace {
-
-constexpr double kT = kCycleSeconds;
-
-}  // namespace
 
 AxisBounds BoundsOf(const JointLimits& limits, std::size_t joint) {
   return {limits.q_min[joint], limits.q_max[joint], limits.dq_max[joint], limits.ddq_max[joint],
@@ -41,8 +34,8 @@ ViabilityFilter::Outcome ViabilityFilter::Next(const JointVector& q_d, const Joi
                                                const JointVector& q_c) const noexcept {
   Outcome outcome{.q_c = q_c};
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const double wish = (((q_c[i] - q_d[i]) / kT - dq_d[i]) / kT - ddq_d[i]) / kT;
-    const auto instead = Instead(i, {q_d[i], dq_d[i], ddq_d[i]}, wish);
+    const AxisState x{q_d[i], dq_d[i], ddq_d[i]};
+    const auto instead = Instead(i, x, ViableAxis::JerkToPosition(x, q_c[i]));
     outcome.active[i] = instead.has_value();
     if (instead) outcome.q_c[i] = instead->q;
   }
@@ -55,8 +48,8 @@ ViabilityFilter::Outcome ViabilityFilter::NextVelocity(const JointVector& q_d,
                                                        const JointVector& dq_c) const noexcept {
   Outcome outcome{.dq_c = dq_c};
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const double wish = ((dq_c[i] - dq_d[i]) / kT - ddq_d[i]) / kT;
-    const auto instead = Instead(i, {q_d[i], dq_d[i], ddq_d[i]}, wish);
+    const AxisState x{q_d[i], dq_d[i], ddq_d[i]};
+    const auto instead = Instead(i, x, ViableAxis::JerkToVelocity(x, dq_c[i]));
     outcome.active[i] = instead.has_value();
     if (instead) outcome.dq_c[i] = instead->dq;
   }

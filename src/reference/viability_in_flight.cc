@@ -5,12 +5,9 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/core/time.h"
 
 namespace twin::reference {
 namespace {
-
-constexpr double kT = kCycleSeconds;
 
 int Checked(int in_flight, int held) {
   if (in_flight < 0 || in_flight > ViabilityInFlight::kMostInFlight) {
@@ -31,13 +28,13 @@ int Checked(int in_flight, int held) {
 struct Position {
   static double Of(const AxisState& x) noexcept { return x.q; }
   static double Jerk(const AxisState& x, double c) noexcept {
-    return (((c - x.q) / kT - x.dq) / kT - x.ddq) / kT;
+    return ViableAxis::JerkToPosition(x, c);
   }
 };
 struct Velocity {
   static double Of(const AxisState& x) noexcept { return x.dq; }
   static double Jerk(const AxisState& x, double c) noexcept {
-    return ((c - x.dq) / kT - x.ddq) / kT;
+    return ViableAxis::JerkToVelocity(x, c);
   }
 };
 

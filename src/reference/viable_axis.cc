@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
-#include <utility>
 
 #include <fmt/format.h>
 
+#include "reference/viability_bounds.h"
 #include "twin/core/error.h"
 #include "twin/core/time.h"
 
@@ -30,23 +29,15 @@ AxisBounds KeptOf(const AxisBounds& given) {
 }
 
 void RequireSound(const AxisBounds& bounds, int lost, std::string_view name) {
-  for (const auto& [field, value] : std::initializer_list<std::pair<const char*, double>>{
-           {"dq_max", bounds.dq_max}, {"ddq_max", bounds.ddq_max}, {"dddq_max", bounds.dddq_max}}) {
-    if (!(std::isfinite(value) && value > 0)) {
-      throw InputError(
-          fmt::format("viability filter: {}: {} is {}; it must be positive", name, field, value));
-    }
-  }
+  RequireMagnitude(name, "dq_max", bounds.dq_max);
+  RequireMagnitude(name, "ddq_max", bounds.ddq_max);
+  RequireMagnitude(name, "dddq_max", bounds.dddq_max);
   if (!(std::isfinite(bounds.q_min) && std::isfinite(bounds.q_max) &&
         bounds.q_min < bounds.q_max)) {
     throw InputError(fmt::format("viability filter: {}: the range [{}, {}] rad is none", name,
                                  bounds.q_min, bounds.q_max));
   }
-  if (lost < 0 || lost > ViableAxis::kMostLost) {
-    throw InputError(
-        fmt::format("viability filter: {} commands lost in a row; the number must be in [0, {}]",
-                    lost, ViableAxis::kMostLost));
-  }
+  RequireLost(lost);
 }
 
 }  // namespace
@@ -95,6 +86,14 @@ AxisState ViableAxis::Step(const AxisState& x, double jerk) noexcept {
   next.dq = x.dq + kT * next.ddq;
   next.q = x.q + kT * next.dq;
   return next;
+}
+
+double ViableAxis::JerkToPosition(const AxisState& x, double q_c) noexcept {
+  return (((q_c - x.q) / kT - x.dq) / kT - x.ddq) / kT;
+}
+
+double ViableAxis::JerkToVelocity(const AxisState& x, double dq_c) noexcept {
+  return ((dq_c - x.dq) / kT - x.ddq) / kT;
 }
 
 ViableAxis::Reach ViableAxis::ReachOf(double dq, double ddq) const noexcept {

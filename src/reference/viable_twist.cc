@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
-#include <utility>
 
 #include <fmt/format.h>
 
+#include "reference/viability_bounds.h"
 #include "twin/core/error.h"
 #include "twin/core/time.h"
-#include "twin/reference/viable_axis.h"
 
 namespace twin::reference {
 namespace {
@@ -21,18 +19,10 @@ constexpr double kInside = 1e-6;  ///< share by which the bounds kept are inside
 constexpr int kHalvings = 30;
 
 void RequireSound(const CartesianBound& bound, int lost, std::string_view name) {
-  for (const auto& [field, value] : std::initializer_list<std::pair<const char*, double>>{
-           {"dp_max", bound.dp_max}, {"ddp_max", bound.ddp_max}, {"dddp_max", bound.dddp_max}}) {
-    if (!(std::isfinite(value) && value > 0)) {
-      throw InputError(
-          fmt::format("viability filter: {}: {} is {}; it must be positive", name, field, value));
-    }
-  }
-  if (lost < 0 || lost > ViableAxis::kMostLost) {
-    throw InputError(
-        fmt::format("viability filter: {} commands lost in a row; the number must be in [0, {}]",
-                    lost, ViableAxis::kMostLost));
-  }
+  RequireMagnitude(name, "dp_max", bound.dp_max);
+  RequireMagnitude(name, "ddp_max", bound.ddp_max);
+  RequireMagnitude(name, "dddp_max", bound.dddp_max);
+  RequireLost(lost);
   constexpr double kMostSteps = 1000;
   if (bound.ddp_max > kMostSteps * kT * bound.dddp_max) {
     throw InputError(fmt::format(

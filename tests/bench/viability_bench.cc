@@ -7,13 +7,13 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "support/panda_limits.h"
+#include "twin/core/clock.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
 #include "twin/reference/viability_filter.h"
@@ -29,10 +29,9 @@ class Costs {
  public:
   template <typename Call>
   auto Of(benchmark::State& state, Call call) {
-    const auto begin = std::chrono::steady_clock::now();
+    const Time begin = clock_.Now();
     const auto outcome = call();
-    const auto end = std::chrono::steady_clock::now();
-    costs_.push_back(std::chrono::duration<double, std::micro>(end - begin).count());
+    costs_.push_back(1e6 * ToSeconds(clock_.Now() - begin));
     state.SetIterationTime(1e-6 * costs_.back());
     return outcome;
   }
@@ -43,6 +42,7 @@ class Costs {
   }
 
  private:
+  const MonotonicClock clock_;
   std::vector<double> costs_;
 };
 

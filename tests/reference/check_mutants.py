@@ -16,6 +16,7 @@ import mutants  # noqa: E402
 # Program and arguments, cheapest first.
 CATCHERS = [
     ("reference_viability_in_flight_test", []),
+    ("reference_viable_twist_test", []),
     ("reference_viable_axis_test", []),
     ("reference_polytope_test", []),
     ("reference_fixed_point_test", []),
@@ -24,6 +25,7 @@ CATCHERS = [
 AXIS = "src/reference/viable_axis.cc"
 FILTER = "src/reference/viability_filter.cc"
 LATE = "src/reference/viability_in_flight.cc"
+TWIST = "src/reference/viable_twist.cc"
 POLYTOPE = "tests/reference/fixed_point/polytope.cc"
 FIXED_POINT = "tests/reference/fixed_point/fixed_point.cc"
 
@@ -56,6 +58,13 @@ MUTANTS = [
     ("late: more in flight than told of is not noticed", LATE,
      "if (since.size() > static_cast<std::size_t>(in_flight_)) return {};", ""),
     ("late: silent cycles before a run forgotten", LATE, "(filter_.axis(0).lost() - in_flight_) /", "filter_.axis(0).lost() /"),
+    ("poses: n one too small", TWIST, "velocity += lost_ * kT", "velocity += (lost_ - 1) * kT"),
+    ("poses: no look at what braking gathers", TWIST, "return (v + a * (Gathered(acceleration) / acceleration)).norm() <= kept_.dp_max;",
+     "return true;"),
+    ("poses: no bound on the jerk", TWIST, "(a_c - a).norm() <= kT * kept_.dddp_max &&", ""),
+    ("poses: the largest component for the speed's norm", TWIST, "&& v.norm() <= kept_.dp_max", "&& v.cwiseAbs().maxCoeff() <= kept_.dp_max"),
+    ("poses: braking by half a step too little", TWIST, "(1 - step / acceleration)", "(1 - step / acceleration / 2)"),
+    ("poses: halving ends on the wrong side", TWIST, "return braked + keeps * way;", "return braked + breaks * way;"),
     ("polytope: pairs of rows not combined", POLYTOPE, "if (from_above * from_below >= 0) continue;", "continue;"),
     ("polytope: a pair combined the wrong way round", POLYTOPE, "share * g + (1 - share) * h", "(1 - share) * g + share * h"),
     ("fixed point: a held cycle too few", FIXED_POINT, "i < lost; ++i) rows.", "i + 1 < lost; ++i) rows."),

@@ -92,6 +92,10 @@ class ViableAxis {
 
   /// f(x, jerk).
   [[nodiscard]] static AxisState Step(const AxisState& x, double jerk) noexcept TWIN_REALTIME;
+  /// Its inverse: the jerk that a command is from x, a position (rad) or a velocity (rad/s).
+  [[nodiscard]] static double JerkToPosition(const AxisState& x, double q_c) noexcept TWIN_REALTIME;
+  [[nodiscard]] static double JerkToVelocity(const AxisState& x,
+                                             double dq_c) noexcept TWIN_REALTIME;
 
   [[nodiscard]] int lost() const noexcept { return lost_; }
   /// The bounds that are kept: a millionth inside those given.
