@@ -49,39 +49,53 @@ Findings Found(std::vector<Comparison> comparisons) {
 }
 
 TEST(ComparisonTest, RatioIsToThePapersFigure) {
-  EXPECT_EQ(Compared(Verdict::kMet).ratio(), 1.5);
+  EXPECT_EQ(Compared(Verdict::kPredicted).ratio(), 1.5);
   EXPECT_EQ(Comparison{.ours = 3}.ratio(), std::nullopt);
   EXPECT_EQ((Comparison{.paper = 0, .ours = 3}).ratio(), std::nullopt);
 }
 
-TEST(FindingsTest, SucceedUnlessSomethingWasMissedOrFailed) {
-  EXPECT_TRUE(Found({Compared(Verdict::kMet), Compared(Verdict::kReported)}).succeeded());
-  EXPECT_FALSE(Found({Compared(Verdict::kMet), Compared(Verdict::kMissed)}).succeeded());
+TEST(FindingsTest, SucceedUnlessSomethingFailedOrIsNotReproducedForNoKnownReason) {
+  EXPECT_TRUE(Found({Compared(Verdict::kPredicted), Compared(Verdict::kCalibrated),
+                     Compared(Verdict::kReported)})
+                  .succeeded());
+  Comparison missed = Compared(Verdict::kNotReproduced);
+  EXPECT_FALSE(Found({Compared(Verdict::kPredicted), missed}).succeeded());
+  missed.reason = "because";
+  EXPECT_TRUE(Found({missed}).succeeded());
   Findings failed = Found({});
   failed.failure = "no";
   EXPECT_FALSE(failed.succeeded());
 }
 
-TEST(OutcomeTest, CountsDemands) {
+TEST(OutcomeTest, CountsPredictionsAlone) {
+  const auto calibrated = Compared(Verdict::kCalibrated);
+  const auto predicted = Compared(Verdict::kPredicted);
   EXPECT_EQ(Outcome(Found({})), "nothing demanded");
-  EXPECT_EQ(Outcome(Found({Compared(Verdict::kMet), Compared(Verdict::kReported)})),
-            "all 1 demands met");
-  EXPECT_EQ(Outcome(Found({Compared(Verdict::kMet), Compared(Verdict::kMissed)})),
-            "1 of 2 demands missed");
+  EXPECT_EQ(Outcome(Found({calibrated, Compared(Verdict::kReported)})),
+            "nothing demanded; 1 calibrated");
+  EXPECT_EQ(Outcome(Found({predicted, calibrated, Compared(Verdict::kReported)})),
+            "1 of 1 demands met; 1 calibrated");
+  EXPECT_EQ(Outcome(Found({predicted, Compared(Verdict::kNotReproduced)})),
+            "1 of 2 demands met; 1 not reproduced");
 }
 
-TEST(MissedLinesTest, NameEachMissedDemand) {
-  EXPECT_EQ(MissedLines(Found({Compared(Verdict::kMet), Compared(Verdict::kMissed)})),
-            "a < b: 3 ms; the paper's is 2 ms; demanded: within 20 %\n");
-  EXPECT_THAT(MissedLines(Found({Compared(Verdict::kMet)})), IsEmpty());
+TEST(MissedLinesTest, NameEachDemandThatIsMissedForNoKnownReason) {
+  Comparison known = Compared(Verdict::kNotReproduced);
+  known.reason = "because";
+  EXPECT_EQ(
+      MissedLines(Found({Compared(Verdict::kPredicted), Compared(Verdict::kNotReproduced), known})),
+      "a < b: 3 ms; the paper's is 2 ms; demanded: within 20 %\n");
+  EXPECT_THAT(MissedLines(Found({Compared(Verdict::kPredicted)})), IsEmpty());
 }
 
 TEST(PageTest, ShowsEveryFigureOfAComparison) {
-  const std::vector<Findings> findings{Found({Compared(Verdict::kMissed)})};
+  std::vector<Findings> findings{Found({Compared(Verdict::kNotReproduced)})};
+  findings[0].comparisons[0].reason = "it > all";
   const std::string html = Page(findings, {});
-  EXPECT_THAT(html, HasSubstr("<td>a &lt; b</td><td class=\"word\">ms</td><td>2</td><td>3</td>"
-                              "<td>1.5</td><td>1 … 4</td><td class=\"word\">within 20 %</td>"
-                              "<td class=\"missed\">missed</td>"));
+  EXPECT_THAT(html,
+              HasSubstr("<td>a &lt; b</td><td class=\"word\">ms</td><td>2</td><td>3</td>"
+                        "<td>1.5</td><td>1 … 4</td><td class=\"word\">within 20 %; it &gt; all</td>"
+                        "<td class=\"missed\">not reproduced</td>"));
   EXPECT_THAT(html, HasSubstr("how it &amp; was done"));
 }
 
@@ -104,7 +118,7 @@ TEST(PageTest, TellsHowItWasMade) {
 }
 
 TEST(PageTest, NeedsNoNetworkAndNoOtherFile) {
-  std::vector<Findings> findings{Found({Compared(Verdict::kMet)})};
+  std::vector<Findings> findings{Found({Compared(Verdict::kPredicted)})};
   findings[0].figures = {Drawn("f")};
   std::string html = Page(findings, {});
   for (const char* reference : {"src=", "<link", "<script", "@import", "url(http"}) {
