@@ -2,11 +2,15 @@
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
 #include "cli/host.h"
@@ -15,6 +19,7 @@
 #include "cli/progress.h"
 #include "cli/result_folder.h"
 #include "cli/say.h"
+#include "cli/summary.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/experiment/calibration.h"
@@ -132,6 +137,34 @@ const ExperimentFlags& RequireClientAlone(const ExperimentFlags& flags) {
   throw InputError("--client goes with the experiment timings, and with that alone");
 }
 
+/// What was found, for programs: every figure beside the paper's, with its verdict.
+std::string FindingsJson(const std::vector<Findings>& all, std::string_view calibration) {
+  using Json = nlohmann::ordered_json;
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json();
+  };
+  Json experiments = Json::array();
+  for (const Findings& findings : all) {
+    Json comparisons = Json::array();
+    for (const experiment::Comparison& one : findings.comparisons) {
+      comparisons.push_back({{"quantity", one.quantity},
+                             {"unit", one.unit},
+                             {"paper", or_null(one.paper)},
+                             {"ours", one.ours},
+                             {"low", or_null(one.low)},
+                             {"high", or_null(one.high)},
+                             {"demand", one.demand},
+                             {"verdict", experiment::Name(one.verdict)},
+                             {"reason", one.reason}});
+    }
+    experiments.push_back({{"id", findings.id},
+                           {"outcome", experiment::Outcome(findings)},
+                           {"failure", findings.failure},
+                           {"comparisons", std::move(comparisons)}});
+  }
+  return TextOf({{"calibration", calibration}, {"experiments", std::move(experiments)}});
+}
+
 /// A folder that is there as long as this.
 class ScratchFolder {
  public:
@@ -191,6 +224,7 @@ class ExperimentSession {
   /// is well.
   [[nodiscard]] bool TellFailures() const;
   [[nodiscard]] fs::path page() const { return out_.folder() / "report.html"; }
+  [[nodiscard]] fs::path json() const { return out_.folder() / "findings.json"; }
   [[nodiscard]] fs::path tables() const { return out_.folder() / "csv"; }
 
   const MonotonicClock clock_;
@@ -227,6 +261,7 @@ void ExperimentSession::Clear() const {
       fs::remove(tables() / name, error);
     }
     fs::remove(page(), error);
+    fs::remove(json(), error);
   }
   fs::create_directories(tables(), error);
   if (error) {
@@ -308,6 +343,7 @@ ExitCode ExperimentSession::Execute() {
   }
   Clear();  // what was there stays until there is something in its place
   for (const Findings& findings : findings_) WriteCsv(findings);
+  WriteWholeFile(json(), FindingsJson(findings_, calibration_.hash));
   WritePage();
   if (!flags_.quiet) Say(stdout, fmt::format("report        {}\n", page().string()));
   return TellFailures() ? kOk : kFailed;

@@ -72,14 +72,14 @@ follows from the faults, the seed and that number. At the end: how many came, we
 
 constexpr const char* kExperimentFooter =
     R"(In lockstep the same seed gives the same report, byte by byte; in realtime it tells what this machine makes of
-the loops, and takes about 7 minutes. Writes report.html, one page that needs no other file, and csv/*.csv, the
-points of every curve. The delays of the three loops are in bare.yaml, synchronous.yaml and asynchronous.yaml of
+the loops, and takes about 7 minutes. Writes report.html, one page that needs no other file, findings.json, every
+figure with its verdict (predicted, calibrated, not reproduced), and csv/*.csv, the points of every curve. The delays of the three loops are in bare.yaml, synchronous.yaml and asynchronous.yaml of
 models/experiments; --calibration takes a folder with yours.
 `timings --client CMD` serves a robot on the wall clock, runs any program made for it until it ends, and tells its
 d_EXT on the wire, unserved cycles, losses in a row and how far they are from the 20 that end a motion (of one that
 does not end by itself after --for S), so
   panda-twin experiment timings --client "./communication_test 127.0.0.1"
-Exit code 1: an experiment could not be done, or missed what is demanded of it; each is named in a line.)";
+Exit code 1: an experiment could not be done, or missed what is demanded of it for no known reason; each is named in a line.)";
 
 constexpr const char* kExplainFooter =
     R"(Of a run that an error ended: what happened, in which cycle, which joint or axis, value and limit, how the

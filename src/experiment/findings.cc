@@ -6,11 +6,16 @@ namespace twin::experiment {
 
 std::string_view Name(Verdict verdict) noexcept {
   switch (verdict) {
-    case Verdict::kMet: return "met";
-    case Verdict::kMissed: return "missed";
+    case Verdict::kPredicted: return "predicted";
+    case Verdict::kNotReproduced: return "not reproduced";
+    case Verdict::kCalibrated: return "calibrated";
     case Verdict::kReported: break;
   }
   return "reported";
+}
+
+bool Comparison::is_missed() const noexcept {
+  return verdict == Verdict::kNotReproduced && reason.empty();
 }
 
 std::optional<double> Comparison::ratio() const noexcept {
@@ -19,9 +24,7 @@ std::optional<double> Comparison::ratio() const noexcept {
 }
 
 bool Findings::succeeded() const noexcept {
-  return failure.empty() && std::ranges::none_of(comparisons, [](const Comparison& comparison) {
-           return comparison.verdict == Verdict::kMissed;
-         });
+  return failure.empty() && std::ranges::none_of(comparisons, &Comparison::is_missed);
 }
 
 }  // namespace twin::experiment

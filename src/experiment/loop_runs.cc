@@ -14,13 +14,8 @@ namespace {
 
 LoopSample RunOnce(const Setting& setting, const scenario::Catalogue& stack, std::size_t loop,
                    int run) {
-  scenario::Scenario scenario = LoadScenario(setting, CalibratedLoops()[loop].file);
-  scenario.seed = SeedOfRun(setting, run);
+  const scenario::Scenario scenario = LoopScenario(setting, loop, run);
   const bool is_bare = scenario.loop == loop::LoopKind::kBare;
-  if (!is_bare) {
-    scenario.controller.phase =
-        FromSeconds(kCycleSeconds * ChoiceOfRun(setting, run, static_cast<std::uint32_t>(loop)));
-  }
   LoopSample sample = SampleLoop(is_bare ? setting : With(setting, stack), scenario);
   if (!sample.d_EXT_us.empty() && !sample.interval_us.empty() && sample.cycles > 0) return sample;
   throw InputError(fmt::format(
@@ -31,6 +26,16 @@ LoopSample RunOnce(const Setting& setting, const scenario::Catalogue& stack, std
 }
 
 }  // namespace
+
+scenario::Scenario LoopScenario(const Setting& setting, std::size_t loop, int run) {
+  scenario::Scenario scenario = LoadScenario(setting, CalibratedLoops()[loop].file);
+  scenario.seed = SeedOfRun(setting, run);
+  if (scenario.loop != loop::LoopKind::kBare) {  // which has no clock of its own
+    scenario.controller.phase =
+        FromSeconds(kCycleSeconds * ChoiceOfRun(setting, run, static_cast<std::uint32_t>(loop)));
+  }
+  return scenario;
+}
 
 LoopRuns RunLoops(const Setting& setting, const scenario::Catalogue& stack, double share) {
   LoopRuns runs;

@@ -37,11 +37,17 @@ std::ptrdiff_t Count(const Findings& findings, Verdict verdict) {
   return std::ranges::count(findings.comparisons, verdict, &Comparison::verdict);
 }
 
-/// Class of what is shown in the colour of an outcome.
+/// Class of what is shown in the colour of a verdict.
+std::string_view ClassOf(Verdict verdict) {
+  if (verdict == Verdict::kPredicted) return "met";
+  return verdict == Verdict::kNotReproduced ? "missed" : "reported";
+}
+
+/// The same of an outcome.
 std::string_view ClassOf(const Findings& findings) {
   if (!findings.failure.empty()) return "failed";
   if (!findings.succeeded()) return "missed";
-  return Count(findings, Verdict::kMet) > 0 ? "met" : "reported";
+  return Count(findings, Verdict::kPredicted) > 0 ? "met" : "reported";
 }
 
 std::string SummaryTable(std::span<const Findings> all) {
@@ -62,13 +68,17 @@ std::string ComparisonTable(const Findings& findings) {
       "<div class=\"wide\"><table>\n<tr><th>quantity</th><th>unit</th><th>paper</th><th>ours</th>"
       "<th>ratio</th><th>lowest … highest run</th><th>demanded</th><th>verdict</th></tr>\n";
   for (const Comparison& comparison : findings.comparisons) {
-    const std::string_view verdict = Name(comparison.verdict);
+    const bool has_reason =
+        comparison.verdict == Verdict::kNotReproduced && !comparison.reason.empty();
+    const std::string demand = has_reason
+                                   ? fmt::format("{}; {}", comparison.demand, comparison.reason)
+                                   : comparison.demand;
     html += fmt::format(
         "<tr><td>{}</td><td class=\"word\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
         "class=\"word\">{}</td><td class=\"{}\">{}</td></tr>\n",
         Escape(comparison.quantity), Escape(comparison.unit), Number(comparison.paper),
-        Number(comparison.ours), Number(comparison.ratio()), SpreadText(comparison),
-        Escape(comparison.demand), verdict, verdict);
+        Number(comparison.ours), Number(comparison.ratio()), SpreadText(comparison), Escape(demand),
+        ClassOf(comparison.verdict), Name(comparison.verdict));
   }
   return html + "</table></div>\n";
 }
@@ -129,7 +139,11 @@ std::string Page(std::span<const Findings> findings, const PageFacts& facts) {
       "<h1>{}</h1>\n<p class=\"run\">Keeping the Franka Emika Panda alive: a ROS 2 stack with a "
       "reliable position interface (Langella, Risi, Petrone, Ferrentino, Chiacchio), reproduced "
       "{}. "
-      "LF: bare libfranka; RS: synchronous ROS 2 stack; RA: asynchronous ROS 2 stack.</p>\n",
+      "LF: bare libfranka; RS: synchronous ROS 2 stack; RA: asynchronous ROS 2 stack. Predicted: "
+      "follows by mechanism from what was not fitted to it, within what is demanded; calibrated: "
+      "an "
+      "input, fitted to what stands beside it; not reproduced: is demanded and does not come "
+      "out. Only the first counts as met.</p>\n",
       kTitle, facts.machine.empty() ? "in lockstep" : "on the wall clock, over UDP on one machine");
   if (!facts.left_out.empty()) html += fmt::format("<p>{}</p>\n", Escape(facts.left_out));
   html += SummaryTable(findings);
@@ -173,17 +187,20 @@ std::string CsvName(const Findings& findings, const Figure& figure) {
 
 std::string Outcome(const Findings& findings) {
   if (!findings.failure.empty()) return "failed";
-  const std::ptrdiff_t missed = Count(findings, Verdict::kMissed);
-  const std::ptrdiff_t demands = missed + Count(findings, Verdict::kMet);
-  if (demands == 0) return "nothing demanded";
-  if (missed == 0) return fmt::format("all {} demands met", demands);
-  return fmt::format("{} of {} demands missed", missed, demands);
+  const std::ptrdiff_t met = Count(findings, Verdict::kPredicted);
+  const std::ptrdiff_t missed = Count(findings, Verdict::kNotReproduced);
+  const std::ptrdiff_t calibrated = Count(findings, Verdict::kCalibrated);
+  std::string outcome = met + missed == 0 ? "nothing demanded"
+                                          : fmt::format("{} of {} demands met", met, met + missed);
+  if (missed > 0) outcome += fmt::format("; {} not reproduced", missed);
+  if (calibrated > 0) outcome += fmt::format("; {} calibrated", calibrated);
+  return outcome;
 }
 
 std::string MissedLines(const Findings& findings) {
   std::string lines;
   for (const Comparison& comparison : findings.comparisons) {
-    if (comparison.verdict != Verdict::kMissed) continue;
+    if (!comparison.is_missed()) continue;
     lines += fmt::format("{}: {}", comparison.quantity, WithUnit(comparison.ours, comparison.unit));
     if (comparison.paper) {
       lines += fmt::format("; the paper's is {}", WithUnit(*comparison.paper, comparison.unit));

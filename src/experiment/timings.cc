@@ -1,7 +1,6 @@
 #include "experiment/timings.h"
 
-#include <array>
-#include <cmath>
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -18,15 +17,26 @@
 namespace twin::experiment {
 namespace {
 
-constexpr double kShareOfTable = 0.6;  ///< of the whole work
+// Places in CalibratedLoops().
+constexpr std::size_t kBare = 0;
+constexpr std::size_t kSynchronous = 1;
+constexpr std::size_t kAsynchronous = 2;
 
-/// How near a row of Table 1 must come.
+constexpr double kShareOfTable = 0.45;  ///< of the whole work
+constexpr double kUntilSensitivity = 0.7;
+
+/// How near a prediction of Table 1 must come, times the paper's.
 struct Demand {
-  double most;  ///< how often the paper's figure ours may be, or it ours
+  double least;
+  double most;
   const char* text;
 };
-constexpr Demand kNear{1.2, "within 20 % of the paper's"};
-constexpr Demand kRoughly{2, "within a factor of 2 of the paper's"};
+constexpr Demand kNear{0.8, 1.2, "within 20 % of the paper's"};
+constexpr Demand kLargest{1 / 1.5, 1.5, "within a factor of 1.5 of the paper's"};
+constexpr const char* kNoSuchTail =
+    "a law through median and p99 has no such tail: one command of 18 320 that something else of "
+    "the "
+    "computer held up, and one or two of the 1083 unserved cycles";
 
 std::vector<double> Values(const std::vector<LoopSample>& runs,
                            const std::function<double(const LoopSample&)>& of) {
@@ -36,38 +46,42 @@ std::vector<double> Values(const std::vector<LoopSample>& runs,
   return values;
 }
 
-/// Within 20 % is both ways: from 0.8 to 1.2 times. Within a factor of 2: from half to double.
-bool IsNear(double ours, double paper, double most) {
-  const double least = most < 2 ? 2 - most : 1 / most;
-  return ours >= least * paper && ours <= most * paper;
-}
-
 Comparison Compare(std::size_t row, std::size_t loop, const std::vector<LoopSample>& runs) {
   const TableRow& quantity = kTableOne[row];
-  const Demand& demand = row == kLargestLatency ? kRoughly : kNear;
   const Spread spread = SpreadOf(Values(runs, quantity.of));
   const double paper = quantity.paper[loop];
-  return {.quantity = fmt::format("{}, {}", CalibratedLoops()[loop].name, quantity.name),
-          .unit = quantity.unit,
-          .paper = paper,
-          .ours = spread.mean,
-          .low = spread.low,
-          .high = spread.high,
-          .demand = demand.text,
-          .verdict = Judge(IsNear(spread.mean, paper, demand.most))};
+  Comparison comparison{
+      .quantity = fmt::format("{}, {}", CalibratedLoops()[loop].name, quantity.name),
+      .unit = quantity.unit,
+      .paper = paper,
+      .ours = spread.mean,
+      .low = spread.low,
+      .high = spread.high,
+      .verdict = Verdict::kCalibrated};
+  if (quantity.is_fitted[loop]) return comparison;
+  const Demand& demand = row == kLargestLatency ? kLargest : kNear;
+  comparison.demand = demand.text;
+  comparison.verdict =
+      Judge(spread.mean >= demand.least * paper && spread.mean <= demand.most * paper);
+  if (row == kLargestLatency && loop == kSynchronous) comparison.reason = kNoSuchTail;
+  return comparison;
 }
 
-/// How many cycles the synchronous loop leaves unserved for each of the asynchronous one's.
+/// How many cycles the synchronous loop leaves unserved for each of the asynchronous one's: of all
+/// runs, and of the runs one by one.
 Comparison CompareRatio(const LoopRuns& runs) {
-  const auto unserved = [](const LoopSample& s) { return s.unserved_percent; };
-  const Spread synchronous = SpreadOf(Values(runs[1], unserved));
-  const Spread asynchronous = SpreadOf(Values(runs[2], unserved));
-  const double ratio = synchronous.mean / asynchronous.mean;
+  const std::vector<double> synchronous = Values(runs[kSynchronous], kTableOne[kUnserved].of);
+  const std::vector<double> asynchronous = Values(runs[kAsynchronous], kTableOne[kUnserved].of);
+  std::vector<double> single;
+  for (std::size_t run = 0; run < synchronous.size(); ++run) {
+    single.push_back(synchronous[run] / asynchronous[run]);
+  }
+  const double ratio = SpreadOf(synchronous).mean / SpreadOf(asynchronous).mean;
   return {.quantity = "unserved cycles, RS to RA",
           .paper = 14.4,
           .ours = ratio,
-          .low = synchronous.low / asynchronous.high,
-          .high = synchronous.high / asynchronous.low,
+          .low = SpreadOf(single).low,
+          .high = SpreadOf(single).high,
           .demand = "10 to 20",
           .verdict = Judge(ratio >= 10 && ratio <= 20)};
 }
@@ -94,25 +108,37 @@ void AddReported(const LoopRuns& runs, std::vector<Comparison>& comparisons) {
   }
 }
 
-/// Share of the intervals within a quarter of a cycle of `cycles`, in %.
-double ShareNear(const LoopSample& sample, double cycles) {
-  std::size_t near = 0;
-  for (const double interval : sample.interval_us) {
-    if (std::abs(interval - 1e3 * cycles) < 250) ++near;
-  }
-  return 100 * static_cast<double>(near) / static_cast<double>(sample.interval_us.size());
+/// Share of the intervals from `from` to `to`, in cycles, in %.
+double ShareWithin(const LoopSample& sample, double from, double to) {
+  const auto within = std::ranges::count_if(sample.interval_us, [&](double interval_us) {
+    return interval_us > 1e3 * from && interval_us < 1e3 * to;
+  });
+  return 100 * static_cast<double>(within) / static_cast<double>(sample.interval_us.size());
 }
 
-void AddPeaks(const LoopRuns& runs, std::vector<Comparison>& comparisons) {
-  for (const int cycles : {1, 2, 3}) {
-    comparisons.push_back(Report(
-        fmt::format("RS, peak {}: intervals within 0.25 ms of {} ms", "ABC"[cycles - 1], cycles),
-        "%", Values(runs[1], [cycles](const LoopSample& s) { return ShareNear(s, cycles); })));
-  }
-  for (const std::size_t loop : {std::size_t{0}, std::size_t{2}}) {
+/// The shape of the paper's histogram: RS has peaks at whole cycles with next to nothing between,
+/// the others one bump.
+void CompareIntervals(const LoopRuns& runs, std::vector<Comparison>& comparisons) {
+  const auto add = [&](std::string quantity, std::size_t loop, double from, double to) {
     comparisons.push_back(
-        Report(fmt::format("{}, intervals within 0.25 ms of 1 ms", CalibratedLoops()[loop].name),
-               "%", Values(runs[loop], [](const LoopSample& s) { return ShareNear(s, 1); })));
+        Report(std::move(quantity), "%",
+               Values(runs[loop], [&](const LoopSample& s) { return ShareWithin(s, from, to); })));
+  };
+  const auto demand = [&](double least, double most, const char* why) {
+    Comparison& last = comparisons.back();
+    last.demand = fmt::format("{} to {} %{}", least, most, why);
+    last.verdict = Judge(last.ours >= least && last.ours <= most);
+  };
+  add("RS, peak A: intervals within 0.25 ms of 1 ms", kSynchronous, 0.75, 1.25);
+  add("RS, peak B: intervals within 0.25 ms of 2 ms", kSynchronous, 1.75, 2.25);
+  demand(5, 7.5, ": 5.91 % unserved one by one make 6.3 %");
+  add("RS, peak C: intervals within 0.25 ms of 3 ms", kSynchronous, 2.75, 3.25);
+  add("RS, between A and B: intervals of 1.25 to 1.75 ms", kSynchronous, 1.25, 1.75);
+  demand(0, 0.5, "");
+  for (const std::size_t loop : {kBare, kAsynchronous}) {
+    add(fmt::format("{}, one bump: intervals within 0.25 ms of 1 ms", CalibratedLoops()[loop].name),
+        loop, 0.75, 1.25);
+    demand(99, 100, "");
   }
 }
 
@@ -126,7 +152,11 @@ std::string Text(const Setting& setting) {
       "takes the delays as they are (calibration {}).",
       setting.seeds, setting.seed,
       setting.is_calibrated
-          ? "The delays of the three loops were calibrated on this table, and on nothing else."
+          ? "Fitted: d_EXT of each loop, a log-normal through the paper's median and p99; and the "
+            "share of states that the link brings most of a period late, to LF's unserved share. "
+            "Assumed: the rest of the link, wake-ups of 18 us, clocks 54.6 ppm apart (one beat in "
+            "the motion). What follows by the loops' mechanisms: the largest d_EXT, the unserved "
+            "cycles of RS and RA and their ratio, and the shape of the read-to-read intervals."
           : "The delays are not the paper's but those that were given with --calibration, so the "
             "paper's figures stand beside them for comparison, and nothing is demanded.",
       ReadCalibration(setting.scenarios).hash);
@@ -146,6 +176,7 @@ Findings RunTimings(const Setting& setting) {
     }
   }
   findings.comparisons.push_back(CompareRatio(runs));
+  CompareIntervals(runs, findings.comparisons);
   if (!setting.is_calibrated) {
     for (Comparison& comparison : findings.comparisons) {
       comparison.demand.clear();
@@ -153,9 +184,11 @@ Findings RunTimings(const Setting& setting) {
     }
   }
   AddReported(runs, findings.comparisons);
-  AddPeaks(runs, findings.comparisons);
-  findings.figures = {LatencyFigure(runs), IntervalFigure(runs),
-                      SensitivityFigure(setting, kShareOfTable)};
+  findings.figures = {LatencyFigure(runs), IntervalFigure(runs)};
+  if (setting.is_calibrated) {
+    findings.figures.push_back(LateStatesFigure(setting, kShareOfTable, kUntilSensitivity));
+  }
+  findings.figures.push_back(SensitivityFigure(setting, kUntilSensitivity));
   return findings;
 }
 

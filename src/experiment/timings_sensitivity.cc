@@ -4,10 +4,15 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
+#include "experiment/loop_runs.h"
 #include "experiment/runs.h"
 #include "experiment/timings_figures.h"
+#include "twin/core/check.h"
 #include "twin/core/time.h"
+#include "twin/experiment/calibration.h"
 #include "twin/report/chart.h"
 
 namespace twin::experiment {
@@ -102,7 +107,96 @@ ChartPanel PanelOf(const Sweep& sweep, const std::vector<std::vector<double>>& u
   return panel;
 }
 
+/// What is varied of the late states: a panel.
+struct LateStates {
+  const char* title;
+  const char* x_label;
+  std::vector<double> values;
+  void (*set)(rt::EmpiricalDelay& law, double value);
+};
+
+const std::array<LateStates, 2>& LateStatesPanels() {
+  static const std::array<LateStates, 2> panels{
+      {{"how many come late",
+        "weight of the late bin [%]",
+        {0, 0.09, 0.18, 0.36, 0.54},
+        [](rt::EmpiricalDelay& law, double percent) {
+          double others = 0;
+          for (std::size_t i = 0; i + 1 < law.weights.size(); ++i) others += law.weights[i];
+          law.weights.back() = others * percent / (100 - percent);
+        }},
+       {"how late they come",
+        "begin of the late bin [us]",
+        {250, 400, 550, 700, 850},
+        [](rt::EmpiricalDelay& law, double begin_us) {
+          Duration& begin = law.edges[law.edges.size() - 2];
+          law.edges.back() += FromSeconds(1e-6 * begin_us) - begin;
+          begin = FromSeconds(1e-6 * begin_us);
+        }}}};
+  return panels;
+}
+
+/// Unserved share of a loop whose states come late so, the mean of some runs, in %.
+double UnservedOf(const Setting& setting, std::size_t loop, const LateStates& what, double value,
+                  int runs) {
+  double sum = 0;
+  for (int run = 0; run < runs; ++run) {
+    scenario::Scenario scenario = LoopScenario(setting, loop, run);
+    auto* law = std::get_if<rt::EmpiricalDelay>(&scenario.link.state.delay.law);
+    TWIN_CHECK(law != nullptr);
+    what.set(*law, value);
+    sum += SampleLoop(setting, scenario).unserved_percent;
+  }
+  return sum / runs;
+}
+
 }  // namespace
+
+Figure LateStatesFigure(const Setting& setting, double from, double to) {
+  const auto& panels = LateStatesPanels();
+  const std::array<CalibratedLoop, 3>& loops = CalibratedLoops();
+  const std::size_t values = panels[0].values.size();
+  std::vector<std::vector<double>> rows(panels.size() * values);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t panel = i / values;
+    rows[i] = {static_cast<double>(panel), panels.at(panel).values[i % values], 0, 0, 0};
+  }
+  const int runs = std::min(setting.seeds, 2);
+  const auto work = [&](int job) {
+    const std::size_t loop = static_cast<std::size_t>(job) % loops.size();
+    const std::size_t row = static_cast<std::size_t>(job) / loops.size();
+    rows[row][2 + loop] = UnservedOf(setting, loop, panels.at(row / values), rows[row][1], runs);
+  };
+  InParallel(setting, static_cast<int>(rows.size() * loops.size()), work, from, to);
+  report::Chart chart{.columns = 2, .width = 1040, .panel_height = 320};
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    ChartPanel panel{.title = panels.at(p).title,
+                     .x_label = panels.at(p).x_label,
+                     .y_label = "unserved cycles [%]",
+                     .log_y = true,
+                     .y_range = {{0.01, 20}}};
+    for (std::size_t loop = 0; loop < loops.size(); ++loop) {
+      ChartCurve curve{.name = std::string(loops.at(loop).name),
+                       .colour = loops.at(loop).colour,
+                       .x = panels.at(p).values};
+      for (std::size_t i = 0; i < values; ++i) curve.y.push_back(rows[p * values + i][2 + loop]);
+      panel.curves.push_back(std::move(curve));
+    }
+    chart.panels.push_back(std::move(panel));
+  }
+  return {
+      .id = "late_states",
+      .title = "What hangs on the late states, which are assumed",
+      .what =
+          "Their weight is LF's unserved share by construction; RA loses two cycles for each, "
+          "as its rule on the period has it, RS one or two beside those of its timer. Those that "
+          "come within 0.7 ms LF serves, and RA still does not.",
+      .svg = report::DrawChart(chart),
+      .columns =
+          "varied: 0 weight [%]; 1 begin [us],value,LF unserved [%],RS unserved [%],RA unserved "
+          "[%]",
+      .rows = std::move(rows)};
+}
 
 Figure SensitivityFigure(const Setting& setting, double from) {
   report::Chart chart{.columns = 3, .width = 1200, .panel_height = 320};

@@ -27,6 +27,10 @@ PREDICTED = {
         "RS, unserved cycles": (0.8 * 5.91, 1.2 * 5.91),
         "RA, unserved cycles": (0.8 * 0.41, 1.2 * 0.41),
         "unserved cycles, RS to RA": (10, 20),
+        "RS, peak B: intervals within 0.25 ms of 2 ms": (5, 7.5),
+        "RS, between A and B: intervals of 1.25 to 1.75 ms": (0, 0.5),
+        "LF, one bump: intervals within 0.25 ms of 1 ms": (99, 100),
+        "RA, one bump: intervals within 0.25 ms of 1 ms": (99, 100),
     },
 }
 

@@ -8,19 +8,20 @@
 
 namespace twin::experiment {
 
-/// How a figure of ours stands to the paper's.
+/// How a figure of ours stands to what is known of it. Only the first two are demanded.
 enum class Verdict : std::uint8_t {
-  kMet,       ///< within what the experiment demands
-  kMissed,    ///< not
-  kReported,  ///< nothing is demanded of it
+  kPredicted,      ///< follows by mechanism from what was not fitted to it, within what is demanded
+  kNotReproduced,  ///< is demanded and does not come out
+  kCalibrated,     ///< an input: fitted to what stands beside it
+  kReported,       ///< none: nothing is demanded of it, or it is so by arithmetic
 };
 
 /// Of something that is demanded.
 [[nodiscard]] constexpr Verdict Judge(bool met) noexcept {
-  return met ? Verdict::kMet : Verdict::kMissed;
+  return met ? Verdict::kPredicted : Verdict::kNotReproduced;
 }
 
-/// As a report words it. Thread-safe.
+/// As a report words it: "not reproduced". Thread-safe.
 [[nodiscard]] std::string_view Name(Verdict verdict) noexcept;
 
 /// One figure beside the paper's.
@@ -33,6 +34,10 @@ struct Comparison {
   std::optional<double> high{};  ///< the same
   std::string demand{};          ///< what must hold, "within 20 % of the paper's"; empty: nothing
   Verdict verdict = Verdict::kReported;
+  std::string reason{};  ///< why it is not reproduced, where that is known; shown with that verdict
+
+  /// Not reproduced, and nobody knows why.
+  [[nodiscard]] bool is_missed() const noexcept;
 
   /// ours / paper; absent without the paper's, or when it is 0.
   [[nodiscard]] std::optional<double> ratio() const noexcept;
@@ -58,7 +63,7 @@ struct Findings {
   std::vector<Figure> figures{};
   std::string failure{};  ///< why it could not be done; empty: it was
 
-  /// It was done, and nothing it demands was missed.
+  /// It was done, and nothing it demands was missed but for a known reason.
   [[nodiscard]] bool succeeded() const noexcept;
 };
 

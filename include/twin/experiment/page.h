@@ -39,12 +39,12 @@ struct PageFacts {
 /// "<experiment>_<figure>.csv".
 [[nodiscard]] std::string CsvName(const Findings& findings, const Figure& figure);
 
-/// What became of an experiment, in a few words: "all 13 demands met", "2 of 13 demands missed",
-/// "failed", "nothing demanded".
+/// What became of an experiment, in a few words: "5 of 6 demands met; 1 not reproduced; 7
+/// calibrated", "failed", "nothing demanded".
 [[nodiscard]] std::string Outcome(const Findings& findings);
 
-/// Each demand that was missed in a line, "RS, d_EXT, max: 1.75 ms; the paper's is 2.174 ms;
-/// demanded: within ...". Empty for none.
+/// Each demand that was missed for no known reason in a line, "RS, d_EXT, max: 1.75 ms; the paper's
+/// is 2.174 ms; demanded: within ...". Empty for none.
 [[nodiscard]] std::string MissedLines(const Findings& findings);
 
 }  // namespace twin::experiment
