@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <future>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -20,6 +21,7 @@ namespace {
 using test::FakeRobot;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::vector<std::byte> Nothing(FakeRobot&, const Frame&) {
   return {};
@@ -324,7 +326,56 @@ TEST_F(ArmClientTest, LeavesTheCallersStateAloneWhenNoneComes) {
   EXPECT_EQ(state.message_id, 42);
 }
 
-TEST_F(ArmClientTest, SendsCommandsToWhereTheLastStateCameFrom) {
+TEST_F(ArmClientTest, TakesStatesFromThePortOfTheFirstOnly) {
+  Connect(Nothing);
+  UdpSocket stranger(clock_, {FakeRobot::kHere, 0});
+  robot().SendStateId(5);
+  ASSERT_EQ(Await()->message_id, 5);
+  robot().SendStateId(std::numeric_limits<std::uint64_t>::max(), &stranger);
+  robot().SendStateId(6);
+  EXPECT_EQ(Await()->message_id, 6);
+}
+
+TEST_F(ArmClientTest, AFloodOfStrangersHoldsNoStateBack) {
+  Connect(Nothing);
+  UdpSocket stranger(clock_, {FakeRobot::kHere, 0});
+  robot().SendStateId(5);
+  ASSERT_EQ(Await()->message_id, 5);
+  for (int i = 0; i < 5000; ++i) robot().SendStateId(7, &stranger);  // more than a socket holds
+  robot().SendStateId(6);
+  RobotState state;
+  Time at{};
+  ASSERT_EQ(client().Receive(state, at), Reception::kState) << "in one look";
+  EXPECT_EQ(state.message_id, 6);
+}
+
+TEST_F(ArmClientTest, TakesNoStateThatIsFurtherAheadThanTimeAllows) {
+  Connect(Nothing);
+  robot().SendStateId(5);
+  ASSERT_EQ(Await()->message_id, 5);
+  robot().SendStateId(std::numeric_limits<std::uint64_t>::max());
+  robot().SendStateId(6);
+  EXPECT_EQ(Await()->message_id, 6);
+}
+
+TEST_F(ArmClientTest, TakesAStateAfterAPauseThatWasAsLongAsItsIdTells) {
+  Connect(Nothing);
+  robot().SendStateId(1);
+  ASSERT_EQ(Await()->message_id, 1);
+  // 1.5 s in which nobody listens; the socket keeps what came first.
+  for (std::uint64_t id = 2; id <= 1500; ++id) {
+    robot().SendStateId(id);
+    rt::Pause(std::chrono::milliseconds(1));
+  }
+  while (Await()->message_id < 30) {
+  }
+  robot().SendStateId(1501);
+  while (Await()->message_id != 1501) {
+  }
+  EXPECT_EQ(client().counts().old, 0);
+}
+
+TEST_F(ArmClientTest, SendsCommandsToWhereTheFirstStateCameFrom) {
   Connect(Nothing);
   RobotCommand command;
   command.message_id = 1;
@@ -332,18 +383,53 @@ TEST_F(ArmClientTest, SendsCommandsToWhereTheLastStateCameFrom) {
   UdpSocket other(robot().clock(), {FakeRobot::kHere, 0});
   robot().SendStateId(5);
   Await();
-  command.message_id = 5;
-  client().Send(command);
-  EXPECT_EQ(robot().AwaitCommand()->message_id, 5);
   robot().SendStateId(6, &other);
-  Await();
-  command.message_id = 6;
+  command.message_id = 5;
   command.q_c[3] = -1.5;
+  RobotState state;
+  Time at{};
+  EXPECT_EQ(client().Receive(state, at), Reception::kPending);
   client().Send(command);
-  const auto received = robot().AwaitCommand(&other);
+  const auto received = robot().AwaitCommand();
   ASSERT_TRUE(received.has_value());
-  EXPECT_EQ(received->message_id, 6);
+  EXPECT_EQ(received->message_id, 5);
   EXPECT_EQ(received->q_c, command.q_c);
+}
+
+TEST_F(ArmClientTest, SaysWhatCameInPlaceOfStates) {
+  ClientPatience patience;
+  patience.state = std::chrono::milliseconds(50);
+  Connect(Nothing, patience);
+  robot().SendStateId(5);
+  ASSERT_EQ(Await()->message_id, 5);
+  RobotState state;
+  Time at{};
+  while (client().Receive(state, at) == Reception::kPending) {
+    robot().SendStateId(4);
+    robot().SendStateId(std::numeric_limits<std::uint64_t>::max());
+    rt::Pause(std::chrono::milliseconds(1));
+  }
+  EXPECT_THAT(client().WhyLost(), AllOf(HasSubstr("no newer than one that had come"),
+                                        HasSubstr("too far ahead"), Not(HasSubstr("firewall"))));
+}
+
+TEST_F(ArmClientTest, AStateThatHoldsNoNumberEndsTheConnection) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Connect(Nothing);
+    robot().SendStateId(5);
+    ASSERT_EQ(Await()->message_id, 5);
+    RobotState state;
+    state.message_id = 6;
+    state.dq[3] = bad;
+    robot().SendState(state);
+    EXPECT_FALSE(Await().has_value());
+    EXPECT_THAT(client().WhyLost(), AllOf(HasSubstr("dq"), HasSubstr("NaN or infinity")));
+    state.message_id = 7;
+    state.dq[3] = 0;
+    robot().SendState(state);
+    EXPECT_FALSE(Await().has_value()) << "gone for good";
+  }
 }
 
 TEST_F(ArmClientTest, IsLostWhenNoStateComesForAsLongAsItsPatience) {
