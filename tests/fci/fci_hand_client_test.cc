@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,13 +46,13 @@ class HandClientTest : public ::testing::Test {
     hand_.emplace(HeadKind::kHand, std::move(script));
     return client_.emplace("127.0.0.1", hand_->port());
   }
-  void SendState(std::uint32_t id, double width) {
+  void SendState(std::uint32_t id, double width, UdpSocket* from = nullptr) {
     HandState state;
     state.message_id = id;
     state.width = width;
     HandStateBytes bytes{};
     Encode(state, bytes);
-    hand_->SendDatagram(bytes);
+    hand_->SendDatagram(bytes, from);
   }
   std::optional<HandResult> AwaitOutcome(HandTicket ticket) {
     for (int i = 0; i < 10'000; ++i) {
@@ -129,6 +130,18 @@ TEST_F(HandClientTest, TellsTheNewestState) {
   }
   rt::Pause(std::chrono::milliseconds(20));
   EXPECT_EQ(client_->State().width, 0.05);
+}
+
+TEST_F(HandClientTest, TakesStatesFromThePortOfTheFirstOnly) {
+  Connect(Nothing);
+  UdpSocket stranger(hand_->clock(), {FakeRobot::kHere, 0});
+  SendState(5, 0.05);
+  ASSERT_EQ(client_->State().message_id, 5);
+  SendState(std::numeric_limits<std::uint32_t>::max(), 0.01, &stranger);
+  SendState(6, 0.06);
+  while (client_->State().message_id < 6) {
+  }
+  EXPECT_EQ(client_->State().message_id, 6);
 }
 
 TEST_F(HandClientTest, SaysThatNoStateComes) {
