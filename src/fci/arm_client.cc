@@ -14,6 +14,11 @@ namespace {
 /// Datagrams looked at in one Receive(): more than the kernel queues by default.
 constexpr int kMostAtOnce = 64;
 
+/// Ids that a state may be ahead of the last one at any time, and by how many more a ms: a robot's
+/// clock may be wrong, and a wire may hold states back, but neither by as much.
+constexpr std::uint64_t kMostAhead = 1000;
+constexpr std::uint64_t kMostAheadPerMs = 2;
+
 /// Largest answer: GetCartesianLimit's. Model libraries are never asked for: this program has its
 /// own model, and runs no code that a robot serves.
 constexpr std::size_t kLargestAnswer = 166;
@@ -149,11 +154,14 @@ RecoveryStatus ArmClient::Recover() {
 }
 
 Reception ArmClient::Receive(RobotState& state, Time& at) noexcept {
-  if (channel_->lost() || silent_.load(std::memory_order_relaxed)) return Reception::kLost;
+  if (channel_->lost() || has_ended()) return Reception::kLost;
   bool found = false;
   for (int i = 0; i < kMostAtOnce; ++i) {
     const std::optional<Datagram> datagram = udp_->Receive(state_bytes_);
-    if (!datagram) break;
+    if (!datagram) {
+      found_empty_ = own_clock_.Now();
+      break;
+    }
     if (capture_ != nullptr) {
       Keep(capture_->TimeOf(clock_, datagram->at), datagram->from, udp_->local(), datagram->bytes);
     }
@@ -161,6 +169,7 @@ Reception ArmClient::Receive(RobotState& state, Time& at) noexcept {
     state = received_;
     found = true;
   }
+  if (has_ended()) return Reception::kLost;
   if (!found) return FoundNone();
   pending_since_.reset();
   at = clock_.Now();
@@ -168,7 +177,7 @@ Reception ArmClient::Receive(RobotState& state, Time& at) noexcept {
 }
 
 bool ArmClient::Accept(const Datagram& datagram) noexcept {
-  if (datagram.from.address != robot_.address) {
+  if (!IsFromRobot(datagram.from)) {
     foreign_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
@@ -180,10 +189,30 @@ bool ArmClient::Accept(const Datagram& datagram) noexcept {
     old_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
+  if (has_state_ && received_.message_id - last_id_ > MostAhead()) {
+    ahead_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  if (const std::string_view field = FieldWithoutNumber(received_); !field.empty()) {
+    no_number_.store(field.data(), std::memory_order_relaxed);
+    return false;
+  }
+  if (!has_state_) udp_->ListenOnlyTo(datagram.from);
   has_state_ = true;
   last_id_ = received_.message_id;
   to_ = datagram.from;
+  sent_after_ = found_empty_;
+  before_ = counts();
   return true;
+}
+
+bool ArmClient::IsFromRobot(const Endpoint& from) const noexcept {
+  return has_state_ ? from == to_ : from.address == robot_.address;
+}
+
+std::uint64_t ArmClient::MostAhead() const noexcept {
+  const Duration since = own_clock_.Now() - sent_after_;
+  return kMostAhead + kMostAheadPerMs * static_cast<std::uint64_t>(since / kCycle);
 }
 
 Reception ArmClient::FoundNone() noexcept {
@@ -191,7 +220,10 @@ Reception ArmClient::FoundNone() noexcept {
   // The clock may have been restarted since.
   if (!pending_since_ || *pending_since_ > now) pending_since_ = now;
   if (now - *pending_since_ <= patience_.state) return Reception::kPending;
-  silent_.store(true, std::memory_order_relaxed);
+  const ReceptionCounts now_found = counts();
+  instead_ = {now_found.old - before_.old, now_found.ahead - before_.ahead,
+              now_found.foreign - before_.foreign, now_found.bad - before_.bad};
+  silent_.store(true, std::memory_order_release);
   return Reception::kLost;
 }
 
@@ -214,17 +246,25 @@ bool ArmClient::lost() const noexcept {
 
 std::string ArmClient::WhyLost() const {
   if (channel_->lost()) return channel_->WhyLost();
-  if (!silent_.load(std::memory_order_relaxed)) return {};
-  const ReceptionCounts found = counts();
+  if (const char* const field = no_number_.load(std::memory_order_relaxed)) {
+    return fmt::format(
+        "{} sends states that hold no numbers: NaN or infinity in {}; no measurement is right any "
+        "more, restart the robot",
+        NameOf(robot_), field);
+  }
+  if (!silent_.load(std::memory_order_acquire)) return {};
+  const std::string silence =
+      fmt::format("no state of {} has come for {} s", NameOf(robot_), ToSeconds(patience_.state));
+  if (instead_ == ReceptionCounts()) return silence + "; does a firewall stop UDP?";
   return fmt::format(
-      "no state of {} has come for {} s ({} datagrams came from elsewhere, {} were "
-      "no states); does a firewall stop UDP?",
-      NameOf(robot_), ToSeconds(patience_.state), found.foreign, found.bad);
+      "{}; what came instead: {} datagrams from elsewhere, {} that are no states, {} no newer than "
+      "one that had come, {} too far ahead of it; does another program send in the robot's name?",
+      silence, instead_.foreign, instead_.bad, instead_.old, instead_.ahead);
 }
 
 ReceptionCounts ArmClient::counts() const noexcept {
-  return {old_.load(std::memory_order_relaxed), foreign_.load(std::memory_order_relaxed),
-          bad_.load(std::memory_order_relaxed)};
+  return {old_.load(std::memory_order_relaxed), ahead_.load(std::memory_order_relaxed),
+          foreign_.load(std::memory_order_relaxed), bad_.load(std::memory_order_relaxed)};
 }
 
 }  // namespace twin::fci

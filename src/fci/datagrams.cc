@@ -26,7 +26,9 @@ inline constexpr auto kLastMode<ControllerMode> = static_cast<std::uint8_t>(Cont
 /// Whether numbers that are none may be in the datagram.
 enum class NotFinite : bool { kTaken, kRefused };
 
-bool IsFinite(std::uint64_t /*count*/) noexcept {
+template <typename T>
+bool IsFinite(const T& value) noexcept {
+  if constexpr (std::is_floating_point_v<T>) return std::isfinite(value);
   return true;
 }
 template <std::size_t N>
@@ -109,6 +111,18 @@ DatagramFault Decode(std::span<const std::byte> bytes, RobotCommand& command) no
 
 DatagramFault Decode(std::span<const std::byte> bytes, HandState& state) noexcept {
   return DecodeFields<NotFinite::kTaken>(bytes, kHandStateBytes, kHandStateFields, state);
+}
+
+std::string_view FieldWithoutNumber(const RobotState& state) noexcept {
+  std::string_view name;
+  const auto is_good = [&](const auto& field) {
+    const bool good = IsFinite(state.*(field.member));
+    if (!good) name = field.name;
+    return good;
+  };
+  std::apply([&](const auto&... field) { static_cast<void>((is_good(field) && ...)); },
+             kStateFields);
+  return name;
 }
 
 std::string_view Name(DatagramFault fault) noexcept {

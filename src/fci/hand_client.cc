@@ -38,8 +38,9 @@ class HandClient::Mailbox {
     while (const std::optional<Datagram> datagram = socket_.Receive(bytes)) {
       Keep(*datagram);
       HandState state;
-      if (datagram->from.address != robot_) continue;
+      if (!IsFromHand(datagram->from)) continue;
       if (Decode(datagram->bytes, state) != DatagramFault::kNone) continue;
+      if (!from_) socket_.ListenOnlyTo(from_.emplace(datagram->from));
       const std::lock_guard lock(mutex_);
       if (newest_ && state.message_id <= newest_->message_id) continue;
       newest_ = state;
@@ -61,6 +62,9 @@ class HandClient::Mailbox {
   }
 
  private:
+  [[nodiscard]] bool IsFromHand(const Endpoint& from) const noexcept {
+    return from_ ? from == *from_ : from.address == robot_;
+  }
   void Keep(const Datagram& datagram) {
     if (capture_ == nullptr) return;
     capture_->Put({.at = capture_->TimeOf(clock_, datagram.at),
@@ -75,6 +79,7 @@ class HandClient::Mailbox {
   // Its own clock: another may be restarted while this thread receives.
   const MonotonicClock clock_;
   UdpSocket socket_;
+  std::optional<Endpoint> from_;  ///< of the first state, and so of all; the reader thread's
   std::mutex mutex_;
   std::condition_variable came_;
   std::optional<HandState> newest_;  ///< guarded by mutex_

@@ -1,3 +1,5 @@
+#include <linux/filter.h>
+#include <linux/sock_diag.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -6,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <limits>
 
 #include "fci/socket_address.h"
 #include "twin/fci/sockets.h"
@@ -72,6 +75,29 @@ std::optional<Datagram> UdpSocket::Receive(std::span<std::byte> buffer) noexcept
     if (errno == EAGAIN) break;
   }
   return {};
+}
+
+void UdpSocket::ListenOnlyTo(const Endpoint& peer) noexcept {
+  // A datagram's first bytes are its UDP header, of which the source's port is the first field; its
+  // IP header, which has the source's address at 12, is reached at an offset of its own.
+  constexpr std::uint32_t kSourceAddress = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;
+  constexpr std::uint32_t kSourcePort = 0;
+  constexpr std::uint32_t kWhole = std::numeric_limits<std::uint32_t>::max();
+  std::array<sock_filter, 6> steps{{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, kSourceAddress),
+                                    BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, peer.address, 0, 3),
+                                    BPF_STMT(BPF_LD | BPF_H | BPF_ABS, kSourcePort),
+                                    BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, peer.port, 0, 1),
+                                    BPF_STMT(BPF_RET | BPF_K, kWhole),
+                                    BPF_STMT(BPF_RET | BPF_K, 0)}};
+  const sock_fprog filter{steps.size(), steps.data()};
+  static_cast<void>(setsockopt(fd_.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter));
+}
+
+std::uint64_t UdpSocket::dropped() const noexcept {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> figures{};
+  socklen_t size = sizeof figures;
+  static_cast<void>(getsockopt(fd_.get(), SOL_SOCKET, SO_MEMINFO, figures.data(), &size));
+  return figures[SK_MEMINFO_DROPS];
 }
 
 bool UdpSocket::Send(std::span<const std::byte> bytes, const Endpoint& to) noexcept {

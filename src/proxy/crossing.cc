@@ -17,7 +17,10 @@ bool Crossing::Gate::Send(std::span<const std::byte> bytes) noexcept {
 }
 
 bool Crossing::Gate::Knows(const fci::Endpoint& from) noexcept {
-  if (to_.port == 0 && from.address == to_.address) to_.port = from.port;
+  if (to_.port == 0 && from.address == to_.address) {
+    to_.port = from.port;
+    socket_.ListenOnlyTo(to_);
+  }
   return from == to_;
 }
 
@@ -32,6 +35,7 @@ Crossing::Crossing(const MonotonicClock& clock, const Ends& ends, const Faults& 
               to_client_),
       commands_(faults.command, faults.seed, rt::kCommandStreams, events_,
                 rt::EventOrder::kCommandArrival, to_robot_) {
+  client_side_.ListenOnlyTo(ends.client);
   rt::StartedThread started =
       rt::StartThread(thread, [this](const std::stop_token& stop) { Run(stop); });
   thread_ = std::move(started.thread);

@@ -178,9 +178,10 @@ void ArmDesk::TellDropped() {
   const DroppedDatagrams now = port_.dropped();
   const DroppedDatagrams& before = dropped_before_;
   if (now == before) return;
-  tell_(fmt::format("arm: datagrams ignored: {} of others, {} malformed, {} that answer no state",
-                    now.foreign - before.foreign, now.malformed - before.malformed,
-                    now.early - before.early));
+  tell_(fmt::format(
+      "arm: datagrams ignored: {} of others or for want of room, {} malformed, {} that answer no "
+      "state",
+      now.foreign - before.foreign, now.malformed - before.malformed, now.early - before.early));
 }
 
 }  // namespace twin::server

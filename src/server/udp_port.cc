@@ -21,16 +21,18 @@ UdpPort::UdpPort(const MonotonicClock& clock, std::uint32_t address, Bell& chang
 
 // Relaxed: the number is all there is to see.
 void UdpPort::Open(const fci::Endpoint& client) noexcept {
+  socket_.ListenOnlyTo(client);
   client_.store(Packed(client), std::memory_order_relaxed);
 }
 
 void UdpPort::Close() noexcept {
+  socket_.ListenOnlyTo({});
   client_.store(0, std::memory_order_relaxed);
 }
 
 DroppedDatagrams UdpPort::dropped() const noexcept {
-  return {foreign_.load(std::memory_order_relaxed), malformed_.load(std::memory_order_relaxed),
-          early_.load(std::memory_order_relaxed)};
+  return {foreign_.load(std::memory_order_relaxed) + socket_.dropped(),
+          malformed_.load(std::memory_order_relaxed), early_.load(std::memory_order_relaxed)};
 }
 
 bool UdpPort::Receive(robot::ReceivedCommand& received) noexcept {

@@ -31,14 +31,20 @@ class RequestChannel;
 enum class Reception : std::uint8_t {
   kState,    ///< one was received
   kPending,  ///< none yet
-  kLost,     ///< TCP has ended, or no state has come for as long as the patience for one
+  /// TCP has ended, no state has come for as long as the patience for one, or one came in which a
+  /// number is NaN or infinity.
+  kLost,
 };
 
 /// Datagrams at the states' socket that were none to take.
 struct ReceptionCounts {
-  std::uint64_t old = 0;      ///< not newer than the last accepted: late, or doubled
-  std::uint64_t foreign = 0;  ///< from another address than the robot's
-  std::uint64_t bad = 0;      ///< too short, or a mode or flag that does not exist
+  std::uint64_t old = 0;    ///< not newer than the last accepted: late, or doubled
+  std::uint64_t ahead = 0;  ///< of an id that the robot cannot have reached since the last accepted
+  /// Of another address than the robot's, or of another port than the first state's, as far as the
+  /// kernel let them in (UdpSocket::ListenOnlyTo).
+  std::uint64_t foreign = 0;
+  std::uint64_t bad = 0;  ///< too short, or a mode or flag that does not exist
+  bool operator==(const ReceptionCounts&) const = default;
 };
 
 /// A session with an arm that speaks the Franka Control Interface: requests over TCP, states and
@@ -47,9 +53,16 @@ struct ReceptionCounts {
 ///     any thread ---request---> TCP ---> robot      tick's thread <---states--- UDP <--- robot
 ///     any thread <--answer----- reader thread       tick's thread ---commands--> UDP ---> robot
 ///
-/// Of the states, the newest counts: what is queued is drained (64 at a time, no more), and a state
-/// is accepted only from the robot's address and when its id is greater than the last accepted
-/// one's. A command goes to where the last accepted state came from.
+/// Of the states, the newest counts: what is queued is drained (64 at a time, no more). The first
+/// is accepted from the robot's address, the others from where the first came from; that is where
+/// commands go. An id must be greater than the last accepted one's, by no more than
+///   1000 + 2 a ms of the time since the socket was last found empty before that one:
+/// a robot counts one a ms, so that what is further ahead is none of its states and must not make
+/// all that follow old. Whoever sends in the robot's name from its own port is not recognised: the
+/// interface has no secrets.
+///
+/// A number that is none (NaN, infinity) in a state ends the connection: no robot measures it, and
+/// what compares with it takes all for well.
 ///
 /// Unlike libfranka it waits for no answer without end: a connection that is closed, or an answer
 /// that does not come, is a RobotFault.
@@ -107,6 +120,13 @@ class ArmClient {
   [[nodiscard]] Asked Ask(const ArmRequest& request, Duration patience);
   [[nodiscard]] std::uint8_t AskForStatus(const ArmRequest& request, std::uint8_t last);
   [[nodiscard]] bool Accept(const Datagram& datagram) noexcept;
+  /// The states have, for good.
+  [[nodiscard]] bool has_ended() const noexcept {
+    return silent_.load(std::memory_order_relaxed) ||
+           no_number_.load(std::memory_order_relaxed) != nullptr;
+  }
+  [[nodiscard]] bool IsFromRobot(const Endpoint& from) const noexcept;
+  [[nodiscard]] std::uint64_t MostAhead() const noexcept;
   [[nodiscard]] Reception FoundNone() noexcept;
   void Keep(Time at, const Endpoint& from, const Endpoint& to,
             std::span<const std::byte> bytes) noexcept TWIN_REALTIME;
@@ -129,14 +149,24 @@ class ArmClient {
   RobotState received_;
   std::uint64_t last_id_ = 0;
   bool has_state_ = false;
-  Endpoint to_{};                      ///< of commands
+  Endpoint to_{};  ///< where the first state came from: of commands
+  /// Of ids against time: clock_ may be restarted, this one is not.
+  const MonotonicClock own_clock_;
+  Time found_empty_{};  ///< when the socket was last; before the last accepted state: sent_after_
+  Time sent_after_{};
   std::optional<Time> pending_since_;  ///< of the first look since the last state
 
-  // Counts only: relaxed. silent_ is set once, by the tick.
+  ReceptionCounts before_;   ///< up to the last accepted state
+  ReceptionCounts instead_;  ///< of a state, when silent_
+
+  // Counts only: relaxed. silent_ (release after instead_) and no_number_ are set once, by the
+  // tick.
   std::atomic<std::uint64_t> old_ = 0;
+  std::atomic<std::uint64_t> ahead_ = 0;
   std::atomic<std::uint64_t> foreign_ = 0;
   std::atomic<std::uint64_t> bad_ = 0;
   std::atomic<bool> silent_ = false;
+  std::atomic<const char*> no_number_ = nullptr;  ///< name of the field
 };
 
 }  // namespace twin::fci

@@ -30,7 +30,7 @@ enum class DatagramFault : std::uint8_t {
   kSize,       ///< shorter than the structure (longer ones are cut, as clients do)
   kEnum,       ///< a mode that does not exist
   kBool,       ///< a flag that is neither 0 nor 1
-  kNotFinite,  ///< NaN or infinity in a command; states are taken as they are
+  kNotFinite,  ///< NaN or infinity in a command; of states FieldWithoutNumber() tells
 };
 
 void Encode(const RobotState& state, StateBytes& bytes) noexcept TWIN_REALTIME;
@@ -44,6 +44,10 @@ void Encode(const HandState& state, HandStateBytes& bytes) noexcept TWIN_REALTIM
                                    RobotCommand& command) noexcept TWIN_REALTIME;
 [[nodiscard]] DatagramFault Decode(std::span<const std::byte> bytes,
                                    HandState& state) noexcept TWIN_REALTIME;
+
+/// The first field of a state that holds NaN or infinity, as Franka calls it, ended by a null;
+/// empty when every number is one.
+[[nodiscard]] std::string_view FieldWithoutNumber(const RobotState& state) noexcept TWIN_REALTIME;
 
 /// In snake case: "size", ...
 [[nodiscard]] std::string_view Name(DatagramFault fault) noexcept;

@@ -87,6 +87,16 @@ class UdpSocket final : public rt::Arrival {
 
   /// The next datagram that waits; nothing when none does. Longer ones are cut to `buffer`.
   [[nodiscard]] std::optional<Datagram> Receive(std::span<std::byte> buffer) noexcept TWIN_REALTIME;
+  /// From now on the kernel drops what comes from elsewhere, before it takes room in the socket or
+  /// a wake-up of who waits: strangers' datagrams, however many, hold back nobody else's. What
+  /// waits already is left; a kernel that knows no socket filters leaves all to who receives. More
+  /// than once: the last counts. Port 0: nothing is let in. A system call.
+  /// @note A filter and no connect(2), which would tie a socket of all this machine's addresses to
+  /// one of them for good, and let a peer's ICMP errors fail sends.
+  void ListenOnlyTo(const Endpoint& peer) noexcept TWIN_REALTIME;
+  /// Datagrams that the kernel dropped since construction: by the filter, or because too many
+  /// waited. Any thread.
+  [[nodiscard]] std::uint64_t dropped() const noexcept;
   /// @returns whether the kernel took it; what it does not take is lost, as on the wire.
   bool Send(std::span<const std::byte> bytes, const Endpoint& to) noexcept TWIN_REALTIME;
   /// @returns whether a datagram waits; also one that an earlier call told of and that was left.

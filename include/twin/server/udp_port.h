@@ -21,7 +21,9 @@ namespace twin::server {
 
 /// Datagrams that were not passed on, by why.
 struct DroppedDatagrams {
-  std::uint64_t foreign = 0;  ///< of somebody who is not the session's client
+  /// Of somebody who is not the session's client, or more than wait at once: mostly the kernel
+  /// drops them, before they are anybody's work (UdpSocket::ListenOnlyTo).
+  std::uint64_t foreign = 0;
   std::uint64_t malformed =
       0;                    ///< of another size than a command's, with NaN or a flag that is none
   std::uint64_t early = 0;  ///< answers to states that were not sent yet
@@ -35,7 +37,7 @@ struct DroppedDatagrams {
 ///     robot's thread:    Deliver(state) --> socket, and the bell when the mode has changed
 ///                        Receive() <------- socket, 64 datagrams at most in one go
 ///
-/// Between sessions no state leaves and nothing that comes is taken.
+/// Between sessions no state leaves and nothing that comes is let in.
 ///
 /// Threads: Open() and Close() from one, the robot's end from the robot's; counts from any.
 /// Real-time: the robot's end neither waits (but AwaitUntil()), allocates nor locks; a change of
