@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""A real arm is moved by who says so, wherever it seems to listen: hardware_test.py PROGRAM SOURCE_TREE [unittest options].
+
+The independent peer stands for a robot: like one it knows nothing of twins. Nothing here moves an arm, but for the twin's.
+"""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import own_client_test
+import proxy_test
+from twin_server import TwinServer, own_address
+
+PROGRAM, SOURCE = "", pathlib.Path()
+FLAG = "--allow-hardware"
+
+
+class Robot:
+    """with Robot() as robot: robot.address"""
+
+    def __enter__(self):
+        self.address = own_address()
+        self.process = subprocess.Popen([sys.executable, pathlib.Path(__file__).with_name("fci_peer.py"), "--host", self.address],
+                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        if "listening" not in self.process.stdout.readline():
+            raise RuntimeError("no peer")
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.communicate()
+
+
+class HardwareTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.tmp = pathlib.Path(folder.name)
+        self.scenario = self.tmp / "scenario.yaml"
+        self.scenario.write_text(own_client_test.MOTION.replace("INTERFACE", "joint_position").replace("CONTROLLER", "")
+                                 .replace("START", "0.7853981633974483"))
+
+    def run_at(self, address, *flags):
+        return subprocess.run([PROGRAM, "run", self.scenario, "--backend", "fci", "--robot", address, "--data", SOURCE / "models",
+                               "--out", self.tmp / "out", *flags], capture_output=True, text=True, timeout=120)
+
+    def check_is_refused(self, address, *flags):
+        done = self.run_at(address, *flags)
+        self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
+        self.assertIn(FLAG, done.stderr)
+        self.assertIn("does not say that it is a twin", done.stderr)
+        self.assertNotIn("settings", done.stdout)  # nothing was asked of it
+
+    def test_a_robot_is_asked_for_at_the_loopback_too(self):
+        with Robot() as robot:
+            self.check_is_refused(robot.address)
+            self.check_is_refused(robot.address, "--page=0")
+
+    def test_a_proxy_speaks_for_the_robot_behind_it(self):
+        with Robot() as robot, proxy_test.Proxy(robot.address) as proxy:
+            self.check_is_refused(proxy.address)
+
+    def test_a_robot_that_was_allowed_is_driven(self):
+        with Robot() as robot:
+            done = self.run_at(robot.address, FLAG)
+        self.assertNotIn(FLAG, done.stderr)
+        self.assertRegex(done.stdout, r"(?m)^ok +hardware +a real arm may move")
+        self.assertRegex(done.stdout, r"(?m) states ")  # its checks go on
+
+    def test_a_twin_is_not_asked_for(self):
+        with TwinServer(PROGRAM, SOURCE, "lockstep") as server, proxy_test.Proxy(server.address) as proxy:
+            for address in (server.address, proxy.address):
+                done = self.run_at(address, "--robot-time", "states")
+                self.assertNotIn(FLAG, done.stderr)
+                self.assertRegex(done.stdout, r"(?m)^ok +hardware +none")
+                self.assertRegex(done.stdout, r"(?m) states ")
+
+    def test_without_a_wire_there_is_nothing_to_allow(self):
+        done = subprocess.run([PROGRAM, "run", self.scenario, FLAG, "--data", SOURCE / "models", "--out", self.tmp / "out"],
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("--backend fci", done.stderr)
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+    proxy_test.PROGRAM = PROGRAM
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
