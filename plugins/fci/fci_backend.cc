@@ -94,7 +94,8 @@ class FciBackend final : public backend::Backend {
   FciBackend(const backend::Request& request, const backend::RemoteHost& host)
       : time_(host.time),
         port_(host.arm_port == 0 ? fci::kArmPort : host.arm_port),
-        client_(host.clock, host.address, port_, PatienceFor(host.time), host.capture) {
+        client_(host.clock, host.address, port_, PatienceFor(host.time), host.capture),
+        is_twin_(client_.SaysItIsATwin()) {
     if (request.robot.plant.hand == plant::HandKind::kNone) return;
     const auto next = static_cast<std::uint16_t>(port_ + 1);
     hand_.emplace(host.address, next, host.capture);
@@ -102,6 +103,7 @@ class FciBackend final : public backend::Backend {
 
   [[nodiscard]] rt::Arrival& arrival() noexcept { return client_.arrival(); }
   [[nodiscard]] std::string WhyLost() const { return client_.WhyLost(); }
+  [[nodiscard]] bool is_twin() const noexcept { return is_twin_; }
   [[nodiscard]] backend::Hand* hand() noexcept { return hand_ ? &*hand_ : nullptr; }
 
   [[nodiscard]] backend::Description Describe() const override;
@@ -131,6 +133,7 @@ class FciBackend final : public backend::Backend {
   const backend::RobotTime time_;
   const std::uint16_t port_;
   mutable fci::ArmClient client_;
+  const bool is_twin_;
   std::optional<FciHand> hand_;
 
   MotionAsShown motion_;
@@ -220,6 +223,7 @@ backend::Connection ConnectFci(const backend::Request& request) {
   backend::Connection connection;
   connection.arrival = &backend->arrival();
   connection.hand = backend->hand();
+  connection.is_twin = backend->is_twin();
   connection.why_lost = [&robot = *backend] { return robot.WhyLost(); };
   connection.backend = std::move(backend);
   return connection;

@@ -40,7 +40,6 @@ struct PageFlags {
   std::string port;  ///< as given; 0: any free one; empty: no page
   std::string bind = "127.0.0.1";
   std::optional<std::string> allow;  ///< network that may connect
-  bool allow_hardware = false;       ///< the page may move an arm that is not simulated here
   [[nodiscard]] bool wanted() const noexcept { return !port.empty(); }
 };
 
@@ -54,6 +53,7 @@ struct RunFlags {
   std::optional<std::string> device;      ///< of the operator, in place of the scenario's
   std::optional<std::string> robot;       ///< backend fci: HOST[:PORT]
   std::optional<std::string> robot_time;  ///< backend fci: wall or states
+  bool allow_hardware = false;            ///< backend fci: the robot need not be a twin
   std::optional<double> max_speed;        ///< share of the scenario's, in (0, 1]
   std::optional<double> clock_ppm;        ///< of INT's clock
   std::optional<int> ext_cpu;             ///< processor of the communication thread; real time

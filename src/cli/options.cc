@@ -35,7 +35,7 @@ constexpr const char* kFooter = R"(Start here:
   panda-twin render out/canonical --out slow.mp4 --speed 0.25   any recorded run as a video, any camera; two side by side
   panda-twin video check                                 do the runs look as they were approved?
   panda-twin validate my.yaml                            is my scenario sound? (no run)
-  panda-twin run SCENARIO.yaml --backend fci --robot HOST --max-speed 0.1   on a robot, slowly
+  panda-twin run SCENARIO.yaml --backend fci --robot HOST --allow-hardware --max-speed 0.1   on a robot, slowly
   panda-twin export out/canonical/run.mcap               the log as CSV tables
   panda-twin devices                                     what is plugged in to lead the robot by hand?
   panda-twin explain out/canonical                       why did the run abort? value, limit, cause, cure
@@ -120,6 +120,8 @@ void AddRemote(CLI::App& app, RunFlags& flags) {
   app.add_option("--capture", flags.capture,
                  "fci: keep what goes over the wire (pcapng; see decode)")
       ->type_name("FILE");
+  app.add_flag("--allow-hardware", flags.allow_hardware,
+               "fci: a real arm may move; needed wherever no twin says that it is one");
   app.add_option("--max-speed", flags.max_speed,
                  "Share of the scenario's speed, in (0, 1]: all times are divided by it")
       ->type_name("F");
@@ -138,19 +140,12 @@ void AddPage(CLI::App& app, PageFlags& flags) {
       ->type_name("ADDRESS/BITS");
 }
 
-/// What also needs --page.
-void AddPageOfARun(CLI::App& app, RunFlags& flags) {
-  AddPage(app, flags.page);
-  app.add_flag("--allow-hardware", flags.page.allow_hardware,
-               "The page may move a real arm; without it, one only watches there");
-}
-
 CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
   CLI::App* run = app.add_subcommand("run", "Run a scenario and write log, plots and video");
   run->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
   AddSeed(*run, flags.seed);
   AddLab(*run, flags.lab);
-  AddPageOfARun(*run, flags);
+  AddPage(*run, flags.page);
   run->add_option("--out", flags.out, "Folder of results (default: out/<name of the scenario>)")
       ->type_name("DIR");
   run->add_option("--backend", flags.backend,

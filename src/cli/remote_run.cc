@@ -35,8 +35,8 @@ void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenari
         "backend",
         *flags.drive));
   }
-  if (!is_remote && (flags.robot || flags.robot_time || flags.capture)) {
-    throw InputError("--robot, --robot-time and --capture go with --backend fci");
+  if (!is_remote && (flags.robot || flags.robot_time || flags.capture || flags.allow_hardware)) {
+    throw InputError("--robot, --robot-time, --allow-hardware and --capture go with --backend fci");
   }
   if (is_remote && !flags.robot) {
     throw InputError(
@@ -64,16 +64,28 @@ void TellWhatHasNoEffect(const scenario::Scenario& scenario, bool video) {
       "(without --backend) to see the motion\n");
 }
 
-void TellReach(const scenario::RemoteSettings& robot, const std::function<std::string()>& connect) {
+void TellReach(const scenario::RemoteSettings& robot, bool allow_hardware,
+               const std::function<const backend::Connection&()>& connect) {
   Say(stdout, "before the first motion; nothing of this moves the arm\n");
+  bool is_twin = false;
   try {
-    Print({"reach", true, connect()});
+    const backend::Connection& connection = connect();
+    Print({"reach", true, connection.backend->Describe().robot});
+    is_twin = connection.is_twin;
   } catch (const RobotFault&) {
     // The text is that of the error, which follows.
     Print(
         {"reach", false, fmt::format("{} is no robot that can be driven; see below", robot.host)});
     throw;
   }
+  if (is_twin) return Print({"hardware", true, "none: it says that it is a twin"});
+  if (allow_hardware) return Print({"hardware", true, "a real arm may move (--allow-hardware)"});
+  Print({"hardware", false, "a real arm may move, and nothing allows that; see below"});
+  throw InputError(
+      fmt::format("--robot {}: what answers there does not say that it is a twin, so that a real "
+                  "arm may move; clear its workspace, keep the user stop in your hand, and say "
+                  "--allow-hardware",
+                  robot.host));
 }
 
 void RequireReady(const std::function<bool(const scenario::TellCheck&)>& check) {

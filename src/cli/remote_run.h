@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "cli/commands.h"
+#include "twin/backend/registry.h"
 #include "twin/scenario/assembly.h"
 #include "twin/scenario/remote.h"
 #include "twin/scenario/scenario.h"
@@ -26,9 +27,11 @@ void SlowDown(scenario::Scenario& scenario, const std::filesystem::path& models,
 /// One note each for what of the scenario has no effect there. @param video  whether one is wanted.
 void TellWhatHasNoEffect(const scenario::Scenario& scenario, bool video);
 
-/// Connects, and prints the first line of the checks: whether the robot is reached.
-/// @param connect  returns what the robot is. What it throws is thrown on.
-void TellReach(const scenario::RemoteSettings& robot, const std::function<std::string()>& connect);
+/// Connects, and prints the first lines of the checks: whether the robot is reached, and whether a
+/// real arm may move. @param connect  what it throws is thrown on. @throws InputError when the
+/// robot does not say that it is a twin, and nothing allows hardware.
+void TellReach(const scenario::RemoteSettings& robot, bool allow_hardware,
+               const std::function<const backend::Connection&()>& connect);
 
 /// Prints the other lines. @throws RobotFault when one of them is not well: nothing has moved.
 /// @param check  the checks: Run::CheckStart, or an application's.

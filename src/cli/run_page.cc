@@ -16,7 +16,6 @@
 #include "plugins/devices/recording_device.h"
 #include "twin/core/error.h"
 #include "twin/page/page_device.h"
-#include "twin/scenario/remote.h"
 
 namespace twin::cli {
 namespace {
@@ -66,8 +65,8 @@ page::PageSettings PageAt(const PageFlags& flags) {
 void RequirePageFlags(const PageFlags& flags) {
   if (flags.wanted()) {
     static_cast<void>(PageAt(flags));
-  } else if (flags.allow || flags.allow_hardware || flags.bind != PageFlags().bind) {
-    throw InputError("--page-bind, --page-allow and --allow-hardware go with --page");
+  } else if (flags.allow || flags.bind != PageFlags().bind) {
+    throw InputError("--page-bind and --page-allow go with --page");
   }
 }
 
@@ -95,7 +94,6 @@ void TellPage(const page::LivePage& page, const PageFlags& flags) {
 RunPage::RunPage(const RunFlags& flags, rt::RecordSink& records, const InterruptGuard& interrupt,
                  const std::filesystem::path& out)
     : flags_(flags.page),
-      robot_(flags.robot),
       interrupt_(interrupt),
       records_(records),
       feed_(&records),
@@ -123,16 +121,6 @@ void RunPage::Permit(const scenario::Scenario& scenario, page::PageSettings& set
   if (!scenario.operator_section || scenario.operator_section->device != kPageDevice) {
     settings.watch_only = "nobody operates this run from here; anyone may stop it";
     settings.stop = [this] { interrupt_.Interrupt(); };
-    return;
-  }
-  const bool is_elsewhere =
-      robot_ &&
-      !fci::IsLoopback(fci::Resolve(scenario::ParseRemote(*robot_, "wall").host, 0).address);
-  if (is_elsewhere && !flags_.allow_hardware) {
-    settings.watch_only =
-        "this page moves no real arm: that takes a run with --allow-hardware; anyone may stop it";
-    settings.stop = [this] { interrupt_.Interrupt(); };
-    Say(stderr, fmt::format("panda-twin: note: {}\n", settings.watch_only));
     return;
   }
   settings.sample = [this](const teleop::OperatorSample& sample) { recording_.Take(sample); };

@@ -83,7 +83,6 @@ class RunPage {
   void Permit(const scenario::Scenario& scenario, page::PageSettings& settings);
 
   const PageFlags& flags_;
-  const std::optional<std::string> robot_;  ///< flag of backend fci
   const InterruptGuard& interrupt_;
   rt::RecordSink& records_;
   const MonotonicClock wall_;

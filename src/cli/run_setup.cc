@@ -107,7 +107,7 @@ void Connect(const scenario::Scenario& scenario, const RunFlags& flags, bool wan
   }
   TellWhatHasNoEffect(scenario, wants_video);
   if (flags.capture) settings.remote.capture = &capture.emplace(*flags.capture);
-  TellReach(settings.remote, [&] { return connect().backend->Describe().robot; });
+  TellReach(settings.remote, flags.allow_hardware, connect);
 }
 
 void BeginLog(RunRecords& records, const std::filesystem::path& path,

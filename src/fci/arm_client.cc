@@ -7,6 +7,7 @@
 
 #include "fci/request_channel.h"
 #include "twin/core/error.h"
+#include "twin/fci/twin_sign.h"
 
 namespace twin::fci {
 namespace {
@@ -151,6 +152,17 @@ SetterStatus ArmClient::CartesianLimitOf(std::int32_t id, CartesianLimit& limit)
 RecoveryStatus ArmClient::Recover() {
   return static_cast<RecoveryStatus>(
       AskForStatus(AutomaticErrorRecovery{}, static_cast<std::uint8_t>(RecoveryStatus::kAborted)));
+}
+
+bool ArmClient::SaysItIsATwin() {
+  try {
+    const ArmAnswer answer = Ask(GetCartesianLimit{kTwinSign}, patience_.connect).answer;
+    return answer.status == static_cast<std::uint8_t>(SetterStatus::kSuccess) &&
+           IsTwinSign(answer.limit);
+  } catch (const RobotFault&) {
+    if (lost()) throw;
+    return false;  // a refusal may be shorter than a wall
+  }
 }
 
 Reception ArmClient::Receive(RobotState& state, Time& at) noexcept {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/robot_errors.h"
+#include "twin/fci/twin_sign.h"
 
 namespace twin::server {
 namespace {
@@ -131,8 +132,8 @@ RecoveryStatus ArmDesk::Recover() {
   return status;
 }
 
-SetterStatus ArmDesk::CartesianLimitOf(std::int32_t /*id*/, fci::CartesianLimit& limit) {
-  limit = {};
+SetterStatus ArmDesk::CartesianLimitOf(std::int32_t id, fci::CartesianLimit& limit) {
+  limit = id == fci::kTwinSign ? fci::TwinSign() : fci::CartesianLimit();
   return SetterStatus::kSuccess;
 }
 

@@ -2,6 +2,7 @@
 #include "twin/fci/arm_client.h"
 
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <future>
 #include <limits>
@@ -14,6 +15,7 @@
 #include "fci/fake_robot.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
+#include "twin/fci/twin_sign.h"
 
 namespace twin::fci {
 namespace {
@@ -267,6 +269,38 @@ TEST_F(ArmClientTest, TellsAVirtualWall) {
   EXPECT_EQ(client().CartesianLimitOf(3, told), SetterStatus::kSuccess);
   EXPECT_EQ(told.object_world_size, wall.object_world_size);
   EXPECT_TRUE(told.object_activation);
+}
+
+TEST_F(ArmClientTest, KnowsATwinByItsSign) {
+  Connect([](FakeRobot&, const Frame& request) {
+    const auto asked = std::get<ArmRequest>(ParseArmRequest(request));
+    EXPECT_EQ(std::get<GetCartesianLimit>(asked).id, kTwinSign);
+    return EncodeCartesianLimitAnswer(request.head.command_id, SetterStatus::kSuccess, TwinSign());
+  });
+  EXPECT_TRUE(client().SaysItIsATwin());
+}
+
+TEST_F(ArmClientTest, TakesNothingElseForATwin) {
+  CartesianLimit close = TwinSign();
+  close.object_world_size[2] = std::nextafter(close.object_world_size[2], 0);
+  const auto gives = [](SetterStatus status, const CartesianLimit& wall) {
+    return [status, wall](FakeRobot&, const Frame& request) {
+      return EncodeCartesianLimitAnswer(request.head.command_id, status, wall);
+    };
+  };
+  for (const auto& script :
+       {FakeRobot::Script(gives(SetterStatus::kSuccess, {})),
+        FakeRobot::Script(gives(SetterStatus::kSuccess, close)),
+        FakeRobot::Script(gives(SetterStatus::kInvalidArgumentRejected, TwinSign())),
+        Says(static_cast<std::uint8_t>(SetterStatus::kInvalidArgumentRejected)), Says(0)}) {
+    Connect(script);
+    EXPECT_FALSE(client().SaysItIsATwin());
+    EXPECT_FALSE(client().lost());
+  }
+  ClientPatience patience;
+  patience.connect = std::chrono::milliseconds(500);
+  Connect(Nothing, patience);
+  EXPECT_FALSE(client().SaysItIsATwin());
 }
 
 TEST_F(ArmClientTest, OfQueuedStatesTheNewestCountsWhateverTheirOrder) {

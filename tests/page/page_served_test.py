@@ -124,8 +124,8 @@ class PageServedTest(unittest.TestCase):
         operator.lead([0, 0, -1, 0, 0, 0], lambda state: state["arm"]["p"][2] < stopped[2] - 0.02)
 
 
-class PageHardwareTest(unittest.TestCase):
-    """A robot at another address than this machine's loopback: as far as the program knows, a real one."""
+class PageElsewhereTest(unittest.TestCase):
+    """A twin at another address than this machine's loopback. Who may lead a real arm is hardware_test.py's."""
 
     def setUp(self):
         self.address = address_elsewhere()
@@ -151,10 +151,10 @@ class PageHardwareTest(unittest.TestCase):
         self.addCleanup(end)
         return process
 
-    def refusal(self, *flags):
+    def refusal(self):
         """What an operator is told who takes control of it; None: it is given."""
         run = self.start("run", str(self.folder / "led.yaml"), "--backend", "fci", "--robot", f"{self.address}:{self.port}", "--robot-time",
-                         "states", "--device", "page", "--page=0", "--out", str(self.folder / "out"), *flags)
+                         "states", "--device", "page", "--page=0", "--out", str(self.folder / "out"))
         said = ""
         for line in run.stdout:
             said += line
@@ -164,11 +164,8 @@ class PageHardwareTest(unittest.TestCase):
                     return visitor.hear("welcome")["watch_only"]
         self.fail(said)
 
-    def test_is_only_watched(self):
-        self.assertIn("--allow-hardware", self.refusal())
-
-    def test_is_moved_when_that_was_said(self):
-        self.assertEqual(self.refusal("--allow-hardware"), "")
+    def test_is_led(self):
+        self.assertEqual(self.refusal(), "")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@
 #include "robot/robot_fixture.h"
 #include "support/realtime_guard.h"
 #include "twin/fci/requests.h"
+#include "twin/fci/twin_sign.h"
 #include "twin/robot/lockstep_robot.h"
 #include "twin/robot/make_plant.h"
 #include "twin/robot/wall_clock_robot.h"
@@ -136,6 +137,22 @@ TEST_F(ServerTest, ASessionThatSaysNothingIsNot) {
   std::this_thread::sleep_for(milliseconds(100));
   Send(session, fci::EncodeRequest(1, fci::ArmRequest(fci::StopMove{})));
   EXPECT_EQ(Receive(session, 13).size(), 13u);
+}
+
+TEST_F(ServerTest, SaysThatItIsATwinToWhoeverAsksAndHasNoOtherWall) {
+  ServeInLockstep();
+  fci::TcpStream session = Session();
+  const auto sent = [&](std::uint32_t id, std::int32_t wall) {
+    Send(session, fci::EncodeRequest(id, fci::ArmRequest(fci::GetCartesianLimit{wall})));
+    const auto expected = fci::EncodeCartesianLimitAnswer(
+        id, SetterStatus::kSuccess,
+        wall == fci::kTwinSign ? fci::TwinSign() : fci::CartesianLimit());
+    return std::pair(Receive(session, expected.size()), expected);
+  };
+  for (const std::int32_t wall : {0, 1, fci::kTwinSign, -1}) {
+    const auto [answer, expected] = sent(static_cast<std::uint32_t>(wall), wall);
+    EXPECT_EQ(answer, expected) << wall;
+  }
 }
 
 TEST_F(ServerTest, SilentConnectionsDoNotKeepClientsOut) {

@@ -113,6 +113,8 @@ struct Connection {
   std::function<std::string()> engine_warnings;
   /// Why the connection is gone, for people; empty: it is not. Empty function: there is no wire.
   std::function<std::string()> why_lost;
+  /// Nothing but a simulated arm moves. False: hardware, or a robot that does not say.
+  bool is_twin = true;
   bool uses_meshes = false;  ///< false: the arm is drawn in primitive shapes
 };
 

@@ -98,6 +98,9 @@ class ArmClient {
   [[nodiscard]] SetterStatus Configure(const Setting& setting);
   [[nodiscard]] SetterStatus CartesianLimitOf(std::int32_t id, CartesianLimit& limit);
   [[nodiscard]] RecoveryStatus Recover();
+  /// Asks the robot whether it is a twin (fci/twin_sign.h). What answers in any other way, or not
+  /// at all, may be a real arm. Changes nothing. @throws RobotFault when the connection is lost.
+  [[nodiscard]] bool SaysItIsATwin();
 
   /// Never waits. @param state  written only for kState. @param at  when this side had it.
   [[nodiscard]] Reception Receive(RobotState& state, Time& at) noexcept TWIN_REALTIME;

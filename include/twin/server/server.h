@@ -51,7 +51,8 @@ struct ServerConfig {
 ///   - When a client is gone its motion is stopped; the next one's Connect is answered once the arm
 ///     has come to rest.
 ///   - What the hand does when its client goes, it goes on doing: it may hold something.
-///   - There are no virtual walls: GetCartesianLimit succeeds with size zero, not active.
+///   - There are no virtual walls: GetCartesianLimit succeeds with size zero, not active; but for
+///     the one by which a twin says that it is one (fci/twin_sign.h).
 ///   - Deviations that a Move allows must be finite and not negative; they are not checked further.
 ///   - A model library is there for x64 Linux only.
 ///
