@@ -1,13 +1,13 @@
-#include <cstdio>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/messages.h"
 #include "cli/network.h"
-#include "cli/say.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/proxy/proxy.h"
@@ -49,28 +49,25 @@ proxy::ProxyConfig ProxyConfigOf(const ProxyFlags& flags) {
   return config;
 }
 
-void TellCounts(std::string_view what, const proxy::DirectionCounts& counts) {
-  Say(stdout, fmt::format("{:<13}{:>9}{:>9}{:>9}{:>9}{:>11}{:>10}{:>9}{:>9}\n", what, counts.came,
-                          counts.relayed, counts.delayed, counts.lost, counts.duplicated,
-                          counts.reordered, counts.dropped, counts.foreign));
+std::string LineOf(std::string_view what, const proxy::DirectionCounts& counts) {
+  return fmt::format("{:<13}{:>9}{:>9}{:>9}{:>9}{:>11}{:>10}{:>9}{:>9}\n", what, counts.came,
+                     counts.relayed, counts.delayed, counts.lost, counts.duplicated,
+                     counts.reordered, counts.dropped, counts.foreign);
 }
 
-void TellAll(const proxy::ProxyCounts& counts) {
-  Say(stdout,
-      fmt::format("{:<13}{:>9}{:>9}{:>9}{:>9}{:>11}{:>10}{:>9}{:>9}\n", "datagrams", "came",
-                  "relayed", "delayed", "lost", "duplicated", "reordered", "dropped", "foreign"));
-  TellCounts("arm states", counts.arm.state);
-  TellCounts("arm commands", counts.arm.command);
-  TellCounts("hand states", counts.hand.state);
+std::string TableOf(const proxy::ProxyCounts& counts) {
+  return fmt::format("{:<13}{:>9}{:>9}{:>9}{:>9}{:>11}{:>10}{:>9}{:>9}\n", "datagrams", "came",
+                     "relayed", "delayed", "lost", "duplicated", "reordered", "dropped",
+                     "foreign") +
+         LineOf("arm states", counts.arm.state) + LineOf("arm commands", counts.arm.command) +
+         LineOf("hand states", counts.hand.state);
 }
 
-void Introduce(const proxy::Proxy& proxy, const proxy::ProxyConfig& config,
-               const NetworkFlags& network) {
-  Say(stdout, fmt::format("panda-twin proxy to the robot at {}, seed {}\n  arm   {}\n  hand  {}\n"
-                          "  {}\n",
-                          fci::ToString(config.robot_arm), config.seed, fci::ToString(proxy.arm()),
-                          fci::ToString(proxy.hand()), DescribeAccess(network)));
-  static_cast<void>(std::fflush(stdout));
+std::string Introduction(const proxy::Proxy& proxy, const proxy::ProxyConfig& config,
+                         const NetworkFlags& network) {
+  return fmt::format("panda-twin proxy to the robot at {}, seed {}\n  arm   {}\n  hand  {}\n  {}\n",
+                     fci::ToString(config.robot_arm), config.seed, fci::ToString(proxy.arm()),
+                     fci::ToString(proxy.hand()), DescribeAccess(network));
 }
 
 }  // namespace
@@ -83,15 +80,15 @@ ExitCode ProxyCommand(const ProxyFlags& flags) {
   const MonotonicClock clock;
   const auto now = [&clock] { return clock.Now().time_since_epoch(); };
   const InterruptGuard interrupt;
-  proxy::Proxy proxy(config, clock, [&now](std::string_view line) {
-    Say(stdout, fmt::format("{:10.3f} s  {}\n", ToSeconds(now()), line));
-    static_cast<void>(std::fflush(stdout));
+  Messages messages;
+  proxy::Proxy proxy(config, clock, [&](std::string_view line) {
+    messages.Put(fmt::format("{:10.3f} s  {}\n", ToSeconds(now()), line));
   });
-  Introduce(proxy, config, flags.network);
+  messages.Put(Introduction(proxy, config, flags.network));
   proxy.Run([&] {
     return interrupt.interrupted() || (flags.seconds && now() >= FromSeconds(*flags.seconds));
   });
-  TellAll(proxy.counts());
+  messages.Put(TableOf(proxy.counts()));
   return interrupt.interrupted() ? kInterrupted : kOk;
 }
 

@@ -1,4 +1,3 @@
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/messages.h"
 #include "cli/network.h"
 #include "cli/run_page.h"
 #include "cli/run_setup.h"
@@ -118,7 +118,7 @@ class Service {
   /// Short of log and capture.
   [[nodiscard]] server::ServedRobotSettings MakeSettings(const Host& host);
   void MakeLog();
-  void Introduce() const;
+  void Introduce();
   void Tell(std::string_view line);
   [[nodiscard]] bool Ends() const;
   [[nodiscard]] bool is_lockstep() const { return scenario_.drive == scenario::Drive::kLockstep; }
@@ -130,6 +130,7 @@ class Service {
   const scenario::RunFiles files_;
   const scenario::Scenario scenario_;
   const InterruptGuard interrupt_;
+  std::optional<Messages> messages_;  ///< from Run() to the end
   std::optional<record::Recorder> log_;
   std::optional<fci::Capture> capture_;
   std::optional<ServePage> page_;
@@ -164,12 +165,11 @@ server::ServedRobotSettings Service::MakeSettings(const Host& host) {
 
 void Service::Tell(std::string_view line) {
   const Time now = clock_.Now();
-  Say(stdout, fmt::format("{:10.3f} s  {}\n", ToSeconds(now.time_since_epoch()), line));
+  messages_->Put(fmt::format("{:10.3f} s  {}\n", ToSeconds(now.time_since_epoch()), line));
   if (page_) page_->Tell(now, line);
-  static_cast<void>(std::fflush(stdout));
 }
 
-void Service::Introduce() const {
+void Service::Introduce() {
   std::string text = fmt::format("panda-twin serves {} ({}), drive {}{}\n", scenario_.robot.model,
                                  robot_->plant_name(), Name(scenario_.drive),
                                  FreezesWhenIdle(flags_) ? ", idle freeze" : "");
@@ -180,8 +180,7 @@ void Service::Introduce() const {
   text += fmt::format("  arm   {}\n", fci::ToString(robot_->arm()));
   if (const auto hand = robot_->hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
   text += fmt::format("  {}\n", DescribeAccess(flags_.network));
-  Say(stdout, text);
-  static_cast<void>(std::fflush(stdout));
+  messages_->Put(std::move(text));
 }
 
 bool Service::Ends() const {
@@ -194,6 +193,7 @@ ExitCode Service::Run() {
   page_->Open(scenario_,
               scenario::LoadRobotData(data_.models, scenario_.robot.model, scenario_.robot.hand),
               catalogue_, files_, *robot_);
+  messages_.emplace();
   robot_->Begin();
   for (const std::string& notice : robot_->notices()) {
     Say(stderr, fmt::format("panda-twin: note: robot: {}\n", notice));
