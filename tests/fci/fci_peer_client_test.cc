@@ -39,13 +39,14 @@ std::string FaultOf(const std::function<void()>& call) {
 
 class PeerClientTest : public ::testing::Test {
  protected:
-  void Connect(const std::vector<std::string>& options = {}) {
+  void Connect(const std::vector<std::string>& options = {},
+               backend::RobotTime time = backend::RobotTime::kWall) {
     peer_ = std::make_unique<PeerProcess>(options);
     robot_.plant.hand = plant::HandKind::kFrankaHand;
     connection_ = plugins::ConnectFci(
         {robot_,
          backend::RemoteHost{
-             .clock = clock_, .address = "127.0.0.1", .arm_port = peer_->arm_port()},
+             .clock = clock_, .address = "127.0.0.1", .arm_port = peer_->arm_port(), .time = time},
          nullptr});
   }
   backend::Backend& robot() { return *connection_.backend; }
@@ -217,6 +218,14 @@ TEST_F(PeerClientTest, IsLostWhenThePeerSendsNoStates) {
   Connect({"--mute-udp"});
   EXPECT_EQ(Read(), ReadResult::kLost);
   EXPECT_THAT(connection_.why_lost(), AllOf(HasSubstr("no state"), HasSubstr("firewall")));
+}
+
+TEST_F(PeerClientTest, StatesThatAreTheClockAndDoNotComeAreSaidSoWithinSeconds) {
+  Connect({"--mute-udp"}, backend::RobotTime::kStates);
+  const Time begin = clock_.Now();
+  EXPECT_EQ(Read(), ReadResult::kLost);
+  EXPECT_LT(clock_.Now() - begin, std::chrono::seconds(10));
+  EXPECT_THAT(connection_.why_lost(), HasSubstr("no state"));
 }
 
 TEST_F(PeerClientTest, CommandsThePeersHand) {

@@ -14,14 +14,14 @@ from web_client import PING, TEXT, Refused, WebSocket, http
 
 PROGRAM = ""
 SOURCE = pathlib.Path()
-# An arm that holds still for a minute; the tests end it.
+# An arm that holds still for ten minutes; the tests end it.
 SCENARIO = """name: page
 motion:
   trajectory:
     unit: rad
     waypoints:
       - {at: 0 s, q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
-      - {at: 60 s, q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+      - {at: 600 s, q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
 record: false
 """
 
@@ -183,13 +183,46 @@ class PageServerTest(unittest.TestCase):
         try:
             with self.assertRaises(Refused) as refused:
                 for _ in range(120):
-                    visitors.append(WebSocket(self.port))
+                    visitors.append(self.served.visit())
+                    visitors[-1].hear("welcome")
             self.assertEqual(refused.exception.args, (503,))
-            self.assertGreaterEqual(len(visitors), 90)
+            self.assertEqual(len(visitors), 100)
         finally:
             for visitor in visitors:
                 visitor.connection.close()
-        time.sleep(0.2)
+        while True:  # until they have gone
+            try:
+                self.assert_lives()
+                return
+            except Refused:
+                pass
+
+    def test_who_has_not_shown_the_token_keeps_nobody_out(self):
+        """Twice as many as are served: silent, in the middle of a request, and with a WebSocket that says nothing."""
+        strangers = []
+        self.addCleanup(lambda: [stranger.close() for stranger in strangers])
+
+        def come():
+            for i in range(200):
+                if i % 3 == 2:
+                    strangers.append(WebSocket(self.port).connection)
+                    continue
+                strangers.append(socket.create_connection(("127.0.0.1", self.port), timeout=10))
+                if i % 3 == 1:
+                    strangers[-1].sendall(b"GET / HTTP/1.1\r\n")
+        come()
+        with self.served.visit() as visitor:
+            visitor.hear("welcome")
+            come()
+            visitor.hear("state")  # who has shown it stays
+            for _ in range(40):
+                self.assertEqual(self.get("/")[0], 200)
+                self.assert_lives()
+
+    def test_a_second_host_is_refused(self):
+        for other in ("evil.example", f"127.0.0.1:{self.port}"):
+            self.assertEqual(self.get("/", more=(f"Host: {other}",))[0], 400)
+        self.assertEqual(http(self.port, ["GET / HTTP/1.1", "Connection: close"])[0], 400)
         self.assert_lives()
 
     def test_visitor_who_takes_nothing_holds_up_nobody(self):
@@ -253,7 +286,7 @@ class PageEndTest(unittest.TestCase):
         served.process.stdout.close()
 
     def test_a_run_that_is_over_says_so(self):
-        served = Run(self.folder, SCENARIO.replace("60 s", "1.5 s"))
+        served = Run(self.folder, SCENARIO.replace("600 s", "1.5 s"))
         with served.visit() as visitor:
             self.assertEqual(visitor.hear("end")["text"], "it went well")
             self.assertEqual(visitor.closing(), "the run is over")
@@ -275,6 +308,15 @@ class PageFlagsTest(unittest.TestCase):
             self.assertIn("go with --page", self.refusal(command, "--page-bind", "127.0.0.2"))
         self.assertIn("leave out --seeds", self.refusal("run", "--page", "--seeds", "2"))
         self.assertIn("section operator", self.refusal("run", "--page", "--device", "page"))
+
+    def test_each_address_that_is_printed_works(self):
+        folder = tempfile.TemporaryDirectory(prefix="panda_twin_page_")
+        self.addCleanup(folder.cleanup)
+        served = Run(folder.name, flags=("--page-bind", "0.0.0.0", "--page-allow", "0.0.0.0/0"))
+        self.addCleanup(served.end)
+        urls = re.findall(r"http://([0-9.]+):(\d+)/#token=", served.said)  # this machine's own is the last
+        for address, port in urls:
+            self.assertEqual(http(int(port), ["GET / HTTP/1.1", f"Host: {address}:{port}", "Connection: close"], address=address)[0], 200)
 
     def test_port_that_is_taken_is_named(self):
         with socket.create_server(("127.0.0.1", 0)) as taken:

@@ -13,9 +13,9 @@ class Refused(Exception):
     """The server did not open the WebSocket; the HTTP status is the argument."""
 
 
-def http(port, lines, patience=10):
+def http(port, lines, patience=10, address="127.0.0.1"):
     """Sends a request as it is and returns (status, header, body); 0 for the status when nothing came."""
-    with socket.create_connection(("127.0.0.1", port), timeout=patience) as connection:
+    with socket.create_connection((address, port), timeout=patience) as connection:
         connection.sendall("\r\n".join([*lines, "", ""]).encode("latin1"))
         reply = b""
         try:

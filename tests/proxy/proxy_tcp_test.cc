@@ -8,7 +8,18 @@
 namespace twin::proxy {
 namespace {
 
-class ProxyTcpTest : public ProxyTest {};
+constexpr auto kSuccess = static_cast<std::uint8_t>(MoveStatus::kSuccess);
+constexpr auto kMotionStarted = static_cast<std::uint8_t>(MoveStatus::kMotionStarted);
+
+class ProxyTcpTest : public ProxyTest {
+ protected:
+  /// The robot answers the Connect.
+  static void Agree(Session& session) {
+    const Bytes answer = fci::EncodeArmConnectAnswer(0, fci::ConnectStatus::kSuccess, 5);
+    Send(session.robot, answer);
+    EXPECT_EQ(Receive(session.client, answer.size()), answer);
+  }
+};
 
 Bytes Pattern(std::size_t count) {
   Bytes bytes(count);
@@ -136,6 +147,51 @@ TEST_F(ProxyTcpTest, ARobotThatBreaksItsConnectionBreaksTheClients) {
   }
 }
 
+TEST_F(ProxyTcpTest, ARobotThatLeavesInOrderDoesSoAtTheClientWhenAllIsAnswered) {
+  Start();
+  Session session = Open();
+  Agree(session);
+  const Bytes answer = fci::EncodeArmAnswer(fci::ArmCommand::kMove, 1, kMotionStarted);
+  const Bytes end = fci::EncodeArmAnswer(fci::ArmCommand::kMove, 1, kSuccess);
+  Send(session.client, ArmRequest(1, fci::Move{}));
+  Send(session.robot, Join(answer, end));
+  EXPECT_EQ(Receive(session.client, 26), Join(answer, end));
+  session.robot.Close();
+  EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kClosed);
+}
+
+// libfranka waits for ever on a connection that ends in order with an answer owed.
+TEST_F(ProxyTcpTest, ARobotThatIsKilledInAMotionResetsTheClient) {
+  Start();
+  Session session = Open();
+  Agree(session);
+  Send(session.client, ArmRequest(1, fci::Move{}));
+  const Bytes answer = fci::EncodeArmAnswer(fci::ArmCommand::kMove, 1, kMotionStarted);
+  Send(session.robot, answer);
+  EXPECT_EQ(Receive(session.client, 13), answer);
+  session.robot.Close();  // as the system does for a process that is killed
+  EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kReset);
+}
+
+TEST_F(ProxyTcpTest, ARobotThatLeavesARequestUnansweredResetsTheClient) {
+  Start();
+  Session session = Open();
+  Agree(session);
+  Send(session.client, ArmRequest(1, fci::AutomaticErrorRecovery{}));
+  EXPECT_EQ(Receive(session.robot, 12).size(), 12u);
+  session.robot.Close();
+  EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kReset);
+}
+
+TEST_F(ProxyTcpTest, ARobotThatSendsNoAnswersLosesItsClient) {
+  Start();
+  Session session = Open();
+  Send(session.robot, Bytes(12));  // a frame of 0 bytes
+  EXPECT_EQ(Receive(session.client, 12).size(), 12u);
+  EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kReset);
+  AwaitLine("sends what is no answer");
+}
+
 TEST_F(ProxyTcpTest, AClientOfARobotThatIsNotThereIsResetAndTheNextOneServed) {
   {
     const fci::TcpListener nobody({kElsewhere, 0});
@@ -208,6 +264,7 @@ TEST_F(ProxyTcpTest, WhatIsNoFrameEndsTheSession) {
 TEST_F(ProxyTcpTest, WhenItEndsBothEndsAreEndedInOrder) {
   Start();
   Session session = Open();
+  Agree(session);
   End();
   EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kClosed);
   EXPECT_EQ(AwaitEnd(session.robot), fci::StreamResult::kClosed);
