@@ -19,8 +19,9 @@ namespace {
 
 /// For which a motion's end may reach TCP later than the states.
 constexpr Duration kEndPatience = std::chrono::seconds(1);
-/// A robot whose time is its states waits for us, and we for it: libfranka's patience for TCP.
-constexpr Duration kLongPatience = std::chrono::seconds(60);
+/// For a state of a robot whose time is its states: it computes as long as it takes, but no cycle
+/// takes seconds.
+constexpr Duration kLongPatience = std::chrono::seconds(5);
 
 fci::ClientPatience PatienceFor(backend::RobotTime time) {
   fci::ClientPatience patience;

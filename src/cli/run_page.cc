@@ -82,7 +82,7 @@ std::vector<page::NamedView> PageViews(const scenario::Scenario& scenario) {
 }
 
 void TellPage(const page::LivePage& page, const PageFlags& flags) {
-  Say(stdout, fmt::format("page          {}\n", page.url()));
+  for (const std::string& url : page.urls()) Say(stdout, fmt::format("page          {}\n", url));
   if (flags.allow) {
     Say(stderr,
         "panda-twin: note: the page is reached from other machines, and what goes over this "

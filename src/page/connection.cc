@@ -78,13 +78,15 @@ Response Answer(const Request& request) {
 
 /// A browser's WebSocket. It keeps itself while an operation goes on (Asio's idiom), hence the
 /// shared_ptr.
-class Socket final : public Visitor, public std::enable_shared_from_this<Socket> {
+class Socket final : public Visitor, public Droppable, public std::enable_shared_from_this<Socket> {
  public:
-  Socket(beast::tcp_stream stream, ConnectionHouse& house)
-      : stream_(std::move(stream)), house_(house), deadline_(stream_.get_executor()) {
-    ++house_.connections;
+  Socket(beast::tcp_stream stream, ConnectionHouse& house, std::unique_ptr<Place> place)
+      : stream_(std::move(stream)),
+        house_(house),
+        place_(std::move(place)),
+        deadline_(stream_.get_executor()) {
+    place_->PassTo(*this);
   }
-  ~Socket() override { --house_.connections; }
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
@@ -111,6 +113,7 @@ class Socket final : public Visitor, public std::enable_shared_from_this<Socket>
   }
 
   [[nodiscard]] std::size_t waiting() const noexcept override { return queue_.size(); }
+  void Trust() override { place_->Trust(); }
 
   void Close(std::string_view reason) override {
     if (is_closing_) return;
@@ -171,8 +174,9 @@ class Socket final : public Visitor, public std::enable_shared_from_this<Socket>
   }
 
   /// Without waiting for anything; what is under way ends with an error.
-  void Drop() {
+  void Drop() override {
     is_closing_ = true;
+    place_->Leave();
     error_code ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);
   }
@@ -186,6 +190,7 @@ class Socket final : public Visitor, public std::enable_shared_from_this<Socket>
 
   websocket::stream<beast::tcp_stream> stream_;
   ConnectionHouse& house_;
+  const std::unique_ptr<Place> place_;
   asio::steady_timer deadline_;
   beast::flat_buffer buffer_;
   std::deque<SharedParcel> queue_;  ///< the first is going out
@@ -195,16 +200,13 @@ class Socket final : public Visitor, public std::enable_shared_from_this<Socket>
 
 /// A browser that asks for files, and becomes a Socket when it asks for that. Keeps itself as
 /// Socket does.
-class Files final : public std::enable_shared_from_this<Files> {
+class Files final : public Droppable, public std::enable_shared_from_this<Files> {
  public:
   Files(asio::ip::tcp::socket socket, ConnectionHouse& house)
       : stream_(std::move(socket)),
         house_(house),
         local_(LocalOf(stream_)),
-        is_one_too_many_(house.connections >= house.config.most_connections) {
-    ++house_.connections;
-  }
-  ~Files() { --house_.connections; }
+        place_(std::make_unique<Place>(house, *this)) {}
   Files(const Files&) = delete;
   Files& operator=(const Files&) = delete;
 
@@ -219,12 +221,21 @@ class Files final : public std::enable_shared_from_this<Files> {
                      });
   }
 
+  void Drop() override {
+    place_->Leave();
+    error_code ignored;
+    stream_.socket().close(ignored);
+  }
+
  private:
   void Decide() {
     const Request& request = parser_->get();
     const std::string_view host = ViewOf(request[http::field::host]);
-    if (is_one_too_many_) {
+    if (house_.trusted >= house_.config.most_connections) {
       Reply(PlainResponse(http::status::service_unavailable, "Too many look on already\n"));
+    } else if (request.count(http::field::host) != 1) {
+      // Of several, who stands between us and the browser may have looked at another one.
+      Reply(PlainResponse(http::status::bad_request, "One header Host, no more and no less\n"));
     } else if (!IsOurHost(host, local_)) {
       Reply(PlainResponse(http::status::misdirected_request,
                           "This page is asked for by its address, as panda-twin prints it\n"));
@@ -234,7 +245,7 @@ class Files final : public std::enable_shared_from_this<Files> {
       Reply(PlainResponse(http::status::forbidden, "Only our own page may open this WebSocket\n"));
     } else {
       stream_.expires_never();  // the WebSocket has time limits of its own
-      std::make_shared<Socket>(std::move(stream_), house_)->Start(request);
+      std::make_shared<Socket>(std::move(stream_), house_, std::move(place_))->Start(request);
     }
   }
 
@@ -260,7 +271,7 @@ class Files final : public std::enable_shared_from_this<Files> {
   beast::tcp_stream stream_;
   ConnectionHouse& house_;
   const fci::Endpoint local_;
-  const bool is_one_too_many_;
+  std::unique_ptr<Place> place_;  ///< null once it is a Socket's
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   Response response_;
@@ -269,6 +280,7 @@ class Files final : public std::enable_shared_from_this<Files> {
 }  // namespace
 
 void ServeConnection(asio::ip::tcp::socket socket, ConnectionHouse& house) {
+  if (house.strangers.size() >= house.config.most_connections) house.strangers.front()->Drop();
   std::make_shared<Files>(std::move(socket), house)->Read();
 }
 

@@ -106,6 +106,7 @@ void Desk::Obey(Guest& guest, const message::Hello& hello) {
   }
   if (guest.is_known) return;
   guest.is_known = true;
+  guest.visitor->Trust();
   guest.awaits_picture = true;
   guest.visitor->Send(TextParcel(fmt::format(
       R"({{"type":"welcome","you":{},"watch_only":{},"may_record":{},{}}})", guest.number,

@@ -13,6 +13,7 @@
 #include "page/gate.h"
 #include "page/live_camera.h"
 #include "page/message.h"
+#include "page/own_addresses.h"
 #include "page/status.h"
 #include "page/web_server.h"
 #include "twin/core/clock.h"
@@ -66,10 +67,14 @@ class LivePage::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  [[nodiscard]] std::string address() const {
-    return fmt::format("http://{}/", fci::ToString(server_.at()));
+  [[nodiscard]] std::vector<std::string> urls() const {
+    std::vector<std::string> urls;
+    for (const std::uint32_t address : AddressesOf(server_.at().address)) {
+      urls.push_back(
+          fmt::format("http://{}/#token={}", fci::ToString({address, server_.at().port}), token_));
+    }
+    return urls;
   }
-  [[nodiscard]] const std::string& token() const noexcept { return token_; }
 
   void Tell(Time at, std::string_view kind, std::string_view text) {
     server_.Post([this, at, kind = std::string(kind), text = std::string(text)] {
@@ -153,12 +158,8 @@ LivePage::LivePage(const PageSettings& settings, const PageScene& scene, LiveFee
 
 LivePage::~LivePage() = default;
 
-std::string LivePage::address() const {
-  return impl_->address();
-}
-
-std::string LivePage::url() const {
-  return impl_->address() + "#token=" + impl_->token();
+std::vector<std::string> LivePage::urls() const {
+  return impl_->urls();
 }
 
 void LivePage::Tell(Time at, std::string_view kind, std::string_view text) {

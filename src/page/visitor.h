@@ -24,6 +24,8 @@ class Visitor {
   virtual void Send(SharedParcel parcel) = 0;
   /// Parcels that have not gone out.
   [[nodiscard]] virtual std::size_t waiting() const noexcept = 0;
+  /// It has shown the token: it is not dropped to make room for others. Once.
+  virtual void Trust() = 0;
   /// Ends the connection, in order. Nothing it says is heard any more.
   virtual void Close(std::string_view reason) = 0;
 };

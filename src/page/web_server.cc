@@ -65,8 +65,6 @@ class WebServer::Impl {
     error_code error;
     const auto peer = socket.remote_endpoint(error);
     if (error || !MayCome(peer.address())) return;
-    // Those above the most are told so; of twice as many there is no telling any more.
-    if (house_.connections >= 2 * config_.most_connections) return;
     socket.set_option(tcp::no_delay(true), error);
     ServeConnection(std::move(socket), house_);
   }

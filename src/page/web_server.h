@@ -15,8 +15,10 @@ namespace twin::page {
 /// Where the page is, for whom, and what one of them may cost.
 struct WebConfig {
   fci::Endpoint at{.address = 0x7f000001, .port = 8080};  ///< port 0: any free one
-  std::optional<fci::Network> allow{};          ///< who may come from elsewhere; absent: nobody
-  std::size_t most_connections = 100;           ///< a further one is told so (HTTP 503) and ended
+  std::optional<fci::Network> allow{};  ///< who may come from elsewhere; absent: nobody
+  /// That have shown the token: a further one is told so (HTTP 503) and ended. Of as many that have
+  /// not, the oldest makes room for a further one.
+  std::size_t most_connections = 100;
   std::size_t longest_message = 4096;           ///< bytes; a longer one ends its connection
   std::size_t most_waiting = 64;                ///< parcels; with more a visitor is dropped
   Duration patience = std::chrono::seconds(5);  ///< for a request, and for a parcel to go out

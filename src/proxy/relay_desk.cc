@@ -1,5 +1,6 @@
 #include "proxy/relay_desk.h"
 
+#include <algorithm>
 #include <utility>
 #include <variant>
 
@@ -12,8 +13,9 @@ namespace twin::proxy {
 namespace {
 
 constexpr Duration kPatience = std::chrono::milliseconds(100);
-/// Pieces of the robot's bytes that are passed on before others have their turn.
+/// Pieces of the robot's bytes that are passed on before others have their turn, and their size.
 constexpr int kMostPieces = 16;
+constexpr std::size_t kPiece = std::size_t{64} << 10;
 
 template <typename Request>
 std::optional<fci::Connect> ConnectOf(const std::variant<Request, fci::BadFrame>& parsed) {
@@ -32,11 +34,18 @@ std::vector<std::byte> BytesOf(fci::HeadKind kind, std::uint32_t id, const fci::
                                      : fci::EncodeRequest(id, fci::HandRequest(connect));
 }
 
+/// Whether an arm's answer is the first of the two to a Move.
+bool HasBegun(const fci::Frame& frame) {
+  constexpr auto kMove = static_cast<std::uint32_t>(fci::ArmCommand::kMove);
+  constexpr auto kStarted = static_cast<std::byte>(MoveStatus::kMotionStarted);
+  return frame.head.command == kMove && !frame.payload.empty() && frame.payload[0] == kStarted;
+}
+
 }  // namespace
 
 RelayDesk::RelayDesk(const Settings& settings, const MonotonicClock& clock,
                      const server::TellPeople& tell)
-    : settings_(settings), clock_(clock), tell_(tell), piece_(kPiece) {}
+    : settings_(settings), clock_(clock), tell_(tell) {}
 
 void RelayDesk::AddTo(std::vector<pollfd>& waited) const {
   // What the client does not take now is not asked for.
@@ -50,6 +59,7 @@ Duration RelayDesk::patience() const {
 std::optional<std::string> RelayDesk::OnFrame(const fci::Frame& frame) {
   try {
     if (!robot_) Reach();
+    ++owed_;
     return Forward(Passed(frame));
   } catch (const EnvironmentError& error) {
     is_broken_ = true;
@@ -70,6 +80,7 @@ std::optional<std::string> RelayDesk::Forward(std::span<const std::byte> bytes) 
 
 void RelayDesk::Reach() {
   robot_ = fci::TcpStream::Connect(settings_.robot, settings_.reach_patience);
+  answers_.emplace(settings_.kind, fci::kLargestModelLibrary);
   tell_(fmt::format("{}: {} connected to {}", settings_.name, fci::ToString(client_->peer()),
                     fci::ToString(settings_.robot)));
 }
@@ -98,14 +109,29 @@ std::uint16_t RelayDesk::Cross(std::uint16_t client_port) {
 std::optional<std::string> RelayDesk::OnTurn(Time /*now*/) {
   for (int i = 0; robot_ && i < kMostPieces && !client_->has_unsent(); ++i) {
     std::size_t received = 0;
-    switch (robot_->Receive(piece_, received)) {
-      case fci::StreamResult::kDone: client_->Send(std::span(piece_).first(received)); break;
+    const std::span<std::byte> room = answers_->Room();
+    const std::span<std::byte> piece = room.first(std::min(room.size(), kPiece));
+    switch (robot_->Receive(piece, received)) {
+      case fci::StreamResult::kDone:
+        client_->Send(piece.first(received));
+        answers_->Received(received);
+        CountAnswers();
+        if (answers_->fault() == nullptr) break;
+        is_broken_ = true;
+        return fmt::format("the robot sends what is no answer ({})", *answers_->fault());
       case fci::StreamResult::kPending: return {};
       case fci::StreamResult::kClosed: return "the robot has closed the connection";
       case fci::StreamResult::kReset: is_broken_ = true; return "the robot's connection broke";
     }
   }
   return {};
+}
+
+void RelayDesk::CountAnswers() {
+  while (const auto frame = answers_->Next()) {
+    const bool has_begun = settings_.kind == fci::HeadKind::kArm && HasBegun(*frame);
+    if (!has_begun && owed_ > 0) --owed_;
+  }
 }
 
 void RelayDesk::EndCrossing() {
@@ -118,6 +144,8 @@ void RelayDesk::Leave() {
   EndCrossing();
   if (robot_) client_->is_broken() ? robot_->ResetConnection() : robot_->Close();
   robot_.reset();
+  answers_.reset();
+  owed_ = 0;
   client_ = nullptr;
   is_broken_ = false;
 }

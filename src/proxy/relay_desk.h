@@ -48,14 +48,13 @@ class RelayDesk final : public server::Desk {
   void Open(server::Connection& client) override { client_ = &client; }
   [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
   [[nodiscard]] std::optional<std::string> OnTurn(Time now) override;
-  /// The robot has broken its connection: so is the client's.
-  [[nodiscard]] bool has_pending() const override { return is_broken_; }
+  /// The robot has broken its connection: so is the client's. Or it owes an answer: clients wait
+  /// for ever on a connection that ends in order then.
+  [[nodiscard]] bool has_pending() const override { return is_broken_ || owed_ > 0; }
   void Leave() override;
   [[nodiscard]] Duration patience() const override;
 
  private:
-  static constexpr std::size_t kPiece = std::size_t{64} << 10;
-
   void Reach();
   /// @returns as OnFrame().
   [[nodiscard]] std::optional<std::string> Forward(std::span<const std::byte> bytes);
@@ -63,17 +62,20 @@ class RelayDesk final : public server::Desk {
   [[nodiscard]] std::vector<std::byte> Passed(const fci::Frame& frame);
   [[nodiscard]] std::uint16_t Cross(std::uint16_t client_port);
   void EndCrossing();
+  /// Of what the robot has sent.
+  void CountAnswers();
 
   const Settings settings_;
   const MonotonicClock& clock_;
   const server::TellPeople& tell_;
-  std::vector<std::byte> piece_;  ///< of the robot's bytes
   WayCounts counts_;
   bool noticed_ = false;  ///< what the thread is not permitted was told
 
   // A session's.
   server::Connection* client_ = nullptr;
   std::optional<fci::TcpStream> robot_;
+  std::optional<fci::FrameReader> answers_;  ///< the robot's bytes, which pass as they come
+  std::uint64_t owed_ = 0;                   ///< requests that were not answered to their end
   std::optional<Crossing> crossing_;
   bool is_broken_ = false;
 };

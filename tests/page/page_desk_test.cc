@@ -34,9 +34,11 @@ struct SetClock final : Clock {
 struct Browser final : Visitor {
   void Send(SharedParcel parcel) override { got.push_back(parcel->bytes); }
   [[nodiscard]] std::size_t waiting() const noexcept override { return behind; }
+  void Trust() override { trusted = true; }
   void Close(std::string_view reason) override { closed = reason; }
   std::vector<std::string> got;
   std::size_t behind = 0;
+  bool trusted = false;
   std::string closed;
 };
 

@@ -94,7 +94,9 @@ TEST_F(ProxyTcpTest, AConnectWithoutAPortIsLeftForTheRobotToRefuse) {
 TEST_F(ProxyTcpTest, AnswersPassByteForByteHoweverManyAndHoweverSlowlyTheyAreRead) {
   Start();
   Session session = Open();
-  const Bytes library = Pattern(std::size_t{12} << 20);  // more than anyone between keeps
+  const Bytes library = fci::EncodeModelLibraryAnswer(
+      1, fci::ModelLibraryStatus::kSuccess,
+      Pattern(std::size_t{12} << 20));  // more than the systems between keep
   Bytes came;
   std::span<const std::byte> left = library;
   while (came.size() < library.size()) {

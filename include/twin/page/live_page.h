@@ -72,11 +72,9 @@ class LivePage {
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;
 
-  /// Where a browser finds it: "http://127.0.0.1:8080/#token=...". What follows the # stays in the
-  /// browser.
-  [[nodiscard]] std::string url() const;
-  /// "http://127.0.0.1:8080/".
-  [[nodiscard]] std::string address() const;
+  /// Where a browser finds it: "http://127.0.0.1:8080/#token=...", one for each address of this
+  /// machine that it is served at, loopback last. What follows the # stays in the browser.
+  [[nodiscard]] std::vector<std::string> urls() const;
 
   /// A line for all who look.
   void Tell(Time at, std::string_view kind, std::string_view text);

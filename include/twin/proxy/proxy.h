@@ -58,9 +58,10 @@ struct ProxyCounts {
 ///
 /// Decisions:
 ///   - One client at a time, as the server has it: a further one is accepted, its first request
-///     read, and its connection reset. What is no frame ends the connection.
+///     read, and its connection reset. What is no frame, of either side, ends the connection.
 ///   - The robot is connected when a client's first request is there. When it cannot be, the client
-///     is reset. However one side ends, in order or broken, so is the other.
+///     is reset. However one side ends, in order or broken, so is the other; but a client to whom
+///     the robot owes an answer is reset, since libfranka waits for ever on one that ends in order.
 ///   - Only the client (the address of its TCP connection, the port it has told) and the robot (its
 ///     address, and the port its first datagram came from) are listened to.
 ///   - Memory is bounded: robot::Channel's capacity in datagrams of each direction, a MiB of
