@@ -7,6 +7,12 @@
 # for tsan), video, package (installs), bench, slow. The targets unit_tests and stress_tests build all that those labels need.
 # Unit tests of folders that handle untrusted bytes, threads or raw memory are also labelled memory (target memory_tests): those
 # that .ci/run repeats under asan. The others compute; under asan they are for `scripts/test --preset asan -L unit`.
+#
+# A test program of which a case was skipped is "Skipped" to ctest, whatever else passed: it ends with TWIN_SKIPPED, or is a
+# unittest, which says so in its last line. scripts/run-tests tells the reasons. A test that this build cannot have, for want of
+# something that scripts/setup installs, is registered all the same: twin_register_missing_test(name WANTS "what" LABELS ...).
+set(TWIN_SKIPPED 77)
+set(TWIN_UNITTEST_SKIPPED "\nOK \\(skipped=[0-9]+\\)")
 
 # The tests' Python: .venv, made by scripts/setup, has the packages of scripts/requirements-test.txt.
 if(EXISTS ${PROJECT_SOURCE_DIR}/.venv/bin/python)
@@ -61,6 +67,10 @@ endfunction()
 function(twin_add_script_test name)
   cmake_parse_arguments(TEST "" "SCRIPT;TIMEOUT" "ARGS;LABELS;NEEDS" ${ARGN})
   cmake_path(ABSOLUTE_PATH TEST_SCRIPT BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+  file(STRINGS ${TEST_SCRIPT} is_unittest REGEX "unittest\\.main")
+  if(is_unittest)
+    list(APPEND TEST_ARGS -v)  # without it no reason of a skip is told
+  endif()
   twin_register_test(${name} COMMAND ${TWIN_PYTHON} -B ${TEST_SCRIPT} ${TEST_ARGS}
                      LABELS "${TEST_LABELS}" TIMEOUT "${TEST_TIMEOUT}" NEEDS ${TEST_NEEDS})
 endfunction()
@@ -81,10 +91,17 @@ function(twin_register_test name)
   add_test(NAME ${name} COMMAND ${TEST_COMMAND})
   # LSAN_OPTIONS counts under the asan preset only: what libraries leak is named there, what we leak fails.
   set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT}
+    SKIP_RETURN_CODE ${TWIN_SKIPPED} SKIP_REGULAR_EXPRESSION "${TWIN_UNITTEST_SKIPPED}"
     ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.supp:print_suppressions=0")
   foreach(label unit stress memory)
     if(TEST_NEEDS AND "${label}" IN_LIST TEST_LABELS)
       add_dependencies(${label}_tests ${TEST_NEEDS})
     endif()
   endforeach()
+endfunction()
+
+# A test that says why it is none.
+function(twin_register_missing_test name)
+  cmake_parse_arguments(TEST "" "WANTS" "LABELS" ${ARGN})
+  twin_register_test(${name} COMMAND sh -c "echo \"missing: ${TEST_WANTS}\" && exit ${TWIN_SKIPPED}" LABELS "${TEST_LABELS}")
 endfunction()

@@ -83,7 +83,7 @@ class TraceTest(unittest.TestCase):
         try:
             session.require_tools()
         except session.TraceError as missing:
-            self.skipTest(str(missing))
+            self.skipTest(f"missing: {missing}")
         done = subprocess.run(self.arguments(options, command), capture_output=True, text=True, env=self.environment,
                               timeout=PATIENCE)
         if done.returncode == 4 and any(reason in done.stderr for reason in NOT_HERE):

@@ -36,7 +36,7 @@ def example(name, *arguments):
 def missing():
     """What keeps the examples from running here; empty when nothing does."""
     if not (EXAMPLES / "echo_robot_state").exists():
-        return "libfranka-rs is not installed: scripts/setup --clients"
+        return "missing: libfranka-rs is not installed: scripts/setup --clients"
     if os.geteuid() != 0:
         return "only root can show the examples a realtime kernel"
     if subprocess.run([*REALTIME_KERNEL, "true"], capture_output=True).returncode != 0:
@@ -110,7 +110,7 @@ class LibfrankaRsTest(unittest.TestCase):
             self.assertEqual(rates["Max"], 1)
             self.assertNotIn("did not get executed", said)
 
-    @unittest.skipIf(importlib.util.find_spec("panda_py") is None, "panda-python is not installed: scripts/setup")
+    @unittest.skipIf(importlib.util.find_spec("panda_py") is None, "missing: panda-python is not installed: scripts/setup")
     def test_grasp_object(self):
         with TwinServer(PROGRAM, SOURCE, DRIVE, "--scene", "scenes/table_box.xml") as server:
             subprocess.run([sys.executable, "-B", HERE / "panda_programs.py", "reach_for_box", server.address], check=True,

@@ -209,7 +209,7 @@ class PandaPythonTest(unittest.TestCase):
 
 if __name__ == "__main__":
     if importlib.util.find_spec("panda_py") is None:
-        print("panda-python is not installed: scripts/setup")
+        print("missing: panda-python is not installed: scripts/setup")
         sys.exit(SKIPPED)
     PROGRAM, SOURCE, DRIVE = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3]
     unittest.main(argv=[sys.argv[0], *sys.argv[4:]])

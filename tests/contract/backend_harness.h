@@ -26,8 +26,6 @@ class BackendHarness {
 
   /// Whether it depends on the machine when things happen.
   [[nodiscard]] virtual bool by_the_wall_clock() const { return false; }
-  /// Whether it waits for every answer from a motion's first on: then none can be lost by silence.
-  [[nodiscard]] virtual bool waits_for_answers() const { return false; }
   /// Whether a recovery that is asked for while the arm moves is done once it rests, not refused.
   [[nodiscard]] virtual bool recovers_at_rest() const { return false; }
   /// Whether, since ForgetDisturbances(), a state was never read or a command missed its cycle,
@@ -55,6 +53,8 @@ struct HarnessCase {
   std::string name;
   robot::PlantKind plant_kind{};
   std::function<std::unique_ptr<BackendHarness>(const robot::RobotConfig& robot)> make;
+  /// Whether it waits for every answer from a motion's first on: then none can be lost by silence.
+  bool waits_for_answers = false;
 };
 
 /// Those of this test program.

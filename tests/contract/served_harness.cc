@@ -89,11 +89,10 @@ class ServedHarness final : public BackendHarness {
   }
 
   bool by_the_wall_clock() const override { return true; }
-  bool waits_for_answers() const override { return time_ == backend::RobotTime::kStates; }
   bool recovers_at_rest() const override { return true; }
   bool disturbed() override {
     const bool missed_state = missed_in_row_ > 0;
-    if (waits_for_answers()) return missed_state;
+    if (time_ == backend::RobotTime::kStates) return missed_state;  // it waits for answers
     // A command that came too late is dropped one or two cycles on.
     RobotState state;
     for (int i = 0; i < 3; ++i) static_cast<void>(AwaitState(state, backend::ReadRule::kNewest));

@@ -8,8 +8,8 @@ std::vector<HarnessCase> Harnesses() {
   const auto make = [](const robot::RobotConfig& robot) {
     return MakeServedHarness(robot, backend::RobotTime::kStates);
   };
-  return {{"MujocoPlantServedInLockstep", robot::PlantKind::kMujoco, make},
-          {"IdealPlantServedInLockstep", robot::PlantKind::kIdeal, make}};
+  return {{"MujocoPlantServedInLockstep", robot::PlantKind::kMujoco, make, true},
+          {"IdealPlantServedInLockstep", robot::PlantKind::kIdeal, make, true}};
 }
 
 }  // namespace twin::test

@@ -73,7 +73,7 @@ class DevicesTest(unittest.TestCase):
     def plugged_in(self, *devices, events=None):
         """The command in front of one that sees these devices; events are those of the first."""
         if not shutil.which("umockdev-run"):
-            self.skipTest("umockdev is not installed; scripts/setup does it")
+            self.skipTest("missing: umockdev is not installed; scripts/setup does it")
         command = ["umockdev-run"]
         for path, name, axes, keys in devices:
             node = pathlib.PurePath(path).name

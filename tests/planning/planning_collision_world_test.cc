@@ -73,7 +73,7 @@ TEST(CollisionWorldTest, FindsTheContactsTheEngineMakes) {
 }
 
 TEST(CollisionWorldTest, FindsTheContactsTheEngineMakesOfMeshes) {
-  if (!HaveMeshes()) GTEST_SKIP() << "no meshes here";
+  if (!HaveMeshes()) GTEST_SKIP() << "missing: the arm's meshes";
   CollisionWorld world(MeshOptions("clutter.xml"));
   EngineView engine(MeshOptions("clutter.xml"));
   ExpectSameContacts(world, engine, 0, 300);

@@ -67,7 +67,7 @@ TEST(PlanningProblemsTest, NearlyAllAreSolvedWithoutContact) {
 }
 
 TEST(PlanningProblemsTest, NearlyAllAreSolvedWithoutContactOfMeshes) {
-  if (!HaveMeshes()) GTEST_SKIP() << "no meshes here";
+  if (!HaveMeshes()) GTEST_SKIP() << "missing: the arm's meshes";
   SolveAll(MeshOptions("clutter.xml"), 200);
 }
 

@@ -109,7 +109,7 @@ TEST(PlantModelTest, ScenesAngleUnitAndDefaultsDoNotReachTheRobot) {
 }
 
 TEST(PlantModelTest, MeshesComeFromThePackage) {
-  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "no mesh package: scripts/setup";
+  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "missing: the arm's meshes";
   const auto plant = MujocoPlant::Create(MeshOptions());
   EXPECT_TRUE(plant->uses_meshes());
   EXPECT_EQ(plant->warning_count(), 0u) << plant->DescribeWarnings();
@@ -124,14 +124,14 @@ TEST(PlantModelTest, MeshesComeFromThePackage) {
 }
 
 TEST(PlantModelTest, VisualErrorOfZeroKeepsTheMeshesAsTheyAre) {
-  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "no mesh package: scripts/setup";
+  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "missing: the arm's meshes";
   MujocoPlantOptions options = MeshOptions();
   options.visual_error = 0;
   EXPECT_GT(MujocoPlant::Create(options)->model().nmeshface, 134'300);
 }
 
 TEST(PlantModelTest, VisualErrorMovesNoCollisionMesh) {
-  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "no mesh package: scripts/setup";
+  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "missing: the arm's meshes";
   MujocoPlantOptions options = MeshOptions();
   const auto fewer = MujocoPlant::Create(options);
   options.visual_error = 0;
@@ -173,7 +173,7 @@ TEST(PlantModelTest, EveryOwnSceneHasOneLightThatCastsShadows) {
 
 TEST(PlantModelTest, NothingTouchesAtTheReadyPose) {
   EXPECT_EQ(MujocoPlant::Create(DefaultOptions())->data().ncon, 0);
-  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "no mesh package: scripts/setup";
+  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "missing: the arm's meshes";
   EXPECT_EQ(MujocoPlant::Create(MeshOptions())->data().ncon, 0);
 }
 
@@ -206,7 +206,7 @@ void ExpectOnlyDistantLinksTouch(const MujocoPlant& plant) {
 
 TEST(PlantModelTest, LinksNextToOneAnotherNeverTouch) {
   ExpectOnlyDistantLinksTouch(*MujocoPlant::Create(DefaultOptions()));
-  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "no mesh package: scripts/setup";
+  if (!std::filesystem::exists(MeshPackage())) GTEST_SKIP() << "missing: the arm's meshes";
   ExpectOnlyDistantLinksTouch(*MujocoPlant::Create(MeshOptions()));
 }
 

@@ -18,10 +18,14 @@ LACKS = ("lacks", "echo missing: meshes; exit 77", "SKIP_RETURN_CODE 77")
 
 
 def unittest_that(body):
-    """What unittest says of a case with this body, with ctest's property for it."""
-    text = f"import unittest\\nclass T(unittest.TestCase):\\n  def test_x(self): {body}\\n"
-    text += "  def test_y(self): self.skipTest(\\\"it isn't here\\\")\\nunittest.main(argv=[\\\"x\\\", \\\"-v\\\"])"
-    return f"printf '{text}' | python3 -"
+    """The command that runs a case with this body, and one that is skipped."""
+    return f"""python3 - <<'END'
+import unittest
+class T(unittest.TestCase):
+  def test_x(self): {body}
+  def test_y(self): self.skipTest("it isn't here")
+unittest.main(argv=["x", "-v"])
+END"""
 
 
 class RunTestsTest(unittest.TestCase):
