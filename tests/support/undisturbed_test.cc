@@ -34,6 +34,11 @@ TEST(UndisturbedTest, WhatTheMachineSpoiltIsTriedAgain) {
   EXPECT_EQ(attempts, 3);
 }
 
+TEST(UndisturbedTest, NoErrorIsExcusedByItsText) {
+  EXPECT_THROW(Undisturbed([] { throw RobotFault("no answer; this machine gives it no time"); }),
+               RobotFault);
+}
+
 TEST(UndisturbedTest, TheMachineIsToBlameWhereAnErrorSaysSo) {
   attempts = 0;
   Undisturbed([] {
