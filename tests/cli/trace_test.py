@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """scripts/trace from outside: trace_test.py PROGRAM TRACE_POINTS_TEST SOURCE_TREE [unittest options].
 
-Skipped where LTTng's tools are missing or its daemon cannot run. The machine's own lapses decide nothing: a run in which
-they might is run again.
+Skipped where LTTng's tools are missing or its daemon cannot run.
 """
 
 import os
@@ -19,9 +18,11 @@ sys.dont_write_bytecode = True
 PROGRAM, POINTS, SOURCE = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
 sys.path.insert(0, str(SOURCE / "scripts"))
 
-from tracing import figures, session  # noqa: E402: found by the path above
+sys.path.insert(0, str(SOURCE / "tests/support"))
 
-ATTEMPTS = 3
+import witness  # noqa: E402: found by the path above
+from tracing import figures, session  # noqa: E402
+
 PATIENCE = 120  # seconds, longer than any machine takes over what is waited for
 NOT_HERE = ("lttng-sessiond does not start", "this container permits none beside it", "LTTng keeps its buffers in",
             "KiB are needed for")
@@ -91,36 +92,30 @@ class TraceTest(unittest.TestCase):
         self.assertEqual(os.listdir(self.temporary), [], "the session leaves files behind")
         return done
 
+    def traced_run(self, *options, command):
+        def attempt():
+            done = self.trace(*options, command=command)
+            self.assertTrue((self.out / "run.mcap").exists(), done.stderr)
+            return done
+        return witness.undisturbed(lambda: witness.Witness(PROGRAM), attempt, witness.GIVES_UP)
+
     def test_agrees_with_the_log_command_by_command(self):
-        for _ in range(ATTEMPTS):
-            kept = self.tmp / "kept"
-            done = self.trace("--out", kept, "--compare", self.out, command=self.run_command("realtime"))
-            if not (self.out / "run.mcap").exists():
-                self.assertIn("this machine gives it no time", done.stderr)
-                continue
-            [motion] = figures.motions_of(figures.read_events(kept / "lttng"))
-            compared = figures.compare(motion, figures.read_ticks(self.out, PROGRAM))
-            # The log's readings of the clock are outside the trace's, whatever interrupts the thread.
-            self.assertGreaterEqual(min(compared.excess.values()), 0)
-            if len(compared.excess) <= 900:
-                continue  # of a motion of 1 s: this machine served few cycles
-            self.assertLess(len(compared.commands_apart()), 0.02 * len(compared.excess), done.stdout)
-            self.assertNotIn("median", compared.apart(), done.stdout)
-            if not compared.apart():
-                self.assertEqual(done.returncode, 0, done.stderr)
-                self.assertIn("no event lost", done.stdout)
-                return
-            self.assertEqual(done.returncode, 1, done.stdout)
-        self.skipTest("this machine interrupted the thread between two readings of the clock in each run, or served few cycles")
+        kept = self.tmp / "kept"
+        done = self.traced_run("--out", kept, "--compare", self.out, command=self.run_command("realtime"))
+        [motion] = figures.motions_of(figures.read_events(kept / "lttng"))
+        compared = figures.compare(motion, figures.read_ticks(self.out, PROGRAM))
+        self.assertGreater(len(compared.excess), 100)  # of a motion of 1 s: this machine decides how many cycles are served
+        # The log's readings of the clock are outside the trace's, whatever interrupts the thread between them. That makes a few
+        # differ, and the latest may be among those.
+        self.assertGreaterEqual(min(compared.excess.values()), 0)
+        self.assertLess(len(compared.commands_apart()), 0.02 * len(compared.excess), done.stdout)
+        self.assertNotIn("median", compared.apart(), done.stdout)
+        self.assertEqual(done.returncode, 1 if compared.apart() else 0, done.stdout + done.stderr)
+        self.assertIn("no event lost", done.stdout)
 
     def test_refuses_a_shifted_log(self):
         command = [sys.executable, "-c", SHIFTED, PROGRAM, str(self.out), *self.run_command("realtime")]
-        for _ in range(ATTEMPTS):
-            done = self.trace("--compare", self.out / "shifted.csv", command=command)
-            if "this machine gives it no time" not in done.stderr:
-                break
-        else:
-            self.skipTest("this machine gave no run any time")
+        done = self.traced_run("--compare", self.out / "shifted.csv", command=command)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertRegex(done.stderr, "median.*shifted.csv differ")
 

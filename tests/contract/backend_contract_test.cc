@@ -1,8 +1,8 @@
 // What every backend promises, whatever is behind it (include/twin/backend/backend.h).
 //
 // On the wall clock a machine that is busy elsewhere can make a state go unread or a command miss
-// its cycle. A promise that broke when this happened is therefore tried again (Undisturbed,
-// NotCutOff); the others hold whatever the machine does.
+// its cycle. A promise that broke when this happened, and when a witness saw this machine late, is
+// therefore tried again (Undisturbed, NotCutOff); the others hold whatever the machine does.
 
 #include <cmath>
 #include <functional>
@@ -26,6 +26,9 @@ constexpr MotionModes kVelocity{ControllerMode::kJointImpedance,
                                 MotionGeneratorMode::kJointVelocity};
 constexpr MotionModes kTorque{ControllerMode::kExternalController,
                               MotionGeneratorMode::kJointVelocity};
+
+/// From 0.6 rad/s, at most 15 rad/s^2.
+constexpr std::int64_t kCyclesOfAStop = 40;
 
 class BackendContractTest : public ::testing::TestWithParam<test::HarnessCase> {
  protected:
@@ -93,19 +96,22 @@ class BackendContractTest : public ::testing::TestWithParam<test::HarnessCase> {
 
   /// For promises about consecutive cycles.
   void Undisturbed(const std::function<void()>& attempt) {
-    Unspoilt(attempt, [this] { return harness_->disturbed(); });
+    Unspoilt(attempt,
+             [this] { return harness_->disturbed() ? test::kAnyLoss : test::kNothingExcuses; });
   }
   /// For promises about a motion that bears the loss of some commands, but not of all for 20 ms.
   void NotCutOff(const std::function<void()>& attempt) {
     Unspoilt(attempt, [this] {
       constexpr std::uint64_t kBorne = 19;  // and before its first command a motion counts no loss
       const auto lost = static_cast<std::size_t>(RobotError::kCommunicationConstraintsViolation);
-      return harness_->disturbed() &&
-             (harness_->missed_in_row() > kBorne || backend().Describe().last_errors.test(lost));
+      const bool cut_off = harness_->disturbed() && (harness_->missed_in_row() > kBorne ||
+                                                     backend().Describe().last_errors.test(lost));
+      return cut_off ? test::kEndsAMotion : test::kNothingExcuses;
     });
   }
-  /// Runs `attempt` on a new harness until it holds, or fails though the machine spoilt nothing.
-  void Unspoilt(const std::function<void()>& attempt, const std::function<bool()>& spoilt) {
+  /// Runs `attempt` on a new harness until it holds, or fails though the machine was not as late
+  /// as that needs: so many cycles in a row.
+  void Unspoilt(const std::function<void()>& attempt, const std::function<std::int64_t()>& needed) {
     constexpr int kAttempts = 50;
     test::Undisturbed(
         [&] {
@@ -113,7 +119,7 @@ class BackendContractTest : public ::testing::TestWithParam<test::HarnessCase> {
           MakeHarness();
           attempt();
         },
-        spoilt, kAttempts);
+        needed, test::ByWitness(GetParam().fifo_priority), kAttempts);
   }
 
   std::unique_ptr<test::BackendHarness> harness_;
@@ -300,7 +306,7 @@ TEST_P(BackendContractTest, RefusesMotionsWhileTheArmStillMoves) {
         EXPECT_THROW(backend().Start(kPosition), RobotFault);
         EXPECT_FALSE(IsAtRest()) << "nothing was refused for the arm's motion";
       },
-      [this] { return harness_->by_the_wall_clock() && IsAtRest(); });
+      [this] { return IsAtRest() ? kCyclesOfAStop : test::kNothingExcuses; });
 }
 
 TEST_P(BackendContractTest, RecoversNoArmThatStillMoves) {
@@ -324,7 +330,7 @@ TEST_P(BackendContractTest, RecoversNoArmThatStillMoves) {
       },
       [&] {
         const bool came_late = was_at_rest || (!harness_->recovers_at_rest() && IsAtRest());
-        return harness_->by_the_wall_clock() && came_late;
+        return came_late ? kCyclesOfAStop : test::kNothingExcuses;
       });
 }
 

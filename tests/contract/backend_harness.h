@@ -55,6 +55,8 @@ struct HarnessCase {
   std::function<std::unique_ptr<BackendHarness>(const robot::RobotConfig& robot)> make;
   /// Whether it waits for every answer from a motion's first on: then none can be lost by silence.
   bool waits_for_answers = false;
+  /// The least FIFO priority of the threads that its time passes on, the caller's among them.
+  int fifo_priority = 0;
 };
 
 /// Those of this test program.

@@ -26,11 +26,13 @@ class HandContractTest : public testing::TestWithParam<HarnessCase> {
   }
   /// Runs `attempt` with a new hand, again where the machine did not let it answer.
   void WithHand(const std::function<void()>& attempt) {
-    Undisturbed([&] {
-      MakeHarness();
-      ASSERT_NE(harness_->hand(), nullptr);
-      attempt();
-    });
+    Undisturbed(
+        [&] {
+          MakeHarness();
+          ASSERT_NE(harness_->hand(), nullptr);
+          attempt();
+        },
+        [] { return kGivenUp; }, ByWitness(GetParam().fifo_priority));
   }
   [[nodiscard]] backend::Hand& hand() { return *harness_->hand(); }
 

@@ -96,8 +96,8 @@ std::vector<HarnessCase> Harnesses() {
   const auto make = [](const robot::RobotConfig& robot) {
     return std::make_unique<RealtimeHarness>(robot);
   };
-  return {{"MujocoPlantInRealtime", robot::PlantKind::kMujoco, make},
-          {"IdealPlantInRealtime", robot::PlantKind::kIdeal, make}};
+  return {{"MujocoPlantInRealtime", robot::PlantKind::kMujoco, make, false, kUrgentHere},
+          {"IdealPlantInRealtime", robot::PlantKind::kIdeal, make, false, kUrgentHere}};
 }
 
 }  // namespace twin::test

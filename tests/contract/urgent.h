@@ -17,12 +17,15 @@ inline rt::ThreadSettings Urgent(const char* name, int priority) {
   return settings;
 }
 
+/// Of the thread that a test runs on; a robot in real time has more.
+inline constexpr int kUrgentHere = 80;
+
 /// Makes the calling thread urgent while it lives.
 class UrgentHere {
  public:
   UrgentHere() {
     pthread_getschedparam(pthread_self(), &policy_, &parameters_);
-    static_cast<void>(rt::SetUpThisThread(Urgent("", 80)));
+    static_cast<void>(rt::SetUpThisThread(Urgent("", kUrgentHere)));
   }
   ~UrgentHere() { pthread_setschedparam(pthread_self(), policy_, &parameters_); }
   UrgentHere(const UrgentHere&) = delete;

@@ -1,5 +1,6 @@
 // The robot on the wall clock. Nothing here depends on the machine being fast or quiet: what is
-// asserted holds however late the threads run, or is tried again when they did not run at all.
+// asserted holds however late the threads run, or is tried again when a witness saw that they did
+// not run at all.
 
 #include <algorithm>
 #include <atomic>
@@ -244,29 +245,25 @@ TEST_F(RealtimeRobotTest, ServesExactlyTheCyclesWhoseCommandArrivedInTime) {
   const Duration delay = microseconds(120);
   config.link.command.delay = rt::DelayModel(rt::ConstantDelay{delay});
   config.link.d_INT = microseconds(150);
-  // Where this thread never comes in time, nothing can be served.
-  for (int attempt = 0; attempt < 10; ++attempt) {
-    Make(config);
-    ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
-    robot_->Begin();
-    std::vector<WriteTime> writes(2000, {Time::max(), Time::max()});
-    std::uint64_t id = 0;
-    while (id < 400) {
-      const RobotState* state = AwaitState();
-      ASSERT_NE(state, nullptr);
-      id = state->message_id;
-      RobotCommand command;
-      command.message_id = id;
-      command.q_c = test::kReady;
-      if (id % 3 == 0) rt::SleepUntil(clock_, clock_.Now() + microseconds(id));  // some too late
-      const Time before = clock_.Now();
-      robot_->Write(command);
-      if (id < writes.size()) writes[id] = {before, clock_.Now()};
-    }
-    robot_->End();
-    if (CountServed(cycles_.kept(), writes, delay + config.link.d_INT) > 0) return;
+  Make(config);
+  ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
+  robot_->Begin();
+  std::vector<WriteTime> writes(2000, {Time::max(), Time::max()});
+  std::uint64_t id = 0;
+  while (id < 400) {
+    const RobotState* state = AwaitState();
+    ASSERT_NE(state, nullptr);
+    id = state->message_id;
+    RobotCommand command;
+    command.message_id = id;
+    command.q_c = test::kReady;
+    if (id % 3 == 0) rt::SleepUntil(clock_, clock_.Now() + microseconds(id));  // some too late
+    const Time before = clock_.Now();
+    robot_->Write(command);
+    if (id < writes.size()) writes[id] = {before, clock_.Now()};
   }
-  GTEST_SKIP() << "this machine disturbed every attempt";
+  robot_->End();
+  EXPECT_GT(CountServed(cycles_.kept(), writes, delay + config.link.d_INT), 0);
 }
 
 TEST_F(RealtimeRobotTest, AnswersRequestsBeforeDuringAndAfterItsTime) {

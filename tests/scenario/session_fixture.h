@@ -146,7 +146,6 @@ class SessionFixture : public ::testing::Test {
   /// There, the hand, and back: what holds on every drive.
   void GoThereAndBack(scenario::Session& session, const scenario::Scenario& scenario) {
     const scenario::MotionResult there = session.Move(Turn(kRest, 0.1, session, scenario, "there"));
-    Note(there);
     ASSERT_TRUE(there.report.succeeded()) << there.report.failure;
     const Time arrived = session.Now();
     const scenario::HandOutcome hand = session.Command(hand::Move{.width = 0.04, .speed = 0.1});
@@ -158,7 +157,6 @@ class SessionFixture : public ::testing::Test {
     EXPECT_NEAR(state.q_d[0], 0.1, 1e-3);
     const scenario::MotionResult back =
         session.Move(Turn(state.q_d, -state.q_d[0], session, scenario, "back"));
-    Note(back);
     ASSERT_TRUE(back.report.succeeded()) << back.report.failure;
     EXPECT_GT(back.begun, there.begun + there.report.simulated / 2);
     EXPECT_NEAR(back.report.q_final[0], 0, 1e-3);
@@ -167,7 +165,6 @@ class SessionFixture : public ::testing::Test {
   /// A reflex, recovery, and a motion that works again.
   void FailAndRecover(scenario::Session& session, const scenario::Scenario& scenario) {
     const scenario::MotionResult jump = session.Move(Jump(kRest, session, scenario));
-    Note(jump);
     ASSERT_EQ(jump.report.end, backend::MotionEnd::kAborted) << jump.report.failure;
     EXPECT_EQ(session.ReadState().robot_mode, RobotMode::kReflex);
     session.Recover();
@@ -175,20 +172,12 @@ class SessionFixture : public ::testing::Test {
     ASSERT_EQ(state.robot_mode, RobotMode::kIdle);
     const scenario::MotionResult again =
         session.Move(Turn(state.q_d, 0.05, session, scenario, "again"));
-    Note(again);
     EXPECT_TRUE(again.report.succeeded()) << again.report.failure;
   }
 
   backend::Registry backends_;
   control::ControllerRegistry controllers_;
   const scenario::RunFiles files_{std::filesystem::path(TWIN_SOURCE_DIR) / "models", {}, {}, false};
-  /// States that came out of time, or not at all: what a machine does to motions on its clock.
-  std::uint64_t disturbances_ = 0;
-
- private:
-  void Note(const scenario::MotionResult& motion) {
-    disturbances_ += motion.report.timings.skipped_states + motion.report.timings.anomalous;
-  }
 };
 
 }  // namespace twin::test

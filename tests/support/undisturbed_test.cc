@@ -8,76 +8,98 @@
 namespace twin::test {
 namespace {
 
+using std::chrono::milliseconds;
+
 int attempts = 0;
 
-TEST(UndisturbedTest, AnAttemptWithoutFailureIsTheLast) {
+/// A host that spoils so many cycles in a row of every attempt.
+WatchHost Spoiling(std::int64_t cycles) {
+  return [cycles] { return [cycles] { return Lateness{cycles, cycles * milliseconds(1)}; }; };
+}
+
+std::int64_t TwentyCycles() {
+  return kEndsAMotion;
+}
+
+TEST(UndisturbedTest, AnAttemptWithoutFailureIsTheLastOnWhateverHost) {
   attempts = 0;
-  Undisturbed([] { ++attempts; });
+  Undisturbed([] { ++attempts; }, &TwentyCycles, Spoiling(1000));
   EXPECT_EQ(attempts, 1);
 }
 
-TEST(UndisturbedTest, WhatFailedUndisturbedIsAFailure) {
+void AbortBesideAHostThatSpoils(std::int64_t cycles) {
+  Undisturbed(
+      [] {
+        ++attempts;
+        ADD_FAILURE() << "communication_constraints_violation; this machine gives it no time";
+      },
+      &TwentyCycles, Spoiling(cycles), 4);
+}
+
+TEST(UndisturbedTest, AnAbortBesideAQuietWitnessFailsWhateverItSays) {
   attempts = 0;
-  const auto failing = [] {
-    Undisturbed([] {
-      ++attempts;
-      EXPECT_EQ(1, 2) << "the claim";
-    });
-  };
-  EXPECT_NONFATAL_FAILURE(failing(), "the claim");
-  EXPECT_EQ(attempts, 1);
+  EXPECT_NONFATAL_FAILURE(AbortBesideAHostThatSpoils(0), "communication_constraints_violation");
+  EXPECT_NONFATAL_FAILURE(AbortBesideAHostThatSpoils(19), "the host spoilt 19 cycles in a row");
+  EXPECT_EQ(attempts, 2);
 }
 
-TEST(UndisturbedTest, WhatTheMachineSpoiltIsTriedAgain) {
-  attempts = 0;
-  Undisturbed([] { EXPECT_EQ(++attempts, 3); }, [] { return attempts < 3; });
-  EXPECT_EQ(attempts, 3);
-}
-
-TEST(UndisturbedTest, NoErrorIsExcusedByItsText) {
-  EXPECT_THROW(Undisturbed([] { throw RobotFault("no answer; this machine gives it no time"); }),
-               RobotFault);
-}
-
-TEST(UndisturbedTest, TheMachineIsToBlameWhereAnErrorSaysSo) {
-  attempts = 0;
-  Undisturbed([] {
-    if (++attempts < 3) throw RobotFault("no answer; this machine gives it no time");
-  });
-  EXPECT_EQ(attempts, 3);
-}
-
-TEST(UndisturbedTest, AFailureThatQuotesSuchAnErrorIsTriedAgain) {
-  attempts = 0;
-  const auto starve = [] {
-    if (++attempts < 3) throw RobotFault("no answer; this machine gives it no time");
-    throw InputError("refused");
-  };
-  Undisturbed([&] { EXPECT_THROW(starve(), InputError); });
-  EXPECT_EQ(attempts, 3);
-}
-
-TEST(UndisturbedTest, AnyOtherErrorIsPassedOn) {
-  EXPECT_THROW(Undisturbed([] { throw RobotFault("refused"); }), RobotFault);
-  EXPECT_THROW(Undisturbed([] { throw std::runtime_error("a bug"); }), std::runtime_error);
-}
-
-TEST(UndisturbedTest, ATestWhoseEveryAttemptWasSpoiltIsSkipped) {
+TEST(UndisturbedTest, AnAbortBesideALateWitnessIsRepeatedAndThenSkips) {
   attempts = 0;
   ::testing::TestPartResultArray found;
   {
     const ::testing::ScopedFakeTestPartResultReporter reporter(
         ::testing::ScopedFakeTestPartResultReporter::INTERCEPT_ONLY_CURRENT_THREAD, &found);
-    Undisturbed(
-        [] {
-          ++attempts;
-          FAIL();
-        },
-        [] { return true; }, 4);
+    AbortBesideAHostThatSpoils(20);
   }
   EXPECT_EQ(attempts, 4);
   ASSERT_EQ(found.size(), 1);
   EXPECT_TRUE(found.GetTestPartResult(0).skipped());
+}
+
+TEST(UndisturbedTest, ARepeatedAttemptMayHold) {
+  attempts = 0;
+  Undisturbed([] { EXPECT_EQ(++attempts, 3); }, &TwentyCycles, Spoiling(20));
+  EXPECT_EQ(attempts, 3);
+}
+
+TEST(UndisturbedTest, AnErrorIsExcusedAsAFailureIs) {
+  attempts = 0;
+  const auto refuse = [] {
+    if (++attempts < 3) throw RobotFault("no answer");
+  };
+  EXPECT_THROW(Undisturbed(refuse, &TwentyCycles, Spoiling(19)), RobotFault);
+  attempts = 0;
+  Undisturbed(refuse, &TwentyCycles, Spoiling(20));
+  EXPECT_EQ(attempts, 3);
+}
+
+TEST(UndisturbedTest, WhatIsNoErrorOfTheWorldIsPassedOnAtOnce) {
+  EXPECT_THROW(Undisturbed([] { throw std::runtime_error("a bug"); }, &TwentyCycles, Spoiling(20)),
+               std::runtime_error);
+}
+
+TEST(UndisturbedTest, UnlessToldOnlyAThreadThatDidNotRunForASecondIsExcused) {
+  const auto failing = [](std::int64_t cycles) {
+    Undisturbed([] { EXPECT_EQ(++attempts, 2); }, [] { return kGivenUp; }, Spoiling(cycles));
+  };
+  attempts = 0;
+  EXPECT_NONFATAL_FAILURE(failing(899), "the host spoilt 899");
+  attempts = 0;
+  failing(900);
+  EXPECT_EQ(attempts, 2);
+}
+
+TEST(LongestRunTest, JoinsWhatOverlapsOrTouches) {
+  EXPECT_EQ(LongestRun({}), 0);
+  EXPECT_EQ(LongestRun({{5, 6}}), 2);
+  EXPECT_EQ(LongestRun({{5, 6}, {8, 12}}), 5);
+  EXPECT_EQ(LongestRun({{8, 12}, {5, 7}}), 8) << "touching, of two processors";
+  EXPECT_EQ(LongestRun({{5, 20}, {7, 9}, {21, 22}}), 18);
+}
+
+TEST(WitnessTest, SeesNothingOfARunThatIsOverAtOnce) {
+  Witness witness(0);
+  EXPECT_LT(witness.End().spoilt_in_row, 1000);
 }
 
 }  // namespace
