@@ -110,7 +110,7 @@ class RealtimeTest(unittest.TestCase):
             done = subprocess.run(self.command(out, "realtime"), capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             claim()
-        witness.undisturbed(lambda: witness.Witness(PROGRAM, 0), attempt, {"": 4})
+        witness.undisturbed(lambda: witness.Witness(PROGRAM, 0), attempt, {"": (witness.IN_ROW, 4)})
 
     def assert_readable(self, log):
         done = subprocess.run([PROGRAM, "export", log, "--out", self.tmp / "exported"], capture_output=True, text=True)

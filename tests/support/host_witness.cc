@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   }
   const twin::test::Lateness lateness = witness.End();
   const std::chrono::duration<double, std::milli> most = lateness.most;
-  std::printf("{\"spoilt_in_row\": %lld, \"latest_ms\": %.3f}\n",
-              static_cast<long long>(lateness.spoilt_in_row), most.count());
+  std::printf("{\"in_row\": %lld, \"of_500\": %lld, \"latest_ms\": %.3f}\n",
+              static_cast<long long>(lateness.spoilt_in_row),
+              static_cast<long long>(lateness.spoilt_of_500), most.count());
 }

@@ -8,13 +8,11 @@
 namespace twin::test {
 namespace {
 
-using std::chrono::milliseconds;
-
 int attempts = 0;
 
 /// A host that spoils so many cycles in a row of every attempt.
 WatchHost Spoiling(std::int64_t cycles) {
-  return [cycles] { return [cycles] { return Lateness{cycles, cycles * milliseconds(1)}; }; };
+  return [cycles] { return [cycles] { return Lateness{cycles, cycles, cycles * kCycle}; }; };
 }
 
 std::int64_t TwentyCycles() {
@@ -89,12 +87,25 @@ TEST(UndisturbedTest, UnlessToldOnlyAThreadThatDidNotRunForASecondIsExcused) {
   EXPECT_EQ(attempts, 2);
 }
 
-TEST(LongestRunTest, JoinsWhatOverlapsOrTouches) {
-  EXPECT_EQ(LongestRun({}), 0);
-  EXPECT_EQ(LongestRun({{5, 6}}), 2);
-  EXPECT_EQ(LongestRun({{5, 6}, {8, 12}}), 5);
-  EXPECT_EQ(LongestRun({{8, 12}, {5, 7}}), 8) << "touching, of two processors";
-  EXPECT_EQ(LongestRun({{5, 20}, {7, 9}, {21, 22}}), 18);
+TEST(CountSpoiltTest, JoinsWhatOverlapsOrTouches) {
+  const auto in_row = [](const std::vector<CycleRange>& spoilt) {
+    return CountSpoilt(spoilt).spoilt_in_row;
+  };
+  EXPECT_EQ(in_row({}), 0);
+  EXPECT_EQ(in_row({{5, 6}}), 2);
+  EXPECT_EQ(in_row({{5, 6}, {8, 12}}), 5);
+  EXPECT_EQ(in_row({{8, 12}, {5, 7}}), 8) << "touching, of two processors";
+  EXPECT_EQ(in_row({{5, 20}, {7, 9}, {21, 22}}), 18);
+}
+
+TEST(CountSpoiltTest, CountsEachCycleOnceInAnyFiveHundred) {
+  const auto of_500 = [](const std::vector<CycleRange>& spoilt) {
+    return CountSpoilt(spoilt).spoilt_of_500;
+  };
+  EXPECT_EQ(of_500({{5, 6}, {6, 8}, {100, 100}}), 5);
+  EXPECT_EQ(of_500({{1, 1}, {500, 500}}), 2);
+  EXPECT_EQ(of_500({{1, 1}, {501, 501}}), 1);
+  EXPECT_EQ(of_500({{1, 2000}}), 500);
 }
 
 TEST(WitnessTest, SeesNothingOfARunThatIsOverAtOnce) {

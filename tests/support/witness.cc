@@ -24,16 +24,25 @@ std::vector<int> Processors() {
 
 }  // namespace
 
-std::int64_t LongestRun(std::vector<CycleRange> ranges) {
-  std::ranges::sort(ranges, {}, &CycleRange::first);
-  std::int64_t longest = 0;
-  CycleRange run{0, -2};
-  for (const CycleRange& range : ranges) {
-    if (range.first > run.last + 1) run = range;
-    run.last = std::max(run.last, range.last);
-    longest = std::max(longest, run.last - run.first + 1);
+Lateness CountSpoilt(const std::vector<CycleRange>& spoilt) {
+  constexpr std::size_t kWindow = 500;
+  std::vector<bool> is_spoilt;
+  for (const CycleRange& range : spoilt) {
+    const auto end = static_cast<std::size_t>(range.last) + 1;
+    if (is_spoilt.size() < end) is_spoilt.resize(end);
+    std::fill(is_spoilt.begin() + range.first, is_spoilt.begin() + range.last + 1, true);
   }
-  return longest;
+  Lateness lateness;
+  std::int64_t in_row = 0;
+  std::int64_t in_window = 0;
+  for (std::size_t i = 0; i < is_spoilt.size(); ++i) {
+    in_row = is_spoilt[i] ? in_row + 1 : 0;
+    in_window += is_spoilt[i] ? 1 : 0;
+    if (i >= kWindow && is_spoilt[i - kWindow]) --in_window;
+    lateness.spoilt_in_row = std::max(lateness.spoilt_in_row, in_row);
+    lateness.spoilt_of_500 = std::max(lateness.spoilt_of_500, in_window);
+  }
+  return lateness;
 }
 
 Witness::Witness(int fifo_priority) {
@@ -66,13 +75,12 @@ Witness::Witness(int fifo_priority) {
 Lateness Witness::End() {
   for (rt::StartedThread& one : threads_) one.thread.request_stop();
   threads_.clear();
-  Lateness lateness;
   std::vector<CycleRange> spoilt;
   for (const Watch& watch : watches_) {
     spoilt.insert(spoilt.end(), watch.spoilt.begin(), watch.spoilt.end());
-    lateness.most = std::max(lateness.most, watch.most);
   }
-  lateness.spoilt_in_row = LongestRun(std::move(spoilt));
+  Lateness lateness = CountSpoilt(spoilt);
+  lateness.most = std::ranges::max(watches_, {}, &Watch::most).most;
   return lateness;
 }
 

@@ -15,14 +15,16 @@ struct CycleRange {
   std::int64_t last = 0;
 };
 
-/// @returns the length of the longest run of cycles without a gap that are in some of the ranges.
-[[nodiscard]] std::int64_t LongestRun(std::vector<CycleRange> ranges);
-
-/// How late a host woke threads that do nothing but sleep.
+/// How late a host woke threads that do nothing but sleep, and what that may have cost a 1 kHz
+/// loop.
 struct Lateness {
-  std::int64_t spoilt_in_row = 0;  ///< most cycles in a row that it may have cost a 1 kHz loop
+  std::int64_t spoilt_in_row = 0;  ///< most cycles in a row
+  std::int64_t spoilt_of_500 = 0;  ///< most cycles of any 500 in a row
   Duration most{};                 ///< of one wake-up
 };
+
+/// @param spoilt  in any order; they may overlap.
+[[nodiscard]] Lateness CountSpoilt(const std::vector<CycleRange>& spoilt);
 
 /// Witnesses what this host does to a run beside it: a thread on each processor wakes every
 /// millisecond and notes how late it is.
