@@ -32,7 +32,7 @@ class Taker(threading.Thread):
     def run(self):
         try:
             while True:
-                self.visitor.picture(most=10**9)
+                self.visitor.picture()
                 self.taken += 1
                 self.on.wait()
                 self.visitor.say("shown")
@@ -43,7 +43,7 @@ class Taker(threading.Thread):
 def cycles(watcher):
     """(served, held) as of now: what had piled up meanwhile is passed over."""
     watcher.say("ping", sent_ms=time.monotonic())
-    watcher.hear("pong", most=10**6)
+    watcher.hear("pong")
     arm = watcher.hear(lambda message: message["type"] == "state" and message["arm"])["arm"]
     return arm["served"], arm["held"]
 
@@ -79,7 +79,7 @@ def main():
 
 def measure(served, args):
     watcher = served.visit()
-    watcher.hear(lambda message: message["type"] == "state" and message["arm"] and message["arm"]["mode"] == "Move", most=10**6)
+    watcher.hear(lambda message: message["type"] == "state" and message["arm"] and message["arm"]["mode"] == "Move")
     taker = Taker(served)
     taker.start()
     tallies = {False: [0, 0], True: [0, 0]}

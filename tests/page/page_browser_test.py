@@ -5,12 +5,12 @@ Drives the base, moves the arm, closes the hand and stops, by keys, sticks and b
 python3-selenium (scripts/setup installs them). --keep saves what the browser shows.
 """
 
+import csv
 import pathlib
 import re
 import shutil
 import sys
 import tempfile
-import time
 import unittest
 
 from selenium import webdriver
@@ -21,6 +21,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 import page_server_test
+from web_client import PATIENCE
 
 KEEP = None
 FACT = """const terms = [...document.querySelectorAll("#facts dt")];
@@ -56,8 +57,8 @@ class PageBrowserTest(unittest.TestCase):
         cls.wait_until(lambda: cls.fact("robot") == "Move")
 
     @classmethod
-    def wait_until(cls, holds, seconds=20):
-        WebDriverWait(cls.browser, seconds, poll_frequency=0.1).until(lambda _: holds())
+    def wait_until(cls, holds):
+        WebDriverWait(cls.browser, PATIENCE, poll_frequency=0.1).until(lambda _: holds())
 
     @classmethod
     def fact(cls, name):
@@ -69,8 +70,15 @@ class PageBrowserTest(unittest.TestCase):
     def element(self, name):
         return self.browser.find_element(By.ID, name)
 
-    def hold(self, key, seconds):
-        ActionChains(self.browser).key_down(key).pause(seconds).key_up(key).perform()
+    def hold_until(self, key, holds):
+        ActionChains(self.browser).key_down(key).perform()
+        self.wait_until(holds)
+        ActionChains(self.browser).key_up(key).perform()
+
+    def odometry_changes(self, way, numbers):
+        """A test whether these numbers of the base, of x, y in m and yaw in degrees, have changed by so much from now."""
+        before = self.numbers("odometry")[numbers]
+        return lambda: sum(abs(a - b) for a, b in zip(self.numbers("odometry")[numbers], before)) > way
 
     def picture(self):
         return self.browser.execute_script("return document.getElementById('camera').toDataURL()")
@@ -106,8 +114,9 @@ class PageBrowserTest(unittest.TestCase):
         self.make_mode("arm")
         before = self.numbers("end effector")
         stick = self.element("right")
-        ActionChains(self.browser).click_and_hold(stick).move_by_offset(0, -60).pause(1.5).release().perform()
-        self.assertGreater(self.numbers("end effector")[2], before[2] + 0.03)
+        ActionChains(self.browser).click_and_hold(stick).move_by_offset(0, -60).perform()
+        self.wait_until(lambda: self.numbers("end effector")[2] > before[2] + 0.03)
+        ActionChains(self.browser).release().perform()
 
     def test_5_closes_the_hand(self):
         self.element("gripper").click()
@@ -115,32 +124,36 @@ class PageBrowserTest(unittest.TestCase):
 
     def test_6_drives_the_base_by_keys(self):
         self.make_mode("base")
-        before = self.numbers("odometry")
-        self.hold("w", 2)
-        after = self.numbers("odometry")
-        self.assertGreater(abs(after[0] - before[0]) + abs(after[1] - before[1]), 0.1)
+        self.hold_until("w", self.odometry_changes(0.1, slice(0, 2)))
         self.keep("desk")
 
     def test_6_records_what_is_done_into_a_script(self):
         self.element("record").click()
         self.wait_until(lambda: self.element("record").get_attribute("aria-pressed") == "true")
-        self.hold("a", 0.5)
+        self.hold_until("a", self.odometry_changes(3, slice(2, 3)))
         self.element("record").click()
         self.wait_until((self.out / "operator_1.csv").is_file)
-        rows = (self.out / "operator_1.csv").read_text().splitlines()
-        self.assertGreater(len(rows), 8)  # half a second of some thirty a second, less what a busy machine leaves out
+        with open(self.out / "operator_1.csv", newline="") as script:
+            self.assertTrue(any(float(row[axis]) for row in csv.DictReader(script) for axis in ("x", "y", "z", "rx", "ry", "rz")))
 
     def test_7_lost_heartbeat_holds(self):
         with self.served.visit() as watcher:
             # As when the network is lost in the middle of a drive: the key is down, and nothing more is sent.
-            ActionChains(self.browser).key_down("s").pause(1.5).perform()
-            watcher.hear(lambda message: message["type"] == "state" and abs(message["base"]["v"]) > 0.1, most=1000)
+            ActionChains(self.browser).key_down("s").perform()
+            watcher.hear(lambda message: message["type"] == "state" and abs(message["base"]["v"]) > 0.1)
             self.browser.execute_cdp_cmd("Network.enable", {})
             self.browser.execute_script("WebSocket.prototype.send = () => {};")
-            held = watcher.hear(lambda message: message["type"] == "state" and message["teleop"]["holding"], most=1000)
-            rest = watcher.hear(lambda message: message["type"] == "state" and abs(message["base"]["v"]) < 0.01, most=1000)
-            self.assertLess(rest["t"] - held["t"], 2.0)
-            watcher.hear(lambda message: message["type"] == "event" and "nothing was heard" in message["text"], most=1000)
+            led = 0.0  # until when: a machine that held the browser up had it hold before
+
+            def rests(message):
+                nonlocal led
+                if message["type"] != "state":
+                    return False
+                if not message["teleop"]["holding"]:
+                    led = message["t"]
+                return message["teleop"]["holding"] and abs(message["base"]["v"]) < 0.01
+            self.assertLess(watcher.hear(rests)["t"] - led, 2.0)
+            watcher.hear(lambda message: message["type"] == "event" and "nothing was heard" in message["text"])
         self.browser.refresh()
         self.wait_until(lambda: self.element("role").text == "watching")
 
@@ -150,7 +163,7 @@ class PageBrowserTest(unittest.TestCase):
         self.make_mode("base")
         self.element("cameras").click()  # what was touched last must not keep the key
         ActionChains(self.browser).send_keys(Keys.ARROW_DOWN, Keys.ENTER).perform()
-        self.hold(" ", 0.1)
+        ActionChains(self.browser).send_keys(" ").perform()
         self.wait_until(lambda: self.fact("moves") == "stopped" and self.fact("base") == "emergency stop")
         self.keep("stopped")
         self.element("release").click()
@@ -159,9 +172,8 @@ class PageBrowserTest(unittest.TestCase):
     def test_9_fits_a_phone(self):
         self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                      {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
-        time.sleep(0.5)
+        self.wait_until(lambda: self.browser.execute_script("return document.documentElement.scrollWidth") <= 390)
         self.keep("phone")
-        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 390)
         self.assertTrue(self.element("stop").is_displayed())
 
 

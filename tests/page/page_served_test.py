@@ -13,7 +13,7 @@ import tempfile
 import time
 import unittest
 
-from web_client import WebSocket
+from web_client import PATIENCE, Operator, WebSocket
 
 PROGRAM = ""
 SOURCE = pathlib.Path()
@@ -23,8 +23,6 @@ operator: {device: page}
 application: {type: teleoperation}
 record: false
 """
-PATIENCE = 40
-HANDS_S = 0.033
 
 
 def two_free_ports():
@@ -49,32 +47,20 @@ def address_elsewhere():
     return "" if address.startswith("127.") else address
 
 
-class Operator:
-    """A visitor whose hands do the same thing for as long as it listens."""
+class PersistentOperator(Operator):
+    """Ends a session in which the arm does not move, as a person would."""
 
-    def __init__(self, port, token):
-        self.visitor = WebSocket(port)
-        self.visitor.say("hello", token=token)
-        self.me = self.visitor.hear("welcome")["you"]
-
-    def lead(self, axes, until):
-        """Holds these axes until a state fits; that state."""
-        deadline = time.monotonic() + PATIENCE
-        sent = 0
-        while time.monotonic() < deadline:
-            state = self.visitor.hear("state")
-            if not state["arm"]:
-                continue
-            if state["operator"] != self.me:
-                self.visitor.say("take")
-            if time.monotonic() - sent > HANDS_S:
-                sent = time.monotonic()
-                self.visitor.say("hands", axes=axes, engaged=True, sent_ms=0)
-            if until(state):
-                return state
-            if state["arm"]["mode"] in ("Reflex", "Idle") and state["operator"] == self.me and self.waits_too_long():
+    def lead_arm(self, axes, until):
+        """Holds these axes until the arm fits; the arm."""
+        def fits(message):
+            if message["type"] != "state" or not message["arm"]:
+                return False
+            if until(message["arm"]):
+                return True
+            if message["arm"]["mode"] in ("Reflex", "Idle") and message["operator"] == self.me and self.waits_too_long():
                 self.visitor.say("give_back")
-        raise AssertionError(f"not within {PATIENCE} s: {state}")
+            return False
+        return self.lead(axes, fits)["arm"]
 
     def waits_too_long(self):
         """Whether the arm has stood outside a motion for seconds: the session has ended, or never began."""
@@ -97,7 +83,7 @@ class PageServedTest(unittest.TestCase):
         self.addCleanup(self.end)
         for line in self.process.stdout:
             if match := re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
-                self.operator = Operator(int(match[1]), match[2])
+                self.operator = PersistentOperator(int(match[1]), match[2])
                 self.addCleanup(self.operator.visitor.connection.close)
                 self.where = (int(match[1]), match[2])
                 return
@@ -105,23 +91,24 @@ class PageServedTest(unittest.TestCase):
 
     def end(self):
         self.process.terminate()
-        self.process.communicate(timeout=20)
+        self.process.communicate(timeout=PATIENCE)
 
     def test_moves_stops_and_goes_on(self):
         operator = self.operator
-        begin = operator.lead([0] * 6, lambda state: state["arm"]["mode"] == "Move")["arm"]["p"]
-        operator.lead([0, 0, 1, 0, 0, 0], lambda state: state["arm"]["p"][2] > begin[2] + 0.02)
+        begin = operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["p"]
+        operator.lead_arm([0, 0, 1, 0, 0, 0], lambda arm: arm["p"][2] > begin[2] + 0.02)
 
         # Anyone may stop: here one who only watches.
         watcher = Operator(*self.where)
+        self.addCleanup(watcher.visitor.connection.close)
         watcher.visitor.say("stop")
-        operator.lead([0] * 6, lambda state: state["arm"]["mode"] == "User stopped")
+        operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "User stopped")
 
         operator.visitor.say("press", button="release")
-        operator.lead([0] * 6, lambda state: state["arm"]["mode"] in ("Idle", "Reflex"))
+        operator.lead_arm([0] * 6, lambda arm: arm["mode"] in ("Idle", "Reflex"))
         operator.visitor.say("give_back")
-        stopped = operator.lead([0] * 6, lambda state: state["arm"]["mode"] == "Move")["arm"]["p"]
-        operator.lead([0, 0, -1, 0, 0, 0], lambda state: state["arm"]["p"][2] < stopped[2] - 0.02)
+        stopped = operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["p"]
+        operator.lead_arm([0, 0, -1, 0, 0, 0], lambda arm: arm["p"][2] < stopped[2] - 0.02)
 
 
 class PageElsewhereTest(unittest.TestCase):
@@ -147,7 +134,7 @@ class PageElsewhereTest(unittest.TestCase):
 
         def end():
             process.kill()
-            process.communicate(timeout=20)
+            process.communicate(timeout=PATIENCE)
         self.addCleanup(end)
         return process
 

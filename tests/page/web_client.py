@@ -5,7 +5,9 @@ import json
 import os
 import socket
 import struct
+import time
 
+PATIENCE = 100  # s, longer than any machine takes over what is waited for
 CONTINUATION, TEXT, BINARY, CLOSE, PING = 0, 1, 2, 8, 9
 
 
@@ -13,9 +15,9 @@ class Refused(Exception):
     """The server did not open the WebSocket; the HTTP status is the argument."""
 
 
-def http(port, lines, patience=10, address="127.0.0.1"):
+def http(port, lines, address="127.0.0.1"):
     """Sends a request as it is and returns (status, header, body); 0 for the status when nothing came."""
-    with socket.create_connection((address, port), timeout=patience) as connection:
+    with socket.create_connection((address, port), timeout=PATIENCE) as connection:
         connection.sendall("\r\n".join([*lines, "", ""]).encode("latin1"))
         reply = b""
         try:
@@ -30,9 +32,9 @@ def http(port, lines, patience=10, address="127.0.0.1"):
 
 
 class WebSocket:
-    def __init__(self, port, host=None, origin=None, patience=10):
+    def __init__(self, port, host=None, origin=None):
         host = host or f"127.0.0.1:{port}"
-        self.connection = socket.create_connection(("127.0.0.1", port), timeout=patience)
+        self.connection = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
         key = base64.b64encode(os.urandom(16)).decode()
         lines = ["GET /ws HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
                  f"Sec-WebSocket-Key: {key}"]
@@ -100,24 +102,24 @@ class WebSocket:
             size = struct.unpack(">Q", self._take(8))[0]
         return first & 0x0F, self._take(size), bool(first & 0x80)
 
-    def hear(self, wanted, most=400):
+    def hear(self, wanted):
         """The next message of this type; others are left out. `wanted` may be a test of the message instead."""
         fits = wanted if callable(wanted) else lambda message: message["type"] == wanted
-        for _ in range(most):
-            kind, payload = self.frame()
+        for kind, payload in self._frames(wanted):
             if kind == TEXT and fits(message := json.loads(payload)):
                 return message
             if kind == CLOSE:
                 raise ConnectionError(payload[2:].decode())
-        raise AssertionError(f"did not hear {wanted}")
 
-    def picture(self, most=400):
+    def picture(self):
         """The next picture's bytes."""
-        for _ in range(most):
-            kind, payload = self.frame()
-            if kind == BINARY:
-                return payload
-        raise AssertionError("no picture came")
+        return next(payload for kind, payload in self._frames("a picture") if kind == BINARY)
+
+    def _frames(self, wanted):
+        limit = time.monotonic() + PATIENCE
+        while time.monotonic() < limit:
+            yield self.frame()
+        raise AssertionError(f"did not hear {wanted} for {PATIENCE} s")
 
     def closing(self):
         """Why the server ends it: the reason it gives, or "" when it just ends."""
@@ -128,3 +130,37 @@ class WebSocket:
                     return payload[2:].decode()
         except (ConnectionError, OSError):
             return ""
+
+
+class Operator:
+    """A visitor whose hands do the same thing for as long as it listens. Control that it lost, to a machine that held it up for longer than
+    the page waits for hands, it takes anew."""
+
+    HANDS_S = 0.033
+
+    def __init__(self, port, token):
+        self.visitor = WebSocket(port)
+        self.visitor.say("hello", token=token)
+        self.me = self.visitor.hear("welcome")["you"]
+        self.sent = 0
+
+    def lead(self, axes, until, ask=None):
+        """Holds these axes until a message fits; that message. ask: the kind and fields of what it says first, and again if that is
+        refused for want of control."""
+        asks = ask is not None
+
+        def fits(message):
+            nonlocal asks
+            if message["type"] == "refused":
+                asks = ask is not None
+            if message["type"] == "state":
+                if message["operator"] != self.me:
+                    self.visitor.say("take")
+                elif asks:
+                    self.visitor.say(ask[0], **ask[1])
+                    asks = False
+                if time.monotonic() - self.sent > self.HANDS_S:
+                    self.sent = time.monotonic()
+                    self.visitor.say("hands", axes=axes, engaged=True, sent_ms=0)
+            return until(message)
+        return self.visitor.hear(fits)
