@@ -148,7 +148,7 @@ def check_listed(root, folder_files):
 
 def text_files(root):
     """Paths of the files to check, relative to root, with forward slashes."""
-    found = [path for path in root.iterdir() if path.is_file()]
+    found = [path for path in root.iterdir() if path.is_file() and path.name != ".git"]  # a file where this is a worktree
     for folder in TEXT_FOLDERS:
         found += [path for path in (root / folder).rglob("*") if path.is_file()]
     kept = (path for path in found if path.suffix in TEXT_SUFFIXES and "__pycache__" not in path.parts)
