@@ -1,5 +1,6 @@
 #include "application/plan_and_execute.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -14,7 +15,6 @@
 #include "twin/core/random.h"
 #include "twin/planning/planner.h"
 #include "twin/planning/random_goal.h"
-#include "twin/report/deviation.h"
 
 namespace twin::application {
 namespace {
@@ -148,14 +148,14 @@ Judgement PlanAndExecute::Judge(const Deeds& deeds, const Evidence& evidence) {
          .demand = "none",
          .met = evidence.contacts->cycles() == 0});
   }
-  if (!evidence.log.empty()) {
-    if (const auto deviation = report::MeasureDeviation(evidence.log)) {
-      add({.quantity = "largest distance of a joint from the plan (delay included)",
-           .value = deviation->largest * 1e3,
-           .unit = "mrad",
-           .demand = "within the controller's path tolerance, else the step fails"});
-    }
+  double deviation = 0;
+  for (const scenario::FollowedMotion& motion : evidence.session.followed) {
+    if (motion.deviation.joints) deviation = std::max(deviation, motion.deviation.joints->largest);
   }
+  add({.quantity = "largest distance of a joint from the plan (delay included)",
+       .value = deviation * 1e3,
+       .unit = "mrad",
+       .demand = "within the controller's path tolerance, else the step fails"});
   add({.quantity = "largest distance of a joint from its goal in the end",
        .value = final_error_ * 1e3,
        .unit = "mrad",

@@ -116,7 +116,10 @@ ExitCode ApplicationSession::Execute() {
                             out_.folder().string()));
   }
   if (result_.interrupted) throw Interrupted();
-  if (application::Succeeded(result_.deeds, result_.judgement)) return kOk;
+  if (application::Succeeded(result_.deeds, result_.judgement)) {
+    JudgeDeviations(result_.session.followed, flags_.strict);
+    return kOk;
+  }
   throw RobotFault(application::FailureOf(result_.deeds, result_.judgement));
 }
 

@@ -1,5 +1,8 @@
 #include "cli/application_summary.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -36,6 +39,16 @@ Json FindingsJson(const application::Judgement& judgement) {
   return findings;
 }
 
+Json DeviationsJson(const std::vector<scenario::FollowedMotion>& motions) {
+  Json deviations = Json::array();
+  for (const scenario::FollowedMotion& motion : motions) {
+    Json one{{"motion", motion.name}, {"begun_s", ToSeconds(motion.begun.time_since_epoch())}};
+    one.update(DeviationJson(motion));
+    deviations.push_back(std::move(one));
+  }
+  return deviations;
+}
+
 std::string_view Mark(const application::Finding& finding) {
   if (!finding.met) return " ";
   return *finding.met ? "met" : "MISSED";
@@ -65,6 +78,9 @@ std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationRes
       {"steps", StepsJson(result.deeds.task)},
       {"findings", FindingsJson(result.judgement)},
       {"motions", result.session.motions},
+      {"deviations", DeviationsJson(result.session.followed)},
+      {"deviation_exceeded",
+       std::ranges::any_of(result.session.followed, &scenario::FollowedMotion::exceeds)},
       {"cycles_served", known(counts.served)},
       {"cycles_held", known(counts.held)},
       {"longest_loss_cycles", known(counts.longest_loss)},

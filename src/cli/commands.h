@@ -62,6 +62,7 @@ struct RunFlags {
   std::optional<int> seeds;  ///< of an application: so many, one run each, from the seed on
   int threads = 2;           ///< with seeds
   double least_share = 100;  ///< with seeds: percent that must succeed
+  bool strict = false;       ///< an arm that was too far off its path is a failure
   bool no_video = false;
   bool rebuild_cache = false;
   bool quiet = false;

@@ -48,7 +48,7 @@ plots/*.svg, video.mp4, contact_sheet.png, summary.json (in lockstep it repeats 
 timing.json (wall-clock figures, which do not); an application also report.html and moments/*.png. Files are called *.partial until they are whole.
 
 Exit codes:
-  0 ok   1 the run aborted, a check failed, or no plan was found   2 usage   3 bad input
+  0 ok   1 the run aborted, a check failed (with --strict the deviation's too), or no plan was found   2 usage   3 bad input
   4 environment   130 interrupted (the motion was stopped and the log completed))";
 
 constexpr const char* kRunFooter =
@@ -173,6 +173,9 @@ CLI::App* AddRun(CLI::App& app, RunFlags& flags) {
                   "With --seeds: fail when fewer percent succeed")
       ->type_name("PERCENT")
       ->capture_default_str();
+  run->add_flag("--strict", flags.strict,
+                "Exit code 1, not only a warning, when the arm was further off its path than "
+                "max_deviation");
   run->add_flag("--no-video", flags.no_video, "Make no video and no contact sheet");
   run->add_flag("--rebuild-cache", flags.rebuild_cache, "Compile the robot's model anew");
   run->add_flag("--quiet", flags.quiet, "No progress and no summary; errors only");

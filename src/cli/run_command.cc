@@ -23,7 +23,6 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/fci/capture.h"
-#include "twin/report/deviation.h"
 #include "twin/report/plots.h"
 #include "twin/scenario/scenario.h"
 
@@ -82,7 +81,6 @@ class Session {
   RunPage page_;
   std::optional<scenario::Run> run_;
   scenario::RunResult result_;
-  std::optional<report::Deviation> deviation_;
 };
 
 ExitCode Session::Execute() {
@@ -99,12 +97,15 @@ ExitCode Session::Execute() {
   });
   const bool interrupted = interrupt_.interrupted();
   if (!flags_.quiet) {
-    Say(stdout, fmt::format("{}  {:<13}{}\n",
-                            SummaryText(scenario_, result_, interrupted, times_, deviation_,
-                                        records_.contacts()),
-                            "files", out_.folder().string()));
+    Say(stdout,
+        fmt::format("{}  {:<13}{}\n",
+                    SummaryText(scenario_, result_, interrupted, times_, records_.contacts()),
+                    "files", out_.folder().string()));
   }
-  if (result_.report.succeeded()) return kOk;
+  if (result_.report.succeeded()) {
+    JudgeDeviations({result_.followed}, flags_.strict);
+    return kOk;
+  }
   if (interrupted) throw Interrupted();
   std::string text = result_.report.failure;
   for (const Violation& violation : result_.report.violations) text += "; " + Describe(violation);
@@ -149,9 +150,7 @@ void Session::Move() {
 void Session::WriteResults() {
   const bool interrupted = interrupt_.interrupted();
   WriteWholeFile(out_.scenario(), scenario::ToYaml(scenario_));
-  if (scenario_.record) deviation_ = report::MeasureDeviation(out_.log());
-  WriteWholeFile(out_.summary(),
-                 SummaryJson(scenario_, result_, interrupted, deviation_, records_.contacts()));
+  WriteWholeFile(out_.summary(), SummaryJson(scenario_, result_, interrupted, records_.contacts()));
   if (!interrupted && scenario_.record) MakePlots();
   if (!interrupted && makes_video() && records_.was_filmed()) MakePictures();
   times_.peak_memory_mb = PeakMemoryMb();
@@ -183,6 +182,9 @@ ExitCode RunCommand(const RunFlags& flags, const Host& host, const scenario::Cat
     RequirePageFlags(flags.page);
     if (flags.seeds && flags.page.wanted()) {
       throw InputError("--page shows one run; leave out --seeds, or the page");
+    }
+    if (flags.seeds && flags.strict) {
+      throw InputError("--strict judges one run; leave out --seeds, or --strict");
     }
     if (flags.seeds) return RunManySeeds(scenario, flags, host, catalogue);
     const ExitCode code = scenario.application

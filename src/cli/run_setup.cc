@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -140,6 +141,22 @@ void TellIfWithoutMeshes(const scenario::Scenario& scenario,
   Say(stderr,
       "panda-twin: note: the robot's meshes were not found; it is simulated and drawn in "
       "primitive shapes (scripts/setup fetches them; or name them with --meshes)\n");
+}
+
+void JudgeDeviations(const std::vector<scenario::FollowedMotion>& motions, bool strict) {
+  const auto exceeding = std::ranges::count_if(motions, &scenario::FollowedMotion::exceeds);
+  if (exceeding == 0) return;
+  const scenario::FollowedMotion& first =
+      *std::ranges::find_if(motions, &scenario::FollowedMotion::exceeds);
+  const std::string whose = motions.size() == 1
+                                ? std::string()
+                                : fmt::format("in {} of {} motions, first in {}: ", exceeding,
+                                              motions.size(), first.name);
+  const std::string text =
+      fmt::format("the arm was off its path: {}{} (max_deviation)", whose, first.Excess());
+  if (strict) throw RobotFault(text);
+  std::fflush(stdout);
+  Say(stderr, fmt::format("panda-twin: warning: {}\n", text));
 }
 
 void TellNotices(const std::vector<std::string>& workstation,

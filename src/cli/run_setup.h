@@ -59,6 +59,10 @@ void CarryOut(RunRecords& records, const ResultFolder& out, const InterruptGuard
 /// A note when the robot is simulated in primitive shapes.
 void TellIfWithoutMeshes(const scenario::Scenario& scenario, const backend::Connection& connection);
 
+/// After a run that went well: says which of its motions were further off their targets than the
+/// scenario's max_deviation. Warns; @throws RobotFault when `strict`.
+void JudgeDeviations(const std::vector<scenario::FollowedMotion>& motions, bool strict);
+
 /// What threads of either side had to say of their set-up.
 void TellNotices(const std::vector<std::string>& workstation,
                  const std::vector<std::string>& robot);

@@ -1,6 +1,7 @@
 #include "cli/summary.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -123,6 +124,22 @@ std::string CyclesText(const scenario::CycleCounts& counts) {
                      counts.longest_loss, counts.dropped);
 }
 
+std::string DeviationText(const loop::Deviation& deviation) {
+  const auto seconds = [](Time at) { return ToSeconds(at.time_since_epoch()); };
+  constexpr std::string_view kOfWhat = "arm from planned target, delay included";
+  if (const auto& joints = deviation.joints) {
+    return fmt::format("{:.2e} rad at most (joint {}, at {:.2f} s; rms {:.2e}), {}",
+                       joints->largest, joints->joint + 1, seconds(joints->at), joints->rms,
+                       kOfWhat);
+  }
+  if (const auto& pose = deviation.pose) {
+    return fmt::format("{:.2e} m (at {:.2f} s) and {:.2e} rad (at {:.2f} s) at most, {}",
+                       pose->position, seconds(pose->position_at), pose->angle,
+                       seconds(pose->angle_at), kOfWhat);
+  }
+  return {};
+}
+
 /// Which commands were taken, a robot at the other end of a wire tells only as a share of the last
 /// hundred, in its states.
 std::string RemoteCyclesText(const loop::LoopTimings& timings) {
@@ -159,6 +176,19 @@ std::string HandText(const scenario::Scenario& scenario, const scenario::HandRep
 
 std::string TextOf(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+nlohmann::ordered_json DeviationJson(const scenario::FollowedMotion& motion) {
+  const auto& [joints, pose] = motion.deviation;
+  // A limit that is off is infinite, and has no number.
+  const auto limit = [](double most) { return std::isfinite(most) ? Json(most) : Json(); };
+  return {{"deviation_rad", joints ? Json(joints->largest) : Json()},
+          {"deviation_m", pose ? Json(pose->position) : Json()},
+          {"deviation_rotation_rad", pose ? Json(pose->angle) : Json()},
+          {"max_deviation_rad", limit(motion.limit.joints)},
+          {"max_deviation_m", limit(motion.limit.position)},
+          {"max_deviation_rotation_rad", limit(motion.limit.angle)},
+          {"deviation_exceeded", motion.exceeds()}};
 }
 
 nlohmann::ordered_json ContactsJson(const std::optional<plant::ContactWatch>& contacts) {
@@ -208,8 +238,7 @@ std::string OutcomeOf(const scenario::RunResult& result, bool interrupted) {
 }
 
 std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunResult& result,
-                        bool interrupted, const std::optional<report::Deviation>& deviation,
-                        const std::optional<plant::ContactWatch>& contacts) {
+                        bool interrupted, const std::optional<plant::ContactWatch>& contacts) {
   Json violations = Json::array();
   for (const Violation& violation : result.report.violations) {
     violations.push_back(Describe(violation));
@@ -219,7 +248,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
   const auto known = [&](std::uint64_t count) {
     return scenario.drive == scenario::Drive::kRemote ? Json() : Json(count);
   };
-  const Json summary{
+  Json summary{
       {"scenario", scenario.name},
       {"seed", scenario.seed},
       {"drive", Name(scenario.drive)},
@@ -231,7 +260,6 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"final_error_rad", result.final_error},
       {"final_error_m", pose ? Json(pose->distance) : Json()},
       {"final_error_rotation_rad", pose ? Json(pose->angle) : Json()},
-      {"deviation_rad", deviation ? Json(deviation->largest) : Json()},
       {"q_final_rad", result.report.q_final},
       {"goal_rad", result.goal},
       {"cycles_served", known(result.counts.served)},
@@ -252,6 +280,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"libm", scenario::FormatHash(scenario::LibmFingerprint())},
       {"states_hash", scenario::FormatHash(result.states_hash)},
   };
+  summary.update(DeviationJson(result.followed));
   return TextOf(summary);
 }
 
@@ -276,7 +305,6 @@ std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robo
 
 std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunResult& result,
                         bool interrupted, const WallTimes& times,
-                        const std::optional<report::Deviation>& deviation,
                         const std::optional<plant::ContactWatch>& contacts) {
   std::string out;
   const auto line = [&out](std::string_view label, const std::string& text) {
@@ -286,12 +314,8 @@ std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunR
   for (const std::string& cure : CuresOf(scenario, result)) line("what to do", cure);
   const bool arrived = result.report.end == backend::MotionEnd::kSuccess;
   line(arrived ? "final error" : "to go", FinalErrorText(result) + ", to the last waypoint");
-  if (deviation) {
-    line("deviation",
-         fmt::format("{:.2e} rad at most (joint {}, at {:.2f} s; rms {:.2e}), arm from "
-                     "planned target, delay included",
-                     deviation->largest, deviation->joint + 1, deviation->at, deviation->rms));
-  }
+  const std::string deviation = DeviationText(result.followed.deviation);
+  if (!deviation.empty()) line("deviation", deviation);
   if (result.plan) {
     line("plan", PlanText(*result.plan));
     if (contacts) line("contacts", ContactsText(*contacts));

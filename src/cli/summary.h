@@ -9,7 +9,6 @@
 #include "twin/backend/registry.h"
 #include "twin/core/time.h"
 #include "twin/plant/contact_watch.h"
-#include "twin/report/deviation.h"
 #include "twin/rt/filter_counts.h"
 #include "twin/scenario/assembly.h"
 #include "twin/scenario/scenario.h"
@@ -32,15 +31,16 @@ struct WallTimes {
 [[nodiscard]] std::string OutcomeOf(const scenario::RunResult& result, bool interrupted);
 
 /// summary.json: what, in lockstep, repeats with scenario and seed, byte by byte.
-/// @param deviation  from the planned target; absent: not measured.
 /// @param contacts   what the arm touched; absent: nobody simulates it.
 [[nodiscard]] std::string SummaryJson(const scenario::Scenario& scenario,
                                       const scenario::RunResult& result, bool interrupted,
-                                      const std::optional<report::Deviation>& deviation,
                                       const std::optional<plant::ContactWatch>& contacts);
 
 /// Text of a file. Texts may hold bytes of a user's file names: what is no UTF-8 is replaced.
 [[nodiscard]] std::string TextOf(const nlohmann::ordered_json& json);
+
+/// How far the arm was from its targets, the limits of that, and whether it was above them.
+[[nodiscard]] nlohmann::ordered_json DeviationJson(const scenario::FollowedMotion& motion);
 
 /// What the arm touched; null when nobody knows.
 [[nodiscard]] nlohmann::ordered_json ContactsJson(
@@ -59,7 +59,6 @@ struct WallTimes {
 [[nodiscard]] std::string SummaryText(const scenario::Scenario& scenario,
                                       const scenario::RunResult& result, bool interrupted,
                                       const WallTimes& times,
-                                      const std::optional<report::Deviation>& deviation,
                                       const std::optional<plant::ContactWatch>& contacts);
 
 }  // namespace twin::cli

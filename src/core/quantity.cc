@@ -26,7 +26,7 @@ constexpr std::array kTimeUnits{Unit{"ns", 1e-9}, Unit{"us", 1e-6}, Unit{"ms", 1
 /// The two letters for micro, U+00B5 and U+03BC, in UTF-8.
 constexpr std::array<std::string_view, 2> kMicroSeconds{"\u00b5s", "\u03bcs"};
 constexpr std::array kFrequencyUnits{Unit{"Hz", 1}, Unit{"kHz", 1e3}};
-constexpr std::array kAngleUnits{Unit{"rad", 1}, Unit{"deg", kDegree}};
+constexpr std::array kAngleUnits{Unit{"rad", 1}, Unit{"mrad", 1e-3}, Unit{"deg", kDegree}};
 constexpr std::array kAngularVelocityUnits{Unit{"rad/s", 1}, Unit{"deg/s", kDegree}};
 constexpr std::array kAngularAccelerationUnits{Unit{"rad/s^2", 1}, Unit{"deg/s^2", kDegree}};
 constexpr std::array kAngularJerkUnits{Unit{"rad/s^3", 1}, Unit{"deg/s^3", kDegree}};

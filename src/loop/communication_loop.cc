@@ -30,6 +30,8 @@ Time CommunicationLoop::OnDone(Time now) noexcept {
   rt::TickRecord& record = tick_.record();
   if (command_ != nullptr) record.written = now;
   Count(record);
+  if (InMotion()) deviation_.Measure(state_, record.read);
+  if (command_ != nullptr) deviation_.Aim(state_.message_id, tick_.target());
   kept_[ticks_++ % kKept] = record;
   if (sink_ != nullptr) {
     sink_->Put(record);

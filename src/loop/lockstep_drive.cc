@@ -145,6 +145,7 @@ RunReport LockstepStage::Run() {
   }
   RunReport report = MotionSession(run_, *this, watch_).Run();
   report.timings = loop_->timings();
+  report.deviation = loop_->deviation();
   report.controller_overruns = controller_loop_.overruns();
   if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_->LastTicks();
   return report;

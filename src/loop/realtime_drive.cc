@@ -50,6 +50,7 @@ class RealtimeStage final : public Stage {
     RunReport report = MotionSession(run_, *this, watch_).Run();
     End();
     report.timings = loop_->timings();
+    report.deviation = loop_->deviation();
     report.controller_overruns = controller_loop_.overruns();
     report.notices = communication_.notices();
     if (controller_) AddNew(controller_->notices(), report.notices);

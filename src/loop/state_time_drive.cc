@@ -47,6 +47,7 @@ class StateTimeStage final : public Stage {
     static_cast<void>(loop_.Start(Now()));
     RunReport report = MotionSession(run_, *this, watch_).Run();
     report.timings = loop_.timings();
+    report.deviation = loop_.deviation();
     report.controller_overruns = controller_.overruns();
     if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_.LastTicks();
     return report;

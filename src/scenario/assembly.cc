@@ -156,6 +156,8 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
   result.final_error = motion.final_error;
   result.final_pose_error = motion.final_pose_error;
   result.counts = session.counts;
+  result.followed = session.followed.front();
+  result.followed.succeeded = result.report.succeeded();
   result.viability = session.viability;
   result.states_hash = session.states_hash;
   if (planning_) {

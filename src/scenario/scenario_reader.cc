@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "scenario/link_reader.h"
+#include "scenario/max_deviation.h"
 #include "scenario/names.h"
 #include "scenario/parameter_tree.h"
 #include "scenario/section_readers.h"
@@ -179,11 +180,11 @@ Drive ReadDrive(const YamlNode& node) {
 Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder) {
   Scenario scenario;
   scenario.places.folder = folder;
-  const YamlMap map =
-      root.Map({"name",       "description", "seed",        "backend",       "drive", "loop",
-                "scene",      "robot",       "plant",       "link",          "int",   "tick",
-                "controller", "motion",      "application", "perturbations", "panel", "hand",
-                "render",     "record",      "objects",     "operator",      "base"});
+  const YamlMap map = root.Map(
+      {"name",       "description", "seed",        "backend",       "drive", "loop",
+       "scene",      "robot",       "plant",       "link",          "int",   "tick",
+       "controller", "motion",      "application", "perturbations", "panel", "hand",
+       "render",     "record",      "objects",     "operator",      "base",  "max_deviation"});
   scenario.name = map.Require("name").Text();
   IfGiven(map, "description", [&](const YamlNode& n) { scenario.description = n.Text(); });
   IfGiven(map, "seed", [&](const YamlNode& n) {
@@ -203,6 +204,8 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   IfGiven(map, "link", [&](const YamlNode& n) { ReadLink(n, scenario.link); });
   IfGiven(map, "int", [&](const YamlNode& n) { ReadOnboard(n, scenario.onboard); });
   ReadWhatMoves(map, folder, scenario);
+  IfGiven(map, "max_deviation",
+          [&](const YamlNode& n) { scenario.max_deviation = ReadMaxDeviation(n, scenario); });
   IfGiven(map, "operator", [&](const YamlNode& n) { ReadOperator(n, scenario); });
   scenario.tick = TickDefaults(scenario);
   if (scenario.motion.interface == control::CommandInterface::kTorque) {

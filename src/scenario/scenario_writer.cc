@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "scenario/max_deviation.h"
 #include "scenario/names.h"
 #include "scenario/parameter_tree.h"
 #include "scenario/quoted.h"
@@ -408,6 +409,7 @@ std::string ToYaml(const Scenario& scenario) {
   } else {
     PutMotion(out, scenario.motion);
   }
+  out += MaxDeviationText(scenario.max_deviation);
   if (scenario.operator_section) PutOperator(out, *scenario.operator_section);
   PutPerturbationsAndPanel(out, scenario);
   PutHand(out, scenario.hand);

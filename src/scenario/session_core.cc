@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "scenario/max_deviation.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 
@@ -87,6 +88,12 @@ MotionResult SessionCore::Move(PreparedMotion& motion, std::function<Time(Time)>
   for (const rt::TickRecord& tick : result.report.evidence) {
     if (hooks_.event) hooks_.event(tick.read, "evidence", loop::DescribeTick(tick));
   }
+  followed_.push_back(
+      {.name = result.name,
+       .begun = result.begun,
+       .deviation = result.report.deviation,
+       .limit = LimitOf(scenario_, motion.motion().interface, motion.motion().impedance),
+       .succeeded = result.report.succeeded()});
   result.goal = motion.motion().trajectory.goal();
   result.final_error = LargestDistance(result.report.q_final, result.goal);
   result.final_pose_error = motion.PoseErrorAt(result.report.q_final);
@@ -99,6 +106,7 @@ SessionResult SessionCore::End() {
   SessionResult result;
   result.robot_timings = setting_->End();
   result.motions = motions_;
+  result.followed = followed_;
   result.counts = summary_.counts();
   if (scenario_.tick.viability) result.viability = summary_.viability();
   result.states_hash = summary_.states_hash();

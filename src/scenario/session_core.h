@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "scenario/cycle_summary.h"
 #include "scenario/drive_setting.h"
@@ -57,6 +58,7 @@ class SessionCore {
   const RobotPlan robot_;
   RunHooks hooks_;
   std::uint64_t motions_ = 0;  ///< begun
+  std::vector<FollowedMotion> followed_;
   CycleSummary summary_;
   std::unique_ptr<DriveSetting> setting_;
 };

@@ -9,6 +9,7 @@
 #include "twin/core/random.h"
 #include "twin/core/realtime.h"
 #include "twin/loop/control_tick.h"
+#include "twin/loop/deviation.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/delay_model.h"
 #include "twin/rt/duration_histogram.h"
@@ -78,6 +79,8 @@ class CommunicationLoop {
   /// What the last tick did.
   [[nodiscard]] const rt::TickRecord& record() noexcept { return tick_.record(); }
   [[nodiscard]] const LoopTimings& timings() const noexcept { return timings_; }
+  /// Of the arm from what its commands were made for, so far.
+  [[nodiscard]] Deviation deviation() const noexcept { return deviation_.Result(); }
 
   /// The last ticks, oldest first: the evidence when something failed. Not on the tick's path.
   [[nodiscard]] std::vector<rt::TickRecord> LastTicks() const;
@@ -86,7 +89,7 @@ class CommunicationLoop {
   /// @param sink  of the tick records; may be null.
   CommunicationLoop(ControlTick& tick, backend::Backend& backend, rt::RecordSink* sink,
                     backend::ReadRule rule)
-      : tick_(tick), backend_(backend), sink_(sink), rule_(rule) {}
+      : tick_(tick), backend_(backend), sink_(sink), rule_(rule), deviation_(tick.interface()) {}
 
   /// Computes what answers `state`. @param read  when its read ended.
   /// @returns the command, or null; sets `cost` to what the delay models say it took.
@@ -119,6 +122,7 @@ class CommunicationLoop {
   Duration cost_{};
   Time last_read_{};
   LoopTimings timings_;
+  DeviationMeter deviation_;
   std::array<rt::TickRecord, kKept> kept_{};
   std::size_t ticks_ = 0;
 };

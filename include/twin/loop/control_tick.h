@@ -58,6 +58,10 @@ class ControlTick {
   /// What the last tick did; the caller fills in `written`.
   [[nodiscard]] rt::TickRecord& record() noexcept { return record_; }
 
+  /// Target of the last command generated, rate-matched.
+  [[nodiscard]] const reference::Target& target() const noexcept { return chain_.matched(); }
+  [[nodiscard]] control::CommandInterface interface() const noexcept { return interface_; }
+
   /// Whether the state belongs to the running motion: robot_mode Move and both modes as started.
   [[nodiscard]] bool InMotion(const RobotState& state) const noexcept;
 

@@ -21,6 +21,7 @@ struct RunReport {
   Duration simulated{};               ///< run time at the end
   JointVector q_final{};              ///< measured, last state
 
+  Deviation deviation;                    ///< of the arm from its targets
   LoopTimings timings;                    ///< of the communication
   std::uint64_t controller_overruns = 0;  ///< wake-ups of the controller's loop that were skipped
   backend::RobotTimings robot_timings;    ///< real time: of the simulated robot

@@ -28,6 +28,7 @@
 #include "twin/scenario/delay.h"
 #include "twin/scenario/frame_pose.h"
 #include "twin/scenario/loss.h"
+#include "twin/scenario/max_deviation.h"
 #include "twin/scenario/objects.h"
 #include "twin/scenario/render_section.h"
 
@@ -264,6 +265,7 @@ struct Scenario {
   ControllerSection controller;
   MotionSection motion;  ///< empty beside an application
   std::optional<ApplicationSection> application;
+  MaxDeviation max_deviation;
   std::optional<OperatorSection> operator_section;  ///< `operator`; beside an application only
   std::vector<plant::Perturbation> perturbations;  ///< none on the ideal plant, which feels nothing
   std::vector<robot::PanelEvent> panel;            ///< in order of time
