@@ -43,6 +43,12 @@ class LibraryRunTest(unittest.TestCase):
         summary = self.tmp / "out" / "summary.json"
         return done, json.loads(summary.read_text()) if summary.exists() else None
 
+    def validate_with(self, library, *flags, parameters=""):
+        scenario = self.tmp / "mine.yaml"
+        scenario.write_text(SCENARIO.replace("LIBRARY", str(library)).replace("TYPE", "follower").replace("PARAMETERS", parameters))
+        return subprocess.run([PROGRAM, "validate", scenario, "--data", SOURCE / "models", *flags], capture_output=True, text=True,
+                              timeout=100)
+
     def library(self, name):
         return LIBRARIES / f"test_controllers_{name}.so"
 
@@ -85,6 +91,26 @@ class LibraryRunTest(unittest.TestCase):
                 self.assertEqual(done.returncode, 3, done.stderr)
                 self.assertIn("mine.yaml:3: ", done.stderr)
                 self.assertIn(words, done.stderr)
+
+    def test_validate_runs_none_of_its_code_unless_asked(self):
+        done = self.validate_with(self.library("runs_when_loaded"))
+        self.assertEqual((done.returncode, done.stderr), (0, ""), "its code ran" if done.returncode == 77 else done.stderr)
+        self.assertIn("not loaded; validate --load", done.stdout)
+        self.assertEqual(self.validate_with(self.library("runs_when_loaded"), "--load").returncode, 77)
+
+    def test_validate_checks_what_it_can_without_the_code(self):
+        done = self.validate_with(self.library("missing"))
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("mine.yaml:3: controller library ", done.stderr)
+        self.assertIn("no such file", done.stderr)
+        # Its parameters it alone understands.
+        self.assertEqual(self.validate_with(self.library("good"), parameters="patiense: 10 s").returncode, 0)
+        done = self.validate_with(self.library("good"), "--load", parameters="patiense: 10 s")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn('did you mean "patience"', done.stderr)
+        done = self.validate_with(self.library("good"), "--load")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertNotIn("not loaded", done.stdout)
 
     def test_stops_the_robot_when_the_controller_gives_up(self):
         for flags in ([], ["--drive", "realtime"]):

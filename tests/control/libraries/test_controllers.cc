@@ -1,5 +1,6 @@
 // One source for all libraries of the loader's tests; a macro says which it is.
 
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 
@@ -111,6 +112,13 @@ const twin::control::LibraryController controllers[] = {
 
 }  // namespace
 
+#ifdef TWIN_TEST_RUNS_WHEN_LOADED
+/// Code that runs as soon as the library is loaded, and tells so by the exit code.
+[[maybe_unused]] const struct AtLoad {
+  AtLoad() noexcept { std::_Exit(77); }
+} at_load;
+#endif
+
 #ifdef TWIN_TEST_UNRESOLVED
 extern "C" int this_function_is_nowhere();
 #endif
@@ -128,6 +136,8 @@ panda_twin_controllers() {
   throw std::runtime_error("the entry is closed");
 #elif defined(TWIN_TEST_UNRESOLVED)
   return this_function_is_nowhere() == 0 ? nullptr : Info(1, 1);
+#elif defined(TWIN_TEST_RUNS_WHEN_LOADED)
+  return Info(twin::control::kControllerLibraryAbi, twin::control::kControllerLayout);
 #endif
 }
 #endif
