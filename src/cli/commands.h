@@ -115,6 +115,7 @@ struct ExperimentFlags {
 
 struct ValidateFlags {
   std::filesystem::path scenario;
+  bool load = false;  ///< also code of controller.library
   DataFlags data;
 };
 

@@ -53,7 +53,13 @@ Exit codes:
 
 constexpr const char* kRunFooter =
     R"(The folder of results is made when missing. Results of an earlier run in it are removed when the motion
-starts, never before all input has been found good; other files there stay.)";
+starts, never before all input has been found good; other files there stay.
+A scenario that names a controller.library executes its code, with your rights.)";
+
+constexpr const char* kValidateFooter =
+    R"(Checks all that run checks, and moves nothing. A scenario may name a shared library (controller.library), whose
+code run executes with your rights: look at what you were given before you run it. validate does not load it unless
+--load is given; its parameters are then checked too.)";
 
 constexpr const char* kServeFooter =
     R"(Of a scenario, robot, plant, scene, perturbations, panel events, the losses of its link and the start count;
@@ -328,7 +334,10 @@ CLI::App* AddExperiment(CLI::App& app, ExperimentFlags& flags) {
 CLI::App* AddValidate(CLI::App& app, ValidateFlags& flags) {
   CLI::App* validate = app.add_subcommand("validate", "Check a scenario without running it");
   validate->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
+  validate->add_flag("--load", flags.load,
+                     "Load the scenario's controller.library too, which runs code of it");
   AddDataFlags(*validate, flags.data);
+  validate->footer(kValidateFooter);
   return validate;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include <fmt/format.h>
@@ -8,7 +9,10 @@
 #include "cli/picture.h"
 #include "cli/say.h"
 #include "twin/application/application_run.h"
+#include "twin/control/controller_library.h"
+#include "twin/control/registry.h"
 #include "twin/core/clock.h"
+#include "twin/core/error.h"
 #include "twin/core/time.h"
 #include "twin/scenario/assembly.h"
 #include "twin/scenario/data_directory.h"
@@ -16,6 +20,8 @@
 
 namespace twin::cli {
 namespace {
+
+constexpr const char* kNotLoaded = "not_loaded";
 
 /// Largest share over the joints, in percent.
 double Largest(const JointVector& shares) {
@@ -51,6 +57,50 @@ std::string CheckMotion(const scenario::Scenario& scenario, const std::filesyste
   return fmt::format("  motion  {}\n", DescribeMotion(scenario.motion, run.trajectory()));
 }
 
+/// Stands for a controller whose library is not loaded.
+class NotLoaded final : public control::Controller {
+ public:
+  explicit NotLoaded(control::CommandInterface interface) : interface_(interface) {}
+  [[nodiscard]] control::CommandInterface command_interface() const noexcept override {
+    return interface_;
+  }
+  void Activate(const RobotState& /*state*/, Time /*now*/) override {}
+  void Update(const RobotState& /*state*/, Time /*now*/,
+              control::ControllerOutput& /*output*/) noexcept override {}
+  void Deactivate() noexcept override {}
+
+ private:
+  control::CommandInterface interface_;
+};
+
+/// The same motion by a controller that understands no parameters and is never run.
+/// @throws InputError naming file and line when there is no such library.
+scenario::Scenario WithoutLibrary(scenario::Scenario scenario) {
+  try {
+    control::RequireLibrary(scenario.controller.library);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scenario.places.library.where, error.what()));
+  }
+  scenario.controller.library.clear();
+  scenario.controller.type = kNotLoaded;
+  scenario.controller.parameters.clear();
+  return scenario;
+}
+
+std::string CheckWithoutLibrary(const scenario::Scenario& scenario,
+                                const std::filesystem::path& file,
+                                const scenario::Catalogue& catalogue,
+                                const scenario::RunFiles& files) {
+  control::ControllerRegistry known;
+  known.Add(kNotLoaded, [](const control::ControllerRequest& request) {
+    return std::make_unique<NotLoaded>(request.interface);
+  });
+  return CheckMotion(WithoutLibrary(scenario), file, {catalogue.backends, known, catalogue.devices},
+                     files) +
+         fmt::format("  controller  {} is there, not loaded; validate --load runs its code too\n",
+                     scenario.controller.library.string());
+}
+
 std::string CheckApplication(const scenario::Scenario& scenario, const std::filesystem::path& file,
                              const scenario::Catalogue& catalogue,
                              const scenario::RunFiles& files) {
@@ -63,16 +113,18 @@ std::string CheckApplication(const scenario::Scenario& scenario, const std::file
 
 }  // namespace
 
-// Prepares all that a run prepares, so that what validate passes run does not refuse.
+// Prepares all that a run prepares, so that what validate passes run does not refuse; but runs no
+// code that a scenario names unless asked.
 ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,
                          const scenario::Catalogue& catalogue) {
   const scenario::Scenario scenario = scenario::Load(flags.scenario);
   const auto data =
       scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes});
   const scenario::RunFiles files{data.models, data.mesh_package, host.cache, false};
-  const std::string text = scenario.application
-                               ? CheckApplication(scenario, flags.scenario, catalogue, files)
-                               : CheckMotion(scenario, flags.scenario, catalogue, files);
+  const auto check = scenario.application                                ? &CheckApplication
+                     : flags.load || scenario.controller.library.empty() ? &CheckMotion
+                                                                         : &CheckWithoutLibrary;
+  const std::string text = check(scenario, flags.scenario, catalogue, files);
   Say(stdout, fmt::format("{}: ok\n{}", flags.scenario.string(), text));
   FinishOutput();
   return kOk;

@@ -40,10 +40,7 @@ auto Guarded(const std::filesystem::path& library, std::string_view what, Call c
 }
 
 const ControllerLibraryInfo& InfoOf(const std::filesystem::path& library) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(library, error)) {
-    Refuse(library, "there is no such file; build it, or give its path");
-  }
+  RequireLibrary(library);
   // By its whole path: a name without a slash would be looked for elsewhere. Never closed: objects
   // and code of it may outlive every scope of ours.
   void* handle = ::dlopen(std::filesystem::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -118,6 +115,12 @@ class LoadedController final : public Controller {
 };
 
 }  // namespace
+
+void RequireLibrary(const std::filesystem::path& library) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(library, error)) return;
+  Refuse(library, "there is no such file; build it, or give its path");
+}
 
 std::unique_ptr<Controller> LoadController(const std::filesystem::path& library,
                                            std::string_view type,

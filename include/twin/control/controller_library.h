@@ -76,9 +76,14 @@ Controller* MakeController(const ControllerRequest& request, MakeFailure& failur
   return nullptr;
 }
 
-/// Loads a library and makes one of its controllers. The library stays loaded until the program
-/// ends. Its symbols are all bound here, so that none is looked for in real time; what its
-/// Configure() and Activate() throw comes out as an InputError that names the library.
+/// Looks for the file, and runs nothing of it. @throws InputError as LoadController when there is
+/// none.
+void RequireLibrary(const std::filesystem::path& library);
+
+/// Loads a library, which runs code of it, and makes one of its controllers. The library stays
+/// loaded until the program ends. Its symbols are all bound here, so that none is looked for in
+/// real time; what its Configure() and Activate() throw comes out as an InputError that names the
+/// library.
 /// @param type  empty: the only one the library has.
 /// @throws InputError naming the file and the cure when: there is no such file; it is no library
 /// for this machine, or wants symbols or libraries that are not there; it lacks the entry, or its
