@@ -5,10 +5,12 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import xml.etree.ElementTree
 
 SOURCE = pathlib.Path()
+PATIENCE = 100  # s
 # As ctest reads them. Each notes that it was run.
 TESTS = """\
 add_test(good sh -c "echo good >> {ran}")
@@ -17,6 +19,8 @@ add_test(bad sh -c "echo bad >> {ran}; exit 1")
 set_tests_properties(bad PROPERTIES LABELS "bench")
 add_test(skips sh -c "echo skips >> {ran}; echo no disk; exit 77")
 set_tests_properties(skips PROPERTIES LABELS "unit;slow" SKIP_RETURN_CODE 77)
+add_test(endless sh -c "echo $$ >> {ran}; exec sleep 1000")
+set_tests_properties(endless PROPERTIES LABELS "slow")
 add_test(everyday sh -c "echo everyday >> {ran}")
 set_tests_properties(everyday PROPERTIES LABELS "unit")
 """
@@ -30,9 +34,11 @@ class NightlyTest(unittest.TestCase):
         self.ran = self.folder / "ran"
         (self.folder / "CTestTestfile.cmake").write_text(TESTS.format(ran=self.ran))
 
+    def command(self, only, *options):
+        return [SOURCE / "scripts/nightly", "--build", self.folder, "--out", self.folder / "out", "--only", only, *options]
+
     def nightly(self, *options, only="^(good|bad|skips|everyday)$"):
-        return subprocess.run([SOURCE / "scripts/nightly", "--build", self.folder, "--out", self.folder / "out", "--only", only, *options],
-                              capture_output=True, text=True)
+        return subprocess.run(self.command(only, *options), capture_output=True, text=True)
 
     def runs(self):
         return self.ran.read_text().split() if self.ran.exists() else []
@@ -81,9 +87,25 @@ class NightlyTest(unittest.TestCase):
         self.assertIn("unit_under_asan", cases)
         page = (out / "report.html").read_text()
         for text in ("<td>good<td>slow<td>passed", "<td>bad<td>bench<td>failed", "<td>skips: no disk", "<td>unit_under_asan<td>asan<td>not run",
-                     "1 passed, 1 failed, 1 skipped, 1 not run", 'href="logs/bad.log"'):
+                     "1 passed, 1 failed, 1 skipped, 2 not run", 'href="logs/bad.log"'):
             self.assertIn(text, page)
         self.assertIn("no disk", (out / "logs/skips.log").read_text())
+
+    def test_broken_off_it_ends_its_item_and_begins_it_again(self):
+        process = subprocess.Popen(self.command("^endless$"), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(process.kill)
+        limit = time.monotonic() + PATIENCE
+        while not self.runs():
+            self.assertLess(time.monotonic(), limit)
+            time.sleep(0.02)
+        process.terminate()
+        process.communicate(timeout=PATIENCE)
+        self.assertEqual(process.returncode, 130)
+        sleeper = pathlib.Path("/proc", self.runs()[0], "cmdline")
+        while sleeper.exists() and sleeper.read_bytes():  # nobody may have waited for it yet
+            self.assertLess(time.monotonic(), limit)
+            time.sleep(0.02)
+        self.assertRegex(self.nightly("--list", only="^endless$").stdout, "^endless +slow +not run\n$")
 
     def test_lists_without_running(self):
         self.nightly(only="^good$")
