@@ -139,7 +139,7 @@ class LibfrankaRsTest(unittest.TestCase):
             time.sleep(5)
             ended = endless.poll()
             endless.kill()
-            said, _ = endless.communicate(timeout=20)
+            said, _ = endless.communicate(timeout=60)
             self.assertIsNone(ended, said)
             echo = subprocess.run(example("echo_robot_state", server.address), capture_output=True, text=True, timeout=60)
             self.assertIn("robot_mode: Idle", echo.stdout)

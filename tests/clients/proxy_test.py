@@ -36,7 +36,7 @@ class Proxy:
     def __exit__(self, *_):
         self.process.send_signal(signal.SIGTERM)
         try:
-            self.said += self.process.communicate(timeout=20)[0]
+            self.said += self.process.communicate(timeout=60)[0]
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.communicate()

@@ -67,8 +67,8 @@ class TwinServer:
     def _end(self, with_signal):
         self.process.send_signal(with_signal)
         try:
-            return self.process.wait(timeout=20)
+            return self.process.wait(timeout=60)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
-            return "no end for 20 s"
+            return "no end for 60 s"
