@@ -160,14 +160,14 @@ class DevicesTest(unittest.TestCase):
         self.assertIn("no sample came", done.stdout)
 
     def test_records_what_runs_again(self):
-        events = reports((0, (EV_ABS, 1, -350)), (0.3, (EV_ABS, 1, 0)))
-        done = self.call("evdev", "--for", "1", "--record", "me.csv", before=self.plugged_in(SPACE_MOUSE, events=events))
+        events = reports((0, (EV_ABS, 1, -350)), (1.5, (EV_ABS, 1, 0)))  # longer than a busy machine holds up who reads them
+        done = self.call("evdev", "--for", "3", "--record", "me.csv", before=self.plugged_in(SPACE_MOUSE, events=events))
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         rows = [line.split(",") for line in (self.folder / "me.csv").read_text().splitlines()[1:]]
         self.assertGreater(len(rows), 3)
         self.assertIn("1", [row[2] for row in rows])
         self.assertFalse((self.folder / "me.csv.partial").exists())
-        again = self.call("script", "--set", "file=me.csv", "--for", "1.5")
+        again = self.call("script", "--set", "file=me.csv", "--for", "3.5")
         self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
         self.assertRegex(again.stdout, r"x \+1\.00")
         self.assertRegex(again.stdout, r"(?m)x \+0\.00.* end 1$")

@@ -102,7 +102,7 @@ class ServeTest(unittest.TestCase):
         arm = self.arm(server)
         self.assertEqual(arm.connected, fci.SUCCESS)
         arm.read()
-        _, end = arm.run_motion(cycles=50, amplitude=0.0002)
+        _, end = arm.run_motion(cycles=200, amplitude=0.0002)
         self.assertEqual(end, fci.SUCCESS)
         arm.close()
 
@@ -409,7 +409,7 @@ class ProgramTest(ServeTest):
         server = self.serve("--capture", capture)
         arm = self.arm(server)
         arm.read()
-        states, end = arm.run_motion(cycles=50, amplitude=0.0002)
+        states, end = arm.run_motion(cycles=200, amplitude=0.0002)
         self.assertEqual(end, fci.SUCCESS)
         arm.close()
         port, hand_port = str(server.arm_port), str(server.hand_port)
@@ -476,10 +476,13 @@ class LabTest(ServeTest):
         return sum(torques) / len(torques)
 
     def check_delay(self, arm):
-        """The robot has an answer in time, as over a link that delays nothing: no cycle of the motion is lost."""
-        states, end = arm.run_motion(cycles=50, amplitude=0.0002)
+        """The robot has an answer in time, as over a link that delays nothing: from the first on no cycle of the motion is lost."""
+        states, end = arm.run_motion(cycles=200, amplitude=0.0002)
         self.assertEqual(end, fci.SUCCESS)
-        self.assertEqual({state.success_rate for state in states[:-1]}, {1})
+        rates = [state.success_rate for state in states[:-1]]
+        served = rates[next(i for i, rate in enumerate(rates) if rate > 0):]  # before it time runs by the wall clock
+        self.assertEqual(set(served), {1})
+        self.assertGreater(len(served), 100)
 
     def test_the_arm_is_that_of_the_lab_and_the_wire_that_which_is_there(self):
         usual = self.gravity_torque("{friction: none}")
