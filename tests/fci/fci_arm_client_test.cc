@@ -377,6 +377,7 @@ TEST_F(ArmClientTest, AFloodOfStrangersHoldsNoStateBack) {
   ASSERT_EQ(Await()->message_id, 5);
   for (int i = 0; i < 5000; ++i) robot().SendStateId(7, &stranger);  // more than a socket holds
   robot().SendStateId(6);
+  ASSERT_TRUE(client().arrival().AwaitUntil(clock_.Now() + std::chrono::seconds(10)));
   RobotState state;
   Time at{};
   ASSERT_EQ(client().Receive(state, at), Reception::kState) << "in one look";
