@@ -93,6 +93,60 @@ TEST(SettingTest, ALoadHasAMassThatCanBe) {
             "F_x_Cload[1]");
 }
 
+/// The first thing wrong with a load of 1 kg that has this inertia.
+std::string FieldOfInertia(const Matrix3& I) {
+  return FieldOf(setting::Load{.m_load = 1, .F_x_Cload = {}, .I_load = I});
+}
+
+TEST(SettingTest, ALoadHasTheInertiaOfABody) {
+  // R diag(1, 2, 2.5) R^T, R a turn by an angle whose cosine is 0.6 about z: symmetric, definite.
+  EXPECT_EQ(FieldOfInertia({1.64, -0.48, 0, -0.48, 1.36, 0, 0, 0, 2.5}), "sound");
+  EXPECT_EQ(FieldOfInertia({1, 0, 0, 0, 2, 0, 0, 0, 3}), "sound") << "a plate";
+  EXPECT_EQ(FieldOfInertia({0, 0, 0, 0, 2, 0, 0, 0, 2}), "sound") << "a rod";
+  EXPECT_EQ(FieldOfInertia({}), "sound") << "a point";
+  EXPECT_EQ(FieldOfInertia({-1, 0, 0, 0, -1, 0, 0, 0, -1}), "load_inertia");
+  EXPECT_EQ(FieldOfInertia({1, 0, 0, 0, 2, 0, 0, 0, 3.1}), "load_inertia") << "no triangle";
+  EXPECT_EQ(FieldOfInertia({1, 0, 0, 0, 1, 0, 0, 0, -0.1}), "load_inertia");
+  EXPECT_EQ(FieldOfInertia({1, 1.1, 0, 1.1, 1, 0, 0, 0, 1}), "load_inertia") << "indefinite";
+  EXPECT_EQ(FieldOfInertia({0, 1, 0, 1, 0, 0, 0, 0, 0}), "load_inertia") << "products alone";
+  EXPECT_EQ(FieldOfInertia({1, 0.1, 0, 0, 1, 0, 0, 0, 1}), "load_inertia") << "not symmetric";
+  EXPECT_EQ(FieldOfInertia({1, 0, 0, 0, kNaN, 0, 0, 0, 1}), "load_inertia[4]");
+}
+
+TEST(SettingTest, RotatedInertiasStayThoseOfBodiesDespiteRounding) {
+  for (int k = 0; k < 1000; ++k) {
+    const double c = std::cos(0.37 * k);
+    const double s = std::sin(0.37 * k);
+    // Of a plate, about z and then about x.
+    const double xx = c * c * 1e-3 + s * s * 2e-3;
+    const double yy = s * s * 1e-3 + c * c * 2e-3;
+    const double xy = c * s * (1e-3 - 2e-3);
+    const double zz = 3e-3;
+    EXPECT_EQ(
+        FieldOfInertia({xx, c * xy, s * xy, c * xy, c * c * yy + s * s * zz, c * s * (yy - zz),
+                        s * xy, s * c * (yy - zz), s * s * yy + c * c * zz}),
+        "sound")
+        << k;
+  }
+}
+
+TEST(SettingTest, WithoutMassThereIsNoInertia) {
+  EXPECT_EQ(FieldOf(setting::Load{}), "sound");
+  EXPECT_EQ(FieldOf(setting::Load{.m_load = 0, .F_x_Cload = {0, 0, 0.1}, .I_load = {}}), "sound");
+  EXPECT_EQ(
+      FieldOf(setting::Load{.m_load = 0, .F_x_Cload = {}, .I_load = {1, 0, 0, 0, 1, 0, 0, 0, 1}}),
+      "load_inertia");
+}
+
+TEST(SettingTest, AFrameIsNearTheArm) {
+  Transform X = kIdentityTransform;
+  for (const double far : {1e300, -11.0}) {
+    X[14] = far;
+    EXPECT_EQ(FieldOf(setting::EndEffectorFrame{X}), "NE_T_EE") << far;
+    EXPECT_EQ(FieldOf(setting::StiffnessFrame{X}), "EE_T_K") << far;
+  }
+}
+
 TEST(SettingTest, ACutoffIsAFrequencyOfTheFilters) {
   EXPECT_EQ(FieldOf(setting::Filters{.joint_position_hz = 1}), "sound");
   EXPECT_EQ(FieldOf(setting::Filters{.joint_velocity_hz = 0.5}), "joint_velocity_filter_frequency");
@@ -110,8 +164,12 @@ TEST(SettingTest, WhatIsWrongIsSaidInWords) {
             "K_theta[1] is -3; it must be in [0, 14250] Nm/rad");
   EXPECT_EQ(text(setting::Load{.m_load = 200, .F_x_Cload = {}, .I_load = {}}),
             "load_mass is 200; it must be in [0, 100] kg");
+  EXPECT_EQ(
+      text(setting::Load{.m_load = 1, .F_x_Cload = {}, .I_load = {-1, 0, 0, 0, -1, 0, 0, 0, -1}}),
+      "load_inertia must be that of a body (symmetric, no principal moment negative or above "
+      "the other two together; 0 without a mass)");
   EXPECT_EQ(text(setting::StiffnessFrame{Transform{}}),
-            "EE_T_K must be a rigid transform, 4 x 4 column-major");
+            "EE_T_K must be a rigid transform, 4 x 4 column-major, within 10 m");
 }
 
 }  // namespace

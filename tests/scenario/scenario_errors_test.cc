@@ -196,6 +196,11 @@ TEST(ScenarioErrorsTest, RefusesALoadThatCannotBe) {
                        "s.yaml:3: robot.load.position: ", "has 2 values; it needs 3: x, y, z");
   ExpectTouchedRefused("mass: 500 g", "mass: 500 N",
                        "s.yaml:13: int.load.mass: ", "\"N\" does not fit a mass");
+  ExpectTouchedRefused("{mass: 500 g}",
+                       "{mass: 500 g, products_of_inertia: [1 kg m^2, 0 kg m^2, 0 kg m^2]}",
+                       "s.yaml:13: int.load: ", "load_inertia must be that of a body");
+  ExpectTouchedRefused("0.025 kg m^2]", "0.04 kg m^2]",
+                       "s.yaml:3: robot.load: ", "load_inertia must be that of a body");
 }
 
 TEST(ScenarioErrorsTest, RefusesSettingsTheRobotWouldRefuse) {

@@ -128,7 +128,7 @@ motion:
 inline std::string TouchedText() {
   return R"(name: touched
 robot:
-  load: {mass: 1.5 kg, position: [10 mm, 0 m, 0.08 m], inertia: [0.01 kg m^2, 0.02 kg m^2, 0.03 kg m^2], products_of_inertia: [0.001 kg m^2, 0 kg m^2, -0.002 kg m^2]}
+  load: {mass: 1.5 kg, position: [10 mm, 0 m, 0.08 m], inertia: [0.01 kg m^2, 0.02 kg m^2, 0.025 kg m^2], products_of_inertia: [0.001 kg m^2, 0 kg m^2, -0.002 kg m^2]}
 plant:
   elasticity: static
 int:

@@ -86,7 +86,7 @@ TEST(ScenarioTest, ReadsWhatTheRobotCarriesAndIsToldOf) {
   const Scenario s = Parse(test::TouchedText(), "s.yaml");
   EXPECT_EQ(s.robot.load.m_load, 1.5);
   EXPECT_EQ(s.robot.load.F_x_Cload, (Vector3{0.01, 0, 0.08}));
-  EXPECT_EQ(s.robot.load.I_load, (Matrix3{0.01, 0.001, 0, 0.001, 0.02, -0.002, 0, -0.002, 0.03}));
+  EXPECT_EQ(s.robot.load.I_load, (Matrix3{0.01, 0.001, 0, 0.001, 0.02, -0.002, 0, -0.002, 0.025}));
   EXPECT_EQ(s.onboard.load.m_load, 0.5);
   EXPECT_EQ(s.onboard.load.F_x_Cload, Vector3{});
   EXPECT_EQ(s.plant.elasticity, plant::ElasticityProfile::kStatic);

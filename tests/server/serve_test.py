@@ -205,6 +205,15 @@ class SessionTest(ServeTest):
             self.assertEqual(arm.ask(fci.SET_LOAD, struct.pack("<d3d9d", bad, 0, 0, 0, *[0] * 9)), b"\2")
         server.await_line(r"Set Load refused: load_mass is -1")
 
+    def test_a_load_that_is_no_body_is_refused_and_does_no_harm(self):
+        server = self.serve()
+        arm = self.arm(server)
+        for inertia in ([-1, 0, 0, 0, -1, 0, 0, 0, -1], [0, 1, 0, 1, 0, 0, 0, 0, 0], [1, 1, 0, 0, 1, 0, 0, 0, 1]):
+            self.assertEqual(arm.ask(fci.SET_LOAD, struct.pack("<d3d9d", 1, 0, 0, 0, *inertia)), b"\2")
+        server.await_line(r"Set Load refused: load_inertia must be that of a body")
+        arm.read()
+        self.assertEqual(arm.run_motion()[1], fci.SUCCESS)
+
     def test_there_are_no_virtual_walls(self):
         answer = self.arm(self.serve()).ask(fci.GET_CARTESIAN_LIMIT, struct.pack("<i", 3))
         self.assertEqual(len(answer), 154)
