@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "twin/core/inertia.h"
+
 namespace twin {
 namespace {
 
@@ -21,7 +23,8 @@ constexpr Range kTranslationalStiffness{10, 3000, "in [10, 3000] N/m"};
 constexpr Range kRotationalStiffness{1, 300, "in [1, 300] Nm/rad"};
 constexpr Range kThreshold{0, 1e6, "finite and not negative"};
 constexpr Range kMass{0, 100, "in [0, 100] kg"};
-constexpr Range kLength{-10, 10, "in [-10, 10] m"};
+constexpr double kFar = 10;  // m
+constexpr Range kLength{-kFar, kFar, "in [-10, 10] m"};
 constexpr Range kInertia{-100, 100, "in [-100, 100] kg m^2"};
 constexpr Range kCutoff{1, 1000, "in [1, 1000] Hz"};
 
@@ -64,8 +67,10 @@ Finding CheckPair(std::string_view lower_name, const std::array<double, N>& lowe
 }
 
 Finding CheckFrame(std::string_view field, const Transform& X) noexcept {
-  if (IsRigid(X)) return {};
-  return BadValue{field, {}, {}, "a rigid transform, 4 x 4 column-major"};
+  const bool is_near =
+      std::abs(X[12]) <= kFar && std::abs(X[13]) <= kFar && std::abs(X[14]) <= kFar;
+  if (is_near && IsRigid(X)) return {};
+  return BadValue{field, {}, {}, "a rigid transform, 4 x 4 column-major, within 10 m"};
 }
 
 Finding Find(const setting::JointImpedance& impedance) noexcept {
@@ -103,8 +108,17 @@ Finding Find(const setting::EndEffectorFrame& frame) noexcept {
 }
 
 Finding Find(const setting::Load& load) noexcept {
-  return First(Check("load_mass", load.m_load, kMass), Check("F_x_Cload", load.F_x_Cload, kLength),
-               Check("load_inertia", load.I_load, kInertia));
+  const Finding found =
+      First(Check("load_mass", load.m_load, kMass), Check("F_x_Cload", load.F_x_Cload, kLength),
+            Check("load_inertia", load.I_load, kInertia));
+  if (found) return found;
+  const bool is_body = load.m_load == 0 ? load.I_load == Matrix3{} : IsInertiaOfBody(load.I_load);
+  if (is_body) return {};
+  return BadValue{"load_inertia",
+                  {},
+                  {},
+                  "that of a body (symmetric, no principal moment negative or above the other two "
+                  "together; 0 without a mass)"};
 }
 
 Finding Find(const setting::Filters& f) noexcept {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/core/inertia.h"
 #include "twin/core/require.h"
 
 namespace twin::onboard {
@@ -33,6 +34,11 @@ void IntConfig::Validate() const {
   RequireInRange("int: damping_ratio", damping_ratio, 1e-6, 2);
   RequireInRange("int: friction_compensation", friction_compensation, 0, 1);
   RequireInRange("int: end_effector.m", end_effector.m, 0, 100);
+  if (!IsInertiaOfBody(end_effector.I)) {
+    throw InputError(
+        "int: end_effector.I is not that of a body; it must be symmetric, with no principal moment "
+        "negative or above the other two together");
+  }
   RequireInRange("int: abort_after_lost", abort_after_lost, 1, 1e6);
   RequireInRange("int: first_command_timeout_cycles", first_command_timeout_cycles, 10, 1e6);
   RequireInRange("int: start_pose_tolerance_rad", start_pose_tolerance_rad, 1e-6, 7);

@@ -166,18 +166,16 @@ double InertiaOfSteelBall(double mass) {
   return 0.4 * mass * std::pow(0.75 * mass / (std::numbers::pi * kDensity), 2.0 / 3.0);
 }
 
-/// A body's principal moments of inertia are positive, and none is more than the other two
-/// together.
-void RequireBody(const Matrix3& inertia) {
+/// The engine turns bodies about every axis: what has no inertia about one cannot be simulated.
+void RequireThickness(const Matrix3& inertia) {
   const Eigen::Map<const Eigen::Matrix3d> I(inertia.data());
   const Eigen::Vector3d moments =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
-  if (moments[0] > 0 && moments[0] + moments[1] >= moments[2] * (1 - 1e-9)) return;
-  throw InputError(
-      fmt::format("the load on the flange: no body has principal moments of inertia of {}, {} and "
-                  "{} kg m^2; each "
-                  "must be above 0, and none more than the other two together",
-                  moments[0], moments[1], moments[2]));
+  if (moments[0] > 0) return;
+  throw InputError(fmt::format(
+      "the load on the flange: its least principal moment of inertia is {} kg m^2, that "
+      "of a rod without thickness; it must be above 0",
+      moments[0]));
 }
 
 void RequireVisualError(double error) {
@@ -216,7 +214,7 @@ void Attach(const setting::Load& load, RobotDescription& robot) {
     const double I = InertiaOfSteelBall(load.m_load);
     body.inertial->I = {I, 0, 0, 0, I, 0, 0, 0, I};
   }
-  RequireBody(body.inertial->I);
+  RequireThickness(body.inertial->I);
   robot.links.push_back(body);
 }
 

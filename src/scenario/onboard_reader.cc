@@ -164,6 +164,7 @@ setting::Load ReadLoad(const YamlNode& node) {
     Matrix3& I = load.I_load;
     I = {I[0], xy, xz, xy, I[4], yz, xz, yz, I[8]};
   });
+  RequireValid(node, load);
   return load;
 }
 
