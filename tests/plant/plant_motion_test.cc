@@ -227,18 +227,18 @@ TEST(PlantMotionTest, InstabilityHaltsTheArmAndIsCounted) {
   plant->Reset(kReady);
   JointDrive drive{.tau = plant->GravityTorque(kReady)};
   plant->Step(drive);
-  const JointSensors sound = plant->sensors();
   drive.tau[3] = std::numeric_limits<double>::quiet_NaN();
   plant->Step(drive);
   EXPECT_GE(plant->warning_count(), 1u);
   EXPECT_FALSE(plant->DescribeWarnings().empty());
-  EXPECT_EQ(std::memcmp(&plant->sensors(), &sound, sizeof(JointSensors)), 0);
+  for (const double q : plant->sensors().q) EXPECT_TRUE(std::isnan(q)) << "nothing is measured";
   const std::uint64_t count = plant->warning_count();
   plant->Step({.tau = plant->GravityTorque(kReady)});
   EXPECT_EQ(plant->warning_count(), count + 1);
   plant->Reset(kReady);
   plant->Step({.tau = plant->GravityTorque(kReady)});
   EXPECT_EQ(plant->warning_count(), count + 1);
+  EXPECT_NEAR(plant->sensors().q[1], kReady[1], 1e-3);
   EXPECT_FALSE(std::filesystem::exists("MUJOCO_LOG.TXT"));
 }
 

@@ -147,6 +147,43 @@ TEST_F(InteractionTest, PosesLeadTheHandToTheGoal) {
   EXPECT_EQ(states_.At(2s).controller_mode, ControllerMode::kCartesianImpedance);
 }
 
+/// The fastest joint, rad/s.
+double Speed(const RobotState& state) {
+  double fastest = 0;
+  for (const double dq : state.dq) fastest = std::max(fastest, std::abs(dq));
+  return fastest;
+}
+
+// Without the rotors' inertia, which INT's damping reckons with, so stiff an arm swings for ever.
+TEST_F(InteractionTest, AnArmThatSwingsAfterItsMotionIsBrakedAndNoSuccess) {
+  Scenario scenario = Example("push");
+  scenario.perturbations.clear();
+  scenario.plant.armature = false;
+  scenario.onboard.K_theta.fill(14250);
+  scenario.onboard.collision_behavior = NoCollisionBehavior();
+  const RunResult result = Execute(scenario);
+  EXPECT_EQ(result.report.end, backend::MotionEnd::kSuccess);
+  EXPECT_FALSE(result.report.succeeded());
+  EXPECT_NE(result.report.failure.find("did not come to rest"), std::string::npos)
+      << result.report.failure;
+  EXPECT_NE(result.report.failure.find("instability_detected"), std::string::npos)
+      << result.report.failure;
+  std::size_t end = states_.states.size() - 1;
+  while (states_.states[end].robot_mode != RobotMode::kMove) --end;
+  EXPECT_GT(Speed(states_.states[end]), 0.05);
+  ASSERT_GT(states_.states.size(), end + 1002);
+  EXPECT_EQ(states_.states[end + 1002].robot_mode, RobotMode::kReflex);
+  EXPECT_LT(Speed(states_.states.back()), 0.05);
+}
+
+TEST_F(InteractionTest, AnArmThatRestsEndsItsRunAsSoonAsBefore) {
+  const RunResult result = Execute(Example("push"));
+  ASSERT_TRUE(result.report.succeeded()) << result.report.failure;
+  std::size_t end = states_.states.size() - 1;
+  while (states_.states[end].robot_mode != RobotMode::kMove) --end;
+  EXPECT_LE(states_.states.size() - end, 22U);
+}
+
 TEST_F(InteractionTest, TheUserStopEndsTheMotionAndTheBrakesHold) {
   const RunResult result = Execute(Example("user_stop"));
   EXPECT_EQ(result.report.end, backend::MotionEnd::kUserStopped);
