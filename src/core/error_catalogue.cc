@@ -67,6 +67,9 @@ const ErrorEntry& EntryOf(RobotError error) noexcept {
 const ErrorEntry& EntryOf(const Violation& violation) noexcept {
   const bool no_first_command = violation.error == RobotError::kCommunicationConstraintsViolation &&
                                 violation.axis == kNoFirstCommandAxis;
+  const bool no_number =
+      violation.error == RobotError::kInstabilityDetected && violation.axis == kNoNumberAxis;
+  if (no_number) return kNoNumberEntry;
   return no_first_command ? kNoFirstCommandEntry : EntryOf(violation.error);
 }
 
@@ -115,9 +118,12 @@ std::string ErrorCatalogue() {
     const auto error = static_cast<RobotError>(i);
     text += fmt::format("\n## {} {}\n\n", i, Name(error));
     AddEntry(text, EntryOf(error));
-    if (error != RobotError::kCommunicationConstraintsViolation) continue;
-    text += "\nOr: ";
-    AddEntry(text, kNoFirstCommandEntry);
+    const auto add_other = [&text](const ErrorEntry& other) {
+      text += "\nOr: ";
+      AddEntry(text, other);
+    };
+    if (error == RobotError::kCommunicationConstraintsViolation) add_other(kNoFirstCommandEntry);
+    if (error == RobotError::kInstabilityDetected) add_other(kNoNumberEntry);
   }
   return text;
 }

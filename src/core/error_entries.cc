@@ -41,6 +41,9 @@ constexpr std::string_view kNoCollision =
     "before the motion; tell the robot its load (SetLoad); accelerate less";
 constexpr std::string_view kNoCollisionInRun =
     "int.collision_behavior sets the thresholds, int.load what the robot believes it carries";
+constexpr std::string_view kStableInRun =
+    "int.K_theta, int.K_x and int.damping_ratio are the controller's, int.load what it believes it "
+    "carries; plant.armature and plant.mass_scale make the arm another than the one it is made for";
 constexpr std::string_view kDeskMotion =
     "it belongs to the robot's own motions, which its Desk interface plans and runs; motions over "
     "FCI stream their commands, and the robot plans nothing";
@@ -406,10 +409,21 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
      .cause = "the arm presses against something hard, carries too much, or was struck",
      .cure = "lower the torques or the load, or see what the arm ran into"},
     // 35 instability_detected
-    {.meaning = "The robot found its control unstable",
-     .cause =
-         "by what the robot tells so is not public; here an unstable controller ends with what it "
-         "leads to: a measured velocity, a torque rate, a torque sensor's range or a reflex"},
+    {.raised = true,
+     .axis = AxisKind::kJoint,
+     .meaning = "The arm did not come to rest after a motion, and its brakes closed",
+     .quantity = "measured velocity",
+     .units = {"rad/s"},
+     .computed = "dq of the state, of the fastest joint; with no motion running, some joint was as "
+                 "fast in every 0.1 s of the last second",
+     .cause = "the controller that holds the arm is not stable on it: a stiffness too high or a "
+              "damping too low for the arm there is, a load that the robot is told of wrongly; or "
+              "somebody moves an arm that is held softly",
+     .cure =
+         "lower the stiffness (SetJointImpedance, SetCartesianImpedance), and tell the robot its "
+         "load (SetLoad); the recovery opens the brakes",
+     .in_scenario = kStableInRun,
+     .in_realtime = kStableInRun},
     // 36 joint_move_in_wrong_direction
     {.meaning = "A joint that was beyond its limit was led further out",
      .cause = "it is raised while people lead the arm back from beyond a joint's limit, never by a "
@@ -427,6 +441,20 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
     {.meaning = "The robot could not measure how its base is mounted",
      .cause = "it is raised by a sensor in the base; here gravity at the base is given"},
 }};
+
+const ErrorEntry kNoNumberEntry{
+    .raised = true,
+    .axis = AxisKind::kNone,
+    .meaning = "What the robot measured or computed was no number, and its brakes closed",
+    .quantity = "a measurement, a torque or a value of the state",
+    .units = {},
+    .computed =
+        "q, dq, tau_J, theta and dtheta as the sensors give them, the torque before it is "
+        "limited, and every value of the state",
+    .cause = "the simulation of the arm's body broke down, and measures nothing any more",
+    .cure =
+        "see what was simulated: the summary says what the engine complained of; make masses, "
+        "stiffnesses, forces and contacts those of a real arm"};
 
 const ErrorEntry kNoFirstCommandEntry{
     .raised = true,

@@ -12,5 +12,7 @@ extern const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries;
 
 /// communication_constraints_violation of a motion whose first command did not come.
 extern const ErrorEntry kNoFirstCommandEntry;
+/// That of an instability whose cause is a value that is no number.
+extern const ErrorEntry kNoNumberEntry;
 
 }  // namespace twin

@@ -60,6 +60,13 @@ std::string Compared(const Violation& violation, const ErrorEntry& entry) {
                : fmt::format("{:.9g} cycles in a row without a command, at most {:.9g} are bridged",
                              violation.value, violation.limit - 1);
   }
+  if (violation.error == RobotError::kInstabilityDetected) {
+    return violation.axis == kNoNumberAxis
+               ? fmt::format("{} was no number", entry.quantity)
+               : fmt::format("{} still moved at {:.9g} {}, not below {:.9g} {} as at rest",
+                             AxisName(violation), violation.value, UnitOf(violation),
+                             violation.limit, UnitOf(violation));
+  }
   const std::string axis = AxisName(violation);
   const std::string_view unit = UnitOf(violation);
   return fmt::format("{}{}{} {:.9g}{}{} is beyond the limit {:.9g}", axis, axis.empty() ? "" : ", ",

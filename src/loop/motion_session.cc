@@ -15,6 +15,8 @@ namespace {
 /// Run on after the motion, so that the log shows the robot idle (or in Reflex, coming to rest).
 constexpr Duration kAfterMotion = std::chrono::milliseconds(500);
 constexpr Duration kAfterSuccess = std::chrono::milliseconds(20);
+/// Longest wait for an arm that still moves then: the robot's own patience, and what its brakes take.
+constexpr Duration kUntilRest = kRestPatience + std::chrono::milliseconds(300);
 /// Longest wait for a first state, and for a stopped arm to come to rest.
 constexpr Duration kPatience = std::chrono::seconds(3);
 constexpr const char* kInterrupted = "interrupted";
@@ -99,6 +101,7 @@ bool MotionSession::Pass(Time limit, const std::function<bool()>& done) {
   const bool in_time = stage_.PassUntil(limit, [&] {
     Attend();
     LookOn();
+    WatchRest();
     // A failure comes first: the stop it led to may already have ended the motion.
     given_up = !stopping_ && (Interrupted() || deaf_ || watch_.failure() != LoopFailure::kNone);
     return given_up || done();
@@ -109,6 +112,14 @@ bool MotionSession::Pass(Time limit, const std::function<bool()>& done) {
 void MotionSession::Attend() {
   const Time now = stage_.Now();
   if (run_.attend && now >= next_attendance_) next_attendance_ = run_.attend(now);
+}
+
+void MotionSession::WatchRest() {
+  if (!watch_.has_state()) return;
+  const RobotState& state = stage_.State();
+  if (newest_ == 0) rest_.Restart(state.message_id);
+  if (state.message_id != newest_) rest_.Observe(state.message_id, state.dq);
+  newest_ = state.message_id;
 }
 
 void MotionSession::LookOn() {
@@ -162,6 +173,26 @@ void MotionSession::StopEarly(RunReport& report, std::string why) {
   }
 }
 
+void MotionSession::JudgeRest(RunReport& report) {
+  constexpr auto kInstability = static_cast<std::size_t>(RobotError::kInstabilityDetected);
+  const RobotState& state = stage_.State();
+  std::string why;
+  if (report.errors.test(kInstability)) return;  // it ended the motion, and has been told
+  if (state.errors.test(kInstability)) {
+    why = "the arm did not come to rest; the robot closed its brakes: instability_detected";
+    report.errors |= state.errors;
+  } else if (!rest_.AtRest() && !deaf_ && watch_.failure() == LoopFailure::kNone) {
+    const std::size_t joint = FastestJoint(state.dq);
+    why = fmt::format("the arm did not come to rest: joint {} still moves at {:.3g} rad/s",
+                      joint + 1, state.dq[joint]);
+  } else {
+    return;
+  }
+  Tell("rest", why);
+  if (!report.failure.empty()) why = fmt::format("{}; then {}", report.failure, why);
+  report.failure = std::move(why);
+}
+
 void MotionSession::Conclude(RunReport& report) {
   stage_.StopController();
   run_.controller.Deactivate();
@@ -185,7 +216,10 @@ void MotionSession::Conclude(RunReport& report) {
 
   stopping_ = true;
   const Duration rest = report.end == backend::MotionEnd::kSuccess ? kAfterSuccess : kAfterMotion;
-  static_cast<void>(Pass(stage_.Now() + rest, [] { return false; }));
+  const Time end = stage_.Now();
+  static_cast<void>(Pass(end + rest, [] { return false; }));
+  static_cast<void>(Pass(end + kUntilRest, [this] { return rest_.AtRest(); }));
+  JudgeRest(report);
   report.simulated = stage_.Now().time_since_epoch();
   report.q_final = stage_.State().q;
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "loop/motion_watch.h"
+#include "twin/core/rest.h"
 #include "twin/loop/communication_loop.h"
 #include "twin/loop/exchange.h"
 #include "twin/loop/motion_run.h"
@@ -50,12 +51,14 @@ class MotionSession {
   bool Pass(Time limit, const std::function<bool()>& done);
   void StopEarly(RunReport& report, std::string why);
   void Conclude(RunReport& report);
+  void JudgeRest(RunReport& report);
   [[nodiscard]] std::string WhyNotEnded() const;
   [[nodiscard]] bool Interrupted() const noexcept {
     return run_.interrupted != nullptr && *run_.interrupted;
   }
   void Attend();
   void LookOn();
+  void WatchRest();
   void NoticeSilence();
   void NoticeUnseenEnd();
   void Tell(std::string_view kind, std::string_view text) {
@@ -65,6 +68,8 @@ class MotionSession {
   const MotionRun& run_;
   Stage& stage_;
   MotionWatch& watch_;
+  RestWatch rest_;
+  std::uint64_t newest_ = 0;  ///< id of the newest state that was looked at; 0: none yet
   bool stopping_ = false;
   bool deaf_ = false;  ///< no state comes any more
   Time next_look_{};

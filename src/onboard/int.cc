@@ -65,6 +65,7 @@ Int::Int(const IntConfig& config, const JointVector& q0)
   generator_.SetFilters(config.filters);
   sensing_.SetCollisionBehavior(config.collision_behavior);
   guiding_.SetMode(config.guiding_mode);
+  sound_.q = q0;
 }
 
 bool Int::Grants(Request request) const noexcept {
@@ -110,6 +111,7 @@ RecoveryStatus Int::AutomaticErrorRecovery() noexcept {
   }
   if (sensing_.NeedsManualRecovery()) return RecoveryStatus::kManualErrorRecoveryRequiredRejected;
   errors_.reset();
+  halted_ = false;
   sensing_.ClearCollisions();
   robot_mode_ = RobotMode::kAutomaticErrorRecovery;
   recovery_cycles_left_ = kRecoveryCycles;

@@ -1,15 +1,18 @@
 #include <algorithm>
+#include <limits>
 
 #include "twin/core/error_catalogue.h"
+#include "twin/core/finite.h"
 #include "twin/onboard/int.h"
 #include "twin/onboard/limit_monitor.h"
 
 // What Int does in a cycle: modes that pass by themselves, the reference, the torque.
 
 namespace twin::onboard {
-const JointDrive& Int::Cycle(const RobotCommand* command, const JointSensors& sensors) noexcept {
+const JointDrive& Int::Cycle(const RobotCommand* command, const JointSensors& measured) noexcept {
   fate_ = rt::CommandFate::kNone;
   violations_ = Violations();
+  const JointSensors& sensors = Sound(measured);
   if (message_id_ == 0) sensing_.Reset(sensors, setup_);  // nothing has been sensed yet
   AdvanceMode(sensors);
   AdvanceReference(command, sensors);
@@ -26,14 +29,16 @@ void Int::AdvanceMode(const JointSensors& sensors) noexcept {
     guiding_.Begin(sensors.q, setup_);
   }
   const bool is_led = robot_mode_ == RobotMode::kGuiding;
-  const bool is_braked =
-      brakes_closed_ || (robot_mode_ == RobotMode::kUserStopped && generator_.AtRest());
+  const bool is_braked = brakes_closed_ || (halted_ && !is_led) ||
+                         (robot_mode_ == RobotMode::kUserStopped && generator_.AtRest());
   if (drive_.brakes && !is_braked) generator_.TakeOver(sensors.q, JointVector{});
   if (is_led) generator_.TakeOver(sensors.q, sensors.dq);
   drive_.brakes = is_braked;
 }
 
 void Int::AdvanceReference(const RobotCommand* command, const JointSensors& sensors) noexcept {
+  WatchRest(sensors.dq);
+  if (!violations_.empty()) return;  // halted
   const bool is_watched = phase_ != Phase::kNone || robot_mode_ == RobotMode::kIdle;
   if (is_watched) violations_ = sensing_.Collisions(message_id_ + 1);
   if (phase_ != Phase::kNone) {
@@ -135,10 +140,14 @@ void Int::Abort(const JointSensors& sensors) noexcept {
   for (const Violation& violation : violations_.items()) {
     errors_.set(static_cast<std::size_t>(violation.error));
   }
-  if (phase_ != Phase::kNone) reflex_reason_ = errors_;
-  EndMotion(MoveStatus::kReflexAborted, RobotMode::kReflex);
+  EndByError(RobotMode::kReflex);
   TakeOver(sensors);
   generator_.Brake();
+}
+
+void Int::EndByError(RobotMode mode) noexcept {
+  if (phase_ != Phase::kNone) reflex_reason_ = errors_;
+  EndMotion(MoveStatus::kReflexAborted, mode);
 }
 
 void Int::TakeOver(const JointSensors& sensors) noexcept {
@@ -146,6 +155,47 @@ void Int::TakeOver(const JointSensors& sensors) noexcept {
   external_torque_acts_ = false;
   cartesian_impedance_acts_ = false;
   generator_.TakeOver(sensors.q, sensors.dq);
+}
+
+void Int::WatchRest(const JointVector& dq) noexcept {
+  const std::uint64_t cycle = message_id_ + 1;
+  const bool is_held =
+      phase_ == Phase::kNone && robot_mode_ != RobotMode::kGuiding && !drive_.brakes;
+  if (!is_held) {
+    rest_.Restart(cycle);
+    return;
+  }
+  rest_.Observe(cycle, dq);
+  if (rest_.Restless() < kRestPatience) return;
+  const std::size_t joint = FastestJoint(dq);
+  Halt(static_cast<std::int8_t>(joint), dq[joint], kRestSpeed);
+}
+
+void Int::Halt(std::int8_t axis, double value, double limit) noexcept {
+  if (!halted_) {
+    violations_.Add({RobotError::kInstabilityDetected, axis, value, limit, message_id_ + 1});
+  }
+  halted_ = true;
+  rest_.Restart(message_id_ + 1);
+  errors_.set(static_cast<std::size_t>(RobotError::kInstabilityDetected));
+  const bool is_held_up =
+      robot_mode_ == RobotMode::kOther || robot_mode_ == RobotMode::kUserStopped;
+  EndByError(is_held_up ? robot_mode_ : RobotMode::kReflex);
+  external_torque_acts_ = false;
+  cartesian_impedance_acts_ = false;
+  generator_.TakeOver(sound_.q, JointVector{});
+  tau_J_d_ = JointVector{};
+  drive_ = {.tau = {}, .q_d = sound_.q, .dq_d = {}, .ddq_d = {}, .brakes = true};
+}
+
+void Int::HaltOnNoNumber() noexcept {
+  Halt(kNoNumberAxis, std::numeric_limits<double>::quiet_NaN(), 0);
+}
+
+const JointSensors& Int::Sound(const JointSensors& measured) noexcept {
+  if (IsFinite(measured)) return measured;
+  HaltOnNoNumber();
+  return sound_;
 }
 
 ImpedanceTorque Int::ControlTorque(const JointSensors& sensors) noexcept {
@@ -166,6 +216,10 @@ ImpedanceTorque Int::ControlTorque(const JointSensors& sensors) noexcept {
 
 void Int::DriveJoints(const JointSensors& sensors) noexcept {
   ImpedanceTorque torque = ControlTorque(sensors);
+  if (!IsFinite(torque.tau)) {
+    HaltOnNoNumber();
+    return;
+  }
   tau_J_d_ = torque.tau_J_d;
   if (!drive_.brakes) friction_.AddTo(torque.tau, sensors.dq);
   for (std::size_t i = 0; i < kJoints; ++i) {

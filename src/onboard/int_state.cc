@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "twin/core/finite.h"
 #include "twin/core/time.h"
 #include "twin/onboard/int.h"
 
@@ -18,26 +19,39 @@ bool Accelerates(const JointReference& reference) noexcept {
 
 }  // namespace
 
-void Int::FillState(const JointSensors& sensors, RobotState& state) noexcept {
+void Int::FillState(const JointSensors& measured, RobotState& state) noexcept {
+  const JointSensors& sensors = Sound(measured);
   // Closed brakes take up what the observer would hold against the model.
   if (message_id_ == 0 || payload_changed_ || drive_.brakes) sensing_.Reset(sensors, setup_);
   payload_changed_ = false;
   sensing_.Update(sensors, setup_, Accelerates(generator_.joints()));
+  Fill(sensors, state);
+  if (IsFinite(state)) {
+    sound_ = sensors;
+  } else {
+    HaltOnNoNumber();
+    sensing_.Reset(sound_, setup_);
+    last_tau_J_ = sound_.tau_J;
+    Fill(sound_, state);
+  }
   ++message_id_;
+}
+
+void Int::Fill(const JointSensors& sensors, RobotState& state) noexcept {
   FillMeasured(sensors, state);
   FillDesired(state);
   FillModes(state);
 }
 
 void Int::FillMeasured(const JointSensors& sensors, RobotState& state) noexcept {
-  state.message_id = message_id_;
+  state.message_id = message_id_ + 1;
   state.q = sensors.q;
   state.dq = sensors.dq;
   state.tau_J = sensors.tau_J;
   state.theta = sensors.theta;
   state.dtheta = sensors.dtheta;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    state.dtau_J[i] = message_id_ > 1 ? (sensors.tau_J[i] - last_tau_J_[i]) / kCycleSeconds : 0;
+    state.dtau_J[i] = message_id_ > 0 ? (sensors.tau_J[i] - last_tau_J_[i]) / kCycleSeconds : 0;
   }
   last_tau_J_ = sensors.tau_J;
   state.tau_J_d = tau_J_d_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -197,7 +198,15 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
     halted_ = true;
   }
   halted_ = !TakeWarnings() || halted_;
-  if (halted_) return;
+  if (halted_) {
+    // Nothing is measured any more.
+    constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+    for (JointVector* values :
+         {&sensors_.q, &sensors_.dq, &sensors_.tau_J, &sensors_.theta, &sensors_.dtheta}) {
+      values->fill(kNothing);
+    }
+    return;
+  }
   ++tick_;
   Sense(tau_J);
   if (hand_) hand_->Sense(*data_);

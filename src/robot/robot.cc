@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "twin/core/rest.h"
+
 namespace twin::robot {
 namespace {
 
@@ -68,7 +70,8 @@ void Robot::Send(const RobotCommand& command) noexcept {
 }
 
 bool Robot::AtRest() const noexcept {
-  return int_.reference().AtRest();
+  const JointVector& dq = record_.state.dq;
+  return int_.reference().AtRest() && std::abs(dq[FastestJoint(dq)]) < kRestSpeed;
 }
 
 void Robot::OnEvent(Time now, std::uint64_t /*token*/) noexcept {
@@ -111,6 +114,7 @@ void Robot::Cycle(Time now) noexcept {
   record_.violated = !int_.violations().empty();
   if (record_.violated) {
     record_.violation = int_.violations().items().front();
+    last_found_ = int_.violations();
     if (in_motion) last_violations_ = int_.violations();  // not of a collision while idle
   }
   if (sink_ == nullptr) return;

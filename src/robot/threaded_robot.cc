@@ -123,7 +123,7 @@ LastMotion ThreadedRobot::last_motion() const {
 }
 
 RobotReport ThreadedRobot::report() const {
-  return Ask([&] { return RobotReport{robot_.mode(), robot_.last_motion()}; });
+  return Ask([&] { return RobotReport{robot_.mode(), robot_.last_motion(), robot_.last_found()}; });
 }
 
 }  // namespace twin::robot

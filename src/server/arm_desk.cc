@@ -1,5 +1,6 @@
 #include "server/arm_desk.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -34,7 +35,7 @@ ArmDesk::ArmDesk(robot::ThreadedRobot& robot, UdpPort& port,
     : robot_(robot), port_(port), model_library_(model_library), tell_(tell) {}
 
 void ArmDesk::OnRobotChanged() {
-  if (in_motion_) static_cast<void>(Progress());
+  static_cast<void>(Progress());
 }
 
 bool ArmDesk::IsReady() {
@@ -153,17 +154,29 @@ fci::ArmProgress ArmDesk::Progress() {
     in_motion_ = false;
     TellEnd(report.last_motion);
   }
+  if (!in_motion_) TellFound(report.found);
   return {report.mode, moves, report.last_motion.end};
 }
 
 void ArmDesk::TellEnd(const robot::LastMotion& motion) {
   std::string text = fmt::format("arm: motion {}", EndText(motion.end));
   if (!motion.violations.empty()) text += ':';
-  for (const Violation& violation : motion.violations.items()) text += ' ' + Describe(violation);
+  for (const Violation& violation : motion.violations.items()) {
+    text += ' ' + Describe(violation);
+    told_ = violation.message_id;
+  }
   if (motion.end == MoveStatus::kPreempted && !stop_asked_) {
     text += ": it was not answered for too long (see --session-timeout)";
   }
   tell_(text);
+}
+
+void ArmDesk::TellFound(const onboard::Violations& found) {
+  for (const Violation& violation : found.items()) {
+    if (violation.message_id <= told_) continue;
+    tell_(fmt::format("arm: error without a motion: {}", Describe(violation)));
+  }
+  if (!found.empty()) told_ = std::max(told_, found.items().front().message_id);
 }
 
 void ArmDesk::TellRefused(std::string_view request, std::string_view why) {

@@ -22,7 +22,7 @@ class ArmDesk final : public Desk, private fci::ArmService {
   ArmDesk(robot::ThreadedRobot& robot, UdpPort& port, std::span<const std::byte> model_library,
           const TellPeople& tell);
 
-  /// The robot's mode has changed. @throws RobotFault.
+  /// The robot's mode or errors have changed. @throws RobotFault.
   void OnRobotChanged();
 
   [[nodiscard]] bool IsReady() override;
@@ -44,6 +44,8 @@ class ArmDesk final : public Desk, private fci::ArmService {
   [[nodiscard]] fci::ArmProgress Progress() override;
 
   void TellEnd(const robot::LastMotion& motion);
+  /// What no motion had to do with: a collision, or an arm that does not come to rest.
+  void TellFound(const onboard::Violations& found);
   void TellRefused(std::string_view request, std::string_view why);
   /// "not possible in the current mode ("Reflex")".
   [[nodiscard]] std::string NotPossible();
@@ -59,6 +61,7 @@ class ArmDesk final : public Desk, private fci::ArmService {
   bool connected_ = false;
   bool in_motion_ = false;   ///< a motion was granted whose end was not told yet
   bool stop_asked_ = false;  ///< by the session, or for it
+  std::uint64_t told_ = 0;   ///< cycle of the last errors that were told
   DroppedDatagrams dropped_before_;
 };
 

@@ -78,8 +78,11 @@ void UdpPort::Deliver(const RobotState& state) noexcept {
     if (capture_ != nullptr) Keep(clock_.Now(), socket_.local(), to, outgoing_);
     static_cast<void>(socket_.Send(outgoing_, to));
   }
-  if (state.robot_mode == mode_ && state.motion_generator_mode == generator_) return;
+  const bool is_same = state.robot_mode == mode_ && state.motion_generator_mode == generator_ &&
+                       state.errors == errors_;
+  if (is_same) return;
   mode_ = state.robot_mode;
+  errors_ = state.errors;
   generator_ = state.motion_generator_mode;
   changed_.Ring();
 }

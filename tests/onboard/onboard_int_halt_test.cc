@@ -42,6 +42,12 @@ class IntHaltTest : public ::testing::Test {
     IntConfig config;
     config.limits = test::PandaLimits();
     config.cartesian = test::PandaCartesianLimits();
+    // The arm that moves as a test says looks pushed: that is not what is looked at.
+    setting::CollisionBehavior& behavior = config.collision_behavior;
+    behavior.upper_torque_acc.fill(1e6);
+    behavior.upper_torque_nominal.fill(1e6);
+    behavior.upper_force_acc.fill(1e6);
+    behavior.upper_force_nominal.fill(1e6);
     config.end_effector = {
         .m = 0.73, .F_x_C = {-0.01, 0, 0.03}, .I = {0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017}};
     return config;

@@ -171,8 +171,8 @@ TEST_F(InteractionTest, AnArmThatSwingsAfterItsMotionIsBrakedAndNoSuccess) {
   std::size_t end = states_.states.size() - 1;
   while (states_.states[end].robot_mode != RobotMode::kMove) --end;
   EXPECT_GT(Speed(states_.states[end]), 0.05);
-  ASSERT_GT(states_.states.size(), end + 1002);
-  EXPECT_EQ(states_.states[end + 1002].robot_mode, RobotMode::kReflex);
+  ASSERT_GT(states_.states.size(), end + 1001);
+  EXPECT_EQ(states_.states[end + 1001].robot_mode, RobotMode::kReflex);
   EXPECT_LT(Speed(states_.states.back()), 0.05);
 }
 

@@ -214,6 +214,14 @@ class SessionTest(ServeTest):
         arm.read()
         self.assertEqual(arm.run_motion()[1], fci.SUCCESS)
 
+    def test_an_error_without_a_motion_is_told_at_once(self):
+        text = SCENARIO.replace("kind: ideal", "kind: mujoco") + """
+perturbations:
+  - push: {body: panda_hand, begin: 300 ms, duration: 1 s, rise: 100 ms, force: [0 N, 90 N, 0 N]}
+"""
+        server = self.serve(scenario=text)
+        server.await_line(r"arm: error without a motion: (cartesian|joint)_reflex: .* in the cycle of state")
+
     def test_there_are_no_virtual_walls(self):
         answer = self.arm(self.serve()).ask(fci.GET_CARTESIAN_LIMIT, struct.pack("<i", 3))
         self.assertEqual(len(answer), 154)

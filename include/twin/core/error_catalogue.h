@@ -50,8 +50,12 @@ struct ErrorEntry {
 /// when too many commands in a row were lost.
 inline constexpr std::int8_t kNoFirstCommandAxis = 0;
 
-/// The entry that explains a violation: that of its error, or, of communication errors, of the one
-/// of the two causes that it had (kNoFirstCommandAxis).
+/// Axis of an instability that is no arm that will not rest, which names its fastest joint, but a
+/// measured or computed value that is no number.
+inline constexpr std::int8_t kNoNumberAxis = -1;
+
+/// The entry that explains a violation: that of its error, or, of communication errors and
+/// instabilities, of the one of the two causes that it had (kNoFirstCommandAxis, kNoNumberAxis).
 [[nodiscard]] const ErrorEntry& EntryOf(const Violation& violation) noexcept;
 
 /// "joint 2", "rotation", "z of K"; empty when nothing single is to blame.

@@ -7,6 +7,7 @@
 #include "twin/core/panel.h"
 #include "twin/core/realtime.h"
 #include "twin/core/request_status.h"
+#include "twin/core/rest.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
@@ -62,6 +63,15 @@ namespace twin::onboard {
 /// people (kManualErrorRecoveryRequiredRejected): the arm can be guided out of Reflex. StopMove()
 /// ramps down still in Move, then ends with Preempted. A collision while Idle leads to Reflex too;
 /// reflex_reason, which documents a motion, then stays.
+///
+/// Halts. When INT cannot go on, with or without a motion, it closes the brakes at once and says
+/// instability_detected; mode and errors otherwise as of an abort. It is so when
+///   - a sensor gives what is no number, or the torque or the state computed from it is none: no
+///     state holds one, in its place is what was measured last;
+///   - the arm, held by INT alone (no motion, nobody leads it, brakes open), has not been at rest
+///     for kRestPatience (RestWatch): after each end of a motion it comes to rest, or is braked.
+/// The brakes open with the recovery, and while people lead the arm; the reference is then where
+/// the arm is. Halts are a decision: by what the robot detects an instability is not public.
 ///
 /// People. The user stop ends a motion with EmergencyAborted, the reference ramps down, then the
 /// brakes close until it is released. Closed brakes are mode Other. In Guiding the arm can be led,
@@ -161,11 +171,17 @@ class Int {
   void Hold() noexcept;
   void Finish(const JointSensors& sensors) noexcept;
   void Abort(const JointSensors& sensors) noexcept;
+  void EndByError(RobotMode mode) noexcept;
   void TakeOver(const JointSensors& sensors) noexcept;
+  void WatchRest(const JointVector& dq) noexcept;
+  void Halt(std::int8_t axis, double value, double limit) noexcept;
+  void HaltOnNoNumber() noexcept;
+  [[nodiscard]] const JointSensors& Sound(const JointSensors& measured) noexcept;
   void DriveJoints(const JointSensors& sensors) noexcept;
   [[nodiscard]] ImpedanceTorque ControlTorque(const JointSensors& sensors) noexcept;
 
   // int_state.cc: the robot state
+  void Fill(const JointSensors& sensors, RobotState& state) noexcept;
   void FillMeasured(const JointSensors& sensors, RobotState& state) noexcept;
   void FillDesired(RobotState& state) const noexcept;
   void FillModes(RobotState& state) const noexcept;
@@ -191,6 +207,9 @@ class Int {
   bool brakes_closed_ = false;    ///< by the switch; the user stop closes them for itself
   bool begins_guiding_ = false;   ///< at the next cycle, where the arm then is
   bool payload_changed_ = false;  ///< the observer must start anew
+  bool halted_ = false;           ///< the brakes are closed until recovery
+  RestWatch rest_;
+  JointSensors sound_;  ///< the last measurement that made a state
 
   rt::CommandFate fate_ = rt::CommandFate::kNone;
   Violations violations_;

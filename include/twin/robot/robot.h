@@ -99,7 +99,10 @@ class Robot final : private rt::EventHandler {
   [[nodiscard]] LastMotion last_motion() const noexcept {
     return {int_.last_end(), last_violations_};
   }
-  /// Whether INT's reference stands still as of its last cycle.
+  /// What the last cycle that found errors found, in a motion or not; empty before the first.
+  [[nodiscard]] const onboard::Violations& last_found() const noexcept { return last_found_; }
+  /// Whether, as of the last cycle, INT's reference stands still and no joint was measured to be as
+  /// fast as kRestSpeed.
   [[nodiscard]] bool AtRest() const noexcept;
 
  private:
@@ -128,6 +131,7 @@ class Robot final : private rt::EventHandler {
   std::uint64_t periods_ = 0;  ///< from begin_, what was postponed in it, to the next cycle
   Time next_cycle_{};
   onboard::Violations last_violations_;
+  onboard::Violations last_found_;
   rt::CycleRecord record_;
 };
 

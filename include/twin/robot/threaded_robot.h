@@ -25,6 +25,7 @@ namespace twin::robot {
 struct RobotReport {
   RobotMode mode = RobotMode::kOther;
   LastMotion last_motion;
+  onboard::Violations found;  ///< Robot::last_found
 };
 
 /// A whole emulated robot on a thread of its own: a Robot and its event queue, and how other

@@ -34,7 +34,7 @@ struct DroppedDatagrams {
 /// clients answer to where states come from. Source: FCI protocol 5, transport.
 ///
 ///     network's thread:  Open(client) ... Close()
-///     robot's thread:    Deliver(state) --> socket, and the bell when the mode has changed
+///     robot's thread:    Deliver(state) --> socket, and the bell when mode or errors changed
 ///                        Receive() <------- socket, 64 datagrams at most in one go
 ///
 /// Between sessions no state leaves and nothing that comes is let in.
@@ -45,7 +45,8 @@ struct DroppedDatagrams {
 class UdpPort final : public robot::WorkstationPort, public rt::Arrival {
  public:
   /// @param clock    of the host; must outlive the port. @param address  to bind, any free port.
-  /// @param changed  rung when a state shows another mode than the last; must outlive the port.
+  /// @param changed  rung when a state shows other modes or errors than the last; must outlive the
+  /// port.
   /// @throws EnvironmentError as fci::UdpSocket.
   UdpPort(const MonotonicClock& clock, std::uint32_t address, Bell& changed);
 
@@ -92,6 +93,7 @@ class UdpPort final : public robot::WorkstationPort, public rt::Arrival {
   int looked_at_ = 0;
   std::uint64_t newest_id_ = 0;
   RobotMode mode_ = RobotMode::kOther;
+  RobotErrors errors_;
   MotionGeneratorMode generator_ = MotionGeneratorMode::kIdle;
 };
 
