@@ -168,6 +168,12 @@ TEST_P(ModesTest, TheRequestComesToWhatTheTableSays) {
   EXPECT_FALSE(rig_->finding()) << *rig_->finding();
 }
 
+TEST_P(ModesTest, ARecoveryThatSucceedsLeavesNoErrors) {
+  if (GetParam().ask != Ask::kAutomaticErrorRecovery || !Make(*rig_, GetParam().ask)) return;
+  rig_->Cycle();
+  EXPECT_TRUE(rig_->state().errors.none()) << FormatErrors(rig_->state().errors);
+}
+
 TEST_P(ModesTest, ARefusalNamesRequestAndMode) {
   if (Expect(situation(), GetParam().ask).accepted) return;
   ASSERT_FALSE(Make(*rig_, GetParam().ask));

@@ -56,7 +56,8 @@ Outcome OnSetter(const Situation& s) {
   return Unless(refused, s, s.mode);
 }
 
-/// Needs an error, the arm at rest, and nobody who holds the robot up.
+/// A success means that there is no error any more. With one it needs the arm at rest, and nobody who
+/// holds the robot up; without one there is nothing to do.
 Outcome OnRecovery(const Situation& s) {
   switch (s.mode) {
     case RobotMode::kReflex: return Unless(!s.at_rest, s, RobotMode::kAutomaticErrorRecovery);
@@ -65,7 +66,7 @@ Outcome OnRecovery(const Situation& s) {
     case RobotMode::kAutomaticErrorRecovery: return {false, s.mode};
     case RobotMode::kOther:
     case RobotMode::kIdle:
-    case RobotMode::kGuiding: return To(s.mode);  // nothing to do
+    case RobotMode::kGuiding: return Unless(s.has_errors, s, s.mode);
   }
   return {};
 }
