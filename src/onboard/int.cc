@@ -73,6 +73,7 @@ bool Int::Grants(Request request) const noexcept {
     case Verdict::kGranted: return true;
     case Verdict::kGrantedAtRest: return generator_.AtRest();
     case Verdict::kNothingToDo:
+    case Verdict::kNothingUnlessError:
     case Verdict::kRefused: break;
   }
   return false;
@@ -103,9 +104,10 @@ void Int::StopMove() noexcept {
 }
 
 RecoveryStatus Int::AutomaticErrorRecovery() noexcept {
-  if (VerdictOn(robot_mode_, Request::kAutomaticErrorRecovery) == Verdict::kNothingToDo) {
-    return RecoveryStatus::kSuccess;
-  }
+  const Verdict verdict = VerdictOn(robot_mode_, Request::kAutomaticErrorRecovery);
+  const bool has_nothing_to_do = verdict == Verdict::kNothingToDo ||
+                                 (verdict == Verdict::kNothingUnlessError && errors_.none());
+  if (has_nothing_to_do) return RecoveryStatus::kSuccess;
   if (!Grants(Request::kAutomaticErrorRecovery)) {
     return RecoveryStatus::kCommandNotPossibleRejected;
   }

@@ -69,6 +69,7 @@ std::string_view Name(Verdict verdict) noexcept {
     case Verdict::kGranted: return "granted";
     case Verdict::kGrantedAtRest: return "granted at rest";
     case Verdict::kNothingToDo: return "nothing to do";
+    case Verdict::kNothingUnlessError: return "nothing to do; refused with an error";
     case Verdict::kRefused: return "refused";
   }
   return "unknown";

@@ -56,8 +56,8 @@ Outcome OnSetter(const Situation& s) {
   return Unless(refused, s, s.mode);
 }
 
-/// A success means that there is no error any more. With one it needs the arm at rest, and nobody who
-/// holds the robot up; without one there is nothing to do.
+/// A success means that there is no error any more. With one it needs the arm at rest, and nobody
+/// who holds the robot up; without one there is nothing to do.
 Outcome OnRecovery(const Situation& s) {
   switch (s.mode) {
     case RobotMode::kReflex: return Unless(!s.at_rest, s, RobotMode::kAutomaticErrorRecovery);

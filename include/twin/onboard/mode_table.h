@@ -43,22 +43,27 @@ inline constexpr std::size_t kRobotModes = 7;
 /// arguments.
 enum class Verdict : std::uint8_t {
   kGranted,
-  kGrantedAtRest,  ///< granted once the reference rests, refused before
-  kNothingToDo,    ///< a success that changes nothing
+  kGrantedAtRest,       ///< granted once the reference rests, refused before
+  kNothingToDo,         ///< a success that changes nothing
+  kNothingUnlessError,  ///< the same while there is no error, refused while there is one
   kRefused,
 };
 
 /// The verdict of every request (column) in every mode (row): the whole of INT's mode logic.
 ///
 ///   mode       | Move | StopMove | setters | recovery | user stop: press, release |
-///   Other      | -    | .        | x       | .        | x  .   brakes closed
+///   Other      | -    | .        | x       | e        | x  .   brakes closed
 ///   Idle       | r    | .        | x       | .        | x  .
 ///   Move       | -    | x        | -       | -        | x  .
-///   Guiding    | -    | .        | x       | .        | x  .
+///   Guiding    | -    | .        | x       | e        | x  .
 ///   Reflex     | -    | .        | -       | r        | x  .
 ///   UserStopped| -    | .        | x       | -        | .  r
 ///   Recovery   | -    | .        | -       | -        | x  .
-///     x granted, r granted at rest, . nothing to do, - refused
+///     x granted, r granted at rest, . nothing to do, e nothing to do unless there is an error, -
+///     refused
+///
+/// A recovery that succeeds leaves no errors: while people lead the arm, or its brakes are closed,
+/// it is refused with one, and done in Reflex, where the robot then comes to.
 ///
 /// Brakes close from Idle and Reflex, at rest, and open from Other. Guiding begins from Idle and,
 /// so that people can free the arm, from Reflex, at rest. GetCartesianLimit and LoadModelLibrary
@@ -72,13 +77,14 @@ inline constexpr std::array<std::array<Verdict, kRequests>, kRobotModes> kModeTa
   constexpr Verdict x = Verdict::kGranted;
   constexpr Verdict r = Verdict::kGrantedAtRest;
   constexpr Verdict o = Verdict::kNothingToDo;
+  constexpr Verdict e = Verdict::kNothingUnlessError;
   constexpr Verdict n = Verdict::kRefused;
   // Move Stop Lim | Col Jnt Car Gui EtK NtE Load Filt | Rec Lib | US+ US- Br+ Br- Gd+ Gd-
   return std::array<std::array<Verdict, kRequests>, kRobotModes>{{
-      {n, o, x, x, x, x, x, x, x, x, x, o, x, x, o, o, x, n, o},  // Other
+      {n, o, x, x, x, x, x, x, x, x, x, e, x, x, o, o, x, n, o},  // Other
       {r, o, x, x, x, x, x, x, x, x, x, o, x, x, o, r, o, r, o},  // Idle
       {n, x, x, n, n, n, n, n, n, n, n, n, x, x, o, n, o, n, o},  // Move
-      {n, o, x, x, x, x, x, x, x, x, x, o, x, x, o, n, o, o, x},  // Guiding
+      {n, o, x, x, x, x, x, x, x, x, x, e, x, x, o, n, o, o, x},  // Guiding
       {n, o, x, n, n, n, n, n, n, n, n, r, x, x, o, r, o, r, o},  // Reflex
       {n, o, x, x, x, x, x, x, x, x, x, n, x, o, r, n, n, n, o},  // UserStopped
       {n, o, x, n, n, n, n, n, n, n, n, n, x, x, o, n, o, n, o},  // AutomaticErrorRecovery
@@ -101,7 +107,8 @@ inline constexpr std::array<std::array<Verdict, kRequests>, kRobotModes> kModeTa
 
 /// In words of the table: "Move", "Set Load", "press_user_stop", ...
 [[nodiscard]] std::string_view Name(Request request) noexcept;
-/// "granted", "granted at rest", "nothing to do", "refused".
+/// "granted", "granted at rest", "nothing to do", "nothing to do; refused with an error",
+/// "refused".
 [[nodiscard]] std::string_view Name(Verdict verdict) noexcept;
 
 }  // namespace twin::onboard
