@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kMargin = 1e-3;
 constexpr double kLostPackets = 3;
+/// What libfranka starts from, whatever the robot's data say.
+constexpr double kTranslationalVelocity = 2.0;  // m/s
 
 /// A limit less what the client keeps away from it.
 double Inside(double limit, double margin, const char* field, const std::string& owner) {
@@ -48,7 +50,9 @@ ClientLimits ClientLimits::Of(const JointLimits& joint, const CartesianLimits& c
     limits.ddq_max[j] = Inside(joint.ddq_max[j], kMargin, "ddq_max", owner);
     limits.dq_max[j] = InsideVelocity(joint.dq_max[j], limits.ddq_max[j], "dq_max", owner);
   }
-  limits.translation = Inside(cartesian.translation, "the translation");
+  CartesianBound translation = cartesian.translation;
+  translation.dp_max = kTranslationalVelocity;
+  limits.translation = Inside(translation, "the translation");
   limits.rotation = Inside(cartesian.rotation, "the rotation");
   limits.elbow = Inside(cartesian.elbow, "the elbow");
   return limits;
