@@ -49,7 +49,10 @@ TEST(ComplianceApplicationTest, GivesWayAsItsSpringsSay) {
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
   EXPECT_EQ(performance.deeds.task.steps.size(), 13U);
   EXPECT_EQ(performance.deeds.moments.size(), 5U);
-  EXPECT_EQ(performance.judgement.figures.size(), 6U);
+  EXPECT_EQ(performance.judgement.figures.size(), 7U);
+  const Figure& friction = performance.judgement.figures.back();
+  EXPECT_EQ(friction.id, "friction");
+  EXPECT_NE(friction.what.find("here it is 30 %"), std::string::npos) << friction.what;
   // 10 N against 1000 and 100 N/m.
   EXPECT_NEAR(ValueOf(performance, "A: deflection under the constant force"), 10, 1);
   EXPECT_NEAR(ValueOf(performance, "B: deflection under the constant force"), 100, 10);
