@@ -26,7 +26,7 @@ def scaled(limits, factor):
     return f"[&] {{ JointVector v = {limits}; for (double& x : v) x *= {factor}; return v; }}()"
 
 
-# name, file below src/onboard, text, its replacement
+# name, file below src/onboard (or the root), text, its replacement
 MUTANTS = [
     *[(f"joint {what} limit {how}", "limit_monitor.cc", f"next.{value}, limits.{limit}",
        f"next.{value}, {scaled(f'limits.{limit}', factor)}")
@@ -108,6 +108,10 @@ MUTANTS = [
      "0.5 * std::min(InverseRampSum(std::abs(dq) / kT, d, a_max), a_max)"),
     ("power without gravity", "measured_monitor.cc", "(tau_J_d[i] + g[i])", "tau_J_d[i]"),
     ("measured speed 1 % wider", "measured_monitor.cc", "if (!IsWithin(v, v_max_))", "if (!IsWithin(v, 1.01 * v_max_))"),
+    ("parts thinner by a tenth", "src/model/self_collision.cc", "kCapsules[k].radius + kCapsules[l].radius",
+     "0.9 * (kCapsules[k].radius + kCapsules[l].radius)"),
+    ("the hand meets no forearm", "src/model/self_collision.cc", "for (std::size_t l = kForearm; l <= kForearmTaper; ++l)",
+     "for (std::size_t l = kForearm; l < kForearm; ++l)"),
     ("half the clearance", "measured_monitor.cc", "if (measured.self_distance < clearance_)", "if (measured.self_distance < 0.5 * clearance_)"),
     ("collision thresholds of the wrong phase", "contact_monitor.cc",
      "accelerates_ ? behavior_.upper_force_acc : behavior_.upper_force_nominal",
@@ -125,5 +129,5 @@ MUTANTS = [
 QUICK = ["joint acceleration limit 1 % wider", "a loss holds velocity, not acceleration", "elbow sign unchecked"]
 
 if __name__ == "__main__":
-    mutants.main(__doc__, "tests/int", CATCHERS, [(name, "src/onboard/" + file, *change) for name, file, *change in MUTANTS],
+    mutants.main(__doc__, "tests/int", CATCHERS, [(name, file if "/" in file else "src/onboard/" + file, *change) for name, file, *change in MUTANTS],
                  QUICK)
