@@ -2,11 +2,10 @@
 #include <chrono>
 #include <cmath>
 
+#include "int/arm_oracle.h"
 #include "int/error_table.h"
 #include "int/pose_math.h"
 #include "twin/core/setting.h"
-#include "twin/model/arm_model.h"
-#include "twin/model/self_collision.h"
 
 // Rows of errors that what is measured raises.
 
@@ -165,9 +164,10 @@ void AddPushRows(std::vector<ErrorRow>& rows) {
     behavior.lower_torque_acc[0] = behavior.upper_torque_acc[0] = kTorque;
     behavior.lower_torque_nominal[0] = behavior.upper_torque_nominal[0] = kTorque;
   });
-  const Transform O_T_7 = model::ArmModel::Panda().Pose(model::Frame::kJoint7, kHarnessStart);
+  // Joint 7 turns about a vertical there, so that the flange is right below its frame.
+  const Transform O_T_F = ArmOracle(kHarnessStart).Pose();
   rows.push_back(
-      PushRow(RobotError::kJointReflex, torque, 0, kTorque, {0, kTorque / O_T_7[12], 0}));
+      PushRow(RobotError::kJointReflex, torque, 0, kTorque, {0, kTorque / O_T_F[12], 0}));
 }
 
 // --- on the ideal plant --------------------------------------------------------------------------
@@ -177,9 +177,9 @@ void AddPushRows(std::vector<ErrorRow>& rows) {
 constexpr double kGhost = 1;
 
 JointVector GhostTorque(const JointVector& q) {
-  const model::ArmModel& arm = model::ArmModel::Panda();
-  const JointVector without = arm.Gravity(q, {});
-  const JointVector with = arm.Gravity(q, {.m = kGhost});
+  const ArmOracle arm(q);
+  const JointVector without = arm.Gravity({});
+  const JointVector with = arm.Gravity({{.m = kGhost}});
   JointVector tau{};
   for (std::size_t i = 0; i < kJoints; ++i) tau[i] = without[i] - with[i];
   return tau;
@@ -225,8 +225,7 @@ void AddGhostRows(std::vector<ErrorRow>& rows, Mode mode) {
 double Lever(const RobotState& start, std::size_t joint) {
   JointVector dq{};
   dq[joint] = 1;
-  return Norm(Linear(
-      model::ArmModel::Panda().Twist(model::Frame::kEndEffector, start.q, dq, start.F_T_EE)));
+  return Norm(Linear(ArmOracle(start.q).Twist(dq, start.F_T_EE)));
 }
 
 ErrorRow FastHandRow(Mode mode) {
@@ -274,7 +273,7 @@ ErrorRow TorqueRangeRow(Mode mode) {
   row.axis = kJoint;
   row.prepare = [](robot::RobotConfig& robot, double x) {
     JointVector range = robot.onboard.limits.tau_max;
-    range[kJoint] = std::abs(model::ArmModel::Panda().Gravity(robot.q_start, {})[kJoint]) / x;
+    range[kJoint] = std::abs(ArmOracle(robot.q_start).Gravity({})[kJoint]) / x;
     robot.onboard.sensing.measured.tau_J_range = range;
   };
   row.stream = [](Trial& trial, double) {
@@ -295,9 +294,7 @@ Path FoldingPath(const RobotState& start) {
   };
   Path path;
   path.q = q;
-  path.pose = [q, F_T_EE = start.F_T_EE](double s) {
-    return model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q(s), F_T_EE);
-  };
+  path.pose = [q, F_T_EE = start.F_T_EE](double s) { return ArmOracle(q(s)).Pose(F_T_EE); };
   path.elbow = [q](double s) { return q(s)[2]; };
   return path;
 }
@@ -315,7 +312,7 @@ ErrorRow SelfCollisionRow(Mode mode) {
     double far = 1;
     for (int i = 0; i < 60; ++i) {
       const double middle = (near + far) / 2;
-      (model::SelfDistance(path.q(middle), true) > clearance ? near : far) = middle;
+      (ArmOracle(path.q(middle)).SelfDistance(true) > clearance ? near : far) = middle;
     }
     if (trial.Start(FoldingPath, true)) trial.Ease(x * near, 2500);
   };

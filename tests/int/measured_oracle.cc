@@ -8,12 +8,9 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include "int/completion_oracle.h"
+#include "int/arm_oracle.h"
 #include "int/pose_math.h"
 #include "support/dense.h"
-#include "twin/model/arm_model.h"
-#include "twin/model/self_collision.h"
-#include "twin/model/transform.h"
 
 namespace twin::test {
 namespace {
@@ -56,12 +53,14 @@ std::optional<std::string> FindWrong(const char* name, const std::array<double, 
   return {};
 }
 
+using Jacobian = std::array<Vector6, kJoints>;
+
 /// |J tau|.
-double Norm6(const model::Jacobian& J, const JointVector& tau) {
+double Norm6(const Jacobian& J, const JointVector& tau) {
   double sum = 0;
   for (std::size_t r = 0; r < 6; ++r) {
     double x = 0;
-    for (std::size_t j = 0; j < kJoints; ++j) x += J[6 * j + r] * tau[j];
+    for (std::size_t j = 0; j < kJoints; ++j) x += J[j][r] * tau[j];
     sum += x * x;
   }
   return std::sqrt(sum);
@@ -80,15 +79,14 @@ Verdict JudgeCollisions(const RobotState& last, const setting::CollisionBehavior
 }
 
 Verdict JudgeMeasured(const RobotState& last, const MeasuredLimits& limits, bool is_cartesian) {
-  const model::ArmModel& arm = model::ArmModel::Panda();
-  const model::Configuration q(last.q);
+  const ArmOracle arm(last.q);
   Verdict verdict;
   verdict.Examine(
       {RobotError::kJointPositionLimitsViolation, kJoints, last.q, limits.q_min, limits.q_max, 0});
   verdict.Examine(Magnitudes(RobotError::kJointVelocityViolation, last.dq, limits.dq_max, 0));
   verdict.Examine(Magnitudes(RobotError::kTauJRangeViolation, last.tau_J, limits.tau_J_max, 0));
 
-  const Vector6 twist = arm.Twist(model::Frame::kEndEffector, q, last.dq, last.F_T_EE);
+  const Vector6 twist = arm.Twist(last.dq, last.F_T_EE);
   Quantity speed;
   speed.error = RobotError::kCartesianVelocityViolation;
   speed.size = is_cartesian ? 2 : 1;
@@ -98,10 +96,7 @@ Verdict JudgeMeasured(const RobotState& last, const MeasuredLimits& limits, bool
   speed.noise = 1e-12;
   verdict.Examine(speed);
 
-  const model::Payload payload =
-      model::Combine({.m = last.m_ee, .F_x_C = last.F_x_Cee, .I = last.I_ee},
-                     {.m = last.m_load, .F_x_C = last.F_x_Cload, .I = last.I_load});
-  const JointVector g = arm.Gravity(q, payload);
+  const JointVector g = arm.Gravity({{last.m_ee, last.F_x_Cee}, {last.m_load, last.F_x_Cload}});
   Quantity power;
   power.error = RobotError::kPowerLimitViolation;
   power.size = 1;
@@ -119,12 +114,12 @@ Verdict JudgeSelfCollision(const RobotState& last, const MeasuredLimits& limits)
   Quantity distance;
   distance.error = RobotError::kSelfCollisionAvoidanceViolation;
   distance.size = 1;
-  distance.value = {model::SelfDistance(last.q, limits.has_hand, limits.clearance)};
+  distance.value = {ArmOracle(last.q).SelfDistance(limits.has_hand)};
   distance.low = {limits.clearance};
   distance.high = {1e9};
-  distance.noise = 1e-12;
+  distance.noise = 1e-10;
   Verdict verdict;
-  if (distance.value[0] < limits.clearance) verdict.Examine(distance);
+  verdict.Examine(distance);
   return verdict;
 }
 
@@ -163,9 +158,12 @@ namespace {
 /// enlarged by less than 24, nothing from 30 on: sqrt(sum 1/sigma_i^2), sigma_i the
 /// singular values of EE's Jacobian.
 double WrenchShare(const RobotState& s) {
-  const model::Jacobian values =
-      model::ArmModel::Panda().ZeroJacobian(model::Frame::kEndEffector, s.q, s.F_T_EE);
-  const Eigen::Map<const Eigen::Matrix<double, 6, kJoints>> J(values.data());
+  const Jacobian columns = ArmOracle(s.q).Jacobian(s.F_T_EE);
+  Eigen::Matrix<double, 6, kJoints> J;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    J.col(static_cast<Eigen::Index>(j)) =
+        Eigen::Map<const Eigen::Matrix<double, 6, 1>>(columns[j].data());
+  }
   const double gain_squared = SingularValues(J).cwiseInverse().squaredNorm();
   return std::clamp((30.0 * 30 - gain_squared) / (30.0 * 30 - 24.0 * 24), 0.0, 1.0);
 }
@@ -173,10 +171,10 @@ double WrenchShare(const RobotState& s) {
 }  // namespace
 
 std::optional<std::string> FindWrongWrench(const RobotState& s) {
-  const Transform F_T_K = model::Multiply(s.F_T_EE, s.EE_T_K);
-  const model::Jacobian J =
-      model::ArmModel::Panda().ZeroJacobian(model::Frame::kEndEffector, s.q, F_T_K);
-  const Transform O_T_K = model::ArmModel::Panda().Pose(model::Frame::kEndEffector, s.q, F_T_K);
+  const Transform F_T_K = Product(s.F_T_EE, s.EE_T_K);
+  const ArmOracle arm(s.q);
+  const Jacobian J = arm.Jacobian(F_T_K);
+  const Transform O_T_K = arm.Pose(F_T_K);
   const Vector6& F = s.O_F_ext_hat_K;
   for (std::size_t block = 0; block < 2; ++block) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -194,7 +192,7 @@ std::optional<std::string> FindWrongWrench(const RobotState& s) {
   JointVector left = s.tau_ext_hat_filtered;
   for (double& tau : left) tau *= share;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    for (std::size_t r = 0; r < 6; ++r) left[j] -= J[6 * j + r] * F[r];
+    for (std::size_t r = 0; r < 6; ++r) left[j] -= J[j][r] * F[r];
   }
   const double off = Norm6(J, left);
   if (off <= 1e-9 * (1 + Norm6(J, s.tau_ext_hat_filtered))) return {};

@@ -32,7 +32,7 @@ struct MeasuredLimits {
 [[nodiscard]] Verdict JudgeMeasured(const RobotState& last, const MeasuredLimits& limits,
                                     bool is_cartesian);
 
-/// The same for links that come too close (2), by the model's distance.
+/// The same for links that come too close (2), by ArmOracle's distance.
 [[nodiscard]] Verdict JudgeSelfCollision(const RobotState& last, const MeasuredLimits& limits);
 
 /// Whether a joint is where only people may get it out.
