@@ -15,8 +15,12 @@ namespace {
 /// Run on after the motion, so that the log shows the robot idle (or in Reflex, coming to rest).
 constexpr Duration kAfterMotion = std::chrono::milliseconds(500);
 constexpr Duration kAfterSuccess = std::chrono::milliseconds(20);
-/// Longest wait for an arm that still moves then: the robot's own patience, and what its brakes take.
+/// Longest wait for an arm that still moves then: the robot's own patience, and what its brakes
+/// take.
 constexpr Duration kUntilRest = kRestPatience + std::chrono::milliseconds(300);
+/// A run may end when its arm has been slower than kRestSpeed for so long: half of what the robot
+/// asks for, which has longer to look.
+constexpr Duration kStill = kRestTime / 2;
 /// Longest wait for a first state, and for a stopped arm to come to rest.
 constexpr Duration kPatience = std::chrono::seconds(3);
 constexpr const char* kInterrupted = "interrupted";
@@ -181,7 +185,7 @@ void MotionSession::JudgeRest(RunReport& report) {
   if (state.errors.test(kInstability)) {
     why = "the arm did not come to rest; the robot closed its brakes: instability_detected";
     report.errors |= state.errors;
-  } else if (!rest_.AtRest() && !deaf_ && watch_.failure() == LoopFailure::kNone) {
+  } else if (rest_.Still() < kStill && !deaf_ && watch_.failure() == LoopFailure::kNone) {
     const std::size_t joint = FastestJoint(state.dq);
     why = fmt::format("the arm did not come to rest: joint {} still moves at {:.3g} rad/s",
                       joint + 1, state.dq[joint]);
@@ -218,7 +222,7 @@ void MotionSession::Conclude(RunReport& report) {
   const Duration rest = report.end == backend::MotionEnd::kSuccess ? kAfterSuccess : kAfterMotion;
   const Time end = stage_.Now();
   static_cast<void>(Pass(end + rest, [] { return false; }));
-  static_cast<void>(Pass(end + kUntilRest, [this] { return rest_.AtRest(); }));
+  static_cast<void>(Pass(end + kUntilRest, [this] { return rest_.Still() >= kStill; }));
   JudgeRest(report);
   report.simulated = stage_.Now().time_since_epoch();
   report.q_final = stage_.State().q;

@@ -43,8 +43,10 @@ class RestWatch {
     if (AtRest()) rested_ = message_id;
   }
   /// Whether it is at rest.
-  [[nodiscard]] bool AtRest() const noexcept TWIN_REALTIME {
-    return static_cast<std::int64_t>(now_ - moved_) * kCycle >= kRestTime;
+  [[nodiscard]] bool AtRest() const noexcept TWIN_REALTIME { return Still() >= kRestTime; }
+  /// For how long no joint has been faster.
+  [[nodiscard]] Duration Still() const noexcept TWIN_REALTIME {
+    return static_cast<std::int64_t>(now_ - moved_) * kCycle;
   }
   /// How long it has not been, or since Restart().
   [[nodiscard]] Duration Restless() const noexcept TWIN_REALTIME {
