@@ -65,7 +65,7 @@ struct EndEffectorFrame {
 struct Load {
   double m_load = 0;    ///< kg, >= 0
   Vector3 F_x_Cload{};  ///< centre of mass in the flange frame, m
-  Matrix3 I_load{};     ///< inertia about it, flange axes, kg m^2
+  Matrix3 I_load{};     ///< inertia about it, flange axes, kg m^2; of a body (inertia.h)
   bool operator==(const Load&) const = default;
 };
 
@@ -100,8 +100,8 @@ struct BadValue {
 /// "K_theta[3] is -1; it must be in [0, 14250] Nm/rad".
 [[nodiscard]] std::string Describe(const BadValue& bad);
 
-/// Looks for the first value that is out of range, not finite, or (transforms) not rigid within
-/// 1e-5: its rotation orthonormal and right-handed, its last row (0, 0, 0, 1).
+/// Looks for the first value out of range or not finite, (transforms) not rigid or more than 10 m
+/// away, or (loads) not that of a body: without mass no inertia, else IsInertiaOfBody.
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.
 [[nodiscard]] std::optional<BadValue> FindBadValue(const Setting& setting) noexcept;
@@ -109,7 +109,7 @@ struct BadValue {
 /// The request that sets it, as clients of the real robot print it: "Set Joint Impedance", ...
 [[nodiscard]] std::string_view Name(const Setting& setting) noexcept;
 
-/// Whether the transform is rigid within 1e-5, as FindBadValue asks of frames.
+/// Whether it is rigid within 1e-5: rotation orthonormal and right-handed, last row (0, 0, 0, 1).
 [[nodiscard]] bool IsRigid(const Transform& X) noexcept;
 
 }  // namespace twin

@@ -92,9 +92,9 @@ struct MujocoPlantOptions {
 /// effort limit (174 Nm, wrist 24 Nm; not public, our decision): tau_J is then what the links ask
 /// for.
 ///
-/// A motion that the engine calls unstable (NaN or huge values) halts the arm: sensors() keeps its
-/// last sound values, every further Step() only adds to warning_count(), and Reset() makes a new
-/// start.
+/// A motion that the engine calls unstable (NaN or huge values) halts the arm: nothing is measured
+/// any more (sensors() gives no numbers), every further Step() only adds to warning_count(), and
+/// Reset() makes a new start.
 class MujocoPlant : public Plant, public TruthProbe {
  public:
   /// Composes (or takes from the cache) and compiles.
