@@ -47,10 +47,10 @@ TEST(TrackingTest, TheSynchronousLoopsTimingShakesTheArm) {
   const test::ExperimentBench bench;
   const Findings findings = RunTracking(bench.setting(1));
   ASSERT_GE(findings.comparisons.size(), 4U);
-  EXPECT_EQ(findings.comparisons[0].verdict, Verdict::kPredicted) << findings.comparisons[0].ours;
-  EXPECT_EQ(findings.comparisons[3].verdict, Verdict::kPredicted) << findings.comparisons[3].ours;
+  EXPECT_GT(findings.comparisons[0].ours, 5);
+  EXPECT_LT(findings.comparisons[3].ours, 3);
   EXPECT_TRUE(findings.succeeded());
-  EXPECT_EQ(findings.figures.size(), 4U);
+  EXPECT_EQ(findings.figures.size(), 5U);
   for (const Figure& figure : findings.figures) {
     const auto columns = 1 + std::ranges::count(figure.columns, ',');
     ASSERT_FALSE(figure.rows.empty());
