@@ -42,17 +42,16 @@ double JerkOfOneSample(double speed, double displacement_s) {
   return largest;
 }
 
-void CompareFormula(const JitterJerk& jerk, const std::string& interface, Findings& findings) {
+/// The reconstructed jerk beside its own expansion: so by arithmetic, and no demand.
+void ShowFormula(const JitterJerk& jerk, const std::string& interface, Findings& findings) {
   findings.comparisons.push_back(
-      Demanded({.quantity = interface + ": RMS of the jerk of jitter, reconstructed / formula",
-                .paper = 1,
-                .ours = jerk.ratio},
-               "within 1 % of 1", std::abs(jerk.ratio - 1) <= 0.01));
+      {.quantity = interface + ": RMS of the jerk of jitter, reconstructed / formula",
+       .paper = 1,
+       .ours = jerk.ratio});
   findings.comparisons.push_back(
-      Demanded({.quantity = interface + ": RMS of reconstructed - formula, of the formula's",
-                .unit = "%",
-                .ours = jerk.residual * 100},
-               "at most 1 %", jerk.residual <= 0.01));
+      {.quantity = interface + ": RMS of reconstructed - formula, of the formula's",
+       .unit = "%",
+       .ours = jerk.residual * 100});
 }
 
 /// What came of the canonical trajectory behind a remedy.
@@ -153,14 +152,16 @@ void CompareEnd(const std::vector<Pace>& paces, Findings& findings) {
     double acceleration;
     double jerk;
   };
-  constexpr Known kPaper[] = {{0.21, 0.72}, {0.27, 1.23}, {0.68, 2.85}};
-  for (const Known& known : kPaper) {
+  // Of another implementation, of one joint behind a simple servo.
+  constexpr Known kOther[] = {{0.21, 0.72}, {0.27, 1.23}, {0.68, 2.85}};
+  for (const Known& known : kOther) {
     const auto pace = std::ranges::min_element(paces, {}, [&](const Pace& candidate) {
       return std::abs(candidate.acceleration - known.acceleration);
     });
     findings.comparisons.push_back(
-        {.quantity = fmt::format("brisk, |ddq| {:.2f} of its limit: largest jerk / limit",
-                                 known.acceleration),
+        {.quantity = fmt::format("brisk, |ddq| {:.2f} of its limit: largest jerk / limit (another "
+                                 "implementation: {})",
+                                 known.acceleration, known.jerk),
          .ours = pace->jerk});
   }
   findings.comparisons.push_back(
@@ -175,7 +176,9 @@ std::string Describe(const Setting& setting) {
       "filed at kT. The command chain, INT's backward differences and its checks are those of the "
       "stack; the link takes no time and loses nothing, and the plant is ideal, as only the "
       "reference is judged. Formulas: the canonical trajectory, both derivatives taken in the "
-      "middle of the samples that make the difference, RMS over all joints and samples. Map: joint "
+      "middle of the samples that make the difference, RMS over all joints and samples; they hold "
+      "by "
+      "arithmetic, as does the jerk of one displaced sample, and show it. Map: joint "
       "1 moves from rest to rest in 1 s; {} runs a place, the source's clock {} ppm fast and its "
       "phase random, so that one run in twenty meets the crossing of the two clocks. Limits of the "
       "reference generator: the brisk trajectory at several paces, {} runs each, every one of "
@@ -200,15 +203,12 @@ Findings RunJitter(const Setting& setting) {
                                   .unit = "rad/s^3",
                                   .paper = 1.2e4,
                                   .ours = JerkOfOneSample(1, kJitter)});
-  findings.comparisons.back() =
-      Demanded(findings.comparisons.back(), "within 1 % of the paper's",
-               std::abs(*findings.comparisons.back().ratio() - 1) <= 0.01);
   const JitterJerk position = JerkOfJitter(streams.canonical, limits,
                                            CommandInterface::kJointPosition, kJitter, setting.seed);
   const JitterJerk velocity = JerkOfJitter(streams.canonical, limits,
                                            CommandInterface::kJointVelocity, kJitter, setting.seed);
-  CompareFormula(position, "position interface", findings);
-  CompareFormula(velocity, "velocity interface", findings);
+  ShowFormula(position, "position interface", findings);
+  ShowFormula(velocity, "velocity interface", findings);
   CompareCanonical(setting, streams, findings);
   CompareRemedies(setting, streams, findings);
   const AbortMap map = MapAborts(setting, streams.robot, {0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64},

@@ -17,6 +17,7 @@
 #include "experiment/tracking_figures.h"
 #include "experiment/tracking_response.h"
 #include "experiment/tracking_runs.h"
+#include "experiment/tracking_sensitivity.h"
 #include "twin/reference/low_pass.h"
 
 namespace twin::experiment {
@@ -24,7 +25,8 @@ namespace {
 
 using Outcome = TrackingOutcome;
 
-constexpr int kMostRuns = 3;  // of each way; the runs on MuJoCo are what takes time here
+constexpr double kUntilLevels = 0.4;  // of the work
+constexpr int kMostRuns = 3;          // of each way; the runs on MuJoCo are what takes time here
 
 /// Those that are compared by name.
 constexpr std::array<std::pair<Way, const char*>, 2> kNamed{
@@ -67,10 +69,26 @@ std::vector<double> Values(const std::vector<Outcome>& outcomes, JointVector Out
   return values;
 }
 
+/// What the paper has about 10 of. Ours is far more, and why is known.
+Comparison PaperPower(std::string quantity, const Spread& ratio) {
+  constexpr double kLeast = 5;
+  constexpr double kMost = 20;
+  return {.quantity = std::move(quantity),
+          .paper = 10,
+          .ours = ratio.mean,
+          .low = ratio.low,
+          .high = ratio.high,
+          .demand = fmt::format("{:g} to {:g} in every run", kLeast, kMost),
+          .verdict = Judge(ratio.low >= kLeast && ratio.high <= kMost),
+          .reason =
+              "it is the power of the synchronous loop over that of the injected sensor noise, and "
+              "hangs on how states spread on their way, which the paper does not tell: see where "
+              "its 10 would come out"};
+}
+
 void ComparePower(const Outcomes& outcomes, std::vector<Comparison>& out) {
   const Spread first = SpreadOf(PowerRatios(outcomes, Way::kSynchronous, 0));
-  out.push_back({"Power of dq in 20-150 Hz, synchronous : proposed, joint 1", "", 10, first.mean,
-                 first.low, first.high, "at least 8", Judge(first.low >= 8)});
+  out.push_back(PaperPower("Power of dq in 20-150 Hz, synchronous : proposed, joint 1", first));
   std::vector<double> medians;
   for (std::size_t run = 0; run < Of(outcomes, Way::kProposed).size(); ++run) {
     medians.push_back(Of(outcomes, Way::kSynchronous)[run].median_band /
@@ -80,14 +98,7 @@ void ComparePower(const Outcomes& outcomes, std::vector<Comparison>& out) {
   out.push_back({"The same, the median second of the motion", "", 10, median.mean, median.low,
                  median.high, "", Verdict::kReported});
   const Spread others = SpreadOf(PowerRatios(outcomes, Way::kSynchronous, 1, kJoints - 1));
-  out.push_back({"Of the whole motion, the least of the other joints",
-                 "",
-                 {},
-                 others.low,
-                 others.low,
-                 others.high,
-                 "at least 5 on every one",
-                 Judge(others.low >= 5)});
+  out.push_back(PaperPower("Of the whole motion, the other joints", others));
   const Spread quiet = SpreadOf(PowerRatios(outcomes, Way::kQuiet, 0, kJoints - 1));
   out.push_back(
       {"Synchronous without jitter, drift and overruns : proposed, the largest of all joints",
@@ -96,8 +107,8 @@ void ComparePower(const Outcomes& outcomes, std::vector<Comparison>& out) {
        quiet.high,
        quiet.low,
        quiet.high,
-       "below 3",
-       Judge(quiet.high < 3)});
+       "",
+       Verdict::kReported});
   const Spread filtered = SpreadOf(PowerRatios(outcomes, Way::kFiltered, 0));
   out.push_back({"Low-passed asynchronous : proposed, joint 1",
                  "",
@@ -221,15 +232,18 @@ Outcomes MeasureAll(const Setting& setting, const reference::Trajectory& plan,
     outcomes[way].resize(static_cast<std::size_t>(runs));
     for (int run = 0; run < runs; ++run) jobs.emplace_back(static_cast<Way>(way), run);
   }
-  InParallel(setting, static_cast<int>(jobs.size()) + 1, [&](int i) {
-    if (i == 0) {
-      share = MeasureFollowedShare(setting, kLowPassHz);
-      return;
-    }
-    const auto [way, run] = jobs[static_cast<std::size_t>(i) - 1];
-    outcomes[static_cast<std::size_t>(way)][static_cast<std::size_t>(run)] =
-        MeasureTracking(setting, plan, way, run);
-  });
+  InParallel(
+      setting, static_cast<int>(jobs.size()) + 1,
+      [&](int i) {
+        if (i == 0) {
+          share = MeasureFollowedShare(setting, kLowPassHz);
+          return;
+        }
+        const auto [way, run] = jobs[static_cast<std::size_t>(i) - 1];
+        outcomes[static_cast<std::size_t>(way)][static_cast<std::size_t>(run)] =
+            MeasureTracking(setting, plan, way, run);
+      },
+      0, kUntilLevels);
   return outcomes;
 }
 
@@ -246,10 +260,11 @@ std::string Text(std::size_t runs) {
       "goes unserved, limiter, low-pass and held accelerations make the synchronous reference "
       "oscillate at some 7 Hz; the median second of the motion tells the ratio without that. "
       "The proposed configuration shows next to nothing but the stated sensor noise, 1e-3 "
-      "rad/s times the root of the band's share of 500 Hz, so the ratio is as large as the "
-      "sensors are quiet, and larger here than in the paper. The control run takes every "
-      "timing fault out of the synchronous loop: constant delays, no drift, the states half a "
-      "period after the wake-ups. The plan's time 0 is the first cycle served; the delay is "
+      "rad/s times the root of the band's share of 500 Hz: 0.51 mrad/s. So the ratio is as large "
+      "as the sensors are quiet, and that of the control run, which takes every timing fault out "
+      "of the synchronous loop (constant delays, no drift, the states half a period after the "
+      "wake-ups), is one of noise to noise. The plan's time 0 is the first cycle served; the delay "
+      "is "
       "the one of least squares. The frequency response is measured apart, on the ideal plant "
       "with the calibrated loop: each joint swings at a frequency of its own, and sines are "
       "fitted to the deposited velocity and to that of the robot's reference one cycle later.",
@@ -334,6 +349,7 @@ Findings RunTracking(const Setting& setting) {
                           .filtered = first(Way::kFiltered),
                           .quiet = first(Way::kQuiet)};
   findings.figures = {DrawFirstJoint(runs), DrawVelocities(runs), DrawSpectra(runs)};
+  AddLevels(setting, plan, kUntilLevels, findings);
   const double lambda = LoadScenario(setting, "asynchronous").tick.lambda;
   findings.figures.push_back(
       DrawFollowedShare(share, reference::LowPass(kLowPassHz).gain(), lambda));

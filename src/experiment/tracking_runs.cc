@@ -1,5 +1,6 @@
 #include "experiment/tracking_runs.h"
 
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,21 +17,28 @@ namespace {
 
 using scenario::Scenario;
 
-constexpr double kNoise = 1e-3;  // rad/s, standard deviation of the measured velocity
-constexpr double kFromHz = 20;   // the paper's band
+constexpr double kFromHz = 20;  // the paper's band
 constexpr double kToHz = 150;
 
-Scenario MakeScenario(const Setting& setting, Way way, int run) {
+Scenario MakeScenario(const Setting& setting, Way way, int run, const TrackingLevels& levels = {}) {
   const bool synchronous = way == Way::kSynchronous || way == Way::kQuiet;
   Scenario scenario = LoadScenario(setting, synchronous ? "synchronous" : "asynchronous");
   scenario.seed = SeedOfRun(setting, run);
   scenario.controller.phase = FromSeconds(ChoiceOfRun(setting, run) * kCycleSeconds);
   scenario.plant.kind = robot::PlantKind::kMujoco;
-  scenario.plant.noise_dq = kNoise;
+  scenario.plant.noise_dq = levels.noise_dq;
   scenario.tick.limiter = true;
   scenario.tick.generator = synchronous ? loop::Generator::kNone : loop::Generator::kJoint;
   scenario.tick.low_pass_hz = way == Way::kProposed ? 1000 : kLowPassHz;
   scenario.tick.finish_tolerance = 1e-2;  // behind the low-pass the end is crept up to for long
+  if (levels.arrival_spread) {
+    scenario.link.state.delay = {
+        rt::NormalDelay{std::chrono::microseconds(120), *levels.arrival_spread}};
+  }
+  if (!levels.has_beat) {
+    scenario.controller.clock_drift_ppm = 0;
+    scenario.controller.phase = kCycle / 2;
+  }
   if (way == Way::kQuiet) TakeOutTimingFaults(scenario);
   return scenario;
 }
@@ -45,12 +53,12 @@ reference::Trajectory TrackingPlan(const Setting& setting) {
 }
 
 TrackingOutcome MeasureTracking(const Setting& setting, const reference::Trajectory& plan, Way way,
-                                int run) {
+                                int run, const TrackingLevels& levels) {
   constexpr std::size_t kRoom = 32768;  // cycles: more than the motion has
   Recording recording(kRoom);
   TrackingOutcome outcome;
   const scenario::RunResult result =
-      RunScenario(setting, MakeScenario(setting, way, run), &recording);
+      RunScenario(setting, MakeScenario(setting, way, run, levels), &recording);
   outcome.succeeded = result.report.succeeded();
   const std::vector<CycleSample>& cycles = recording.cycles();
   const std::size_t end = PlannedCycles(plan, cycles);

@@ -3,10 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <optional>
 
 #include "experiment/tracking_figures.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/time.h"
 #include "twin/experiment/experiment.h"
 #include "twin/reference/trajectory.h"
 
@@ -24,6 +25,15 @@ inline constexpr std::size_t kWays = 4;
 /// Cut-off of the client library's low-pass, where a way has it.
 inline constexpr double kLowPassHz = 100;
 
+/// What the spectra hang on and the paper does not tell.
+struct TrackingLevels {
+  double noise_dq = 1e-3;  ///< standard deviation of the measured velocity, rad/s
+  /// Standard deviation of the states' way, 120 us in the mean; absent: as calibrated.
+  std::optional<Duration> arrival_spread{};
+  /// False: the two clocks are one, and states come half a period after the wake-ups.
+  bool has_beat = true;
+};
+
 /// Of one run.
 struct TrackingOutcome {
   bool succeeded = false;
@@ -40,8 +50,9 @@ struct TrackingOutcome {
 [[nodiscard]] reference::Trajectory TrackingPlan(const Setting& setting);
 
 /// Runs it and measures. @param run  which of the way's runs: gives its seed and start phase.
-/// @throws as RunScenario.
+/// @throws as RunScenario; RobotFault when it ended too early for a spectrum.
 [[nodiscard]] TrackingOutcome MeasureTracking(const Setting& setting,
-                                              const reference::Trajectory& plan, Way way, int run);
+                                              const reference::Trajectory& plan, Way way, int run,
+                                              const TrackingLevels& levels = {});
 
 }  // namespace twin::experiment
