@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What scripts/trace makes of events: trace_figures_test.py SOURCE_TREE [unittest options]. Needs no LTTng."""
 
+import json
 import pathlib
 import sys
 import tempfile
@@ -10,7 +11,7 @@ sys.dont_write_bytecode = True
 SOURCE = pathlib.Path(sys.argv[1])
 sys.path.insert(0, str(SOURCE / "scripts"))
 
-from tracing import figures, session  # noqa: E402: found by the path above
+from tracing import figures, report, session  # noqa: E402: found by the path above
 
 LISTING = ('<command xmlns="https://lttng.org/xml/ns/lttng-mi"><channel><discarded_events>{}</discarded_events>'
            "<lost_packets>{}</lost_packets></channel></command>")
@@ -89,6 +90,47 @@ class ComparisonTest(unittest.TestCase):
             table.write_text("read_ns,written_ns,message_id,action\n100,100,1,published\n1100,1150,2,written\n"
                              "2100,2100,3,skipped\n3100,3170,4,finished\n")
             self.assertEqual(figures.read_ticks(table, None), {2: 50, 4: 70})
+
+
+class ReportTest(unittest.TestCase):
+    """Two runs each of LF, RS and RA, in turn; the report tells the medians of the runs."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = pathlib.Path(folder.name)
+        self.motions = [motion_of([d_EXT] * 100) for d_EXT in (10, 60, 12, 30, 70, 13)]
+
+    def write(self, ours_us, seeds=2):
+        rows = [{"quantity": f"{loop}, d_EXT, {what}", "ours": ours / 1000}
+                for loop, ours in zip(("LF", "RS", "RA"), ours_us) for what in ("median", "p99", "max")]
+        findings = {"seeds": seeds, "experiments": [{"id": "timings", "comparisons": rows}]}
+        (self.out / "findings.json").write_text(json.dumps(findings))
+        (self.out / "report.html").write_text('<h2 id="timings">T</h2><h3>first figure</h3><h3>second</h3>')
+
+    def test_has_the_traces_figures_beside_its_own(self):
+        self.write((10.4, 60.4, 12.4))
+        self.assertEqual(report.add(self.out, self.motions), [])
+        rows = json.loads((self.out / "findings.json").read_text())["experiments"][0]["comparisons"]
+        self.assertEqual([row["lttng"] for row in rows], [0.010] * 3 + [0.060] * 3 + [0.012] * 3)
+        page = (self.out / "report.html").read_text()
+        self.assertIn("<td>RS, d_EXT, p99</td><td>60.4</td><td>60.0</td>", page)
+        self.assertEqual(page.count("by LTTng"), 1)
+        self.assertLess(page.index("by LTTng"), page.index("first figure"))
+
+    def test_names_what_is_apart(self):
+        self.write((10, 60, 17.1))
+        apart = report.add(self.out, self.motions)
+        self.assertEqual(apart, ["RA, d_EXT, median", "RA, d_EXT, p99", "RA, d_EXT, max"])
+
+    def test_refuses_a_report_of_other_runs(self):
+        self.write((10, 60, 12), seeds=3)
+        with self.assertRaisesRegex(figures.TraceFault, "9 motions of its timings, and 6 were traced"):
+            report.add(self.out, self.motions)
+
+    def test_refuses_what_is_no_report_of_timings(self):
+        with self.assertRaisesRegex(session.TraceError, "findings.json"):
+            report.add(self.out, self.motions)
 
 
 class ListingTest(unittest.TestCase):

@@ -4,6 +4,7 @@
 Skipped where LTTng's tools are missing or its daemon cannot run.
 """
 
+import json
 import os
 import pathlib
 import shutil
@@ -112,6 +113,31 @@ class TraceTest(unittest.TestCase):
         self.assertNotIn("median", compared.apart(), done.stdout)
         self.assertEqual(done.returncode, 1 if compared.apart() else 0, done.stdout + done.stderr)
         self.assertIn("no event lost", done.stdout)
+
+    def test_has_its_figures_in_a_report_of_loop_timings(self):
+        calibration = self.tmp / "calibration"
+        calibration.mkdir()
+        for loop in ("bare", "synchronous", "asynchronous"):
+            text = (SOURCE / "models/experiments" / f"{loop}.yaml").read_text()
+            (calibration / f"{loop}.yaml").write_text(text.replace("../scenarios/trajectories/canonical.yaml",
+                                                                   MOTION.split("trajectory:")[1].split("render")[0]
+                                                                   .replace("DURATION", "1 s")))
+        command = [PROGRAM, "experiment", "timings", "--drive", "realtime", "--seeds", "1", "--quiet", "--out", str(self.out),
+                   "--data", str(SOURCE / "models"), "--calibration", str(calibration)]
+
+        def attempt():
+            done = self.trace("--report", self.out, command=command)
+            self.assertIn("no event lost", done.stdout, done.stderr)
+            return done
+        done = witness.undisturbed(lambda: witness.Witness(PROGRAM), attempt, witness.GIVES_UP)
+        rows = json.loads((self.out / "findings.json").read_text())["experiments"][0]["comparisons"]
+        traced = [row for row in rows if "lttng" in row]
+        self.assertEqual(len(traced), 9)
+        # As for logs: only what interrupts a thread between two readings of the clock is apart, and that is the largest.
+        for row in traced:
+            if row["quantity"].endswith("median"):
+                self.assertAlmostEqual(row["ours"], row["lttng"], delta=0.005, msg=done.stdout)
+        self.assertIn("by LTTng", (self.out / "report.html").read_text())
 
     def test_refuses_a_shifted_log(self):
         command = [sys.executable, "-c", SHIFTED, PROGRAM, str(self.out), *self.run_command("realtime")]
