@@ -138,7 +138,8 @@ const ExperimentFlags& RequireClientAlone(const ExperimentFlags& flags) {
 }
 
 /// What was found, for programs: every figure beside the paper's, with its verdict.
-std::string FindingsJson(const std::vector<Findings>& all, std::string_view calibration) {
+std::string FindingsJson(const std::vector<Findings>& all, int seeds,
+                         std::string_view calibration) {
   using Json = nlohmann::ordered_json;
   const auto or_null = [](const std::optional<double>& value) {
     return value ? Json(*value) : Json();
@@ -162,7 +163,8 @@ std::string FindingsJson(const std::vector<Findings>& all, std::string_view cali
                            {"failure", findings.failure},
                            {"comparisons", std::move(comparisons)}});
   }
-  return TextOf({{"calibration", calibration}, {"experiments", std::move(experiments)}});
+  return TextOf(
+      {{"seeds", seeds}, {"calibration", calibration}, {"experiments", std::move(experiments)}});
 }
 
 /// A folder that is there as long as this.
@@ -343,7 +345,7 @@ ExitCode ExperimentSession::Execute() {
   }
   Clear();  // what was there stays until there is something in its place
   for (const Findings& findings : findings_) WriteCsv(findings);
-  WriteWholeFile(json(), FindingsJson(findings_, calibration_.hash));
+  WriteWholeFile(json(), FindingsJson(findings_, seeds_, calibration_.hash));
   WritePage();
   if (!flags_.quiet) Say(stdout, fmt::format("report        {}\n", page().string()));
   return TellFailures() ? kOk : kFailed;
