@@ -24,7 +24,7 @@ sys.path.insert(0, str(SOURCE / "tests/support"))
 import witness  # noqa: E402: found by the path above
 from tracing import figures, session  # noqa: E402
 
-PATIENCE = 120  # seconds, longer than any machine takes over what is waited for
+PATIENCE = 240  # seconds, longer than any machine takes over what is waited for
 NOT_HERE = ("lttng-sessiond does not start", "this container permits none beside it", "LTTng keeps its buffers in",
             "KiB are needed for")
 
