@@ -269,6 +269,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"commands_written", result.report.timings.written},
       {"states_lost", result.report.timings.skipped_states},
       {"states_out_of_time", result.report.timings.anomalous},
+      {"commands_of_a_stalled_source", result.report.timings.stalled},
       {"controller_overruns", result.report.controller_overruns},
       {"viability", ViabilityJson(result.viability)},
       {"hand", HandJson(scenario, result)},
@@ -324,6 +325,11 @@ std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunR
   if (result.base) line("base", BaseText(*result.base));
   const bool is_remote = scenario.drive == scenario::Drive::kRemote;
   line("cycles", is_remote ? RemoteCyclesText(result.report.timings) : CyclesText(result.counts));
+  if (const std::uint64_t stalled = result.report.timings.stalled; stalled > 0) {
+    line("stalled", fmt::format("the controller gave no new target in {} cycles beyond "
+                                "tick.stall_time; the arm was led to the last one",
+                                stalled));
+  }
   if (result.viability) line("kept back", ViabilityText(*result.viability));
   line("speed", fmt::format("{:.2f} s {} in {:.2f} s: {:.1f} x real time",
                             ToSeconds(result.report.simulated),

@@ -21,6 +21,14 @@ double MatchedRate(const TickConfig& config) noexcept {
   return config.rate_matching ? config.source_rate_hz : 1 / kCycleSeconds;
 }
 
+/// Cycles without a deposit after which the source counts as stalled.
+std::uint64_t StallCycles(const TickConfig& config) noexcept {
+  constexpr double kLeastPeriods = 3;
+  const double seconds =
+      std::max(ToSeconds(config.stall_time), kLeastPeriods / config.source_rate_hz);
+  return static_cast<std::uint64_t>(std::llround(seconds / kCycleSeconds));
+}
+
 template <std::size_t N>
 bool AllFinite(const std::array<double, N>& values) noexcept {
   return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
@@ -52,29 +60,6 @@ std::uint8_t BitsOf(const std::array<bool, kJoints>& flags) noexcept {
   return static_cast<std::uint8_t>(bits);
 }
 
-/// The values of a command by which the next state shows that it was taken. None for poses: the
-/// robot may have made one orthonormal, and there is no telling.
-std::optional<JointVector> Sent(const RobotCommand& command, CommandInterface interface) noexcept {
-  switch (interface) {
-    case CommandInterface::kJointPosition: return command.q_c;
-    case CommandInterface::kJointVelocity: return command.dq_c;
-    case CommandInterface::kTorque: return command.tau_J_d;
-    case CommandInterface::kCartesianPose: break;
-  }
-  return {};
-}
-
-/// The same values of a state.
-std::optional<JointVector> Shown(const RobotState& state, CommandInterface interface) noexcept {
-  switch (interface) {
-    case CommandInterface::kJointPosition: return state.q_d;
-    case CommandInterface::kJointVelocity: return state.dq_d;
-    case CommandInterface::kTorque: return state.tau_J_d;
-    case CommandInterface::kCartesianPose: break;
-  }
-  return {};
-}
-
 /// Slow enough for the robot to be told that the motion is over: it stops within its limits at
 /// once.
 bool Rests(const RobotState& state) noexcept {
@@ -100,16 +85,17 @@ double Distance(const Transform& a, const Transform& b) noexcept {
 CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
     : config_(Validated(config, interface)),
       interface_(interface),
+      stall_cycles_(StallCycles(config)),
       joint_matcher_(MatchedRate(config)),
       torque_matcher_(MatchedRate(config)),
       pose_matcher_(MatchedRate(config)),
+      stall_decay_(config.limits, config.cartesian),
       joint_generator_(config.lambda),
       cartesian_generator_(config.lambda),
-      low_pass_(config.low_pass_hz),
-      // The source's updates last N cycles, matched or not.
-      bridge_(interface, reference::RateMatchingWindow(config.source_rate_hz)),
-      resampler_(config.source_rate_hz),
-      rejoining_generator_(config.limits) {
+      low_pass_(config.low_pass_hz) {
+  if (config_.generator == Generator::kRejoining) {
+    rejoining_.emplace(interface_, config_.source_rate_hz, config_.limits, config_.cartesian);
+  }
   if (!config_.viability) return;
   if (interface_ == CommandInterface::kCartesianPose) {
     pose_viability_.emplace(config_.cartesian, config_.limits, *config_.viability);
@@ -119,14 +105,11 @@ CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
 }
 
 void CommandChain::Reset(const RobotState& state) noexcept {
-  bridge_.Reset();
   margin_.reset();
   changed_joints_ = 0;
   kept_back_ = 0;
-  sent_.reset();
-  unserved_ = 0;
-  resampler_.Reset(state.q_d);
-  rejoining_generator_.Reset(state.q_d);
+  waited_ = 0;
+  if (rejoining_) rejoining_->Reset(state);
   switch (interface_) {
     case CommandInterface::kJointPosition:
     case CommandInterface::kJointVelocity: joint_matcher_.Reset({state.q_d, {}, {}}); break;
@@ -151,74 +134,39 @@ void CommandChain::Match(const reference::Target& target) noexcept {
 
 void CommandChain::Next(const RobotState& state, const reference::Target& target, bool fresh,
                         std::uint64_t cycles, Time source_time, RobotCommand& command) noexcept {
-  if (config_.generator == Generator::kRejoining) {
-    Resample(target.joint.q, fresh, cycles, source_time);
+  waited_ = fresh ? 0 : waited_ + cycles;
+  if (rejoining_) {
+    rejoining_->Observe(state, target, fresh, cycles, source_time, stalled());
+    matched_.joint = rejoining_->source();
+    rejoining_->Command(state, command);
   } else {
-    MatchAndBridge(state, target, fresh, cycles, source_time);
+    MatchAndDecay(target, cycles);
+    Generate(state, command);
   }
-  Generate(state, command);
-  // After the low-pass: it would scale the motion that the bridge goes on with.
   if (low_pass_.is_on()) Filter(state, command);
-  if (bridge_.active()) bridge_.Carry(state, command);
   if (config_.limiter) Limit(state, command);
   if (config_.viability) KeepViable(state, command);
-  sent_ = Sent(command, interface_);
 }
 
-void CommandChain::MatchAndBridge(const RobotState& state, const reference::Target& target,
-                                  bool fresh, std::uint64_t cycles, Time source_time) noexcept {
+void CommandChain::MatchAndDecay(const reference::Target& target, std::uint64_t cycles) noexcept {
   // More than a window of cycles fills it with the same target as a window does.
   const std::uint64_t steps = std::min<std::uint64_t>(cycles, joint_matcher_.window() + 1);
   for (std::uint64_t i = 0; i < steps; ++i) Match(target);
-  const bool bridged = config_.generator != Generator::kNone ||
-                       interface_ == CommandInterface::kJointVelocity ||
-                       interface_ == CommandInterface::kTorque;
-  if (bridged) bridge_.Observe(fresh, cycles, source_time, CountUnserved(state, cycles));
-  if (bridge_.stalled()) {
-    matched_.joint.dq = {};
-    matched_.pose.O_dP_EE = {};
-    matched_.tau_J_d = {};
+  if (stalled()) {
+    for (std::uint64_t i = 0; i < steps; ++i) stall_decay_.Decay();
+    matched_ = stall_decay_.target();
+  } else {
+    stall_decay_.Follow(matched_);
   }
-}
-
-void CommandChain::Resample(const JointVector& q, bool fresh, std::uint64_t cycles,
-                            Time source_time) noexcept {
-  // Of a longer gap only the last cycles count for the generator's differences.
-  constexpr std::uint64_t kMostCycles = 64;
-  if (fresh) resampler_.Deposit(source_time, q);
-  for (std::uint64_t i = 0; i < std::min(cycles, kMostCycles); ++i) {
-    const JointVector r = resampler_.Next();
-    rejoining_generator_.Observe(r);
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      matched_.joint.dq[j] = (r[j] - matched_.joint.q[j]) / kCycleSeconds;
-    }
-    matched_.joint.q = r;
-  }
-}
-
-std::uint64_t CommandChain::CountUnserved(const RobotState& state, std::uint64_t cycles) noexcept {
-  // After more than one cycle the state no longer shows the command itself: it counts as taken,
-  // lest a loop that answers every other state be taken for one that is never heard.
-  const bool taken =
-      cycles > 1 || !sent_ || !config_.robot_shows_commands || Shown(state, interface_) == sent_;
-  unserved_ = taken ? cycles - 1 : unserved_ + 1;
-  return unserved_;
-}
-
-JointVector CommandChain::JointPosition(const RobotState& state) const noexcept {
-  switch (config_.generator) {
-    case Generator::kJoint: return joint_generator_.Next(state.q_d, matched_.joint);
-    case Generator::kRejoining:
-      return rejoining_generator_.Next(state.q_d, state.dq_d, state.ddq_d);
-    case Generator::kNone:
-    case Generator::kCartesian: break;
-  }
-  return matched_.joint.q;
 }
 
 void CommandChain::Generate(const RobotState& state, RobotCommand& command) const noexcept {
   switch (interface_) {
-    case CommandInterface::kJointPosition: command.q_c = JointPosition(state); break;
+    case CommandInterface::kJointPosition:
+      command.q_c = config_.generator == Generator::kJoint
+                        ? joint_generator_.Next(state.q_d, matched_.joint)
+                        : matched_.joint.q;
+      break;
     case CommandInterface::kJointVelocity: command.dq_c = matched_.joint.dq; break;
     case CommandInterface::kCartesianPose:
       command.O_T_EE_c = config_.generator == Generator::kCartesian
@@ -288,10 +236,10 @@ void CommandChain::Limit(const RobotState& state, RobotCommand& command) const n
 }
 
 bool CommandChain::Arrived(const RobotState& state) const noexcept {
-  if (!bridge_.settled()) return false;
   // A wish is not what was sent: where the filter brakes, the reference may pass its target at
   // speed.
-  if (config_.viability && !Rests(state)) return false;
+  if ((rejoining_ || config_.viability) && !Rests(state)) return false;
+  if (rejoining_) return rejoining_->Arrived(state, config_.finish_tolerance_rad);
   const reference::JointTarget& joint = matched_.joint;
   switch (interface_) {
     case CommandInterface::kJointPosition:

@@ -55,6 +55,7 @@ void CommunicationLoop::Count(const rt::TickRecord& record) noexcept {
   last_read_ = record.read;
   timings_.skipped_states += record.skipped_states;
   timings_.anomalous += record.action == rt::TickAction::kSkipped ? 1 : 0;
+  timings_.stalled += record.stalled ? 1 : 0;
   if (command_ == nullptr) return;
   ++timings_.written;
   timings_.d_EXT.Add(record.written - record.read);

@@ -46,6 +46,7 @@ void ControlTick::Publish(const RobotState& state, Time read) noexcept {
   record_.command = RobotCommand();
   record_.margin.reset();
   record_.kept_back = 0;
+  record_.stalled = false;
 
   exchange_.states.PublishWith([&](PublishedState& published) {
     published.state = state;
@@ -96,6 +97,7 @@ void ControlTick::Generate(const RobotState& state) noexcept {
   record_.deposit_time = deposit.source_time;
   record_.q_ext = chain_.matched().joint.q;
   record_.dq_ext = chain_.matched().joint.dq;
+  record_.stalled = chain_.stalled();
   record_.margin = chain_.margin();
   record_.kept_back = chain_.changed_joints();
 }

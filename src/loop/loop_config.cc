@@ -12,19 +12,6 @@ namespace {
 
 using control::CommandInterface;
 
-/// @returns what a generator makes that does not go with the interface; empty when it does.
-std::string_view Misfit(Generator generator, CommandInterface interface) {
-  const bool positions = interface == CommandInterface::kJointPosition;
-  switch (generator) {
-    case Generator::kNone: return {};
-    case Generator::kJoint: return positions ? "" : "joint makes joint positions";
-    case Generator::kRejoining: return positions ? "" : "rejoining makes joint positions";
-    case Generator::kCartesian:
-      return interface == CommandInterface::kCartesianPose ? "" : "cartesian makes poses";
-  }
-  return {};
-}
-
 void RequireGenerator(Generator generator, CommandInterface interface) {
   const std::string_view misfit = Misfit(generator, interface);
   if (misfit.empty()) return;
@@ -43,6 +30,19 @@ void RequireMotion(CommandInterface interface) {
 
 }  // namespace
 
+std::string_view Misfit(Generator generator, CommandInterface interface) {
+  switch (generator) {
+    case Generator::kNone: return {};
+    case Generator::kJoint:
+      return interface == CommandInterface::kJointPosition ? "" : "joint makes joint positions";
+    case Generator::kRejoining:
+      return interface == CommandInterface::kTorque ? "rejoining makes motions" : "";
+    case Generator::kCartesian:
+      return interface == CommandInterface::kCartesianPose ? "" : "cartesian makes poses";
+  }
+  return {};
+}
+
 void TickConfig::Validate(CommandInterface interface) const {
   RequireInRange("tick: lambda", lambda, 1e-9, 1);
   RequireInRange("tick: source_rate_hz", source_rate_hz, 1, 1000);
@@ -51,8 +51,10 @@ void TickConfig::Validate(CommandInterface interface) const {
   RequireInRange("tick: low_pass_hz", low_pass_hz, 1, 1000);
   RequireGenerator(generator, interface);
   if (viability) RequireMotion(interface);
-  if (viability || generator == Generator::kRejoining) limits.Validate();
-  if (viability && interface == CommandInterface::kCartesianPose) cartesian.Validate();
+  RequireInRange("tick: stall_time (ms)", ToSeconds(stall_time) * 1e3, 1, 10000);
+  if (!viability && generator != Generator::kRejoining) return;
+  limits.Validate();
+  if (interface == CommandInterface::kCartesianPose) cartesian.Validate();
 }
 
 void ControllerLoopConfig::Validate() const {

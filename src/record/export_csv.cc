@@ -120,6 +120,7 @@ class CsvFiles {
     AddVectors(ticks_, kCommandFields, record.command);
     ticks_.Add(record.kept_back);
     ticks_.Add(std::string_view(record.margin ? fmt::format("{}", *record.margin) : std::string()));
+    ticks_.Add(record.stalled ? 1 : 0);
     ticks_.EndRow();
     ++written_.ticks;
   }
@@ -158,7 +159,7 @@ class CsvFiles {
               "command_message_id", "valid_elbow", "motion_generation_finished"});
     AddVectorNames<rt::TickRecord>(ticks_, kTickFields);
     AddVectorNames<RobotCommand>(ticks_, kCommandFields);
-    AddTexts(ticks_, {"kept_back", "margin"});
+    AddTexts(ticks_, {"kept_back", "margin", "stalled"});
     AddTexts(events_, {"at_ns", "kind", "text"});
     for (CsvFile* file : {&cycles_, &configs_, &ticks_, &events_}) file->EndRow();
   }

@@ -179,6 +179,7 @@ void LogDecoder::Decode(std::span<const std::byte> data, rt::TickRecord& record)
   record.deposit_time = ToTime(tick_.deposit_time_ns());
   if (tick_.has_margin()) record.margin = tick_.margin();
   record.kept_back = DecodeJoints("kept_back", tick_.kept_back());
+  record.stalled = tick_.stalled();
   pb::Command& command = *tick_.mutable_command();
   record.command.message_id = command.message_id();
   record.command.valid_elbow = command.valid_elbow();

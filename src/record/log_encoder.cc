@@ -145,6 +145,7 @@ void LogEncoder::Add(const rt::TickRecord& record) {
   tick_.set_deposit_time_ns(record.deposit_time.time_since_epoch().count());
   if (record.margin) tick_.set_margin(*record.margin);
   tick_.set_kept_back(record.kept_back);
+  tick_.set_stalled(record.stalled);
   Encode(record.command, *tick_.mutable_command());
   EncodeVectors(kTickFields, record, tick_);
   Write(tick_channel_, record.read, tick_);

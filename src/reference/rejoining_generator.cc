@@ -1,71 +1,81 @@
 #include "twin/reference/rejoining_generator.h"
 
-#include <algorithm>
-#include <cmath>
+#include <cstddef>
 
+#include "reference/saturated_correction.h"
 #include "twin/core/time.h"
-#include "twin/reference/closing_speed.h"
+#include "twin/model/rotation.h"
 
 namespace twin::reference {
 namespace {
 
+using Eigen::Vector3d;
+
 constexpr double kT = kCycleSeconds;
 
-/// Of position, velocity and acceleration, 1/s: each loop four times faster than the one around it.
-constexpr double kOmega1 = 25;
-constexpr double kOmega2 = 100;
-constexpr double kOmega3 = 400;
+/// Velocity, base axes, that leads from one pose to the next in a cycle.
+struct Twist {
+  Vector3d v;
+  Vector3d w;
+};
+Twist TwistBetween(const Transform& from, const Transform& to) noexcept {
+  return {(model::Position(to) - model::Position(from)) / kT, model::TurnBetween(from, to) / kT};
+}
 
-/// Share of the correction's acceleration by which it comes to rest: what is left of it, should the
-/// source begin to accelerate meanwhile.
-constexpr double kBraking = RejoiningGenerator::kShare;
-
-double Saturated(double x, double most) noexcept {
-  return std::clamp(x, -most, most);
+Vector3d Linear(const Vector6& x) noexcept {
+  return Vector3d(x.data());
+}
+Vector3d Angular(const Vector6& x) noexcept {
+  return Vector3d(x.data() + 3);
 }
 
 }  // namespace
 
 RejoiningGenerator::RejoiningGenerator(const JointLimits& limits) noexcept {
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    limits_[i] = {limits.dq_max[i], limits.ddq_max[i], limits.dddq_max[i]};
-  }
+  for (std::size_t i = 0; i < kJoints; ++i) limits_[i] = BoundOf(limits, i);
 }
 
-RejoiningGenerator::Bounds RejoiningGenerator::LeftBy(double v, double a,
-                                                      const Bounds& limits) noexcept {
-  return {std::max(kVelocityShare * limits.v, kMostShare * limits.v - std::abs(v)),
-          std::max(kShare * limits.a, kMostShare * limits.a - std::abs(a)), kShare * limits.j};
-}
-
-void RejoiningGenerator::Reset(const JointVector& q_d) noexcept {
-  r_.fill(q_d);
-}
-
-void RejoiningGenerator::Observe(const JointVector& r) noexcept {
-  std::move_backward(r_.begin(), r_.end() - 1, r_.end());
-  r_[0] = r;
-}
-
-double RejoiningGenerator::Jerk(double e, double de, double dde, const Bounds& most) noexcept {
-  const double speed = std::min(ClosingSpeed(std::abs(e), kBraking * most.a, kOmega1), most.v);
-  const double acceleration = Saturated(kOmega2 * (-std::copysign(speed, e) - de), most.a);
-  return Saturated(kOmega3 * (acceleration - dde), most.j);
-}
-
-JointVector RejoiningGenerator::Next(const JointVector& q_d, const JointVector& dq_d,
+JointVector RejoiningGenerator::Next(const Played<JointVector>& r, const JointVector& q_d,
+                                     const JointVector& dq_d,
                                      const JointVector& ddq_d) const noexcept {
+  using Scalar = Eigen::Matrix<double, 1, 1>;
   JointVector q_c{};
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const double v = (r_[1][i] - r_[2][i]) / kT;
-    const double a = (v - (r_[2][i] - r_[3][i]) / kT) / kT;
-    const double e = q_d[i] - r_[1][i];
-    const double de = dq_d[i] - v;
-    const double dde = ddq_d[i] - a;
-    const double jerk = Jerk(e, de, dde, LeftBy(v, a, limits_[i]));
-    q_c[i] = r_[0][i] + e + kT * (de + kT * (dde + kT * jerk));
+    const double v = (r[1][i] - r[2][i]) / kT;
+    const double a = (v - (r[2][i] - r[3][i]) / kT) / kT;
+    const double e = q_d[i] - r[1][i];
+    q_c[i] = r[0][i] + e +
+             kT * CorrectingVelocity<1>(Scalar(e), Scalar(dq_d[i] - v), Scalar(ddq_d[i] - a),
+                                        std::abs(v), std::abs(a), limits_[i])[0];
   }
   return q_c;
+}
+
+RejoiningPoseGenerator::RejoiningPoseGenerator(const CartesianLimits& limits) noexcept
+    : limits_(limits) {
+  for (CartesianBound* bound : {&limits_.translation, &limits_.rotation}) {
+    *bound = {kPoseShare * bound->dp_max, kPoseShare * bound->ddp_max,
+              kPoseShare * bound->dddp_max};
+  }
+}
+
+Transform RejoiningPoseGenerator::Next(const Played<Transform>& r,
+                                       const RobotState& state) const noexcept {
+  const Twist next = TwistBetween(r[1], r[0]);
+  const Twist now = TwistBetween(r[2], r[1]);
+  const Twist last = TwistBetween(r[3], r[2]);
+  const Vector3d dv = (now.v - last.v) / kT;
+  const Vector3d dw = (now.w - last.w) / kT;
+  const Transform& X = state.O_T_EE_c;
+  const Vector3d v =
+      next.v + CorrectingVelocity<3>(model::Position(X) - model::Position(r[1]),
+                                     Linear(state.O_dP_EE_c) - now.v, Linear(state.O_ddP_EE_c) - dv,
+                                     now.v.norm(), dv.norm(), limits_.translation);
+  const Vector3d w =
+      next.w + CorrectingVelocity<3>(model::TurnBetween(r[1], X), Angular(state.O_dP_EE_c) - now.w,
+                                     Angular(state.O_ddP_EE_c) - dw, now.w.norm(), dw.norm(),
+                                     limits_.rotation);
+  return model::Turned(X, kT * w, model::Position(X) + kT * v);
 }
 
 }  // namespace twin::reference

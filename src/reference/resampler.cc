@@ -20,10 +20,11 @@ constexpr double kProportional = 0.8;
 constexpr double kIntegral = 0.16;
 constexpr double kMostRate = 5e-3;
 
-/// Periods beyond the last deposit for which the motion is taken to go on as it was.
-constexpr double kBeyondPeriods = 3;
+/// Deposits between those through which the parabola goes that continues the motion: wide enough
+/// that their noise makes little of an acceleration.
+constexpr std::size_t kApart = 4;
 
-/// A lag that is off by more periods than these is not a drift but a jump.
+/// A source that is off by more periods than these is jumped after.
 constexpr double kJumpPeriods = 4;
 
 double CheckedPeriod(double source_rate_hz) {
@@ -34,37 +35,37 @@ double CheckedPeriod(double source_rate_hz) {
 }  // namespace
 
 Resampler::Resampler(double source_rate_hz)
-    : lag_s_(kLagPeriods * CheckedPeriod(source_rate_hz)), period_s_(1 / source_rate_hz) {}
+    : period_s_(CheckedPeriod(source_rate_hz)), lag_s_(kLagPeriods * period_s_) {}
 
-void Resampler::Reset(const JointVector& q) noexcept {
+void Resampler::Reset(const JointVector& x) noexcept {
+  knots_[0] = {0, x};
   count_ = 1;
-  knots_[0] = {0, q};
-  first_ = {};
-  t_ = 0;
+  stopped_ = true;
+}
+
+void Resampler::Begin(Time source_time, const JointVector& x) noexcept {
+  first_ = source_time;
+  knots_[0] = {0, x};
+  count_ = 1;
+  for (std::size_t i = 0; i < kPlayed; ++i) t_[i] = -lag_s_ - static_cast<double>(i) * kT;
+  stopped_ = false;
   error_ = 0;
   drift_ = 0;
   rate_ = 0;
-  ended_ = true;
 }
 
-void Resampler::Deposit(Time source_time, const JointVector& q) noexcept {
-  if (first_ == Time()) {
-    // Where the motion begins, as if it had been deposited all the while before.
-    first_ = source_time;
-    knots_[1] = {-period_s_, knots_[0].q};
-    knots_[0].t = -2 * period_s_;
-    count_ = 2;
-    Append({0, q});
-    t_ = -lag_s_;
-    ended_ = false;
-    return;
-  }
+void Resampler::Deposit(Time source_time, const JointVector& x) noexcept {
   const double t = ToSeconds(source_time - first_);
-  if (t <= knots_[count_ - 1].t) {
-    knots_[count_ - 1].q = q;
+  const double newest = knots_[count_ - 1].t;
+  if (stopped_ || t < newest - kJumpPeriods * period_s_) {
+    Begin(source_time, x);
     return;
   }
-  Append({t, q});
+  if (t <= newest) {
+    knots_[count_ - 1].x = x;
+    return;
+  }
+  Append({t, x});
   Lock(t);
 }
 
@@ -77,69 +78,76 @@ void Resampler::Append(const Knot& knot) noexcept {
 }
 
 void Resampler::Lock(double newest) noexcept {
-  const double lag = newest - t_;
-  if (std::abs(lag - lag_s_) > kJumpPeriods * std::max(period_s_, kT)) {
-    t_ = newest - lag_s_;
+  const double e = newest - t_[0] - lag_s_;
+  if (e > kJumpPeriods * period_s_) {
+    for (double& t : t_) t += e;
     error_ = 0;
     return;
   }
-  // The lag is seen at a cycle after the arrival: half a cycle late in the mean.
-  const double e = lag - lag_s_;
-  const double step = std::max(period_s_, kT);
-  error_ += std::min(step / kFilter, 1.0) * (e - error_);
-  drift_ = std::clamp(drift_ + kIntegral * error_ * step, -kMostRate, kMostRate);
+  error_ += std::min(period_s_ / kFilter, 1.0) * (e - error_);
+  drift_ = std::clamp(drift_ + kIntegral * error_ * period_s_, -kMostRate, kMostRate);
   rate_ = std::clamp(kProportional * error_ + drift_, -kMostRate, kMostRate);
 }
 
-JointVector Resampler::Next() noexcept {
-  if (first_ != Time()) {
-    const double most = knots_[count_ - 1].t + kBeyondPeriods * period_s_;
-    t_ = std::min(t_ + kT * (1 + rate_), most);
-    ended_ = t_ >= most;
-  }
-  return ended_ ? knots_[count_ - 1].q : Play();
+void Resampler::Advance() noexcept {
+  std::move_backward(t_.begin(), t_.end() - 1, t_.end());
+  t_[0] = t_[1] + step_s();
 }
 
-double Resampler::Slope(std::size_t knot, std::size_t joint) const noexcept {
-  const auto chord = [&](std::size_t i) {
-    return (knots_[i + 1].q[joint] - knots_[i].q[joint]) / (knots_[i + 1].t - knots_[i].t);
-  };
-  if (knot == 0) return chord(0);
-  if (knot + 1 == count_) {  // that of the parabola through the last three
-    if (count_ == 2) return chord(0);
-    const double last = knots_[knot].t - knots_[knot - 1].t;
-    const double before_last = knots_[knot - 1].t - knots_[knot - 2].t;
-    const double bend = (chord(knot - 1) - chord(knot - 2)) / (last + before_last);
-    return chord(knot - 1) + last * bend;
-  }
+double Resampler::Slope(std::size_t knot, std::size_t axis) const noexcept {
+  if (knot == 0) return Chord(0, 1, axis);
+  if (knot + 1 == count_) return Beyond(axis).slope;
   const double before = knots_[knot].t - knots_[knot - 1].t;
   const double after = knots_[knot + 1].t - knots_[knot].t;
-  return (after * chord(knot - 1) + before * chord(knot)) / (before + after);
+  return (after * Chord(knot - 1, knot, axis) + before * Chord(knot, knot + 1, axis)) /
+         (before + after);
 }
 
-JointVector Resampler::Beyond() const noexcept {
+double Resampler::Chord(std::size_t from, std::size_t to, std::size_t axis) const noexcept {
+  return (knots_[to].x[axis] - knots_[from].x[axis]) / (knots_[to].t - knots_[from].t);
+}
+
+Resampler::Parabola Resampler::Beyond(std::size_t axis) const noexcept {
+  const std::size_t last = count_ - 1;
+  if (count_ == 2) return {Chord(0, 1, axis), 0};
+  const std::size_t apart = std::min(last / 2, kApart);
+  const std::size_t middle = last - apart;
+  const std::size_t first = middle - apart;
+  const double late = Chord(middle, last, axis);
+  const double early = Chord(first, middle, axis);
+  const double bend = (late - early) / (knots_[last].t - knots_[first].t);
+  return {late + bend * (knots_[last].t - knots_[middle].t), bend};
+}
+
+JointVector Resampler::At(double t) const noexcept {
+  if (stopped_ || count_ == 1) return knots_[count_ - 1].x;
   const Knot& last = knots_[count_ - 1];
-  JointVector q = last.q;
-  for (std::size_t j = 0; j < kJoints; ++j) q[j] += (t_ - last.t) * Slope(count_ - 1, j);
-  return q;
-}
-
-JointVector Resampler::Play() const noexcept {
-  if (count_ < 2) return knots_[0].q;
-  if (t_ >= knots_[count_ - 1].t) return Beyond();
-  if (t_ <= knots_[0].t) return knots_[0].q;
+  JointVector x{};
+  if (t >= last.t) {
+    const double ahead = t - last.t;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const Parabola beyond = Beyond(j);
+      x[j] = last.x[j] + ahead * (beyond.slope + ahead * beyond.bend);
+    }
+    return x;
+  }
+  if (t <= knots_[0].t) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      x[j] = knots_[0].x[j] + (t - knots_[0].t) * Slope(0, j);
+    }
+    return x;
+  }
   std::size_t i = count_ - 2;
-  while (i > 0 && t_ < knots_[i].t) --i;
+  while (t < knots_[i].t) --i;
   const double h = knots_[i + 1].t - knots_[i].t;
-  const double s = (t_ - knots_[i].t) / h;
-  JointVector q{};
+  const double s = (t - knots_[i].t) / h;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const double rise = knots_[i + 1].q[j] - knots_[i].q[j];
+    const double rise = knots_[i + 1].x[j] - knots_[i].x[j];
     const double a = h * Slope(i, j) - rise;
     const double b = rise - h * Slope(i + 1, j);
-    q[j] = knots_[i].q[j] + s * rise + s * (1 - s) * ((1 - s) * a + s * b);
+    x[j] = knots_[i].x[j] + s * rise + s * (1 - s) * ((1 - s) * a + s * b);
   }
-  return q;
+  return x;
 }
 
 }  // namespace twin::reference

@@ -66,17 +66,6 @@ inline constexpr std::array<Spelling<control::CommandInterface>, 4> kInterfaceNa
 /// The cut-off frequency at which a low-pass, of the tick or of the robot, is off, Hz.
 inline constexpr double kLowPassOff = 1000;
 
-/// @returns the reference generator that makes an interface's values; kNone when there is none.
-[[nodiscard]] constexpr loop::Generator GeneratorOf(control::CommandInterface interface) {
-  switch (interface) {
-    case control::CommandInterface::kJointPosition: return loop::Generator::kJoint;
-    case control::CommandInterface::kCartesianPose: return loop::Generator::kCartesian;
-    case control::CommandInterface::kJointVelocity:
-    case control::CommandInterface::kTorque: return loop::Generator::kNone;
-  }
-  return loop::Generator::kNone;
-}
-
 /// @returns what an interface's values measure.
 [[nodiscard]] constexpr Dimension DimensionOf(control::CommandInterface interface) {
   switch (interface) {

@@ -150,7 +150,7 @@ loop::TickConfig MakeTick(const Scenario& scenario, const RobotData& robot) {
   config.finish_tolerance_rad = tick.finish_tolerance;
   config.period_tolerance = tick.period_tolerance;
   config.low_pass_hz = tick.low_pass_hz;
-  config.robot_shows_commands = scenario.onboard.filters == setting::Filters();
+  config.stall_time = tick.stall_time;
   if (tick.limiter) config.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
   config.viability = tick.viability;
   config.limits = robot.limits;

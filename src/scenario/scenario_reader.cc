@@ -19,13 +19,8 @@ namespace {
 
 loop::Generator ReadGenerator(const YamlNode& node, control::CommandInterface interface) {
   const loop::Generator generator = ReadChoice(node, kGeneratorNames);
-  // Both of joints go with the interface that has one of them.
-  const loop::Generator kind =
-      generator == loop::Generator::kRejoining ? loop::Generator::kJoint : generator;
-  if (kind != loop::Generator::kNone && kind != GeneratorOf(interface)) {
-    node.Fail(fmt::format("{} makes {}, and motion.interface is {}; say none, or leave it out",
-                          NameOf(kGeneratorNames, generator),
-                          kind == loop::Generator::kJoint ? "joint positions" : "poses",
+  if (const std::string_view misfit = loop::Misfit(generator, interface); !misfit.empty()) {
+    node.Fail(fmt::format("{}, and motion.interface is {}; say none, or leave it out", misfit,
                           NameOf(kInterfaceNames, interface)));
   }
   return generator;
@@ -34,7 +29,7 @@ loop::Generator ReadGenerator(const YamlNode& node, control::CommandInterface in
 /// What the other sections imply for what this one does not say.
 TickSection TickDefaults(const Scenario& scenario) {
   TickSection tick;
-  tick.generator = GeneratorOf(scenario.motion.interface);
+  if (scenario.motion.interface == control::CommandInterface::kTorque) tick = TorqueTick();
   if (scenario.loop != loop::LoopKind::kAsynchronous) tick.period_tolerance = Duration::zero();
   return tick;
 }
@@ -42,20 +37,19 @@ TickSection TickDefaults(const Scenario& scenario) {
 /// "off", or the losses in a row it bridges.
 std::optional<int> ReadViability(const YamlNode& node, control::CommandInterface interface) {
   if (node.IsScalar() && node.Text() == "off") return {};
-  if (interface != control::CommandInterface::kJointPosition &&
-      interface != control::CommandInterface::kJointVelocity) {
-    node.Fail(fmt::format(
-        "keeps the limits of joint positions and velocities, and motion.interface is {}; say off, "
-        "or leave it out",
-        NameOf(kInterfaceNames, interface)));
+  if (interface == control::CommandInterface::kTorque) {
+    node.Fail(
+        "keeps the limits of commanded motions, and motion.interface is torque; say off, or leave "
+        "it out");
   }
   return static_cast<int>(node.Integer(0, reference::ViableAxis::kMostLost));
 }
 
 void ReadTick(const YamlNode& node, Scenario& scenario) {
   TickSection& tick = scenario.tick;
-  const YamlMap map = node.Map({"generator", "lambda", "rate_matching", "finish_tolerance",
-                                "period_tolerance", "low_pass", "limiter", "viability", "cost"});
+  const YamlMap map =
+      node.Map({"generator", "lambda", "rate_matching", "finish_tolerance", "period_tolerance",
+                "stall_time", "low_pass", "limiter", "viability", "cost"});
   IfGiven(map, "generator",
           [&](const YamlNode& n) { tick.generator = ReadGenerator(n, scenario.motion.interface); });
   IfGiven(map, "lambda", [&](const YamlNode& n) { tick.lambda = n.Number(1e-9, 1); });
@@ -69,8 +63,12 @@ void ReadTick(const YamlNode& node, Scenario& scenario) {
     }
     tick.period_tolerance = n.Time(Duration::zero(), kCycle);
   });
+  IfGiven(map, "stall_time", [&](const YamlNode& n) {
+    tick.stall_time = n.Time(std::chrono::milliseconds(1), std::chrono::seconds(10));
+  });
   IfGiven(map, "low_pass", [&](const YamlNode& n) { tick.low_pass_hz = ReadCutoff(n); });
   IfGiven(map, "limiter", [&](const YamlNode& n) { tick.limiter = n.Bool(); });
+  if (tick.generator != loop::Generator::kRejoining) tick.viability.reset();
   IfGiven(map, "viability",
           [&](const YamlNode& n) { tick.viability = ReadViability(n, scenario.motion.interface); });
   IfGiven(map, "cost", [&](const YamlNode& n) { tick.cost = ReadDelay(n); });

@@ -218,8 +218,8 @@ void PutTick(Text& out, const Scenario& s) {
   if (s.loop == loop::LoopKind::kAsynchronous) {
     Put(out, "  period_tolerance: {}\n", FormatDuration(s.tick.period_tolerance));
   }
-  Put(out, "  low_pass: {}\n  limiter: {}\n  viability: {}\n  cost: {}\n",
-      CutoffText(s.tick.low_pass_hz), s.tick.limiter,
+  Put(out, "  stall_time: {}\n  low_pass: {}\n  limiter: {}\n  viability: {}\n  cost: {}\n",
+      FormatDuration(s.tick.stall_time), CutoffText(s.tick.low_pass_hz), s.tick.limiter,
       s.tick.viability ? std::to_string(*s.tick.viability) : "off", TextOf(s.tick.cost));
 }
 

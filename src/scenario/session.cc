@@ -235,11 +235,11 @@ Motion MotionOn(const Scenario& scenario, std::string name, control::CommandInte
                 .controller = scenario.controller,
                 .tick = scenario.tick,
                 .loop = scenario.loop};
-  if (interface == control::CommandInterface::kTorque) motion.tick.viability.reset();
-  const bool rejoins = motion.tick.generator == loop::Generator::kRejoining &&
-                       interface == control::CommandInterface::kJointPosition;
-  if (motion.tick.generator != loop::Generator::kNone && !rejoins) {
-    motion.tick.generator = GeneratorOf(interface);
+  if (interface == control::CommandInterface::kTorque) {
+    motion.tick.generator = loop::Generator::kNone;
+    motion.tick.viability.reset();
+  } else if (!loop::Misfit(motion.tick.generator, interface).empty()) {
+    motion.tick.generator = loop::Generator::kRejoining;
   }
   motion.controller.type = interface == control::CommandInterface::kTorque
                                ? "joint_trajectory_effort"

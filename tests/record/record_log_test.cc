@@ -80,6 +80,7 @@ void ExpectSame(const rt::TickRecord& a, const rt::TickRecord& b) {
   EXPECT_EQ(a.dq_ext, b.dq_ext);
   EXPECT_EQ(a.margin, b.margin);
   EXPECT_EQ(a.kept_back, b.kept_back);
+  EXPECT_EQ(a.stalled, b.stalled);
   EXPECT_EQ(a.command.message_id, b.command.message_id);
   EXPECT_EQ(a.command.q_c, b.command.q_c);
   EXPECT_EQ(a.command.dq_c, b.command.dq_c);

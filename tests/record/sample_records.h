@@ -115,6 +115,7 @@ inline rt::TickRecord SampleTick(std::uint64_t k) {
   record.deposit_time = record.read - std::chrono::milliseconds(10);
   numbers(record.q_ext);
   numbers(record.dq_ext);
+  record.stalled = k % 3 == 0;
   if (k == 3 || k == 4) return record;
   if (k % 2 == 0) {
     record.margin = numbers();

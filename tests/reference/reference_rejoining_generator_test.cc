@@ -8,6 +8,7 @@
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/time.h"
+#include "twin/model/rotation.h"
 #include "twin/reference/viable_axis.h"
 
 namespace twin::reference {
@@ -18,23 +19,22 @@ constexpr double kT = kCycleSeconds;
 /// Joint 1's reference as the robot holds it, and a source's.
 class Following {
  public:
-  Following() : limits_(test::PandaLimits()), generator_(limits_) { generator_.Reset({}); }
+  Following() : limits_(test::PandaLimits()), generator_(limits_) {}
 
   double (*source)(double t) = [](double /*t*/) { return 0.0; };
 
   /// One cycle. @param lost  whether the command is.
   void Step(bool lost = false) {
     ++k_;
-    JointVector r{};
-    r[0] = source(k_ * kT);
-    generator_.Observe(r);
+    Played<JointVector> r{};
+    for (int i = 0; i < 4; ++i) r[i][0] = source(std::max(0, k_ - i) * kT);
     JointVector q{};
     JointVector dq{};
     JointVector ddq{};
     q[0] = x.q;
     dq[0] = x.dq;
     ddq[0] = x.ddq;
-    const double q_c = generator_.Next(q, dq, ddq)[0];
+    const double q_c = generator_.Next(r, q, dq, ddq)[0];
     if (lost) {
       x = ViableAxis::Step(x, 0);
       jerk = 0;
@@ -156,13 +156,80 @@ TEST(RejoiningGeneratorTest, ClosesALargeOffsetAboutAsFastAsItsBoundsAllow) {
   EXPECT_LT(Close(1.5).cycles * kT, 1.3 * least);
 }
 
+/// A source's poses: x and the turn about z swing together.
+Transform SwingingPose(int k) {
+  const double s = 0.2 * (1 - std::cos(3 * std::max(k, 0) * kT));
+  return model::Pose(model::Exp({0, 0, s}), {0.4 + s, 0, 0.5});
+}
+
+/// The robot's commanded pose with its differences, as INT forms them.
+struct PoseReference {
+  RobotState state;
+
+  PoseReference() { state.O_T_EE_c = SwingingPose(0); }
+  void Take(const Transform& pose) {
+    const Eigen::Vector3d v = (model::Position(pose) - model::Position(state.O_T_EE_c)) / kT;
+    const Eigen::Vector3d w = model::TurnBetween(state.O_T_EE_c, pose) / kT;
+    const Vector6 twist{v[0], v[1], v[2], w[0], w[1], w[2]};
+    for (std::size_t i = 0; i < 6; ++i) {
+      state.O_ddP_EE_c[i] = (twist[i] - state.O_dP_EE_c[i]) / kT;
+    }
+    state.O_dP_EE_c = twist;
+    state.O_T_EE_c = pose;
+  }
+  void Miss() {
+    Vector6& d = state.O_dP_EE_c;
+    for (std::size_t i = 0; i < 6; ++i) d[i] += kT * state.O_ddP_EE_c[i];
+    state.O_T_EE_c =
+        model::Turned(state.O_T_EE_c, kT * Eigen::Vector3d(d[3], d[4], d[5]),
+                      model::Position(state.O_T_EE_c) + kT * Eigen::Vector3d(d[0], d[1], d[2]));
+  }
+  [[nodiscard]] double Error(int k) const {
+    return std::max((model::Position(state.O_T_EE_c) - model::Position(SwingingPose(k))).norm(),
+                    model::TurnBetween(state.O_T_EE_c, SwingingPose(k)).norm());
+  }
+};
+
+Played<Transform> PosesUpTo(int k) {
+  return {SwingingPose(k), SwingingPose(k - 1), SwingingPose(k - 2), SwingingPose(k - 3)};
+}
+
+TEST(RejoiningPoseGeneratorTest, FollowsItsSourceExactlyWhileEveryCommandIsTaken) {
+  const RejoiningPoseGenerator generator(test::PandaCartesianLimits());
+  PoseReference robot;
+  for (int k = 1; k < 2000; ++k) {
+    robot.Take(generator.Next(PosesUpTo(k), robot.state));
+    ASSERT_NEAR(robot.Error(k), 0, 1e-11) << k;
+  }
+}
+
+TEST(RejoiningPoseGeneratorTest, RejoinsAfterLossesWithinItsShareOfTheLimits) {
+  const CartesianLimits limits = test::PandaCartesianLimits();
+  const RejoiningPoseGenerator generator(limits);
+  PoseReference robot;
+  for (int k = 1; k <= 500; ++k) robot.Take(generator.Next(PosesUpTo(k), robot.state));
+  for (int k = 501; k < 520; ++k) robot.Miss();
+  EXPECT_GT(robot.Error(519), 1e-7);
+  for (int k = 520; k < 1200; ++k) {
+    const Vector6 before = robot.state.O_ddP_EE_c;
+    robot.Take(generator.Next(PosesUpTo(k), robot.state));
+    const double jerk = (robot.state.O_ddP_EE_c[0] - before[0]) / kT;
+    // The source's own is 5.4 m/s^3.
+    EXPECT_LE(std::abs(jerk), RejoiningGenerator::kShare * RejoiningPoseGenerator::kPoseShare *
+                                      limits.translation.dddp_max +
+                                  6);
+  }
+  EXPECT_NEAR(robot.Error(1199), 0, 1e-6);
+}
+
 TEST(RejoiningGeneratorTest, AllocatesNothing) {
-  RejoiningGenerator generator(test::PandaLimits());
+  const RejoiningGenerator generator(test::PandaLimits());
+  const RejoiningPoseGenerator poses(test::PandaCartesianLimits());
+  const PoseReference robot;
   const test::RealtimeGuard guard;
-  generator.Reset({});
   for (int i = 0; i < 1000; ++i) {
-    generator.Observe({});
-    static_cast<void>(generator.Next({}, {}, {}));
+    static_cast<void>(generator.Next({}, {}, {}, {}));
+    static_cast<void>(poses.Next(PosesUpTo(i), robot.state));
   }
   EXPECT_EQ(guard.counts(), test::RealtimeGuard::Counts{});
 }

@@ -9,6 +9,8 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
+#include "twin/model/rotation.h"
+#include "twin/reference/pose_resampler.h"
 
 namespace twin::reference {
 namespace {
@@ -44,7 +46,8 @@ class Playing {
         }
         next += period_s_ / (1 + drift);
       }
-      played.push_back(resampler_.Next()[0]);
+      resampler_.Advance();
+      played.push_back(resampler_.Value()[0]);
     }
     return played;
   }
@@ -126,33 +129,91 @@ TEST(ResamplerTest, FollowsAClockThatDrifts) {
   EXPECT_NEAR(lag, playing.resampler().lag_s(), 0.7e-3);
 }
 
-TEST(ResamplerTest, StandsAtTheLastDepositOfASourceThatStops) {
+/// A resampler of 100 Hz, 300 ms into a motion of joint 4 at 1 rad/s.
+Resampler AtSpeed() {
   Resampler resampler(100);
   JointVector q{};
   resampler.Reset(q);
   for (int i = 0; i < 30; ++i) {
     q[3] = 0.01 * i;
     resampler.Deposit(Time(std::chrono::milliseconds(1000 + 10 * i)), q);
-    for (int k = 0; k < 10; ++k) static_cast<void>(resampler.Next());
+    for (int k = 0; k < 10; ++k) resampler.Advance();
   }
-  EXPECT_FALSE(resampler.ended());
-  for (int k = 0; k < 60; ++k) static_cast<void>(resampler.Next());
-  EXPECT_TRUE(resampler.ended());
-  EXPECT_EQ(resampler.Next(), q);
+  return resampler;
+}
+
+TEST(ResamplerTest, GoesOnWithTheMotionWhileDepositsFailToCome) {
+  Resampler resampler = AtSpeed();
+  const double before = resampler.Value()[3];
+  for (int k = 0; k < 60; ++k) resampler.Advance();
+  EXPECT_NEAR(resampler.Value()[3], before + 0.06, 1e-9);
+}
+
+TEST(ResamplerTest, ContinuesAConstantAcceleration) {
+  Resampler resampler(1000);
+  resampler.Reset({});
+  const auto at = [](double t) { return JointVector{3 * t * t}; };
+  for (int i = 0; i < 100; ++i) {
+    resampler.Deposit(Time(std::chrono::milliseconds(i + 1)), at(1e-3 * i));
+    resampler.Advance();
+  }
+  const double begin = resampler.Source()[0];
+  EXPECT_NEAR(begin, at(100e-3)[0], 1e-6) << "when the command arrives";
+  for (int k = 0; k < 12; ++k) resampler.Advance();
+  EXPECT_NEAR(resampler.Source()[0], at(112e-3)[0], 1e-6);
+}
+
+TEST(ResamplerTest, StandsAtTheLastDepositOfASourceThatIsStopped) {
+  Resampler resampler = AtSpeed();
+  resampler.Stop();
+  for (std::size_t cycles = 0; cycles < Resampler::kPlayed; ++cycles) {
+    EXPECT_EQ(resampler.Value(cycles)[3], 0.29);
+  }
+}
+
+TEST(ResamplerTest, BeginsAnewWithASourceThatReturns) {
+  Resampler resampler = AtSpeed();
+  resampler.Stop();
+  resampler.Deposit(Time(std::chrono::seconds(9)), JointVector{});
+  resampler.Advance();
+  EXPECT_EQ(resampler.Value()[3], 0);
+}
+
+TEST(ResamplerTest, WhatALateDepositChangesItChangesOfThePastToo) {
+  // The motion turned while no deposit came: what was played has gone on straight.
+  Resampler resampler = AtSpeed();
+  for (int k = 0; k < 30; ++k) resampler.Advance();
+  const double straight = resampler.Value()[3];
+  JointVector q{};
+  q[3] = 0.20;
+  resampler.Deposit(Time(std::chrono::milliseconds(1330)), q);
+  EXPECT_LT(resampler.Value(0)[3], straight - 1e-3);
+  const double step = (resampler.Value(0)[3] - resampler.Value(1)[3]) / kT;
+  EXPECT_LT(std::abs(step), 20) << "rad/s: a velocity of the curve, not the step of what is known";
 }
 
 TEST(ResamplerTest, GoesOnWithASourceWhoseTimeJumped) {
   Resampler resampler(1000);
   JointVector q{};
   resampler.Reset(q);
-  double played = 0;
   for (int i = 0; i < 400; ++i) {
     const int ms = i < 200 ? i : i + 5000;
     q[0] = 1e-3 * ms;
     resampler.Deposit(Time(std::chrono::milliseconds(1000 + ms)), q);
-    played = resampler.Next()[0];
+    resampler.Advance();
   }
-  EXPECT_NEAR(played, q[0] - resampler.lag_s(), 2e-3);
+  EXPECT_NEAR(resampler.Value()[0], q[0] - resampler.lag_s(), 2e-3);
+}
+
+TEST(ResamplerTest, FollowsASourceWhoseClockIsSetBack) {
+  Resampler resampler = AtSpeed();
+  JointVector q{};
+  for (int i = 0; i < 20; ++i) {
+    q[3] = -0.01 * i;
+    resampler.Deposit(Time(std::chrono::milliseconds(100 + 10 * i)), q);
+    for (int k = 0; k < 10; ++k) resampler.Advance();
+  }
+  EXPECT_NEAR(resampler.Value()[3], q[3] + resampler.lag_s(), 11e-3);
 }
 
 TEST(ResamplerTest, PlaysWhereTheMotionBeginsUntilADepositComes) {
@@ -160,8 +221,24 @@ TEST(ResamplerTest, PlaysWhereTheMotionBeginsUntilADepositComes) {
   JointVector q{};
   q.fill(0.5);
   resampler.Reset(q);
-  EXPECT_EQ(resampler.Next(), q);
-  EXPECT_EQ(resampler.Next(), q);
+  EXPECT_EQ(resampler.Value(), q);
+  resampler.Advance();
+  EXPECT_EQ(resampler.Value(), q);
+}
+
+TEST(PoseResamplerTest, TurnsEvenlyBetweenItsDeposits) {
+  PoseResampler resampler(100);
+  const auto pose = [](double t) { return model::Pose(model::Exp({0, 0, 3 * t}), {t, 0, 0}); };
+  resampler.Reset(pose(0));
+  for (int i = 0; i < 200; ++i) {  // two and a half turns: the quaternion's sign changes on the way
+    resampler.Deposit(Time(std::chrono::milliseconds(1 + 10 * i)), pose(0.01 * i));
+    for (int k = 0; k < 10; ++k) {
+      resampler.Advance();
+      if (i < 4) continue;
+      EXPECT_NEAR(model::TurnBetween(resampler.Value(1), resampler.Value(0))[2], 3 * kT, 3e-5);
+      EXPECT_NEAR(resampler.Value(0)[12] - resampler.Value(1)[12], kT, 1e-5);
+    }
+  }
 }
 
 TEST(ResamplerTest, RefusesARateOutOfRange) {
@@ -175,7 +252,8 @@ TEST(ResamplerTest, AllocatesNothing) {
   resampler.Reset({});
   for (int i = 0; i < 1000; ++i) {
     resampler.Deposit(Time(std::chrono::milliseconds(i + 1)), {});
-    static_cast<void>(resampler.Next());
+    resampler.Advance();
+    static_cast<void>(resampler.Value(3));
   }
   EXPECT_EQ(guard.counts(), test::RealtimeGuard::Counts{});
 }

@@ -145,10 +145,10 @@ TEST_F(PlanTest, TellsTheControllersLoopAllTheScenarioSays) {
   EXPECT_EQ(config.cost.Draw(Random(1, RandomStream::kTest), 1), 100us);
 }
 
-TEST_F(PlanTest, LeavesTheClientsStagesOffUnlessAskedFor) {
+TEST_F(PlanTest, LimitsTorquesAndLeavesTheLowPassOffUnlessAskedFor) {
   const Plan plan = PlanOf(test::OtherText());
   EXPECT_EQ(plan.loop, loop::LoopKind::kSynchronous);
-  EXPECT_FALSE(plan.tick.limiter);
+  EXPECT_TRUE(plan.tick.limiter);
   EXPECT_EQ(plan.tick.low_pass_hz, loop::TickConfig().low_pass_hz);
   EXPECT_EQ(plan.tick.period_tolerance, 0s);
 }

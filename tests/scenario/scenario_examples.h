@@ -109,6 +109,7 @@ link:
   command_loss: 2 %
 tick:
   low_pass: off
+  stall_time: 35 ms
 controller:
   clock_drift: 54.6 ppm
   wake_delay: {normal: {mean: 0 s, sigma: 2.5 us}}

@@ -74,6 +74,7 @@ TEST(ScenarioTest, ReadsTheOtherChoices) {
   const Scenario s = Parse(test::OtherText(), "s.yaml");
   EXPECT_EQ(s.drive, Drive::kRealtime);
   EXPECT_EQ(s.loop, loop::LoopKind::kSynchronous);
+  EXPECT_EQ(s.tick.stall_time, std::chrono::milliseconds(35));
   EXPECT_EQ(s.motion.interface, control::CommandInterface::kTorque);
   EXPECT_EQ(s.link.state.delay, (Delay{rt::NormalDelay{80us, 4us}}));
   EXPECT_EQ(s.link.command.delay, (Delay{rt::EmpiricalDelay{{0us, 50us, 100us}, {3, 0.5}}}));
@@ -274,13 +275,14 @@ TEST(ScenarioTest, TakesTheDefaultsThatGoWithLoopAndInterface) {
   EXPECT_EQ(with("asynchronous", "joint_position").tick.period_tolerance, 250us);
   EXPECT_EQ(with("synchronous", "joint_position").tick.period_tolerance, 0s);
   EXPECT_EQ(with("bare", "joint_velocity").tick.period_tolerance, 0s);
-  EXPECT_EQ(with("bare", "joint_velocity").tick.generator, loop::Generator::kNone);
+  EXPECT_EQ(with("bare", "joint_velocity").tick.generator, loop::Generator::kRejoining);
   EXPECT_EQ(with("bare", "joint_velocity").controller.type, "joint_trajectory");
-  EXPECT_EQ(with("asynchronous", "cartesian_pose").tick.generator, loop::Generator::kCartesian);
+  EXPECT_EQ(with("asynchronous", "cartesian_pose").tick.generator, loop::Generator::kRejoining);
+  EXPECT_EQ(with("asynchronous", "cartesian_pose").tick.viability, 19);
   EXPECT_EQ(with("asynchronous", "cartesian_pose").controller.type, "joint_trajectory");
   EXPECT_EQ(with("asynchronous", "cartesian_pose").motion.controller,
             ControllerMode::kJointImpedance);
-  EXPECT_EQ(with("asynchronous", "torque").tick.generator, loop::Generator::kNone);
+  EXPECT_EQ(with("asynchronous", "torque").tick, TorqueTick());
   EXPECT_EQ(with("asynchronous", "torque").controller.type, "joint_trajectory_effort");
 }
 

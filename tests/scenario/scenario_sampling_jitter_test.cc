@@ -42,6 +42,7 @@ class ScenarioSamplingJitterTest : public ::testing::TestWithParam<std::uint64_t
     scenario.plant.kind = robot::PlantKind::kIdeal;
     scenario.motion.interface = control::CommandInterface::kJointPosition;
     scenario.tick.generator = way.generator;
+    scenario.tick.viability.reset();
     scenario.link.state = {};
     scenario.link.command = {};
     scenario.link.state.delay.law = rt::ConstantDelay{microseconds(80)};

@@ -111,6 +111,7 @@ TEST_P(ScenarioViabilityTest, APoseStreamUnderLossesIsKeptLegalToo) {
   for (reference::Waypoint& waypoint : scenario.motion.waypoints) waypoint.at.reset();
   scenario.motion.timing = {.velocity_scale = 0.6, .acceleration_scale = 0.5, .jerk_scale = 0.3};
   scenario.tick.generator = loop::Generator::kNone;
+  scenario.tick.viability.reset();
   Lose(scenario, 10);
   EXPECT_EQ(Run(scenario).report.end, backend::MotionEnd::kAborted);
   scenario.tick.viability = 19;
@@ -149,6 +150,7 @@ TEST_P(ScenarioViabilityTest, AnAdmissibleReferencePassesBitByBit) {
     scenario.link.command.loss = {};
     scenario.link.state.loss = {};
     scenario.tick.generator = generator;
+    scenario.tick.viability.reset();
     const RunResult without = Run(scenario);
     EXPECT_FALSE(without.viability.has_value());
     scenario.tick.viability = 19;

@@ -8,27 +8,26 @@
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/loop/loop_config.h"
-#include "twin/loop/stall_bridge.h"
+#include "twin/loop/rejoining_follower.h"
 #include "twin/reference/cartesian_reference_generator.h"
 #include "twin/reference/joint_reference_generator.h"
 #include "twin/reference/low_pass.h"
 #include "twin/reference/pose_viability_filter.h"
 #include "twin/reference/rate_matcher.h"
-#include "twin/reference/rejoining_generator.h"
-#include "twin/reference/resampler.h"
+#include "twin/reference/stall_decay.h"
 #include "twin/reference/target.h"
 #include "twin/reference/viability_filter.h"
 
 namespace twin::loop {
 
 /// From the deposited target to the command that answers a state:
-///   rate matcher -> reference generator -> [low-pass] -> stall bridge -> [rate limiter]
-///   -> [viability filter].
-/// Those in brackets are off unless configured; the first two are libfranka's client-side stages,
-/// in its order. The bridge comes after the low-pass, which would scale the motion that the bridge
-/// goes on with. Everything but the matcher's window and the bridge is a function of the state: it
-/// continues from what the robot really took. A raw position stream (no generator) is not bridged:
-/// a source that stalls stops dead, and the robot aborts.
+///   rate matcher -> [stall decay] -> the paper's reference generator, or none
+///   or: resampler -> saturated correction (Generator::kRejoining)
+///   -> [low-pass] -> [rate limiter] -> [viability filter].
+/// Those in brackets are off unless configured, or act on stalled sources only; low-pass and
+/// limiter are libfranka's client-side stages, in its order. Everything but matcher, resampler and
+/// decay is a function of the state: it continues from what the robot really took. A raw position
+/// stream (no generator) of a source that stalls stops dead, and the robot aborts.
 ///
 /// Threads: one. Real-time: Reset() and Next() are noexcept and allocate nothing.
 class CommandChain {
@@ -47,8 +46,11 @@ class CommandChain {
   void Next(const RobotState& state, const reference::Target& target, bool fresh,
             std::uint64_t cycles, Time source_time, RobotCommand& command) noexcept TWIN_REALTIME;
 
-  /// Target after rate matching, of the last Next().
+  /// Target of the last Next(): after rate matching, or as the resampler has the source now.
   [[nodiscard]] const reference::Target& matched() const noexcept { return matched_; }
+
+  /// Whether the source counts as stalled: TickConfig::stall_time went without a deposit.
+  [[nodiscard]] bool stalled() const noexcept { return waited_ > stall_cycles_; }
 
   /// Of the last Next(), behind a viability filter: as TickRecord::margin and
   /// TickRecord::kept_back.
@@ -58,41 +60,35 @@ class CommandChain {
   /// Commands since Reset() that the viability filter changed.
   [[nodiscard]] std::uint64_t kept_back() const noexcept { return kept_back_; }
 
-  /// The matched target is at rest, nothing is left of a stall, and the robot's reference is within
-  /// the finish tolerance of it; behind a viability filter also nearly at rest.
+  /// The matched target is at rest, and the robot's reference is within the finish tolerance of it;
+  /// behind a viability filter or saturated correction also nearly at rest.
   [[nodiscard]] bool Arrived(const RobotState& state) const noexcept TWIN_REALTIME;
 
  private:
-  void MatchAndBridge(const RobotState& state, const reference::Target& target, bool fresh,
-                      std::uint64_t cycles, Time source_time) noexcept;
+  void MatchAndDecay(const reference::Target& target, std::uint64_t cycles) noexcept;
   void Match(const reference::Target& target) noexcept;
-  void Resample(const JointVector& q, bool fresh, std::uint64_t cycles, Time source_time) noexcept;
-  [[nodiscard]] JointVector JointPosition(const RobotState& state) const noexcept;
   void Generate(const RobotState& state, RobotCommand& command) const noexcept;
-  /// @returns cycles before `state` in a row in which the robot took no command of ours.
-  std::uint64_t CountUnserved(const RobotState& state, std::uint64_t cycles) noexcept;
   void Filter(const RobotState& state, RobotCommand& command) const noexcept;
   void Limit(const RobotState& state, RobotCommand& command) const noexcept;
   void KeepViable(const RobotState& state, RobotCommand& command) noexcept;
 
   TickConfig config_;
   control::CommandInterface interface_;
+  std::uint64_t stall_cycles_;
+  std::uint64_t waited_ = 0;  ///< cycles since the last deposit
   reference::RateMatcher joint_matcher_;
   reference::TorqueRateMatcher torque_matcher_;
   reference::PoseRateMatcher pose_matcher_;
+  reference::StallDecay stall_decay_;
   reference::JointReferenceGenerator joint_generator_;
   reference::CartesianReferenceGenerator cartesian_generator_;
   reference::LowPass low_pass_;
-  StallBridge bridge_;
-  reference::Resampler resampler_;
-  reference::RejoiningGenerator rejoining_generator_;
+  std::optional<RejoiningFollower> rejoining_;
   std::optional<reference::ViabilityFilter> viability_;
   std::optional<reference::PoseViabilityFilter> pose_viability_;  ///< the same, of poses
   std::optional<double> margin_;
   std::uint8_t changed_joints_ = 0;
   std::uint64_t kept_back_ = 0;
-  std::optional<JointVector> sent_;  ///< by which the next state shows that the command was taken
-  std::uint64_t unserved_ = 0;
   reference::Target matched_;
 };
 

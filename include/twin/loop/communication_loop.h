@@ -22,6 +22,7 @@ struct LoopTimings {
   rt::DurationHistogram period;      ///< between the reads of two successive states
   std::uint64_t written = 0;         ///< commands
   std::uint64_t anomalous = 0;       ///< states not answered because they came out of time
+  std::uint64_t stalled = 0;         ///< commands made while the source counted as stalled
   std::uint64_t skipped_states = 0;  ///< states that never reached the workstation
 };
 

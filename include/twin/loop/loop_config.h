@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "twin/control/controller.h"
 #include "twin/core/limits.h"
@@ -25,8 +26,12 @@ enum class Generator : std::uint8_t {
   kNone,       ///< the deposited value goes out as it is: a raw stream
   kJoint,      ///< the paper's joint reference generator
   kCartesian,  ///< its Cartesian counterpart
-  kRejoining,  ///< deposits resampled by their source's time, rejoined by a saturated correction
+  kRejoining,  ///< deposits resampled by their source's time, rejoined by a saturated correction;
+               ///< of positions, velocities or poses
 };
+
+/// @returns what a generator makes that does not go with the interface; empty when it does.
+[[nodiscard]] std::string_view Misfit(Generator generator, control::CommandInterface interface);
 
 /// The control tick's chain.
 struct TickConfig {
@@ -41,10 +46,10 @@ struct TickConfig {
   /// written. Zero: every state is answered. Source: the paper's section on the asynchronous
   /// thread.
   Duration period_tolerance = std::chrono::microseconds(250);
-  /// Whether the robot's reference shows the command as it was sent. It does not when filters of
-  /// its own are on (setting::Filters): then a command that was not taken cannot be told, and only
-  /// states that do not come count as a lapse.
-  bool robot_shows_commands = true;
+  /// Without a deposit for so long, and at least three periods, the source counts as stalled:
+  /// Generator::kRejoining then leads to the last target, behind the others its velocity (or
+  /// torque) decays (reference::StallDecay). In [1 ms, 10 s].
+  Duration stall_time = std::chrono::milliseconds(20);
   /// Cut-off of libfranka's first-order low-pass on the command, Hz, in [1, 1000]; 1000: off. On
   /// the incremental command of a reference generator it scales the increment: the robot follows a
   /// fraction of the motion.
@@ -55,9 +60,10 @@ struct TickConfig {
   /// everything else: reference::ViabilityFilter on joint positions and velocities,
   /// reference::PoseViabilityFilter on poses; absent: off. Not on torques.
   std::optional<int> viability{};
-  /// Of the robot's joints: what that filter and Generator::kRejoining keep to.
+  /// Of the robot's joints: what that filter, Generator::kRejoining and a stalled source's decay
+  /// keep to. Zero, no limits: a stalled source's velocity stays.
   JointLimits limits{};
-  /// Of its end effector: what that filter keeps to on poses.
+  /// Of its end effector, likewise.
   CartesianLimits cartesian{};
   rt::DelayModel cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
 

@@ -5,15 +5,21 @@
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
 #include "twin/core/realtime.h"
+#include "twin/core/robot_state.h"
 
 namespace twin::reference {
 
-/// A reference generator in joint space that follows its source exactly while the robot takes every
-/// command, and otherwise rejoins it by a motion with bounded velocity, acceleration and jerk, in
-/// place of the paper's constant lambda.
+/// A source's reference in four cycles, newest first: of the cycle commanded, r(k+1), of the state
+/// answered, r(k), and of the two before. From a Resampler.
+template <typename Position>
+using Played = std::array<Position, 4>;
+
+/// A reference generator that follows its source exactly while the robot takes every command, and
+/// otherwise rejoins it by a motion with bounded velocity, acceleration and jerk, in place of the
+/// paper's constant lambda. Of joints here, of poses in RejoiningPoseGenerator.
 ///
-/// With r(k) the source's reference at state k and its backward differences, what the robot's
-/// reference lacks of it is
+/// With r the source's reference and its backward differences, what the robot's reference lacks of
+/// it is
 ///   e = q_d - r,   e' = dq_d - r',   e'' = ddq_d - r''       (zero, if every command was taken)
 /// and is brought to zero by a cascade of saturations, fastest inside:
 ///   v = -sign(e) min(w1 |e|, sqrt(a (2 |e| - a / w1^2)), V_c),   a = 0.4 A_c
@@ -31,7 +37,7 @@ namespace twin::reference {
 ///
 /// The paper leaves a saturated correction open; law and gains are our decision.
 ///
-/// Threads: one. Real-time: noexcept, allocates nothing, O(1).
+/// Threads: constant after construction. Real-time: noexcept, allocates nothing, O(1).
 class RejoiningGenerator {
  public:
   /// Shares of the joints' limits that the correction may take of any source: of the velocity, and
@@ -45,31 +51,37 @@ class RejoiningGenerator {
   /// @pre limits are valid.
   explicit RejoiningGenerator(const JointLimits& limits) noexcept;
 
-  /// A motion begins. @param q_d  rad, of its first state.
-  void Reset(const JointVector& q_d) noexcept TWIN_REALTIME;
-
-  /// The source's reference of one more cycle, in order, none left out: of those cycles too in
-  /// which no command could be sent.
-  void Observe(const JointVector& r) noexcept TWIN_REALTIME;
-
-  /// The command, after the Observe() of the cycle it is for.
-  /// @param q_d, dq_d, ddq_d  of the state being answered. @returns rad.
-  [[nodiscard]] JointVector Next(const JointVector& q_d, const JointVector& dq_d,
+  /// @param r  rad. @param q_d, dq_d, ddq_d  of the state being answered.
+  /// @returns the position to command, rad.
+  [[nodiscard]] JointVector Next(const Played<JointVector>& r, const JointVector& q_d,
+                                 const JointVector& dq_d,
                                  const JointVector& ddq_d) const noexcept TWIN_REALTIME;
 
  private:
-  /// Bounds of one joint, or of its correction.
-  struct Bounds {
-    double v = 0;
-    double a = 0;
-    double j = 0;
-  };
-  /// Of the correction. @param v, a  of the source.
-  [[nodiscard]] static Bounds LeftBy(double v, double a, const Bounds& limits) noexcept;
-  [[nodiscard]] static double Jerk(double e, double de, double dde, const Bounds& most) noexcept;
+  std::array<CartesianBound, kJoints> limits_{};  ///< of each joint, rad
+};
 
-  std::array<Bounds, kJoints> limits_{};
-  std::array<JointVector, 4> r_{};  ///< newest first: r(k+1), r(k), r(k-1), r(k-2)
+/// RejoiningGenerator for poses: the same law for the end effector's translation and rotation, with
+/// three components each and norms saturated, in kPoseShare of the limits: all of them are more
+/// than the joints behind the robot's inverse kinematics can do. Errors of rotation are rotation
+/// vectors, base axes.
+///
+/// Threads, real-time: as RejoiningGenerator.
+class RejoiningPoseGenerator {
+ public:
+  /// Found by measurement: src/reference/CHAINS.md.
+  static constexpr double kPoseShare = 0.3;
+
+  /// @pre limits are valid.
+  explicit RejoiningPoseGenerator(const CartesianLimits& limits) noexcept;
+
+  /// @param state  that is answered: its O_T_EE_c and their differences count.
+  /// @returns the pose to command.
+  [[nodiscard]] Transform Next(const Played<Transform>& r,
+                               const RobotState& state) const noexcept TWIN_REALTIME;
+
+ private:
+  CartesianLimits limits_;
 };
 
 }  // namespace twin::reference

@@ -10,23 +10,26 @@
 
 namespace twin::reference {
 
-/// Plays a source's deposits back, evenly: at times that advance with the robot's cycles, whenever
-/// the deposits came. A deposit consumed twice, one skipped, and the jitter of the instant at which
-/// each was sampled then no longer are steps of the reference: the value between two deposits is
-/// that of a cubic through them, at the source's own times.
-///
-///   t(k+1) = t(k) + T (1 + r),   lag(k) = t_newest - t(k) at a deposit's arrival
-///   r = kp e + ki sum e,  e = lag - 2.25 periods, low-passed
+/// Reads a source's deposits at times that advance with the robot's cycles, whenever the deposits
+/// came: a deposit consumed twice, one skipped, one late and the jitter of the sampling instants
+/// are no steps of the reference. With t the play time on the source's own clock,
+///   x(t) = the cubic through the deposits, slopes by central differences; beyond the newest
+///          deposit the parabola that continues it, of constant acceleration;
+///   t(k+1) = t(k) + T (1 + r),   lag(k) = t_newest - t(k) at a deposit's arrival,
+///   r = kp e + ki sum e,   e = lag - 2.25 periods, low-passed.
 ///
 /// The play time is phase-locked to the source: r follows its clock's drift, at most 0.5 %. The lag
-/// of 2.25 periods is what a cubic whose slopes are central differences asks for (two), and a
-/// quarter for jitter. Slopes are formed from positions and times alone, since a deposited velocity
-/// is the mean since the deposit before.
+/// of 2.25 periods is what a cubic with central differences asks for (two), and a quarter for
+/// jitter. Slopes use positions and times alone, since a deposited velocity is the mean since the
+/// deposit before. When the source is more than 4 periods ahead (the robot stood still, or its
+/// cycles passed unseen), the play time jumps to the lag.
 ///
-/// When deposits fail to come, the motion is taken to go on for three periods, and then stands at
-/// the last one. A source whose time jumps (it
-/// stalled, and went on) is jumped after; what that makes of the reference, the generator behind
-/// takes away.
+/// A source that has been stopped stands at its last deposit at all times, until the next one, from
+/// which the curve begins anew; so it does when the source's clock is set back.
+///
+/// What a late deposit changes of the curve it changes of its past as well: Value(1) is where the
+/// curve was one cycle ago as it is known now. So a correction that compares the robot's reference
+/// with Value(1), (2) and (3) sees a step of what is known as an offset, and not as a velocity.
 ///
 /// Source: the paper's section on sampling jitter names deposits consumed twice or skipped as the
 /// cause of jerk; this cure is our decision.
@@ -34,21 +37,38 @@ namespace twin::reference {
 /// Threads: one. Real-time: noexcept, allocates nothing, O(1).
 class Resampler {
  public:
+  /// Values played: of the next cycle and of the three before it.
+  static constexpr std::size_t kPlayed = 4;
+
   /// @param source_rate_hz  in [1, 1000]. @throws InputError naming the value and the range.
   explicit Resampler(double source_rate_hz);
 
-  /// A motion begins: what is played is `q` (rad) until the first deposits.
-  void Reset(const JointVector& q) noexcept TWIN_REALTIME;
+  /// A motion begins: `x` is played until the first deposit. Seven values of one unit each: joint
+  /// positions (rad), velocities (rad/s), or coordinates of a pose.
+  void Reset(const JointVector& x) noexcept TWIN_REALTIME;
 
   /// A deposit has come. One whose time does not rise takes the last one's place.
-  /// @param source_time  when the source sampled it, by its own clock. @param q  rad.
-  void Deposit(Time source_time, const JointVector& q) noexcept TWIN_REALTIME;
+  /// @param source_time  when the source sampled it, by its own clock.
+  void Deposit(Time source_time, const JointVector& x) noexcept TWIN_REALTIME;
 
-  /// One cycle of the robot on. @returns the reference then, rad.
-  [[nodiscard]] JointVector Next() noexcept TWIN_REALTIME;
+  /// One cycle of the robot on.
+  void Advance() noexcept TWIN_REALTIME;
 
-  /// Whether what is played stands at the last deposit, or where the motion begins.
-  [[nodiscard]] bool ended() const noexcept { return ended_; }
+  /// The source counts as stalled.
+  void Stop() noexcept TWIN_REALTIME { stopped_ = true; }
+
+  /// What was played `cycles` before the present cycle, in [0, kPlayed).
+  [[nodiscard]] JointVector Value(std::size_t cycles = 0) const noexcept TWIN_REALTIME {
+    return At(t_[cycles]);
+  }
+
+  /// Where the source itself was then: ahead of Value() by the lag.
+  [[nodiscard]] JointVector Source(std::size_t cycles = 0) const noexcept TWIN_REALTIME {
+    return At(t_[cycles] + lag_s_);
+  }
+
+  /// How far the play time goes on in a cycle, s: T (1 + r).
+  [[nodiscard]] double step_s() const noexcept { return kCycleSeconds * (1 + rate_); }
 
   /// How far the play time is behind the source's, by design, s.
   [[nodiscard]] double lag_s() const noexcept { return lag_s_; }
@@ -56,26 +76,33 @@ class Resampler {
  private:
   struct Knot {
     double t = 0;  ///< s since the first deposit
-    JointVector q{};
+    JointVector x{};
   };
-  static constexpr std::size_t kKnots = 8;
+  static constexpr std::size_t kKnots = 12;
 
+  void Begin(Time source_time, const JointVector& x) noexcept;
   void Append(const Knot& knot) noexcept;
   void Lock(double newest) noexcept;
-  [[nodiscard]] JointVector Play() const noexcept;
-  [[nodiscard]] JointVector Beyond() const noexcept;
-  [[nodiscard]] double Slope(std::size_t knot, std::size_t joint) const noexcept;
+  [[nodiscard]] JointVector At(double t) const noexcept;
+  /// x(t_last + s) = x_last + s (slope + s bend).
+  struct Parabola {
+    double slope = 0;
+    double bend = 0;
+  };
+  [[nodiscard]] Parabola Beyond(std::size_t axis) const noexcept;
+  [[nodiscard]] double Chord(std::size_t from, std::size_t to, std::size_t axis) const noexcept;
+  [[nodiscard]] double Slope(std::size_t knot, std::size_t axis) const noexcept;
 
-  double lag_s_;
   double period_s_;
+  double lag_s_;
   std::array<Knot, kKnots> knots_{};  ///< in order of time
   std::size_t count_ = 0;
   Time first_{};
-  double t_ = 0;      ///< play time, s since the first deposit
+  std::array<double, kPlayed> t_{};  ///< play times, newest first, s since the first deposit
+  bool stopped_ = true;
   double error_ = 0;  ///< low-passed, s
   double drift_ = 0;  ///< of the source's clock, as seen so far
   double rate_ = 0;   ///< r
-  bool ended_ = true;
 };
 
 }  // namespace twin::reference

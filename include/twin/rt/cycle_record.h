@@ -52,10 +52,14 @@ struct TickRecord {
                    ///< written - read
   TickAction action = TickAction::kPublished;
   std::uint32_t skipped_states =
-      0;                 ///< states that never reached EXT since the last tick (gap in message_id)
-  Time deposit_time{};   ///< source time of the deposit in use
-  JointVector q_ext{};   ///< deposited target after rate matching: position, rad
+      0;                ///< states that never reached EXT since the last tick (gap in message_id)
+  Time deposit_time{};  ///< source time of the deposit in use
+  /// Deposited target after rate matching, or where the resampler has the source now: position,
+  /// rad.
+  JointVector q_ext{};
   JointVector dq_ext{};  ///< its velocity, rad/s
+  bool stalled =
+      false;  ///< the source counts as stalled: no deposit for loop::TickConfig::stall_time
   /// Behind a viability filter (reference::ViabilityFilter): the least of the joints' margins in
   /// the state answered, and the joints whose command was changed, bit i for joint i, from 0.
   /// Absent, and none, where no command passed one.

@@ -23,6 +23,7 @@
 #include "twin/plant/perturbation.h"
 #include "twin/reference/feed_forward.h"
 #include "twin/reference/trajectory.h"
+#include "twin/reference/viability_filter.h"
 #include "twin/robot/robot_config.h"
 #include "twin/scenario/base_section.h"
 #include "twin/scenario/delay.h"
@@ -116,22 +117,31 @@ struct OnboardSection {
 };
 
 struct TickSection {
-  /// Not said in a scenario: kJoint and kCartesian on the interfaces of positions and poses, kNone
-  /// on the others.
-  loop::Generator generator = loop::Generator::kJoint;
+  loop::Generator generator = loop::Generator::kRejoining;
   double lambda = 1e-3;  ///< in (0, 1]
   bool rate_matching = true;
   double finish_tolerance = loop::TickConfig().finish_tolerance_rad;  ///< rad, in [1e-9, 1e-2]
   /// In [0, 1 ms]; 0: every state is answered. The asynchronous loop's only: 0 in the others.
   Duration period_tolerance = loop::TickConfig().period_tolerance;
+  Duration stall_time = loop::TickConfig().stall_time;  ///< in [1 ms, 10 s]
   double low_pass_hz = loop::TickConfig().low_pass_hz;  ///< in [1, 1000]; 1000: off
   bool limiter = false;
-  /// Losses in a row under which the joints' limits are kept for ever, in [0, 100]; absent: no
-  /// filter.
-  std::optional<int> viability{};
+  /// Losses in a row under which the limits are kept for ever, in [0, 100]; absent: no filter, as
+  /// of a scenario that says another generator and nothing here.
+  std::optional<int> viability = reference::ViabilityFilter::kLostByDefault;
   Delay cost;
   bool operator==(const TickSection&) const = default;
 };
+
+/// Of a scenario on the torque interface that does not say otherwise: torques go out as they are
+/// deposited, within the rate that the robot takes.
+[[nodiscard]] inline TickSection TorqueTick() {
+  TickSection tick;
+  tick.generator = loop::Generator::kNone;
+  tick.limiter = true;
+  tick.viability.reset();
+  return tick;
+}
 
 struct ControllerSection {
   /// A user's shared library that has the controller, absolute; empty: it is one of the program's.
