@@ -334,7 +334,7 @@ Findings RunRateMatchingOnWallClock(const Setting& setting) {
   findings.figures = {DrawUpdates(pair)};
   findings.figures.back().what =
       "Off, an update is a riser; on, a ramp. Where this machine's updates come early or late, or "
-      "its cycles go unserved, the stall bridge draws the motion on, and risers are ramps, too.";
+      "its cycles go unserved the robot draws the motion on, and risers are ramps, too.";
   return findings;
 }
 

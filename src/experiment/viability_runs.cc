@@ -41,7 +41,7 @@ Scenario MakeScenario(const Setting& setting, const ViabilityCase& what, int run
   }
   // Drift carries deposits through the arrival of states in some of the runs.
   scenario.controller.phase = FromSeconds(ChoiceOfRun(setting, run) * kCycleSeconds);
-  scenario.tick.limiter = false;
+  scenario.tick.limiter = what.maker != Maker::kOurs;  // as the paper runs its law
   scenario.tick.generator =
       what.maker == Maker::kOurs ? loop::Generator::kRejoining : loop::Generator::kJoint;
   if (what.maker == Maker::kOurs) scenario.tick.viability = kLongestBurst;

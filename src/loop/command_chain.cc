@@ -137,7 +137,7 @@ void CommandChain::Next(const RobotState& state, const reference::Target& target
   waited_ = fresh ? 0 : waited_ + cycles;
   if (rejoining_) {
     rejoining_->Observe(state, target, fresh, cycles, source_time, stalled());
-    matched_.joint = rejoining_->source();
+    matched_ = rejoining_->source();
     rejoining_->Command(state, command);
   } else {
     MatchAndDecay(target, cycles);

@@ -41,7 +41,7 @@ void RejoiningFollower::Reset(const RobotState& state) noexcept {
   joints_.Reset(by_velocity ? JointVector{} : state.q_d);
   poses_.Reset(state.O_T_EE_c);
   way_ = state.q_d;
-  source_ = {.q = state.q_d, .dq = {}, .ddq = {}};
+  source_ = {};
 }
 
 void RejoiningFollower::Advance() noexcept {
@@ -59,6 +59,8 @@ void RejoiningFollower::Observe(const RobotState& state, const reference::Target
                                 bool stalled) noexcept {
   constexpr std::uint64_t kMostCycles = 64;  // the robot ends a motion after 20 without a command
   const bool by_velocity = interface_ == CommandInterface::kJointVelocity;
+  // A deposit's lag is measured against the cycle in which it is taken.
+  for (std::uint64_t i = 1; i < std::min(cycles, kMostCycles); ++i) Advance();
   if (fresh && interface_ == CommandInterface::kCartesianPose) {
     poses_.Deposit(source_time, target.pose.O_T_EE);
   } else if (fresh) {
@@ -69,12 +71,14 @@ void RejoiningFollower::Observe(const RobotState& state, const reference::Target
     joints_.Stop();
     poses_.Stop();
   }
-  for (std::uint64_t i = 0; i < std::min(cycles, kMostCycles); ++i) Advance();
+  Advance();
   if (stalled && by_velocity) way_ = state.q_d;
-  source_ = target.joint;
+  source_ = target;
   if (interface_ == CommandInterface::kJointPosition) {
-    source_.q = joints_.Source();
-    source_.dq = Sum({}, 1 / kT, Sum(source_.q, -1, joints_.Source(1)));
+    source_.joint.q = joints_.Source();
+    source_.joint.dq = Sum({}, 1 / kT, Sum(source_.joint.q, -1, joints_.Source(1)));
+  } else if (interface_ == CommandInterface::kCartesianPose) {
+    source_.pose.O_T_EE = poses_.Source();
   }
 }
 

@@ -4,6 +4,14 @@
 
 namespace twin::reference {
 
+namespace {
+
+Transform PoseOf(const JointVector& x) noexcept {
+  return model::Pose(Eigen::Quaterniond(x[3], x[4], x[5], x[6]).normalized(), {x[0], x[1], x[2]});
+}
+
+}  // namespace
+
 JointVector PoseResampler::CoordinatesOf(const Transform& O_T_EE) const noexcept {
   const Eigen::Vector3d p = model::Position(O_T_EE);
   const Eigen::Quaterniond r = model::Orientation(O_T_EE);
@@ -23,8 +31,11 @@ void PoseResampler::Deposit(Time source_time, const Transform& O_T_EE) noexcept 
 }
 
 Transform PoseResampler::Value(std::size_t cycles) const noexcept {
-  const JointVector x = resampler_.Value(cycles);
-  return model::Pose(Eigen::Quaterniond(x[3], x[4], x[5], x[6]).normalized(), {x[0], x[1], x[2]});
+  return PoseOf(resampler_.Value(cycles));
+}
+
+Transform PoseResampler::Source() const noexcept {
+  return PoseOf(resampler_.Source());
 }
 
 }  // namespace twin::reference

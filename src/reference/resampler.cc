@@ -25,7 +25,7 @@ constexpr double kMostRate = 5e-3;
 constexpr std::size_t kApart = 4;
 
 /// A source that is off by more periods than these is jumped after.
-constexpr double kJumpPeriods = 4;
+constexpr double kJumpPeriods = 2;
 
 double CheckedPeriod(double source_rate_hz) {
   RequireInRange("resampler: source rate (Hz)", source_rate_hz, 1, 1000);

@@ -369,7 +369,7 @@ class BadUsage(CliTest):
 
 class GoodRun(CliTest):
     RESULTS = {"run.mcap", "scenario.yaml", "summary.json", "timing.json", "plots/joints.svg",
-               "plots/tracking.svg", "plots/velocities.svg", "plots/jerk.svg", "plots/served.svg"}
+               "plots/tracking.svg", "plots/velocities.svg", "plots/jerk.svg", "plots/served.svg", "plots/viability.svg"}
 
     def test_writes_its_results_whole(self):
         done = self.run_scenario()

@@ -6,6 +6,7 @@
 
 #include "experiment/chain_bench.h"
 #include "experiment/experiment_bench.h"
+#include "support/panda_limits.h"
 
 namespace twin::experiment {
 namespace {
@@ -25,7 +26,9 @@ TEST(ChainBenchTest, ASourceInTimeIsFollowedWithItsVelocity) {
 }
 
 TEST(ChainBenchTest, ASourceThatStopsForEverIsDecayedTo) {
-  ChainBench bench(1e-3, 0);
+  loop::TickConfig config;
+  config.limits = twin::test::PandaLimits();
+  ChainBench bench(config, {});
   double q = 0;
   for (int k = 1; k <= 1000; ++k) {
     q = 0.1e-3 * k;

@@ -27,8 +27,6 @@ TEST(LossesTest, BurstsEndWhatIsNotMadeForThemAndNothingOfOurs) {
     EXPECT_EQ(Named(findings, pace, "viability filter").ours, 0) << pace;
   }
   EXPECT_GT(Named(findings, "brisk", "stream of positions").ours, 0);
-  EXPECT_GT(Named(findings, "hard", "stream, client's limiter").ours, 0);
-  EXPECT_GT(Named(findings, "hard", "the paper's generator").ours, 0);
   EXPECT_LT(Named(findings, "hard, bursts of 19, rejoining", "RMS error").ours, 1) << "mrad";
   EXPECT_EQ(Named(findings, "all tempos", "every length").ours, 0);
   EXPECT_EQ(Named(findings, "hard, rejoining", "up to this length").ours, 19);

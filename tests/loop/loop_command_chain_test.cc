@@ -1,6 +1,8 @@
 #include "twin/loop/command_chain.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -192,6 +194,36 @@ TEST(CommandChainTest, ArrivesWhenThePoseIsReachedAtRest) {
   target.pose.O_dP_EE[2] = 0.1;
   chain.Next(state, target, true, 1, {}, command);
   EXPECT_FALSE(chain.Arrived(state));
+}
+
+TEST(CommandChainTest, StatesThatCannotBeAnsweredDoNotMoveThePlayTime) {
+  // Two of three cycles in a row without an answer, now and then, as when a state comes late: the
+  // source of 1 rad/s is played evenly all the same.
+  TickConfig config;
+  config.generator = Generator::kRejoining;
+  config.limits = test::PandaLimits();
+  CommandChain chain(config, CommandInterface::kJointPosition);
+  RobotState state;
+  state.dq_d[0] = 1;
+  chain.Reset(state);
+  Target target;
+  double largest = 0;
+  for (std::int64_t k = 1; k < 3000; ++k) {
+    const std::uint64_t cycles = k % 100 == 3 ? 3 : 1;
+    if (k % 100 == 1 || k % 100 == 2) {  // the robot goes on
+      state.q_d[0] += kCycleSeconds * state.dq_d[0];
+      continue;
+    }
+    target.joint.q[0] = kCycleSeconds * static_cast<double>(k);
+    RobotCommand command;
+    chain.Next(state, target, true, cycles, Time(k * kCycle), command);
+    const double dq = (command.q_c[0] - state.q_d[0]) / kCycleSeconds;
+    state.ddq_d[0] = (dq - state.dq_d[0]) / kCycleSeconds;
+    state.dq_d[0] = dq;
+    state.q_d[0] = command.q_c[0];
+    if (k > 1000) largest = std::max(largest, std::abs(dq - 1));
+  }
+  EXPECT_LT(largest, 1e-3);
 }
 
 TEST(CommandChainTest, ArrivesBehindTheViabilityFilterOnlyAtRest) {

@@ -27,7 +27,6 @@ test::LockstepMotion Synchronous(Duration wake, Duration cost, Duration phase) {
   motion.kind = LoopKind::kSynchronous;
   motion.robot.link.state.delay = Constant(microseconds(60));
   motion.robot.link.command.delay = Constant(microseconds(60));
-  motion.tick.period_tolerance = Duration::zero();
   motion.controller_loop.clock_ppm = -54.6;
   motion.controller_loop.phase = phase;
   motion.controller_loop.wake_delay = Constant(wake);
@@ -121,7 +120,6 @@ TEST(BareLoopTest, ServesEveryCycleAndSamplesWithTheRobotsTime) {
   test::LockstepMotion motion;
   motion.kind = LoopKind::kBare;
   motion.tick.generator = Generator::kNone;
-  motion.tick.period_tolerance = Duration::zero();
   motion.tick.cost = Constant(microseconds(12));
   test::Swing swing;
   Keeper keeper;
@@ -133,7 +131,6 @@ TEST(BareLoopTest, ServesEveryCycleAndSamplesWithTheRobotsTime) {
 TEST(BareLoopTest, ACostAboveTheCycleAnswersTheNewestStateQueued) {
   test::LockstepMotion motion;
   motion.kind = LoopKind::kBare;
-  motion.tick.period_tolerance = Duration::zero();
   motion.controller_loop.cost = Constant(microseconds(1500));
   motion.robot.onboard.abort_after_lost = 1000;
   motion.time_limit = milliseconds(300);
@@ -150,7 +147,6 @@ TEST(InlineLoopsTest, RepeatToTheBitWithTheSeed) {
   for (const LoopKind kind : {LoopKind::kSynchronous, LoopKind::kBare}) {
     test::LockstepMotion motion;
     motion.kind = kind;
-    motion.tick.period_tolerance = Duration::zero();
     motion.controller_loop.phase = microseconds(400);
     motion.controller_loop.cost = rt::DelayModel(rt::LogNormalDelay{microseconds(50), 0.4, {}});
     test::Swing swing;
@@ -171,7 +167,7 @@ TEST(InlineLoopsTest, TheAsynchronousLoopServesWhatTheSynchronousOneMisses) {
   static_cast<void>(motion.Run(stand, 1, &synchronous));
   motion.kind = LoopKind::kAsynchronous;
   motion.tick.cost = Constant(microseconds(13));
-  motion.tick.period_tolerance = TickConfig().period_tolerance;
+  motion.tick.period_tolerance = microseconds(250);
   static_cast<void>(motion.Run(stand, 1, &asynchronous));
   EXPECT_GT(LossesOf(synchronous).share, 0.03);
   EXPECT_EQ(LossesOf(asynchronous).share, 0);

@@ -160,14 +160,12 @@ TEST_F(RealtimeDriveTest, RunsAMotionToItsEnd) {
 
 TEST_F(RealtimeDriveTest, RunsTheSynchronousLoop) {
   kind_ = LoopKind::kSynchronous;
-  tick_.period_tolerance = Duration::zero();
   controller_loop_.phase = microseconds(500);
   RunUndisturbed(&GentleSwing, &ExpectSuccess);
 }
 
 TEST_F(RealtimeDriveTest, RunsTheBareLoop) {
   kind_ = LoopKind::kBare;
-  tick_.period_tolerance = Duration::zero();
   RunUndisturbed(&GentleSwing, &ExpectSuccess);
 }
 

@@ -47,7 +47,6 @@ test::LockstepMotion RawStream() {
   test::LockstepMotion motion;
   motion.kind = LoopKind::kBare;
   motion.tick.generator = Generator::kNone;
-  motion.tick.period_tolerance = Duration::zero();
   motion.time_limit = std::chrono::seconds(2);
   return motion;
 }

@@ -93,6 +93,7 @@ TEST_F(StateTimeDriveTest, AnswersEveryStateFromTheMotionsSecondOn) {
 }
 
 TEST_F(StateTimeDriveTest, AnswersAlsoTheStateAfterSomeThatWereLost) {
+  tick_.period_tolerance = std::chrono::microseconds(250);
   test::PatientRobot robot(1);
   robot.leaps_at = 300;
   test::Swing swing;
@@ -160,7 +161,6 @@ TEST_F(StateTimeDriveTest, TheBareLoopIsTheSameAtTheRobotsRate) {
   test::Swing swing;
   ASSERT_TRUE(Run(first, swing).succeeded());
   kind_ = LoopKind::kBare;
-  tick_.period_tolerance = Duration::zero();
   test::PatientRobot second(1);
   test::Swing again;
   ASSERT_TRUE(Run(second, again).succeeded());
@@ -169,7 +169,6 @@ TEST_F(StateTimeDriveTest, TheBareLoopIsTheSameAtTheRobotsRate) {
 
 TEST_F(StateTimeDriveTest, RefusesTheSynchronousLoop) {
   kind_ = LoopKind::kSynchronous;
-  tick_.period_tolerance = Duration::zero();
   test::PatientRobot robot(1);
   test::Swing swing;
   EXPECT_THROW(static_cast<void>(Run(robot, swing)), InputError);

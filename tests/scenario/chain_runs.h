@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "controllers/joint_trajectory.h"
+#include "controllers/registration.h"
 #include "plugins/mujoco/mujoco_backend.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/rotation.h"
@@ -90,21 +90,22 @@ class Bench {
  public:
   Bench() {
     plugins::RegisterMujoco(backends_);
-    controllers_.Add("joint_trajectory", [](const control::ControllerRequest& request) {
-      controllers::JointTrajectoryOptions options;
-      options.command_interface = request.interface;
-      return std::make_unique<controllers::JointTrajectoryController>(request.trajectory, options);
-    });
+    controllers::RegisterControllers(controllers_);
   }
 
-  /// By a loop without jitter or loss, on the ideal plant, with the chain that a scenario has by
-  /// default.
+  /// By a loop without jitter or loss, with the chain that a scenario has by default; on the ideal
+  /// plant, under torques on the simulated one.
   [[nodiscard]] Scenario Make(CommandInterface interface, const Tempo& tempo) const {
     Scenario scenario = Load(models_ / "scenarios" / "brisk.yaml");
-    scenario.tick = TickSection();
+    const bool by_torque = interface == CommandInterface::kTorque;
+    scenario.tick = by_torque ? TorqueTick() : TickSection();
     scenario.tick.cost = {rt::ConstantDelay{std::chrono::microseconds(13)}};
     scenario.record = false;
-    scenario.plant.kind = robot::PlantKind::kIdeal;
+    if (!by_torque) scenario.plant.kind = robot::PlantKind::kIdeal;
+    if (by_torque) {
+      scenario.controller.type = "joint_trajectory_effort";
+      scenario.onboard.friction_compensation = 0.8;
+    }
     const bool as_poses = interface == CommandInterface::kCartesianPose;
     if (as_poses) scenario.motion = Load(models_ / "scenarios" / "cartesian.yaml").motion;
     scenario.motion.interface = interface;

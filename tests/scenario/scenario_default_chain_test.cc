@@ -34,9 +34,16 @@ std::string NameOf(const ::testing::TestParamInfo<DefaultChainTest::ParamType>& 
   const auto interface = std::get<0>(info.param);
   const char* name = interface == CommandInterface::kJointPosition   ? "positions_"
                      : interface == CommandInterface::kJointVelocity ? "velocities_"
+                     : interface == CommandInterface::kTorque        ? "torques_"
                                                                      : "poses_";
   return name + std::string(std::get<1>(info.param).name);
 }
+
+// At the hard tempo the torques of the plan alone are more than the robot has.
+INSTANTIATE_TEST_SUITE_P(Torques, DefaultChainTest,
+                         ::testing::Combine(::testing::Values(CommandInterface::kTorque),
+                                            ::testing::Values(kGentle, kBrisk)),
+                         NameOf);
 
 INSTANTIATE_TEST_SUITE_P(Motions, DefaultChainTest,
                          ::testing::Combine(::testing::Values(CommandInterface::kJointPosition,

@@ -272,7 +272,7 @@ TEST(ScenarioTest, TakesTheDefaultsThatGoWithLoopAndInterface) {
   };
   EXPECT_EQ(with("asynchronous", "joint_position").tick, TickSection{});
   EXPECT_EQ(with("asynchronous", "joint_position").controller.type, "joint_trajectory");
-  EXPECT_EQ(with("asynchronous", "joint_position").tick.period_tolerance, 250us);
+  EXPECT_EQ(with("asynchronous", "joint_position").tick.period_tolerance, 0s);
   EXPECT_EQ(with("synchronous", "joint_position").tick.period_tolerance, 0s);
   EXPECT_EQ(with("bare", "joint_velocity").tick.period_tolerance, 0s);
   EXPECT_EQ(with("bare", "joint_velocity").tick.generator, loop::Generator::kRejoining);

@@ -140,6 +140,7 @@ class SessionFixture : public ::testing::Test {
     jump.controller.type = "jumper";
     jump.tick.generator = loop::Generator::kNone;
     jump.tick.rate_matching = false;
+    jump.tick.viability.reset();
     return jump;
   }
 

@@ -43,9 +43,10 @@ struct TickConfig {
   /// rad (m and rad for poses).
   double finish_tolerance_rad = 1e-4;
   /// A cycle whose state came more than this off 1 ms after the last one is anomalous: nothing is
-  /// written. Zero: every state is answered. Source: the paper's section on the asynchronous
-  /// thread.
-  Duration period_tolerance = std::chrono::microseconds(250);
+  /// written. Zero: every state is answered. The paper's rule has 250 us (its section on the
+  /// asynchronous thread); it costs two commands for each late state and gains nothing that could
+  /// be measured (src/reference/CHAINS.md), so it is off by default.
+  Duration period_tolerance{};
   /// Without a deposit for so long, and at least three periods, the source counts as stalled:
   /// Generator::kRejoining then leads to the last target, behind the others its velocity (or
   /// torque) decays (reference::StallDecay). In [1 ms, 10 s].

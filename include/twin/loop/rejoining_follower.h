@@ -47,9 +47,9 @@ class RejoiningFollower {
   [[nodiscard]] bool Arrived(const RobotState& state,
                              double tolerance) const noexcept TWIN_REALTIME;
 
-  /// Where the source is and how fast, for the record: its joints on the interface of positions,
-  /// else the deposit's.
-  [[nodiscard]] const reference::JointTarget& source() const noexcept { return source_; }
+  /// Where the source is when the command acts, for the record: positions with their velocity, or
+  /// the pose; what else the newest deposit has is passed on.
+  [[nodiscard]] const reference::Target& source() const noexcept { return source_; }
 
  private:
   void Advance() noexcept;
@@ -63,7 +63,7 @@ class RejoiningFollower {
   reference::RejoiningPoseGenerator pose_generator_;
   bool stalled_ = false;
   JointVector way_{};  ///< r(k+1) on the interface of velocities, rad
-  reference::JointTarget source_;
+  reference::Target source_;
 };
 
 }  // namespace twin::loop

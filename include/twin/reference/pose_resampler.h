@@ -24,6 +24,7 @@ class PoseResampler {
   void Advance() noexcept TWIN_REALTIME { resampler_.Advance(); }
   void Stop() noexcept TWIN_REALTIME { resampler_.Stop(); }
   [[nodiscard]] Transform Value(std::size_t cycles = 0) const noexcept TWIN_REALTIME;
+  [[nodiscard]] Transform Source() const noexcept TWIN_REALTIME;
 
  private:
   /// [p; w, x, y, z], with the sign of the quaternion nearest to the last one's.

@@ -21,7 +21,7 @@ namespace twin::reference {
 /// The play time is phase-locked to the source: r follows its clock's drift, at most 0.5 %. The lag
 /// of 2.25 periods is what a cubic with central differences asks for (two), and a quarter for
 /// jitter. Slopes use positions and times alone, since a deposited velocity is the mean since the
-/// deposit before. When the source is more than 4 periods ahead (the robot stood still, or its
+/// deposit before. When the source is more than 2 periods ahead (the robot stood still, or its
 /// cycles passed unseen), the play time jumps to the lag.
 ///
 /// A source that has been stopped stands at its last deposit at all times, until the next one, from
