@@ -15,14 +15,13 @@ constexpr std::string_view kSmooth =
     "allow, and stop with velocity and acceleration at zero; filter or limit what a source "
     "delivers; lose fewer commands, or move more gently";
 constexpr std::string_view kSmoothInScenario =
-    "raw streams need tick.generator joint (poses: cartesian), slow sources tick.rate_matching "
-    "true; behind both, "
-    "what remains comes from lost messages (link) and from deposits that slide through the cycles "
-    "(controller.phase, clock_drift, wake_delay): fewer of them, or a gentler trajectory";
+    "leave tick.generator and tick.viability out: their defaults resample the targets and keep the "
+    "limits; behind another generator say tick.viability: 19, or tick.limiter: true, lose fewer "
+    "messages (link), or move more gently";
 constexpr std::string_view kSmoothInRealtime =
-    "raw streams need tick.generator joint (poses: cartesian), slow sources tick.rate_matching "
-    "true; what remains "
-    "comes from threads that ran late: panda-twin check says how well this host keeps time";
+    "leave tick.generator and tick.viability out: their defaults resample the targets and keep the "
+    "limits; what remains comes from threads that ran late: panda-twin check says how well this "
+    "host keeps time";
 constexpr std::string_view kSingular =
     "the end effector's motion was within its limits, but asked too much of the joints: near a "
     "singularity (arm stretched, wrist aligned) or a joint's limit a small motion of the hand "
