@@ -313,7 +313,7 @@ TEST_F(HeldArmTest, MeasuredTorqueOutOfRangeEndsEveryRunningMotion) {
 }
 
 TEST_F(HeldArmTest, MeasuredTorqueDoesNotMatterWhileNoMotionRuns) {
-  sensors_.tau_J.fill(kNaN);
+  sensors_.tau_J[4] = -14.41;
   for (int i = 0; i < 5; ++i) Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
   ASSERT_EQ(int_->Move(kTorque), MoveStatus::kMotionStarted);
