@@ -1,0 +1,30 @@
+#!/usr/bin/env python3
+"""The real program where its host, its input or its robot fail it: cli_faults_test.py PROGRAM SOURCE_TREE [unittest options]."""
+
+import pathlib
+import resource
+import subprocess
+import sys
+import unittest
+
+import cli_test
+from cli_test import SHORT, CliTest
+
+
+class BadEnvironment(CliTest):
+    def test_a_file_that_may_not_grow_leaves_a_log_that_can_be_read(self):
+        limit = 300_000  # less than the log of 20 s
+        done = subprocess.run([cli_test.PROGRAM, *map(str, self.run_arguments(SHORT.replace("1 s", "20 s")))], cwd=self.folder,
+                              env=self.environment, capture_output=True, text=True, timeout=120,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+        self.assert_error(done, 4, "run.mcap.partial: File too large")
+        self.assertEqual(self.files(), {"run.mcap.partial"})
+        done = self.call("export", self.out / "run.mcap.partial")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        cycles = (self.out / "csv" / "cycles.csv").read_text().count("\n")
+        self.assertGreater(cycles, 100)
+
+
+if __name__ == "__main__":
+    cli_test.PROGRAM, cli_test.SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
