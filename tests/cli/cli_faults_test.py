@@ -10,6 +10,8 @@ import unittest
 import cli_test
 from cli_test import SHORT, CliTest
 
+MUJOCO = SHORT.replace("kind: ideal", "kind: mujoco")
+
 
 class BadEnvironment(CliTest):
     def test_a_file_that_may_not_grow_leaves_a_log_that_can_be_read(self):
@@ -23,6 +25,32 @@ class BadEnvironment(CliTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         cycles = (self.out / "csv" / "cycles.csv").read_text().count("\n")
         self.assertGreater(cycles, 100)
+
+    def test_corrupt_cache(self):
+        self.assertEqual(self.run_scenario(MUJOCO).returncode, 0)
+        cached = [p for p in (self.folder / "cache").rglob("*") if p.is_file()]
+        self.assertTrue(cached)
+        for path in cached:
+            content = bytearray(path.read_bytes())
+            content[len(content) // 2] ^= 0xFF
+            path.write_bytes(content)
+        done = self.run_scenario(MUJOCO)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        [note] = done.stderr.splitlines()
+        self.assertIn(f"note: {cached[0]}: the compiled model that was kept is damaged", note)
+        self.assertNotIn("--", note)
+        done = self.run_scenario(MUJOCO)  # it is whole again
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def test_cache_that_cannot_be_written(self):
+        self.environment["XDG_CACHE_HOME"] = str(self.scenario())  # a file
+        for _ in range(2):
+            done = self.run_scenario(MUJOCO)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            [note] = done.stderr.splitlines()
+            self.assertIn("note: ", note)
+            self.assertIn("compiled models cannot be kept there", note)
+            self.assertNotIn("--", note)
 
 
 if __name__ == "__main__":

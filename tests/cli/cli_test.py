@@ -234,19 +234,6 @@ class BadData(CliTest):
         done = self.run_scenario(SHORT, models=self.folder)
         self.assert_refused(done, 3, "--data")
 
-    def test_corrupt_cache(self):
-        self.assertEqual(self.run_scenario(self.MUJOCO).returncode, 0)
-        cached = [p for p in (self.folder / "cache").rglob("*") if p.is_file()]
-        self.assertTrue(cached)
-        for path in cached:
-            content = bytearray(path.read_bytes())
-            content[len(content) // 2] ^= 0xFF
-            path.write_bytes(content)
-        shutil.rmtree(self.out)
-        self.assert_refused(self.run_scenario(self.MUJOCO), 4, "cache")
-        done = self.run_scenario(self.MUJOCO, "--rebuild-cache")
-        self.assertEqual(done.returncode, 0, done.stderr)
-
 
 class BadEnvironment(CliTest):
     def test_output_folder_below_a_file(self):
