@@ -3,6 +3,7 @@
 
 import pathlib
 import resource
+import signal
 import subprocess
 import sys
 import unittest
@@ -51,6 +52,17 @@ class BadEnvironment(CliTest):
             self.assertIn("note: ", note)
             self.assertIn("compiled models cannot be kept there", note)
             self.assertNotIn("--", note)
+
+
+class EarlyEnd(CliTest):
+    def test_under_nohup_a_terminal_may_be_closed(self):
+        process = subprocess.Popen(["nohup", cli_test.PROGRAM, *map(str, self.run_arguments(SHORT.replace("1 s", "60 s")))],
+                                   cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        process.stdout.readline()  # the first tenth is done
+        process.send_signal(signal.SIGHUP)
+        _, stderr = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 0, stderr)
 
 
 if __name__ == "__main__":

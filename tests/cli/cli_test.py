@@ -569,7 +569,7 @@ class EndedEarly(CliTest):
         return subprocess.CompletedProcess([], process.returncode, stdout, stderr)
 
     def test_interrupt_stops_the_motion_and_completes_the_log(self):
-        for sig in [signal.SIGINT, signal.SIGTERM]:
+        for sig in [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]:
             with self.subTest(signal=sig):
                 self.assert_error(self.interrupt(sig), 130, "interrupted")
                 self.assertEqual(self.files(),
