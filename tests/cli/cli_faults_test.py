@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The real program where its host, its input or its robot fail it: cli_faults_test.py PROGRAM SOURCE_TREE [unittest options]."""
 
+import json
 import pathlib
 import resource
 import signal
@@ -12,6 +13,23 @@ import cli_test
 from cli_test import SHORT, CliTest
 
 MUJOCO = SHORT.replace("kind: ideal", "kind: mujoco")
+
+
+class BadScenario(CliTest):
+    def test_a_second_document(self):
+        for text in (SHORT + "---\n" + SHORT, SHORT + "---\nlambda: 3\n"):
+            self.assert_refused(self.run_scenario(text), 3, "scenario.yaml: holds 2 YAML documents; one belongs in a file")
+        self.assertEqual(self.run_scenario("---\n" + SHORT + "...\n").returncode, 0)
+
+    def test_a_long_value_is_told_in_short(self):
+        endless = "9" * 5000
+        for text in (self.spoil("0.001", endless), self.spoil("1 s", endless + " s"), self.spoil("name: short", "name: " + endless),
+                     SHORT + f"backend: {endless}\n", SHORT + f"robot: {{model: x{endless}}}\n",
+                     self.spoil("[0.1,", f"[{endless},"), SHORT + f"scene: {endless}\n", SHORT + f"{endless}: 1\n",
+                     SHORT + f"controller: {{type: {endless}}}\n", SHORT + f"controller: {{library: {endless}}}\n"):
+            done = self.run_scenario(text)
+            self.assert_refused(done, 3, "scenario.yaml")
+            self.assertLess(len(done.stderr), 2200)
 
 
 class BadEnvironment(CliTest):
@@ -55,6 +73,18 @@ class BadEnvironment(CliTest):
 
 
 class EarlyEnd(CliTest):
+    def test_a_run_that_fails_before_its_first_motion_leaves_a_summary(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        done = self.run_scenario(SHORT.replace("  command_loss: 0 %", "  state_loss: 100 %"))
+        self.assert_error(done, 1, "no robot state arrived within 3 s")
+        self.assertEqual(self.files(), {"scenario.yaml", "summary.json"})  # and nothing of the run before
+        summary = json.loads((self.out / "summary.json").read_text())
+        self.assertEqual((summary["outcome"], summary["scenario"]), ("failed", "short"))
+        self.assertIn("no robot state arrived within 3 s", summary["failure"])
+        done = self.run_scenario(SHORT, "--backend", "fci", "--robot", "127.0.0.1:9")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual(json.loads((self.out / "summary.json").read_text())["drive"], "remote")
+
     def test_under_nohup_a_terminal_may_be_closed(self):
         process = subprocess.Popen(["nohup", cli_test.PROGRAM, *map(str, self.run_arguments(SHORT.replace("1 s", "60 s")))],
                                    cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
