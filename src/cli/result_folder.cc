@@ -103,8 +103,9 @@ void ResultFolder::Clear() const {
   }
 }
 
-void ResultFolder::RemovePartial() const {
+void ResultFolder::RemovePartial(bool but_log) const {
   for (const fs::path& file : Files()) {
+    if (but_log && file == log()) continue;
     std::error_code ignored;
     fs::remove(PartialOf(file), ignored);
   }

@@ -24,8 +24,8 @@ class ResultFolder {
   void Prepare();
   /// Removes what an earlier run left. @throws EnvironmentError naming what cannot be removed.
   void Clear() const;
-  /// Removes those of a run's files that are not whole.
-  void RemovePartial() const;
+  /// Removes those of a run's files that are not whole. @param but_log  leaves the log's.
+  void RemovePartial(bool but_log = false) const;
 
   [[nodiscard]] const std::filesystem::path& folder() const noexcept { return folder_; }
   [[nodiscard]] std::filesystem::path log() const { return folder_ / "run.mcap"; }

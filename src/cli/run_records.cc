@@ -12,9 +12,10 @@ void RunRecords::Log(const std::filesystem::path& path, const record::RunInfo& r
   log_.emplace(path, run, full_ring);
 }
 
-void RunRecords::Film(const plant::TruthProbe& truth, Duration duration, int fps) {
+void RunRecords::Film(const plant::TruthProbe& truth, Duration duration, int fps,
+                      render::SnapshotRecorder::Keep keep) {
   truth_ = &truth;
-  camera_.emplace(duration, fps, truth.qpos_size());
+  camera_.emplace(duration, fps, truth.qpos_size(), keep);
 }
 
 void RunRecords::WatchContacts(const plant::TruthProbe& truth) {
@@ -30,10 +31,7 @@ void RunRecords::Put(const rt::CycleRecord& record) noexcept {
 void RunRecords::TakeScenes(Time now) noexcept {
   const std::size_t captured = camera_->Capture(now, *truth_);
   if (!log_) return;
-  const render::Snapshots& snapshots = camera_->snapshots();
-  for (std::size_t i = snapshots.size() - captured; i < snapshots.size(); ++i) {
-    log_->Put(snapshots.scene(i));
-  }
+  for (std::size_t i = 0; i < captured; ++i) log_->Put(camera_->last());
 }
 
 void RunRecords::Put(const rt::TickRecord& record) noexcept {
@@ -59,7 +57,9 @@ void RunRecords::Add(record::PlanRecord plan) {
 
 std::uint64_t RunRecords::Finish() {
   if (!log_) return 0;
+  log_failed_ = true;
   const std::uint64_t dropped = log_->Finish().dropped;
+  log_failed_ = false;
   log_.reset();
   return dropped;
 }

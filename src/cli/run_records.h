@@ -30,8 +30,10 @@ class RunRecords final : public rt::RecordSink {
   void Log(const std::filesystem::path& path, const record::RunInfo& run,
            record::FullRing full_ring);
   /// Takes down the scene at each frame of the video, for the log too.
-  /// @param truth  must outlive this, as WatchContacts(). @throws as render::SnapshotRecorder.
-  void Film(const plant::TruthProbe& truth, Duration duration, int fps);
+  /// @param keep   kLast: for the log alone; no film can be made. @param truth  must outlive this,
+  /// as WatchContacts(). @throws as render::SnapshotRecorder.
+  void Film(const plant::TruthProbe& truth, Duration duration, int fps,
+            render::SnapshotRecorder::Keep keep = render::SnapshotRecorder::Keep::kAll);
   /// Whether a scene's record holds all there is.
   [[nodiscard]] static bool CanFilm(const plant::TruthProbe& truth) noexcept {
     return truth.qpos_size() <= rt::SceneRecord::kMostPositions;
@@ -54,6 +56,9 @@ class RunRecords final : public rt::RecordSink {
   /// After a run that threw: the log stays partial.
   void Abandon() { log_.reset(); }
 
+  /// Whether the log could not be written to its end; what there is of it can be read.
+  [[nodiscard]] bool log_failed() const noexcept { return log_failed_; }
+
   /// Null when it was not filmed.
   [[nodiscard]] const render::Snapshots* snapshots() const noexcept {
     return camera_ ? &camera_->snapshots() : nullptr;
@@ -74,6 +79,7 @@ class RunRecords final : public rt::RecordSink {
   void TakeScenes(Time now) noexcept TWIN_REALTIME;
 
   std::optional<record::Recorder> log_;
+  bool log_failed_ = false;
   std::optional<render::SnapshotRecorder> camera_;
   std::optional<plant::ContactWatch> contacts_;
   const plant::TruthProbe* truth_ = nullptr;  ///< set with camera_

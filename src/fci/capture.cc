@@ -61,12 +61,12 @@ bool Capture::Drain() {
   }
   std::ranges::stable_sort(waiting_, {}, [](const Kept& kept) { return kept.packet.at; });
   for (Kept& kept : waiting_) {
-    if (failure_ != nullptr) break;
+    if (failure_.happened()) break;
     kept.packet.bytes = kept.bytes;
     try {
       writer_.Add(kept.packet);
     } catch (...) {
-      failure_ = std::current_exception();
+      failure_.Keep();
     }
   }
   return !waiting_.empty();
@@ -80,7 +80,7 @@ void Capture::StopThread() {
 
 std::uint64_t Capture::Finish() {
   StopThread();
-  if (failure_ != nullptr) std::rethrow_exception(failure_);
+  failure_.Rethrow();
   writer_.Finish();
   return dropped_.load(std::memory_order_relaxed);
 }

@@ -48,7 +48,8 @@ class McapWriter::Impl {
  public:
   Impl(const std::filesystem::path& path, const McapWriterOptions& options)
       : options_(options),
-        file_(path, PartialFile::Leftover::kKeep),
+        file_(path, PartialFile::Leftover::kKeep,
+              {.name = "an MCAP log", .magic = mcap::AsBytes(mcap::kMagic)}),
         zstd_(ZSTD_createCCtx(), &ZSTD_freeCCtx) {
     TWIN_CHECK(zstd_ != nullptr);
     ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_compressionLevel, options_.zstd_level);

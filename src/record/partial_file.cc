@@ -1,11 +1,13 @@
 #include "twin/record/partial_file.h"
 
-#include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,39 +16,64 @@
 namespace twin::record {
 namespace {
 
-[[noreturn]] void Fail(const char* what, const std::filesystem::path& path, int error) {
+namespace fs = std::filesystem;
+
+[[noreturn]] void Fail(const char* what, const fs::path& path, int error) {
   throw EnvironmentError(
       fmt::format("cannot {} {}: {}; the folder must exist, be writable and have space left, or "
                   "choose another one",
                   what, path.string(), std::generic_category().message(error)));
 }
 
-}  // namespace
-
-PartialFile::PartialFile(std::filesystem::path path, Leftover leftover)
-    : path_(std::move(path)), partial_(path_), leftover_(leftover) {
-  partial_ += ".partial";
-  std::error_code unknown;
-  if (std::filesystem::is_directory(path_, unknown)) {
-    throw EnvironmentError(fmt::format(
-        "cannot write {}: it is a directory; name a file in it, or another one", path_.string()));
-  }
-  descriptor_ = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) Fail("create", partial_, errno);
+/// @throws InputError when it holds something that is not of this kind.
+void RequireKind(const fs::path& path, const PartialFile::Kind& kind) {
+  std::error_code error;
+  if (kind.magic.empty() || !fs::is_regular_file(path, error) || fs::is_empty(path, error)) return;
+  std::vector<char> begin(kind.magic.size());
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  const auto bytes = std::as_bytes(std::span(begin));
+  if (file && std::ranges::equal(bytes, kind.magic)) return;
+  throw InputError(
+      fmt::format("{}: is there and is not {}, so it is not overwritten; choose another "
+                  "name, or remove it",
+                  path.string(), kind.name));
 }
 
-PartialFile::~PartialFile() {
-  if (descriptor_ < 0) return;
-  ::close(descriptor_);
-  if (leftover_ == Leftover::kRemove) ::unlink(partial_.c_str());
+/// @returns the path. @throws as the constructor of PartialFile.
+fs::path Replaceable(fs::path path, const PartialFile::Kind& kind) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    throw EnvironmentError(fmt::format(
+        "cannot write {}: it is a directory; name a file in it, or another one", path.string()));
+  }
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) {
+    throw EnvironmentError(fmt::format(
+        "cannot write {}: it is there and is no file; choose another name", path.string()));
+  }
+  RequireKind(path, kind);
+  return path;
+}
+
+}  // namespace
+
+PartialFile::PartialFile(fs::path path, Leftover leftover, const Kind& kind)
+    : path_(Replaceable(std::move(path), kind)), output_(path_, PartialOutput::Kind::kFile) {
+  output_.Keep();  // until it is known whose it is
+  RequireKind(output_.partial(), kind);
+  if (leftover == Leftover::kRemove) output_.Remove();
+  // A device cannot be emptied, and need not.
+  if (::ftruncate(output_.lock(), 0) != 0 && errno != EINVAL) {
+    Fail("empty", output_.partial(), errno);
+  }
 }
 
 void PartialFile::Write(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    const ssize_t written = ::write(output_.lock(), bytes.data(), bytes.size());
     if (written < 0) {
       if (errno == EINTR) continue;
-      Fail("write", partial_, errno);
+      Fail("write", output_.partial(), errno);
     }
     size_ += static_cast<std::uint64_t>(written);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
@@ -54,10 +81,10 @@ void PartialFile::Write(std::span<const std::byte> bytes) {
 }
 
 void PartialFile::Commit() {
-  const int closed = ::close(std::exchange(descriptor_, -1));
-  if (closed != 0) Fail("close", partial_, errno);
-  if (::rename(partial_.c_str(), path_.c_str()) != 0)
-    Fail("rename to its final name", partial_, errno);
+  // Some file systems tell only on closing what they could not write; the lock is held on.
+  const int copy = ::dup(output_.lock());
+  if (copy >= 0 && ::close(copy) != 0) Fail("close", output_.partial(), errno);
+  output_.Publish();
 }
 
 }  // namespace twin::record

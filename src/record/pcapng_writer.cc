@@ -13,6 +13,9 @@
 namespace twin::record {
 namespace {
 
+/// Of the section header, what any pcapng file begins with.
+constexpr std::array<std::uint32_t, 1> kMagic{pcapng::kSectionHeader};
+
 /// Of a TCP stream that become one packet.
 constexpr std::size_t kSegmentBytes = std::size_t{16} * 1024;
 
@@ -76,7 +79,9 @@ class Checksum {
 
 class PcapngWriter::Impl {
  public:
-  explicit Impl(const std::filesystem::path& path) : file_(path, PartialFile::Leftover::kKeep) {
+  explicit Impl(const std::filesystem::path& path)
+      : file_(path, PartialFile::Leftover::kKeep,
+              {.name = "a pcapng capture", .magic = std::as_bytes(std::span(kMagic))}) {
     Begin(pcapng::kSectionHeader);
     out_.Little32(pcapng::kByteOrderMagic);
     out_.Little16(1);  // version 1.0

@@ -91,7 +91,7 @@ Recorder::Recorder(const std::filesystem::path& path, const RunInfo& run, FullRi
 
 Recorder::~Recorder() {
   StopThread();
-  if (writer_ == nullptr || failure_ != nullptr) return;
+  if (writer_ == nullptr || failure_.happened()) return;
   try {
     writer_->Flush();
   } catch (const std::exception&) {
@@ -146,11 +146,11 @@ void Recorder::Run(const std::stop_token& stop) {
 
 std::size_t Recorder::Drain() {
   const auto write = [this](const Item& item) {
-    if (failure_ != nullptr) return;
+    if (failure_.happened()) return;
     try {
       std::visit(*writer_, item);
     } catch (...) {
-      failure_ = std::current_exception();
+      failure_.Keep();
     }
   };
   std::size_t count = 0;
@@ -178,7 +178,7 @@ void Recorder::StopThread() {
 RecordingSummary Recorder::Finish() {
   StopThread();
   const std::unique_ptr<Writer> writer = std::move(writer_);
-  if (failure_ != nullptr) std::rethrow_exception(failure_);
+  failure_.Rethrow();
   for (const PlanRecord& plan : plans_) (*writer)(plan);
   const McapTotals totals = writer->Finish();
   return {.messages = totals.messages,

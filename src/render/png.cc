@@ -7,9 +7,9 @@
 #include <cstring>
 #include <fstream>
 
-#include "render/partial_output.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
+#include "twin/record/partial_output.h"
 
 namespace twin::render {
 namespace {
@@ -40,7 +40,7 @@ std::vector<char> EncodePng(const Image& image) {
 
 void WritePng(const std::filesystem::path& path, const Image& image) {
   const std::vector<char> bytes = EncodePng(image);
-  PartialOutput output(path, PartialOutput::Kind::kFile);
+  record::PartialOutput output(path, record::PartialOutput::Kind::kFile);
   errno = 0;
   std::ofstream file(output.partial(), std::ios::binary | std::ios::trunc);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

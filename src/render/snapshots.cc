@@ -34,24 +34,26 @@ void Snapshots::Append(const rt::SceneRecord& scene) {
   scenes_.push_back(scene);
 }
 
-SnapshotRecorder::SnapshotRecorder(Duration duration, int fps, std::size_t qpos_size)
+SnapshotRecorder::SnapshotRecorder(Duration duration, int fps, std::size_t qpos_size, Keep keep)
     : snapshots_(MakeSnapshots(duration, fps, qpos_size)),
+      keep_(keep),
       max_frames_(static_cast<std::size_t>(duration.count() * fps / kNanosecondsPerSecond) + 1) {
-  snapshots_.scenes_.reserve(max_frames_);
+  if (keep_ == Keep::kAll) snapshots_.scenes_.reserve(max_frames_);
 }
 
 std::size_t SnapshotRecorder::Capture(Time now, const plant::TruthProbe& probe) noexcept {
-  std::vector<rt::SceneRecord>& scenes = snapshots_.scenes_;
-  if (scenes.empty()) {
+  if (frames_ == 0) {
     start_ = now;
     next_due_ = now;
   }
-  const std::size_t before = scenes.size();
-  while (next_due_ <= now && scenes.size() < max_frames_) {
-    plant::CaptureScene(now, probe, scenes.emplace_back());  // within the capacity reserved
-    next_due_ = DueTime(scenes.size());
+  if (next_due_ > now || frames_ >= max_frames_) return 0;
+  plant::CaptureScene(now, probe, last_);
+  const std::size_t before = frames_;
+  while (next_due_ <= now && frames_ < max_frames_) {
+    if (keep_ == Keep::kAll) snapshots_.scenes_.push_back(last_);  // within the capacity reserved
+    next_due_ = DueTime(++frames_);
   }
-  return scenes.size() - before;
+  return frames_ - before;
 }
 
 Time SnapshotRecorder::DueTime(std::size_t frame) const noexcept {

@@ -113,8 +113,8 @@ void CheckVideoPath(const fs::path& path) {
 VideoTarget::VideoTarget(const fs::path& path)
     : format_(FormatOf(path)),
       path_(Checked(path)),
-      output_(path_, format_ == VideoFormat::kPictures ? PartialOutput::Kind::kFolder
-                                                       : PartialOutput::Kind::kFile) {
+      output_(path_, format_ == VideoFormat::kPictures ? record::PartialOutput::Kind::kFolder
+                                                       : record::PartialOutput::Kind::kFile) {
   if (format_ == VideoFormat::kPictures) RemovePictures(partial());
 }
 

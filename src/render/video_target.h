@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "render/partial_output.h"
+#include "twin/record/partial_output.h"
 #include "twin/render/video_writer.h"
 
 namespace twin::render {
@@ -11,7 +11,7 @@ namespace twin::render {
 class VideoTarget {
  public:
   /// Makes the partial one, which nobody else then writes, without the pictures of an earlier run.
-  /// @throws InputError as CheckVideoPath(); EnvironmentError as PartialOutput.
+  /// @throws InputError as CheckVideoPath(); EnvironmentError as record::PartialOutput.
   explicit VideoTarget(const std::filesystem::path& path);
   /// Removes the partial one, unless it got its name.
   ~VideoTarget();
@@ -30,7 +30,7 @@ class VideoTarget {
  private:
   VideoFormat format_;
   std::filesystem::path path_;
-  PartialOutput output_;
+  record::PartialOutput output_;
 };
 
 }  // namespace twin::render

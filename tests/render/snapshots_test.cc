@@ -79,6 +79,22 @@ TEST(SnapshotRecorderTest, NeverGrowsBeyondItsStorage) {
   EXPECT_EQ(recorder.snapshots().qpos(0).data(), storage);
 }
 
+TEST(SnapshotRecorderTest, WithoutAVideoToMakeItKeepsTheLastSceneOnly) {
+  TestModel model(kArmMjcf);
+  using Keep = SnapshotRecorder::Keep;
+  SnapshotRecorder all(milliseconds(200), 25, model.qpos_size());
+  SnapshotRecorder last(milliseconds(200), 25, model.qpos_size(), Keep::kLast);
+  for (const int now : {0, 30, 40, 130, 200, 500}) {
+    model.SetQpos(0, now);
+    EXPECT_EQ(last.Capture(Time(milliseconds(now)), model),
+              all.Capture(Time(milliseconds(now)), model))
+        << now;
+    EXPECT_EQ(last.last().Positions()[0], all.last().Positions()[0]) << now;
+  }
+  EXPECT_EQ(all.snapshots().size(), 6U);
+  EXPECT_EQ(last.snapshots().size(), 0U);
+}
+
 TEST(SnapshotRecorderTest, NeitherAllocatesNorLocksFromTheFirstCaptureOn) {
   TestModel model(kArmMjcf);
   SnapshotRecorder recorder(milliseconds(1000), 25, model.qpos_size());

@@ -4,11 +4,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -18,6 +18,7 @@
 #include "twin/fci/protocol.h"
 #include "twin/record/packet.h"
 #include "twin/record/pcapng_writer.h"
+#include "twin/record/write_failure.h"
 #include "twin/rt/spsc_ring.h"
 
 namespace twin::fci {
@@ -57,6 +58,9 @@ class Capture {
   /// @param packet  bytes of a TCP stream, or a datagram.
   void Put(const record::Packet& packet);
 
+  /// Why nothing is written any more, as soon as that is so; empty: all is well. Threads: any.
+  [[nodiscard]] std::string Failure() const { return failure_.Text(); }
+
   /// Writes what waits, and gives the file its name. Call once, after the last Put.
   /// @returns datagrams that were dropped. @throws EnvironmentError when anything could not be
   /// written, now or before.
@@ -85,7 +89,7 @@ class Capture {
   std::vector<Kept> others_;               ///< guarded by others_lock_
   std::vector<Kept> waiting_;              ///< the writer thread's
   std::atomic<std::uint64_t> dropped_{0};  ///< a count only: relaxed
-  std::exception_ptr failure_;             ///< the writer thread's, then Finish()'s
+  record::WriteFailure failure_;           ///< the writer thread's
   std::jthread thread_;
 };
 

@@ -4,23 +4,35 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string_view>
+#include <utility>
+
+#include "twin/record/partial_output.h"
 
 namespace twin::record {
 
-/// A file being written, as `<path>.partial`, that gets its own name only when it is whole.
+/// A file being written, as `<path>.partial`, that gets its own name only when it is whole. Nobody
+/// else writes it meanwhile (PartialOutput).
 ///
-/// Threads: one thread. Real-time: no. All failures are EnvironmentError with path, cause and cure.
+/// Threads: one thread. Real-time: no. All failures are EnvironmentError with path, cause and cure,
+/// unless it says otherwise.
 class PartialFile {
  public:
   /// What happens to the `.partial` file when Commit() is never reached.
-  enum class Leftover { kKeep, kRemove };
+  enum class Leftover : std::uint8_t { kKeep, kRemove };
 
-  /// Creates `<path>.partial`, or empties the one that is left from before. A `path` that is a
-  /// directory is refused here, before anything is written: Commit() could not replace it.
-  PartialFile(std::filesystem::path path, Leftover leftover);
-  ~PartialFile();
-  PartialFile(const PartialFile&) = delete;
-  PartialFile& operator=(const PartialFile&) = delete;
+  /// By what files of a kind are known, so that no other is overwritten.
+  struct Kind {
+    std::string_view name{};             ///< "an MCAP log"
+    std::span<const std::byte> magic{};  ///< what each begins with; empty: any file is replaced
+  };
+
+  /// Creates `<path>.partial`, or empties the one that is left from before. A `path` that is there
+  /// and no regular file is refused here, before anything is written: Commit() could not, or must
+  /// not, replace it. @throws InputError when either is there, and neither empty nor of this kind.
+  PartialFile(std::filesystem::path path, Leftover leftover, const Kind& kind);
+  PartialFile(std::filesystem::path path, Leftover leftover)
+      : PartialFile(std::move(path), leftover, Kind()) {}
 
   /// Appends `bytes` with one write(2), more only where the kernel takes less at once.
   void Write(std::span<const std::byte> bytes);
@@ -33,9 +45,7 @@ class PartialFile {
 
  private:
   std::filesystem::path path_;
-  std::filesystem::path partial_;
-  Leftover leftover_;
-  int descriptor_ = -1;
+  PartialOutput output_;
   std::uint64_t size_ = 0;
 };
 

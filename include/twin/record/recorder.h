@@ -3,16 +3,17 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <stop_token>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
 
 #include "twin/core/time.h"
 #include "twin/record/log_records.h"
+#include "twin/record/write_failure.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/scene_record.h"
 
@@ -87,6 +88,9 @@ class Recorder final : public rt::RecordSink {
   /// What was planned; kept for Finish(). Not for real-time code.
   void Add(PlanRecord plan);
 
+  /// Why nothing is written any more, as soon as that is so; empty: all is well. Threads: any.
+  [[nodiscard]] std::string Failure() const { return failure_.Text(); }
+
   /// Writes everything out and gives the file its name. Call once.
   /// @throws EnvironmentError when anything could not be written, now or before.
   RecordingSummary Finish();
@@ -112,7 +116,7 @@ class Recorder final : public rt::RecordSink {
   std::atomic<std::uint32_t> drained_{0};
   std::atomic<std::uint64_t> dropped_{0};  ///< a count only: relaxed
   std::vector<PlanRecord> plans_;          ///< whose calls Add() and Finish() are
-  std::exception_ptr failure_;             ///< the writer thread's, then Finish()'s
+  WriteFailure failure_;                   ///< the writer thread's
   std::jthread thread_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -39,7 +40,8 @@ class Snapshots {
   std::vector<rt::SceneRecord> scenes_;
 };
 
-/// Captures snapshots while a run goes on, into storage taken at construction.
+/// Captures snapshots while a run goes on, into storage taken at construction: 1.6 kB a frame, all
+/// of which a video that is drawn after the run needs; or only the last one.
 ///
 /// Frame k is due at k / fps, counted from the first call. A call that comes at or after that
 /// captures it; one that comes several frames late captures the same positions for each, so that
@@ -48,22 +50,30 @@ class Snapshots {
 /// Threads: the plant's thread. Real-time: Capture() is noexcept and allocates nothing.
 class SnapshotRecorder {
  public:
+  enum class Keep : std::uint8_t { kAll, kLast };
+
   /// @param duration  of the run; frames due later are not captured.
   /// @throws InputError when fps is outside [1, 1000], duration is negative, or the model has more
   /// positions than a scene's record holds.
-  SnapshotRecorder(Duration duration, int fps, std::size_t qpos_size);
+  SnapshotRecorder(Duration duration, int fps, std::size_t qpos_size, Keep keep = Keep::kAll);
 
   /// Captures what is due at `now`; nearly free when nothing is. @pre probe has the qpos_size
-  /// given. @returns how many frames that were: the last ones of snapshots().
+  /// given. @returns how many frames that were; last() is each of them.
   std::size_t Capture(Time now, const plant::TruthProbe& probe) noexcept TWIN_REALTIME;
 
+  /// The scene captured last. @pre there is one.
+  [[nodiscard]] const rt::SceneRecord& last() const noexcept { return last_; }
+  /// All that were captured; with Keep::kLast none.
   [[nodiscard]] const Snapshots& snapshots() const noexcept { return snapshots_; }
 
  private:
   [[nodiscard]] Time DueTime(std::size_t frame) const noexcept;
 
   Snapshots snapshots_;
+  Keep keep_;
   std::size_t max_frames_;
+  std::size_t frames_ = 0;  ///< captured
+  rt::SceneRecord last_;
   Time start_{};
   Time next_due_{};
 };

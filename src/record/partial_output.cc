@@ -1,9 +1,10 @@
-#include "render/partial_output.h"
+#include "twin/record/partial_output.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <string>
@@ -12,7 +13,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::render {
+namespace twin::record {
 namespace {
 
 constexpr mode_t kAnyFile = 0666;  // less what the umask says, as the following
@@ -32,10 +33,12 @@ PartialOutput::PartialOutput(std::filesystem::path path, Kind kind)
     const int error = Open(kind);
     if (error != 0) {
       throw EnvironmentError(
-          fmt::format("{}: cannot be made ({}). Choose a folder that exists and may be written to",
+          fmt::format("cannot create {}: {}; the folder must exist, be writable and have space "
+                      "left, or choose another one",
                       partial_.string(), MessageOf(error)));
     }
-    if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      Close();
       throw EnvironmentError(
           fmt::format("another run writes {}; wait for it or choose another name", path_.string()));
     }
@@ -44,7 +47,13 @@ PartialOutput::PartialOutput(std::filesystem::path path, Kind kind)
 
 PartialOutput::~PartialOutput() {
   std::error_code ignored;
-  if (IsOurs()) std::filesystem::remove(partial_, ignored);
+  if (!keeps_ && IsOurs()) std::filesystem::remove(partial_, ignored);
+  Close();
+}
+
+void PartialOutput::Close() noexcept {
+  if (lock_ >= 0) ::close(lock_);
+  lock_ = -1;
 }
 
 void PartialOutput::Publish() {
@@ -60,7 +69,7 @@ void PartialOutput::Publish() {
 bool PartialOutput::IsOurs() const noexcept {
   struct stat mine {};
   struct stat there {};
-  return ::fstat(lock_.get(), &mine) == 0 && ::stat(partial_.c_str(), &there) == 0 &&
+  return ::fstat(lock_, &mine) == 0 && ::stat(partial_.c_str(), &there) == 0 &&
          mine.st_dev == there.st_dev && mine.st_ino == there.st_ino;
 }
 
@@ -68,10 +77,11 @@ int PartialOutput::Open(Kind kind) {
   const bool folder = kind == Kind::kFolder;
   if (folder && ::mkdir(partial_.c_str(), kAnyFolder) != 0 && errno != EEXIST) return errno;
   const int flags = folder ? O_RDONLY | O_DIRECTORY | O_NOFOLLOW : O_RDWR | O_CREAT;
-  lock_.Reset(::open(partial_.c_str(), flags | O_CLOEXEC, kAnyFile));
-  if (lock_.get() >= 0) return 0;
+  Close();
+  lock_ = ::open(partial_.c_str(), flags | O_CLOEXEC, kAnyFile);
+  if (lock_ >= 0) return 0;
   // A folder that was just there got its name: again.
   return folder && errno == ENOENT ? 0 : errno;
 }
 
-}  // namespace twin::render
+}  // namespace twin::record
