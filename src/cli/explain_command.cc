@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.h"
+#include "cli/interrupt.h"
 #include "cli/result_folder.h"
 #include "cli/say.h"
 #include "twin/core/error.h"
@@ -26,6 +27,17 @@ fs::path FolderOf(const ExplainFlags& flags, const fs::path& log) {
                                      flags.out.string(), error.message()));
 }
 
+/// Takes gnuplot along when the user wants to end.
+report::Explanation Explained(const fs::path& log) {
+  const InterruptGuard interrupt;
+  try {
+    return report::Explain(log);
+  } catch (const EnvironmentError&) {
+    interrupt.ThrowIfInterrupted();
+    throw;
+  }
+}
+
 }  // namespace
 
 ExitCode ExplainCommand(const ExplainFlags& flags) {
@@ -35,7 +47,7 @@ ExitCode ExplainCommand(const ExplainFlags& flags) {
     return kOk;
   }
   const fs::path log = FindLog(flags.log);
-  const report::Explanation explanation = report::Explain(log);
+  const report::Explanation explanation = Explained(log);
   std::string text = explanation.text;
   if (explanation.aborted) {
     const fs::path page = ResultFolder(FolderOf(flags, log)).explanation();

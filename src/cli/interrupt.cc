@@ -1,10 +1,14 @@
 #include "cli/interrupt.h"
 
+#include "twin/rt/child_process.h"
+
 namespace twin::cli {
 namespace {
 
 // A signal handler can reach nothing but a global.
 volatile bool interrupt_flag = false;
+
+int guards = 0;  ///< that live; the first one's signals are all of them's
 
 void OnSignal(int /*signal*/) {
   interrupt_flag = true;
@@ -13,18 +17,25 @@ void OnSignal(int /*signal*/) {
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
+  if (guards++ > 0) return;
   interrupt_flag = false;
   struct sigaction action {};
   action.sa_handler = &OnSignal;
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, &old_interrupt_);
-  sigaction(SIGTERM, &action, &old_terminate_);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], nullptr, &old_[i]);
+    // nohup's children go on when the terminal is closed.
+    const bool ignored = kSignals[i] == SIGHUP && old_[i].sa_handler == SIG_IGN;
+    if (!ignored) sigaction(kSignals[i], &action, nullptr);
+  }
+  rt::GiveUpWhen(&interrupt_flag);
 }
 
 InterruptGuard::~InterruptGuard() {
-  sigaction(SIGINT, &old_interrupt_, nullptr);
-  sigaction(SIGTERM, &old_terminate_, nullptr);
+  if (--guards > 0) return;
+  rt::GiveUpWhen(nullptr);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &old_[i], nullptr);
 }
 
 bool InterruptGuard::interrupted() const noexcept {

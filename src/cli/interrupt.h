@@ -1,14 +1,17 @@
 #pragma once
 
+#include <array>
 #include <csignal>
+#include <cstddef>
 
 namespace twin::cli {
 
 /// Thrown when the user asked to end while no motion runs.
 class Interrupted {};
 
-/// While it lives, SIGINT and SIGTERM set a flag instead of ending the program; a second one of the
-/// same kind ends it at once. One at a time.
+/// While it lives, SIGINT, SIGTERM and SIGHUP (unless that is ignored, as under nohup) set a flag
+/// instead of ending the program; a second one of the same kind ends it at once. What waits for
+/// children then gives up (rt::GiveUpWhen). Of several, one in the other, they are the first one's.
 ///
 /// Threads: main thread.
 class InterruptGuard {
@@ -27,8 +30,8 @@ class InterruptGuard {
   void ThrowIfInterrupted() const;
 
  private:
-  struct sigaction old_interrupt_ {};
-  struct sigaction old_terminate_ {};
+  static constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, kSignals.size()> old_{};
 };
 
 }  // namespace twin::cli

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/interrupt.h"
 #include "cli/video_command.h"
 #include "twin/golden/joint_curves.h"
 #include "twin/golden/page.h"
@@ -25,8 +26,9 @@ class VideoCaseRun {
                const scenario::Catalogue& catalogue);
 
   /// Takes the pictures. @param golden  whose key frames are taken; null: by the case.
-  /// @throws InputError naming the case's file when a view's body or camera is not in the model.
-  void Take(const golden::Golden* golden);
+  /// @throws Interrupted; InputError naming the case's file when a view's body or camera is not in
+  /// the model.
+  void Take(const golden::Golden* golden, const InterruptGuard& interrupt);
 
   /// @pre Take(). Refers to this.
   [[nodiscard]] golden::Evidence Evidence() const;

@@ -125,9 +125,10 @@ class VideoSession {
       std::optional<golden::Golden> old;
       if (golden::HasGolden(FolderOf(wanted))) old = golden::ReadGolden(FolderOf(wanted));
       VideoCaseRun run(wanted, flags_, host_, catalogue_);
-      run.Take(nullptr);
+      run.Take(nullptr, interrupt_);
       const golden::Approved approved =
           golden::Approve(old, run.Evidence(), flags_.reason, TWIN_VERSION);
+      interrupt_.ThrowIfInterrupted();
       if (approved.changed) golden::WriteGolden(FolderOf(wanted), approved.golden);
       Tell(fmt::format("{:<24} {}\n", wanted.name,
                        approved.changed ? "approved: " + approved.golden.approvals.back().changed
@@ -149,13 +150,14 @@ class VideoSession {
 
   golden::CaseResult Check(const scenario::VideoCase& wanted, golden::Golden golden) const {
     VideoCaseRun run(wanted, flags_, host_, catalogue_);
-    run.Take(&golden);
+    run.Take(&golden, interrupt_);
     golden::CaseResult result{wanted.name, RunText(wanted, flags_), ApproveCommand(wanted, flags_)};
     try {
       result.comparison = golden::Compare(golden, run.Evidence());
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", FolderOf(wanted).string(), error.what()));
     }
+    interrupt_.ThrowIfInterrupted();
     result.golden = std::move(golden);
     result.pictures = run.pictures();
     result.joints = run.Joints();
@@ -201,6 +203,7 @@ class VideoSession {
   const VideoFlags& flags_;
   const Host& host_;
   const scenario::Catalogue& catalogue_;
+  const InterruptGuard interrupt_;
 };
 
 }  // namespace

@@ -23,12 +23,13 @@ void RequireRoom(const ViewPlan& view) {
 }
 
 ViewPictures TakeView(const render::Film& film, const ViewPlan& plan,
-                      const std::vector<std::size_t>& frames,
-                      const std::vector<std::size_t>& keys) {
+                      const std::vector<std::size_t>& frames, const std::vector<std::size_t>& keys,
+                      const std::function<void()>& before_each) {
   RequireRoom(plan);
   render::FramePainter painter(film, plan.settings);
   ViewPictures view{plan.name, plan.settings.render.width, plan.settings.render.height};
   for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (before_each) before_each();
     render::Image picture = painter.Paint(frames[i]);
     view.hashes.push_back(HashOf(picture));
     view.signatures.push_back(SignatureOf(picture));
@@ -60,7 +61,8 @@ std::vector<std::size_t> FramesOf(const render::Film& film, const PicturePlan& p
 }
 
 Pictures TakePictures(const render::Film& film, const PicturePlan& plan,
-                      const std::optional<std::vector<std::size_t>>& keys) {
+                      const std::optional<std::vector<std::size_t>>& keys,
+                      const std::function<void()>& before_each) {
   const std::vector<std::size_t> frames = FramesOf(film, plan);
   if (frames.empty()) throw InputError("the run has no frame that could be looked at");
   Pictures pictures;
@@ -69,7 +71,7 @@ Pictures TakePictures(const render::Film& film, const PicturePlan& plan,
   pictures.bodies = render::BodyNames(*film.model);
   const auto key_frames = keys ? *keys : render::SpreadFrames(frames.size(), plan.key_frames);
   for (const ViewPlan& view : plan.views) {
-    pictures.views.push_back(TakeView(film, view, frames, key_frames));
+    pictures.views.push_back(TakeView(film, view, frames, key_frames, before_each));
   }
   return pictures;
 }

@@ -1,19 +1,18 @@
 #include "render/ffmpeg_process.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
-#include <spawn.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 #include "twin/core/check.h"
+#include "twin/core/clock.h"
 #include "twin/core/error.h"
 
 namespace twin::render {
@@ -27,50 +26,6 @@ constexpr off_t kMessageTail = 600;
       fmt::format("video: {} failed ({}); the host is short of descriptors or "
                   "memory",
                   call, std::strerror(error)));
-}
-
-/// What the child starts with: its descriptors, default signals, a process group of its own.
-class SpawnSettings {
- public:
-  SpawnSettings(int input, int messages, int lock) {
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawn_file_actions_adddup2(&actions_, input, STDIN_FILENO);
-    posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_adddup2(&actions_, messages, STDERR_FILENO);
-    if (lock >= 0) posix_spawn_file_actions_adddup2(&actions_, lock, STDERR_FILENO + 1);
-
-    sigset_t none;
-    sigemptyset(&none);
-    sigset_t all;
-    sigfillset(&all);
-    posix_spawnattr_init(&attributes_);
-    posix_spawnattr_setpgroup(&attributes_, 0);
-    posix_spawnattr_setsigmask(&attributes_, &none);
-    posix_spawnattr_setsigdefault(&attributes_, &all);
-    posix_spawnattr_setflags(
-        &attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  }
-  ~SpawnSettings() {
-    posix_spawnattr_destroy(&attributes_);
-    posix_spawn_file_actions_destroy(&actions_);
-  }
-  SpawnSettings(const SpawnSettings&) = delete;
-  SpawnSettings& operator=(const SpawnSettings&) = delete;
-
-  [[nodiscard]] const posix_spawn_file_actions_t* actions() const noexcept { return &actions_; }
-  [[nodiscard]] const posix_spawnattr_t* attributes() const noexcept { return &attributes_; }
-
- private:
-  posix_spawn_file_actions_t actions_;
-  posix_spawnattr_t attributes_;
-};
-
-std::string DescribeEnd(int status) {
-  if (WIFSIGNALED(status)) {
-    return fmt::format("was ended by signal {} ({})", WTERMSIG(status),
-                       strsignal(WTERMSIG(status)));
-  }
-  return fmt::format("ended with exit code {}", WEXITSTATUS(status));
 }
 
 bool Contains(const std::string& text, const char* part) {
@@ -109,7 +64,8 @@ void FileDescriptor::Reset(int fd) noexcept {
 }
 
 FfmpegProcess::FfmpegProcess(const std::string& program, const std::vector<std::string>& arguments,
-                             int lock) {
+                             int lock, Duration patience)
+    : patience_(patience) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     ThrowHostError("socketpair", errno);
@@ -118,69 +74,65 @@ FfmpegProcess::FfmpegProcess(const std::string& program, const std::vector<std::
   const FileDescriptor child_end(ends[1]);
   messages_.Reset(memfd_create("ffmpeg-messages", MFD_CLOEXEC));
   if (messages_.get() < 0) ThrowHostError("memfd_create", errno);
-  Spawn(program, arguments, child_end.get(), lock);
-}
-
-FfmpegProcess::~FfmpegProcess() {
-  input_.Close();
-  Wait();
-}
-
-void FfmpegProcess::Spawn(const std::string& program, const std::vector<std::string>& arguments,
-                          int input, int lock) {
-  const SpawnSettings settings(input, messages_.get(), lock);
-  std::vector<std::string> words{program};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const int error = posix_spawnp(&pid_, program.c_str(), settings.actions(), settings.attributes(),
-                                 argv.data(), environ);
-  if (error != 0) {
-    pid_ = -1;
+  try {
+    process_.emplace(program, arguments,
+                     rt::ChildProcess::Files{
+                         .in = child_end.get(), .error = messages_.get(), .kept_open = lock});
+  } catch (const std::system_error& error) {
     throw EnvironmentError(fmt::format(
         "video: \"{}\" cannot be started ({}). Install it (Debian: apt-get install ffmpeg), or run "
         "without video",
-        program, std::strerror(error)));
+        program, error.code().message()));
   }
 }
 
 void FfmpegProcess::Send(std::span<const std::uint8_t> bytes) {
   TWIN_CHECK(input_.get() >= 0);
   while (!bytes.empty()) {
-    const ssize_t sent = send(input_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0) Fail();
+    WaitForRoom();
+    const ssize_t sent =
+        send(input_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (sent < 0) Fail(" while frames were still being sent");
     bytes = bytes.subspan(static_cast<std::size_t>(sent));
+  }
+}
+
+void FfmpegProcess::WaitForRoom() {
+  constexpr int kLookMs = 20;
+  const MonotonicClock clock;
+  pollfd room{.fd = input_.get(), .events = POLLOUT, .revents = 0};
+  while (poll(&room, 1, kLookMs) <= 0) {
+    if (rt::GivesUp() || clock.Now().time_since_epoch() >= patience_) FailSilent();
   }
 }
 
 void FfmpegProcess::Finish() {
   input_.Close();
-  const int status = Wait();
+  const std::optional<int> status = process_->Wait(patience_);
+  if (!status) FailSilent();
   const std::string messages = LastMessages();
-  if (status == 0 && !LostData(messages)) return;
+  if (*status == 0 && !LostData(messages)) return;
   throw EnvironmentError(fmt::format("video: ffmpeg {}. Its last lines: {}. {}",
-                                     DescribeEnd(status), messages, CureOf(messages)));
+                                     rt::DescribeEnd(*status), messages, CureOf(messages)));
 }
 
-int FfmpegProcess::Wait() noexcept {
-  if (pid_ < 0) return 0;
-  int status = 0;
-  while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
-  }
-  pid_ = -1;
-  return status;
-}
-
-void FfmpegProcess::Fail() {
+void FfmpegProcess::Fail(std::string_view when) {
   input_.Close();
-  const int status = Wait();
+  const std::optional<int> status = process_->Wait(patience_);
+  if (!status) FailSilent();
   const std::string messages = LastMessages();
+  throw EnvironmentError(fmt::format("video: ffmpeg {}{}. Its last lines: {}. {}",
+                                     rt::DescribeEnd(*status), when, messages, CureOf(messages)));
+}
+
+void FfmpegProcess::FailSilent() {
+  process_->Kill();
+  if (rt::GivesUp()) throw EnvironmentError("video: interrupted; ffmpeg was ended");
   throw EnvironmentError(
-      fmt::format("video: ffmpeg {} while frames were still being sent. Its last lines: {}. {}",
-                  DescribeEnd(status), messages, CureOf(messages)));
+      fmt::format("video: ffmpeg did nothing for {} s, and was ended. Its last lines: {}. Look at "
+                  "what it waits for, or run without video",
+                  ToSeconds(patience_), LastMessages()));
 }
 
 std::string FfmpegProcess::LastMessages() const {

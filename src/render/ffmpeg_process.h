@@ -1,11 +1,15 @@
 #pragma once
 
-#include <sys/types.h>
-
+#include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "twin/core/time.h"
+#include "twin/rt/child_process.h"
 
 namespace twin::render {
 
@@ -25,6 +29,9 @@ class FileDescriptor {
   int fd_;
 };
 
+/// How long ffmpeg may do nothing: take no frame, or not end once it has all.
+inline constexpr Duration kFfmpegPatience = std::chrono::seconds(60);
+
 /// A running ffmpeg that reads its standard input from us and whose messages we keep.
 ///
 /// Its standard input is a socket, so that writing to a dead ffmpeg is an error and never a SIGPIPE
@@ -37,35 +44,33 @@ class FfmpegProcess {
   /// @param program  looked up in PATH unless it has a slash.
   /// @param arguments  without the program's name.
   /// @param lock  descriptor that it inherits and holds until it ends; negative: none.
+  /// @param patience  as kFfmpegPatience.
   /// @throws EnvironmentError when it cannot be started.
   FfmpegProcess(const std::string& program, const std::vector<std::string>& arguments,
-                int lock = -1);
-
-  /// Ends its input and waits for it to end.
-  ~FfmpegProcess();
-  FfmpegProcess(const FfmpegProcess&) = delete;
-  FfmpegProcess& operator=(const FfmpegProcess&) = delete;
+                int lock = -1, Duration patience = kFfmpegPatience);
 
   /// Sends bytes to its standard input; waits while it is behind.
-  /// @throws EnvironmentError when it has ended, with its last lines.
+  /// @throws EnvironmentError when it has ended, with its last lines; when its patience is over or
+  /// the user wants to end (rt::GivesUp), it having been killed.
   void Send(std::span<const std::uint8_t> bytes);
 
-  /// Ends its input and waits for it to end.
-  /// @throws EnvironmentError when it failed, with its last lines.
+  /// Ends its input and waits for it to end. @throws EnvironmentError when it failed, with its last
+  /// lines, and as Send().
   void Finish();
 
  private:
-  void Spawn(const std::string& program, const std::vector<std::string>& arguments, int input,
-             int lock);
-  /// Waits for the process. @returns the status of waitpid().
-  int Wait() noexcept;
-  /// Waits for the process. @throws EnvironmentError always: why it ended and its last lines.
-  [[noreturn]] void Fail();
+  /// Until its input takes bytes, or it has ended.
+  void WaitForRoom();
+  /// Waits for it. @throws EnvironmentError always: why it ended and its last lines.
+  [[noreturn]] void Fail(std::string_view when);
+  /// Kills it. @throws EnvironmentError always.
+  [[noreturn]] void FailSilent();
   [[nodiscard]] std::string LastMessages() const;
 
-  pid_t pid_ = -1;
+  const Duration patience_;
   FileDescriptor input_;
   FileDescriptor messages_;
+  std::optional<rt::ChildProcess> process_;  ///< always there; killed with this unless it has ended
 };
 
 }  // namespace twin::render

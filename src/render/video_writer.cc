@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <system_error>
 #include <utility>
 
 #include "render/ffmpeg_arguments.h"
@@ -30,7 +31,8 @@ class VideoWriter::Encoder {
       : settings_(settings),
         target_(path),
         process_(settings.ffmpeg.string(),
-                 FfmpegArguments(settings, target_.format(), target_.partial()), target_.lock()) {}
+                 FfmpegArguments(settings, target_.format(), target_.partial()), target_.lock(),
+                 settings.patience) {}
 
   void Write(const Image& image) {
     TWIN_CHECK(image.width == settings_.width && image.height == settings_.height);
@@ -39,6 +41,12 @@ class VideoWriter::Encoder {
 
   void Finish() {
     process_.Finish();
+    std::error_code error;
+    if (std::filesystem::is_empty(target_.partial(), error)) {
+      throw EnvironmentError(fmt::format(
+          "video: ffmpeg ended well and wrote nothing to {}; see whether \"{}\" is ffmpeg",
+          target_.partial().string(), settings_.ffmpeg.string()));
+    }
     target_.Publish();
   }
 

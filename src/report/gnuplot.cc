@@ -1,14 +1,14 @@
 #include "report/gnuplot.h"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
+#include <chrono>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -16,9 +16,14 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/core/time.h"
+#include "twin/rt/child_process.h"
 
 namespace twin::report {
 namespace {
+
+/// For one picture; ordinary ones take a tenth of a second.
+constexpr Duration kPatience = std::chrono::seconds(60);
 
 std::string Message(int error) {
   return std::generic_category().message(error);
@@ -78,39 +83,23 @@ std::string ReadAll(const Descriptor& file, std::size_t most) {
   return text;
 }
 
-/// Starts gnuplot with the three standard files, and waits. @returns its wait status.
+/// Runs gnuplot with the three standard files. @returns its wait status.
 int RunGnuplot(const Descriptor& in, const Descriptor& out, const Descriptor& error) {
-  posix_spawn_file_actions_t files;
-  ::posix_spawn_file_actions_init(&files);
-  ::posix_spawn_file_actions_adddup2(&files, in.number(), STDIN_FILENO);
-  ::posix_spawn_file_actions_adddup2(&files, out.number(), STDOUT_FILENO);
-  ::posix_spawn_file_actions_adddup2(&files, error.number(), STDERR_FILENO);
-  std::string program = "gnuplot";
-  std::string no_user_settings = "-d";
-  char* const arguments[] = {program.data(), no_user_settings.data(), nullptr};
-  // What this program ignores, gnuplot need not.
-  posix_spawnattr_t attributes;
-  ::posix_spawnattr_init(&attributes);
-  sigset_t signals;
-  ::sigemptyset(&signals);
-  ::sigaddset(&signals, SIGPIPE);
-  ::posix_spawnattr_setsigdefault(&attributes, &signals);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
-  pid_t process = 0;
-  const int failed =
-      ::posix_spawnp(&process, program.c_str(), &files, &attributes, arguments, environ);
-  ::posix_spawnattr_destroy(&attributes);
-  ::posix_spawn_file_actions_destroy(&files);
-  if (failed != 0) {
+  try {
+    rt::ChildProcess gnuplot("gnuplot", {"-d"},  // without the user's settings
+                             {.in = in.number(), .out = out.number(), .error = error.number()});
+    if (const std::optional<int> status = gnuplot.Wait(kPatience)) return *status;
+  } catch (const std::system_error& failed) {
     throw EnvironmentError(fmt::format(
         "cannot run gnuplot, which draws the plots: {}; install it (Debian: apt-get install "
         "gnuplot-nox) or put its folder on PATH",
-        Message(failed)));
+        failed.code().message()));
   }
-  int status = 0;
-  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
+  if (rt::GivesUp()) throw EnvironmentError("plots: interrupted; gnuplot was ended");
+  throw EnvironmentError(
+      fmt::format("gnuplot has not drawn a picture within {} s, and was ended; see what it waits "
+                  "for, or say record: false",
+                  ToSeconds(kPatience)));
 }
 
 }  // namespace
@@ -126,7 +115,7 @@ std::string SvgOf(std::string_view script) {
   const int status = RunGnuplot(in, out, error);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     throw EnvironmentError(
-        fmt::format("gnuplot failed (wait status {}): {}", status, ReadAll(error, kMessages)));
+        fmt::format("gnuplot {}: {}", rt::DescribeEnd(status), ReadAll(error, kMessages)));
   }
   std::string svg = ReadAll(out, kPicture);
   if (svg.find("</svg>") == std::string::npos) {

@@ -9,7 +9,7 @@ namespace twin::report {
 /// Runs gnuplot from PATH on `script`. Nothing passes through a shell, and no settings of the user
 /// are read.
 ///
-/// Threads: any thread. Real-time: no; waits for gnuplot to end.
+/// Threads: any thread. Real-time: no; waits for gnuplot to end, a minute at most.
 /// @returns what it draws, an SVG file.
 /// @throws EnvironmentError when gnuplot is not there or fails, or draws nothing whole.
 [[nodiscard]] std::string SvgOf(std::string_view script);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -151,6 +152,35 @@ TEST(VideoFaultsTest, AnFfmpegWithoutTheEncoderIsNamed) {
   EXPECT_THAT(text, testing::HasSubstr("Unknown encoder 'libx264'"));
   EXPECT_THAT(text, testing::HasSubstr("Debian's package ffmpeg has it"));
   EXPECT_FALSE(fs::exists(folder / "a.mp4"));
+}
+
+TEST(VideoFaultsTest, AnFfmpegThatDoesNothingIsEnded) {
+  const test::TemporaryFolder folder;
+  const fs::path ffmpeg = folder / "ffmpeg.sh";
+  VideoSettings settings = Settings();
+  settings.ffmpeg = ffmpeg;
+  settings.patience = std::chrono::milliseconds(100);
+  for (const char* does : {"exec sleep 1000", "cat >/dev/null; exec sleep 1000"}) {
+    std::ofstream(ffmpeg) << "#!/bin/sh\necho waiting >&2\n" << does << "\n";
+    fs::permissions(ffmpeg, fs::perms::owner_all);
+    const std::string text = FailureOf(folder / "a.mp4", settings);
+    EXPECT_THAT(text, testing::HasSubstr("did nothing for 0.1 s, and was ended")) << does;
+    EXPECT_FALSE(fs::exists(folder / "a.mp4"));
+    EXPECT_FALSE(fs::exists(folder / "a.mp4.partial"));
+  }
+}
+
+TEST(VideoFaultsTest, AnFfmpegThatWritesNothingMadeNoVideo) {
+  const test::TemporaryFolder folder;
+  const fs::path ffmpeg = folder / "ffmpeg.sh";
+  std::ofstream(ffmpeg) << "#!/bin/sh\ncat >/dev/null\n";
+  fs::permissions(ffmpeg, fs::perms::owner_all);
+  VideoSettings settings = Settings();
+  settings.ffmpeg = ffmpeg;
+  for (const std::string name : {"a.mp4", "a.mkv", "frames/"}) {
+    EXPECT_THAT(FailureOf(folder / name, settings), testing::HasSubstr("wrote nothing")) << name;
+    EXPECT_FALSE(fs::exists(folder / name)) << name;
+  }
 }
 
 TEST(VideoFaultsTest, AFolderThatIsNotThereIsNamed) {

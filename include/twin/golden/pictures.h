@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,10 +59,12 @@ struct Pictures {
 
 /// Draws what is to be kept of a film.
 /// @param keys  which frames are key pictures (those that there are); absent: by the plan.
+/// @param before_each  is called before each picture; what it throws is thrown on. May be empty.
 /// @throws as render::FramePainter; InputError when the film has no frame, or a view is smaller
 /// than a signature.
 [[nodiscard]] Pictures TakePictures(const render::Film& film, const PicturePlan& plan,
-                                    const std::optional<std::vector<std::size_t>>& keys = {});
+                                    const std::optional<std::vector<std::size_t>>& keys = {},
+                                    const std::function<void()>& before_each = {});
 
 /// The same pictures of bodies, told by another list of names: what it lacks is appended to it.
 void Relabel(Pictures& pictures, std::vector<std::string> names);

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 
+#include "twin/core/time.h"
 #include "twin/render/image.h"
 
 namespace twin::render {
@@ -21,6 +23,8 @@ struct VideoSettings {
   int fps = 25;      ///< frames per second, in [1, 240]
   int crf = 20;      ///< x264's constant rate factor, in [0, 51]; smaller is better and larger
   std::filesystem::path ffmpeg = "ffmpeg";  ///< program; without a slash it is looked up in PATH
+  /// How long ffmpeg may take no frame, and take to end after the last one; it is then ended.
+  Duration patience = std::chrono::seconds(60);
 
   /// @throws InputError naming field, value and range.
   void Validate(VideoFormat format) const;
