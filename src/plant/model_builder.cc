@@ -195,8 +195,7 @@ ModelPointer DeserializeModel(const std::string& bytes) {
   } catch (const EngineFault&) {
     model.reset();
   }
-  throw EnvironmentError(
-      "the engine cannot load a model it has compiled itself; pass --rebuild-cache");
+  throw EnvironmentError("the engine cannot load a model it has compiled itself");
 }
 
 }  // namespace twin::plant

@@ -8,7 +8,7 @@ namespace twin::plant {
 
 /// Compiled models on disk, one file per key: `<key>.mjb`, a header line with length and
 /// fingerprint of the payload, then the payload. A file appears under its name only when it is
-/// whole.
+/// whole. A convenience: what it cannot do, one does without; RepairModelCache() tells of it.
 ///
 /// Threads: one thread; several processes may share a folder.
 class ModelCache {
@@ -16,11 +16,10 @@ class ModelCache {
   /// @param folder  made on the first Store().
   explicit ModelCache(std::filesystem::path folder);
 
-  /// @returns the payload, or nothing when there is no entry.
-  /// @throws EnvironmentError naming the file and the cure when the entry is corrupt or unreadable.
+  /// @returns the payload, or nothing when there is no entry, or none that is whole.
   [[nodiscard]] std::optional<std::string> Load(const std::string& key) const;
 
-  /// Writes or replaces an entry. @throws EnvironmentError naming the folder when it cannot.
+  /// Writes or replaces an entry, if the folder can be written.
   void Store(const std::string& key, const std::string& payload) const;
 
  private:

@@ -27,7 +27,13 @@ BuiltModel Fetch(const MujocoPlantOptions& options, const ModelSources& sources)
   if (options.cache.empty() || !sources.scene_is_self_contained) return BuildModel(sources);
   const ModelCache cache(options.cache);
   if (!options.rebuild_cache) {
-    if (const auto bytes = cache.Load(sources.key)) return {DeserializeModel(*bytes), {}};
+    if (const auto bytes = cache.Load(sources.key)) {
+      try {
+        return {DeserializeModel(*bytes), {}};
+      } catch (const EnvironmentError&) {
+        // Whole, and still no model of this engine: one is compiled, and takes its place.
+      }
+    }
   }
   BuiltModel built = BuildModel(sources);
   // A model with warnings is compiled anew each time, so that they are seen each time.

@@ -1,12 +1,17 @@
+#include <chrono>
 #include <cstring>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include "plant/model_cache.h"
 #include "plant/plant_fixture.h"
 #include "twin/core/error.h"
+#include "twin/plant/model_cache_repair.h"
 
 namespace twin::plant {
 namespace {
@@ -83,30 +88,80 @@ class CorruptCacheTest : public testing::Test {
     bytes_ = ReadText(entry_);
   }
 
-  void ExpectRefused(const std::string& bytes) const {
+  /// With damaged bytes the model is compiled anew, the same; who repairs the cache is told.
+  void ExpectReplaced(const std::string& bytes) {
     folder_.Write(entry_.filename(), bytes);
-    const std::string message =
-        MessageOf<EnvironmentError>([this] { (void)MujocoPlant::Create(options_); });
-    EXPECT_THAT(message, testing::HasSubstr(entry_.string()));
-    EXPECT_THAT(message, testing::HasSubstr("--rebuild-cache"));
+    EXPECT_NO_THROW((void)MujocoPlant::Create(options_));
+    EXPECT_EQ(ReadText(entry_), bytes_);
+    folder_.Write(entry_.filename(), bytes);
+    notes_.clear();
+    EXPECT_TRUE(Repair(folder_.path()));
+    ASSERT_EQ(notes_.size(), 1u);
+    EXPECT_THAT(notes_[0], testing::HasSubstr(entry_.string()));
+    EXPECT_THAT(notes_[0], testing::HasSubstr("damaged"));
+    EXPECT_THAT(notes_[0], testing::Not(testing::HasSubstr("--")));
+    EXPECT_FALSE(std::filesystem::exists(entry_));
+  }
+  [[nodiscard]] bool Repair(const std::filesystem::path& folder) {
+    return RepairModelCache(folder, [this](std::string_view text) { notes_.emplace_back(text); });
   }
 
   TemporaryFolder folder_;
   MujocoPlantOptions options_ = BareOptions();
   std::filesystem::path entry_;
   std::string bytes_;
+  std::vector<std::string> notes_;
 };
 
-TEST_F(CorruptCacheTest, AnyDamageIsNamedWithItsCure) {
-  ExpectRefused("");
-  ExpectRefused(bytes_.substr(0, 20));
-  ExpectRefused(bytes_.substr(0, bytes_.size() - 1));
-  ExpectRefused(bytes_ + "x");
+TEST_F(CorruptCacheTest, AnyDamageIsMendedAndNoted) {
+  ExpectReplaced("");
+  ExpectReplaced(bytes_.substr(0, 20));
+  ExpectReplaced(bytes_.substr(0, bytes_.size() - 1));
+  ExpectReplaced(bytes_ + "x");
   for (const std::size_t place : {std::size_t{3}, bytes_.size() / 2, bytes_.size() - 1}) {
     std::string damaged = bytes_;
     damaged[place] ^= 0x10;
-    ExpectRefused(damaged);
+    ExpectReplaced(damaged);
   }
+}
+
+TEST_F(CorruptCacheTest, AWholeOneStays) {
+  EXPECT_TRUE(Repair(folder_.path()));
+  EXPECT_TRUE(notes_.empty());
+  EXPECT_EQ(ReadText(entry_), bytes_);
+}
+
+TEST_F(CorruptCacheTest, ACacheThatCannotBeWrittenIsNotedAndDoneWithout) {
+  options_.cache = entry_ / "below a file";
+  EXPECT_NO_THROW((void)MujocoPlant::Create(options_));
+  EXPECT_FALSE(Repair(options_.cache));
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_THAT(notes_[0], testing::HasSubstr(options_.cache.string()));
+  EXPECT_THAT(notes_[0], testing::HasSubstr("cannot be kept"));
+}
+
+TEST(ModelCacheTest, KeepsThoseUsedLast) {
+  const TemporaryFolder folder;
+  const ModelCache cache(folder.path());
+  const auto base = std::filesystem::last_write_time(folder.path()) - std::chrono::hours(24);
+  const auto age = [&](const std::string& name, std::size_t seconds) {
+    std::filesystem::last_write_time(folder.path() / name, base + std::chrono::seconds(seconds));
+  };
+  folder.Write("mine.txt", "mine");
+  folder.Write("old.mjb.77.partial", "left by a killed process");
+  age("old.mjb.77.partial", 0);
+  for (std::size_t i = 0; i < kMostCachedModels + 3; ++i) {
+    cache.Store(std::to_string(i), "a model");
+    age(std::to_string(i) + ".mjb", 1 + i);
+  }
+  EXPECT_EQ(cache.Load("1"), "a model");  // used now
+  EXPECT_TRUE(
+      RepairModelCache(folder.path(), [](std::string_view text) { ADD_FAILURE() << text; }));
+  EXPECT_EQ(Entries(folder.path()).size(), kMostCachedModels + 1);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "mine.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "old.mjb.77.partial"));
+  for (const char* gone : {"0", "2", "3"}) EXPECT_FALSE(cache.Load(gone)) << gone;
+  for (const char* kept : {"1", "4"}) EXPECT_TRUE(cache.Load(kept)) << kept;
 }
 
 TEST_F(CorruptCacheTest, RebuildReplacesIt) {
