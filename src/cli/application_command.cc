@@ -46,7 +46,7 @@ class ApplicationSession {
       : flags_(flags),
         scenario_(WithoutSpeed(scenario, flags)),
         settings_(SettingsOf(flags)),
-        out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out),
+        out_(OutOf(scenario_, flags)),
         page_(flags, records_, interrupt_, out_.folder()),
         devices_(page_.Devices(catalogue)),
         catalogue_{catalogue.backends, catalogue.controllers, &devices_} {
@@ -64,6 +64,8 @@ class ApplicationSession {
   }
 
   ExitCode Execute();
+  /// Whether the folder of results holds this run's summary.
+  [[nodiscard]] bool has_summary() const noexcept { return has_summary_; }
 
  private:
   void Perform();
@@ -93,6 +95,7 @@ class ApplicationSession {
   const scenario::Catalogue catalogue_;
   std::optional<application::ApplicationRun> run_;
   ApplicationResult result_;
+  bool has_summary_ = false;
   std::vector<application::MomentPictures> moments_;
   std::vector<std::filesystem::path> plots_;
 };
@@ -171,6 +174,7 @@ void ApplicationSession::Judge() {
 void ApplicationSession::WriteResults() {
   WriteWholeFile(out_.scenario(), scenario::ToYaml(scenario_));
   WriteWholeFile(out_.summary(), SummaryJson(scenario_, result_, records_.contacts()));
+  has_summary_ = true;
   if (!result_.interrupted) {
     const Time begin = clock_.Now();
     if (scenario_.record) {
@@ -212,7 +216,7 @@ application::PageFacts ApplicationSession::FactsOf() const {
 ExitCode RunApplication(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
                         const scenario::Catalogue& catalogue,
                         std::optional<fci::Capture>& capture) {
-  return ApplicationSession(scenario, flags, host, catalogue, capture).Execute();
+  return Carried<ApplicationSession>(scenario, flags, host, catalogue, capture);
 }
 
 }  // namespace twin::cli

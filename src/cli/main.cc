@@ -50,6 +50,7 @@ void OpenStandardFiles() {
 int main(int argc, char** argv) {
   OpenStandardFiles();
   std::signal(SIGPIPE, SIG_IGN);  // `panda-twin run ... | head` completes its run
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow (ulimit -f) is an error that is told
 
   twin::backend::Registry backends;
   twin::plugins::RegisterMujoco(backends);

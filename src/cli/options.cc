@@ -53,7 +53,9 @@ Exit codes:
 
 constexpr const char* kRunFooter =
     R"(The folder of results is made when missing. Results of an earlier run in it are removed when the motion
-starts, never before all input has been found good; other files there stay.
+starts, never before all input has been found good; other files there stay. A run that its robot refuses before that, or
+that finds no plan, leaves a summary.json that says so. Of a log that could not be written to its end (a full disk),
+run.mcap.partial stays, and can be read. ffmpeg and gnuplot may do nothing for a minute, and are then ended.
 A scenario that names a controller.library executes its code, with your rights.)";
 
 constexpr const char* kValidateFooter =
@@ -67,6 +69,8 @@ its motion is the client's affair. A push with `motion: N` waits for the N-th mo
 and losses count; its delays have no effect, since socket and client are real (panda-twin proxy delays what passes).
 drive lockstep: the next state is sent when the client has answered the last, so that nothing depends on how fast
 either is; --idle freeze: physics stands still between motions, too.
+--log and --capture replace a log and a capture, and no other file; each is FILE.partial until the end. When one cannot
+be written any more, a warning says so at once, the robot is served on, and the exit code is 4.
 Exit codes: 0 after --for, 130 when interrupted, others as ever.)";
 
 constexpr const char* kProxyFooter =

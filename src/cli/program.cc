@@ -17,9 +17,12 @@
 namespace twin::cli {
 namespace {
 
-/// One line, whatever the text holds.
+/// One line, whatever the text holds: of one that is endless, its begin and its end, which has the
+/// cure.
 void PrintError(std::string_view text) {
+  constexpr std::size_t kMost = 2000;
   std::string line(text);
+  if (line.size() > kMost) line.replace(kMost / 2, line.size() - kMost, " ... ");
   for (char& c : line) {
     if (c == '\n' || c == '\r') c = ' ';
   }

@@ -10,6 +10,7 @@
 #include "cli/interrupt.h"
 #include "cli/picture.h"
 #include "cli/result_folder.h"
+#include "cli/run_setup.h"
 #include "cli/say.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -113,7 +114,7 @@ class Rendering {
           "the robot's meshes were not found; it is drawn in primitive shapes (scripts/setup "
           "fetches them; or name them with --meshes)");
     }
-    return {data.models, data.mesh_package, host.cache};
+    return {data.models, data.mesh_package, UsableCache(host)};
   }
 
   void Read(const std::filesystem::path& named, std::optional<replay::Recording>& recording) {

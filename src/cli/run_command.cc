@@ -38,7 +38,7 @@ class Session {
       : flags_(flags),
         scenario_(scenario),
         settings_(SettingsOf(flags)),
-        out_(flags.out.empty() ? std::filesystem::path("out") / scenario_.name : flags.out),
+        out_(OutOf(scenario_, flags)),
         page_(flags, records_, interrupt_, out_.folder()) {
     RequirePrograms(scenario_, wants_video(), host);
     const scenario::RunFiles files = FilesOf(flags, host);
@@ -56,6 +56,8 @@ class Session {
   }
 
   ExitCode Execute();
+  /// Whether the folder of results holds this run's summary.
+  [[nodiscard]] bool has_summary() const noexcept { return has_summary_; }
 
  private:
   void Move();
@@ -81,6 +83,7 @@ class Session {
   RunPage page_;
   std::optional<scenario::Run> run_;
   scenario::RunResult result_;
+  bool has_summary_ = false;
 };
 
 ExitCode Session::Execute() {
@@ -120,10 +123,13 @@ void Session::Move() {
   const scenario::Run& run = *run_;
   const plant::TruthProbe* truth = run.connection().truth;
   // Logs are the same with a video and without.
-  if (makes_video() || (truth != nullptr && RunRecords::CanFilm(*truth))) {
+  const bool logs_scenes = scenario_.record && truth != nullptr && RunRecords::CanFilm(*truth);
+  if (makes_video() || logs_scenes) {
+    using Keep = render::SnapshotRecorder::Keep;
     // The reference generator settles behind the plan: frames of that second belong to the video.
     constexpr Duration kSettling = std::chrono::seconds(1);
-    records_.Film(*truth, run.trajectory().duration() + kSettling, scenario_.render.fps);
+    records_.Film(*truth, run.trajectory().duration() + kSettling, scenario_.render.fps,
+                  makes_video() ? Keep::kAll : Keep::kLast);
   }
   if (truth != nullptr) records_.WatchContacts(*truth);
 
@@ -151,6 +157,7 @@ void Session::WriteResults() {
   const bool interrupted = interrupt_.interrupted();
   WriteWholeFile(out_.scenario(), scenario::ToYaml(scenario_));
   WriteWholeFile(out_.summary(), SummaryJson(scenario_, result_, interrupted, records_.contacts()));
+  has_summary_ = true;
   if (!interrupted && scenario_.record) MakePlots();
   if (!interrupted && makes_video() && records_.was_filmed()) MakePictures();
   times_.peak_memory_mb = PeakMemoryMb();
@@ -189,7 +196,7 @@ ExitCode RunCommand(const RunFlags& flags, const Host& host, const scenario::Cat
     if (flags.seeds) return RunManySeeds(scenario, flags, host, catalogue);
     const ExitCode code = scenario.application
                               ? RunApplication(scenario, flags, host, catalogue, capture)
-                              : Session(scenario, flags, host, catalogue, capture).Execute();
+                              : Carried<Session>(scenario, flags, host, catalogue, capture);
     if (capture) FinishCapture(*capture);
     return code;
   } catch (...) {

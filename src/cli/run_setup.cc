@@ -10,8 +10,10 @@
 #include "cli/host.h"
 #include "cli/remote_run.h"
 #include "cli/say.h"
+#include "cli/summary.h"
 #include "cli/wire_capture.h"
 #include "twin/core/error.h"
+#include "twin/plant/model_cache_repair.h"
 #include "twin/scenario/data_directory.h"
 #include "twin/scenario/lab.h"
 #include "twin/scenario/remote.h"
@@ -25,6 +27,10 @@ bool WaitsForNobody(const scenario::Scenario& scenario,
     return settings.remote.time == backend::RobotTime::kWall;
   }
   return scenario.drive == scenario::Drive::kRealtime;
+}
+
+scenario::DataDirectory DataOf(const RunFlags& flags, const Host& host) {
+  return scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes});
 }
 
 /// With the device's own defaults: the scenario's parameters are of another one.
@@ -43,7 +49,7 @@ void ChooseDevice(const std::string& device, scenario::Scenario& scenario) {
 scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
   scenario::Scenario scenario = scenario::Load(flags.scenario);
   if (flags.lab) {
-    scenario::ApplyLab(scenario::FindLab(*flags.lab, FilesOf(flags, host).models), scenario);
+    scenario::ApplyLab(scenario::FindLab(*flags.lab, DataOf(flags, host).models), scenario);
   }
   if (flags.seed) scenario.seed = *flags.seed;
   if (flags.backend) ChooseBackend(*flags.backend, scenario);
@@ -74,10 +80,17 @@ double PeakMemoryMb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
+std::filesystem::path UsableCache(const Host& host) {
+  const auto note = [](std::string_view text) {
+    Say(stderr, fmt::format("panda-twin: note: {}\n", text));
+  };
+  if (host.cache.empty() || !plant::RepairModelCache(host.cache, note)) return {};
+  return host.cache;
+}
+
 scenario::RunFiles FilesOf(const RunFlags& flags, const Host& host) {
-  const auto data =
-      scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes});
-  return {data.models, data.mesh_package, host.cache, flags.rebuild_cache};
+  const scenario::DataDirectory data = DataOf(flags, host);
+  return {data.models, data.mesh_package, UsableCache(host), flags.rebuild_cache};
 }
 
 void RequirePrograms(const scenario::Scenario& scenario, bool wants_video, const Host& host) {
@@ -126,7 +139,7 @@ void CarryOut(RunRecords& records, const ResultFolder& out, const InterruptGuard
     work();
   } catch (...) {
     records.Abandon();
-    out.RemovePartial();
+    out.RemovePartial(records.log_failed());
     interrupt.ThrowIfInterrupted();
     throw;
   }
@@ -141,6 +154,23 @@ void TellIfWithoutMeshes(const scenario::Scenario& scenario,
   Say(stderr,
       "panda-twin: note: the robot's meshes were not found; it is simulated and drawn in "
       "primitive shapes (scripts/setup fetches them; or name them with --meshes)\n");
+}
+
+std::filesystem::path OutOf(const scenario::Scenario& scenario, const RunFlags& flags) {
+  return flags.out.empty() ? std::filesystem::path("out") / scenario.name : flags.out;
+}
+
+void LeaveFailure(const scenario::Scenario& scenario, const RunFlags& flags,
+                  const std::string& failure) {
+  try {
+    ResultFolder out(OutOf(scenario, flags));
+    out.Prepare();
+    out.Clear();
+    WriteWholeFile(out.scenario(), scenario::ToYaml(scenario));
+    WriteWholeFile(out.summary(), FailureJson(scenario, failure));
+  } catch (const EnvironmentError& error) {
+    Say(stderr, fmt::format("panda-twin: note: {}\n", error.what()));
+  }
 }
 
 void JudgeDeviations(const std::vector<scenario::FollowedMotion>& motions, bool strict) {

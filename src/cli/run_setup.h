@@ -11,6 +11,7 @@
 #include "cli/result_folder.h"
 #include "cli/run_records.h"
 #include "twin/backend/registry.h"
+#include "twin/core/error.h"
 #include "twin/fci/capture.h"
 #include "twin/record/recorder.h"
 #include "twin/scenario/assembly.h"
@@ -26,6 +27,9 @@ namespace twin::cli {
 
 [[nodiscard]] scenario::RealtimeSettings SettingsOf(const RunFlags& flags);
 
+/// The folder of compiled models, made fit for use; empty, with a note, when it cannot be used.
+[[nodiscard]] std::filesystem::path UsableCache(const Host& host);
+
 /// @throws as scenario::FindDataDirectory.
 [[nodiscard]] scenario::RunFiles FilesOf(const RunFlags& flags, const Host& host);
 
@@ -40,6 +44,10 @@ void Connect(const scenario::Scenario& scenario, const RunFlags& flags, bool wan
              scenario::RealtimeSettings& settings, std::optional<fci::Capture>& capture,
              const std::function<const backend::Connection&()>& connect);
 
+/// Where a run's results are to be.
+[[nodiscard]] std::filesystem::path OutOf(const scenario::Scenario& scenario,
+                                          const RunFlags& flags);
+
 /// Begins the log of a run, if the scenario wants one. Where nobody waits for the run, what is late
 /// is lost: the log's records too. @throws as RunRecords::Log.
 void BeginLog(RunRecords& records, const std::filesystem::path& path,
@@ -47,7 +55,8 @@ void BeginLog(RunRecords& records, const std::filesystem::path& path,
               const scenario::RealtimeSettings& settings);
 
 /// Carries out what makes a run and its results. Where that throws, no file is left that is not
-/// whole, and an interrupt counts before whatever else it led to.
+/// whole but the log, if that could not be written (a full disk): what is there can be read. An
+/// interrupt counts before whatever else it led to.
 /// @throws Interrupted; else what `work` throws.
 void CarryOut(RunRecords& records, const ResultFolder& out, const InterruptGuard& interrupt,
               const std::function<void()>& work);
@@ -58,6 +67,32 @@ void CarryOut(RunRecords& records, const ResultFolder& out, const InterruptGuard
 
 /// A note when the robot is simulated in primitive shapes.
 void TellIfWithoutMeshes(const scenario::Scenario& scenario, const backend::Connection& connection);
+
+/// Leaves the summary of a run that failed before its first motion, in place of an earlier run's
+/// results. What fails here is told beside it.
+void LeaveFailure(const scenario::Scenario& scenario, const RunFlags& flags,
+                  const std::string& failure);
+
+/// Makes a Session of these, and executes it. One that fails by its robot, or finds no plan, leaves
+/// a summary, whenever that is; one that cannot be made of bad input, or on this host, leaves
+/// nothing.
+template <class Session>
+ExitCode Carried(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
+                 const scenario::Catalogue& catalogue, std::optional<fci::Capture>& capture) {
+  std::optional<Session> session;
+  try {
+    return session.emplace(scenario, flags, host, catalogue, capture).Execute();
+  } catch (const InputError&) {
+    throw;
+  } catch (const EnvironmentError&) {
+    throw;
+  } catch (const Error& error) {
+    const bool has_summary = session && session->has_summary();
+    session.reset();  // it locks the folder
+    if (!has_summary) LeaveFailure(scenario, flags, error.what());
+    throw;
+  }
+}
 
 /// After a run that went well: says which of its motions were further off their targets than the
 /// scenario's max_deviation. Warns; @throws RobotFault when `strict`.

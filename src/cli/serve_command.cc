@@ -49,6 +49,11 @@ bool FreezesWhenIdle(const ServeFlags& flags) {
   throw InputError(fmt::format("--idle: \"{}\" is neither run nor freeze", flags.idle));
 }
 
+/// Whether or not they are there.
+bool IsSameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
+  return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
+}
+
 void RequireAgreement(const ServeFlags& flags) {
   RequirePageFlags(flags.page);
   const scenario::Drive drive = scenario::DriveFromName(flags.drive);
@@ -66,6 +71,10 @@ void RequireAgreement(const ServeFlags& flags) {
   if (!(flags.session_timeout >= 0.001 && flags.session_timeout <= 3600)) {
     throw InputError(fmt::format("--session-timeout is {} s; it must lie in [0.001, 3600] s",
                                  flags.session_timeout));
+  }
+  if (flags.log && flags.capture && IsSameFile(*flags.log, *flags.capture)) {
+    throw InputError(fmt::format("--log and --capture both name {}; give each a file of its own",
+                                 flags.log->string()));
   }
   if (flags.seconds && !(*flags.seconds > 0)) {
     throw InputError(fmt::format("--for is {} s; it must be above 0", *flags.seconds));
@@ -94,7 +103,7 @@ class Service {
       : flags_(flags),
         catalogue_(catalogue),
         data_(scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes})),
-        files_({data_.models, data_.mesh_package, host.cache, false}),
+        files_({data_.models, data_.mesh_package, UsableCache(host), false}),
         scenario_(LoadWithFlags(flags, data_.models)) {
     robot::RobotConfig robot = scenario::MakeServedConfig(scenario_, files_);
     robot.viability = flags_.viability;
@@ -120,7 +129,9 @@ class Service {
   void MakeLog();
   void Introduce();
   void Tell(std::string_view line);
-  [[nodiscard]] bool Ends() const;
+  [[nodiscard]] bool Ends();
+  /// Says, once each, that log or capture cannot be written any more.
+  void TellLosses();
   [[nodiscard]] bool is_lockstep() const { return scenario_.drive == scenario::Drive::kLockstep; }
 
   const MonotonicClock clock_;
@@ -133,6 +144,8 @@ class Service {
   std::optional<Messages> messages_;  ///< from Run() to the end
   std::optional<record::Recorder> log_;
   std::optional<fci::Capture> capture_;
+  bool told_of_log_ = false;
+  bool told_of_capture_ = false;
   std::optional<ServePage> page_;
   std::optional<server::ServedRobot> robot_;
 };
@@ -183,7 +196,18 @@ void Service::Introduce() {
   messages_->Put(std::move(text));
 }
 
-bool Service::Ends() const {
+void Service::TellLosses() {
+  const auto tell = [](bool& told, const std::string& failure) {
+    if (told || failure.empty()) return;
+    told = true;
+    Say(stderr, fmt::format("panda-twin: warning: {}. It goes on without\n", failure));
+  };
+  if (log_) tell(told_of_log_, log_->Failure());
+  if (capture_) tell(told_of_capture_, capture_->Failure());
+}
+
+bool Service::Ends() {
+  TellLosses();
   if (interrupt_.interrupted()) return true;
   return flags_.seconds && clock_.Now().time_since_epoch() >= FromSeconds(*flags_.seconds);
 }

@@ -285,6 +285,15 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
   return TextOf(summary);
 }
 
+std::string FailureJson(const scenario::Scenario& scenario, const std::string& failure) {
+  return TextOf(Json{{"scenario", scenario.name},
+                     {"seed", scenario.seed},
+                     {"drive", Name(scenario.drive)},
+                     {"version", TWIN_VERSION},
+                     {"outcome", "failed"},
+                     {"failure", failure}});
+}
+
 std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot) {
   Json timing{
       {"prepare_s", times.prepare_s},

@@ -36,6 +36,10 @@ struct WallTimes {
                                       const scenario::RunResult& result, bool interrupted,
                                       const std::optional<plant::ContactWatch>& contacts);
 
+/// summary.json of a run that failed before its first motion.
+[[nodiscard]] std::string FailureJson(const scenario::Scenario& scenario,
+                                      const std::string& failure);
+
 /// Text of a file. Texts may hold bytes of a user's file names: what is no UTF-8 is replaced.
 [[nodiscard]] std::string TextOf(const nlohmann::ordered_json& json);
 

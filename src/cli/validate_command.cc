@@ -7,6 +7,7 @@
 
 #include "cli/commands.h"
 #include "cli/picture.h"
+#include "cli/run_setup.h"
 #include "cli/say.h"
 #include "twin/application/application_run.h"
 #include "twin/control/controller_library.h"
@@ -120,7 +121,7 @@ ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,
   const scenario::Scenario scenario = scenario::Load(flags.scenario);
   const auto data =
       scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes});
-  const scenario::RunFiles files{data.models, data.mesh_package, host.cache, false};
+  const scenario::RunFiles files{data.models, data.mesh_package, UsableCache(host), false};
   const auto check = scenario.application                                ? &CheckApplication
                      : flags.load || scenario.controller.library.empty() ? &CheckMotion
                                                                          : &CheckWithoutLibrary;

@@ -37,7 +37,7 @@ scenario::RunFiles FilesFor(const VideoFlags& flags, const Host& host) {
         "the robot's meshes were not found, and pictures that were approved show them; "
         "scripts/setup fetches them, or name them with --meshes");
   }
-  return {data.models, data.mesh_package, host.cache, false};
+  return {data.models, data.mesh_package, UsableCache(host), false};
 }
 
 /// How the case is run.
@@ -134,14 +134,15 @@ void VideoCaseRun::Run(const scenario::VideoCase& wanted, const VideoFlags& flag
   }
 }
 
-void VideoCaseRun::Take(const golden::Golden* golden) {
+void VideoCaseRun::Take(const golden::Golden* golden, const InterruptGuard& interrupt) {
   std::optional<std::vector<std::size_t>> keys;
   if (golden != nullptr && !golden->pictures.views.empty()) {
     keys.emplace();
     for (const golden::KeyPicture& key : golden->pictures.views[0].keys) keys->push_back(key.frame);
   }
   try {
-    pictures_ = golden::TakePictures(recording_->Film(), plan_, keys);
+    pictures_ = golden::TakePictures(recording_->Film(), plan_, keys,
+                                     [&interrupt] { interrupt.ThrowIfInterrupted(); });
   } catch (const InputError& error) {  // a body or camera that the model lacks, say
     throw InputError(fmt::format("{}: {}", file_.string(), error.what()));
   }

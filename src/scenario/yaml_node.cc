@@ -86,7 +86,13 @@ YamlNode::YamlNode(const YAML::Node& node, std::shared_ptr<const std::string> fi
 YamlNode YamlNode::Parse(const std::string& text, const std::string& file) {
   auto name = std::make_shared<const std::string>(file);
   try {
-    const YAML::Node root = YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
+    if (documents.size() > 1) {
+      throw InputError(fmt::format(
+          "{}: holds {} YAML documents; one belongs in a file: remove the others (--- begins each)",
+          file, documents.size()));
+    }
     const int line = LineOf(root, 1);
     return YamlNode(root, std::move(name), {}, line);
   } catch (const YAML::Exception& error) {
@@ -211,7 +217,7 @@ double YamlNode::Number(double least, double most) const {
     Fail(fmt::format("\"{}\" is not a plain finite number", Shown(text)));
   }
   if (value >= least && value <= most) return value;
-  Fail(fmt::format("{} is out of range; it must lie in [{}, {}]", text, least, most));
+  Fail(fmt::format("{} is out of range; it must lie in [{}, {}]", Shown(text), least, most));
 }
 
 std::uint64_t YamlNode::Integer(std::uint64_t least, std::uint64_t most) const {
@@ -233,7 +239,7 @@ double YamlNode::Quantity(Dimension dimension, double least, double most) const 
     Fail(error.what());
   }
   if (value >= least && value <= most) return value;
-  Fail(fmt::format("\"{}\" is out of range; it must lie in {}", text,
+  Fail(fmt::format("\"{}\" is out of range; it must lie in {}", Shown(text),
                    FormatRange(least, most, dimension)));
 }
 
@@ -258,8 +264,8 @@ Duration YamlNode::Time(Duration least, Duration most) const {
     Fail(error.what());
   }
   if (value >= least && value <= most) return value;
-  Fail(fmt::format("\"{}\" is out of range; it must lie in [{}, {}]", text, FormatDuration(least),
-                   FormatDuration(most)));
+  Fail(fmt::format("\"{}\" is out of range; it must lie in [{}, {}]", Shown(text),
+                   FormatDuration(least), FormatDuration(most)));
 }
 
 double YamlNode::Factor(Dimension dimension) const {
@@ -277,7 +283,7 @@ double YamlNode::UnitAndValue(Dimension dimension, double least, double most) co
   const YamlNode number = map.Require("value");
   const double value = number.Number(-1e9, 1e9) * factor;
   if (value >= least && value <= most) return value;
-  number.Fail(fmt::format("{} is out of range; it must lie in {}", number.Text(),
+  number.Fail(fmt::format("{} is out of range; it must lie in {}", Shown(number.Text()),
                           FormatRange(least, most, dimension)));
 }
 
