@@ -72,6 +72,15 @@ PREDICTED = {
         "125 Hz, velocity, canonical trajectory: envelopes off and on apart, the most of any joint": (0, 5),
     } | {f"{rate} Hz, {interface}: delay, stage on less off": ((N - 1) / 2 - 0.1, (N - 1) / 2 + 0.1)
          for rate, N in RATES.items() for interface in ("position", "velocity", "torque")},
+    "lambda": {
+        "Stall of 50 ms at 1 rad/s, rejoining, viability: largest jerk over its limit": (0, 1),
+        "Stall of 200 ms at 1 rad/s, rejoining, viability: largest jerk over its limit": (0, 1),
+        "A motion of 8 s as poses behind the Cartesian generator: aborts": NONE,
+    },
+    "losses": {
+        "all tempos, every length of bursts from 1 to 19, ours: aborted of 171 runs": NONE,
+    } | {f"{tempo}, bursts of 1 to 19, rejoining generator, viability filter: aborted, 18 runs": NONE
+         for tempo in ("canonical", "brisk", "hard")},
     "viability": {
         "joint 1, n = 0, highest speed at full acceleration": (2.1675 * 0.9999, 2.1675 * 1.0001),
         "joint 1, n = 3, highest speed at full acceleration": (2.1 * 0.9999, 2.1 * 1.0001),
@@ -109,6 +118,7 @@ ILLUSTRATIONS = {
                "velocity interface: RMS of the jerk of jitter, reconstructed / formula"},
     "tracking": {"Synchronous without jitter, drift and overruns : proposed, the largest of all joints"},
     "rate_matching": {"1000 Hz, velocity: delay, stage on less off"},
+    "lambda": {"Convergence time off its formula beyond one cycle, joints, largest", "The same, poses"},
 }
 
 # Levels at which the paper's ratio of 10 in its spectrum would come out: noise [mrad/s], arrival of states [us].

@@ -113,13 +113,6 @@ TEST(BadInputTest, SceneThatWouldChangeTheRobotsMass) {
               HasSubstr("changes the robot"));
 }
 
-TEST(BadInputTest, CacheFolderThatCannotBeMade) {
-  const TemporaryFolder folder;
-  MujocoPlantOptions options = BareOptions();
-  options.cache = folder.Write("file", "in the way") / "cache";
-  EXPECT_THAT(Refusal<EnvironmentError>(options), HasSubstr(options.cache.string()));
-}
-
 TEST(BadInputTest, NothingWritesTheEnginesLog) {
   RefusalOfScene("<mujoco><worldbody><geom type='mesh' mesh='none'/></worldbody></mujoco>");
   EXPECT_FALSE(std::filesystem::exists("MUJOCO_LOG.TXT"));
