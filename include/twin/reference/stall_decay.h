@@ -23,7 +23,7 @@ namespace twin::reference {
 /// Threads: one. Real-time: noexcept, allocates nothing, O(1).
 class StallDecay {
  public:
-  /// @pre limits are valid.
+  /// Where limits are zero, velocities stay.
   StallDecay(const JointLimits& joints, const CartesianLimits& cartesian) noexcept;
 
   /// The source is not stalled: this is its target.
