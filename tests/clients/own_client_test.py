@@ -77,9 +77,7 @@ class OwnClientTest(unittest.TestCase):
                 self.assertEqual(summary["outcome"], "success")
                 self.assertEqual(summary["drive"], "remote")
                 self.assertIsNone(summary["cycles_served"])
-                # Velocities close no loop over the way: what a busy machine loses of them is missing.
-                if DRIVE == "lockstep" or interface != "joint_velocity":
-                    self.assertLess(summary["final_error_rad"], 2e-2)
+                self.assertLess(summary["final_error_rad"], 2e-2)
 
     def test_prints_its_checks_and_logs_states_and_ticks(self):
         out = self.tmp / "out"

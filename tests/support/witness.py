@@ -12,12 +12,13 @@ import unittest
 # How many cycles of 1 ms the host must have spoilt to make what failed, by what the failure says: in a row, or of 500.
 IN_ROW, OF_500 = "in_row", "of_500"
 ENDS_A_MOTION = {"communication_constraints_violation": (IN_ROW, 20)}
-# Where a client was held up, one command of its own is lost, and the next is a jump from what the robot made of that.
+# A stream with nothing behind it, of a client's own program or by the paper's law alone: after one lost command the next may be a jump
+# from what the robot made of that.
 JUMPS = {"discontinuity": (IN_ROW, 1)}
 # What `run --backend fci` checks before a motion, over 500 cycles: that 5 % at most of the robot's are missing, 10 % of the answers.
 REFUSES = {"FAILED states": (OF_500, 25), "FAILED communication": (OF_500, 50)}
 GIVES_UP = {"no robot state": (IN_ROW, 900), "this machine gives it no time": (IN_ROW, 900)}  # after 1 s
-A_CLIENT = ENDS_A_MOTION | JUMPS | REFUSES | GIVES_UP
+A_CLIENT = ENDS_A_MOTION | REFUSES | GIVES_UP  # with the default chain: a lost command is no excuse for a jump
 PRIORITY = 98  # FIFO: of a robot in real time; clients have 99
 
 

@@ -6,13 +6,14 @@
 #include "twin/core/limits.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_state.h"
+#include "twin/reference/resampler.h"
 
 namespace twin::reference {
 
 /// A source's reference in four cycles, newest first: of the cycle commanded, r(k+1), of the state
 /// answered, r(k), and of the two before. From a Resampler.
 template <typename Position>
-using Played = std::array<Position, 4>;
+using Played = std::array<Position, Resampler::kPlayed>;
 
 /// A reference generator that follows its source exactly while the robot takes every command, and
 /// otherwise rejoins it by a motion with bounded velocity, acceleration and jerk, in place of the
