@@ -20,9 +20,9 @@ const scenario::Scenario& WithApplication(const scenario::Scenario& scenario) {
 }  // namespace
 
 ApplicationRun::ApplicationRun(const scenario::Scenario& scenario,
-                               const scenario::Catalogue& catalogue,
-                               const scenario::RunFiles& files, rt::RecordSink* sink,
-                               const Clock& clock, const scenario::RealtimeSettings& settings)
+                               const run::Catalogue& catalogue,
+                               const run::RunFiles& files, rt::RecordSink* sink,
+                               const Clock& clock, const run::RealtimeSettings& settings)
     : scenario_(WithApplication(scenario)),
       files_(files),
       clock_(clock),
@@ -42,14 +42,14 @@ Duration ApplicationRun::longest() const {
   return application_->longest(scenario_);
 }
 
-bool ApplicationRun::CheckStart(const scenario::TellCheck& tell) {
-  const reference::Trajectory standing = scenario::StandingFor(
+bool ApplicationRun::CheckStart(const run::TellCheck& tell) {
+  const reference::Trajectory standing = run::StandingFor(
       scenario_.robot.q_start.value(), std::chrono::seconds(1), robot().limits);
   return session_.CheckStart(
-      scenario::MotionOn(scenario_, "start", application_->first_interface(), standing), tell);
+      run::MotionOn(scenario_, "start", application_->first_interface(), standing), tell);
 }
 
-const Deeds& ApplicationRun::Execute(const scenario::RunHooks& hooks,
+const Deeds& ApplicationRun::Execute(const run::RunHooks& hooks,
                                      const std::function<void(std::string_view)>& tell) {
   session_.Begin(hooks);
   try {

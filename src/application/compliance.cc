@@ -39,7 +39,7 @@ class Compliance final : public Application {
   StepEnd Do(const Case& one, CaseIndex index, Stage& stage);
   static StepEnd GoBack(const Case& from, Stage& stage);
   /// Two pictures: the arm before, and at the end of the push's constant force or of the motion.
-  void AddMoment(const Case& one, const scenario::Motion& motion, const Transform& O_T_EE,
+  void AddMoment(const Case& one, const run::Motion& motion, const Transform& O_T_EE,
                  Time begun, Time ended);
 
   const Settings settings_;
@@ -79,9 +79,9 @@ Deeds Compliance::Perform(Stage& stage) {
 
 StepEnd Compliance::Do(const Case& one, CaseIndex index, Stage& stage) {
   const RobotState state = stage.session().ReadState();
-  const scenario::Motion motion = MotionOf(one, settings_, stage, state);
+  const run::Motion motion = MotionOf(one, settings_, stage, state);
   const Time begun = stage.session().Now();
-  const scenario::MotionResult result = stage.session().Move(motion);
+  const run::MotionResult result = stage.session().Move(motion);
   spans_[index] = {.begun = begun, .ended = stage.session().Now(), .path = motion.poses};
   if (one.is_pushed || one.kind == Kind::kNullSpace) {
     AddMoment(one, motion, state.O_T_EE, begun, stage.session().Now());
@@ -91,11 +91,11 @@ StepEnd Compliance::Do(const Case& one, CaseIndex index, Stage& stage) {
 
 StepEnd Compliance::GoBack(const Case& from, Stage& stage) {
   const RobotState state = stage.session().ReadState();
-  const scenario::MotionResult result = stage.session().Move(MotionBack(from, stage, state));
+  const run::MotionResult result = stage.session().Move(MotionBack(from, stage, state));
   return {result.report.succeeded(), result.report.failure};
 }
 
-void Compliance::AddMoment(const Case& one, const scenario::Motion& motion, const Transform& O_T_EE,
+void Compliance::AddMoment(const Case& one, const run::Motion& motion, const Transform& O_T_EE,
                            Time begun, Time ended) {
   const auto point = [](const Transform& X) { return Vector3{X[12], X[13], X[14]}; };
   Moment moment{.id = std::string(one.id),

@@ -201,12 +201,12 @@ Duration LengthOf(const Case& one, const Settings& settings) noexcept {
   return settings.wandering;
 }
 
-scenario::Motion MotionOf(const Case& one, const Settings& settings, const Stage& stage,
+run::Motion MotionOf(const Case& one, const Settings& settings, const Stage& stage,
                           const RobotState& state) {
   const bool moves = one.kind == Kind::kTrajectory;
-  scenario::Motion motion = stage.NewMotion(
+  run::Motion motion = stage.NewMotion(
       fmt::format("{}: {}", one.id, one.what), control::CommandInterface::kTorque,
-      scenario::StandingFor(state.q, LengthOf(one, settings), stage.robot().limits));
+      run::StandingFor(state.q, LengthOf(one, settings), stage.robot().limits));
   if (moves) motion.poses = PathFrom(state.O_T_EE, settings, stage.robot().cartesian);
   motion.controller.type = "compliance";
   motion.controller.parameters = ParametersOf(
@@ -215,7 +215,7 @@ scenario::Motion MotionOf(const Case& one, const Settings& settings, const Stage
   return motion;
 }
 
-scenario::Motion MotionBack(const Case& from, const Stage& stage, const RobotState& state) {
+run::Motion MotionBack(const Case& from, const Stage& stage, const RobotState& state) {
   return stage.NewMotion(
       fmt::format("back from {}", from.id), control::CommandInterface::kTorque,
       reference::Trajectory({{.q = state.q, .at = Duration::zero()},

@@ -14,7 +14,7 @@
 #include "twin/core/time.h"
 #include "twin/plant/perturbation.h"
 #include "twin/scenario/scenario.h"
-#include "twin/scenario/session.h"
+#include "twin/run/session.h"
 
 namespace twin::application {
 class Stage;
@@ -90,11 +90,11 @@ inline constexpr std::array<Case, kCases> kAllCases{{
 
 /// The motion of a case that begins where the robot is.
 /// @throws InputError when its path breaks a limit of the end effector's motion.
-[[nodiscard]] scenario::Motion MotionOf(const Case& one, const Settings& settings,
+[[nodiscard]] run::Motion MotionOf(const Case& one, const Settings& settings,
                                         const Stage& stage, const RobotState& state);
 
 /// The motion back to robot.q_start, by torques as well.
-[[nodiscard]] scenario::Motion MotionBack(const Case& from, const Stage& stage,
+[[nodiscard]] run::Motion MotionBack(const Case& from, const Stage& stage,
                                           const RobotState& state);
 
 /// Who pushes: the same at A and B, the same at C and D.

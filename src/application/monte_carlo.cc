@@ -39,8 +39,8 @@ class Watch final : public rt::RecordSink {
 /// The runs of one call, and the threads that share them.
 class Runs {
  public:
-  Runs(const scenario::Scenario& scenario, const scenario::Catalogue& catalogue,
-       const scenario::RunFiles& files, const Clock& clock, const MonteCarloOptions& options)
+  Runs(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
+       const run::RunFiles& files, const Clock& clock, const MonteCarloOptions& options)
       : scenario_(scenario),
         catalogue_(catalogue),
         files_(files),
@@ -108,7 +108,7 @@ class Runs {
     ApplicationRun run(scenario, catalogue_, files_, &watch, clock_);
     const plant::TruthProbe* truth = run.connection().truth;
     if (truth != nullptr) watch.Begin(*truth);
-    scenario::RunHooks hooks;
+    run::RunHooks hooks;
     hooks.interrupted = options_.interrupted;
     const Deeds& deeds = run.Execute(hooks);
     const Judgement judgement =
@@ -137,8 +137,8 @@ class Runs {
   }
 
   const scenario::Scenario& scenario_;
-  const scenario::Catalogue& catalogue_;
-  const scenario::RunFiles& files_;
+  const run::Catalogue& catalogue_;
+  const run::RunFiles& files_;
   const Clock& clock_;
   const MonteCarloOptions options_;
   std::atomic<int> next_{1};  // only handed out: relaxed would do, seq_cst is what reads plainest
@@ -191,8 +191,8 @@ std::vector<FindingSpread> MonteCarloResult::Spreads() const {
   return spreads;
 }
 
-MonteCarloResult RunSeeds(const scenario::Scenario& scenario, const scenario::Catalogue& catalogue,
-                          const scenario::RunFiles& files, const Clock& clock,
+MonteCarloResult RunSeeds(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
+                          const run::RunFiles& files, const Clock& clock,
                           const MonteCarloOptions& options,
                           const std::function<void(const SeedOutcome&)>& told) {
   RequireInRange("seeds", options.seeds, 1, 100'000);

@@ -84,7 +84,7 @@ class PickAndPlace final : public Application {
   void TellLoad(const setting::Load& load);
   [[nodiscard]] setting::Load LoadOfObject() const;
   Moment& MomentOf(Leg leg);
-  [[nodiscard]] scenario::Session& session() const { return stage_->session(); }
+  [[nodiscard]] run::Session& session() const { return stage_->session(); }
   [[nodiscard]] double opening() const { return planner_->OpeningFor(plan_.grip); }
 
   const PickParameters parameters_;
@@ -213,13 +213,13 @@ StepEnd PickAndPlace::Follow(const std::string& name, const LegPlan& leg, const 
       model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q, stage_->F_T_EE());
   reference::PoseTrajectory poses = PathOf(from_here, stage_->robot().cartesian);
   const Duration duration = poses.duration();
-  scenario::Motion motion =
+  run::Motion motion =
       stage_->NewMotion(name, control::CommandInterface::kJointPosition,
-                        scenario::StandingFor(q, duration, stage_->robot().limits));
+                        run::StandingFor(q, duration, stage_->robot().limits));
   motion.poses = std::move(poses);
   motion.controller.type = "cartesian_pose";
   motion.controller.parameters = controller_;
-  const scenario::MotionResult result = session().Move(motion);
+  const run::MotionResult result = session().Move(motion);
   if (result.report.succeeded()) return {true, fmt::format("{:.2f} s", ToSeconds(duration))};
   if (result.report.errors.any()) record_.robot_errors.push_back(result.report.failure);
   if (!session().interrupted()) session().Recover();
@@ -228,7 +228,7 @@ StepEnd PickAndPlace::Follow(const std::string& name, const LegPlan& leg, const 
 
 StepEnd PickAndPlace::Open() {
   if (std::abs(session().connection().hand->ReadState().width - opening()) < kSameWidth) return {};
-  const scenario::HandOutcome outcome =
+  const run::HandOutcome outcome =
       session().Command(hand::Move{.width = opening(), .speed = kHandSpeed});
   if (outcome.result == HandResult::kSuccess) return {};
   return {false, fmt::format("the hand did not open to {:.1f} mm: it stands at {:.1f} mm. {}",
@@ -268,7 +268,7 @@ StepEnd PickAndPlace::Grasp() {
   if (Holds()) return {true, "the hand holds it already"};
   is_around_object_ = true;
   if (StepEnd end = Go(Leg::kGrasp); !end.succeeded) return end;
-  const scenario::HandOutcome outcome =
+  const run::HandOutcome outcome =
       session().Command(hand::Grasp{.width = plan_.grip.width,
                                     .speed = parameters_.speed,
                                     .force = parameters_.force,
@@ -320,7 +320,7 @@ StepEnd PickAndPlace::Release() {
 
 StepEnd PickAndPlace::Retreat() {
   StepEnd end = Go(Leg::kRetreat);
-  if (end.succeeded && session().WaitForRest() != scenario::WaitEnd::kDone) {
+  if (end.succeeded && session().WaitForRest() != run::WaitEnd::kDone) {
     return {false, "the arm does not come to rest"};
   }
   return end;

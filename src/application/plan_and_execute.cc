@@ -116,10 +116,10 @@ void PlanAndExecute::CheckDensely(planning::CollisionWorld& world,
 }
 
 StepEnd PlanAndExecute::Execute(Stage& stage) {
-  scenario::Motion motion = stage.NewMotion(deeds_.moments.back().id,
+  run::Motion motion = stage.NewMotion(deeds_.moments.back().id,
                                             control::CommandInterface::kTorque, plan_->trajectory);
   motion.controller.parameters = controller_;
-  const scenario::MotionResult result = stage.session().Move(motion);
+  const run::MotionResult result = stage.session().Move(motion);
   deeds_.moments.back().done = stage.session().Now();
   final_error_ = std::max(final_error_, result.final_error);
   return {result.report.succeeded(), result.report.failure};

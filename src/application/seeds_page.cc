@@ -9,7 +9,7 @@
 
 #include "twin/report/chart.h"
 #include "twin/report/html.h"
-#include "twin/scenario/fingerprint.h"
+#include "twin/core/fingerprint.h"
 
 namespace twin::application {
 namespace {
@@ -141,7 +141,7 @@ std::string SeedsCsv(const MonteCarloResult& result) {
     csv += fmt::format("{},{},{},{},{},{:.3f},{}", outcome.seed,
                        outcome.succeeded ? "success" : "failed", CsvField(outcome.failed_step),
                        CsvField(outcome.failure), outcome.repeated, ToSeconds(outcome.duration),
-                       scenario::FormatHash(outcome.states_hash));
+                       FormatHash(outcome.states_hash));
     for (const FindingSpread& spread : spreads) {
       const Finding* finding = Find(outcome, spread.quantity);
       csv += finding == nullptr ? "," : fmt::format(",{:.6g}", finding->value);

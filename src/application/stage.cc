@@ -6,8 +6,8 @@
 
 namespace twin::application {
 
-Stage::Stage(scenario::Session& session, const scenario::Scenario& scenario,
-             const scenario::RunFiles& files, const Clock& clock,
+Stage::Stage(run::Session& session, const scenario::Scenario& scenario,
+             const run::RunFiles& files, const Clock& clock,
              std::function<void(std::string_view)> tell, const teleop::DeviceRegistry* devices)
     : session_(session),
       scenario_(scenario),
@@ -20,14 +20,14 @@ Stage::Stage(scenario::Session& session, const scenario::Scenario& scenario,
 planning::CollisionWorld& Stage::World() {
   if (!world_) {
     world_ = std::make_unique<planning::CollisionWorld>(
-        scenario::MakeRobotConfig(scenario_, robot(), files_).plant);
+        run::MakeRobotConfig(scenario_, robot(), files_).plant);
   }
   return *world_;
 }
 
-scenario::Motion Stage::NewMotion(std::string name, control::CommandInterface interface,
+run::Motion Stage::NewMotion(std::string name, control::CommandInterface interface,
                                   reference::Trajectory trajectory) const {
-  return scenario::MotionOn(scenario_, std::move(name), interface, std::move(trajectory));
+  return run::MotionOn(scenario_, std::move(name), interface, std::move(trajectory));
 }
 
 TaskReport Stage::Carry(const std::vector<TaskStep>& steps) const {

@@ -232,10 +232,10 @@ Deeds Teleoperation::Perform(Stage& stage) {
 }
 
 StepEnd Teleoperation::Lead() {
-  scenario::Session& session = stage_->session();
-  scenario::Motion motion =
+  run::Session& session = stage_->session();
+  run::Motion motion =
       stage_->NewMotion("teleoperation", control::CommandInterface::kTorque,
-                        scenario::StandingFor(session.ReadState().q, LastsFor(stage_->scenario()),
+                        run::StandingFor(session.ReadState().q, LastsFor(stage_->scenario()),
                                               stage_->robot().limits));
   motion.controller.type = "compliance";
   motion.controller.parameters = controller_;
@@ -244,7 +244,7 @@ StepEnd Teleoperation::Lead() {
   motion.live = &*teleoperator_;
   motion.attend = [this](Time now) { return Attend(now); };
   BeginMoment(teleop::Mode::kArm, session.Now());
-  const scenario::MotionResult result = session.Move(motion);
+  const run::MotionResult result = session.Move(motion);
   Note(teleoperator_->TakeStatus(), session.Now());
   deeds_.moments.back().done = session.Now();
   if (result.report.errors.any()) record_.robot_errors.push_back(result.report.failure);

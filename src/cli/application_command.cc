@@ -42,7 +42,7 @@ scenario::Scenario WithoutSpeed(const scenario::Scenario& scenario, const RunFla
 class ApplicationSession {
  public:
   ApplicationSession(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
-                     const scenario::Catalogue& catalogue, std::optional<fci::Capture>& capture)
+                     const run::Catalogue& catalogue, std::optional<fci::Capture>& capture)
       : flags_(flags),
         scenario_(WithoutSpeed(scenario, flags)),
         settings_(SettingsOf(flags)),
@@ -85,14 +85,14 @@ class ApplicationSession {
   const MonotonicClock clock_;
   const RunFlags& flags_;
   const scenario::Scenario scenario_;
-  scenario::RealtimeSettings settings_;  ///< not changed after the constructor
+  run::RealtimeSettings settings_;  ///< not changed after the constructor
   ResultFolder out_;
   const InterruptGuard interrupt_;
   WallTimes times_;
   RunRecords records_;
   RunPage page_;
   const teleop::DeviceRegistry devices_;  ///< of page_, too
-  const scenario::Catalogue catalogue_;
+  const run::Catalogue catalogue_;
   std::optional<application::ApplicationRun> run_;
   ApplicationResult result_;
   bool has_summary_ = false;
@@ -103,7 +103,7 @@ class ApplicationSession {
 ExitCode ApplicationSession::Execute() {
   interrupt_.ThrowIfInterrupted();
   if (!is_simulated()) {
-    RequireReady([this](const scenario::TellCheck& tell) { return run_->CheckStart(tell); });
+    RequireReady([this](const run::TellCheck& tell) { return run_->CheckStart(tell); });
   }
   interrupt_.ThrowIfInterrupted();
   const RunPage::Opening opening = page_.Open(scenario_, run_->robot(), run_->connection());
@@ -134,7 +134,7 @@ void ApplicationSession::Perform() {
     records_.Film(*truth, run_->longest(), scenario_.render.fps);
   }
   if (truth != nullptr) records_.WatchContacts(*truth);
-  scenario::RunHooks hooks;
+  run::RunHooks hooks;
   hooks.interrupted = interrupt_.flag();
   hooks.event = page_.Also(records_.Events());
   const Time begin = clock_.Now();
@@ -214,7 +214,7 @@ application::PageFacts ApplicationSession::FactsOf() const {
 }  // namespace
 
 ExitCode RunApplication(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
-                        const scenario::Catalogue& catalogue,
+                        const run::Catalogue& catalogue,
                         std::optional<fci::Capture>& capture) {
   return Carried<ApplicationSession>(scenario, flags, host, catalogue, capture);
 }

@@ -5,7 +5,7 @@
 #include "cli/commands.h"
 #include "cli/exit_code.h"
 #include "twin/fci/capture.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::cli {
@@ -14,7 +14,7 @@ namespace twin::cli {
 /// the application's page and pictures.
 /// @param capture  is made when the flags want one. @throws twin::Error; Interrupted.
 [[nodiscard]] ExitCode RunApplication(const scenario::Scenario& scenario, const RunFlags& flags,
-                                      const Host& host, const scenario::Catalogue& catalogue,
+                                      const Host& host, const run::Catalogue& catalogue,
                                       std::optional<fci::Capture>& capture);
 
 }  // namespace twin::cli

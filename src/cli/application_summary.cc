@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "twin/application/page.h"
-#include "twin/scenario/fingerprint.h"
+#include "twin/core/fingerprint.h"
 
 namespace twin::cli {
 namespace {
@@ -66,7 +66,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationRes
   // What became of commands, a robot at the other end of a wire does not tell.
   const bool is_remote = scenario.drive == scenario::Drive::kRemote;
   const auto known = [&](std::uint64_t count) { return is_remote ? Json() : Json(count); };
-  const scenario::CycleCounts& counts = result.session.counts;
+  const run::CycleCounts& counts = result.session.counts;
   const Json summary{
       {"scenario", scenario.name},
       {"application", scenario.application->type},
@@ -87,8 +87,8 @@ std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationRes
       {"commands_dropped", known(counts.dropped)},
       {"viability", ViabilityJson(result.session.viability)},
       {"contacts", ContactsJson(contacts)},
-      {"libm", scenario::FormatHash(scenario::LibmFingerprint())},
-      {"states_hash", scenario::FormatHash(result.session.states_hash)},
+      {"libm", FormatHash(LibmFingerprint())},
+      {"states_hash", FormatHash(result.session.states_hash)},
   };
   return TextOf(summary);
 }
@@ -101,7 +101,7 @@ std::string SummaryText(const scenario::Scenario& scenario, const ApplicationRes
                        finding.unit.empty() ? "" : " ", finding.unit,
                        finding.demand.empty() ? "" : fmt::format(" ({})", finding.demand));
   }
-  const scenario::CycleCounts& counts = result.session.counts;
+  const run::CycleCounts& counts = result.session.counts;
   if (scenario.drive != scenario::Drive::kRemote) {
     out += fmt::format("  {:<13}{} in {} motions; {} served, {} held (at most {} in a row)\n",
                        "cycles", counts.cycles(), result.session.motions, counts.served,
@@ -114,8 +114,8 @@ std::string SummaryText(const scenario::Scenario& scenario, const ApplicationRes
                      times.run_s, times.real_time_factor, times.planning_s.value_or(0));
   if (scenario.drive == scenario::Drive::kLockstep) {
     out += fmt::format("  {:<13}{} (libm {})\n", "states hash",
-                       scenario::FormatHash(result.session.states_hash),
-                       scenario::FormatHash(scenario::LibmFingerprint()));
+                       FormatHash(result.session.states_hash),
+                       FormatHash(LibmFingerprint()));
   }
   return out;
 }

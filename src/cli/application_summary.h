@@ -14,7 +14,7 @@ namespace twin::cli {
 struct ApplicationResult {
   application::Deeds deeds;
   application::Judgement judgement;
-  scenario::SessionResult session;
+  run::SessionResult session;
   bool interrupted = false;
 };
 

@@ -10,7 +10,7 @@
 
 #include "cli/exit_code.h"
 #include "twin/fci/protocol.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 
 namespace twin::cli {
 
@@ -145,11 +145,11 @@ struct DecodeFlags {
 
 /// Runs a scenario and writes what came of it. @throws twin::Error.
 [[nodiscard]] ExitCode RunCommand(const RunFlags& flags, const Host& host,
-                                  const scenario::Catalogue& catalogue);
+                                  const run::Catalogue& catalogue);
 
 /// Serves a robot over the Franka Control Interface until it is interrupted. @throws twin::Error.
 [[nodiscard]] ExitCode ServeCommand(const ServeFlags& flags, const Host& host,
-                                    const scenario::Catalogue& catalogue);
+                                    const run::Catalogue& catalogue);
 
 /// Relays a robot's wire with faults until it is interrupted. @throws twin::Error.
 [[nodiscard]] ExitCode ProxyCommand(const ProxyFlags& flags);
@@ -157,11 +157,11 @@ struct DecodeFlags {
 /// Reproduces the paper's tables and figures and writes the report. @returns kFailed when one could
 /// not be done or missed what is demanded of it. @throws twin::Error; Interrupted.
 [[nodiscard]] ExitCode ExperimentCommand(const ExperimentFlags& flags, const Host& host,
-                                         const scenario::Catalogue& catalogue);
+                                         const run::Catalogue& catalogue);
 
 /// Checks a scenario without running it. @throws twin::Error.
 [[nodiscard]] ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,
-                                       const scenario::Catalogue& catalogue);
+                                       const run::Catalogue& catalogue);
 
 /// Says what this host offers, and measures how well it keeps time. @throws InputError for a
 /// duration out of range, RobotFault when something is missing.

@@ -196,7 +196,7 @@ class ScratchFolder {
 class ExperimentSession {
  public:
   ExperimentSession(const ExperimentFlags& flags, const Host& host,
-                    const scenario::Catalogue& catalogue)
+                    const run::Catalogue& catalogue)
       : flags_(flags),
         host_(host),
         catalogue_(catalogue),
@@ -232,7 +232,7 @@ class ExperimentSession {
   const MonotonicClock clock_;
   const ExperimentFlags& flags_;
   const Host& host_;
-  const scenario::Catalogue& catalogue_;
+  const run::Catalogue& catalogue_;
   const bool on_wall_clock_;
   const int seeds_;
   const std::vector<Experiment> chosen_;
@@ -362,7 +362,7 @@ ExitCode List() {
 }  // namespace
 
 ExitCode ExperimentCommand(const ExperimentFlags& flags, const Host& host,
-                           const scenario::Catalogue& catalogue) {
+                           const run::Catalogue& catalogue) {
   if (flags.list) return List();
   return ExperimentSession(flags, host, catalogue).Execute();
 }

@@ -13,7 +13,7 @@
 #include "twin/core/error.h"
 #include "twin/page/page_device.h"
 #include "twin/rt/sleep.h"
-#include "twin/scenario/session.h"
+#include "twin/run/session.h"
 #include "twin/teleop/device_registry.h"
 
 namespace twin::cli {
@@ -43,8 +43,8 @@ scenario::Scenario LedFromThePage(scenario::Scenario served) {
   return served;
 }
 
-scenario::RealtimeSettings ServedAt(const fci::Endpoint& arm) {
-  scenario::RealtimeSettings settings;
+run::RealtimeSettings ServedAt(const fci::Endpoint& arm) {
+  run::RealtimeSettings settings;
   settings.remote.host = "127.0.0.1";
   settings.remote.arm_port = arm.port;
   settings.remote.checks_start = false;
@@ -83,18 +83,18 @@ void PageOperator::Run(const std::stop_token& stop) {
 }
 
 void PageOperator::Session(std::unique_ptr<teleop::Device> device) {
-  scenario::RunHooks hooks;
+  run::RunHooks hooks;
   hooks.interrupted = &interrupted_;
   hooks.event = tell_;
   {
     // What a stop or a reflex has left.
-    scenario::Session session(scenario_, parts_.catalogue, parts_.files, nullptr, settings_);
+    run::Session session(scenario_, parts_.catalogue, parts_.files, nullptr, settings_);
     session.Begin(hooks);
     session.Recover();
   }
   teleop::DeviceRegistry devices;
   devices.Add(kDevice, [&device](const teleop::DeviceRequest&) { return std::move(device); });
-  const scenario::Catalogue catalogue{parts_.catalogue.backends, parts_.catalogue.controllers,
+  const run::Catalogue catalogue{parts_.catalogue.backends, parts_.catalogue.controllers,
                                       &devices};
   const MonotonicClock clock;
   application::ApplicationRun run(scenario_, catalogue, parts_.files, nullptr, clock, settings_);

@@ -11,7 +11,7 @@
 #include "twin/core/time.h"
 #include "twin/fci/sockets.h"
 #include "twin/page/operator_channel.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 #include "twin/teleop/device.h"
 
@@ -29,8 +29,8 @@ class PageOperator {
 
   /// What it works with; all must outlive it.
   struct Parts {
-    const scenario::Catalogue& catalogue;
-    scenario::RunFiles files;
+    const run::Catalogue& catalogue;
+    run::RunFiles files;
     page::OperatorChannel& channel;
   };
 
@@ -51,7 +51,7 @@ class PageOperator {
 
   const Parts parts_;
   const scenario::Scenario scenario_;
-  const scenario::RealtimeSettings settings_;
+  const run::RealtimeSettings settings_;
   const Tell tell_;
   std::atomic<bool> wanted_{false};  ///< release, acquire: takes_ is counted before
   std::atomic<std::uint64_t> takes_{0};

@@ -18,7 +18,7 @@ record::PlanRecord PlanOf(const application::Moment& moment) {
           .O_T_object = moment.O_T_object};
 }
 
-record::PlanRecord PlanOf(const scenario::Run& run, const scenario::Scenario& scenario, Time end) {
+record::PlanRecord PlanOf(const run::Run& run, const scenario::Scenario& scenario, Time end) {
   const Transform F_T_EE = run.robot().F_T_EE(scenario.onboard.NE_T_EE);
   return {.id = "plan",
           .caption = "Around what stands there to the goal",

@@ -2,7 +2,7 @@
 
 #include "twin/application/application.h"
 #include "twin/record/log_records.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::cli {
@@ -11,7 +11,7 @@ namespace twin::cli {
 [[nodiscard]] record::PlanRecord PlanOf(const application::Moment& moment);
 
 /// The same of a planned motion, from its run's beginning to the end. @pre the run is over.
-[[nodiscard]] record::PlanRecord PlanOf(const scenario::Run& run,
+[[nodiscard]] record::PlanRecord PlanOf(const run::Run& run,
                                         const scenario::Scenario& scenario, Time end);
 
 }  // namespace twin::cli

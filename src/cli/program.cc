@@ -75,7 +75,7 @@ std::string VersionText() {
 }
 
 int RunProgram(int argc, const char* const* argv, const Host& host,
-               const scenario::Catalogue& catalogue) {
+               const run::Catalogue& catalogue) {
   CLI::App app("A digital twin of the Franka Emika Panda and its 1 kHz control stack.",
                "panda-twin");
   app.set_version_flag("--version", &VersionText, "Show the version and exit");

@@ -7,6 +7,6 @@ namespace twin::cli {
 /// Reads the command line, runs the command, translates what it throws. Prints exactly one line
 /// "panda-twin: error: ..." for anything that is an error.
 [[nodiscard]] int RunProgram(int argc, const char* const* argv, const Host& host,
-                             const scenario::Catalogue& catalogue);
+                             const run::Catalogue& catalogue);
 
 }  // namespace twin::cli

@@ -12,7 +12,7 @@
 #include "twin/core/error.h"
 #include "twin/proxy/proxy.h"
 #include "twin/scenario/link.h"
-#include "twin/scenario/remote.h"
+#include "twin/run/remote.h"
 
 namespace twin::cli {
 namespace {
@@ -32,7 +32,7 @@ robot::LinkConfig LinkOf(const ProxyFlags& flags) {
 
 proxy::ProxyConfig ProxyConfigOf(const ProxyFlags& flags) {
   const Listening listening = ListeningOf(flags.network);
-  const scenario::RemoteSettings robot = scenario::ParseRemote(flags.robot, "wall");
+  const run::RemoteSettings robot = run::ParseRemote(flags.robot, "wall");
   const robot::LinkConfig link = LinkOf(flags);
   proxy::ProxyConfig config;
   config.address = listening.address;

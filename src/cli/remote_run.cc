@@ -11,7 +11,7 @@
 namespace twin::cli {
 namespace {
 
-void Print(const scenario::CheckLine& line) {
+void Print(const run::CheckLine& line) {
   Say(stdout, fmt::format("{:<6} {:<13} {}\n", line.ok ? "ok" : "FAILED", line.subject, line.text));
   std::fflush(stdout);
 }
@@ -50,11 +50,11 @@ void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenari
 void SlowDown(scenario::Scenario& scenario, const std::filesystem::path& models, double share) {
   const scenario::RobotData robot =
       scenario::LoadRobotData(models, scenario.robot.model, scenario.robot.hand);
-  scenario::SlowDown(scenario, robot, share);
+  run::SlowDown(scenario, robot, share);
 }
 
 void TellWhatHasNoEffect(const scenario::Scenario& scenario, bool video) {
-  for (const std::string& text : scenario::WithoutEffectThere(scenario)) {
+  for (const std::string& text : run::WithoutEffectThere(scenario)) {
     Say(stderr, fmt::format("panda-twin: note: without effect on this robot: {}\n", text));
   }
   if (!video) return;
@@ -64,7 +64,7 @@ void TellWhatHasNoEffect(const scenario::Scenario& scenario, bool video) {
       "(without --backend) to see the motion\n");
 }
 
-void TellReach(const scenario::RemoteSettings& robot, bool allow_hardware,
+void TellReach(const run::RemoteSettings& robot, bool allow_hardware,
                const std::function<const backend::Connection&()>& connect) {
   Say(stdout, "before the first motion; nothing of this moves the arm\n");
   bool is_twin = false;
@@ -88,9 +88,9 @@ void TellReach(const scenario::RemoteSettings& robot, bool allow_hardware,
                   robot.host));
 }
 
-void RequireReady(const std::function<bool(const scenario::TellCheck&)>& check) {
+void RequireReady(const std::function<bool(const run::TellCheck&)>& check) {
   int failed = 0;
-  const bool ready = check([&failed](const scenario::CheckLine& line) {
+  const bool ready = check([&failed](const run::CheckLine& line) {
     Print(line);
     failed += line.ok ? 0 : 1;
   });

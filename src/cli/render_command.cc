@@ -106,7 +106,7 @@ class Rendering {
   }
 
  private:
-  [[nodiscard]] scenario::RunFiles FilesOf(const Host& host) const {
+  [[nodiscard]] run::RunFiles FilesOf(const Host& host) const {
     const auto data =
         scenario::FindDataDirectory({host.executable, flags_.data.models, flags_.data.meshes});
     if (data.mesh_package.empty()) {
@@ -188,7 +188,7 @@ class Rendering {
   const InterruptGuard interrupt_;
   const RenderFlags& flags_;
   const bool picture_;
-  const scenario::RunFiles files_;
+  const run::RunFiles files_;
   std::optional<replay::Recording> first_;  ///< always there after construction
   std::optional<replay::Recording> second_;
   render::FilmSettings settings_;

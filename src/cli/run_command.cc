@@ -34,14 +34,14 @@ class Session {
  public:
   /// @param capture  is made when the flags want one; must outlive the session.
   Session(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
-          const scenario::Catalogue& catalogue, std::optional<fci::Capture>& capture)
+          const run::Catalogue& catalogue, std::optional<fci::Capture>& capture)
       : flags_(flags),
         scenario_(scenario),
         settings_(SettingsOf(flags)),
         out_(OutOf(scenario_, flags)),
         page_(flags, records_, interrupt_, out_.folder()) {
     RequirePrograms(scenario_, wants_video(), host);
-    const scenario::RunFiles files = FilesOf(flags, host);
+    const run::RunFiles files = FilesOf(flags, host);
     if (flags.max_speed) SlowDown(scenario_, files.models, *flags.max_speed);
     Connect(
         scenario_, flags, wants_video(), settings_, capture, [&]() -> const auto& {
@@ -75,21 +75,21 @@ class Session {
   const MonotonicClock clock_;
   const RunFlags& flags_;
   scenario::Scenario scenario_;          ///< as it is run; not changed after the constructor
-  scenario::RealtimeSettings settings_;  ///< not changed after the constructor
+  run::RealtimeSettings settings_;  ///< not changed after the constructor
   ResultFolder out_;
   const InterruptGuard interrupt_;
   WallTimes times_;
   RunRecords records_;
   RunPage page_;
-  std::optional<scenario::Run> run_;
-  scenario::RunResult result_;
+  std::optional<run::Run> run_;
+  run::RunResult result_;
   bool has_summary_ = false;
 };
 
 ExitCode Session::Execute() {
   interrupt_.ThrowIfInterrupted();
   if (!is_simulated()) {
-    RequireReady([this](const scenario::TellCheck& tell) { return run_->CheckStart(tell); });
+    RequireReady([this](const run::TellCheck& tell) { return run_->CheckStart(tell); });
   }
   interrupt_.ThrowIfInterrupted();
   const RunPage::Opening opening = page_.Open(scenario_, run_->robot(), run_->connection());
@@ -120,7 +120,7 @@ ExitCode Session::Execute() {
 
 void Session::Move() {
   BeginLog(records_, out_.log(), scenario_, run_->robot(), settings_);
-  const scenario::Run& run = *run_;
+  const run::Run& run = *run_;
   const plant::TruthProbe* truth = run.connection().truth;
   // Logs are the same with a video and without.
   const bool logs_scenes = scenario_.record && truth != nullptr && RunRecords::CanFilm(*truth);
@@ -135,7 +135,7 @@ void Session::Move() {
 
   Progress progress("run", Progress::StyleOfStdout(flags_.quiet), clock_);
   const Time begin = clock_.Now();
-  scenario::RunHooks hooks;
+  run::RunHooks hooks;
   hooks.interrupted = interrupt_.flag();
   hooks.progress = [&](Time now, Duration planned) {
     const double simulated = ToSeconds(now.time_since_epoch());
@@ -182,7 +182,7 @@ void Session::MakePlots() {
 
 }  // namespace
 
-ExitCode RunCommand(const RunFlags& flags, const Host& host, const scenario::Catalogue& catalogue) {
+ExitCode RunCommand(const RunFlags& flags, const Host& host, const run::Catalogue& catalogue) {
   std::optional<fci::Capture> capture;
   try {
     const scenario::Scenario scenario = LoadWithFlags(flags, host);

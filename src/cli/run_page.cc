@@ -99,7 +99,7 @@ RunPage::RunPage(const RunFlags& flags, rt::RecordSink& records, const Interrupt
       feed_(&records),
       recording_(out, channel_) {}
 
-teleop::DeviceRegistry RunPage::Devices(const scenario::Catalogue& catalogue) {
+teleop::DeviceRegistry RunPage::Devices(const run::Catalogue& catalogue) {
   teleop::DeviceRegistry devices =
       catalogue.devices != nullptr ? *catalogue.devices : teleop::DeviceRegistry();
   devices.Add(std::string(kPageDevice),

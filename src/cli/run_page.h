@@ -17,7 +17,7 @@
 #include "twin/page/live_page.h"
 #include "twin/page/operator_channel.h"
 #include "twin/rt/cycle_record.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 #include "twin/teleop/device_registry.h"
@@ -49,7 +49,7 @@ class RunPage {
           const std::filesystem::path& out);
 
   /// The program's devices and another one, "page": what the operator does there. Refers to this.
-  [[nodiscard]] teleop::DeviceRegistry Devices(const scenario::Catalogue& catalogue);
+  [[nodiscard]] teleop::DeviceRegistry Devices(const run::Catalogue& catalogue);
 
   /// What the run's records go to.
   [[nodiscard]] rt::RecordSink* sink() noexcept;

@@ -16,13 +16,13 @@
 #include "twin/plant/model_cache_repair.h"
 #include "twin/scenario/data_directory.h"
 #include "twin/scenario/lab.h"
-#include "twin/scenario/remote.h"
+#include "twin/run/remote.h"
 
 namespace twin::cli {
 namespace {
 
 bool WaitsForNobody(const scenario::Scenario& scenario,
-                    const scenario::RealtimeSettings& settings) {
+                    const run::RealtimeSettings& settings) {
   if (scenario.drive == scenario::Drive::kRemote) {
     return settings.remote.time == backend::RobotTime::kWall;
   }
@@ -64,12 +64,12 @@ scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
   return scenario;
 }
 
-scenario::RealtimeSettings SettingsOf(const RunFlags& flags) {
-  scenario::RealtimeSettings settings;
+run::RealtimeSettings SettingsOf(const RunFlags& flags) {
+  run::RealtimeSettings settings;
   settings.robot.cpu = flags.int_cpu;
   settings.threads.communication.cpu = flags.ext_cpu;
   if (flags.robot) {
-    settings.remote = scenario::ParseRemote(*flags.robot, flags.robot_time.value_or("wall"));
+    settings.remote = run::ParseRemote(*flags.robot, flags.robot_time.value_or("wall"));
   }
   return settings;
 }
@@ -88,7 +88,7 @@ std::filesystem::path UsableCache(const Host& host) {
   return host.cache;
 }
 
-scenario::RunFiles FilesOf(const RunFlags& flags, const Host& host) {
+run::RunFiles FilesOf(const RunFlags& flags, const Host& host) {
   const scenario::DataDirectory data = DataOf(flags, host);
   return {data.models, data.mesh_package, UsableCache(host), flags.rebuild_cache};
 }
@@ -113,7 +113,7 @@ record::RunInfo InfoOf(const scenario::Scenario& scenario, const scenario::Robot
 }
 
 void Connect(const scenario::Scenario& scenario, const RunFlags& flags, bool wants_video,
-             scenario::RealtimeSettings& settings, std::optional<fci::Capture>& capture,
+             run::RealtimeSettings& settings, std::optional<fci::Capture>& capture,
              const std::function<const backend::Connection&()>& connect) {
   if (scenario.drive != scenario::Drive::kRemote) {
     static_cast<void>(connect());
@@ -126,7 +126,7 @@ void Connect(const scenario::Scenario& scenario, const RunFlags& flags, bool wan
 
 void BeginLog(RunRecords& records, const std::filesystem::path& path,
               const scenario::Scenario& scenario, const scenario::RobotData& robot,
-              const scenario::RealtimeSettings& settings) {
+              const run::RealtimeSettings& settings) {
   if (!scenario.record) return;
   records.Log(
       path, InfoOf(scenario, robot),

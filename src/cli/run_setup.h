@@ -14,7 +14,7 @@
 #include "twin/core/error.h"
 #include "twin/fci/capture.h"
 #include "twin/record/recorder.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 
@@ -25,13 +25,13 @@ namespace twin::cli {
 /// @throws InputError as scenario::Load, and for flags that do not go together.
 [[nodiscard]] scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host);
 
-[[nodiscard]] scenario::RealtimeSettings SettingsOf(const RunFlags& flags);
+[[nodiscard]] run::RealtimeSettings SettingsOf(const RunFlags& flags);
 
 /// The folder of compiled models, made fit for use; empty, with a note, when it cannot be used.
 [[nodiscard]] std::filesystem::path UsableCache(const Host& host);
 
 /// @throws as scenario::FindDataDirectory.
-[[nodiscard]] scenario::RunFiles FilesOf(const RunFlags& flags, const Host& host);
+[[nodiscard]] run::RunFiles FilesOf(const RunFlags& flags, const Host& host);
 
 /// @throws EnvironmentError when a program that the results need is missing.
 void RequirePrograms(const scenario::Scenario& scenario, bool wants_video, const Host& host);
@@ -41,7 +41,7 @@ void RequirePrograms(const scenario::Scenario& scenario, bool wants_video, const
 /// @param capture  is made when the flags want one. @param connect  with the settings as they are
 /// then; what it throws is thrown on.
 void Connect(const scenario::Scenario& scenario, const RunFlags& flags, bool wants_video,
-             scenario::RealtimeSettings& settings, std::optional<fci::Capture>& capture,
+             run::RealtimeSettings& settings, std::optional<fci::Capture>& capture,
              const std::function<const backend::Connection&()>& connect);
 
 /// Where a run's results are to be.
@@ -52,7 +52,7 @@ void Connect(const scenario::Scenario& scenario, const RunFlags& flags, bool wan
 /// is lost: the log's records too. @throws as RunRecords::Log.
 void BeginLog(RunRecords& records, const std::filesystem::path& path,
               const scenario::Scenario& scenario, const scenario::RobotData& robot,
-              const scenario::RealtimeSettings& settings);
+              const run::RealtimeSettings& settings);
 
 /// Carries out what makes a run and its results. Where that throws, no file is left that is not
 /// whole but the log, if that could not be written (a full disk): what is there can be read. An
@@ -78,7 +78,7 @@ void LeaveFailure(const scenario::Scenario& scenario, const RunFlags& flags,
 /// nothing.
 template <class Session>
 ExitCode Carried(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
-                 const scenario::Catalogue& catalogue, std::optional<fci::Capture>& capture) {
+                 const run::Catalogue& catalogue, std::optional<fci::Capture>& capture) {
   std::optional<Session> session;
   try {
     return session.emplace(scenario, flags, host, catalogue, capture).Execute();

@@ -20,7 +20,7 @@
 #include "twin/application/seeds_page.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
-#include "twin/scenario/fingerprint.h"
+#include "twin/core/fingerprint.h"
 
 namespace twin::cli {
 namespace {
@@ -71,12 +71,12 @@ std::string SummaryJson(const scenario::Scenario& scenario,
                      {"wanted_share_percent", flags.least_share},
                      {"failures", failures},
                      {"findings", findings},
-                     {"libm", scenario::FormatHash(scenario::LibmFingerprint())}};
+                     {"libm", FormatHash(LibmFingerprint())}};
   return TextOf(summary);
 }
 
 application::MonteCarloResult RunAll(const scenario::Scenario& scenario, const RunFlags& flags,
-                                     const Host& host, const scenario::Catalogue& catalogue,
+                                     const Host& host, const run::Catalogue& catalogue,
                                      const InterruptGuard& interrupt) {
   const MonotonicClock clock;
   Progress progress("seeds", Progress::StyleOfStdout(flags.quiet), clock);
@@ -102,7 +102,7 @@ application::MonteCarloResult RunAll(const scenario::Scenario& scenario, const R
 }  // namespace
 
 ExitCode RunManySeeds(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
-                      const scenario::Catalogue& catalogue) {
+                      const run::Catalogue& catalogue) {
   RequireFlags(scenario, flags);
   RequireProgram("gnuplot", host.path, "apt-get install gnuplot-nox");
   const InterruptGuard interrupt;

@@ -2,7 +2,7 @@
 
 #include "cli/commands.h"
 #include "cli/exit_code.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::cli {
@@ -11,6 +11,6 @@ namespace twin::cli {
 /// summary. @returns kFailed when less than the wanted share succeeded.
 /// @throws twin::Error; Interrupted.
 [[nodiscard]] ExitCode RunManySeeds(const scenario::Scenario& scenario, const RunFlags& flags,
-                                    const Host& host, const scenario::Catalogue& catalogue);
+                                    const Host& host, const run::Catalogue& catalogue);
 
 }  // namespace twin::cli

@@ -21,10 +21,10 @@
 #include "twin/model/model_library.h"
 #include "twin/record/recorder.h"
 #include "twin/robot/make_plant.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/data_directory.h"
 #include "twin/scenario/lab.h"
-#include "twin/scenario/remote.h"
+#include "twin/run/remote.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 #include "twin/server/served_robot.h"
@@ -34,7 +34,7 @@ namespace {
 
 scenario::Scenario LoadWithFlags(const ServeFlags& flags, const std::filesystem::path& models) {
   scenario::Scenario scenario =
-      flags.scenario.empty() ? scenario::DefaultServed() : scenario::Load(flags.scenario);
+      flags.scenario.empty() ? run::DefaultServed() : scenario::Load(flags.scenario);
   if (flags.lab) scenario::ApplyLab(scenario::FindLab(*flags.lab, models), scenario);
   if (flags.scene) scenario.scene = *flags.scene;
   if (flags.seed) scenario.seed = *flags.seed;
@@ -99,13 +99,13 @@ server::ServerConfig ServerConfigOf(const ServeFlags& flags, const Host& host) {
 /// A served robot, from flags to the end.
 class Service {
  public:
-  Service(const ServeFlags& flags, const Host& host, const scenario::Catalogue& catalogue)
+  Service(const ServeFlags& flags, const Host& host, const run::Catalogue& catalogue)
       : flags_(flags),
         catalogue_(catalogue),
         data_(scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes})),
         files_({data_.models, data_.mesh_package, UsableCache(host), false}),
         scenario_(LoadWithFlags(flags, data_.models)) {
-    robot::RobotConfig robot = scenario::MakeServedConfig(scenario_, files_);
+    robot::RobotConfig robot = run::MakeServedConfig(scenario_, files_);
     robot.viability = flags_.viability;
     server::ServedRobotSettings settings = MakeSettings(host);
     robot::MadePlant plant = robot::MakePlant(robot);
@@ -136,9 +136,9 @@ class Service {
 
   const MonotonicClock clock_;
   const ServeFlags& flags_;
-  const scenario::Catalogue& catalogue_;
+  const run::Catalogue& catalogue_;
   const scenario::DataDirectory data_;
-  const scenario::RunFiles files_;
+  const run::RunFiles files_;
   const scenario::Scenario scenario_;
   const InterruptGuard interrupt_;
   std::optional<Messages> messages_;  ///< from Run() to the end
@@ -236,7 +236,7 @@ ExitCode Service::Run() {
 }  // namespace
 
 ExitCode ServeCommand(const ServeFlags& flags, const Host& host,
-                      const scenario::Catalogue& catalogue) {
+                      const run::Catalogue& catalogue) {
   RequireAgreement(flags);
   return Service(flags, host, catalogue).Run();
 }

@@ -11,7 +11,7 @@
 namespace twin::cli {
 
 void ServePage::Open(const scenario::Scenario& scenario, const scenario::RobotData& data,
-                     const scenario::Catalogue& catalogue, const scenario::RunFiles& files,
+                     const run::Catalogue& catalogue, const run::RunFiles& files,
                      server::ServedRobot& robot) {
   if (!flags_.wanted()) return;
   const bool is_lockstep = scenario.drive == scenario::Drive::kLockstep;

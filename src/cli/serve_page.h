@@ -12,7 +12,7 @@
 #include "twin/page/live_page.h"
 #include "twin/page/operator_channel.h"
 #include "twin/rt/cycle_record.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 #include "twin/server/served_robot.h"
@@ -39,7 +39,7 @@ class ServePage {
   /// Begins to serve. @param robot  that has not begun; must outlive the page, as the catalogue.
   /// @throws as PageAt and page::LivePage.
   void Open(const scenario::Scenario& scenario, const scenario::RobotData& data,
-            const scenario::Catalogue& catalogue, const scenario::RunFiles& files,
+            const run::Catalogue& catalogue, const run::RunFiles& files,
             server::ServedRobot& robot);
 
   /// A line for all who look.

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "twin/core/error_catalogue.h"
-#include "twin/scenario/fingerprint.h"
+#include "twin/core/fingerprint.h"
 
 namespace twin::cli {
 namespace {
@@ -36,7 +36,7 @@ std::string PercentilesText(const rt::DurationHistogram& histogram) {
 
 /// What helps against the errors that ended the run, each text once.
 std::vector<std::string> CuresOf(const scenario::Scenario& scenario,
-                                 const scenario::RunResult& result) {
+                                 const run::RunResult& result) {
   const TimeKeeper keeper = scenario.drive == scenario::Drive::kLockstep ? TimeKeeper::kVirtualClock
                                                                          : TimeKeeper::kWallClock;
   std::vector<std::string> cures;
@@ -58,7 +58,7 @@ Json SecondsOf(const std::optional<Time>& time) {
 }
 
 /// Poses leave the joints where the null space took them: of their motions the pose counts.
-std::string FinalErrorText(const scenario::RunResult& result) {
+std::string FinalErrorText(const run::RunResult& result) {
   std::string joints = fmt::format("{:.2e} rad, largest of the joints", result.final_error);
   const auto& pose = result.final_pose_error;
   if (!pose) return joints;
@@ -67,17 +67,17 @@ std::string FinalErrorText(const scenario::RunResult& result) {
 }
 
 /// "success", ...; of a command that has not ended, how far it came.
-std::string_view ResultOf(const scenario::HandOutcome& outcome) {
+std::string_view ResultOf(const run::HandOutcome& outcome) {
   if (outcome.result) return Name(*outcome.result);
   return outcome.begun ? "running" : "not begun";
 }
 
 /// What the hand did; null when the scenario asks nothing of it.
-Json HandJson(const scenario::Scenario& scenario, const scenario::RunResult& result) {
+Json HandJson(const scenario::Scenario& scenario, const run::RunResult& result) {
   if (!result.hand) return {};
   Json commands = Json::array();
   for (std::size_t i = 0; i < result.hand->commands.size(); ++i) {
-    const scenario::HandOutcome& outcome = result.hand->commands[i];
+    const run::HandOutcome& outcome = result.hand->commands[i];
     const bool ended = outcome.ended.has_value();
     commands.push_back({{"command", Name(scenario.hand[i].command)},
                         {"begun_s", SecondsOf(outcome.begun)},
@@ -93,9 +93,9 @@ Json HandJson(const scenario::Scenario& scenario, const scenario::RunResult& res
 }
 
 /// What planning took and gave; null when nothing was planned.
-Json PlanJson(const scenario::RunResult& result) {
+Json PlanJson(const run::RunResult& result) {
   if (!result.plan) return {};
-  const scenario::PlanReport& plan = *result.plan;
+  const run::PlanReport& plan = *result.plan;
   return {{"checks", plan.checks},
           {"found_length_rad", plan.found_length},
           {"path_length_rad", plan.path_length},
@@ -103,7 +103,7 @@ Json PlanJson(const scenario::RunResult& result) {
           {"duration_s", ToSeconds(plan.duration)}};
 }
 
-std::string PlanText(const scenario::PlanReport& plan) {
+std::string PlanText(const run::PlanReport& plan) {
   return fmt::format(
       "{:.3f} s through {} points, {:.2f} rad ({:.2f} as found); {} collision checks",
       ToSeconds(plan.duration), plan.waypoints, plan.path_length, plan.found_length, plan.checks);
@@ -116,7 +116,7 @@ std::string ContactsText(const plant::ContactWatch& contacts) {
                      first.b, ToSeconds(first.first.time_since_epoch()));
 }
 
-std::string CyclesText(const scenario::CycleCounts& counts) {
+std::string CyclesText(const run::CycleCounts& counts) {
   const double all = static_cast<double>(counts.served + counts.held);
   return fmt::format("{} served, {} held ({:.2f} %, at most {} in a row); {} commands dropped",
                      counts.served, counts.held,
@@ -150,7 +150,7 @@ std::string RemoteCyclesText(const loop::LoopTimings& timings) {
 }
 
 /// Where its odometry has it; null when the arm stands on the world.
-Json BaseJson(const scenario::RunResult& result) {
+Json BaseJson(const run::RunResult& result) {
   if (!result.base) return {};
   const BasePose& at = result.base->odometry;
   return {{"x_m", at.x}, {"y_m", at.y}, {"yaw_rad", at.yaw}};
@@ -163,7 +163,7 @@ std::string BaseText(const BaseState& base) {
       base.odometry.x, base.odometry.y, base.odometry.yaw);
 }
 
-std::string HandText(const scenario::Scenario& scenario, const scenario::HandReport& hand) {
+std::string HandText(const scenario::Scenario& scenario, const run::HandReport& hand) {
   std::string text;
   for (std::size_t i = 0; i < hand.commands.size(); ++i) {
     text += fmt::format("{} {}, ", Name(scenario.hand[i].command), ResultOf(hand.commands[i]));
@@ -229,7 +229,7 @@ std::string ViabilityText(const rt::FilterCounts& counts) {
   return text;
 }
 
-std::string OutcomeOf(const scenario::RunResult& result, bool interrupted) {
+std::string OutcomeOf(const run::RunResult& result, bool interrupted) {
   if (result.report.succeeded()) return "success";
   if (interrupted) return "interrupted";
   const bool aborted = result.report.end == backend::MotionEnd::kAborted ||
@@ -237,7 +237,7 @@ std::string OutcomeOf(const scenario::RunResult& result, bool interrupted) {
   return aborted ? "aborted" : "failed";
 }
 
-std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunResult& result,
+std::string SummaryJson(const scenario::Scenario& scenario, const run::RunResult& result,
                         bool interrupted, const std::optional<plant::ContactWatch>& contacts) {
   Json violations = Json::array();
   for (const Violation& violation : result.report.violations) {
@@ -278,8 +278,8 @@ std::string SummaryJson(const scenario::Scenario& scenario, const scenario::RunR
       {"contacts", ContactsJson(contacts)},
       {"d_EXT_us", PercentilesUs(result.report.timings.d_EXT)},
       {"period_us", PercentilesUs(result.report.timings.period)},
-      {"libm", scenario::FormatHash(scenario::LibmFingerprint())},
-      {"states_hash", scenario::FormatHash(result.states_hash)},
+      {"libm", FormatHash(LibmFingerprint())},
+      {"states_hash", FormatHash(result.states_hash)},
   };
   summary.update(DeviationJson(result.followed));
   return TextOf(summary);
@@ -313,7 +313,7 @@ std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robo
   return TextOf(timing);
 }
 
-std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunResult& result,
+std::string SummaryText(const scenario::Scenario& scenario, const run::RunResult& result,
                         bool interrupted, const WallTimes& times,
                         const std::optional<plant::ContactWatch>& contacts) {
   std::string out;
@@ -355,8 +355,8 @@ std::string SummaryText(const scenario::Scenario& scenario, const scenario::RunR
     line("out of time", late);
     return out;
   }
-  line("states hash", fmt::format("{} (libm {})", scenario::FormatHash(result.states_hash),
-                                  scenario::FormatHash(scenario::LibmFingerprint())));
+  line("states hash", fmt::format("{} (libm {})", FormatHash(result.states_hash),
+                                  FormatHash(LibmFingerprint())));
   return out;
 }
 

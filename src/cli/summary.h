@@ -10,7 +10,7 @@
 #include "twin/core/time.h"
 #include "twin/plant/contact_watch.h"
 #include "twin/rt/filter_counts.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::cli {
@@ -28,12 +28,12 @@ struct WallTimes {
 };
 
 /// "success", "aborted", "interrupted" or "failed".
-[[nodiscard]] std::string OutcomeOf(const scenario::RunResult& result, bool interrupted);
+[[nodiscard]] std::string OutcomeOf(const run::RunResult& result, bool interrupted);
 
 /// summary.json: what, in lockstep, repeats with scenario and seed, byte by byte.
 /// @param contacts   what the arm touched; absent: nobody simulates it.
 [[nodiscard]] std::string SummaryJson(const scenario::Scenario& scenario,
-                                      const scenario::RunResult& result, bool interrupted,
+                                      const run::RunResult& result, bool interrupted,
                                       const std::optional<plant::ContactWatch>& contacts);
 
 /// summary.json of a run that failed before its first motion.
@@ -61,7 +61,7 @@ struct WallTimes {
 
 /// The block a run ends with on the terminal.
 [[nodiscard]] std::string SummaryText(const scenario::Scenario& scenario,
-                                      const scenario::RunResult& result, bool interrupted,
+                                      const run::RunResult& result, bool interrupted,
                                       const WallTimes& times,
                                       const std::optional<plant::ContactWatch>& contacts);
 

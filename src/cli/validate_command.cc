@@ -15,7 +15,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/core/time.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/data_directory.h"
 #include "twin/scenario/scenario.h"
 
@@ -52,8 +52,8 @@ void CheckCamera(const scenario::Scenario& scenario, const std::filesystem::path
 }
 
 std::string CheckMotion(const scenario::Scenario& scenario, const std::filesystem::path& file,
-                        const scenario::Catalogue& catalogue, const scenario::RunFiles& files) {
-  const scenario::Run run(scenario, catalogue, files, nullptr);
+                        const run::Catalogue& catalogue, const run::RunFiles& files) {
+  const run::Run run(scenario, catalogue, files, nullptr);
   CheckCamera(scenario, file, run.connection());
   return fmt::format("  motion  {}\n", DescribeMotion(scenario.motion, run.trajectory()));
 }
@@ -90,8 +90,8 @@ scenario::Scenario WithoutLibrary(scenario::Scenario scenario) {
 
 std::string CheckWithoutLibrary(const scenario::Scenario& scenario,
                                 const std::filesystem::path& file,
-                                const scenario::Catalogue& catalogue,
-                                const scenario::RunFiles& files) {
+                                const run::Catalogue& catalogue,
+                                const run::RunFiles& files) {
   control::ControllerRegistry known;
   known.Add(kNotLoaded, [](const control::ControllerRequest& request) {
     return std::make_unique<NotLoaded>(request.interface);
@@ -103,8 +103,8 @@ std::string CheckWithoutLibrary(const scenario::Scenario& scenario,
 }
 
 std::string CheckApplication(const scenario::Scenario& scenario, const std::filesystem::path& file,
-                             const scenario::Catalogue& catalogue,
-                             const scenario::RunFiles& files) {
+                             const run::Catalogue& catalogue,
+                             const run::RunFiles& files) {
   const MonotonicClock clock;
   const application::ApplicationRun run(scenario, catalogue, files, nullptr, clock);
   CheckCamera(scenario, file, run.connection());
@@ -117,11 +117,11 @@ std::string CheckApplication(const scenario::Scenario& scenario, const std::file
 // Prepares all that a run prepares, so that what validate passes run does not refuse; but runs no
 // code that a scenario names unless asked.
 ExitCode ValidateCommand(const ValidateFlags& flags, const Host& host,
-                         const scenario::Catalogue& catalogue) {
+                         const run::Catalogue& catalogue) {
   const scenario::Scenario scenario = scenario::Load(flags.scenario);
   const auto data =
       scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes});
-  const scenario::RunFiles files{data.models, data.mesh_package, UsableCache(host), false};
+  const run::RunFiles files{data.models, data.mesh_package, UsableCache(host), false};
   const auto check = scenario.application                                ? &CheckApplication
                      : flags.load || scenario.controller.library.empty() ? &CheckMotion
                                                                          : &CheckWithoutLibrary;

@@ -14,7 +14,7 @@
 #include "twin/record/log_reader.h"
 #include "twin/render/frame_painter.h"
 #include "twin/scenario/data_directory.h"
-#include "twin/scenario/states_hash.h"
+#include "twin/run/states_hash.h"
 
 namespace twin::cli {
 namespace {
@@ -29,7 +29,7 @@ golden::PicturePlan PlanOf(const scenario::VideoCase& wanted) {
   return plan;
 }
 
-scenario::RunFiles FilesFor(const VideoFlags& flags, const Host& host) {
+run::RunFiles FilesFor(const VideoFlags& flags, const Host& host) {
   const auto data =
       scenario::FindDataDirectory({host.executable, flags.data.models, flags.data.meshes});
   if (data.mesh_package.empty()) {
@@ -42,7 +42,7 @@ scenario::RunFiles FilesFor(const VideoFlags& flags, const Host& host) {
 
 /// How the case is run.
 RunFlags FlagsOf(const scenario::VideoCase& wanted, const VideoFlags& flags,
-                 const scenario::RunFiles& files) {
+                 const run::RunFiles& files) {
   RunFlags run;
   run.scenario = files.models / wanted.scenario;
   run.lab = wanted.lab;
@@ -86,7 +86,7 @@ std::string DifferenceOf(scenario::Scenario theirs, scenario::Scenario wanted) {
 
 /// @throws InputError when the log's run is not the case's, or, to approve, is not whole.
 void RequireRunOf(const scenario::VideoCase& wanted, const std::filesystem::path& log,
-                  const VideoFlags& flags, const scenario::RunFiles& files, const Host& host) {
+                  const VideoFlags& flags, const run::RunFiles& files, const Host& host) {
   const record::LogReader reader(log);
   if (reader.truncated()) {
     const std::string cut =
@@ -109,9 +109,9 @@ void RequireRunOf(const scenario::VideoCase& wanted, const std::filesystem::path
 }  // namespace
 
 VideoCaseRun::VideoCaseRun(const scenario::VideoCase& wanted, const VideoFlags& flags,
-                           const Host& host, const scenario::Catalogue& catalogue)
+                           const Host& host, const run::Catalogue& catalogue)
     : file_(flags.goldens / (wanted.name + ".yaml")), plan_(PlanOf(wanted)) {
-  const scenario::RunFiles files = FilesFor(flags, host);
+  const run::RunFiles files = FilesFor(flags, host);
   if (flags.log) {
     log_ = FindLog(*flags.log);
     RequireRunOf(wanted, log_, flags, files, host);
@@ -119,11 +119,11 @@ VideoCaseRun::VideoCaseRun(const scenario::VideoCase& wanted, const VideoFlags& 
     Run(wanted, flags, host, catalogue);
   }
   recording_.emplace(log_, files);
-  states_ = scenario::StatesHashOf(log_);
+  states_ = run::StatesHashOf(log_);
 }
 
 void VideoCaseRun::Run(const scenario::VideoCase& wanted, const VideoFlags& flags, const Host& host,
-                       const scenario::Catalogue& catalogue) {
+                       const run::Catalogue& catalogue) {
   const RunFlags run = FlagsOf(wanted, flags, FilesFor(flags, host));
   log_ = run.out / "run.mcap";
   try {

@@ -23,7 +23,7 @@ class VideoCaseRun {
   /// than the case's, and, to approve, one of a run that was killed; EnvironmentError without the
   /// robot's meshes; Interrupted.
   VideoCaseRun(const scenario::VideoCase& wanted, const VideoFlags& flags, const Host& host,
-               const scenario::Catalogue& catalogue);
+               const run::Catalogue& catalogue);
 
   /// Takes the pictures. @param golden  whose key frames are taken; null: by the case.
   /// @throws Interrupted; InputError naming the case's file when a view's body or camera is not in
@@ -37,7 +37,7 @@ class VideoCaseRun {
 
  private:
   void Run(const scenario::VideoCase& wanted, const VideoFlags& flags, const Host& host,
-           const scenario::Catalogue& catalogue);
+           const run::Catalogue& catalogue);
 
   std::filesystem::path file_;  ///< of the case, for messages
   golden::PicturePlan plan_;

@@ -96,7 +96,7 @@ std::string ApproveCommand(const scenario::VideoCase& wanted, const VideoFlags& 
 /// A command while it goes on.
 class VideoSession {
  public:
-  VideoSession(const VideoFlags& flags, const Host& host, const scenario::Catalogue& catalogue)
+  VideoSession(const VideoFlags& flags, const Host& host, const run::Catalogue& catalogue)
       : flags_(flags), host_(host), catalogue_(catalogue) {
     RequireProgram("ffmpeg", host.path, "apt-get install ffmpeg");
   }
@@ -202,14 +202,14 @@ class VideoSession {
 
   const VideoFlags& flags_;
   const Host& host_;
-  const scenario::Catalogue& catalogue_;
+  const run::Catalogue& catalogue_;
   const InterruptGuard interrupt_;
 };
 
 }  // namespace
 
 ExitCode VideoCommand(const VideoFlags& flags, const Host& host,
-                      const scenario::Catalogue& catalogue) {
+                      const run::Catalogue& catalogue) {
   VideoSession session(flags, host, catalogue);
   return flags.deed == VideoDeed::kApprove ? session.Approve() : session.Compare();
 }

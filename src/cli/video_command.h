@@ -8,7 +8,7 @@
 
 #include "cli/commands.h"
 #include "cli/exit_code.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 
 namespace twin::cli {
 
@@ -34,6 +34,6 @@ struct VideoFlags {
 /// @returns kFailed when a case looks different from what was approved. @throws twin::Error;
 /// Interrupted.
 [[nodiscard]] ExitCode VideoCommand(const VideoFlags& flags, const Host& host,
-                                    const scenario::Catalogue& catalogue);
+                                    const run::Catalogue& catalogue);
 
 }  // namespace twin::cli

@@ -7,7 +7,7 @@
 
 #include "twin/core/error.h"
 #include "twin/report/chart.h"
-#include "twin/scenario/fingerprint.h"
+#include "twin/core/fingerprint.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::experiment {
@@ -51,7 +51,7 @@ Calibration ReadCalibration(const std::filesystem::path& scenarios) {
     calibration.yaml[i] = scenario::ToYaml(loop);
     hash.Add(calibration.yaml[i]);
   }
-  calibration.hash = scenario::FormatHash(hash.value());
+  calibration.hash = FormatHash(hash.value());
   return calibration;
 }
 

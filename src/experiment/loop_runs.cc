@@ -12,7 +12,7 @@
 namespace twin::experiment {
 namespace {
 
-LoopSample RunOnce(const Setting& setting, const scenario::Catalogue& stack, std::size_t loop,
+LoopSample RunOnce(const Setting& setting, const run::Catalogue& stack, std::size_t loop,
                    int run) {
   const scenario::Scenario scenario = LoopScenario(setting, loop, run);
   const bool is_bare = scenario.loop == loop::LoopKind::kBare;
@@ -37,7 +37,7 @@ scenario::Scenario LoopScenario(const Setting& setting, std::size_t loop, int ru
   return scenario;
 }
 
-LoopRuns RunLoops(const Setting& setting, const scenario::Catalogue& stack, double share) {
+LoopRuns RunLoops(const Setting& setting, const run::Catalogue& stack, double share) {
   LoopRuns runs;
   for (auto& samples : runs) samples.resize(static_cast<std::size_t>(setting.seeds));
   const auto work = [&](int job) {

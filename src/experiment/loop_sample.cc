@@ -47,7 +47,7 @@ Duration Scaled(Duration duration, double factor) {
 
 LoopSample SampleLoop(const Setting& setting, const scenario::Scenario& scenario) {
   TickTimes times;
-  const scenario::RunResult result = RunScenario(setting, scenario, &times);
+  const run::RunResult result = RunScenario(setting, scenario, &times);
   LoopSample& sample = times.sample;
   std::ranges::sort(sample.d_EXT_us);
   const auto& counts = result.counts;

@@ -78,7 +78,7 @@ Scenario MakeScenario(const Setting& setting, const Tempo& tempo, const Way& way
 Outcome Measure(const Setting& setting, const Tempo& tempo, const Way& way, const Loss& loss,
                 int runs) {
   Scenario scenario = MakeScenario(setting, tempo, way);
-  const reference::Trajectory plan = scenario::MakeTrajectory(
+  const reference::Trajectory plan = run::MakeTrajectory(
       scenario,
       scenario::LoadRobotData(setting.files.models, scenario.robot.model, scenario.robot.hand));
   Outcome outcome{.runs = runs};
@@ -88,7 +88,7 @@ Outcome Measure(const Setting& setting, const Tempo& tempo, const Way& way, cons
         loss.bursts.length == 0 ? scenario::Loss{scenario::IndependentLoss{loss.share_percent}}
                                 : LossOf(setting, loss.bursts, ToSeconds(plan.duration()), run);
     Recording recording;
-    const scenario::RunResult result = RunScenario(setting, scenario, &recording);
+    const run::RunResult result = RunScenario(setting, scenario, &recording);
     if (result.report.end == backend::MotionEnd::kAborted) {
       ++outcome.aborted;
       continue;

@@ -7,7 +7,7 @@
 
 #include "twin/core/robot_errors.h"
 #include "twin/rt/cycle_record.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 
 namespace twin::experiment {
 
@@ -15,7 +15,7 @@ namespace twin::experiment {
 struct TalliedMotion {
   std::uint64_t first_id = 0;  ///< of the first cycle with a command
   std::uint64_t last_id = 0;   ///< of the last
-  scenario::CycleCounts counts{};
+  run::CycleCounts counts{};
   RobotErrors errors{};  ///< that ended it; none: it was ended in order, or by the client
 
   /// For people: ", aborted by ..."; empty for one in order.
@@ -45,7 +45,7 @@ class MotionTally final : public rt::RecordSink {
   }
   [[nodiscard]] bool IsInMotion(std::uint64_t message_id) const noexcept;
   /// Of all motions.
-  [[nodiscard]] const scenario::CycleCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] const run::CycleCounts& counts() const noexcept { return counts_; }
   /// Not all there was is kept.
   [[nodiscard]] bool is_full() const noexcept { return is_full_; }
 
@@ -54,7 +54,7 @@ class MotionTally final : public rt::RecordSink {
   static constexpr std::size_t kCycles = std::size_t{1} << 22;  ///< 70 minutes in motion
 
   std::vector<TalliedMotion> motions_;
-  scenario::CycleCounts counts_;
+  run::CycleCounts counts_;
   std::vector<std::uint8_t> lost_in_row_;
   bool in_motion_ = false;
   bool is_full_ = false;

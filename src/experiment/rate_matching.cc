@@ -82,7 +82,7 @@ Pair Measure(const Setting& setting, CommandInterface interface, double rate_hz)
     return std::make_unique<WaveSource>(request.interface, request.trajectory.start(),
                                         acceleration);
   };
-  const scenario::Catalogue catalogue{setting.catalogue.backends, controllers};
+  const run::Catalogue catalogue{setting.catalogue.backends, controllers};
   const Setting with_wave = With(setting, catalogue);
   constexpr std::size_t kRoom = 8192;  // cycles: more than the swing has
   Pair pair{.off = Recording(kRoom), .on = Recording(kRoom)};

@@ -9,7 +9,7 @@
 
 #include "experiment/wire_run.h"
 #include "twin/core/error.h"
-#include "twin/scenario/remote.h"
+#include "twin/run/remote.h"
 
 namespace twin::experiment {
 namespace {
@@ -38,7 +38,7 @@ double ChoiceOfRun(const Setting& setting, int run, std::uint32_t what) noexcept
   return Random(setting.seed, kExperimentStream).Uniform(static_cast<std::uint64_t>(run), what + 1);
 }
 
-Setting With(const Setting& setting, const scenario::Catalogue& catalogue) {
+Setting With(const Setting& setting, const run::Catalogue& catalogue) {
   return {.catalogue = catalogue,
           .files = setting.files,
           .scenarios = setting.scenarios,
@@ -72,15 +72,15 @@ void TakeOutTimingFaults(scenario::Scenario& scenario) {
   scenario.controller.phase = std::chrono::microseconds(500);
 }
 
-scenario::RunResult RunScenario(const Setting& setting, const scenario::Scenario& scenario,
+run::RunResult RunScenario(const Setting& setting, const scenario::Scenario& scenario,
                                 rt::RecordSink* sink) {
   ThrowIfInterrupted(setting);
-  scenario::RunResult result;
+  run::RunResult result;
   if (scenario.drive == scenario::Drive::kRemote) {
     result = RunOverWire(setting, scenario, sink);
   } else {
-    scenario::Run run(scenario, setting.catalogue, setting.files, sink);
-    scenario::RunHooks hooks;
+    run::Run run(scenario, setting.catalogue, setting.files, sink);
+    run::RunHooks hooks;
     hooks.interrupted = setting.interrupted;
     result = run.Execute(hooks);
   }

@@ -9,7 +9,7 @@
 #include "twin/core/random.h"
 #include "twin/experiment/experiment.h"
 #include "twin/rt/cycle_record.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::experiment {
@@ -27,7 +27,7 @@ void ThrowIfInterrupted(const Setting& setting);
 [[nodiscard]] double ChoiceOfRun(const Setting& setting, int run, std::uint32_t what = 0) noexcept;
 
 /// The setting with other backends and controllers, which must outlive what is returned.
-[[nodiscard]] Setting With(const Setting& setting, const scenario::Catalogue& catalogue);
+[[nodiscard]] Setting With(const Setting& setting, const run::Catalogue& catalogue);
 
 /// `name`.yaml of the setting's scenarios, without log and video. @throws InputError as Load.
 [[nodiscard]] scenario::Scenario LoadScenario(const Setting& setting, std::string_view name);
@@ -37,8 +37,8 @@ void ThrowIfInterrupted(const Setting& setting);
 void TakeOutTimingFaults(scenario::Scenario& scenario);
 
 /// Runs it, in lockstep or as RunOverWire. How it ended is in the result. @param sink  may be null.
-/// @throws as scenario::Run; RobotFault when the setting says it was interrupted.
-scenario::RunResult RunScenario(const Setting& setting, const scenario::Scenario& scenario,
+/// @throws as run::Run; RobotFault when the setting says it was interrupted.
+run::RunResult RunScenario(const Setting& setting, const scenario::Scenario& scenario,
                                 rt::RecordSink* sink);
 
 /// Works off job(0) ... job(count - 1) on the host's processors, on the wall clock one by one; of

@@ -12,7 +12,7 @@
 #include "twin/loop/command_chain.h"
 #include "twin/onboard/limit_monitor.h"
 #include "twin/reference/feed_forward.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 
 namespace twin::experiment {
 namespace {
@@ -183,7 +183,7 @@ StreamSetting LoadStreamSetting(const Setting& setting) {
   const scenario::Scenario scenario = LoadScenario(setting, "asynchronous");
   scenario::RobotData robot =
       scenario::LoadRobotData(setting.files.models, scenario.robot.model, scenario.robot.hand);
-  reference::Trajectory canonical = scenario::MakeTrajectory(scenario, robot);
+  reference::Trajectory canonical = run::MakeTrajectory(scenario, robot);
   return {std::move(robot), std::move(canonical)};
 }
 

@@ -9,7 +9,7 @@
 #include "experiment/runs.h"
 #include "experiment/spectrum.h"
 #include "twin/core/error.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/robot_data.h"
 
 namespace twin::experiment {
@@ -47,7 +47,7 @@ Scenario MakeScenario(const Setting& setting, Way way, int run, const TrackingLe
 
 reference::Trajectory TrackingPlan(const Setting& setting) {
   const Scenario scenario = MakeScenario(setting, Way::kProposed, 0);
-  return scenario::MakeTrajectory(
+  return run::MakeTrajectory(
       scenario,
       scenario::LoadRobotData(setting.files.models, scenario.robot.model, scenario.robot.hand));
 }
@@ -57,7 +57,7 @@ TrackingOutcome MeasureTracking(const Setting& setting, const reference::Traject
   constexpr std::size_t kRoom = 32768;  // cycles: more than the motion has
   Recording recording(kRoom);
   TrackingOutcome outcome;
-  const scenario::RunResult result =
+  const run::RunResult result =
       RunScenario(setting, MakeScenario(setting, way, run, levels), &recording);
   outcome.succeeded = result.report.succeeded();
   const std::vector<CycleSample>& cycles = recording.cycles();

@@ -67,7 +67,7 @@ void MeasureMotion(const reference::Trajectory& plan, const Recording& recording
 ViabilityRun RunViabilityCase(const Setting& setting, const ViabilityCase& what, int run) {
   constexpr std::size_t kRoom = 32768;  // cycles: more than the motion has
   Scenario scenario = MakeScenario(setting, what, run);
-  const reference::Trajectory plan = scenario::MakeTrajectory(
+  const reference::Trajectory plan = run::MakeTrajectory(
       scenario,
       scenario::LoadRobotData(setting.files.models, scenario.robot.model, scenario.robot.hand));
   if (what.disturbance == Disturbance::kBursts) {
@@ -75,7 +75,7 @@ ViabilityRun RunViabilityCase(const Setting& setting, const ViabilityCase& what,
         LossOf(setting, {.length = kLongestBurst}, ToSeconds(plan.duration()), run);
   }
   Recording recording(kRoom);
-  const scenario::RunResult result = RunScenario(setting, scenario, &recording);
+  const run::RunResult result = RunScenario(setting, scenario, &recording);
   ViabilityRun outcome{.aborted = result.report.end == backend::MotionEnd::kAborted,
                        .succeeded = result.report.succeeded(),
                        .spectrum = {},

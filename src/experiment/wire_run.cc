@@ -17,11 +17,11 @@ class RobotSide final : public rt::RecordSink {
   }
   void Put(const rt::TickRecord& /*record*/) noexcept override {}
 
-  [[nodiscard]] const scenario::CycleCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] const run::CycleCounts& counts() const noexcept { return counts_; }
 
  private:
   rt::RecordSink* next_;
-  scenario::CycleCounts counts_;
+  run::CycleCounts counts_;
 };
 
 /// The workstation's end: its ticks. What it makes of the states is not looked at.
@@ -40,12 +40,12 @@ class WorkstationSide final : public rt::RecordSink {
 
 }  // namespace
 
-scenario::RunResult RunOverWire(const Setting& setting, const scenario::Scenario& scenario,
+run::RunResult RunOverWire(const Setting& setting, const scenario::Scenario& scenario,
                                 rt::RecordSink* sink) {
   scenario::Scenario served = scenario;
   served.robot.clock_drift_ppm -= scenario.controller.clock_drift_ppm;
   RobotSide robot_side(sink);
-  const robot::RobotConfig config = scenario::MakeServedConfig(served, setting.files);
+  const robot::RobotConfig config = run::MakeServedConfig(served, setting.files);
   server::ServedRobot robot(config, robot::MakePlant(config),
                             {.takes_free_ports = true, .sink = &robot_side});
   robot.Start();
@@ -53,12 +53,12 @@ scenario::RunResult RunOverWire(const Setting& setting, const scenario::Scenario
   scenario::Scenario remote = scenario;
   remote.controller.clock_drift_ppm = 0;
   WorkstationSide workstation_side(sink);
-  scenario::RealtimeSettings settings;
+  run::RealtimeSettings settings;
   settings.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port, .checks_start = false};
-  scenario::RunResult result;
+  run::RunResult result;
   {
-    scenario::Run run(remote, setting.catalogue, setting.files, &workstation_side, settings);
-    scenario::RunHooks hooks;
+    run::Run run(remote, setting.catalogue, setting.files, &workstation_side, settings);
+    run::RunHooks hooks;
     hooks.interrupted = setting.interrupted;
     result = run.Execute(hooks);
   }

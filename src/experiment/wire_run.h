@@ -2,7 +2,7 @@
 
 #include "twin/experiment/experiment.h"
 #include "twin/rt/cycle_record.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::experiment {
@@ -14,7 +14,7 @@ namespace twin::experiment {
 /// @param scenario  drive remote. @param sink  cycles come from the robot's thread, ticks from the
 /// communication's; may be null.
 /// @returns counts as the robot had them, not as the workstation guesses. @throws as RunScenario.
-[[nodiscard]] scenario::RunResult RunOverWire(const Setting& setting,
+[[nodiscard]] run::RunResult RunOverWire(const Setting& setting,
                                               const scenario::Scenario& scenario,
                                               rt::RecordSink* sink);
 

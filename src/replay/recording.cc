@@ -83,15 +83,15 @@ scenario::Scenario ScenarioOf(const std::filesystem::path& log, const record::Ru
 }
 
 plant::CompiledModel ModelOf(const scenario::Scenario& scenario, const scenario::RobotData& robot,
-                             const scenario::RunFiles& files) {
-  return plant::CompileModel(scenario::MakeRobotConfig(scenario, robot, files).plant);
+                             const run::RunFiles& files) {
+  return plant::CompileModel(run::MakeRobotConfig(scenario, robot, files).plant);
 }
 
 }  // namespace
 
 class Recording::Impl {
  public:
-  Impl(const std::filesystem::path& log, const scenario::RunFiles& files, int least_fps)
+  Impl(const std::filesystem::path& log, const run::RunFiles& files, int least_fps)
       : Impl(log, record::LogReader(log), files, least_fps) {}
 
   const record::RunInfo run;
@@ -106,7 +106,7 @@ class Recording::Impl {
   std::optional<render::Snapshots> snapshots;  ///< always there after construction
 
  private:
-  Impl(const std::filesystem::path& log, record::LogReader reader, const scenario::RunFiles& files,
+  Impl(const std::filesystem::path& log, record::LogReader reader, const run::RunFiles& files,
        int least_fps)
       : run(reader.run()),
         truncated(reader.truncated()),
@@ -150,7 +150,7 @@ class Recording::Impl {
   }
 };
 
-Recording::Recording(const std::filesystem::path& log, const scenario::RunFiles& files,
+Recording::Recording(const std::filesystem::path& log, const run::RunFiles& files,
                      int least_fps)
     : impl_(std::make_unique<Impl>(log, files, least_fps)) {}
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "scenario/names.h"
+#include "twin/scenario/names.h"
 #include "scenario/quoted.h"
 #include "scenario/section_writers.h"
 #include "twin/core/quantity.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "scenario/names.h"
+#include "twin/scenario/names.h"
 #include "twin/core/error.h"
 #include "twin/core/require.h"
 

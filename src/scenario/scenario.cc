@@ -5,9 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "scenario/names.h"
+#include "twin/scenario/names.h"
 #include "twin/core/error.h"
-#include "twin/scenario/remote.h"
 
 namespace twin::scenario {
 namespace {

@@ -5,13 +5,12 @@
 
 #include "scenario/link_reader.h"
 #include "scenario/max_deviation.h"
-#include "scenario/names.h"
+#include "twin/scenario/names.h"
 #include "scenario/parameter_tree.h"
 #include "scenario/section_readers.h"
 #include "scenario/trajectory_reader.h"
 #include "scenario/yaml_node.h"
 #include "twin/core/error.h"
-#include "twin/scenario/remote.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "scenario/max_deviation.h"
-#include "scenario/names.h"
+#include "twin/scenario/names.h"
 #include "scenario/parameter_tree.h"
 #include "scenario/quoted.h"
 #include "scenario/section_writers.h"

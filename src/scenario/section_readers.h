@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "scenario/names.h"
+#include "twin/scenario/names.h"
 #include "scenario/yaml_node.h"
 #include "twin/core/time.h"
 #include "twin/scenario/scenario.h"

@@ -33,13 +33,13 @@ class Performance final : public rt::RecordSink {
  public:
   /// @param folder  for the log; empty: none is written. @param devices  of operators; may be null.
   explicit Performance(const scenario::Scenario& scenario, std::filesystem::path folder = {},
-                       const scenario::RealtimeSettings& settings = {},
+                       const run::RealtimeSettings& settings = {},
                        const teleop::DeviceRegistry* devices = nullptr)
       : folder_(std::move(folder)) {
     plugins::RegisterMujoco(backends_);
     plugins::RegisterFci(backends_);
     controllers::RegisterControllers(controllers_);
-    run_.emplace(scenario, scenario::Catalogue{backends_, controllers_, devices}, files_, this,
+    run_.emplace(scenario, run::Catalogue{backends_, controllers_, devices}, files_, this,
                  clock_, settings);
     if (!folder_.empty()) {
       log_.emplace(
@@ -96,7 +96,7 @@ class Performance final : public rt::RecordSink {
   [[nodiscard]] std::filesystem::path LogPath() const { return folder_ / "run.mcap"; }
 
   const MonotonicClock clock_;
-  const scenario::RunFiles files_{.models = Models(), .mesh_package = {}, .cache = {}};
+  const run::RunFiles files_{.models = Models(), .mesh_package = {}, .cache = {}};
   const std::filesystem::path folder_;
   backend::Registry backends_;
   control::ControllerRegistry controllers_;

@@ -57,7 +57,7 @@ class ExperimentBench {
   const twin::test::TemporaryFolder folder_;
   backend::Registry backends_;
   control::ControllerRegistry controllers_;
-  const scenario::Catalogue catalogue_{backends_, controllers_};
+  const run::Catalogue catalogue_{backends_, controllers_};
 };
 
 }  // namespace twin::experiment::test

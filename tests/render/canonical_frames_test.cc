@@ -10,7 +10,7 @@
 
 #include "twin/plant/mujoco_plant.h"
 #include "twin/render/link_mask.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::render {
@@ -24,14 +24,14 @@ TEST(CanonicalFramesTest, EveryLinkIsDrawnWhereTheModelComputesIt) {
   const scenario::Scenario canonical = scenario::Load(models / "scenarios/canonical.yaml");
   const scenario::RobotData robot =
       scenario::LoadRobotData(models, canonical.robot.model, canonical.robot.hand);
-  const reference::Trajectory trajectory = scenario::MakeTrajectory(canonical, robot);
-  scenario::RunFiles files;
+  const reference::Trajectory trajectory = run::MakeTrajectory(canonical, robot);
+  run::RunFiles files;
   files.models = models;
 #ifdef TWIN_MESH_PACKAGE
   files.mesh_package = TWIN_MESH_PACKAGE;
 #endif
   const auto plant =
-      plant::MujocoPlant::Create(scenario::MakeRobotConfig(canonical, robot, files).plant);
+      plant::MujocoPlant::Create(run::MakeRobotConfig(canonical, robot, files).plant);
   RenderSettings settings;
   settings.width = canonical.render.width;
   settings.height = canonical.render.height;

@@ -87,7 +87,7 @@ TEST(RecordingTest, PutsTheArmAndAllElseWhereThePlantHasThem) {
   const scenario::RobotData robot =
       scenario::LoadRobotData(test::Files().models, scenario.robot.model, scenario.robot.hand);
   const auto plant =
-      plant::MujocoPlant::Create(scenario::MakeRobotConfig(scenario, robot, test::Files()).plant);
+      plant::MujocoPlant::Create(run::MakeRobotConfig(scenario, robot, test::Files()).plant);
   const std::size_t last = recording.snapshots().size() - 1;
   plant->Reset(test::ArmAt(recording.snapshots().time(last)));
   std::vector<double> expected(plant->qpos_size());

@@ -7,13 +7,13 @@
 
 #include "twin/plant/compiled_model.h"
 #include "twin/record/recorder.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::replay::test {
 
 /// The models that come with the program; the robot in primitive shapes.
-inline scenario::RunFiles Files() {
+inline run::RunFiles Files() {
   return {
       .models = std::filesystem::path(TWIN_SOURCE_DIR) / "models", .mesh_package = {}, .cache = {}};
 }
@@ -44,7 +44,7 @@ inline record::RunInfo InfoOf(const scenario::Scenario& scenario) {
 inline plant::CompiledModel ModelOf(const scenario::Scenario& scenario) {
   const scenario::RobotData robot =
       scenario::LoadRobotData(Files().models, scenario.robot.model, scenario.robot.hand);
-  return plant::CompileModel(scenario::MakeRobotConfig(scenario, robot, Files()).plant);
+  return plant::CompileModel(run::MakeRobotConfig(scenario, robot, Files()).plant);
 }
 
 /// Where the sample arm is: a motion of all joints that no two instants share.

@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenario/drive_script.h"
+#include "run/drive_script.h"
 #include "support/husky.h"
 #include "twin/core/error.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {
@@ -136,9 +136,9 @@ TEST(ScenarioBaseTest, TheHuskyIsNoArm) {
 
 TEST(ScenarioBaseTest, TheRobotComesWithIt) {
   const Scenario scenario = With("base: {start: {x: 1 m}}\n");
-  const RunFiles files{kModels, {}, {}, false};
+  const run::RunFiles files{kModels, {}, {}, false};
   const RobotData robot = LoadRobotData(kModels, "panda", plant::HandKind::kFrankaHand);
-  const robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
+  const robot::RobotConfig config = run::MakeRobotConfig(scenario, robot, files);
   ASSERT_TRUE(config.plant.base.has_value());
   EXPECT_EQ(config.plant.base->start, (BasePose{1, 0, 0}));
   EXPECT_EQ(config.base.track, 0.5708);
@@ -158,7 +158,7 @@ TEST(DriveScriptTest, AsksForItsDrivesAtTheirTimesAndForZeroBetweenThem) {
   const std::vector<DriveEvent> events{{100ms, 120ms, {0.5, 0}}, {300ms, 50ms, {0, 1}}};
   FakeBase base;
   std::vector<std::string> told;
-  DriveScript script(events, base,
+  run::DriveScript script(events, base,
                      [&told](Time, std::string_view text) { told.emplace_back(text); });
   std::vector<int> times;
   for (Time now{}; now <= Time(360ms); now = script.Attend(now)) {

@@ -8,7 +8,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/model/payload.h"
 #include "twin/onboard/int.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 
 namespace twin::scenario {
 namespace {
@@ -29,9 +29,9 @@ class HeldArm {
     Scenario scenario;
     scenario.robot.q_start = q;
     scenario.robot.load = load;
-    const RunFiles files{std::filesystem::path(TWIN_SOURCE_DIR) / "models", {}, {}, false};
+    const run::RunFiles files{std::filesystem::path(TWIN_SOURCE_DIR) / "models", {}, {}, false};
     const RobotData robot = LoadRobotData(files.models, "panda", scenario.robot.hand);
-    const robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
+    const robot::RobotConfig config = run::MakeRobotConfig(scenario, robot, files);
     end_effector_ = config.onboard.end_effector;
     K_theta_ = config.onboard.joint_impedance.K_theta;
     plant_ = plant::MujocoPlant::Create(config.plant);

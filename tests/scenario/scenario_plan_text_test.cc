@@ -9,7 +9,7 @@
 
 #include "scenario/scenario_examples.h"
 #include "twin/core/error.h"
-#include "twin/scenario/remote.h"
+#include "twin/run/remote.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {
@@ -81,13 +81,13 @@ TEST(ScenarioPlanTextTest, RefusesWhatMakesNoSense) {
 
 TEST(ScenarioPlanTextTest, IsSlowedDownByItsStretch) {
   Scenario scenario = Parse(test::PlanText(), "s.yaml");
-  SlowDown(scenario, RobotData(), 0.5);
+  run::SlowDown(scenario, RobotData(), 0.5);
   EXPECT_EQ(scenario.motion.plan->stretch, 3);
 }
 
 TEST(ScenarioPlanTextTest, NeedsItsSceneOnARobotToo) {
   const Scenario scenario = Parse(test::PlanText(), "s.yaml");
-  EXPECT_TRUE(WithoutEffectThere(scenario).empty());
+  EXPECT_TRUE(run::WithoutEffectThere(scenario).empty());
 }
 
 }  // namespace

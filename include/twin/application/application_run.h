@@ -8,10 +8,10 @@
 #include "twin/backend/registry.h"
 #include "twin/core/clock.h"
 #include "twin/rt/cycle_record.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
-#include "twin/scenario/session.h"
+#include "twin/run/session.h"
 
 namespace twin::application {
 
@@ -23,42 +23,42 @@ namespace twin::application {
 /// Threads: one thread.
 class ApplicationRun {
  public:
-  /// @param sink, settings  as scenario::Run's. @param clock  wall clock, for what planning takes.
+  /// @param sink, settings  as run::Run's. @param clock  wall clock, for what planning takes.
   /// All references must outlive this.
   /// @throws InputError when the scenario names no application or an unknown one, and as
   /// scenario::Session.
-  ApplicationRun(const scenario::Scenario& scenario, const scenario::Catalogue& catalogue,
-                 const scenario::RunFiles& files, rt::RecordSink* sink, const Clock& clock,
-                 const scenario::RealtimeSettings& settings = {});
+  ApplicationRun(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
+                 const run::RunFiles& files, rt::RecordSink* sink, const Clock& clock,
+                 const run::RealtimeSettings& settings = {});
 
   [[nodiscard]] const backend::Connection& connection() const noexcept;
   [[nodiscard]] const scenario::RobotData& robot() const noexcept;
   /// As Application's.
   [[nodiscard]] Duration longest() const;
 
-  /// As scenario::Run::CheckStart.
-  [[nodiscard]] bool CheckStart(const scenario::TellCheck& tell);
+  /// As run::Run::CheckStart.
+  [[nodiscard]] bool CheckStart(const run::TellCheck& tell);
 
   /// From the session's begin to its end. Once. @param tell  gets lines for people; may be empty.
   /// @throws as Application::Perform; the session has ended all the same.
-  [[nodiscard]] const Deeds& Execute(const scenario::RunHooks& hooks,
+  [[nodiscard]] const Deeds& Execute(const run::RunHooks& hooks,
                                      const std::function<void(std::string_view)>& tell = {});
 
   /// @param evidence  without the session's result, which is added. @pre Execute() has returned.
   [[nodiscard]] Judgement Judge(Evidence evidence);
 
   /// @pre Execute() has returned.
-  [[nodiscard]] const scenario::SessionResult& result() const noexcept { return result_; }
+  [[nodiscard]] const run::SessionResult& result() const noexcept { return result_; }
 
  private:
   const scenario::Scenario scenario_;
-  const scenario::RunFiles files_;
+  const run::RunFiles files_;
   const Clock& clock_;
   const teleop::DeviceRegistry* devices_;
   std::unique_ptr<Application> application_;
-  scenario::Session session_;
+  run::Session session_;
   Deeds deeds_;
-  scenario::SessionResult result_;
+  run::SessionResult result_;
 };
 
 }  // namespace twin::application

@@ -5,7 +5,7 @@
 #include "twin/plant/contact_watch.h"
 #include "twin/plant/truth_probe.h"
 #include "twin/render/snapshots.h"
-#include "twin/scenario/session.h"
+#include "twin/run/session.h"
 
 namespace twin::application {
 
@@ -16,7 +16,7 @@ struct Evidence {
   const plant::TruthProbe* truth = nullptr;  ///< at rest; null: nobody here simulates it
   const plant::ContactWatch* contacts = nullptr;
   const render::Snapshots* snapshots = nullptr;  ///< null: it was not filmed
-  scenario::SessionResult session{};
+  run::SessionResult session{};
 };
 
 }  // namespace twin::application

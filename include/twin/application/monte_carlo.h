@@ -9,7 +9,7 @@
 #include "twin/application/application.h"
 #include "twin/core/clock.h"
 #include "twin/core/time.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::application {
@@ -72,8 +72,8 @@ struct MonteCarloResult {
 /// @throws InputError when an option is out of range, the scenario is not in lockstep, or the first
 /// run cannot be made; a run that throws later has failed with what it said.
 [[nodiscard]] MonteCarloResult RunSeeds(const scenario::Scenario& scenario,
-                                        const scenario::Catalogue& catalogue,
-                                        const scenario::RunFiles& files, const Clock& clock,
+                                        const run::Catalogue& catalogue,
+                                        const run::RunFiles& files, const Clock& clock,
                                         const MonteCarloOptions& options,
                                         const std::function<void(const SeedOutcome&)>& told = {});
 

@@ -10,10 +10,10 @@
 #include "twin/core/clock.h"
 #include "twin/core/joint_vector.h"
 #include "twin/planning/collision_world.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
-#include "twin/scenario/session.h"
+#include "twin/run/session.h"
 #include "twin/teleop/device_registry.h"
 
 namespace twin::application {
@@ -26,12 +26,12 @@ class Stage {
  public:
   /// @param tell  gets a line for people about what is done; may be empty. All references must
   /// outlive the stage.
-  Stage(scenario::Session& session, const scenario::Scenario& scenario,
-        const scenario::RunFiles& files, const Clock& clock,
+  Stage(run::Session& session, const scenario::Scenario& scenario,
+        const run::RunFiles& files, const Clock& clock,
         std::function<void(std::string_view)> tell = {},
         const teleop::DeviceRegistry* devices = nullptr);
 
-  [[nodiscard]] scenario::Session& session() const noexcept { return session_; }
+  [[nodiscard]] run::Session& session() const noexcept { return session_; }
   [[nodiscard]] const scenario::Scenario& scenario() const noexcept { return scenario_; }
   [[nodiscard]] const scenario::RobotData& robot() const noexcept { return session_.robot(); }
   /// Wall clock, for what planning takes; nothing else may depend on it.
@@ -49,7 +49,7 @@ class Stage {
   /// A motion on this interface, its loop, tick and controller's timing the scenario's, its
   /// generator the interface's. What it follows, and the controller's type and parameters, are the
   /// caller's to add.
-  [[nodiscard]] scenario::Motion NewMotion(std::string name, control::CommandInterface interface,
+  [[nodiscard]] run::Motion NewMotion(std::string name, control::CommandInterface interface,
                                            reference::Trajectory trajectory) const;
 
   /// Carries out steps on the session's time; each attempt is told and is an event of the log.
@@ -60,9 +60,9 @@ class Stage {
   }
 
  private:
-  scenario::Session& session_;
+  run::Session& session_;
   const scenario::Scenario& scenario_;
-  const scenario::RunFiles& files_;
+  const run::RunFiles& files_;
   const Clock& clock_;
   std::function<void(std::string_view)> tell_;
   const teleop::DeviceRegistry* devices_;

@@ -7,14 +7,14 @@
 #include <string_view>
 
 #include "twin/experiment/findings.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 
 namespace twin::experiment {
 
 /// What an experiment works with.
 struct Setting {
-  const scenario::Catalogue& catalogue;
-  scenario::RunFiles files;
+  const run::Catalogue& catalogue;
+  run::RunFiles files;
   /// Folder of the experiments' scenarios: the calibrated loops and the motions. Source of every
   /// delay in them: Table 1 of the paper, and nothing else. A user's own may stand instead.
   std::filesystem::path scenarios;

@@ -11,7 +11,7 @@
 #include "twin/record/log_records.h"
 #include "twin/render/film.h"
 #include "twin/render/snapshots.h"
-#include "twin/scenario/assembly.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 struct mjModel_;
@@ -39,7 +39,7 @@ class Recording {
   /// @throws InputError when the log is damaged, tells no scenario, holds neither scenes nor
   /// cycles, or its scenes do not fit the model that is made of its scenario now; and as
   /// record::LogReader, scenario::Parse, plant::CompileModel.
-  Recording(const std::filesystem::path& log, const scenario::RunFiles& files, int least_fps = 0);
+  Recording(const std::filesystem::path& log, const run::RunFiles& files, int least_fps = 0);
   ~Recording();
   Recording(Recording&&) noexcept;
   Recording& operator=(Recording&&) = delete;

@@ -42,6 +42,9 @@ enum class Drive : std::uint8_t {
   kRemote,    ///< the robot's, at the other end of a wire: backend fci, and only that
 };
 
+/// The backend that goes with Drive::kRemote, and only with it.
+inline constexpr std::string_view kRemoteBackend = "fci";
+
 /// @throws InputError when there is no such drive.
 [[nodiscard]] Drive DriveFromName(std::string_view name);
 /// As scenarios spell it.

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "twin/backend/registry.h"
+#include "twin/scenario/robot_data.h"
+#include "twin/scenario/scenario.h"
+
+// Scenarios on a robot at the other end of a wire: a Panda, or a twin that is served.
+namespace twin::run {
+
+/// Which robot, and what keeps its time. Of the host, not of the scenario.
+struct RemoteSettings {
+  std::string host;            ///< IPv4 address, or name
+  std::uint16_t arm_port = 0;  ///< 0: the interface's own
+  backend::RobotTime time = backend::RobotTime::kWall;
+  fci::Capture* capture =
+      nullptr;  ///< keeps what goes over the wire, and outlives the run; or null
+  /// Run::CheckStart() must have found all well. False: a twin that this process serves itself, as
+  /// the scenario has it; nobody stands beside it.
+  bool checks_start = true;
+};
+
+/// @param robot  "HOST" or "HOST:PORT", PORT in [1, 65534]: the hand's is the next one.
+/// @param time   "wall" or "states". @throws InputError naming what is wrong.
+[[nodiscard]] RemoteSettings ParseRemote(std::string_view robot, std::string_view time);
+
+/// What of a scenario has no effect on such a robot, one line each, for people: what is simulated
+/// only (plant, link, scene, pushes, buttons, computation times), and what a robot cannot be told.
+[[nodiscard]] std::vector<std::string> WithoutEffectThere(const scenario::Scenario& scenario);
+
+/// What is served when nothing else is said: the ready pose, nothing around it.
+[[nodiscard]] scenario::Scenario DefaultServed();
+
+/// Makes the scenario's motion slower: every time of its trajectory, and of the hand's commands
+/// beside it, is divided by `share`; the path stays. A planned one's stretch is.
+/// @param share  in [0.001, 1]. @throws InputError when it is not; as MakeTrajectory.
+void SlowDown(scenario::Scenario& scenario, const scenario::RobotData& robot, double share);
+
+/// One line of the checks before a robot's first motion.
+struct CheckLine {
+  std::string_view subject;  ///< one or two words
+  bool ok = false;
+  std::string text;  ///< what was found; when it is not ok, also the cure
+};
+
+using TellCheck = std::function<void(const CheckLine&)>;
+
+}  // namespace twin::run

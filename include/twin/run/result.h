@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "twin/core/base.h"
+#include "twin/core/hand_command.h"
+#include "twin/core/joint_vector.h"
+#include "twin/core/realtime.h"
+#include "twin/core/time.h"
+#include "twin/loop/run_report.h"
+#include "twin/run/followed_motion.h"
+#include "twin/rt/cycle_record.h"
+#include "twin/rt/filter_counts.h"
+
+namespace twin::run {
+
+/// What became of the commands of a motion, as INT saw them.
+struct CycleCounts {
+  std::uint64_t served = 0;        ///< cycles with a command in time
+  std::uint64_t held = 0;          ///< cycles without one
+  std::uint64_t dropped = 0;       ///< commands that came late, doubled or with a wrong id
+  std::uint64_t longest_loss = 0;  ///< most held cycles in a row
+
+  [[nodiscard]] std::uint64_t cycles() const noexcept { return served + held; }
+  /// Share of the cycles without a command, %; 0 of none.
+  [[nodiscard]] double unserved_percent() const noexcept;
+
+  /// One cycle more. Real-time: noexcept, allocates nothing.
+  void Add(const rt::CycleRecord& record) noexcept TWIN_REALTIME;
+};
+
+/// What became of a command to the hand.
+struct HandOutcome {
+  std::optional<Time> begun;         ///< absent: the run was over before
+  std::optional<Time> ended;         ///< seen to, within 10 ms; absent: it had not when the run was
+  std::optional<HandResult> result;  ///< once it ended
+  double width = 0;                  ///< between the fingers as it ended, m
+  bool is_grasped = false;           ///< an object was held as it ended
+  std::string failure;               ///< why it was refused, for people; empty: it was not
+};
+
+/// What the hand did in a run.
+struct HandReport {
+  std::vector<HandOutcome> commands;  ///< as the scenario lists them
+  HandState state;                    ///< at the end of the run
+};
+
+/// How far a pose is from another.
+struct PoseError {
+  double distance = 0;  ///< of the origins, m
+  double angle = 0;     ///< of the turn between them, rad
+};
+
+/// What planning a run's motion took, and gave.
+struct PlanReport {
+  std::uint64_t checks = 0;   ///< of configurations for collision, by the search
+  double found_length = 0;    ///< of the path as found, rad (Euclidean)
+  double path_length = 0;     ///< and after shortening
+  std::size_t waypoints = 0;  ///< of the trajectory
+  Duration duration{};        ///< of the motion
+};
+
+/// What a run came to. Everything in it repeats with the scenario, bit by bit.
+struct RunResult {
+  loop::RunReport report;
+  JointVector goal{};      ///< last waypoint, or where the plan ends, rad
+  double final_error = 0;  ///< largest distance of a joint from it at the end, rad
+  /// Of a motion of poses, and of a controller that follows one: of the end effector, measured,
+  /// from where the last waypoint has it.
+  std::optional<PoseError> final_pose_error;
+  CycleCounts counts;
+  scenario::FollowedMotion followed;
+  std::optional<rt::FilterCounts> viability;  ///< of a scenario with tick.viability
+  std::optional<HandReport> hand;             ///< of a scenario with commands to it
+  std::optional<BaseState> base;              ///< at the end; of a robot on a mobile base
+  std::optional<PlanReport> plan;             ///< of a planned motion
+  /// Fingerprint of all states INT sent, in order: the physics, without the log's format.
+  std::uint64_t states_hash = 0;
+};
+
+}  // namespace twin::run

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "twin/backend/registry.h"
+#include "twin/core/error.h"
+#include "twin/core/time.h"
+#include "twin/loop/realtime_drive.h"
+#include "twin/reference/trajectory.h"
+#include "twin/rt/cycle_record.h"
+#include "twin/rt/thread_setup.h"
+#include "twin/run/catalogue.h"
+#include "twin/run/remote.h"
+#include "twin/run/result.h"
+#include "twin/run/robot_config.h"
+#include "twin/run/trajectory.h"
+#include "twin/scenario/robot_data.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::run {
+
+/// What the run tells while it goes on; all may be empty. Called on the run's thread, outside the
+/// tick.
+struct RunHooks {
+  /// About once per simulated 100 ms: the run's time, and the length of the planned motion.
+  std::function<void(Time now, Duration planned)> progress;
+  /// Changes worth a line: when, which kind, what.
+  std::function<void(Time now, std::string_view kind, std::string_view text)> event;
+  /// Set from a signal handler: the motion is stopped and the run ends. May be null.
+  const volatile bool* interrupted = nullptr;
+};
+
+/// Drives realtime and remote: how the threads run, and which robot. Settings of the host, not of
+/// the scenario.
+struct RealtimeSettings {
+  rt::ThreadSettings robot{.name = "twin-int", .fifo_priority = 98};
+  loop::RealtimeThreads threads;
+  RemoteSettings remote;
+};
+
+/// No way to the goal of a planned motion was found within its budget; there may be none. Exit code
+/// 1.
+class NoPlanError : public Error {
+  using Error::Error;
+};
+
+/// Checks all of a scenario short of compiling the robot's model and running it: names, robot,
+/// trajectory, start, tick, scene file. A motion that is to be planned is planned, on a model
+/// compiled for that.
+/// @throws InputError as Run does.
+void Check(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files);
+
+/// A scenario made ready to run: drive, connected backend, trajectory, controller.
+///
+/// Threads: one thread.
+class Run {
+ public:
+  /// Builds and connects.
+  /// @param sink  gets the records of cycles and ticks; may be null; must outlive the run. In
+  /// lockstep all come from the calling thread; in real time cycles from the robot's thread and
+  /// ticks from the communication's.
+  /// @throws InputError for an unknown backend, controller or robot, a trajectory that breaks a
+  /// limit, a plan whose start or goal touches something (which) or whose goal is out of reach, and
+  /// what the backend's factory finds wrong; EnvironmentError and RobotFault from the latter;
+  /// NoPlanError when no plan was found within its budget.
+  Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
+      rt::RecordSink* sink, const RealtimeSettings& settings = {});
+  ~Run();
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  [[nodiscard]] const backend::Connection& connection() const noexcept;
+  [[nodiscard]] const reference::Trajectory& trajectory() const noexcept;
+  [[nodiscard]] const scenario::RobotData& robot() const noexcept;
+  /// How long the planner took, on the wall clock; nothing when nothing was planned.
+  [[nodiscard]] std::optional<Duration> planning_time() const noexcept;
+
+  /// Drive remote, before Execute(): sends the robot the scenario's settings (section int) and
+  /// looks whether it, the way to it and this host are ready for a motion. Nothing of it moves the
+  /// arm. Takes about 0.5 s. @param tell  gets each line as soon as it is known.
+  /// @returns whether all is well. @throws RobotFault when the connection is lost.
+  [[nodiscard]] bool CheckStart(const TellCheck& tell);
+
+  /// Runs the motion to its end. To be called once; on a remote robot only after CheckStart() found
+  /// all well.
+  /// @throws RobotFault when the motion is refused, InputError when it cannot start from where the
+  /// robot is. A motion that starts and then fails is no exception: the report says how it ended.
+  [[nodiscard]] RunResult Execute(const RunHooks& hooks = {});
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace twin::run

@@ -1,0 +1,32 @@
+#include "twin/core/fingerprint.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "twin/core/word_hash.h"
+
+namespace twin {
+
+std::uint64_t LibmFingerprint() {
+  constexpr int kPoints = 4096;
+  WordHash hash;
+  // volatile: the compiler must not compute these itself.
+  volatile double x = 0;
+  for (int i = 1; i <= kPoints; ++i) {
+    x = i * 0.0037 - 7.3;
+    hash.AddNumber(std::sin(x));
+    hash.AddNumber(std::cos(x));
+    hash.AddNumber(std::exp(x));
+    hash.AddNumber(std::log(x * x + 0.1));
+    hash.AddNumber(std::pow(x * x + 0.1, 0.37));
+    hash.AddNumber(std::atan2(x, 0.7));
+  }
+  return hash.value();
+}
+
+std::string FormatHash(std::uint64_t hash) {
+  return fmt::format("{:016x}", hash);
+}
+
+}  // namespace twin

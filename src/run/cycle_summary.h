@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+
+#include "twin/core/word_hash.h"
+#include "twin/rt/cycle_record.h"
+#include "twin/rt/filter_counts.h"
+#include "twin/rt/latest_value.h"
+#include "twin/run/run.h"
+
+namespace twin::run {
+
+/// What has been counted so far.
+struct CycleTally {
+  CycleCounts motion;         ///< since the last motion began, what came behind it too
+  std::uint64_t motions = 0;  ///< that began: robot_mode became Move
+};
+
+/// Counts and fingerprints the cycles that pass through on their way to another sink.
+///
+/// Threads and real-time: as rt::RecordSink; Tally() from one thread at any time; the rest while
+/// nothing is put.
+class CycleSummary final : public rt::RecordSink {
+ public:
+  /// @param next  may be null; must outlive this.
+  explicit CycleSummary(rt::RecordSink* next) : next_(next) {}
+
+  void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
+
+  /// As of the last cycle put. Valid until the next call.
+  [[nodiscard]] const CycleTally& Tally() noexcept {
+    static_cast<void>(shown_.Refresh());
+    return shown_.value();
+  }
+  [[nodiscard]] const CycleCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] const rt::FilterCounts& viability() const noexcept { return viability_; }
+  [[nodiscard]] std::uint64_t states_hash() const noexcept { return hash_.value(); }
+
+ private:
+  void AddState(const RobotState& state) noexcept;
+  void AddBase(const BaseState& base) noexcept;
+  void CountMotion(const rt::CycleRecord& record) noexcept;
+
+  rt::RecordSink* next_;
+  CycleCounts counts_;
+  rt::FilterCounts viability_;  ///< written by the ticks' thread, all else by the cycles'
+  WordHash hash_;
+  bool moving_ = false;
+  CycleTally tally_;
+  rt::LatestValue<CycleTally> shown_;
+};
+
+}  // namespace twin::run

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "twin/backend/base.h"
+#include "twin/core/time.h"
+#include "twin/scenario/base_section.h"
+
+namespace twin::run {
+
+/// Asks a mobile base for what a scenario lists, every 50 ms, as somebody at a stick would; for
+/// zero where it lists nothing.
+///
+/// Threads: one, the run's; not for real-time code.
+class DriveScript {
+ public:
+  /// (when, what), a line about a drive that begins.
+  using Tell = std::function<void(Time now, std::string_view text)>;
+
+  /// @param events  one after the other; they and the base must outlive the script. @param tell may
+  /// be empty.
+  DriveScript(const std::vector<scenario::DriveEvent>& events, backend::Base& base, Tell tell);
+
+  /// Asks for what is due at `now`. @returns when to be called next.
+  [[nodiscard]] Time Attend(Time now);
+
+ private:
+  const std::vector<scenario::DriveEvent>& events_;
+  backend::Base& base_;
+  const Tell tell_;
+  std::size_t next_ = 0;  ///< of events_, not over yet
+  bool told_ = false;     ///< of it
+};
+
+}  // namespace twin::run

@@ -1,0 +1,99 @@
+#include "run/motion_planning.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/model/transform.h"
+#include "twin/planning/random_goal.h"
+#include "twin/run/run.h"
+
+namespace twin::run {
+namespace {
+
+/// Plans to whatever the goal is.
+class Question {
+ public:
+  Question(const scenario::Scenario& scenario, const scenario::RobotData& robot, const JointVector& start,
+           planning::CollisionWorld& world, const Clock& clock)
+      : plan_(*scenario.motion.plan),
+        q_start_(*scenario.robot.q_start),
+        start_(start),
+        seed_(plan_.seed.value_or(scenario.seed)),
+        robot_(robot),
+        F_T_EE_(robot.F_T_EE(scenario.onboard.NE_T_EE)),
+        world_(world),
+        planner_(world, robot.limits, clock,
+                 {.most_checks = plan_.budget,
+                  .clearance = plan_.clearance,
+                  .pace = scenario.motion.timing}) {}
+
+  [[nodiscard]] planning::PlanOutcome Answer() {
+    return std::visit([this](const auto& goal) { return To(goal); }, plan_.goal);
+  }
+
+ private:
+  [[nodiscard]] planning::PlanOutcome To(const scenario::RandomGoal& /*goal*/) {
+    return To(planning::RandomGoal(world_, robot_.limits, seed_,
+                                   {.from = q_start_, .clearance = plan_.clearance}));
+  }
+  [[nodiscard]] planning::PlanOutcome To(const JointVector& q) {
+    return planner_.ToConfiguration(start_, q, seed_);
+  }
+  [[nodiscard]] planning::PlanOutcome To(const scenario::FramePose& O_T_EE) {
+    return planner_.ToPose(start_, model::Multiply(O_T_EE.Matrix(), model::Inverse(F_T_EE_)),
+                           seed_);
+  }
+
+  const scenario::PlanSection& plan_;
+  const JointVector q_start_;  ///< where the arm should stand
+  const JointVector start_;    ///< where it does
+  const std::uint64_t seed_;
+  const scenario::RobotData& robot_;
+  const Transform F_T_EE_;
+  planning::CollisionWorld& world_;
+  planning::Planner planner_;
+};
+
+/// "s.yaml:12: ", where it was read from a file.
+std::string PlaceOf(const scenario::PlanSection& plan) {
+  return plan.where.empty() ? "" : plan.where + ": ";
+}
+
+reference::Trajectory Stretched(planning::Plan plan, double by, const JointLimits& limits) {
+  if (by == 1) return std::move(plan.trajectory);
+  for (reference::Waypoint& point : plan.waypoints) {
+    point.at = FromSeconds(ToSeconds(point.at.value()) * by);
+  }
+  return reference::Trajectory(plan.waypoints, {}, limits);
+}
+
+}  // namespace
+
+reference::Trajectory PlanMotion(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                                 const JointVector& start, const plant::MujocoPlantOptions& world,
+                                 planning::PlanStatistics& statistics) {
+  const scenario::PlanSection& plan = *scenario.motion.plan;
+  const MonotonicClock clock;
+  try {
+    planning::CollisionWorld around(world);
+    planning::PlanOutcome outcome = Question(scenario, robot, start, around, clock).Answer();
+    if (auto* found = std::get_if<planning::Plan>(&outcome)) {
+      statistics = found->statistics;
+      return Stretched(std::move(*found), plan.stretch, robot.limits);
+    }
+    const auto& failure = std::get<planning::PlanFailure>(outcome);
+    if (failure.reason == planning::PlanFailureReason::kBudgetExhausted) {
+      throw NoPlanError(PlaceOf(plan) + failure.text);
+    }
+    throw InputError(failure.text);
+  } catch (const InputError& error) {
+    throw InputError(PlaceOf(plan) + error.what());
+  }
+}
+
+}  // namespace twin::run

@@ -1,0 +1,125 @@
+#include "twin/run/remote.h"
+
+#include <charconv>
+#include <numbers>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/core/require.h"
+#include "twin/run/run.h"
+
+namespace twin::run {
+namespace {
+
+backend::RobotTime ParseTime(std::string_view time) {
+  if (time == "wall") return backend::RobotTime::kWall;
+  if (time == "states") return backend::RobotTime::kStates;
+  throw InputError(
+      fmt::format("--robot-time \"{}\" is unknown; accepted: wall (hardware, or a twin in real "
+                  "time), states (a twin that is served in lockstep)",
+                  time));
+}
+
+std::uint16_t ParsePort(std::string_view text, std::string_view robot) {
+  std::uint16_t port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  if (whole && port > 0 && port < 65535) return port;
+  throw InputError(fmt::format("--robot \"{}\": \"{}\" is no port; give one in [1, 65534], or none",
+                               robot, text));
+}
+
+/// Whether the link does anything.
+bool IsIdeal(const scenario::LinkSection& link) {
+  return link.state == scenario::DirectionSection() && link.command == scenario::DirectionSection();
+}
+
+bool TakesTime(const scenario::Scenario& scenario) {
+  const scenario::ControllerSection& controller = scenario.controller;
+  return scenario.tick.cost != scenario::Delay() || controller.cost != scenario::Delay() ||
+         controller.wake_delay != scenario::Delay();
+}
+
+/// What is set in the robot's own controller and by no request.
+bool HasOwnLaws(const scenario::OnboardSection& onboard) {
+  const scenario::OnboardSection usual;
+  return onboard.damping_ratio != usual.damping_ratio ||
+         onboard.abort_after_lost != usual.abort_after_lost ||
+         onboard.friction_compensation != usual.friction_compensation;
+}
+
+}  // namespace
+
+RemoteSettings ParseRemote(std::string_view robot, std::string_view time) {
+  RemoteSettings settings;
+  settings.time = ParseTime(time);
+  const std::size_t colon = robot.rfind(':');
+  settings.host = std::string(robot.substr(0, colon));
+  if (settings.host.empty()) {
+    throw InputError(fmt::format("--robot \"{}\" names no host; give HOST or HOST:PORT", robot));
+  }
+  if (colon != std::string_view::npos) {
+    settings.arm_port = ParsePort(robot.substr(colon + 1), robot);
+  }
+  return settings;
+}
+
+std::vector<std::string> WithoutEffectThere(const scenario::Scenario& scenario) {
+  std::vector<std::string> lines;
+  const auto add_if = [&lines](bool present, const char* text) {
+    if (present) lines.emplace_back(text);
+  };
+  add_if(!(scenario.plant == scenario::PlantSection()) || (!scenario.scene.empty() && !scenario.motion.plan),
+         "plant, scene: the robot and its surroundings are what they are");
+  add_if(!(scenario.robot.load == setting::Load()) || scenario.robot.clock_drift_ppm != 0,
+         "robot.load, robot.clock_drift: they describe a simulated robot");
+  add_if(!IsIdeal(scenario.link), "link: the network between is what it is");
+  add_if(TakesTime(scenario),
+         "tick.cost, controller.cost, controller.wake_delay: what things cost "
+         "is what passes");
+  add_if(!scenario.perturbations.empty(), "perturbations: nobody pushes the arm");
+  add_if(!scenario.panel.empty(), "panel: nobody presses the robot's buttons but you");
+  add_if(
+      HasOwnLaws(scenario.onboard),
+      "int.damping_ratio, int.abort_after_lost, int.friction_compensation: no request sets them");
+  return lines;
+}
+
+scenario::Scenario DefaultServed() {
+  constexpr double kPi = std::numbers::pi;
+  scenario::Scenario scenario;
+  scenario.name = "serve";
+  scenario.robot.q_start = {0, -kPi / 4, 0, -3 * kPi / 4, 0, kPi / 2, kPi / 4};
+  return scenario;
+}
+
+void SlowDown(scenario::Scenario& scenario, const scenario::RobotData& robot, double share) {
+  RequireInRange("--max-speed", share, 1e-3, 1);
+  if (share == 1) return;
+  const auto slower = [share](Duration time) { return FromSeconds(ToSeconds(time) / share); };
+  if (scenario.motion.plan) {
+    scenario.motion.plan->stretch /= share;
+    return;
+  }
+  const Duration total = slower(MakeTrajectory(scenario, robot).duration());
+  reference::Timing& timing = scenario.motion.timing;
+  std::optional<Duration> last;
+  for (reference::Waypoint& waypoint : scenario.motion.waypoints) {
+    if (!waypoint.at) continue;
+    waypoint.at = slower(*waypoint.at);
+    last = waypoint.at;
+  }
+  for (scenario::PoseStep& step : scenario.motion.poses) {
+    if (!step.at) continue;
+    step.at = slower(*step.at);
+    last = step.at;
+  }
+  // Of timed points the last one's time is the duration, where one is given.
+  if (!last) timing.duration = total;
+  if (last && timing.duration) timing.duration = last;
+  for (scenario::HandEvent& event : scenario.hand) event.at = slower(event.at);
+}
+
+}  // namespace twin::run

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+
+#include "twin/core/modes.h"
+#include "twin/loop/loop_config.h"
+#include "twin/planning/planner.h"
+#include "twin/reference/pose_trajectory.h"
+#include "twin/reference/trajectory.h"
+#include "twin/robot/robot_config.h"
+#include "twin/run/run.h"
+#include "twin/scenario/robot_data.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::run {
+
+/// The robot a scenario comes to, short of a compiled model.
+struct RobotPlan {
+  scenario::RobotData robot;
+  robot::RobotConfig config;
+};
+
+/// What a scenario comes to, short of a compiled model: each part made once and checked.
+struct Plan {
+  scenario::RobotData robot;
+  reference::Trajectory trajectory;
+  std::optional<reference::PoseTrajectory> poses;    ///< of a motion of poses
+  std::optional<planning::PlanStatistics> planning;  ///< of a planned motion
+  robot::RobotConfig config;
+  MotionModes modes;
+  loop::LoopKind loop = loop::LoopKind::kAsynchronous;
+  loop::TickConfig tick;
+  loop::ControllerLoopConfig controller_loop;
+};
+
+/// @throws NoPlanError when no motion was found within the plan's budget; InputError naming what
+/// is wrong and, where the scenario was read from a file, its line.
+[[nodiscard]] Plan MakePlan(const scenario::Scenario& scenario, const Catalogue& catalogue,
+                            const RunFiles& files);
+
+/// As MakePlan, of a planned motion only. @param start  where the arm stands, rad.
+[[nodiscard]] reference::Trajectory PlanFrom(const JointVector& start, const scenario::Scenario& scenario,
+                                             const scenario::RobotData& robot, const RunFiles& files,
+                                             planning::PlanStatistics& statistics);
+
+/// As MakePlan, of the robot only.
+[[nodiscard]] RobotPlan MakeRobotPlan(const scenario::Scenario& scenario, const Catalogue& catalogue,
+                                      const RunFiles& files);
+
+// Parts of a plan.
+
+/// Torques go with the joint velocity generator, whose commands stay 0. Source: FCI protocol 5,
+/// what a client library does for a torque loop.
+[[nodiscard]] MotionModes ModesOf(const scenario::MotionSection& motion);
+
+/// @throws InputError as TickConfig::Validate.
+[[nodiscard]] loop::TickConfig MakeTick(const scenario::Scenario& scenario, const scenario::RobotData& robot);
+
+/// @throws InputError as ControllerLoopConfig::Validate.
+[[nodiscard]] loop::ControllerLoopConfig MakeControllerLoop(const scenario::ControllerSection& controller);
+
+}  // namespace twin::run
