@@ -9,7 +9,7 @@
 #include "twin/backend/backend.h"
 #include "twin/backend/refusal.h"
 #include "twin/backend/registry.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 #include "twin/plant/plant.h"
 #include "twin/robot/robot.h"
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "twin/onboard/int_config.h"
+#include "twin/onboard/onboard_config.h"
 
 namespace twin::experiment {
 
@@ -13,7 +13,7 @@ std::string TalliedMotion::HowItEnded() const {
 }
 
 std::uint32_t MotionTally::EndsTheMotion() noexcept {
-  return onboard::IntConfig().abort_after_lost;
+  return onboard::OnboardConfig().abort_after_lost;
 }
 
 MotionTally::MotionTally() {

@@ -18,7 +18,7 @@ RobotConfig Validated(const RobotConfig& config) {
 Robot::Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt::EventQueue& events,
              rt::EventHandler& state_ready, rt::RecordSink* sink)
     : plant_(std::move(plant)),
-      int_(Validated(config).onboard, config.q_start),
+      onboard_(Validated(config).onboard, config.q_start),
       events_(events),
       sink_(sink),
       states_(config.link, config.seed, events, state_ready),
@@ -57,12 +57,12 @@ void Robot::Postpone(Duration by) noexcept {
 }
 
 void Robot::ScheduleCycle() noexcept {
-  events_.Schedule(next_cycle_, rt::EventOrder::kIntCycle, *this);
+  events_.Schedule(next_cycle_, rt::EventOrder::kOnboardCycle, *this);
 }
 
 MoveStatus Robot::Move(const MotionModes& modes) noexcept {
   last_violations_ = onboard::Violations();
-  return int_.Move(modes);
+  return onboard_.Move(modes);
 }
 
 void Robot::Send(const RobotCommand& command) noexcept {
@@ -71,7 +71,7 @@ void Robot::Send(const RobotCommand& command) noexcept {
 
 bool Robot::AtRest() const noexcept {
   const JointVector& dq = record_.state.dq;
-  return int_.reference().AtRest() && std::abs(dq[FastestJoint(dq)]) < kRestSpeed;
+  return onboard_.reference().AtRest() && std::abs(dq[FastestJoint(dq)]) < kRestSpeed;
 }
 
 void Robot::OnEvent(Time now, std::uint64_t /*token*/) noexcept {
@@ -84,45 +84,45 @@ void Robot::OnEvent(Time now, std::uint64_t /*token*/) noexcept {
 }
 
 void Robot::OperatePanel() noexcept {
-  const Duration now = int_.message_id() * kCycle;
+  const Duration now = onboard_.message_id() * kCycle;
   while (next_panel_event_ < panel_.size() && panel_[next_panel_event_].at <= now) {
     // What the robot refuses is refused: people may press a button in vain.
-    static_cast<void>(int_.Operate(panel_[next_panel_event_].action));
+    static_cast<void>(onboard_.Operate(panel_[next_panel_event_].action));
     ++next_panel_event_;
   }
 }
 
 void Robot::Cycle(Time now) noexcept {
   OperatePanel();
-  const bool in_motion = int_.robot_mode() == RobotMode::kMove;
-  const RobotCommand* command = inbox_.Select(int_.message_id(), now - d_INT_);
+  const bool in_motion = onboard_.robot_mode() == RobotMode::kMove;
+  const RobotCommand* command = inbox_.Select(onboard_.message_id(), now - d_INT_);
   RobotCommand kept;
-  const bool begun_before = int_.fate() != rt::CommandFate::kNone;
+  const bool begun_before = onboard_.fate() != rt::CommandFate::kNone;
   if (keeper_ && command != nullptr && begun_before) {
     kept = keeper_->Keep(record_.state, *command);
     command = &kept;
   }
   if (hand_) hand_->Cycle();
   if (base_) base_->Cycle();
-  const std::uint64_t begun = int_.motions_begun();
-  const JointDrive& drive = int_.Cycle(command, plant_->sensors());
-  if (int_.motions_begun() != begun) plant_->BeginMotion();
+  const std::uint64_t begun = onboard_.motions_begun();
+  const JointDrive& drive = onboard_.Cycle(command, plant_->sensors());
+  if (onboard_.motions_begun() != begun) plant_->BeginMotion();
   plant_->Step(drive);
-  int_.FillState(plant_->sensors(), record_.state);
+  onboard_.FillState(plant_->sensors(), record_.state);
   states_.Send(record_.state);
 
-  record_.violated = !int_.violations().empty();
+  record_.violated = !onboard_.violations().empty();
   if (record_.violated) {
-    record_.violation = int_.violations().items().front();
-    last_found_ = int_.violations();
-    if (in_motion) last_violations_ = int_.violations();  // not of a collision while idle
+    record_.violation = onboard_.violations().items().front();
+    last_found_ = onboard_.violations();
+    if (in_motion) last_violations_ = onboard_.violations();  // not of a collision while idle
   }
   if (sink_ == nullptr) return;
   record_.at = now;
   if (base_) record_.base = base_->state();
-  record_.dddq_d = int_.reference().dddq_d;
-  record_.fate = int_.fate();
-  record_.lost_in_row = int_.lost_in_row();
+  record_.dddq_d = onboard_.reference().dddq_d;
+  record_.fate = onboard_.fate();
+  record_.lost_in_row = onboard_.lost_in_row();
   record_.dropped = inbox_.dropped();
   sink_->Put(record_);
 }

@@ -8,18 +8,19 @@
 #include <fmt/format.h>
 
 #include "run/motion_planning.h"
-#include "twin/scenario/place.h"
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
 #include "twin/reference/client_limits.h"
 #include "twin/scenario/link.h"
+#include "twin/scenario/place.h"
 
 namespace twin::run {
 namespace {
 
-onboard::IntConfig MakeOnboard(const scenario::Scenario& scenario, const scenario::RobotData& robot) {
-  onboard::IntConfig config;
+onboard::OnboardConfig MakeOnboard(const scenario::Scenario& scenario,
+                                   const scenario::RobotData& robot) {
+  onboard::OnboardConfig config;
   const scenario::OnboardSection& section = scenario.onboard;
   config.limits = robot.limits;
   config.cartesian = robot.cartesian;
@@ -41,8 +42,8 @@ onboard::IntConfig MakeOnboard(const scenario::Scenario& scenario, const scenari
   return config;
 }
 
-plant::MujocoPlantOptions MakePlant(const scenario::Scenario& scenario, const scenario::RobotData& robot,
-                                    const RunFiles& files) {
+plant::MujocoPlantOptions MakePlant(const scenario::Scenario& scenario,
+                                    const scenario::RobotData& robot, const RunFiles& files) {
   plant::MujocoPlantOptions options;
   options.urdf = robot.urdf;
   if (!scenario.scene.empty()) options.scene = files.models / scenario.scene;
@@ -125,17 +126,18 @@ void RequireScene(const std::filesystem::path& models, const std::filesystem::pa
 
 /// The names of a scenario that only the program and its data can judge.
 scenario::RobotData RequireNames(const scenario::Scenario& scenario, const Catalogue& catalogue,
-                       const RunFiles& files) {
+                                 const RunFiles& files) {
   scenario::At(scenario.places.backend, scenario.backend,
-     [&] { (void)catalogue.backends.Find(scenario.backend); });
+               [&] { (void)catalogue.backends.Find(scenario.backend); });
   if (scenario.controller.library.empty()) {
     scenario::At(scenario.places.controller, scenario.controller.type,
-       [&] { (void)catalogue.controllers.Find(scenario.controller.type); });
+                 [&] { (void)catalogue.controllers.Find(scenario.controller.type); });
   }
   scenario::At(scenario.places.scene, scenario.scene.string(),
-     [&] { RequireScene(files.models, scenario.scene); });
-  return scenario::At(scenario.places.robot, scenario.robot.model,
-            [&] { return scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand); });
+               [&] { RequireScene(files.models, scenario.scene); });
+  return scenario::At(scenario.places.robot, scenario.robot.model, [&] {
+    return scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
+  });
 }
 
 }  // namespace
@@ -188,15 +190,16 @@ MotionModes ModesOf(const scenario::MotionSection& motion) {
   return {};
 }
 
-robot::RobotConfig MakeRobotConfig(const scenario::Scenario& scenario, const scenario::RobotData& robot,
-                                   const RunFiles& files) {
+robot::RobotConfig MakeRobotConfig(const scenario::Scenario& scenario,
+                                   const scenario::RobotData& robot, const RunFiles& files) {
   robot::RobotConfig config;
   config.onboard = MakeOnboard(scenario, robot);
   config.plant_kind = scenario.plant.kind;
   config.plant = MakePlant(scenario, robot, files);
   if (scenario.base) {
-    scenario::BaseData base = scenario::At(scenario.places.base, scenario.base->model,
-                       [&] { return scenario::LoadBaseData(files.models, scenario.base->model); });
+    scenario::BaseData base = scenario::At(scenario.places.base, scenario.base->model, [&] {
+      return scenario::LoadBaseData(files.models, scenario.base->model);
+    });
     config.plant.base = plant::BaseOptions{std::move(base.urdf), scenario.base->start};
     config.base = base.config;
   }
@@ -211,7 +214,8 @@ robot::RobotConfig MakeRobotConfig(const scenario::Scenario& scenario, const sce
 }
 
 robot::RobotConfig MakeServedConfig(const scenario::Scenario& scenario, const RunFiles& files) {
-  const scenario::RobotData robot = scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
+  const scenario::RobotData robot =
+      scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
   robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
   robot::LinkConfig link;
   link.state.loss = config.link.state.loss;
@@ -242,7 +246,8 @@ std::optional<reference::PoseTrajectory> MakePoses(const scenario::Scenario& sce
   return reference::PoseTrajectory(waypoints, motion.timing, robot.cartesian);
 }
 
-reference::Trajectory MakeTrajectory(const scenario::Scenario& scenario, const scenario::RobotData& robot) {
+reference::Trajectory MakeTrajectory(const scenario::Scenario& scenario,
+                                     const scenario::RobotData& robot) {
   if (const auto poses = MakePoses(scenario, robot)) {
     reference::Waypoint stand = scenario.motion.waypoints.front();
     stand.at = Duration::zero();
@@ -270,7 +275,8 @@ RobotPlan MakeRobotPlan(const scenario::Scenario& scenario, const Catalogue& cat
   return {std::move(robot), std::move(config)};
 }
 
-Plan MakePlan(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files) {
+Plan MakePlan(const scenario::Scenario& scenario, const Catalogue& catalogue,
+              const RunFiles& files) {
   scenario.Validate();
   if (scenario.application) {
     throw InputError("application: it makes motions of its own, and is no single run");

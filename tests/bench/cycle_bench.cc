@@ -25,7 +25,7 @@
 #include "plugins/mujoco/mujoco_backend.h"
 #include "support/panda_limits.h"
 #include "twin/loop/lockstep_drive.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 #include "twin/plant/mujoco_plant.h"
 #include "twin/record/recorder.h"
 
@@ -102,7 +102,7 @@ constexpr std::array kModes{
 };
 
 void IntAlone(benchmark::State& state) {
-  onboard::Int interface_controller(Robot().onboard, kReady);
+  onboard::OnboardController interface_controller(Robot().onboard, kReady);
   const JointSensors sensors{kReady,
                              {},
                              model::ArmModel::Panda().Gravity(kReady, Robot().onboard.end_effector),

@@ -12,7 +12,7 @@ class Successor final : public EventHandler {
  public:
   explicit Successor(EventQueue& queue) : queue_(queue) {}
   void OnEvent(Time now, std::uint64_t token) noexcept override {
-    queue_.Schedule(now + kCycle, EventOrder::kIntCycle, *this, token);
+    queue_.Schedule(now + kCycle, EventOrder::kOnboardCycle, *this, token);
   }
 
  private:
@@ -24,7 +24,7 @@ void RunOneEvent(benchmark::State& state) {
   EventQueue queue;
   Successor successor(queue);
   for (std::int64_t i = 0; i < state.range(0); ++i) {
-    queue.Schedule(Time(Duration(i)), EventOrder::kIntCycle, successor);
+    queue.Schedule(Time(Duration(i)), EventOrder::kOnboardCycle, successor);
   }
   for (auto _ : state) benchmark::DoNotOptimize(queue.RunNext());
 }

@@ -14,7 +14,7 @@
 
 #include "controllers/joint_trajectory_effort.h"
 #include "support/panda_limits.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 #include "twin/plant/mujoco_plant.h"
 
 namespace twin::controllers {
@@ -57,7 +57,7 @@ class Arm {
     options.friction = friction;
     plant_ = plant::MujocoPlant::Create(options);
     plant_->Reset(q);
-    onboard::IntConfig config;
+    onboard::OnboardConfig config;
     config.limits = test::PandaLimits();
     config.cartesian = test::PandaCartesianLimits();
     config.rotor_inertia = {0.605721456, 0.605721456, 0.462474144, 0.462474144,
@@ -67,12 +67,12 @@ class Arm {
     config.collision_behavior.upper_torque_nominal.fill(1e3);
     config.collision_behavior.upper_force_acc.fill(1e3);
     config.collision_behavior.upper_force_nominal.fill(1e3);
-    int_ = std::make_unique<onboard::Int>(config, q);
+    onboard_ = std::make_unique<onboard::OnboardController>(config, q);
   }
 
   void Cycle(const RobotCommand* command = nullptr) {
-    plant_->Step(int_->Cycle(command, plant_->sensors()));
-    int_->FillState(plant_->sensors(), state_);
+    plant_->Step(onboard_->Cycle(command, plant_->sensors()));
+    onboard_->FillState(plant_->sensors(), state_);
   }
 
   Outcome Run(JointTrajectoryEffortController& controller, const Trajectory& trajectory) {
@@ -80,7 +80,7 @@ class Arm {
     Cycle();
     controller.Activate(state_, Now());
     EXPECT_EQ(
-        int_->Move({ControllerMode::kExternalController, MotionGeneratorMode::kJointVelocity}),
+        onboard_->Move({ControllerMode::kExternalController, MotionGeneratorMode::kJointVelocity}),
         MoveStatus::kMotionStarted);
     Cycle();
     control::ControllerOutput output;
@@ -94,7 +94,7 @@ class Arm {
       command.motion_generation_finished = output.finished;
       Cycle(&command);
     }
-    outcome.end = int_->last_end();
+    outcome.end = onboard_->last_end();
     outcome.errors = FormatErrors(state_.errors);
     for (int i = 0; i < 1000; ++i) Cycle();
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -123,7 +123,7 @@ class Arm {
   }
 
   std::unique_ptr<plant::MujocoPlant> plant_;
-  std::unique_ptr<onboard::Int> int_;
+  std::unique_ptr<onboard::OnboardController> onboard_;
   RobotState state_;
 };
 

@@ -11,7 +11,7 @@
 #include "support/panda_limits.h"
 #include "twin/control/controller.h"
 #include "twin/model/arm_model.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 #include "twin/plant/mujoco_plant.h"
 
 namespace twin::controllers::test {
@@ -28,7 +28,7 @@ class TorqueRig {
     options.perturbations = std::move(perturbations);
     plant_ = plant::MujocoPlant::Create(options);
     plant_->Reset(q);
-    onboard::IntConfig config;
+    onboard::OnboardConfig config;
     config.limits = twin::test::PandaLimits();
     config.cartesian = twin::test::PandaCartesianLimits();
     config.rotor_inertia = {0.605721456, 0.605721456, 0.462474144, 0.462474144,
@@ -38,7 +38,7 @@ class TorqueRig {
     config.collision_behavior.upper_torque_nominal.fill(1e3);
     config.collision_behavior.upper_force_acc.fill(1e3);
     config.collision_behavior.upper_force_nominal.fill(1e3);
-    int_ = std::make_unique<onboard::Int>(config, q);
+    onboard_ = std::make_unique<onboard::OnboardController>(config, q);
     Cycle();
   }
 
@@ -48,7 +48,7 @@ class TorqueRig {
                   const std::function<void(Duration, const control::ControllerOutput&)>& look) {
     controller.Activate(state_, Now());
     EXPECT_EQ(
-        int_->Move({ControllerMode::kExternalController, MotionGeneratorMode::kJointVelocity}),
+        onboard_->Move({ControllerMode::kExternalController, MotionGeneratorMode::kJointVelocity}),
         MoveStatus::kMotionStarted);
     Cycle();
     control::ControllerOutput output;
@@ -63,7 +63,7 @@ class TorqueRig {
       Cycle(&command);
     }
     controller.Deactivate();
-    return int_->last_end() == MoveStatus::kSuccess ? "" : FormatErrors(state_.errors);
+    return onboard_->last_end() == MoveStatus::kSuccess ? "" : FormatErrors(state_.errors);
   }
 
   [[nodiscard]] const RobotState& state() const { return state_; }
@@ -74,12 +74,12 @@ class TorqueRig {
  private:
   [[nodiscard]] Time Now() const { return Time(kCycle * state_.message_id); }
   void Cycle(const RobotCommand* command = nullptr) {
-    plant_->Step(int_->Cycle(command, plant_->sensors()));
-    int_->FillState(plant_->sensors(), state_);
+    plant_->Step(onboard_->Cycle(command, plant_->sensors()));
+    onboard_->FillState(plant_->sensors(), state_);
   }
 
   std::unique_ptr<plant::MujocoPlant> plant_;
-  std::unique_ptr<onboard::Int> int_;
+  std::unique_ptr<onboard::OnboardController> onboard_;
   RobotState state_;
 };
 

@@ -106,7 +106,7 @@ Finding Rig::finding() const {
 }
 
 CheckedRobot ToCheck(const robot::RobotConfig& robot) {
-  const onboard::IntConfig& config = robot.onboard;
+  const onboard::OnboardConfig& config = robot.onboard;
   CheckedRobot checked;
   checked.limits = {.joints = config.limits,
                     .cartesian = config.cartesian,

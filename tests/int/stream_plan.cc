@@ -94,7 +94,7 @@ void DrawSettings(Dice& dice, StreamPlan& plan) {
 
 /// Limits are data of a robot: smaller ones let a stream meet those that the Panda's others hide.
 void DrawLimits(Dice& dice, StreamPlan& plan) {
-  onboard::IntConfig& config = plan.robot.onboard;
+  onboard::OnboardConfig& config = plan.robot.onboard;
   if (dice.Chance(0.5)) {
     for (CartesianBound* bound :
          {&config.cartesian.translation, &config.cartesian.rotation, &config.cartesian.elbow}) {

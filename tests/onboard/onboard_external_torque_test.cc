@@ -11,7 +11,7 @@
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 
 namespace twin::onboard {
 namespace {
@@ -29,8 +29,8 @@ constexpr MotionModes kPosition{ControllerMode::kJointImpedance,
                                 MotionGeneratorMode::kJointPosition};
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-IntConfig PandaInt() {
-  IntConfig config;
+OnboardConfig PandaOnboard() {
+  OnboardConfig config;
   config.limits = test::PandaLimits();
   config.cartesian = test::PandaCartesianLimits();
   config.end_effector = kHand;
@@ -46,17 +46,17 @@ IntConfig PandaInt() {
 /// INT on an arm that moves as its model says, or, when held, on sensors set by the test.
 class ExternalTorqueTest : public ::testing::Test {
  protected:
-  ExternalTorqueTest() { Renew(PandaInt()); }
+  ExternalTorqueTest() { Renew(PandaOnboard()); }
 
   /// A robot just started.
-  void Renew(const IntConfig& config) { int_.emplace(config, kReady); }
+  void Renew(const OnboardConfig& config) { onboard_.emplace(config, kReady); }
   const RobotState& Cycle(const RobotCommand* command = nullptr) {
-    drive_ = int_->Cycle(command, sensors_);
+    drive_ = onboard_->Cycle(command, sensors_);
     if (!held_) {
       arm_.Step(drive_);
       sensors_ = arm_.sensors();
     }
-    int_->FillState(sensors_, state_);
+    onboard_->FillState(sensors_, state_);
     return state_;
   }
   RobotCommand Command(const JointVector& tau_J_d) const {
@@ -73,7 +73,7 @@ class ExternalTorqueTest : public ::testing::Test {
   }
   void StartMotion(const MotionModes& modes = kTorque) {
     Cycle();
-    ASSERT_EQ(int_->Move(modes), MoveStatus::kMotionStarted);
+    ASSERT_EQ(onboard_->Move(modes), MoveStatus::kMotionStarted);
     Cycle();
     Cycle();
   }
@@ -116,8 +116,8 @@ class ExternalTorqueTest : public ::testing::Test {
       ddq = state_.ddq_d;
       EXPECT_GE(state_.q_d[0], from.q[0]) << "on along its way, not back";
       Cycle();
-    } while (!int_->reference().AtRest() && ++cycles < 500);
-    EXPECT_TRUE(int_->reference().AtRest());
+    } while (!onboard_->reference().AtRest() && ++cycles < 500);
+    EXPECT_TRUE(onboard_->reference().AtRest());
     for (int i = 0; i < 300; ++i) Cycle();
     for (std::size_t i = 0; i < kJoints; ++i) {
       EXPECT_NEAR(state_.dq[i], 0, 1e-3);
@@ -126,7 +126,7 @@ class ExternalTorqueTest : public ::testing::Test {
   }
   bool Reports(RobotError error) const { return state_.errors[static_cast<std::size_t>(error)]; }
 
-  std::optional<Int> int_;
+  std::optional<OnboardController> onboard_;
   test::RigidArm arm_{kReady, kHand, kRotor};
   bool held_ = false;
   JointSensors sensors_ = arm_.sensors();
@@ -150,7 +150,7 @@ TEST(IntCombinationsTest, EveryGeneratorGoesWithEveryController) {
           MotionGeneratorMode::kCartesianVelocity}) {
       const bool is_none =
           controller == ControllerMode::kOther || generator == MotionGeneratorMode::kIdle;
-      Int robot(PandaInt(), kReady);
+      OnboardController robot(PandaOnboard(), kReady);
       EXPECT_EQ(robot.Move({controller, generator}),
                 is_none ? MoveStatus::kInvalidArgumentRejected : MoveStatus::kMotionStarted)
           << Name(controller) << ", " << Name(generator);
@@ -163,11 +163,11 @@ TEST_F(HeldArmTest, TheReportedTorqueRunsOnAtTheStart) {
   Cycle();
   const JointVector tau_J_d = state_.tau_J_d;
   const JointVector tau = drive_.tau;
-  const JointImpedance internal(PandaInt().joint_impedance.K_theta, 1, kRotor);
+  const JointImpedance internal(PandaOnboard().joint_impedance.K_theta, 1, kRotor);
   EXPECT_EQ(
       tau_J_d,
       ControlTorque(internal, JointReference::Rest(kReady), sensors_, {.payload = kHand}).tau_J_d);
-  ASSERT_EQ(int_->Move(kTorque), MoveStatus::kMotionStarted);
+  ASSERT_EQ(onboard_->Move(kTorque), MoveStatus::kMotionStarted);
   for (int i = 0; i < 10; ++i) {
     Cycle();
     EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
@@ -187,8 +187,8 @@ TEST_F(HeldArmTest, TheFirstCommandContinuesFromTheReportedTorque) {
   ASSERT_NEAR(state_.tau_J_d[0], 3, 1e-9);
   SendTorque(JointVector{});
   EXPECT_EQ(FormatErrors(state_.errors), "[\"controller_torque_discontinuity\"]");
-  ASSERT_EQ(int_->violations().items().size(), 1u);
-  EXPECT_NEAR(int_->violations().items()[0].value, -3000, 1e-6);
+  ASSERT_EQ(onboard_->violations().items().size(), 1u);
+  EXPECT_NEAR(onboard_->violations().items()[0].value, -3000, 1e-6);
   EXPECT_NEAR(state_.q_d[0], kReady[0], 1e-12) << "the internal controller never gave way";
 }
 
@@ -196,7 +196,7 @@ TEST_F(HeldArmTest, AppliesTheCommandAndTheGravityOfArmAndHand) {
   StartMotion();
   const JointVector command{0.5, -0.4, 0.3, -0.2, 0.1, 0, 0.6};
   SendTorque(command);
-  EXPECT_EQ(int_->fate(), rt::CommandFate::kServed);
+  EXPECT_EQ(onboard_->fate(), rt::CommandFate::kServed);
   EXPECT_EQ(state_.tau_J_d, command);
   const JointVector g = model::ArmModel::Panda().Gravity(sensors_.q, kHand);
   for (std::size_t i = 0; i < kJoints; ++i) EXPECT_NEAR(drive_.tau[i] - command[i], g[i], 1e-12);
@@ -219,20 +219,20 @@ TEST_F(HeldArmTest, TakesATorqueAboveTheMaximumAndAppliesTheMaximum) {
 
 TEST_F(HeldArmTest, HoldsTheLastTorqueBitForBitThroughNineteenLosses) {
   for (const int losses : {1, 19}) {
-    Renew(PandaInt());
+    Renew(PandaOnboard());
     StartMotion();
     const JointVector command{0.1, 0.2, -0.3, 0.4, -0.5, 0.6, 0.7};
     SendTorque(command);
     const JointVector tau = drive_.tau;
     for (int n = 1; n <= losses; ++n) {
       Cycle();
-      EXPECT_EQ(int_->fate(), rt::CommandFate::kHeld);
+      EXPECT_EQ(onboard_->fate(), rt::CommandFate::kHeld);
       EXPECT_EQ(state_.tau_J_d, command);
       EXPECT_EQ(drive_.tau, tau);
     }
     SendTorque(command);
     EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
-    EXPECT_EQ(int_->lost_in_row(), 0u);
+    EXPECT_EQ(onboard_->lost_in_row(), 0u);
     EXPECT_LT(state_.control_command_success_rate, 1);
   }
 }
@@ -259,7 +259,7 @@ TEST_F(HeldArmTest, MeasuresTheRateFromTheLastAcceptedTorqueHoweverMuchWasLost) 
   for (int n = 0; n < 19; ++n) Cycle();
   SendTorque({2.501, 0, 0, 0, 0, 0, 0});
   EXPECT_EQ(FormatErrors(state_.errors), "[\"controller_torque_discontinuity\"]");
-  EXPECT_NEAR(int_->violations().items()[0].value, 1002, 1e-6);
+  EXPECT_NEAR(onboard_->violations().items()[0].value, 1002, 1e-6);
 }
 
 TEST_F(HeldArmTest, ATorqueStepBeyondTheRateAbortsAndIsNotApplied) {
@@ -269,18 +269,18 @@ TEST_F(HeldArmTest, ATorqueStepBeyondTheRateAbortsAndIsNotApplied) {
   SendTorque({0, 0, -1e-5, 0, 0, 0, 0});
   EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
   EXPECT_EQ(FormatErrors(state_.errors), "[\"controller_torque_discontinuity\"]");
-  ASSERT_EQ(int_->violations().items().size(), 1u);
-  const Violation& violation = int_->violations().items()[0];
+  ASSERT_EQ(onboard_->violations().items().size(), 1u);
+  const Violation& violation = onboard_->violations().items()[0];
   EXPECT_EQ(violation.axis, 2);
   EXPECT_NEAR(violation.value, -1000.01, 1e-6);
   EXPECT_EQ(violation.limit, -1000);
   EXPECT_EQ(violation.message_id, state_.message_id);
-  EXPECT_EQ(int_->last_end(), MoveStatus::kReflexAborted);
+  EXPECT_EQ(onboard_->last_end(), MoveStatus::kReflexAborted);
 }
 
 TEST_F(HeldArmTest, ATorqueThatIsNoNumberAbortsAndIsNotApplied) {
   for (const double value : {kNaN, std::numeric_limits<double>::infinity()}) {
-    Renew(PandaInt());
+    Renew(PandaOnboard());
     StartMotion();
     SendTorque(JointVector{});
     SendTorque({0, 0, 0, 0, 0, 0, value});
@@ -294,7 +294,7 @@ TEST_F(HeldArmTest, MeasuredTorqueOutOfRangeEndsEveryRunningMotion) {
   // Default range: 1.2 tau_max, 14.4 Nm for joint 5.
   for (const MotionModes& modes : {kTorque, kTorqueAndPosition, kPosition}) {
     for (const bool has_command : {false, true}) {
-      Renew(PandaInt());
+      Renew(PandaOnboard());
       sensors_.tau_J[4] = 14.39;
       StartMotion(modes);
       if (has_command) SendTorque(JointVector{});
@@ -305,9 +305,9 @@ TEST_F(HeldArmTest, MeasuredTorqueOutOfRangeEndsEveryRunningMotion) {
       Cycle();
       EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
       EXPECT_EQ(FormatErrors(state_.errors), "[\"tau_J_range_violation\"]");
-      ASSERT_EQ(int_->violations().items().size(), 1u);
-      EXPECT_EQ(int_->violations().items()[0].value, -14.41);
-      EXPECT_NEAR(int_->violations().items()[0].limit, -14.4, 1e-12);
+      ASSERT_EQ(onboard_->violations().items().size(), 1u);
+      EXPECT_EQ(onboard_->violations().items()[0].value, -14.41);
+      EXPECT_NEAR(onboard_->violations().items()[0].limit, -14.4, 1e-12);
     }
   }
 }
@@ -316,13 +316,13 @@ TEST_F(HeldArmTest, MeasuredTorqueDoesNotMatterWhileNoMotionRuns) {
   sensors_.tau_J[4] = -14.41;
   for (int i = 0; i < 5; ++i) Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
-  ASSERT_EQ(int_->Move(kTorque), MoveStatus::kMotionStarted);
+  ASSERT_EQ(onboard_->Move(kTorque), MoveStatus::kMotionStarted);
   Cycle();
   EXPECT_TRUE(Reports(RobotError::kTauJRangeViolation));
 }
 
 TEST_F(HeldArmTest, TheRangeOfTheSensorsCanBeSet) {
-  IntConfig config = PandaInt();
+  OnboardConfig config = PandaOnboard();
   config.sensing.measured.tau_J_range = JointVector{30, 31, 32, 33, 34, 35, 36};
   Renew(config);
   StartMotion();
@@ -334,7 +334,7 @@ TEST_F(HeldArmTest, TheRangeOfTheSensorsCanBeSet) {
   Cycle();
   Cycle();
   EXPECT_TRUE(Reports(RobotError::kTauJRangeViolation));
-  EXPECT_EQ(int_->violations().items()[0].limit, 36);
+  EXPECT_EQ(onboard_->violations().items()[0].limit, 36);
 }
 
 TEST_F(HeldArmTest, TheGeneratorFeedsTheDesiredMotionAlone) {
@@ -377,7 +377,7 @@ TEST_F(HeldArmTest, FinishingWhileTheGeneratorMovesIsADiscontinuity) {
   command.motion_generation_finished = true;
   Cycle(&command);
   EXPECT_TRUE(Reports(RobotError::kJointMotionGeneratorVelocityDiscontinuity));
-  EXPECT_EQ(int_->last_end(), MoveStatus::kReflexAborted);
+  EXPECT_EQ(onboard_->last_end(), MoveStatus::kReflexAborted);
 }
 
 TEST_F(HeldArmTest, ReportsGeneratorAndTorqueTogether) {
@@ -427,7 +427,7 @@ TEST_F(ExternalTorqueTest, FinishedAtRestEndsWithSuccessAtOnce) {
   while (state_.robot_mode == RobotMode::kMove && ++cycles < 10) SendTorque(JointVector{}, true);
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
   EXPECT_LE(cycles, 3);
-  EXPECT_EQ(int_->last_end(), MoveStatus::kSuccess);
+  EXPECT_EQ(onboard_->last_end(), MoveStatus::kSuccess);
   EXPECT_EQ(state_.controller_mode, ControllerMode::kOther);
 }
 
@@ -441,10 +441,10 @@ TEST_F(ExternalTorqueTest, FinishedInMotionComesToRestFromWhereTheArmIsAndEndsWi
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
   ExpectsToComeToRestFrom(from);
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
-  EXPECT_EQ(int_->last_end(), MoveStatus::kSuccess);
+  EXPECT_EQ(onboard_->last_end(), MoveStatus::kSuccess);
   EXPECT_TRUE(state_.errors.none());
 
-  ASSERT_EQ(int_->Move(kPosition), MoveStatus::kMotionStarted);
+  ASSERT_EQ(onboard_->Move(kPosition), MoveStatus::kMotionStarted);
   Cycle();
   const JointVector q_d = state_.q_d;
   for (int i = 0; i < 50; ++i) SendTorque(JointVector{});
@@ -455,21 +455,21 @@ TEST_F(ExternalTorqueTest, FinishedInMotionComesToRestFromWhereTheArmIsAndEndsWi
 TEST_F(ExternalTorqueTest, StopMoveComesToRestStillInMoveAndEndsPreempted) {
   GetMoving();
   const JointSensors from = sensors_;
-  int_->StopMove();
+  onboard_->StopMove();
   SendTorque(state_.tau_J_d);
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
   EXPECT_EQ(state_.controller_mode, ControllerMode::kExternalController);
   ExpectsToComeToRestFrom(from);
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
-  EXPECT_EQ(int_->last_end(), MoveStatus::kPreempted);
+  EXPECT_EQ(onboard_->last_end(), MoveStatus::kPreempted);
   EXPECT_TRUE(state_.errors.none());
 }
 
 TEST_F(ExternalTorqueTest, StopMoveBeforeTheFirstCommandEndsAtOnce) {
   StartMotion();
-  int_->StopMove();
+  onboard_->StopMove();
   Cycle();
-  EXPECT_EQ(int_->last_end(), MoveStatus::kPreempted);
+  EXPECT_EQ(onboard_->last_end(), MoveStatus::kPreempted);
   EXPECT_EQ(state_.q_d, kReady);
 }
 
@@ -479,14 +479,14 @@ TEST_F(ExternalTorqueTest, AnAbortComesToRestFromWhereTheArmIsAndTheNextMotionRu
   SendTorque({kNaN, 0, 0, 0, 0, 0, 0});
   EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
   EXPECT_EQ(state_.motion_generator_mode, MotionGeneratorMode::kIdle);
-  EXPECT_EQ(int_->AutomaticErrorRecovery(), RecoveryStatus::kCommandNotPossibleRejected);
+  EXPECT_EQ(onboard_->AutomaticErrorRecovery(), RecoveryStatus::kCommandNotPossibleRejected);
   ExpectsToComeToRestFrom(from);
-  ASSERT_EQ(int_->AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
+  ASSERT_EQ(onboard_->AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
   for (int i = 0; i < 200 && state_.robot_mode != RobotMode::kIdle; ++i) Cycle();
   StartMotion();
   SendTorque(state_.tau_J_d);
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
-  EXPECT_EQ(int_->fate(), rt::CommandFate::kServed);
+  EXPECT_EQ(onboard_->fate(), rt::CommandFate::kServed);
 }
 
 TEST_F(ExternalTorqueTest, TwentyLossesInMotionComeToRestFromWhereTheArmIs) {
@@ -500,10 +500,10 @@ TEST_F(ExternalTorqueTest, TwentyLossesInMotionComeToRestFromWhereTheArmIs) {
 }
 
 TEST_F(HeldArmTest, CompensatesFrictionInEveryModeAndReportsTheTorqueWithoutIt) {
-  IntConfig config = PandaInt();
+  OnboardConfig config = PandaOnboard();
   config.friction_compensation = 0.5;
   Renew(config);
-  Int plain(PandaInt(), kReady);
+  OnboardController plain(PandaOnboard(), kReady);
   sensors_.dq = {0.01, -0.01, 0.02, -0.02, 0.03, -0.03, 0.01};
   const JointVector tau_f = model::ResidualFriction(sensors_.dq);
   const auto expect_share = [&](const RobotCommand* command) {
@@ -517,7 +517,7 @@ TEST_F(HeldArmTest, CompensatesFrictionInEveryModeAndReportsTheTorqueWithoutIt) 
     }
   };
   expect_share(nullptr);
-  ASSERT_EQ(int_->Move(kTorque), MoveStatus::kMotionStarted);
+  ASSERT_EQ(onboard_->Move(kTorque), MoveStatus::kMotionStarted);
   ASSERT_EQ(plain.Move(kTorque), MoveStatus::kMotionStarted);
   expect_share(nullptr);
   expect_share(nullptr);
@@ -527,7 +527,7 @@ TEST_F(HeldArmTest, CompensatesFrictionInEveryModeAndReportsTheTorqueWithoutIt) 
 }
 
 TEST(ExternalTorqueConfigTest, RefusesWhatIsOutOfRangeByName) {
-  const auto refusal = [](const IntConfig& config) -> std::string {
+  const auto refusal = [](const OnboardConfig& config) -> std::string {
     try {
       config.Validate();
     } catch (const InputError& error) {
@@ -535,14 +535,14 @@ TEST(ExternalTorqueConfigTest, RefusesWhatIsOutOfRangeByName) {
     }
     return "";
   };
-  EXPECT_EQ(refusal(PandaInt()), "");
+  EXPECT_EQ(refusal(PandaOnboard()), "");
   for (const double share : {-0.1, 1.1, kNaN}) {
-    IntConfig config = PandaInt();
+    OnboardConfig config = PandaOnboard();
     config.friction_compensation = share;
     EXPECT_NE(refusal(config).find("friction_compensation"), std::string::npos);
   }
   for (const double range : {0.0, -1.0, 1001.0, kNaN}) {
-    IntConfig config = PandaInt();
+    OnboardConfig config = PandaOnboard();
     config.sensing.measured.tau_J_range = config.limits.tau_max;
     (*config.sensing.measured.tau_J_range)[2] = range;
     EXPECT_NE(refusal(config).find("tau_J_range[2]"), std::string::npos);
@@ -563,7 +563,7 @@ TEST_F(ExternalTorqueTest, AllocatesAndLocksNothing) {
   }
   const test::RealtimeGuard::Counts counts = guard.counts();
   EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
-  EXPECT_EQ(int_->last_end(), MoveStatus::kSuccess);
+  EXPECT_EQ(onboard_->last_end(), MoveStatus::kSuccess);
 }
 
 }  // namespace

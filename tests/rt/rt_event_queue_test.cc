@@ -50,9 +50,9 @@ void RunAll(EventQueue& queue) {
 TEST(EventQueueTest, RunsEventsInOrderOfTime) {
   EventQueue queue;
   Recorder recorder;
-  queue.Schedule(At(30), EventOrder::kIntCycle, recorder, 3);
-  queue.Schedule(At(10), EventOrder::kIntCycle, recorder, 1);
-  queue.Schedule(At(20), EventOrder::kIntCycle, recorder, 2);
+  queue.Schedule(At(30), EventOrder::kOnboardCycle, recorder, 3);
+  queue.Schedule(At(10), EventOrder::kOnboardCycle, recorder, 1);
+  queue.Schedule(At(20), EventOrder::kOnboardCycle, recorder, 2);
   RunAll(queue);
   EXPECT_THAT(recorder.seen(), ElementsAre(Seen{At(10), 1}, Seen{At(20), 2}, Seen{At(30), 3}));
 }
@@ -64,7 +64,7 @@ TEST(EventQueueTest, RunsEventsOfOneInstantInTheirFixedOrder) {
   queue.Schedule(At(5), EventOrder::kTickDone, recorder, 4);
   queue.Schedule(At(5), EventOrder::kStateArrival, recorder, 3);
   queue.Schedule(At(5), EventOrder::kControllerDone, recorder, 2);
-  queue.Schedule(At(5), EventOrder::kIntCycle, recorder, 1);
+  queue.Schedule(At(5), EventOrder::kOnboardCycle, recorder, 1);
   queue.Schedule(At(5), EventOrder::kCommandArrival, recorder, 0);
   RunAll(queue);
   EXPECT_THAT(recorder.tokens(), ElementsAre(0, 1, 2, 3, 4, 5));
@@ -84,7 +84,7 @@ TEST(EventQueueTest, TimeMovesOnlyWhenAnEventRuns) {
   EventQueue queue;
   Recorder recorder;
   EXPECT_EQ(queue.Now(), Time{});
-  queue.Schedule(At(7), EventOrder::kIntCycle, recorder);
+  queue.Schedule(At(7), EventOrder::kOnboardCycle, recorder);
   EXPECT_EQ(queue.Now(), Time{});
   EXPECT_TRUE(queue.RunNext());
   EXPECT_EQ(queue.Now(), At(7));
@@ -172,17 +172,17 @@ INSTANTIATE_TEST_SUITE_P(Seeds, EventQueueRandomTest, testing::Range<std::uint64
 TEST(EventQueueDeathTest, RefusesMoreEventsThanItsCapacity) {
   EventQueue queue(2);
   Recorder recorder;
-  queue.Schedule(At(1), EventOrder::kIntCycle, recorder);
-  queue.Schedule(At(1), EventOrder::kIntCycle, recorder);
-  EXPECT_DEATH(queue.Schedule(At(1), EventOrder::kIntCycle, recorder), "internal error");
+  queue.Schedule(At(1), EventOrder::kOnboardCycle, recorder);
+  queue.Schedule(At(1), EventOrder::kOnboardCycle, recorder);
+  EXPECT_DEATH(queue.Schedule(At(1), EventOrder::kOnboardCycle, recorder), "internal error");
 }
 
 TEST(EventQueueDeathTest, RefusesAnEventInThePast) {
   EventQueue queue;
   Recorder recorder;
-  queue.Schedule(At(10), EventOrder::kIntCycle, recorder);
+  queue.Schedule(At(10), EventOrder::kOnboardCycle, recorder);
   queue.RunNext();
-  EXPECT_DEATH(queue.Schedule(At(9), EventOrder::kIntCycle, recorder), "internal error");
+  EXPECT_DEATH(queue.Schedule(At(9), EventOrder::kOnboardCycle, recorder), "internal error");
 }
 
 TEST(EventQueueTest, FillsToItsCapacityAndEmptiesWithoutAllocation) {
@@ -192,7 +192,7 @@ TEST(EventQueueTest, FillsToItsCapacityAndEmptiesWithoutAllocation) {
   const test::RealtimeGuard guard;
   for (std::size_t i = 0; i < kCapacity; ++i) {
     const auto ns = static_cast<std::int64_t>(i * 37 % 101);
-    queue.Schedule(At(ns), EventOrder::kIntCycle, recorder, i);
+    queue.Schedule(At(ns), EventOrder::kOnboardCycle, recorder, i);
   }
   RunAll(queue);
   const auto counts = guard.counts();
@@ -204,8 +204,8 @@ TEST(EventQueueTest, TellsWhenTheNextEventIsDue) {
   EventQueue queue;
   Recorder recorder;
   EXPECT_EQ(queue.NextTime(), std::nullopt);
-  queue.Schedule(At(30), EventOrder::kIntCycle, recorder, 3);
-  queue.Schedule(At(10), EventOrder::kIntCycle, recorder, 1);
+  queue.Schedule(At(30), EventOrder::kOnboardCycle, recorder, 3);
+  queue.Schedule(At(10), EventOrder::kOnboardCycle, recorder, 1);
   EXPECT_EQ(queue.NextTime(), At(10));
   queue.RunNext();
   EXPECT_EQ(queue.NextTime(), At(30));
@@ -218,7 +218,7 @@ TEST(EventQueueTest, AdvancesForwardButNeverBeyondTheNextEventAndNeverBack) {
   EXPECT_EQ(queue.Now(), At(20));
   queue.AdvanceTo(At(5));
   EXPECT_EQ(queue.Now(), At(20));
-  queue.Schedule(At(30), EventOrder::kIntCycle, recorder, 1);
+  queue.Schedule(At(30), EventOrder::kOnboardCycle, recorder, 1);
   queue.AdvanceTo(At(25));
   EXPECT_EQ(queue.Now(), At(25));
   queue.AdvanceTo(At(100));

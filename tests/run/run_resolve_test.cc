@@ -31,7 +31,9 @@ class PlanTest : public ::testing::Test {
   [[nodiscard]] Plan PlanOf(const scenario::Scenario& scenario) const {
     return MakePlan(scenario, {backends_, controllers_}, files_);
   }
-  [[nodiscard]] Plan PlanOf(const std::string& text) const { return PlanOf(scenario::Parse(text, "s.yaml")); }
+  [[nodiscard]] Plan PlanOf(const std::string& text) const {
+    return PlanOf(scenario::Parse(text, "s.yaml"));
+  }
   [[nodiscard]] std::string MessageOf(const scenario::Scenario& scenario) const {
     try {
       (void)PlanOf(scenario);
@@ -79,7 +81,7 @@ TEST_F(PlanTest, TellsTheRobotWhatItIsSetToAndWhatTouchesIt) {
   EXPECT_EQ(config.plant.elasticity, plant::ElasticityProfile::kStatic);
   EXPECT_EQ(config.plant.perturbations, scenario.perturbations);
   EXPECT_EQ(config.panel, scenario.panel);
-  const onboard::IntConfig& onboard = config.onboard;
+  const onboard::OnboardConfig& onboard = config.onboard;
   EXPECT_EQ(onboard.load, scenario.onboard.load);
   EXPECT_EQ(onboard.cartesian_impedance.K_x, scenario.onboard.K_x);
   EXPECT_EQ(onboard.collision_behavior, scenario.onboard.collision_behavior);

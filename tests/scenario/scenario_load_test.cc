@@ -7,7 +7,7 @@
 #include "twin/core/random.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/payload.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 #include "twin/run/run.h"
 
 namespace twin::scenario {
@@ -36,17 +36,17 @@ class HeldArm {
     K_theta_ = config.onboard.joint_impedance.K_theta;
     plant_ = plant::MujocoPlant::Create(config.plant);
     plant_->Reset(q);
-    int_ = std::make_unique<onboard::Int>(config.onboard, q);
+    onboard_ = std::make_unique<onboard::OnboardController>(config.onboard, q);
   }
 
   void Configure(const Setting& setting) {
-    ASSERT_EQ(int_->Configure(setting), SetterStatus::kSuccess);
+    ASSERT_EQ(onboard_->Configure(setting), SetterStatus::kSuccess);
   }
 
   void Settle() {
     for (int k = 0; k < 3000; ++k) {
-      plant_->Step(int_->Cycle(nullptr, plant_->sensors()));
-      int_->FillState(plant_->sensors(), state_);
+      plant_->Step(onboard_->Cycle(nullptr, plant_->sensors()));
+      onboard_->FillState(plant_->sensors(), state_);
     }
     ASSERT_TRUE(state_.errors.none());
     for (const double dq : plant_->sensors().dq) ASSERT_LT(std::abs(dq), 1e-6) << "still moves";
@@ -75,7 +75,7 @@ class HeldArm {
   model::Payload end_effector_;
   JointVector K_theta_{};
   std::unique_ptr<plant::MujocoPlant> plant_;
-  std::unique_ptr<onboard::Int> int_;
+  std::unique_ptr<onboard::OnboardController> onboard_;
   RobotState state_;
 };
 

@@ -11,7 +11,7 @@
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 #include "twin/plant/plant.h"
 #include "twin/robot/base_unit.h"
 #include "twin/robot/command_keeper.h"
@@ -25,7 +25,7 @@ namespace twin::robot {
 
 /// How the last motion ended.
 struct LastMotion {
-  MoveStatus end = MoveStatus::kMotionStarted;  ///< see onboard::Int::last_end
+  MoveStatus end = MoveStatus::kMotionStarted;  ///< see onboard::OnboardController::last_end
   onboard::Violations violations;               ///< what ended it, when an error did
 };
 
@@ -65,14 +65,14 @@ class Robot final : private rt::EventHandler {
   [[nodiscard]] Duration period() const noexcept;
 
   [[nodiscard]] MoveStatus Move(const MotionModes& modes) noexcept;
-  void StopMove() noexcept { int_.StopMove(); }
+  void StopMove() noexcept { onboard_.StopMove(); }
   [[nodiscard]] RecoveryStatus AutomaticErrorRecovery() noexcept {
-    return int_.AutomaticErrorRecovery();
+    return onboard_.AutomaticErrorRecovery();
   }
   [[nodiscard]] SetterStatus Configure(const Setting& setting) noexcept {
-    return int_.Configure(setting);
+    return onboard_.Configure(setting);
   }
-  [[nodiscard]] bool Operate(PanelAction action) noexcept { return int_.Operate(action); }
+  [[nodiscard]] bool Operate(PanelAction action) noexcept { return onboard_.Operate(action); }
 
   /// Whether a hand is mounted. Its requests are as onboard::Gripper's; @pre there is one.
   [[nodiscard]] bool has_hand() const noexcept { return hand_.has_value(); }
@@ -95,9 +95,9 @@ class Robot final : private rt::EventHandler {
   [[nodiscard]] StateLink& states() noexcept { return states_; }
 
   /// The robot's mode as of its last cycle (the workstation sees it one link delay later).
-  [[nodiscard]] RobotMode mode() const noexcept { return int_.robot_mode(); }
+  [[nodiscard]] RobotMode mode() const noexcept { return onboard_.robot_mode(); }
   [[nodiscard]] LastMotion last_motion() const noexcept {
-    return {int_.last_end(), last_violations_};
+    return {onboard_.last_end(), last_violations_};
   }
   /// What the last cycle that found errors found, in a motion or not; empty before the first.
   [[nodiscard]] const onboard::Violations& last_found() const noexcept { return last_found_; }
@@ -115,7 +115,7 @@ class Robot final : private rt::EventHandler {
   std::unique_ptr<plant::Plant> plant_;
   std::optional<HandUnit> hand_;
   std::optional<BaseUnit> base_;
-  onboard::Int int_;
+  onboard::OnboardController onboard_;
   onboard::CommandInbox inbox_;
   rt::EventQueue& events_;
   rt::RecordSink* sink_;

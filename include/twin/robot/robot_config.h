@@ -8,7 +8,7 @@
 #include "twin/core/panel.h"
 #include "twin/core/time.h"
 #include "twin/onboard/base_controller.h"
-#include "twin/onboard/int_config.h"
+#include "twin/onboard/onboard_config.h"
 #include "twin/plant/mujoco_plant.h"
 #include "twin/robot/link_config.h"
 
@@ -29,7 +29,7 @@ struct PanelEvent {
 
 /// A whole emulated robot: INT, plant and link.
 struct RobotConfig {
-  onboard::IntConfig onboard;
+  onboard::OnboardConfig onboard;
   PlantKind plant_kind = PlantKind::kMujoco;
   plant::MujocoPlantOptions plant;  ///< used by kMujoco
   onboard::BaseConfig base;         ///< of the mobile base in `plant`; of no meaning without one

@@ -15,7 +15,7 @@ namespace twin::rt {
 /// state arrives is seen by the tick of that state.
 enum class EventOrder : std::uint8_t {
   kCommandArrival = 0,
-  kIntCycle = 1,
+  kOnboardCycle = 1,
   kControllerDone = 2,
   kStateArrival = 3,
   kTickDone = 4,

@@ -17,7 +17,7 @@
 #include "twin/core/setting.h"
 #include "twin/core/time.h"
 #include "twin/loop/loop_config.h"
-#include "twin/onboard/int_config.h"
+#include "twin/onboard/onboard_config.h"
 #include "twin/planning/planner.h"
 #include "twin/plant/mujoco_plant.h"
 #include "twin/plant/perturbation.h"
@@ -113,8 +113,8 @@ struct OnboardSection {
   FramePose NE_T_EE;
   setting::GuidingMode guiding_mode;
   setting::Filters filters;
-  double damping_ratio = onboard::IntConfig().damping_ratio;  ///< in (0, 2]
-  std::uint32_t abort_after_lost = onboard::IntConfig().abort_after_lost;
+  double damping_ratio = onboard::OnboardConfig().damping_ratio;  ///< in (0, 2]
+  std::uint32_t abort_after_lost = onboard::OnboardConfig().abort_after_lost;
   double friction_compensation = 0;  ///< share of the drives' friction INT makes up for, in [0, 1]
   bool operator==(const OnboardSection&) const = default;
 };

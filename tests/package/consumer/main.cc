@@ -18,7 +18,7 @@ class Counter final : public twin::rt::EventHandler {
 int main() {
   twin::rt::EventQueue queue;
   Counter counter;
-  queue.Schedule(queue.Now() + twin::kCycle, twin::rt::EventOrder::kIntCycle, counter, 42);
+  queue.Schedule(queue.Now() + twin::kCycle, twin::rt::EventOrder::kOnboardCycle, counter, 42);
   while (queue.RunNext()) {
   }
   const auto bits = twin::Random(0, twin::RandomStream{0}).Bits(0);

@@ -3,13 +3,14 @@
 
 #include "twin/core/error_catalogue.h"
 #include "twin/core/finite.h"
-#include "twin/onboard/int.h"
 #include "twin/onboard/limit_monitor.h"
+#include "twin/onboard/onboard_controller.h"
 
-// What Int does in a cycle: modes that pass by themselves, the reference, the torque.
+// What OnboardController does in a cycle: modes that pass by themselves, the reference, the torque.
 
 namespace twin::onboard {
-const JointDrive& Int::Cycle(const RobotCommand* command, const JointSensors& measured) noexcept {
+const JointDrive& OnboardController::Cycle(const RobotCommand* command,
+                                           const JointSensors& measured) noexcept {
   fate_ = rt::CommandFate::kNone;
   violations_ = Violations();
   const JointSensors& sensors = Sound(measured);
@@ -20,7 +21,7 @@ const JointDrive& Int::Cycle(const RobotCommand* command, const JointSensors& me
   return drive_;
 }
 
-void Int::AdvanceMode(const JointSensors& sensors) noexcept {
+void OnboardController::AdvanceMode(const JointSensors& sensors) noexcept {
   if (robot_mode_ == RobotMode::kAutomaticErrorRecovery && --recovery_cycles_left_ == 0) {
     robot_mode_ = RobotMode::kIdle;
   }
@@ -36,7 +37,8 @@ void Int::AdvanceMode(const JointSensors& sensors) noexcept {
   drive_.brakes = is_braked;
 }
 
-void Int::AdvanceReference(const RobotCommand* command, const JointSensors& sensors) noexcept {
+void OnboardController::AdvanceReference(const RobotCommand* command,
+                                         const JointSensors& sensors) noexcept {
   WatchRest(sensors.dq);
   if (!violations_.empty()) return;  // halted
   const bool is_watched = phase_ != Phase::kNone || robot_mode_ == RobotMode::kIdle;
@@ -66,7 +68,7 @@ void Int::AdvanceReference(const RobotCommand* command, const JointSensors& sens
   if (!violations_.empty()) Abort(sensors);
 }
 
-void Int::AwaitFirstCommand(const RobotCommand* command) noexcept {
+void OnboardController::AwaitFirstCommand(const RobotCommand* command) noexcept {
   generator_.Rest();
   // In the cycle that shows the modes first, a command can only answer a state from before the
   // motion: it is left over from another.
@@ -81,7 +83,7 @@ void Int::AwaitFirstCommand(const RobotCommand* command) noexcept {
   }
 }
 
-void Int::Take(const RobotCommand& command, bool is_first) noexcept {
+void OnboardController::Take(const RobotCommand& command, bool is_first) noexcept {
   const bool is_external = modes_.controller == ControllerMode::kExternalController;
   JointVector tau_J_d = command.tau_J_d;
   Violations torque;
@@ -101,8 +103,8 @@ void Int::Take(const RobotCommand& command, bool is_first) noexcept {
   phase_ = command.motion_generation_finished ? Phase::kFinishing : Phase::kRunning;
 }
 
-Violations Int::TryStep(const RobotCommand& command, bool is_first,
-                        const Violations& torque) noexcept {
+Violations OnboardController::TryStep(const RobotCommand& command, bool is_first,
+                                      const Violations& torque) noexcept {
   const bool finishes = command.motion_generation_finished;
   if (torque.empty() && !finishes) return generator_.Take(command, is_first, message_id_ + 1);
   // A step that may turn out to be wrong afterwards is tried on a copy.
@@ -114,7 +116,7 @@ Violations Int::TryStep(const RobotCommand& command, bool is_first,
   return found;
 }
 
-void Int::Hold() noexcept {
+void OnboardController::Hold() noexcept {
   fate_ = rt::CommandFate::kHeld;
   losses_.CountLost();
   if (losses_.lost_in_row() >= config_.abort_after_lost) {
@@ -126,7 +128,7 @@ void Int::Hold() noexcept {
   violations_ = generator_.Hold(message_id_ + 1);
 }
 
-void Int::Finish(const JointSensors& sensors) noexcept {
+void OnboardController::Finish(const JointSensors& sensors) noexcept {
   if (modes_.controller == ControllerMode::kExternalController) {
     TakeOver(sensors);
     generator_.Brake();
@@ -136,7 +138,7 @@ void Int::Finish(const JointSensors& sensors) noexcept {
   if (generator_.AtRest()) EndMotion(MoveStatus::kSuccess, RobotMode::kIdle);
 }
 
-void Int::Abort(const JointSensors& sensors) noexcept {
+void OnboardController::Abort(const JointSensors& sensors) noexcept {
   for (const Violation& violation : violations_.items()) {
     errors_.set(static_cast<std::size_t>(violation.error));
   }
@@ -145,19 +147,19 @@ void Int::Abort(const JointSensors& sensors) noexcept {
   generator_.Brake();
 }
 
-void Int::EndByError(RobotMode mode) noexcept {
+void OnboardController::EndByError(RobotMode mode) noexcept {
   if (phase_ != Phase::kNone) reflex_reason_ = errors_;
   EndMotion(MoveStatus::kReflexAborted, mode);
 }
 
-void Int::TakeOver(const JointSensors& sensors) noexcept {
+void OnboardController::TakeOver(const JointSensors& sensors) noexcept {
   if (!external_torque_acts_) return;
   external_torque_acts_ = false;
   cartesian_impedance_acts_ = false;
   generator_.TakeOver(sensors.q, sensors.dq);
 }
 
-void Int::WatchRest(const JointVector& dq) noexcept {
+void OnboardController::WatchRest(const JointVector& dq) noexcept {
   const std::uint64_t cycle = message_id_ + 1;
   const bool is_held =
       phase_ == Phase::kNone && robot_mode_ != RobotMode::kGuiding && !drive_.brakes;
@@ -171,7 +173,7 @@ void Int::WatchRest(const JointVector& dq) noexcept {
   Halt(static_cast<std::int8_t>(joint), dq[joint], kRestSpeed);
 }
 
-void Int::Halt(std::int8_t axis, double value, double limit) noexcept {
+void OnboardController::Halt(std::int8_t axis, double value, double limit) noexcept {
   if (!halted_) {
     violations_.Add({RobotError::kInstabilityDetected, axis, value, limit, message_id_ + 1});
   }
@@ -188,17 +190,17 @@ void Int::Halt(std::int8_t axis, double value, double limit) noexcept {
   drive_ = {.tau = {}, .q_d = sound_.q, .dq_d = {}, .ddq_d = {}, .brakes = true};
 }
 
-void Int::HaltOnNoNumber() noexcept {
+void OnboardController::HaltOnNoNumber() noexcept {
   Halt(kNoNumberAxis, std::numeric_limits<double>::quiet_NaN(), 0);
 }
 
-const JointSensors& Int::Sound(const JointSensors& measured) noexcept {
+const JointSensors& OnboardController::Sound(const JointSensors& measured) noexcept {
   if (IsFinite(measured)) return measured;
   HaltOnNoNumber();
   return sound_;
 }
 
-ImpedanceTorque Int::ControlTorque(const JointSensors& sensors) noexcept {
+ImpedanceTorque OnboardController::ControlTorque(const JointSensors& sensors) noexcept {
   if (drive_.brakes) return {};
   const MeasuredArm& measured = sensing_.arm();
   if (robot_mode_ == RobotMode::kGuiding) return guiding_.Torque(sensors, measured, arm_, setup_);
@@ -214,7 +216,7 @@ ImpedanceTorque Int::ControlTorque(const JointSensors& sensors) noexcept {
   return joint_impedance_.Torque(generator_.joints(), sensors, measured, arm_, setup_);
 }
 
-void Int::DriveJoints(const JointSensors& sensors) noexcept {
+void OnboardController::DriveJoints(const JointSensors& sensors) noexcept {
   ImpedanceTorque torque = ControlTorque(sensors);
   if (!IsFinite(torque.tau)) {
     HaltOnNoNumber();

@@ -9,7 +9,7 @@
 
 #include "support/panda_limits.h"
 #include "twin/core/random.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 
 namespace twin::onboard {
 namespace {
@@ -36,10 +36,10 @@ bool IsFinite(const RobotState& state) {
 }
 
 /// INT on a body that does what is desired, unless a test says what it does.
-class IntHaltTest : public ::testing::Test {
+class OnboardHaltTest : public ::testing::Test {
  protected:
-  static IntConfig Config() {
-    IntConfig config;
+  static OnboardConfig Config() {
+    OnboardConfig config;
     config.limits = test::PandaLimits();
     config.cartesian = test::PandaCartesianLimits();
     // The arm that moves as a test says looks pushed: that is not what is looked at.
@@ -54,27 +54,27 @@ class IntHaltTest : public ::testing::Test {
   }
 
   void Cycle(const RobotCommand* command = nullptr) {
-    drive_ = int_.Cycle(command, sensors_);
+    drive_ = onboard_.Cycle(command, sensors_);
     if (!drive_.brakes) {
       sensors_.q = drive_.q_d;
       sensors_.dq = drive_.dq_d;
     }
     sensors_.tau_J = model::ArmModel::Panda().Gravity(sensors_.q, Config().end_effector);
-    int_.FillState(sensors_, state_);
+    onboard_.FillState(sensors_, state_);
   }
   void Cycles(int count) {
     for (int i = 0; i < count; ++i) Cycle();
   }
   /// A cycle in which joint 4 is measured to move like that, wherever it goes.
   void CycleMoving(double dq) {
-    drive_ = int_.Cycle(nullptr, sensors_);
+    drive_ = onboard_.Cycle(nullptr, sensors_);
     sensors_.dq = {};
     sensors_.dq[3] = drive_.brakes ? 0 : dq;
-    int_.FillState(sensors_, state_);
+    onboard_.FillState(sensors_, state_);
   }
   void StartMotion(const MotionModes& modes) {
     Cycle();
-    ASSERT_EQ(int_.Move(modes), MoveStatus::kMotionStarted);
+    ASSERT_EQ(onboard_.Move(modes), MoveStatus::kMotionStarted);
     Cycles(2);
   }
   /// A motion that ends with Success where the arm stands.
@@ -84,7 +84,7 @@ class IntHaltTest : public ::testing::Test {
     Cycle(&command);
     command.motion_generation_finished = true;
     for (int k = 0; k < 5 && state_.robot_mode == RobotMode::kMove; ++k) Cycle(&command);
-    ASSERT_EQ(int_.last_end(), MoveStatus::kSuccess);
+    ASSERT_EQ(onboard_.last_end(), MoveStatus::kSuccess);
     ASSERT_EQ(state_.robot_mode, RobotMode::kIdle);
   }
   [[nodiscard]] bool IsHalted() const {
@@ -92,13 +92,13 @@ class IntHaltTest : public ::testing::Test {
            state_.robot_mode == RobotMode::kReflex;
   }
 
-  Int int_{Config(), kReady};
+  OnboardController onboard_{Config(), kReady};
   JointSensors sensors_{kReady, {}, model::ArmModel::Panda().Gravity(kReady, {}), kReady, {}};
   JointDrive drive_;
   RobotState state_;
 };
 
-TEST_F(IntHaltTest, AMeasurementThatIsNoNumberEndsTheMotionInItsOwnState) {
+TEST_F(OnboardHaltTest, AMeasurementThatIsNoNumberEndsTheMotionInItsOwnState) {
   for (JointVector* values :
        {&sensors_.q, &sensors_.dq, &sensors_.tau_J, &sensors_.theta, &sensors_.dtheta}) {
     SCOPED_TRACE((values - &sensors_.q));
@@ -107,39 +107,39 @@ TEST_F(IntHaltTest, AMeasurementThatIsNoNumberEndsTheMotionInItsOwnState) {
     Cycle(&command);
     const JointSensors good = sensors_;
     (*values)[2] = kNaN;
-    int_.FillState(sensors_, state_);
+    onboard_.FillState(sensors_, state_);
     EXPECT_TRUE(IsFinite(state_));
     EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
     EXPECT_EQ(state_.reflex_reason.to_ullong(), 1ULL << kInstability);
     EXPECT_EQ(state_.q, good.q) << "the last that was measured";
-    EXPECT_EQ(int_.last_end(), MoveStatus::kReflexAborted);
-    ASSERT_FALSE(int_.violations().empty());
-    EXPECT_TRUE(std::isnan(int_.violations().items().front().value));
-    drive_ = int_.Cycle(&command, sensors_);
+    EXPECT_EQ(onboard_.last_end(), MoveStatus::kReflexAborted);
+    ASSERT_FALSE(onboard_.violations().empty());
+    EXPECT_TRUE(std::isnan(onboard_.violations().items().front().value));
+    drive_ = onboard_.Cycle(&command, sensors_);
     EXPECT_TRUE(IsHalted());
     // It measures again, and people may go on.
     sensors_ = good;
     Cycles(2);
     EXPECT_TRUE(IsHalted());
-    ASSERT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
+    ASSERT_EQ(onboard_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
     Cycles(200);
     EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
     EXPECT_FALSE(drive_.brakes);
   }
 }
 
-TEST_F(IntHaltTest, ATorqueThatIsNoNumberReachesNoJoint) {
+TEST_F(OnboardHaltTest, ATorqueThatIsNoNumberReachesNoJoint) {
   StartMotion(kVelocity);
   sensors_.dq.fill(1e200);  // whose Coriolis torque is infinite
-  drive_ = int_.Cycle(nullptr, sensors_);
+  drive_ = onboard_.Cycle(nullptr, sensors_);
   for (const double tau : drive_.tau) EXPECT_EQ(tau, 0);
   EXPECT_TRUE(drive_.brakes);
-  int_.FillState(sensors_, state_);
+  onboard_.FillState(sensors_, state_);
   EXPECT_TRUE(IsHalted());
   EXPECT_TRUE(IsFinite(state_));
 }
 
-TEST_F(IntHaltTest, WhateverIsMeasuredEveryStateIsFinite) {
+TEST_F(OnboardHaltTest, WhateverIsMeasuredEveryStateIsFinite) {
   const Random random(4, RandomStream::kTest);
   std::uint32_t draw = 0;
   const auto any = [&random, &draw] {
@@ -156,16 +156,16 @@ TEST_F(IntHaltTest, WhateverIsMeasuredEveryStateIsFinite) {
       if (random.Uniform(4, static_cast<std::uint32_t>(k)) < 0.3) continue;
       for (double& value : *values) value = any();
     }
-    drive_ = int_.Cycle(nullptr, measured);
-    int_.FillState(measured, state_);
+    drive_ = onboard_.Cycle(nullptr, measured);
+    onboard_.FillState(measured, state_);
     ASSERT_TRUE(IsFinite(state_)) << k;
     for (const double tau : drive_.tau) ASSERT_TRUE(std::isfinite(tau)) << k;
-    static_cast<void>(int_.AutomaticErrorRecovery());
-    static_cast<void>(int_.Move(k % 2 == 0 ? kVelocity : kTorque));
+    static_cast<void>(onboard_.AutomaticErrorRecovery());
+    static_cast<void>(onboard_.Move(k % 2 == 0 ? kVelocity : kTorque));
   }
 }
 
-TEST_F(IntHaltTest, AnArmThatDoesNotComeToRestIsBrakedASecondAfterItsMotion) {
+TEST_F(OnboardHaltTest, AnArmThatDoesNotComeToRestIsBrakedASecondAfterItsMotion) {
   MoveNowhere();
   for (int k = 1; k < 1000; ++k) {
     CycleMoving(0.3 * std::sin(0.06 * k));  // 10 Hz: slow at times, never for long
@@ -175,17 +175,17 @@ TEST_F(IntHaltTest, AnArmThatDoesNotComeToRestIsBrakedASecondAfterItsMotion) {
   while (!drive_.brakes && ++more < 10) CycleMoving(0.3);
   EXPECT_LE(more, 2);
   EXPECT_TRUE(IsHalted());
-  const Violation& violation = int_.violations().items().front();
+  const Violation& violation = onboard_.violations().items().front();
   EXPECT_EQ(violation.axis, 3);
   EXPECT_EQ(violation.limit, 0.05);
   EXPECT_EQ(state_.reflex_reason.to_ullong(), 0) << "it documents the motion, which succeeded";
-  ASSERT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
+  ASSERT_EQ(onboard_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
   Cycles(200);
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
   EXPECT_FALSE(drive_.brakes);
 }
 
-TEST_F(IntHaltTest, AnArmThatMovesOnAfterAReflexIsBraked) {
+TEST_F(OnboardHaltTest, AnArmThatMovesOnAfterAReflexIsBraked) {
   StartMotion(kVelocity);
   RobotCommand command;
   command.dq_c[0] = 1;  // far beyond every limit
@@ -198,34 +198,34 @@ TEST_F(IntHaltTest, AnArmThatMovesOnAfterAReflexIsBraked) {
   EXPECT_EQ((state_.errors & ~why).to_ullong(), 1ULL << kInstability);
 }
 
-TEST_F(IntHaltTest, SlowerThanTheBoundIsRest) {
+TEST_F(OnboardHaltTest, SlowerThanTheBoundIsRest) {
   MoveNowhere();
   for (int k = 0; k < 5000; ++k) CycleMoving(0.0499);
   EXPECT_TRUE(state_.errors.none());
 }
 
-TEST_F(IntHaltTest, WhoIsPushedAndComesToRestMayBePushedAgain) {
+TEST_F(OnboardHaltTest, WhoIsPushedAndComesToRestMayBePushedAgain) {
   MoveNowhere();
   for (int k = 0; k < 5000; ++k) CycleMoving(k % 1000 < 890 ? 0.3 : 0);
   EXPECT_TRUE(state_.errors.none());
 }
 
-TEST_F(IntHaltTest, WhoIsLedMayMove) {
+TEST_F(OnboardHaltTest, WhoIsLedMayMove) {
   Cycle();
-  ASSERT_TRUE(int_.Operate(PanelAction::kPressGuidingButton));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kPressGuidingButton));
   for (int k = 0; k < 3000; ++k) CycleMoving(0.5);
   EXPECT_EQ(state_.robot_mode, RobotMode::kGuiding);
   EXPECT_TRUE(state_.errors.none());
 }
 
-TEST_F(IntHaltTest, PeopleCanLeadAnArmThatWasHalted) {
+TEST_F(OnboardHaltTest, PeopleCanLeadAnArmThatWasHalted) {
   MoveNowhere();
   for (int k = 0; k < 1002; ++k) CycleMoving(0.3);
   ASSERT_TRUE(IsHalted());
-  ASSERT_TRUE(int_.Operate(PanelAction::kPressGuidingButton));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kPressGuidingButton));
   Cycles(2);
   EXPECT_FALSE(drive_.brakes);
-  ASSERT_TRUE(int_.Operate(PanelAction::kReleaseGuidingButton));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kReleaseGuidingButton));
   Cycles(2);
   EXPECT_TRUE(IsHalted());
 }

@@ -1,4 +1,4 @@
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 
 #include <cmath>
 #include <limits>
@@ -22,21 +22,21 @@ constexpr MotionModes kVelocity{ControllerMode::kJointImpedance,
                                 MotionGeneratorMode::kJointVelocity};
 
 /// INT on a body that does what is desired, driven by hand, one call a cycle.
-class IntTest : public ::testing::Test {
+class OnboardControllerTest : public ::testing::Test {
  protected:
-  static IntConfig Config() {
-    IntConfig config;
+  static OnboardConfig Config() {
+    OnboardConfig config;
     config.limits = test::PandaLimits();
     config.cartesian = test::PandaCartesianLimits();
     return config;
   }
 
   const RobotState& Cycle(const RobotCommand* command = nullptr) {
-    const JointDrive& drive = int_.Cycle(command, sensors_);
+    const JointDrive& drive = onboard_.Cycle(command, sensors_);
     sensors_.q = drive.q_d;
     sensors_.dq = drive.dq_d;
     sensors_.tau_J = drive.tau;
-    int_.FillState(sensors_, state_);
+    onboard_.FillState(sensors_, state_);
     return state_;
   }
   const RobotState& SendPosition(const JointVector& q_c, bool finished = false) {
@@ -55,7 +55,7 @@ class IntTest : public ::testing::Test {
   }
   void StartMotion(const MotionModes& modes) {
     Cycle();
-    ASSERT_EQ(int_.Move(modes), MoveStatus::kMotionStarted);
+    ASSERT_EQ(onboard_.Move(modes), MoveStatus::kMotionStarted);
     Cycle();
     Cycle();
   }
@@ -69,12 +69,12 @@ class IntTest : public ::testing::Test {
   }
   bool Reports(RobotError error) const { return state_.errors[static_cast<std::size_t>(error)]; }
 
-  Int int_{Config(), kReady};
+  OnboardController onboard_{Config(), kReady};
   JointSensors sensors_{kReady, {}, {}, kReady, {}};
   RobotState state_;
 };
 
-TEST_F(IntTest, IdleShowsNoModesAndHoldsItsPosition) {
+TEST_F(OnboardControllerTest, IdleShowsNoModesAndHoldsItsPosition) {
   for (int i = 0; i < 5; ++i) Cycle();
   EXPECT_EQ(state_.message_id, 5u);
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
@@ -84,9 +84,9 @@ TEST_F(IntTest, IdleShowsNoModesAndHoldsItsPosition) {
   EXPECT_EQ(state_.q_d, kReady);
 }
 
-TEST_F(IntTest, SwitchesAllModesInOneStateWithTheReferenceAtRest) {
+TEST_F(OnboardControllerTest, SwitchesAllModesInOneStateWithTheReferenceAtRest) {
   Cycle();
-  ASSERT_EQ(int_.Move(kPosition), MoveStatus::kMotionStarted);
+  ASSERT_EQ(onboard_.Move(kPosition), MoveStatus::kMotionStarted);
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
   EXPECT_EQ(state_.motion_generator_mode, MotionGeneratorMode::kJointPosition);
@@ -96,23 +96,23 @@ TEST_F(IntTest, SwitchesAllModesInOneStateWithTheReferenceAtRest) {
   EXPECT_EQ(state_.O_T_EE_c, state_.O_T_EE_d);
 }
 
-TEST_F(IntTest, CountsNoLossBeforeTheFirstCommand) {
+TEST_F(OnboardControllerTest, CountsNoLossBeforeTheFirstCommand) {
   StartMotion(kPosition);
   for (int i = 0; i < 100; ++i) Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
-  EXPECT_EQ(int_.fate(), rt::CommandFate::kNone);
+  EXPECT_EQ(onboard_.fate(), rt::CommandFate::kNone);
   SendPosition(kReady);
-  EXPECT_EQ(int_.fate(), rt::CommandFate::kServed);
+  EXPECT_EQ(onboard_.fate(), rt::CommandFate::kServed);
   EXPECT_EQ(state_.control_command_success_rate, 1);
 }
 
-TEST_F(IntTest, AbortsAMotionWhoseFirstCommandNeverComes) {
+TEST_F(OnboardControllerTest, AbortsAMotionWhoseFirstCommandNeverComes) {
   StartMotion(kPosition);
   for (int i = 0; i < 1000 && state_.robot_mode == RobotMode::kMove; ++i) Cycle();
   EXPECT_TRUE(Reports(RobotError::kCommunicationConstraintsViolation));
 }
 
-TEST_F(IntTest, NineteenLostCommandsAreBridgedWithTheHeldAccelerationAndThenResume) {
+TEST_F(OnboardControllerTest, NineteenLostCommandsAreBridgedWithTheHeldAccelerationAndThenResume) {
   StartMotion(kVelocity);
   SpeedUp(5.0, 0.5);
   const double q = state_.q_d[0];
@@ -121,7 +121,7 @@ TEST_F(IntTest, NineteenLostCommandsAreBridgedWithTheHeldAccelerationAndThenResu
   ASSERT_NEAR(ddq, 5.0, 1e-9);
   for (int n = 1; n <= 19; ++n) {
     Cycle();
-    EXPECT_EQ(int_.fate(), rt::CommandFate::kHeld);
+    EXPECT_EQ(onboard_.fate(), rt::CommandFate::kHeld);
     EXPECT_NEAR(state_.dq_d[0], dq + n * kT * ddq, 1e-12);
     EXPECT_NEAR(state_.q_d[0], q + n * kT * dq + kT * kT * ddq * n * (n + 1) / 2, 1e-12);
   }
@@ -129,10 +129,10 @@ TEST_F(IntTest, NineteenLostCommandsAreBridgedWithTheHeldAccelerationAndThenResu
   next[0] += 5.0 * kT;
   SendVelocity(next);
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
-  EXPECT_EQ(int_.lost_in_row(), 0u);
+  EXPECT_EQ(onboard_.lost_in_row(), 0u);
 }
 
-TEST_F(IntTest, TheTwentiethLossAbortsAndTheArmStopsWithinItsLimits) {
+TEST_F(OnboardControllerTest, TheTwentiethLossAbortsAndTheArmStopsWithinItsLimits) {
   StartMotion(kVelocity);
   SpeedUp(5.0, 1.5);
   for (int n = 0; n < 20; ++n) Cycle();
@@ -142,15 +142,15 @@ TEST_F(IntTest, TheTwentiethLossAbortsAndTheArmStopsWithinItsLimits) {
   EXPECT_EQ(state_.errors.count(), 1u);
   EXPECT_TRUE(Reports(RobotError::kCommunicationConstraintsViolation));
   EXPECT_EQ(state_.reflex_reason, state_.errors);
-  ASSERT_EQ(int_.violations().items().size(), 1u);
-  EXPECT_EQ(int_.violations().items()[0].value, 20);
-  EXPECT_EQ(int_.violations().items()[0].message_id, state_.message_id);
+  ASSERT_EQ(onboard_.violations().items().size(), 1u);
+  EXPECT_EQ(onboard_.violations().items()[0].value, 20);
+  EXPECT_EQ(onboard_.violations().items()[0].message_id, state_.message_id);
 
-  EXPECT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kCommandNotPossibleRejected);
+  EXPECT_EQ(onboard_.AutomaticErrorRecovery(), RecoveryStatus::kCommandNotPossibleRejected);
   const JointLimits limits = test::PandaLimits();
   int cycles = 0;
   double last_ddq = state_.ddq_d[0];
-  while (!int_.reference().AtRest() && ++cycles < 400) {
+  while (!onboard_.reference().AtRest() && ++cycles < 400) {
     Cycle();
     EXPECT_LE(std::abs(state_.ddq_d[0]), limits.ddq_max[0] * (1 + 1e-9));
     EXPECT_LE(std::abs(state_.ddq_d[0] - last_ddq) / kT, limits.dddq_max[0] * (1 + 1e-9));
@@ -160,49 +160,49 @@ TEST_F(IntTest, TheTwentiethLossAbortsAndTheArmStopsWithinItsLimits) {
   EXPECT_EQ(state_.dq_d, JointVector{});
 }
 
-TEST_F(IntTest, RecoversAndRunsTheNextMotion) {
+TEST_F(OnboardControllerTest, RecoversAndRunsTheNextMotion) {
   StartMotion(kPosition);
   SendPosition(kReady);
   for (int n = 0; n < 20; ++n) Cycle();
   ASSERT_EQ(state_.robot_mode, RobotMode::kReflex);
-  EXPECT_EQ(int_.Move(kPosition), MoveStatus::kCommandNotPossibleRejected);
-  ASSERT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
+  EXPECT_EQ(onboard_.Move(kPosition), MoveStatus::kCommandNotPossibleRejected);
+  ASSERT_EQ(onboard_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kAutomaticErrorRecovery);
   EXPECT_TRUE(state_.errors.none());
   EXPECT_TRUE(state_.reflex_reason.any()) << "it documents the previous motion";
   for (int i = 0; i < 200 && state_.robot_mode != RobotMode::kIdle; ++i) Cycle();
   ASSERT_EQ(state_.robot_mode, RobotMode::kIdle);
-  ASSERT_EQ(int_.Move(kPosition), MoveStatus::kMotionStarted);
+  ASSERT_EQ(onboard_.Move(kPosition), MoveStatus::kMotionStarted);
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
   EXPECT_TRUE(state_.reflex_reason.none());
 }
 
-TEST_F(IntTest, AFirstPositionFarFromTheArmIsRefused) {
+TEST_F(OnboardControllerTest, AFirstPositionFarFromTheArmIsRefused) {
   StartMotion(kPosition);
   JointVector q_c = kReady;
   q_c[3] += 0.2;
   SendPosition(q_c);
   EXPECT_TRUE(Reports(RobotError::kJointPositionMotionGeneratorStartPoseInvalid));
   EXPECT_EQ(state_.errors.count(), 1u);
-  EXPECT_EQ(int_.violations().items()[0].axis, 3);
-  EXPECT_NEAR(int_.violations().items()[0].value, 0.2, 1e-12);
+  EXPECT_EQ(onboard_.violations().items()[0].axis, 3);
+  EXPECT_NEAR(onboard_.violations().items()[0].value, 0.2, 1e-12);
 }
 
-TEST_F(IntTest, ASmallStepOfThePositionIsAJerkAndALargeOneAnAccelerationToo) {
+TEST_F(OnboardControllerTest, ASmallStepOfThePositionIsAJerkAndALargeOneAnAccelerationToo) {
   StartMotion(kPosition);
   SendPosition(kReady);
   JointVector q_c = kReady;
   q_c[0] += 1e-5;  // 10 rad/s^2 and 10 000 rad/s^3 in one cycle
   SendPosition(q_c);
   EXPECT_EQ(FormatErrors(state_.errors), "[\"joint_motion_generator_acceleration_discontinuity\"]");
-  EXPECT_NEAR(int_.violations().items()[0].value, 1e4, 1e-3);
-  EXPECT_EQ(int_.violations().items()[0].limit, 7500);
+  EXPECT_NEAR(onboard_.violations().items()[0].value, 1e4, 1e-3);
+  EXPECT_EQ(onboard_.violations().items()[0].limit, 7500);
   EXPECT_EQ(state_.q_d[0], kReady[0]) << "the violating command is not applied";
 }
 
-TEST_F(IntTest, ALargeStepReportsBothDiscontinuities) {
+TEST_F(OnboardControllerTest, ALargeStepReportsBothDiscontinuities) {
   StartMotion(kPosition);
   SendPosition(kReady);
   JointVector q_c = kReady;
@@ -213,7 +213,7 @@ TEST_F(IntTest, ALargeStepReportsBothDiscontinuities) {
             "\"joint_motion_generator_acceleration_discontinuity\"]");
 }
 
-TEST_F(IntTest, ExceedingTheVelocityGentlyIsAVelocityViolation) {
+TEST_F(OnboardControllerTest, ExceedingTheVelocityGentlyIsAVelocityViolation) {
   StartMotion(kVelocity);
   SpeedUp(5.0, 2.17);
   JointVector dq = state_.dq_d;
@@ -222,25 +222,25 @@ TEST_F(IntTest, ExceedingTheVelocityGentlyIsAVelocityViolation) {
     SendVelocity(dq);
   }
   EXPECT_EQ(FormatErrors(state_.errors), "[\"joint_motion_generator_velocity_limits_violation\"]");
-  EXPECT_GT(int_.violations().items()[0].value, 2.175);
+  EXPECT_GT(onboard_.violations().items()[0].value, 2.175);
 }
 
-TEST_F(IntTest, RunningIntoAPositionLimitIsAPositionViolation) {
+TEST_F(OnboardControllerTest, RunningIntoAPositionLimitIsAPositionViolation) {
   StartMotion(kVelocity);
   SpeedUp(5.0, 2.0);
   while (state_.robot_mode == RobotMode::kMove) SendVelocity(state_.dq_d);
   EXPECT_EQ(FormatErrors(state_.errors), "[\"joint_motion_generator_position_limits_violation\"]");
-  EXPECT_EQ(int_.violations().items()[0].limit, 2.8973);
+  EXPECT_EQ(onboard_.violations().items()[0].limit, 2.8973);
 }
 
-TEST_F(IntTest, AHeldAccelerationThatLeavesTheEnvelopeAborts) {
+TEST_F(OnboardControllerTest, AHeldAccelerationThatLeavesTheEnvelopeAborts) {
   StartMotion(kVelocity);
   SpeedUp(7.0, 2.16);
   for (int n = 0; n < 5 && state_.robot_mode == RobotMode::kMove; ++n) Cycle();
   EXPECT_EQ(FormatErrors(state_.errors), "[\"joint_motion_generator_velocity_limits_violation\"]");
 }
 
-TEST_F(IntTest, NaNAborts) {
+TEST_F(OnboardControllerTest, NaNAborts) {
   StartMotion(kPosition);
   SendPosition(kReady);
   JointVector q_c = kReady;
@@ -250,7 +250,7 @@ TEST_F(IntTest, NaNAborts) {
   EXPECT_EQ(state_.q_d, kReady);
 }
 
-TEST_F(IntTest, FinishingAtRestEndsWithSuccess) {
+TEST_F(OnboardControllerTest, FinishingAtRestEndsWithSuccess) {
   StartMotion(kPosition);
   SendPosition(kReady);
   SendPosition(kReady, true);
@@ -258,10 +258,10 @@ TEST_F(IntTest, FinishingAtRestEndsWithSuccess) {
   SendPosition(kReady, true);
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
   EXPECT_EQ(state_.motion_generator_mode, MotionGeneratorMode::kIdle);
-  EXPECT_EQ(int_.last_end(), MoveStatus::kSuccess);
+  EXPECT_EQ(onboard_.last_end(), MoveStatus::kSuccess);
 }
 
-TEST_F(IntTest, FinishingInMotionIsADiscontinuity) {
+TEST_F(OnboardControllerTest, FinishingInMotionIsADiscontinuity) {
   StartMotion(kVelocity);
   SpeedUp(5.0, 1.0);
   SendVelocity(state_.dq_d, true);
@@ -270,53 +270,53 @@ TEST_F(IntTest, FinishingInMotionIsADiscontinuity) {
   EXPECT_TRUE(Reports(RobotError::kJointMotionGeneratorAccelerationDiscontinuity));
 }
 
-TEST_F(IntTest, StopMoveDeceleratesStillInMoveAndEndsPreempted) {
+TEST_F(OnboardControllerTest, StopMoveDeceleratesStillInMoveAndEndsPreempted) {
   StartMotion(kVelocity);
   SpeedUp(5.0, 1.5);
-  int_.StopMove();
+  onboard_.StopMove();
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
   EXPECT_LT(state_.dq_d[0], 1.5);
   for (int i = 0; i < 200 && state_.robot_mode == RobotMode::kMove; ++i) Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
-  EXPECT_EQ(int_.last_end(), MoveStatus::kPreempted);
-  EXPECT_TRUE(int_.reference().AtRest());
+  EXPECT_EQ(onboard_.last_end(), MoveStatus::kPreempted);
+  EXPECT_TRUE(onboard_.reference().AtRest());
   EXPECT_TRUE(state_.errors.none());
 }
 
-TEST_F(IntTest, RefusesASecondMotionAndModesItDoesNotOffer) {
-  EXPECT_EQ(int_.Move({ControllerMode::kOther, MotionGeneratorMode::kJointPosition}),
+TEST_F(OnboardControllerTest, RefusesASecondMotionAndModesItDoesNotOffer) {
+  EXPECT_EQ(onboard_.Move({ControllerMode::kOther, MotionGeneratorMode::kJointPosition}),
             MoveStatus::kInvalidArgumentRejected);
-  EXPECT_EQ(int_.Move({ControllerMode::kJointImpedance, MotionGeneratorMode::kIdle}),
+  EXPECT_EQ(onboard_.Move({ControllerMode::kJointImpedance, MotionGeneratorMode::kIdle}),
             MoveStatus::kInvalidArgumentRejected);
   StartMotion(kPosition);
-  EXPECT_EQ(int_.Move(kPosition), MoveStatus::kCommandNotPossibleRejected);
-  EXPECT_EQ(int_.Configure(setting::JointImpedance{JointVector{}}),
+  EXPECT_EQ(onboard_.Move(kPosition), MoveStatus::kCommandNotPossibleRejected);
+  EXPECT_EQ(onboard_.Configure(setting::JointImpedance{JointVector{}}),
             SetterStatus::kCommandNotPossibleRejected);
 }
 
-TEST_F(IntTest, TakesStiffnessWithinItsRangeOnly) {
+TEST_F(OnboardControllerTest, TakesStiffnessWithinItsRangeOnly) {
   JointVector K{};
   K.fill(14250);
-  EXPECT_EQ(int_.Configure(setting::JointImpedance{K}), SetterStatus::kSuccess);
+  EXPECT_EQ(onboard_.Configure(setting::JointImpedance{K}), SetterStatus::kSuccess);
   K[2] = 14251;
-  EXPECT_EQ(int_.Configure(setting::JointImpedance{K}), SetterStatus::kInvalidArgumentRejected);
+  EXPECT_EQ(onboard_.Configure(setting::JointImpedance{K}), SetterStatus::kInvalidArgumentRejected);
   K[2] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(int_.Configure(setting::JointImpedance{K}), SetterStatus::kInvalidArgumentRejected);
+  EXPECT_EQ(onboard_.Configure(setting::JointImpedance{K}), SetterStatus::kInvalidArgumentRejected);
 }
 
-TEST_F(IntTest, RefusesAConfigurationOutOfRangeByName) {
-  IntConfig config = Config();
+TEST_F(OnboardControllerTest, RefusesAConfigurationOutOfRangeByName) {
+  OnboardConfig config = Config();
   config.joint_impedance.K_theta[3] = -1;
   try {
-    const Int refused(config, kReady);
+    const OnboardController refused(config, kReady);
     FAIL() << "accepted";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("K_theta[3]"), std::string::npos);
   }
 }
 
-TEST_F(IntTest, AllocatesAndLocksNothing) {
+TEST_F(OnboardControllerTest, AllocatesAndLocksNothing) {
   StartMotion(kVelocity);
   const test::RealtimeGuard guard;
   JointVector dq{};
@@ -324,9 +324,9 @@ TEST_F(IntTest, AllocatesAndLocksNothing) {
     dq[0] = 0.5 * std::sin(2e-3 * k);
     RobotCommand command;
     command.dq_c = dq;
-    const JointDrive& drive = int_.Cycle(k % 7 == 0 ? nullptr : &command, sensors_);
+    const JointDrive& drive = onboard_.Cycle(k % 7 == 0 ? nullptr : &command, sensors_);
     sensors_.q = drive.q_d;
-    int_.FillState(sensors_, state_);
+    onboard_.FillState(sensors_, state_);
   }
   const test::RealtimeGuard::Counts counts = guard.counts();
   EXPECT_EQ(counts.allocations, 0);

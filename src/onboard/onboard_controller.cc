@@ -1,10 +1,10 @@
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 
 #include <utility>
 
 #include "twin/model/transform.h"
 
-// What is asked of Int: motions, settings, recovery, buttons.
+// What is asked of OnboardController: motions, settings, recovery, buttons.
 
 namespace twin::onboard {
 namespace {
@@ -12,12 +12,12 @@ namespace {
 /// How long automatic error recovery shows its mode. The robot's own duration is not public.
 constexpr std::uint32_t kRecoveryCycles = 100;
 
-IntConfig Validated(const IntConfig& config) {
+OnboardConfig Validated(const OnboardConfig& config) {
   config.Validate();
   return config;
 }
 
-GeneratorLimits LimitsOf(const IntConfig& config) {
+GeneratorLimits LimitsOf(const OnboardConfig& config) {
   return {.joints = config.limits,
           .cartesian = config.cartesian,
           .start_q_rad = config.start_pose_tolerance_rad,
@@ -26,14 +26,14 @@ GeneratorLimits LimitsOf(const IntConfig& config) {
           .start_elbow_rad = config.start_elbow_tolerance_rad};
 }
 
-SensingConfig SensingOf(const IntConfig& config) {
+SensingConfig SensingOf(const OnboardConfig& config) {
   SensingConfig sensing = config.sensing;
   sensing.joints = config.limits;
   sensing.cartesian = config.cartesian;
   return sensing;
 }
 
-ArmSetup SetupOf(const IntConfig& config) {
+ArmSetup SetupOf(const OnboardConfig& config) {
   const setting::Load& load = config.load;
   return {.F_T_EE = model::Multiply(config.F_T_NE, config.end_effector_frame.NE_T_EE),
           .EE_T_K = config.stiffness_frame.EE_T_K,
@@ -49,7 +49,7 @@ bool IsCombination(const MotionModes& modes) noexcept {
 
 }  // namespace
 
-Int::Int(const IntConfig& config, const JointVector& q0)
+OnboardController::OnboardController(const OnboardConfig& config, const JointVector& q0)
     : config_(Validated(config)),
       arm_(model::ArmModel::Panda()),
       setup_(SetupOf(config)),
@@ -68,7 +68,7 @@ Int::Int(const IntConfig& config, const JointVector& q0)
   sound_.q = q0;
 }
 
-bool Int::Grants(Request request) const noexcept {
+bool OnboardController::Grants(Request request) const noexcept {
   switch (VerdictOn(robot_mode_, request)) {
     case Verdict::kGranted: return true;
     case Verdict::kGrantedAtRest: return generator_.AtRest();
@@ -79,7 +79,7 @@ bool Int::Grants(Request request) const noexcept {
   return false;
 }
 
-MoveStatus Int::Move(const MotionModes& modes) noexcept {
+MoveStatus OnboardController::Move(const MotionModes& modes) noexcept {
   if (!IsCombination(modes)) return MoveStatus::kInvalidArgumentRejected;
   if (!Grants(Request::kMove)) return MoveStatus::kCommandNotPossibleRejected;
   if (IsCartesian(modes.generator) && generator_.IsSingular()) {
@@ -99,11 +99,11 @@ MoveStatus Int::Move(const MotionModes& modes) noexcept {
   return MoveStatus::kMotionStarted;
 }
 
-void Int::StopMove() noexcept {
+void OnboardController::StopMove() noexcept {
   if (Grants(Request::kStopMove)) phase_ = Phase::kPreempting;
 }
 
-RecoveryStatus Int::AutomaticErrorRecovery() noexcept {
+RecoveryStatus OnboardController::AutomaticErrorRecovery() noexcept {
   const Verdict verdict = VerdictOn(robot_mode_, Request::kAutomaticErrorRecovery);
   const bool has_nothing_to_do = verdict == Verdict::kNothingToDo ||
                                  (verdict == Verdict::kNothingUnlessError && errors_.none());
@@ -120,61 +120,61 @@ RecoveryStatus Int::AutomaticErrorRecovery() noexcept {
   return RecoveryStatus::kSuccess;
 }
 
-SetterStatus Int::Configure(const Setting& setting) noexcept {
+SetterStatus OnboardController::Configure(const Setting& setting) noexcept {
   if (!Grants(RequestOf(setting))) return SetterStatus::kCommandNotPossibleRejected;
   if (FindBadValue(setting)) return SetterStatus::kInvalidArgumentRejected;
   std::visit([this](const auto& one) { Set(one); }, setting);
   return SetterStatus::kSuccess;
 }
 
-void Int::Set(const setting::JointImpedance& impedance) noexcept {
+void OnboardController::Set(const setting::JointImpedance& impedance) noexcept {
   config_.joint_impedance = impedance;
   joint_impedance_ =
       JointImpedance(impedance.K_theta, config_.damping_ratio, config_.rotor_inertia);
 }
 
-void Int::Set(const setting::CartesianImpedance& impedance) noexcept {
+void OnboardController::Set(const setting::CartesianImpedance& impedance) noexcept {
   config_.cartesian_impedance = impedance;
   cartesian_impedance_ =
       CartesianImpedance(impedance.K_x, config_.damping_ratio, config_.rotor_inertia);
 }
 
-void Int::Set(const setting::CollisionBehavior& behavior) noexcept {
+void OnboardController::Set(const setting::CollisionBehavior& behavior) noexcept {
   sensing_.SetCollisionBehavior(behavior);
 }
 
-void Int::Set(const setting::GuidingMode& mode) noexcept {
+void OnboardController::Set(const setting::GuidingMode& mode) noexcept {
   guiding_.SetMode(mode);
 }
 
-void Int::ChangeSetup() noexcept {
+void OnboardController::ChangeSetup() noexcept {
   setup_ = SetupOf(config_);
   sensing_.Measure(setup_);
 }
 
-void Int::Set(const setting::StiffnessFrame& frame) noexcept {
+void OnboardController::Set(const setting::StiffnessFrame& frame) noexcept {
   config_.stiffness_frame = frame;
   ChangeSetup();
 }
 
-void Int::Set(const setting::EndEffectorFrame& frame) noexcept {
+void OnboardController::Set(const setting::EndEffectorFrame& frame) noexcept {
   config_.end_effector_frame = frame;
   ChangeSetup();
   generator_.SetEndEffector(setup_.F_T_EE);
 }
 
-void Int::Set(const setting::Load& load) noexcept {
+void OnboardController::Set(const setting::Load& load) noexcept {
   config_.load = load;
   ChangeSetup();
   payload_changed_ = true;
 }
 
-void Int::Set(const setting::Filters& filters) noexcept {
+void OnboardController::Set(const setting::Filters& filters) noexcept {
   generator_.SetFilters(filters);
   torque_filter_ = reference::LowPass(filters.controller_hz);
 }
 
-bool Int::Operate(PanelAction action) noexcept {
+bool OnboardController::Operate(PanelAction action) noexcept {
   const Verdict verdict = VerdictOn(robot_mode_, RequestOf(action));
   if (verdict == Verdict::kNothingToDo) return true;
   if (!Grants(RequestOf(action))) return false;
@@ -201,7 +201,7 @@ bool Int::Operate(PanelAction action) noexcept {
   return true;
 }
 
-void Int::LeaveToRest() noexcept {
+void OnboardController::LeaveToRest() noexcept {
   if (errors_.none()) sensing_.ClearCollisions();  // people leading the arm are none
   if (brakes_closed_) {
     robot_mode_ = RobotMode::kOther;
@@ -210,7 +210,7 @@ void Int::LeaveToRest() noexcept {
   }
 }
 
-void Int::EndMotion(MoveStatus end, RobotMode mode) noexcept {
+void OnboardController::EndMotion(MoveStatus end, RobotMode mode) noexcept {
   if (phase_ != Phase::kNone) last_end_ = end;
   phase_ = Phase::kNone;
   robot_mode_ = mode;

@@ -3,9 +3,9 @@
 
 #include "twin/core/finite.h"
 #include "twin/core/time.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 
-// What Int reports: the robot state of a cycle.
+// What OnboardController reports: the robot state of a cycle.
 
 namespace twin::onboard {
 namespace {
@@ -19,7 +19,7 @@ bool Accelerates(const JointReference& reference) noexcept {
 
 }  // namespace
 
-void Int::FillState(const JointSensors& measured, RobotState& state) noexcept {
+void OnboardController::FillState(const JointSensors& measured, RobotState& state) noexcept {
   const JointSensors& sensors = Sound(measured);
   // Closed brakes take up what the observer would hold against the model.
   if (message_id_ == 0 || payload_changed_ || drive_.brakes) sensing_.Reset(sensors, setup_);
@@ -37,13 +37,13 @@ void Int::FillState(const JointSensors& measured, RobotState& state) noexcept {
   ++message_id_;
 }
 
-void Int::Fill(const JointSensors& sensors, RobotState& state) noexcept {
+void OnboardController::Fill(const JointSensors& sensors, RobotState& state) noexcept {
   FillMeasured(sensors, state);
   FillDesired(state);
   FillModes(state);
 }
 
-void Int::FillMeasured(const JointSensors& sensors, RobotState& state) noexcept {
+void OnboardController::FillMeasured(const JointSensors& sensors, RobotState& state) noexcept {
   state.message_id = message_id_ + 1;
   state.q = sensors.q;
   state.dq = sensors.dq;
@@ -66,7 +66,7 @@ void Int::FillMeasured(const JointSensors& sensors, RobotState& state) noexcept 
   state.cartesian_collision = sensing_.cartesian_collision();
 }
 
-void Int::FillDesired(RobotState& state) const noexcept {
+void OnboardController::FillDesired(RobotState& state) const noexcept {
   const JointReference& joints = generator_.joints();
   state.q_d = joints.q_d;
   state.dq_d = joints.dq_d;
@@ -93,7 +93,7 @@ void Int::FillDesired(RobotState& state) const noexcept {
   state.I_load = config_.load.I_load;
 }
 
-void Int::FillModes(RobotState& state) const noexcept {
+void OnboardController::FillModes(RobotState& state) const noexcept {
   const bool moving = phase_ != Phase::kNone;
   state.robot_mode = robot_mode_;
   state.motion_generator_mode = moving ? modes_.generator : MotionGeneratorMode::kIdle;

@@ -1,4 +1,4 @@
-#include "twin/onboard/int_config.h"
+#include "twin/onboard/onboard_config.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ void RequireValid(const Setting& setting) {
 
 }  // namespace
 
-void IntConfig::Validate() const {
+void OnboardConfig::Validate() const {
   limits.Validate();
   cartesian.Validate();
   sensing.Validate();

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/panda_limits.h"
-#include "twin/onboard/int.h"
+#include "twin/onboard/onboard_controller.h"
 
 namespace twin::onboard {
 namespace {
@@ -20,31 +20,31 @@ constexpr MotionModes kPose{ControllerMode::kJointImpedance,
                             MotionGeneratorMode::kCartesianPosition};
 
 /// INT on a body that does what is desired, and that nothing touches.
-class IntModesTest : public ::testing::Test {
+class OnboardModesTest : public ::testing::Test {
  protected:
-  static IntConfig Config() {
-    IntConfig config;
+  static OnboardConfig Config() {
+    OnboardConfig config;
     config.limits = test::PandaLimits();
     config.cartesian = test::PandaCartesianLimits();
     return config;
   }
 
   void Cycle(const RobotCommand* command = nullptr) {
-    drive_ = int_.Cycle(command, sensors_);
+    drive_ = onboard_.Cycle(command, sensors_);
     if (!drive_.brakes) {
       sensors_.q = drive_.q_d;
       sensors_.dq = drive_.dq_d;
     }
     sensors_.tau_J = model::ArmModel::Panda().InverseDynamics(sensors_.q, sensors_.dq, drive_.ddq_d,
                                                               model::Payload());
-    int_.FillState(sensors_, state_);
+    onboard_.FillState(sensors_, state_);
   }
   void Cycles(int count) {
     for (int i = 0; i < count; ++i) Cycle();
   }
   void StartMotion(const MotionModes& modes) {
     Cycle();
-    ASSERT_EQ(int_.Move(modes), MoveStatus::kMotionStarted);
+    ASSERT_EQ(onboard_.Move(modes), MoveStatus::kMotionStarted);
     Cycles(2);
   }
   /// Joint 1 up to 1 rad/s at 5 rad/s^2.
@@ -59,7 +59,7 @@ class IntModesTest : public ::testing::Test {
   /// Cycles until the reference rests. @returns how many.
   int ComeToRest() {
     int cycles = 0;
-    while (!int_.reference().AtRest() && cycles < 1000) {
+    while (!onboard_.reference().AtRest() && cycles < 1000) {
       const JointVector before = state_.ddq_d;
       Cycle();
       ++cycles;
@@ -69,38 +69,38 @@ class IntModesTest : public ::testing::Test {
     return cycles;
   }
 
-  Int int_{Config(), kReady};
+  OnboardController onboard_{Config(), kReady};
   JointSensors sensors_{kReady, {}, model::ArmModel::Panda().Gravity(kReady, {}), kReady, {}};
   JointDrive drive_;
   RobotState state_;
 };
 
-TEST_F(IntModesTest, TheUserStopEndsAMotionAndBrakesOnceTheArmRests) {
+TEST_F(OnboardModesTest, TheUserStopEndsAMotionAndBrakesOnceTheArmRests) {
   StartMotion(kVelocity);
   SpeedUp();
-  ASSERT_TRUE(int_.Operate(PanelAction::kPressUserStop));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kPressUserStop));
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kUserStopped);
   EXPECT_EQ(state_.motion_generator_mode, MotionGeneratorMode::kIdle);
   EXPECT_EQ(state_.controller_mode, ControllerMode::kOther);
-  EXPECT_EQ(int_.last_end(), MoveStatus::kEmergencyAborted);
+  EXPECT_EQ(onboard_.last_end(), MoveStatus::kEmergencyAborted);
   EXPECT_TRUE(state_.errors.none()) << "it is no error";
   EXPECT_FALSE(drive_.brakes) << "the arm still moves";
-  EXPECT_FALSE(int_.Operate(PanelAction::kReleaseUserStop));
+  EXPECT_FALSE(onboard_.Operate(PanelAction::kReleaseUserStop));
   EXPECT_GT(ComeToRest(), 60);
   Cycle();
   EXPECT_TRUE(drive_.brakes);
-  EXPECT_EQ(int_.Move(kVelocity), MoveStatus::kCommandNotPossibleRejected);
-  EXPECT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kCommandNotPossibleRejected);
+  EXPECT_EQ(onboard_.Move(kVelocity), MoveStatus::kCommandNotPossibleRejected);
+  EXPECT_EQ(onboard_.AutomaticErrorRecovery(), RecoveryStatus::kCommandNotPossibleRejected);
 }
 
-TEST_F(IntModesTest, AfterTheUserStopTheArmIsHeldWhereItThenIs) {
-  ASSERT_TRUE(int_.Operate(PanelAction::kPressUserStop));
+TEST_F(OnboardModesTest, AfterTheUserStopTheArmIsHeldWhereItThenIs) {
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kPressUserStop));
   Cycles(2);
   ASSERT_TRUE(drive_.brakes);
   sensors_.q[3] += 0.02;  // what the brakes let pass
   Cycle();
-  ASSERT_TRUE(int_.Operate(PanelAction::kReleaseUserStop));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kReleaseUserStop));
   const JointVector q = sensors_.q;
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
@@ -109,49 +109,49 @@ TEST_F(IntModesTest, AfterTheUserStopTheArmIsHeldWhereItThenIs) {
   EXPECT_EQ(state_.dq_d, JointVector{});
 }
 
-TEST_F(IntModesTest, TheUserStopEndsATorqueMotionWhereTheArmIs) {
+TEST_F(OnboardModesTest, TheUserStopEndsATorqueMotionWhereTheArmIs) {
   StartMotion(kTorque);
   RobotCommand command;
   command.tau_J_d = state_.tau_J_d;
   Cycle(&command);
   sensors_.q[0] += 0.1;
   const double q = sensors_.q[0];
-  ASSERT_TRUE(int_.Operate(PanelAction::kPressUserStop));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kPressUserStop));
   Cycle();
   EXPECT_NEAR(state_.q_d[0], q, 1e-3);
 }
 
-TEST_F(IntModesTest, ClosedBrakesAreModeOther) {
+TEST_F(OnboardModesTest, ClosedBrakesAreModeOther) {
   Cycle();
-  ASSERT_TRUE(int_.Operate(PanelAction::kCloseBrakes));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kCloseBrakes));
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kOther);
   EXPECT_TRUE(drive_.brakes);
   EXPECT_EQ(drive_.tau, JointVector{}) << "motors off";
-  EXPECT_EQ(int_.Move(kVelocity), MoveStatus::kCommandNotPossibleRejected);
-  EXPECT_TRUE(int_.Operate(PanelAction::kCloseBrakes)) << "they are";
-  ASSERT_TRUE(int_.Operate(PanelAction::kOpenBrakes));
+  EXPECT_EQ(onboard_.Move(kVelocity), MoveStatus::kCommandNotPossibleRejected);
+  EXPECT_TRUE(onboard_.Operate(PanelAction::kCloseBrakes)) << "they are";
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kOpenBrakes));
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
   EXPECT_FALSE(drive_.brakes);
-  EXPECT_EQ(int_.Move(kVelocity), MoveStatus::kMotionStarted);
+  EXPECT_EQ(onboard_.Move(kVelocity), MoveStatus::kMotionStarted);
 }
 
-TEST_F(IntModesTest, TheUserStopDoesNotOpenTheBrakes) {
-  ASSERT_TRUE(int_.Operate(PanelAction::kCloseBrakes));
+TEST_F(OnboardModesTest, TheUserStopDoesNotOpenTheBrakes) {
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kCloseBrakes));
   Cycle();
-  ASSERT_TRUE(int_.Operate(PanelAction::kPressUserStop));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kPressUserStop));
   Cycle();
   EXPECT_TRUE(drive_.brakes);
-  ASSERT_TRUE(int_.Operate(PanelAction::kReleaseUserStop));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kReleaseUserStop));
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kOther);
   EXPECT_TRUE(drive_.brakes);
 }
 
-TEST_F(IntModesTest, InGuidingTheReferenceFollowsTheArm) {
+TEST_F(OnboardModesTest, InGuidingTheReferenceFollowsTheArm) {
   Cycle();
-  ASSERT_TRUE(int_.Operate(PanelAction::kPressGuidingButton));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kPressGuidingButton));
   for (int k = 0; k < 100; ++k) {
     sensors_.q[1] += 2e-4;
     sensors_.dq[1] = 0.2;
@@ -160,50 +160,50 @@ TEST_F(IntModesTest, InGuidingTheReferenceFollowsTheArm) {
     EXPECT_EQ(state_.robot_mode, RobotMode::kGuiding);
     EXPECT_EQ(state_.q_d, q);
   }
-  EXPECT_EQ(int_.Move(kVelocity), MoveStatus::kCommandNotPossibleRejected);
-  ASSERT_TRUE(int_.Operate(PanelAction::kReleaseGuidingButton));
+  EXPECT_EQ(onboard_.Move(kVelocity), MoveStatus::kCommandNotPossibleRejected);
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kReleaseGuidingButton));
   EXPECT_GT(ComeToRest(), 0) << "the arm was moving";
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
-  EXPECT_EQ(int_.Move(kVelocity), MoveStatus::kMotionStarted);
+  EXPECT_EQ(onboard_.Move(kVelocity), MoveStatus::kMotionStarted);
 }
 
-TEST_F(IntModesTest, AButtonPressedInVainChangesNothing) {
+TEST_F(OnboardModesTest, AButtonPressedInVainChangesNothing) {
   StartMotion(kVelocity);
   for (const PanelAction action : {PanelAction::kCloseBrakes, PanelAction::kPressGuidingButton}) {
-    EXPECT_FALSE(int_.Operate(action)) << Name(action);
+    EXPECT_FALSE(onboard_.Operate(action)) << Name(action);
   }
   for (const PanelAction action :
        {PanelAction::kReleaseUserStop, PanelAction::kReleaseGuidingButton}) {
-    EXPECT_TRUE(int_.Operate(action)) << Name(action);
+    EXPECT_TRUE(onboard_.Operate(action)) << Name(action);
   }
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
 }
 
-TEST_F(IntModesTest, SettersAreRefusedWhileMovingAndInReflex) {
+TEST_F(OnboardModesTest, SettersAreRefusedWhileMovingAndInReflex) {
   const Setting setting = setting::Load{.m_load = 1, .F_x_Cload = {}, .I_load = {}};
   StartMotion(kVelocity);
-  EXPECT_EQ(int_.Configure(setting), SetterStatus::kCommandNotPossibleRejected);
+  EXPECT_EQ(onboard_.Configure(setting), SetterStatus::kCommandNotPossibleRejected);
   RobotCommand command;
   command.dq_c[0] = 1;  // far beyond every limit
   Cycle(&command);
   ASSERT_EQ(state_.robot_mode, RobotMode::kReflex);
-  EXPECT_EQ(int_.Configure(setting), SetterStatus::kCommandNotPossibleRejected);
+  EXPECT_EQ(onboard_.Configure(setting), SetterStatus::kCommandNotPossibleRejected);
   Cycle();
-  ASSERT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
+  ASSERT_EQ(onboard_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
   Cycles(200);
-  EXPECT_EQ(int_.Configure(setting), SetterStatus::kSuccess);
+  EXPECT_EQ(onboard_.Configure(setting), SetterStatus::kSuccess);
   Cycle();
   EXPECT_EQ(state_.m_load, 1);
 }
 
-TEST_F(IntModesTest, FramesThatAreSetShowInTheState) {
+TEST_F(OnboardModesTest, FramesThatAreSetShowInTheState) {
   setting::EndEffectorFrame ee;
   ee.NE_T_EE[14] = 0.1;
   setting::StiffnessFrame K;
   K.EE_T_K[12] = 0.05;
-  ASSERT_EQ(int_.Configure(ee), SetterStatus::kSuccess);
-  ASSERT_EQ(int_.Configure(K), SetterStatus::kSuccess);
+  ASSERT_EQ(onboard_.Configure(ee), SetterStatus::kSuccess);
+  ASSERT_EQ(onboard_.Configure(K), SetterStatus::kSuccess);
   Cycle();
   EXPECT_EQ(state_.NE_T_EE, ee.NE_T_EE);
   EXPECT_EQ(state_.EE_T_K, K.EE_T_K);
@@ -211,96 +211,98 @@ TEST_F(IntModesTest, FramesThatAreSetShowInTheState) {
   EXPECT_EQ(state_.O_T_EE_c, state_.O_T_EE_d);
 }
 
-TEST_F(IntModesTest, ABadValueIsRefusedAndChangesNothing) {
-  EXPECT_EQ(int_.Configure(setting::Load{.m_load = -1, .F_x_Cload = {}, .I_load = {}}),
+TEST_F(OnboardModesTest, ABadValueIsRefusedAndChangesNothing) {
+  EXPECT_EQ(onboard_.Configure(setting::Load{.m_load = -1, .F_x_Cload = {}, .I_load = {}}),
             SetterStatus::kInvalidArgumentRejected);
-  EXPECT_EQ(int_.Configure(setting::EndEffectorFrame{Transform{}}),
+  EXPECT_EQ(onboard_.Configure(setting::EndEffectorFrame{Transform{}}),
             SetterStatus::kInvalidArgumentRejected);
   Cycle();
   EXPECT_EQ(state_.m_load, 0);
   EXPECT_EQ(state_.NE_T_EE, kIdentityTransform);
 }
 
-TEST_F(IntModesTest, ACartesianMotionCannotStartStretchedOut) {
+TEST_F(OnboardModesTest, ACartesianMotionCannotStartStretchedOut) {
   const JointVector stretched{0, 0, 0, -0.467, 0, 1.6, 0.8};  // the flip angle of joint 4
-  Int straight(Config(), stretched);
+  OnboardController straight(Config(), stretched);
   sensors_.q = stretched;
   straight.FillState(sensors_, state_);
   EXPECT_EQ(straight.Move(kPose), MoveStatus::kStartAtSingularPoseRejected);
   EXPECT_EQ(straight.Move(kVelocity), MoveStatus::kMotionStarted);
 }
 
-TEST_F(IntModesTest, AMotionCanBeAskedForBeforeTheFirstState) {
-  ASSERT_EQ(int_.Move(kVelocity), MoveStatus::kMotionStarted);
+TEST_F(OnboardModesTest, AMotionCanBeAskedForBeforeTheFirstState) {
+  ASSERT_EQ(onboard_.Move(kVelocity), MoveStatus::kMotionStarted);
   Cycles(3);
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
 }
 
-TEST_F(IntModesTest, BeingLedIsNoCollision) {
+TEST_F(OnboardModesTest, BeingLedIsNoCollision) {
   Cycle();
-  ASSERT_TRUE(int_.Operate(PanelAction::kPressGuidingButton));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kPressGuidingButton));
   for (int k = 0; k < 100; ++k) {
-    int_.Cycle(nullptr, sensors_);
+    onboard_.Cycle(nullptr, sensors_);
     sensors_.tau_J[1] += 1;  // somebody pulls, harder and harder
-    int_.FillState(sensors_, state_);
+    onboard_.FillState(sensors_, state_);
   }
   EXPECT_EQ(state_.robot_mode, RobotMode::kGuiding);
   EXPECT_EQ(state_.joint_contact[1], 1);
   sensors_.tau_J = model::ArmModel::Panda().Gravity(sensors_.q, {});
   Cycles(200);
-  ASSERT_TRUE(int_.Operate(PanelAction::kReleaseGuidingButton));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kReleaseGuidingButton));
   Cycles(2);
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
   EXPECT_EQ(state_.joint_collision, JointVector{});
 }
 
-TEST_F(IntModesTest, APushWhileIdleIsACollisionThatRecoveryClears) {
+TEST_F(OnboardModesTest, APushWhileIdleIsACollisionThatRecoveryClears) {
   Cycle();
   int k = 0;
   for (; k < 100 && state_.robot_mode == RobotMode::kIdle; ++k) {
-    int_.Cycle(nullptr, sensors_);
+    onboard_.Cycle(nullptr, sensors_);
     sensors_.tau_J[1] += 1;
-    int_.FillState(sensors_, state_);
+    onboard_.FillState(sensors_, state_);
   }
   EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
   EXPECT_TRUE(state_.errors.any());
   EXPECT_TRUE(state_.reflex_reason.none()) << "no motion was ended";
   Cycles(200);
   EXPECT_EQ(state_.robot_mode, RobotMode::kReflex) << "latched";
-  ASSERT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
+  ASSERT_EQ(onboard_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
   Cycles(200);
   EXPECT_EQ(state_.robot_mode, RobotMode::kIdle);
   EXPECT_EQ(state_.joint_collision, JointVector{});
   EXPECT_EQ(state_.cartesian_collision, Vector6{});
 }
 
-TEST_F(IntModesTest, BeyondAJointsLimitPeopleMustHelp) {
+TEST_F(OnboardModesTest, BeyondAJointsLimitPeopleMustHelp) {
   StartMotion(kVelocity);
   const double inside = sensors_.q[3];
   sensors_.q[3] = -0.05;  // the limit is -0.0698, and a margin
-  int_.FillState(sensors_, state_);
-  int_.Cycle(nullptr, sensors_);
-  int_.FillState(sensors_, state_);
+  onboard_.FillState(sensors_, state_);
+  onboard_.Cycle(nullptr, sensors_);
+  onboard_.FillState(sensors_, state_);
   ASSERT_EQ(state_.robot_mode, RobotMode::kReflex);
   EXPECT_TRUE(state_.errors[static_cast<std::size_t>(RobotError::kJointPositionLimitsViolation)]);
-  EXPECT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kManualErrorRecoveryRequiredRejected);
-  ASSERT_TRUE(int_.Operate(PanelAction::kPressGuidingButton));
+  EXPECT_EQ(onboard_.AutomaticErrorRecovery(),
+            RecoveryStatus::kManualErrorRecoveryRequiredRejected);
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kPressGuidingButton));
   sensors_.q[3] = inside;
-  int_.Cycle(nullptr, sensors_);
-  int_.FillState(sensors_, state_);
+  onboard_.Cycle(nullptr, sensors_);
+  onboard_.FillState(sensors_, state_);
   EXPECT_EQ(state_.robot_mode, RobotMode::kGuiding);
-  ASSERT_TRUE(int_.Operate(PanelAction::kReleaseGuidingButton));
+  ASSERT_TRUE(onboard_.Operate(PanelAction::kReleaseGuidingButton));
   Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kReflex) << "the error stands until recovery";
-  EXPECT_EQ(int_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
+  EXPECT_EQ(onboard_.AutomaticErrorRecovery(), RecoveryStatus::kSuccess);
 }
 
-TEST_F(IntModesTest, AMotionStartsAtRestAsItsClientReadsIt) {
+TEST_F(OnboardModesTest, AMotionStartsAtRestAsItsClientReadsIt) {
   for (const MotionGeneratorMode generator :
        {MotionGeneratorMode::kJointPosition, MotionGeneratorMode::kJointVelocity,
         MotionGeneratorMode::kCartesianPosition, MotionGeneratorMode::kCartesianVelocity}) {
     Cycle();
-    ASSERT_EQ(int_.Move({ControllerMode::kJointImpedance, generator}), MoveStatus::kMotionStarted);
+    ASSERT_EQ(onboard_.Move({ControllerMode::kJointImpedance, generator}),
+              MoveStatus::kMotionStarted);
     for (int k = 0; k < 3; ++k) {
       Cycle();
       EXPECT_EQ(state_.motion_generator_mode, generator);
@@ -311,7 +313,7 @@ TEST_F(IntModesTest, AMotionStartsAtRestAsItsClientReadsIt) {
       EXPECT_EQ(state_.elbow_c, state_.elbow_d);
       EXPECT_EQ(state_.delbow_c, Elbow{});
     }
-    int_.StopMove();
+    onboard_.StopMove();
     Cycle();
   }
 }

@@ -14,11 +14,11 @@
 #include "twin/onboard/cartesian_impedance.h"
 #include "twin/onboard/friction_compensation.h"
 #include "twin/onboard/guiding.h"
-#include "twin/onboard/int_config.h"
 #include "twin/onboard/joint_impedance.h"
 #include "twin/onboard/loss_monitor.h"
 #include "twin/onboard/mode_table.h"
 #include "twin/onboard/motion_generator.h"
+#include "twin/onboard/onboard_config.h"
 #include "twin/onboard/sensing.h"
 #include "twin/reference/low_pass.h"
 #include "twin/rt/cycle_record.h"
@@ -88,10 +88,10 @@ namespace twin::onboard {
 ///
 /// Threads: one thread at a time. Real-time: every member after construction is noexcept and
 /// allocates nothing.
-class Int {
+class OnboardController {
  public:
-  /// @param q0  where the arm rests, rad. @throws InputError as IntConfig::Validate.
-  Int(const IntConfig& config, const JointVector& q0);
+  /// @param q0  where the arm rests, rad. @throws InputError as OnboardConfig::Validate.
+  OnboardController(const OnboardConfig& config, const JointVector& q0);
 
   /// Asks for a motion, between two cycles.
   /// @returns kMotionStarted, kCommandNotPossibleRejected (see kModeTable),
@@ -146,7 +146,7 @@ class Int {
     kPreempting,  ///< StopMove: the reference decelerates
   };
 
-  // int.cc: requests and modes
+  // onboard_controller.cc: requests and modes
   [[nodiscard]] bool Grants(Request request) const noexcept;
   void Set(const setting::JointImpedance& impedance) noexcept;
   void Set(const setting::CartesianImpedance& impedance) noexcept;
@@ -161,7 +161,7 @@ class Int {
   void EndMotion(MoveStatus end, RobotMode mode) noexcept;
   void LeaveToRest() noexcept;
 
-  // int_cycle.cc: one cycle
+  // onboard_cycle.cc: one cycle
   void AdvanceMode(const JointSensors& sensors) noexcept;
   void AdvanceReference(const RobotCommand* command, const JointSensors& sensors) noexcept;
   void AwaitFirstCommand(const RobotCommand* command) noexcept;
@@ -180,13 +180,13 @@ class Int {
   void DriveJoints(const JointSensors& sensors) noexcept;
   [[nodiscard]] ImpedanceTorque ControlTorque(const JointSensors& sensors) noexcept;
 
-  // int_state.cc: the robot state
+  // onboard_state.cc: the robot state
   void Fill(const JointSensors& sensors, RobotState& state) noexcept;
   void FillMeasured(const JointSensors& sensors, RobotState& state) noexcept;
   void FillDesired(RobotState& state) const noexcept;
   void FillModes(RobotState& state) const noexcept;
 
-  IntConfig config_;
+  OnboardConfig config_;
   const model::ArmModel& arm_;
   ArmSetup setup_;
   MotionGenerator generator_;

@@ -12,7 +12,7 @@ namespace twin::onboard {
 
 /// Everything INT, the robot's own controller, is parametrised with. Defaults are the Panda's with
 /// a Franka Hand, where published; the limits are data of the robot and have none.
-struct IntConfig {
+struct OnboardConfig {
   JointLimits limits;
   CartesianLimits cartesian;
 
