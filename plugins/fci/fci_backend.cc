@@ -18,15 +18,15 @@ namespace twin::plugins {
 namespace {
 
 /// For which a motion's end may reach TCP later than the states.
-constexpr Duration kEndPatience = std::chrono::seconds(1);
+constexpr Duration kEndTimeout = std::chrono::seconds(1);
 /// For a state of a robot whose time is its states: it computes as long as it takes, but no cycle
 /// takes seconds.
-constexpr Duration kLongPatience = std::chrono::seconds(5);
+constexpr Duration kLongTimeout = std::chrono::seconds(5);
 
-fci::ClientPatience PatienceFor(backend::RobotTime time) {
-  fci::ClientPatience patience;
-  if (time == backend::RobotTime::kStates) patience.state = kLongPatience;
-  return patience;
+fci::ClientTimeout TimeoutFor(backend::RobotTime time) {
+  fci::ClientTimeout timeout;
+  if (time == backend::RobotTime::kStates) timeout.state = kLongTimeout;
+  return timeout;
 }
 
 /// What states have shown of the motion that was asked for last.
@@ -95,7 +95,7 @@ class FciBackend final : public backend::Backend {
   FciBackend(const backend::Request& request, const backend::RemoteHost& host)
       : time_(host.time),
         port_(host.arm_port == 0 ? fci::kArmPort : host.arm_port),
-        client_(host.clock, host.address, port_, PatienceFor(host.time), host.capture),
+        client_(host.clock, host.address, port_, TimeoutFor(host.time), host.capture),
         is_twin_(client_.SaysItIsATwin()) {
     if (request.robot.plant.hand == plant::HandKind::kNone) return;
     const auto next = static_cast<std::uint16_t>(port_ + 1);
@@ -154,7 +154,7 @@ backend::Description FciBackend::Describe() const {
                   client_.version(), client_.lost() ? ", connection lost" : "");
   if (!motion_.begun()) return description;
   const bool ended = motion_.ended();
-  const auto end = client_.AwaitMotionEnd(ended ? kEndPatience : Duration::zero());
+  const auto end = client_.AwaitMotionEnd(ended ? kEndTimeout : Duration::zero());
   if (end) description.last_end = backend::EndOf(*end);
   if (!ended) return description;
   // The states say that it ended, though the robot itself does not.

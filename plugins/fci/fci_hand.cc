@@ -6,7 +6,7 @@ namespace twin::plugins {
 
 fci::HandClient& FciHand::Client() const {
   const std::lock_guard lock(mutex_);
-  if (!client_) client_.emplace(host_, port_, fci::ClientPatience(), capture_);
+  if (!client_) client_.emplace(host_, port_, fci::ClientTimeout(), capture_);
   return *client_;
 }
 

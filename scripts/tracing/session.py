@@ -14,7 +14,7 @@ PROVIDER = "libpanda_twin_tracepoints.so"
 CHANNEL = "points"
 SUB_BUFFERS = 4
 READ_EVERY_US = 100_000
-START_PATIENCE_S = 30
+START_TIMEOUT_S = 30
 
 SHARED_MEMORY = "/dev/shm"
 
@@ -146,7 +146,7 @@ class Session:
         self._daemon = subprocess.Popen(
             ["setpriv", "--pdeathsig", "TERM", "lttng-sessiond", "--no-kernel", "--sig-parent"], env=self._environment,
             stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True, preexec_fn=self._unblock)
-        told = signal.sigtimedwait({signal.SIGUSR1, signal.SIGCHLD, signal.SIGINT, signal.SIGTERM}, START_PATIENCE_S)
+        told = signal.sigtimedwait({signal.SIGUSR1, signal.SIGCHLD, signal.SIGINT, signal.SIGTERM}, START_TIMEOUT_S)
         if told and told.si_signo in (signal.SIGINT, signal.SIGTERM):
             raise KeyboardInterrupt
         if told is None or told.si_signo == signal.SIGCHLD:

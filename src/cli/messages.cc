@@ -19,7 +19,7 @@ namespace twin::cli {
 namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{64} << 10;
-constexpr std::chrono::milliseconds kPatience{200};
+constexpr std::chrono::milliseconds kTimeout{200};
 
 /// A failure is ignored, as by Say().
 void Write(std::string_view text) noexcept {
@@ -72,7 +72,7 @@ class Messages::Queue {
     changed_.notify_all();
     for (std::uint64_t before = written_; !is_done_; before = written_) {
       const auto moves = [&] { return is_done_ || written_ > before; };
-      if (!changed_.wait_for(lock, kPatience, moves)) return false;
+      if (!changed_.wait_for(lock, kTimeout, moves)) return false;
     }
     return true;
   }

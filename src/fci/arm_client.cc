@@ -38,13 +38,13 @@ struct ArmClient::Asked {
 };
 
 ArmClient::ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
-                     const ClientPatience& patience, Capture* capture)
-    : clock_(clock), patience_(patience), capture_(capture), robot_(Resolve(host, port)) {
-  TcpStream stream = TcpStream::Connect(robot_, patience.connect);
+                     const ClientTimeout& timeout, Capture* capture)
+    : clock_(clock), timeout_(timeout), capture_(capture), robot_(Resolve(host, port)) {
+  TcpStream stream = TcpStream::Connect(robot_, timeout.connect);
   // States are sent to the address this connection comes from, and nothing else is listened to.
   udp_ = std::make_unique<UdpSocket>(clock, Endpoint{stream.local().address, 0});
   channel_ = std::make_unique<RequestChannel>(HeadKind::kArm, std::move(stream), NameOf(robot_),
-                                              kLargestAnswer, patience.answer, capture);
+                                              kLargestAnswer, timeout.answer, capture);
   Negotiate();
 }
 
@@ -52,7 +52,7 @@ ArmClient::~ArmClient() = default;
 
 void ArmClient::Negotiate() {
   const Connect request{kArmVersion, udp_->local().port};
-  const ArmAnswer answer = Ask(request, patience_.connect).answer;
+  const ArmAnswer answer = Ask(request, timeout_.connect).answer;
   version_ = answer.version;
   if (answer.status == static_cast<std::uint8_t>(ConnectStatus::kSuccess)) return;
   if (answer.status != static_cast<std::uint8_t>(ConnectStatus::kIncompatibleLibraryVersion)) {
@@ -69,18 +69,18 @@ void ArmClient::Negotiate() {
                                      "not made"));
 }
 
-ArmClient::Asked ArmClient::Ask(const ArmRequest& request, Duration patience) {
+ArmClient::Asked ArmClient::Ask(const ArmRequest& request, Duration timeout) {
   const ArmCommand command = CommandOf(request);
   const std::string_view name = Name(command);
   Asked asked;
   asked.id = channel_->Send(name, [&](std::uint32_t id) { return EncodeRequest(id, request); });
-  auto bytes = channel_->Await(asked.id, name, patience);
+  auto bytes = channel_->Await(asked.id, name, timeout);
   // A Move that has started is answered once more.
   if (command != ArmCommand::kMove) channel_->Forget(asked.id);
   if (!bytes) {
     channel_->Forget(asked.id);
     throw RobotFault(fmt::format("{}: {} has not answered for {} s; see whether it still runs",
-                                 name, NameOf(robot_), ToSeconds(patience)));
+                                 name, NameOf(robot_), ToSeconds(timeout)));
   }
   asked.bytes = std::move(*bytes);
   const auto answer = ParseArmAnswer(command, asked.bytes.frame());
@@ -94,14 +94,14 @@ ArmClient::Asked ArmClient::Ask(const ArmRequest& request, Duration patience) {
 }
 
 std::uint8_t ArmClient::AskForStatus(const ArmRequest& request, std::uint8_t last) {
-  const std::uint8_t status = Ask(request, patience_.answer).answer.status;
+  const std::uint8_t status = Ask(request, timeout_.answer).answer.status;
   if (status <= last) return status;
   throw RobotFault(fmt::format("{}: {} answers with status {}; the protocol knows 0 to {}",
                                Name(CommandOf(request)), NameOf(robot_), status, last));
 }
 
 MoveStatus ArmClient::Move(const fci::Move& move) {
-  const Asked asked = Ask(move, patience_.answer);
+  const Asked asked = Ask(move, timeout_.answer);
   const auto status = static_cast<MoveStatus>(asked.answer.status);
   if (status != MoveStatus::kMotionStarted) {
     channel_->Forget(asked.id);
@@ -114,11 +114,11 @@ MoveStatus ArmClient::Move(const fci::Move& move) {
   return status;
 }
 
-std::optional<MoveStatus> ArmClient::AwaitMotionEnd(Duration patience) noexcept {
+std::optional<MoveStatus> ArmClient::AwaitMotionEnd(Duration timeout) noexcept {
   const std::lock_guard lock(motion_);
   if (!move_id_) return last_move_end_;
   try {
-    const auto bytes = channel_->Await(*move_id_, Name(ArmCommand::kMove), patience);
+    const auto bytes = channel_->Await(*move_id_, Name(ArmCommand::kMove), timeout);
     if (!bytes) return std::nullopt;
     const auto answer = ParseArmAnswer(ArmCommand::kMove, bytes->frame());
     const auto* read = std::get_if<ArmAnswer>(&answer);
@@ -143,7 +143,7 @@ SetterStatus ArmClient::Configure(const Setting& setting) {
 }
 
 SetterStatus ArmClient::CartesianLimitOf(std::int32_t id, CartesianLimit& limit) {
-  const ArmAnswer answer = Ask(GetCartesianLimit{id}, patience_.answer).answer;
+  const ArmAnswer answer = Ask(GetCartesianLimit{id}, timeout_.answer).answer;
   const auto status = static_cast<SetterStatus>(answer.status);
   if (status == SetterStatus::kSuccess) limit = answer.limit;
   return status;
@@ -156,7 +156,7 @@ RecoveryStatus ArmClient::Recover() {
 
 bool ArmClient::SaysItIsATwin() {
   try {
-    const ArmAnswer answer = Ask(GetCartesianLimit{kTwinSign}, patience_.connect).answer;
+    const ArmAnswer answer = Ask(GetCartesianLimit{kTwinSign}, timeout_.connect).answer;
     return answer.status == static_cast<std::uint8_t>(SetterStatus::kSuccess) &&
            IsTwinSign(answer.limit);
   } catch (const RobotFault&) {
@@ -231,7 +231,7 @@ Reception ArmClient::FoundNone() noexcept {
   const Time now = clock_.Now();
   // The clock may have been restarted since.
   if (!pending_since_ || *pending_since_ > now) pending_since_ = now;
-  if (now - *pending_since_ <= patience_.state) return Reception::kPending;
+  if (now - *pending_since_ <= timeout_.state) return Reception::kPending;
   const ReceptionCounts now_found = counts();
   instead_ = {now_found.old - before_.old, now_found.ahead - before_.ahead,
               now_found.foreign - before_.foreign, now_found.bad - before_.bad};
@@ -266,7 +266,7 @@ std::string ArmClient::WhyLost() const {
   }
   if (!silent_.load(std::memory_order_acquire)) return {};
   const std::string silence =
-      fmt::format("no state of {} has come for {} s", NameOf(robot_), ToSeconds(patience_.state));
+      fmt::format("no state of {} has come for {} s", NameOf(robot_), ToSeconds(timeout_.state));
   if (instead_ == ReceptionCounts()) return silence + "; does a firewall stop UDP?";
   return fmt::format(
       "{}; what came instead: {} datagrams from elsewhere, {} that are no states, {} no newer than "

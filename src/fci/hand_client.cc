@@ -86,14 +86,14 @@ class HandClient::Mailbox {
   bool has_fresh_ = false;           ///< guarded by mutex_
 };
 
-HandClient::HandClient(const std::string& host, std::uint16_t port, const ClientPatience& patience,
+HandClient::HandClient(const std::string& host, std::uint16_t port, const ClientTimeout& timeout,
                        Capture* capture)
-    : patience_(patience), name_(fmt::format("the hand {}:{}", host, port)) {
+    : timeout_(timeout), name_(fmt::format("the hand {}:{}", host, port)) {
   const Endpoint hand = Resolve(host, port);
-  TcpStream stream = TcpStream::Connect(hand, patience.connect);
+  TcpStream stream = TcpStream::Connect(hand, timeout.connect);
   states_ = std::make_unique<Mailbox>(hand.address, Endpoint{stream.local().address, 0}, capture);
   channel_ = std::make_unique<RequestChannel>(
-      HeadKind::kHand, std::move(stream), name_, kLargestAnswer, patience.answer, capture,
+      HeadKind::kHand, std::move(stream), name_, kLargestAnswer, timeout.answer, capture,
       SideSocket{states_->fd(), [this] { states_->Drain(); }});
   Negotiate(states_->port());
 }
@@ -105,11 +105,11 @@ void HandClient::Negotiate(std::uint16_t udp_port) {
   const HandRequest request = Connect{kHandVersion, udp_port};
   const std::uint32_t id =
       channel_->Send(kName, [&](std::uint32_t own) { return EncodeRequest(own, request); });
-  const auto bytes = channel_->Await(id, kName, patience_.connect);
+  const auto bytes = channel_->Await(id, kName, timeout_.connect);
   channel_->Forget(id);
   if (!bytes) {
     throw RobotFault(fmt::format("Connect: {} has not answered for {} s; see whether it still runs",
-                                 name_, ToSeconds(patience_.connect)));
+                                 name_, ToSeconds(timeout_.connect)));
   }
   const auto answer = ParseHandAnswer(HandCommandId::kConnect, bytes->frame());
   if (const auto* bad = std::get_if<BadFrame>(&answer)) {
@@ -138,9 +138,9 @@ HandTicket HandClient::Start(const HandCommand& command) {
   return ticket;
 }
 
-void HandClient::Update(Sent& sent, Duration patience) {
+void HandClient::Update(Sent& sent, Duration timeout) {
   if (sent.result) return;
-  const auto bytes = channel_->Await(sent.ticket, "the hand's command", patience);
+  const auto bytes = channel_->Await(sent.ticket, "the hand's command", timeout);
   if (!bytes) return;
   channel_->Forget(sent.ticket);
   // The id is what tells answers apart; all of them are read in the same way.
@@ -162,10 +162,10 @@ std::optional<HandResult> HandClient::Outcome(HandTicket ticket) {
 
 HandState HandClient::State() {
   if (channel_->lost()) throw RobotFault(channel_->WhyLost());
-  const std::optional<HandState> state = states_->Await(patience_.state);
+  const std::optional<HandState> state = states_->Await(timeout_.state);
   if (state) return *state;
   throw RobotFault(fmt::format("no state of {} has come for {} s; does a firewall stop UDP?", name_,
-                               ToSeconds(patience_.state)));
+                               ToSeconds(timeout_.state)));
 }
 
 }  // namespace twin::fci

@@ -41,11 +41,11 @@ rt::ThreadSettings ReaderSettings() {
 }  // namespace
 
 RequestChannel::RequestChannel(HeadKind kind, TcpStream stream, std::string peer,
-                               std::size_t largest, Duration patience, Capture* capture,
+                               std::size_t largest, Duration timeout, Capture* capture,
                                SideSocket side)
     : stream_(std::move(stream)),
       peer_(std::move(peer)),
-      patience_(patience),
+      timeout_(timeout),
       capture_(capture),
       side_(std::move(side)),
       reader_(kind, largest),
@@ -90,7 +90,7 @@ void RequestChannel::SendAll(std::string_view name, std::span<const std::byte> b
     }
     if (result == StreamResult::kPending) {
       pollfd poll_for{stream_.fd(), POLLOUT, 0};
-      const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(patience_).count();
+      const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(timeout_).count();
       if (::poll(&poll_for, 1, static_cast<int>(ms)) > 0) continue;
       Lose("takes no more requests");
     } else {
@@ -102,12 +102,12 @@ void RequestChannel::SendAll(std::string_view name, std::span<const std::byte> b
 }
 
 std::optional<RequestChannel::Answer> RequestChannel::Await(std::uint32_t id, std::string_view name,
-                                                            Duration patience) {
+                                                            Duration timeout) {
   std::unique_lock lock(mutex_);
   const auto request = requests_.find(id);
   if (request == requests_.end()) return std::nullopt;
   std::deque<Answer>& answers = request->second;
-  changed_.wait_for(lock, patience, [&] { return !answers.empty() || lost(); });
+  changed_.wait_for(lock, timeout, [&] { return !answers.empty() || lost(); });
   if (answers.empty()) {
     if (lost()) throw RobotFault(TextLocked(name));
     return std::nullopt;

@@ -58,10 +58,10 @@ class RequestChannel {
 
   /// @param peer      for texts: "the robot 127.0.0.1:1337".
   /// @param largest   answer that is taken, bytes.
-  /// @param patience  of a Send() that the peer does not take.
+  /// @param timeout  of a Send() that the peer does not take.
   /// @param capture   keeps the stream's bytes; must outlive the channel. Null: nothing.
   RequestChannel(HeadKind kind, TcpStream stream, std::string peer, std::size_t largest,
-                 Duration patience, Capture* capture, SideSocket side = {});
+                 Duration timeout, Capture* capture, SideSocket side = {});
   ~RequestChannel();
   RequestChannel(const RequestChannel&) = delete;
   RequestChannel& operator=(const RequestChannel&) = delete;
@@ -71,10 +71,10 @@ class RequestChannel {
   [[nodiscard]] std::uint32_t Send(std::string_view name, const Encoder& encode);
 
   /// The next answer to a request that was sent. @pre nobody forgets it meanwhile.
-  /// @returns nothing when none came within `patience`.
+  /// @returns nothing when none came within `timeout`.
   /// @throws RobotFault when the connection is lost before one came.
   [[nodiscard]] std::optional<Answer> Await(std::uint32_t id, std::string_view name,
-                                            Duration patience);
+                                            Duration timeout);
 
   /// No answer to it is of interest any more.
   void Forget(std::uint32_t id);
@@ -95,7 +95,7 @@ class RequestChannel {
 
   TcpStream stream_;
   const std::string peer_;
-  const Duration patience_;
+  const Duration timeout_;
   Capture* const capture_;
   const SideSocket side_;
   FrameReader reader_;    ///< the reader thread's

@@ -21,13 +21,13 @@ namespace {
 constexpr int kMostDrained = 64;
 
 /// Waits until `fd` has connected or failed to.
-/// @returns false when `patience` is over.
-bool AwaitConnection(int fd, Duration patience) {
+/// @returns false when `timeout` is over.
+bool AwaitConnection(int fd, Duration timeout) {
   const MonotonicClock clock;
   pollfd waiting{fd, POLLOUT, 0};
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(
-        std::clamp(patience - clock.Now().time_since_epoch(), Duration::zero(),
+        std::clamp(timeout - clock.Now().time_since_epoch(), Duration::zero(),
                    Duration(std::chrono::hours(24))));
     const int ready = poll(&waiting, 1, static_cast<int>(left.count()));
     if (ready >= 0 || errno != EINTR) return ready > 0;
@@ -35,19 +35,19 @@ bool AwaitConnection(int fd, Duration patience) {
 }
 
 /// @returns an errno: 0 connected, ETIMEDOUT too late, or why not.
-int ConnectWithin(int fd, const Endpoint& to, Duration patience) {
+int ConnectWithin(int fd, const Endpoint& to, Duration timeout) {
   const sockaddr_in address = AddressOf(to);
   if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return 0;
   // An interrupted connect goes on by itself.
   if (errno != EINPROGRESS && errno != EINTR) return errno;
-  if (!AwaitConnection(fd, patience)) return ETIMEDOUT;
+  if (!AwaitConnection(fd, timeout)) return ETIMEDOUT;
   int error = 0;
   socklen_t size = sizeof error;
   if (getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size) != 0) return errno;
   return error;
 }
 
-[[noreturn]] void FailToConnect(const Endpoint& to, int error, Duration patience) {
+[[noreturn]] void FailToConnect(const Endpoint& to, int error, Duration timeout) {
   if (error == ECONNREFUSED) {
     throw RobotFault(
         fmt::format("{} refuses the connection; check that it is the robot's address, that "
@@ -57,7 +57,7 @@ int ConnectWithin(int fd, const Endpoint& to, Duration patience) {
   if (error == ETIMEDOUT) {
     throw RobotFault(
         fmt::format("{} does not answer within {} s; check address, cable and firewall",
-                    ToString(to), ToSeconds(patience)));
+                    ToString(to), ToSeconds(timeout)));
   }
   throw RobotFault(fmt::format("{} cannot be reached: {}; check address and network", ToString(to),
                                ReasonOf(error)));
@@ -85,10 +85,10 @@ TcpStream::TcpStream(FileDescriptor fd)
   SetOption(fd_.get(), IPPROTO_TCP, TCP_KEEPCNT, 3);
 }
 
-TcpStream TcpStream::Connect(const Endpoint& to, Duration patience) {
+TcpStream TcpStream::Connect(const Endpoint& to, Duration timeout) {
   FileDescriptor fd = OpenSocket(SOCK_STREAM);
-  const int error = ConnectWithin(fd.get(), to, patience);
-  if (error != 0) FailToConnect(to, error, patience);
+  const int error = ConnectWithin(fd.get(), to, timeout);
+  if (error != 0) FailToConnect(to, error, timeout);
   return TcpStream(std::move(fd));
 }
 

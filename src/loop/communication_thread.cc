@@ -10,7 +10,7 @@ namespace {
 
 /// Longest sleep without a look at whether the thread is to stop.
 constexpr Duration kLook = std::chrono::milliseconds(50);
-constexpr Duration kErrandPatience = std::chrono::seconds(1);
+constexpr Duration kCallTimeout = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -24,15 +24,15 @@ CommunicationThread::CommunicationThread(const MonotonicClock& clock, Communicat
       arrival_(arrival),
       watch_(watch),
       moving_(moving),
-      errands_(clock) {
+      calls_(clock) {
   rt::StartedThread started =
       rt::StartThread(settings, [this](const std::stop_token& stop) { Run(stop); });
   thread_ = std::move(started.thread);
   notices_ = std::move(started.notices);
 }
 
-bool CommunicationThread::Do(rt::Errand& errand) {
-  return errands_.Do(errand, kErrandPatience);
+bool CommunicationThread::Execute(rt::Call& call) {
+  return calls_.Execute(call, kCallTimeout);
 }
 
 void CommunicationThread::Stop() {
@@ -53,7 +53,7 @@ void CommunicationThread::Run(const std::stop_token& stop) noexcept {
 void CommunicationThread::Communicate(const std::stop_token& stop) {
   Time next = loop_.Start(clock_.Now());
   while (!stop.stop_requested()) {
-    errands_.RunPending();
+    calls_.RunPending();
     const Time now = clock_.Now();
     if (next > now) {
       rt::SleepUntil(clock_, std::min(next, now + kLook));

@@ -10,7 +10,7 @@
 #include "twin/core/clock.h"
 #include "twin/loop/communication_loop.h"
 #include "twin/rt/arrival.h"
-#include "twin/rt/errand.h"
+#include "twin/rt/call_mailbox.h"
 #include "twin/rt/latest_value.h"
 #include "twin/rt/signal.h"
 #include "twin/rt/thread_setup.h"
@@ -19,7 +19,7 @@ namespace twin::loop {
 
 /// The paper's asynchronous thread: runs a communication loop, and nothing else, at real-time
 /// priority, until it is stopped. It waits for robot states only (and, in a synchronous loop, for
-/// its own grid); what others want of it are errands between two ticks.
+/// its own grid); what others want of it are calls between two ticks.
 ///
 /// When it fails (a command that must not be sent, connection gone, an exception) it first stops
 /// the motion, then tells the watch; the connection permitting, it goes on reading, so that the
@@ -36,8 +36,8 @@ class CommunicationThread {
                       backend::Backend& backend, rt::Arrival& arrival, MotionWatch& watch,
                       rt::Signal& moving, const rt::ThreadSettings& settings);
 
-  /// Runs `errand` on the thread. @returns false when the thread does not answer.
-  [[nodiscard]] bool Do(rt::Errand& errand);
+  /// Runs `call` on the thread. @returns false when the thread does not answer.
+  [[nodiscard]] bool Execute(rt::Call& call);
 
   /// Onlooker. The newest state that was read. @pre the watch has one.
   [[nodiscard]] const RobotState& State() noexcept {
@@ -63,7 +63,7 @@ class CommunicationThread {
   MotionWatch& watch_;
   rt::Signal& moving_;
 
-  rt::ErrandBox errands_;
+  rt::CallMailbox calls_;
   rt::LatestValue<RobotState> states_;
   std::vector<std::string> notices_;
   std::jthread thread_;

@@ -15,18 +15,18 @@ namespace {
 /// Run on after the motion, so that the log shows the robot idle (or in Reflex, coming to rest).
 constexpr Duration kAfterMotion = std::chrono::milliseconds(500);
 constexpr Duration kAfterSuccess = std::chrono::milliseconds(20);
-/// Longest wait for an arm that still moves then: the robot's own patience, and what its brakes
+/// Longest wait for an arm that still moves then: the robot's own timeout, and what its brakes
 /// take.
-constexpr Duration kUntilRest = kRestPatience + std::chrono::milliseconds(300);
+constexpr Duration kUntilRest = kRestTimeout + std::chrono::milliseconds(300);
 /// A run may end when its arm has been slower than kRestSpeed for so long: half of what the robot
 /// asks for, which has longer to look.
 constexpr Duration kStill = kRestTime / 2;
 /// Longest wait for a first state, and for a stopped arm to come to rest.
-constexpr Duration kPatience = std::chrono::seconds(3);
+constexpr Duration kTimeout = std::chrono::seconds(3);
 constexpr const char* kInterrupted = "interrupted";
 /// Without a state for so long, the backend is asked whether the motion has ended ...
 constexpr Duration kSilence = std::chrono::milliseconds(500);
-/// ... and after so long, libfranka's patience, the robot is given up.
+/// ... and after so long, libfranka's timeout, the robot is given up.
 constexpr Duration kDeaf = std::chrono::seconds(1);
 constexpr Duration kLookPeriod = std::chrono::milliseconds(100);
 
@@ -79,7 +79,7 @@ std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& t
 RunReport MotionSession::Run() {
   RunReport report;
   const Time begin = stage_.Now();
-  if (!Pass(begin + kPatience, [&] { return watch_.has_state(); })) {
+  if (!Pass(begin + kTimeout, [&] { return watch_.has_state(); })) {
     if (Interrupted()) {
       report.failure = kInterrupted;
       return report;
@@ -172,7 +172,7 @@ void MotionSession::StopEarly(RunReport& report, std::string why) {
   }
   Tell("stop", report.failure);
   if (failure == LoopFailure::kConnectionLost || failure == LoopFailure::kException) return;
-  if (!Pass(stage_.Now() + kPatience, [&] { return watch_.ended(); })) {
+  if (!Pass(stage_.Now() + kTimeout, [&] { return watch_.ended(); })) {
     report.failure += "; no state has come through that shows the arm at rest";
   }
 }

@@ -80,10 +80,10 @@ class RealtimeStage final : public Stage {
   }
 
  private:
-  template <typename Call>
-  void DoOnCommunication(Call call) {
-    rt::CallErrand<Call> errand(call);
-    if (communication_.Do(errand)) return;
+  template <typename Function>
+  void DoOnCommunication(Function function) {
+    rt::FunctionCall<Function> call(function);
+    if (communication_.Execute(call)) return;
     throw EnvironmentError(
         "the communication thread has not run for 1 s; this machine gives it no time (see "
         "panda-twin check)");

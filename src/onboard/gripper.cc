@@ -30,8 +30,8 @@ constexpr double kRacingSpeed = 0.15;  // of a finger, m/s: where a pressing dri
 constexpr int kRiseCycles = 100;       // of a grasp's force
 constexpr int kSettledCycles = 50;     // of standstill, before an opening is judged
 constexpr int kGraspedCycles = 20;     // of standstill, before an object counts as held
-constexpr int kGraspPatience = 2000;   // for a standstill after contact
-constexpr int kMovePatience = 500;     // for something in the way
+constexpr int kGraspTimeout = 2000;    // for a standstill after contact
+constexpr int kMoveTimeout = 500;      // for something in the way
 constexpr int kReleaseCycles = 50;     // without force, so that what was squeezed comes free
 
 constexpr double kAmbient = 25;     // degrees Celsius
@@ -159,7 +159,7 @@ void Gripper::AdvanceMove() noexcept {
     phase_cycles_ = kReleaseCycles;  // nothing is let go
     return End(HandResult::kSuccess);
   }
-  if (slow_cycles_ < kMovePatience) return;
+  if (slow_cycles_ < kMoveTimeout) return;
   Relax();
   End(HandResult::kFail);
 }
@@ -182,7 +182,7 @@ void Gripper::AdvancePressing() noexcept {
   if (running_ == 0) return;
   if (pressed_ == grasp_.force && still_cycles_ >= kSettledCycles) {
     End(InsideBand() ? HandResult::kSuccess : HandResult::kUnsuccessful);
-  } else if (phase_cycles_ >= kGraspPatience) {
+  } else if (phase_cycles_ >= kGraspTimeout) {
     End(HandResult::kFail);
   }
 }

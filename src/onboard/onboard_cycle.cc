@@ -168,7 +168,7 @@ void OnboardController::WatchRest(const JointVector& dq) noexcept {
     return;
   }
   rest_.Observe(cycle, dq);
-  if (rest_.Restless() < kRestPatience) return;
+  if (rest_.Restless() < kRestTimeout) return;
   const std::size_t joint = FastestJoint(dq);
   Halt(static_cast<std::int8_t>(joint), dq[joint], kRestSpeed);
 }

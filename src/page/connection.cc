@@ -91,8 +91,8 @@ class Socket final : public Visitor, public Droppable, public std::enable_shared
   Socket& operator=(const Socket&) = delete;
 
   void Start(const Request& request) {
-    stream_.set_option(websocket::stream_base::timeout{.handshake_timeout = house_.config.patience,
-                                                       .idle_timeout = 4 * house_.config.patience,
+    stream_.set_option(websocket::stream_base::timeout{.handshake_timeout = house_.config.timeout,
+                                                       .idle_timeout = 4 * house_.config.timeout,
                                                        .keep_alive_pings = true});
     stream_.read_message_max(house_.config.longest_message);
     stream_.async_accept(request, [self = shared_from_this()](error_code error) {
@@ -148,7 +148,7 @@ class Socket final : public Visitor, public Droppable, public std::enable_shared
 
   void Write() {
     stream_.text(queue_.front()->is_text);
-    deadline_.expires_after(house_.config.patience);
+    deadline_.expires_after(house_.config.timeout);
     deadline_.async_wait([self = shared_from_this()](error_code error) {
       if (!error) self->Drop();
     });
@@ -214,7 +214,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
     parser_.emplace();
     parser_->header_limit(kLongestHeader);
     parser_->body_limit(0);
-    stream_.expires_after(house_.config.patience);
+    stream_.expires_after(house_.config.timeout);
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](error_code error, std::size_t) {
                        if (!error) self->Decide();

@@ -61,7 +61,7 @@ void Desk::OnGone(Visitor& visitor) {
 void Desk::OnTick() {
   const Time now = clock_.Now();
   for (const Guest& guest : guests_) {
-    if (!guest.is_known && now - guest.came > config_.hello_patience) {
+    if (!guest.is_known && now - guest.came > config_.hello_timeout) {
       guest.visitor->Close("no token came");
     }
   }

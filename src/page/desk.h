@@ -24,8 +24,8 @@ struct DeskConfig {
   std::string welcome;  ///< members of a JSON object: what does not change
   /// Why nobody may operate here, for people; empty: one may.
   std::string watch_only{};
-  Duration hello_patience = std::chrono::seconds(5);  ///< until the token came
-  Duration silence = std::chrono::seconds(2);         ///< after which control is taken away
+  Duration hello_timeout = std::chrono::seconds(5);  ///< until the token came
+  Duration silence = std::chrono::seconds(2);        ///< after which control is taken away
   Duration state_period = std::chrono::milliseconds(40);
 };
 

@@ -19,9 +19,9 @@ struct WebConfig {
   /// That have shown the token: a further one is told so (HTTP 503) and ended. Of as many that have
   /// not, the oldest makes room for a further one.
   std::size_t most_connections = 100;
-  std::size_t longest_message = 4096;           ///< bytes; a longer one ends its connection
-  std::size_t most_waiting = 64;                ///< parcels; with more a visitor is dropped
-  Duration patience = std::chrono::seconds(5);  ///< for a request, and for a parcel to go out
+  std::size_t longest_message = 4096;          ///< bytes; a longer one ends its connection
+  std::size_t most_waiting = 64;               ///< parcels; with more a visitor is dropped
+  Duration timeout = std::chrono::seconds(5);  ///< for a request, and for a parcel to go out
   Duration tick = std::chrono::milliseconds(20);
 };
 

@@ -16,7 +16,7 @@ namespace twin::planning {
 namespace {
 
 constexpr double kArrived = 1e-5;  // m and rad
-constexpr Duration kPatience = std::chrono::seconds(5);
+constexpr Duration kTimeout = std::chrono::seconds(5);
 
 /// The way between two poses: [p_d - p; log(R_d R^T)], base axes.
 Vector6 WayTo(const Transform& X, const Transform& X_d) noexcept {
@@ -74,7 +74,7 @@ std::variant<Followed, std::string> Follow(const reference::PoseTrajectory& pose
     const Vector6 e = WayTo(motion.O_T_frame, poses.Sample(t).O_T_EE);
     const double left = std::max(HalfNorm(e, 0), HalfNorm(e, 3));
     if (t >= poses.duration() && left <= kArrived) return followed;
-    if (t > poses.duration() + kPatience) {
+    if (t > poses.duration() + kTimeout) {
       return fmt::format("the arm does not come nearer to the goal than {:.4f} m and {:.4f} rad",
                          HalfNorm(e, 0), HalfNorm(e, 3));
     }

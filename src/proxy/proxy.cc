@@ -30,7 +30,7 @@ RelayDesk::Settings DeskSettings(const ProxyConfig& config, fci::HeadKind kind) 
   return {.name = is_arm ? "arm" : "hand",
           .kind = kind,
           .robot = is_arm ? config.robot_arm : config.robot_hand,
-          .reach_patience = config.reach_patience,
+          .reach_timeout = config.reach_timeout,
           .faults = {config.state, config.command, is_arm ? config.seed : HandSeed(config.seed)},
           .thread = {.name = is_arm ? "twin-proxy-arm" : "twin-proxy-hand",
                      .fifo_priority = config.fifo_priority,
@@ -82,8 +82,9 @@ class Proxy::Impl {
       service->reception.AddTo(waited_);
       service->desk.AddTo(waited_);
     }
-    const Duration patience = std::min(arm_.reception.patience(), hand_.reception.patience());
-    static_cast<void>(fci::AwaitAny(waited_, clock_, clock_.Now() + patience));
+    const Duration timeout =
+        std::min(arm_.reception.poll_timeout(), hand_.reception.poll_timeout());
+    static_cast<void>(fci::AwaitAny(waited_, clock_, clock_.Now() + timeout));
   }
 
   const MonotonicClock& clock_;

@@ -12,7 +12,7 @@
 namespace twin::proxy {
 namespace {
 
-constexpr Duration kPatience = std::chrono::milliseconds(100);
+constexpr Duration kTimeout = std::chrono::milliseconds(100);
 /// Pieces of the robot's bytes that are passed on before others have their turn, and their size.
 constexpr int kMostPieces = 16;
 constexpr std::size_t kPiece = std::size_t{64} << 10;
@@ -52,8 +52,8 @@ void RelayDesk::AddTo(std::vector<pollfd>& waited) const {
   if (robot_ && !client_->has_unsent()) waited.push_back({robot_->fd(), POLLIN, 0});
 }
 
-Duration RelayDesk::patience() const {
-  return kPatience;
+Duration RelayDesk::poll_timeout() const {
+  return kTimeout;
 }
 
 std::optional<std::string> RelayDesk::OnFrame(const fci::Frame& frame) {
@@ -79,7 +79,7 @@ std::optional<std::string> RelayDesk::Forward(std::span<const std::byte> bytes) 
 }
 
 void RelayDesk::Reach() {
-  robot_ = fci::TcpStream::Connect(settings_.robot, settings_.reach_patience);
+  robot_ = fci::TcpStream::Connect(settings_.robot, settings_.reach_timeout);
   answers_.emplace(settings_.kind, fci::kLargestModelLibrary);
   tell_(fmt::format("{}: {} connected to {}", settings_.name, fci::ToString(client_->peer()),
                     fci::ToString(settings_.robot)));

@@ -31,7 +31,7 @@ class RelayDesk final : public server::Desk {
     std::string_view name;  ///< for people: "arm", "hand"
     fci::HeadKind kind{};
     fci::Endpoint robot;  ///< its TCP
-    Duration reach_patience{};
+    Duration reach_timeout{};
     Faults faults;
     rt::ThreadSettings thread;  ///< of datagrams
   };
@@ -52,7 +52,7 @@ class RelayDesk final : public server::Desk {
   /// for ever on a connection that ends in order then.
   [[nodiscard]] bool has_pending() const override { return is_broken_ || owed_ > 0; }
   void Leave() override;
-  [[nodiscard]] Duration patience() const override;
+  [[nodiscard]] Duration poll_timeout() const override;
 
  private:
   void Reach();

@@ -64,8 +64,8 @@ void FileDescriptor::Reset(int fd) noexcept {
 }
 
 FfmpegProcess::FfmpegProcess(const std::string& program, const std::vector<std::string>& arguments,
-                             int lock, Duration patience)
-    : patience_(patience) {
+                             int lock, Duration timeout)
+    : timeout_(timeout) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     ThrowHostError("socketpair", errno);
@@ -103,13 +103,13 @@ void FfmpegProcess::WaitForRoom() {
   const MonotonicClock clock;
   pollfd room{.fd = input_.get(), .events = POLLOUT, .revents = 0};
   while (poll(&room, 1, kLookMs) <= 0) {
-    if (rt::GivesUp() || clock.Now().time_since_epoch() >= patience_) FailSilent();
+    if (rt::GivesUp() || clock.Now().time_since_epoch() >= timeout_) FailSilent();
   }
 }
 
 void FfmpegProcess::Finish() {
   input_.Close();
-  const std::optional<int> status = process_->Wait(patience_);
+  const std::optional<int> status = process_->Wait(timeout_);
   if (!status) FailSilent();
   const std::string messages = LastMessages();
   if (*status == 0 && !LostData(messages)) return;
@@ -119,7 +119,7 @@ void FfmpegProcess::Finish() {
 
 void FfmpegProcess::Fail(std::string_view when) {
   input_.Close();
-  const std::optional<int> status = process_->Wait(patience_);
+  const std::optional<int> status = process_->Wait(timeout_);
   if (!status) FailSilent();
   const std::string messages = LastMessages();
   throw EnvironmentError(fmt::format("video: ffmpeg {}{}. Its last lines: {}. {}",
@@ -132,7 +132,7 @@ void FfmpegProcess::FailSilent() {
   throw EnvironmentError(
       fmt::format("video: ffmpeg did nothing for {} s, and was ended. Its last lines: {}. Look at "
                   "what it waits for, or run without video",
-                  ToSeconds(patience_), LastMessages()));
+                  ToSeconds(timeout_), LastMessages()));
 }
 
 std::string FfmpegProcess::LastMessages() const {

@@ -30,7 +30,7 @@ class FileDescriptor {
 };
 
 /// How long ffmpeg may do nothing: take no frame, or not end once it has all.
-inline constexpr Duration kFfmpegPatience = std::chrono::seconds(60);
+inline constexpr Duration kFfmpegTimeout = std::chrono::seconds(60);
 
 /// A running ffmpeg that reads its standard input from us and whose messages we keep.
 ///
@@ -44,13 +44,13 @@ class FfmpegProcess {
   /// @param program  looked up in PATH unless it has a slash.
   /// @param arguments  without the program's name.
   /// @param lock  descriptor that it inherits and holds until it ends; negative: none.
-  /// @param patience  as kFfmpegPatience.
+  /// @param timeout  as kFfmpegTimeout.
   /// @throws EnvironmentError when it cannot be started.
   FfmpegProcess(const std::string& program, const std::vector<std::string>& arguments,
-                int lock = -1, Duration patience = kFfmpegPatience);
+                int lock = -1, Duration timeout = kFfmpegTimeout);
 
   /// Sends bytes to its standard input; waits while it is behind.
-  /// @throws EnvironmentError when it has ended, with its last lines; when its patience is over or
+  /// @throws EnvironmentError when it has ended, with its last lines; when its timeout is over or
   /// the user wants to end (rt::GivesUp), it having been killed.
   void Send(std::span<const std::uint8_t> bytes);
 
@@ -67,7 +67,7 @@ class FfmpegProcess {
   [[noreturn]] void FailSilent();
   [[nodiscard]] std::string LastMessages() const;
 
-  const Duration patience_;
+  const Duration timeout_;
   FileDescriptor input_;
   FileDescriptor messages_;
   std::optional<rt::ChildProcess> process_;  ///< always there; killed with this unless it has ended

@@ -32,7 +32,7 @@ class VideoWriter::Encoder {
         target_(path),
         process_(settings.ffmpeg.string(),
                  FfmpegArguments(settings, target_.format(), target_.partial()), target_.lock(),
-                 settings.patience) {}
+                 settings.timeout) {}
 
   void Write(const Image& image) {
     TWIN_CHECK(image.width == settings_.width && image.height == settings_.height);

@@ -23,7 +23,7 @@ namespace twin::report {
 namespace {
 
 /// For one picture; ordinary ones take a tenth of a second.
-constexpr Duration kPatience = std::chrono::seconds(60);
+constexpr Duration kTimeout = std::chrono::seconds(60);
 
 std::string Message(int error) {
   return std::generic_category().message(error);
@@ -88,7 +88,7 @@ int RunGnuplot(const Descriptor& in, const Descriptor& out, const Descriptor& er
   try {
     rt::ChildProcess gnuplot("gnuplot", {"-d"},  // without the user's settings
                              {.in = in.number(), .out = out.number(), .error = error.number()});
-    if (const std::optional<int> status = gnuplot.Wait(kPatience)) return *status;
+    if (const std::optional<int> status = gnuplot.Wait(kTimeout)) return *status;
   } catch (const std::system_error& failed) {
     throw EnvironmentError(fmt::format(
         "cannot run gnuplot, which draws the plots: {}; install it (Debian: apt-get install "
@@ -99,7 +99,7 @@ int RunGnuplot(const Descriptor& in, const Descriptor& out, const Descriptor& er
   throw EnvironmentError(
       fmt::format("gnuplot has not drawn a picture within {} s, and was ended; see what it waits "
                   "for, or say record: false",
-                  ToSeconds(kPatience)));
+                  ToSeconds(kTimeout)));
 }
 
 }  // namespace

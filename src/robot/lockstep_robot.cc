@@ -140,7 +140,7 @@ void LockstepRobot::GiveUpIfUnanswered(Time now) noexcept {
 
 void LockstepRobot::AwaitCycle(const std::stop_token& stop) noexcept {
   while (!stop.stop_requested()) {
-    RunErrands();
+    RunCalls();
     TakeCommands();
     const Time now = clock().Now();
     GiveUpIfUnanswered(now);

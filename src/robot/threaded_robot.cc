@@ -9,7 +9,7 @@ namespace twin::robot {
 namespace {
 
 /// How long a request waits for the robot's thread: a thousand cycles.
-constexpr Duration kPatience = std::chrono::seconds(1);
+constexpr Duration kTimeout = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -20,7 +20,7 @@ ThreadedRobot::ThreadedRobot(const RobotConfig& config, std::unique_ptr<plant::P
       thread_settings_(std::move(thread)),
       port_(port),
       robot_(config, std::move(plant), events_, *this, sink),
-      errands_(clock) {}
+      calls_(clock) {}
 
 void ThreadedRobot::Begin() {
   TWIN_CHECK(!thread_.joinable());
@@ -50,13 +50,13 @@ template <typename Request>
 std::invoke_result_t<Request> ThreadedRobot::Ask(Request request) const {
   const std::scoped_lock lock(requests_);
   if (!running_) return request();
-  rt::CallErrand<Request> question(std::move(request));
-  if (!errands_.Do(question, kPatience)) {
+  rt::FunctionCall<Request> call(std::move(request));
+  if (!calls_.Execute(call, kTimeout)) {
     throw RobotFault(
         "the robot's thread does not answer: it has not run for 1 s; this machine gives it no time "
         "(see panda-twin check)");
   }
-  if constexpr (!std::is_void_v<std::invoke_result_t<Request>>) return question.answer();
+  if constexpr (!std::is_void_v<std::invoke_result_t<Request>>) return call.answer();
 }
 
 MoveStatus ThreadedRobot::Move(const MotionModes& modes) {

@@ -37,7 +37,7 @@ void WallClockRobot::Run(const std::stop_token& stop) noexcept {
   events().AdvanceTo(rested);
   robot().Begin();
   while (!stop.stop_requested()) {
-    RunErrands();
+    RunCalls();
     const Time now = clock().Now();
     Time wake = *events().NextTime();  // there is always a next cycle
     if (wake <= now && now - rested > kLongestWork) wake = now + kRest;

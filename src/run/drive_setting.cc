@@ -14,7 +14,7 @@ namespace twin::run {
 namespace {
 
 /// Without a state for so long, a robot is given up.
-constexpr Duration kPatience = std::chrono::seconds(1);
+constexpr Duration kTimeout = std::chrono::seconds(1);
 /// To see where a robot stands.
 constexpr Duration kGlance = std::chrono::milliseconds(20);
 /// Longest sleep without a look at what the caller wants.
@@ -145,7 +145,7 @@ class RemoteSetting final : public DriveSetting {
     const std::uint64_t cycles = state.message_id - timeline_.first_id;
     timeline_.now = Time(kCycle * static_cast<std::int64_t>(cycles));
   }
-  [[nodiscard]] Time PatienceNow() const override { return clock_.Now(); }
+  [[nodiscard]] Time TimeoutNow() const override { return clock_.Now(); }
 
   MonotonicClock clock_;
   RealtimeSettings settings_;
@@ -158,7 +158,7 @@ class RemoteSetting final : public DriveSetting {
 
 bool DriveSetting::PassUntil(Time limit, const std::function<bool(const RobotState*)>& done) {
   backend::Backend& backend = *connection().backend;
-  Time heard = PatienceNow();
+  Time heard = TimeoutNow();
   Time arrival{};
   // What is queued is old.
   static_cast<void>(backend.Read(backend::ReadRule::kNewest, state_, arrival));
@@ -172,13 +172,13 @@ bool DriveSetting::PassUntil(Time limit, const std::function<bool(const RobotSta
       }
       case backend::ReadResult::kState:
         read = &state_;
-        heard = PatienceNow();
+        heard = TimeoutNow();
         Observe(state_);
         break;
     }
     if (done(read)) return true;
     if (Now() >= limit) return false;
-    if (PatienceNow() - heard > kPatience) {
+    if (TimeoutNow() - heard > kTimeout) {
       throw RobotFault("no robot state has come for 1 s; is the link losing every state?");
     }
     Pass(limit);

@@ -10,8 +10,8 @@
 #include "twin/core/robot_state.h"
 #include "twin/loop/motion_run.h"
 #include "twin/loop/run_report.h"
-#include "twin/run/run.h"
 #include "twin/run/remote.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::run {
@@ -28,7 +28,8 @@ class DriveSetting {
 
   /// As scenario::Run::CheckStart; of a simulated robot there is nothing to check.
   /// @param scenario, start  of the first motion; rad.
-  [[nodiscard]] virtual bool Check(const scenario::Scenario& /*scenario*/, const scenario::RobotData& /*robot*/,
+  [[nodiscard]] virtual bool Check(const scenario::Scenario& /*scenario*/,
+                                   const scenario::RobotData& /*robot*/,
                                    const JointVector& /*start*/, const TellCheck& /*tell*/) {
     return true;
   }
@@ -60,7 +61,7 @@ class DriveSetting {
   /// A state was read while no motion runs.
   virtual void Observe(const RobotState& /*state*/) {}
   /// For how long this side has been without a state, on whatever clock tells.
-  [[nodiscard]] virtual Time PatienceNow() const { return Now(); }
+  [[nodiscard]] virtual Time TimeoutNow() const { return Now(); }
 
   RobotState state_;
 };

@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 
 #include "run/hand_script.h"
-#include "twin/scenario/names.h"
-#include "run/resolve.h"
 #include "run/prepared_motion.h"
+#include "run/resolve.h"
 #include "run/session_core.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
+#include "twin/scenario/names.h"
 
 namespace twin::run {
 namespace {
@@ -23,7 +23,7 @@ constexpr double kRestSpeed = 0.01;
 /// ... for so long.
 constexpr Duration kRestTime = std::chrono::milliseconds(50);
 /// For an arm to come to rest, and for a robot to recover.
-constexpr Duration kPatience = std::chrono::seconds(5);
+constexpr Duration kTimeout = std::chrono::seconds(5);
 
 /// A scenario without waypoints gets two where its arm rests.
 scenario::Scenario Standing(scenario::Scenario scenario) {
@@ -120,23 +120,23 @@ void Session::Impl::Recover() {
     last = state;
     return state.robot_mode != RobotMode::kReflex || IsSlow(state);
   };
-  if (Wait(kPatience, stopped) == WaitEnd::kInterrupted) return;
+  if (Wait(kTimeout, stopped) == WaitEnd::kInterrupted) return;
   core_.connection().backend->Recover();
   const auto idle = [&last](const RobotState& state) {
     last = state;
     return state.robot_mode == RobotMode::kIdle;
   };
-  const WaitEnd end = Wait(kPatience, idle);
+  const WaitEnd end = Wait(kTimeout, idle);
   if (end == WaitEnd::kTimeLimit) {
     throw RobotFault(fmt::format(
         "the robot has not recovered within {} s: it is in mode {}, not Idle; see what keeps it",
-        ToSeconds(kPatience), Name(last.robot_mode)));
+        ToSeconds(kTimeout), Name(last.robot_mode)));
   }
   if (end == WaitEnd::kDone) core_.Tell("recovery", "done");
 }
 
-Session::Session(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-                 rt::RecordSink* sink, const RealtimeSettings& settings)
+Session::Session(const scenario::Scenario& scenario, const Catalogue& catalogue,
+                 const RunFiles& files, rt::RecordSink* sink, const RealtimeSettings& settings)
     : impl_(std::make_unique<Impl>(Standing(scenario), catalogue, files, sink, settings)) {}
 
 Session::~Session() {
@@ -227,8 +227,8 @@ reference::Trajectory StandingFor(const JointVector& q, Duration duration,
                                limits);
 }
 
-Motion MotionOn(const scenario::Scenario& scenario, std::string name, control::CommandInterface interface,
-                reference::Trajectory trajectory) {
+Motion MotionOn(const scenario::Scenario& scenario, std::string name,
+                control::CommandInterface interface, reference::Trajectory trajectory) {
   Motion motion{.name = std::move(name),
                 .interface = interface,
                 .trajectory = std::move(trajectory),

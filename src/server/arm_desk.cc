@@ -12,7 +12,7 @@
 namespace twin::server {
 namespace {
 
-constexpr Duration kPatience = std::chrono::milliseconds(100);
+constexpr Duration kTimeout = std::chrono::milliseconds(100);
 
 bool IsAllowance(const fci::Deviation& deviation) noexcept {
   const auto allows = [](double most) { return std::isfinite(most) && most >= 0; };
@@ -69,8 +69,8 @@ bool ArmDesk::has_pending() const {
   return session_->has_pending();
 }
 
-Duration ArmDesk::patience() const {
-  return kPatience;
+Duration ArmDesk::poll_timeout() const {
+  return kTimeout;
 }
 
 void ArmDesk::Leave() {

@@ -31,7 +31,7 @@ class ArmDesk final : public Desk, private fci::ArmService {
   [[nodiscard]] std::optional<std::string> OnTurn(Time now) override;
   [[nodiscard]] bool has_pending() const override;
   void Leave() override;
-  [[nodiscard]] Duration patience() const override;
+  [[nodiscard]] Duration poll_timeout() const override;
 
  private:
   [[nodiscard]] MoveStatus Move(const fci::Move& move) override;

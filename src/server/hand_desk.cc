@@ -42,7 +42,7 @@ std::optional<std::string> HandDesk::OnTurn(Time now) {
   return {};
 }
 
-Duration HandDesk::patience() const {
+Duration HandDesk::poll_timeout() const {
   return kStatePeriod;
 }
 

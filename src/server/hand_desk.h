@@ -30,7 +30,7 @@ class HandDesk final : public Desk, private fci::HandService {
   [[nodiscard]] std::optional<std::string> OnTurn(Time now) override;
   [[nodiscard]] bool has_pending() const override { return session_->has_pending(); }
   void Leave() override { session_.reset(); }
-  [[nodiscard]] Duration patience() const override;
+  [[nodiscard]] Duration poll_timeout() const override;
 
  private:
   [[nodiscard]] HandStart Start(const HandCommand& command) override;

@@ -16,8 +16,8 @@ constexpr std::size_t kMostVisitors = 16;
 /// Requests of a client that are handled before others have their turn.
 constexpr int kMostRequests = 64;
 
-constexpr Duration kOrdinaryPatience = std::chrono::milliseconds(100);
-constexpr Duration kImpatience = std::chrono::milliseconds(5);
+constexpr Duration kOrdinaryTimeout = std::chrono::milliseconds(100);
+constexpr Duration kPollPeriod = std::chrono::milliseconds(5);
 
 }  // namespace
 
@@ -38,11 +38,11 @@ void Reception::AddTo(std::vector<pollfd>& waited) const {
   waited.push_back({client_->fd(), static_cast<short>(events), 0});
 }
 
-Duration Reception::patience() const {
+Duration Reception::poll_timeout() const {
   const bool one_waits = std::ranges::any_of(
       visitors_, [](const Visitor& visitor) { return visitor.first.has_value(); });
-  if (one_waits) return kImpatience;
-  return client_ != nullptr ? std::min(desk_.patience(), kOrdinaryPatience) : kOrdinaryPatience;
+  if (one_waits) return kPollPeriod;
+  return client_ != nullptr ? std::min(desk_.poll_timeout(), kOrdinaryTimeout) : kOrdinaryTimeout;
 }
 
 void Reception::Serve(Time now) {
@@ -102,9 +102,9 @@ bool Reception::Receive(Visitor& visitor, Time now) {
     connection.Reset();
     return true;
   }
-  if (now < connection.since() + settings_.connect_patience) return false;
+  if (now < connection.since() + settings_.connect_timeout) return false;
   Tell(connection.peer(),
-       fmt::format("dropped: no Connect within {} s", ToSeconds(settings_.connect_patience)));
+       fmt::format("dropped: no Connect within {} s", ToSeconds(settings_.connect_timeout)));
   connection.Reset();
   return true;
 }

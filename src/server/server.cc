@@ -57,13 +57,13 @@ class Server::Impl {
   void Wait() {
     waited_.clear();
     waited_.push_back({changed_.fd(), POLLIN, 0});
-    Duration patience = arm_.patience();
+    Duration timeout = arm_.poll_timeout();
     arm_.AddTo(waited_);
     if (hand_) {
       hand_->AddTo(waited_);
-      patience = std::min(patience, hand_->patience());
+      timeout = std::min(timeout, hand_->poll_timeout());
     }
-    const auto ms = std::chrono::ceil<std::chrono::milliseconds>(patience);
+    const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout);
     // Interrupted or not: whoever is served finds out by himself what there is to do.
     static_cast<void>(poll(waited_.data(), waited_.size(), static_cast<int>(ms.count())));
   }

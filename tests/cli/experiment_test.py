@@ -28,7 +28,7 @@ MOTION = "../scenarios/trajectories/canonical.yaml"
 SHORT_MOTION = ("{unit: rad, duration: 1 s, waypoints: [{q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}, "
                 "{q: [0.05, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}]}")
 LOOPS = ("bare", "synchronous", "asynchronous")
-PATIENCE = 100  # s, longer than any machine takes over what is waited for
+TIMEOUT = 100  # s, longer than any machine takes over what is waited for
 
 
 def free_ports():
@@ -62,7 +62,7 @@ class ExperimentTest(unittest.TestCase):
 
     def call(self, *more, out=None):
         return subprocess.run(self.arguments(*more, out=out), cwd=self.folder, capture_output=True,
-                              text=True, timeout=PATIENCE)
+                              text=True, timeout=TIMEOUT)
 
     def files(self, folder=None):
         folder = folder or self.out
@@ -70,13 +70,13 @@ class ExperimentTest(unittest.TestCase):
 
     def interrupt(self, process):
         """Once it has begun. @returns what it said on stderr."""
-        limit = time.monotonic() + PATIENCE
+        limit = time.monotonic() + TIMEOUT
         while not (self.out / "scratch.partial").exists():
             self.assertIsNone(process.poll(), "it ended by itself")
             self.assertLess(time.monotonic(), limit, "it does not begin")
             time.sleep(0.01)
         process.send_signal(signal.SIGINT)
-        return process.communicate(timeout=PATIENCE)[1]
+        return process.communicate(timeout=TIMEOUT)[1]
 
     def spoil(self, loop, old, new):
         path = self.calibration / f"{loop}.yaml"
@@ -194,7 +194,7 @@ class BadInput(ExperimentTest):
 
     def test_missing_gnuplot(self):
         done = subprocess.run(self.arguments("timings"), cwd=self.folder, capture_output=True, text=True,
-                              timeout=PATIENCE, env=dict(os.environ, PATH="/nowhere"))
+                              timeout=TIMEOUT, env=dict(os.environ, PATH="/nowhere"))
         self.assert_refused(done, 4, "gnuplot")
 
 
@@ -300,16 +300,16 @@ class OnTheWallClock(ExperimentTest):
         mark.unlink()
         with subprocess.Popen(self.arguments("timings", "--client", command, "--port", port), cwd=self.folder,
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as program:
-            limit = time.monotonic() + PATIENCE
+            limit = time.monotonic() + TIMEOUT
             while not (mark.exists() and mark.read_text().strip()):
                 self.assertLess(time.monotonic(), limit, "the client is not started")
                 time.sleep(0.02)
             program.send_signal(signal.SIGINT)
-            self.assertEqual(program.wait(timeout=PATIENCE), 130)
+            self.assertEqual(program.wait(timeout=TIMEOUT), 130)
         self.assert_gone(int(mark.read_text()))
 
     def assert_gone(self, process):
-        limit = time.monotonic() + PATIENCE
+        limit = time.monotonic() + TIMEOUT
         while time.monotonic() < limit:
             if not pathlib.Path(f"/proc/{process}").exists():
                 return

@@ -50,7 +50,7 @@ hand:
 """
 
 # Longer than any machine takes over what is waited for.
-PATIENCE = 120
+TIMEOUT = 120
 
 
 def columns(folder, prefix):
@@ -90,7 +90,7 @@ class RealtimeTest(unittest.TestCase):
     def await_log(self, out, chunks):
         """Until so many chunks of the log are on the disk: each holds some 200 cycles."""
         log = out / "run.mcap.partial"
-        limit = time.monotonic() + PATIENCE
+        limit = time.monotonic() + TIMEOUT
         while not (log.exists() and log.stat().st_size > chunks * 512 * 1024):
             self.assertLess(time.monotonic(), limit, "no cycles are recorded")
             time.sleep(0.01)
@@ -136,14 +136,14 @@ class RealtimeTest(unittest.TestCase):
     def test_terminated_it_stops_the_arm_and_completes_the_log(self):
         process, out = self.start()
         process.send_signal(signal.SIGTERM)
-        _, said = process.communicate(timeout=PATIENCE)
+        _, said = process.communicate(timeout=TIMEOUT)
         self.assertEqual(process.returncode, 130, said)
         self.assert_readable(out / "run.mcap")
 
     def test_killed_it_leaves_a_log_that_can_be_read(self):
         process, out = self.start()
         process.kill()
-        process.communicate(timeout=PATIENCE)
+        process.communicate(timeout=TIMEOUT)
         self.assert_readable(out / "run.mcap.partial")
 
     def test_stopped_and_continued_it_ends_and_never_catches_up_in_a_burst(self):
@@ -153,7 +153,7 @@ class RealtimeTest(unittest.TestCase):
         process.send_signal(signal.SIGCONT)
         self.await_log(out, 3)
         process.send_signal(signal.SIGTERM)
-        _, said = process.communicate(timeout=PATIENCE)
+        _, said = process.communicate(timeout=TIMEOUT)
         self.assertIn(process.returncode, (1, 130), said)
         self.assert_readable(out / "run.mcap")
         self.assertGreaterEqual(json.loads((out / "timing.json").read_text())["robot_overruns"], 900)

@@ -24,7 +24,7 @@ sys.path.insert(0, str(SOURCE / "tests/support"))
 import witness  # noqa: E402: found by the path above
 from tracing import figures, session  # noqa: E402
 
-PATIENCE = 240  # seconds, longer than any machine takes over what is waited for
+TIMEOUT = 240  # seconds, longer than any machine takes over what is waited for
 NOT_HERE = ("lttng-sessiond does not start", "this container permits none beside it", "LTTng keeps its buffers in",
             "KiB are needed for")
 
@@ -87,7 +87,7 @@ class TraceTest(unittest.TestCase):
         except session.TraceError as missing:
             self.skipTest(f"missing: {missing}")
         done = subprocess.run(self.arguments(options, command), capture_output=True, text=True, env=self.environment,
-                              timeout=PATIENCE)
+                              timeout=TIMEOUT)
         if done.returncode == 4 and any(reason in done.stderr for reason in NOT_HERE):
             self.skipTest(done.stderr)
         self.assertEqual(os.listdir(self.temporary), [], "the session leaves files behind")
@@ -182,13 +182,13 @@ class TraceTest(unittest.TestCase):
         process = subprocess.Popen(self.arguments((), self.run_command("realtime", "60 s")), stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True, env=self.environment)
         self.addCleanup(process.kill)
-        limit = time.monotonic() + PATIENCE
+        limit = time.monotonic() + TIMEOUT
         while not ((log := self.out / "run.mcap.partial").exists() and log.stat().st_size > 512 * 1024):
             self.assertIsNone(process.poll(), "it ended by itself")
             self.assertLess(time.monotonic(), limit, "no cycles are recorded")
             time.sleep(0.01)
         process.send_signal(signal.SIGTERM)
-        said, errors = process.communicate(timeout=PATIENCE)
+        said, errors = process.communicate(timeout=TIMEOUT)
         self.assertEqual(process.returncode, 130, errors)
         self.assertIn("trace: 1 motion", said, errors)
         self.assertEqual(os.listdir(self.temporary), [], "the session leaves files behind")

@@ -52,18 +52,18 @@ std::string FaultOf(const std::function<void()>& call) {
 }
 
 /// Long enough for any machine to answer; short where a test waits it out.
-ClientPatience Short() {
-  ClientPatience patience;
-  patience.answer = std::chrono::milliseconds(100);
-  return patience;
+ClientTimeout Short() {
+  ClientTimeout timeout;
+  timeout.answer = std::chrono::milliseconds(100);
+  return timeout;
 }
 
 class ArmClientTest : public ::testing::Test {
  protected:
-  ArmClient& Connect(FakeRobot::Script script, const ClientPatience& patience = {}) {
+  ArmClient& Connect(FakeRobot::Script script, const ClientTimeout& timeout = {}) {
     client_.reset();
     robot_.emplace(HeadKind::kArm, std::move(script));
-    return client_.emplace(clock_, "127.0.0.1", robot_->port(), patience);
+    return client_.emplace(clock_, "127.0.0.1", robot_->port(), timeout);
   }
   FakeRobot& robot() { return *robot_; }
   ArmClient& client() { return *client_; }
@@ -230,7 +230,7 @@ TEST_F(ArmClientTest, ALateAnswerIsNobodys) {
       Short());
   EXPECT_THROW(static_cast<void>(client().Recover()), RobotFault);
   RecoveryStatus status{};
-  for (int i = 0; i < 100; ++i) {  // until the machine answers within the short patience
+  for (int i = 0; i < 100; ++i) {  // until the machine answers within the short timeout
     try {
       status = client().Recover();
       break;
@@ -297,9 +297,9 @@ TEST_F(ArmClientTest, TakesNothingElseForATwin) {
     EXPECT_FALSE(client().SaysItIsATwin());
     EXPECT_FALSE(client().lost());
   }
-  ClientPatience patience;
-  patience.connect = std::chrono::milliseconds(500);
-  Connect(Nothing, patience);
+  ClientTimeout timeout;
+  timeout.connect = std::chrono::milliseconds(500);
+  Connect(Nothing, timeout);
   EXPECT_FALSE(client().SaysItIsATwin());
 }
 
@@ -432,9 +432,9 @@ TEST_F(ArmClientTest, SendsCommandsToWhereTheFirstStateCameFrom) {
 }
 
 TEST_F(ArmClientTest, SaysWhatCameInPlaceOfStates) {
-  ClientPatience patience;
-  patience.state = std::chrono::milliseconds(50);
-  Connect(Nothing, patience);
+  ClientTimeout timeout;
+  timeout.state = std::chrono::milliseconds(50);
+  Connect(Nothing, timeout);
   robot().SendStateId(5);
   ASSERT_EQ(Await()->message_id, 5);
   RobotState state;
@@ -467,27 +467,27 @@ TEST_F(ArmClientTest, AStateThatHoldsNoNumberEndsTheConnection) {
   }
 }
 
-TEST_F(ArmClientTest, IsLostWhenNoStateComesForAsLongAsItsPatience) {
-  ClientPatience patience;
-  patience.state = std::chrono::milliseconds(50);
-  Connect(Nothing, patience);
+TEST_F(ArmClientTest, IsLostWhenNoStateComesForAsLongAsItsTimeout) {
+  ClientTimeout timeout;
+  timeout.state = std::chrono::milliseconds(50);
+  Connect(Nothing, timeout);
   RobotState state;
   Time at{};
   const Time begin = clock_.Now();
   while (client().Receive(state, at) == Reception::kPending) {
     static_cast<void>(client().arrival().AwaitUntil(clock_.Now() + std::chrono::milliseconds(10)));
   }
-  EXPECT_GT(clock_.Now() - begin, patience.state);
+  EXPECT_GT(clock_.Now() - begin, timeout.state);
   EXPECT_THAT(client().WhyLost(), AllOf(HasSubstr("no state"), HasSubstr("0.05 s")));
   robot().SendStateId(5);
   EXPECT_EQ(client().Receive(state, at), Reception::kLost) << "gone for good";
 }
 
 TEST_F(ArmClientTest, DoesNotCountAsSilenceWhatNobodyListenedTo) {
-  ClientPatience patience;
-  patience.state = std::chrono::milliseconds(50);
-  Connect(Nothing, patience);
-  rt::Pause(4 * patience.state);
+  ClientTimeout timeout;
+  timeout.state = std::chrono::milliseconds(50);
+  Connect(Nothing, timeout);
+  rt::Pause(4 * timeout.state);
   RobotState state;
   Time at{};
   EXPECT_EQ(client().Receive(state, at), Reception::kPending);

@@ -146,9 +146,9 @@ TEST_F(HandClientTest, TakesStatesFromThePortOfTheFirstOnly) {
 
 TEST_F(HandClientTest, SaysThatNoStateComes) {
   FakeRobot hand(HeadKind::kHand, Nothing);
-  ClientPatience patience;
-  patience.state = std::chrono::milliseconds(50);
-  HandClient client("127.0.0.1", hand.port(), patience);
+  ClientTimeout timeout;
+  timeout.state = std::chrono::milliseconds(50);
+  HandClient client("127.0.0.1", hand.port(), timeout);
   EXPECT_THAT(FaultOf([&] { static_cast<void>(client.State()); }), HasSubstr("0.05 s"));
 }
 

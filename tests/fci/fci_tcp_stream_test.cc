@@ -23,12 +23,12 @@ using testing::HasSubstr;
 
 constexpr Endpoint kAnyPort{0x7F000001, 0};
 /// Longer than anything here takes; only a failure waits for it.
-constexpr Duration kPatience = std::chrono::seconds(20);
+constexpr Duration kTimeout = std::chrono::seconds(20);
 
 /// Waits until the descriptor can be read from (or written to).
 void Await(int fd, short events) {
   pollfd waiting{fd, events, 0};
-  ASSERT_EQ(poll(&waiting, 1, static_cast<int>(kPatience / milliseconds(1))), 1);
+  ASSERT_EQ(poll(&waiting, 1, static_cast<int>(kTimeout / milliseconds(1))), 1);
 }
 
 TcpStream Accept(TcpListener& listener) {
@@ -72,9 +72,9 @@ int OptionOf(const TcpStream& stream, int level, int option) {
 }
 
 /// Connecting to `to` fails with this text.
-std::string WhyNotConnected(const Endpoint& to, Duration patience) {
+std::string WhyNotConnected(const Endpoint& to, Duration timeout) {
   try {
-    static_cast<void>(TcpStream::Connect(to, patience));
+    static_cast<void>(TcpStream::Connect(to, timeout));
   } catch (const RobotFault& fault) {
     return fault.what();
   }
@@ -84,7 +84,7 @@ std::string WhyNotConnected(const Endpoint& to, Duration patience) {
 class TcpStreamTest : public testing::Test {
  protected:
   TcpListener listener_{kAnyPort};
-  TcpStream client_ = TcpStream::Connect(listener_.local(), kPatience);
+  TcpStream client_ = TcpStream::Connect(listener_.local(), kTimeout);
   TcpStream server_ = Accept(listener_);
 };
 
@@ -211,7 +211,7 @@ TEST(TcpConnectTest, TellsThatNobodyListens) {
   ASSERT_EQ(bind(fd.get(), generic, size), 0);
   ASSERT_EQ(getsockname(fd.get(), generic, &size), 0);
   const Endpoint to{kAnyPort.address, ntohs(address.sin_port)};
-  const std::string why = WhyNotConnected(to, kPatience);
+  const std::string why = WhyNotConnected(to, kTimeout);
   EXPECT_THAT(why, HasSubstr(ToString(to) + " refuses"));
   EXPECT_THAT(why, HasSubstr("panda-twin serve"));
 }
@@ -259,7 +259,7 @@ TEST(TcpListenerTest, TakesAPortAgainWhoseConnectionsHaveEnded) {
   {
     TcpListener listener(kAnyPort);
     at = listener.local();
-    TcpStream client = TcpStream::Connect(at, kPatience);
+    TcpStream client = TcpStream::Connect(at, kTimeout);
     TcpStream server = Accept(listener);
     server.Close();  // the end that closes first goes on blocking the port
     EXPECT_EQ(ReceiveEnd(client), StreamResult::kClosed);
@@ -269,11 +269,11 @@ TEST(TcpListenerTest, TakesAPortAgainWhoseConnectionsHaveEnded) {
 
 TEST(TcpListenerTest, OutlivesAClientThatIsGoneBeforeItIsAccepted) {
   TcpListener listener(kAnyPort);
-  TcpStream::Connect(listener.local(), kPatience).ResetConnection();
+  TcpStream::Connect(listener.local(), kTimeout).ResetConnection();
   if (auto stream = listener.Accept()) {
     EXPECT_EQ(ReceiveEnd(*stream), StreamResult::kReset);
   }
-  TcpStream next = TcpStream::Connect(listener.local(), kPatience);
+  TcpStream next = TcpStream::Connect(listener.local(), kTimeout);
   TcpStream server = Accept(listener);
   SendAll(next, Hex("42"));
   StreamResult last{};

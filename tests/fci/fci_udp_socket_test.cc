@@ -22,13 +22,13 @@ using testing::HasSubstr;
 
 constexpr Endpoint kAnyPort{0x7F000001, 0};
 /// Longer than anything here takes; only a failure waits for it.
-constexpr Duration kPatience = std::chrono::seconds(20);
+constexpr Duration kTimeout = std::chrono::seconds(20);
 
 class UdpSocketTest : public testing::Test {
  protected:
   /// The datagram that is on its way.
   std::optional<Datagram> Await(UdpSocket& socket) {
-    EXPECT_TRUE(socket.AwaitUntil(clock_.Now() + kPatience));
+    EXPECT_TRUE(socket.AwaitUntil(clock_.Now() + kTimeout));
     return socket.Receive(buffer_);
   }
   static Bytes SomeBytes(std::size_t count) {
@@ -99,7 +99,7 @@ TEST_F(UdpSocketTest, AnswersFromTheSocketThatReceives) {
 TEST_F(UdpSocketTest, CutsADatagramToTheBuffer) {
   const Bytes bytes = SomeBytes(100);
   ASSERT_TRUE(near_.Send(bytes, far_.local()));
-  ASSERT_TRUE(far_.AwaitUntil(clock_.Now() + kPatience));
+  ASSERT_TRUE(far_.AwaitUntil(clock_.Now() + kTimeout));
   const auto datagram = far_.Receive(std::span(buffer_).first(40));
   ASSERT_TRUE(datagram.has_value());
   EXPECT_EQ(ToBytes(datagram->bytes), Bytes(bytes.begin(), bytes.begin() + 40));
@@ -120,9 +120,9 @@ TEST_F(UdpSocketTest, TellsWhenEachDatagramCame) {
 
 TEST_F(UdpSocketTest, TellsWhenTheKernelReceivedADatagramThatWaited) {
   // The kernel begins to stamp some time after it was asked to.
-  for (const Time end = clock_.Now() + kPatience; clock_.Now() < end;) {
+  for (const Time end = clock_.Now() + kTimeout; clock_.Now() < end;) {
     ASSERT_TRUE(near_.Send(SomeBytes(1), far_.local()));
-    ASSERT_TRUE(far_.AwaitUntil(clock_.Now() + kPatience));
+    ASSERT_TRUE(far_.AwaitUntil(clock_.Now() + kTimeout));
     const Time was_there = clock_.Now();
     rt::SleepUntil(clock_, was_there + milliseconds(2));
     const auto datagram = far_.Receive(buffer_);
@@ -153,7 +153,7 @@ TEST_F(UdpSocketTest, WakesWhenADatagramComes) {
     rt::SleepUntil(clock_, clock_.Now() + milliseconds(5));
     near_.Send(SomeBytes(1), far_.local());
   });
-  EXPECT_TRUE(far_.AwaitUntil(clock_.Now() + kPatience));
+  EXPECT_TRUE(far_.AwaitUntil(clock_.Now() + kTimeout));
 }
 
 TEST_F(UdpSocketTest, WaitsOnWhenASignalInterrupts) {
@@ -200,7 +200,7 @@ TEST_F(UdpSocketTest, IsForRealTime) {
   const test::RealtimeGuard guard;
   for (int i = 0; i < 1000; ++i) {
     near_.Send(bytes, to);
-    if (!far_.AwaitUntil(clock_.Now() + kPatience)) break;
+    if (!far_.AwaitUntil(clock_.Now() + kTimeout)) break;
     received += far_.Receive(buffer_).has_value() ? 1 : 0;
     received += far_.Receive(buffer_).has_value() ? 1 : 0;
   }

@@ -21,7 +21,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 import page_server_test
-from web_client import PATIENCE
+from web_client import TIMEOUT
 
 KEEP = None
 FACT = """const terms = [...document.querySelectorAll("#facts dt")];
@@ -58,7 +58,7 @@ class PageBrowserTest(unittest.TestCase):
 
     @classmethod
     def wait_until(cls, holds):
-        WebDriverWait(cls.browser, PATIENCE, poll_frequency=0.1).until(lambda _: holds())
+        WebDriverWait(cls.browser, TIMEOUT, poll_frequency=0.1).until(lambda _: holds())
 
     @classmethod
     def fact(cls, name):

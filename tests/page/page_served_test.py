@@ -13,7 +13,7 @@ import tempfile
 import time
 import unittest
 
-from web_client import PATIENCE, Operator, WebSocket
+from web_client import TIMEOUT, Operator, WebSocket
 
 PROGRAM = ""
 SOURCE = pathlib.Path()
@@ -91,7 +91,7 @@ class PageServedTest(unittest.TestCase):
 
     def end(self):
         self.process.terminate()
-        self.process.communicate(timeout=PATIENCE)
+        self.process.communicate(timeout=TIMEOUT)
 
     def test_moves_stops_and_goes_on(self):
         operator = self.operator
@@ -134,7 +134,7 @@ class PageElsewhereTest(unittest.TestCase):
 
         def end():
             process.kill()
-            process.communicate(timeout=PATIENCE)
+            process.communicate(timeout=TIMEOUT)
         self.addCleanup(end)
         return process
 

@@ -10,7 +10,7 @@ import tempfile
 import time
 import unittest
 
-from web_client import PATIENCE, PING, TEXT, Operator, Refused, WebSocket, http
+from web_client import TIMEOUT, PING, TEXT, Operator, Refused, WebSocket, http
 
 PROGRAM = ""
 SOURCE = pathlib.Path()
@@ -46,7 +46,7 @@ class Run:
     def end(self):
         self.process.terminate()
         try:
-            self.said += self.process.communicate(timeout=PATIENCE)[0]
+            self.said += self.process.communicate(timeout=TIMEOUT)[0]
         except subprocess.TimeoutExpired:
             self.process.kill()
             raise
@@ -190,7 +190,7 @@ class PageServerTest(unittest.TestCase):
         finally:
             for visitor in visitors:
                 visitor.connection.close()
-        limit = time.monotonic() + PATIENCE
+        limit = time.monotonic() + TIMEOUT
         while True:  # until the server has noticed that they are gone
             try:
                 return self.assert_lives()
@@ -207,7 +207,7 @@ class PageServerTest(unittest.TestCase):
                 if i % 3 == 2:
                     strangers.append(WebSocket(self.port).connection)
                     continue
-                strangers.append(socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE))
+                strangers.append(socket.create_connection(("127.0.0.1", self.port), timeout=TIMEOUT))
                 if i % 3 == 1:
                     strangers[-1].sendall(b"GET / HTTP/1.1\r\n")
         come()
@@ -282,7 +282,7 @@ class PageEndTest(unittest.TestCase):
             watcher.say("stop")
             self.assertIn("emergency stop", other.hear(lambda m: m["type"] == "event" and m["kind"] == "stop")["text"])
             self.assertIn("interrupt", other.hear("end")["text"])
-        self.assertEqual(served.process.wait(timeout=PATIENCE), 130)
+        self.assertEqual(served.process.wait(timeout=TIMEOUT), 130)
         served.process.stdout.close()
 
     def test_a_run_that_is_over_says_so(self):
@@ -290,14 +290,14 @@ class PageEndTest(unittest.TestCase):
         with served.visit() as visitor:
             self.assertEqual(visitor.hear("end")["text"], "it went well")
             self.assertEqual(visitor.closing(), "the run is over")
-        self.assertEqual(served.process.wait(timeout=PATIENCE), 0)
+        self.assertEqual(served.process.wait(timeout=TIMEOUT), 0)
         served.process.stdout.close()
 
 
 class PageFlagsTest(unittest.TestCase):
     def refusal(self, command, *flags):
         process = subprocess.run([PROGRAM, command, SOURCE / "models/scenarios/smoke.yaml", *flags, "--data", SOURCE / "models"],
-                                 capture_output=True, text=True, timeout=PATIENCE)
+                                 capture_output=True, text=True, timeout=TIMEOUT)
         self.assertEqual(process.returncode, 3, process.stderr)
         return process.stderr
 
@@ -323,7 +323,7 @@ class PageFlagsTest(unittest.TestCase):
             port = taken.getsockname()[1]
             with tempfile.TemporaryDirectory() as folder:
                 process = subprocess.run([PROGRAM, "run", SOURCE / "models/scenarios/smoke.yaml", f"--page={port}", "--out", folder,
-                                          "--data", SOURCE / "models"], capture_output=True, text=True, timeout=PATIENCE)
+                                          "--data", SOURCE / "models"], capture_output=True, text=True, timeout=TIMEOUT)
         self.assertEqual(process.returncode, 4)
         self.assertIn(f"127.0.0.1:{port}", process.stderr)
 

@@ -7,7 +7,7 @@ import socket
 import struct
 import time
 
-PATIENCE = 100  # s, longer than any machine takes over what is waited for
+TIMEOUT = 100  # s, longer than any machine takes over what is waited for
 CONTINUATION, TEXT, BINARY, CLOSE, PING = 0, 1, 2, 8, 9
 
 
@@ -17,7 +17,7 @@ class Refused(Exception):
 
 def http(port, lines, address="127.0.0.1"):
     """Sends a request as it is and returns (status, header, body); 0 for the status when nothing came."""
-    with socket.create_connection((address, port), timeout=PATIENCE) as connection:
+    with socket.create_connection((address, port), timeout=TIMEOUT) as connection:
         connection.sendall("\r\n".join([*lines, "", ""]).encode("latin1"))
         reply = b""
         try:
@@ -34,7 +34,7 @@ def http(port, lines, address="127.0.0.1"):
 class WebSocket:
     def __init__(self, port, host=None, origin=None):
         host = host or f"127.0.0.1:{port}"
-        self.connection = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
+        self.connection = socket.create_connection(("127.0.0.1", port), timeout=TIMEOUT)
         key = base64.b64encode(os.urandom(16)).decode()
         lines = ["GET /ws HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
                  f"Sec-WebSocket-Key: {key}"]
@@ -116,10 +116,10 @@ class WebSocket:
         return next(payload for kind, payload in self._frames("a picture") if kind == BINARY)
 
     def _frames(self, wanted):
-        limit = time.monotonic() + PATIENCE
+        limit = time.monotonic() + TIMEOUT
         while time.monotonic() < limit:
             yield self.frame()
-        raise AssertionError(f"did not hear {wanted} for {PATIENCE} s")
+        raise AssertionError(f"did not hear {wanted} for {TIMEOUT} s")
 
     def closing(self):
         """Why the server ends it: the reason it gives, or "" when it just ends."""

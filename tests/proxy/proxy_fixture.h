@@ -48,7 +48,7 @@ class ProxyTest : public ::testing::Test {
     config_.robot_arm = robot_arm_.local();
     config_.robot_hand = robot_hand_.local();
     config_.fifo_priority = 0;
-    config_.connect_patience = kLong;
+    config_.connect_timeout = kLong;
   }
   ~ProxyTest() override { End(); }
 

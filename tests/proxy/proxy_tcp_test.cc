@@ -238,7 +238,7 @@ TEST_F(ProxyTcpTest, AFurtherClientIsSentAwayAndTheFirstStays) {
 }
 
 TEST_F(ProxyTcpTest, AConnectionThatSaysNothingWholeIsEnded) {
-  config_.connect_patience = std::chrono::milliseconds(30);
+  config_.connect_timeout = std::chrono::milliseconds(30);
   Start();
   fci::TcpStream silent = ConnectArm();
   fci::TcpStream half = ConnectArm();

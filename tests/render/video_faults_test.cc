@@ -159,7 +159,7 @@ TEST(VideoFaultsTest, AnFfmpegThatDoesNothingIsEnded) {
   const fs::path ffmpeg = folder / "ffmpeg.sh";
   VideoSettings settings = Settings();
   settings.ffmpeg = ffmpeg;
-  settings.patience = std::chrono::milliseconds(100);
+  settings.timeout = std::chrono::milliseconds(100);
   for (const char* does : {"exec sleep 1000", "cat >/dev/null; exec sleep 1000"}) {
     std::ofstream(ffmpeg) << "#!/bin/sh\necho waiting >&2\n" << does << "\n";
     fs::permissions(ffmpeg, fs::perms::owner_all);

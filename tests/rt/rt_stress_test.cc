@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "support/effort.h"
-#include "twin/rt/errand.h"
+#include "twin/rt/call_mailbox.h"
 #include "twin/rt/latest_value.h"
 #include "twin/rt/signal.h"
 #include "twin/rt/spsc_ring.h"
@@ -99,8 +99,8 @@ TEST(RtStressTest, ManyThreadsWakeOneWaiter) {
   EXPECT_FALSE(missed);
 }
 
-TEST(RtStressTest, ErrandsRunOnceOrNeverWhateverThePatience) {
-  class Adding final : public Errand {
+TEST(RtStressTest, CallsRunOnceOrNeverWhateverTheTimeout) {
+  class Adding final : public Call {
    public:
     explicit Adding(int& sum) : sum_(sum) {}
     void Run() noexcept override { ++sum_; }
@@ -109,7 +109,7 @@ TEST(RtStressTest, ErrandsRunOnceOrNeverWhateverThePatience) {
     int& sum_;  // no atomic: ordered by the box
   };
   const MonotonicClock clock;
-  ErrandBox box(clock);
+  CallMailbox box(clock);
   int sum = 0;
   std::jthread servant([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
@@ -118,10 +118,10 @@ TEST(RtStressTest, ErrandsRunOnceOrNeverWhateverThePatience) {
     }
   });
   int done = 0;
-  constexpr int kErrands = test::Repetitions(20'000);
-  for (int i = 0; i < kErrands || done == 0; ++i) {  // the servant may come late to its first
-    Adding errand(sum);  // its own each time: one used after it was taken back shows
-    const bool ran = box.Do(errand, microseconds(i % 40));
+  constexpr int kCalls = test::Repetitions(20'000);
+  for (int i = 0; i < kCalls || done == 0; ++i) {  // the other thread may come late to its first
+    Adding call(sum);  // its own each time: one used after it was taken back shows
+    const bool ran = box.Execute(call, microseconds(i % 40));
     done += ran ? 1 : 0;
   }
   servant.request_stop();

@@ -45,12 +45,12 @@ class ServerTest : public ::testing::Test {
     config.plant_kind = robot::PlantKind::kIdeal;
     return config;
   }
-  void Serve(std::unique_ptr<robot::ThreadedRobot> robot, Duration connect_patience) {
+  void Serve(std::unique_ptr<robot::ThreadedRobot> robot, Duration connect_timeout) {
     robot_ = std::move(robot);
     ServerConfig config;
     config.arm_port = 0;
     config.hand_port = 0;
-    config.connect_patience = connect_patience;
+    config.connect_timeout = connect_timeout;
     server_ = std::make_unique<Server>(config, *robot_, port_, changed_, clock_,
                                        [this](std::string_view line) {
                                          const std::scoped_lock lock(mutex_);
@@ -61,11 +61,11 @@ class ServerTest : public ::testing::Test {
       server_->Run([&] { return stop.stop_requested(); });
     });
   }
-  void ServeInLockstep(Duration connect_patience = kLong) {
+  void ServeInLockstep(Duration connect_timeout = kLong) {
     Serve(std::make_unique<robot::LockstepRobot>(
               Ideal(), robot::MakePlant(Ideal()).plant, port_, port_, clock_,
               rt::ThreadSettings{.lock_memory = false}, nullptr, robot::LockstepOptions{}),
-          connect_patience);
+          connect_timeout);
   }
   void End() {
     if (!thread_.joinable()) return;

@@ -10,7 +10,7 @@ import unittest
 import xml.etree.ElementTree
 
 SOURCE = pathlib.Path()
-PATIENCE = 100  # s
+TIMEOUT = 100  # s
 # As ctest reads them. Each notes that it was run.
 TESTS = """\
 add_test(good sh -c "echo good >> {ran}")
@@ -94,12 +94,12 @@ class NightlyTest(unittest.TestCase):
     def test_broken_off_it_ends_its_item_and_begins_it_again(self):
         process = subprocess.Popen(self.command("^endless$"), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(process.kill)
-        limit = time.monotonic() + PATIENCE
+        limit = time.monotonic() + TIMEOUT
         while not self.runs():
             self.assertLess(time.monotonic(), limit)
             time.sleep(0.02)
         process.terminate()
-        process.communicate(timeout=PATIENCE)
+        process.communicate(timeout=TIMEOUT)
         self.assertEqual(process.returncode, 130)
         sleeper = pathlib.Path("/proc", self.runs()[0], "cmdline")
         while sleeper.exists() and sleeper.read_bytes():  # nobody may have waited for it yet

@@ -17,7 +17,7 @@ inline constexpr double kRestSpeed = 0.05;
 inline constexpr Duration kRestTime = std::chrono::milliseconds(100);
 /// Within so long after the end of a motion an arm must be at rest. One that is braked from its
 /// greatest velocity by its greatest deceleration stands after 0.29 s.
-inline constexpr Duration kRestPatience = std::chrono::seconds(1);
+inline constexpr Duration kRestTimeout = std::chrono::seconds(1);
 
 /// The joint that is measured to be the fastest, from 0.
 [[nodiscard]] inline std::size_t FastestJoint(const JointVector& dq) noexcept {

@@ -17,7 +17,7 @@
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
 #include "twin/fci/capture.h"
-#include "twin/fci/client_patience.h"
+#include "twin/fci/client_timeout.h"
 #include "twin/fci/datagrams.h"
 #include "twin/fci/requests.h"
 #include "twin/fci/sockets.h"
@@ -31,7 +31,7 @@ class RequestChannel;
 enum class Reception : std::uint8_t {
   kState,    ///< one was received
   kPending,  ///< none yet
-  /// TCP has ended, no state has come for as long as the patience for one, or one came in which a
+  /// TCP has ended, no state has come for as long as the timeout for one, or one came in which a
   /// number is NaN or infinity.
   kLost,
 };
@@ -72,13 +72,13 @@ struct ReceptionCounts {
 class ArmClient {
  public:
   /// Connects: TCP, the states' socket, and an agreement on the version.
-  /// @param clock  of instants and of patience; must outlive the client. It may be restarted while
+  /// @param clock  of instants and timeouts; must outlive the client. It may be restarted while
   ///               nobody receives.
   /// @param capture  keeps what is sent and received; must outlive the client. Null: nothing.
   /// @throws InputError when the host has no address; RobotFault when nothing answers there, or
   /// speaks another version, with both versions and the cure.
   ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
-            const ClientPatience& patience = {}, Capture* capture = nullptr);
+            const ClientTimeout& timeout = {}, Capture* capture = nullptr);
   ~ArmClient();
   ArmClient(const ArmClient&) = delete;
   ArmClient& operator=(const ArmClient&) = delete;
@@ -91,8 +91,8 @@ class ArmClient {
   /// is lost or no answer comes; so do the other requests.
   [[nodiscard]] MoveStatus Move(const fci::Move& move);
   /// The second answer to the last Move that started.
-  /// @returns nothing when there was none, or its end is not known within `patience`.
-  [[nodiscard]] std::optional<MoveStatus> AwaitMotionEnd(Duration patience) noexcept;
+  /// @returns nothing when there was none, or its end is not known within `timeout`.
+  [[nodiscard]] std::optional<MoveStatus> AwaitMotionEnd(Duration timeout) noexcept;
   /// Answered when the arm rests; at once when no motion runs.
   [[nodiscard]] StopStatus StopMove();
   [[nodiscard]] SetterStatus Configure(const Setting& setting);
@@ -120,7 +120,7 @@ class ArmClient {
   struct Asked;
 
   void Negotiate();
-  [[nodiscard]] Asked Ask(const ArmRequest& request, Duration patience);
+  [[nodiscard]] Asked Ask(const ArmRequest& request, Duration timeout);
   [[nodiscard]] std::uint8_t AskForStatus(const ArmRequest& request, std::uint8_t last);
   [[nodiscard]] bool Accept(const Datagram& datagram) noexcept;
   /// The states have, for good.
@@ -135,7 +135,7 @@ class ArmClient {
             std::span<const std::byte> bytes) noexcept TWIN_REALTIME;
 
   const MonotonicClock& clock_;
-  const ClientPatience patience_;
+  const ClientTimeout timeout_;
   Capture* const capture_;
   const Endpoint robot_;
   std::uint16_t version_ = 0;

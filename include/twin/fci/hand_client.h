@@ -10,7 +10,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/hand_command.h"
 #include "twin/fci/capture.h"
-#include "twin/fci/client_patience.h"
+#include "twin/fci/client_timeout.h"
 #include "twin/fci/sockets.h"
 
 namespace twin::fci {
@@ -26,7 +26,7 @@ class HandClient {
  public:
   /// Connects: TCP, the states' socket, and an agreement on the version.
   /// @param capture, @throws  as ArmClient.
-  HandClient(const std::string& host, std::uint16_t port, const ClientPatience& patience = {},
+  HandClient(const std::string& host, std::uint16_t port, const ClientTimeout& timeout = {},
              Capture* capture = nullptr);
   ~HandClient();
   HandClient(const HandClient&) = delete;
@@ -57,9 +57,9 @@ class HandClient {
 
   void Negotiate(std::uint16_t udp_port);
   /// Looks whether the answer has come.
-  void Update(Sent& sent, Duration patience);
+  void Update(Sent& sent, Duration timeout);
 
-  const ClientPatience patience_;
+  const ClientTimeout timeout_;
   const std::string name_;  ///< for texts
   std::unique_ptr<Mailbox> states_;
   std::unique_ptr<RequestChannel> channel_;

@@ -122,8 +122,8 @@ enum class StreamResult : std::uint8_t {
 class TcpStream {
  public:
   explicit TcpStream(FileDescriptor fd);
-  /// Blocks for `patience` at most. @throws RobotFault: refused, no answer, with the cure.
-  [[nodiscard]] static TcpStream Connect(const Endpoint& to, Duration patience);
+  /// Blocks for `timeout` at most. @throws RobotFault: refused, no answer, with the cure.
+  [[nodiscard]] static TcpStream Connect(const Endpoint& to, Duration timeout);
 
   [[nodiscard]] int fd() const noexcept { return fd_.get(); }
   [[nodiscard]] const Endpoint& local() const noexcept { return local_; }

@@ -69,7 +69,7 @@ namespace twin::onboard {
 ///   - a sensor gives what is no number, or the torque or the state computed from it is none: no
 ///     state holds one, in its place is what was measured last;
 ///   - the arm, held by INT alone (no motion, nobody leads it, brakes open), has not been at rest
-///     for kRestPatience (RestWatch): after each end of a motion it comes to rest, or is braked.
+///     for kRestTimeout (RestWatch): after each end of a motion it comes to rest, or is braked.
 /// The brakes open with the recovery, and while people lead the arm; the reference is then where
 /// the arm is. Halts are a decision: by what the robot detects an instability is not public.
 ///

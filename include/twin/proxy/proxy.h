@@ -30,8 +30,8 @@ struct ProxyConfig {
   std::uint64_t seed = 1;       ///< of the faults
   int fifo_priority = 99;       ///< of the threads of UDP: a wire waits for nobody. 0: ordinary
   std::optional<int> cpu;       ///< of them
-  Duration connect_patience = std::chrono::seconds(10);  ///< for a client's Connect
-  Duration reach_patience = std::chrono::seconds(3);     ///< for the robot to take a connection
+  Duration connect_timeout = std::chrono::seconds(10);  ///< for a client's Connect
+  Duration reach_timeout = std::chrono::seconds(3);     ///< for the robot to take a connection
 
   /// @throws InputError naming the field that is out of range.
   void Validate() const;

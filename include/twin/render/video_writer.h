@@ -24,7 +24,7 @@ struct VideoSettings {
   int crf = 20;      ///< x264's constant rate factor, in [0, 51]; smaller is better and larger
   std::filesystem::path ffmpeg = "ffmpeg";  ///< program; without a slash it is looked up in PATH
   /// How long ffmpeg may take no frame, and take to end after the last one; it is then ended.
-  Duration patience = std::chrono::seconds(60);
+  Duration timeout = std::chrono::seconds(60);
 
   /// @throws InputError naming field, value and range.
   void Validate(VideoFormat format) const;

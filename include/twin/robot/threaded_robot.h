@@ -15,7 +15,7 @@
 #include "twin/core/realtime.h"
 #include "twin/robot/robot.h"
 #include "twin/robot/workstation_port.h"
-#include "twin/rt/errand.h"
+#include "twin/rt/call_mailbox.h"
 #include "twin/rt/event_queue.h"
 #include "twin/rt/thread_setup.h"
 
@@ -31,7 +31,7 @@ struct RobotReport {
 /// A whole emulated robot on a thread of its own: a Robot and its event queue, and how other
 /// threads ask something of it. Who advances its time is decided by what derives from it.
 ///
-///     other threads: Move(), ... ---> ErrandBox, between two events ---> the robot's thread
+///     other threads: Move(), ... ---> CallMailbox, between two events ---> the robot's thread
 ///
 /// Before Begin() and after End() no time passes for the robot: requests are answered at once,
 /// commands are lost.
@@ -99,7 +99,7 @@ class ThreadedRobot : protected rt::EventHandler {
   [[nodiscard]] bool hand_is_busy() const noexcept {
     return hand_ticket_ != 0 && !robot_.HandOutcome(hand_ticket_);
   }
-  void RunErrands() noexcept TWIN_REALTIME { errands_.RunPending(); }
+  void RunCalls() noexcept TWIN_REALTIME { calls_.RunPending(); }
   /// Throws away what came before there was a robot.
   void DropCommands() noexcept;
 
@@ -115,7 +115,7 @@ class ThreadedRobot : protected rt::EventHandler {
   HandTicket hand_ticket_ = 0;  ///< of the last command that was started
 
   mutable std::mutex requests_;  ///< between those who ask; the robot's thread never takes it
-  mutable rt::ErrandBox errands_;
+  mutable rt::CallMailbox calls_;
   bool running_ = false;  ///< guarded by requests_
   std::vector<std::string> notices_;
   std::jthread thread_;

@@ -38,7 +38,7 @@ class Desk {
   /// The client is gone, or is going to be.
   virtual void Leave() = 0;
   /// After which time OnTurn() wants to be called again at the latest.
-  [[nodiscard]] virtual Duration patience() const = 0;
+  [[nodiscard]] virtual Duration poll_timeout() const = 0;
 };
 
 }  // namespace twin::server

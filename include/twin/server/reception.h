@@ -28,7 +28,7 @@ class Reception {
     std::size_t largest = 0;  ///< request
     fci::Endpoint local;
     std::optional<fci::Network> allow;
-    Duration connect_patience{};
+    Duration connect_timeout{};
     Tap tap{};
   };
 
@@ -42,7 +42,7 @@ class Reception {
             .largest = is_arm ? fci::kLargestArmRequest : fci::kLargestHandRequest,
             .local = {config.address, is_arm ? config.arm_port : config.hand_port},
             .allow = config.allow,
-            .connect_patience = config.connect_patience};
+            .connect_timeout = config.connect_timeout};
   }
 
   /// @param desk, tell  must outlive the reception. @throws EnvironmentError as fci::TcpListener.
@@ -53,7 +53,7 @@ class Reception {
   /// Adds what to wait at.
   void AddTo(std::vector<pollfd>& waited) const;
   /// For how long.
-  [[nodiscard]] Duration patience() const;
+  [[nodiscard]] Duration poll_timeout() const;
   /// Does what can be done without waiting.
   void Serve(Time now);
   /// Ends all connections.

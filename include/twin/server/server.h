@@ -29,7 +29,7 @@ struct ServerConfig {
   std::vector<std::byte>
       model_library;  ///< what LoadModelLibrary gives (x64 Linux); empty: nothing
   /// A connection that has not sent its Connect for so long is ended.
-  Duration connect_patience = std::chrono::seconds(10);
+  Duration connect_timeout = std::chrono::seconds(10);
   /// Keeps what goes over TCP (over UDP: UdpPort::KeepIn); must outlive the server. Null: nothing.
   fci::Capture* capture = nullptr;
 };
@@ -38,7 +38,7 @@ struct ServerConfig {
 /// order of events as in fci::ArmSession and fci::HandSession; states and commands pass through
 /// UdpPort beside it.
 ///
-///     client -- TCP --> Run(): poll, parse --> Move(), ... of the robot (rt::ErrandBox)
+///     client -- TCP --> Run(): poll, parse --> Move(), ... of the robot (rt::CallMailbox)
 ///     client <-- TCP -- answers            <-- its answers; the bell when a motion has ended
 ///     client <-- UDP -- the robot's thread, UdpPort; the hand's states, every 10 ms, from Run()
 ///

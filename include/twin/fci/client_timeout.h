@@ -6,7 +6,7 @@ namespace twin::fci {
 
 /// How long a client waits. Finite, all of it: a robot that says nothing ends in a message, not in
 /// a program that hangs.
-struct ClientPatience {
+struct ClientTimeout {
   Duration connect = std::chrono::seconds(3);  ///< for the connection, and its answer
   /// For the answer to a request: StopMove and recovery answer once the arm rests.
   Duration answer = std::chrono::seconds(10);

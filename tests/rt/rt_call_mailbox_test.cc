@@ -1,4 +1,4 @@
-#include "twin/rt/errand.h"
+#include "twin/rt/call_mailbox.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 constexpr Duration kLong = std::chrono::seconds(60);
 
 /// Counts how often it ran, and on which thread.
-class Counting final : public Errand {
+class Counting final : public Call {
  public:
   void Run() noexcept override {
     ++runs;
@@ -27,9 +27,9 @@ class Counting final : public Errand {
 };
 
 /// A thread that runs what is pending, until it goes.
-class Servant {
+class Executor {
  public:
-  explicit Servant(ErrandBox& box)
+  explicit Executor(CallMailbox& box)
       : thread_([&box](const std::stop_token& stop) {
           while (!stop.stop_requested()) {
             box.RunPending();
@@ -42,50 +42,50 @@ class Servant {
   std::jthread thread_;
 };
 
-TEST(ErrandBoxTest, RunsTheErrandOnceOnTheOtherThread) {
+TEST(CallMailboxTest, RunsTheCallOnceOnTheOtherThread) {
   const MonotonicClock clock;
-  ErrandBox box(clock);
-  Counting errand;
-  const Servant servant(box);
-  EXPECT_TRUE(box.Do(errand, kLong));
-  EXPECT_EQ(errand.runs, 1);
-  EXPECT_EQ(errand.thread, servant.id());
+  CallMailbox box(clock);
+  Counting call;
+  const Executor servant(box);
+  EXPECT_TRUE(box.Execute(call, kLong));
+  EXPECT_EQ(call.runs, 1);
+  EXPECT_EQ(call.thread, servant.id());
 }
 
-TEST(ErrandBoxTest, ServesOneAfterTheOther) {
+TEST(CallMailboxTest, ServesOneAfterTheOther) {
   const MonotonicClock clock;
-  ErrandBox box(clock);
-  Counting errand;
-  const Servant servant(box);
+  CallMailbox box(clock);
+  Counting call;
+  const Executor servant(box);
   for (int i = 1; i <= 100; ++i) {
-    ASSERT_TRUE(box.Do(errand, kLong));
-    ASSERT_EQ(errand.runs, i);
+    ASSERT_TRUE(box.Execute(call, kLong));
+    ASSERT_EQ(call.runs, i);
   }
 }
 
-TEST(ErrandBoxTest, TakesBackWhatNobodyBegan) {
+TEST(CallMailboxTest, TakesBackWhatNobodyBegan) {
   const MonotonicClock clock;
-  ErrandBox box(clock);
-  Counting errand;
-  EXPECT_FALSE(box.Do(errand, milliseconds(5)));
+  CallMailbox box(clock);
+  Counting call;
+  EXPECT_FALSE(box.Execute(call, milliseconds(5)));
   box.RunPending();
-  EXPECT_EQ(errand.runs, 0);
+  EXPECT_EQ(call.runs, 0);
 }
 
-TEST(ErrandBoxTest, ServesANewErrandAfterOneThatWasTakenBack) {
+TEST(CallMailboxTest, ServesANewCallAfterOneThatWasTakenBack) {
   const MonotonicClock clock;
-  ErrandBox box(clock);
+  CallMailbox box(clock);
   Counting forgotten;
-  ASSERT_FALSE(box.Do(forgotten, milliseconds(1)));
-  Counting errand;
-  const Servant servant(box);
-  EXPECT_TRUE(box.Do(errand, kLong));
-  EXPECT_EQ(errand.runs, 1);
+  ASSERT_FALSE(box.Execute(forgotten, milliseconds(1)));
+  Counting call;
+  const Executor servant(box);
+  EXPECT_TRUE(box.Execute(call, kLong));
+  EXPECT_EQ(call.runs, 1);
   EXPECT_EQ(forgotten.runs, 0);
 }
 
-TEST(ErrandBoxTest, WaitsForAnErrandThatHasBegunHoweverLongItTakes) {
-  class Slow final : public Errand {
+TEST(CallMailboxTest, WaitsForAnCallThatHasBegunHoweverLongItTakes) {
+  class Slow final : public Call {
    public:
     void Run() noexcept override {
       begun = true;
@@ -97,27 +97,27 @@ TEST(ErrandBoxTest, WaitsForAnErrandThatHasBegunHoweverLongItTakes) {
     bool ended = false;
   };
   const MonotonicClock clock;
-  ErrandBox box(clock);
-  Slow errand;
-  const Servant servant(box);
+  CallMailbox box(clock);
+  Slow call;
+  const Executor servant(box);
   std::thread releaser([&] {
-    while (!errand.begun) std::this_thread::yield();
-    std::this_thread::sleep_for(milliseconds(20));  // beyond the patience below, most likely
-    errand.may_end = true;
+    while (!call.begun) std::this_thread::yield();
+    std::this_thread::sleep_for(milliseconds(20));  // beyond the timeout below, most likely
+    call.may_end = true;
   });
-  const bool done = box.Do(errand, milliseconds(5));
-  if (!done) errand.begun = errand.may_end = true;  // the servant slept for the whole patience
+  const bool done = box.Execute(call, milliseconds(5));
+  if (!done) call.begun = call.may_end = true;  // the other thread slept for the whole timeout
   releaser.join();
-  EXPECT_EQ(done, errand.ended);
+  EXPECT_EQ(done, call.ended);
 }
 
-TEST(ErrandBoxTest, RunsWithoutAllocationOrLock) {
-  class Nothing final : public Errand {
+TEST(CallMailboxTest, RunsWithoutAllocationOrLock) {
+  class Nothing final : public Call {
    public:
     void Run() noexcept override {}
   };
   const MonotonicClock clock;
-  ErrandBox box(clock);
+  CallMailbox box(clock);
   std::atomic<bool> over = false;
   test::RealtimeGuard::Counts counts;
   std::thread servant([&] {
@@ -128,9 +128,9 @@ TEST(ErrandBoxTest, RunsWithoutAllocationOrLock) {
     }
     counts = guard.counts();
   });
-  Nothing errand;
+  Nothing call;
   int done = 0;
-  for (int i = 0; i < 100; ++i) done += box.Do(errand, kLong) ? 1 : 0;
+  for (int i = 0; i < 100; ++i) done += box.Execute(call, kLong) ? 1 : 0;
   over = true;
   servant.join();
   EXPECT_EQ(done, 100);
