@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "proxy/relay_desk.h"
+#include "proxy/relay_request_handler.h"
 #include "twin/core/random.h"
-#include "twin/server/reception.h"
+#include "twin/server/single_client_acceptor.h"
 
 namespace twin::proxy {
 namespace {
@@ -25,7 +25,7 @@ std::uint64_t HandSeed(std::uint64_t seed) noexcept {
   return std::uint64_t{bits[1]} << 32 | bits[0];
 }
 
-RelayDesk::Settings DeskSettings(const ProxyConfig& config, fci::HeadKind kind) {
+RelayRequestHandler::Settings HandlerSettings(const ProxyConfig& config, fci::HeadKind kind) {
   const bool is_arm = kind == fci::HeadKind::kArm;
   return {.name = is_arm ? "arm" : "hand",
           .kind = kind,
@@ -41,11 +41,11 @@ RelayDesk::Settings DeskSettings(const ProxyConfig& config, fci::HeadKind kind) 
 struct Service {
   Service(const ProxyConfig& config, fci::HeadKind kind, const MonotonicClock& clock,
           const server::TellPeople& tell)
-      : desk(DeskSettings(config, kind), clock, tell),
-        reception(server::Reception::SettingsOf(config, kind), desk, tell) {}
+      : handler(HandlerSettings(config, kind), clock, tell),
+        acceptor(server::SingleClientAcceptor::SettingsOf(config, kind), handler, tell) {}
 
-  RelayDesk desk;
-  server::Reception reception;
+  RelayRequestHandler handler;
+  server::SingleClientAcceptor acceptor;
 };
 
 }  // namespace
@@ -63,13 +63,13 @@ class Proxy::Impl {
         arm_(Validated(config), fci::HeadKind::kArm, clock, tell_),
         hand_(config, fci::HeadKind::kHand, clock, tell_) {}
 
-  void Run(const std::function<bool()>& ends) {
-    while (!ends()) {
+  void Run(const std::function<bool()>& endpoints) {
+    while (!endpoints()) {
       Wait();
       const Time now = clock_.Now();
-      for (Service* service : {&arm_, &hand_}) service->reception.Serve(now);
+      for (Service* service : {&arm_, &hand_}) service->acceptor.Serve(now);
     }
-    for (Service* service : {&arm_, &hand_}) service->reception.End();
+    for (Service* service : {&arm_, &hand_}) service->acceptor.End();
   }
 
   [[nodiscard]] const Service& arm() const noexcept { return arm_; }
@@ -79,11 +79,10 @@ class Proxy::Impl {
   void Wait() {
     waited_.clear();
     for (const Service* service : {&arm_, &hand_}) {
-      service->reception.AddTo(waited_);
-      service->desk.AddTo(waited_);
+      service->acceptor.AddTo(waited_);
+      service->handler.AddTo(waited_);
     }
-    const Duration timeout =
-        std::min(arm_.reception.poll_timeout(), hand_.reception.poll_timeout());
+    const Duration timeout = std::min(arm_.acceptor.poll_timeout(), hand_.acceptor.poll_timeout());
     static_cast<void>(fci::AwaitAny(waited_, clock_, clock_.Now() + timeout));
   }
 
@@ -100,19 +99,19 @@ Proxy::Proxy(const ProxyConfig& config, const MonotonicClock& clock, server::Tel
 Proxy::~Proxy() = default;
 
 fci::Endpoint Proxy::arm() const {
-  return impl_->arm().reception.local();
+  return impl_->arm().acceptor.local();
 }
 
 fci::Endpoint Proxy::hand() const {
-  return impl_->hand().reception.local();
+  return impl_->hand().acceptor.local();
 }
 
-void Proxy::Run(const std::function<bool()>& ends) {
-  impl_->Run(ends);
+void Proxy::Run(const std::function<bool()>& endpoints) {
+  impl_->Run(endpoints);
 }
 
 ProxyCounts Proxy::counts() const noexcept {
-  return {impl_->arm().desk.counts(), impl_->hand().desk.counts()};
+  return {impl_->arm().handler.counts(), impl_->hand().handler.counts()};
 }
 
 }  // namespace twin::proxy

@@ -10,8 +10,8 @@
 #include "twin/core/error.h"
 #include "twin/core/panel.h"
 #include "twin/robot/wall_clock_robot.h"
-#include "twin/server/bell.h"
 #include "twin/server/udp_port.h"
+#include "twin/server/wake_event.h"
 
 namespace twin::server {
 namespace {
@@ -60,7 +60,7 @@ class ServedRobot::Impl {
   void End() {
     if (serving_.joinable()) {
       serving_.request_stop();
-      changed_.Ring();
+      changed_.Notify();
       serving_.join();
     }
     robot_->End();
@@ -99,7 +99,7 @@ class ServedRobot::Impl {
   }
 
   const MonotonicClock clock_;
-  Bell changed_;
+  WakeEvent changed_;
   UdpPort port_;
   const std::string plant_name_;
   const plant::MujocoPlant* const engine_;  ///< the robot's; null: the ideal plant

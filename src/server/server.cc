@@ -5,16 +5,17 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/arm_desk.h"
-#include "server/hand_desk.h"
+#include "server/arm_request_handler.h"
+#include "server/hand_request_handler.h"
 #include "twin/core/error.h"
-#include "twin/server/reception.h"
+#include "twin/server/single_client_acceptor.h"
 
 namespace twin::server {
 namespace {
 
-Reception::Settings SettingsOf(const ServerConfig& config, fci::HeadKind kind, const Clock& clock) {
-  Reception::Settings settings = Reception::SettingsOf(config, kind);
+SingleClientAcceptor::Settings SettingsOf(const ServerConfig& config, fci::HeadKind kind,
+                                          const Clock& clock) {
+  SingleClientAcceptor::Settings settings = SingleClientAcceptor::SettingsOf(config, kind);
   settings.tap = {config.capture, &clock};
   return settings;
 }
@@ -23,7 +24,7 @@ Reception::Settings SettingsOf(const ServerConfig& config, fci::HeadKind kind, c
 
 class Server::Impl {
  public:
-  Impl(ServerConfig config, robot::ThreadedRobot& robot, UdpPort& port, Bell& changed,
+  Impl(ServerConfig config, robot::ThreadedRobot& robot, UdpPort& port, WakeEvent& changed,
        const MonotonicClock& clock, TellPeople tell)
       : config_(std::move(config)),
         clock_(clock),
@@ -45,7 +46,7 @@ class Server::Impl {
     while (!ends()) {
       Wait();
       const Time now = clock_.Now();
-      if (changed_.Silence()) Watch();
+      if (changed_.Clear()) Watch();
       arm_.Serve(now);
       if (hand_) hand_->Serve(now);
     }
@@ -80,15 +81,15 @@ class Server::Impl {
   const ServerConfig config_;
   const MonotonicClock& clock_;
   const TellPeople tell_;
-  Bell& changed_;
-  ArmDesk arm_desk_;
-  Reception arm_;
-  std::optional<HandDesk> hand_desk_;
-  std::optional<Reception> hand_;
+  WakeEvent& changed_;
+  ArmRequestHandler arm_desk_;
+  SingleClientAcceptor arm_;
+  std::optional<HandRequestHandler> hand_desk_;
+  std::optional<SingleClientAcceptor> hand_;
   std::vector<pollfd> waited_;
 };
 
-Server::Server(ServerConfig config, robot::ThreadedRobot& robot, UdpPort& port, Bell& changed,
+Server::Server(ServerConfig config, robot::ThreadedRobot& robot, UdpPort& port, WakeEvent& changed,
                const MonotonicClock& clock, TellPeople tell)
     : impl_(std::make_unique<Impl>(std::move(config), robot, port, changed, clock,
                                    std::move(tell))) {}

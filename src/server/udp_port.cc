@@ -16,11 +16,11 @@ void CountOne(std::atomic<std::uint64_t>& count) noexcept {
 
 }  // namespace
 
-UdpPort::UdpPort(const MonotonicClock& clock, std::uint32_t address, Bell& changed)
+UdpPort::UdpPort(const MonotonicClock& clock, std::uint32_t address, WakeEvent& changed)
     : clock_(clock), socket_(clock, {address, 0}), changed_(changed) {}
 
 // Relaxed: the number is all there is to see.
-void UdpPort::Open(const fci::Endpoint& client) noexcept {
+void UdpPort::OnConnect(const fci::Endpoint& client) noexcept {
   socket_.ListenOnlyTo(client);
   client_.store(Packed(client), std::memory_order_relaxed);
 }
@@ -84,7 +84,7 @@ void UdpPort::Deliver(const RobotState& state) noexcept {
   mode_ = state.robot_mode;
   errors_ = state.errors;
   generator_ = state.motion_generator_mode;
-  changed_.Ring();
+  changed_.Notify();
 }
 
 void UdpPort::Keep(Time at, const fci::Endpoint& from, const fci::Endpoint& to,

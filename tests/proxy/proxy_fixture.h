@@ -90,7 +90,7 @@ class ProxyTest : public ::testing::Test {
       bytes = bytes.subspan(sent);
     }
   }
-  /// What comes next: as many bytes, or fewer when the stream ends before.
+  /// What comes next: as many bytes, or fewer when the stream endpoints before.
   static Bytes Receive(fci::TcpStream& stream, std::size_t count) {
     Bytes bytes(count);
     std::size_t have = 0;
@@ -104,7 +104,7 @@ class ProxyTest : public ::testing::Test {
     bytes.resize(have);
     return bytes;
   }
-  /// How the stream ends; nothing must come before.
+  /// How the stream endpoints; nothing must come before.
   static fci::StreamResult AwaitEnd(fci::TcpStream& stream) {
     std::array<std::byte, 1> one{};
     for (;;) {
@@ -115,13 +115,13 @@ class ProxyTest : public ::testing::Test {
     }
   }
 
-  /// A session of the arm: TCP of both ends, and where the robot was told to send to.
+  /// A session of the arm: TCP of both endpoints, and where the robot was told to send to.
   struct Session {
     fci::TcpStream client;
     fci::TcpStream robot;
     fci::Endpoint robot_side;
   };
-  Session Open() {
+  Session OnConnect() {
     fci::TcpStream client = ConnectArm();
     Send(client, ArmRequest(0, fci::Connect{5, client_udp_.local().port}));
     fci::TcpStream robot = AwaitConnection(robot_arm_);

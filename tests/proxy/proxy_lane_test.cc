@@ -1,4 +1,4 @@
-#include "proxy/lane.h"
+#include "proxy/relay_direction.h"
 
 #include <algorithm>
 #include <array>
@@ -19,7 +19,7 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 /// What left, and when, on the queue's time.
-class Record final : public Exit {
+class Record final : public Output {
  public:
   explicit Record(const rt::EventQueue& events) : events_(events) { gone_.reserve(10'000); }
   bool Send(std::span<const std::byte> bytes) noexcept override {
@@ -48,16 +48,17 @@ class LaneTest : public ::testing::Test {
     faults_.reorder_by = microseconds(2500);
   }
 
-  Lane Make(std::uint64_t seed = 7) {
-    return Lane(faults_, seed, rt::kStateStreams, events_, rt::EventOrder::kStateArrival, exit_);
+  RelayDirection Make(std::uint64_t seed = 7) {
+    return RelayDirection(faults_, seed, rt::kStateStreams, events_, rt::EventOrder::kStateArrival,
+                          exit_);
   }
   /// `count` datagrams, 1 ms apart, whose content is their number; then all that is on the way.
-  void Relay(Lane& lane, std::uint64_t count) {
+  void Relay(RelayDirection& direction, std::uint64_t count) {
     for (std::uint64_t k = 0; k < count; ++k) {
       RunUntil(Time(milliseconds(k)));
       std::array<std::byte, 64> bytes{};
       std::memcpy(bytes.data(), &k, sizeof k);
-      lane.Take(bytes);
+      direction.Take(bytes);
     }
     while (events_.RunNext()) {
     }
@@ -73,8 +74,8 @@ class LaneTest : public ::testing::Test {
 };
 
 TEST_F(LaneTest, EachDatagramHasTheFateOfItsNumber) {
-  Lane lane = Make();
-  Relay(lane, 1000);
+  RelayDirection direction = Make();
+  Relay(direction, 1000);
   rt::MessageFate fates(faults_, 7, rt::kStateStreams);
   std::vector<std::pair<std::uint64_t, Duration>> expected;
   for (std::uint64_t k = 0; k < 1000; ++k) {
@@ -90,8 +91,8 @@ TEST_F(LaneTest, EachDatagramHasTheFateOfItsNumber) {
 }
 
 TEST_F(LaneTest, CountsWhatBecameOfEach) {
-  Lane lane = Make();
-  Relay(lane, 1000);
+  RelayDirection direction = Make();
+  Relay(direction, 1000);
   rt::MessageFate fates(faults_, 7, rt::kStateStreams);
   DirectionCounts expected;
   expected.came = 1000;
@@ -109,19 +110,19 @@ TEST_F(LaneTest, CountsWhatBecameOfEach) {
   }
   EXPECT_GT(expected.reordered, 0u);
   EXPECT_GT(expected.lost, 0u);
-  EXPECT_EQ(lane.counts(), expected);
+  EXPECT_EQ(direction.counts(), expected);
 }
 
 TEST_F(LaneTest, AnotherSeedGivesOtherFates) {
   faults_ = {};
   faults_.loss = rt::LossModel(rt::IndependentLoss{0.5});
   const auto gone = [this](std::uint64_t seed) {
-    Lane lane = Make(seed);
+    RelayDirection direction = Make(seed);
     exit_.gone_.clear();
     for (std::uint64_t k = 0; k < 64; ++k) {
       std::array<std::byte, 8> bytes{};
       std::memcpy(bytes.data(), &k, sizeof k);
-      lane.Take(bytes);
+      direction.Take(bytes);
     }
     while (events_.RunNext()) {
     }
@@ -133,27 +134,28 @@ TEST_F(LaneTest, AnotherSeedGivesOtherFates) {
 
 TEST_F(LaneTest, WithoutFaultsAllGoOnAtOnceAndInOrder) {
   faults_ = {};
-  Lane lane = Make();
-  Relay(lane, 50);
+  RelayDirection direction = Make();
+  Relay(direction, 50);
   ASSERT_EQ(exit_.gone_.size(), 50u);
   for (std::uint64_t k = 0; k < 50; ++k) {
     EXPECT_EQ(exit_.gone_[k], std::pair(k, Duration(milliseconds(k))));
   }
-  EXPECT_EQ(lane.counts(), (DirectionCounts{.came = 50, .relayed = 50}));
+  EXPECT_EQ(direction.counts(), (DirectionCounts{.came = 50, .relayed = 50}));
   EXPECT_EQ(exit_.size_, 64u);
 }
 
 TEST_F(LaneTest, ADatagramThatIsTooLongIsDroppedAndHasItsNumberAllTheSame) {
   faults_ = {};
   faults_.loss = rt::LossModel(rt::ScriptedLoss{{{1, 1}}});
-  Lane lane = Make();
+  RelayDirection direction = Make();
   const std::array<std::byte, kLongestPacket + 1> long_one{};
-  lane.Take(long_one);
-  lane.Take(std::span(long_one).first(kLongestPacket));  // number 1: lost
-  lane.Take(std::span(long_one).first(kLongestPacket));
+  direction.Take(long_one);
+  direction.Take(std::span(long_one).first(kLongestPacket));  // number 1: lost
+  direction.Take(std::span(long_one).first(kLongestPacket));
   while (events_.RunNext()) {
   }
-  EXPECT_EQ(lane.counts(), (DirectionCounts{.came = 3, .relayed = 1, .lost = 1, .dropped = 1}));
+  EXPECT_EQ(direction.counts(),
+            (DirectionCounts{.came = 3, .relayed = 1, .lost = 1, .dropped = 1}));
   EXPECT_EQ(exit_.size_, kLongestPacket);
 }
 
@@ -161,29 +163,29 @@ TEST_F(LaneTest, AFloodFillsItsRoomAndNoMore) {
   faults_ = {};
   faults_.delay = rt::DelayModel(rt::ConstantDelay{milliseconds(100)});
   faults_.duplication = 1;
-  Lane lane = Make();
+  RelayDirection direction = Make();
   constexpr std::size_t kRoom = robot::Channel<Packet>::kCapacity;
   const std::array<std::byte, 8> bytes{};
-  for (std::size_t i = 0; i < kRoom + 100; ++i) lane.Take(bytes);
-  EXPECT_EQ(events_.pending(), Lane::kMostEvents);
-  EXPECT_EQ(lane.counts().lost, 100u);
+  for (std::size_t i = 0; i < kRoom + 100; ++i) direction.Take(bytes);
+  EXPECT_EQ(events_.pending(), RelayDirection::kMostEvents);
+  EXPECT_EQ(direction.counts().lost, 100u);
   while (events_.RunNext()) {
   }
-  EXPECT_EQ(lane.counts().relayed, 2 * kRoom);
+  EXPECT_EQ(direction.counts().relayed, 2 * kRoom);
 }
 
 TEST_F(LaneTest, WhatTheSystemDoesNotTakeIsCounted) {
   faults_ = {};
-  Lane lane = Make();
+  RelayDirection direction = Make();
   exit_.is_shut_ = true;
-  Relay(lane, 3);
-  EXPECT_EQ(lane.counts(), (DirectionCounts{.came = 3, .dropped = 3}));
+  Relay(direction, 3);
+  EXPECT_EQ(direction.counts(), (DirectionCounts{.came = 3, .dropped = 3}));
 }
 
 TEST_F(LaneTest, RelaysWithoutAllocationAndLocks) {
-  Lane lane = Make();
+  RelayDirection direction = Make();
   const test::RealtimeGuard guard;
-  Relay(lane, 1000);
+  Relay(direction, 1000);
   const auto counts = guard.counts();
   EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
 }

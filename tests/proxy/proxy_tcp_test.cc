@@ -72,7 +72,7 @@ TEST_F(ProxyTcpTest, TheHandsConnectIsRewrittenToo) {
 
 TEST_F(ProxyTcpTest, RequestsThatTheProtocolDoesNotKnowPassToo) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   Bytes unknown = ArmRequest(5, fci::StopMove{});
   unknown[0] = std::byte{0xee};  // the command
   Bytes odd = ArmRequest(6, fci::Connect{5, 43210});
@@ -93,7 +93,7 @@ TEST_F(ProxyTcpTest, AConnectWithoutAPortIsLeftForTheRobotToRefuse) {
 
 TEST_F(ProxyTcpTest, AnswersPassByteForByteHoweverManyAndHoweverSlowlyTheyAreRead) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   const Bytes library = fci::EncodeModelLibraryAnswer(
       1, fci::ModelLibraryStatus::kSuccess,
       Pattern(std::size_t{12} << 20));  // more than the systems between keep
@@ -113,7 +113,7 @@ TEST_F(ProxyTcpTest, AnswersPassByteForByteHoweverManyAndHoweverSlowlyTheyAreRea
 
 TEST_F(ProxyTcpTest, ARobotOfAnotherVersionSaysSoAndTheEndIsInOrder) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   const Bytes answer =
       fci::EncodeArmConnectAnswer(0, fci::ConnectStatus::kIncompatibleLibraryVersion, 4);
   Send(session.robot, answer);
@@ -125,7 +125,7 @@ TEST_F(ProxyTcpTest, ARobotOfAnotherVersionSaysSoAndTheEndIsInOrder) {
 TEST_F(ProxyTcpTest, AClientThatLeavesInOrderDoesSoAtTheRobot) {
   Start();
   for (int round = 0; round < 3; ++round) {
-    Session session = Open();
+    Session session = OnConnect();
     session.client.Close();
     EXPECT_EQ(AwaitEnd(session.robot), fci::StreamResult::kClosed);
   }
@@ -134,7 +134,7 @@ TEST_F(ProxyTcpTest, AClientThatLeavesInOrderDoesSoAtTheRobot) {
 TEST_F(ProxyTcpTest, AClientThatVanishesDoesSoAtTheRobot) {
   Start();
   for (int round = 0; round < 3; ++round) {
-    Session session = Open();
+    Session session = OnConnect();
     session.client.ResetConnection();
     EXPECT_EQ(AwaitEnd(session.robot), fci::StreamResult::kReset);
   }
@@ -143,7 +143,7 @@ TEST_F(ProxyTcpTest, AClientThatVanishesDoesSoAtTheRobot) {
 TEST_F(ProxyTcpTest, ARobotThatBreaksItsConnectionBreaksTheClients) {
   Start();
   for (int round = 0; round < 3; ++round) {
-    Session session = Open();
+    Session session = OnConnect();
     session.robot.ResetConnection();
     EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kReset);
   }
@@ -151,7 +151,7 @@ TEST_F(ProxyTcpTest, ARobotThatBreaksItsConnectionBreaksTheClients) {
 
 TEST_F(ProxyTcpTest, ARobotThatLeavesInOrderDoesSoAtTheClientWhenAllIsAnswered) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   Agree(session);
   const Bytes answer = fci::EncodeArmAnswer(fci::ArmCommand::kMove, 1, kMotionStarted);
   const Bytes end = fci::EncodeArmAnswer(fci::ArmCommand::kMove, 1, kSuccess);
@@ -162,10 +162,10 @@ TEST_F(ProxyTcpTest, ARobotThatLeavesInOrderDoesSoAtTheClientWhenAllIsAnswered) 
   EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kClosed);
 }
 
-// libfranka waits for ever on a connection that ends in order with an answer owed.
+// libfranka waits for ever on a connection that endpoints in order with an answer owed.
 TEST_F(ProxyTcpTest, ARobotThatIsKilledInAMotionResetsTheClient) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   Agree(session);
   Send(session.client, ArmRequest(1, fci::Move{}));
   const Bytes answer = fci::EncodeArmAnswer(fci::ArmCommand::kMove, 1, kMotionStarted);
@@ -177,7 +177,7 @@ TEST_F(ProxyTcpTest, ARobotThatIsKilledInAMotionResetsTheClient) {
 
 TEST_F(ProxyTcpTest, ARobotThatLeavesARequestUnansweredResetsTheClient) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   Agree(session);
   Send(session.client, ArmRequest(1, fci::AutomaticErrorRecovery{}));
   EXPECT_EQ(Receive(session.robot, 12).size(), 12u);
@@ -187,7 +187,7 @@ TEST_F(ProxyTcpTest, ARobotThatLeavesARequestUnansweredResetsTheClient) {
 
 TEST_F(ProxyTcpTest, ARobotThatSendsNoAnswersLosesItsClient) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   Send(session.robot, Bytes(12));  // a frame of 0 bytes
   EXPECT_EQ(Receive(session.client, 12).size(), 12u);
   EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kReset);
@@ -210,7 +210,7 @@ TEST_F(ProxyTcpTest, AClientOfARobotThatIsNotThereIsResetAndTheNextOneServed) {
 
 TEST_F(ProxyTcpTest, ARobotThatReadsNoRequestsLosesItsClient) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   Bytes requests;
   for (std::uint32_t id = 1; id < 1000; ++id) {
     requests = Join(std::move(requests), ArmRequest(id, Setting(setting::CollisionBehavior())));
@@ -228,7 +228,7 @@ TEST_F(ProxyTcpTest, ARobotThatReadsNoRequestsLosesItsClient) {
 
 TEST_F(ProxyTcpTest, AFurtherClientIsSentAwayAndTheFirstStays) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   fci::TcpStream second = ConnectArm();
   Send(second, ArmRequest(0, fci::Connect{5, 43210}));
   EXPECT_EQ(AwaitEnd(second), fci::StreamResult::kReset);
@@ -251,13 +251,13 @@ TEST_F(ProxyTcpTest, AConnectionThatSaysNothingWholeIsEnded) {
 TEST_F(ProxyTcpTest, ASilentConnectionKeepsNobodyOut) {
   Start();
   const fci::TcpStream silent = ConnectArm();
-  const Session session = Open();
+  const Session session = OnConnect();
   EXPECT_NE(session.robot_side.port, 0);
 }
 
 TEST_F(ProxyTcpTest, WhatIsNoFrameEndsTheSession) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   Send(session.client, Bytes(12));  // a frame of 0 bytes
   EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kReset);
   EXPECT_EQ(AwaitEnd(session.robot), fci::StreamResult::kClosed);
@@ -265,7 +265,7 @@ TEST_F(ProxyTcpTest, WhatIsNoFrameEndsTheSession) {
 
 TEST_F(ProxyTcpTest, WhenItEndsBothEndsAreEndedInOrder) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   Agree(session);
   End();
   EXPECT_EQ(AwaitEnd(session.client), fci::StreamResult::kClosed);

@@ -44,7 +44,7 @@ class ProxyUdpTest : public ProxyTest {
 TEST_F(ProxyUdpTest, StatesComeFromWhereTheClientConnectedAndCommandsGoToWhereStatesComeFrom) {
   config_.address = kElsewhere;
   Start();
-  const Session session = Open();
+  const Session session = OnConnect();
   const fci::Endpoint client_side = ClientSide(session);
   EXPECT_EQ(client_side.address, kElsewhere);
   client_udp_.Send(Content(41), client_side);
@@ -54,7 +54,7 @@ TEST_F(ProxyUdpTest, StatesComeFromWhereTheClientConnectedAndCommandsGoToWhereSt
 
 TEST_F(ProxyUdpTest, ADatagramPassesByteForByte) {
   Start();
-  const Session session = Open();
+  const Session session = OnConnect();
   std::array<std::byte, 2373> sent{};
   for (std::size_t i = 0; i < sent.size(); ++i) sent[i] = static_cast<std::byte>(i * 13);
   robot_udp_.Send(sent, session.robot_side);
@@ -67,7 +67,7 @@ TEST_F(ProxyUdpTest, ADatagramPassesByteForByte) {
 
 TEST_F(ProxyUdpTest, StrangersAreNotListenedTo) {
   Start();
-  Session session = Open();
+  Session session = OnConnect();
   fci::UdpSocket elsewhere(clock_, {kElsewhere, 0});
   fci::UdpSocket stranger(clock_, {kLoopback, 0});
   elsewhere.Send(Content(90), session.robot_side);  // before the robot was heard
@@ -80,7 +80,7 @@ TEST_F(ProxyUdpTest, StrangersAreNotListenedTo) {
   client_udp_.Send(Content(2), client_side);
   EXPECT_EQ(Await(robot_udp_), 2u);
   End();
-  const WayCounts& counts = proxy_->counts().arm;
+  const RelayCounts& counts = proxy_->counts().arm;
   EXPECT_EQ(counts.state, (DirectionCounts{.came = 2, .relayed = 2, .foreign = 1}));
   EXPECT_EQ(counts.command, (DirectionCounts{.came = 1, .relayed = 1}));
 }
@@ -100,7 +100,7 @@ TEST_F(ProxyUdpTest, TheSameSeedDoesTheSameInEverySession) {
   ASSERT_LT(expected.size(), 2 * kCount);
   Start();
   for (int round = 0; round < 2; ++round) {
-    Session session = Open();
+    Session session = OnConnect();
     for (std::uint64_t k = 0; k < kCount; ++k) robot_udp_.Send(Content(k), session.robot_side);
     std::vector<std::uint64_t> came;
     while (came.size() < expected.size()) came.push_back(Await(client_udp_));
@@ -116,7 +116,7 @@ TEST_F(ProxyUdpTest, TheSameSeedDoesTheSameInEverySession) {
 TEST_F(ProxyUdpTest, EachDirectionHasItsOwnFaults) {
   config_.command.loss = rt::LossModel(rt::ScriptedLoss{{{1, 3}}});
   Start();
-  const Session session = Open();
+  const Session session = OnConnect();
   const fci::Endpoint client_side = ClientSide(session);
   for (std::uint64_t k = 0; k < 6; ++k) client_udp_.Send(Content(k), client_side);
   EXPECT_EQ(Await(robot_udp_), 0u);
@@ -129,7 +129,7 @@ TEST_F(ProxyUdpTest, EachDirectionHasItsOwnFaults) {
 TEST_F(ProxyUdpTest, ADelayIsWaitedFor) {
   config_.state.delay = rt::DelayModel(rt::ConstantDelay{milliseconds(30)});
   Start();
-  const Session session = Open();
+  const Session session = OnConnect();
   const Time sent = clock_.Now();
   robot_udp_.Send(Content(1), session.robot_side);
   EXPECT_EQ(Await(client_udp_), 1u);
@@ -167,13 +167,13 @@ TEST_F(ProxyUdpTest, TheHandsDatagramsAreLostApartFromTheArms) {
 
 TEST_F(ProxyUdpTest, NothingPassesOnceTheSessionHasEnded) {
   Start();
-  Session first = Open();
+  Session first = OnConnect();
   const fci::Endpoint old_side = ClientSide(first);
   first.client.Close();
   EXPECT_EQ(AwaitEnd(first.robot), fci::StreamResult::kClosed);
   robot_udp_.Send(Content(5), first.robot_side);
   client_udp_.Send(Content(6), old_side);
-  const Session second = Open();
+  const Session second = OnConnect();
   robot_udp_.Send(Content(8), second.robot_side);
   EXPECT_EQ(Await(client_udp_), 8u);
 }

@@ -111,7 +111,7 @@ class ServerTest : public ::testing::Test {
   }
 
   const MonotonicClock clock_;
-  Bell changed_;
+  WakeEvent changed_;
   UdpPort port_{clock_, kLoopback, changed_};
   fci::UdpSocket udp_{clock_, {kLoopback, 0}};
   std::mutex mutex_;

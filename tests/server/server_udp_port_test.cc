@@ -20,7 +20,7 @@ constexpr Duration kLong = std::chrono::seconds(60);
 
 class UdpPortTest : public ::testing::Test {
  protected:
-  UdpPortTest() { port_.Open(client_.local()); }
+  UdpPortTest() { port_.OnConnect(client_.local()); }
 
   static fci::CommandBytes Command(std::uint64_t answers) {
     RobotCommand command;
@@ -44,7 +44,7 @@ class UdpPortTest : public ::testing::Test {
   }
 
   const MonotonicClock clock_;
-  Bell changed_;
+  WakeEvent changed_;
   UdpPort port_{clock_, kLoopback, changed_};
   fci::UdpSocket client_{clock_, {kLoopback, 0}};
   fci::UdpSocket stranger_{clock_, {kLoopback, 0}};
@@ -108,7 +108,7 @@ TEST_F(UdpPortTest, TheNextClientIsHeardWhereverItComesFrom) {
   robot::ReceivedCommand received;
   for (const std::uint32_t address : {kLoopback, kLoopback + 1, kLoopback}) {
     fci::UdpSocket client(clock_, {address, 0});
-    everywhere.Open(client.local());
+    everywhere.OnConnect(client.local());
     RobotState state;
     everywhere.Deliver(state);
     fci::StateBytes bytes;
@@ -190,13 +190,13 @@ TEST_F(UdpPortTest, ATenfoldFloodDelaysNoCommandHoweverLongItLasts) {
 
 TEST_F(UdpPortTest, TheBellRingsWhenTheModeChangesAndOnlyThen) {
   ShowState(1, RobotMode::kIdle);
-  EXPECT_TRUE(changed_.Silence());
+  EXPECT_TRUE(changed_.Clear());
   ShowState(2, RobotMode::kIdle);
-  EXPECT_FALSE(changed_.Silence());
+  EXPECT_FALSE(changed_.Clear());
   ShowState(3, RobotMode::kMove);
   ShowState(4, RobotMode::kReflex);
-  EXPECT_TRUE(changed_.Silence());
-  EXPECT_FALSE(changed_.Silence());
+  EXPECT_TRUE(changed_.Clear());
+  EXPECT_FALSE(changed_.Clear());
 }
 
 TEST_F(UdpPortTest, ItsRobotsEndAllocatesAndLocksNothing) {

@@ -14,20 +14,20 @@ struct DirectionCounts {
   std::uint64_t duplicated = 0;  ///< of which a second copy was made
   std::uint64_t reordered = 0;   ///< copies that went on behind a datagram that had come later
   std::uint64_t dropped = 0;     ///< longer than any of the protocol, or not taken by the system
-  /// Of somebody else, who is not listened to, as far as the kernel let them in: once both ends are
-  /// known it drops them (fci::UdpSocket::ListenOnlyTo). These have no number.
+  /// Of somebody else, who is not listened to, as far as the kernel let them in: once both
+  /// endpoints are known it drops them (fci::UdpSocket::ListenOnlyTo). These have no number.
   std::uint64_t foreign = 0;
   bool operator==(const DirectionCounts&) const = default;
 };
 
 /// Both directions.
-struct WayCounts {
+struct RelayCounts {
   DirectionCounts state;    ///< robot to client
   DirectionCounts command;  ///< client to robot
-  bool operator==(const WayCounts&) const = default;
+  bool operator==(const RelayCounts&) const = default;
 };
 
 /// Adds the sessions' counts up.
-WayCounts& operator+=(WayCounts& sum, const WayCounts& one) noexcept;
+RelayCounts& operator+=(RelayCounts& sum, const RelayCounts& one) noexcept;
 
 }  // namespace twin::proxy

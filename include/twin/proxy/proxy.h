@@ -12,7 +12,7 @@
 #include "twin/proxy/counts.h"
 #include "twin/rt/message_fate.h"
 #include "twin/rt/thread_setup.h"
-#include "twin/server/desk.h"
+#include "twin/server/request_handler.h"
 
 namespace twin::proxy {
 
@@ -39,8 +39,8 @@ struct ProxyConfig {
 
 /// Since construction.
 struct ProxyCounts {
-  WayCounts arm;
-  WayCounts hand;
+  RelayCounts arm;
+  RelayCounts hand;
 };
 
 /// A way to a robot that delays, loses, doubles and reorders datagrams, by a seed: between any
@@ -51,17 +51,18 @@ struct ProxyCounts {
 ///
 /// TCP passes unchanged, but for the UDP port in a Connect: the robot is told the proxy's, so that
 /// its datagrams come here. They go on to the client from the address it has connected to; its
-/// commands go to where states come from. Datagrams are not looked into: what they say is the ends'
-/// affair. The first of a session's has number 0 in its direction, and its fate is a function of
-/// the configuration, the seed, the direction and that number; the hand's are drawn apart from the
-/// arm's. A datagram's delay counts from when the system received it.
+/// commands go to where states come from. Datagrams are not looked into: what they say is the
+/// endpoints' affair. The first of a session's has number 0 in its direction, and its fate is a
+/// function of the configuration, the seed, the direction and that number; the hand's are drawn
+/// apart from the arm's. A datagram's delay counts from when the system received it.
 ///
 /// Decisions:
 ///   - One client at a time, as the server has it: a further one is accepted, its first request
-///     read, and its connection reset. What is no frame, of either side, ends the connection.
+///     read, and its connection reset. What is no frame, of either side, endpoints the connection.
 ///   - The robot is connected when a client's first request is there. When it cannot be, the client
-///     is reset. However one side ends, in order or broken, so is the other; but a client to whom
-///     the robot owes an answer is reset, since libfranka waits for ever on one that ends in order.
+///     is reset. However one side endpoints, in order or broken, so is the other; but a client to
+///     whom the robot owes an answer is reset, since libfranka waits for ever on one that endpoints
+///     in order.
 ///   - Only the client (the address of its TCP connection, the port it has told) and the robot (its
 ///     address, and the port its first datagram came from) are listened to.
 ///   - Memory is bounded: robot::Channel's capacity in datagrams of each direction, a MiB of
@@ -85,9 +86,9 @@ class Proxy {
   [[nodiscard]] fci::Endpoint arm() const;
   [[nodiscard]] fci::Endpoint hand() const;
 
-  /// Relays until `ends` says so, which is asked at least every 100 ms, later only while a robot is
-  /// being reached. Then all connections are ended.
-  void Run(const std::function<bool()>& ends);
+  /// Relays until `endpoints` says so, which is asked at least every 100 ms, later only while a
+  /// robot is being reached. Then all connections are ended.
+  void Run(const std::function<bool()>& endpoints);
 
   /// Of sessions that have ended.
   [[nodiscard]] ProxyCounts counts() const noexcept;

@@ -14,7 +14,7 @@
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/duration_histogram.h"
 #include "twin/rt/thread_setup.h"
-#include "twin/server/desk.h"
+#include "twin/server/request_handler.h"
 #include "twin/server/server.h"
 
 namespace twin::plant {

@@ -13,9 +13,9 @@
 #include "twin/fci/protocol.h"
 #include "twin/fci/sockets.h"
 #include "twin/robot/threaded_robot.h"
-#include "twin/server/bell.h"
-#include "twin/server/desk.h"
+#include "twin/server/request_handler.h"
 #include "twin/server/udp_port.h"
+#include "twin/server/wake_event.h"
 
 namespace twin::server {
 
@@ -39,7 +39,7 @@ struct ServerConfig {
 /// UdpPort beside it.
 ///
 ///     client -- TCP --> Run(): poll, parse --> Move(), ... of the robot (rt::CallMailbox)
-///     client <-- TCP -- answers            <-- its answers; the bell when a motion has ended
+///     client <-- TCP -- answers            <-- its answers; the wake event when a motion has ended
 ///     client <-- UDP -- the robot's thread, UdpPort; the hand's states, every 10 ms, from Run()
 ///
 /// The robot's thread never waits for TCP. One client of the arm and one of the hand at a time.
@@ -63,7 +63,7 @@ class Server {
   /// Listens from now on; clients wait until Run().
   /// @param robot, port, changed  that belong together; must outlive the server.
   /// @throws EnvironmentError when a port cannot be opened.
-  Server(ServerConfig config, robot::ThreadedRobot& robot, UdpPort& port, Bell& changed,
+  Server(ServerConfig config, robot::ThreadedRobot& robot, UdpPort& port, WakeEvent& changed,
          const MonotonicClock& clock, TellPeople tell);
   ~Server();
   Server(const Server&) = delete;

@@ -15,7 +15,7 @@
 #include "twin/fci/sockets.h"
 #include "twin/robot/workstation_port.h"
 #include "twin/rt/arrival.h"
-#include "twin/server/bell.h"
+#include "twin/server/wake_event.h"
 
 namespace twin::server {
 
@@ -33,25 +33,25 @@ struct DroppedDatagrams {
 /// The workstation beyond the network: states and commands as datagrams, over one socket, since
 /// clients answer to where states come from. Source: FCI protocol 5, transport.
 ///
-///     network's thread:  Open(client) ... Close()
-///     robot's thread:    Deliver(state) --> socket, and the bell when mode or errors changed
+///     network's thread:  OnConnect(client) ... Close()
+///     robot's thread:    Deliver(state) --> socket, and the wake event when mode or errors changed
 ///                        Receive() <------- socket, 64 datagrams at most in one go
 ///
 /// Between sessions no state leaves and nothing that comes is let in.
 ///
-/// Threads: Open() and Close() from one, the robot's end from the robot's; counts from any.
+/// Threads: OnConnect() and Close() from one, the robot's end from the robot's; counts from any.
 /// Real-time: the robot's end neither waits (but AwaitUntil()), allocates nor locks; a change of
-/// mode rings the bell, a system call, as sending is.
+/// mode notifies the wake event by a system call, as sending does.
 class UdpPort final : public robot::WorkstationPort, public rt::Arrival {
  public:
   /// @param clock    of the host; must outlive the port. @param address  to bind, any free port.
-  /// @param changed  rung when a state shows other modes or errors than the last; must outlive the
-  /// port.
+  /// @param changed  notified when a state shows other modes or errors than the last; must outlive
+  /// the port.
   /// @throws EnvironmentError as fci::UdpSocket.
-  UdpPort(const MonotonicClock& clock, std::uint32_t address, Bell& changed);
+  UdpPort(const MonotonicClock& clock, std::uint32_t address, WakeEvent& changed);
 
   /// States go to, and commands come from `client`.
-  void Open(const fci::Endpoint& client) noexcept;
+  void OnConnect(const fci::Endpoint& client) noexcept;
   void Close() noexcept;
 
   /// Keeps what passes. @param capture  must outlive the port; null: nothing is kept. @pre no robot
@@ -79,7 +79,7 @@ class UdpPort final : public robot::WorkstationPort, public rt::Arrival {
   const MonotonicClock& clock_;
   fci::UdpSocket socket_;
   fci::Capture* capture_ = nullptr;
-  Bell& changed_;
+  WakeEvent& changed_;
   std::atomic<std::uint64_t> client_{0};  ///< address and port; 0: none
 
   std::atomic<std::uint64_t> foreign_{0};

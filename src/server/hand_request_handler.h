@@ -10,26 +10,26 @@
 #include "twin/fci/hand_session.h"
 #include "twin/fci/sockets.h"
 #include "twin/robot/threaded_robot.h"
-#include "twin/server/desk.h"
+#include "twin/server/request_handler.h"
 
 namespace twin::server {
 
-/// The hand's desk: a session, the hand as it sees it, and its states every 10 ms.
+/// Serves the hand's client: its session, the hand it asks, and its states every 10 ms.
 ///
 /// Threads: one.
-class HandDesk final : public Desk, private fci::HandService {
+class HandRequestHandler final : public RequestHandler, private fci::HandService {
  public:
-  /// All must outlive the desk. @param address  of this machine, that states come from. @param
+  /// All must outlive the handler. @param address  of this machine, that states come from. @param
   /// capture of what goes over the wire, or null.
-  HandDesk(robot::ThreadedRobot& robot, const MonotonicClock& clock, std::uint32_t address,
-           const TellPeople& tell, fci::Capture* capture);
+  HandRequestHandler(robot::ThreadedRobot& robot, const MonotonicClock& clock,
+                     std::uint32_t address, const TellPeople& tell, fci::Capture* capture);
 
   [[nodiscard]] bool IsReady() override { return true; }
-  void Open(Connection& client) override;
+  void OnConnect(Connection& client) override;
   [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
-  [[nodiscard]] std::optional<std::string> OnTurn(Time now) override;
+  [[nodiscard]] std::optional<std::string> Poll(Time now) override;
   [[nodiscard]] bool has_pending() const override { return session_->has_pending(); }
-  void Leave() override { session_.reset(); }
+  void OnDisconnect() override { session_.reset(); }
   [[nodiscard]] Duration poll_timeout() const override;
 
  private:

@@ -1,4 +1,4 @@
-#include "proxy/crossing.h"
+#include "proxy/udp_relay.h"
 
 #include <poll.h>
 
@@ -12,11 +12,11 @@ constexpr int kMostAtOnce = 64;
 
 }  // namespace
 
-bool Crossing::Gate::Send(std::span<const std::byte> bytes) noexcept {
+bool UdpRelay::Peer::Send(std::span<const std::byte> bytes) noexcept {
   return to_.port != 0 && socket_.Send(bytes, to_);
 }
 
-bool Crossing::Gate::Knows(const fci::Endpoint& from) noexcept {
+bool UdpRelay::Peer::Knows(const fci::Endpoint& from) noexcept {
   if (to_.port == 0 && from.address == to_.address) {
     to_.port = from.port;
     socket_.ListenOnlyTo(to_);
@@ -24,41 +24,41 @@ bool Crossing::Gate::Knows(const fci::Endpoint& from) noexcept {
   return from == to_;
 }
 
-Crossing::Crossing(const MonotonicClock& clock, const Ends& ends, const Faults& faults,
+UdpRelay::UdpRelay(const MonotonicClock& clock, const Endpoints& endpoints, const Faults& faults,
                    const rt::ThreadSettings& thread)
     : clock_(clock),
-      client_side_(clock, {ends.client_side, 0}),
-      robot_side_(clock, {ends.robot_side, 0}),
-      to_client_(client_side_, ends.client),
-      to_robot_(robot_side_, {ends.robot, 0}),
+      client_side_(clock, {endpoints.client_side, 0}),
+      robot_side_(clock, {endpoints.robot_side, 0}),
+      to_client_(client_side_, endpoints.client),
+      to_robot_(robot_side_, {endpoints.robot, 0}),
       states_(faults.state, faults.seed, rt::kStateStreams, events_, rt::EventOrder::kStateArrival,
               to_client_),
       commands_(faults.command, faults.seed, rt::kCommandStreams, events_,
                 rt::EventOrder::kCommandArrival, to_robot_) {
-  client_side_.ListenOnlyTo(ends.client);
+  client_side_.ListenOnlyTo(endpoints.client);
   rt::StartedThread started =
       rt::StartThread(thread, [this](const std::stop_token& stop) { Run(stop); });
   thread_ = std::move(started.thread);
   notices_ = std::move(started.notices);
 }
 
-Crossing::~Crossing() {
+UdpRelay::~UdpRelay() {
   StopThread();
 }
 
-void Crossing::StopThread() {
+void UdpRelay::StopThread() {
   if (!thread_.joinable()) return;
   thread_.request_stop();
-  end_.Ring();
+  end_.Notify();
   thread_.join();
 }
 
-WayCounts Crossing::End() {
+RelayCounts UdpRelay::End() {
   StopThread();
   return {states_.counts(), commands_.counts()};
 }
 
-void Crossing::Run(const std::stop_token& stop) {
+void UdpRelay::Run(const std::stop_token& stop) {
   std::array<pollfd, 3> waited{
       {{robot_side_.fd(), POLLIN, 0}, {client_side_.fd(), POLLIN, 0}, {end_.fd(), POLLIN, 0}}};
   while (!stop.stop_requested()) {
@@ -69,20 +69,20 @@ void Crossing::Run(const std::stop_token& stop) {
   }
 }
 
-void Crossing::TakeFrom(fci::UdpSocket& socket, Gate& gate, Lane& lane) noexcept {
+void UdpRelay::TakeFrom(fci::UdpSocket& socket, Peer& peer, RelayDirection& direction) noexcept {
   for (int i = 0; i < kMostAtOnce; ++i) {
     const auto datagram = socket.Receive(incoming_);
     if (!datagram) return;
-    if (!gate.Knows(datagram->from)) {
-      lane.CountForeign();
+    if (!peer.Knows(datagram->from)) {
+      direction.CountForeign();
       continue;
     }
     RelayUntil(datagram->at);
-    lane.Take(datagram->bytes);
+    direction.Take(datagram->bytes);
   }
 }
 
-void Crossing::RelayUntil(Time now) noexcept {
+void UdpRelay::RelayUntil(Time now) noexcept {
   for (auto next = events_.NextTime(); next && *next <= now; next = events_.NextTime()) {
     events_.RunNext();
   }

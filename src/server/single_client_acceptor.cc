@@ -1,4 +1,4 @@
-#include "twin/server/reception.h"
+#include "twin/server/single_client_acceptor.h"
 
 #include <algorithm>
 #include <utility>
@@ -21,37 +21,39 @@ constexpr Duration kPollPeriod = std::chrono::milliseconds(5);
 
 }  // namespace
 
-Reception::Reception(const Settings& settings, Desk& desk, const TellPeople& tell)
-    : settings_(settings), listener_(settings.local), desk_(desk), tell_(tell) {}
+SingleClientAcceptor::SingleClientAcceptor(const Settings& settings, RequestHandler& handler,
+                                           const TellPeople& tell)
+    : settings_(settings), listener_(settings.local), handler_(handler), tell_(tell) {}
 
-void Reception::Tell(const fci::Endpoint& whom, std::string_view what) const {
+void SingleClientAcceptor::Tell(const fci::Endpoint& whom, std::string_view what) const {
   tell_(fmt::format("{}: {} {}", settings_.name, fci::ToString(whom), what));
 }
 
-void Reception::AddTo(std::vector<pollfd>& waited) const {
+void SingleClientAcceptor::AddTo(std::vector<pollfd>& waited) const {
   waited.push_back({listener_.fd(), POLLIN, 0});
-  for (const Visitor& visitor : visitors_) {
-    if (!visitor.first) waited.push_back({visitor.connection->fd(), POLLIN, 0});
+  for (const PendingClient& pending : pending_) {
+    if (!pending.first) waited.push_back({pending.connection->fd(), POLLIN, 0});
   }
   if (client_ == nullptr) return;
   const int events = client_->has_unsent() ? POLLIN | POLLOUT : POLLIN;
   waited.push_back({client_->fd(), static_cast<short>(events), 0});
 }
 
-Duration Reception::poll_timeout() const {
+Duration SingleClientAcceptor::poll_timeout() const {
   const bool one_waits = std::ranges::any_of(
-      visitors_, [](const Visitor& visitor) { return visitor.first.has_value(); });
+      pending_, [](const PendingClient& pending) { return pending.first.has_value(); });
   if (one_waits) return kPollPeriod;
-  return client_ != nullptr ? std::min(desk_.poll_timeout(), kOrdinaryTimeout) : kOrdinaryTimeout;
+  return client_ != nullptr ? std::min(handler_.poll_timeout(), kOrdinaryTimeout)
+                            : kOrdinaryTimeout;
 }
 
-void Reception::Serve(Time now) {
+void SingleClientAcceptor::Serve(Time now) {
   ServeClient(now);
   Accept(now);
-  std::erase_if(visitors_, [&](Visitor& visitor) { return Receive(visitor, now); });
+  std::erase_if(pending_, [&](PendingClient& pending) { return Receive(pending, now); });
 }
 
-void Reception::Accept(Time now) {
+void SingleClientAcceptor::Accept(Time now) {
   try {
     while (auto stream = listener_.Accept()) {
       if (!Admits(stream->peer())) {
@@ -59,42 +61,42 @@ void Reception::Accept(Time now) {
         stream->ResetConnection();
         continue;
       }
-      if (visitors_.size() >= kMostVisitors) DropSilent();
-      visitors_.push_back({std::make_unique<Connection>(std::move(*stream), settings_.kind,
-                                                        settings_.largest, now, settings_.tap),
-                           {}});
+      if (pending_.size() >= kMostVisitors) DropSilent();
+      pending_.push_back({std::make_unique<Connection>(std::move(*stream), settings_.kind,
+                                                       settings_.largest, now, settings_.tap),
+                          {}});
     }
   } catch (const EnvironmentError& error) {
     tell_(fmt::format("{}: {}", settings_.name, error.what()));
   }
 }
 
-void Reception::DropSilent() {
+void SingleClientAcceptor::DropSilent() {
   auto dropped = std::ranges::find_if(
-      visitors_, [](const Visitor& visitor) { return !visitor.first.has_value(); });
-  if (dropped == visitors_.end()) dropped = visitors_.begin();
+      pending_, [](const PendingClient& pending) { return !pending.first.has_value(); });
+  if (dropped == pending_.end()) dropped = pending_.begin();
   Tell(dropped->connection->peer(), "dropped: too many connections wait, and it has for longest");
   dropped->connection->Reset();
-  visitors_.erase(dropped);
+  pending_.erase(dropped);
 }
 
-bool Reception::Admits(const fci::Endpoint& peer) const noexcept {
+bool SingleClientAcceptor::Admits(const fci::Endpoint& peer) const noexcept {
   if (fci::IsLoopback(peer.address)) return true;
   return settings_.allow && settings_.allow->Contains(peer.address);
 }
 
-bool Reception::Receive(Visitor& visitor, Time now) {
-  Connection& connection = *visitor.connection;
-  if (!visitor.first) visitor.first = connection.Next();
-  if (visitor.first) {
+bool SingleClientAcceptor::Receive(PendingClient& pending, Time now) {
+  Connection& connection = *pending.connection;
+  if (!pending.first) pending.first = connection.Next();
+  if (pending.first) {
     ServeClient(now);  // the client may have left just before this one came
     if (client_ != nullptr) {
       Tell(connection.peer(), "refused: another client is connected");
       connection.Reset();
       return true;
     }
-    if (!desk_.IsReady()) return false;
-    Take(visitor);
+    if (!handler_.IsReady()) return false;
+    Take(pending);
     return true;
   }
   if (connection.end()) {
@@ -109,24 +111,24 @@ bool Reception::Receive(Visitor& visitor, Time now) {
   return true;
 }
 
-void Reception::Take(Visitor& visitor) {
-  client_ = std::move(visitor.connection);
-  desk_.Open(*client_);
-  Handle(*visitor.first);
+void SingleClientAcceptor::Take(PendingClient& pending) {
+  client_ = std::move(pending.connection);
+  handler_.OnConnect(*client_);
+  Handle(*pending.first);
 }
 
-void Reception::Handle(const fci::Frame& frame) {
+void SingleClientAcceptor::Handle(const fci::Frame& frame) {
   const std::size_t answers = client_->answers();
   try {
-    const auto why = desk_.OnFrame(frame);
+    const auto why = handler_.OnFrame(frame);
     // Who was not answered waits, and must be told.
-    if (why) Dismiss(*why, client_->answers() == answers);
+    if (why) Disconnect(*why, client_->answers() == answers);
   } catch (const RobotFault& fault) {
-    Dismiss(fault.what(), true);
+    Disconnect(fault.what(), true);
   }
 }
 
-void Reception::ServeClient(Time now) {
+void SingleClientAcceptor::ServeClient(Time now) {
   for (int i = 0; i < kMostRequests && client_ != nullptr; ++i) {
     const auto frame = client_->Next();
     if (!frame) break;
@@ -135,20 +137,20 @@ void Reception::ServeClient(Time now) {
   if (client_ == nullptr) return;
   if (!client_->end()) {
     try {
-      if (const auto why = desk_.OnTurn(now)) return Dismiss(*why, false);
+      if (const auto why = handler_.Poll(now)) return Disconnect(*why, false);
     } catch (const RobotFault& fault) {
-      return Dismiss(fault.what(), true);
+      return Disconnect(fault.what(), true);
     }
     client_->Flush();
   }
-  if (client_->end()) Dismiss(*client_->end(), true);
+  if (client_->end()) Disconnect(*client_->end(), true);
 }
 
-void Reception::Dismiss(const std::string& why, bool is_waiting) {
-  const bool is_owed = is_waiting || desk_.has_pending();
+void SingleClientAcceptor::Disconnect(const std::string& why, bool is_waiting) {
+  const bool is_owed = is_waiting || handler_.has_pending();
   const std::unique_ptr<Connection> client = std::move(client_);
   try {
-    desk_.Leave();
+    handler_.OnDisconnect();
   } catch (const RobotFault& fault) {
     tell_(fmt::format("{}: {}", settings_.name, fault.what()));
   }
@@ -156,10 +158,10 @@ void Reception::Dismiss(const std::string& why, bool is_waiting) {
   is_owed ? client->Reset() : client->Close();
 }
 
-void Reception::End() {
-  for (Visitor& visitor : visitors_) visitor.connection->Reset();
-  visitors_.clear();
-  if (client_ != nullptr) Dismiss("the service ends", false);
+void SingleClientAcceptor::End() {
+  for (PendingClient& pending : pending_) pending.connection->Reset();
+  pending_.clear();
+  if (client_ != nullptr) Disconnect("the service ends", false);
 }
 
 }  // namespace twin::server

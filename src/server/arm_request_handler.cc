@@ -1,4 +1,4 @@
-#include "server/arm_desk.h"
+#include "server/arm_request_handler.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,50 +30,51 @@ std::string_view EndText(MoveStatus end) noexcept {
 
 }  // namespace
 
-ArmDesk::ArmDesk(robot::ThreadedRobot& robot, UdpPort& port,
-                 std::span<const std::byte> model_library, const TellPeople& tell)
+ArmRequestHandler::ArmRequestHandler(robot::ThreadedRobot& robot, UdpPort& port,
+                                     std::span<const std::byte> model_library,
+                                     const TellPeople& tell)
     : robot_(robot), port_(port), model_library_(model_library), tell_(tell) {}
 
-void ArmDesk::OnRobotChanged() {
+void ArmRequestHandler::OnRobotChanged() {
   static_cast<void>(Progress());
 }
 
-bool ArmDesk::IsReady() {
+bool ArmRequestHandler::IsReady() {
   return !in_motion_ || !Progress().in_motion;
 }
 
-void ArmDesk::Open(Connection& client) {
+void ArmRequestHandler::OnConnect(Connection& client) {
   client_ = client.peer();
   dropped_before_ = port_.dropped();
   fci::ArmService& service = *this;
   session_.emplace(service, [&client](std::span<const std::byte> bytes) { client.Send(bytes); });
 }
 
-std::optional<std::string> ArmDesk::OnFrame(const fci::Frame& frame) {
+std::optional<std::string> ArmRequestHandler::OnFrame(const fci::Frame& frame) {
   auto why = session_->OnFrame(frame);
   if (!connected_ && session_->udp_port()) {
     connected_ = true;
-    port_.Open({client_.address, *session_->udp_port()});
+    port_.OnConnect({client_.address, *session_->udp_port()});
     tell_(fmt::format("arm: {} connected; states go to its UDP port {}", fci::ToString(client_),
                       *session_->udp_port()));
   }
   return why;
 }
 
-std::optional<std::string> ArmDesk::OnTurn(Time /*now*/) {
+std::optional<std::string> ArmRequestHandler::Poll(Time /*now*/) {
   if (session_->has_pending()) session_->OnProgress(Progress());
   return {};
 }
 
-bool ArmDesk::has_pending() const {
+bool ArmRequestHandler::has_pending() const {
   return session_->has_pending();
 }
 
-Duration ArmDesk::poll_timeout() const {
+Duration ArmRequestHandler::poll_timeout() const {
   return kTimeout;
 }
 
-void ArmDesk::Leave() {
+void ArmRequestHandler::OnDisconnect() {
   port_.Close();
   connected_ = false;
   TellDropped();
@@ -82,7 +83,7 @@ void ArmDesk::Leave() {
   session->OnClosed();
 }
 
-MoveStatus ArmDesk::Move(const fci::Move& move) {
+MoveStatus ArmRequestHandler::Move(const fci::Move& move) {
   if (!IsAllowance(move.maximum_path_deviation) || !IsAllowance(move.maximum_goal_pose_deviation)) {
     TellRefused("Move", "a maximum deviation is negative or not finite");
     return MoveStatus::kInvalidArgumentRejected;
@@ -106,12 +107,12 @@ MoveStatus ArmDesk::Move(const fci::Move& move) {
   return status;
 }
 
-void ArmDesk::StopMove() {
+void ArmRequestHandler::StopMove() {
   stop_asked_ = true;
   robot_.StopMove();
 }
 
-SetterStatus ArmDesk::Configure(const Setting& setting) {
+SetterStatus ArmRequestHandler::Configure(const Setting& setting) {
   const SetterStatus status = robot_.Configure(setting);
   if (status == SetterStatus::kInvalidArgumentRejected) {
     const std::optional<BadValue> bad = FindBadValue(setting);
@@ -122,7 +123,7 @@ SetterStatus ArmDesk::Configure(const Setting& setting) {
   return status;
 }
 
-RecoveryStatus ArmDesk::Recover() {
+RecoveryStatus ArmRequestHandler::Recover() {
   const RecoveryStatus status = robot_.AutomaticErrorRecovery();
   if (status == RecoveryStatus::kManualErrorRecoveryRequiredRejected) {
     TellRefused("Automatic Error Recovery", "a joint is beyond its limit; it must be led back");
@@ -133,12 +134,12 @@ RecoveryStatus ArmDesk::Recover() {
   return status;
 }
 
-SetterStatus ArmDesk::CartesianLimitOf(std::int32_t id, fci::CartesianLimit& limit) {
+SetterStatus ArmRequestHandler::CartesianLimitOf(std::int32_t id, fci::CartesianLimit& limit) {
   limit = id == fci::kTwinSign ? fci::TwinSign() : fci::CartesianLimit();
   return SetterStatus::kSuccess;
 }
 
-std::span<const std::byte> ArmDesk::ModelLibrary(const fci::LoadModelLibrary& machine) {
+std::span<const std::byte> ArmRequestHandler::ModelLibrary(const fci::LoadModelLibrary& machine) {
   const bool is_ours = machine.architecture == fci::Architecture::kX64 &&
                        machine.system == fci::OperatingSystem::kLinux;
   if (is_ours && !model_library_.empty()) return model_library_;
@@ -147,7 +148,7 @@ std::span<const std::byte> ArmDesk::ModelLibrary(const fci::LoadModelLibrary& ma
   return {};
 }
 
-fci::ArmProgress ArmDesk::Progress() {
+fci::ArmProgress ArmRequestHandler::Progress() {
   const robot::RobotReport report = robot_.report();
   const bool moves = report.mode == RobotMode::kMove;
   if (in_motion_ && !moves) {
@@ -158,7 +159,7 @@ fci::ArmProgress ArmDesk::Progress() {
   return {report.mode, moves, report.last_motion.end};
 }
 
-void ArmDesk::TellEnd(const robot::LastMotion& motion) {
+void ArmRequestHandler::TellEnd(const robot::LastMotion& motion) {
   std::string text = fmt::format("arm: motion {}", EndText(motion.end));
   if (!motion.violations.empty()) text += ':';
   for (const Violation& violation : motion.violations.items()) {
@@ -171,7 +172,7 @@ void ArmDesk::TellEnd(const robot::LastMotion& motion) {
   tell_(text);
 }
 
-void ArmDesk::TellFound(const onboard::Violations& found) {
+void ArmRequestHandler::TellFound(const onboard::Violations& found) {
   for (const Violation& violation : found.items()) {
     if (violation.message_id <= told_) continue;
     tell_(fmt::format("arm: error without a motion: {}", Describe(violation)));
@@ -179,16 +180,16 @@ void ArmDesk::TellFound(const onboard::Violations& found) {
   if (!found.empty()) told_ = std::max(told_, found.items().front().message_id);
 }
 
-void ArmDesk::TellRefused(std::string_view request, std::string_view why) {
+void ArmRequestHandler::TellRefused(std::string_view request, std::string_view why) {
   tell_(fmt::format("arm: {} refused: {}", request, why));
 }
 
-std::string ArmDesk::NotPossible() {
+std::string ArmRequestHandler::NotPossible() {
   return fmt::format("not possible in the current mode (\"{}\"), or the arm still moves",
                      Name(robot_.mode()));
 }
 
-void ArmDesk::TellDropped() {
+void ArmRequestHandler::TellDropped() {
   const DroppedDatagrams now = port_.dropped();
   const DroppedDatagrams& before = dropped_before_;
   if (now == before) return;

@@ -23,10 +23,10 @@ struct Packet {
   std::array<std::byte, kLongestPacket> bytes;
 };
 
-/// Where a lane's datagrams go on to.
-class Exit {
+/// Where a direction's datagrams go on to.
+class Output {
  public:
-  virtual ~Exit() = default;
+  virtual ~Output() = default;
   /// @returns whether the system took it.
   virtual bool Send(std::span<const std::byte> bytes) noexcept TWIN_REALTIME = 0;
 };
@@ -35,12 +35,13 @@ class Exit {
 /// when the event queue says so.
 ///
 /// Threads: that of the event queue. Real-time: allocates nothing after construction.
-class Lane final : private rt::EventHandler {
+class RelayDirection final : private rt::EventHandler {
  public:
   /// @param events  on whose time they go on; with room for twice Channel's capacity.
-  /// @param exit    both must outlive the lane.
-  Lane(const rt::DirectionConfig& config, std::uint64_t seed, const rt::FateStreams& streams,
-       rt::EventQueue& events, rt::EventOrder order, Exit& exit);
+  /// @param exit    both must outlive the direction.
+  RelayDirection(const rt::DirectionConfig& config, std::uint64_t seed,
+                 const rt::FateStreams& streams, rt::EventQueue& events, rt::EventOrder order,
+                 Output& exit);
 
   /// A datagram came, at the queue's present. @param bytes  more than kLongestPacket: dropped.
   void Take(std::span<const std::byte> bytes) noexcept TWIN_REALTIME;
@@ -49,14 +50,14 @@ class Lane final : private rt::EventHandler {
 
   [[nodiscard]] const DirectionCounts& counts() const noexcept { return counts_; }
 
-  /// Of one lane at the same time: two copies of each datagram.
+  /// Of one direction at the same time: two copies of each datagram.
   static constexpr std::size_t kMostEvents = 2 * robot::Channel<Packet>::kCapacity;
 
  private:
   void OnEvent(Time now, std::uint64_t token) noexcept override;
 
   robot::Channel<Packet> channel_;
-  Exit& exit_;
+  Output& exit_;
   Packet incoming_{};  ///< whose message_id is the next number
   std::uint64_t newest_gone_ = 0;
   DirectionCounts counts_;

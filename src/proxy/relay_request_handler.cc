@@ -1,4 +1,4 @@
-#include "proxy/relay_desk.h"
+#include "proxy/relay_request_handler.h"
 
 #include <algorithm>
 #include <utility>
@@ -43,20 +43,20 @@ bool HasBegun(const fci::Frame& frame) {
 
 }  // namespace
 
-RelayDesk::RelayDesk(const Settings& settings, const MonotonicClock& clock,
-                     const server::TellPeople& tell)
+RelayRequestHandler::RelayRequestHandler(const Settings& settings, const MonotonicClock& clock,
+                                         const server::TellPeople& tell)
     : settings_(settings), clock_(clock), tell_(tell) {}
 
-void RelayDesk::AddTo(std::vector<pollfd>& waited) const {
+void RelayRequestHandler::AddTo(std::vector<pollfd>& waited) const {
   // What the client does not take now is not asked for.
   if (robot_ && !client_->has_unsent()) waited.push_back({robot_->fd(), POLLIN, 0});
 }
 
-Duration RelayDesk::poll_timeout() const {
+Duration RelayRequestHandler::poll_timeout() const {
   return kTimeout;
 }
 
-std::optional<std::string> RelayDesk::OnFrame(const fci::Frame& frame) {
+std::optional<std::string> RelayRequestHandler::OnFrame(const fci::Frame& frame) {
   try {
     if (!robot_) Reach();
     ++owed_;
@@ -67,10 +67,10 @@ std::optional<std::string> RelayDesk::OnFrame(const fci::Frame& frame) {
   }
 }
 
-std::optional<std::string> RelayDesk::Forward(std::span<const std::byte> bytes) {
+std::optional<std::string> RelayRequestHandler::Forward(std::span<const std::byte> bytes) {
   std::size_t sent = 0;
   const fci::StreamResult result = robot_->Send(bytes, sent);
-  // A connection that has ended may have left answers: OnTurn() passes them on, and tells.
+  // A connection that has ended may have left answers: Poll() passes them on, and tells.
   const bool has_ended =
       result == fci::StreamResult::kReset || result == fci::StreamResult::kClosed;
   if (has_ended || sent == bytes.size()) return {};
@@ -78,14 +78,14 @@ std::optional<std::string> RelayDesk::Forward(std::span<const std::byte> bytes) 
   return "the robot takes no more requests";
 }
 
-void RelayDesk::Reach() {
+void RelayRequestHandler::Reach() {
   robot_ = fci::TcpStream::Connect(settings_.robot, settings_.reach_timeout);
   answers_.emplace(settings_.kind, fci::kLargestModelLibrary);
   tell_(fmt::format("{}: {} connected to {}", settings_.name, fci::ToString(client_->peer()),
                     fci::ToString(settings_.robot)));
 }
 
-std::vector<std::byte> RelayDesk::Passed(const fci::Frame& frame) {
+std::vector<std::byte> RelayRequestHandler::Passed(const fci::Frame& frame) {
   std::optional<fci::Connect> connect = ConnectOf(settings_.kind, frame);
   // Who names no port gets no datagrams.
   if (!connect || connect->udp_port == 0) return fci::BytesOf(settings_.kind, frame);
@@ -93,20 +93,20 @@ std::vector<std::byte> RelayDesk::Passed(const fci::Frame& frame) {
   return BytesOf(settings_.kind, frame.head.command_id, *connect);
 }
 
-std::uint16_t RelayDesk::Cross(std::uint16_t client_port) {
+std::uint16_t RelayRequestHandler::Cross(std::uint16_t client_port) {
   EndCrossing();
-  const Ends ends{.client = {client_->peer().address, client_port},
-                  .client_side = client_->local().address,
-                  .robot = settings_.robot.address,
-                  .robot_side = robot_->local().address};
-  crossing_.emplace(clock_, ends, settings_.faults, settings_.thread);
+  const Endpoints endpoints{.client = {client_->peer().address, client_port},
+                            .client_side = client_->local().address,
+                            .robot = settings_.robot.address,
+                            .robot_side = robot_->local().address};
+  relay_.emplace(clock_, endpoints, settings_.faults, settings_.thread);
   if (!std::exchange(noticed_, true)) {
-    for (const std::string& notice : crossing_->notices()) tell_("note: " + notice);
+    for (const std::string& notice : relay_->notices()) tell_("note: " + notice);
   }
-  return crossing_->port();
+  return relay_->port();
 }
 
-std::optional<std::string> RelayDesk::OnTurn(Time /*now*/) {
+std::optional<std::string> RelayRequestHandler::Poll(Time /*now*/) {
   for (int i = 0; robot_ && i < kMostPieces && !client_->has_unsent(); ++i) {
     std::size_t received = 0;
     const std::span<std::byte> room = answers_->Room();
@@ -127,20 +127,20 @@ std::optional<std::string> RelayDesk::OnTurn(Time /*now*/) {
   return {};
 }
 
-void RelayDesk::CountAnswers() {
+void RelayRequestHandler::CountAnswers() {
   while (const auto frame = answers_->Next()) {
     const bool has_begun = settings_.kind == fci::HeadKind::kArm && HasBegun(*frame);
     if (!has_begun && owed_ > 0) --owed_;
   }
 }
 
-void RelayDesk::EndCrossing() {
-  if (!crossing_) return;
-  counts_ += crossing_->End();
-  crossing_.reset();
+void RelayRequestHandler::EndCrossing() {
+  if (!relay_) return;
+  counts_ += relay_->End();
+  relay_.reset();
 }
 
-void RelayDesk::Leave() {
+void RelayRequestHandler::OnDisconnect() {
   EndCrossing();
   if (robot_) client_->is_broken() ? robot_->ResetConnection() : robot_->Close();
   robot_.reset();

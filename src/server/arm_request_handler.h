@@ -8,29 +8,29 @@
 
 #include "twin/fci/arm_session.h"
 #include "twin/robot/threaded_robot.h"
-#include "twin/server/desk.h"
+#include "twin/server/request_handler.h"
 #include "twin/server/udp_port.h"
 
 namespace twin::server {
 
-/// The arm's desk: a session, the robot as it sees it, and the port for its states.
+/// Serves the arm's client: its session, the robot it asks, and the port its states leave by.
 ///
 /// Threads: one.
-class ArmDesk final : public Desk, private fci::ArmService {
+class ArmRequestHandler final : public RequestHandler, private fci::ArmService {
  public:
-  /// All must outlive the desk.
-  ArmDesk(robot::ThreadedRobot& robot, UdpPort& port, std::span<const std::byte> model_library,
-          const TellPeople& tell);
+  /// All must outlive the handler.
+  ArmRequestHandler(robot::ThreadedRobot& robot, UdpPort& port,
+                    std::span<const std::byte> model_library, const TellPeople& tell);
 
   /// The robot's mode or errors have changed. @throws RobotFault.
   void OnRobotChanged();
 
   [[nodiscard]] bool IsReady() override;
-  void Open(Connection& client) override;
+  void OnConnect(Connection& client) override;
   [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
-  [[nodiscard]] std::optional<std::string> OnTurn(Time now) override;
+  [[nodiscard]] std::optional<std::string> Poll(Time now) override;
   [[nodiscard]] bool has_pending() const override;
-  void Leave() override;
+  void OnDisconnect() override;
   [[nodiscard]] Duration poll_timeout() const override;
 
  private:

@@ -1,4 +1,4 @@
-#include "proxy/lane.h"
+#include "proxy/relay_direction.h"
 
 #include <algorithm>
 
@@ -18,17 +18,18 @@ void Add(DirectionCounts& sum, const DirectionCounts& one) noexcept {
 
 }  // namespace
 
-WayCounts& operator+=(WayCounts& sum, const WayCounts& one) noexcept {
+RelayCounts& operator+=(RelayCounts& sum, const RelayCounts& one) noexcept {
   Add(sum.state, one.state);
   Add(sum.command, one.command);
   return sum;
 }
 
-Lane::Lane(const rt::DirectionConfig& config, std::uint64_t seed, const rt::FateStreams& streams,
-           rt::EventQueue& events, rt::EventOrder order, Exit& exit)
+RelayDirection::RelayDirection(const rt::DirectionConfig& config, std::uint64_t seed,
+                               const rt::FateStreams& streams, rt::EventQueue& events,
+                               rt::EventOrder order, Output& exit)
     : channel_(config, seed, streams, events, order), exit_(exit) {}
 
-void Lane::Take(std::span<const std::byte> bytes) noexcept {
+void RelayDirection::Take(std::span<const std::byte> bytes) noexcept {
   ++counts_.came;
   if (bytes.size() > incoming_.bytes.size()) {
     ++counts_.dropped;
@@ -43,7 +44,7 @@ void Lane::Take(std::span<const std::byte> bytes) noexcept {
   ++incoming_.message_id;
 }
 
-void Lane::OnEvent(Time /*now*/, std::uint64_t token) noexcept {
+void RelayDirection::OnEvent(Time /*now*/, std::uint64_t token) noexcept {
   const Packet& packet = channel_.Receive(token);
   if (!exit_.Send(std::span(packet.bytes).first(packet.size))) {
     ++counts_.dropped;

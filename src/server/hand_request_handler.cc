@@ -1,4 +1,4 @@
-#include "server/hand_desk.h"
+#include "server/hand_request_handler.h"
 
 #include <algorithm>
 #include <span>
@@ -13,18 +13,19 @@ constexpr Duration kStatePeriod = std::chrono::milliseconds(10);
 
 }  // namespace
 
-HandDesk::HandDesk(robot::ThreadedRobot& robot, const MonotonicClock& clock, std::uint32_t address,
-                   const TellPeople& tell, fci::Capture* capture)
+HandRequestHandler::HandRequestHandler(robot::ThreadedRobot& robot, const MonotonicClock& clock,
+                                       std::uint32_t address, const TellPeople& tell,
+                                       fci::Capture* capture)
     : robot_(robot), clock_(clock), tell_(tell), capture_(capture), socket_(clock, {address, 0}) {}
 
-void HandDesk::Open(Connection& client) {
+void HandRequestHandler::OnConnect(Connection& client) {
   client_ = client.peer();
   connected_ = false;
   fci::HandService& service = *this;
   session_.emplace(service, [&client](std::span<const std::byte> bytes) { client.Send(bytes); });
 }
 
-std::optional<std::string> HandDesk::OnFrame(const fci::Frame& frame) {
+std::optional<std::string> HandRequestHandler::OnFrame(const fci::Frame& frame) {
   auto why = session_->OnFrame(frame);
   if (!connected_ && session_->udp_port()) {
     connected_ = true;
@@ -34,7 +35,7 @@ std::optional<std::string> HandDesk::OnFrame(const fci::Frame& frame) {
   return why;
 }
 
-std::optional<std::string> HandDesk::OnTurn(Time now) {
+std::optional<std::string> HandRequestHandler::Poll(Time now) {
   if (!connected_ || now < next_state_) return {};
   next_state_ = now + kStatePeriod;
   SendState();
@@ -42,11 +43,11 @@ std::optional<std::string> HandDesk::OnTurn(Time now) {
   return {};
 }
 
-Duration HandDesk::poll_timeout() const {
+Duration HandRequestHandler::poll_timeout() const {
   return kStatePeriod;
 }
 
-void HandDesk::SendState() {
+void HandRequestHandler::SendState() {
   HandState state = robot_.hand_state();
   // Time may stand still for the hand; what a client sees does not.
   last_id_ = std::max(state.message_id, last_id_ + 1);
@@ -63,13 +64,13 @@ void HandDesk::SendState() {
                  .bytes = outgoing_});
 }
 
-HandStart HandDesk::Start(const HandCommand& command) {
+HandStart HandRequestHandler::Start(const HandCommand& command) {
   HandStart start = robot_.StartHand(command);
   if (start.bad) tell_(fmt::format("hand: {} refused: {}", Name(command), Describe(*start.bad)));
   return start;
 }
 
-std::optional<HandResult> HandDesk::Outcome(HandTicket ticket) {
+std::optional<HandResult> HandRequestHandler::Outcome(HandTicket ticket) {
   return robot_.HandOutcome(ticket);
 }
 

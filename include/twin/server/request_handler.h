@@ -19,25 +19,25 @@ using TellPeople = std::function<void(std::string_view)>;
 /// way to a robot that is elsewhere.
 ///
 /// Threads: one.
-class Desk {
+class RequestHandler {
  public:
-  virtual ~Desk() = default;
+  virtual ~RequestHandler() = default;
 
   /// Whether the next client can be served already.
   [[nodiscard]] virtual bool IsReady() = 0;
   /// A client is about to send its first request. @param client  gets the answers; it is there
-  /// until Leave() has returned.
-  virtual void Open(Connection& client) = 0;
+  /// until OnDisconnect() has returned.
+  virtual void OnConnect(Connection& client) = 0;
   /// @returns why its connection must be closed. @throws RobotFault.
   [[nodiscard]] virtual std::optional<std::string> OnFrame(const fci::Frame& frame) = 0;
   /// Something may have changed, or time has passed. @pre a client is served.
   /// @returns as OnFrame(). @throws RobotFault.
-  [[nodiscard]] virtual std::optional<std::string> OnTurn(Time now) = 0;
+  [[nodiscard]] virtual std::optional<std::string> Poll(Time now) = 0;
   /// Whether the client waits for an answer: its connection must then not end in order.
   [[nodiscard]] virtual bool has_pending() const = 0;
   /// The client is gone, or is going to be.
-  virtual void Leave() = 0;
-  /// After which time OnTurn() wants to be called again at the latest.
+  virtual void OnDisconnect() = 0;
+  /// After which time Poll() wants to be called again at the latest.
   [[nodiscard]] virtual Duration poll_timeout() const = 0;
 };
 

@@ -11,21 +11,21 @@
 
 #include <poll.h>
 
-#include "proxy/crossing.h"
+#include "proxy/udp_relay.h"
 #include "twin/core/clock.h"
 #include "twin/fci/frame_reader.h"
 #include "twin/fci/sockets.h"
 #include "twin/proxy/counts.h"
 #include "twin/rt/thread_setup.h"
-#include "twin/server/desk.h"
+#include "twin/server/request_handler.h"
 
 namespace twin::proxy {
 
-/// The way to a robot's arm or to its hand, as the desk where a client is served: its frames go to
-/// the robot, the robot's bytes to it, and datagrams over a Crossing.
+/// Relays a client to a robot's arm or hand: frames go to
+/// the robot, the robot's bytes to it, and datagrams over a UdpRelay.
 ///
 /// Threads: one.
-class RelayDesk final : public server::Desk {
+class RelayRequestHandler final : public server::RequestHandler {
  public:
   struct Settings {
     std::string_view name;  ///< for people: "arm", "hand"
@@ -36,22 +36,23 @@ class RelayDesk final : public server::Desk {
     rt::ThreadSettings thread;  ///< of datagrams
   };
 
-  /// @param clock, tell  must outlive the desk.
-  RelayDesk(const Settings& settings, const MonotonicClock& clock, const server::TellPeople& tell);
+  /// @param clock, tell  must outlive the handler.
+  RelayRequestHandler(const Settings& settings, const MonotonicClock& clock,
+                      const server::TellPeople& tell);
 
   /// Adds what to wait at.
   void AddTo(std::vector<pollfd>& waited) const;
   /// Of sessions that have ended.
-  [[nodiscard]] const WayCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] const RelayCounts& counts() const noexcept { return counts_; }
 
   [[nodiscard]] bool IsReady() override { return true; }
-  void Open(server::Connection& client) override { client_ = &client; }
+  void OnConnect(server::Connection& client) override { client_ = &client; }
   [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
-  [[nodiscard]] std::optional<std::string> OnTurn(Time now) override;
+  [[nodiscard]] std::optional<std::string> Poll(Time now) override;
   /// The robot has broken its connection: so is the client's. Or it owes an answer: clients wait
-  /// for ever on a connection that ends in order then.
+  /// for ever on a connection that endpoints in order then.
   [[nodiscard]] bool has_pending() const override { return is_broken_ || owed_ > 0; }
-  void Leave() override;
+  void OnDisconnect() override;
   [[nodiscard]] Duration poll_timeout() const override;
 
  private:
@@ -68,7 +69,7 @@ class RelayDesk final : public server::Desk {
   const Settings settings_;
   const MonotonicClock& clock_;
   const server::TellPeople& tell_;
-  WayCounts counts_;
+  RelayCounts counts_;
   bool noticed_ = false;  ///< what the thread is not permitted was told
 
   // A session's.
@@ -76,7 +77,7 @@ class RelayDesk final : public server::Desk {
   std::optional<fci::TcpStream> robot_;
   std::optional<fci::FrameReader> answers_;  ///< the robot's bytes, which pass as they come
   std::uint64_t owed_ = 0;                   ///< requests that were not answered to their end
-  std::optional<Crossing> crossing_;
+  std::optional<UdpRelay> relay_;
   bool is_broken_ = false;
 };
 

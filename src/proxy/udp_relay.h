@@ -8,14 +8,14 @@
 #include <thread>
 #include <vector>
 
-#include "proxy/lane.h"
+#include "proxy/relay_direction.h"
 #include "twin/core/clock.h"
 #include "twin/fci/sockets.h"
 #include "twin/proxy/counts.h"
 #include "twin/rt/event_queue.h"
 #include "twin/rt/message_fate.h"
 #include "twin/rt/thread_setup.h"
-#include "twin/server/bell.h"
+#include "twin/server/wake_event.h"
 
 namespace twin::proxy {
 
@@ -26,8 +26,8 @@ struct Faults {
   std::uint64_t seed = 1;
 };
 
-/// Between whom they go.
-struct Ends {
+/// The addresses of both sides.
+struct Endpoints {
   fci::Endpoint client;           ///< its UDP
   std::uint32_t client_side = 0;  ///< this machine's address, as the client knows it
   std::uint32_t robot = 0;        ///< its address
@@ -36,33 +36,33 @@ struct Ends {
 
 /// One session's datagrams, relayed on a thread of their own while it lives.
 ///
-///     robot --states--> robot_side_ -> state lane   -> client_side_ --states--> client
-///     robot <-commands- robot_side_ <- command lane <- client_side_ <-commands- client
+///     robot --states--> robot_side_ -> state direction   -> client_side_ --states--> client
+///     robot <-commands- robot_side_ <- command direction <- client_side_ <-commands- client
 ///
-/// Threads: one makes and ends it. Real-time: its thread allocates nothing and takes no lock.
-class Crossing {
+/// Threads: one makes and endpoints it. Real-time: its thread allocates nothing and takes no lock.
+class UdpRelay {
  public:
   /// @throws EnvironmentError when a socket cannot be opened; InputError when the thread's settings
   /// are none of this machine's.
-  Crossing(const MonotonicClock& clock, const Ends& ends, const Faults& faults,
+  UdpRelay(const MonotonicClock& clock, const Endpoints& endpoints, const Faults& faults,
            const rt::ThreadSettings& thread);
-  ~Crossing();
-  Crossing(const Crossing&) = delete;
-  Crossing& operator=(const Crossing&) = delete;
+  ~UdpRelay();
+  UdpRelay(const UdpRelay&) = delete;
+  UdpRelay& operator=(const UdpRelay&) = delete;
 
   /// Where the robot has to send to.
   [[nodiscard]] std::uint16_t port() const noexcept { return robot_side_.local().port; }
   /// What the thread was not permitted, for people.
   [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
 
-  /// Ends it: nothing is relayed any more. Call once. @returns what became of all.
-  [[nodiscard]] WayCounts End();
+  /// Endpoints it: nothing is relayed any more. Call once. @returns what became of all.
+  [[nodiscard]] RelayCounts End();
 
  private:
-  /// A socket, and where what leaves by it goes to.
-  class Gate final : public Exit {
+  /// The peer on one side: its address, and the socket to it.
+  class Peer final : public Output {
    public:
-    Gate(fci::UdpSocket& socket, const fci::Endpoint& to) : socket_(socket), to_(to) {}
+    Peer(fci::UdpSocket& socket, const fci::Endpoint& to) : socket_(socket), to_(to) {}
     bool Send(std::span<const std::byte> bytes) noexcept override;
     /// @returns whether a datagram from there is listened to. @note The port is that of the first.
     [[nodiscard]] bool Knows(const fci::Endpoint& from) noexcept TWIN_REALTIME;
@@ -73,7 +73,8 @@ class Crossing {
   };
 
   void Run(const std::stop_token& stop);
-  void TakeFrom(fci::UdpSocket& socket, Gate& gate, Lane& lane) noexcept TWIN_REALTIME;
+  void TakeFrom(fci::UdpSocket& socket, Peer& peer,
+                RelayDirection& direction) noexcept TWIN_REALTIME;
   /// All that is due by then goes on.
   void RelayUntil(Time now) noexcept TWIN_REALTIME;
   void StopThread();
@@ -81,14 +82,14 @@ class Crossing {
   const MonotonicClock& clock_;
   fci::UdpSocket client_side_;
   fci::UdpSocket robot_side_;
-  Gate to_client_;
-  Gate to_robot_;
-  rt::EventQueue events_{2 * Lane::kMostEvents};
-  Lane states_;
-  Lane commands_;
+  Peer to_client_;
+  Peer to_robot_;
+  rt::EventQueue events_{2 * RelayDirection::kMostEvents};
+  RelayDirection states_;
+  RelayDirection commands_;
   /// One byte more than is relayed: what fills it is too long.
   std::array<std::byte, kLongestPacket + 1> incoming_{};
-  server::Bell end_;
+  server::WakeEvent end_;
   std::vector<std::string> notices_;
   std::jthread thread_;
 };

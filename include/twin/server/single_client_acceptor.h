@@ -12,15 +12,15 @@
 #include "twin/core/clock.h"
 #include "twin/fci/sockets.h"
 #include "twin/server/connection.h"
-#include "twin/server/desk.h"
+#include "twin/server/request_handler.h"
 
 namespace twin::server {
 
-/// A TCP port and its one desk: whoever connects is a visitor until its first request is whole,
-/// then the desk's client or, when the desk has one, sent away.
+/// A TCP port that serves one client at a time. A new connection stays pending until its first
+/// request is complete; it then becomes the client or, while there is one, is refused.
 ///
 /// Threads: one.
-class Reception {
+class SingleClientAcceptor {
  public:
   struct Settings {
     std::string_view name;  ///< for people: "arm", "hand"
@@ -45,8 +45,8 @@ class Reception {
             .connect_timeout = config.connect_timeout};
   }
 
-  /// @param desk, tell  must outlive the reception. @throws EnvironmentError as fci::TcpListener.
-  Reception(const Settings& settings, Desk& desk, const TellPeople& tell);
+  /// @param handler, tell  must outlive the acceptor. @throws EnvironmentError as fci::TcpListener.
+  SingleClientAcceptor(const Settings& settings, RequestHandler& handler, const TellPeople& tell);
 
   [[nodiscard]] fci::Endpoint local() const { return listener_.local(); }
 
@@ -60,29 +60,29 @@ class Reception {
   void End();
 
  private:
-  struct Visitor {
+  struct PendingClient {
     std::unique_ptr<Connection> connection;
-    std::optional<fci::Frame> first;  ///< request, that waits for the desk to become ready
+    std::optional<fci::Frame> first;  ///< request, waits for the handler to become ready
   };
 
   void Accept(Time now);
-  /// Makes room: the one that has said nothing for longest goes.
+  /// Closes the pending connection that has been silent for longest.
   void DropSilent();
   [[nodiscard]] bool Admits(const fci::Endpoint& peer) const noexcept;
-  /// @returns whether the visitor has left, or become the client.
-  bool Receive(Visitor& visitor, Time now);
-  void Take(Visitor& visitor);
+  /// @returns whether the pending connection was closed, or became the client.
+  bool Receive(PendingClient& pending, Time now);
+  void Take(PendingClient& pending);
   void ServeClient(Time now);
   void Handle(const fci::Frame& frame);
-  /// The client's connection ends for this reason.
-  void Dismiss(const std::string& why, bool is_waiting);
+  /// Closes the client's connection for this reason.
+  void Disconnect(const std::string& why, bool is_waiting);
   void Tell(const fci::Endpoint& whom, std::string_view what) const;
 
   const Settings settings_;
   fci::TcpListener listener_;
-  Desk& desk_;
+  RequestHandler& handler_;
   const TellPeople& tell_;
-  std::vector<Visitor> visitors_;
+  std::vector<PendingClient> pending_;
   std::unique_ptr<Connection> client_;
 };
 
