@@ -1,67 +1,47 @@
 #pragma once
 
 #include <cstddef>
-#include <list>
-
-#include <boost/asio/ip/tcp.hpp>
-
-#include "page/visitor.h"
-#include "page/web_server.h"
+#include <memory>
+#include <string>
+#include <string_view>
 
 namespace twin::page {
 
-/// What can be dropped to make room for others. Threads: the server's.
-class Droppable {
+/// What goes to a browser over the WebSocket.
+struct Frame {
+  std::string bytes;
+  bool is_text = true;  ///< else a picture
+};
+
+/// Shared between the browsers it goes to.
+using SharedFrame = std::shared_ptr<const Frame>;
+
+/// A browser at the other end of a WebSocket. Threads: the web server's.
+class Connection {
  public:
-  virtual ~Droppable() = default;
-  /// Ends the connection at once.
-  virtual void Drop() = 0;
+  virtual ~Connection() = default;
+  /// Queues a frame. The server drops a connection that reads nothing for seconds, or whose queue
+  /// is full.
+  virtual void Send(SharedFrame frame) = 0;
+  /// Frames still in the queue.
+  [[nodiscard]] virtual std::size_t waiting() const noexcept = 0;
+  /// The client has sent the token: the connection is no longer dropped to make room. Call once.
+  virtual void Authenticate() = 0;
+  /// Closes the connection in order, and ignores what still arrives.
+  virtual void Close(std::string_view reason) = 0;
 };
 
-/// What all connections of a server share. Threads: the server's.
-struct ConnectionHouse {
-  const WebConfig& config;
-  Visitors& visitors;
-  std::list<Droppable*> strangers{};  ///< that have not shown the token, the oldest first
-  std::size_t trusted = 0;            ///< connections that have
-};
-
-/// A connection's place in the house, which goes from a request for files to the WebSocket that it
-/// becomes. A stranger's is taken from it when it is dropped.
-class Place {
+/// Receives the events of all connections, on the web server's thread and never from within a call
+/// to a Connection. Each connection connects once and disconnects once.
+class ConnectionListener {
  public:
-  Place(ConnectionHouse& house, Droppable& of)
-      : house_(house), at_(house.strangers.insert(house.strangers.end(), &of)) {}
-  ~Place() { Leave(); }
-  Place(const Place&) = delete;
-  Place& operator=(const Place&) = delete;
-
-  /// @pre a stranger's.
-  void PassTo(Droppable& next) noexcept { *at_ = &next; }
-  void Trust() {
-    if (kind_ != Kind::kStranger) return;
-    Leave();
-    ++house_.trusted;
-    kind_ = Kind::kTrusted;
-  }
-  void Leave() {
-    if (kind_ == Kind::kStranger) house_.strangers.erase(at_);
-    if (kind_ == Kind::kTrusted) --house_.trusted;
-    kind_ = Kind::kGone;
-  }
-
- private:
-  enum class Kind : std::uint8_t { kStranger, kTrusted, kGone };
-
-  ConnectionHouse& house_;
-  std::list<Droppable*>::iterator at_;
-  Kind kind_ = Kind::kStranger;
+  virtual ~ConnectionListener() = default;
+  virtual void OnConnect(Connection& connection) = 0;
+  virtual void OnText(Connection& connection, std::string_view text) = 0;
+  /// The connection is destroyed after this returns.
+  virtual void OnDisconnect(Connection& connection) = 0;
+  /// Called every WebConfig::tick.
+  virtual void OnTick() = 0;
 };
-
-/// Serves a browser that has connected, until it goes: requests for files, one after the other, or
-/// a WebSocket. When so many have shown the token that no further one is served, it is told so;
-/// when there are too many that have not, the oldest of them is dropped.
-/// @param house  must outlive the executor's work.
-void ServeConnection(boost::asio::ip::tcp::socket socket, ConnectionHouse& house);
 
 }  // namespace twin::page

@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "page/desk.h"
-#include "page/gate.h"
 #include "page/live_camera.h"
 #include "page/message.h"
+#include "page/operator_server.h"
+#include "page/origin_check.h"
 #include "page/own_addresses.h"
 #include "page/status.h"
 #include "page/web_server.h"
@@ -47,8 +47,8 @@ class LivePage::Impl {
       : token_(MakeSecret(kTokenLetters)),
         channel_(channel),
         status_(settings.limits, scene, feed.arm()),
-        desk_(DeskConfigOf(settings, scene), CallsOf(settings), channel, clock_),
-        server_({.at = settings.at, .allow = settings.allow}, desk_) {
+        operator_server_(ServerConfigOf(settings, scene), CallsOf(settings), channel, clock_),
+        server_({.at = settings.at, .allow = settings.allow}, operator_server_) {
     if (scene.truth != nullptr && !scene.views.empty()) {
       camera_.emplace(
           scene.truth->model(), feed.scene(), scene.views,
@@ -78,13 +78,13 @@ class LivePage::Impl {
 
   void Tell(Time at, std::string_view kind, std::string_view text) {
     server_.Post([this, at, kind = std::string(kind), text = std::string(text)] {
-      desk_.Tell(at, kind, text);
+      operator_server_.Tell(at, kind, text);
     });
   }
 
   void End(std::string_view text) {
     if (!thread_.joinable()) return;
-    server_.Post([this, text = std::string(text)] { desk_.End(text); });
+    server_.Post([this, text = std::string(text)] { operator_server_.End(text); });
     const Time until = clock_.Now() + kFarewell;
     while (VisitorsLeft() > 0 && clock_.Now() < until) {
       rt::SleepUntil(clock_, clock_.Now() + std::chrono::milliseconds(20));
@@ -93,13 +93,13 @@ class LivePage::Impl {
   }
 
  private:
-  [[nodiscard]] DeskConfig DeskConfigOf(const PageSettings& settings,
-                                        const PageScene& scene) const {
+  [[nodiscard]] OperatorServerConfig ServerConfigOf(const PageSettings& settings,
+                                                    const PageScene& scene) const {
     return {
         .token = token_, .welcome = WelcomeOf(settings, scene), .watch_only = settings.watch_only};
   }
 
-  [[nodiscard]] DeskCalls CallsOf(const PageSettings& settings) {
+  [[nodiscard]] OperatorServerCallbacks CallsOf(const PageSettings& settings) {
     return {.status = [this] { return status_.Text(camera_ ? camera_->chosen() : 0); },
             .control = settings.control,
             .release = settings.release,
@@ -117,8 +117,8 @@ class LivePage::Impl {
   }
 
   void Show(std::string bytes) {
-    server_.Post([this, picture = std::make_shared<const Parcel>(Parcel{std::move(bytes), false})] {
-      desk_.OnPicture(picture);
+    server_.Post([this, picture = std::make_shared<const Frame>(Frame{std::move(bytes), false})] {
+      operator_server_.OnPicture(picture);
     });
   }
 
@@ -131,7 +131,7 @@ class LivePage::Impl {
   [[nodiscard]] std::size_t VisitorsLeft() {
     std::promise<std::size_t> left;
     std::future<std::size_t> answer = left.get_future();
-    server_.Post([this, &left] { left.set_value(desk_.visitors()); });
+    server_.Post([this, &left] { left.set_value(operator_server_.clients()); });
     return answer.get();
   }
 
@@ -146,7 +146,7 @@ class LivePage::Impl {
   const std::string token_;
   OperatorChannel& channel_;
   Status status_;  ///< this and the following: the server's thread's, once it runs
-  Desk desk_;
+  OperatorServer operator_server_;
   WebServer server_;
   std::optional<LiveCamera> camera_;  ///< set before the server runs
   std::jthread thread_;

@@ -9,7 +9,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "page/connection.h"
+#include "page/http_connection.h"
 #include "twin/core/error.h"
 
 namespace twin::page {
@@ -23,8 +23,8 @@ using boost::system::error_code;
 
 class WebServer::Impl {
  public:
-  Impl(const WebConfig& config, Visitors& visitors)
-      : config_(config), house_{config_, visitors}, acceptor_(context_), timer_(context_) {
+  Impl(const WebConfig& config, ConnectionListener& listener)
+      : config_(config), pool_{config_, listener}, acceptor_(context_), timer_(context_) {
     try {
       const tcp::endpoint at(asio::ip::address_v4(config.at.address), config.at.port);
       acceptor_.open(at.protocol());
@@ -66,7 +66,7 @@ class WebServer::Impl {
     const auto peer = socket.remote_endpoint(error);
     if (error || !MayCome(peer.address())) return;
     socket.set_option(tcp::no_delay(true), error);
-    ServeConnection(std::move(socket), house_);
+    ServeConnection(std::move(socket), pool_);
   }
 
   [[nodiscard]] bool MayCome(const asio::ip::address& address) const {
@@ -79,22 +79,22 @@ class WebServer::Impl {
     timer_.expires_after(config_.tick);
     timer_.async_wait([this](error_code error) {
       if (error) return;
-      house_.visitors.OnTick();
+      pool_.listener.OnTick();
       Tick();
     });
     if (!std::exchange(is_accepting_, true)) Accept();
   }
 
   const WebConfig config_;
-  ConnectionHouse house_;  ///< outlives the work of context_
+  ConnectionPool pool_;  ///< outlives the work of context_
   asio::io_context context_{1};
   tcp::acceptor acceptor_;
   asio::steady_timer timer_;
   bool is_accepting_ = false;
 };
 
-WebServer::WebServer(const WebConfig& config, Visitors& visitors)
-    : impl_(std::make_unique<Impl>(config, visitors)) {}
+WebServer::WebServer(const WebConfig& config, ConnectionListener& listener)
+    : impl_(std::make_unique<Impl>(config, listener)) {}
 
 WebServer::~WebServer() = default;
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "page/visitor.h"
+#include "page/connection.h"
 #include "twin/core/time.h"
 #include "twin/fci/sockets.h"
 
@@ -20,8 +20,8 @@ struct WebConfig {
   /// not, the oldest makes room for a further one.
   std::size_t most_connections = 100;
   std::size_t longest_message = 4096;          ///< bytes; a longer one ends its connection
-  std::size_t most_waiting = 64;               ///< parcels; with more a visitor is dropped
-  Duration timeout = std::chrono::seconds(5);  ///< for a request, and for a parcel to go out
+  std::size_t most_waiting = 64;               ///< frames; with more a connection is dropped
+  Duration timeout = std::chrono::seconds(5);  ///< for a request, and for a frame to go out
   Duration tick = std::chrono::milliseconds(20);
 };
 
@@ -32,16 +32,16 @@ struct WebConfig {
 /// Threads: constructed and run by one; Stop() and Post() from any. Not real-time.
 class WebServer {
  public:
-  /// Listens from now on. @param visitors  must outlive Run().
+  /// Listens from now on. @param listener  must outlive Run().
   /// @throws EnvironmentError when the port cannot be opened: which, why, and what to do.
-  WebServer(const WebConfig& config, Visitors& visitors);
+  WebServer(const WebConfig& config, ConnectionListener& listener);
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
   [[nodiscard]] fci::Endpoint at() const noexcept;
 
-  /// Serves until Stop(). Then all visitors are gone.
+  /// Serves until Stop(), then closes all connections.
   void Run();
   void Stop();
   /// Has `call` run on the thread of Run(), soon.

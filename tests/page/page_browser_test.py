@@ -103,7 +103,7 @@ class PageBrowserTest(unittest.TestCase):
         self.wait_until(lambda: self.element("role").text == "you operate")
 
     def test_3_second_visitor_only_watches(self):
-        with self.served.visit() as other:
+        with self.served.connect() as other:
             other.say("take")
             self.assertIn("operates; one at a time", other.hear("refused")["text"])
             other.say("press", button="mode")
@@ -137,7 +137,7 @@ class PageBrowserTest(unittest.TestCase):
             self.assertTrue(any(float(row[axis]) for row in csv.DictReader(script) for axis in ("x", "y", "z", "rx", "ry", "rz")))
 
     def test_7_lost_heartbeat_holds(self):
-        with self.served.visit() as watcher:
+        with self.served.connect() as watcher:
             # As when the network is lost in the middle of a drive: the key is down, and nothing more is sent.
             ActionChains(self.browser).key_down("s").perform()
             watcher.hear(lambda message: message["type"] == "state" and abs(message["base"]["v"]) > 0.1)

@@ -58,7 +58,7 @@ class PersistentOperator(Operator):
             if until(message["arm"]):
                 return True
             if message["arm"]["mode"] in ("Reflex", "Idle") and message["operator"] == self.me and self.waits_too_long():
-                self.visitor.say("give_back")
+                self.client.say("give_back")
             return False
         return self.lead(axes, fits)["arm"]
 
@@ -84,7 +84,7 @@ class PageServedTest(unittest.TestCase):
         for line in self.process.stdout:
             if match := re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
                 self.operator = PersistentOperator(int(match[1]), match[2])
-                self.addCleanup(self.operator.visitor.connection.close)
+                self.addCleanup(self.operator.client.connection.close)
                 self.where = (int(match[1]), match[2])
                 return
         self.fail("no page")
@@ -100,13 +100,13 @@ class PageServedTest(unittest.TestCase):
 
         # Anyone may stop: here one who only watches.
         watcher = Operator(*self.where)
-        self.addCleanup(watcher.visitor.connection.close)
-        watcher.visitor.say("stop")
+        self.addCleanup(watcher.client.connection.close)
+        watcher.client.say("stop")
         operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "User stopped")
 
-        operator.visitor.say("press", button="release")
+        operator.client.say("press", button="release")
         operator.lead_arm([0] * 6, lambda arm: arm["mode"] in ("Idle", "Reflex"))
-        operator.visitor.say("give_back")
+        operator.client.say("give_back")
         stopped = operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["p"]
         operator.lead_arm([0, 0, -1, 0, 0, 0], lambda arm: arm["p"][2] < stopped[2] - 0.02)
 
@@ -146,9 +146,9 @@ class PageElsewhereTest(unittest.TestCase):
         for line in run.stdout:
             said += line
             if match := re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
-                with WebSocket(int(match[1])) as visitor:
-                    visitor.say("hello", token=match[2])
-                    return visitor.hear("welcome")["watch_only"]
+                with WebSocket(int(match[1])) as client:
+                    client.say("hello", token=match[2])
+                    return client.hear("welcome")["watch_only"]
         self.fail(said)
 
     def test_is_led(self):

@@ -51,10 +51,10 @@ class Run:
             self.process.kill()
             raise
 
-    def visit(self, token=None):
-        visitor = WebSocket(self.port)
-        visitor.say("hello", token=token or self.token)
-        return visitor
+    def connect(self, token=None):
+        client = WebSocket(self.port)
+        client.say("hello", token=token or self.token)
+        return client
 
 
 class PageServerTest(unittest.TestCase):
@@ -70,8 +70,8 @@ class PageServerTest(unittest.TestCase):
         return http(self.port, [f"GET {path} HTTP/1.1", f"Host: {host or f'127.0.0.1:{self.port}'}", "Connection: close", *more])
 
     def assert_lives(self):
-        with self.served.visit() as visitor:
-            visitor.hear("state")
+        with self.served.connect() as client:
+            client.hear("state")
 
     def test_page_comes_with_headers_that_lock_it_in(self):
         status, head, body = self.get("/")
@@ -105,58 +105,58 @@ class PageServerTest(unittest.TestCase):
             self.assertEqual(refused.exception.args, (403,))
 
     def test_wrong_token_is_sent_away(self):
-        with self.served.visit(token="0" * 32) as visitor:
-            self.assertEqual(visitor.closing(), "wrong token")
+        with self.served.connect(token="0" * 32) as client:
+            self.assertEqual(client.closing(), "wrong token")
 
     def test_who_says_nothing_is_sent_away(self):
-        with WebSocket(self.port) as visitor:
-            self.assertEqual(visitor.closing(), "no token came")
+        with WebSocket(self.port) as client:
+            self.assertEqual(client.closing(), "no token came")
 
-    def test_visitor_is_told_what_is(self):
-        with self.served.visit() as visitor:
-            welcome = visitor.hear("welcome")
+    def test_client_is_told_what_is(self):
+        with self.served.connect() as client:
+            welcome = client.hear("welcome")
             self.assertEqual(welcome["title"], "page")
             self.assertEqual(len(welcome["limits"]["q_max"]), 7)
-            first = visitor.hear(lambda message: message["type"] == "state" and message["arm"])
-            later = visitor.hear(lambda message: message["type"] == "state" and message["t"] > first["t"] + 0.1)
+            first = client.hear(lambda message: message["type"] == "state" and message["arm"])
+            later = client.hear(lambda message: message["type"] == "state" and message["t"] > first["t"] + 0.1)
             self.assertEqual(later["arm"]["mode"], "Move")
             self.assertGreater(later["arm"]["margin"], 0)
             self.assertEqual(later["arm"]["held"], 0)
 
     def test_run_on_a_virtual_clock_goes_at_the_walls_pace(self):
         begin = time.monotonic()  # before any state can have been sent: what is heard may have waited
-        with self.served.visit() as visitor:
-            first = visitor.hear(lambda message: message["type"] == "state" and message["arm"])
-            later = visitor.hear(lambda message: message["type"] == "state" and message["t"] > first["t"] + 1)
+        with self.served.connect() as client:
+            first = client.hear(lambda message: message["type"] == "state" and message["arm"])
+            later = client.hear(lambda message: message["type"] == "state" and message["t"] > first["t"] + 1)
             self.assertLessEqual(later["t"] - first["t"], time.monotonic() - begin + 0.3)
 
     def test_a_picture_comes_and_the_next_when_it_was_shown(self):
-        with self.served.visit() as visitor:
-            picture = visitor.picture()
+        with self.served.connect() as client:
+            picture = client.picture()
             self.assertEqual((picture[:3], picture[-2:]), (b"\xff\xd8\xff", b"\xff\xd9"))  # as a JPEG begins and ends
-            visitor.say("shown")
-            self.assertEqual(visitor.picture()[:3], b"\xff\xd8\xff")
+            client.say("shown")
+            self.assertEqual(client.picture()[:3], b"\xff\xd8\xff")
 
     def test_nobody_operates_a_run_that_goes_by_itself(self):
-        with self.served.visit() as visitor:
-            visitor.say("take")
-            self.assertIn("nobody operates this run", visitor.hear("refused")["text"])
+        with self.served.connect() as client:
+            client.say("take")
+            self.assertIn("nobody operates this run", client.hear("refused")["text"])
 
     def test_malformed_frames_end_their_connection_and_nothing_else(self):
-        def unmasked(visitor): visitor.send_frame(TEXT, b'{"type":"stop"}', masked=False)
-        def reserved(visitor): visitor.send_frame(11, b"x")
-        def long_ping(visitor): visitor.send_frame(PING, b"x" * 200)
-        def too_long(visitor): visitor.send_frame(TEXT, b"x" * 5000)
-        def no_text(visitor): visitor.send_frame(2, b"\x00\x01")
-        def no_utf8(visitor): visitor.send_frame(TEXT, b"\xff\xfe")
-        def no_json(visitor): visitor.send_frame(TEXT, b"{")
-        def endless(visitor): visitor.connection.sendall(b"\x81\xff" + b"\x7f" + b"\xff" * 7 + b"mask")
-        def garbage(visitor): visitor.connection.sendall(bytes(range(256)))
+        def unmasked(client): client.send_frame(TEXT, b'{"type":"stop"}', masked=False)
+        def reserved(client): client.send_frame(11, b"x")
+        def long_ping(client): client.send_frame(PING, b"x" * 200)
+        def too_long(client): client.send_frame(TEXT, b"x" * 5000)
+        def no_text(client): client.send_frame(2, b"\x00\x01")
+        def no_utf8(client): client.send_frame(TEXT, b"\xff\xfe")
+        def no_json(client): client.send_frame(TEXT, b"{")
+        def endless(client): client.connection.sendall(b"\x81\xff" + b"\x7f" + b"\xff" * 7 + b"mask")
+        def garbage(client): client.connection.sendall(bytes(range(256)))
         for bad in (unmasked, reserved, long_ping, too_long, no_text, no_utf8, no_json, endless, garbage):
-            with self.subTest(bad.__name__), self.served.visit() as visitor:
-                visitor.hear("welcome")
-                bad(visitor)
-                visitor.closing()
+            with self.subTest(bad.__name__), self.served.connect() as client:
+                client.hear("welcome")
+                bad(client)
+                client.closing()
         self.assert_lives()
 
     def test_malformed_requests_end_their_connection_and_nothing_else(self):
@@ -166,30 +166,30 @@ class PageServerTest(unittest.TestCase):
         self.assert_lives()
 
     def test_fifty_connections_that_stay_hurt_nobody(self):
-        visitors = [self.served.visit() for _ in range(50)]
+        clients = [self.served.connect() for _ in range(50)]
         try:
-            for visitor in visitors:
-                visitor.hear("welcome")
-            with self.served.visit() as late:
-                self.assertGreaterEqual(late.hear("state")["visitors"], 51)
+            for client in clients:
+                client.hear("welcome")
+            with self.served.connect() as late:
+                self.assertGreaterEqual(late.hear("state")["clients"], 51)
                 begin = late.hear("state")["t"]
                 self.assertGreater(late.hear(lambda m: m["type"] == "state" and m["t"] > begin + 0.5)["t"], begin)
         finally:
-            for visitor in visitors:
-                visitor.connection.close()
+            for client in clients:
+                client.connection.close()
 
     def test_one_too_many_is_told_so(self):
-        visitors = []
+        clients = []
         try:
             with self.assertRaises(Refused) as refused:
                 for _ in range(120):
-                    visitors.append(self.served.visit())
-                    visitors[-1].hear("welcome")
+                    clients.append(self.served.connect())
+                    clients[-1].hear("welcome")
             self.assertEqual(refused.exception.args, (503,))
-            self.assertEqual(len(visitors), 100)
+            self.assertEqual(len(clients), 100)
         finally:
-            for visitor in visitors:
-                visitor.connection.close()
+            for client in clients:
+                client.connection.close()
         limit = time.monotonic() + TIMEOUT
         while True:  # until the server has noticed that they are gone
             try:
@@ -211,10 +211,10 @@ class PageServerTest(unittest.TestCase):
                 if i % 3 == 1:
                     strangers[-1].sendall(b"GET / HTTP/1.1\r\n")
         come()
-        with self.served.visit() as visitor:
-            visitor.hear("welcome")
+        with self.served.connect() as client:
+            client.hear("welcome")
             come()
-            visitor.hear("state")  # who has shown it stays
+            client.hear("state")  # who has shown it stays
             for _ in range(40):
                 self.assertEqual(self.get("/")[0], 200)
                 self.assert_lives()
@@ -225,8 +225,8 @@ class PageServerTest(unittest.TestCase):
         self.assertEqual(http(self.port, ["GET / HTTP/1.1", "Connection: close"])[0], 400)
         self.assert_lives()
 
-    def test_visitor_who_takes_nothing_holds_up_nobody(self):
-        with self.served.visit() as slow, self.served.visit() as quick:
+    def test_client_who_takes_nothing_holds_up_nobody(self):
+        with self.served.connect() as slow, self.served.connect() as quick:
             slow.hear("welcome")
             for _ in range(200):  # answers to these pile up: nobody reads them
                 slow.say("ping", sent_ms=1)
@@ -250,7 +250,7 @@ class PageRecordingTest(unittest.TestCase):
         served = Run(folder.name, LED)
         self.addCleanup(served.end)
         operator = Operator(served.port, served.token)
-        self.addCleanup(operator.visitor.connection.close)
+        self.addCleanup(operator.client.connection.close)
 
         def leads(until):
             return lambda message: message["type"] == "state" and bool(message["teleop"]) and until(message["teleop"])
@@ -277,7 +277,7 @@ class PageEndTest(unittest.TestCase):
 
     def test_anyone_may_stop_and_all_hear_it(self):
         served = Run(self.folder)
-        with served.visit() as watcher, served.visit() as other:
+        with served.connect() as watcher, served.connect() as other:
             watcher.hear(lambda message: message["type"] == "state" and message["arm"])
             watcher.say("stop")
             self.assertIn("emergency stop", other.hear(lambda m: m["type"] == "event" and m["kind"] == "stop")["text"])
@@ -287,9 +287,9 @@ class PageEndTest(unittest.TestCase):
 
     def test_a_run_that_is_over_says_so(self):
         served = Run(self.folder, SCENARIO.replace("600 s", "1.5 s"))
-        with served.visit() as visitor:
-            self.assertEqual(visitor.hear("end")["text"], "it went well")
-            self.assertEqual(visitor.closing(), "the run is over")
+        with served.connect() as client:
+            self.assertEqual(client.hear("end")["text"], "it went well")
+            self.assertEqual(client.closing(), "the run is over")
         self.assertEqual(served.process.wait(timeout=TIMEOUT), 0)
         served.process.stdout.close()
 

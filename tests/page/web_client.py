@@ -133,15 +133,15 @@ class WebSocket:
 
 
 class Operator:
-    """A visitor whose hands do the same thing for as long as it listens. Control that it lost, to a machine that held it up for longer than
+    """A client whose hands do the same thing for as long as it listens. Control that it lost, to a machine that held it up for longer than
     the page waits for hands, it takes anew."""
 
     HANDS_S = 0.033
 
     def __init__(self, port, token):
-        self.visitor = WebSocket(port)
-        self.visitor.say("hello", token=token)
-        self.me = self.visitor.hear("welcome")["you"]
+        self.client = WebSocket(port)
+        self.client.say("hello", token=token)
+        self.me = self.client.hear("welcome")["you"]
         self.sent = 0
 
     def lead(self, axes, until, ask=None):
@@ -155,12 +155,12 @@ class Operator:
                 asks = ask is not None
             if message["type"] == "state":
                 if message["operator"] != self.me:
-                    self.visitor.say("take")
+                    self.client.say("take")
                 elif asks:
-                    self.visitor.say(ask[0], **ask[1])
+                    self.client.say(ask[0], **ask[1])
                     asks = False
                 if time.monotonic() - self.sent > self.HANDS_S:
                     self.sent = time.monotonic()
-                    self.visitor.say("hands", axes=axes, engaged=True, sent_ms=0)
+                    self.client.say("hands", axes=axes, engaged=True, sent_ms=0)
             return until(message)
-        return self.visitor.hear(fits)
+        return self.client.hear(fits)

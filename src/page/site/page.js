@@ -155,7 +155,7 @@ function facts() {
     if (operating() && teleop.echo_ms !== null) all.push(["robot, there and back", `${(performance.now() - teleop.echo_ms).toFixed(0)} ms`]);
   }
   if (turnaround !== null) all.push(["page, there and back", `${turnaround.toFixed(0)} ms`]);
-  all.push(["visitors", String(state.visitors)]);
+  all.push(["clients", String(state.clients)]);
   return all;
 }
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "page/gate.h"
+#include "page/origin_check.h"
 #include "twin/fci/sockets.h"
 
 namespace twin::page {
@@ -11,13 +11,13 @@ namespace {
 constexpr fci::Endpoint kHere{.address = 0x7f000001, .port = 8080};
 constexpr fci::Endpoint kElsewhere{.address = 0xC0A80105, .port = 8080};  // 192.168.1.5
 
-TEST(GateTest, HostIsTheAddressAndPortOfTheConnection) {
+TEST(OriginCheckTest, HostIsTheAddressAndPortOfTheConnection) {
   EXPECT_TRUE(IsOurHost("127.0.0.1:8080", kHere));
   EXPECT_TRUE(IsOurHost("LocalHost:8080", kHere));
   EXPECT_TRUE(IsOurHost("192.168.1.5:8080", kElsewhere));
 }
 
-TEST(GateTest, HostOfANameThatResolvesToUsIsNotOurs) {
+TEST(OriginCheckTest, HostOfANameThatResolvesToUsIsNotOurs) {
   EXPECT_FALSE(IsOurHost("evil.example:8080", kHere));
   EXPECT_FALSE(IsOurHost("127.0.0.1.evil.example:8080", kHere));
   EXPECT_FALSE(IsOurHost("127.0.0.1:8081", kHere));
@@ -26,13 +26,13 @@ TEST(GateTest, HostOfANameThatResolvesToUsIsNotOurs) {
   EXPECT_FALSE(IsOurHost("localhost:8080", kElsewhere));
 }
 
-TEST(GateTest, HostMayLeaveOutPort80) {
+TEST(OriginCheckTest, HostMayLeaveOutPort80) {
   constexpr fci::Endpoint kPlain{.address = 0x7f000001, .port = 80};
   EXPECT_TRUE(IsOurHost("localhost", kPlain));
   EXPECT_TRUE(IsOurHost("127.0.0.1:80", kPlain));
 }
 
-TEST(GateTest, OriginIsOurOwnPage) {
+TEST(OriginCheckTest, OriginIsOurOwnPage) {
   EXPECT_TRUE(IsOurOrigin("http://127.0.0.1:8080", "127.0.0.1:8080"));
   EXPECT_FALSE(IsOurOrigin("", "127.0.0.1:8080"));
   EXPECT_FALSE(IsOurOrigin("null", "127.0.0.1:8080"));

@@ -1,4 +1,4 @@
-#include "page/connection.h"
+#include "page/http_connection.h"
 
 #include <algorithm>
 #include <chrono>
@@ -17,7 +17,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
-#include "page/gate.h"
+#include "page/origin_check.h"
 #include "page/site.h"
 
 namespace twin::page {
@@ -78,42 +78,44 @@ Response Answer(const Request& request) {
 
 /// A browser's WebSocket. It keeps itself while an operation goes on (Asio's idiom), hence the
 /// shared_ptr.
-class Socket final : public Visitor, public Droppable, public std::enable_shared_from_this<Socket> {
+class Socket final : public Connection,
+                     public Droppable,
+                     public std::enable_shared_from_this<Socket> {
  public:
-  Socket(beast::tcp_stream stream, ConnectionHouse& house, std::unique_ptr<Place> place)
+  Socket(beast::tcp_stream stream, ConnectionPool& pool, std::unique_ptr<PoolEntry> entry)
       : stream_(std::move(stream)),
-        house_(house),
-        place_(std::move(place)),
+        pool_(pool),
+        entry_(std::move(entry)),
         deadline_(stream_.get_executor()) {
-    place_->PassTo(*this);
+    entry_->PassTo(*this);
   }
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
   void Start(const Request& request) {
-    stream_.set_option(websocket::stream_base::timeout{.handshake_timeout = house_.config.timeout,
-                                                       .idle_timeout = 4 * house_.config.timeout,
+    stream_.set_option(websocket::stream_base::timeout{.handshake_timeout = pool_.config.timeout,
+                                                       .idle_timeout = 4 * pool_.config.timeout,
                                                        .keep_alive_pings = true});
-    stream_.read_message_max(house_.config.longest_message);
+    stream_.read_message_max(pool_.config.longest_message);
     stream_.async_accept(request, [self = shared_from_this()](error_code error) {
       if (error) return;
-      self->house_.visitors.OnCome(*self);
+      self->pool_.listener.OnConnect(*self);
       self->Read();
     });
   }
 
-  void Send(SharedParcel parcel) override {
+  void Send(SharedFrame frame) override {
     if (is_closing_) return;
-    if (queue_.size() >= house_.config.most_waiting) {
+    if (queue_.size() >= pool_.config.most_waiting) {
       Drop();
       return;
     }
-    queue_.push_back(std::move(parcel));
+    queue_.push_back(std::move(frame));
     if (queue_.size() == 1) Write();
   }
 
   [[nodiscard]] std::size_t waiting() const noexcept override { return queue_.size(); }
-  void Trust() override { place_->Trust(); }
+  void Authenticate() override { entry_->Authenticate(); }
 
   void Close(std::string_view reason) override {
     if (is_closing_) return;
@@ -138,7 +140,7 @@ class Socket final : public Visitor, public Droppable, public std::enable_shared
     if (!is_closing_) {
       if (stream_.got_text()) {
         const auto bytes = buffer_.data();
-        house_.visitors.OnText(*this, {static_cast<const char*>(bytes.data()), bytes.size()});
+        pool_.listener.OnText(*this, {static_cast<const char*>(bytes.data()), bytes.size()});
       } else {
         Close("only text is understood");
       }
@@ -148,7 +150,7 @@ class Socket final : public Visitor, public Droppable, public std::enable_shared
 
   void Write() {
     stream_.text(queue_.front()->is_text);
-    deadline_.expires_after(house_.config.timeout);
+    deadline_.expires_after(pool_.config.timeout);
     deadline_.async_wait([self = shared_from_this()](error_code error) {
       if (!error) self->Drop();
     });
@@ -176,7 +178,7 @@ class Socket final : public Visitor, public Droppable, public std::enable_shared
   /// Without waiting for anything; what is under way ends with an error.
   void Drop() override {
     is_closing_ = true;
-    place_->Leave();
+    entry_->Leave();
     error_code ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);
   }
@@ -184,16 +186,16 @@ class Socket final : public Visitor, public Droppable, public std::enable_shared
   void Leave() {
     is_closing_ = true;
     deadline_.cancel();
-    house_.visitors.OnGone(*this);
+    pool_.listener.OnDisconnect(*this);
     Drop();
   }
 
   websocket::stream<beast::tcp_stream> stream_;
-  ConnectionHouse& house_;
-  const std::unique_ptr<Place> place_;
+  ConnectionPool& pool_;
+  const std::unique_ptr<PoolEntry> entry_;
   asio::steady_timer deadline_;
   beast::flat_buffer buffer_;
-  std::deque<SharedParcel> queue_;  ///< the first is going out
+  std::deque<SharedFrame> queue_;  ///< the first is going out
   bool is_closing_ = false;
   std::string reason_;
 };
@@ -202,11 +204,11 @@ class Socket final : public Visitor, public Droppable, public std::enable_shared
 /// Socket does.
 class Files final : public Droppable, public std::enable_shared_from_this<Files> {
  public:
-  Files(asio::ip::tcp::socket socket, ConnectionHouse& house)
+  Files(asio::ip::tcp::socket socket, ConnectionPool& pool)
       : stream_(std::move(socket)),
-        house_(house),
+        pool_(pool),
         local_(LocalOf(stream_)),
-        place_(std::make_unique<Place>(house, *this)) {}
+        entry_(std::make_unique<PoolEntry>(pool, *this)) {}
   Files(const Files&) = delete;
   Files& operator=(const Files&) = delete;
 
@@ -214,7 +216,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
     parser_.emplace();
     parser_->header_limit(kLongestHeader);
     parser_->body_limit(0);
-    stream_.expires_after(house_.config.timeout);
+    stream_.expires_after(pool_.config.timeout);
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](error_code error, std::size_t) {
                        if (!error) self->Decide();
@@ -222,7 +224,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
   }
 
   void Drop() override {
-    place_->Leave();
+    entry_->Leave();
     error_code ignored;
     stream_.socket().close(ignored);
   }
@@ -231,7 +233,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
   void Decide() {
     const Request& request = parser_->get();
     const std::string_view host = ViewOf(request[http::field::host]);
-    if (house_.trusted >= house_.config.most_connections) {
+    if (pool_.authenticated >= pool_.config.most_connections) {
       Reply(PlainResponse(http::status::service_unavailable, "Too many look on already\n"));
     } else if (request.count(http::field::host) != 1) {
       // Of several, who stands between us and the browser may have looked at another one.
@@ -245,7 +247,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
       Reply(PlainResponse(http::status::forbidden, "Only our own page may open this WebSocket\n"));
     } else {
       stream_.expires_never();  // the WebSocket has time limits of its own
-      std::make_shared<Socket>(std::move(stream_), house_, std::move(place_))->Start(request);
+      std::make_shared<Socket>(std::move(stream_), pool_, std::move(entry_))->Start(request);
     }
   }
 
@@ -269,9 +271,9 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
   }
 
   beast::tcp_stream stream_;
-  ConnectionHouse& house_;
+  ConnectionPool& pool_;
   const fci::Endpoint local_;
-  std::unique_ptr<Place> place_;  ///< null once it is a Socket's
+  std::unique_ptr<PoolEntry> entry_;  ///< null once it is a Socket's
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   Response response_;
@@ -279,9 +281,10 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
 
 }  // namespace
 
-void ServeConnection(asio::ip::tcp::socket socket, ConnectionHouse& house) {
-  if (house.strangers.size() >= house.config.most_connections) house.strangers.front()->Drop();
-  std::make_shared<Files>(std::move(socket), house)->Read();
+void ServeConnection(asio::ip::tcp::socket socket, ConnectionPool& pool) {
+  if (pool.unauthenticated.size() >= pool.config.most_connections)
+    pool.unauthenticated.front()->Drop();
+  std::make_shared<Files>(std::move(socket), pool)->Read();
 }
 
 }  // namespace twin::page

@@ -1,4 +1,4 @@
-#include "page/gate.h"
+#include "page/origin_check.h"
 
 #include <algorithm>
 #include <cctype>

@@ -10,16 +10,16 @@
 #include <string_view>
 #include <vector>
 
+#include "page/connection.h"
 #include "page/message.h"
-#include "page/visitor.h"
 #include "twin/core/clock.h"
 #include "twin/core/time.h"
 #include "twin/page/operator_channel.h"
 
 namespace twin::page {
 
-/// What visitors are told, and what they may do.
-struct DeskConfig {
+/// What clients are told, and what they may do.
+struct OperatorServerConfig {
   std::string token;    ///< that each must know
   std::string welcome;  ///< members of a JSON object: what does not change
   /// Why nobody may operate here, for people; empty: one may.
@@ -29,10 +29,10 @@ struct DeskConfig {
   Duration state_period = std::chrono::milliseconds(40);
 };
 
-/// What the desk has others do. All are called on its thread; those marked may be empty.
-struct DeskCalls {
+/// Callbacks of the operator server, called on its thread. Those marked optional may be empty.
+struct OperatorServerCallbacks {
   std::function<std::string()> status;  ///< members of a JSON object: what is now
-  /// Somebody operates now; or nobody does any more. Where this is set, the session's end is
+  /// An operator took control, or gave it back. Where this is set, the session's end is
   /// pressed after the latter. Or empty.
   std::function<void(bool)> control{};
   std::function<void()> release{};  ///< of an emergency stop, beside the device's; or empty
@@ -46,56 +46,57 @@ struct DeskCalls {
   std::function<std::string(bool)> record{};
 };
 
-/// Looks after the visitors: lets in who knows the token, gives control to one at a time, makes
-/// samples of what that one's hands do, tells all what is. Anyone may stop.
+/// Serves the operator's page: authenticates clients by the token, gives control to one of them at
+/// a time, turns that client's input into samples, and broadcasts the state. Any client may stop.
 ///
 /// Control: given to the first who asks while nobody has it; gone when it is given back, when the
 /// connection is, and when no hands came for `silence`. Hands are the heartbeat: between them and
 /// that, whoever reads the samples finds them too old, and holds.
 ///
 /// Threads: the web server's.
-class Desk final : public Visitors {
+class OperatorServer final : public ConnectionListener {
  public:
   /// @param channel, clock  must outlive this.
-  Desk(DeskConfig config, DeskCalls calls, OperatorChannel& channel, const Clock& clock);
+  OperatorServer(OperatorServerConfig config, OperatorServerCallbacks calls,
+                 OperatorChannel& channel, const Clock& clock);
 
-  void OnCome(Visitor& visitor) override;
-  void OnText(Visitor& visitor, std::string_view text) override;
-  void OnGone(Visitor& visitor) override;
+  void OnConnect(Connection& connection) override;
+  void OnText(Connection& connection, std::string_view text) override;
+  void OnDisconnect(Connection& connection) override;
   void OnTick() override;
 
-  [[nodiscard]] std::size_t visitors() const noexcept { return guests_.size(); }
+  [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
 
-  /// To all who have shown the last one.
-  void OnPicture(const SharedParcel& picture);
-  /// A line for all, and for those who come later.
+  /// Sends it to the clients that have shown the last one.
+  void OnPicture(const SharedFrame& picture);
+  /// Sends a line to all clients, and to those that connect later.
   void Tell(Time at, std::string_view kind, std::string_view text);
-  /// The run is over: tells all, and lets them go.
+  /// The run is over: tells all clients, and disconnects them.
   void End(std::string_view text);
 
  private:
-  struct Guest {
-    Visitor* visitor = nullptr;
+  struct Client {
+    Connection* connection = nullptr;
     std::uint64_t number = 0;  ///< from 1
     Time came{};
-    bool is_known = false;        ///< had the token
-    bool awaits_picture = false;  ///< has shown the last one
+    bool is_authenticated = false;  ///< has sent the token
+    bool awaits_picture = false;    ///< has shown the last one
   };
 
-  void Obey(Guest& guest, const message::Hello& hello);
-  void Obey(Guest& guest, const message::TakeControl& take);
-  void Obey(Guest& guest, const message::GiveControlBack& back);
-  void Obey(Guest& guest, const message::Hands& hands);
-  void Obey(Guest& guest, const message::Press& press);
-  void Obey(Guest& guest, const message::Stop& stop);
-  void Obey(Guest& guest, const message::ChooseCamera& camera);
-  void Obey(Guest& guest, const message::PictureShown& shown);
-  void Obey(Guest& guest, const message::Ping& ping);
-  void Obey(Guest& guest, const message::Record& record);
+  void Handle(Client& client, const message::Hello& hello);
+  void Handle(Client& client, const message::TakeControl& take);
+  void Handle(Client& client, const message::GiveControlBack& back);
+  void Handle(Client& client, const message::Hands& hands);
+  void Handle(Client& client, const message::Press& press);
+  void Handle(Client& client, const message::Stop& stop);
+  void Handle(Client& client, const message::ChooseCamera& camera);
+  void Handle(Client& client, const message::PictureShown& shown);
+  void Handle(Client& client, const message::Ping& ping);
+  void Handle(Client& client, const message::Record& record);
 
-  [[nodiscard]] Guest* Find(const Visitor& visitor);
-  [[nodiscard]] bool IsOperator(const Guest& guest) const { return operator_ == guest.number; }
-  /// Nobody operates any more: hands off.
+  [[nodiscard]] Client* Find(const Connection& connection);
+  [[nodiscard]] bool IsOperator(const Client& client) const { return operator_ == client.number; }
+  /// Ends the control, with all inputs at zero.
   void EndControl(std::string_view why);
   void Publish(const Vector6& axes, bool engaged, double sent_ms);
   void SendState();
@@ -106,13 +107,13 @@ class Desk final : public Visitors {
   static constexpr std::size_t kEchoes = 256;  ///< a power of two: of samples under way
   static constexpr std::size_t kMostEvents = 30;
 
-  const DeskConfig config_;
-  const DeskCalls calls_;
+  const OperatorServerConfig config_;
+  const OperatorServerCallbacks calls_;
   OperatorChannel& channel_;
   const Clock& clock_;
-  std::vector<Guest> guests_;
-  std::uint64_t guests_so_far_ = 0;
-  std::uint64_t operator_ = 0;  ///< number of the guest in control; 0: nobody
+  std::vector<Client> clients_;
+  std::uint64_t clients_so_far_ = 0;
+  std::uint64_t operator_ = 0;  ///< number of the client in control; 0: none
   Time heard_{};                ///< the operator, last
   teleop::OperatorSample sample_;
   std::array<double, kEchoes> sent_ms_{};  ///< by the samples' sequence

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "page/desk.h"
+#include "page/operator_server.h"
 #include "twin/page/page_device.h"
 
 namespace twin::page {
@@ -31,39 +31,39 @@ struct SetClock final : Clock {
 };
 
 /// A browser that keeps what it is sent.
-struct Browser final : Visitor {
-  void Send(SharedParcel parcel) override { got.push_back(parcel->bytes); }
+struct Browser final : Connection {
+  void Send(SharedFrame frame) override { got.push_back(frame->bytes); }
   [[nodiscard]] std::size_t waiting() const noexcept override { return behind; }
-  void Trust() override { trusted = true; }
+  void Authenticate() override { authenticated = true; }
   void Close(std::string_view reason) override { closed = reason; }
   std::vector<std::string> got;
   std::size_t behind = 0;
-  bool trusted = false;
+  bool authenticated = false;
   std::string closed;
 };
 
-class DeskTest : public testing::Test {
+class OperatorServerTest : public testing::Test {
  protected:
-  DeskTest() { desk.emplace(Config(), Calls(), channel, clock); }
+  OperatorServerTest() { server.emplace(Config(), Calls(), channel, clock); }
 
-  static DeskConfig Config() { return {.token = "secret", .welcome = R"("title":"x")"}; }
-  DeskCalls Calls() {
+  static OperatorServerConfig Config() { return {.token = "secret", .welcome = R"("title":"x")"}; }
+  OperatorServerCallbacks Calls() {
     return {.status = [] { return R"("t":0)"; },
             .stop = [this] { ++stops; },
             .choose_camera = [this](std::size_t number) { camera = number; },
             .watched = [this](bool wanted) { watched = wanted; }};
   }
   void Come(Browser& browser, const char* hello = kHello) {
-    desk->OnCome(browser);
-    desk->OnText(browser, hello);
+    server->OnConnect(browser);
+    server->OnText(browser, hello);
   }
   void Hands(Browser& browser, const std::string& ahead) {
-    desk->OnText(browser, R"({"type":"hands","axes":[)" + ahead +
-                              R"(,0,0,0,0,0],"engaged":true,"sent_ms":7})");
+    server->OnText(browser, R"({"type":"hands","axes":[)" + ahead +
+                                R"(,0,0,0,0,0],"engaged":true,"sent_ms":7})");
   }
   void Pass(Duration time) {
     clock.now += time;
-    desk->OnTick();
+    server->OnTick();
   }
 
   SetClock clock;
@@ -72,55 +72,55 @@ class DeskTest : public testing::Test {
   int stops = 0;
   std::size_t camera = 0;
   bool watched = false;
-  std::optional<Desk> desk;
+  std::optional<OperatorServer> server;
   Browser first;
   Browser second;
 };
 
-TEST_F(DeskTest, WelcomesWhoKnowsTheToken) {
+TEST_F(OperatorServerTest, WelcomesWhoKnowsTheToken) {
   Come(first);
   EXPECT_THAT(first.got, Contains(HasSubstr(R"("type":"welcome","you":1)")));
   EXPECT_THAT(first.closed, IsEmpty());
 }
 
-TEST_F(DeskTest, SendsAwayWhoDoesNot) {
+TEST_F(OperatorServerTest, SendsAwayWhoDoesNot) {
   Come(first, R"({"type":"hello","token":"Secret"})");
   EXPECT_EQ(first.closed, "wrong token");
   EXPECT_THAT(first.got, Not(Contains(HasSubstr("welcome"))));
 }
 
-TEST_F(DeskTest, WantsTheTokenBeforeAnythingElse) {
+TEST_F(OperatorServerTest, WantsTheTokenBeforeAnythingElse) {
   Come(first, kStop);
   EXPECT_EQ(first.closed, "the token comes first");
   EXPECT_EQ(stops, 0);
 }
 
-TEST_F(DeskTest, SendsAwayWhoSaysNothing) {
-  desk->OnCome(first);
+TEST_F(OperatorServerTest, SendsAwayWhoSaysNothing) {
+  server->OnConnect(first);
   Pass(milliseconds(4900));
   EXPECT_THAT(first.closed, IsEmpty());
   Pass(milliseconds(200));
   EXPECT_EQ(first.closed, "no token came");
 }
 
-TEST_F(DeskTest, TellsNothingToWhoHasNotShownTheToken) {
-  desk->OnCome(first);
+TEST_F(OperatorServerTest, TellsNothingToWhoHasNotShownTheToken) {
+  server->OnConnect(first);
   Come(second);
   Pass(milliseconds(100));
   EXPECT_THAT(first.got, IsEmpty());
 }
 
-TEST_F(DeskTest, EndsTheConnectionOfWhoTalksNonsense) {
+TEST_F(OperatorServerTest, EndsTheConnectionOfWhoTalksNonsense) {
   Come(first);
   Come(second);
-  desk->OnText(first, "nonsense");
+  server->OnText(first, "nonsense");
   EXPECT_THAT(first.closed, HasSubstr("no message"));
   EXPECT_THAT(second.closed, IsEmpty());
 }
 
-TEST_F(DeskTest, HandsOfTheOperatorAreSamples) {
+TEST_F(OperatorServerTest, HandsOfTheOperatorAreSamples) {
   Come(first);
-  desk->OnText(first, kTake);
+  server->OnText(first, kTake);
   Hands(first, "0.5");
   const auto sample = device.Read({});
   ASSERT_TRUE(sample);
@@ -129,75 +129,75 @@ TEST_F(DeskTest, HandsOfTheOperatorAreSamples) {
   EXPECT_FALSE(device.Read({}));  // each is read once
 }
 
-TEST_F(DeskTest, HandsOfAWatcherAreNone) {
+TEST_F(OperatorServerTest, HandsOfAWatcherAreNone) {
   Come(first);
   Come(second);
-  desk->OnText(first, kTake);
+  server->OnText(first, kTake);
   Hands(second, "0.5");
   EXPECT_FALSE(device.Read({}));
 }
 
-TEST_F(DeskTest, OneOperatesAtATime) {
+TEST_F(OperatorServerTest, OneOperatesAtATime) {
   Come(first);
   Come(second);
-  desk->OnText(first, kTake);
-  desk->OnText(second, kTake);
-  EXPECT_THAT(second.got, Contains(HasSubstr(R"("type":"refused","text":"visitor 1 operates)")));
+  server->OnText(first, kTake);
+  server->OnText(second, kTake);
+  EXPECT_THAT(second.got, Contains(HasSubstr(R"("type":"refused","text":"connection 1 operates)")));
   Hands(second, "0.5");
   EXPECT_FALSE(device.Read({}));
 }
 
-TEST_F(DeskTest, ControlThatIsGivenBackMayBeTaken) {
+TEST_F(OperatorServerTest, ControlThatIsGivenBackMayBeTaken) {
   Come(first);
   Come(second);
-  desk->OnText(first, kTake);
-  desk->OnText(first, R"({"type":"give_back"})");
-  desk->OnText(second, kTake);
+  server->OnText(first, kTake);
+  server->OnText(first, R"({"type":"give_back"})");
+  server->OnText(second, kTake);
   Hands(second, "0.25");
   EXPECT_EQ(device.Read({})->axes[0], 0.25);
 }
 
-TEST_F(DeskTest, HandsOffWhenTheOperatorGoes) {
+TEST_F(OperatorServerTest, HandsOffWhenTheOperatorGoes) {
   Come(first);
-  desk->OnText(first, kTake);
+  server->OnText(first, kTake);
   Hands(first, "1");
-  desk->OnGone(first);
+  server->OnDisconnect(first);
   const auto sample = device.Read({});
   ASSERT_TRUE(sample);
   EXPECT_EQ(sample->axes, Vector6{});
   EXPECT_FALSE(sample->engaged);
 }
 
-TEST_F(DeskTest, NoSampleComesWithoutAHeartbeat) {
+TEST_F(OperatorServerTest, NoSampleComesWithoutAHeartbeat) {
   Come(first);
-  desk->OnText(first, kTake);
+  server->OnText(first, kTake);
   Hands(first, "1");
   static_cast<void>(device.Read({}));
   Pass(milliseconds(300));
   EXPECT_FALSE(device.Read({}));
 }
 
-TEST_F(DeskTest, SilenceOfTwoSecondsTakesControlAway) {
+TEST_F(OperatorServerTest, SilenceOfTwoSecondsTakesControlAway) {
   Come(first);
   Come(second);
-  desk->OnText(first, kTake);
+  server->OnText(first, kTake);
   Hands(first, "1");
   Pass(milliseconds(1900));
-  desk->OnText(second, kTake);
+  server->OnText(second, kTake);
   EXPECT_THAT(second.got, Contains(HasSubstr("refused")));
   Pass(milliseconds(200));
   second.got.clear();
-  desk->OnText(second, kTake);
+  server->OnText(second, kTake);
   EXPECT_THAT(second.got, Not(Contains(HasSubstr("refused"))));
 }
 
-TEST_F(DeskTest, AnyoneMayStop) {
+TEST_F(OperatorServerTest, AnyoneMayStop) {
   Come(first);
   Come(second);
-  desk->OnText(first, kTake);
+  server->OnText(first, kTake);
   Hands(first, "1");
   static_cast<void>(device.Read({}));
-  desk->OnText(second, kStop);
+  server->OnText(second, kStop);
   const auto sample = device.Read({});
   ASSERT_TRUE(sample);
   EXPECT_EQ(sample->stop_presses, 1U);
@@ -205,113 +205,113 @@ TEST_F(DeskTest, AnyoneMayStop) {
   EXPECT_EQ(stops, 1);
 }
 
-TEST_F(DeskTest, OnlyTheOperatorPressesButtons) {
+TEST_F(OperatorServerTest, OnlyTheOperatorPressesButtons) {
   Come(first);
   Come(second);
-  desk->OnText(first, kTake);
-  desk->OnText(second, R"({"type":"press","button":"gripper"})");
+  server->OnText(first, kTake);
+  server->OnText(second, R"({"type":"press","button":"gripper"})");
   EXPECT_FALSE(device.Read({}));
-  desk->OnText(first, R"({"type":"press","button":"gripper"})");
+  server->OnText(first, R"({"type":"press","button":"gripper"})");
   EXPECT_EQ(device.Read({})->gripper_presses, 1U);
 }
 
-TEST_F(DeskTest, DeviceThatComesLaterIsToldOfNoEarlierPress) {
+TEST_F(OperatorServerTest, DeviceThatComesLaterIsToldOfNoEarlierPress) {
   Come(first);
-  desk->OnText(first, kTake);
-  desk->OnText(first, R"({"type":"press","button":"gripper"})");
+  server->OnText(first, kTake);
+  server->OnText(first, R"({"type":"press","button":"gripper"})");
   PageDevice later(channel, "here");
   EXPECT_FALSE(later.Read({}));
-  desk->OnText(first, R"({"type":"press","button":"gripper"})");
+  server->OnText(first, R"({"type":"press","button":"gripper"})");
   EXPECT_EQ(later.Read({})->gripper_presses, 1U);
 }
 
-TEST_F(DeskTest, SessionThatEndsWithItsOperatorIsToldTheEndLast) {
-  DeskCalls calls = Calls();
+TEST_F(OperatorServerTest, SessionThatEndsWithItsOperatorIsToldTheEndLast) {
+  OperatorServerCallbacks calls = Calls();
   std::vector<std::uint32_t> ends;
   calls.control = [&](bool wanted) {
     const auto sample = device.Read({});
     if (!wanted) ends.push_back(sample ? sample->end_presses : 0);
   };
-  desk.emplace(Config(), calls, channel, clock);
+  server.emplace(Config(), calls, channel, clock);
   Come(first);
-  desk->OnText(first, kTake);
-  desk->OnText(first, R"({"type":"give_back"})");
+  server->OnText(first, kTake);
+  server->OnText(first, R"({"type":"give_back"})");
   EXPECT_EQ(ends, std::vector<std::uint32_t>{0});
   EXPECT_EQ(device.Read({})->end_presses, 1U);
 }
 
-TEST_F(DeskTest, SessionGoesOnWithoutAnOperatorElsewhere) {
+TEST_F(OperatorServerTest, SessionGoesOnWithoutAnOperatorElsewhere) {
   Come(first);
-  desk->OnText(first, kTake);
-  desk->OnText(first, R"({"type":"give_back"})");
+  server->OnText(first, kTake);
+  server->OnText(first, R"({"type":"give_back"})");
   EXPECT_EQ(device.Read({})->end_presses, 0U);
 }
 
-TEST_F(DeskTest, EverySampleIsShownToWhoRecords) {
-  DeskCalls calls = Calls();
+TEST_F(OperatorServerTest, EverySampleIsShownToWhoRecords) {
+  OperatorServerCallbacks calls = Calls();
   std::vector<std::uint64_t> kept;
   calls.sample = [&](const teleop::OperatorSample& sample) { kept.push_back(sample.sequence); };
-  desk.emplace(Config(), calls, channel, clock);
+  server.emplace(Config(), calls, channel, clock);
   Come(first);
-  desk->OnText(first, kTake);
+  server->OnText(first, kTake);
   Hands(first, "1");
-  desk->OnText(first, R"({"type":"press","button":"mode"})");
+  server->OnText(first, R"({"type":"press","button":"mode"})");
   EXPECT_EQ(kept, (std::vector<std::uint64_t>{1, 2}));
 }
 
-TEST_F(DeskTest, NobodyOperatesWhereOneMayOnlyWatch) {
-  DeskConfig config = Config();
+TEST_F(OperatorServerTest, NobodyOperatesWhereOneMayOnlyWatch) {
+  OperatorServerConfig config = Config();
   config.watch_only = "a real arm";
-  desk.emplace(config, Calls(), channel, clock);
+  server.emplace(config, Calls(), channel, clock);
   Come(first);
-  desk->OnText(first, kTake);
+  server->OnText(first, kTake);
   Hands(first, "1");
   EXPECT_FALSE(device.Read({}));
   EXPECT_THAT(first.got, Contains(HasSubstr(R"("refused","text":"a real arm")")));
 }
 
-TEST_F(DeskTest, OnlyTheOperatorPointsTheCamera) {
+TEST_F(OperatorServerTest, OnlyTheOperatorPointsTheCamera) {
   Come(first);
   Come(second);
-  desk->OnText(first, kTake);
-  desk->OnText(second, R"({"type":"camera","number":3})");
+  server->OnText(first, kTake);
+  server->OnText(second, R"({"type":"camera","number":3})");
   EXPECT_EQ(camera, 0U);
-  desk->OnText(first, R"({"type":"camera","number":2})");
+  server->OnText(first, R"({"type":"camera","number":2})");
   EXPECT_EQ(camera, 2U);
 }
 
-TEST_F(DeskTest, NextPictureGoesToWhoHasShownTheLast) {
-  const auto picture = std::make_shared<const Parcel>(Parcel{"jpeg", false});
+TEST_F(OperatorServerTest, NextPictureGoesToWhoHasShownTheLast) {
+  const auto picture = std::make_shared<const Frame>(Frame{"jpeg", false});
   Come(first);
   Come(second);
-  desk->OnPicture(picture);
-  desk->OnText(second, R"({"type":"shown"})");
-  desk->OnPicture(picture);
+  server->OnPicture(picture);
+  server->OnText(second, R"({"type":"shown"})");
+  server->OnPicture(picture);
   EXPECT_EQ(std::ranges::count(first.got, "jpeg"), 1);
   EXPECT_EQ(std::ranges::count(second.got, "jpeg"), 2);
 }
 
-TEST_F(DeskTest, NoPictureIsWantedWhenNobodyWaitsForOne) {
+TEST_F(OperatorServerTest, NoPictureIsWantedWhenNobodyWaitsForOne) {
   Come(first);
   Pass(milliseconds(20));
   EXPECT_TRUE(watched);
-  desk->OnPicture(std::make_shared<const Parcel>(Parcel{"jpeg", false}));
+  server->OnPicture(std::make_shared<const Frame>(Frame{"jpeg", false}));
   Pass(milliseconds(20));
   EXPECT_FALSE(watched);
 }
 
-TEST_F(DeskTest, StatesAreLeftOutForWhoIsBehind) {
+TEST_F(OperatorServerTest, StatesAreLeftOutForWhoIsBehind) {
   Come(first);
   Come(second);
   first.behind = 10;
   Pass(milliseconds(100));
   EXPECT_THAT(first.got, Not(Contains(HasSubstr(R"("type":"state")"))));
-  EXPECT_THAT(second.got, Contains(HasSubstr(R"("type":"state","operator":0,"visitors":2)")));
+  EXPECT_THAT(second.got, Contains(HasSubstr(R"("type":"state","operator":0,"clients":2)")));
 }
 
-TEST_F(DeskTest, FeedbackIsToldWithTheTimeOfTheSampleItAnswers) {
+TEST_F(OperatorServerTest, FeedbackIsToldWithTheTimeOfTheSampleItAnswers) {
   Come(first);
-  desk->OnText(first, kTake);
+  server->OnText(first, kTake);
   Hands(first, "1");
   device.Feel({.sequence = 1, .echo = 1, .mode = teleop::Mode::kBase});
   Pass(milliseconds(100));
@@ -319,15 +319,15 @@ TEST_F(DeskTest, FeedbackIsToldWithTheTimeOfTheSampleItAnswers) {
   EXPECT_THAT(first.got, Contains(HasSubstr(R"("echo_ms":7.0)")));
 }
 
-TEST_F(DeskTest, WhoComesLaterHearsWhatHappened) {
-  desk->Tell(Time(milliseconds(1500)), "error", "joint 3");
+TEST_F(OperatorServerTest, WhoComesLaterHearsWhatHappened) {
+  server->Tell(Time(milliseconds(1500)), "error", "joint 3");
   Come(first);
   EXPECT_THAT(first.got, Contains(R"({"type":"event","t":1.500,"kind":"error","text":"joint 3"})"));
 }
 
-TEST_F(DeskTest, TheEndIsToldAndNobodyStays) {
+TEST_F(OperatorServerTest, TheEndIsToldAndNobodyStays) {
   Come(first);
-  desk->End("it went well");
+  server->End("it went well");
   EXPECT_THAT(first.got, Contains(R"({"type":"end","text":"it went well"})"));
   EXPECT_EQ(first.closed, "the run is over");
 }

@@ -1,0 +1,254 @@
+#include "page/operator_server.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "twin/core/secret.h"
+
+namespace twin::page {
+namespace {
+
+/// So many frames may wait for a connection before states and pictures are left out.
+constexpr std::size_t kBehind = 4;
+
+SharedFrame TextParcel(std::string text) {
+  return std::make_shared<const Frame>(Frame{std::move(text), true});
+}
+
+void Refuse(Connection& connection, std::string_view why) {
+  connection.Send(TextParcel(fmt::format(R"({{"type":"refused","text":{}}})", Quoted(why))));
+}
+
+}  // namespace
+
+OperatorServer::OperatorServer(OperatorServerConfig config, OperatorServerCallbacks calls,
+                               OperatorChannel& channel, const Clock& clock)
+    : config_(std::move(config)), calls_(std::move(calls)), channel_(channel), clock_(clock) {}
+
+OperatorServer::Client* OperatorServer::Find(const Connection& connection) {
+  const auto found = std::ranges::find(clients_, &connection, &Client::connection);
+  return found == clients_.end() ? nullptr : &*found;
+}
+
+void OperatorServer::OnConnect(Connection& connection) {
+  clients_.push_back(
+      {.connection = &connection, .number = ++clients_so_far_, .came = clock_.Now()});
+}
+
+void OperatorServer::OnText(Connection& connection, std::string_view text) {
+  Client* client = Find(connection);
+  if (client == nullptr) return;
+  const std::optional<Message> said = ParseMessage(text);
+  if (!said) {
+    connection.Close("that is no message of this page's");
+  } else if (!client->is_authenticated && !std::holds_alternative<message::Hello>(*said)) {
+    connection.Close("the token comes first");
+  } else {
+    std::visit([&](const auto& what) { Handle(*client, what); }, *said);
+  }
+}
+
+void OperatorServer::OnDisconnect(Connection& connection) {
+  const Client* client = Find(connection);
+  if (client == nullptr) return;
+  const bool operated = IsOperator(*client);
+  clients_.erase(clients_.begin() + (client - clients_.data()));
+  if (operated) EndControl("the operator's browser has gone");
+}
+
+void OperatorServer::OnTick() {
+  const Time now = clock_.Now();
+  for (const Client& client : clients_) {
+    if (!client.is_authenticated && now - client.came > config_.hello_timeout) {
+      client.connection->Close("no token came");
+    }
+  }
+  if (operator_ != 0 && now - heard_ > config_.silence) {
+    EndControl("nothing was heard of the operator's browser");
+  }
+  if (calls_.watched) {
+    calls_.watched(std::ranges::any_of(clients_, [](const Client& client) {
+      return client.is_authenticated && client.awaits_picture;
+    }));
+  }
+  if (now < next_state_) return;
+  next_state_ = std::max(next_state_ + config_.state_period, now);
+  SendState();
+}
+
+void OperatorServer::OnPicture(const SharedFrame& picture) {
+  for (Client& client : clients_) {
+    if (!client.is_authenticated || !client.awaits_picture ||
+        client.connection->waiting() >= kBehind)
+      continue;
+    client.awaits_picture = false;
+    client.connection->Send(picture);
+  }
+}
+
+void OperatorServer::Tell(Time at, std::string_view kind, std::string_view text) {
+  events_.push_back(fmt::format(R"({{"type":"event","t":{:.3f},"kind":{},"text":{}}})",
+                                ToSeconds(at.time_since_epoch()), Quoted(kind), Quoted(text)));
+  if (events_.size() > kMostEvents) events_.pop_front();
+  Broadcast(events_.back());
+}
+
+void OperatorServer::End(std::string_view text) {
+  EndControl("the run is over");
+  Broadcast(fmt::format(R"({{"type":"end","text":{}}})", Quoted(text)));
+  for (const Client& client : clients_) client.connection->Close("the run is over");
+}
+
+void OperatorServer::Handle(Client& client, const message::Hello& hello) {
+  if (!IsSameSecret(hello.token, config_.token)) {
+    Refuse(*client.connection, "that is not the token this run has printed");
+    client.connection->Close("wrong token");
+    return;
+  }
+  if (client.is_authenticated) return;
+  client.is_authenticated = true;
+  client.connection->Authenticate();
+  client.awaits_picture = true;
+  client.connection->Send(TextParcel(fmt::format(
+      R"({{"type":"welcome","you":{},"watch_only":{},"may_record":{},{}}})", client.number,
+      Quoted(config_.watch_only), static_cast<bool>(calls_.record), config_.welcome)));
+  for (const std::string& event : events_) client.connection->Send(TextParcel(event));
+}
+
+void OperatorServer::Handle(Client& client, const message::TakeControl& /*take*/) {
+  if (!config_.watch_only.empty()) {
+    Refuse(*client.connection, config_.watch_only);
+  } else if (operator_ == 0) {
+    operator_ = client.number;
+    heard_ = clock_.Now();
+    if (calls_.control) calls_.control(true);
+    Tell(heard_, "control", fmt::format("connection {} operates", client.number));
+  } else if (!IsOperator(client)) {
+    Refuse(*client.connection, fmt::format("connection {} operates; one at a time", operator_));
+  }
+}
+
+void OperatorServer::Handle(Client& client, const message::GiveControlBack& /*back*/) {
+  if (IsOperator(client)) EndControl("given back");
+}
+
+void OperatorServer::Handle(Client& client, const message::Hands& hands) {
+  if (!IsOperator(client)) return;  // a last one, after control was taken away, is no breach
+  heard_ = clock_.Now();
+  Publish(hands.axes, hands.engaged, hands.sent_ms);
+}
+
+void OperatorServer::Handle(Client& client, const message::Press& press) {
+  using message::Button;
+  if (!IsOperator(client)) {
+    Refuse(*client.connection, "take control first");
+    return;
+  }
+  switch (press.button) {
+    case Button::kMode: ++sample_.mode_presses; break;
+    case Button::kGripper: ++sample_.gripper_presses; break;
+    case Button::kFrame: ++sample_.frame_presses; break;
+    case Button::kScale: ++sample_.scale_presses; break;
+    case Button::kRelease:
+      ++sample_.release_presses;
+      if (calls_.release) calls_.release();
+      break;
+    case Button::kEnd: ++sample_.end_presses; break;
+  }
+  Publish(sample_.axes, sample_.engaged, sent_ms_[sample_.sequence % kEchoes]);
+}
+
+void OperatorServer::Handle(Client& client, const message::Stop& /*stop*/) {
+  ++sample_.stop_presses;
+  Publish({}, sample_.engaged, sent_ms_[sample_.sequence % kEchoes]);
+  if (calls_.stop) calls_.stop();
+  Tell(clock_.Now(), "stop",
+       fmt::format("connection {} pressed the emergency stop", client.number));
+}
+
+void OperatorServer::Handle(Client& client, const message::ChooseCamera& camera) {
+  if (operator_ != 0 && !IsOperator(client)) {
+    Refuse(*client.connection, "there is one camera for all, and the operator points it");
+  } else if (calls_.choose_camera) {
+    calls_.choose_camera(camera.number);
+  }
+}
+
+void OperatorServer::Handle(Client& client, const message::PictureShown& /*shown*/) {
+  client.awaits_picture = true;
+}
+
+void OperatorServer::Handle(Client& client, const message::Ping& ping) {
+  client.connection->Send(
+      TextParcel(fmt::format(R"({{"type":"pong","sent_ms":{:.3f}}})", ping.sent_ms)));
+}
+
+void OperatorServer::Handle(Client& client, const message::Record& record) {
+  if (!calls_.record) {
+    Refuse(*client.connection, "nothing is recorded here");
+  } else if (!IsOperator(client)) {
+    Refuse(*client.connection, "take control first: what the operator does is recorded");
+  } else {
+    Tell(clock_.Now(), "record", calls_.record(record.on));
+  }
+}
+
+void OperatorServer::EndControl(std::string_view why) {
+  if (operator_ == 0) return;
+  const std::uint64_t number = std::exchange(operator_, 0);
+  if (calls_.control) {
+    calls_.control(false);
+    ++sample_.end_presses;
+  }
+  Publish({}, false, 0);
+  Tell(clock_.Now(), "control", fmt::format("connection {} operates no more: {}", number, why));
+}
+
+void OperatorServer::Publish(const Vector6& axes, bool engaged, double sent_ms) {
+  ++sample_.sequence;
+  sample_.at = clock_.Now();
+  sample_.axes = axes;
+  sample_.engaged = engaged;
+  sent_ms_[sample_.sequence % kEchoes] = sent_ms;
+  channel_.Publish(sample_);
+  if (calls_.sample) calls_.sample(sample_);
+}
+
+void OperatorServer::SendState() {
+  if (clients_.empty()) return;
+  const SharedFrame state = TextParcel(StateText());
+  for (const Client& client : clients_) {
+    if (client.is_authenticated && client.connection->waiting() < kBehind)
+      client.connection->Send(state);
+  }
+}
+
+void OperatorServer::Broadcast(std::string text) {
+  const SharedFrame frame = TextParcel(std::move(text));
+  for (const Client& client : clients_) {
+    if (client.is_authenticated) client.connection->Send(frame);
+  }
+}
+
+std::string OperatorServer::StateText() {
+  const auto known = std::ranges::count_if(clients_, &Client::is_authenticated);
+  return fmt::format(R"({{"type":"state","operator":{},"clients":{},"teleop":{},{}}})", operator_,
+                     known, TeleopText(), calls_.status());
+}
+
+std::string OperatorServer::TeleopText() {
+  const teleop::OperatorFeedback* feedback = channel_.Feedback();
+  if (feedback == nullptr) return "null";
+  const bool has_echo = feedback->echo != 0 && sample_.sequence - feedback->echo < kEchoes;
+  return fmt::format(
+      R"({{"mode":"{}","stopped":{},"holding":{},"hand_closed":{},"fine":{},"at_border":{},"wrench":[{:.4g}],"echo_ms":{}}})",
+      feedback->mode == teleop::Mode::kArm ? "arm" : "base", feedback->stopped, feedback->holding,
+      feedback->hand_closed, feedback->fine, feedback->at_border, fmt::join(feedback->wrench, ","),
+      has_echo ? fmt::format("{:.1f}", sent_ms_[feedback->echo % kEchoes]) : "null");
+}
+
+}  // namespace twin::page
