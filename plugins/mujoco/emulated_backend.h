@@ -49,7 +49,7 @@ class EmulatedBackend : public backend::Backend, public backend::Panel {
   [[nodiscard]] backend::Hand* hand() noexcept { return robot_.has_hand() ? &hand_ : nullptr; }
 
   /// Null when the arm stands on the world.
-  [[nodiscard]] backend::Base* base() noexcept {
+  [[nodiscard]] backend::MobileBase* base() noexcept {
     return robot_.base() != nullptr ? &base_ : nullptr;
   }
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include "twin/backend/base.h"
+#include "twin/backend/mobile_base.h"
 #include "twin/robot/base_unit.h"
 
 namespace twin::plugins {
 
 /// The emulated mobile base behind the base seam, whoever advances its time.
-class EmulatedBase final : public backend::Base {
+class EmulatedBase final : public backend::MobileBase {
  public:
   /// @param unit  must outlive the base; null: there is none, and nothing is asked.
   explicit EmulatedBase(robot::BaseUnit* unit) noexcept : unit_(unit) {}

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "twin/core/base.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
 #include "twin/plant/body_view.h"

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "page/message.h"
-#include "twin/core/base.h"
 #include "twin/core/error.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/modes.h"
 
 namespace twin::page {

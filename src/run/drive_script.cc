@@ -12,7 +12,8 @@ constexpr Duration kPeriod = std::chrono::milliseconds(50);
 
 }  // namespace
 
-DriveScript::DriveScript(const std::vector<scenario::DriveEvent>& events, backend::Base& base, Tell tell)
+DriveScript::DriveScript(const std::vector<scenario::DriveEvent>& events, backend::MobileBase& base,
+                         Tell tell)
     : events_(events), base_(base), tell_(std::move(tell)) {}
 
 Time DriveScript::Attend(Time now) {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "twin/backend/base.h"
+#include "twin/backend/mobile_base.h"
 #include "twin/core/time.h"
 #include "twin/scenario/base_section.h"
 
@@ -22,14 +22,15 @@ class DriveScript {
 
   /// @param events  one after the other; they and the base must outlive the script. @param tell may
   /// be empty.
-  DriveScript(const std::vector<scenario::DriveEvent>& events, backend::Base& base, Tell tell);
+  DriveScript(const std::vector<scenario::DriveEvent>& events, backend::MobileBase& base,
+              Tell tell);
 
   /// Asks for what is due at `now`. @returns when to be called next.
   [[nodiscard]] Time Attend(Time now);
 
  private:
   const std::vector<scenario::DriveEvent>& events_;
-  backend::Base& base_;
+  backend::MobileBase& base_;
   const Tell tell_;
   std::size_t next_ = 0;  ///< of events_, not over yet
   bool told_ = false;     ///< of it

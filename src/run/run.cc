@@ -10,8 +10,8 @@
 
 #include "run/drive_script.h"
 #include "run/hand_script.h"
-#include "run/resolve.h"
 #include "run/prepared_motion.h"
+#include "run/resolve.h"
 #include "run/session_core.h"
 #include "run/start_check.h"
 #include "twin/run/session.h"
@@ -78,8 +78,8 @@ class Run::Impl {
 
  private:
   // The motion is prepared before the robot is connected: what is wrong with it is known then.
-  Impl(const scenario::Scenario& scenario, Plan plan, const Catalogue& catalogue, rt::RecordSink* sink,
-       const RealtimeSettings& settings)
+  Impl(const scenario::Scenario& scenario, Plan plan, const Catalogue& catalogue,
+       rt::RecordSink* sink, const RealtimeSettings& settings)
       : planning_(plan.planning),
         motion_(std::in_place, scenario, plan.robot,
                 MotionOf(scenario, plan.trajectory, plan.poses), catalogue.controllers),
@@ -145,7 +145,7 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
   MotionResult motion = core_.Move(*motion_, attend);
   RunResult result;
   if (hand) result.hand = hand->Report();
-  if (const backend::Base* base = core_.connection().base) result.base = base->ReadState();
+  if (const backend::MobileBase* base = core_.connection().base) result.base = base->ReadState();
   const SessionResult session = core_.End();
   result.report = std::move(motion.report);
   result.report.robot_timings = session.robot_timings;

@@ -147,7 +147,7 @@ const backend::Connection& Session::connection() const noexcept {
   return impl_->core().connection();
 }
 
-backend::Base* Session::base() const noexcept {
+backend::MobileBase* Session::base() const noexcept {
   return connection().base;
 }
 

@@ -21,8 +21,9 @@ double LargestDistance(const JointVector& a, const JointVector& b) {
 
 }  // namespace
 
-SessionCore::SessionCore(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
-                         rt::RecordSink* sink, const RealtimeSettings& settings)
+SessionCore::SessionCore(const scenario::Scenario& scenario, RobotPlan robot,
+                         const Catalogue& catalogue, rt::RecordSink* sink,
+                         const RealtimeSettings& settings)
     : scenario_(scenario),
       robot_(std::move(robot)),
       summary_(sink),
@@ -36,8 +37,8 @@ backend::Hand& SessionCore::RequireHand() const {
       fmt::format("hand: the backend {} has no hand; leave the commands out", scenario_.backend));
 }
 
-backend::Base& SessionCore::RequireBase() const {
-  backend::Base* base = connection().base;
+backend::MobileBase& SessionCore::RequireBase() const {
+  backend::MobileBase* base = connection().base;
   if (base != nullptr) return *base;
   throw InputError(
       fmt::format("base: the backend {} has no mobile base; leave it out", scenario_.backend));

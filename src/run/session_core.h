@@ -8,8 +8,8 @@
 
 #include "run/cycle_summary.h"
 #include "run/drive_setting.h"
-#include "run/resolve.h"
 #include "run/prepared_motion.h"
+#include "run/resolve.h"
 #include "twin/run/run.h"
 #include "twin/run/session.h"
 
@@ -34,7 +34,7 @@ class SessionCore {
   /// @throws InputError when there is no hand.
   [[nodiscard]] backend::Hand& RequireHand() const;
   /// @throws InputError when the arm stands on no mobile base.
-  [[nodiscard]] backend::Base& RequireBase() const;
+  [[nodiscard]] backend::MobileBase& RequireBase() const;
 
   /// As Session's.
   void Begin(const RunHooks& hooks);

@@ -145,7 +145,7 @@ TEST(ScenarioBaseTest, TheRobotComesWithIt) {
 }
 
 /// Keeps what it is asked for.
-class FakeBase final : public backend::Base {
+class FakeBase final : public backend::MobileBase {
  public:
   void Drive(const BaseTwist& twist) noexcept override { asked.push_back(twist); }
   void EmergencyStop() noexcept override {}
@@ -159,7 +159,7 @@ TEST(DriveScriptTest, AsksForItsDrivesAtTheirTimesAndForZeroBetweenThem) {
   FakeBase base;
   std::vector<std::string> told;
   run::DriveScript script(events, base,
-                     [&told](Time, std::string_view text) { told.emplace_back(text); });
+                          [&told](Time, std::string_view text) { told.emplace_back(text); });
   std::vector<int> times;
   for (Time now{}; now <= Time(360ms); now = script.Attend(now)) {
     times.push_back(static_cast<int>(now.time_since_epoch() / 1ms));

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "support/panda_limits.h"
-#include "twin/backend/base.h"
+#include "twin/backend/mobile_base.h"
 #include "twin/core/limits.h"
 #include "twin/model/arm_model.h"
 #include "twin/teleop/teleoperator.h"
@@ -36,7 +36,7 @@ class FakeDevice final : public Device {
 };
 
 /// Does at once what it is told.
-class FakeBase final : public backend::Base {
+class FakeBase final : public backend::MobileBase {
  public:
   BaseState state;
   int drives = 0;

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "twin/backend/backend.h"
-#include "twin/backend/base.h"
 #include "twin/backend/hand.h"
+#include "twin/backend/mobile_base.h"
 #include "twin/core/clock.h"
 #include "twin/core/panel.h"
 #include "twin/robot/robot_config.h"
@@ -104,7 +104,7 @@ struct Connection {
   RealtimeRobotControl* robot_time = nullptr;  ///< real time, simulated robot; null otherwise
   Panel* panel = nullptr;                      ///< owned by the backend; null for hardware
   Hand* hand = nullptr;                        ///< owned by the backend; null when none is mounted
-  Base* base = nullptr;  ///< owned by the backend; null when the arm stands on the world
+  MobileBase* base = nullptr;  ///< owned by the backend; null when the arm stands on the world
   /// Owned by the backend; null for hardware and the ideal plant. In real time, while cycles run,
   /// only from RecordSink::Put of a cycle's record: that is called on the plant's thread.
   const plant::TruthProbe* truth = nullptr;

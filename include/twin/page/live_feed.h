@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "twin/core/base.h"
 #include "twin/core/clock.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/modes.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_errors.h"

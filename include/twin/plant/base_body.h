@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "twin/core/base.h"
 #include "twin/core/base_interface.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 
 namespace twin::plant {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "twin/core/base.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/mobile_base.h"
 #include "twin/plant/mujoco_plant.h"
 
 namespace twin::plant {

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <optional>
 
-#include "twin/core/base.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 #include "twin/onboard/base_controller.h"
 #include "twin/plant/base_body.h"
@@ -31,7 +31,7 @@ class BaseUnit {
   /// that step.
   void Cycle() noexcept TWIN_REALTIME;
 
-  /// As backend::Base's.
+  /// As backend::MobileBase's.
   void Drive(const BaseTwist& twist) noexcept TWIN_REALTIME;
   void EmergencyStop() noexcept TWIN_REALTIME { stopped_.store(true, std::memory_order_relaxed); }
   void Release() noexcept TWIN_REALTIME { stopped_.store(false, std::memory_order_relaxed); }

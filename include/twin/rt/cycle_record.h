@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "twin/core/base.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_command.h"
 #include "twin/core/robot_errors.h"

@@ -5,15 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "twin/core/base.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
 #include "twin/loop/run_report.h"
-#include "twin/run/followed_motion.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/filter_counts.h"
+#include "twin/run/followed_motion.h"
 
 namespace twin::run {
 

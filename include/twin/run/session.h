@@ -71,13 +71,13 @@ struct MotionResult {
 
 /// What a session came to.
 struct SessionResult {
-  std::uint64_t motions = 0;                  ///< that were run
-  CycleCounts counts;                         ///< of all its cycles
-  std::optional<rt::FilterCounts> viability;  ///< of a scenario with tick.viability
-  std::vector<scenario::FollowedMotion> followed;       ///< the motions that were run
-  std::uint64_t states_hash = 0;              ///< as RunResult
-  backend::RobotTimings robot_timings;        ///< real time: of the simulated robot
-  std::string unsound;                        ///< what the simulation complained of; empty: nothing
+  std::uint64_t motions = 0;                       ///< that were run
+  CycleCounts counts;                              ///< of all its cycles
+  std::optional<rt::FilterCounts> viability;       ///< of a scenario with tick.viability
+  std::vector<scenario::FollowedMotion> followed;  ///< the motions that were run
+  std::uint64_t states_hash = 0;                   ///< as RunResult
+  backend::RobotTimings robot_timings;             ///< real time: of the simulated robot
+  std::string unsound;  ///< what the simulation complained of; empty: nothing
 };
 
 /// How a wait ended.
@@ -118,7 +118,7 @@ class Session {
   [[nodiscard]] const scenario::RobotData& robot() const noexcept;
 
   /// The mobile base below the arm; null when there is none. Nobody else asks anything of it.
-  [[nodiscard]] backend::Base* base() const noexcept;
+  [[nodiscard]] backend::MobileBase* base() const noexcept;
 
   /// As Run::CheckStart. @param first  the motion that will come first.
   [[nodiscard]] bool CheckStart(const Motion& first, const TellCheck& tell);

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "twin/core/base.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/time.h"
 #include "twin/onboard/base_controller.h"
 

@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "twin/core/base.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 #include "twin/reference/pose_target.h"
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "twin/core/base.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 #include "twin/teleop/operator_sample.h"
 #include "twin/teleop/teleoperator_config.h"

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "twin/core/base.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/time.h"
 
 namespace twin::teleop {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "twin/backend/base.h"
+#include "twin/backend/mobile_base.h"
 #include "twin/control/live_reference.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
@@ -75,7 +75,7 @@ class Teleoperator final : public control::LiveReference {
   /// What it works with; all must outlive it.
   struct Parts {
     Device& device;
-    backend::Base* base = nullptr;  ///< null: there is none
+    backend::MobileBase* base = nullptr;  ///< null: there is none
     const model::ArmModel& arm = model::ArmModel::Panda();
     JointLimits limits{};
   };
@@ -115,7 +115,7 @@ class Teleoperator final : public control::LiveReference {
   [[nodiscard]] Vector6 HandleOf(const OperatorSample& sample) const noexcept;
 
   Device& device_;
-  backend::Base* base_;
+  backend::MobileBase* base_;
   TeleoperatorConfig config_;
 
   // The operator's end.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "twin/core/base.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 
 namespace twin::backend {
@@ -14,9 +14,9 @@ namespace twin::backend {
 ///
 /// Threads: where the drive has several, Drive() from one of them, the others from any. Real-time:
 /// noexcept, allocates nothing, waits for nobody.
-class Base {
+class MobileBase {
  public:
-  virtual ~Base() = default;
+  virtual ~MobileBase() = default;
 
   /// Asks for a velocity from the base's next cycle on. Not finite: as zero. Without effect during
   /// an emergency stop.
