@@ -104,7 +104,7 @@ class ServedRobot::Impl {
   const std::string plant_name_;
   const plant::MujocoPlant* const engine_;  ///< the robot's; null: the ideal plant
   std::optional<robot::WallClockRobot> wall_clock_;
-  std::optional<robot::LockstepRobot> lockstep_;
+  std::optional<robot::AnswerPacedRobot> lockstep_;
   robot::ThreadedRobot* robot_ = nullptr;  ///< the one of the two that is there
   std::unique_ptr<Server> server_;
   std::jthread serving_;

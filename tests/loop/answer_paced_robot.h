@@ -11,10 +11,10 @@ namespace twin::test {
 
 /// A robot whose time is its states: in a motion, from the third state on, the next is there only
 /// when the last has been answered. Its reference becomes what it is commanded.
-class AnswerPacedRobotDouble final : public backend::Backend, private rt::Arrival {
+class AnswerPacedBackend final : public backend::Backend, private rt::Arrival {
  public:
   /// @param first_id  of its first state: what its earlier life was.
-  explicit AnswerPacedRobotDouble(std::uint64_t first_id) { state_.message_id = first_id - 1; }
+  explicit AnswerPacedBackend(std::uint64_t first_id) { state_.message_id = first_id - 1; }
 
   [[nodiscard]] backend::Connection Connect() {
     backend::Connection connection;

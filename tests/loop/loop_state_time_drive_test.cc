@@ -27,7 +27,7 @@ class StateTimeDriveTest : public ::testing::Test {
     tick_.source_rate_hz = 100;
   }
 
-  RunReport Run(test::AnswerPacedRobotDouble& robot, control::Controller& controller) {
+  RunReport Run(test::AnswerPacedBackend& robot, control::Controller& controller) {
     const backend::Connection connection = robot.Connect();
     return RunOnStateTime(clock_, connection,
                           {.backend = robot,
@@ -47,7 +47,7 @@ class StateTimeDriveTest : public ::testing::Test {
   }
 
   /// What was commanded, from the motion's first command on, without the ids.
-  static std::vector<JointVector> Commanded(const test::AnswerPacedRobotDouble& robot) {
+  static std::vector<JointVector> Commanded(const test::AnswerPacedBackend& robot) {
     std::vector<JointVector> all;
     for (const RobotCommand& command : robot.commands) all.push_back(command.q_c);
     return all;
@@ -62,7 +62,7 @@ class StateTimeDriveTest : public ::testing::Test {
 };
 
 TEST_F(StateTimeDriveTest, RunsAMotionToItsEnd) {
-  test::AnswerPacedRobotDouble robot(1);
+  test::AnswerPacedBackend robot(1);
   test::Swing swing;
   const RunReport report = Run(robot, swing);
   EXPECT_TRUE(report.succeeded()) << report.failure;
@@ -74,7 +74,7 @@ TEST_F(StateTimeDriveTest, RunsAMotionToItsEnd) {
 TEST_F(StateTimeDriveTest, TheSameMotionGivesTheSameCommandsWhateverCameBefore) {
   std::vector<std::vector<JointVector>> runs;
   for (const std::uint64_t first_id : {std::uint64_t{1}, std::uint64_t{987'654'321}}) {
-    test::AnswerPacedRobotDouble robot(first_id);
+    test::AnswerPacedBackend robot(first_id);
     test::Swing swing;
     ASSERT_TRUE(Run(robot, swing).succeeded());
     runs.push_back(Commanded(robot));
@@ -84,7 +84,7 @@ TEST_F(StateTimeDriveTest, TheSameMotionGivesTheSameCommandsWhateverCameBefore) 
 }
 
 TEST_F(StateTimeDriveTest, AnswersEveryStateFromTheMotionsSecondOn) {
-  test::AnswerPacedRobotDouble robot(1);
+  test::AnswerPacedBackend robot(1);
   test::Swing swing;
   ASSERT_TRUE(Run(robot, swing).succeeded());
   for (std::size_t i = 1; i < robot.commands.size(); ++i) {
@@ -94,7 +94,7 @@ TEST_F(StateTimeDriveTest, AnswersEveryStateFromTheMotionsSecondOn) {
 
 TEST_F(StateTimeDriveTest, AnswersAlsoTheStateAfterSomeThatWereLost) {
   tick_.period_tolerance = std::chrono::microseconds(250);
-  test::AnswerPacedRobotDouble robot(1);
+  test::AnswerPacedBackend robot(1);
   robot.leaps_at = 300;
   test::Swing swing;
   const RunReport report = Run(robot, swing);
@@ -107,7 +107,7 @@ TEST_F(StateTimeDriveTest, TheControllerHasItsOwnRate) {
   for (const double rate_hz : {100.0, 250.0, 1000.0}) {
     controller_loop_.rate_hz = rate_hz;
     tick_.source_rate_hz = rate_hz;
-    test::AnswerPacedRobotDouble robot(1);
+    test::AnswerPacedBackend robot(1);
     test::Swing swing;
     ASSERT_TRUE(Run(robot, swing).succeeded());
     // One state of the motion came before its first command.
@@ -117,7 +117,7 @@ TEST_F(StateTimeDriveTest, TheControllerHasItsOwnRate) {
 }
 
 TEST_F(StateTimeDriveTest, TheControllerWakesInLostCyclesToo) {
-  test::AnswerPacedRobotDouble robot(1);
+  test::AnswerPacedBackend robot(1);
   robot.leaps_at = 300;
   test::Swing swing;
   const RunReport report = Run(robot, swing);
@@ -127,7 +127,7 @@ TEST_F(StateTimeDriveTest, TheControllerWakesInLostCyclesToo) {
 }
 
 TEST_F(StateTimeDriveTest, ItsTimesAreTheRobots) {
-  test::AnswerPacedRobotDouble robot(50);
+  test::AnswerPacedBackend robot(50);
   test::Swing swing;
   ASSERT_TRUE(Run(robot, swing).succeeded());
   for (const rt::TickRecord& tick : records_.ticks) {
@@ -137,7 +137,7 @@ TEST_F(StateTimeDriveTest, ItsTimesAreTheRobots) {
 }
 
 TEST_F(StateTimeDriveTest, RecordsEveryStateAndTheJerkOfItsReference) {
-  test::AnswerPacedRobotDouble robot(1);
+  test::AnswerPacedBackend robot(1);
   robot.leaps_at = 300;
   test::Swing swing;
   ASSERT_TRUE(Run(robot, swing).succeeded());
@@ -157,11 +157,11 @@ TEST_F(StateTimeDriveTest, RecordsEveryStateAndTheJerkOfItsReference) {
 TEST_F(StateTimeDriveTest, TheBareLoopIsTheSameAtTheRobotsRate) {
   controller_loop_.rate_hz = 1000;
   tick_.source_rate_hz = 1000;
-  test::AnswerPacedRobotDouble first(1);
+  test::AnswerPacedBackend first(1);
   test::Swing swing;
   ASSERT_TRUE(Run(first, swing).succeeded());
   kind_ = LoopKind::kBare;
-  test::AnswerPacedRobotDouble second(1);
+  test::AnswerPacedBackend second(1);
   test::Swing again;
   ASSERT_TRUE(Run(second, again).succeeded());
   EXPECT_EQ(Commanded(first), Commanded(second));
@@ -169,14 +169,14 @@ TEST_F(StateTimeDriveTest, TheBareLoopIsTheSameAtTheRobotsRate) {
 
 TEST_F(StateTimeDriveTest, RefusesTheSynchronousLoop) {
   kind_ = LoopKind::kSynchronous;
-  test::AnswerPacedRobotDouble robot(1);
+  test::AnswerPacedBackend robot(1);
   test::Swing swing;
   EXPECT_THROW(static_cast<void>(Run(robot, swing)), InputError);
   EXPECT_TRUE(robot.commands.empty());
 }
 
 TEST_F(StateTimeDriveTest, EndsWhenTheConnectionIsLost) {
-  test::AnswerPacedRobotDouble robot(1);
+  test::AnswerPacedBackend robot(1);
   robot.gone_from = 200;
   test::Swing swing;
   const RunReport report = Run(robot, swing);
@@ -189,7 +189,7 @@ TEST_F(StateTimeDriveTest, EndsWhenTheConnectionIsLost) {
 TEST_F(StateTimeDriveTest, StopsTheMotionAndSaysSoWhenItIsInterrupted) {
   const volatile bool interrupted = true;
   interrupted_ = &interrupted;
-  test::AnswerPacedRobotDouble robot(1);
+  test::AnswerPacedBackend robot(1);
   test::Swing swing;
   const RunReport report = Run(robot, swing);
   EXPECT_THAT(report.failure, StartsWith("interrupted"));
@@ -214,7 +214,7 @@ TEST_F(StateTimeDriveTest, StopsTheMotionOfAControllerThatGivesNoNumber) {
    private:
     JointVector q_{};
   };
-  test::AnswerPacedRobotDouble robot(1);
+  test::AnswerPacedBackend robot(1);
   Mad mad;
   const RunReport report = Run(robot, mad);
   EXPECT_EQ(report.end, backend::MotionEnd::kPreempted);

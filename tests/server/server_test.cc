@@ -22,7 +22,7 @@
 #include "support/realtime_guard.h"
 #include "twin/fci/requests.h"
 #include "twin/fci/twin_sign.h"
-#include "twin/robot/lockstep_robot.h"
+#include "twin/robot/answer_paced_robot.h"
 #include "twin/robot/make_plant.h"
 #include "twin/robot/wall_clock_robot.h"
 
@@ -62,7 +62,7 @@ class ServerTest : public ::testing::Test {
     });
   }
   void ServeInLockstep(Duration connect_timeout = kLong) {
-    Serve(std::make_unique<robot::LockstepRobot>(
+    Serve(std::make_unique<robot::AnswerPacedRobot>(
               Ideal(), robot::MakePlant(Ideal()).plant, port_, port_, clock_,
               rt::ThreadSettings{.lock_memory = false}, nullptr, robot::LockstepOptions{}),
           connect_timeout);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "twin/fci/sockets.h"
-#include "twin/robot/lockstep_robot.h"
+#include "twin/robot/answer_paced_robot.h"
 #include "twin/robot/make_plant.h"
 #include "twin/robot/robot_config.h"
 #include "twin/rt/cycle_record.h"

@@ -1,7 +1,7 @@
 // A robot in lockstep with a workstation beyond a port. Nothing here depends on how fast the
 // threads run; where the test waits, it waits for what must come.
 
-#include "twin/robot/lockstep_robot.h"
+#include "twin/robot/answer_paced_robot.h"
 
 #include <algorithm>
 #include <chrono>
@@ -102,9 +102,9 @@ constexpr int kMotionCycles = 300;
 /// Time stands still until the first command, so that it cannot come too late.
 constexpr LockstepOptions kFreeze{.freeze_when_idle = true};
 
-class LockstepRobotTest : public ::testing::Test {
+class AnswerPacedRobotTest : public ::testing::Test {
  protected:
-  ~LockstepRobotTest() override { robot_.reset(); }
+  ~AnswerPacedRobotTest() override { robot_.reset(); }
 
   void Make(const RobotConfig& config, const LockstepOptions& options = {}) {
     robot_.reset();
@@ -167,15 +167,15 @@ class LockstepRobotTest : public ::testing::Test {
 
   const MonotonicClock clock_;
   std::optional<Wire> wire_;
-  std::optional<LockstepRobot> robot_;
+  std::optional<AnswerPacedRobot> robot_;
 };
 
-TEST_F(LockstepRobotTest, StatesFlowWhileNobodyAnswers) {
+TEST_F(AnswerPacedRobotTest, StatesFlowWhileNobodyAnswers) {
   Make(Ideal());
   for (std::uint64_t id = 1; id <= 30; ++id) EXPECT_EQ(wire_->Next().message_id, id);
 }
 
-TEST_F(LockstepRobotTest, EveryStateOfAMotionIsAnsweredBeforeTheNext) {
+TEST_F(AnswerPacedRobotTest, EveryStateOfAMotionIsAnsweredBeforeTheNext) {
   Make(Ideal(), kFreeze);
   const std::vector<RobotState> states = Drive(Start());
   EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
@@ -188,7 +188,7 @@ TEST_F(LockstepRobotTest, EveryStateOfAMotionIsAnsweredBeforeTheNext) {
   }
 }
 
-TEST_F(LockstepRobotTest, HowLongAnAnswerTakesDoesNotMatter) {
+TEST_F(AnswerPacedRobotTest, HowLongAnAnswerTakesDoesNotMatter) {
   Make(Ideal(), kFreeze);
   const auto prompt = Contents(Drive(Start()));
   Make(Ideal(), kFreeze);
@@ -198,7 +198,7 @@ TEST_F(LockstepRobotTest, HowLongAnAnswerTakesDoesNotMatter) {
   EXPECT_EQ(prompt, slow);
 }
 
-TEST_F(LockstepRobotTest, AnAnswerToAnotherStateIsNone) {
+TEST_F(AnswerPacedRobotTest, AnAnswerToAnotherStateIsNone) {
   Make(Ideal(), kFreeze);
   RobotState state = Newest(Start());
   RobotCommand command;
@@ -219,7 +219,7 @@ TEST_F(LockstepRobotTest, AnAnswerToAnotherStateIsNone) {
   EXPECT_EQ(After(state.message_id).message_id, state.message_id + 1);
 }
 
-TEST_F(LockstepRobotTest, OnlyTheFirstAnswerToAStateCounts) {
+TEST_F(AnswerPacedRobotTest, OnlyTheFirstAnswerToAStateCounts) {
   Make(Ideal(), kFreeze);
   RobotState state = Newest(Start());
   RobotCommand command;
@@ -235,7 +235,7 @@ TEST_F(LockstepRobotTest, OnlyTheFirstAnswerToAStateCounts) {
   EXPECT_EQ(state.q_d, command.q_c);
 }
 
-TEST_F(LockstepRobotTest, AMotionThatIsNotAnsweredIsStopped) {
+TEST_F(AnswerPacedRobotTest, AMotionThatIsNotAnsweredIsStopped) {
   Make(Ideal(), {.answer_timeout = milliseconds(50), .freeze_when_idle = true});
   RobotState state = Newest(Start());
   RobotCommand command;
@@ -249,7 +249,7 @@ TEST_F(LockstepRobotTest, AMotionThatIsNotAnsweredIsStopped) {
   EXPECT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
 }
 
-TEST_F(LockstepRobotTest, AMotionThatWaitsForAnAnswerCanBeStopped) {
+TEST_F(AnswerPacedRobotTest, AMotionThatWaitsForAnAnswerCanBeStopped) {
   Make(Ideal());
   RobotState state = Newest(Start());
   RobotCommand command;
@@ -263,7 +263,7 @@ TEST_F(LockstepRobotTest, AMotionThatWaitsForAnAnswerCanBeStopped) {
   EXPECT_EQ(robot_->motions_given_up(), 0u);
 }
 
-TEST_F(LockstepRobotTest, AStateTheLinkLosesIsNotWaitedFor) {
+TEST_F(AnswerPacedRobotTest, AStateTheLinkLosesIsNotWaitedFor) {
   RobotConfig config = Ideal();
   rt::ScriptedLoss script;
   for (std::uint64_t first = 10; first < 100000; first += 10) script.runs.push_back({first, 2});
@@ -278,7 +278,7 @@ TEST_F(LockstepRobotTest, AStateTheLinkLosesIsNotWaitedFor) {
   EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
 }
 
-TEST_F(LockstepRobotTest, MayBeEndedWhileItWaits) {
+TEST_F(AnswerPacedRobotTest, MayBeEndedWhileItWaits) {
   Make(Ideal());
   const RobotState state = Newest(Start());
   RobotCommand command;
@@ -291,7 +291,7 @@ TEST_F(LockstepRobotTest, MayBeEndedWhileItWaits) {
   EXPECT_EQ(robot_->mode(), RobotMode::kMove);
 }
 
-TEST_F(LockstepRobotTest, FrozenTimeRepeatsTheStateAndNothingElse) {
+TEST_F(AnswerPacedRobotTest, FrozenTimeRepeatsTheStateAndNothingElse) {
   Make(test::PandaRobot(), kFreeze);
   const RobotState first = wire_->Next();
   for (std::uint64_t i = 1; i <= 30; ++i) {
@@ -301,7 +301,7 @@ TEST_F(LockstepRobotTest, FrozenTimeRepeatsTheStateAndNothingElse) {
   }
 }
 
-TEST_F(LockstepRobotTest, ARequestInFrozenTimeTakesEffectInOneCycle) {
+TEST_F(AnswerPacedRobotTest, ARequestInFrozenTimeTakesEffectInOneCycle) {
   Make(Ideal(), kFreeze);
   setting::Load load;
   load.m_load = 0.5;
@@ -311,7 +311,7 @@ TEST_F(LockstepRobotTest, ARequestInFrozenTimeTakesEffectInOneCycle) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(Content(wire_->Next()), Content(state));
 }
 
-TEST_F(LockstepRobotTest, AMotionInFrozenTimeShowsItsModesUntilItIsCommanded) {
+TEST_F(AnswerPacedRobotTest, AMotionInFrozenTimeShowsItsModesUntilItIsCommanded) {
   Make(Ideal(), kFreeze);
   const RobotState state = Start();
   EXPECT_EQ(state.robot_mode, RobotMode::kMove);
@@ -322,14 +322,14 @@ TEST_F(LockstepRobotTest, AMotionInFrozenTimeShowsItsModesUntilItIsCommanded) {
   EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
 }
 
-TEST_F(LockstepRobotTest, AMotionInFrozenTimeThatIsNeverCommandedIsStopped) {
+TEST_F(AnswerPacedRobotTest, AMotionInFrozenTimeThatIsNeverCommandedIsStopped) {
   Make(Ideal(), {.answer_timeout = milliseconds(50), .freeze_when_idle = true});
   RobotState state = Start();
   while (state.motion_generator_mode != MotionGeneratorMode::kIdle) state = wire_->Next();
   EXPECT_EQ(robot_->last_motion().end, MoveStatus::kPreempted);
 }
 
-TEST_F(LockstepRobotTest, TheHandsCommandsRunInFrozenTime) {
+TEST_F(AnswerPacedRobotTest, TheHandsCommandsRunInFrozenTime) {
   RobotConfig config = Ideal();
   config.plant.hand = plant::HandKind::kFrankaHand;
   Make(config, kFreeze);
@@ -344,7 +344,7 @@ TEST_F(LockstepRobotTest, TheHandsCommandsRunInFrozenTime) {
 }
 
 /// A session with two motions, a setting, a reflex and a recovery between them.
-class FrozenSessionTest : public LockstepRobotTest {
+class FrozenSessionTest : public AnswerPacedRobotTest {
  protected:
   using States = std::vector<RobotState>;
 

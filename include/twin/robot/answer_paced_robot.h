@@ -15,7 +15,7 @@ struct LockstepOptions {
   /// For how long a motion waits for an answer before it is stopped, as if the workstation had
   /// gone.
   Duration answer_timeout = std::chrono::seconds(10);
-  /// Time stands still while nothing is under way; see LockstepRobot.
+  /// Time stands still while nothing is under way; see AnswerPacedRobot.
   bool freeze_when_idle = false;
 };
 
@@ -51,14 +51,14 @@ struct LockstepOptions {
 ///
 /// Threads: as ThreadedRobot. Real-time: the thread allocates and locks nothing between Begin() and
 /// End(), but it waits, and its sink may.
-class LockstepRobot final : public ThreadedRobot {
+class AnswerPacedRobot final : public ThreadedRobot {
  public:
   /// As ThreadedRobot. @param commands  where to wait for what port.Receive() gives; must outlive
   /// the robot.
-  LockstepRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
-                WorkstationPort& port, rt::Arrival& commands, const MonotonicClock& clock,
-                rt::ThreadSettings thread, rt::RecordSink* sink, const LockstepOptions& options);
-  ~LockstepRobot() override { End(); }
+  AnswerPacedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
+                   WorkstationPort& port, rt::Arrival& commands, const MonotonicClock& clock,
+                   rt::ThreadSettings thread, rt::RecordSink* sink, const LockstepOptions& options);
+  ~AnswerPacedRobot() override { End(); }
 
   /// Motions that were stopped because they were not answered. Any thread.
   [[nodiscard]] std::uint64_t motions_given_up() const noexcept {

@@ -1,4 +1,4 @@
-#include "twin/robot/lockstep_robot.h"
+#include "twin/robot/answer_paced_robot.h"
 
 #include <algorithm>
 #include <utility>
@@ -21,15 +21,15 @@ constexpr int kMostLost = 64;
 
 }  // namespace
 
-LockstepRobot::LockstepRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
-                             WorkstationPort& port, rt::Arrival& commands,
-                             const MonotonicClock& clock, rt::ThreadSettings thread,
-                             rt::RecordSink* sink, const LockstepOptions& options)
+AnswerPacedRobot::AnswerPacedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
+                                   WorkstationPort& port, rt::Arrival& commands,
+                                   const MonotonicClock& clock, rt::ThreadSettings thread,
+                                   rt::RecordSink* sink, const LockstepOptions& options)
     : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink),
       commands_(commands),
       options_(options) {}
 
-void LockstepRobot::Run(const std::stop_token& stop) noexcept {
+void AnswerPacedRobot::Run(const std::stop_token& stop) noexcept {
   DropCommands();
   robot().Begin();
   cycling_ = true;
@@ -45,7 +45,7 @@ void LockstepRobot::Run(const std::stop_token& stop) noexcept {
   cycling_ = false;
 }
 
-void LockstepRobot::Advance() noexcept {
+void AnswerPacedRobot::Advance() noexcept {
   delivered_ = false;
   bool ran_cycle = false;
   do {
@@ -56,12 +56,12 @@ void LockstepRobot::Advance() noexcept {
   if (robot().mode() != RobotMode::kMove) phase_ = Phase::kNone;
 }
 
-void LockstepRobot::AdvanceToState() noexcept {
+void AnswerPacedRobot::AdvanceToState() noexcept {
   Advance();
   for (int i = 0; i < kMostLost && !delivered_; ++i) Advance();
 }
 
-void LockstepRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcept {
+void AnswerPacedRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcept {
   shown_ = robot().states().Take();
   shown_cycle_ = shown_.message_id;
   shown_.message_id += repeats_;
@@ -70,13 +70,13 @@ void LockstepRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcept
   port().Deliver(shown_);
 }
 
-void LockstepRobot::Repeat() noexcept {
+void AnswerPacedRobot::Repeat() noexcept {
   ++repeats_;
   ++shown_.message_id;
   port().Deliver(shown_);
 }
 
-bool LockstepRobot::IsFrozen() const noexcept {
+bool AnswerPacedRobot::IsFrozen() const noexcept {
   if (!options_.freeze_when_idle) return false;
   if (phase_ != Phase::kNone && phase_ != Phase::kStarting) return false;
   const RobotMode mode = robot().mode();
@@ -86,7 +86,7 @@ bool LockstepRobot::IsFrozen() const noexcept {
   return settled && base_stands && robot().AtRest() && !hand_is_busy();
 }
 
-void LockstepRobot::OnGranted(Granted what) noexcept {
+void AnswerPacedRobot::OnGranted(Granted what) noexcept {
   const bool in_motion = robot().mode() == RobotMode::kMove;
   if (!in_motion) phase_ = Phase::kNone;  // the user stop may have ended one
   if (what == Granted::kStopMove) {
@@ -102,12 +102,12 @@ void LockstepRobot::OnGranted(Granted what) noexcept {
   if (phase_ == Phase::kStarting) next_cycle_ = clock().Now() + kToSecond;
 }
 
-void LockstepRobot::Stop() noexcept {
+void AnswerPacedRobot::Stop() noexcept {
   phase_ = Phase::kStopping;
   next_cycle_ = clock().Now();
 }
 
-void LockstepRobot::TakeCommands() noexcept {
+void AnswerPacedRobot::TakeCommands() noexcept {
   while (port().Receive(received_)) {
     RobotCommand& command = received_.command;
     // One that comes a second time would count, or not, as the wall clock has it.
@@ -121,11 +121,11 @@ void LockstepRobot::TakeCommands() noexcept {
   }
 }
 
-bool LockstepRobot::IsDue(Time now) const noexcept {
+bool AnswerPacedRobot::IsDue(Time now) const noexcept {
   return phase_ == Phase::kAnswered ? answered_ || !delivered_ : now >= next_cycle_;
 }
 
-void LockstepRobot::GiveUpIfUnanswered(Time now) noexcept {
+void AnswerPacedRobot::GiveUpIfUnanswered(Time now) noexcept {
   const bool is_due = phase_ == Phase::kStarting ? IsFrozen() : phase_ == Phase::kAnswered;
   if (!is_due) return;
   if (now >= waiting_since_ + options_.answer_timeout) {
@@ -138,7 +138,7 @@ void LockstepRobot::GiveUpIfUnanswered(Time now) noexcept {
   }
 }
 
-void LockstepRobot::AwaitCycle(const std::stop_token& stop) noexcept {
+void AnswerPacedRobot::AwaitCycle(const std::stop_token& stop) noexcept {
   while (!stop.stop_requested()) {
     RunCalls();
     TakeCommands();
