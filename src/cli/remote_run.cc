@@ -53,7 +53,7 @@ void SlowDown(scenario::Scenario& scenario, const std::filesystem::path& models,
   run::SlowDown(scenario, robot, share);
 }
 
-void TellWhatHasNoEffect(const scenario::Scenario& scenario, bool video) {
+void WarnIgnoredSettings(const scenario::Scenario& scenario, bool video) {
   for (const std::string& text : run::WithoutEffectThere(scenario)) {
     Say(stderr, fmt::format("panda-twin: note: without effect on this robot: {}\n", text));
   }

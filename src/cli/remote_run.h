@@ -7,8 +7,8 @@
 
 #include "cli/commands.h"
 #include "twin/backend/registry.h"
-#include "twin/run/run.h"
 #include "twin/run/remote.h"
+#include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 // What a run on a robot at the other end of a wire needs beyond any other: where it is, and the
@@ -25,7 +25,7 @@ void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenari
 void SlowDown(scenario::Scenario& scenario, const std::filesystem::path& models, double share);
 
 /// One note each for what of the scenario has no effect there. @param video  whether one is wanted.
-void TellWhatHasNoEffect(const scenario::Scenario& scenario, bool video);
+void WarnIgnoredSettings(const scenario::Scenario& scenario, bool video);
 
 /// Connects, and prints the first lines of the checks: whether the robot is reached, and whether a
 /// real arm may move. @param connect  what it throws is thrown on. @throws InputError when the

@@ -14,15 +14,14 @@
 #include "cli/wire_capture.h"
 #include "twin/core/error.h"
 #include "twin/plant/model_cache_repair.h"
+#include "twin/run/remote.h"
 #include "twin/scenario/data_directory.h"
 #include "twin/scenario/lab.h"
-#include "twin/run/remote.h"
 
 namespace twin::cli {
 namespace {
 
-bool WaitsForNobody(const scenario::Scenario& scenario,
-                    const run::RealtimeSettings& settings) {
+bool WaitsForNobody(const scenario::Scenario& scenario, const run::RealtimeSettings& settings) {
   if (scenario.drive == scenario::Drive::kRemote) {
     return settings.remote.time == backend::RobotTime::kWall;
   }
@@ -119,7 +118,7 @@ void Connect(const scenario::Scenario& scenario, const RunFlags& flags, bool wan
     static_cast<void>(connect());
     return;
   }
-  TellWhatHasNoEffect(scenario, wants_video);
+  WarnIgnoredSettings(scenario, wants_video);
   if (flags.capture) settings.remote.capture = &capture.emplace(*flags.capture);
   TellReach(settings.remote, flags.allow_hardware, connect);
 }

@@ -72,12 +72,12 @@ const ControllerLibraryInfo& InfoOf(const std::filesystem::path& library) {
   return *info;
 }
 
-const LibraryController& FindController(const std::filesystem::path& library,
-                                        const ControllerLibraryInfo& info, std::string_view type) {
-  const std::span<const LibraryController> all(info.controllers, info.count);
+const ControllerEntry& FindController(const std::filesystem::path& library,
+                                      const ControllerLibraryInfo& info, std::string_view type) {
+  const std::span<const ControllerEntry> all(info.controllers, info.count);
   if (type.empty() && all.size() == 1) return all.front();
   std::string names;
-  for (const LibraryController& one : all) {
+  for (const ControllerEntry& one : all) {
     if (one.type == type) return one;
     names += (names.empty() ? "" : ", ") + std::string(one.type);
   }
@@ -85,9 +85,9 @@ const LibraryController& FindController(const std::filesystem::path& library,
 }
 
 /// A controller of a library, with its exceptions translated.
-class LoadedController final : public Controller {
+class LibraryController final : public Controller {
  public:
-  LoadedController(std::unique_ptr<Controller> controller, std::filesystem::path library)
+  LibraryController(std::unique_ptr<Controller> controller, std::filesystem::path library)
       : controller_(std::move(controller)), library_(std::move(library)) {}
 
   [[nodiscard]] CommandInterface command_interface() const noexcept override {
@@ -126,7 +126,7 @@ std::unique_ptr<Controller> LoadController(const std::filesystem::path& library,
                                            std::string_view type,
                                            const ControllerRequest& request) {
   const ControllerLibraryInfo& info = InfoOf(library);
-  const LibraryController& found = FindController(library, info, type);
+  const ControllerEntry& found = FindController(library, info, type);
   MakeFailure failure;
   std::unique_ptr<Controller> controller(
       Guarded(library, fmt::format("making controller \"{}\"", found.type),
@@ -136,7 +136,7 @@ std::unique_ptr<Controller> LoadController(const std::filesystem::path& library,
         library, "controller \"{}\" could not be made: {}", found.type,
         failure.text[0] == '\0' ? "its factory returned null, and no reason" : failure.text.data());
   }
-  return std::make_unique<LoadedController>(std::move(controller), library);
+  return std::make_unique<LibraryController>(std::move(controller), library);
 }
 
 }  // namespace twin::control

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "experiment/loaded_controller.h"
+#include "experiment/busy_controller.h"
 #include "experiment/loop_runs.h"
 #include "experiment/table_one.h"
 #include "experiment/timings.h"

@@ -92,7 +92,7 @@ class RemoteSetting final : public DriveSetting {
   [[nodiscard]] const backend::Connection& connection() const noexcept override {
     return connection_;
   }
-  [[nodiscard]] std::optional<JointVector> LookWhereItStands() override {
+  [[nodiscard]] std::optional<JointVector> ReadCurrentPosition() override {
     const loop::ListenReport heard = loop::ListenToRobot(
         clock_, *connection_.backend, *connection_.arrival,
         {.span = kGlance, .tolerance = kCycle, .thread = settings_.threads.communication});

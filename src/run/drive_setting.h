@@ -36,7 +36,7 @@ class DriveSetting {
 
   /// Where a robot that this process does not simulate holds itself (q_d, rad), before Begin().
   /// Nothing: it is simulated, or no state came.
-  [[nodiscard]] virtual std::optional<JointVector> LookWhereItStands() { return std::nullopt; }
+  [[nodiscard]] virtual std::optional<JointVector> ReadCurrentPosition() { return std::nullopt; }
 
   /// Time begins. Once. @throws RobotFault when the checks before a first motion were not well.
   virtual void Begin() {}

@@ -41,12 +41,12 @@ bool IsNear(const JointVector& q, const JointVector& q_start) {
 }
 
 /// Ends a robot's time whatever happens: its thread must put no record once the run is over.
-class EndOfTime {
+class EndGuard {
  public:
-  explicit EndOfTime(SessionCore& core) noexcept : core_(core) {}
-  ~EndOfTime() { core_.setting().End(); }
-  EndOfTime(const EndOfTime&) = delete;
-  EndOfTime& operator=(const EndOfTime&) = delete;
+  explicit EndGuard(SessionCore& core) noexcept : core_(core) {}
+  ~EndGuard() { core_.setting().End(); }
+  EndGuard(const EndGuard&) = delete;
+  EndGuard& operator=(const EndGuard&) = delete;
 
  private:
   SessionCore& core_;
@@ -102,7 +102,7 @@ class Run::Impl {
 };
 
 void Run::Impl::PlanFromWhereItStands(const Catalogue& catalogue, const RunFiles& files) {
-  const std::optional<JointVector> q = core_.setting().LookWhereItStands();
+  const std::optional<JointVector> q = core_.setting().ReadCurrentPosition();
   if (!q || *q == trajectory().start() || !IsNear(*q, trajectory().start())) return;
   const scenario::Scenario& scenario = core_.scenario();
   const reference::Trajectory planned =
@@ -141,7 +141,7 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
     };
   }
   core_.Begin(hooks);
-  const EndOfTime end_of_time(core_);
+  const EndGuard end_guard(core_);
   MotionResult motion = core_.Move(*motion_, attend);
   RunResult result;
   if (hand) result.hand = hand->Report();

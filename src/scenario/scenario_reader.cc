@@ -5,12 +5,12 @@
 
 #include "scenario/link_reader.h"
 #include "scenario/max_deviation.h"
-#include "twin/scenario/names.h"
 #include "scenario/parameter_tree.h"
 #include "scenario/section_readers.h"
 #include "scenario/trajectory_reader.h"
 #include "scenario/yaml_node.h"
 #include "twin/core/error.h"
+#include "twin/scenario/names.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {
@@ -155,7 +155,8 @@ void ReadApplication(const YamlNode& node, Scenario& scenario) {
 }
 
 /// One motion, or an application that makes its own.
-void ReadWhatMoves(const YamlMap& map, const std::filesystem::path& folder, Scenario& scenario) {
+void ReadMotionOrApplication(const YamlMap& map, const std::filesystem::path& folder,
+                             Scenario& scenario) {
   if (const auto application = map.Find("application")) {
     if (const auto motion = map.Find("motion")) {
       motion->Fail("beside an application, which makes its motions itself; leave one of them out");
@@ -200,7 +201,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   IfGiven(map, "plant", [&](const YamlNode& n) { ReadPlant(n, scenario.plant); });
   IfGiven(map, "link", [&](const YamlNode& n) { ReadLink(n, scenario.link); });
   IfGiven(map, "int", [&](const YamlNode& n) { ReadOnboard(n, scenario.onboard); });
-  ReadWhatMoves(map, folder, scenario);
+  ReadMotionOrApplication(map, folder, scenario);
   IfGiven(map, "max_deviation",
           [&](const YamlNode& n) { scenario.max_deviation = ReadMaxDeviation(n, scenario); });
   IfGiven(map, "operator", [&](const YamlNode& n) { ReadOperator(n, scenario); });

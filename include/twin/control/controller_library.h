@@ -44,7 +44,7 @@ struct MakeFailure {
 };
 
 /// One controller of a library.
-struct LibraryController {
+struct ControllerEntry {
   const char* type = nullptr;  ///< as scenarios name it
   /// @returns a controller that the caller deletes; or null, and says why in `failure`.
   Controller* (*make)(const ControllerRequest& request, MakeFailure& failure) = nullptr;
@@ -56,7 +56,7 @@ struct ControllerLibraryInfo {
   std::uint32_t abi = kControllerLibraryAbi;  ///< of the headers it was compiled with
   std::uint32_t count = 0;                    ///< of its controllers
   std::uint64_t layout = kControllerLayout;
-  const LibraryController* controllers = nullptr;  ///< `count` of them
+  const ControllerEntry* controllers = nullptr;  ///< `count` of them
 };
 
 /// The name and the type of a library's entry.
@@ -99,7 +99,7 @@ void RequireLibrary(const std::filesystem::path& library);
 #define TWIN_CONTROLLERS(...)                                                                   \
   extern "C" __attribute__((visibility("default"))) const twin::control::ControllerLibraryInfo* \
   panda_twin_controllers() {                                                                    \
-    static const twin::control::LibraryController controllers[] = {__VA_ARGS__};                \
+    static const twin::control::ControllerEntry controllers[] = {__VA_ARGS__};                  \
     static const twin::control::ControllerLibraryInfo info{                                     \
         .count = sizeof(controllers) / sizeof(controllers[0]), .controllers = controllers};     \
     return &info;                                                                               \

@@ -100,7 +100,7 @@ TWIN_CONTROLLERS({"follower", &twin::control::MakeController<Follower>},
 
 #else
 
-const twin::control::LibraryController controllers[] = {
+const twin::control::ControllerEntry controllers[] = {
     {"follower", &twin::control::MakeController<Follower>}};
 
 [[maybe_unused]] const twin::control::ControllerLibraryInfo* Info(std::uint32_t abi,

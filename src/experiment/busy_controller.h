@@ -14,9 +14,9 @@ namespace twin::experiment {
 /// stack's other controllers cost beside it. What it commands is the other's.
 ///
 /// Threads and real-time: as the controller inside.
-class LoadedController final : public control::Controller {
+class BusyController final : public control::Controller {
  public:
-  LoadedController(std::unique_ptr<control::Controller> inner, Duration load)
+  BusyController(std::unique_ptr<control::Controller> inner, Duration load)
       : inner_(std::move(inner)), load_(load) {}
 
   [[nodiscard]] control::CommandInterface command_interface() const noexcept override {
@@ -48,7 +48,7 @@ class LoadedController final : public control::Controller {
   for (const std::string& name : registry.Names()) {
     loaded.Add(name,
                [&factory = registry.Find(name), load](const control::ControllerRequest& request) {
-                 return std::make_unique<LoadedController>(factory(request), load);
+                 return std::make_unique<BusyController>(factory(request), load);
                });
   }
   return loaded;
