@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "controllers/registration.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "plugins/fci/fci_backend.h"
-#include "plugins/mujoco/mujoco_backend.h"
 #include "twin/application/application_run.h"
 #include "twin/application/page.h"
 #include "twin/core/clock.h"
@@ -39,8 +39,8 @@ class Performance final : public rt::RecordSink {
     plugins::RegisterMujoco(backends_);
     plugins::RegisterFci(backends_);
     controllers::RegisterControllers(controllers_);
-    run_.emplace(scenario, run::Catalogue{backends_, controllers_, devices}, files_, this,
-                 clock_, settings);
+    run_.emplace(scenario, run::Catalogue{backends_, controllers_, devices}, files_, this, clock_,
+                 settings);
     if (!folder_.empty()) {
       log_.emplace(
           LogPath(),

@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "support/panda_limits.h"
 #include "twin/loop/lockstep_drive.h"
 #include "twin/onboard/onboard_controller.h"

@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "contract/backend_harness.h"
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "twin/backend/registry.h"
 #include "twin/rt/event_queue.h"
 

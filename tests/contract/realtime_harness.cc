@@ -7,7 +7,7 @@
 
 #include "contract/backend_harness.h"
 #include "contract/urgent.h"
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "twin/backend/registry.h"
 #include "twin/core/clock.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "support/temporary_folder.h"
 #include "twin/experiment/experiment.h"
 

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "support/panda_limits.h"
 #include "twin/backend/registry.h"
 #include "twin/core/error.h"

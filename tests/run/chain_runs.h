@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "controllers/registration.h"
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/rotation.h"
 #include "twin/run/run.h"
@@ -49,7 +49,8 @@ struct Outcome {
 /// Compares each cycle with the plan at the same time.
 class PlanWatch final : public rt::RecordSink {
  public:
-  PlanWatch(const reference::Trajectory& plan, const scenario::ControllerSection& source, bool as_pose)
+  PlanWatch(const reference::Trajectory& plan, const scenario::ControllerSection& source,
+            bool as_pose)
       : plan_(plan), clock_rate_(1 + 1e-6 * source.clock_drift_ppm), as_pose_(as_pose) {}
 
   void Put(const rt::CycleRecord& cycle) noexcept override {
@@ -125,8 +126,8 @@ class Bench {
 
   [[nodiscard]] Outcome Run(const scenario::Scenario& scenario) const {
     const bool as_pose = scenario.motion.interface == CommandInterface::kCartesianPose;
-    const reference::Trajectory plan =
-        MakeTrajectory(scenario, scenario::LoadRobotData(models_, scenario.robot.model, scenario.robot.hand));
+    const reference::Trajectory plan = MakeTrajectory(
+        scenario, scenario::LoadRobotData(models_, scenario.robot.model, scenario.robot.hand));
     PlanWatch watch(plan, scenario.controller, as_pose);
     Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, &watch);
     Outcome outcome{.result = run.Execute()};

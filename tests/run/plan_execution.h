@@ -8,7 +8,7 @@
 #include <string>
 
 #include "controllers/registration.h"
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "support/panda_limits.h"
 #include "twin/planning/random_goal.h"
 #include "twin/plant/contact_watch.h"

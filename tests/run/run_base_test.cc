@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "controllers/registration.h"
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "twin/core/error.h"
 #include "twin/run/run.h"
 #include "twin/run/session.h"
@@ -32,7 +32,7 @@ motion:
       - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], at: 0 s}
       - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], at: 4 s}
 )",
-               "rolling.yaml");
+                         "rolling.yaml");
 }
 
 /// The arm as a spring of 900 N/m, on a base that drives about as fast as it may.
@@ -59,7 +59,7 @@ motion:
       - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], at: 0 s}
       - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], at: 8 s}
 )",
-               "softly_rolling.yaml");
+                         "softly_rolling.yaml");
 }
 
 /// What the base was, cycle by cycle, and how far the arm went from where it began.
@@ -89,7 +89,8 @@ class BaseRunTest : public ::testing::Test {
     plugins::RegisterMujoco(backends_);
     controllers::RegisterControllers(controllers_);
   }
-  [[nodiscard]] RunResult Execute(const scenario::Scenario& scenario, rt::RecordSink* sink = nullptr) const {
+  [[nodiscard]] RunResult Execute(const scenario::Scenario& scenario,
+                                  rt::RecordSink* sink = nullptr) const {
     Run run(scenario, {backends_, controllers_}, files_, sink);
     return run.Execute();
   }

@@ -10,7 +10,7 @@
 #include <mujoco/mujoco.h>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
 #include "twin/plant/truth_probe.h"

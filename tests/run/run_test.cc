@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "scenario/scenario_examples.h"
 #include "twin/core/error.h"
 
@@ -36,7 +36,7 @@ motion:
       - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
       - {q: [0.1, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
 )",
-               "short.yaml");
+                         "short.yaml");
 }
 
 class AssemblyTest : public ::testing::Test {
@@ -50,7 +50,8 @@ class AssemblyTest : public ::testing::Test {
     });
   }
 
-  [[nodiscard]] RunResult Execute(const scenario::Scenario& scenario, const RunHooks& hooks = {}) const {
+  [[nodiscard]] RunResult Execute(const scenario::Scenario& scenario,
+                                  const RunHooks& hooks = {}) const {
     Run run(scenario, {backends_, controllers_}, files_, nullptr);
     return run.Execute(hooks);
   }

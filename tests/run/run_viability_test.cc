@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "twin/run/run.h"
 
 namespace twin::run {

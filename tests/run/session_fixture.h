@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 
 #include "controllers/joint_trajectory.h"
+#include "plugins/emulated/mujoco_backend.h"
 #include "plugins/fci/fci_backend.h"
-#include "plugins/mujoco/mujoco_backend.h"
 #include "twin/run/session.h"
 #include "twin/server/served_robot.h"
 
@@ -100,11 +100,11 @@ class SessionFixture : public ::testing::Test {
     });
   }
 
-  [[nodiscard]] std::unique_ptr<Session> Open(
-      const scenario::Scenario& scenario, rt::RecordSink* sink = nullptr,
-      const RealtimeSettings& settings = {}) const {
-    return std::make_unique<Session>(
-        scenario, Catalogue{backends_, controllers_}, files_, sink, settings);
+  [[nodiscard]] std::unique_ptr<Session> Open(const scenario::Scenario& scenario,
+                                              rt::RecordSink* sink = nullptr,
+                                              const RealtimeSettings& settings = {}) const {
+    return std::make_unique<Session>(scenario, Catalogue{backends_, controllers_}, files_, sink,
+                                     settings);
   }
 
   /// A robot in this process, served at free ports; frozen when idle where states keep its time.
@@ -121,9 +121,8 @@ class SessionFixture : public ::testing::Test {
   }
 
   /// Joint 1 by `angle`, from where the robot's reference is.
-  [[nodiscard]] static Motion Turn(const JointVector& q, double angle,
-                                             const Session& session,
-                                             const scenario::Scenario& scenario, std::string name) {
+  [[nodiscard]] static Motion Turn(const JointVector& q, double angle, const Session& session,
+                                   const scenario::Scenario& scenario, std::string name) {
     JointVector goal = q;
     goal[0] += angle;
     return {.name = std::move(name),
@@ -135,7 +134,7 @@ class SessionFixture : public ::testing::Test {
   }
   /// A motion that ends in a reflex.
   [[nodiscard]] static Motion Jump(const JointVector& q, const Session& session,
-                                             const scenario::Scenario& scenario) {
+                                   const scenario::Scenario& scenario) {
     Motion jump = Turn(q, 0.1, session, scenario, "jump");
     jump.controller.type = "jumper";
     jump.tick.generator = loop::Generator::kNone;
@@ -171,8 +170,7 @@ class SessionFixture : public ::testing::Test {
     session.Recover();
     const RobotState state = session.ReadState();
     ASSERT_EQ(state.robot_mode, RobotMode::kIdle);
-    const MotionResult again =
-        session.Move(Turn(state.q_d, 0.05, session, scenario, "again"));
+    const MotionResult again = session.Move(Turn(state.q_d, 0.05, session, scenario, "again"));
     EXPECT_TRUE(again.report.succeeded()) << again.report.failure;
   }
 

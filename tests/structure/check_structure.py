@@ -25,8 +25,8 @@ MACHINE_PATH = re.compile(r"(?<![\w.])/(work|root|home/\w+)/|[.][.]/shared\b")
 LOOSE_TODO = re.compile(r"\b(TODO|FIXME|XXX)\b(?!\(#\d+\))")
 
 CLOCK_READERS = ("src/core/clock.cc", "src/rt/")
-MUJOCO_USERS = ("src/plant/", "src/planning/", "src/render/", "plugins/mujoco/", "tests/")
-TRUTH_USERS = ("include/twin/plant/", "src/plant/", "include/twin/render/", "src/render/", "plugins/mujoco/", "tests/",
+MUJOCO_USERS = ("src/plant/", "src/planning/", "src/render/", "plugins/emulated/", "tests/")
+TRUTH_USERS = ("include/twin/plant/", "src/plant/", "include/twin/render/", "src/render/", "plugins/emulated/", "tests/",
                "include/twin/application/evidence.h", "src/page/live_page.cc", "src/cli/run_records.h")
 TRUTH = {"twin/plant/truth_probe.h": TRUTH_USERS, "twin/plant/contact_watch.h": (*TRUTH_USERS, "src/cli/"),
          "twin/plant/object_watch.h": TRUTH_USERS}
@@ -184,7 +184,7 @@ SELF_TEST = [
     ("src/cli/a.cc", '#include "twin/plant/object_watch.h"\n', "ground truth"),
     ("src/application/a.cc", '#include "twin/plant/truth_probe.h"\n', "ground truth"),
     ("include/twin/application/evidence.h", '#pragma once\n#include "twin/plant/truth_probe.h"\n', ""),
-    ("src/onboard/a.cc", '#include "plugins/mujoco/x.h"\n', "only cli names plug-ins"),
+    ("src/onboard/a.cc", '#include "plugins/emulated/x.h"\n', "only cli names plug-ins"),
     ("src/core/a.cc", "auto t = std::chrono::steady_clock::now();\n", "reads a clock"),
     ("src/core/a.cc", "clock_gettime(CLOCK_MONOTONIC, &t);\n", "reads a clock"),
     ("src/core/clock.cc", "auto t = std::chrono::steady_clock::now();\n", ""),

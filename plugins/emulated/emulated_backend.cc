@@ -1,4 +1,4 @@
-#include "plugins/mujoco/emulated_backend.h"
+#include "plugins/emulated/emulated_backend.h"
 
 #include <fmt/format.h>
 

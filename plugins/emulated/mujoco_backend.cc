@@ -1,11 +1,11 @@
-#include "plugins/mujoco/mujoco_backend.h"
+#include "plugins/emulated/mujoco_backend.h"
 
 #include <utility>
 #include <variant>
 
-#include "plugins/mujoco/emulated_backend.h"
-#include "plugins/mujoco/lockstep_backend.h"
-#include "plugins/mujoco/realtime_backend.h"
+#include "plugins/emulated/emulated_backend.h"
+#include "plugins/emulated/lockstep_backend.h"
+#include "plugins/emulated/realtime_backend.h"
 #include "twin/core/error.h"
 #include "twin/robot/make_plant.h"
 

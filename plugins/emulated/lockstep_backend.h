@@ -1,6 +1,6 @@
 #pragma once
 
-#include "plugins/mujoco/emulated_backend.h"
+#include "plugins/emulated/emulated_backend.h"
 #include "twin/backend/registry.h"
 
 namespace twin::plugins {

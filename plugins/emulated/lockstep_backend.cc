@@ -1,4 +1,4 @@
-#include "plugins/mujoco/lockstep_backend.h"
+#include "plugins/emulated/lockstep_backend.h"
 
 #include <memory>
 #include <utility>

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "plugins/mujoco/emulated_base.h"
-#include "plugins/mujoco/emulated_hand.h"
+#include "plugins/emulated/emulated_base.h"
+#include "plugins/emulated/emulated_hand.h"
 #include "twin/backend/backend.h"
 #include "twin/backend/refusal.h"
 #include "twin/backend/registry.h"
