@@ -19,10 +19,9 @@ const scenario::Scenario& WithApplication(const scenario::Scenario& scenario) {
 
 }  // namespace
 
-ApplicationRun::ApplicationRun(const scenario::Scenario& scenario,
-                               const run::Catalogue& catalogue,
-                               const run::RunFiles& files, rt::RecordSink* sink,
-                               const Clock& clock, const run::RealtimeSettings& settings)
+ApplicationRun::ApplicationRun(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
+                               const run::RunFiles& files, rt::RecordSink* sink, const Clock& clock,
+                               const run::RealtimeSettings& settings)
     : scenario_(WithApplication(scenario)),
       files_(files),
       clock_(clock),
@@ -43,29 +42,29 @@ Duration ApplicationRun::longest() const {
 }
 
 bool ApplicationRun::CheckStart(const run::TellCheck& tell) {
-  const reference::Trajectory standing = run::StandingFor(
-      scenario_.robot.q_start.value(), std::chrono::seconds(1), robot().limits);
+  const reference::Trajectory standing =
+      run::StandingFor(scenario_.robot.q_start.value(), std::chrono::seconds(1), robot().limits);
   return session_.CheckStart(
       run::MotionOn(scenario_, "start", application_->first_interface(), standing), tell);
 }
 
-const Deeds& ApplicationRun::Execute(const run::RunHooks& hooks,
-                                     const std::function<void(std::string_view)>& tell) {
+const TaskResult& ApplicationRun::Execute(const run::RunHooks& hooks,
+                                          const std::function<void(std::string_view)>& tell) {
   session_.Begin(hooks);
   try {
     Stage stage(session_, scenario_, files_, clock_, tell, devices_);
-    deeds_ = application_->Perform(stage);
+    task_result_ = application_->Perform(stage);
   } catch (...) {
     result_ = session_.End();
     throw;
   }
   result_ = session_.End();
-  return deeds_;
+  return task_result_;
 }
 
-Judgement ApplicationRun::Judge(Evidence evidence) {
+Evaluation ApplicationRun::Evaluate(Evidence evidence) {
   evidence.session = result_;
-  return application_->Judge(deeds_, evidence);
+  return application_->Evaluate(task_result_, evidence);
 }
 
 }  // namespace twin::application

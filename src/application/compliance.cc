@@ -32,21 +32,22 @@ class Compliance final : public Application {
     return control::CommandInterface::kTorque;
   }
   [[nodiscard]] Duration longest(const scenario::Scenario& scenario) const override;
-  [[nodiscard]] Deeds Perform(Stage& stage) override;
-  [[nodiscard]] Judgement Judge(const Deeds& deeds, const Evidence& evidence) override;
+  [[nodiscard]] TaskResult Perform(Stage& stage) override;
+  [[nodiscard]] Evaluation Evaluate(const TaskResult& task_result,
+                                    const Evidence& evidence) override;
 
  private:
   StepEnd Do(const Case& one, CaseIndex index, Stage& stage);
   static StepEnd GoBack(const Case& from, Stage& stage);
   /// Two pictures: the arm before, and at the end of the push's constant force or of the motion.
-  void AddMoment(const Case& one, const run::Motion& motion, const Transform& O_T_EE,
-                 Time begun, Time ended);
+  void AddMoment(const Case& one, const run::Motion& motion, const Transform& O_T_EE, Time begun,
+                 Time ended);
 
   const Settings settings_;
   std::optional<Pushes> pushes_;
   JointLimits limits_;
   std::array<std::optional<Span>, kCases> spans_{};
-  std::vector<Moment> moments_;
+  std::vector<Snapshot> snapshots_;
 };
 
 Duration Compliance::longest(const scenario::Scenario& /*scenario*/) const {
@@ -56,7 +57,7 @@ Duration Compliance::longest(const scenario::Scenario& /*scenario*/) const {
   return all;
 }
 
-Deeds Compliance::Perform(Stage& stage) {
+TaskResult Compliance::Perform(Stage& stage) {
   if (!stage.scenario().record) {
     throw InputError("record: is false, and the application compliance is judged by its log");
   }
@@ -72,9 +73,9 @@ Deeds Compliance::Perform(Stage& stage) {
     steps.push_back({.name = fmt::format("back from {}", one.id),
                      .act = [&one, &stage] { return GoBack(one, stage); }});
   }
-  Deeds deeds{.task = stage.Carry(steps)};
-  deeds.moments = std::move(moments_);
-  return deeds;
+  TaskResult task_result{.task = stage.Carry(steps)};
+  task_result.snapshots = std::move(snapshots_);
+  return task_result;
 }
 
 StepEnd Compliance::Do(const Case& one, CaseIndex index, Stage& stage) {
@@ -98,26 +99,26 @@ StepEnd Compliance::GoBack(const Case& from, Stage& stage) {
 void Compliance::AddMoment(const Case& one, const run::Motion& motion, const Transform& O_T_EE,
                            Time begun, Time ended) {
   const auto point = [](const Transform& X) { return Vector3{X[12], X[13], X[14]}; };
-  Moment moment{.id = std::string(one.id),
-                .caption = fmt::format("{}: {}; right, {}", one.id, one.what,
-                                       one.is_pushed ? "while it is pushed" : "at its end"),
-                .planned = begun,
-                .done = ended,
-                .way = {point(O_T_EE)}};
+  Snapshot snapshot{.id = std::string(one.id),
+                    .caption = fmt::format("{}: {}; right, {}", one.id, one.what,
+                                           one.is_pushed ? "while it is pushed" : "at its end"),
+                    .planned = begun,
+                    .done = ended,
+                    .way = {point(O_T_EE)}};
   if (one.is_pushed) {
     const plant::Push& push = one.kind == Kind::kStandstill ? pushes_->standing : pushes_->moving;
-    moment.done = begun + push.begin + push.duration - push.rise;
+    snapshot.done = begun + push.begin + push.duration - push.rise;
   }
   if (motion.poses) {
     const Duration step = settings_.leg / kWayPoints;
     for (int i = 1; i < 3 * kWayPoints; ++i) {
-      moment.way.push_back(point(motion.poses->Sample(i * step).O_T_EE));
+      snapshot.way.push_back(point(motion.poses->Sample(i * step).O_T_EE));
     }
   }
-  moments_.push_back(std::move(moment));
+  snapshots_.push_back(std::move(snapshot));
 }
 
-Judgement Compliance::Judge(const Deeds& /*deeds*/, const Evidence& evidence) {
+Evaluation Compliance::Evaluate(const TaskResult& /*task_result*/, const Evidence& evidence) {
   if (evidence.log.empty() || !pushes_) {
     return {.findings = {{.quantity = "log of the run",
                           .value = 0,

@@ -110,21 +110,21 @@ class Runs {
     if (truth != nullptr) watch.Begin(*truth);
     run::RunHooks hooks;
     hooks.interrupted = options_.interrupted;
-    const Deeds& deeds = run.Execute(hooks);
-    const Judgement judgement =
-        run.Judge({.log = {}, .truth = truth, .contacts = watch.contacts()});
+    const TaskResult& task_result = run.Execute(hooks);
+    const Evaluation evaluation =
+        run.Evaluate({.log = {}, .truth = truth, .contacts = watch.contacts()});
     SeedOutcome outcome{.seed = scenario.seed,
-                        .succeeded = Succeeded(deeds, judgement),
-                        .failure = FailureOf(deeds, judgement)};
-    for (const StepReport& step : deeds.task.steps) {
+                        .succeeded = Succeeded(task_result, evaluation),
+                        .failure = FailureOf(task_result, evaluation)};
+    for (const StepReport& step : task_result.task.steps) {
       outcome.repeated += step.succeeded ? 0 : 1;
       outcome.duration = step.ended.time_since_epoch();
     }
-    if (!deeds.task.failure.empty() && !deeds.task.steps.empty()) {
-      outcome.failed_step = deeds.task.steps.back().name;
+    if (!task_result.task.failure.empty() && !task_result.task.steps.empty()) {
+      outcome.failed_step = task_result.task.steps.back().name;
       --outcome.repeated;
     }
-    outcome.findings = judgement.findings;
+    outcome.findings = evaluation.findings;
     outcome.states_hash = run.result().states_hash;
     return outcome;
   }

@@ -66,21 +66,21 @@ std::string StepsHtml(const TaskReport& task) {
   return html + "</table></div>\n";
 }
 
-std::string MomentsHtml(const Deeds& deeds, const PageFacts& facts) {
-  if (facts.moments.empty()) return {};
+std::string SnapshotsHtml(const TaskResult& task_result, const PageFacts& facts) {
+  if (facts.snapshots.empty()) return {};
   std::string html =
       "<h2>Planned and done</h2>\n<p>Left, before each motion: the arm as it is, its goal as a "
       "ghost, the way of its end effector as a line. Right: where it came to.</p>\n";
-  const std::size_t pairs = std::min(facts.moments.size(), deeds.moments.size());
+  const std::size_t pairs = std::min(facts.snapshots.size(), task_result.snapshots.size());
   for (std::size_t i = 0; i < pairs; ++i) {
-    const Moment& moment = deeds.moments[i];
+    const Snapshot& snapshot = task_result.snapshots[i];
     html += fmt::format(
         "<figure class=\"pair\"><figcaption>{}. {} <span class=\"run\">{:.2f} s to {:.2f} "
         "s</span></figcaption>\n{}{}</figure>\n",
-        i + 1, Escape(moment.caption), ToSeconds(moment.planned.time_since_epoch()),
-        ToSeconds(moment.done.time_since_epoch()),
-        PictureHtml(facts.moments[i].planned, moment.caption + " (planned)"),
-        PictureHtml(facts.moments[i].done, moment.caption + " (done)"));
+        i + 1, Escape(snapshot.caption), ToSeconds(snapshot.planned.time_since_epoch()),
+        ToSeconds(snapshot.done.time_since_epoch()),
+        PictureHtml(facts.snapshots[i].planned, snapshot.caption + " (planned)"),
+        PictureHtml(facts.snapshots[i].done, snapshot.caption + " (done)"));
   }
   return html;
 }
@@ -108,15 +108,15 @@ std::string PlotsHtml(const std::vector<std::filesystem::path>& plots) {
 
 }  // namespace
 
-bool Succeeded(const Deeds& deeds, const Judgement& judgement) noexcept {
-  return deeds.task.failure.empty() &&
-         std::ranges::none_of(judgement.findings,
+bool Succeeded(const TaskResult& task_result, const Evaluation& evaluation) noexcept {
+  return task_result.task.failure.empty() &&
+         std::ranges::none_of(evaluation.findings,
                               [](const Finding& finding) { return finding.met == false; });
 }
 
-std::string FailureOf(const Deeds& deeds, const Judgement& judgement) {
-  if (!deeds.task.failure.empty()) return deeds.task.failure;
-  for (const Finding& finding : judgement.findings) {
+std::string FailureOf(const TaskResult& task_result, const Evaluation& evaluation) {
+  if (!task_result.task.failure.empty()) return task_result.task.failure;
+  for (const Finding& finding : evaluation.findings) {
     if (finding.met != false) continue;
     return fmt::format("{} is {:.4g}{}{}; demanded: {}", finding.quantity, finding.value,
                        finding.unit.empty() ? "" : " ", finding.unit, finding.demand);
@@ -124,19 +124,19 @@ std::string FailureOf(const Deeds& deeds, const Judgement& judgement) {
   return {};
 }
 
-std::string PageOf(const scenario::Scenario& scenario, const Deeds& deeds,
-                   const Judgement& judgement, const PageFacts& facts) {
-  const bool succeeded = Succeeded(deeds, judgement);
+std::string PageOf(const scenario::Scenario& scenario, const TaskResult& task_result,
+                   const Evaluation& evaluation, const PageFacts& facts) {
+  const bool succeeded = Succeeded(task_result, evaluation);
   std::string body =
       fmt::format("<h1>{}</h1>\n<p>{}</p>\n", Escape(scenario.name), Escape(scenario.description));
   body += succeeded ? std::string("<p class=\"met\">succeeded</p>\n")
                     : fmt::format("<p class=\"failed\">failed: {}</p>\n",
-                                  Escape(FailureOf(deeds, judgement)));
+                                  Escape(FailureOf(task_result, evaluation)));
   if (facts.has_video) body += "<video controls src=\"video.mp4\"></video>\n";
-  body += FindingsHtml(judgement.findings);
-  body += StepsHtml(deeds.task);
-  body += MomentsHtml(deeds, facts);
-  body += FiguresHtml(judgement.figures);
+  body += FindingsHtml(evaluation.findings);
+  body += StepsHtml(task_result.task);
+  body += SnapshotsHtml(task_result, facts);
+  body += FiguresHtml(evaluation.figures);
   body += PlotsHtml(facts.plots);
   body += report::FactsTable(facts.lines);
   return report::HtmlPage(scenario.name, body);

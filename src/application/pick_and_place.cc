@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "application/pick_judgement.h"
+#include "application/pick_evaluation.h"
 #include "application/pick_plan.h"
 #include "application/pick_task.h"
 #include "twin/application/stage.h"
@@ -59,9 +59,10 @@ class PickAndPlace final : public Application {
   [[nodiscard]] Duration longest(const scenario::Scenario& /*scenario*/) const override {
     return std::chrono::seconds(120);
   }
-  [[nodiscard]] Deeds Perform(Stage& stage) override;
-  [[nodiscard]] Judgement Judge(const Deeds& deeds, const Evidence& evidence) override {
-    return JudgePick(record_, deeds, evidence);
+  [[nodiscard]] TaskResult Perform(Stage& stage) override;
+  [[nodiscard]] Evaluation Evaluate(const TaskResult& task_result,
+                                    const Evidence& evidence) override {
+    return EvaluatePick(record_, task_result, evidence);
   }
 
  private:
@@ -83,7 +84,7 @@ class PickAndPlace final : public Application {
   [[nodiscard]] bool Holds() const;
   void TellLoad(const setting::Load& load);
   [[nodiscard]] setting::Load LoadOfObject() const;
-  Moment& MomentOf(Leg leg);
+  Snapshot& SnapshotOf(Leg leg);
   [[nodiscard]] run::Session& session() const { return stage_->session(); }
   [[nodiscard]] double opening() const { return planner_->OpeningFor(plan_.grip); }
 
@@ -93,7 +94,7 @@ class PickAndPlace final : public Application {
   std::optional<PickPlanner> planner_;
   PickPlan plan_;
   PickRecord record_;
-  Deeds deeds_;
+  TaskResult task_result_;
   bool is_around_object_ = false;  ///< the fingers are, without holding it
 };
 
@@ -104,7 +105,7 @@ void PickAndPlace::Require(const scenario::Scenario& scenario) const {
       "application pick_and_place: robot.hand is none; say robot: {hand: franka_hand}");
 }
 
-Deeds PickAndPlace::Perform(Stage& stage) {
+TaskResult PickAndPlace::Perform(Stage& stage) {
   stage_ = &stage;
   record_.task = TaskOf(stage.scenario(), parameters_);
   record_.limits = stage.robot().limits;
@@ -115,40 +116,40 @@ Deeds PickAndPlace::Perform(Stage& stage) {
                              .F_T_EE = stage.F_T_EE()},
                    record_.task, parameters_.options);
   const int tries = parameters_.tries;
-  deeds_.task = stage.Carry({{.name = "plan", .act = [this] { return Plan(); }},
-                             {.name = "approach",
-                              .act = [this] { return Approach(); },
-                              .after_failure = "approach",
-                              .attempts = 2},
-                             {.name = "grasp",
-                              .act = [this] { return Grasp(); },
-                              .after_failure = "approach",
-                              .attempts = tries},
-                             {.name = "lift",
-                              .act = [this] { return Lift(); },
-                              .after_failure = "approach",
-                              .attempts = 2},
-                             {.name = "transfer",
-                              .act = [this] { return Carry(Leg::kTransfer); },
-                              .after_failure = "transfer",
-                              .attempts = 2},
-                             {.name = "place",
-                              .act = [this] { return Place(); },
-                              .after_failure = "place",
-                              .attempts = 2},
-                             {.name = "release", .act = [this] { return Release(); }},
-                             {.name = "retreat",
-                              .act = [this] { return Retreat(); },
-                              .after_failure = "retreat",
-                              .attempts = 2}});
+  task_result_.task = stage.Carry({{.name = "plan", .act = [this] { return Plan(); }},
+                                   {.name = "approach",
+                                    .act = [this] { return Approach(); },
+                                    .after_failure = "approach",
+                                    .attempts = 2},
+                                   {.name = "grasp",
+                                    .act = [this] { return Grasp(); },
+                                    .after_failure = "approach",
+                                    .attempts = tries},
+                                   {.name = "lift",
+                                    .act = [this] { return Lift(); },
+                                    .after_failure = "approach",
+                                    .attempts = 2},
+                                   {.name = "transfer",
+                                    .act = [this] { return Carry(Leg::kTransfer); },
+                                    .after_failure = "transfer",
+                                    .attempts = 2},
+                                   {.name = "place",
+                                    .act = [this] { return Place(); },
+                                    .after_failure = "place",
+                                    .attempts = 2},
+                                   {.name = "release", .act = [this] { return Release(); }},
+                                   {.name = "retreat",
+                                    .act = [this] { return Retreat(); },
+                                    .after_failure = "retreat",
+                                    .attempts = 2}});
   stage_ = nullptr;
-  return std::move(deeds_);
+  return std::move(task_result_);
 }
 
 StepEnd PickAndPlace::Plan() {
   const Time begun = stage_->clock().Now();
   auto planned = planner_->Plan(Ready());
-  deeds_.planning_time += stage_->clock().Now() - begun;
+  task_result_.planning_time += stage_->clock().Now() - begun;
   if (auto* why = std::get_if<std::string>(&planned)) return {false, std::move(*why)};
   plan_ = std::move(std::get<PickPlan>(planned));
   const Transform NE_T_EE =
@@ -169,12 +170,12 @@ JointVector PickAndPlace::Ready() {
   return state.q_d;
 }
 
-Moment& PickAndPlace::MomentOf(Leg leg) {
+Snapshot& PickAndPlace::SnapshotOf(Leg leg) {
   const std::string id(Name(leg));
-  const auto found = std::ranges::find(deeds_.moments, id, &Moment::id);
-  return found != deeds_.moments.end()
+  const auto found = std::ranges::find(task_result_.snapshots, id, &Snapshot::id);
+  return found != task_result_.snapshots.end()
              ? *found
-             : deeds_.moments.emplace_back(Moment{.id = id, .caption = {}});
+             : task_result_.snapshots.emplace_back(Snapshot{.id = id, .caption = {}});
 }
 
 StepEnd PickAndPlace::Go(Leg leg) {
@@ -183,26 +184,26 @@ StepEnd PickAndPlace::Go(Leg leg) {
   if (LargestDistance(q, plan_.legs[number].q_start) > kSamePlace) {
     const Time begun = stage_->clock().Now();
     auto planned = planner_->PlanFrom(q, leg, plan_.grip);
-    deeds_.planning_time += stage_->clock().Now() - begun;
+    task_result_.planning_time += stage_->clock().Now() - begun;
     if (auto* why = std::get_if<std::string>(&planned)) {
       return {false, fmt::format("no way from where the arm is: {}", *why)};
     }
     plan_ = std::move(std::get<PickPlan>(planned));
   }
   const LegPlan& plan = plan_.legs[number];
-  Moment& moment = MomentOf(leg);
-  moment.caption = CaptionOf(leg, record_.task);
-  moment.planned = session().Now();
-  moment.goal = plan.q_end;
-  moment.way = plan.way;
+  Snapshot& snapshot = SnapshotOf(leg);
+  snapshot.caption = CaptionOf(leg, record_.task);
+  snapshot.planned = session().Now();
+  snapshot.goal = plan.q_end;
+  snapshot.way = plan.way;
   if (leg == Leg::kLift || leg == Leg::kTransfer || leg == Leg::kPlace) {
-    moment.object = record_.task.object.name;
-    moment.O_T_object = model::Multiply(
+    snapshot.object = record_.task.object.name;
+    snapshot.O_T_object = model::Multiply(
         model::ArmModel::Panda().Pose(model::Frame::kEndEffector, plan.q_end, stage_->F_T_EE()),
         model::Inverse(record_.B_T_EE));
   }
   StepEnd end = Follow(std::string(Name(leg)), plan, q);
-  moment.done = session().Now();
+  snapshot.done = session().Now();
   return end;
 }
 
@@ -213,9 +214,8 @@ StepEnd PickAndPlace::Follow(const std::string& name, const LegPlan& leg, const 
       model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q, stage_->F_T_EE());
   reference::PoseTrajectory poses = PathOf(from_here, stage_->robot().cartesian);
   const Duration duration = poses.duration();
-  run::Motion motion =
-      stage_->NewMotion(name, control::CommandInterface::kJointPosition,
-                        run::StandingFor(q, duration, stage_->robot().limits));
+  run::Motion motion = stage_->NewMotion(name, control::CommandInterface::kJointPosition,
+                                         run::StandingFor(q, duration, stage_->robot().limits));
   motion.poses = std::move(poses);
   motion.controller.type = "cartesian_pose";
   motion.controller.parameters = controller_;
@@ -275,7 +275,7 @@ StepEnd PickAndPlace::Grasp() {
                                     .epsilon_inner = parameters_.tolerance,
                                     .epsilon_outer = parameters_.tolerance});
   record_.width_grasped = outcome.width;
-  MomentOf(Leg::kGrasp).done = session().Now();
+  SnapshotOf(Leg::kGrasp).done = session().Now();
   if (outcome.result == HandResult::kSuccess && Holds()) {
     return {true, fmt::format("{:.2f} mm wide", outcome.width * 1e3)};
   }
@@ -314,7 +314,7 @@ StepEnd PickAndPlace::Release() {
   // What is below bears the object from here on: so nothing jerks when the fingers open.
   TellLoad(stage_->scenario().onboard.load);
   StepEnd end = Open();
-  MomentOf(Leg::kPlace).done = session().Now();
+  SnapshotOf(Leg::kPlace).done = session().Now();
   return end;
 }
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "application/pick_judgement.h"
+#include "application/pick_evaluation.h"
 #include "twin/application/application.h"
 #include "twin/core/limits.h"
 

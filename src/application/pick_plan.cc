@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "twin/application/way.h"
+#include "twin/application/end_effector_path.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
 #include "twin/core/hand_command.h"

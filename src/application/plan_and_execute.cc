@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "twin/application/end_effector_path.h"
 #include "twin/application/stage.h"
-#include "twin/application/way.h"
 #include "twin/core/random.h"
 #include "twin/planning/planner.h"
 #include "twin/planning/random_goal.h"
@@ -42,8 +42,9 @@ class PlanAndExecute final : public Application {
   [[nodiscard]] Duration longest(const scenario::Scenario& /*scenario*/) const override {
     return goals_ * std::chrono::seconds(30);
   }
-  [[nodiscard]] Deeds Perform(Stage& stage) override;
-  [[nodiscard]] Judgement Judge(const Deeds& deeds, const Evidence& evidence) override;
+  [[nodiscard]] TaskResult Perform(Stage& stage) override;
+  [[nodiscard]] Evaluation Evaluate(const TaskResult& task_result,
+                                    const Evidence& evidence) override;
 
  private:
   StepEnd Plan(Stage& stage, int goal);
@@ -56,7 +57,7 @@ class PlanAndExecute final : public Application {
   const control::Parameters controller_;
 
   std::optional<planning::Plan> plan_;  ///< of the motion that comes next
-  Deeds deeds_;
+  TaskResult deeds_;
   std::uint64_t checks_ = 0;       ///< of all plans
   std::uint64_t most_checks_ = 0;  ///< of one plan
   std::uint64_t dense_ = 0;        ///< configurations of the plans looked at once more
@@ -64,7 +65,7 @@ class PlanAndExecute final : public Application {
   double final_error_ = 0;         ///< largest over the motions, rad
 };
 
-Deeds PlanAndExecute::Perform(Stage& stage) {
+TaskResult PlanAndExecute::Perform(Stage& stage) {
   std::vector<TaskStep> steps;
   for (int goal = 1; goal <= goals_; ++goal) {
     const std::string number = goals_ == 1 ? "" : fmt::format(" {}", goal);
@@ -95,13 +96,13 @@ StepEnd PlanAndExecute::Plan(Stage& stage, int goal) {
   checks_ += plan_->statistics.checks;
   most_checks_ = std::max(most_checks_, plan_->statistics.checks);
   deeds_.planning_time += plan_->statistics.wall;
-  deeds_.moments.push_back(
+  deeds_.snapshots.push_back(
       {.id = fmt::format("goal_{}", goal),
        .caption = fmt::format("Around what stands there to goal {} of {}", goal, goals_),
        .planned = begun,
        .done = begun,
        .goal = q_goal,
-       .way = WayOf(plan_->trajectory, stage.F_T_EE())});
+       .way = EndEffectorPath(plan_->trajectory, stage.F_T_EE())});
   return {true, fmt::format("{:.2f} s through {} points, {} collision checks",
                             ToSeconds(plan_->trajectory.duration()), plan_->statistics.waypoints,
                             plan_->statistics.checks)};
@@ -116,22 +117,22 @@ void PlanAndExecute::CheckDensely(planning::CollisionWorld& world,
 }
 
 StepEnd PlanAndExecute::Execute(Stage& stage) {
-  run::Motion motion = stage.NewMotion(deeds_.moments.back().id,
-                                            control::CommandInterface::kTorque, plan_->trajectory);
+  run::Motion motion = stage.NewMotion(deeds_.snapshots.back().id,
+                                       control::CommandInterface::kTorque, plan_->trajectory);
   motion.controller.parameters = controller_;
   const run::MotionResult result = stage.session().Move(motion);
-  deeds_.moments.back().done = stage.session().Now();
+  deeds_.snapshots.back().done = stage.session().Now();
   final_error_ = std::max(final_error_, result.final_error);
   return {result.report.succeeded(), result.report.failure};
 }
 
-Judgement PlanAndExecute::Judge(const Deeds& deeds, const Evidence& evidence) {
-  Judgement judgement;
-  const auto add = [&judgement](Finding finding) {
-    judgement.findings.push_back(std::move(finding));
+Evaluation PlanAndExecute::Evaluate(const TaskResult& task_result, const Evidence& evidence) {
+  Evaluation evaluation;
+  const auto add = [&evaluation](Finding finding) {
+    evaluation.findings.push_back(std::move(finding));
   };
   const auto count = [](std::uint64_t number) { return static_cast<double>(number); };
-  add({.quantity = "plans", .value = count(deeds.moments.size())});
+  add({.quantity = "plans", .value = count(task_result.snapshots.size())});
   add({.quantity = "collision checks, most of a plan",
        .value = count(most_checks_),
        .demand = fmt::format("at most {}", budget_),
@@ -160,7 +161,7 @@ Judgement PlanAndExecute::Judge(const Deeds& deeds, const Evidence& evidence) {
        .value = final_error_ * 1e3,
        .unit = "mrad",
        .demand = "within the controller's goal tolerance, else the step fails"});
-  return judgement;
+  return evaluation;
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "twin/core/fingerprint.h"
 #include "twin/report/chart.h"
 #include "twin/report/html.h"
-#include "twin/core/fingerprint.h"
 
 namespace twin::application {
 namespace {
@@ -46,7 +46,7 @@ std::string FailuresHtml(const MonteCarloResult& result) {
     if (outcome.succeeded) continue;
     html += fmt::format(
         "<tr><td>{}</td><td class=\"word\">{}</td><td class=\"word\">{}</td></tr>\n", outcome.seed,
-        outcome.failed_step.empty() ? "judgement" : Escape(outcome.failed_step),
+        outcome.failed_step.empty() ? "evaluation" : Escape(outcome.failed_step),
         Escape(outcome.failure));
   }
   return html + "</table></div>\n";

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "application/operator_person.h"
-#include "application/teleoperation_judgement.h"
+#include "application/scripted_operator.h"
+#include "application/teleoperation_evaluation.h"
 #include "twin/application/stage.h"
 #include "twin/backend/hand.h"
 #include "twin/core/clock.h"
@@ -78,13 +78,14 @@ class Teleoperation final : public Application {
     if (p.Has("longest")) longest_ = longest;
     grip_.force = p.Quantity("grasp.force", Dimension::kForce, grip_.force, 1, 140);
     grip_.speed = p.Quantity("grasp.speed", Dimension::kVelocity, grip_.speed, 0.001, 0.1);
-    person_.hand_noise = p.Number("person.hand_noise", person_.hand_noise, 0, 0.5);
-    person_.tremor = p.Number("person.tremor", person_.tremor, 0, 0.2);
-    person_.eye_noise =
-        p.Quantity("person.eye_noise", Dimension::kLength, person_.eye_noise, 0, 0.05);
-    person_.far_noise =
-        p.Quantity("person.far_noise", Dimension::kLength, person_.far_noise, 0, 0.1);
-    person_.reaction = p.Time("person.reaction", person_.reaction, Duration::zero(), seconds(1));
+    operator_.hand_noise = p.Number("person.hand_noise", operator_.hand_noise, 0, 0.5);
+    operator_.tremor = p.Number("person.tremor", operator_.tremor, 0, 0.2);
+    operator_.eye_noise =
+        p.Quantity("person.eye_noise", Dimension::kLength, operator_.eye_noise, 0, 0.05);
+    operator_.far_noise =
+        p.Quantity("person.far_noise", Dimension::kLength, operator_.far_noise, 0, 0.1);
+    operator_.reaction =
+        p.Time("person.reaction", operator_.reaction, Duration::zero(), seconds(1));
   }
 
   void Require(const scenario::Scenario& scenario) const override;
@@ -95,9 +96,10 @@ class Teleoperation final : public Application {
     return LastsFor(scenario) + seconds(10);
   }
   [[nodiscard]] bool drives_base() const noexcept override { return true; }
-  [[nodiscard]] Deeds Perform(Stage& stage) override;
-  [[nodiscard]] Judgement Judge(const Deeds& /*deeds*/, const Evidence& evidence) override {
-    return JudgeTeleoperation(record_, evidence);
+  [[nodiscard]] TaskResult Perform(Stage& stage) override;
+  [[nodiscard]] Evaluation Evaluate(const TaskResult& /*task_result*/,
+                                    const Evidence& evidence) override {
+    return EvaluateTeleoperation(record_, evidence);
   }
 
  private:
@@ -105,7 +107,7 @@ class Teleoperation final : public Application {
   [[nodiscard]] FetchTask TaskOf(const scenario::Scenario& scenario) const;
   [[nodiscard]] std::unique_ptr<teleop::Device> MakeDevice(const Stage& stage);
   StepEnd Lead();
-  /// Beside the motion: the hand, moments, the trace.
+  /// Beside the motion: the hand, snapshots, the trace.
   Time Attend(Time now);
   void TendHand(std::uint32_t presses);
   void Note(const TeleoperatorStatus& status, Time now);
@@ -119,18 +121,18 @@ class Teleoperation final : public Application {
   std::optional<Duration> longest_;
   const control::Parameters controller_;
   Grip grip_;
-  PersonConfig person_;
+  ScriptedOperatorConfig operator_;
 
   const MonotonicClock clock_;  ///< of devices' own threads
   Stage* stage_ = nullptr;      ///< set while it performs
   std::unique_ptr<teleop::Device> device_;
-  OperatorPerson* scripted_ = nullptr;  ///< device_, if it is one
+  ScriptedOperator* scripted_ = nullptr;  ///< device_, if it is one
   std::optional<Teleoperator> teleoperator_;
   std::uint32_t presses_ = 0;  ///< of the hand's button that were acted on
   int attends_ = 0;
   TeleoperatorStatus last_{};
   TeleoperationRecord record_;
-  Deeds deeds_;
+  TaskResult task_result_;
 };
 
 void Teleoperation::Require(const scenario::Scenario& scenario) const {
@@ -191,8 +193,8 @@ std::unique_ptr<teleop::Device> Teleoperation::MakeDevice(const Stage& stage) {
           "operator: the scripted person sees nothing of this plant; say plant: "
           "{kind: mujoco}");
     }
-    auto person = std::make_unique<OperatorPerson>(*truth, record_.task, person_, record_.config,
-                                                   stage.scenario().seed);
+    auto person = std::make_unique<ScriptedOperator>(*truth, record_.task, operator_,
+                                                     record_.config, stage.scenario().seed);
     scripted_ = person.get();
     return person;
   }
@@ -211,7 +213,7 @@ std::unique_ptr<teleop::Device> Teleoperation::MakeDevice(const Stage& stage) {
   return device;
 }
 
-Deeds Teleoperation::Perform(Stage& stage) {
+TaskResult Teleoperation::Perform(Stage& stage) {
   stage_ = &stage;
   const scenario::OperatorSection& section = *stage.scenario().operator_section;
   record_.config = MakeTeleoperator(section);
@@ -222,13 +224,13 @@ Deeds Teleoperation::Perform(Stage& stage) {
           .device = *device_, .base = stage.session().base(), .limits = stage.robot().limits},
       record_.config, MakeWire(section), stage.scenario().seed);
   stage.Tell(fmt::format("led by {}", device_->Describe()));
-  deeds_.task = stage.Carry({{.name = "teleoperation", .act = [this] { return Lead(); }}});
+  task_result_.task = stage.Carry({{.name = "teleoperation", .act = [this] { return Lead(); }}});
   // What holds on to the session ends with it.
   teleoperator_.reset();
   scripted_ = nullptr;
   device_.reset();
   stage_ = nullptr;
-  return std::move(deeds_);
+  return std::move(task_result_);
 }
 
 StepEnd Teleoperation::Lead() {
@@ -236,7 +238,7 @@ StepEnd Teleoperation::Lead() {
   run::Motion motion =
       stage_->NewMotion("teleoperation", control::CommandInterface::kTorque,
                         run::StandingFor(session.ReadState().q, LastsFor(stage_->scenario()),
-                                              stage_->robot().limits));
+                                         stage_->robot().limits));
   motion.controller.type = "compliance";
   motion.controller.parameters = controller_;
   // Who feels his way touches things, and a contact steps the damping's torque.
@@ -246,7 +248,7 @@ StepEnd Teleoperation::Lead() {
   BeginMoment(teleop::Mode::kArm, session.Now());
   const run::MotionResult result = session.Move(motion);
   Note(teleoperator_->TakeStatus(), session.Now());
-  deeds_.moments.back().done = session.Now();
+  task_result_.snapshots.back().done = session.Now();
   if (result.report.errors.any()) record_.robot_errors.push_back(result.report.failure);
   if (!result.report.succeeded()) return {false, result.report.failure};
   if (scripted_ == nullptr) return {};
@@ -303,19 +305,20 @@ void Teleoperation::TendHand(std::uint32_t presses) {
 }
 
 void Teleoperation::BeginMoment(teleop::Mode mode, Time now) {
-  std::vector<Moment>& moments = deeds_.moments;
-  if (!moments.empty()) moments.back().done = now;
+  std::vector<Snapshot>& snapshots = task_result_.snapshots;
+  if (!snapshots.empty()) snapshots.back().done = now;
   // What was hardly begun is nothing to show.
-  if (!moments.empty() && now - moments.back().planned < kShortest) moments.pop_back();
+  if (!snapshots.empty() && now - snapshots.back().planned < kShortest) snapshots.pop_back();
   const bool drives = mode == teleop::Mode::kBase;
   const bool holds = presses_ % 2 == 1;
-  moments.push_back({.id = fmt::format("{}_{}", drives ? "base" : "arm", moments.size() + 1),
-                     .caption = fmt::format("{}; the hand is {}",
-                                            drives ? "The base is led, the arm holds its pose on it"
-                                                   : "The arm is led, the base stands",
-                                            holds ? "closed" : "open"),
-                     .planned = now,
-                     .done = now});
+  snapshots.push_back(
+      {.id = fmt::format("{}_{}", drives ? "base" : "arm", snapshots.size() + 1),
+       .caption = fmt::format("{}; the hand is {}",
+                              drives ? "The base is led, the arm holds its pose on it"
+                                     : "The arm is led, the base stands",
+                              holds ? "closed" : "open"),
+       .planned = now,
+       .done = now});
 }
 
 }  // namespace

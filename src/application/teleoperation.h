@@ -20,7 +20,7 @@ namespace twin::application {
 ///   longest     that it may take; unless said 240 s for the scripted person, else 1800 s
 ///   grasp       {force, speed} of the hand
 ///   controller  of compliance; the paper's gains of teleoperation unless said
-///   person      {reaction, hand_noise, tremor, eye_noise, far_noise}: see PersonConfig
+///   person      {reaction, hand_noise, tremor, eye_noise, far_noise}: see ScriptedOperatorConfig
 ///
 /// Demanded: no error of the robot; the object stands within 3 cm of its target, let go; the arm
 /// within 1 cm of its reference while the base drives; jerks of all commands, at switches of the

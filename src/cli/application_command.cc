@@ -11,7 +11,6 @@
 
 #include "cli/application_summary.h"
 #include "cli/interrupt.h"
-#include "cli/moment_pictures.h"
 #include "cli/picture.h"
 #include "cli/plan_records.h"
 #include "cli/remote_run.h"
@@ -20,6 +19,7 @@
 #include "cli/run_records.h"
 #include "cli/run_setup.h"
 #include "cli/say.h"
+#include "cli/snapshot_pictures.h"
 #include "cli/summary.h"
 #include "twin/application/application_run.h"
 #include "twin/application/page.h"
@@ -69,7 +69,7 @@ class ApplicationSession {
 
  private:
   void Perform();
-  void Judge();
+  void Evaluate();
   [[nodiscard]] std::string HowItEnded() const;
   void WriteResults();
   void MakePictures();
@@ -96,7 +96,7 @@ class ApplicationSession {
   std::optional<application::ApplicationRun> run_;
   ApplicationResult result_;
   bool has_summary_ = false;
-  std::vector<application::MomentPictures> moments_;
+  std::vector<application::SnapshotPictures> snapshots_;
   std::vector<std::filesystem::path> plots_;
 };
 
@@ -110,7 +110,7 @@ ExitCode ApplicationSession::Execute() {
   out_.Clear();
   CarryOut(records_, out_, interrupt_, [this] {
     Perform();
-    Judge();
+    Evaluate();
     page_.Close(HowItEnded());
     WriteResults();
   });
@@ -119,11 +119,11 @@ ExitCode ApplicationSession::Execute() {
                             out_.folder().string()));
   }
   if (result_.interrupted) throw Interrupted();
-  if (application::Succeeded(result_.deeds, result_.judgement)) {
-    JudgeDeviations(result_.session.followed, flags_.strict);
+  if (application::Succeeded(result_.task_result, result_.evaluation)) {
+    EvaluateDeviations(result_.session.followed, flags_.strict);
     return kOk;
   }
-  throw RobotFault(application::FailureOf(result_.deeds, result_.judgement));
+  throw RobotFault(application::FailureOf(result_.task_result, result_.evaluation));
 }
 
 void ApplicationSession::Perform() {
@@ -138,19 +138,20 @@ void ApplicationSession::Perform() {
   hooks.interrupted = interrupt_.flag();
   hooks.event = page_.Also(records_.Events());
   const Time begin = clock_.Now();
-  result_.deeds = run_->Execute(hooks, [this](std::string_view line) {
+  result_.task_result = run_->Execute(hooks, [this](std::string_view line) {
     if (flags_.quiet) return;
     Say(stdout, fmt::format("{}\n", line));
     std::fflush(stdout);
   });
   times_.run_s = SecondsSince(begin);
-  times_.planning_s = ToSeconds(result_.deeds.planning_time);
-  for (const application::Moment& moment : result_.deeds.moments) records_.Add(PlanOf(moment));
+  times_.planning_s = ToSeconds(result_.task_result.planning_time);
+  for (const application::Snapshot& snapshot : result_.task_result.snapshots)
+    records_.Add(PlanOf(snapshot));
   times_.records_dropped = records_.Finish();
   result_.session = run_->result();
   result_.interrupted = interrupt_.interrupted();
-  if (!result_.deeds.task.steps.empty()) {
-    const Time end = result_.deeds.task.steps.back().ended;
+  if (!result_.task_result.task.steps.empty()) {
+    const Time end = result_.task_result.task.steps.back().ended;
     times_.real_time_factor = ToSeconds(end.time_since_epoch()) / times_.run_s;
   }
   TellNotices({}, result_.session.robot_timings.notices);
@@ -158,17 +159,17 @@ void ApplicationSession::Perform() {
 
 std::string ApplicationSession::HowItEnded() const {
   if (result_.interrupted) return "it was broken off";
-  if (application::Succeeded(result_.deeds, result_.judgement)) return "it went well";
-  return application::FailureOf(result_.deeds, result_.judgement);
+  if (application::Succeeded(result_.task_result, result_.evaluation)) return "it went well";
+  return application::FailureOf(result_.task_result, result_.evaluation);
 }
 
-void ApplicationSession::Judge() {
+void ApplicationSession::Evaluate() {
   if (result_.interrupted) return;
-  result_.judgement =
-      run_->Judge({.log = scenario_.record ? out_.log() : std::filesystem::path(),
-                   .truth = run_->connection().truth,
-                   .contacts = records_.contacts() ? &*records_.contacts() : nullptr,
-                   .snapshots = records_.snapshots()});
+  result_.evaluation =
+      run_->Evaluate({.log = scenario_.record ? out_.log() : std::filesystem::path(),
+                      .truth = run_->connection().truth,
+                      .contacts = records_.contacts() ? &*records_.contacts() : nullptr,
+                      .snapshots = records_.snapshots()});
 }
 
 void ApplicationSession::WriteResults() {
@@ -183,8 +184,8 @@ void ApplicationSession::WriteResults() {
     }
     times_.plots_s = SecondsSince(begin);
     if (is_filmed()) MakePictures();
-    WriteWholeFile(out_.report(),
-                   application::PageOf(scenario_, result_.deeds, result_.judgement, FactsOf()));
+    WriteWholeFile(out_.report(), application::PageOf(scenario_, result_.task_result,
+                                                      result_.evaluation, FactsOf()));
   }
   times_.peak_memory_mb = PeakMemoryMb();
   WriteWholeFile(out_.timing(), TimingJson(times_, result_.session.robot_timings));
@@ -196,11 +197,11 @@ void ApplicationSession::MakePictures() {
   times_.video_s = ShowClip(render::FramesOf(film, settings), {out_.video(), out_.contact_sheet()},
                             interrupt_, clock_, flags_.quiet)
                        .seconds;
-  moments_ = DrawMoments(film, result_.deeds.moments, settings, out_.moments());
+  snapshots_ = DrawSnapshots(film, result_.task_result.snapshots, settings, out_.snapshots());
 }
 
 application::PageFacts ApplicationSession::FactsOf() const {
-  application::PageFacts facts{.moments = moments_, .plots = plots_, .has_video = is_filmed()};
+  application::PageFacts facts{.snapshots = snapshots_, .plots = plots_, .has_video = is_filmed()};
   facts.lines = {{"application", scenario_.application->type},
                  {"seed", fmt::format("{}", scenario_.seed)},
                  {"site", flags_.lab ? "lab " + *flags_.lab : "the scenario's own"},
@@ -214,8 +215,7 @@ application::PageFacts ApplicationSession::FactsOf() const {
 }  // namespace
 
 ExitCode RunApplication(const scenario::Scenario& scenario, const RunFlags& flags, const Host& host,
-                        const run::Catalogue& catalogue,
-                        std::optional<fci::Capture>& capture) {
+                        const run::Catalogue& catalogue, std::optional<fci::Capture>& capture) {
   return Carried<ApplicationSession>(scenario, flags, host, catalogue, capture);
 }
 

@@ -27,9 +27,9 @@ Json StepsJson(const application::TaskReport& task) {
   return steps;
 }
 
-Json FindingsJson(const application::Judgement& judgement) {
+Json FindingsJson(const application::Evaluation& evaluation) {
   Json findings = Json::array();
-  for (const application::Finding& finding : judgement.findings) {
+  for (const application::Finding& finding : evaluation.findings) {
     findings.push_back({{"quantity", finding.quantity},
                         {"value", finding.value},
                         {"unit", finding.unit},
@@ -58,7 +58,7 @@ std::string_view Mark(const application::Finding& finding) {
 
 std::string OutcomeOf(const ApplicationResult& result) {
   if (result.interrupted) return "interrupted";
-  return application::Succeeded(result.deeds, result.judgement) ? "success" : "failed";
+  return application::Succeeded(result.task_result, result.evaluation) ? "success" : "failed";
 }
 
 std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationResult& result,
@@ -74,9 +74,9 @@ std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationRes
       {"drive", Name(scenario.drive)},
       {"version", TWIN_VERSION},
       {"outcome", OutcomeOf(result)},
-      {"failure", application::FailureOf(result.deeds, result.judgement)},
-      {"steps", StepsJson(result.deeds.task)},
-      {"findings", FindingsJson(result.judgement)},
+      {"failure", application::FailureOf(result.task_result, result.evaluation)},
+      {"steps", StepsJson(result.task_result.task)},
+      {"findings", FindingsJson(result.evaluation)},
       {"motions", result.session.motions},
       {"deviations", DeviationsJson(result.session.followed)},
       {"deviation_exceeded",
@@ -96,7 +96,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationRes
 std::string SummaryText(const scenario::Scenario& scenario, const ApplicationResult& result,
                         const WallTimes& times) {
   std::string out = fmt::format("{}: {}\n", scenario.name, OutcomeOf(result));
-  for (const application::Finding& finding : result.judgement.findings) {
+  for (const application::Finding& finding : result.evaluation.findings) {
     out += fmt::format("  {:<7}{}: {:.4g}{}{}{}\n", Mark(finding), finding.quantity, finding.value,
                        finding.unit.empty() ? "" : " ", finding.unit,
                        finding.demand.empty() ? "" : fmt::format(" ({})", finding.demand));
@@ -114,8 +114,7 @@ std::string SummaryText(const scenario::Scenario& scenario, const ApplicationRes
                      times.run_s, times.real_time_factor, times.planning_s.value_or(0));
   if (scenario.drive == scenario::Drive::kLockstep) {
     out += fmt::format("  {:<13}{} (libm {})\n", "states hash",
-                       FormatHash(result.session.states_hash),
-                       FormatHash(LibmFingerprint()));
+                       FormatHash(result.session.states_hash), FormatHash(LibmFingerprint()));
   }
   return out;
 }

@@ -12,8 +12,8 @@ namespace twin::cli {
 
 /// What an application's run came to.
 struct ApplicationResult {
-  application::Deeds deeds;
-  application::Judgement judgement;
+  application::TaskResult task_result;
+  application::Evaluation evaluation;
   run::SessionResult session;
   bool interrupted = false;
 };

@@ -95,7 +95,7 @@ void CheckJitter(Findings& findings, const HostFacts& facts, double seconds) {
       fmt::format("at 1 kHz from thread to thread, after {} ({} samples, in time: {:.0f} "
                   "us)",
                   Spread(figures.answer), figures.answer.count(), Microseconds(kAnswerInTime)));
-  const JitterVerdict verdict = Judge(figures);
+  const JitterVerdict verdict = Evaluate(figures);
   findings.Add(verdict.good ? Verdict::kGood : Verdict::kAdvice, "1 kHz", verdict.text);
   if (verdict.good) return;
   for (const std::string& cure : JitterCures(facts)) findings.Add(Verdict::kAdvice, "cure", cure);

@@ -146,7 +146,7 @@ JitterFigures MeasureJitter(Duration duration) {
   return figures;
 }
 
-JitterVerdict Judge(const JitterFigures& figures) {
+JitterVerdict Evaluate(const JitterFigures& figures) {
   if (figures.unserved == 0) {
     return {true, fmt::format("good for real time: none of {} cycles was missed", figures.cycles)};
   }

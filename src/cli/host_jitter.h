@@ -30,6 +30,6 @@ struct JitterVerdict {
   bool good = false;  ///< nothing is to be done
   std::string text;   ///< for people, one line
 };
-[[nodiscard]] JitterVerdict Judge(const JitterFigures& figures);
+[[nodiscard]] JitterVerdict Evaluate(const JitterFigures& figures);
 
 }  // namespace twin::cli

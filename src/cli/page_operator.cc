@@ -94,12 +94,11 @@ void PageOperator::Session(std::unique_ptr<teleop::Device> device) {
   }
   teleop::DeviceRegistry devices;
   devices.Add(kDevice, [&device](const teleop::DeviceRequest&) { return std::move(device); });
-  const run::Catalogue catalogue{parts_.catalogue.backends, parts_.catalogue.controllers,
-                                      &devices};
+  const run::Catalogue catalogue{parts_.catalogue.backends, parts_.catalogue.controllers, &devices};
   const MonotonicClock clock;
   application::ApplicationRun run(scenario_, catalogue, parts_.files, nullptr, clock, settings_);
-  const application::Deeds& deeds = run.Execute(hooks);
-  if (!deeds.task.failure.empty()) tell_(clock.Now(), "error", deeds.task.failure);
+  const application::TaskResult& task_result = run.Execute(hooks);
+  if (!task_result.task.failure.empty()) tell_(clock.Now(), "error", task_result.task.failure);
 }
 
 }  // namespace twin::cli

@@ -1,21 +1,21 @@
 #include "cli/plan_records.h"
 
-#include "twin/application/way.h"
+#include "twin/application/end_effector_path.h"
 #include "twin/render/renderer.h"
 
 namespace twin::cli {
 
 static_assert(render::Ghost::kMostPoints <= record::PlanRecord::kMostPoints);
 
-record::PlanRecord PlanOf(const application::Moment& moment) {
-  return {.id = moment.id,
-          .caption = moment.caption,
-          .from = moment.planned,
-          .until = moment.done,
-          .q = moment.goal,
-          .way = moment.way,
-          .object = moment.object,
-          .O_T_object = moment.O_T_object};
+record::PlanRecord PlanOf(const application::Snapshot& snapshot) {
+  return {.id = snapshot.id,
+          .caption = snapshot.caption,
+          .from = snapshot.planned,
+          .until = snapshot.done,
+          .q = snapshot.goal,
+          .way = snapshot.way,
+          .object = snapshot.object,
+          .O_T_object = snapshot.O_T_object};
 }
 
 record::PlanRecord PlanOf(const run::Run& run, const scenario::Scenario& scenario, Time end) {
@@ -25,7 +25,7 @@ record::PlanRecord PlanOf(const run::Run& run, const scenario::Scenario& scenari
           .from = Time(),
           .until = end,
           .q = run.trajectory().goal(),
-          .way = application::WayOf(run.trajectory(), F_T_EE)};
+          .way = application::EndEffectorPath(run.trajectory(), F_T_EE)};
 }
 
 }  // namespace twin::cli

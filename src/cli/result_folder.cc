@@ -88,7 +88,7 @@ std::vector<fs::path> ResultFolder::Files() const {
                               plan(),    plan_final(), report(),      seeds()};
   for (const char* plot : report::kPlotFiles) files.push_back(plots() / plot);
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(moments(), error)) {
+  for (const auto& entry : fs::directory_iterator(snapshots(), error)) {
     if (entry.path().extension() == ".png") files.push_back(entry.path());
   }
   return files;

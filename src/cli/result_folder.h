@@ -39,11 +39,11 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path plan_initial() const { return folder_ / "plan_initial.png"; }
   [[nodiscard]] std::filesystem::path plan() const { return folder_ / "plan.png"; }
   [[nodiscard]] std::filesystem::path plan_final() const { return folder_ / "plan_final.png"; }
-  /// Of an application: its page, and its pictures, two of each moment.
+  /// Of an application: its page, and its pictures, two of each snapshot.
   [[nodiscard]] std::filesystem::path report() const { return folder_ / "report.html"; }
   /// Of many seeds: a line each.
   [[nodiscard]] std::filesystem::path seeds() const { return folder_ / "seeds.csv"; }
-  [[nodiscard]] std::filesystem::path moments() const { return folder_ / "moments"; }
+  [[nodiscard]] std::filesystem::path snapshots() const { return folder_ / "moments"; }
   [[nodiscard]] std::filesystem::path summary() const { return folder_ / "summary.json"; }
   [[nodiscard]] std::filesystem::path timing() const { return folder_ / "timing.json"; }
   /// Not a run writes it, but who asks for it; it goes with the run.

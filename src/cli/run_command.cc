@@ -7,7 +7,6 @@
 #include "cli/commands.h"
 #include "cli/host.h"
 #include "cli/interrupt.h"
-#include "cli/moment_pictures.h"
 #include "cli/picture.h"
 #include "cli/plan_records.h"
 #include "cli/progress.h"
@@ -18,6 +17,7 @@
 #include "cli/run_setup.h"
 #include "cli/say.h"
 #include "cli/seeds_command.h"
+#include "cli/snapshot_pictures.h"
 #include "cli/summary.h"
 #include "cli/wire_capture.h"
 #include "twin/core/clock.h"
@@ -74,7 +74,7 @@ class Session {
 
   const MonotonicClock clock_;
   const RunFlags& flags_;
-  scenario::Scenario scenario_;          ///< as it is run; not changed after the constructor
+  scenario::Scenario scenario_;     ///< as it is run; not changed after the constructor
   run::RealtimeSettings settings_;  ///< not changed after the constructor
   ResultFolder out_;
   const InterruptGuard interrupt_;
@@ -106,7 +106,7 @@ ExitCode Session::Execute() {
                     "files", out_.folder().string()));
   }
   if (result_.report.succeeded()) {
-    JudgeDeviations({result_.followed}, flags_.strict);
+    EvaluateDeviations({result_.followed}, flags_.strict);
     return kOk;
   }
   if (interrupted) throw Interrupted();

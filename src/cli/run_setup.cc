@@ -172,7 +172,7 @@ void LeaveFailure(const scenario::Scenario& scenario, const RunFlags& flags,
   }
 }
 
-void JudgeDeviations(const std::vector<scenario::FollowedMotion>& motions, bool strict) {
+void EvaluateDeviations(const std::vector<scenario::FollowedMotion>& motions, bool strict) {
   const auto exceeding = std::ranges::count_if(motions, &scenario::FollowedMotion::exceeds);
   if (exceeding == 0) return;
   const scenario::FollowedMotion& first =

@@ -6,8 +6,8 @@
 
 namespace twin::cli {
 
-/// Adds the command `video` with its three deeds. @param flags  filled by parsing; must outlive the
-/// app. @returns it.
+/// Adds the command `video` with its three task_result. @param flags  filled by parsing; must
+/// outlive the app. @returns it.
 CLI::App* AddVideo(CLI::App& app, VideoFlags& flags);
 
 }  // namespace twin::cli

@@ -22,8 +22,8 @@
 #include "twin/fci/capture.h"
 #include "twin/robot/make_plant.h"
 #include "twin/rt/sleep.h"
-#include "twin/run/run.h"
 #include "twin/run/remote.h"
+#include "twin/run/run.h"
 #include "twin/server/served_robot.h"
 
 namespace twin::experiment {
@@ -48,8 +48,7 @@ void Observe(const Setting& setting, const ClientProgram& program,
     settings.server.model_library = program.model_library;
     settings.server.capture = &kept;
     settings.sink = &seen.tally;
-    const robot::RobotConfig config =
-        run::MakeServedConfig(run::DefaultServed(), setting.files);
+    const robot::RobotConfig config = run::MakeServedConfig(run::DefaultServed(), setting.files);
     server::ServedRobot robot(config, robot::MakePlant(config), std::move(settings));
     robot.Start();
     const MonotonicClock clock;

@@ -47,10 +47,10 @@ TEST(ComplianceApplicationTest, GivesWayAsItsSpringsSay) {
   test::Performance performance(Shipped(), folder.path());
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
-  EXPECT_EQ(performance.deeds.task.steps.size(), 13U);
-  EXPECT_EQ(performance.deeds.moments.size(), 5U);
-  EXPECT_EQ(performance.judgement.figures.size(), 7U);
-  const Figure& friction = performance.judgement.figures.back();
+  EXPECT_EQ(performance.task_result.task.steps.size(), 13U);
+  EXPECT_EQ(performance.task_result.snapshots.size(), 5U);
+  EXPECT_EQ(performance.evaluation.figures.size(), 7U);
+  const Figure& friction = performance.evaluation.figures.back();
   EXPECT_EQ(friction.id, "friction");
   EXPECT_NE(friction.what.find("here it is 30 %"), std::string::npos) << friction.what;
   // 10 N against 1000 and 100 N/m.
@@ -71,7 +71,7 @@ TEST(ComplianceApplicationTest, ASoftArmThatShouldBeStiffIsFound) {
       folder.path());
   performance.Perform();
   EXPECT_FALSE(performance.succeeded());
-  EXPECT_EQ(performance.deeds.task.failure, "");
+  EXPECT_EQ(performance.task_result.task.failure, "");
   for (const char* quantity : {"A's largest deflection, of B's", "C's largest deflection, of D's",
                                "C0: distance from the trajectory, largest"}) {
     const Finding* finding = performance.Find(quantity);

@@ -22,33 +22,33 @@ scenario::Scenario Task() {
   return scenario;
 }
 
-Deeds Done() {
-  Deeds deeds;
-  deeds.task.steps = {{.name = "reach", .succeeded = true}};
-  return deeds;
+TaskResult Done() {
+  TaskResult task_result;
+  task_result.task.steps = {{.name = "reach", .succeeded = true}};
+  return task_result;
 }
 
 TEST(ApplicationPageTest, SucceedsWhenEveryStepIsDoneAndEveryDemandMet) {
-  Judgement judgement{
+  Evaluation evaluation{
       .findings = {{.quantity = "way", .value = 1}, {.quantity = "x", .met = true}}};
-  EXPECT_TRUE(Succeeded(Done(), judgement));
-  EXPECT_EQ(FailureOf(Done(), judgement), "");
-  judgement.findings[1] = {
+  EXPECT_TRUE(Succeeded(Done(), evaluation));
+  EXPECT_EQ(FailureOf(Done(), evaluation), "");
+  evaluation.findings[1] = {
       .quantity = "error", .value = 7.5, .unit = "mm", .demand = "at most 5 mm", .met = false};
-  EXPECT_FALSE(Succeeded(Done(), judgement));
-  EXPECT_EQ(FailureOf(Done(), judgement), "error is 7.5 mm; demanded: at most 5 mm");
-  Deeds deeds = Done();
-  deeds.task.failure = "step grasp failed: nothing there";
-  EXPECT_EQ(FailureOf(deeds, judgement), "step grasp failed: nothing there");
+  EXPECT_FALSE(Succeeded(Done(), evaluation));
+  EXPECT_EQ(FailureOf(Done(), evaluation), "error is 7.5 mm; demanded: at most 5 mm");
+  TaskResult task_result = Done();
+  task_result.task.failure = "step grasp failed: nothing there";
+  EXPECT_EQ(FailureOf(task_result, evaluation), "step grasp failed: nothing there");
 }
 
 TEST(ApplicationPageTest, TellsStepsFindingsAndFailureAsText) {
-  Deeds deeds = Done();
-  deeds.task.steps.push_back(
+  TaskResult task_result = Done();
+  task_result.task.steps.push_back(
       {.name = "grasp", .attempt = 2, .succeeded = false, .text = "width < 1 mm"});
-  deeds.task.failure = "step grasp failed: width < 1 mm";
-  const std::string page =
-      PageOf(Task(), deeds, {.findings = {{.quantity = "force", .value = 3, .unit = "N"}}}, {});
+  task_result.task.failure = "step grasp failed: width < 1 mm";
+  const std::string page = PageOf(
+      Task(), task_result, {.findings = {{.quantity = "force", .value = 3, .unit = "N"}}}, {});
   EXPECT_THAT(page, HasSubstr("Fetch &amp; carry."));
   EXPECT_THAT(page, HasSubstr("failed: step grasp failed: width &lt; 1 mm"));
   EXPECT_THAT(page, HasSubstr("<td>force</td><td>3</td>"));
@@ -62,18 +62,18 @@ TEST(ApplicationPageTest, HasItsPicturesInIt) {
   for (const auto& [name, bytes] : {std::pair{"a.png", "M"}, {"b.png", "Ma"}, {"c.png", "Man"}}) {
     std::ofstream(folder / name) << bytes;
   }
-  Deeds deeds = Done();
-  deeds.moments = {{.id = "a", .caption = "Reach"}, {.id = "b", .caption = "Grasp"}};
+  TaskResult task_result = Done();
+  task_result.snapshots = {{.id = "a", .caption = "Reach"}, {.id = "b", .caption = "Grasp"}};
   PageFacts facts;
-  facts.moments = {{folder / "a.png", folder / "b.png"}, {folder / "c.png", {}}};
+  facts.snapshots = {{folder / "a.png", folder / "b.png"}, {folder / "c.png", {}}};
   facts.has_video = true;
-  const std::string page = PageOf(Task(), deeds, {}, facts);
+  const std::string page = PageOf(Task(), task_result, {}, facts);
   EXPECT_THAT(page, HasSubstr("base64,TQ==\""));
   EXPECT_THAT(page, HasSubstr("base64,TWE=\""));
   EXPECT_THAT(page, HasSubstr("base64,TWFu\""));
   EXPECT_THAT(page, HasSubstr("<video"));
-  facts.moments[0].done = folder / "none.png";
-  EXPECT_THROW((void)PageOf(Task(), deeds, {}, facts), EnvironmentError);
+  facts.snapshots[0].done = folder / "none.png";
+  EXPECT_THROW((void)PageOf(Task(), task_result, {}, facts), EnvironmentError);
 }
 
 }  // namespace

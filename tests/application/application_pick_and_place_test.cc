@@ -38,7 +38,7 @@ std::string Refusal(const scenario::Scenario& scenario) {
 
 std::vector<std::string> StepsOf(const test::Performance& performance) {
   std::vector<std::string> steps;
-  for (const StepReport& step : performance.deeds.task.steps) steps.push_back(step.name);
+  for (const StepReport& step : performance.task_result.task.steps) steps.push_back(step.name);
   return steps;
 }
 
@@ -47,17 +47,17 @@ TEST(PickAndPlaceTest, CarriesTheParcelUpAndTurnsIt) {
   test::Performance performance(Shipped(), folder.path());
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
-  EXPECT_EQ(performance.judgement.figures.size(), 3U);
-  ASSERT_EQ(performance.deeds.moments.size(), 6U);
-  const std::vector<Moment>& moments = performance.deeds.moments;
+  EXPECT_EQ(performance.evaluation.figures.size(), 3U);
+  ASSERT_EQ(performance.task_result.snapshots.size(), 6U);
+  const std::vector<Snapshot>& snapshots = performance.task_result.snapshots;
   for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_LT(moments[i].planned, moments[i].done) << moments[i].id;
-    EXPECT_GT(moments[i].way.size(), 2U);
-    EXPECT_EQ(moments[i].object, i >= 2 && i <= 4 ? "parcel" : "") << moments[i].id;
+    EXPECT_LT(snapshots[i].planned, snapshots[i].done) << snapshots[i].id;
+    EXPECT_GT(snapshots[i].way.size(), 2U);
+    EXPECT_EQ(snapshots[i].object, i >= 2 && i <= 4 ? "parcel" : "") << snapshots[i].id;
   }
   // From lift to transfer: 0.2 m up, and a quarter of a turn, in the plan's own words.
-  const Transform& lifted = moments[2].O_T_object;
-  const Transform& above = moments[3].O_T_object;
+  const Transform& lifted = snapshots[2].O_T_object;
+  const Transform& above = snapshots[3].O_T_object;
   EXPECT_NEAR(above[14] - lifted[14], 0.2, 0.031);
   const double turned = std::atan2(above[1], above[0]) - std::atan2(lifted[1], lifted[0]);
   EXPECT_NEAR(std::remainder(turned, 2 * M_PI), M_PI / 2, 0.9) << "of this seed";
@@ -73,7 +73,7 @@ TEST(PickAndPlaceTest, TiltsTheParcelOntoASurfaceThatLeans) {
   test::Performance performance(Shipped("pick_and_place_tilted"));
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
-  const Transform& goal = performance.deeds.moments.at(4).O_T_object;
+  const Transform& goal = performance.task_result.snapshots.at(4).O_T_object;
   EXPECT_LT(goal[10], std::cos(0.25)) << "by 15 degrees at least";
 }
 
@@ -83,9 +83,9 @@ TEST(PickAndPlaceTest, SaysWhichWayLeadsNowhere) {
   test::Performance performance(scenario);
   performance.Perform();
   EXPECT_FALSE(performance.succeeded());
-  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("step plan failed"));
-  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("the way \"transfer\""));
-  EXPECT_EQ(performance.deeds.task.steps.size(), 1U) << "nothing has moved";
+  EXPECT_THAT(performance.task_result.task.failure, HasSubstr("step plan failed"));
+  EXPECT_THAT(performance.task_result.task.failure, HasSubstr("the way \"transfer\""));
+  EXPECT_EQ(performance.task_result.task.steps.size(), 1U) << "nothing has moved";
 }
 
 TEST(PickAndPlaceTest, NamesWhatIsInTheWay) {
@@ -95,7 +95,7 @@ TEST(PickAndPlaceTest, NamesWhatIsInTheWay) {
   scenario.objects.push_back(roof);
   test::Performance performance(scenario);
   performance.Perform();
-  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("roof"));
+  EXPECT_THAT(performance.task_result.task.failure, HasSubstr("roof"));
 }
 
 // The robot is told of an object that is not there: it stands aside.
@@ -109,8 +109,8 @@ TEST(PickAndPlaceTest, TriesToGraspWhatIsNotThereAndGivesUp) {
   test::Performance performance(scenario);
   performance.Perform();
   EXPECT_FALSE(performance.succeeded());
-  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("step grasp failed"));
-  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("(attempt 3)"));
+  EXPECT_THAT(performance.task_result.task.failure, HasSubstr("step grasp failed"));
+  EXPECT_THAT(performance.task_result.task.failure, HasSubstr("(attempt 3)"));
   EXPECT_EQ(StepsOf(performance), (std::vector<std::string>{"plan", "approach", "grasp", "approach",
                                                             "grasp", "approach", "grasp"}));
 }
@@ -123,7 +123,7 @@ TEST(PickAndPlaceTest, GoesOnAfterAReflex) {
   scenario.perturbations.push_back(push);
   test::Performance performance(scenario);
   performance.Perform();
-  EXPECT_TRUE(performance.deeds.task.failure.empty()) << performance.Story();
+  EXPECT_TRUE(performance.task_result.task.failure.empty()) << performance.Story();
   EXPECT_EQ(std::ranges::count(StepsOf(performance), "transfer"), 2) << performance.Story();
   EXPECT_TRUE(*performance.Find("the object's distance")->met);
   EXPECT_TRUE(*performance.Find("longest time in which nothing bore it")->met);
@@ -142,7 +142,7 @@ TEST(PickAndPlaceTest, NoticesADroppedObject) {
   test::Performance performance(scenario);
   performance.Perform();
   EXPECT_FALSE(performance.succeeded());
-  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("the hand lost the parcel"));
+  EXPECT_THAT(performance.task_result.task.failure, HasSubstr("the hand lost the parcel"));
   EXPECT_FALSE(*performance.Find("longest time in which nothing bore it")->met);
 }
 

@@ -31,10 +31,11 @@ TEST(PlanAndExecuteTest, GoesToGoalAfterGoalAndTouchesNothing) {
   test::Performance performance(With("goals: 2"), folder.path());
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
-  ASSERT_EQ(performance.deeds.task.steps.size(), 4U);
-  ASSERT_EQ(performance.deeds.moments.size(), 2U);
-  EXPECT_NE(performance.deeds.moments[0].goal, performance.deeds.moments[1].goal);
-  EXPECT_GT(performance.deeds.moments[0].done, performance.deeds.moments[0].planned);
+  ASSERT_EQ(performance.task_result.task.steps.size(), 4U);
+  ASSERT_EQ(performance.task_result.snapshots.size(), 2U);
+  EXPECT_NE(performance.task_result.snapshots[0].goal, performance.task_result.snapshots[1].goal);
+  EXPECT_GT(performance.task_result.snapshots[0].done,
+            performance.task_result.snapshots[0].planned);
   ASSERT_NE(performance.Find("cycles of the run in which the arm touched"), nullptr);
   EXPECT_EQ(performance.Find("of these, in which something touches")->value, 0);
   EXPECT_LT(performance.Find("largest distance of a joint from the plan")->value, 50);
@@ -44,15 +45,15 @@ TEST(PlanAndExecuteTest, SaysWhichStepFailedAndWhy) {
   test::Performance performance(With("budget: 3"));
   performance.Perform();
   EXPECT_FALSE(performance.succeeded());
-  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("step plan failed"));
-  EXPECT_EQ(performance.deeds.task.steps.size(), 1U);
+  EXPECT_THAT(performance.task_result.task.failure, HasSubstr("step plan failed"));
+  EXPECT_EQ(performance.task_result.task.steps.size(), 1U);
 }
 
 TEST(PlanAndExecuteTest, ATighterToleranceThanTheArmKeepsIsAFailedStep) {
   test::Performance performance(With(
       "controller: {path_tolerance: {unit: rad, values: [1e-5, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1]}}"));
   performance.Perform();
-  EXPECT_THAT(performance.deeds.task.failure, HasSubstr("step execute failed"));
+  EXPECT_THAT(performance.task_result.task.failure, HasSubstr("step execute failed"));
 }
 
 TEST(PlanAndExecuteTest, RefusesParametersThatAreNotItsOwn) {

@@ -42,9 +42,9 @@ TEST(TeleoperationTest, FetchesTheCanAndSetsItDownOnTheMat) {
   test::Performance performance(Shipped(), folder.path());
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
-  EXPECT_EQ(performance.judgement.figures.size(), 3U);
+  EXPECT_EQ(performance.evaluation.figures.size(), 3U);
   // To the can, down to it, up with it, to the mat, down to it, up again.
-  EXPECT_EQ(performance.deeds.moments.size(), 6U);
+  EXPECT_EQ(performance.task_result.snapshots.size(), 6U);
 }
 
 TEST(TeleoperationTest, RefusesAScenarioThatNobodyLeads) {
@@ -182,7 +182,7 @@ Contact Press(bool passive) {
   if (!passive) text.replace(text.find("passive: true"), 13, "passive: false");
   test::Performance performance(scenario::Parse(text, "contact.yaml"), {}, {}, &devices);
   performance.Perform();
-  contact.succeeded = performance.deeds.task.failure.empty();
+  contact.succeeded = performance.task_result.task.failure.empty();
   contact.story = performance.Story();
   std::printf(
       "passive %d: energy at the port %.2f mJ at least, %.1f N felt, swing %.4f m/s, down "

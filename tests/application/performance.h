@@ -61,26 +61,26 @@ class Performance final : public rt::RecordSink {
 
   /// Does it and judges it.
   void Perform() {
-    deeds = run_->Execute({}, [this](std::string_view line) { told.emplace_back(line); });
+    task_result = run_->Execute({}, [this](std::string_view line) { told.emplace_back(line); });
     if (log_) static_cast<void>(log_->Finish());
-    judgement = run_->Judge({.log = log_ ? LogPath() : std::filesystem::path(),
-                             .truth = truth(),
-                             .contacts = contacts_ ? &*contacts_ : nullptr});
+    evaluation = run_->Evaluate({.log = log_ ? LogPath() : std::filesystem::path(),
+                                 .truth = truth(),
+                                 .contacts = contacts_ ? &*contacts_ : nullptr});
   }
 
-  [[nodiscard]] bool succeeded() const { return Succeeded(deeds, judgement); }
+  [[nodiscard]] bool succeeded() const { return Succeeded(task_result, evaluation); }
   /// For messages: why not, and what was found.
   [[nodiscard]] std::string Story() const {
-    std::string story = FailureOf(deeds, judgement) + "\n";
+    std::string story = FailureOf(task_result, evaluation) + "\n";
     for (const std::string& line : told) story += line + "\n";
-    for (const Finding& finding : judgement.findings) {
+    for (const Finding& finding : evaluation.findings) {
       story += finding.quantity + ": " + std::to_string(finding.value) + " " + finding.unit + "\n";
     }
     return story;
   }
   /// The finding that begins so; null when there is none.
   [[nodiscard]] const Finding* Find(std::string_view quantity) const {
-    for (const Finding& finding : judgement.findings) {
+    for (const Finding& finding : evaluation.findings) {
       if (finding.quantity.starts_with(quantity)) return &finding;
     }
     return nullptr;
@@ -88,8 +88,8 @@ class Performance final : public rt::RecordSink {
   [[nodiscard]] const plant::TruthProbe* truth() const { return run_->connection().truth; }
   [[nodiscard]] ApplicationRun& run() { return *run_; }
 
-  Deeds deeds;
-  Judgement judgement;
+  TaskResult task_result;
+  Evaluation evaluation;
   std::vector<std::string> told;
 
  private:

@@ -25,36 +25,37 @@ JitterFigures Figures(std::uint64_t cycles, std::uint64_t unserved, std::uint64_
   return figures;
 }
 
-TEST(JudgeTest, IsContentWhenNothingWasMissed) {
-  const JitterVerdict verdict = Judge(Figures(2000, 0, 0));
+TEST(EvaluateTest, IsContentWhenNothingWasMissed) {
+  const JitterVerdict verdict = Evaluate(Figures(2000, 0, 0));
   EXPECT_TRUE(verdict.good);
   EXPECT_EQ(verdict.text, "good for real time: none of 2000 cycles was missed");
 }
 
-TEST(JudgeTest, IsContentWithTheShareOfAWellSetUpWorkstation) {
-  const JitterVerdict verdict = Judge(Figures(20000, 82, 2));  // 0.41 %
+TEST(EvaluateTest, IsContentWithTheShareOfAWellSetUpWorkstation) {
+  const JitterVerdict verdict = Evaluate(Figures(20000, 82, 2));  // 0.41 %
   EXPECT_TRUE(verdict.good);
   EXPECT_THAT(verdict.text, HasSubstr("about 41 of 10 000 cycles"));
 }
 
-TEST(JudgeTest, CallsWhatTheReferenceGeneratorBridgesUsable) {
-  const JitterVerdict verdict = Judge(Figures(2000, 44, 3));  // 2.2 %
+TEST(EvaluateTest, CallsWhatTheReferenceGeneratorBridgesUsable) {
+  const JitterVerdict verdict = Evaluate(Figures(2000, 44, 3));  // 2.2 %
   EXPECT_FALSE(verdict.good);
   EXPECT_THAT(verdict.text,
               HasSubstr("usable: about 220 of 10 000 cycles would be missed (44 of 2000 "
                         "were, at most 3 in a row)"));
 }
 
-TEST(JudgeTest, CallsWhatEndsMotionsNotFit) {
-  EXPECT_THAT(Judge(Figures(2000, 120, 2)).text, HasSubstr("not fit"));   // 6 %
-  EXPECT_THAT(Judge(Figures(60000, 20, 20)).text, HasSubstr("not fit"));  // once, but 20 in a row
-  EXPECT_THAT(Judge(Figures(60000, 20, 20)).text, HasSubstr("lockstep"));
-  EXPECT_FALSE(Judge(Figures(60000, 20, 20)).good);
-  EXPECT_TRUE(Judge(Figures(60000, 20, 19)).good);
+TEST(EvaluateTest, CallsWhatEndsMotionsNotFit) {
+  EXPECT_THAT(Evaluate(Figures(2000, 120, 2)).text, HasSubstr("not fit"));  // 6 %
+  EXPECT_THAT(Evaluate(Figures(60000, 20, 20)).text,
+              HasSubstr("not fit"));  // once, but 20 in a row
+  EXPECT_THAT(Evaluate(Figures(60000, 20, 20)).text, HasSubstr("lockstep"));
+  EXPECT_FALSE(Evaluate(Figures(60000, 20, 20)).good);
+  EXPECT_TRUE(Evaluate(Figures(60000, 20, 19)).good);
 }
 
-TEST(JudgeTest, NeverCallsALossNone) {
-  EXPECT_THAT(Judge(Figures(60000, 1, 1)).text, HasSubstr("about 1 of 10 000"));
+TEST(EvaluateTest, NeverCallsALossNone) {
+  EXPECT_THAT(Evaluate(Figures(60000, 1, 1)).text, HasSubstr("about 1 of 10 000"));
 }
 
 TEST(JitterCuresTest, NameOnlyWhatThisHostLacks) {

@@ -20,7 +20,7 @@ class Stage;
 
 /// A motion that was planned and then carried out, for a pair of pictures: before it, with its goal
 /// as a ghost and its way as a line; and after it.
-struct Moment {
+struct Snapshot {
   std::string id;       ///< letters, digits, '_'; names the files
   std::string caption;  ///< one sentence
   Time planned{};       ///< of the session
@@ -49,14 +49,14 @@ struct Figure {
 };
 
 /// What was done.
-struct Deeds {
+struct TaskResult {
   TaskReport task;
-  std::vector<Moment> moments{};
+  std::vector<Snapshot> snapshots{};
   Duration planning_time{};  ///< on the wall clock; repeats by none but a virtual one
 };
 
 /// What an application makes of the evidence.
-struct Judgement {
+struct Evaluation {
   std::vector<Finding> findings{};
   std::vector<Figure> figures{};
 };
@@ -81,10 +81,11 @@ class Application {
   [[nodiscard]] virtual Duration longest(const scenario::Scenario& scenario) const = 0;
 
   /// @throws InputError for what the scenario asks and cannot be; RobotFault outside steps.
-  [[nodiscard]] virtual Deeds Perform(Stage& stage) = 0;
+  [[nodiscard]] virtual TaskResult Perform(Stage& stage) = 0;
 
   /// Called once, when the session has ended, whether or not it went well.
-  [[nodiscard]] virtual Judgement Judge(const Deeds& deeds, const Evidence& evidence) = 0;
+  [[nodiscard]] virtual Evaluation Evaluate(const TaskResult& task_result,
+                                            const Evidence& evidence) = 0;
 };
 
 /// The application a scenario names, with its parameters.

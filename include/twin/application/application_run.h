@@ -9,16 +9,16 @@
 #include "twin/core/clock.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/run/run.h"
+#include "twin/run/session.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
-#include "twin/run/session.h"
 
 namespace twin::application {
 
 /// An application's scenario made ready: its robot connected on its drive, the application with its
 /// parameters.
 ///
-///     construct -> [CheckStart] -> Execute -> Judge
+///     construct -> [CheckStart] -> Execute -> Evaluate
 ///
 /// Threads: one thread.
 class ApplicationRun {
@@ -41,11 +41,11 @@ class ApplicationRun {
 
   /// From the session's begin to its end. Once. @param tell  gets lines for people; may be empty.
   /// @throws as Application::Perform; the session has ended all the same.
-  [[nodiscard]] const Deeds& Execute(const run::RunHooks& hooks,
-                                     const std::function<void(std::string_view)>& tell = {});
+  [[nodiscard]] const TaskResult& Execute(const run::RunHooks& hooks,
+                                          const std::function<void(std::string_view)>& tell = {});
 
   /// @param evidence  without the session's result, which is added. @pre Execute() has returned.
-  [[nodiscard]] Judgement Judge(Evidence evidence);
+  [[nodiscard]] Evaluation Evaluate(Evidence evidence);
 
   /// @pre Execute() has returned.
   [[nodiscard]] const run::SessionResult& result() const noexcept { return result_; }
@@ -57,7 +57,7 @@ class ApplicationRun {
   const teleop::DeviceRegistry* devices_;
   std::unique_ptr<Application> application_;
   run::Session session_;
-  Deeds deeds_;
+  TaskResult deeds_;
   run::SessionResult result_;
 };
 

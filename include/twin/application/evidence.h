@@ -9,7 +9,7 @@
 
 namespace twin::application {
 
-/// What a finished run left to judge it by, ground truth included: for Application::Judge, and
+/// What a finished run left to judge it by, ground truth included: for Application::Evaluate, and
 /// never for what it does.
 struct Evidence {
   std::filesystem::path log;                 ///< empty: none was written

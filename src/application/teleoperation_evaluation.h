@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "application/operator_person.h"
+#include "application/scripted_operator.h"
 #include "twin/application/application.h"
 #include "twin/teleop/teleoperator.h"
 #include "twin/teleop/teleoperator_config.h"
@@ -21,7 +21,7 @@ struct TeleoperationRecord {
 };
 
 /// The demands of teleoperation, and figures beside them.
-[[nodiscard]] Judgement JudgeTeleoperation(const TeleoperationRecord& record,
-                                           const Evidence& evidence);
+[[nodiscard]] Evaluation EvaluateTeleoperation(const TeleoperationRecord& record,
+                                               const Evidence& evidence);
 
 }  // namespace twin::application

@@ -1,4 +1,4 @@
-#include "cli/moment_pictures.h"
+#include "cli/snapshot_pictures.h"
 
 #include <cstddef>
 #include <string>
@@ -19,15 +19,14 @@ render::FilmSettings Bare(render::FilmSettings settings) {
 
 }  // namespace
 
-std::vector<application::MomentPictures> DrawMoments(const render::Film& film,
-                                                     std::span<const application::Moment> moments,
-                                                     render::FilmSettings settings,
-                                                     const std::filesystem::path& folder) {
+std::vector<application::SnapshotPictures> DrawSnapshots(
+    const render::Film& film, std::span<const application::Snapshot> snapshots,
+    render::FilmSettings settings, const std::filesystem::path& folder) {
   MakeFolder(folder);
   replay::PlanPictures pictures(film, Bare(std::move(settings)));
-  std::vector<application::MomentPictures> pairs;
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    const std::string name = fmt::format("{}_{}", i + 1, moments[i].id);
+  std::vector<application::SnapshotPictures> pairs;
+  for (std::size_t i = 0; i < snapshots.size(); ++i) {
+    const std::string name = fmt::format("{}_{}", i + 1, snapshots[i].id);
     pairs.push_back({.planned = folder / (name + "_plan.png"), .done = folder / (name + ".png")});
     render::WritePng(pairs[i].planned, pictures.Planned(film.goals[i]));
     render::WritePng(pairs[i].done, pictures.Done(film.goals[i]));

@@ -1,4 +1,4 @@
-#include "twin/application/way.h"
+#include "twin/application/end_effector_path.h"
 
 #include <algorithm>
 #include <chrono>
@@ -31,7 +31,8 @@ std::vector<Vector3> Thinned(const std::vector<Vector3>& points) {
   return way;
 }
 
-std::vector<Vector3> WayOf(const reference::Trajectory& trajectory, const Transform& F_T_EE) {
+std::vector<Vector3> EndEffectorPath(const reference::Trajectory& trajectory,
+                                     const Transform& F_T_EE) {
   constexpr Duration kStep = std::chrono::milliseconds(5);
   std::vector<Vector3> all;
   for (Duration t{}; t < trajectory.duration() + kStep; t += kStep) {

@@ -24,7 +24,7 @@ struct PickRecord {
 };
 
 /// The demands of pick and place, and figures beside them.
-[[nodiscard]] Judgement JudgePick(const PickRecord& record, const Deeds& deeds,
-                                  const Evidence& evidence);
+[[nodiscard]] Evaluation EvaluatePick(const PickRecord& record, const TaskResult& task_result,
+                                      const Evidence& evidence);
 
 }  // namespace twin::application

@@ -1,4 +1,4 @@
-#include "application/pick_judgement.h"
+#include "application/pick_evaluation.h"
 
 #include <algorithm>
 #include <numbers>
@@ -130,8 +130,8 @@ std::vector<std::string> UnwantedContacts(const PickTask& task, const plant::Con
 }
 
 /// What really became of the object.
-void JudgeTruth(const PickTask& task, const plant::ContactWatch& contacts, const ObjectTrack& track,
-                Findings& findings) {
+void EvaluateTruth(const PickTask& task, const plant::ContactWatch& contacts,
+                   const ObjectTrack& track, Findings& findings) {
   const plant::ObjectSample& end = track.last;
   findings.Demand("the object's distance from its goal in the end",
                   Distance(end.X_WB, task.O_T_goal) * 1e3, "mm", kMostDistance * 1e3);
@@ -171,7 +171,7 @@ void DemandLimits(const PickTrace& trace, Findings& findings) {
 }
 
 /// What the robot knows of it. @param is_all  whether nothing else is known.
-void JudgeReports(const PickRecord& record, bool is_all, Findings& findings) {
+void EvaluateReports(const PickRecord& record, bool is_all, Findings& findings) {
   if (!record.is_placed) return;
   const Transform O_T_object = model::Multiply(record.O_T_EE_placed, model::Inverse(record.B_T_EE));
   const double distance = Distance(O_T_object, record.task.O_T_goal) * 1e3;
@@ -191,30 +191,31 @@ void JudgeReports(const PickRecord& record, bool is_all, Findings& findings) {
 
 }  // namespace
 
-Judgement JudgePick(const PickRecord& record, const Deeds& deeds, const Evidence& evidence) {
+Evaluation EvaluatePick(const PickRecord& record, const TaskResult& task_result,
+                        const Evidence& evidence) {
   Findings findings;
   findings.Demand(record.robot_errors.empty() ? "errors of the robot"
                                               : fmt::format("errors of the robot: {}",
                                                             fmt::join(record.robot_errors, "; ")),
                   static_cast<double>(record.robot_errors.size()), "", 0);
   const std::optional<ObjectTrack> track = TrackOf(record.task.object.name, evidence);
-  if (track) JudgeTruth(record.task, *evidence.contacts, *track, findings);
-  JudgeReports(record, !track, findings);
-  const auto failed = std::ranges::count(deeds.task.steps, false, &StepReport::succeeded);
+  if (track) EvaluateTruth(record.task, *evidence.contacts, *track, findings);
+  EvaluateReports(record, !track, findings);
+  const auto failed = std::ranges::count(task_result.task.steps, false, &StepReport::succeeded);
   findings.Tell("attempts that were repeated or failed", static_cast<double>(failed));
   findings.Tell("planned time of all ways", ToSeconds(record.moved), "s");
   if (evidence.session.counts.cycles() > 0) {
     findings.Tell("cycles the robot did without a command",
                   evidence.session.counts.unserved_percent(), "%");
   }
-  Judgement judgement;
+  Evaluation evaluation;
   if (!evidence.log.empty()) {
     const PickTrace trace = ReadPickTrace(evidence.log, record.limits);
     DemandLimits(trace, findings);
-    judgement.figures = PickFigures(trace, track ? &*track : nullptr);
+    evaluation.figures = PickFigures(trace, track ? &*track : nullptr);
   }
-  judgement.findings = std::move(findings.all);
-  return judgement;
+  evaluation.findings = std::move(findings.all);
+  return evaluation;
 }
 
 }  // namespace twin::application

@@ -11,12 +11,12 @@
 
 namespace twin::cli {
 
-/// Draws an application's moments, two pictures of each: <number>_<id>_plan.png and
+/// Draws an application's snapshots, two pictures of each: <number>_<id>_plan.png and
 /// <number>_<id>.png in `folder`, which is made when missing.
-/// @param film  of the run; its goals are the moments'. @param settings  overlays are taken away.
+/// @param film  of the run; its goals are the snapshots'. @param settings  overlays are taken away.
 /// @returns their paths. @throws what replay::PlanPictures and render::WritePng throw.
-[[nodiscard]] std::vector<application::MomentPictures> DrawMoments(
-    const render::Film& film, std::span<const application::Moment> moments,
+[[nodiscard]] std::vector<application::SnapshotPictures> DrawSnapshots(
+    const render::Film& film, std::span<const application::Snapshot> snapshots,
     render::FilmSettings settings, const std::filesystem::path& folder);
 
 /// Draws a planned motion: plan_initial.png, plan.png and plan_final.png. @param film  its only

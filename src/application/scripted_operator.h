@@ -31,7 +31,7 @@ struct FetchTask {
 };
 
 /// Skill of the person.
-struct PersonConfig {
+struct ScriptedOperatorConfig {
   Duration reaction = std::chrono::milliseconds(250);  ///< from what is there to what is seen
   double hand_noise = 0.06;   ///< share by which a motion is too long, standard deviation
   double tremor = 0.01;       ///< of full deflection, standard deviation
@@ -55,11 +55,12 @@ struct PersonConfig {
 /// world. The robot knows nothing of it.
 ///
 /// Threads: the plant's; so it is for lockstep. Real-time: Read() and Feel() allocate nothing.
-class OperatorPerson final : public teleop::Device {
+class ScriptedOperator final : public teleop::Device {
  public:
   /// @throws InputError when a body it looks at is not there.
-  OperatorPerson(const plant::TruthProbe& truth, const FetchTask& task, const PersonConfig& config,
-                 const teleop::TeleoperatorConfig& robot, std::uint64_t seed);
+  ScriptedOperator(const plant::TruthProbe& truth, const FetchTask& task,
+                   const ScriptedOperatorConfig& config, const teleop::TeleoperatorConfig& robot,
+                   std::uint64_t seed);
 
   [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time now) noexcept override;
   void Feel(const teleop::OperatorFeedback& feedback) noexcept override { felt_ = feedback; }
@@ -127,7 +128,7 @@ class OperatorPerson final : public teleop::Device {
   void Move(Time now) noexcept;
 
   const FetchTask task_;
-  const PersonConfig config_;
+  const ScriptedOperatorConfig config_;
   const teleop::TeleoperatorConfig robot_;
   const Random random_;
   std::uint64_t draws_ = 0;

@@ -1,4 +1,4 @@
-#include "application/operator_person.h"
+#include "application/scripted_operator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,9 +45,9 @@ Vector3d VectorOf(const Vector3& v) {
 
 }  // namespace
 
-OperatorPerson::OperatorPerson(const plant::TruthProbe& truth, const FetchTask& task,
-                               const PersonConfig& config, const teleop::TeleoperatorConfig& robot,
-                               std::uint64_t seed)
+ScriptedOperator::ScriptedOperator(const plant::TruthProbe& truth, const FetchTask& task,
+                                   const ScriptedOperatorConfig& config,
+                                   const teleop::TeleoperatorConfig& robot, std::uint64_t seed)
     : task_(task),
       config_(config),
       robot_(robot),
@@ -57,7 +57,7 @@ OperatorPerson::OperatorPerson(const plant::TruthProbe& truth, const FetchTask& 
       hand_(truth, "panda_hand"),
       object_(truth, task.object) {}
 
-std::string OperatorPerson::failure() const {
+std::string ScriptedOperator::failure() const {
   if (!gave_up_at_) return "";
   constexpr std::array<std::string_view, 17> kNames{"switching to the base",
                                                     "driving to the object",
@@ -80,11 +80,11 @@ std::string OperatorPerson::failure() const {
                      kNames.at(static_cast<std::size_t>(*gave_up_at_)));
 }
 
-double OperatorPerson::Noise(double sigma) noexcept {
+double ScriptedOperator::Noise(double sigma) noexcept {
   return sigma * random_.Normal(++draws_);
 }
 
-std::optional<OperatorSample> OperatorPerson::Read(Time now) noexcept {
+std::optional<OperatorSample> ScriptedOperator::Read(Time now) noexcept {
   if (now >= next_look_) Look(now);
   if (now < next_sample_) return std::nullopt;
   next_sample_ = now + kSamplePeriod;
@@ -94,7 +94,7 @@ std::optional<OperatorSample> OperatorPerson::Read(Time now) noexcept {
   return sample_;
 }
 
-void OperatorPerson::Look(Time now) noexcept {
+void ScriptedOperator::Look(Time now) noexcept {
   next_look_ = now + kLookPeriod;
   const Transform X_WB = base_.Pose();
   const Transform X_WO = arm_.Pose();
@@ -108,7 +108,7 @@ void OperatorPerson::Look(Time now) noexcept {
   sight.object = model::Position(object_.Pose());
 }
 
-bool OperatorPerson::Seen(Time before, Sight& sight) const noexcept {
+bool ScriptedOperator::Seen(Time before, Sight& sight) const noexcept {
   const std::size_t count = std::min(looks_, kSights);
   for (std::size_t back = 1; back <= count; ++back) {
     const Sight& candidate = sights_[(looks_ - back) % kSights];
@@ -119,7 +119,7 @@ bool OperatorPerson::Seen(Time before, Sight& sight) const noexcept {
   return false;
 }
 
-OperatorPerson::Sight OperatorPerson::Blurred(const Sight& sight) noexcept {
+ScriptedOperator::Sight ScriptedOperator::Blurred(const Sight& sight) noexcept {
   Sight seen = sight;
   for (Eigen::Index i = 0; i < 3; ++i) {
     seen.hand[i] += Noise(config_.eye_noise);
@@ -131,7 +131,7 @@ OperatorPerson::Sight OperatorPerson::Blurred(const Sight& sight) noexcept {
   return seen;
 }
 
-bool OperatorPerson::IsStill(Time now) const noexcept {
+bool ScriptedOperator::IsStill(Time now) const noexcept {
   constexpr Duration kSpan = milliseconds(200);
   constexpr double kStill = 0.002;  // m, rad
   Sight late;
@@ -144,7 +144,7 @@ bool OperatorPerson::IsStill(Time now) const noexcept {
          std::abs(Wrapped(late.base.yaw - early.base.yaw)) < kStill;
 }
 
-void OperatorPerson::Act(Time now) noexcept {
+void ScriptedOperator::Act(Time now) noexcept {
   if (doing_ == Doing::kMoving) {
     Move(now);
     return;
@@ -156,7 +156,7 @@ void OperatorPerson::Act(Time now) noexcept {
   if (doing_ == Doing::kDeciding) Decide(now);
 }
 
-void OperatorPerson::Decide(Time now) noexcept {
+void ScriptedOperator::Decide(Time now) noexcept {
   Sight seen;
   if (!Seen(now - config_.reaction, seen)) return;
   if (Pursue(Blurred(seen), now)) {
@@ -169,14 +169,14 @@ void OperatorPerson::Decide(Time now) noexcept {
   if (++tries_ > kMostTries) GiveUp();
 }
 
-void OperatorPerson::GiveUp() noexcept {
+void ScriptedOperator::GiveUp() noexcept {
   if (!gave_up_at_) gave_up_at_ = intent_;
   intent_ = Intent::kEnd;
   tries_ = 0;
   has_pressed_ = false;
 }
 
-bool OperatorPerson::Pursue(const Sight& s, Time now) noexcept {
+bool ScriptedOperator::Pursue(const Sight& s, Time now) noexcept {
   const Vector3d up(0, 0, 1);
   const Vector3d target = VectorOf(task_.to);
   const bool leads_base = felt_.mode == teleop::Mode::kBase;
@@ -213,7 +213,8 @@ bool OperatorPerson::Pursue(const Sight& s, Time now) noexcept {
   return true;
 }
 
-bool OperatorPerson::Press(std::uint32_t OperatorSample::*counter, bool is_so, Time now) noexcept {
+bool ScriptedOperator::Press(std::uint32_t OperatorSample::*counter, bool is_so,
+                             Time now) noexcept {
   if (is_so) return true;
   if (!has_pressed_) ++(sample_.*counter);
   has_pressed_ = true;
@@ -222,8 +223,8 @@ bool OperatorPerson::Press(std::uint32_t OperatorSample::*counter, bool is_so, T
   return false;
 }
 
-bool OperatorPerson::Reach(const Vector3d& way, const Sight& sight, double tolerance,
-                           Time now) noexcept {
+bool ScriptedOperator::Reach(const Vector3d& way, const Sight& sight, double tolerance,
+                             Time now) noexcept {
   if (way.norm() <= tolerance) return true;
   Vector3d missed = way * (1 + Noise(config_.hand_noise));
   for (Eigen::Index i = 0; i < 3; ++i) missed[i] += way.norm() * Noise(config_.hand_noise / 2);
@@ -235,7 +236,7 @@ bool OperatorPerson::Reach(const Vector3d& way, const Sight& sight, double toler
   return false;
 }
 
-bool OperatorPerson::Drive(const BasePose& goal, const Sight& sight, Time now) noexcept {
+bool ScriptedOperator::Drive(const BasePose& goal, const Sight& sight, Time now) noexcept {
   const double dx = goal.x - sight.base.x;
   const double dy = goal.y - sight.base.y;
   const double c = std::cos(sight.base.yaw);
@@ -264,7 +265,7 @@ bool OperatorPerson::Drive(const BasePose& goal, const Sight& sight, Time now) n
   return false;
 }
 
-void OperatorPerson::Begin(const Axes& way, double duration, Time now) noexcept {
+void ScriptedOperator::Begin(const Axes& way, double duration, Time now) noexcept {
   doing_ = Doing::kMoving;
   way_ = way;
   duration_ = duration;
@@ -272,13 +273,13 @@ void OperatorPerson::Begin(const Axes& way, double duration, Time now) noexcept 
   ++motions_;
 }
 
-void OperatorPerson::Wait(Duration least, Time now) noexcept {
+void ScriptedOperator::Wait(Duration least, Time now) noexcept {
   doing_ = Doing::kWaiting;
   await_ = sample_.sequence + 1;  // the one that is about to be given
   wait_until_ = now + least;
 }
 
-void OperatorPerson::Move(Time now) noexcept {
+void ScriptedOperator::Move(Time now) noexcept {
   const double s = ToSeconds(now - begun_) / duration_;
   if (s >= 1) {
     sample_.axes = {};
@@ -296,13 +297,13 @@ void OperatorPerson::Move(Time now) noexcept {
   }
 }
 
-double OperatorPerson::Deflection(double velocity, double full) const noexcept {
+double ScriptedOperator::Deflection(double velocity, double full) const noexcept {
   const double dead = robot_.mapping.dead_zone;
   if (velocity == 0) return 0;
   return std::copysign(dead + (1 - dead) * std::min(std::abs(velocity) / full, 1.0), velocity);
 }
 
-BasePose OperatorPerson::StandFor(const Vector3& place, double yaw) const noexcept {
+BasePose ScriptedOperator::StandFor(const Vector3& place, double yaw) const noexcept {
   const double away = task_.reach + task_.mount;
   return {place[0] - away * std::cos(yaw), place[1] - away * std::sin(yaw), yaw};
 }

@@ -1,4 +1,4 @@
-#include "application/teleoperation_judgement.h"
+#include "application/teleoperation_evaluation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,9 +28,9 @@ constexpr double kRounding = 1.02;
 constexpr double kHandSpeed = 0.2;  // m/s, of a quick hand
 constexpr double kMostTilt = 0.05;  // of the object's axis: 1 - cos, some 18 degrees
 
-void Demand(Judgement& judgement, std::string quantity, double value, std::string unit,
+void Demand(Evaluation& evaluation, std::string quantity, double value, std::string unit,
             double most) {
-  judgement.findings.push_back(
+  evaluation.findings.push_back(
       {.quantity = std::move(quantity),
        .value = value,
        .unit = unit,
@@ -39,44 +39,44 @@ void Demand(Judgement& judgement, std::string quantity, double value, std::strin
        .met = value <= most});
 }
 
-void Tell(Judgement& judgement, std::string quantity, double value, std::string unit = "") {
-  judgement.findings.push_back(
+void Tell(Evaluation& evaluation, std::string quantity, double value, std::string unit = "") {
+  evaluation.findings.push_back(
       {.quantity = std::move(quantity), .value = value, .unit = std::move(unit)});
 }
 
-void JudgeObject(const FetchTask& task, const Evidence& evidence, Judgement& judgement) {
+void EvaluateObject(const FetchTask& task, const Evidence& evidence, Evaluation& evaluation) {
   if (evidence.contacts == nullptr || task.object.empty()) return;
   const std::vector<ObjectTrack> tracks = evidence.contacts->objects().Tracks();
   const auto track = std::ranges::find(tracks, task.object, &ObjectTrack::body);
   if (track == tracks.end()) return;
   const Transform& X = track->last.X_WB;
-  Demand(judgement, "the object's distance from its target in the end",
+  Demand(evaluation, "the object's distance from its target in the end",
          1e3 * std::hypot(X[12] - task.to[0], X[13] - task.to[1], X[14] - task.to[2]), "mm",
          1e3 * kMostDistance);
-  Demand(judgement, "it leans in the end, 1 - cos", 1 - X[10], "", kMostTilt);
+  Demand(evaluation, "it leans in the end, 1 - cos", 1 - X[10], "", kMostTilt);
   const plant::Support& now = track->changes.back().now;
-  Demand(judgement, "fingers that still touch it",
+  Demand(evaluation, "fingers that still touch it",
          static_cast<double>(now.left_finger) + static_cast<double>(now.right_finger), "", 0);
 }
 
-void JudgeCommands(const TeleoperationRecord& record, Judgement& judgement) {
+void EvaluateCommands(const TeleoperationRecord& record, Evaluation& evaluation) {
   const TeleoperatorStatus& end = record.trace.back();
   const teleop::TeleoperatorConfig& most = record.config;
-  Demand(judgement, "the arm's distance from its reference while the base was led, at most",
+  Demand(evaluation, "the arm's distance from its reference while the base was led, at most",
          1e3 * end.most_drive_error, "mm", 1e3 * kMostError);
-  Demand(judgement, "jerk of the arm's reference at switches of the mode",
+  Demand(evaluation, "jerk of the arm's reference at switches of the mode",
          end.peaks_at_switch.along.jerk, "m/s^3", kRounding * most.along.jerk);
-  Demand(judgement, "jerk of the base's command at switches of the mode",
+  Demand(evaluation, "jerk of the base's command at switches of the mode",
          end.peaks_at_switch.ahead.jerk, "m/s^3", kRounding * most.ahead.jerk);
-  Demand(judgement, "jerk of the arm's reference", end.peaks.along.jerk, "m/s^3",
+  Demand(evaluation, "jerk of the arm's reference", end.peaks.along.jerk, "m/s^3",
          kRounding * most.along.jerk);
-  Demand(judgement, "jerk of the base's command", end.peaks.ahead.jerk, "m/s^3",
+  Demand(evaluation, "jerk of the base's command", end.peaks.ahead.jerk, "m/s^3",
          kRounding * most.ahead.jerk);
-  Tell(judgement, "speed of the arm's reference, at most", end.peaks.along.speed, "m/s");
-  Tell(judgement, "speed of the base's command, at most", end.peaks.ahead.speed, "m/s");
+  Tell(evaluation, "speed of the arm's reference, at most", end.peaks.along.speed, "m/s");
+  Tell(evaluation, "speed of the base's command, at most", end.peaks.ahead.speed, "m/s");
   // On top of the reserve comes what a hand gets that turns around within a period.
   const double turned = most.feedback.most_force * kHandSpeed * kCycleSeconds;
-  Demand(judgement, "energy the operator's port gave on any axis",
+  Demand(evaluation, "energy the operator's port gave on any axis",
          1e3 * std::max(0.0, -end.least_energy), "mJ", 1e3 * (most.feedback.reserve + turned));
 }
 
@@ -124,24 +124,24 @@ std::vector<Figure> FiguresOf(const TeleoperationRecord& record) {
 
 }  // namespace
 
-Judgement JudgeTeleoperation(const TeleoperationRecord& record, const Evidence& evidence) {
-  Judgement judgement;
-  Demand(judgement,
+Evaluation EvaluateTeleoperation(const TeleoperationRecord& record, const Evidence& evidence) {
+  Evaluation evaluation;
+  Demand(evaluation,
          record.robot_errors.empty()
              ? "errors of the robot"
              : fmt::format("errors of the robot: {}", fmt::join(record.robot_errors, "; ")),
          static_cast<double>(record.robot_errors.size()), "", 0);
-  JudgeObject(record.task, evidence, judgement);
-  if (record.trace.empty()) return judgement;
-  JudgeCommands(record, judgement);
-  Tell(judgement, "switches of the mode", record.switches);
-  if (record.motions > 0) Tell(judgement, "motions of the person", record.motions);
+  EvaluateObject(record.task, evidence, evaluation);
+  if (record.trace.empty()) return evaluation;
+  EvaluateCommands(record, evaluation);
+  Tell(evaluation, "switches of the mode", record.switches);
+  if (record.motions > 0) Tell(evaluation, "motions of the person", record.motions);
   const TeleoperatorStatus& end = record.trace.back();
-  Tell(judgement, "duration", ToSeconds(end.now.time_since_epoch()), "s");
-  Tell(judgement, "longest silence between two samples", 1e3 * ToSeconds(end.longest_silence),
+  Tell(evaluation, "duration", ToSeconds(end.now.time_since_epoch()), "s");
+  Tell(evaluation, "longest silence between two samples", 1e3 * ToSeconds(end.longest_silence),
        "ms");
-  if (!evidence.log.empty()) judgement.figures = FiguresOf(record);
-  return judgement;
+  if (!evidence.log.empty()) evaluation.figures = FiguresOf(record);
+  return evaluation;
 }
 
 }  // namespace twin::application

@@ -17,7 +17,7 @@ namespace twin::application {
 /// The way of the end effector along a trajectory, for a picture; as Thinned().
 ///
 /// Threads: any. @param F_T_EE  end effector in the flange. @returns base frame, m.
-[[nodiscard]] std::vector<Vector3> WayOf(const reference::Trajectory& trajectory,
-                                         const Transform& F_T_EE);
+[[nodiscard]] std::vector<Vector3> EndEffectorPath(const reference::Trajectory& trajectory,
+                                                   const Transform& F_T_EE);
 
 }  // namespace twin::application
