@@ -68,10 +68,11 @@ void ComplianceController::Configure(control::ParameterReader& p) {
   const double share = p.Number("friction_compensation", o.friction.value_or(friction_left_), 0, 1);
   constexpr double kRounding = 1e-12;
   if (share > friction_left_ + kRounding) {
-    p.Refuse("friction_compensation",
-             fmt::format("{} and the {} of the robot (int.friction_compensation) are more than 1; "
-                         "friction would be made up for twice: give at most {}, or leave it out",
-                         share, 1 - friction_left_, friction_left_));
+    p.Refuse(
+        "friction_compensation",
+        fmt::format("{} and the {} of the robot (onboard.friction_compensation) are more than 1; "
+                    "friction would be made up for twice: give at most {}, or leave it out",
+                    share, 1 - friction_left_, friction_left_));
   }
   o.friction = share;
   o.soft_start = p.Time("soft_start", o.soft_start, Duration::zero(), seconds(10));

@@ -40,7 +40,7 @@ struct ComplianceOptions {
 /// axis; for small errors the same as roll, pitch, yaw about x, y, z. It turns the shortest way.
 ///
 /// g is the robot's part: it adds gravity to every torque. So is what it makes up for of friction
-/// (int.friction_compensation): f(dq) here is the share that is left of tau_f of
+/// (onboard.friction_compensation): f(dq) here is the share that is left of tau_f of
 /// model/joint_friction.h. C dq is nobody's but ours. Model and payload as the robot has them (its
 /// state's end effector and load).
 ///

@@ -39,9 +39,11 @@ constexpr std::string_view kNoCollision =
     "clear the way; if the contact is meant, raise the thresholds (SetCollisionBehavior) above it "
     "before the motion; tell the robot its load (SetLoad); accelerate less";
 constexpr std::string_view kNoCollisionInRun =
-    "int.collision_behavior sets the thresholds, int.load what the robot believes it carries";
+    "onboard.collision_behavior sets the thresholds, onboard.load what the robot believes it "
+    "carries";
 constexpr std::string_view kStableInRun =
-    "int.K_theta, int.K_x and int.damping_ratio are the controller's, int.load what it believes it "
+    "onboard.K_theta, onboard.K_x and onboard.damping_ratio are the controller's, onboard.load "
+    "what it believes it "
     "carries; plant.armature and plant.mass_scale make the arm another than the one it is made for";
 constexpr std::string_view kDeskMotion =
     "it belongs to the robot's own motions, which its Desk interface plans and runs; motions over "

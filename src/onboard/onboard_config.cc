@@ -11,7 +11,7 @@ namespace {
 
 void RequireValid(const Setting& setting) {
   const std::optional<BadValue> bad = FindBadValue(setting);
-  if (bad) throw InputError(fmt::format("int: {}", Describe(*bad)));
+  if (bad) throw InputError(fmt::format("onboard: {}", Describe(*bad)));
 }
 
 }  // namespace
@@ -27,24 +27,25 @@ void OnboardConfig::Validate() const {
     RequireValid(setting);
   }
   for (std::size_t i = 0; i < kJoints; ++i) {
-    RequireInRange(fmt::format("int: rotor_inertia[{}]", i), rotor_inertia[i], 0, 10);
+    RequireInRange(fmt::format("onboard: rotor_inertia[{}]", i), rotor_inertia[i], 0, 10);
   }
   if (!IsRigid(F_T_NE))
-    throw InputError("int: F_T_NE is not allowed; it must be a rigid transform");
-  RequireInRange("int: damping_ratio", damping_ratio, 1e-6, 2);
-  RequireInRange("int: friction_compensation", friction_compensation, 0, 1);
-  RequireInRange("int: end_effector.m", end_effector.m, 0, 100);
+    throw InputError("onboard: F_T_NE is not allowed; it must be a rigid transform");
+  RequireInRange("onboard: damping_ratio", damping_ratio, 1e-6, 2);
+  RequireInRange("onboard: friction_compensation", friction_compensation, 0, 1);
+  RequireInRange("onboard: end_effector.m", end_effector.m, 0, 100);
   if (!IsInertiaOfBody(end_effector.I)) {
     throw InputError(
-        "int: end_effector.I is not that of a body; it must be symmetric, with no principal moment "
+        "onboard: end_effector.I is not that of a body; it must be symmetric, with no principal "
+        "moment "
         "negative or above the other two together");
   }
-  RequireInRange("int: abort_after_lost", abort_after_lost, 1, 1e6);
-  RequireInRange("int: first_command_timeout_cycles", first_command_timeout_cycles, 10, 1e6);
-  RequireInRange("int: start_pose_tolerance_rad", start_pose_tolerance_rad, 1e-6, 7);
-  RequireInRange("int: start_translation_tolerance_m", start_translation_tolerance_m, 1e-6, 10);
-  RequireInRange("int: start_rotation_tolerance_rad", start_rotation_tolerance_rad, 1e-6, 7);
-  RequireInRange("int: start_elbow_tolerance_rad", start_elbow_tolerance_rad, 1e-6, 7);
+  RequireInRange("onboard: abort_after_lost", abort_after_lost, 1, 1e6);
+  RequireInRange("onboard: first_command_timeout_cycles", first_command_timeout_cycles, 10, 1e6);
+  RequireInRange("onboard: start_pose_tolerance_rad", start_pose_tolerance_rad, 1e-6, 7);
+  RequireInRange("onboard: start_translation_tolerance_m", start_translation_tolerance_m, 1e-6, 10);
+  RequireInRange("onboard: start_rotation_tolerance_rad", start_rotation_tolerance_rad, 1e-6, 7);
+  RequireInRange("onboard: start_elbow_tolerance_rad", start_elbow_tolerance_rad, 1e-6, 7);
 }
 
 }  // namespace twin::onboard

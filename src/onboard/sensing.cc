@@ -7,17 +7,17 @@
 namespace twin::onboard {
 
 void SensingConfig::Validate() const {
-  RequireInRange("int: sensing: observer_gain", observer_gain, 1e-3, 1000);
-  RequireInRange("int: sensing: wrench_gain_max", wrench_gain_max, 1e-3, 1e6);
-  RequireInRange("int: sensing: q_margin_rad", measured.q_margin_rad, 0, 1);
-  RequireInRange("int: sensing: velocity_margin", measured.velocity_margin, 0, 10);
-  RequireInRange("int: sensing: translation_max_m_per_s", measured.translation_max_m_per_s, 1e-3,
-                 100);
-  RequireInRange("int: sensing: power_max_W", measured.power_max_W, 1e-3, 1e6);
-  RequireInRange("int: sensing: clearance_m", measured.clearance_m, 0, 1);
+  RequireInRange("onboard: sensing: observer_gain", observer_gain, 1e-3, 1000);
+  RequireInRange("onboard: sensing: wrench_gain_max", wrench_gain_max, 1e-3, 1e6);
+  RequireInRange("onboard: sensing: q_margin_rad", measured.q_margin_rad, 0, 1);
+  RequireInRange("onboard: sensing: velocity_margin", measured.velocity_margin, 0, 10);
+  RequireInRange("onboard: sensing: translation_max_m_per_s", measured.translation_max_m_per_s,
+                 1e-3, 100);
+  RequireInRange("onboard: sensing: power_max_W", measured.power_max_W, 1e-3, 1e6);
+  RequireInRange("onboard: sensing: clearance_m", measured.clearance_m, 0, 1);
   if (!measured.tau_J_range) return;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    RequireInRange(fmt::format("int: sensing: tau_J_range[{}]", i), (*measured.tau_J_range)[i],
+    RequireInRange(fmt::format("onboard: sensing: tau_J_range[{}]", i), (*measured.tau_J_range)[i],
                    1e-6, 1000);
   }
 }

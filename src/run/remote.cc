@@ -71,7 +71,8 @@ std::vector<std::string> WithoutEffectThere(const scenario::Scenario& scenario) 
   const auto add_if = [&lines](bool present, const char* text) {
     if (present) lines.emplace_back(text);
   };
-  add_if(!(scenario.plant == scenario::PlantSection()) || (!scenario.scene.empty() && !scenario.motion.plan),
+  add_if(!(scenario.plant == scenario::PlantSection()) ||
+             (!scenario.scene.empty() && !scenario.motion.plan),
          "plant, scene: the robot and its surroundings are what they are");
   add_if(!(scenario.robot.load == setting::Load()) || scenario.robot.clock_drift_ppm != 0,
          "robot.load, robot.clock_drift: they describe a simulated robot");
@@ -81,9 +82,9 @@ std::vector<std::string> WithoutEffectThere(const scenario::Scenario& scenario) 
          "is what passes");
   add_if(!scenario.perturbations.empty(), "perturbations: nobody pushes the arm");
   add_if(!scenario.panel.empty(), "panel: nobody presses the robot's buttons but you");
-  add_if(
-      HasOwnLaws(scenario.onboard),
-      "int.damping_ratio, int.abort_after_lost, int.friction_compensation: no request sets them");
+  add_if(HasOwnLaws(scenario.onboard),
+         "onboard.damping_ratio, onboard.abort_after_lost, onboard.friction_compensation: no "
+         "request sets them");
   return lines;
 }
 

@@ -53,7 +53,7 @@ CheckLine SendSettings(backend::Backend& backend, const std::vector<Setting>& se
   } catch (const Error& error) {
     return {"settings", false, error.what()};
   }
-  return {"settings", true, fmt::format("{} sent (section int)", settings.size())};
+  return {"settings", true, fmt::format("{} sent (section onboard)", settings.size())};
 }
 
 }  // namespace
@@ -108,7 +108,8 @@ CheckLine CheckLimits(const RobotState& state, const JointLimits& limits) {
                       limits.q_max[worst] - kLimitMargin, kLimitMargin)};
 }
 
-CheckLine CheckPayload(const RobotState& state, const scenario::Scenario& scenario, const scenario::RobotData& robot) {
+CheckLine CheckPayload(const RobotState& state, const scenario::Scenario& scenario,
+                       const scenario::RobotData& robot) {
   constexpr double kSame = 1e-3;  // kg, m
   const double m_ee = robot.end_effector.m;
   if (!(std::abs(state.m_ee - m_ee) <= kSame)) {
@@ -127,14 +128,15 @@ CheckLine CheckPayload(const RobotState& state, const scenario::Scenario& scenar
     return {
         "payload", false,
         fmt::format("the robot reckons with a load of {:.3f} kg, the scenario told it {:.3f} kg "
-                    "(int.load); did another program set it?",
+                    "(onboard.load); did another program set it?",
                     state.m_load, load.m_load)};
   }
   return {"payload", true,
           fmt::format("end effector {:.3f} kg, load {:.3f} kg", state.m_ee, state.m_load)};
 }
 
-CheckLine CheckStart(const RobotState& state, const scenario::Scenario& scenario, const JointVector& start) {
+CheckLine CheckStart(const RobotState& state, const scenario::Scenario& scenario,
+                     const JointVector& start) {
   const bool by_torque = scenario.motion.interface == control::CommandInterface::kTorque;
   const bool is_planned = scenario.motion.plan.has_value();
   const JointVector& q = by_torque ? state.q : state.q_d;
@@ -197,8 +199,9 @@ std::vector<Setting> SettingsOf(const scenario::OnboardSection& onboard) {
           onboard.filters};
 }
 
-bool RunStartCheck(const StartCheck& check, const scenario::Scenario& scenario, const scenario::RobotData& robot,
-                   const JointVector& start, const TellCheck& tell) {
+bool RunStartCheck(const StartCheck& check, const scenario::Scenario& scenario,
+                   const scenario::RobotData& robot, const JointVector& start,
+                   const TellCheck& tell) {
   bool all_ok = true;
   const auto note = [&](const CheckLine& line) {
     all_ok = all_ok && line.ok;

@@ -47,7 +47,7 @@ inline constexpr double kLeastSuccessRate = 0.9;
 [[nodiscard]] CheckLine CheckScheduler(const std::vector<std::string>& notices,
                                        backend::RobotTime time);
 
-/// The requests that make the robot what the scenario's section int says.
+/// The requests that make the robot what the scenario's section onboard says.
 [[nodiscard]] std::vector<Setting> SettingsOf(const scenario::OnboardSection& onboard);
 
 /// The robot, and how to listen to it.

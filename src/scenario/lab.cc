@@ -22,9 +22,9 @@ constexpr std::array<std::string_view, 4> kKeys{"description", "plant", "link", 
 /// Says of a scenario's section why a lab has none.
 void RequireKeysOfALab(const YamlNode& root) {
   constexpr std::array<std::string_view, 17> kScenarios{
-      "name",  "seed", "backend", "drive",  "loop",        "scene",
-      "robot", "int",  "tick",    "motion", "application", "perturbations",
-      "panel", "hand", "render",  "record", "objects"};
+      "name",  "seed",    "backend", "drive",  "loop",        "scene",
+      "robot", "onboard", "tick",    "motion", "application", "perturbations",
+      "panel", "hand",    "render",  "record", "objects"};
   for (const auto& [key, value] : root.Entries()) {
     if (std::ranges::find(kScenarios, key) == kScenarios.end()) continue;
     value.Fail(fmt::format("a lab says nothing of it: it is the scenario's; a lab has {}",

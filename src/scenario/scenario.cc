@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "twin/scenario/names.h"
 #include "twin/core/error.h"
+#include "twin/scenario/names.h"
 
 namespace twin::scenario {
 namespace {
@@ -127,12 +127,12 @@ void ValidateSetting(std::string_view section, const Setting& setting) {
 }
 
 void ValidateOnboard(const OnboardSection& onboard) {
-  ValidateSetting("int", setting::JointImpedance{onboard.K_theta});
-  ValidateSetting("int", setting::CartesianImpedance{onboard.K_x});
-  ValidateSetting("int.collision_behavior", onboard.collision_behavior);
-  ValidateSetting("int.load", onboard.load);
-  ValidateSetting("int.filters", onboard.filters);
-  RequireRange("int.friction_compensation", onboard.friction_compensation, 0, 1);
+  ValidateSetting("onboard", setting::JointImpedance{onboard.K_theta});
+  ValidateSetting("onboard", setting::CartesianImpedance{onboard.K_x});
+  ValidateSetting("onboard.collision_behavior", onboard.collision_behavior);
+  ValidateSetting("onboard.load", onboard.load);
+  ValidateSetting("onboard.filters", onboard.filters);
+  RequireRange("onboard.friction_compensation", onboard.friction_compensation, 0, 1);
 }
 
 void ValidatePerturbations(const Scenario& scenario) {

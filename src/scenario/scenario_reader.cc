@@ -178,11 +178,16 @@ Drive ReadDrive(const YamlNode& node) {
 Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder) {
   Scenario scenario;
   scenario.places.folder = folder;
+  if (root.Has("int")) {
+    for (const auto& [key, value] : root.Entries()) {
+      if (key == "int") value.Fail("this section is called onboard now; rename it");
+    }
+  }
   const YamlMap map = root.Map(
-      {"name",       "description", "seed",        "backend",       "drive", "loop",
-       "scene",      "robot",       "plant",       "link",          "int",   "tick",
-       "controller", "motion",      "application", "perturbations", "panel", "hand",
-       "render",     "record",      "objects",     "operator",      "base",  "max_deviation"});
+      {"name",       "description", "seed",        "backend",       "drive",   "loop",
+       "scene",      "robot",       "plant",       "link",          "onboard", "tick",
+       "controller", "motion",      "application", "perturbations", "panel",   "hand",
+       "render",     "record",      "objects",     "operator",      "base",    "max_deviation"});
   scenario.name = map.Require("name").Text();
   IfGiven(map, "description", [&](const YamlNode& n) { scenario.description = n.Text(); });
   IfGiven(map, "seed", [&](const YamlNode& n) {
@@ -200,7 +205,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   IfGiven(map, "base", [&](const YamlNode& n) { ReadBase(n, scenario); });
   IfGiven(map, "plant", [&](const YamlNode& n) { ReadPlant(n, scenario.plant); });
   IfGiven(map, "link", [&](const YamlNode& n) { ReadLink(n, scenario.link); });
-  IfGiven(map, "int", [&](const YamlNode& n) { ReadOnboard(n, scenario.onboard); });
+  IfGiven(map, "onboard", [&](const YamlNode& n) { ReadOnboard(n, scenario.onboard); });
   ReadMotionOrApplication(map, folder, scenario);
   IfGiven(map, "max_deviation",
           [&](const YamlNode& n) { scenario.max_deviation = ReadMaxDeviation(n, scenario); });

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include "scenario/max_deviation.h"
-#include "twin/scenario/names.h"
 #include "scenario/parameter_tree.h"
 #include "scenario/quoted.h"
 #include "scenario/section_writers.h"
 #include "twin/core/quantity.h"
+#include "twin/scenario/names.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {
@@ -196,7 +196,7 @@ void PutFilters(Text& out, const setting::Filters& filters) {
 }
 
 void PutOnboard(Text& out, const OnboardSection& onboard) {
-  Put(out, "int:\n  K_theta: {}\n", JointText(onboard.K_theta, Dimension::kStiffness));
+  Put(out, "onboard:\n  K_theta: {}\n", JointText(onboard.K_theta, Dimension::kStiffness));
   Put(out, "  K_x: {{translation: {}, rotation: {}}}\n",
       VectorText(Half(onboard.K_x, 0), Dimension::kLinearStiffness),
       VectorText(Half(onboard.K_x, 3), Dimension::kStiffness));

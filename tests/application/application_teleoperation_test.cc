@@ -99,7 +99,7 @@ objects:
   - {name: block, shape: box, size: [0.3 m, 0.3 m, 0.3 m], on: ground, position: [0.40 m, 0 m, 0 m]}
 robot:
   q_start: {unit: deg, values: [0, -45, 0, -135, 0, 90, 45]}
-int:
+onboard:
   collision_behavior:
     lower_torque: {unit: Nm, values: [10, 10, 10, 10, 8, 8, 8]}
     upper_torque: {unit: Nm, values: [60, 60, 60, 60, 40, 40, 40]}

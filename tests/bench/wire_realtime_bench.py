@@ -25,7 +25,7 @@ SERVED = "name: served\nint: {abort_after_lost: 1000000}\nmotion: {trajectory: {
 # Not quite still: a trajectory goes somewhere.
 HOLD = f"""\
 name: hold
-int: {{abort_after_lost: 1000000}}
+onboard: {{abort_after_lost: 1000000}}
 TICK
 motion:
   trajectory:

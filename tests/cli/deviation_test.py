@@ -29,7 +29,7 @@ motion:
 render: {enabled: false}
 """
 # A low-pass of 2 Hz is late by 1 / (2 pi 2 Hz) = 80 ms; the quintic's peak speed is 1.875 of the mean, 0.375 rad/s.
-LATE = MOTION + "int: {filters: {joint_position: 2 Hz}}\n"
+LATE = MOTION + "onboard: {filters: {joint_position: 2 Hz}}\n"
 POSES = MOTION.replace("joint_position", "cartesian_pose").replace("tick: {generator: none}\n", "")
 
 

@@ -26,7 +26,7 @@ MOTION = """\
 name: gentle
 plant: {kind: ideal}
 link: {state_delay: 80 us, command_delay: 80 us}
-int: {abort_after_lost: 1000}
+onboard: {abort_after_lost: 1000}
 controller: {phase: 400 us}
 motion:
   trajectory:

@@ -32,7 +32,7 @@ MOTION = """\
 name: traced
 plant: {kind: ideal}
 link: {state_delay: 80 us, command_delay: 80 us}
-int: {abort_after_lost: 1000000}
+onboard: {abort_after_lost: 1000000}
 controller: {phase: 400 us}
 motion:
   trajectory:

@@ -293,7 +293,7 @@ TEST(ComplianceTest, RefusesParametersOutOfRange) {
   EXPECT_THAT(Complaint({{.key = "K_P", .values = {"1 N/m"}}}), HasSubstr("unknown"));
   const control::Parameter all{.key = "friction_compensation", .values = {"1"}};
   EXPECT_EQ(Complaint({all}), "(accepted)");
-  EXPECT_THAT(Complaint({all}, 0.8), AllOf(HasSubstr("twice"), HasSubstr("int.friction")));
+  EXPECT_THAT(Complaint({all}, 0.8), AllOf(HasSubstr("twice"), HasSubstr("onboard.friction")));
 }
 
 TEST(ComplianceTest, RefusesToStartElsewhere) {

@@ -42,7 +42,7 @@ base:
   drive:
     - {at: 500 ms, for: 2.5 s, v: 1 m/s}
     - {at: 5 s, for: 2 s, v: -0.5 m/s, w: 0.8 rad/s}
-int: {collision_behavior: off}
+onboard: {collision_behavior: off}
 controller:
   type: compliance
   parameters:

@@ -47,7 +47,7 @@ scenario::Scenario Timed() {
 
 scenario::RobotData Panda() {
   return scenario::LoadRobotData(std::filesystem::path(TWIN_SOURCE_DIR) / "models", "panda",
-                       plant::HandKind::kFrankaHand);
+                                 plant::HandKind::kFrankaHand);
 }
 
 std::string ErrorOf(const std::string& robot, const std::string& time) {
@@ -82,18 +82,20 @@ TEST(RemoteTest, ScenariosOfARobotOnTheWireAreDrivenByIt) {
   EXPECT_EQ(Untimed("backend: fci\ndrive: remote").drive, scenario::Drive::kRemote);
   EXPECT_THROW(Untimed("backend: fci\ndrive: lockstep"), InputError);
   EXPECT_THROW(Untimed("drive: remote"), InputError);
-  EXPECT_EQ(scenario::Parse(scenario::ToYaml(Untimed("backend: fci")), "again.yaml"), Untimed("backend: fci"));
+  EXPECT_EQ(scenario::Parse(scenario::ToYaml(Untimed("backend: fci")), "again.yaml"),
+            Untimed("backend: fci"));
 }
 
 TEST(RemoteTest, TellsWhatHasNoEffectThere) {
   EXPECT_THAT(WithoutEffectThere(Untimed()), IsEmpty());
   EXPECT_THAT(WithoutEffectThere(Untimed("plant: {kind: ideal}")), Contains(HasSubstr("plant")));
   EXPECT_THAT(WithoutEffectThere(Untimed("link: {state_loss: 1 %}")), Contains(HasSubstr("link")));
-  EXPECT_THAT(WithoutEffectThere(Untimed("int: {damping_ratio: 0.7}")),
+  EXPECT_THAT(WithoutEffectThere(Untimed("onboard: {damping_ratio: 0.7}")),
               Contains(HasSubstr("damping_ratio")));
-  EXPECT_THAT(WithoutEffectThere(Untimed("int: {K_theta: {unit: Nm/rad, values: [1000, 1000, 1000, "
-                                         "1000, 1000, 1000, 1000]}}")),
-              IsEmpty())
+  EXPECT_THAT(
+      WithoutEffectThere(Untimed("onboard: {K_theta: {unit: Nm/rad, values: [1000, 1000, 1000, "
+                                 "1000, 1000, 1000, 1000]}}")),
+      IsEmpty())
       << "it is told the robot";
   EXPECT_THAT(WithoutEffectThere(Untimed("tick: {cost: {constant: 10 us}}")),
               Contains(HasSubstr("tick.cost")));

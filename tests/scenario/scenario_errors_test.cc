@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
         Spoiled{"NoUnit", "rate: 125 Hz", "rate: 125", "s.yaml:45: controller.rate: ",
                 "\"125\" has no unit; a frequency is written like \"1000 Hz\""},
         Spoiled{"WrongUnitOfAList", "unit: Nm/rad", "unit: Nm",
-                "s.yaml:29: int.K_theta.unit: ", "unit \"Nm\" does not fit a stiffness"},
+                "s.yaml:29: onboard.K_theta.unit: ", "unit \"Nm\" does not fit a stiffness"},
         Spoiled{"WrongUnitOfTheWaypoints", "    unit: deg", "    unit: m",
                 "s.yaml:55: motion.trajectory.unit: ", "unit \"m\" does not fit an angle"},
         Spoiled{"UnitWhereNoneBelongs", "lambda: 0.01", "lambda: 0.01 s",
@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
     Values, ScenarioErrorsTest,
     ::testing::Values(
         Spoiled{"WordForNumber", "damping_ratio: 0.7", "damping_ratio: soft",
-                "s.yaml:30: int.damping_ratio: ", "\"soft\" is not a plain finite number"},
+                "s.yaml:30: onboard.damping_ratio: ", "\"soft\" is not a plain finite number"},
         Spoiled{"NotANumber", "lambda: 0.01", "lambda: .nan",
                 "s.yaml:35: tick.lambda: ", "not a plain finite number"},
         Spoiled{"WaypointNotANumber", "[10, -40, 5,", "[10, .nan, 5,",
@@ -110,8 +110,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "\"101 %\" is out of range; it must lie in [0, 100] %"},
         Spoiled{"NegativeTime", "phase: 250 us", "phase: -1 us", "s.yaml:47: controller.phase: ",
                 "\"-1 us\" is out of range; it must lie in [0 s, 10 s]"},
-        Spoiled{"StiffnessOutOfRange", "1999.5", "14251",
-                "s.yaml:29: int.K_theta: ", "K_theta[6] is 14251; it must be in [0, 14250] Nm/rad"},
+        Spoiled{"StiffnessOutOfRange", "1999.5", "14251", "s.yaml:29: onboard.K_theta: ",
+                "K_theta[6] is 14251; it must be in [0, 14250] Nm/rad"},
         Spoiled{"FractionForInteger", "seed: 42", "seed: 1.5",
                 "s.yaml:3: seed: ", "\"1.5\" is not a whole number"},
         Spoiled{"NegativeSeed", "seed: 42", "seed: -1",
@@ -129,13 +129,15 @@ INSTANTIATE_TEST_SUITE_P(
                 "", "s.yaml:1: ", "1 waypoints; a trajectory needs at least two"},
         Spoiled{"RemoteDrive", "drive: lockstep", "drive: remote",
                 "s.yaml:1: drive: ", "remote does not go with backend mujoco; say backend: fci"},
+        Spoiled{"OldNameOfOnboard", "\nonboard:", "\nint:", "s.yaml:28: int: ",
+                "this section is called onboard now; rename it"},
         Spoiled{"UnknownLoop", "loop: asynchronous", "loop: async", "s.yaml:6: loop: ",
                 "\"async\" is unknown; accepted: asynchronous, synchronous, bare"},
         Spoiled{"DriftOutOfRange", "clock_drift: 5 ppm", "clock_drift: -1001 ppm",
                 "s.yaml:12: robot.clock_drift: ", "it must lie in [-1000, 1000] ppm"},
-        Spoiled{
-            "CompensationOutOfRange", "friction_compensation: 0.8", "friction_compensation: 1.1",
-            "s.yaml:32: int.friction_compensation: ", "1.1 is out of range; it must lie in [0, 1]"},
+        Spoiled{"CompensationOutOfRange", "friction_compensation: 0.8",
+                "friction_compensation: 1.1", "s.yaml:32: onboard.friction_compensation: ",
+                "1.1 is out of range; it must lie in [0, 1]"},
         Spoiled{"EndlessBurst", "bad_to_good: 25 %", "bad_to_good: 0 %",
                 "s.yaml:22: link.command_loss: ", "else a burst never ends"},
         Spoiled{"LossAboveAll", "loss_bad: 90 %", "loss_bad: 190 %",
@@ -195,28 +197,30 @@ TEST(ScenarioErrorsTest, RefusesALoadThatCannotBe) {
   ExpectTouchedRefused("[10 mm, 0 m, 0.08 m]", "[10 mm, 0 m]",
                        "s.yaml:3: robot.load.position: ", "has 2 values; it needs 3: x, y, z");
   ExpectTouchedRefused("mass: 500 g", "mass: 500 N",
-                       "s.yaml:13: int.load.mass: ", "\"N\" does not fit a mass");
+                       "s.yaml:13: onboard.load.mass: ", "\"N\" does not fit a mass");
   ExpectTouchedRefused("{mass: 500 g}",
                        "{mass: 500 g, products_of_inertia: [1 kg m^2, 0 kg m^2, 0 kg m^2]}",
-                       "s.yaml:13: int.load: ", "load_inertia must be that of a body");
+                       "s.yaml:13: onboard.load: ", "load_inertia must be that of a body");
   ExpectTouchedRefused("0.025 kg m^2]", "0.04 kg m^2]",
                        "s.yaml:3: robot.load: ", "load_inertia must be that of a body");
 }
 
 TEST(ScenarioErrorsTest, RefusesSettingsTheRobotWouldRefuse) {
   ExpectTouchedRefused("translation: 200 N/m", "translation: 5 N/m",
-                       "s.yaml:7: int.K_x.translation: ", "it must lie in [10, 3000] N/m");
+                       "s.yaml:7: onboard.K_x.translation: ", "it must lie in [10, 3000] N/m");
   ExpectTouchedRefused("rotation: [10", "rotation: [301",
-                       "s.yaml:7: int.K_x.rotation[1]: ", "it must lie in [1, 300] Nm/rad");
-  ExpectTouchedRefused("values: [40, 40", "values: [40, 10", "s.yaml:8: int.collision_behavior: ",
+                       "s.yaml:7: onboard.K_x.rotation[1]: ", "it must lie in [1, 300] Nm/rad");
+  ExpectTouchedRefused("values: [40, 40", "values: [40, 10",
+                       "s.yaml:8: onboard.collision_behavior: ",
                        "lower_torque_thresholds_acceleration[1] is 25; it must be at most");
   ExpectTouchedRefused(
       "force: 60 N", "force: 60 Nm",
-      "s.yaml:11: int.collision_behavior.upper_force.force: ", "\"Nm\" does not fit a force");
-  ExpectTouchedRefused("[x, z, Y]", "[x, z, yaw]", "s.yaml:16: int.guiding_mode.axes[3]: ",
+      "s.yaml:11: onboard.collision_behavior.upper_force.force: ", "\"Nm\" does not fit a force");
+  ExpectTouchedRefused("[x, z, Y]", "[x, z, yaw]", "s.yaml:16: onboard.guiding_mode.axes[3]: ",
                        "\"yaw\" is unknown; accepted: x, y, z, R, P, Y");
-  ExpectTouchedRefused("joint_position: 100 Hz", "joint_position: 2 kHz",
-                       "s.yaml:17: int.filters.joint_position: ", "it must lie in [1, 1000] Hz");
+  ExpectTouchedRefused(
+      "joint_position: 100 Hz", "joint_position: 2 kHz",
+      "s.yaml:17: onboard.filters.joint_position: ", "it must lie in [1, 1000] Hz");
 }
 
 TEST(ScenarioErrorsTest, RefusesPerturbationsThatCannotBe) {

@@ -40,7 +40,7 @@ link:
   state_reordering: {share: 0.3 %, by: 1.5 ms}
   command_reordering: {share: 0.2 %, by: 2.5 ms}
   d_INT: 50 us
-int:
+onboard:
   K_theta: {unit: Nm/rad, values: [3000, 3000, 3000, 2500, 2500, 2000, 1999.5]}
   damping_ratio: 0.7
   abort_after_lost: 19
@@ -132,7 +132,7 @@ robot:
   load: {mass: 1.5 kg, position: [10 mm, 0 m, 0.08 m], inertia: [0.01 kg m^2, 0.02 kg m^2, 0.025 kg m^2], products_of_inertia: [0.001 kg m^2, 0 kg m^2, -0.002 kg m^2]}
 plant:
   elasticity: static
-int:
+onboard:
   K_x: {translation: 200 N/m, rotation: [10 Nm/rad, 20 Nm/rad, 30 Nm/rad]}
   collision_behavior:
     upper_torque: {unit: Nm, values: [40, 40, 40, 40, 40, 40, 40]}

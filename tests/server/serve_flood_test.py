@@ -29,7 +29,7 @@ class FloodTest(serve_test.ServeTest):
             plant = "plant: {kind: mujoco}\nlink: {command_loss: 3 %}\nseed: 5"
             self.scenario = serve_test.SCENARIO.replace("plant: {kind: ideal}", plant)
         else:
-            self.scenario = serve_test.SCENARIO + "int: {abort_after_lost: 100000}\n"
+            self.scenario = serve_test.SCENARIO + "onboard: {abort_after_lost: 100000}\n"
         self.stranger = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.addCleanup(self.stranger.close)
         self.server = self.serve(scenario=self.scenario)

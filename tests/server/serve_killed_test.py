@@ -19,7 +19,7 @@ import serve_test
 
 TCP_REPAIR = 19  # Linux: a socket that is closed under it sends neither FIN nor RST
 DOOMED = pathlib.Path(__file__).parent / "doomed_client.py"
-SCENARIO = serve_test.SCENARIO + "int: {abort_after_lost: 100000}\n"
+SCENARIO = serve_test.SCENARIO + "onboard: {abort_after_lost: 100000}\n"
 
 
 class KilledTest(serve_test.ServeTest):

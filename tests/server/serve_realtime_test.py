@@ -12,7 +12,7 @@ import unittest
 import fci_wire as fci
 import serve_test
 
-SCENARIO = serve_test.SCENARIO + "int: {abort_after_lost: 100000}\n"
+SCENARIO = serve_test.SCENARIO + "onboard: {abort_after_lost: 100000}\n"
 
 
 class RealtimeTest(serve_test.ServeTest):

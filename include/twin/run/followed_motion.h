@@ -33,12 +33,11 @@ struct FollowedMotion {
 
 /// What the scenario says of a motion on this interface, which the robot follows by `impedance`.
 /// What it does not say is 20 mrad, or 20 mm and 20 mrad of poses, times as often as the robot is
-/// softer (int.K_theta, int.K_x) than as delivered: what friction, inertia and loads take from its
-/// path is a force over its stiffness. Not judged unless it is said: torques, which are as stiff as
-/// their controller, and a scenario with perturbations, which are there to move the arm off its
-/// path.
+/// softer (onboard.K_theta, onboard.K_x) than as delivered: what friction, inertia and loads take
+/// from its path is a force over its stiffness. Not judged unless it is said: torques, which are as
+/// stiff as their controller, and a scenario with perturbations, which are there to move the arm
+/// off its path.
 [[nodiscard]] DeviationLimit LimitOf(const scenario::Scenario& scenario,
-                                     control::CommandInterface interface,
-                                     ControllerMode impedance);
+                                     control::CommandInterface interface, ControllerMode impedance);
 
 }  // namespace twin::run
