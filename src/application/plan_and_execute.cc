@@ -57,7 +57,7 @@ class PlanAndExecute final : public Application {
   const control::Parameters controller_;
 
   std::optional<planning::Plan> plan_;  ///< of the motion that comes next
-  TaskResult deeds_;
+  TaskResult task_result_;
   std::uint64_t checks_ = 0;       ///< of all plans
   std::uint64_t most_checks_ = 0;  ///< of one plan
   std::uint64_t dense_ = 0;        ///< configurations of the plans looked at once more
@@ -73,8 +73,8 @@ TaskResult PlanAndExecute::Perform(Stage& stage) {
         {.name = "plan" + number, .act = [this, &stage, goal] { return Plan(stage, goal); }});
     steps.push_back({.name = "execute" + number, .act = [this, &stage] { return Execute(stage); }});
   }
-  deeds_.task = stage.Carry(steps);
-  return std::move(deeds_);
+  task_result_.task = stage.Carry(steps);
+  return std::move(task_result_);
 }
 
 StepEnd PlanAndExecute::Plan(Stage& stage, int goal) {
@@ -95,8 +95,8 @@ StepEnd PlanAndExecute::Plan(Stage& stage, int goal) {
   CheckDensely(world, plan_->trajectory);
   checks_ += plan_->statistics.checks;
   most_checks_ = std::max(most_checks_, plan_->statistics.checks);
-  deeds_.planning_time += plan_->statistics.wall;
-  deeds_.snapshots.push_back(
+  task_result_.planning_time += plan_->statistics.wall;
+  task_result_.snapshots.push_back(
       {.id = fmt::format("goal_{}", goal),
        .caption = fmt::format("Around what stands there to goal {} of {}", goal, goals_),
        .planned = begun,
@@ -117,11 +117,11 @@ void PlanAndExecute::CheckDensely(planning::CollisionWorld& world,
 }
 
 StepEnd PlanAndExecute::Execute(Stage& stage) {
-  run::Motion motion = stage.NewMotion(deeds_.snapshots.back().id,
+  run::Motion motion = stage.NewMotion(task_result_.snapshots.back().id,
                                        control::CommandInterface::kTorque, plan_->trajectory);
   motion.controller.parameters = controller_;
   const run::MotionResult result = stage.session().Move(motion);
-  deeds_.snapshots.back().done = stage.session().Now();
+  task_result_.snapshots.back().done = stage.session().Now();
   final_error_ = std::max(final_error_, result.final_error);
   return {result.report.succeeded(), result.report.failure};
 }
@@ -150,7 +150,7 @@ Evaluation PlanAndExecute::Evaluate(const TaskResult& task_result, const Evidenc
          .met = evidence.contacts->cycles() == 0});
   }
   double deviation = 0;
-  for (const scenario::FollowedMotion& motion : evidence.session.followed) {
+  for (const run::FollowedMotion& motion : evidence.session.followed) {
     if (motion.deviation.joints) deviation = std::max(deviation, motion.deviation.joints->largest);
   }
   add({.quantity = "largest distance of a joint from the plan (delay included)",

@@ -39,9 +39,9 @@ Json FindingsJson(const application::Evaluation& evaluation) {
   return findings;
 }
 
-Json DeviationsJson(const std::vector<scenario::FollowedMotion>& motions) {
+Json DeviationsJson(const std::vector<run::FollowedMotion>& motions) {
   Json deviations = Json::array();
-  for (const scenario::FollowedMotion& motion : motions) {
+  for (const run::FollowedMotion& motion : motions) {
     Json one{{"motion", motion.name}, {"begun_s", ToSeconds(motion.begun.time_since_epoch())}};
     one.update(DeviationJson(motion));
     deviations.push_back(std::move(one));
@@ -80,7 +80,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationRes
       {"motions", result.session.motions},
       {"deviations", DeviationsJson(result.session.followed)},
       {"deviation_exceeded",
-       std::ranges::any_of(result.session.followed, &scenario::FollowedMotion::exceeds)},
+       std::ranges::any_of(result.session.followed, &run::FollowedMotion::exceeds)},
       {"cycles_served", known(counts.served)},
       {"cycles_held", known(counts.held)},
       {"longest_loss_cycles", known(counts.longest_loss)},

@@ -172,11 +172,10 @@ void LeaveFailure(const scenario::Scenario& scenario, const RunFlags& flags,
   }
 }
 
-void EvaluateDeviations(const std::vector<scenario::FollowedMotion>& motions, bool strict) {
-  const auto exceeding = std::ranges::count_if(motions, &scenario::FollowedMotion::exceeds);
+void EvaluateDeviations(const std::vector<run::FollowedMotion>& motions, bool strict) {
+  const auto exceeding = std::ranges::count_if(motions, &run::FollowedMotion::exceeds);
   if (exceeding == 0) return;
-  const scenario::FollowedMotion& first =
-      *std::ranges::find_if(motions, &scenario::FollowedMotion::exceeds);
+  const run::FollowedMotion& first = *std::ranges::find_if(motions, &run::FollowedMotion::exceeds);
   const std::string whose = motions.size() == 1
                                 ? std::string()
                                 : fmt::format("in {} of {} motions, first in {}: ", exceeding,

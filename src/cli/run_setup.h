@@ -96,7 +96,7 @@ ExitCode Carried(const scenario::Scenario& scenario, const RunFlags& flags, cons
 
 /// After a run that went well: says which of its motions were further off their targets than the
 /// scenario's max_deviation. Warns; @throws RobotFault when `strict`.
-void EvaluateDeviations(const std::vector<scenario::FollowedMotion>& motions, bool strict);
+void EvaluateDeviations(const std::vector<run::FollowedMotion>& motions, bool strict);
 
 /// What threads of either side had to say of their set-up.
 void TellNotices(const std::vector<std::string>& workstation,

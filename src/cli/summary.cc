@@ -35,8 +35,7 @@ std::string PercentilesText(const rt::DurationHistogram& histogram) {
 }
 
 /// What helps against the errors that ended the run, each text once.
-std::vector<std::string> CuresOf(const scenario::Scenario& scenario,
-                                 const run::RunResult& result) {
+std::vector<std::string> CuresOf(const scenario::Scenario& scenario, const run::RunResult& result) {
   const TimeKeeper keeper = scenario.drive == scenario::Drive::kLockstep ? TimeKeeper::kVirtualClock
                                                                          : TimeKeeper::kWallClock;
   std::vector<std::string> cures;
@@ -178,7 +177,7 @@ std::string TextOf(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-nlohmann::ordered_json DeviationJson(const scenario::FollowedMotion& motion) {
+nlohmann::ordered_json DeviationJson(const run::FollowedMotion& motion) {
   const auto& [joints, pose] = motion.deviation;
   // A limit that is off is infinite, and has no number.
   const auto limit = [](double most) { return std::isfinite(most) ? Json(most) : Json(); };
@@ -355,8 +354,8 @@ std::string SummaryText(const scenario::Scenario& scenario, const run::RunResult
     line("out of time", late);
     return out;
   }
-  line("states hash", fmt::format("{} (libm {})", FormatHash(result.states_hash),
-                                  FormatHash(LibmFingerprint())));
+  line("states hash",
+       fmt::format("{} (libm {})", FormatHash(result.states_hash), FormatHash(LibmFingerprint())));
   return out;
 }
 

@@ -44,7 +44,7 @@ struct WallTimes {
 [[nodiscard]] std::string TextOf(const nlohmann::ordered_json& json);
 
 /// How far the arm was from its targets, the limits of that, and whether it was above them.
-[[nodiscard]] nlohmann::ordered_json DeviationJson(const scenario::FollowedMotion& motion);
+[[nodiscard]] nlohmann::ordered_json DeviationJson(const run::FollowedMotion& motion);
 
 /// What the arm touched; null when nobody knows.
 [[nodiscard]] nlohmann::ordered_json ContactsJson(

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/settings.h"
+#include "twin/core/setting.h"
 
 namespace twin::run {
 namespace {
@@ -20,7 +20,8 @@ template <std::size_t N>
 double Softness(const std::array<double, N>& delivered, const std::array<double, N>& stiffness) {
   double softness = 1;
   for (std::size_t i = 0; i < N; ++i) {
-    softness = std::max(softness, stiffness[i] > 0 ? delivered[i] / stiffness[i] : std::numeric_limits<double>::infinity());
+    softness = std::max(softness, stiffness[i] > 0 ? delivered[i] / stiffness[i]
+                                                   : std::numeric_limits<double>::infinity());
   }
   return softness;
 }

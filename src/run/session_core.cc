@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "scenario/max_deviation.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 
@@ -93,7 +92,7 @@ MotionResult SessionCore::Move(PreparedMotion& motion, std::function<Time(Time)>
       {.name = result.name,
        .begun = result.begun,
        .deviation = result.report.deviation,
-       .limit = scenario::LimitOf(scenario_, motion.motion().interface, motion.motion().impedance),
+       .limit = LimitOf(scenario_, motion.motion().interface, motion.motion().impedance),
        .succeeded = result.report.succeeded()});
   result.goal = motion.motion().trajectory.goal();
   result.final_error = LargestDistance(result.report.q_final, result.goal);

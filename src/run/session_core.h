@@ -58,7 +58,7 @@ class SessionCore {
   const RobotPlan robot_;
   RunHooks hooks_;
   std::uint64_t motions_ = 0;  ///< begun
-  std::vector<scenario::FollowedMotion> followed_;
+  std::vector<FollowedMotion> followed_;
   CycleSummary summary_;
   std::unique_ptr<DriveSetting> setting_;
 };

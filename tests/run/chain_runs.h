@@ -129,7 +129,7 @@ class Bench {
     const reference::Trajectory plan = MakeTrajectory(
         scenario, scenario::LoadRobotData(models_, scenario.robot.model, scenario.robot.hand));
     PlanWatch watch(plan, scenario.controller, as_pose);
-    Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, &watch);
+    run::Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, &watch);
     Outcome outcome{.result = run.Execute()};
     outcome.deviation = watch.largest();
     outcome.last = watch.last();
@@ -143,7 +143,7 @@ class Bench {
 };
 
 /// Bursts of `length` lost commands, every 0.6 s from 0.3 s on.
-inline Loss BurstsOf(std::uint64_t length) {
+inline scenario::Loss BurstsOf(std::uint64_t length) {
   scenario::ScriptedLoss script;
   for (int ms = 300; ms < 20000; ms += 600) {
     script.bursts.push_back({std::chrono::milliseconds(ms), length});

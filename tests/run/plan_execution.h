@@ -83,7 +83,7 @@ class Problems {
     Outcome outcome;
     Watcher watcher;
     try {
-      Run run(scenario, catalogue(), files_, &watcher);
+      run::Run run(scenario, catalogue(), files_, &watcher);
       outcome.is_solved = true;
       outcome.planning_s = ToSeconds(run.planning_time().value());
       watcher.Watch(*run.connection().truth);

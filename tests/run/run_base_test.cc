@@ -91,7 +91,7 @@ class BaseRunTest : public ::testing::Test {
   }
   [[nodiscard]] RunResult Execute(const scenario::Scenario& scenario,
                                   rt::RecordSink* sink = nullptr) const {
-    Run run(scenario, {backends_, controllers_}, files_, sink);
+    run::Run run(scenario, {backends_, controllers_}, files_, sink);
     return run.Execute();
   }
 

@@ -36,11 +36,12 @@ std::string Complaint(const std::string& text) {
 }
 
 std::string Spoiled(const std::string& from, const std::string& to) {
-  return Complaint(test::Replaced(test::PosesText(), from, to));
+  return Complaint(scenario::test::Replaced(scenario::test::PosesText(), from, to));
 }
 
 TEST(ScenarioControllerTest, ReadsLibraryAndParameters) {
-  const scenario::ControllerSection controller = scenario::Parse(test::PosesText(), "folder/s.yaml").controller;
+  const scenario::ControllerSection controller =
+      scenario::Parse(scenario::test::PosesText(), "folder/s.yaml").controller;
   EXPECT_EQ(controller.library, std::filesystem::absolute("folder/build/my_law.so"));
   EXPECT_EQ(controller.type, "my_law");
   const control::Parameters& p = controller.parameters;
@@ -57,7 +58,8 @@ TEST(ScenarioControllerTest, ReadsLibraryAndParameters) {
 }
 
 TEST(ScenarioControllerTest, ReadsPoses) {
-  const scenario::MotionSection motion = scenario::Parse(test::PosesText(), "s.yaml").motion;
+  const scenario::MotionSection motion =
+      scenario::Parse(scenario::test::PosesText(), "s.yaml").motion;
   ASSERT_EQ(motion.waypoints.size(), 1u);
   EXPECT_DOUBLE_EQ(motion.waypoints[0].q[3], -135 * kDegree);
   EXPECT_EQ(motion.timing.jerk_scale, 0.2);
@@ -72,7 +74,7 @@ TEST(ScenarioControllerTest, ReadsPoses) {
 }
 
 TEST(ScenarioControllerTest, SurvivesTheRoundTrip) {
-  const scenario::Scenario scenario = scenario::Parse(test::PosesText(), "s.yaml");
+  const scenario::Scenario scenario = scenario::Parse(scenario::test::PosesText(), "s.yaml");
   const scenario::Scenario again = scenario::Parse(scenario::ToYaml(scenario), "elsewhere/t.yaml");
   EXPECT_EQ(again, scenario);
   scenario::Scenario other = scenario;
@@ -112,7 +114,7 @@ class PosesPlanTest : public ::testing::Test {
 };
 
 TEST_F(PosesPlanTest, MakesEachPoseOfTheOneBefore) {
-  const Plan plan = PlanOf(test::PosesText());
+  const Plan plan = PlanOf(scenario::test::PosesText());
   ASSERT_TRUE(plan.poses.has_value());
   const Transform F_T_EE = model::Multiply(plan.config.onboard.F_T_NE, kIdentityTransform);
   const Transform start =
@@ -135,7 +137,7 @@ TEST_F(PosesPlanTest, MakesEachPoseOfTheOneBefore) {
 }
 
 TEST_F(PosesPlanTest, LetsTheJointPathStandMeanwhile) {
-  const Plan plan = PlanOf(test::PosesText());
+  const Plan plan = PlanOf(scenario::test::PosesText());
   EXPECT_EQ(plan.trajectory.duration(), 5s);
   EXPECT_EQ(plan.trajectory.start(), plan.trajectory.goal());
   EXPECT_EQ(plan.trajectory.Sample(3s).q, plan.config.q_start);
@@ -143,7 +145,7 @@ TEST_F(PosesPlanTest, LetsTheJointPathStandMeanwhile) {
 
 TEST_F(PosesPlanTest, NamesTheLineOfAPoseThatIsTooFast) {
   try {
-    (void)PlanOf(test::Replaced(test::PosesText(), "at: 2 s", "at: 20 ms"));
+    (void)PlanOf(scenario::test::Replaced(scenario::test::PosesText(), "at: 2 s", "at: 20 ms"));
     ADD_FAILURE() << "accepted";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("s.yaml:17"), HasSubstr("at least")));
@@ -151,7 +153,7 @@ TEST_F(PosesPlanTest, NamesTheLineOfAPoseThatIsTooFast) {
 }
 
 TEST_F(PosesPlanTest, SlowsDownPosesToo) {
-  scenario::Scenario scenario = scenario::Parse(test::PosesText(), "s.yaml");
+  scenario::Scenario scenario = scenario::Parse(scenario::test::PosesText(), "s.yaml");
   const Plan plan = MakePlan(scenario, {backends_, controllers_}, files_);
   SlowDown(scenario, plan.robot, 0.5);
   EXPECT_EQ(scenario.motion.poses[0].at, 4s);

@@ -30,7 +30,7 @@ TEST_P(DefaultChainTest, StaysWithItsPlanThroughBurstsOfAnyLengthTheRobotBears) 
   }
 }
 
-std::string scenario::NameOf(const ::testing::TestParamInfo<DefaultChainTest::ParamType>& info) {
+std::string NameOf(const ::testing::TestParamInfo<DefaultChainTest::ParamType>& info) {
   const auto interface = std::get<0>(info.param);
   const char* name = interface == CommandInterface::kJointPosition   ? "positions_"
                      : interface == CommandInterface::kJointVelocity ? "velocities_"
@@ -43,14 +43,14 @@ std::string scenario::NameOf(const ::testing::TestParamInfo<DefaultChainTest::Pa
 INSTANTIATE_TEST_SUITE_P(Torques, DefaultChainTest,
                          ::testing::Combine(::testing::Values(CommandInterface::kTorque),
                                             ::testing::Values(kGentle, kBrisk)),
-                         scenario::NameOf);
+                         NameOf);
 
 INSTANTIATE_TEST_SUITE_P(Motions, DefaultChainTest,
                          ::testing::Combine(::testing::Values(CommandInterface::kJointPosition,
                                                               CommandInterface::kJointVelocity,
                                                               CommandInterface::kCartesianPose),
                                             ::testing::Values(kGentle, kBrisk, kHard)),
-                         scenario::NameOf);
+                         NameOf);
 
 TEST(DefaultChainUnderLateWakesTest, FollowsCanonicalWithin10Milliradians) {
   const Bench bench;

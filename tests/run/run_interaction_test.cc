@@ -52,7 +52,7 @@ class InteractionTest : public ::testing::Test {
   }
 
   RunResult Execute(const scenario::Scenario& scenario) {
-    Run run(scenario, {backends_, controllers_}, files_, &states_);
+    run::Run run(scenario, {backends_, controllers_}, files_, &states_);
     return run.Execute();
   }
 
@@ -233,7 +233,7 @@ double HeightOf(const plant::TruthProbe& truth, const char* body) {
 
 TEST_F(InteractionTest, TheHandTakesTheBoxAndTheArmLiftsIt) {
   const scenario::Scenario scenario = Example("grasp");
-  Run run(scenario, {backends_, controllers_}, files_, &states_);
+  run::Run run(scenario, {backends_, controllers_}, files_, &states_);
   std::vector<std::string> events;
   RunHooks hooks;
   hooks.event = [&events](Time, std::string_view kind, std::string_view text) {

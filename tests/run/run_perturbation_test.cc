@@ -81,11 +81,11 @@ class SessionPerturbationTest : public test::SessionFixture {
     return behavior;
   }
 
-  void Attempt(scenario::Place place, bool with_push, Cycles& cycles) {
+  void Attempt(Place place, bool with_push, Cycles& cycles) {
     scenario::Scenario scenario = TwoMotions(with_push);
     std::unique_ptr<server::ServedRobot> served;
     RealtimeSettings settings;
-    if (place == scenario::Place::kServedInLockstep) {
+    if (place == Place::kServedInLockstep) {
       served = Serve(scenario, backend::RobotTime::kStates, &cycles);
       scenario.perturbations.clear();  // the client knows nothing of it
       scenario.backend = "fci";
@@ -94,7 +94,7 @@ class SessionPerturbationTest : public test::SessionFixture {
                          .arm_port = served->arm().port,
                          .time = backend::RobotTime::kStates,
                          .checks_start = false};
-    } else if (place == scenario::Place::kRealtime) {
+    } else if (place == Place::kRealtime) {
       scenario.drive = scenario::Drive::kRealtime;
     }
     {
@@ -112,7 +112,7 @@ class SessionPerturbationTest : public test::SessionFixture {
   }
 
   /// Cycles from the second motion's first to the first that the push has changed.
-  std::optional<std::size_t> FirstPushed(scenario::Place place) {
+  std::optional<std::size_t> FirstPushed(Place place) {
     Cycles pushed;
     Cycles left_alone;
     Attempt(place, true, pushed);
@@ -148,15 +148,15 @@ double StrongestForce(const std::vector<RobotState>& states, Duration from, Dura
 
 TEST_F(SessionPerturbationTest, ActsInItsMotionAtTheSameCycleInProcessAndOverTheWire) {
   const auto expected = static_cast<std::size_t>(kPushBegin / kCycle);
-  EXPECT_EQ(FirstPushed(scenario::Place::kLockstep), expected);
-  EXPECT_EQ(FirstPushed(scenario::Place::kServedInLockstep), expected);
+  EXPECT_EQ(FirstPushed(Place::kLockstep), expected);
+  EXPECT_EQ(FirstPushed(Place::kServedInLockstep), expected);
 }
 
 TEST_F(SessionPerturbationTest, ActsInItsMotionOnTheWallClock) {
   test::Undisturbed(
       [&] {
         Cycles cycles;
-        Attempt(scenario::Place::kRealtime, true, cycles);
+        Attempt(Place::kRealtime, true, cycles);
         ASSERT_EQ(cycles.motions, 2u);
         const std::vector<RobotState> second = cycles.Of(1);
         EXPECT_LT(StrongestForce(cycles.Of(0), 0s, 10s), 5);

@@ -44,7 +44,8 @@ class PlanPlacesTest : public ::testing::Test {
 
   /// plan_and_execute.yaml, on either interface.
   [[nodiscard]] scenario::Scenario Planned(control::CommandInterface interface) const {
-    scenario::Scenario scenario = scenario::Load(files_.models / "scenarios" / "plan_and_execute.yaml");
+    scenario::Scenario scenario =
+        scenario::Load(files_.models / "scenarios" / "plan_and_execute.yaml");
     scenario.motion.interface = interface;
     if (interface == control::CommandInterface::kJointPosition) {
       scenario.controller.type = "joint_trajectory";
@@ -65,7 +66,7 @@ class PlanPlacesTest : public ::testing::Test {
 
   [[nodiscard]] Execution InProcess(const scenario::Scenario& scenario) const {
     test::Watcher watcher;
-    Run run(scenario, {backends_, controllers_}, files_, &watcher);
+    run::Run run(scenario, {backends_, controllers_}, files_, &watcher);
     watcher.Watch(*run.connection().truth);
     return Executed(run, watcher);
   }
@@ -87,7 +88,7 @@ class PlanPlacesTest : public ::testing::Test {
         .host = "127.0.0.1", .arm_port = robot.arm().port, .time = time, .checks_start = false};
     Execution execution;
     {
-      Run run(scenario, {backends_, controllers_}, files_, nullptr, remote);
+      run::Run run(scenario, {backends_, controllers_}, files_, nullptr, remote);
       execution = Executed(run, watcher);
     }
     robot.End();
@@ -96,11 +97,11 @@ class PlanPlacesTest : public ::testing::Test {
     return execution;
   }
 
-  [[nodiscard]] Execution At(scenario::Place place, const scenario::Scenario& scenario) const {
-    if (place == scenario::Place::kServedInLockstep) {
+  [[nodiscard]] Execution At(Place place, const scenario::Scenario& scenario) const {
+    if (place == Place::kServedInLockstep) {
       return OverTheWire(scenario, scenario, backend::RobotTime::kStates);
     }
-    if (place == scenario::Place::kServedOnTheWallClock) {
+    if (place == Place::kServedOnTheWallClock) {
       return OverTheWire(scenario, scenario, backend::RobotTime::kWall);
     }
     scenario::Scenario realtime = scenario;
@@ -110,7 +111,7 @@ class PlanPlacesTest : public ::testing::Test {
 
  private:
   /// Of what is still running, touched and looks are those so far.
-  [[nodiscard]] static Execution Executed(Run& run, const test::Watcher& watcher) {
+  [[nodiscard]] static Execution Executed(run::Run& run, const test::Watcher& watcher) {
     Execution execution;
     execution.begin = run.trajectory().Sample(Duration::zero());
     execution.result = run.Execute();
@@ -142,13 +143,13 @@ class PlanOnInterfaceTest : public PlanPlacesTest,
 
 TEST_P(PlanOnInterfaceTest, IsTheSameMotionOverTheWireInLockstep) {
   const scenario::Scenario scenario = Planned(GetParam());
-  ExpectSameMotion(At(scenario::Place::kServedInLockstep, scenario), InProcess(scenario));
+  ExpectSameMotion(At(Place::kServedInLockstep, scenario), InProcess(scenario));
 }
 
 TEST_P(PlanOnInterfaceTest, IsTheSameMotionOnTheWallClock) {
   const scenario::Scenario scenario = OnTheWallClock(GetParam());
   const Execution here = InProcess(scenario);
-  for (const scenario::Place place : {scenario::Place::kRealtime, scenario::Place::kServedOnTheWallClock}) {
+  for (const Place place : {Place::kRealtime, Place::kServedOnTheWallClock}) {
     SCOPED_TRACE(static_cast<int>(place));
     twin::test::Undisturbed([&] { ExpectSameMotion(At(place, scenario), here); },
                             [] { return twin::test::kEndsAMotion; }, twin::test::ByWitness(98), 5);

@@ -25,7 +25,7 @@ class PlanRunTest : public ::testing::Test {
   template <typename E>
   [[nodiscard]] std::string Refusal(const scenario::Scenario& scenario) const {
     try {
-      const Run run(scenario, problems_.catalogue(), problems_.files(), nullptr);
+      const run::Run run(scenario, problems_.catalogue(), problems_.files(), nullptr);
     } catch (const E& error) {
       return error.what();
     }
@@ -61,7 +61,7 @@ TEST_F(PlanRunTest, KeepsTheGoalOfASeedOfItsOwn) {
   scenario::Scenario scenario = problems_.scenario();
   scenario.motion.plan->seed = 5;
   const auto goal = [this](const scenario::Scenario& s) {
-    return Run(s, problems_.catalogue(), problems_.files(), nullptr).trajectory().goal();
+    return run::Run(s, problems_.catalogue(), problems_.files(), nullptr).trajectory().goal();
   };
   const JointVector first = goal(scenario);
   scenario.seed = 77;
@@ -75,7 +75,7 @@ TEST_F(PlanRunTest, ReachesAPoseOfTheEndEffector) {
   scenario.onboard.NE_T_EE.position = {0, 0, 0.05};
   const scenario::FramePose wanted{.position = {0.45, 0.3, 0.5}, .rpy = {3.0, 0.1, 0.4}};
   scenario.motion.plan->goal = wanted;
-  const Run run(scenario, problems_.catalogue(), problems_.files(), nullptr);
+  const run::Run run(scenario, problems_.catalogue(), problems_.files(), nullptr);
   const Transform F_T_EE = model::Multiply(run.robot().F_T_NE, scenario.onboard.NE_T_EE.Matrix());
   const Transform reached =
       model::ArmModel::Panda().Pose(model::Frame::kEndEffector, run.trajectory().goal(), F_T_EE);
@@ -85,7 +85,7 @@ TEST_F(PlanRunTest, ReachesAPoseOfTheEndEffector) {
 TEST_F(PlanRunTest, StretchesWhatItPlans) {
   scenario::Scenario scenario = problems_.scenario();
   const auto planned = [this, &scenario] {
-    return Run(scenario, problems_.catalogue(), problems_.files(), nullptr).trajectory();
+    return run::Run(scenario, problems_.catalogue(), problems_.files(), nullptr).trajectory();
   };
   const reference::Trajectory quick = planned();
   scenario.motion.plan->stretch = 2;
@@ -100,7 +100,8 @@ TEST_F(PlanRunTest, StretchesWhatItPlans) {
 TEST_F(PlanRunTest, NamesWhatTheGoalTouches) {
   scenario::Scenario scenario = problems_.scenario();
   // The flange 5 cm above the middle of the table: the hand is in it.
-  scenario.motion.plan->goal = scenario::FramePose{.position = {0.6, 0, 0.18}, .rpy = {3.14159, 0, 0}};
+  scenario.motion.plan->goal =
+      scenario::FramePose{.position = {0.6, 0, 0.18}, .rpy = {3.14159, 0, 0}};
   EXPECT_THAT(Refusal<InputError>(scenario),
               AllOf(HasSubstr("plan_and_execute.yaml:"), HasSubstr("goal"), HasSubstr("table")));
 }

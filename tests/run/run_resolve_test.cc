@@ -50,7 +50,7 @@ class PlanTest : public ::testing::Test {
 
 /// FullText() with a motion that is within the limits and starts where the arm rests.
 scenario::Scenario Full() {
-  return scenario::Parse(test::FullText(), "s.yaml");
+  return scenario::Parse(scenario::test::FullText(), "s.yaml");
 }
 
 TEST_F(PlanTest, TellsTheRobotAllTheScenarioSays) {
@@ -75,7 +75,7 @@ TEST_F(PlanTest, TellsTheRobotAllTheScenarioSays) {
 }
 
 TEST_F(PlanTest, TellsTheRobotWhatItIsSetToAndWhatTouchesIt) {
-  const scenario::Scenario scenario = scenario::Parse(test::TouchedText(), "s.yaml");
+  const scenario::Scenario scenario = scenario::Parse(scenario::test::TouchedText(), "s.yaml");
   const robot::RobotConfig config = PlanOf(scenario).config;
   EXPECT_EQ(config.plant.load, scenario.robot.load);
   EXPECT_EQ(config.plant.elasticity, plant::ElasticityProfile::kStatic);
@@ -93,7 +93,7 @@ TEST_F(PlanTest, TellsTheRobotWhatItIsSetToAndWhatTouchesIt) {
 }
 
 TEST_F(PlanTest, RefusesCommandsToTheHandAfterTheMotion) {
-  scenario::Scenario scenario = scenario::Parse(test::TouchedText(), "s.yaml");
+  scenario::Scenario scenario = scenario::Parse(scenario::test::TouchedText(), "s.yaml");
   scenario.hand.back().at = PlanOf(scenario).trajectory.duration();
   EXPECT_THAT(MessageOf(scenario), StartsWith("hand[4].at: "));
   EXPECT_THAT(MessageOf(scenario), HasSubstr("is not before the end of the motion"));
@@ -148,7 +148,7 @@ TEST_F(PlanTest, TellsTheControllersLoopAllTheScenarioSays) {
 }
 
 TEST_F(PlanTest, LimitsTorquesAndLeavesTheLowPassOffUnlessAskedFor) {
-  const Plan plan = PlanOf(test::OtherText());
+  const Plan plan = PlanOf(scenario::test::OtherText());
   EXPECT_EQ(plan.loop, loop::LoopKind::kSynchronous);
   EXPECT_TRUE(plan.tick.limiter);
   EXPECT_EQ(plan.tick.low_pass_hz, loop::TickConfig().low_pass_hz);
@@ -178,7 +178,8 @@ TEST_F(PlanTest, StartsTheMotionThatGoesWithTheInterface) {
 
 TEST_F(PlanTest, NamesTheLineOfANameThatIsUnknown) {
   const auto spoiled = [this](const std::string& from, const std::string& to) {
-    return MessageOf(scenario::Parse(test::Replaced(test::FullText(), from, to), "s.yaml"));
+    return MessageOf(
+        scenario::Parse(scenario::test::Replaced(scenario::test::FullText(), from, to), "s.yaml"));
   };
   EXPECT_THAT(spoiled("backend: mujoco", "backend: gazebo"), StartsWith("s.yaml:4: "));
   EXPECT_THAT(spoiled("backend: mujoco", "backend: gazebo"), HasSubstr("gazebo"));
@@ -192,7 +193,7 @@ TEST_F(PlanTest, NamesNoLineForANameThatIsNotFromTheFile) {
   scenario::Scenario scenario = Full();
   scenario.backend = "gazebo";
   EXPECT_THAT(MessageOf(scenario), ::testing::Not(HasSubstr("s.yaml")));
-  scenario = scenario::Parse(test::OtherText(), "s.yaml");
+  scenario = scenario::Parse(scenario::test::OtherText(), "s.yaml");
   scenario.controller.type = "pid";
   EXPECT_THAT(MessageOf(scenario), ::testing::Not(HasSubstr("s.yaml")));
 }

@@ -50,7 +50,7 @@ class ScenarioSamplingJitterTest : public ::testing::TestWithParam<std::uint64_t
     scenario.controller.wake_delay.law = rt::NormalDelay{microseconds(20), microseconds(4)};
     scenario.controller.clock_drift_ppm = way.clock_drift_ppm;
     if (way.phase) scenario.controller.phase = *way.phase;
-    Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, nullptr);
+    run::Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, nullptr);
     return run.Execute();
   }
 

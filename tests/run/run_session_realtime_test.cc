@@ -34,10 +34,10 @@ class SessionRealtimeTest : public test::SessionFixture,
     scenario::Scenario scenario = Slow();
     RealtimeSettings settings;
     std::unique_ptr<server::ServedRobot> served;
-    if (GetParam() == scenario::Place::kInProcess) {
+    if (GetParam() == Place::kInProcess) {
       scenario.drive = scenario::Drive::kRealtime;
     } else {
-      const auto time = GetParam() == scenario::Place::kServedInLockstep ? backend::RobotTime::kStates
+      const auto time = GetParam() == Place::kServedInLockstep ? backend::RobotTime::kStates
                                                                : backend::RobotTime::kWall;
       served = Serve(scenario, time);
       scenario.backend = "fci";
@@ -55,29 +55,31 @@ class SessionRealtimeTest : public test::SessionFixture,
   template <typename Do>
   void AttemptUndisturbed(Do act) {
     const std::int64_t needed =
-        GetParam() == scenario::Place::kServedInLockstep ? test::kNothingExcuses : test::kEndsAMotion;
+        GetParam() == Place::kServedInLockstep ? test::kNothingExcuses : test::kEndsAMotion;
     test::Undisturbed([&] { Attempt(act); }, [needed] { return needed; }, test::ByWitness(98), 5);
   }
 };
 
 TEST_P(SessionRealtimeTest, RunsAMotionAHandCommandAndAMotionFromThere) {
-  AttemptUndisturbed(
-      [this](Session& session, const scenario::Scenario& scenario) { GoThereAndBack(session, scenario); });
+  AttemptUndisturbed([this](Session& session, const scenario::Scenario& scenario) {
+    GoThereAndBack(session, scenario);
+  });
 }
 
 TEST_P(SessionRealtimeTest, GoesOnAfterAReflexOnceRecovered) {
-  AttemptUndisturbed(
-      [this](Session& session, const scenario::Scenario& scenario) { FailAndRecover(session, scenario); });
+  AttemptUndisturbed([this](Session& session, const scenario::Scenario& scenario) {
+    FailAndRecover(session, scenario);
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SessionRealtimeTest,
-                         ::testing::Values(scenario::Place::kInProcess, scenario::Place::kServedOnTheWallClock,
-                                           scenario::Place::kServedInLockstep),
+                         ::testing::Values(Place::kInProcess, Place::kServedOnTheWallClock,
+                                           Place::kServedInLockstep),
                          [](const auto& place) {
                            switch (place.param) {
-                             case scenario::Place::kInProcess: return "InProcess";
-                             case scenario::Place::kServedOnTheWallClock: return "ServedOnTheWallClock";
-                             case scenario::Place::kServedInLockstep: return "ServedInLockstep";
+                             case Place::kInProcess: return "InProcess";
+                             case Place::kServedOnTheWallClock: return "ServedOnTheWallClock";
+                             case Place::kServedInLockstep: return "ServedInLockstep";
                            }
                            return "";
                          });

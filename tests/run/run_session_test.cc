@@ -47,7 +47,7 @@ TEST_F(SessionTest, RepeatsWithTheSeed) {
 TEST_F(SessionTest, BeginsAsARunOfItsFirstMotionDoes) {
   const scenario::Scenario scenario = test::Standing();
   test::Log alone;
-  Run run(scenario, {backends_, controllers_}, files_, &alone);
+  run::Run run(scenario, {backends_, controllers_}, files_, &alone);
   static_cast<void>(run.Execute());
   test::Log log;
   const auto session = Open(scenario, &log);

@@ -52,7 +52,7 @@ class AssemblyTest : public ::testing::Test {
 
   [[nodiscard]] RunResult Execute(const scenario::Scenario& scenario,
                                   const RunHooks& hooks = {}) const {
-    Run run(scenario, {backends_, controllers_}, files_, nullptr);
+    run::Run run(scenario, {backends_, controllers_}, files_, nullptr);
     return run.Execute(hooks);
   }
 

@@ -51,7 +51,7 @@ class ScenarioViabilityTest : public ::testing::TestWithParam<std::uint64_t> {
     scenario.link.command.loss.law = script;
   }
   [[nodiscard]] RunResult Run(const scenario::Scenario& scenario) const {
-    Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, nullptr);
+    run::Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, nullptr);
     return run.Execute();
   }
 

@@ -100,11 +100,11 @@ class SessionFixture : public ::testing::Test {
     });
   }
 
-  [[nodiscard]] std::unique_ptr<Session> Open(const scenario::Scenario& scenario,
-                                              rt::RecordSink* sink = nullptr,
-                                              const RealtimeSettings& settings = {}) const {
-    return std::make_unique<Session>(scenario, Catalogue{backends_, controllers_}, files_, sink,
-                                     settings);
+  [[nodiscard]] std::unique_ptr<run::Session> Open(
+      const scenario::Scenario& scenario, rt::RecordSink* sink = nullptr,
+      const run::RealtimeSettings& settings = {}) const {
+    return std::make_unique<run::Session>(scenario, run::Catalogue{backends_, controllers_}, files_,
+                                          sink, settings);
   }
 
   /// A robot in this process, served at free ports; frozen when idle where states keep its time.
@@ -113,7 +113,7 @@ class SessionFixture : public ::testing::Test {
                                                            rt::RecordSink* sink = nullptr) const {
     server::ServedRobotSettings settings{.takes_free_ports = true, .sink = sink};
     if (time == backend::RobotTime::kStates) settings.lockstep = {.freeze_when_idle = true};
-    const robot::RobotConfig config = MakeServedConfig(scenario, files_);
+    const robot::RobotConfig config = run::MakeServedConfig(scenario, files_);
     auto served = std::make_unique<server::ServedRobot>(config, robot::MakePlant(config),
                                                         std::move(settings));
     served->Start();
@@ -121,8 +121,9 @@ class SessionFixture : public ::testing::Test {
   }
 
   /// Joint 1 by `angle`, from where the robot's reference is.
-  [[nodiscard]] static Motion Turn(const JointVector& q, double angle, const Session& session,
-                                   const scenario::Scenario& scenario, std::string name) {
+  [[nodiscard]] static run::Motion Turn(const JointVector& q, double angle,
+                                        const run::Session& session,
+                                        const scenario::Scenario& scenario, std::string name) {
     JointVector goal = q;
     goal[0] += angle;
     return {.name = std::move(name),
@@ -133,9 +134,9 @@ class SessionFixture : public ::testing::Test {
             .loop = scenario.loop};
   }
   /// A motion that ends in a reflex.
-  [[nodiscard]] static Motion Jump(const JointVector& q, const Session& session,
-                                   const scenario::Scenario& scenario) {
-    Motion jump = Turn(q, 0.1, session, scenario, "jump");
+  [[nodiscard]] static run::Motion Jump(const JointVector& q, const run::Session& session,
+                                        const scenario::Scenario& scenario) {
+    run::Motion jump = Turn(q, 0.1, session, scenario, "jump");
     jump.controller.type = "jumper";
     jump.tick.generator = loop::Generator::kNone;
     jump.tick.rate_matching = false;
@@ -144,18 +145,18 @@ class SessionFixture : public ::testing::Test {
   }
 
   /// There, the hand, and back: what holds on every drive.
-  void GoThereAndBack(Session& session, const scenario::Scenario& scenario) {
-    const MotionResult there = session.Move(Turn(kRest, 0.1, session, scenario, "there"));
+  void GoThereAndBack(run::Session& session, const scenario::Scenario& scenario) {
+    const run::MotionResult there = session.Move(Turn(kRest, 0.1, session, scenario, "there"));
     ASSERT_TRUE(there.report.succeeded()) << there.report.failure;
     const Time arrived = session.Now();
-    const HandOutcome hand = session.Command(hand::Move{.width = 0.04, .speed = 0.1});
+    const run::HandOutcome hand = session.Command(hand::Move{.width = 0.04, .speed = 0.1});
     EXPECT_EQ(hand.result, HandResult::kSuccess) << hand.failure;
     EXPECT_NEAR(hand.width, 0.04, 1e-3);
     EXPECT_GT(session.Now(), arrived);
-    EXPECT_EQ(session.WaitForRest(), WaitEnd::kDone);
+    EXPECT_EQ(session.WaitForRest(), run::WaitEnd::kDone);
     const RobotState state = session.ReadState();
     EXPECT_NEAR(state.q_d[0], 0.1, 1e-3);
-    const MotionResult back =
+    const run::MotionResult back =
         session.Move(Turn(state.q_d, -state.q_d[0], session, scenario, "back"));
     ASSERT_TRUE(back.report.succeeded()) << back.report.failure;
     EXPECT_GT(back.begun, there.begun + there.report.simulated / 2);
@@ -163,20 +164,20 @@ class SessionFixture : public ::testing::Test {
   }
 
   /// A reflex, recovery, and a motion that works again.
-  void FailAndRecover(Session& session, const scenario::Scenario& scenario) {
-    const MotionResult jump = session.Move(Jump(kRest, session, scenario));
+  void FailAndRecover(run::Session& session, const scenario::Scenario& scenario) {
+    const run::MotionResult jump = session.Move(Jump(kRest, session, scenario));
     ASSERT_EQ(jump.report.end, backend::MotionEnd::kAborted) << jump.report.failure;
     EXPECT_EQ(session.ReadState().robot_mode, RobotMode::kReflex);
     session.Recover();
     const RobotState state = session.ReadState();
     ASSERT_EQ(state.robot_mode, RobotMode::kIdle);
-    const MotionResult again = session.Move(Turn(state.q_d, 0.05, session, scenario, "again"));
+    const run::MotionResult again = session.Move(Turn(state.q_d, 0.05, session, scenario, "again"));
     EXPECT_TRUE(again.report.succeeded()) << again.report.failure;
   }
 
   backend::Registry backends_;
   control::ControllerRegistry controllers_;
-  const RunFiles files_{std::filesystem::path(TWIN_SOURCE_DIR) / "models", {}, {}, false};
+  const run::RunFiles files_{std::filesystem::path(TWIN_SOURCE_DIR) / "models", {}, {}, false};
 };
 
 }  // namespace twin::test

@@ -6,6 +6,7 @@
 
 #include "scenario/max_deviation.h"
 #include "scenario/scenario_examples.h"
+#include "twin/run/followed_motion.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {
@@ -19,12 +20,13 @@ constexpr double kOff = std::numeric_limits<double>::infinity();
 TEST(MaxDeviationTest, OfAStiffRobotItIs20mradOr20mm) {
   const Scenario scenario;
   for (const Interface interface : {Interface::kJointPosition, Interface::kJointVelocity}) {
-    const DeviationLimit limit = LimitOf(scenario, interface, kJointImpedance);
+    const run::DeviationLimit limit = run::LimitOf(scenario, interface, kJointImpedance);
     EXPECT_EQ(limit.joints, 0.02);
     EXPECT_EQ(limit.position, kOff);
     EXPECT_EQ(limit.angle, kOff);
   }
-  const DeviationLimit limit = LimitOf(scenario, Interface::kCartesianPose, kCartesianImpedance);
+  const run::DeviationLimit limit =
+      run::LimitOf(scenario, Interface::kCartesianPose, kCartesianImpedance);
   EXPECT_EQ(limit.joints, kOff);
   EXPECT_EQ(limit.position, 0.02);
   EXPECT_EQ(limit.angle, 0.02);
@@ -34,22 +36,23 @@ TEST(MaxDeviationTest, ItGrowsAsTheRobotIsSofter) {
   Scenario scenario;
   scenario.onboard.K_theta[6] = 500;  // as delivered: 2000
   scenario.onboard.K_x = {1500, 3000, 3000, 300, 300, 300};
-  EXPECT_EQ(LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, 4 * 0.02);
-  EXPECT_EQ(LimitOf(scenario, Interface::kCartesianPose, kCartesianImpedance).position, 2 * 0.02);
+  EXPECT_EQ(run::LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, 4 * 0.02);
+  EXPECT_EQ(run::LimitOf(scenario, Interface::kCartesianPose, kCartesianImpedance).position,
+            2 * 0.02);
   scenario.onboard.K_theta.fill(14250);
-  EXPECT_EQ(LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, 0.02);
+  EXPECT_EQ(run::LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, 0.02);
   scenario.onboard.K_theta[0] = 0;
-  EXPECT_EQ(LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, kOff);
+  EXPECT_EQ(run::LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, kOff);
 }
 
 TEST(MaxDeviationTest, TorquesAndPushesAreJudgedOnlyWhenItIsSaid) {
   Scenario scenario;
-  EXPECT_EQ(LimitOf(scenario, Interface::kTorque, kJointImpedance).joints, kOff);
+  EXPECT_EQ(run::LimitOf(scenario, Interface::kTorque, kJointImpedance).joints, kOff);
   scenario.perturbations.emplace_back(plant::Push{});
-  EXPECT_EQ(LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, kOff);
+  EXPECT_EQ(run::LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, kOff);
   scenario.max_deviation.joints = 0.1;
-  EXPECT_EQ(LimitOf(scenario, Interface::kTorque, kJointImpedance).joints, 0.1);
-  EXPECT_EQ(LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, 0.1);
+  EXPECT_EQ(run::LimitOf(scenario, Interface::kTorque, kJointImpedance).joints, 0.1);
+  EXPECT_EQ(run::LimitOf(scenario, Interface::kJointPosition, kJointImpedance).joints, 0.1);
 }
 
 TEST(MaxDeviationTest, WhatIsSaidIsReadAndWrittenAgain) {
@@ -64,7 +67,7 @@ TEST(MaxDeviationTest, WhatIsSaidIsReadAndWrittenAgain) {
 }
 
 TEST(MaxDeviationTest, OnlyAMotionThatEndedWellIsJudged) {
-  FollowedMotion motion;
+  run::FollowedMotion motion;
   motion.deviation.joints.emplace().largest = 0.03;
   motion.limit.joints = 0.02;
   EXPECT_FALSE(motion.exceeds());

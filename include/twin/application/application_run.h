@@ -57,7 +57,7 @@ class ApplicationRun {
   const teleop::DeviceRegistry* devices_;
   std::unique_ptr<Application> application_;
   run::Session session_;
-  TaskResult deeds_;
+  TaskResult task_result_;
   run::SessionResult result_;
 };
 

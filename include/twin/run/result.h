@@ -72,7 +72,7 @@ struct RunResult {
   /// from where the last waypoint has it.
   std::optional<PoseError> final_pose_error;
   CycleCounts counts;
-  scenario::FollowedMotion followed;
+  FollowedMotion followed;
   std::optional<rt::FilterCounts> viability;  ///< of a scenario with tick.viability
   std::optional<HandReport> hand;             ///< of a scenario with commands to it
   std::optional<BaseState> base;              ///< at the end; of a robot on a mobile base

@@ -71,13 +71,13 @@ struct MotionResult {
 
 /// What a session came to.
 struct SessionResult {
-  std::uint64_t motions = 0;                       ///< that were run
-  CycleCounts counts;                              ///< of all its cycles
-  std::optional<rt::FilterCounts> viability;       ///< of a scenario with tick.viability
-  std::vector<scenario::FollowedMotion> followed;  ///< the motions that were run
-  std::uint64_t states_hash = 0;                   ///< as RunResult
-  backend::RobotTimings robot_timings;             ///< real time: of the simulated robot
-  std::string unsound;  ///< what the simulation complained of; empty: nothing
+  std::uint64_t motions = 0;                  ///< that were run
+  CycleCounts counts;                         ///< of all its cycles
+  std::optional<rt::FilterCounts> viability;  ///< of a scenario with tick.viability
+  std::vector<FollowedMotion> followed;       ///< the motions that were run
+  std::uint64_t states_hash = 0;              ///< as RunResult
+  backend::RobotTimings robot_timings;        ///< real time: of the simulated robot
+  std::string unsound;                        ///< what the simulation complained of; empty: nothing
 };
 
 /// How a wait ended.
