@@ -40,7 +40,7 @@ void ValidateSchedule(std::string_view field, const FaultSchedule& schedule) {
   }
 }
 
-/// Refuses a schedule that a loss of commands leaves nothing to strike.
+/// Refuses a schedule that can never strike because command_loss loses its messages.
 void RequireNotAlwaysLost(std::string_view field, const FaultSchedule& schedule,
                           const rt::LossModel& loss) {
   const auto* independent = std::get_if<rt::IndependentLoss>(&loss.parameters());
@@ -63,7 +63,8 @@ void RequireNotAlwaysLost(std::string_view field, const FaultSchedule& schedule,
   }
 }
 
-/// Refuses what a swap, taking the listed message and the next, leaves nothing to strike.
+/// Refuses schedules that can never strike because a swap already takes the message or the next
+/// one.
 void RequireRoomBesidesSwaps(const FaultSchedule& swapped, const FaultSchedule& delayed) {
   for (const std::uint64_t message : swapped.messages) {
     if (Lists(swapped, message + 1)) {
@@ -87,7 +88,7 @@ void RequireRoomBesidesSwaps(const FaultSchedule& swapped, const FaultSchedule& 
   }
 }
 
-/// Makes NaN of what a motion with these modes uses. @returns whether there is anything.
+/// Writes NaN to the fields that a motion with these modes uses. @returns false if it uses none.
 bool Spoil(RobotCommand& command, MotionGeneratorMode generator,
            ControllerMode controller) noexcept {
   const auto spoil = [](auto& field) noexcept {
@@ -108,7 +109,7 @@ bool Spoil(RobotCommand& command, MotionGeneratorMode generator,
   return torque || generator != MotionGeneratorMode::kIdle;
 }
 
-/// A seed of the plan's own: the streams below it are those of the link.
+/// Derives the plan's own seed, so that its streams differ from the link's.
 std::uint64_t SeedOf(const FaultPlan& plan) {
   plan.Validate();
   const auto bits = Random(plan.seed, RandomStream::kFault).Bits(0);
@@ -162,7 +163,7 @@ ReadResult FaultyBackend::Read(ReadRule rule, RobotState& state, Time& arrival) 
   const ReadResult result = inner_->Read(rule, read_, read_arrival);
   if (result != ReadResult::kState) return result;
   if (plan_.gone_from && read_.message_id >= *plan_.gone_from) {
-    gone_.store(true, std::memory_order_relaxed);  // a flag; no other data goes with it
+    gone_.store(true, std::memory_order_relaxed);  // a flag; publishes no other data
     return ReadResult::kLost;
   }
   if (state_loss_.Loses(read_.message_id)) {
@@ -205,7 +206,7 @@ void FaultyBackend::RequireConnection(const char* request) const {
   throw RobotFault(fmt::format("{} rejected: the connection to the robot is gone", request));
 }
 
-/// What is left of the command after loss, garbage and duplication.
+/// Applies loss, garbage and duplication to the command.
 FaultyBackend::Outgoing FaultyBackend::Prepare(const RobotCommand& command) noexcept {
   const std::uint64_t id = command.message_id;
   Outgoing outgoing{.command = command, .copies = 0};
@@ -224,7 +225,7 @@ FaultyBackend::Outgoing FaultyBackend::Prepare(const RobotCommand& command) noex
   return outgoing;
 }
 
-/// @returns whether the command is now held until the next one.
+/// @returns true if the command is now held until the next one.
 bool FaultyBackend::Hold(const Outgoing& outgoing) noexcept {
   if (outgoing.copies == 0) return false;
   const std::uint64_t id = outgoing.command.message_id;

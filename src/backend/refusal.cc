@@ -10,7 +10,7 @@
 namespace twin::backend {
 namespace {
 
-/// What leads out of a mode in which something is refused.
+/// The user's cure for a refusal in this mode.
 std::string_view WayOutOf(RobotMode mode) noexcept {
   switch (mode) {
     case RobotMode::kOther: return "open the brakes";

@@ -25,13 +25,13 @@ std::string LoaderError() {
   return text == nullptr ? "no reason given" : text;
 }
 
-/// Calls what a user wrote. @returns its result. Whatever it throws leaves as InputError.
+/// Calls user code. @returns its result. @throws InputError for any exception of the user code.
 template <typename Call>
 auto Guarded(const std::filesystem::path& library, std::string_view what, Call call) {
   try {
     return call();
   } catch (const InputError&) {
-    throw;  // made for people, by a ParameterReader for example
+    throw;  // already a message for users, such as a ParameterReader's
   } catch (const std::exception& error) {
     Refuse(library, "{} threw an exception: {}", what, error.what());
   } catch (...) {
@@ -41,8 +41,8 @@ auto Guarded(const std::filesystem::path& library, std::string_view what, Call c
 
 const ControllerLibraryInfo& InfoOf(const std::filesystem::path& library) {
   RequireLibrary(library);
-  // By its whole path: a name without a slash would be looked for elsewhere. Never closed: objects
-  // and code of it may outlive every scope of ours.
+  // Uses the absolute path, because dlopen searches elsewhere for a name without a slash. Never
+  // closed, because its objects and code may outlive every scope here.
   void* handle = ::dlopen(std::filesystem::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) {
     Refuse(
@@ -84,7 +84,7 @@ const ControllerEntry& FindController(const std::filesystem::path& library,
   Refuse(library, "has no controller \"{}\"; it has: {}", type, names);
 }
 
-/// A controller of a library, with its exceptions translated.
+/// A controller from a library; translates its exceptions.
 class LibraryController final : public Controller {
  public:
   LibraryController(std::unique_ptr<Controller> controller, std::filesystem::path library)

@@ -12,7 +12,7 @@
 namespace twin::control {
 namespace {
 
-/// A value in a message: endless ones are cut, control characters stay out of the terminal.
+/// @returns a value for a message: cut if too long, without control characters.
 std::string Shown(std::string_view text) {
   constexpr std::size_t kMost = 60;
   std::string shown(text.substr(0, kMost));

@@ -13,20 +13,20 @@
 
 namespace twin::backend {
 
-/// Which of the queued states a read takes.
+/// Selects which queued state a read returns.
 enum class ReadRule : std::uint8_t {
-  /// What is queued counts: the newest unread state, even if it has waited.
+  /// The newest unread state, including one that was queued before the call.
   kNewest,
-  /// What is queued when the reader comes is thrown away: a state counts only if it arrived after a
-  /// Read() that gave kPending. (In lockstep, where a reader is called at the instant of an arrival
-  /// because it waits, also one that arrives now.)
+  /// Discards the states that are already queued. Returns only a state that arrives after a Read()
+  /// that gave kPending. (Lockstep calls a waiting reader at the instant of an arrival; that state
+  /// counts too.)
   kFresh,
 };
 
 /// Outcome of a read.
 enum class ReadResult : std::uint8_t {
   kState,    ///< a state was read
-  kPending,  ///< none yet; only the drive may wait
+  kPending,  ///< no state yet; only the drive may wait
   kLost,     ///< the connection is gone
 };
 
@@ -36,60 +36,58 @@ enum class MotionEnd : std::uint8_t {
   kSuccess,      ///< the finished command was accepted
   kPreempted,    ///< stopped by Stop()
   kAborted,      ///< stopped by an error
-  kUserStopped,  ///< somebody pressed the user stop
+  kUserStopped,  ///< stopped by the user stop
 };
 
-/// What a backend is, and how its last motion ended.
+/// Identity of a backend, and the end of its last motion.
 struct Description {
   std::string name;   ///< "mujoco", ...
-  std::string robot;  ///< one line for people: which robot, which plant
+  std::string robot;  ///< one line for users: robot and plant
   MotionEnd last_end = MotionEnd::kNone;
   RobotErrors last_errors;            ///< errors that ended the last motion
-  std::vector<Violation> violations;  ///< their details, where the backend knows them
+  std::vector<Violation> violations;  ///< details of the errors, if the backend knows them
 };
 
-/// The only seam to the arm. Speaks the vocabulary of the Franka Control Interface, whatever is
-/// behind it.
+/// The only seam to the arm. Uses the vocabulary of the Franka Control Interface for every robot.
 ///
 /// Life of a motion: Start -> Read until the state shows the modes and robot_mode Move -> one more
 /// Read -> from then on one Write per Read -> a command with motion_generation_finished, repeated
-/// until the state is idle again. A motion that fails shows in the state: robot_mode leaves Move,
-/// reflex_reason says why. Then Recover, once the arm is at rest.
+/// until the state is idle again. The state shows a failed motion: robot_mode leaves Move and
+/// reflex_reason gives the cause. Call Recover once the arm is at rest.
 ///
-/// Threads: Read and Write from one thread (the tick's); the others from any thread, where the
-/// drive has several. Real-time: Read and Write are noexcept and allocate nothing after the first
-/// Start; the others may do both.
+/// Threads: Read and Write from one thread (the tick's); the others from any thread, if the drive
+/// has several. Real-time: Read and Write are noexcept and do not allocate after the first Start;
+/// the other functions may allocate and throw.
 class Backend {
  public:
   virtual ~Backend() = default;
 
   [[nodiscard]] virtual Description Describe() const = 0;
 
-  /// @throws RobotFault when refused (a motion runs, or Reflex), InputError when a value is out of
-  /// range, naming it.
+  /// @throws RobotFault if refused (a motion runs, or Reflex); InputError naming a value out of
+  /// range.
   virtual void Configure(const Setting& setting) = 0;
 
-  /// Asks for a motion. @throws RobotFault when refused, with the robot's mode.
+  /// Requests a motion. @throws RobotFault if refused, with the robot's mode.
   virtual void Start(const MotionModes& modes) = 0;
 
-  /// Never waits; the one loop around it, for both rules, is
+  /// Never waits. Both rules use the same loop:
   ///   while (Read(rule, state, arrival) == kPending) wait for an arrival, or until a deadline.
-  /// @param state  written only for kState. @param arrival  when it arrived at this side: in
-  /// lockstep to the instant, in real time when the reader has it, which is what its d_EXT counts
-  /// from.
+  /// @param state  written only for kState. @param arrival  arrival time at this side: exact in
+  /// lockstep; in real time the instant at which the reader has the state, where its d_EXT begins.
   [[nodiscard]] virtual ReadResult Read(ReadRule rule, RobotState& state,
                                         Time& arrival) noexcept TWIN_REALTIME = 0;
 
-  /// Sends a command; it answers the state named in its message_id. A command that cannot be sent
-  /// is lost, as on the wire.
+  /// Sends the command that answers the state with its message_id. A command that cannot be sent is
+  /// lost, as on the wire.
   virtual void Write(const RobotCommand& command) noexcept TWIN_REALTIME = 0;
 
-  /// Asks to end a running motion at once: the robot decelerates within its limits. No motion: no
-  /// effect.
+  /// Ends a running motion at once: the robot decelerates within its limits. No effect without a
+  /// motion.
   virtual void Stop() = 0;
 
-  /// Automatic error recovery. @throws RobotFault when refused (the arm still moves, or the state
-  /// does not allow it).
+  /// Automatic error recovery. @throws RobotFault if refused (the arm still moves, or the state
+  /// does not allow recovery).
   virtual void Recover() = 0;
 };
 

@@ -12,38 +12,38 @@
 
 namespace twin::backend {
 
-/// When a fault strikes: with a probability per message, and at the messages listed besides.
+/// Messages at which a fault strikes: each with a probability, and all those listed.
 struct FaultSchedule {
   double probability = 0;                 ///< in [0, 1]
-  std::vector<std::uint64_t> messages{};  ///< message_id of each, rising
+  std::vector<std::uint64_t> messages{};  ///< message_ids, rising
 };
 
-/// What goes wrong between a backend and who uses it. A message's number is its message_id: of a
-/// state its own, of a command that of the state it answers. Whether a fault strikes is a function
-/// of (plan, number); a plan draws apart from the link's faults, also with the same seed.
+/// Faults between a backend and its user. A state's number is its message_id; a command has the
+/// number of the state that it answers. A fault depends on (plan, number) only. Its draws are
+/// independent of the link's faults, even with the same seed.
 struct FaultPlan {
   std::uint64_t seed = 0;
 
   rt::LossModel state_loss{};    ///< states that are never read
-  rt::LossModel command_loss{};  ///< commands that are never written; nothing else happens to them
+  rt::LossModel command_loss{};  ///< commands that are never written; no other fault affects them
 
   FaultSchedule command_duplicated{};  ///< written twice
-  /// Written after the next one. Those two are left in peace by command_delayed, and the second by
-  /// command_swapped.
+  /// Written after the next command. command_delayed skips both commands of a swap, and
+  /// command_swapped skips the second.
   FaultSchedule command_swapped{};
-  FaultSchedule command_delayed{};  ///< written before the next one, but not earlier
-  /// NaN in the fields that the modes of the state read last make active; none outside a motion.
+  FaultSchedule command_delayed{};  ///< held until just before the next command is written
+  /// NaN in the fields that the modes of the last read state use; no effect outside a motion.
   FaultSchedule command_garbage{};
 
-  /// The connection is gone as soon as this state, or one after it, would be read.
+  /// The connection is lost when this state, or a later one, would be read.
   std::optional<std::uint64_t> gone_from{};
 
-  /// @throws InputError naming the field that is out of range, out of order, or that can never
-  /// strike because of another one.
+  /// @throws InputError naming a field that is out of range, out of order, or that another field
+  /// keeps from ever striking.
   void Validate() const;
 };
 
-/// How often each fault has struck.
+/// Number of strikes of each fault.
 struct FaultCounts {
   std::uint64_t states_lost = 0;
   std::uint64_t commands_lost = 0;
@@ -55,17 +55,17 @@ struct FaultCounts {
   bool operator==(const FaultCounts&) const = default;
 };
 
-/// Any backend, with faults injected on the way to and from it.
+/// Decorates any backend with injected faults.
 ///
-/// A state is lost when it is read: Read() then gives kPending, as if it had never come. (An older
-/// one that it overtook inside the backend does not come back.) Once the connection is gone, Read()
-/// gives kLost and Write() and Stop() reach nobody for good; the rest is refused. A command held
-/// back when no other follows is never written.
+/// A lost state makes Read() give kPending, as if it had not arrived. (An older state that it
+/// overtook inside the backend does not return.) After the connection is lost, Read() gives kLost,
+/// Write() and Stop() have no effect, and all other requests are refused. A held command is never
+/// written if no other command follows.
 ///
-/// Threads and real-time: as Backend; counts() while nobody reads or writes.
+/// Threads and real-time: as Backend; call counts() only while no Read() or Write() runs.
 class FaultyBackend final : public Backend {
  public:
-  /// @throws InputError when the plan is not valid.
+  /// @throws InputError if the plan is invalid.
   FaultyBackend(std::unique_ptr<Backend> inner, FaultPlan plan);
 
   [[nodiscard]] Description Describe() const override;
@@ -80,7 +80,7 @@ class FaultyBackend final : public Backend {
   [[nodiscard]] const FaultCounts& counts() const noexcept { return counts_; }
 
  private:
-  /// A command with what has been decided about it; no copies: there is none.
+  /// A command and its number of copies after the faults; 0 copies: lost.
   struct Outgoing {
     RobotCommand command;
     int copies = 0;
@@ -94,17 +94,17 @@ class FaultyBackend final : public Backend {
 
   std::unique_ptr<Backend> inner_;
   FaultPlan plan_;
-  std::uint64_t seed_;  ///< from the plan's
+  std::uint64_t seed_;  ///< derived from the plan's seed
   rt::LossProcess state_loss_;
   rt::LossProcess command_loss_;
 
-  RobotState read_;  ///< so that the caller's is written only for kState
-  MotionGeneratorMode generator_ = MotionGeneratorMode::kIdle;  ///< as the state given last showed
+  RobotState read_;  ///< a copy, so that the caller's state is written only for kState
+  MotionGeneratorMode generator_ = MotionGeneratorMode::kIdle;  ///< as in the last returned state
   ControllerMode controller_ = ControllerMode::kOther;
   Outgoing held_;
   bool held_is_swapped_ = false;  ///< else delayed
   FaultCounts counts_;
-  std::atomic<bool> gone_ = false;  ///< set by Read, seen by the calls of the other thread
+  std::atomic<bool> gone_ = false;  ///< set by Read, read by calls on other threads
 };
 
 }  // namespace twin::backend

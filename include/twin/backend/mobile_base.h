@@ -5,27 +5,26 @@
 
 namespace twin::backend {
 
-/// The only seam to a mobile base; beside Backend and Hand, as small, and as ignorant of what is
-/// behind it: the twin now, a driver over a network later.
+/// The only seam to a mobile base, beside Backend and Hand and independent of what implements it:
+/// today the twin, later a driver over a network.
 ///
-/// A twist holds until the next one, or until the base's watchdog finds it too old: then the base
-/// brakes to a stand. Limits of speed and acceleration are the base's own; what exceeds them is
-/// saturated.
+/// A twist holds until the next one, or until the base's watchdog finds it too old and brakes the
+/// base to a stop. The base saturates speed and acceleration at its own limits.
 ///
-/// Threads: where the drive has several, Drive() from one of them, the others from any. Real-time:
-/// noexcept, allocates nothing, waits for nobody.
+/// Threads: Drive() from one thread, the others from any, if the drive has several. Real-time:
+/// noexcept, does not allocate, never waits.
 class MobileBase {
  public:
   virtual ~MobileBase() = default;
 
-  /// Asks for a velocity from the base's next cycle on. Not finite: as zero. Without effect during
-  /// an emergency stop.
+  /// Requests a velocity from the base's next cycle on. A twist that is not finite counts as zero.
+  /// No effect during an emergency stop.
   virtual void Drive(const BaseTwist& twist) noexcept TWIN_REALTIME = 0;
 
-  /// Brakes as hard as the base can, and stays so until Release().
+  /// Brakes as hard as the base can and holds it until Release().
   virtual void EmergencyStop() noexcept TWIN_REALTIME = 0;
 
-  /// Ends an emergency stop; the base stands until the next Drive().
+  /// Ends an emergency stop; the base stays at rest until the next Drive().
   virtual void Release() noexcept TWIN_REALTIME = 0;
 
   /// The newest state.

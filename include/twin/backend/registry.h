@@ -34,19 +34,19 @@ namespace twin::backend {
 /// The virtual clock of lockstep.
 struct LockstepHost {
   rt::EventQueue& events;
-  rt::EventHandler& state_ready;  ///< told (token = message_id) when a state has arrived
+  rt::EventHandler& state_ready;  ///< notified (token = message_id) when a state has arrived
 };
 
-/// The wall clock. A simulated robot runs on a thread of its own.
+/// The wall clock. A simulated robot runs on its own thread.
 struct RealtimeHost {
   const MonotonicClock& clock;
   rt::ThreadSettings robot_thread;
 };
 
-/// What keeps the time of a robot at the other end of a wire.
+/// Clock of a robot at the other end of a wire.
 enum class RobotTime : std::uint8_t {
-  kWall,  ///< it has a clock, as hardware has
-  /// Its states: each is sent when the one before has been answered, and is 1 ms of its time.
+  kWall,  ///< the robot has a clock, as hardware does
+  /// The states are the clock: each is 1 ms, and is sent after the previous one was answered.
   kStates,
 };
 
@@ -54,79 +54,79 @@ enum class RobotTime : std::uint8_t {
 struct RemoteHost {
   const MonotonicClock& clock;
   std::string address;         ///< IPv4 address, or name
-  std::uint16_t arm_port = 0;  ///< of TCP; 0: the interface's own
+  std::uint16_t arm_port = 0;  ///< TCP; 0: the interface's default
   RobotTime time = RobotTime::kWall;
-  fci::Capture* capture = nullptr;  ///< keeps what goes over the wire; null: nothing does
+  fci::Capture* capture = nullptr;  ///< records the traffic on the wire; may be null
 };
 
-/// What a factory gets. References and pointers must outlive the backend.
+/// Arguments of a factory. References and pointers must outlive the backend.
 struct Request {
   const robot::RobotConfig& robot;
   std::variant<LockstepHost, RealtimeHost, RemoteHost> host;
-  rt::RecordSink* sink =
-      nullptr;  ///< INT's cycle records, where the backend knows them; may be null
+  rt::RecordSink* sink = nullptr;  ///< INT's cycle records, if the backend knows them; may be null
 };
 
-/// How a simulated robot kept its own time, in real time.
+/// Timing of a simulated robot in real time.
 struct RobotTimings {
-  rt::DurationHistogram lateness;    ///< of a cycle's begin after its deadline
-  std::uint64_t overruns = 0;        ///< whole periods that were skipped
-  std::uint64_t commands_lost = 0;   ///< written while it took none for so long that they piled up
-  std::vector<std::string> notices;  ///< what its thread was not permitted
+  rt::DurationHistogram lateness;  ///< of a cycle's start
+  std::uint64_t overruns = 0;      ///< whole periods skipped
+  std::uint64_t commands_lost =
+      0;  ///< lost because the robot stopped reading until the queue was full
+  std::vector<std::string> notices;  ///< permissions that its thread did not get
 };
 
-/// A simulated robot that runs on the wall clock. Threads: one.
+/// Controls a simulated robot on the wall clock. Threads: one.
 class RealtimeRobotControl {
  public:
   virtual ~RealtimeRobotControl() = default;
-  /// Starts the cycles, once; the first is due 1 ms from now. Until then no state is sent, and what
-  /// is written is lost. @throws InputError when the thread's settings are none of this machine's.
+  /// Starts the cycles, once; the first is due 1 ms from now. Before that, no state is sent and
+  /// commands are lost. @throws InputError if this machine does not support the thread's settings.
   virtual void Begin() = 0;
-  /// Ends them: no record is put and no state sent after it returns. May be called again.
+  /// Ends the cycles: after return, no record is put and no state is sent. May be called again.
   virtual void End() = 0;
   /// @pre not between Begin() and End().
   [[nodiscard]] virtual RobotTimings timings() const = 0;
 };
 
-/// The buttons and switches of a simulated robot. Threads: any, as Backend's requests.
+/// Buttons and switches of a simulated robot. Threads: any, as Backend's requests.
 class Panel {
  public:
   virtual ~Panel() = default;
-  /// @throws RobotFault when the robot's mode does not allow it, naming both.
+  /// @throws RobotFault naming action and mode if the robot's mode does not allow the action.
   virtual void Operate(PanelAction action) = 0;
 };
 
-/// A connected backend, and what only a twin has.
+/// A connected backend, with the extras that only a twin has.
 struct Connection {
   std::unique_ptr<Backend> backend;
-  rt::Arrival* arrival = nullptr;  ///< real time, remote: where to wait for the next state; owned
-                                   ///< by the backend; null in lockstep
+  rt::Arrival* arrival = nullptr;  ///< real time, remote: signals the next state; owned by the
+                                   ///< backend; null in lockstep
   RealtimeRobotControl* robot_time = nullptr;  ///< real time, simulated robot; null otherwise
   Panel* panel = nullptr;                      ///< owned by the backend; null for hardware
-  Hand* hand = nullptr;                        ///< owned by the backend; null when none is mounted
-  MobileBase* base = nullptr;  ///< owned by the backend; null when the arm stands on the world
+  Hand* hand = nullptr;                        ///< owned by the backend; null without a hand
+  MobileBase* base = nullptr;                  ///< owned by the backend; null without a mobile base
   /// Owned by the backend; null for hardware and the ideal plant. In real time, while cycles run,
-  /// only from RecordSink::Put of a cycle's record: that is called on the plant's thread.
+  /// use it only in RecordSink::Put of a cycle's record, which runs on the plant's thread.
   const plant::TruthProbe* truth = nullptr;
-  /// What the simulation itself complained of since it was connected, for people; empty: nothing.
-  /// Empty function: there is no simulation. Not while cycles run on another thread.
+  /// The simulation's warnings since the connection, for users; "" if there are none. An empty
+  /// function without a simulation. Do not call while cycles run on another thread.
   std::function<std::string()> engine_warnings;
-  /// Why the connection is gone, for people; empty: it is not. Empty function: there is no wire.
+  /// Why the connection was lost, for users; "" while it is up. An empty function without a wire.
   std::function<std::string()> why_lost;
-  /// Nothing but a simulated arm moves. False: hardware, or a robot that does not say.
+  /// True if only a simulated arm moves. False for hardware, and for a robot that does not say.
   bool is_twin = true;
   bool uses_meshes = false;  ///< false: the arm is drawn in primitive shapes
 };
 
 using Factory = std::function<Connection(const Request&)>;
 
-/// The backends a program knows, by name. Filled from an explicit list by the program's main.
+/// The program's backends by name. The program's main fills it from an explicit list.
 class Registry {
  public:
   /// @pre no backend of this name was added.
   void Add(std::string name, Factory factory);
 
-  /// @throws InputError when there is no such backend; the text lists those there are.
+  /// @throws InputError listing the known names if the name is unknown.
   [[nodiscard]] const Factory& Find(std::string_view name) const;
 
   [[nodiscard]] std::vector<std::string> Names() const;

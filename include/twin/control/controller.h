@@ -11,7 +11,7 @@
 
 namespace twin::control {
 
-/// Which quantity a controller commands; one controller claims exactly one.
+/// The commanded quantity; a controller claims exactly one.
 enum class CommandInterface : std::uint8_t {
   kJointPosition,
   kJointVelocity,
@@ -19,58 +19,59 @@ enum class CommandInterface : std::uint8_t {
   kTorque,  ///< the robot adds gravity and friction compensation
 };
 
-/// What a controller gives in one update. A fresh one has all values zero; between updates it is
-/// kept, and the controller overwrites what it commands.
+/// Result of one update. All values are zero at first and persist between updates; the controller
+/// overwrites those it commands.
 struct ControllerOutput {
   reference::Target target;
-  /// The velocity (or twist) of a position-type target is the source's own; otherwise it is formed
-  /// from successive positions where they are deposited.
+  /// True: the controller gives the velocity (or twist) of a position-type target. False: it is
+  /// formed from successive positions where they are deposited.
   bool has_velocity = false;
-  bool finished = false;  ///< the task is done; the target is its end, at rest
-  /// The task cannot be done: nothing more is sent, the robot is stopped, the run fails, and
-  /// Controller::Explain() says why.
+  bool finished = false;  ///< the task is done; the target is its end pose, at rest
+  /// The task cannot be done: no more commands are sent, the robot is stopped, the run fails, and
+  /// Controller::Explain() gives the reason.
   bool failed = false;
 };
 
-/// A user's control law, run by a loop of its own rate and clock above the 1 kHz tick.
+/// A user's control law. A loop calls it at its own rate and clock, above the 1 kHz tick.
 ///
-/// It claims one command interface. Reference and model come with its ControllerRequest at
-/// construction, gains and the like by Configure(). Life: Configure once; then per motion Activate
+/// It claims one command interface. ControllerRequest brings reference and model at construction;
+/// Configure() brings gains and other parameters. Life: Configure once; then per motion Activate
 /// once, Update once per period, Deactivate. Threads: one at a time, in this order. Real-time:
-/// Update() is noexcept, takes and frees no memory, locks, waits, logs and throws not.
+/// Update() is noexcept and does not allocate, free, lock, wait or log.
 ///
-/// The class crosses the border of shared libraries: what its calls pass is plain data, or a
-/// standard container of the same compiler. Whatever changes a layout here raises
-/// kControllerLibraryAbi (controller_library.h).
+/// The class crosses shared-library boundaries: its calls pass plain data, or standard containers
+/// of the same compiler. Raise kControllerLibraryAbi (controller_library.h) when a layout here
+/// changes.
 class Controller {
  public:
   virtual ~Controller() = default;
 
-  /// The same during the whole life.
+  /// Constant over the controller's life.
   [[nodiscard]] virtual CommandInterface command_interface() const noexcept = 0;
 
-  /// Takes the parameters of the scenario. Each is asked for by its key, with default, unit and
-  /// range; what is left over in the end is refused by the caller.
-  /// @throws InputError as ParameterReader's functions; and for values that do not go together.
+  /// Reads the scenario's parameters, each by key with default, unit and range. The caller refuses
+  /// keys that were not read.
+  /// @throws InputError as ParameterReader's functions do, and for values that contradict each
+  /// other.
   virtual void Configure(ParameterReader& /*parameters*/) {}
 
-  /// @param state  a fresh state of the robot at rest.
-  /// @throws InputError when the motion cannot start from there, saying why.
+  /// @param state  fresh state of the robot at rest.
+  /// @throws InputError giving the reason if the motion cannot start from there.
   virtual void Activate(const RobotState& state, Time now) = 0;
 
-  /// @param state   newest state the communication side has published.
-  /// @param now     the loop's own time; the time since the last call is the period.
+  /// @param state   newest state that the communication loop published.
+  /// @param now     time of the loop's clock; the period is the time since the last call.
   virtual void Update(const RobotState& state, Time now,
                       ControllerOutput& output) noexcept TWIN_REALTIME = 0;
 
   virtual void Deactivate() noexcept = 0;
 
-  /// Whether the task is a pose of the end effector, so that the joints' own distance from the goal
-  /// says nothing. For the report of a run.
+  /// True if the task is an end-effector pose, so that the joint error at the end is meaningless.
+  /// Used by the report of a run.
   [[nodiscard]] virtual bool follows_pose() const noexcept { return false; }
 
-  /// Why the last update said failed, for people: what, where, the value and the bound, the cure.
-  /// Empty when none did. Called after the last Update().
+  /// Message for users on why the last Update() set `failed`: what, where, value, bound and cure.
+  /// Empty if it did not. Called after the last Update().
   [[nodiscard]] virtual std::string Explain() const { return {}; }
 };
 

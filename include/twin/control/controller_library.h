@@ -13,26 +13,28 @@
 #include "twin/control/controller.h"
 #include "twin/control/controller_request.h"
 
-// Users' own controllers, in shared libraries that are loaded by path. A library says which it has
-// by one line in one of its sources:
+// Users' controllers in shared libraries, loaded by path. A library lists its controllers with one
+// line in one of its sources:
 //
 //   TWIN_CONTROLLERS({"soft_spring", &twin::control::MakeController<mine::SoftSpring>});
 //
-// and is built with the compiler and the headers of the panda-twin that loads it.
+// Build it with the compiler and the headers of the panda-twin that loads it.
 namespace twin::control {
 
-/// Version of the border between program and library: the entry, Controller, and what its calls
-/// pass. Raised whenever one of these changes.
+/// Version of the interface between program and library: the entry, Controller, and the types that
+/// its calls pass. Raised whenever one of them changes.
 inline constexpr std::uint32_t kControllerLibraryAbi = 2;
 
-/// Sizes of what crosses the border: equal versions built from unequal headers differ in it.
+/// Sizes of the types that cross the interface: detects equal versions built from different
+/// headers.
 inline constexpr std::uint64_t kControllerLayout =
     sizeof(RobotState) +
     8191 * (sizeof(ControllerOutput) +
             8191 * (sizeof(ControllerRequest) +
                     8191 * (sizeof(reference::Trajectory) + 8191 * sizeof(Parameter))));
 
-/// Why a controller could not be made, as text that needs no memory of either side.
+/// Why a controller could not be made. Fixed-size text, so that neither side frees the other's
+/// memory.
 struct MakeFailure {
   std::array<char, 1024> text{};
 
@@ -45,25 +47,25 @@ struct MakeFailure {
 
 /// One controller of a library.
 struct ControllerEntry {
-  const char* type = nullptr;  ///< as scenarios name it
-  /// @returns a controller that the caller deletes; or null, and says why in `failure`.
+  const char* type = nullptr;  ///< name in scenarios
+  /// @returns a controller that the caller deletes; null on failure, with the reason in `failure`.
   Controller* (*make)(const ControllerRequest& request, MakeFailure& failure) = nullptr;
 };
 
-/// What the entry of a library tells of it. The first two members stay what they are in all
+/// Description of a library, returned by its entry. The first two members keep their meaning in all
 /// versions.
 struct ControllerLibraryInfo {
-  std::uint32_t abi = kControllerLibraryAbi;  ///< of the headers it was compiled with
-  std::uint32_t count = 0;                    ///< of its controllers
+  std::uint32_t abi = kControllerLibraryAbi;  ///< of the headers that the library was compiled with
+  std::uint32_t count = 0;                    ///< number of controllers
   std::uint64_t layout = kControllerLayout;
-  const ControllerEntry* controllers = nullptr;  ///< `count` of them
+  const ControllerEntry* controllers = nullptr;  ///< `count` entries
 };
 
-/// The name and the type of a library's entry.
+/// Name and type of a library's entry.
 inline constexpr const char* kControllerLibraryEntry = "panda_twin_controllers";
 using ControllerLibraryEntry = const ControllerLibraryInfo* (*)();
 
-/// Makes a T(request), and keeps its exceptions inside the library.
+/// Makes a T(request); no exception leaves the library.
 template <typename T>
 Controller* MakeController(const ControllerRequest& request, MakeFailure& failure) noexcept {
   try {
@@ -76,26 +78,25 @@ Controller* MakeController(const ControllerRequest& request, MakeFailure& failur
   return nullptr;
 }
 
-/// Looks for the file, and runs nothing of it. @throws InputError as LoadController when there is
-/// none.
+/// Checks that the file exists; executes no code from it. @throws InputError as LoadController if
+/// it does not exist.
 void RequireLibrary(const std::filesystem::path& library);
 
-/// Loads a library, which runs code of it, and makes one of its controllers. The library stays
-/// loaded until the program ends. Its symbols are all bound here, so that none is looked for in
-/// real time; what its Configure() and Activate() throw comes out as an InputError that names the
-/// library.
-/// @param type  empty: the only one the library has.
-/// @throws InputError naming the file and the cure when: there is no such file; it is no library
-/// for this machine, or wants symbols or libraries that are not there; it lacks the entry, or its
-/// entry throws or tells nothing; it was built for another version of panda-twin; it has no such
-/// controller; the controller cannot be made.
+/// Loads a library, which executes its code, and makes one of its controllers. The library stays
+/// loaded until the program ends. All its symbols are bound here, so that none is resolved in real
+/// time. Exceptions of Configure() and Activate() leave as InputError that names the library.
+/// @param type  empty: the library's only controller.
+/// @throws InputError naming file and cure if the file does not exist; it is not a library for this
+/// machine; symbols or libraries that it needs are missing; it lacks the entry, or the entry throws
+/// or returns null; it was built for another version of panda-twin; it lacks the controller; or the
+/// controller cannot be made.
 [[nodiscard]] std::unique_ptr<Controller> LoadController(const std::filesystem::path& library,
                                                          std::string_view type,
                                                          const ControllerRequest& request);
 
 }  // namespace twin::control
 
-/// The entry of a library: its controllers, {"type", &make} each.
+/// Defines the entry of a library from its controllers, {"type", &make} each.
 #define TWIN_CONTROLLERS(...)                                                                   \
   extern "C" __attribute__((visibility("default"))) const twin::control::ControllerLibraryInfo* \
   panda_twin_controllers() {                                                                    \

@@ -10,24 +10,24 @@
 
 namespace twin::control {
 
-/// What a controller's factory gets: what there is to follow, and what is known of the arm. All
-/// that is referred to outlives the controller.
+/// Arguments of a controller's factory: the reference to follow and the data of the arm. All
+/// referenced objects outlive the controller.
 struct ControllerRequest {
-  /// The motion's path through joint space. Of a motion of poses: where the arm begins, at rest for
-  /// as long as the poses take.
+  /// The motion's joint trajectory. For a motion of poses: the start configuration, held for the
+  /// duration of the poses.
   const reference::Trajectory& trajectory;
-  /// motion.interface of the scenario: what is to be commanded.
+  /// The commanded quantity: motion.interface of the scenario.
   CommandInterface interface = CommandInterface::kJointPosition;
-  /// The motion's path of end effector poses; null when it is one through joint space.
+  /// The motion's trajectory of end-effector poses; null for a joint-space motion.
   const reference::PoseTrajectory* poses = nullptr;
-  /// Who leads the end effector while the motion goes on; null: nobody does.
+  /// Live reference that leads the end effector during the motion; null without an operator.
   LiveReference* live = nullptr;
   const model::ArmModel& arm = model::ArmModel::Panda();
   JointLimits limits{};
   CartesianLimits cartesian{};
-  /// End effector in the flange frame, as the scenario has it. A state says what the robot has.
+  /// End effector in the flange frame, from the scenario. A RobotState has the robot's value.
   Transform F_T_EE = kIdentityTransform;
-  /// Share of the joints' friction (model/joint_friction.h) that the robot itself makes up for.
+  /// Share of the joint friction (model/joint_friction.h) that the robot compensates.
   double friction_compensated = 0;
 };
 

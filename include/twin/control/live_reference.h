@@ -8,26 +8,26 @@
 
 namespace twin::control {
 
-/// What a controller of poses follows when nobody knows the way beforehand: a person at a device.
+/// A pose reference that is not known in advance, such as an operator's.
 ///
-/// Life: Begin once per motion, then Next once per update of the controller. Continuous: of two
-/// calls one period apart, the poses differ by what the promised twist, acceleration and jerk
+/// Life: Begin once per motion, then Next once per update of the controller. The reference is
+/// continuous: successive poses differ by at most what the promised twist, acceleration and jerk
 /// allow.
 ///
-/// Threads: Begin and Next from the controller's thread. Real-time: Next() is noexcept, allocates
-/// nothing, waits for nobody.
+/// Threads: Begin and Next from the controller's thread. Real-time: Next() is noexcept, does not
+/// allocate, never waits.
 class LiveReference {
  public:
   virtual ~LiveReference() = default;
 
-  /// The motion begins: the reference is at rest at `O_T_EE`, where the end effector is.
+  /// Starts the reference at rest at the end effector's pose `O_T_EE`.
   virtual void Begin(const Transform& O_T_EE, Time now) = 0;
 
-  /// The pose to be followed now, and its twist, in the base's axes.
+  /// The pose to follow now, and its twist in the base's axes.
   [[nodiscard]] virtual reference::PoseTarget Next(const RobotState& state,
                                                    Time now) noexcept TWIN_REALTIME = 0;
 
-  /// Whether the one who leads has ended the motion, and the reference rests.
+  /// True once the operator has ended the motion and the reference is at rest.
   [[nodiscard]] virtual bool finished() const noexcept TWIN_REALTIME = 0;
 };
 

@@ -11,42 +11,42 @@
 
 namespace twin::control {
 
-/// One parameter as it was written, before anybody knows what it means.
+/// One parameter as written, not yet interpreted.
 struct Parameter {
-  /// Its keys from the outside in, dotted: "stiffness.translation".
+  /// Dotted keys from the outermost in: "stiffness.translation".
   std::string key;
-  std::vector<std::string> values;  ///< one, or those of a list
+  std::vector<std::string> values;  ///< one value, or the list's
   bool is_list = false;
-  std::string where{};  ///< "<file>:<line>"; empty when it was not read from a file
+  std::string where{};  ///< "<file>:<line>"; empty if not read from a file
 
-  /// Where it was read is no part of the comparison.
+  /// Ignores `where`.
   bool operator==(const Parameter& other) const {
     return key == other.key && values == other.values && is_list == other.is_list;
   }
 };
 
-/// In the order in which they were written; no key twice.
+/// In written order; keys are unique.
 using Parameters = std::vector<Parameter>;
 
-/// Gives a controller its parameters: by key, checked for unit and range, the default when one was
-/// not given. All bounds and results are in the dimension's base unit (core/quantity.h).
+/// Reads a controller's parameters by key: checks unit and range, and returns the default if the
+/// key is absent. All bounds and results are in the dimension's base unit (core/quantity.h).
 ///
-/// A value that does not fit is refused by an InputError "<file>:<line>: <path>.<key>: what is
-/// wrong, what is accepted". What nobody asked for is refused by RefuseUnread().
+/// Throws InputError "<file>:<line>: <path>.<key>: what is wrong, what is accepted" for a bad
+/// value. RefuseUnread() refuses parameters that were never read.
 ///
 /// Threads: one thread. Not for real time.
 class ParameterReader {
  public:
   /// @param parameters  must outlive the reader.
-  /// @param path        of all keys, for messages.
+  /// @param path        prefix of all keys in messages.
   explicit ParameterReader(const Parameters& parameters,
                            std::string path = "controller.parameters");
 
-  /// Whether the key was given, or keys below it.
+  /// @returns true if the key, or a key below it, was given.
   [[nodiscard]] bool Has(std::string_view key) const;
 
-  /// All parameters below a key, their keys without it, as they were written: for somebody else to
-  /// understand. They count as asked for.
+  /// @returns all parameters below a key, unread and without the key's prefix, for another reader.
+  /// They count as read.
   [[nodiscard]] Parameters Below(std::string_view key);
 
   /// A plain number, in [least, most].
@@ -61,7 +61,7 @@ class ParameterReader {
   [[nodiscard]] bool Bool(std::string_view key, bool otherwise);
   /// A plain word or text.
   [[nodiscard]] std::string Text(std::string_view key, std::string_view otherwise);
-  /// One of the names. @returns it.
+  /// @returns one of the names.
   [[nodiscard]] std::string Choice(std::string_view key, std::string_view otherwise,
                                    std::initializer_list<std::string_view> names);
   /// One quantity for all axes, or a list of three.
@@ -71,14 +71,14 @@ class ParameterReader {
   [[nodiscard]] JointVector Joints(std::string_view key, Dimension dimension,
                                    const JointVector& otherwise, double least, double most);
 
-  /// "<file>:<line>: <path>.<key>: ", for messages of later; without the file when it was not
-  /// given.
+  /// @returns "<file>:<line>: <path>.<key>: " for later messages; without the file if the key was
+  /// not given.
   [[nodiscard]] std::string PlaceOf(std::string_view key) const;
 
-  /// Refuses a parameter that was given for a reason of the controller's own.
+  /// Refuses a given parameter for the controller's own reason. @throws InputError always.
   [[noreturn]] void Refuse(std::string_view key, std::string_view why) const;
 
-  /// @throws InputError for the first parameter that was never asked for, naming those that were.
+  /// @throws InputError for the first parameter that was never read, listing the keys that were.
   void RefuseUnread() const;
 
  private:
@@ -92,7 +92,7 @@ class ParameterReader {
 
   const Parameters& parameters_;
   std::string path_;
-  std::vector<std::string> asked_;  ///< keys, in the order in which they were first asked for
+  std::vector<std::string> asked_;  ///< keys, in the order of their first read
 };
 
 }  // namespace twin::control

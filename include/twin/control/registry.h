@@ -14,7 +14,7 @@ namespace twin::control {
 
 using ControllerFactory = std::function<std::unique_ptr<Controller>(const ControllerRequest&)>;
 
-/// The controllers a program knows, by name. Filled from an explicit list by the program's main.
+/// The program's controllers by name. The program's main fills it from an explicit list.
 ///
 /// Threads: one thread.
 class ControllerRegistry {
@@ -22,7 +22,7 @@ class ControllerRegistry {
   /// @pre no controller of this name was added.
   void Add(std::string name, ControllerFactory factory);
 
-  /// @throws InputError when there is no such controller; the text lists those there are.
+  /// @throws InputError listing the known names if the name is unknown.
   [[nodiscard]] const ControllerFactory& Find(std::string_view name) const;
 
   [[nodiscard]] std::vector<std::string> Names() const;
