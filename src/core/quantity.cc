@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -151,6 +152,19 @@ Duration ParseDuration(std::string_view text) {
   const double seconds = ParseQuantity(text, Dimension::kTime);
   if (std::abs(seconds) <= kCenturySeconds) return FromSeconds(seconds);
   throw InputError(fmt::format("\"{}\" is more than a century; give a shorter time", text));
+}
+
+std::vector<std::string_view> UnitNames(Dimension dimension) {
+  std::vector<std::string_view> names;
+  for (const Unit& unit : Info(dimension).units) names.push_back(unit.name);
+  if (dimension == Dimension::kTime)
+    names.insert(names.end(), kMicroSeconds.begin(), kMicroSeconds.end());
+  return names;
+}
+
+std::string_view Name(Dimension dimension) {
+  const std::string_view with_article = Info(dimension).name;
+  return with_article.substr(with_article.find(' ') + 1);
 }
 
 std::string_view BaseUnit(Dimension dimension) {

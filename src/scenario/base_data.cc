@@ -6,11 +6,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scenario/yaml_node.h"
+#include "scenario/schema.h"
 #include "twin/core/error.h"
 #include "twin/scenario/base_section.h"
 
 namespace twin::scenario {
+
+using enum Dimension;
+
 namespace {
 
 constexpr double kLeast = 1e-3;
@@ -30,29 +33,47 @@ std::vector<std::string> BaseNames(const std::filesystem::path& robots) {
   return names;
 }
 
-onboard::BaseAcceleration ReadAcceleration(const YamlNode& node) {
-  const YamlMap map = node.Map({"v", "w"});
-  return {map.Require("v").Quantity(Dimension::kAcceleration, kLeast, kMost),
-          map.Require("w").Quantity(Dimension::kAngularAcceleration, kLeast, kMost)};
+Value Most(double& value, Dimension dimension) {
+  return Quantity(value, dimension, kLeast, kMost);
+}
+
+Value AccelerationOf(onboard::BaseAcceleration& acceleration) {
+  return Section([&acceleration](Map& map) {
+    map.Require("v", Most(acceleration.dv, kAcceleration));
+    map.Require("w", Most(acceleration.dw, kAngularAcceleration));
+  });
+}
+
+void Describe(Map& map, onboard::BaseConfig& config) {
+  map.Add("base", Anything(), "Its name.");
+  const auto wheels = [&config](Map& of) {
+    of.Add("radius", Most(config.wheel_radius, kLength));
+    of.Add("track", Most(config.track, kLength));
+    of.Add("track_factor", Number(config.track_factor, 1, 10));
+    of.Add("torque", Most(config.tau_max, kTorque));
+    of.RequireAll();
+  };
+  const auto most = [&config](Map& of) {
+    of.Require("v", Most(config.most.v, kVelocity));
+    of.Require("w", Most(config.most.w, kAngularVelocity));
+  };
+  const auto acceleration = [&config](Map& of) {
+    of.Add("ordinary", AccelerationOf(config.ordinary));
+    of.Add("lost", AccelerationOf(config.lost));
+    of.Add("emergency", AccelerationOf(config.emergency));
+    of.RequireAll();
+  };
+  map.Require("wheels", Section(wheels));
+  map.Require("most", Section(most));
+  map.Require("acceleration", Section(acceleration));
+  map.Require("watchdog", TimeSpan(config.watchdog, kCycle, std::chrono::seconds(10)));
 }
 
 onboard::BaseConfig ReadBaseConfig(const std::filesystem::path& file) {
-  const YamlMap map = YamlNode::ParseFile(file.string())
-                          .Map({"base", "wheels", "most", "acceleration", "watchdog"});
   onboard::BaseConfig config;
-  const YamlMap wheels = map.Require("wheels").Map({"radius", "track", "track_factor", "torque"});
-  config.wheel_radius = wheels.Require("radius").Quantity(Dimension::kLength, kLeast, kMost);
-  config.track = wheels.Require("track").Quantity(Dimension::kLength, kLeast, kMost);
-  config.track_factor = wheels.Require("track_factor").Number(1, 10);
-  config.tau_max = wheels.Require("torque").Quantity(Dimension::kTorque, kLeast, kMost);
-  const YamlMap most = map.Require("most").Map({"v", "w"});
-  config.most = {most.Require("v").Quantity(Dimension::kVelocity, kLeast, kMost),
-                 most.Require("w").Quantity(Dimension::kAngularVelocity, kLeast, kMost)};
-  const YamlMap acceleration = map.Require("acceleration").Map({"ordinary", "lost", "emergency"});
-  config.ordinary = ReadAcceleration(acceleration.Require("ordinary"));
-  config.lost = ReadAcceleration(acceleration.Require("lost"));
-  config.emergency = ReadAcceleration(acceleration.Require("emergency"));
-  config.watchdog = map.Require("watchdog").Time(kCycle, std::chrono::seconds(10));
+  Map map;
+  Describe(map, config);
+  map.Read(YamlNode::ParseFile(file.string()));
   return config;
 }
 

@@ -1,7 +1,6 @@
 #include "twin/scenario/lab.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -9,33 +8,38 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scenario/link_reader.h"
-#include "scenario/section_readers.h"
-#include "scenario/yaml_node.h"
+#include "scenario/sections.h"
 #include "twin/core/error.h"
 
 namespace twin::scenario {
 namespace {
 
-constexpr std::array<std::string_view, 4> kKeys{"description", "plant", "link", "controller"};
-
-/// Says of a scenario's section why a lab has none.
-void RequireKeysOfALab(const YamlNode& root) {
-  constexpr std::array<std::string_view, 17> kScenarios{
-      "name",  "seed",    "backend", "drive",  "loop",        "scene",
-      "robot", "onboard", "tick",    "motion", "application", "perturbations",
-      "panel", "hand",    "render",  "record", "objects"};
-  for (const auto& [key, value] : root.Entries()) {
-    if (std::ranges::find(kScenarios, key) == kScenarios.end()) continue;
-    value.Fail(fmt::format("a lab says nothing of it: it is the scenario's; a lab has {}",
-                           fmt::join(kKeys, ", ")));
-  }
+/// The keys of a lab. @param description  for people, and not kept.
+void DescribeLab(Map& map, Scenario& scenario, std::string& description) {
+  map.Add("description", Text(description), "For people.");
+  map.Add("plant", SectionOf(scenario.plant), "As in scenarios.");
+  map.Add("link", SectionOf(scenario.link), "As in scenarios.");
+  const auto workstation = [&controller = scenario.controller](Map& of) {
+    of.Add("wake_delay", DelayOf(controller.wake_delay), "As in scenarios.");
+    of.Add("cost", DelayOf(controller.cost), "As in scenarios.");
+  };
+  map.Add("controller", Section(workstation), "How fast the site's workstation is.");
 }
 
-void ReadWorkstation(const YamlNode& node, ControllerSection& controller) {
-  const YamlMap map = node.Map({"wake_delay", "cost"});
-  IfGiven(map, "wake_delay", [&](const YamlNode& n) { controller.wake_delay = ReadDelay(n); });
-  IfGiven(map, "cost", [&](const YamlNode& n) { controller.cost = ReadDelay(n); });
+/// Says of a scenario's section why a lab has none.
+void RequireKeysOfALab(const YamlNode& root, const Map& lab) {
+  Scenario any;
+  Map scenarios;
+  Describe(scenarios, any);
+  const auto has = [](const Map& map, const std::string& key) {
+    const std::vector<std::string_view> keys = map.Keys();
+    return std::ranges::find(keys, key) != keys.end();
+  };
+  for (const auto& [key, value] : root.Entries()) {
+    if (has(lab, key) || !has(scenarios, key)) continue;
+    value.Fail(fmt::format("a lab says nothing of it: it is the scenario's; a lab has {}",
+                           fmt::join(lab.Keys(), ", ")));
+  }
 }
 
 std::vector<std::string> NamesIn(const std::filesystem::path& folder) {
@@ -63,12 +67,11 @@ std::filesystem::path FindLab(std::string_view lab, const std::filesystem::path&
 
 void ApplyLab(const std::filesystem::path& file, Scenario& scenario) {
   const YamlNode root = YamlNode::ParseFile(file.string());
-  RequireKeysOfALab(root);
-  const YamlMap map = root.Map({"description", "plant", "link", "controller"});
-  IfGiven(map, "description", [](const YamlNode& n) { (void)n.Text(); });
-  IfGiven(map, "plant", [&](const YamlNode& n) { ReadPlant(n, scenario.plant); });
-  IfGiven(map, "link", [&](const YamlNode& n) { ReadLink(n, scenario.link); });
-  IfGiven(map, "controller", [&](const YamlNode& n) { ReadWorkstation(n, scenario.controller); });
+  std::string description;
+  Map map;
+  DescribeLab(map, scenario, description);
+  RequireKeysOfALab(root, map);
+  map.Read(root);
   try {
     scenario.Validate();
   } catch (const InputError& error) {

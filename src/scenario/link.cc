@@ -1,7 +1,6 @@
 #include "twin/scenario/link.h"
 
-#include "scenario/link_reader.h"
-#include "scenario/yaml_node.h"
+#include "scenario/sections.h"
 
 namespace twin::scenario {
 
@@ -26,15 +25,17 @@ robot::LinkConfig MakeLink(const LinkSection& link) {
 
 LinkSection LoadLink(const std::filesystem::path& path) {
   const YamlNode root = YamlNode::ParseFile(path.string());
-  if (root.Has("motion")) return Load(path).link;
+  if (root.Member("motion")) return Load(path).link;
   LinkSection link;
-  ReadLink(root.Map({"link"}).Require("link"), link);
+  Map map;
+  map.Require("link", SectionOf(link));
+  map.Read(root);
   return link;
 }
 
 LinkSection ParseLink(const std::string& text, const std::filesystem::path& file) {
   LinkSection link;
-  ReadLink(YamlNode::Parse(text, file.string()), link);
+  SectionOf(link).read(YamlNode::Parse(text, file.string()));
   return link;
 }
 

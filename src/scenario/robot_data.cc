@@ -7,11 +7,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scenario/yaml_node.h"
+#include "scenario/schema.h"
 #include "twin/core/error.h"
 #include "twin/model/transform.h"
 
 namespace twin::scenario {
+
+using enum Dimension;
+
 namespace {
 
 /// The names of the robots there are: folders with a limits.yaml.
@@ -34,49 +37,74 @@ Transform TurnedAndRaised(double angle, double z) {
   return {c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, 0, 0, z, 1};
 }
 
+/// Reads a file of the robot's data; its key `robot` is for people.
+void ReadData(const std::filesystem::path& file, const std::function<void(Map&)>& describe) {
+  Map map;
+  map.Add("robot", Anything(), "Its name.");
+  describe(map);
+  map.Read(YamlNode::ParseFile(file.string()));
+}
+
 JointVector LoadRotorInertia(const std::filesystem::path& file) {
-  const YamlMap map = YamlNode::ParseFile(file.string()).Map({"robot", "rotor_inertia"});
-  const YamlNode node = map.Require("rotor_inertia");
-  const JointVector inertia = node.JointQuantity(Dimension::kInertia);
-  for (const double value : inertia) {
-    if (value < 0)
-      node.Fail(fmt::format("{} kg m^2 is out of range; it must not be negative", value));
-  }
+  JointVector inertia{};
+  ReadData(file, [&inertia](Map& map) {
+    map.Require("rotor_inertia", Joints(inertia, kInertia), "Seen at the link.")
+        .Then([&inertia](const YamlNode& node) {
+          for (const double value : inertia) {
+            if (value >= 0) continue;
+            node.Fail(fmt::format("{} kg m^2 is out of range; it must not be negative", value));
+          }
+        });
+  });
   return inertia;
 }
 
 void ReadEndEffector(const std::filesystem::path& file, RobotData& robot) {
-  const YamlMap map =
-      YamlNode::ParseFile(file.string()).Map({"robot", "mass", "F_x_Cee", "I_ee", "F_T_NE"});
-  robot.end_effector.m = map.Require("mass").Quantity(Dimension::kMass, 0, 100);
-  robot.end_effector.F_x_C = map.Require("F_x_Cee").Vector(Dimension::kLength, -1, 1);
-  const Vector3 inertia = map.Require("I_ee").Vector(Dimension::kInertia, 0, 10);
+  Vector3 inertia{};
+  double angle = 0;
+  double z = 0;
+  const auto tip = [&angle, &z](Map& of) {
+    of.Require("angle", Quantity(angle, kAngle, -7, 7));
+    of.Require("z", Quantity(z, kLength, -10, 10));
+  };
+  ReadData(file, [&](Map& map) {
+    model::Payload& payload = robot.end_effector;
+    map.Require("mass", Quantity(payload.m, kMass, 0, 100));
+    map.Require("F_x_Cee", Vector(payload.F_x_C, kLength, -1, 1));
+    map.Require("I_ee", Vector(inertia, kInertia, 0, 10));
+    map.Require("F_T_NE", Section(tip));
+  });
   for (std::size_t i = 0; i < inertia.size(); ++i) robot.end_effector.I[4 * i] = inertia[i];
-  const YamlMap tip = map.Require("F_T_NE").Map({"angle", "z"});
-  robot.F_T_NE = TurnedAndRaised(tip.Require("angle").Quantity(Dimension::kAngle, -7, 7),
-                                 tip.Require("z").Quantity(Dimension::kLength, -10, 10));
+  robot.F_T_NE = TurnedAndRaised(angle, z);
 }
 
 /// The dimensions of a component's velocity, acceleration and jerk.
 struct Derivatives {
   Dimension dp, ddp, dddp;
 };
-constexpr Derivatives kLinear{Dimension::kVelocity, Dimension::kAcceleration, Dimension::kJerk};
-constexpr Derivatives kAngular{Dimension::kAngularVelocity, Dimension::kAngularAcceleration,
-                               Dimension::kAngularJerk};
+constexpr Derivatives kLinear{kVelocity, kAcceleration, kJerk};
+constexpr Derivatives kAngular{kAngularVelocity, kAngularAcceleration, kAngularJerk};
 
-CartesianBound ReadBound(const YamlNode& node, const Derivatives& dimensions) {
+Value BoundOf(CartesianBound& bound, const Derivatives& dimensions) {
   constexpr double kLeast = 1e-9;
   constexpr double kMost = 1e9;
-  const YamlMap map = node.Map({"dp_max", "ddp_max", "dddp_max"});
-  return {map.Require("dp_max").UnitAndValue(dimensions.dp, kLeast, kMost),
-          map.Require("ddp_max").UnitAndValue(dimensions.ddp, kLeast, kMost),
-          map.Require("dddp_max").UnitAndValue(dimensions.dddp, kLeast, kMost)};
+  return Section([&bound, dimensions](Map& map) {
+    map.Add("dp_max", UnitAndValue(bound.dp_max, dimensions.dp, kLeast, kMost));
+    map.Add("ddp_max", UnitAndValue(bound.ddp_max, dimensions.ddp, kLeast, kMost));
+    map.Add("dddp_max", UnitAndValue(bound.dddp_max, dimensions.dddp, kLeast, kMost));
+    map.RequireAll();
+  });
 }
 
-/// A section of a limits.yaml.
-YamlNode LimitsSection(const std::filesystem::path& file, std::string_view section) {
-  return YamlNode::ParseFile(file.string()).Map({"robot", "joints", "cartesian"}).Require(section);
+void DescribeJoints(Map& map, JointLimits& limits) {
+  map.Add("q_min", Joints(limits.q_min, kAngle));
+  map.Add("q_max", Joints(limits.q_max, kAngle));
+  map.Add("dq_max", Joints(limits.dq_max, kAngularVelocity));
+  map.Add("ddq_max", Joints(limits.ddq_max, kAngularAcceleration));
+  map.Add("dddq_max", Joints(limits.dddq_max, kAngularJerk));
+  map.Add("tau_max", Joints(limits.tau_max, kTorque));
+  map.Add("dtau_max", Joints(limits.dtau_max, kTorqueRate));
+  map.RequireAll();
 }
 
 }  // namespace
@@ -86,32 +114,28 @@ Transform RobotData::F_T_EE(const FramePose& NE_T_EE) const {
 }
 
 JointLimits LoadJointLimits(const std::filesystem::path& file) {
-  const YamlMap joints =
-      LimitsSection(file, "joints")
-          .Map({"q_min", "q_max", "dq_max", "ddq_max", "dddq_max", "tau_max", "dtau_max"});
-  const auto read = [&](std::string_view key, Dimension dimension) {
-    return joints.Require(key).JointQuantity(dimension);
-  };
   JointLimits limits;
-  limits.q_min = read("q_min", Dimension::kAngle);
-  limits.q_max = read("q_max", Dimension::kAngle);
-  limits.dq_max = read("dq_max", Dimension::kAngularVelocity);
-  limits.ddq_max = read("ddq_max", Dimension::kAngularAcceleration);
-  limits.dddq_max = read("dddq_max", Dimension::kAngularJerk);
-  limits.tau_max = read("tau_max", Dimension::kTorque);
-  limits.dtau_max = read("dtau_max", Dimension::kTorqueRate);
-  try {
-    limits.Validate();
-  } catch (const InputError& error) {
-    joints.node().Fail(error.what());
-  }
+  const Value joints = Section([&limits](Map& map) { DescribeJoints(map, limits); });
+  ReadData(file, [&](Map& map) {
+    map.Require("joints", Validated(joints, [&limits] { limits.Validate(); }));
+    map.Add("cartesian", Anything());
+  });
   return limits;
 }
 
 CartesianLimits LoadCartesianLimits(const std::filesystem::path& file) {
-  const YamlMap map = LimitsSection(file, "cartesian").Map({"translation", "rotation", "elbow"});
-  return {ReadBound(map.Require("translation"), kLinear),
-          ReadBound(map.Require("rotation"), kAngular), ReadBound(map.Require("elbow"), kAngular)};
+  CartesianLimits limits;
+  const auto describe = [&limits](Map& map) {
+    map.Add("translation", BoundOf(limits.translation, kLinear));
+    map.Add("rotation", BoundOf(limits.rotation, kAngular));
+    map.Add("elbow", BoundOf(limits.elbow, kAngular));
+    map.RequireAll();
+  };
+  ReadData(file, [&](Map& map) {
+    map.Add("joints", Anything());
+    map.Require("cartesian", Section(describe));
+  });
+  return limits;
 }
 
 RobotData LoadRobotData(const std::filesystem::path& models, std::string_view name,

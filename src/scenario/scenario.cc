@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "scenario/sections.h"
 #include "twin/core/error.h"
-#include "twin/scenario/names.h"
 
 namespace twin::scenario {
 namespace {
@@ -14,49 +14,10 @@ namespace {
 /// A threshold no force reaches: the largest that INT takes, N or Nm.
 constexpr double kUnreachable = 1e6;
 
-bool IsNameLetter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-         c == '-';
-}
-
-void RequireName(const char* field, const std::string& name) {
-  constexpr std::size_t kLongest = 64;
-  if (!name.empty() && name.size() <= kLongest && std::ranges::all_of(name, IsNameLetter)) return;
-  throw InputError(fmt::format("{}: \"{}\" is no name; use 1 to {} letters, digits, '_' and '-'",
-                               field, name, kLongest));
-}
-
-void RequireRange(std::string_view field, double value, double least, double most) {
-  if (value >= least && value <= most) return;  // false for NaN
-  throw InputError(
-      fmt::format("{}: {} is out of range; it must lie in [{}, {}]", field, value, least, most));
-}
-
-/// @param law  a Delay or a Loss.
-template <typename Law>
-void ValidateLaw(std::string_view field, const Law& law) {
-  try {
-    (void)law.Model();
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", field, error.what()));
-  }
-}
-
-void ValidateDirection(std::string_view name, const DirectionSection& direction) {
-  const auto field = [&](const char* key) { return fmt::format("link.{}_{}", name, key); };
-  ValidateLaw(field("delay"), direction.delay);
-  ValidateLaw(field("loss"), direction.loss);
-  RequireRange(field("duplication.share"), direction.duplication.share_percent, 0, 100);
-  ValidateLaw(field("duplication.delay"), direction.duplication.delay);
-  RequireRange(field("reordering.share"), direction.reordering.share_percent, 0, 100);
-}
-
 /// The synchronous loop sleeps on its own clock and the bare one is the robot's: they have no time
 /// by which a state could be out of order, and the bare loop has no clock at all.
 void ValidateLoop(const Scenario& scenario) {
   const ControllerSection& controller = scenario.controller;
-  RequireRange("tick.period_tolerance (us)", ToSeconds(scenario.tick.period_tolerance) * 1e6, 0,
-               1000);
   if (scenario.loop == loop::LoopKind::kAsynchronous) return;
   if (scenario.tick.period_tolerance != Duration::zero()) {
     throw InputError(
@@ -83,12 +44,6 @@ void ValidateDrive(const Scenario& scenario) {
 }
 
 void ValidatePlant(const PlantSection& plant) {
-  RequireRange("plant.noise.q", plant.noise_q, 0, 1);
-  RequireRange("plant.noise.dq", plant.noise_dq, 0, 10);
-  RequireRange("plant.noise.tau_J", plant.noise_tau_J, 0, 100);
-  RequireRange("plant.mass_scale", plant.mass_scale, 0.5, 2);
-  RequireRange("plant.base_tilt.roll", plant.base_tilt.roll, -0.2, 0.2);
-  RequireRange("plant.base_tilt.pitch", plant.base_tilt.pitch, -0.2, 0.2);
   if (plant.kind != robot::PlantKind::kIdeal) return;
   if (plant.mass_scale == 1 && plant.base_tilt == plant::BaseTilt()) return;
   throw InputError(
@@ -99,7 +54,6 @@ void ValidatePlant(const PlantSection& plant) {
 /// A mobile base rolls in the engine, and only a run's own motion may stand on one.
 void ValidateBase(const Scenario& scenario) {
   if (!scenario.base) return;
-  RequireName("base.model", scenario.base->model);
   scenario.base->Validate();
   const auto refuse = [](std::string_view why) {
     throw InputError(fmt::format("base: {}, or leave base out", why));
@@ -121,34 +75,11 @@ void ValidateBase(const Scenario& scenario) {
   }
 }
 
-void ValidateSetting(std::string_view section, const Setting& setting) {
-  const auto bad = FindBadValue(setting);
-  if (bad) throw InputError(fmt::format("{}: {}", section, Describe(*bad)));
-}
-
-void ValidateOnboard(const OnboardSection& onboard) {
-  ValidateSetting("onboard", setting::JointImpedance{onboard.K_theta});
-  ValidateSetting("onboard", setting::CartesianImpedance{onboard.K_x});
-  ValidateSetting("onboard.collision_behavior", onboard.collision_behavior);
-  ValidateSetting("onboard.load", onboard.load);
-  ValidateSetting("onboard.filters", onboard.filters);
-  RequireRange("onboard.friction_compensation", onboard.friction_compensation, 0, 1);
-}
-
 void ValidatePerturbations(const Scenario& scenario) {
-  if (scenario.perturbations.empty()) return;
-  if (scenario.plant.kind == robot::PlantKind::kIdeal) {
-    throw InputError(
-        "perturbations: the ideal plant feels no forces; say plant: {kind: mujoco}, or leave them "
-        "out");
-  }
-  for (const plant::Perturbation& perturbation : scenario.perturbations) {
-    try {
-      plant::Validate(perturbation);
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("perturbations: {}", error.what()));
-    }
-  }
+  if (scenario.perturbations.empty() || scenario.plant.kind != robot::PlantKind::kIdeal) return;
+  throw InputError(
+      "perturbations: the ideal plant feels no forces; say plant: {kind: mujoco}, or leave them "
+      "out");
 }
 
 /// Whether they can be drawn is the seed's affair as well: of a bad one there is no run.
@@ -174,10 +105,6 @@ void ValidateHand(const Scenario& scenario) {
   if (!std::ranges::is_sorted(hand, earlier)) {
     throw InputError("hand: its commands must be in order of time");
   }
-  for (std::size_t i = 0; i < hand.size(); ++i) {
-    const auto bad = FindBadValue(hand[i].command, 0);
-    if (bad) throw InputError(fmt::format("hand[{}]: {}", i + 1, Describe(*bad)));
-  }
 }
 
 /// What is planned has no points but its ends, and only shares of the limits for its pace.
@@ -201,9 +128,6 @@ void ValidatePlan(const Scenario& scenario) {
     throw InputError(
         "motion.plan: a duration cannot be asked for; give shares of the limits, or stretch");
   }
-  RequireRange("motion.plan.budget", static_cast<double>(motion.plan->budget), 1, 1e12);
-  RequireRange("motion.plan.clearance (m)", motion.plan->clearance, 0.001, 0.1);
-  RequireRange("motion.plan.stretch", motion.plan->stretch, 1, 1000);
 }
 
 void ValidateMotion(const MotionSection& motion) {
@@ -217,15 +141,11 @@ void ValidateMotion(const MotionSection& motion) {
     throw InputError(fmt::format("motion.trajectory: {} waypoints; a trajectory needs at least two",
                                  motion.waypoints.size()));
   }
-  RequireRange("motion.trajectory.velocity_scale", motion.timing.velocity_scale, 1e-6, 1);
-  RequireRange("motion.trajectory.acceleration_scale", motion.timing.acceleration_scale, 1e-6, 1);
-  RequireRange("motion.trajectory.jerk_scale", motion.timing.jerk_scale, 1e-6, 1);
 }
 
 /// It begins where the robot stands, and makes its motions and commands to the hand itself.
 void ValidateApplication(const Scenario& scenario) {
   const MotionSection& motion = scenario.motion;
-  RequireName("application.type", scenario.application->type);
   if (!motion.waypoints.empty() || !motion.poses.empty() || motion.plan) {
     throw InputError("motion: beside an application, which makes its motions itself");
   }
@@ -326,25 +246,12 @@ bool MotionSection::operator==(const MotionSection& other) const {
 }
 
 void Scenario::Validate() const {
-  RequireName("name", name);
-  RequireName("backend", backend);
+  Scenario copy = *this;  // a map is bound to variables that it may change
+  Map map;
+  Describe(map, copy);
+  map.Check("");
   ValidateDrive(*this);
-  RequireName("robot.model", robot.model);
-  RequireName("controller.type", controller.type);
-  RequireRange("robot.clock_drift", robot.clock_drift_ppm, -1000, 1000);
-  ValidateDirection("state", link.state);
-  ValidateDirection("command", link.command);
-  ValidateLaw("tick.cost", tick.cost);
-  ValidateLaw("controller.wake_delay", controller.wake_delay);
-  ValidateLaw("controller.cost", controller.cost);
   ValidatePlant(plant);
-  ValidateSetting("robot.load", robot.load);
-  ValidateOnboard(onboard);
-  RequireRange("tick.lambda", tick.lambda, 1e-9, 1);
-  RequireRange("tick.low_pass (Hz)", tick.low_pass_hz, 1, 1000);
-  RequireRange("controller.rate", controller.rate_hz, 1, 1000);
-  RequireRange("controller.clock_drift", controller.clock_drift_ppm, -1000, 1000);
-  RequireRange("controller.target_noise", controller.target_noise, 0, 1);
   ValidateLoop(*this);
   if (application) {
     ValidateApplication(*this);

@@ -1,13 +1,10 @@
 #include "twin/scenario/video_case.h"
 
 #include <algorithm>
-#include <limits>
-#include <string_view>
 
 #include <fmt/format.h>
 
-#include "scenario/section_readers.h"
-#include "scenario/yaml_node.h"
+#include "scenario/sections.h"
 #include "twin/core/error.h"
 
 namespace twin::scenario {
@@ -16,21 +13,14 @@ namespace {
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 
-bool IsName(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-           c == '-';
-  });
-}
-
 VideoView ReadView(const std::string& name, const YamlNode& node) {
-  if (!IsName(name)) {
+  if (name.empty() || !std::ranges::all_of(name, IsNameLetter)) {
     node.Fail(fmt::format("\"{}\": a view's name has letters, digits, '_' and '-' only", name));
   }
   VideoView view{name, {}};
   view.render.width = kWidth;
   view.render.height = kHeight;
-  ReadRender(node, view.render);
+  SectionOf(view.render).read(node);
   try {
     view.render.Validate();
   } catch (const InputError& error) {
@@ -42,20 +32,22 @@ VideoView ReadView(const std::string& name, const YamlNode& node) {
 }  // namespace
 
 VideoCase LoadVideoCase(const std::filesystem::path& path) {
-  const YamlMap root = YamlNode::ParseFile(path.string())
-                           .Map({"scenario", "lab", "seed", "every", "key_frames", "views"});
   VideoCase wanted;
   wanted.name = path.stem().string();
-  wanted.scenario = root.Require("scenario").Text();
-  IfGiven(root, "lab", [&](const YamlNode& n) { wanted.lab = n.Text(); });
-  IfGiven(root, "seed", [&](const YamlNode& n) {
-    wanted.seed = n.Integer(0, std::numeric_limits<std::uint64_t>::max());
-  });
-  IfGiven(root, "every", [&](const YamlNode& n) { wanted.every = n.Integer(1, 10000); });
-  IfGiven(root, "key_frames", [&](const YamlNode& n) { wanted.key_frames = n.Integer(2, 100); });
-  for (const auto& [name, node] : root.Require("views").Entries()) {
-    wanted.views.push_back(ReadView(name, node));
-  }
+  Map map;
+  map.Require("scenario",
+              Converted(std::string(), Text, [&](auto& text) { wanted.scenario = text; }),
+              "In the models folder.");
+  map.Add("lab", Optional(wanted.lab, Text), "Laid over it.");
+  map.Add("seed", Optional(wanted.seed, Seed), "Absent: the scenario's.");
+  map.Add("every", Integer(wanted.every, 1, 10000), "Frame that is looked at.");
+  map.Add("key_frames", Integer(wanted.key_frames, 2, 100), "Frames that are kept whole.");
+  Value views = Anything();
+  views.read = [&wanted](const YamlNode& node) {
+    for (const auto& [name, view] : node.Entries()) wanted.views.push_back(ReadView(name, view));
+  };
+  map.Require("views", views, "From where it is seen, by name.");
+  map.Read(YamlNode::ParseFile(path.string()));
   return wanted;
 }
 

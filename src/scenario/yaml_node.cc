@@ -1,28 +1,18 @@
 #include "scenario/yaml_node.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "twin/core/error.h"
 #include "twin/core/nearest_word.h"
 
 namespace twin::scenario {
 namespace {
-
-std::string Join(std::span<const std::string_view> words) {
-  std::string text;
-  for (const std::string_view word : words) {
-    if (!text.empty()) text += ", ";
-    text += word;
-  }
-  return text;
-}
 
 std::string DidYouMean(std::string_view word, std::span<const std::string_view> candidates) {
   const auto nearest = Nearest(word, candidates);
@@ -53,13 +43,12 @@ std::string Printable(std::string_view text) {
   return shown;
 }
 
-/// A scalar in a message; endless ones are cut.
+}  // namespace
+
 std::string Shown(std::string_view text) {
   constexpr std::size_t kMost = 60;
   return Printable(text.substr(0, kMost)) + (text.size() > kMost ? "..." : "");
 }
-
-}  // namespace
 
 std::string ReadTextFile(const std::string& path) {
   constexpr std::uintmax_t kMostBytes = 32 << 20;
@@ -114,10 +103,12 @@ void YamlNode::Fail(std::string_view what) const {
   throw InputError(fmt::format("{}: {}: {}", Where(), key_, what));
 }
 
-void YamlNode::FailChoice(std::string_view given,
-                          std::span<const std::string_view> accepted) const {
-  Fail(fmt::format("\"{}\" is unknown; {}accepted: {}", Shown(given), DidYouMean(given, accepted),
-                   Join(accepted)));
+std::size_t YamlNode::Choice(std::span<const std::string_view> names) const {
+  const std::string text = Text();
+  const auto found = std::ranges::find(names, text);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  Fail(fmt::format("\"{}\" is unknown; {}accepted: {}", Shown(text), DidYouMean(text, names),
+                   fmt::join(names, ", ")));
 }
 
 YamlNode YamlNode::Entry(const YAML::Node& key, const YAML::Node& value) const {
@@ -127,59 +118,43 @@ YamlNode YamlNode::Entry(const YAML::Node& key, const YAML::Node& value) const {
   return YamlNode(value, file_, key_.empty() ? name : key_ + "." + name, line);
 }
 
-std::vector<std::pair<std::string, YamlNode>> YamlNode::Entries() const {
+YamlNode::Members YamlNode::Entries() const {
   if (!node_.IsMap() || node_.size() == 0) {
     Fail(fmt::format("is {}; a map belongs here", node_.IsMap() ? "empty" : Kind(node_)));
   }
-  std::vector<std::pair<std::string, YamlNode>> entries;
-  for (const auto& item : node_) {
-    YamlNode entry = Entry(item.first, item.second);
-    const std::string& name = item.first.Scalar();
-    for (const auto& [other, node] : entries) {
-      if (other == name) entry.Fail(fmt::format("given twice; first in line {}", node.line_));
-    }
-    entries.emplace_back(name, std::move(entry));
-  }
-  return entries;
+  return MembersOf({});
 }
 
-YamlMap YamlNode::Map(std::initializer_list<std::string_view> allowed) const {
-  if (!node_.IsMap()) {
-    Fail(fmt::format("is {}; a map with the keys {} belongs here", Kind(node_),
-                     Join({allowed.begin(), allowed.size()})));
-  }
-  YamlMap map(*this);
+YamlNode::Members YamlNode::Map(std::span<const std::string_view> allowed) const {
+  if (node_.IsMap()) return MembersOf(allowed);
+  Fail(fmt::format("is {}; a map with the keys {} belongs here", Kind(node_),
+                   fmt::join(allowed, ", ")));
+}
+
+YamlNode::Members YamlNode::MembersOf(std::span<const std::string_view> allowed) const {
+  Members members;
   for (const auto& item : node_) {
     YamlNode entry = Entry(item.first, item.second);
     const std::string& key = item.first.Scalar();
-    if (std::ranges::find(allowed, key) == allowed.end()) {
-      const std::span<const std::string_view> names(allowed.begin(), allowed.size());
+    if (!allowed.empty() && std::ranges::find(allowed, key) == allowed.end()) {
       YamlNode(item.second, file_, key_, entry.line_)
           .Fail(fmt::format("unknown key \"{}\"; {}accepted: {}", Shown(key),
-                            DidYouMean(key, names), Join(names)));
+                            DidYouMean(key, allowed), fmt::join(allowed, ", ")));
     }
-    if (map.Find(key)) {
-      entry.Fail(fmt::format("given twice; first in line {}", map.Find(key)->line_));
+    for (const auto& [other, node] : members) {
+      if (other == key) entry.Fail(fmt::format("given twice; first in line {}", node.line_));
     }
-    map.entries_.emplace_back(key, std::move(entry));
+    members.emplace_back(key, std::move(entry));
   }
-  return map;
+  return members;
 }
 
-bool YamlNode::Has(std::string_view key) const {
-  if (!node_.IsMap()) return false;
-  return std::ranges::any_of(node_, [key](const auto& item) {
-    return item.first.IsScalar() && item.first.Scalar() == key;
-  });
-}
-
-std::pair<std::string, YamlNode> YamlNode::OneOf(
-    std::initializer_list<std::string_view> keys) const {
-  const YamlMap map = Map(keys);
-  if (map.entries_.size() != 1) {
-    Fail(fmt::format("give exactly one of {}", Join({keys.begin(), keys.size()})));
+std::optional<YamlNode> YamlNode::Member(std::string_view key) const {
+  if (!node_.IsMap()) return std::nullopt;
+  for (const auto& item : node_) {
+    if (item.first.IsScalar() && item.first.Scalar() == key) return Entry(item.first, item.second);
   }
-  return map.entries_.front();
+  return std::nullopt;
 }
 
 std::vector<YamlNode> YamlNode::Items() const {
@@ -195,124 +170,6 @@ std::vector<YamlNode> YamlNode::Items() const {
 const std::string& YamlNode::Scalar(std::string_view wanted) const {
   if (!node_.IsScalar()) Fail(fmt::format("is {}; {} belongs here", Kind(node_), wanted));
   return node_.Scalar();
-}
-
-std::string YamlNode::Text() const {
-  return Scalar("a text");
-}
-
-bool YamlNode::Bool() const {
-  const std::string& text = Scalar("true or false");
-  if (text == "true") return true;
-  if (text == "false") return false;
-  Fail(fmt::format("\"{}\" is neither true nor false", Shown(text)));
-}
-
-double YamlNode::Number(double least, double most) const {
-  const std::string& text = Scalar("a number");
-  double value = 0;
-  try {
-    value = ParseNumber(text);
-  } catch (const InputError&) {
-    Fail(fmt::format("\"{}\" is not a plain finite number", Shown(text)));
-  }
-  if (value >= least && value <= most) return value;
-  Fail(fmt::format("{} is out of range; it must lie in [{}, {}]", Shown(text), least, most));
-}
-
-std::uint64_t YamlNode::Integer(std::uint64_t least, std::uint64_t most) const {
-  const std::string& text = Scalar("a whole number");
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most) {
-    return value;
-  }
-  Fail(fmt::format("\"{}\" is not a whole number in [{}, {}]", Shown(text), least, most));
-}
-
-double YamlNode::Quantity(Dimension dimension, double least, double most) const {
-  const std::string& text = Scalar("a number with its unit");
-  double value = 0;
-  try {
-    value = ParseQuantity(Shown(text), dimension);
-  } catch (const InputError& error) {
-    Fail(error.what());
-  }
-  if (value >= least && value <= most) return value;
-  Fail(fmt::format("\"{}\" is out of range; it must lie in {}", Shown(text),
-                   FormatRange(least, most, dimension)));
-}
-
-Vector3 YamlNode::Vector(Dimension dimension, double least, double most) const {
-  const std::vector<YamlNode> items = Items();
-  Vector3 vector{};
-  if (items.size() != vector.size()) {
-    Fail(fmt::format("has {} values; it needs 3: x, y, z", items.size()));
-  }
-  for (std::size_t i = 0; i < vector.size(); ++i) {
-    vector[i] = items[i].Quantity(dimension, least, most);
-  }
-  return vector;
-}
-
-Duration YamlNode::Time(Duration least, Duration most) const {
-  const std::string& text = Scalar("a time with its unit");
-  Duration value{};
-  try {
-    value = ParseDuration(Shown(text));
-  } catch (const InputError& error) {
-    Fail(error.what());
-  }
-  if (value >= least && value <= most) return value;
-  Fail(fmt::format("\"{}\" is out of range; it must lie in [{}, {}]", Shown(text),
-                   FormatDuration(least), FormatDuration(most)));
-}
-
-double YamlNode::Factor(Dimension dimension) const {
-  const std::string name = Text();
-  try {
-    return UnitFactor(Shown(name), dimension);
-  } catch (const InputError& error) {
-    Fail(error.what());
-  }
-}
-
-double YamlNode::UnitAndValue(Dimension dimension, double least, double most) const {
-  const YamlMap map = Map({"unit", "value"});
-  const double factor = map.Require("unit").Factor(dimension);
-  const YamlNode number = map.Require("value");
-  const double value = number.Number(-1e9, 1e9) * factor;
-  if (value >= least && value <= most) return value;
-  number.Fail(fmt::format("{} is out of range; it must lie in {}", Shown(number.Text()),
-                          FormatRange(least, most, dimension)));
-}
-
-JointVector YamlNode::JointQuantity(Dimension dimension) const {
-  const YamlMap map = Map({"unit", "values"});
-  const double factor = map.Require("unit").Factor(dimension);
-  return map.Require("values").JointNumbers(factor);
-}
-
-JointVector YamlNode::JointNumbers(double factor) const {
-  const std::vector<YamlNode> items = Items();
-  if (items.size() != kJoints) {
-    Fail(fmt::format("has {} values; it needs {}, one per joint", items.size(), kJoints));
-  }
-  JointVector values{};
-  for (std::size_t i = 0; i < kJoints; ++i) values[i] = items[i].Number(-1e9, 1e9) * factor;
-  return values;
-}
-
-std::optional<YamlNode> YamlMap::Find(std::string_view key) const {
-  for (const auto& [name, node] : entries_) {
-    if (name == key) return node;
-  }
-  return std::nullopt;
-}
-
-YamlNode YamlMap::Require(std::string_view key) const {
-  if (auto found = Find(key)) return *found;
-  node_.Fail(fmt::format("key \"{}\" is missing", key));
 }
 
 }  // namespace twin::scenario

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "scenario/max_deviation.h"
 #include "scenario/scenario_examples.h"
 #include "twin/run/followed_motion.h"
 #include "twin/scenario/scenario.h"

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "twin/core/time.h"
 
@@ -51,6 +52,12 @@ enum class Dimension : std::uint8_t {
 /// @returns the factor from `unit` to the base unit of `dimension`.
 /// @throws InputError naming the unit and the accepted ones.
 [[nodiscard]] double UnitFactor(std::string_view unit, Dimension dimension);
+
+/// @returns all units it may be written in.
+[[nodiscard]] std::vector<std::string_view> UnitNames(Dimension dimension);
+
+/// @returns what it is, for people: "angular velocity".
+[[nodiscard]] std::string_view Name(Dimension dimension);
 
 /// @returns the base unit's name.
 [[nodiscard]] std::string_view BaseUnit(Dimension dimension);

@@ -1,13 +1,12 @@
-#include "scenario/parameter_tree.h"
-
 #include <algorithm>
 #include <span>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
-#include "scenario/quoted.h"
+#include "scenario/schema.h"
 
 namespace twin::scenario {
 namespace {
@@ -76,16 +75,18 @@ std::string MapText(std::span<const control::Parameter> parameters, std::size_t 
 
 }  // namespace
 
-control::Parameters ReadParameters(const YamlNode& node) {
-  if (!node.IsMap()) node.Fail("must be a map of parameters");
-  control::Parameters parameters;
-  if (node.IsEmpty()) return parameters;
-  Flatten(node, "", 0, parameters);
-  return parameters;
-}
-
-std::string ParametersText(const control::Parameters& parameters) {
-  return MapText(parameters, 0);
+Value Parameters(control::Parameters& parameters) {
+  return {.read =
+              [&parameters](const YamlNode& node) {
+                if (!node.IsMap()) node.Fail("must be a map of parameters");
+                parameters.clear();
+                if (!node.IsEmpty()) Flatten(node, "", 0, parameters);
+              },
+          .write = [&parameters](int /*indent*/) { return MapText(parameters, 0); },
+          .schema =
+              [](Json& schema, Json& /*definitions*/) {
+                schema = {{"title", "map of parameters"}, {"type", "object"}};
+              }};
 }
 
 }  // namespace twin::scenario

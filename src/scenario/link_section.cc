@@ -1,0 +1,156 @@
+#include "scenario/sections.h"
+#include "twin/core/error.h"
+
+namespace twin::scenario {
+
+using enum Dimension;
+
+namespace {
+
+constexpr Duration kLongest = std::chrono::seconds(10);
+
+Value Part(Duration& part) {
+  return TimeSpan(part, Duration::zero(), kLongest);
+}
+
+Value Share(double& percent) {
+  return Quantity(percent, kPercent, 0, 100);
+}
+
+/// One alternative of a law.
+template <typename T, typename Law>
+void AddLaw(Map& map, std::string key, Law& law, std::string_view meaning) {
+  map.Add(std::move(key), Alternative<T>(law, [](T& one) { return SectionOf(one); }), meaning);
+}
+
+}  // namespace
+
+static void Describe(Map& map, rt::NormalDelay& law) {
+  map.Require("mean", Part(law.mean), "Mean before the part below 0 is cut off.");
+  map.Require("sigma", Part(law.sigma), "Standard deviation before that.");
+}
+
+static void Describe(Map& map, rt::LogNormalDelay& law) {
+  map.Require("median", TimeSpan(law.median, Duration(1), kLongest),
+              "Median of the log-normal part.");
+  map.Require("sigma", Number(law.sigma, 0, 5), "Standard deviation of its logarithm.");
+  map.Add("offset", Part(law.offset), "Least delay.");
+}
+
+static void Describe(Map& map, rt::GammaDelay& law) {
+  map.Require("shape", Number(law.shape, 0.01, 1e6), "1 gives the exponential distribution.");
+  map.Require("scale", TimeSpan(law.scale, Duration(1), kLongest), "Mean over shape.");
+  map.Add("offset", Part(law.offset), "Least delay.");
+}
+
+static void Describe(Map& map, rt::EmpiricalDelay& law) {
+  map.Require("edges", List(law.edges, Part), "Edges of the bins, rising.");
+  map.Require("weights", List(law.weights, [](double& weight) { return Number(weight, 0, 1e12); }),
+              "Weight of each bin; the delay is uniform within a bin.");
+}
+
+static void Describe(Map& map, GilbertElliottLoss& law) {
+  map.Require("good_to_bad", Share(law.good_to_bad), "Probability per message.");
+  map.Require("bad_to_good", Share(law.bad_to_good),
+              "Probability per message; 100 % over it is the mean length of a burst.");
+  map.Add("loss_good", Share(law.loss_good), "Loss in the good state.");
+  map.Add("loss_bad", Share(law.loss_bad), "Loss in the bad state.");
+}
+
+static void Describe(Map& map, ScriptedLoss::Burst& burst) {
+  map.Require("at", TimeSpan(burst.at, Duration::zero(), kDay),
+              "First lost message: 1 ms counts for one message.")
+      .Then([&burst](const YamlNode& at) {
+        if (burst.at % kCycle == Duration::zero()) return;
+        at.Fail("messages are 1 ms apart; give a whole number of ms");
+      });
+  map.Require("count", Integer(burst.count, 1, 1'000'000), "Messages lost in a row.");
+}
+
+static void Describe(Map& map, Duplication& duplication) {
+  map.Before([&duplication](const YamlNode& /*node*/) { duplication = {}; });
+  map.Require("share", Share(duplication.share_percent), "Share of all messages.");
+  map.Add("delay", DelayOf(duplication.delay), "Delay of the second after the first.");
+}
+
+static void Describe(Map& map, Reordering& reordering) {
+  map.Require("share", Share(reordering.share_percent), "Share of all messages.");
+  map.Require("by", TimeSpan(reordering.by, Duration::zero(), robot::kLongestOnTheWay),
+              "How long a message is held back, so that later ones overtake it.");
+}
+
+Value DelayOf(Delay& delay) {
+  const Value constant =
+      Alternative<rt::ConstantDelay>(delay.law, [](rt::ConstantDelay& d) { return Part(d.value); });
+  const auto describe = [&law = delay.law, constant](Map& map) {
+    map.Add("constant", constant, "Always the same.");
+    AddLaw<rt::NormalDelay>(map, "normal", law, "Normal, without its part below 0.");
+    AddLaw<rt::LogNormalDelay>(map, "log_normal", law,
+                               "Offset and a log-normal part, as scheduling and queues look like.");
+    AddLaw<rt::GammaDelay>(map, "gamma", law, "Offset and a gamma-distributed part.");
+    AddLaw<rt::EmpiricalDelay>(map, "histogram", law, "What was measured.");
+    map.ExactlyOne();
+  };
+  const auto is_constant = [&delay] {
+    return std::holds_alternative<rt::ConstantDelay>(delay.law);
+  };
+  return Defined("delay", "Drawn anew for every message, wake-up or computation.",
+                 Validated(Either(constant, Section(describe), is_constant),
+                           [&delay] { (void)delay.Model(); }));
+}
+
+Value LossOf(Loss& loss) {
+  const Value independent = Alternative<IndependentLoss>(
+      loss.law, [](IndependentLoss& one) { return Share(one.percent); });
+  const auto describe = [&law = loss.law](Map& map) {
+    AddLaw<GilbertElliottLoss>(map, "gilbert_elliott", law,
+                               "Bursts: a good and a bad state, drawn anew per message.");
+    map.Add("scripted",
+            Alternative<ScriptedLoss>(law,
+                                      [](ScriptedLoss& script) {
+                                        return List(script.bursts,
+                                                    [](auto& burst) { return SectionOf(burst); });
+                                      }),
+            "Exactly these messages.");
+    map.ExactlyOne();
+  };
+  const auto is_independent = [&loss] { return std::holds_alternative<IndependentLoss>(loss.law); };
+  return Defined("loss", "Which messages never arrive: each with this probability, or bursts.",
+                 Validated(Either(independent, Section(describe), is_independent),
+                           [&loss] { (void)loss.Model(); }));
+}
+
+void DescribeDirection(Map& map, const std::string& name, DirectionSection& direction) {
+  map.Add(name + "_delay", DelayOf(direction.delay), "Time on the way.");
+  map.Add(name + "_loss", LossOf(direction.loss), "Messages that never arrive.");
+  map.Add(name + "_duplication", SectionOf(direction.duplication),
+          "Messages that arrive a second time.");
+  map.Add(name + "_reordering",
+          Validated(SectionOf(direction.reordering),
+                    [&reordering = direction.reordering] {
+                      if (reordering.share_percent == 0 || reordering.by > Duration::zero()) return;
+                      throw InputError(
+                          "by is 0 s, which holds nothing back; give a time above 0, or a share of "
+                          "0 %");
+                    }),
+          "Messages that are held back.");
+}
+
+void Describe(Map& map, LinkSection& link) {
+  DescribeDirection(map, "state", link.state);
+  DescribeDirection(map, "command", link.command);
+  map.Add("d_INT", TimeSpan(link.d_INT, Duration::zero(), kCycle - Duration(1)),
+          "How long before the robot's cycle a command must have arrived.");
+}
+
+void Describe(Map& map, OperatorSection& section, Place& place) {
+  map.Require("device", Text(section.device), "Name in the registry of devices.").At(place);
+  map.Add("parameters", Parameters(section.parameters), "Parameters of the device.")
+      .OmitIf(section.parameters.empty());
+  map.Add("settings", Parameters(section.settings), "How the operator leads; see teleop.")
+      .OmitIf(section.settings.empty());
+  DescribeDirection(map, "to_robot", section.to_robot);
+  DescribeDirection(map, "from_robot", section.from_robot);
+}
+
+}  // namespace twin::scenario

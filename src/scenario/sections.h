@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scenario/schema.h"
+#include "twin/scenario/scenario.h"
+
+// The keys of a scenario's sections. A Describe() adds them to a map and binds them to a section.
+namespace twin::scenario {
+
+/// The latest time that a scenario may name.
+inline constexpr Duration kDay = std::chrono::hours(24);
+
+[[nodiscard]] Value DelayOf(Delay& delay);
+[[nodiscard]] Value LossOf(Loss& loss);
+/// The four keys of one direction; its name is in front of each: "state_delay".
+void DescribeDirection(Map& map, const std::string& name, DirectionSection& direction);
+/// "off" (kLowPassOff), or a low-pass's cut-off frequency.
+[[nodiscard]] Value Cutoff(double& cutoff_hz);
+/// Of a clock against the run's, ppm.
+[[nodiscard]] Value Drift(double& ppm);
+[[nodiscard]] Value LoadOf(setting::Load& load);
+/// How fast a motion is: shares of the limits. @param least  of each.
+void DescribeShares(Map& map, reference::Timing& timing, double least);
+
+void Describe(Map& map, BaseSection& base, Place& place);
+void Describe(Map& map, CameraSection& camera);
+void Describe(Map& map, FramePose& pose);
+void Describe(Map& map, LinkSection& link);
+void Describe(Map& map, ObjectSection& object);
+void Describe(Map& map, OnboardSection& onboard);
+void Describe(Map& map, OperatorSection& section, Place& place);
+void Describe(Map& map, plant::Perturbation& perturbation);
+void Describe(Map& map, PlantSection& plant);
+void Describe(Map& map, RenderSection& render);
+void DescribeRobot(Map& map, Scenario& scenario);
+void DescribeTick(Map& map, Scenario& scenario);
+void DescribeController(Map& map, Scenario& scenario);
+void DescribeMotion(Map& map, Scenario& scenario);
+[[nodiscard]] Value MaxDeviationOf(Scenario& scenario);
+[[nodiscard]] Value Panel(std::vector<robot::PanelEvent>& panel);
+[[nodiscard]] Value Hand(std::vector<HandEvent>& hand);
+/// All keys of a scenario.
+void Describe(Map& map, Scenario& scenario);
+
+}  // namespace twin::scenario
