@@ -23,7 +23,7 @@ double Cut(double value, double most) noexcept {
   return std::isfinite(value) ? std::clamp(value, -most, most) : 0;
 }
 
-/// `from`, nearer to `to` by at most `step`.
+/// Moves `from` towards `to` by at most `step`.
 double Approach(double from, double to, double step) noexcept {
   return from + std::clamp(to - from, -step, step);
 }

@@ -9,26 +9,25 @@
 #include "twin/core/robot_errors.h"
 #include "twin/onboard/violations.h"
 
-// How INT compares a value with its bound: with the tolerance of kLimitTolerance, and so that what
-// is no number is beyond every bound.
+// INT's comparisons of a value with its bound: with the tolerance kLimitTolerance; a NaN violates
+// every bound.
 //
 // Threads: any. Real-time: noexcept, allocates nothing.
 namespace twin::onboard::internal {
 
-/// Whether a magnitude is not above its limit, >= 0.
+/// Whether a magnitude is at most its limit, >= 0.
 [[nodiscard]] inline bool IsWithin(double magnitude, double limit) noexcept {
   return magnitude <= limit * (1 + kLimitTolerance);
 }
 
-/// The end of [low, high] that x is beyond; nothing while x is inside. What is no number is beyond
-/// the lower one.
+/// The end of [low, high] that x exceeds; nullopt inside. A NaN exceeds the lower end.
 [[nodiscard]] inline std::optional<double> BrokenBound(double x, double low, double high) noexcept {
   if (!(x >= low - kLimitTolerance * std::abs(low))) return low;
   if (!(x <= high + kLimitTolerance * std::abs(high))) return high;
   return std::nullopt;
 }
 
-/// Adds a violation for the first joint whose magnitude is beyond its limit.
+/// Adds a violation for the first joint whose magnitude exceeds its limit.
 inline void CheckJointMagnitudes(RobotError error, const JointVector& values,
                                  const JointVector& limits, std::uint64_t message_id,
                                  Violations& found) noexcept {
@@ -40,7 +39,7 @@ inline void CheckJointMagnitudes(RobotError error, const JointVector& values,
   }
 }
 
-/// Adds a violation for the first joint that is out of its range, with the end it is beyond.
+/// Adds a violation for the first joint outside its range, with the end it exceeds.
 inline void CheckJointRanges(RobotError error, const JointVector& values, const JointVector& low,
                              const JointVector& high, std::uint64_t message_id,
                              Violations& found) noexcept {

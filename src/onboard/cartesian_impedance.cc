@@ -17,24 +17,24 @@ using Task = TaskInertia::Task;
 
 constexpr double kNullStiffness = 200;  // Nm/rad
 
-/// Inertia of an axis up to which it is damped critically, kg and kg m^2.
+/// Largest inertia of an axis with critical damping, kg and kg m^2.
 const Task kHeaviestDamped = (Task() << 50, 50, 50, 5, 5, 5).finished();
 /// Inverse of the largest inertia of an axis, 1/kg and 1/(kg m^2).
 const Task kRegularisation = (Task() << 1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5).finished();
 /// Mobility below which, near a singularity, an axis of K counts as immovable.
 const Task kImmovable = (Task() << 5e-3, 5e-3, 5e-3, 5e-2, 5e-2, 5e-2).finished();
-/// Times kHeaviestDamped: the inertia from which on the arm is near a singularity.
+/// Times kHeaviestDamped: the inertia above which the arm is near a singularity.
 constexpr double kNearSingular = 2;
 
-/// What of tau would act on K, with the share of kImmovable growing towards a singularity.
+/// Part of tau that would act on K, with a share of kImmovable that grows towards a singularity.
 Task TaskForce(const TaskInertia& inertia, const Task& diagonal, const JointColumn& tau) noexcept {
   const double heaviest = diagonal.cwiseQuotient(kHeaviestDamped).maxCoeff();
   if (heaviest <= kNearSingular) return inertia.ForceOf(tau);
   return inertia.MovableForceOf(tau, kRegularisation + (1 - kNearSingular / heaviest) * kImmovable);
 }
 
-/// Rotation vector of R, in the half space around no rotation by its sine and cosine, which costs
-/// half of the way through a quaternion.
+/// Rotation vector of R by sine and cosine, for angles below a quarter turn; costs half as much as
+/// by a quaternion.
 Eigen::Vector3d TurnOf(const Eigen::Matrix3d& R) noexcept {
   const double cosine = 0.5 * (R.trace() - 1);
   if (!(cosine > 0)) return model::Log(Eigen::Quaterniond(R));
@@ -60,7 +60,7 @@ TaskInertia::TaskJacobian JacobianAt(const Transform& O_T_K,
   return J;
 }
 
-/// From pose X to pose X_d: way and turn in the axes of X.
+/// From pose X to pose X_d: translation and rotation in the axes of X.
 Task Error(const Transform& X, const Transform& X_d) noexcept {
   const Transform X_XXd = model::Multiply(model::Inverse(X), X_d);
   Task e;

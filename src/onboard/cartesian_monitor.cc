@@ -18,14 +18,14 @@ constexpr std::int8_t kTranslation = 0;
 constexpr std::int8_t kRotation = 1;
 constexpr std::int8_t kElbow = 2;
 
-/// One derivative of a Cartesian reference against its bounds.
+/// One derivative of a Cartesian reference.
 struct Magnitudes {
   const Vector6& pose;
   double elbow;
   double CartesianBound::*bound;
 };
 
-/// Adds a violation for the first axis that is beyond its bound.
+/// Adds a violation for the first axis that exceeds its bound.
 void CheckMagnitudes(RobotError error, const Magnitudes& values, bool has_elbow,
                      const CartesianLimits& limits, std::uint64_t message_id,
                      Violations& found) noexcept {
@@ -51,7 +51,7 @@ void CheckElbowRange(double elbow, const JointLimits& joints, std::uint64_t mess
              message_id});
 }
 
-/// The larger magnitude; what is no number is larger than any.
+/// The larger magnitude; NaN counts as the largest.
 double Larger(double a, double b) noexcept {
   return std::abs(a) >= std::abs(b) || std::isnan(a) ? std::abs(a) : std::abs(b);
 }
@@ -65,7 +65,7 @@ double Deviation(const Transform& X) noexcept {
   double deviation = R.determinant() - 1;
   for (const double x : oblique.reshaped()) deviation = Larger(deviation, x);
   for (const double x : row) deviation = Larger(deviation, x);
-  // A position that is no finite number is no deviation of a finite size either.
+  // A position that is not finite has an infinite deviation.
   for (std::size_t i = 12; i < 15; ++i) {
     if (!std::isfinite(X[i])) deviation = X[i];
   }

@@ -12,7 +12,7 @@ bool IsAbove(double value, double threshold) noexcept {
 template <std::size_t n>
 using Values = std::array<double, n>;
 
-/// Contacts last as long as their cause, collisions stay.
+/// Contacts last as long as their cause; collisions are latched.
 template <std::size_t n>
 void Judge(const Values<n>& values, const Values<n>& lower, const Values<n>& upper,
            Values<n>& contact, Values<n>& collision) noexcept {

@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-/// Asks for the loop that follows to be unrolled, whatever else the compiler would make of it: g++
-/// turns short sums into vectors at twice the cost.
+/// Requests unrolling of the following loop: g++ otherwise vectorises short sums, at twice the
+/// cost.
 #if defined(__GNUC__) && !defined(__clang__)
 #define TWIN_UNROLL _Pragma("GCC unroll 8")
 #else
@@ -12,9 +12,9 @@
 
 namespace twin::onboard::internal {
 
-/// A symmetric positive definite matrix as A = L diag(1/d) L^T, L unit lower triangular. Loops of
-/// known length: for six and seven rows ten times as fast as Eigen's factorisations, and without a
-/// root.
+/// Factors A = L diag(1/d) L^T of a symmetric positive definite matrix, L unit lower triangular.
+/// Loops of fixed length: for six and seven rows ten times as fast as Eigen's factorisations, and
+/// without a square root.
 ///
 /// Real-time: noexcept, allocates nothing.
 template <int n>
@@ -22,9 +22,9 @@ struct Factors {
   using Square = Eigen::Matrix<double, n, n, Eigen::RowMajor>;
   using Column = Eigen::Matrix<double, n, 1>;
 
-  Square L;                 ///< below the diagonal; the rest is not set
+  Square L;                 ///< below the diagonal; the rest is unset
   Column d;                 ///< inverses of the pivots
-  bool is_definite = true;  ///< else the factors are without meaning
+  bool is_definite = true;  ///< else the factors are invalid
 
   /// @param A  its lower triangle is read.
   explicit Factors(const Square& A) noexcept {
@@ -47,7 +47,7 @@ struct Factors {
   }
 };
 
-/// The inverse of such a matrix: A^-1 = U^T diag(d) U, U = L^-1.
+/// The inverse of a symmetric positive definite matrix: A^-1 = U^T diag(d) U, U = L^-1.
 ///
 /// Real-time: noexcept, allocates nothing.
 template <int n>
@@ -71,7 +71,7 @@ class Inverse {
     }
   }
 
-  /// Whether A was positive definite; else the inverse is without meaning.
+  /// Whether A was positive definite; else the inverse is invalid.
   [[nodiscard]] bool is_definite() const noexcept { return factors_.is_definite; }
 
   /// The diagonal of A^-1.

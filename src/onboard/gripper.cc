@@ -9,7 +9,7 @@
 namespace twin::onboard {
 namespace {
 
-// Of the motion of a finger. Critically damped at 100 rad/s for the 1 kg that the drive is felt as.
+// Motion of a finger: critically damped at 100 rad/s for the drive's reflected mass of 1 kg.
 constexpr double kStiffness = 1e4;   // N/m
 constexpr double kDamping = 200;     // N s/m
 constexpr double kMotionForce = 30;  // N, unless a grasp sets its own
@@ -17,22 +17,22 @@ constexpr double kMostSpeed = 0.1;   // of the opening, m/s
 
 constexpr double kHomingSpeed = 0.05;
 constexpr double kHomingForce = 10;
-constexpr double kBeyondStop = 0.02;   // how far homing and grasps aim past the fingers' way, m
-constexpr double kClosedWidth = 1e-3;  // wider than that at the lower stop: something is in between
+constexpr double kBeyondStop = 0.02;   // by which homing and grasps aim past the stop, m
+constexpr double kClosedWidth = 1e-3;  // wider at the lower stop: an object is in between
 
 constexpr double kContactForce = 5;        // N
-constexpr double kSlowShare = 0.1;         // of the motion's speed: hardly moves
+constexpr double kSlowShare = 0.1;         // of the motion's speed: below, a finger hardly moves
 constexpr double kLeastSlowSpeed = 1e-6;   // of the opening, m/s
-constexpr double kStillSpeed = 2e-3;       // of the opening, m/s: stands still
+constexpr double kStillSpeed = 2e-3;       // of the opening, m/s: below, it is at rest
 constexpr double kArrivedWithin = 0.2e-3;  // m
 
-constexpr double kRacingSpeed = 0.15;  // of a finger, m/s: where a pressing drive gives no force
+constexpr double kRacingSpeed = 0.15;  // of a finger, m/s: a pressing drive gives no force
 constexpr int kRiseCycles = 100;       // of a grasp's force
-constexpr int kSettledCycles = 50;     // of standstill, before an opening is judged
-constexpr int kGraspedCycles = 20;     // of standstill, before an object counts as held
-constexpr int kGraspTimeout = 2000;    // for a standstill after contact
-constexpr int kMoveTimeout = 500;      // for something in the way
-constexpr int kReleaseCycles = 50;     // without force, so that what was squeezed comes free
+constexpr int kSettledCycles = 50;     // at rest, before an opening is checked
+constexpr int kGraspedCycles = 20;     // at rest, before an object counts as held
+constexpr int kGraspTimeout = 2000;    // to come to rest after contact
+constexpr int kMoveTimeout = 500;      // blocked by an obstacle
+constexpr int kReleaseCycles = 50;     // without force, so that a squeezed object is released
 
 constexpr double kAmbient = 25;     // degrees Celsius
 constexpr double kHeating = 25;     // the same, at the force below
@@ -156,7 +156,7 @@ void Gripper::AdvanceMove() noexcept {
   const bool there = std::abs(sensors_.width - target_) <= kArrivedWithin;
   if (there && still_cycles_ > 0 && width_d_ == target_) {
     phase_ = Phase::kHolding;
-    phase_cycles_ = kReleaseCycles;  // nothing is let go
+    phase_cycles_ = kReleaseCycles;  // nothing is released
     return End(HandResult::kSuccess);
   }
   if (slow_cycles_ < kMoveTimeout) return;
@@ -210,7 +210,7 @@ HandDrive Gripper::Drive() noexcept {
 HandDrive Gripper::Servo() noexcept {
   const double to_go = target_ - width_d_;
   const double ahead = Clamp(to_go, speed_ * kCycleSeconds);
-  const double lead = 2 * force_limit_ / kStiffness;  // more would only be wound up
+  const double lead = 2 * force_limit_ / kStiffness;  // more would only wind up
   const double width_d = ahead == to_go ? target_ : width_d_ + ahead;
   width_d_ = std::clamp(width_d, sensors_.width - lead, sensors_.width + lead);
   const double dwidth_d = width_d_ == width_d ? ahead / kCycleSeconds : 0;

@@ -22,7 +22,7 @@ const Task kRegularisation = (Task() << 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-3
 const Task kLightDamping = (Task() << 30, 30, 30, 3, 3, 3, 3).finished();
 constexpr double kJointDamping = 0.3;  // Nms/rad
 
-/// The unit vector of the joint motion that leaves EE where it is, on the side of `last`.
+/// Unit vector of the joint motion that leaves EE in place, with the sign of `last`.
 JointColumn NullVector(const Jacobian& J, const JointColumn& last) noexcept {
   const Eigen::HouseholderQR<Eigen::Matrix<double, kJoints, 6>> qr(J.transpose());
   JointColumn n = JointColumn::Unit(kJoints - 1);

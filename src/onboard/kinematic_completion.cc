@@ -18,12 +18,12 @@ constexpr double kT = kCycleSeconds;
 constexpr std::size_t kElbowJoint = 2;    // joint 3
 constexpr std::size_t kStretchJoint = 3;  // joint 4
 
-/// After the first step what is left is of second order in the change of a step, 1e-10 at the
-/// limits of jerk; each correction takes it down by another factor of a step's length, 1e-3.
+/// The error after the first step is of second order in the change of a step, 1e-10 at the limits
+/// of jerk; each correction reduces it by another factor of a step's length, 1e-3.
 constexpr int kMaxCorrections = 3;
 constexpr double kCorrectedWell = 1e-13;
-/// A step that is not made, rad: what kCorrectedWell may leave, times the joints' most per
-/// displacement, 1 / kDampedBelow, and a margin. A lag that is over, m and rad.
+/// Steps below this are withheld, rad: the error that kCorrectedWell leaves, times the joints'
+/// largest gain, 1 / kDampedBelow, and a margin. A lag below it is zero, m and rad.
 constexpr double kNoStep = 1e-11;
 constexpr double kNoLag = 1e-12;
 
@@ -56,8 +56,7 @@ double Repulsion(double q4) noexcept {
                        q4 - model::kElbowFlipAngle);
 }
 
-/// What of a lag remains in the next cycle: it comes down by its share of the time constant, and
-/// the larger it is the more by the greatest speed alone.
+/// The lag of the next cycle: it decays with the time constant, a large one at the greatest speed.
 Vector6 Remaining(const Vector6& lag) noexcept {
   constexpr double kSoft = KinematicCompletion::kCatchUpSpeed * KinematicCompletion::kCatchUpTime;
   Vector6 remaining = lag;
@@ -70,7 +69,7 @@ Vector6 Remaining(const Vector6& lag) noexcept {
   return remaining;
 }
 
-/// The step that the joints would make by themselves, at constant acceleration.
+/// The step of the joints at constant acceleration.
 JointVector Ahead(const JointReference& from, const std::optional<double>& elbow) noexcept {
   JointVector step;
   for (std::size_t i = 0; i < kJoints; ++i) step[i] = kT * (from.dq_d[i] + kT * from.ddq_d[i]);
@@ -84,16 +83,16 @@ JointVector Velocity(const JointVector& from, const JointVector& to) noexcept {
   return dq;
 }
 
-/// The damped step from q_d, by the linearisation there where the joints are about to be: it is
-/// wrong by no more than second order in the change of the step.
+/// The damped step from q_d, linearised at the predicted joints: its error is of second order in
+/// the change of the step.
 struct FirstStep {
   InverseKinematics ik;
   JointVector dq{};
-  Vector6 missed{};     ///< what the damping leaves undone on purpose
-  bool is_free = true;  ///< neither damped nor kept from the flip angle
+  Vector6 missed{};     ///< the part that the damping leaves out
+  bool is_free = true;  ///< neither damped nor repelled from the flip angle
 };
 
-/// @param error_at  of a Configuration: what the flange still has to go.
+/// @param error_at  of a Configuration: remaining displacement of the flange.
 template <typename ErrorAt>
 FirstStep StepOf(const JointReference& from, const std::optional<double>& elbow,
                  const ErrorAt& error_at) noexcept {

@@ -199,7 +199,7 @@ bool MotionGenerator::AtRest() const noexcept {
   return joints_.AtRest() && cartesian_.AtRest();
 }
 
-/// The joints lead, pose and elbow are theirs.
+/// The joint reference leads; pose and elbow follow from it.
 void MotionGenerator::Lead(const JointReference& joints) noexcept {
   const model::ArmModel& arm = model::ArmModel::Panda();
   const model::Configuration q_d(joints.q_d);

@@ -4,7 +4,7 @@
 
 #include "twin/model/transform.h"
 
-// What is asked of OnboardController: motions, settings, recovery, buttons.
+// Requests to OnboardController: motions, settings, recovery, buttons.
 
 namespace twin::onboard {
 namespace {
@@ -202,7 +202,7 @@ bool OnboardController::Operate(PanelAction action) noexcept {
 }
 
 void OnboardController::LeaveToRest() noexcept {
-  if (errors_.none()) sensing_.ClearCollisions();  // people leading the arm are none
+  if (errors_.none()) sensing_.ClearCollisions();  // people leading the arm cause no collisions
   if (brakes_closed_) {
     robot_mode_ = RobotMode::kOther;
   } else {

@@ -6,7 +6,7 @@
 #include "twin/onboard/limit_monitor.h"
 #include "twin/onboard/onboard_controller.h"
 
-// What OnboardController does in a cycle: modes that pass by themselves, the reference, the torque.
+// A cycle of OnboardController: automatic mode changes, the reference, the torque.
 
 namespace twin::onboard {
 const JointDrive& OnboardController::Cycle(const RobotCommand* command,
@@ -14,7 +14,7 @@ const JointDrive& OnboardController::Cycle(const RobotCommand* command,
   fate_ = rt::CommandFate::kNone;
   violations_ = Violations();
   const JointSensors& sensors = Sound(measured);
-  if (message_id_ == 0) sensing_.Reset(sensors, setup_);  // nothing has been sensed yet
+  if (message_id_ == 0) sensing_.Reset(sensors, setup_);  // no sensor values yet
   AdvanceMode(sensors);
   AdvanceReference(command, sensors);
   DriveJoints(sensors);
@@ -70,8 +70,8 @@ void OnboardController::AdvanceReference(const RobotCommand* command,
 
 void OnboardController::AwaitFirstCommand(const RobotCommand* command) noexcept {
   generator_.Rest();
-  // In the cycle that shows the modes first, a command can only answer a state from before the
-  // motion: it is left over from another.
+  // In the first cycle that shows the modes, a command can only answer a state from before the
+  // motion: it belongs to another one.
   if (command != nullptr && cycles_waited_ > 0) {
     Take(*command, true);
     return;
@@ -107,7 +107,7 @@ Violations OnboardController::TryStep(const RobotCommand& command, bool is_first
                                       const Violations& torque) noexcept {
   const bool finishes = command.motion_generation_finished;
   if (torque.empty() && !finishes) return generator_.Take(command, is_first, message_id_ + 1);
-  // A step that may turn out to be wrong afterwards is tried on a copy.
+  // Tries the step on a copy, since a later check may reject it.
   MotionGenerator next = generator_;
   Violations found = next.Take(command, is_first, message_id_ + 1);
   if (found.empty() && finishes) found = next.CheckStandingStill(message_id_ + 1);

@@ -5,7 +5,7 @@
 #include "twin/core/time.h"
 #include "twin/onboard/onboard_controller.h"
 
-// What OnboardController reports: the robot state of a cycle.
+// Reports of OnboardController: the robot state of a cycle.
 
 namespace twin::onboard {
 namespace {
@@ -21,7 +21,7 @@ bool Accelerates(const JointReference& reference) noexcept {
 
 void OnboardController::FillState(const JointSensors& measured, RobotState& state) noexcept {
   const JointSensors& sensors = Sound(measured);
-  // Closed brakes take up what the observer would hold against the model.
+  // Closed brakes carry torque that the observer would take for an external one.
   if (message_id_ == 0 || payload_changed_ || drive_.brakes) sensing_.Reset(sensors, setup_);
   payload_changed_ = false;
   sensing_.Update(sensors, setup_, Accelerates(generator_.joints()));

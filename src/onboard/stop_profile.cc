@@ -10,12 +10,12 @@ namespace {
 
 constexpr double kT = kCycleSeconds;
 
-/// Velocity that rounding may leave behind at the end of a stop: below one ulp of any joint
-/// position per cycle, so cutting it off does not move the arm.
+/// Velocity that rounding may leave at the end of a stop: below one ulp of any joint position per
+/// cycle, so setting it to zero does not move the arm.
 constexpr double kRestVelocity = 1e-12;
 
-/// The x >= 0 with S(x) = sum, S(x) = (m + 1) x - d m (m + 1)/2 for m d <= x <= (m + 1) d. Beyond
-/// x_max it does not matter how far.
+/// The x >= 0 with S(x) = sum, S(x) = (m + 1) x - d m (m + 1)/2 for m d <= x <= (m + 1) d. Above
+/// x_max any value will do.
 double InverseRampSum(double sum, double d, double x_max) noexcept {
   double m = 0;
   while (sum > d * (m + 1) * (m + 2) / 2 && m * d < x_max) m += 1;

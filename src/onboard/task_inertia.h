@@ -15,7 +15,7 @@ inline Eigen::Map<const JointColumn> Column(const JointVector& v) noexcept {
   return Eigen::Map<const JointColumn>(v.data());
 }
 
-/// M(q) + B, the inertia the drives' torque meets.
+/// M(q) + B, the inertia that the drives accelerate.
 inline JointSquare InertiaWithRotors(const model::ArmModel& arm, const model::Configuration& q,
                                      const model::Payload& payload,
                                      const JointVector& rotor_inertia) noexcept {
@@ -27,7 +27,7 @@ inline JointSquare InertiaWithRotors(const model::ArmModel& arm, const model::Co
 
 /// The inertia of a task whose velocity is J dq:
 ///   Lambda = (J M^-1 J^T + E)^-1,
-/// E diagonal: an axis the arm cannot move along is as heavy as 1 / E, not infinitely.
+/// E diagonal: an axis along which the arm cannot move has inertia 1 / E, not infinity.
 ///
 /// Real-time: noexcept, allocates nothing.
 template <int n>
@@ -40,18 +40,17 @@ class TaskInertia {
   TaskInertia(const JointSquare& M, const TaskJacobian& J, const Task& E) noexcept
       : M_(M), G_(Reduce(J)), Lambda_(Mobility(E)) {}
 
-  /// What moves each axis alone, the others held: Lambda_ii.
+  /// Lambda_ii: inertia of each axis alone, with the others held.
   [[nodiscard]] Task Diagonal() const noexcept { return Lambda_.Diagonal(); }
 
-  /// Lambda J M^-1 tau: the task force that has the same effect on the task as the torque.
+  /// Lambda J M^-1 tau: the task force with the same effect on the task as the torque.
   [[nodiscard]] Task ForceOf(const JointColumn& tau) const noexcept {
     return Lambda_.Times(AccelerationOf(tau));
   }
 
-  /// The same, but for what the task can hardly move along: an axis of mobility l = 1 / inertia
-  /// gets the share 1 - (E / (l + E))^3 of it, all of it where l is well above E, nothing where it
-  /// is well below. With Lambda of this E, it is f_3 of f_1 = Lambda a, f_(k+1) = f_1 + Lambda E
-  /// f_k.
+  /// The same without directions of low mobility: an axis of mobility l = 1 / inertia gets the
+  /// share 1 - (E / (l + E))^3, which is 1 where l is well above E and 0 where it is well below.
+  /// With Lambda of this E, it is f_3 of f_1 = Lambda a, f_(k+1) = f_1 + Lambda E f_k.
   [[nodiscard]] Task MovableForceOf(const JointColumn& tau, const Task& E) const noexcept {
     const Inverse<n> Lambda(Mobility(E));
     const Task first = Lambda.Times(AccelerationOf(tau));
@@ -76,7 +75,7 @@ class TaskInertia {
     return G;
   }
 
-  /// J M^-1 J^T + E, by columns, which are its rows.
+  /// J M^-1 J^T + E, by columns, which equal its rows.
   [[nodiscard]] Square Mobility(const Task& E) const noexcept {
     Square A;
     TWIN_UNROLL

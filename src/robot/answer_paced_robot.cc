@@ -6,17 +6,17 @@
 namespace twin::robot {
 namespace {
 
-/// How long the thread waits for commands before it looks for what else is asked of it.
+/// How long the thread waits for commands between checks for other requests.
 constexpr Duration kLook = kCycle;
-/// After which a state without an answer is sent again.
+/// Time after which an unanswered state is sent again.
 constexpr Duration kResend = std::chrono::milliseconds(100);
-/// Frozen, before a motion's first command: from the first state that shows the motion to the
-/// second, which clients wait for; and to each further one, for a client that took the first two as
-/// one. A state that meets the first command on the way would be one more for that client than for
-/// others, so the pause is as long as clients of the real robot stand (they give up after 1 s).
+/// While frozen, before a motion's first command: time from the first state that shows the motion
+/// to the second, for which clients wait, and to each further one, for a client that took the first
+/// two as one. A state that crosses the first command would be one more for that client, so the
+/// pause is as long as clients of the real robot wait (they give up after 1 s).
 constexpr Duration kToSecond = std::chrono::milliseconds(10);
 constexpr Duration kToFurther = std::chrono::milliseconds(500);
-/// States in a row that the link may lose before a change of mode is no longer waited for.
+/// Consecutive states that the link may lose before the robot stops waiting for a change of mode.
 constexpr int kMostLost = 64;
 
 }  // namespace
@@ -33,7 +33,7 @@ void AnswerPacedRobot::Run(const std::stop_token& stop) noexcept {
   DropCommands();
   robot().Begin();
   cycling_ = true;
-  AdvanceToState();  // before anything is asked: the same cycle in every session
+  AdvanceToState();  // before any request: the same cycle in every session
   next_cycle_ = clock().Now();
   AwaitCycle(stop);
   while (!stop.stop_requested()) {
@@ -88,10 +88,10 @@ bool AnswerPacedRobot::IsFrozen() const noexcept {
 
 void AnswerPacedRobot::OnGranted(Granted what) noexcept {
   const bool in_motion = robot().mode() == RobotMode::kMove;
-  if (!in_motion) phase_ = Phase::kNone;  // the user stop may have ended one
+  if (!in_motion) phase_ = Phase::kNone;  // the user stop may have ended a motion
   if (what == Granted::kStopMove) {
     if (in_motion) Stop();
-    return;  // without a motion nothing has changed
+    return;  // without a motion nothing changes
   }
   if (what == Granted::kMove) {
     phase_ = Phase::kStarting;
@@ -110,7 +110,7 @@ void AnswerPacedRobot::Stop() noexcept {
 void AnswerPacedRobot::TakeCommands() noexcept {
   while (port().Receive(received_)) {
     RobotCommand& command = received_.command;
-    // One that comes a second time would count, or not, as the wall clock has it.
+    // A duplicate would count or not, depending on the wall clock.
     if (command.message_id != shown_.message_id || answered_) continue;
     command.message_id = shown_cycle_;
     robot().Send(command);
@@ -149,7 +149,7 @@ void AnswerPacedRobot::AwaitCycle(const std::stop_token& stop) noexcept {
     const bool is_paced = phase_ != Phase::kAnswered;
     static_cast<void>(commands_.AwaitUntil(is_paced ? std::min(next_cycle_, look) : look));
   }
-  // Nothing is caught up, neither of a wait for an answer nor of a stall.
+  // Nothing is caught up after a wait for an answer or a stall.
   const Time now = clock().Now();
   const Duration pace = phase_ == Phase::kStarting && IsFrozen() ? kToFurther : kCycle;
   next_cycle_ = std::clamp(next_cycle_ + pace, now, now + pace);

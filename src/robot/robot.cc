@@ -42,7 +42,7 @@ void Robot::Begin() noexcept {
 }
 
 Time Robot::Due(std::uint64_t periods) const noexcept {
-  // Whole nanoseconds are exact in a double for 104 days, so that without drift nothing is rounded.
+  // Whole nanoseconds are exact in a double for 104 days, so without drift nothing is rounded.
   const auto own = static_cast<double>(periods * static_cast<std::uint64_t>(kCycle.count()));
   return begin_ + Duration(std::llround(own / clock_speed_));
 }
@@ -86,7 +86,7 @@ void Robot::OnEvent(Time now, std::uint64_t /*token*/) noexcept {
 void Robot::OperatePanel() noexcept {
   const Duration now = onboard_.message_id() * kCycle;
   while (next_panel_event_ < panel_.size() && panel_[next_panel_event_].at <= now) {
-    // What the robot refuses is refused: people may press a button in vain.
+    // The robot may refuse a button; then it has no effect.
     static_cast<void>(onboard_.Operate(panel_[next_panel_event_].action));
     ++next_panel_event_;
   }
@@ -115,7 +115,7 @@ void Robot::Cycle(Time now) noexcept {
   if (record_.violated) {
     record_.violation = onboard_.violations().items().front();
     last_found_ = onboard_.violations();
-    if (in_motion) last_violations_ = onboard_.violations();  // not of a collision while idle
+    if (in_motion) last_violations_ = onboard_.violations();  // not those of a collision while idle
   }
   if (sink_ == nullptr) return;
   record_.at = now;

@@ -8,7 +8,7 @@
 namespace twin::robot {
 namespace {
 
-/// How long a request waits for the robot's thread: a thousand cycles.
+/// Timeout of a request to the robot's thread: a thousand cycles.
 constexpr Duration kTimeout = std::chrono::seconds(1);
 
 }  // namespace

@@ -7,17 +7,16 @@
 namespace twin::robot {
 namespace {
 
-/// A thread of real-time priority that never sleeps starves the machine, until the kernel takes it
-/// off its processor for 50 ms. One that has too much to do rests for so long after so much work.
+/// A real-time thread that never sleeps starves the machine until the kernel suspends it for 50 ms.
+/// An overloaded thread sleeps for kRest after kLongestWork.
 constexpr Duration kLongestWork = 10 * kCycle;
 constexpr Duration kRest = kCycle;
 
-/// Lateness of a cycle that leaves the grid where it is: an ordinary wake-up. The robot whose cycle
-/// begins later than that would have its next cycle, and the deadline of its next command, too
-/// soon.
+/// Lateness of a cycle that does not move the time grid: an ordinary wake-up. After a later start,
+/// the next cycle and the deadline of its command would come too soon.
 constexpr Duration kTolerated = kCycle / 4;
 
-/// Commands that are taken at one wake-up: a writer that never pauses cannot keep the thread busy.
+/// Commands taken per wake-up, so that a writer without pauses cannot keep the thread busy.
 constexpr int kCommandsAtOnce = 64;
 
 }  // namespace
@@ -39,7 +38,7 @@ void WallClockRobot::Run(const std::stop_token& stop) noexcept {
   while (!stop.stop_requested()) {
     RunCalls();
     const Time now = clock().Now();
-    Time wake = *events().NextTime();  // there is always a next cycle
+    Time wake = *events().NextTime();  // a next cycle always exists
     if (wake <= now && now - rested > kLongestWork) wake = now + kRest;
     if (wake > now) {
       rt::SleepUntil(clock(), wake);

@@ -10,20 +10,21 @@
 
 namespace twin::onboard {
 
-/// Decides which of the commands that have arrived counts for a cycle.
+/// Decides which arrived command counts for a cycle.
 ///
-/// In the cycle after state k was sent, a command counts if its message_id is k and it arrived by
-/// the deadline; of several the newest. An older id is late, a newer one invalid: both are dropped.
-/// The robot's exact comparison is not public; this one follows its public timing rule (a command
-/// that misses its cycle is dropped). Source: FCI protocol 5, "When a command counts as lost".
+/// In the cycle after state k, a command counts if its message_id is k and it arrived by the
+/// deadline; the newest of several counts. An older id is late, a newer one invalid: both are
+/// dropped. The robot's exact comparison is not public; ours follows the public timing rule (a
+/// command that misses its cycle is dropped). Source: FCI protocol 5, "When a command counts as
+/// lost".
 ///
-/// Threads: one. Real-time: noexcept, allocates nothing; at most kCapacity commands wait, the
-/// oldest gives way.
+/// Threads: one. Real-time: noexcept, allocates nothing. Holds at most kCapacity commands; a new
+/// one replaces the oldest.
 class CommandInbox {
  public:
   static constexpr std::size_t kCapacity = 32;
 
-  /// A command has arrived. Arrival times do not fall.
+  /// Stores a command that has arrived. @pre arrival times do not decrease.
   void Push(const RobotCommand& command, Time arrival) noexcept TWIN_REALTIME;
 
   /// Takes everything that arrived by `deadline`; commands that arrived later stay for the next
@@ -33,7 +34,7 @@ class CommandInbox {
   [[nodiscard]] const RobotCommand* Select(std::uint64_t answered_id,
                                            Time deadline) noexcept TWIN_REALTIME;
 
-  /// Commands thrown away by the last Select() and by overflow since the Select() before it.
+  /// Commands dropped by the last Select(), and by overflow since the Select() before it.
   [[nodiscard]] std::uint32_t dropped() const noexcept { return dropped_; }
 
  private:

@@ -9,17 +9,17 @@
 
 namespace twin::onboard {
 
-/// Compares external torques and forces with the thresholds of SetCollisionBehavior, each by its
-/// magnitude and with the tolerance of kLimitTolerance:
+/// Compares the magnitudes of external torques and forces with the thresholds of
+/// SetCollisionBehavior, with tolerance kLimitTolerance:
 ///   above the lower one  a contact, while it lasts;
-///   above the upper one  a collision, kept until Clear(), and a violation while it lasts.
+///   above the upper one  a collision, latched until Clear(), and a violation while it lasts.
 /// The `acc` thresholds count while the reference accelerates, the `nominal` ones otherwise. Forces
 /// are those at K in its axes. Source: FCI protocol 5, contacts and collisions.
 ///
 /// Threads: one. Real-time: all but SetBehavior; noexcept, allocates nothing.
 class ContactMonitor {
  public:
-  /// Contacts and collisions found so far stay until the next Update() and Clear().
+  /// Keeps contacts until the next Update() and collisions until Clear().
   void SetBehavior(const setting::CollisionBehavior& behavior) noexcept { behavior_ = behavior; }
 
   /// @param tau_ext_hat  Nm. @param K_F_ext_hat_K  N, Nm.
@@ -27,10 +27,10 @@ class ContactMonitor {
               bool accelerates) noexcept TWIN_REALTIME;
 
   /// joint_reflex and cartesian_reflex of the last Update(), each with the first joint or axis of K
-  /// that is above its upper threshold.
+  /// above its upper threshold.
   [[nodiscard]] Violations Collisions(std::uint64_t message_id) const noexcept TWIN_REALTIME;
 
-  /// Forgets the collisions.
+  /// Unlatches the collisions.
   void Clear() noexcept;
 
   /// Levels: 1 above the threshold, else 0.

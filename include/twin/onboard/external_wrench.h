@@ -6,25 +6,25 @@
 
 namespace twin::onboard {
 
-/// What the robot does to its environment at the stiffness frame K: [force; moment about K], N and
+/// Wrench of the robot on its environment at the stiffness frame K: [force; moment about K], N and
 /// Nm.
 struct ExternalWrench {
   Vector6 O_F_ext_hat_K{};  ///< base axes
   Vector6 K_F_ext_hat_K{};  ///< axes of K
 };
 
-/// The wrench at K that explains the external joint torques best, J_K the zero Jacobian of K:
+/// The wrench at K that best explains the external joint torques, with J_K the zero Jacobian of K:
 ///   O_F_ext_hat_K = (J_K^T)^+ tau_ext_hat.
-/// It is exact when all that acts on the arm acts beyond joint 7. A push further down shows as what
-/// it would be at K. What explains them best does not depend on the point, so it is sought at EE,
-/// (J J^T)^-1 J tau_ext_hat, and moved to K.
+/// It is exact when every contact is beyond joint 7; another contact appears as the equivalent push
+/// at K. The best fit does not depend on the point, so it is computed at EE as (J J^T)^-1 J
+/// tau_ext_hat and moved to K.
 ///
-/// An error of tau_ext_hat, alike on all joints, arrives in the wrench at EE enlarged by
+/// An error of tau_ext_hat, equal on all joints, enters the wrench at EE amplified by
 ///   gain = sqrt(trace((J J^T)^-1)) = sqrt(sum 1/sigma_i^2),
-/// sigma_i the singular values of J, units of m, N and Nm. Near a singularity that grows without
-/// bound; above `gain_max` both wrenches are zero, and from 0.8 of it on they fade, so that an arm
-/// that leaves a singularity does not meet a force that was not there a cycle before. Source: FCI
-/// protocol 5, robot state ("zeros near singularity"); measure and fading are ours.
+/// with sigma_i the singular values of J, in m, N and Nm. The gain grows without bound near a
+/// singularity. Above `gain_max` both wrenches are zero; from 0.8 gain_max on they fade, so that
+/// the wrench does not jump where an arm leaves a singularity. Source: FCI protocol 5, robot state
+/// ("zeros near singularity"); gain and fading are decisions.
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.
 /// @param tau_ext_hat  positive when the robot pushes. @param J  zero Jacobian of EE.

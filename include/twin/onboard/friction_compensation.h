@@ -6,16 +6,16 @@
 
 namespace twin::onboard {
 
-/// INT's compensation of joint friction, in every mode the last term of the applied torque:
+/// INT's compensation of joint friction, the last term of the applied torque in every mode:
 ///   tau = tau_J_d + share tau_f(dq) + g(q),
-/// tau_f the residual friction of model/joint_friction.h, dq the measured velocity. tau_J_d, as the
-/// state reports it, is without it.
+/// with tau_f the residual friction of model/joint_friction.h and dq the measured velocity. The
+/// reported tau_J_d does not contain it.
 ///
-/// The real robot compensates the friction of motor and gear, by a law that is not public; tau_f is
-/// what was identified *behind* that compensation, and what the twin's plant has by default. So the
-/// share is 0 unless asked for: nothing is added, not even a zero. A share above 0 is a robot that
-/// compensates better than the real one; 1 takes all of tau_f. tau_f is smooth at rest, so the
-/// compensation does not chatter, and a share of at most 1 never drives a joint that has this
+/// The real robot compensates the friction of motor and gear by a law that is not public. tau_f was
+/// identified *behind* that compensation and is the friction of the twin's plant by default, so the
+/// default share is 0 and adds nothing, not even a zero. A share above 0 models a robot that
+/// compensates better than the real one; 1 compensates all of tau_f. tau_f is smooth at rest, so
+/// the compensation does not chatter; a share of at most 1 never drives a joint that has this
 /// friction.
 ///
 /// Source of the term's place: FCI protocol 5, control law of the external controller; the paper's

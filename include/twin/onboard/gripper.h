@@ -11,52 +11,52 @@
 
 namespace twin::onboard {
 
-/// The hand's own controller: homing, moves, grasps, and what is reported of them. It runs beside
-/// the arm's: no mode, reflex or user stop of the arm stops it.
+/// Controller of the hand: homing, moves, grasps and their results. It runs beside the arm's: no
+/// mode, reflex or user stop of the arm stops it.
 ///
 /// While the fingers move, a finger's position x = width / 2 follows a reference that advances at
 /// the commanded speed:
 ///   f = K (x_d - x) + D (dx_d - dx),   cut to the motion's force (a grasp's own, else 30 N).
-/// It has met something (contact) when for 20 cycles it presses with at least 5 N, or half of what
-/// it may, and hardly moves. A grasp then presses with its force F, risen to within 0.1 s, less
-/// what keeps the drive from racing when the object goes:
-///   f = F min(1, 1 - dx / v_top),   dx towards the object,
-/// and once the fingers have stood still for 50 cycles it succeeds when
+/// The fingers are in contact when for 20 cycles they press with at least 5 N, or half of the force
+/// limit, and hardly move. A grasp then presses with its force F, ramped up within 0.1 s and
+/// reduced with the speed to keep the drive from racing when the object slips out:
+///   f = F min(1, 1 - dx / v_top),   dx towards the object.
+/// Once the fingers have been at rest for 50 cycles, the grasp succeeds if
 ///   width - epsilon_inner < opening < width + epsilon_outer,
-/// and is unsuccessful otherwise; it goes on pressing either way, until the next command.
+/// and is unsuccessful otherwise; in both cases it presses until the next command.
 ///
-/// is_grasped is what that law says at every cycle while a grasp presses: the opening is inside the
-/// band, the fingers have stood still for 20 cycles and press with at least half of F. So it turns
-/// false when the object is lost or released; and a band that includes zero is satisfied by fingers
-/// that have closed on nothing, as on the robot.
+/// is_grasped is evaluated in every cycle while a grasp presses: the opening is inside the band,
+/// and the fingers have been at rest for 20 cycles and press with at least half of F. So it becomes
+/// false when the object is lost or released. A band that includes zero also holds for fingers that
+/// have closed without an object, as on the robot.
 ///
 /// Homing closes and opens; the opening at the upper stop is max_width. Temperature follows
 ///   300 s dT/dt = 25 + 25 (f / 70 N)^2 - T   (degrees Celsius).
 ///
-/// Decisions, where the real hand is odd or its ways are not public: a command that comes while
-/// another runs aborts that one, also a Grasp during or after a Grasp; a Move that is stopped by
-/// something fails after 0.5 s and relaxes (the real hand blocks for minutes); homing fails when
-/// something lies between the fingers, and then leaves max_width as it was; Stop always works,
-/// and leaves the fingers where they are without pressing; Move and Grasp work before homing,
-/// with the opening the hand is built for; a speed above 0.1 m/s means 0.1 m/s; a Grasp of a width
-/// that the fingers are inside of by more than epsilon_inner opens, and grasps from within.
-/// Gains, thresholds and temperature law are ours. Source of the rest: FCI protocol 5, gripper.
+/// Decisions, where the real hand is inconsistent or its behaviour is not public: a command aborts
+/// the running one, also a Grasp during or after a Grasp; a Move that an obstacle stops fails after
+/// 0.5 s and relaxes (the real hand blocks for minutes); homing fails with an object between the
+/// fingers and then keeps max_width; Stop always works and leaves the fingers in place without
+/// pressing; Move and Grasp work before homing, with the hand's nominal opening; a speed above 0.1
+/// m/s means 0.1 m/s; a Grasp of a width that exceeds the opening by more than epsilon_inner opens
+/// and grasps from within. Gains, thresholds and temperature law are ours. Source of the rest: FCI
+/// protocol 5, gripper.
 ///
 /// Threads: one. Real-time: all calls are noexcept, O(1), allocate nothing.
 class Gripper {
  public:
-  /// @param sensors  as the hand is switched on: it holds this opening until told otherwise.
+  /// @param sensors  at power-on; the hand holds this opening until the first command.
   explicit Gripper(const HandSensors& sensors) noexcept;
 
-  /// Starts a command; it takes effect in the next Cycle(). Stop ends at once. A command with a
-  /// bad value is refused, and what runs goes on.
+  /// Starts a command; it takes effect in the next Cycle(). Stop ends at once. A command with an
+  /// invalid value is refused, and the running one continues.
   HandStart Start(const HandCommand& command) noexcept TWIN_REALTIME;
 
-  /// @returns how the command ended; nothing while it runs, and of a ticket never given. The
-  /// results of the last kRemembered commands are kept; earlier ones count as aborted.
+  /// @returns how the command ended; nullopt while it runs and for an unknown ticket. Keeps the
+  /// results of the last kRemembered commands; earlier ones count as aborted.
   [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const noexcept TWIN_REALTIME;
 
-  /// One cycle of 1 ms. @param sensors  after the last one.
+  /// Advances by 1 ms. @param sensors  after the last cycle.
   [[nodiscard]] HandDrive Cycle(const HandSensors& sensors) noexcept TWIN_REALTIME;
 
   /// As of the last Cycle().
@@ -78,10 +78,10 @@ class Gripper {
   void Take(const hand::Move& move) noexcept;
   void Take(const hand::Grasp& grasp) noexcept;
   void Take(const hand::Stop& stop) noexcept;
-  /// Begins a motion of the reference from where the fingers are.
+  /// Starts a motion of the reference at the fingers' position.
   void BeginMotion(Phase phase, double target, double speed, double force) noexcept;
   void End(HandResult result) noexcept;
-  /// Lets go, and then holds the opening as it is.
+  /// Releases the force, then holds the current opening.
   void Relax() noexcept;
 
   void Count() noexcept;
@@ -104,15 +104,15 @@ class Gripper {
   Phase phase_ = Phase::kHolding;
   hand::Grasp grasp_;
   double width_d_ = 0;      ///< the reference
-  double target_ = 0;       ///< what it moves to
+  double target_ = 0;       ///< target of the reference
   double speed_ = 0;        ///< of the reference, m/s
   double force_limit_ = 0;  ///< of the motion, N
   double direction_ = 1;    ///< of the motion: 1 opens
-  double pressed_ = 0;      ///< the force of a grasp, so far
-  int slow_cycles_ = 0;     ///< for how long the fingers have hardly moved, for the motion's speed
-  int contact_cycles_ = 0;  ///< for how long they have pressed on something beside that
-  int still_cycles_ = 0;    ///< for how long they have stood still
-  int phase_cycles_ = 0;    ///< since the phase began
+  double pressed_ = 0;      ///< current force of a grasp
+  int slow_cycles_ = 0;     ///< cycles at a low speed, relative to the motion's
+  int contact_cycles_ = 0;  ///< those while also pressing
+  int still_cycles_ = 0;    ///< cycles at rest
+  int phase_cycles_ = 0;    ///< cycles since the phase began
   double temperature_ = 0;
 
   struct Entry {

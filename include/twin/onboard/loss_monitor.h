@@ -7,17 +7,17 @@
 
 namespace twin::onboard {
 
-/// Counts the commands of a motion that came and that did not.
+/// Counts the received and the lost commands of a motion.
 ///
-/// success rate = commands received in the last 100 cycles / number of those cycles. While a motion
-/// is younger than 100 cycles the share is of the cycles it has had (the real robot's rule for them
-/// is not public). Counting begins with the first command: a client necessarily reads two states
-/// after the modes switch before it sends one. Source: FCI protocol 5, packet loss.
+/// success rate = commands received in the last 100 cycles / 100. For a motion younger than 100
+/// cycles the divisor is its age (the real robot's rule is not public). Counting starts with the
+/// first command, because a client reads two states after the mode switch before it sends one.
+/// Source: FCI protocol 5, packet loss.
 ///
 /// Threads: INT's. Real-time: noexcept, O(1).
 class LossMonitor {
  public:
-  /// A new motion: nothing counted yet.
+  /// Clears all counts for a new motion.
   void Reset() noexcept { *this = LossMonitor(); }
 
   void CountServed() noexcept TWIN_REALTIME {
@@ -29,7 +29,7 @@ class LossMonitor {
     ++lost_in_row_;
   }
 
-  /// Cycles without a command since the last served one.
+  /// Cycles without a command since the last command that counted.
   [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return lost_in_row_; }
 
   /// In [0, 1]; 0 before the first command.

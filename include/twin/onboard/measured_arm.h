@@ -7,15 +7,14 @@
 
 namespace twin::onboard {
 
-/// Frames and bodies that the setters changed.
+/// Frames and bodies that setters change.
 struct ArmSetup {
   Transform F_T_EE = kIdentityTransform;
   Transform EE_T_K = kIdentityTransform;
-  model::Payload payload;  ///< end effector and load, as INT knows them
+  model::Payload payload;  ///< end effector and load as configured in INT
 };
 
-/// The arm where the sensors show it: what several parts of INT need of it in a cycle, computed
-/// once.
+/// Model quantities at the measured q that several parts of INT share, computed once per cycle.
 ///
 /// A value type. Threads: any. Real-time: noexcept, allocates nothing.
 struct MeasuredArm {

@@ -10,34 +10,33 @@
 
 namespace twin::onboard {
 
-/// How far what is measured may go. None of these figures is public; each says why it is what it
-/// is.
+/// Bounds on measured quantities. None is public; each comment gives the reason for its value.
 struct MeasuredBounds {
-  /// Beyond the commanded positions' limits, rad, >= 0. An arm that follows an admissible reference
-  /// to the very limit overshoots by up to 3 mrad.
+  /// Margin beyond the limits of commanded positions, rad, >= 0. An arm that follows an admissible
+  /// reference up to the limit overshoots by up to 3 mrad.
   double q_margin_rad = 0.01;
-  /// Share of the commanded velocities' limits, joint and rotation, by which measured ones may be
-  /// above them, >= 0. An arm that follows an admissible reference is above it by less than 1 %
-  /// with joint impedance, by up to 6 % with Cartesian impedance near a singularity.
+  /// Relative margin above the limits of commanded velocities, for joints and rotation, >= 0. An
+  /// arm that follows an admissible reference exceeds them by less than 1 % with joint impedance,
+  /// and by up to 6 % with Cartesian impedance near a singularity.
   double velocity_margin = 0.1;
-  /// Velocity of the end effector in any motion, m/s, > 0: the velocity that libfranka's rate
-  /// limiter starts from. 1.7 m/s is what a Cartesian motion may command.
+  /// Speed of the end effector in any motion, m/s, > 0: the value on which libfranka's rate limiter
+  /// is based. A Cartesian motion may command 1.7 m/s.
   double translation_max_m_per_s = 2.0;
-  /// Mechanical power of the controller's torque, W, > 0. Less than half of what all drives could
-  /// give at their largest torque and velocity (850 W); the trajectories of models/scenarios take
-  /// up to 60 W, an unloaded arm whose seven joints accelerate at their limit, at their limit of
-  /// velocity, on average 210 W.
+  /// Mechanical power of the controller's torque, W, > 0. It is below half of what all drives give
+  /// at their largest torque and velocity (850 W). The trajectories of models/scenarios take up to
+  /// 60 W; an unloaded arm with all seven joints at their velocity limit and accelerating at their
+  /// limit takes 210 W on average.
   double power_max_W = 400;
-  /// Range of the torque sensors, Nm, each > 0; absent: 1.2 tau_max, which leaves room above what
-  /// the drives can apply for what contact and inertia add.
+  /// Range of the torque sensors, Nm, each > 0. Default: 1.2 tau_max, to leave room for contact and
+  /// inertia above the torque of the drives.
   std::optional<JointVector> tau_J_range;
-  /// Least distance between parts of the arm, m, >= 0: their shapes are known to about as much.
+  /// Least distance between parts of the arm, m, >= 0; about the accuracy of their shapes.
   double clearance_m = 0.01;
-  /// Whether a Franka Hand is on the flange, as a part that can meet others.
+  /// Whether a Franka Hand on the flange takes part in self-collision.
   bool has_hand = true;
 };
 
-/// INT's checks of what the sensors show, whatever was commanded:
+/// INT's checks of the sensor values, independent of commands:
 ///
 /// | error | holds while | value, limit, axis |
 /// |---|---|---|
@@ -49,16 +48,15 @@ struct MeasuredBounds {
 /// | power_limit_violation | sum (tau_J_d + g)_i dq_i <= power_max | power, W; none |
 /// | tau_J_range_violation | abs(tau_J) <= tau_J_range | tau_J, Nm; joint |
 ///
-/// v and w are of EE, g of arm, end effector and load. Each error is reported with the first joint
-/// or axis that breaks it; all are looked at in every cycle, each has a cause of its own. What is
-/// not finite is beyond its limit.
+/// v and w are of EE; g is of arm, end effector and load. Each error is reported with the first
+/// joint or axis that breaks it. All checks run independently in every cycle. A value that is not
+/// finite violates its limit.
 ///
-/// Decisions. The turning of EE is checked in Cartesian motions alone: the limits of the joints
-/// allow a joint motion far more than those of Cartesian motions (joint 7 on its own turns by 2.61
-/// rad/s), and nothing tells that joint motions are held to them. The velocity of the end
-/// effector's point is looked at always, so that a joint motion with the arm stretched out can
-/// break it. Power is what the drives put into the arm; what they take
-/// out of it in braking is not limited.
+/// Decisions. The rotation of EE is checked in Cartesian motions only: the joint limits allow much
+/// more (joint 7 alone rotates by 2.61 rad/s), and no source holds joint motions to the Cartesian
+/// limits. The speed of the end effector's point is always checked, so a joint motion with a
+/// stretched arm can violate it. Power counts only what the drives feed into the arm; the power
+/// they absorb in braking is not limited.
 ///
 /// Threads: any (immutable). Real-time: all but the constructor; noexcept, allocates nothing.
 class MeasuredMonitor {
@@ -66,23 +64,23 @@ class MeasuredMonitor {
   MeasuredMonitor(const JointLimits& joints, const CartesianLimits& cartesian,
                   const MeasuredBounds& bounds) noexcept;
 
-  /// What a cycle shows.
+  /// Measured quantities of a cycle.
   struct Measured {
     JointSensors sensors;
     JointVector g{};           ///< gravity of arm, end effector and load, Nm
     Vector6 O_dP_EE{};         ///< twist of EE, base axes, m/s and rad/s
-    double self_distance = 0;  ///< m, or a lower bound that is not below the clearance
+    double self_distance = 0;  ///< m, or a lower bound of at least the clearance
   };
 
-  /// @param tau_J_d  that acts, without gravity, Nm.
-  /// @param is_cartesian  the motion is one of a Cartesian motion generator.
+  /// @param tau_J_d  applied, without gravity, Nm.
+  /// @param is_cartesian  a Cartesian motion generator runs.
   [[nodiscard]] Violations Check(const Measured& measured, const JointVector& tau_J_d,
                                  bool is_cartesian,
                                  std::uint64_t message_id) const noexcept TWIN_REALTIME;
 
   [[nodiscard]] double clearance_m() const noexcept { return clearance_; }
 
-  /// Whether a joint is beyond the limits of its measured position.
+  /// Whether a joint is beyond its measured position limits.
   [[nodiscard]] bool IsOutOfRange(const JointVector& q) const noexcept TWIN_REALTIME;
 
  private:

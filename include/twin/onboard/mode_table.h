@@ -12,8 +12,7 @@
 
 namespace twin::onboard {
 
-/// Everything that can be asked of INT: the requests of FCI, then the panel's actions in the order
-/// of PanelAction.
+/// All requests to INT: those of FCI, then the panel's actions in the order of PanelAction.
 enum class Request : std::uint8_t {
   kMove,
   kStopMove,
@@ -39,13 +38,12 @@ enum class Request : std::uint8_t {
 inline constexpr std::size_t kRequests = 19;
 inline constexpr std::size_t kRobotModes = 7;
 
-/// What INT answers, as far as its mode decides. A granted request can still fail for its
-/// arguments.
+/// INT's answer as far as its mode decides it. A granted request can still fail for its arguments.
 enum class Verdict : std::uint8_t {
   kGranted,
-  kGrantedAtRest,       ///< granted once the reference rests, refused before
-  kNothingToDo,         ///< a success that changes nothing
-  kNothingUnlessError,  ///< the same while there is no error, refused while there is one
+  kGrantedAtRest,       ///< granted if the reference is at rest, else refused
+  kNothingToDo,         ///< succeeds without effect
+  kNothingUnlessError,  ///< the same without an error, refused with one
   kRefused,
 };
 
@@ -62,17 +60,17 @@ enum class Verdict : std::uint8_t {
 ///     x granted, r granted at rest, . nothing to do, e nothing to do unless there is an error, -
 ///     refused
 ///
-/// A recovery that succeeds leaves no errors: while people lead the arm, or its brakes are closed,
-/// it is refused with one, and done in Reflex, where the robot then comes to.
+/// A successful recovery clears all errors. With an error, recovery is refused while people lead
+/// the arm or its brakes are closed; it is granted in Reflex, which the robot enters afterwards.
 ///
-/// Brakes close from Idle and Reflex, at rest, and open from Other. Guiding begins from Idle and,
+/// Brakes close from Idle and Reflex, at rest, and open from Other. Guiding starts from Idle and,
 /// so that people can free the arm, from Reflex, at rest. GetCartesianLimit and LoadModelLibrary
 /// are always granted.
 ///
-/// Which modes refuse a Move, and that setters are refused in Move and Reflex, is what users of the
-/// robot report; StopMove always succeeds because clients end their process otherwise; the other
-/// entries are decisions, as nothing is published. Source: FCI protocol 5, user stop, guiding,
-/// brakes, recovery.
+/// Users of the robot report which modes refuse a Move, and that setters are refused in Move and
+/// Reflex. StopMove always succeeds, since clients terminate otherwise. The other entries are
+/// decisions, as nothing is published. Source: FCI protocol 5, user stop, guiding, brakes,
+/// recovery.
 inline constexpr std::array<std::array<Verdict, kRequests>, kRobotModes> kModeTable = [] {
   constexpr Verdict x = Verdict::kGranted;
   constexpr Verdict r = Verdict::kGrantedAtRest;
@@ -96,16 +94,16 @@ inline constexpr std::array<std::array<Verdict, kRequests>, kRobotModes> kModeTa
   return kModeTable[static_cast<std::size_t>(mode)][static_cast<std::size_t>(request)];
 }
 
-/// The request that makes the setting.
+/// The request for a setter.
 [[nodiscard]] Request RequestOf(const Setting& setting) noexcept;
 [[nodiscard]] constexpr Request RequestOf(PanelAction action) noexcept {
   return static_cast<Request>(static_cast<int>(Request::kPressUserStop) + static_cast<int>(action));
 }
 
-/// The whole table as Markdown: a line per request, a column per mode.
+/// The whole table as Markdown: a row per request, a column per mode.
 [[nodiscard]] std::string ModeTable();
 
-/// In words of the table: "Move", "Set Load", "press_user_stop", ...
+/// The table's name: "Move", "Set Load", "press_user_stop", ...
 [[nodiscard]] std::string_view Name(Request request) noexcept;
 /// "granted", "granted at rest", "nothing to do", "nothing to do; refused with an error",
 /// "refused".

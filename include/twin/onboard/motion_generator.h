@@ -17,88 +17,87 @@
 
 namespace twin::onboard {
 
-/// What the motion generator checks against.
+/// Limits that the motion generator enforces.
 struct GeneratorLimits {
   JointLimits joints;
   CartesianLimits cartesian;
-  /// Largest distances of a motion's first command from the reference; not public, what a simulator
-  /// of the successor uses.
+  /// Largest distances between a motion's first command and the reference. Not public; the values
+  /// of a simulator of the robot's successor.
   double start_q_rad = 0.1;
   double start_translation_m = 0.05;
   double start_rotation_rad = 0.1;
   double start_elbow_rad = 0.1;
 };
 
-/// The reference side of INT: from commands to q_d, dq_d, ddq_d, through every check of a command.
+/// The reference side of INT: checks commands and forms q_d, dq_d, ddq_d from them.
 ///
-/// Joint generators pass through (q_d = q_c). Cartesian ones go through inverse kinematics with the
+/// Joint generators pass through (q_d = q_c). Cartesian generators use inverse kinematics with the
 /// elbow as redundancy (KinematicCompletion); near singularities O_T_EE_d then differs from
-/// O_T_EE_c. A step is either taken as a whole or, with violations, not at all.
+/// O_T_EE_c. A step is either applied completely or, with violations, not at all.
 ///
-/// Precedence within a cycle: what is no pose at all (invalid frame), start pose and elbow, elbow
-/// sign; discontinuity before envelope; Cartesian side before joint side. Only the first group that
-/// is violated is reported. Source: FCI protocol 5, error table and conditions.
+/// Precedence within a cycle: invalid frame; start pose and start elbow; elbow sign; discontinuity
+/// before envelope; Cartesian side before joint side. Only the first violated group is reported.
+/// Source: FCI protocol 5, error table and conditions.
 ///
-/// What is no number breaks the first check that looks at it: in a pose the frame's; in an elbow
-/// that of its start or sign, later, like in joint values and twists, both discontinuities (it
-/// makes derivatives that are no numbers).
+/// A NaN violates the first check that reads it: in a pose the frame check; in an elbow the check
+/// of its start or sign. In later elbows, joint values and twists it violates both discontinuity
+/// checks, through the derivatives.
 ///
-/// An elbow counts in the cycles whose command has one. The first after a command without is
-/// checked as a start elbow. Without one, elbow_c is what the joints have, and a limit of joint 3
-/// is that of a joint (after inverse kinematics).
+/// An elbow counts in cycles whose command has one; the first one after a command without is
+/// checked as a start elbow. Without an elbow, elbow_c is that of the joints, and joint 3 is only
+/// limited as a joint (after inverse kinematics).
 ///
 /// Threads: INT's. Real-time: all but the constructor; noexcept, allocates nothing.
 class MotionGenerator {
  public:
-  /// @param q0  where the arm rests. @pre limits are valid.
+  /// @param q0  initial position, at rest. @pre limits are valid.
   MotionGenerator(const GeneratorLimits& limits, const JointVector& q0);
 
   /// @param F_T_EE  rigid. @pre no motion runs.
   void SetEndEffector(const Transform& F_T_EE) noexcept;
-  /// Low-passes on commanded values, before every check, with the last commanded value as their
-  /// memory; the elbow's is that of the mode's pose or twist. What a pose must be at all (frame) is
-  /// checked before. @pre no motion runs; values in range.
+  /// Sets the low-passes on commanded values. They act before every check except that of the frame,
+  /// and their memory is the last commanded value; the elbow uses the filter of the mode's pose or
+  /// twist. @pre no motion runs; values in range.
   void SetFilters(const setting::Filters& filters) noexcept;
 
-  /// Whether a Cartesian motion could not start here: the arm is singular.
+  /// Whether the arm is singular, so that no Cartesian motion can start.
   [[nodiscard]] bool IsSingular() const noexcept TWIN_REALTIME;
 
-  /// A motion begins: the reference rests at q_d. @pre at rest; mode is not kIdle.
+  /// Starts a motion; the reference rests at q_d. @pre at rest; mode is not kIdle.
   void Start(MotionGeneratorMode mode) noexcept TWIN_REALTIME;
 
-  /// Keeps the reference at rest for a cycle (before the first command).
+  /// One cycle at rest (before the first command).
   void Rest() noexcept TWIN_REALTIME;
 
-  /// Takes a command, if nothing is wrong with it.
-  /// @param is_first  of the motion: start pose and start elbow are checked.
+  /// Applies a command if it violates no check.
+  /// @param is_first  first of the motion: start pose and start elbow are checked.
   [[nodiscard]] Violations Take(const RobotCommand& command, bool is_first,
                                 std::uint64_t message_id) noexcept TWIN_REALTIME;
 
-  /// No command came: holds the acceleration, if that stays within the limits.
+  /// Without a command: holds the acceleration if that violates no limit.
   [[nodiscard]] Violations Hold(std::uint64_t message_id) noexcept TWIN_REALTIME;
 
-  /// Would two cycles at the reference as it stands break a limit? What a command that finishes the
-  /// motion is checked for, after Take(). Cartesian motions: the commanded pose and the joints
-  /// stand still, a lag behind the pose is left as it is.
+  /// Checks whether two cycles at the present reference break a limit. Used after Take() for a
+  /// command that finishes the motion. In Cartesian motions the commanded pose and the joints stay
+  /// constant, and so does a lag behind the pose.
   [[nodiscard]] Violations CheckStandingStill(std::uint64_t message_id) const noexcept
       TWIN_REALTIME;
 
-  /// One cycle at the reference as it stands, unchecked: the end of a motion that may finish.
+  /// One unchecked cycle at the present reference, at the end of a motion.
   void StandStill() noexcept TWIN_REALTIME;
 
-  /// One cycle of coming to rest within the joints' limits (StopStep), whatever mode ran; without
-  /// velocity it is a cycle at rest. A Cartesian motion is over with it.
+  /// One cycle of braking within the joints' limits (StopStep) in any mode; at zero velocity a
+  /// cycle at rest. Ends a Cartesian motion.
   void Brake() noexcept TWIN_REALTIME;
 
-  /// The reference leaves what it was and starts from where the arm is.
+  /// Restarts the reference at the measured state of the arm.
   void TakeOver(const JointVector& q, const JointVector& dq) noexcept TWIN_REALTIME;
 
   [[nodiscard]] const JointReference& joints() const noexcept { return joints_; }
-  /// What was commanded, or, with a joint generator or none, what the joints' reference amounts to;
-  /// accelerations of the pose are then zero.
+  /// The commanded reference; with a joint generator or none, that of the joints, with zero
+  /// accelerations of the pose.
   [[nodiscard]] const CartesianReference& cartesian() const noexcept { return cartesian_; }
-  /// Pose and twist of the joints' reference. They differ from the commanded ones near
-  /// singularities.
+  /// Pose and twist of the joint reference. Near singularities they differ from the commanded ones.
   [[nodiscard]] const Transform& O_T_EE_d() const noexcept { return O_T_EE_d_; }
   [[nodiscard]] const Vector6& O_dP_EE_d() const noexcept { return O_dP_EE_d_; }
   [[nodiscard]] bool AtRest() const noexcept;
@@ -138,7 +137,7 @@ class MotionGenerator {
   KinematicCompletion completion_;
 
   MotionGeneratorMode mode_ = MotionGeneratorMode::kIdle;
-  bool has_elbow_ = false;  ///< the last command had one
+  bool has_elbow_ = false;  ///< in the last command
   KinematicCompletion::Lag lag_{};
   JointReference joints_;
   CartesianReference cartesian_;

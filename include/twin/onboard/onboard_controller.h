@@ -25,124 +25,122 @@
 
 namespace twin::onboard {
 
-/// INT: the robot's own controller, between a command of the workstation and joint torque, 1 ms a
-/// cycle. It knows neither the network nor the plant.
+/// INT: the robot's controller, from a workstation's command to joint torque, in cycles of 1 ms. It
+/// depends on neither the network nor the plant.
 ///
 /// A cycle:
-///   1. Cycle(command or null, sensors): what the last sensors showed is judged (Sensing: measured
-///      limits, collisions); the command is taken, or acceleration and torque are held
-///      (MotionGenerator, CheckTorqueRate), or the motion aborts; then the torque of whoever
-///      controls the joints;
-///   2. the plant moves by 1 ms;
-///   3. FillState(sensors): external torque and contacts are estimated, and the next robot state is
-///      written, message_id + 1.
+///   1. Cycle(command or null, sensors) checks the last sensor values (Sensing: measured limits,
+///      collisions); applies the command, or holds acceleration and torque (MotionGenerator,
+///      CheckTorqueRate), or aborts the motion; then computes the torque of the active controller;
+///   2. the plant advances by 1 ms;
+///   3. FillState(sensors) estimates external torque and contacts and writes the next robot state,
+///      message_id + 1.
 ///
 /// Motions. Every motion generator (joint position and velocity, Cartesian pose and velocity, with
-/// or without elbow) goes with every controller (internal joint impedance, internal Cartesian
+/// or without elbow) works with every controller (internal joint impedance, internal Cartesian
 /// impedance, external torque). After Move() the next state shows the modes, with the reference at
-/// rest; counting of lost commands begins with the first command. 20 lost in a row (configurable)
-/// abort with communication_constraints_violation. A command with motion_generation_finished is
-/// taken if standing still after it breaks no limit; the motion then ends with Success once the
-/// reference rests. The internal controller of the last motion goes on holding the arm.
+/// rest; counting of lost commands starts with the first command. 20 consecutive losses
+/// (configurable) abort with communication_constraints_violation. motion_generation_finished is
+/// accepted if standing still then breaks no limit; the motion ends with Success once the reference
+/// rests. The internal controller of the motion then holds the arm.
 ///
-/// External controller. From the first accepted command on, the command's torque drives the joints:
-///   tau = tau_J_d + share tau_f(dq) + g(q),   tau_J_d = the last accepted command,
-/// and the generator only feeds q_d, dq_d, ddq_d, checked as ever; a plain torque motion is a joint
-/// velocity motion with dq_c = 0. Until that command the internal controller holds the arm, and
-/// tau_J_d is its torque: a client that continues from the reported tau_J_d is smooth from its
-/// first command on. A torque above tau_max is accepted, what is applied ends at tau_max. When the
-/// motion ends (finished, StopMove or abort) the arm is where the torque has left it. The internal
-/// joint controller takes over there: the reference becomes the measured q and dq with ddq = 0 and
-/// ramps down (StopStep); it never leads back to the generator's q_d. A finished command's own
-/// torque acts for its cycle; then the arm comes to rest still in Move, and the motion ends with
-/// Success.
+/// External controller. From the first accepted command on, the commanded torque drives the joints:
+///   tau = tau_J_d + share tau_f(dq) + g(q),   tau_J_d = the last accepted command.
+/// The generator then only forms and checks q_d, dq_d, ddq_d; a pure torque motion is a joint
+/// velocity motion with dq_c = 0. Before that command the internal controller holds the arm and
+/// tau_J_d is its torque, so a client that continues from the reported tau_J_d starts smoothly. A
+/// torque above tau_max is accepted and applied cut to tau_max. When the motion ends (finished,
+/// StopMove or abort) the internal joint controller takes over: the reference restarts at the
+/// measured q and dq with ddq = 0 and ramps down (StopStep); it never returns to the generator's
+/// q_d. The torque of a finishing command acts for its cycle; the arm then comes to rest still in
+/// Move, and the motion ends with Success.
 ///
-/// Aborts. The violating command is not applied. In the same state: robot_mode Reflex, modes idle,
-/// errors and reflex_reason set, success rate 0. The reference ramps down within its limits
-/// (StopStep); recovery is refused until it rests, and beyond a joint's measured limit it needs
-/// people (kManualErrorRecoveryRequiredRejected): the arm can be guided out of Reflex. StopMove()
-/// ramps down still in Move, then ends with Preempted. A collision while Idle leads to Reflex too;
-/// reflex_reason, which documents a motion, then stays.
+/// Aborts. The violating command is not applied. The same state shows robot_mode Reflex, modes
+/// idle, errors and reflex_reason, and success rate 0. The reference ramps down within its limits
+/// (StopStep); recovery is refused until it rests. Beyond a joint's measured limit, recovery needs
+/// people (kManualErrorRecoveryRequiredRejected), who can guide the arm out of Reflex. StopMove()
+/// ramps down still in Move, then ends with Preempted. A collision in Idle also leads to Reflex,
+/// but keeps reflex_reason, which documents a motion.
 ///
-/// Halts. When INT cannot go on, with or without a motion, it closes the brakes at once and says
-/// instability_detected; mode and errors otherwise as of an abort. It is so when
-///   - a sensor gives what is no number, or the torque or the state computed from it is none: no
-///     state holds one, in its place is what was measured last;
-///   - the arm, held by INT alone (no motion, nobody leads it, brakes open), has not been at rest
-///     for kRestTimeout (RestWatch): after each end of a motion it comes to rest, or is braked.
-/// The brakes open with the recovery, and while people lead the arm; the reference is then where
-/// the arm is. Halts are a decision: by what the robot detects an instability is not public.
+/// Halts. When INT cannot continue, with or without a motion, it closes the brakes at once and
+/// raises instability_detected; otherwise mode and errors are those of an abort. It halts when
+///   - a sensor value, or a torque or state computed from it, is not finite; the state then repeats
+///     the last valid measurement;
+///   - the arm, held by INT alone (no motion, no guiding, brakes open), has not come to rest for
+///     kRestTimeout (RestWatch), e.g. after a motion.
+/// Recovery and guiding open the brakes; the reference then restarts at the arm's position. Halts
+/// are a decision: how the robot detects an instability is not public.
 ///
-/// People. The user stop ends a motion with EmergencyAborted, the reference ramps down, then the
-/// brakes close until it is released. Closed brakes are mode Other. In Guiding the arm can be led,
-/// and the reference follows what is measured. Which request is granted in which mode: kModeTable.
+/// People. The user stop ends a motion with EmergencyAborted; the reference ramps down, then the
+/// brakes stay closed until release. Closed brakes mean mode Other. In Guiding people lead the arm
+/// and the reference follows the measurement. kModeTable lists which mode grants which request.
 ///
-/// Setters. Load and end effector change what INT compensates and reports, not what hangs on the
-/// arm: a wrong load makes it sag. Their values are checked (FindBadValue).
+/// Setters. Load and end effector change what INT compensates and reports, not the plant: a wrong
+/// load makes the arm sag. FindBadValue checks their values.
 ///
-/// Decisions on what is not public: the share of received commands in a motion's first 100 cycles,
-/// the 1000 cycles within which a first command must come, precedence of the errors of one cycle
-/// (MotionGenerator), recovery taking 100 cycles, how a torque motion ends, that external torque
-/// estimated after a cycle is judged in the next one. Source: FCI protocol 5, "Session and motion
-/// semantics", "What the robot side does".
+/// Decisions on what is not public: the success rate in a motion's first 100 cycles, the 1000
+/// cycles within which a first command must arrive, the precedence of errors in one cycle
+/// (MotionGenerator), recovery taking 100 cycles, the end of a torque motion, and that external
+/// torque estimated after a cycle is checked in the next one. Source: FCI protocol 5, "Session and
+/// motion semantics", "What the robot side does".
 ///
 /// Threads: one thread at a time. Real-time: every member after construction is noexcept and
 /// allocates nothing.
 class OnboardController {
  public:
-  /// @param q0  where the arm rests, rad. @throws InputError as OnboardConfig::Validate.
+  /// @param q0  initial position, at rest, rad. @throws InputError as OnboardConfig::Validate.
   OnboardController(const OnboardConfig& config, const JointVector& q0);
 
-  /// Asks for a motion, between two cycles.
+  /// Requests a motion, between two cycles.
   /// @returns kMotionStarted, kCommandNotPossibleRejected (see kModeTable),
   /// kStartAtSingularPoseRejected (Cartesian generators), or kInvalidArgumentRejected (no such
   /// combination of modes).
   [[nodiscard]] MoveStatus Move(const MotionModes& modes) noexcept;
 
-  /// Ends a running motion by deceleration; without one it does nothing. Always a success.
+  /// Ends a running motion by deceleration; has no effect without one. Always succeeds.
   void StopMove() noexcept;
 
   /// Leaves Reflex once the reference rests; the mode passes through AutomaticErrorRecovery.
-  /// Without an error: success, nothing happens.
+  /// Succeeds without effect if there is no error.
   [[nodiscard]] RecoveryStatus AutomaticErrorRecovery() noexcept;
 
-  /// Changes a setting.
+  /// Applies a setter.
   [[nodiscard]] SetterStatus Configure(const Setting& setting) noexcept;
 
-  /// Somebody presses a button or moves a switch. @returns whether the robot does anything of it,
-  /// or has no need to (kModeTable).
+  /// Presses a button or moves a switch. @returns whether the robot accepts it, with or without
+  /// effect (kModeTable).
   [[nodiscard]] bool Operate(PanelAction action) noexcept;
 
-  /// One cycle. @param command  the one that counts for this cycle (CommandInbox), or null.
-  /// @param sensors  of the last state. @returns what drives the joints, valid until the next call.
+  /// Runs one cycle. @param command  the one that counts for this cycle (CommandInbox), or null.
+  /// @param sensors  of the last state. @returns drive of the joints, valid until the next call.
   const JointDrive& Cycle(const RobotCommand* command,
                           const JointSensors& sensors) noexcept TWIN_REALTIME;
 
-  /// Writes the state this cycle sends. @param sensors  after the plant's step.
+  /// Writes the state that this cycle sends. @param sensors  after the plant's step.
   void FillState(const JointSensors& sensors, RobotState& state) noexcept TWIN_REALTIME;
 
   /// Id of the last state filled; 0 before the first.
   [[nodiscard]] std::uint64_t message_id() const noexcept { return message_id_; }
-  /// What the last Cycle() did about its command.
+  /// Fate of the command of the last Cycle().
   [[nodiscard]] rt::CommandFate fate() const noexcept { return fate_; }
   [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return losses_.lost_in_row(); }
   [[nodiscard]] const JointReference& reference() const noexcept { return generator_.joints(); }
   [[nodiscard]] RobotMode robot_mode() const noexcept { return robot_mode_; }
-  /// What the last Cycle() found; empty in a cycle without a violation.
+  /// Violations of the last Cycle(); empty without one.
   [[nodiscard]] const Violations& violations() const noexcept { return violations_; }
-  /// Motions whose first command was accepted, so far: the arm follows from that cycle on.
+  /// Number of motions whose first command was accepted; the arm follows from that cycle on.
   [[nodiscard]] std::uint64_t motions_begun() const noexcept { return motions_begun_; }
   /// How the last motion ended (kSuccess, kPreempted, kReflexAborted, kEmergencyAborted), or
   /// kMotionStarted while one runs or before the first.
   [[nodiscard]] MoveStatus last_end() const noexcept { return last_end_; }
 
  private:
-  /// What a running motion is doing.
+  /// Phase of a running motion.
   enum class Phase : std::uint8_t {
     kNone,        ///< no motion
     kStarting,    ///< no command yet
-    kRunning,     ///< commands are taken or held
-    kFinishing,   ///< finished command taken: the reference comes to rest
+    kRunning,     ///< applies or holds commands
+    kFinishing,   ///< finishing command accepted: the reference comes to rest
     kPreempting,  ///< StopMove: the reference decelerates
   };
 
@@ -157,7 +155,7 @@ class OnboardController {
   void Set(const setting::Load& load) noexcept;
   void Set(const setting::Filters& filters) noexcept;
   void ChangeSetup() noexcept;
-  /// Ends the motion, if one runs. @param mode  follows in any case.
+  /// Ends a running motion. @param mode  next mode, also without a motion.
   void EndMotion(MoveStatus end, RobotMode mode) noexcept;
   void LeaveToRest() noexcept;
 
@@ -204,12 +202,12 @@ class OnboardController {
   std::uint64_t motions_begun_ = 0;
   std::uint32_t cycles_waited_ = 0;
   std::uint32_t recovery_cycles_left_ = 0;
-  bool brakes_closed_ = false;    ///< by the switch; the user stop closes them for itself
-  bool begins_guiding_ = false;   ///< at the next cycle, where the arm then is
-  bool payload_changed_ = false;  ///< the observer must start anew
+  bool brakes_closed_ = false;    ///< by the switch; the user stop closes them independently
+  bool begins_guiding_ = false;   ///< at the next cycle, at the arm's position then
+  bool payload_changed_ = false;  ///< the observer must restart
   bool halted_ = false;           ///< the brakes are closed until recovery
   RestWatch rest_;
-  JointSensors sound_;  ///< the last measurement that made a state
+  JointSensors sound_;  ///< the last measurement that gave a valid state
 
   rt::CommandFate fate_ = rt::CommandFate::kNone;
   Violations violations_;
@@ -218,9 +216,9 @@ class OnboardController {
   MoveStatus last_end_ = MoveStatus::kMotionStarted;
 
   JointDrive drive_;
-  JointVector tau_J_d_{};                  ///< of whoever controls the joints, without gravity
+  JointVector tau_J_d_{};                  ///< of the active controller, without gravity
   bool external_torque_acts_ = false;      ///< tau_J_d_ is the last accepted command
-  bool cartesian_impedance_acts_ = false;  ///< of the internal controllers, the Cartesian one
+  bool cartesian_impedance_acts_ = false;  ///< the internal controller is the Cartesian one
   JointVector last_tau_J_{};
   std::uint64_t message_id_ = 0;
 };

@@ -18,15 +18,15 @@
 
 namespace twin::onboard {
 
-/// What INT finds in what it measures, and how far that may go. Figures that are not public are
-/// decisions; each says why it is what it is.
+/// Parameters of INT's measured side. Values that are not public are decisions, each with its
+/// reason.
 struct SensingConfig {
   JointLimits joints;
   CartesianLimits cartesian;
 
-  /// Gain of the external torque observer, 1/s, in (0, 1000]: a push shows with a time constant of
-  /// its inverse, 10 ms, soon enough for a collision and slow enough that the noise of dq, enlarged
-  /// by this gain and the inertia, stays far below the least threshold in use.
+  /// Gain of the external torque observer, 1/s, in (0, 1000]. Its inverse, 10 ms, is the time
+  /// constant of a push: fast enough for a collision, slow enough that the noise of dq, amplified
+  /// by gain and inertia, stays far below the smallest threshold in use.
   double observer_gain = 100;
   /// Gain of the external wrench above which the arm counts as singular and the wrench is zero, > 0
   /// (EstimateWrench).
@@ -37,8 +37,8 @@ struct SensingConfig {
   void Validate() const;
 };
 
-/// INT's measured side: external torque, contacts and collisions, and the checks of what the
-/// sensors show, whatever was commanded.
+/// INT's measured side: external torque, contacts and collisions, and checks of sensor values
+/// independent of commands.
 ///
 /// Threads: INT's. Real-time: all but the constructor; noexcept, allocates nothing.
 class Sensing {
@@ -48,42 +48,42 @@ class Sensing {
 
   void SetCollisionBehavior(const setting::CollisionBehavior& behavior) noexcept;
 
-  /// The arm is somewhere else, or the payload is another, or what held it was not the torque (the
-  /// brakes): the observer starts anew, at zero. Collisions stay latched.
+  /// Restarts the observer at zero, after a jump of the arm's position, a change of the payload, or
+  /// a time under closed brakes. Collisions stay latched.
   void Reset(const JointSensors& sensors, const ArmSetup& setup) noexcept TWIN_REALTIME;
 
-  /// A setter changed the setup: arm() is of it from now on, where the sensors last showed the arm.
+  /// Applies a changed setup to arm(), at the last measured position.
   void Measure(const ArmSetup& setup) noexcept { Measure(measured_.sensors, setup); }
 
-  /// New sensor values, once a cycle.
-  /// @param accelerates  the reference does: which thresholds count.
+  /// Processes new sensor values, once per cycle.
+  /// @param accelerates  whether the reference does; selects the thresholds.
   void Update(const JointSensors& sensors, const ArmSetup& setup,
               bool accelerates) noexcept TWIN_REALTIME;
 
-  /// What the last Update() found above an upper threshold: joint_reflex, cartesian_reflex, with
-  /// the torque or force as value and the threshold as limit.
+  /// Collisions found by the last Update(), above an upper threshold: joint_reflex,
+  /// cartesian_reflex, with the torque or force as value and the threshold as limit.
   [[nodiscard]] Violations Collisions(std::uint64_t message_id) const noexcept TWIN_REALTIME;
 
-  /// What the last Update() found beyond the measured limits: joint position, joint velocity,
-  /// Cartesian velocity, self-collision, power, tau_J range (MeasuredMonitor).
-  /// @param tau_J_d  that acts, without gravity, Nm.
-  /// @param is_cartesian  the motion is one of a Cartesian motion generator.
+  /// Measured limits exceeded in the last Update(): joint position, joint velocity, Cartesian
+  /// velocity, self-collision, power, tau_J range (MeasuredMonitor).
+  /// @param tau_J_d  applied, without gravity, Nm.
+  /// @param is_cartesian  a Cartesian motion generator runs.
   [[nodiscard]] Violations CheckMeasured(const JointVector& tau_J_d, std::uint64_t message_id,
                                          bool is_cartesian = false) const noexcept TWIN_REALTIME;
 
-  /// Unlatches the collisions: recovery.
+  /// Unlatches the collisions, for a recovery.
   void ClearCollisions() noexcept;
 
-  /// Whether the arm still is where only people can get it out: a joint beyond its measured limit.
+  /// Whether only people can free the arm: a joint is beyond its measured limit.
   [[nodiscard]] bool NeedsManualRecovery() const noexcept;
 
-  /// Of the last Update(): who needs it as well need not compute it again.
+  /// Shared model quantities of the last Update().
   [[nodiscard]] const MeasuredArm& arm() const noexcept { return arm_; }
 
   [[nodiscard]] const JointVector& tau_ext_hat_filtered() const noexcept;
   [[nodiscard]] const Vector6& O_F_ext_hat_K() const noexcept;  ///< zero near singularities
   [[nodiscard]] const Vector6& K_F_ext_hat_K() const noexcept;
-  /// Levels as the state reports them: 1 above the threshold, else 0.
+  /// Levels as in the robot state: 1 above the threshold, else 0.
   [[nodiscard]] const JointVector& joint_contact() const noexcept;
   [[nodiscard]] const Vector6& cartesian_contact() const noexcept;
   [[nodiscard]] const JointVector& joint_collision() const noexcept;  ///< latched

@@ -8,9 +8,9 @@
 
 namespace twin::onboard {
 
-/// The violations of one cycle; of each error the first joint or axis that broke it. A value type.
-/// Threads: one. Real-time: noexcept, O(1); beyond its capacity, more than a cycle can raise,
-/// violations are not kept.
+/// Violations of one cycle; each error with the first joint or axis that broke it. A value type.
+/// Threads: one. Real-time: noexcept, O(1). Discards violations beyond its capacity, which exceeds
+/// what a cycle can raise.
 class Violations {
  public:
   void Add(const Violation& violation) noexcept {
@@ -27,8 +27,8 @@ class Violations {
   std::size_t size_ = 0;
 };
 
-/// INT compares with this relative tolerance, so that a stream that goes to a limit exactly is not
-/// refused for rounding.
+/// Relative tolerance of INT's comparisons, so that a stream that reaches a limit exactly is not
+/// refused because of rounding.
 inline constexpr double kLimitTolerance = 1e-9;
 
 }  // namespace twin::onboard

@@ -10,17 +10,16 @@
 
 namespace twin::robot {
 
-/// How a robot in lockstep treats a workstation that it cannot see.
+/// Options of a lockstep robot whose workstation is remote.
 struct LockstepOptions {
-  /// For how long a motion waits for an answer before it is stopped, as if the workstation had
-  /// gone.
+  /// How long a motion waits for an answer before it is stopped, as after a disconnect.
   Duration answer_timeout = std::chrono::seconds(10);
-  /// Time stands still while nothing is under way; see AnswerPacedRobot.
+  /// Time stops while the robot is inactive; see AnswerPacedRobot.
   bool freeze_when_idle = false;
 };
 
-/// A whole emulated robot on the virtual clock, paced by a workstation beyond a WorkstationPort:
-/// the next cycle runs when the last state has been answered.
+/// An emulated robot on the virtual clock, paced by a workstation behind a WorkstationPort: the
+/// next cycle runs when the last state has been answered.
 ///
 ///     idle, or before a motion's       a cycle every 1 ms of the wall clock (no one answers there:
 ///     first command                    clients need two states of a motion before they command)
@@ -28,87 +27,87 @@ struct LockstepOptions {
 ///     until a state is idle again
 ///     stopping, after a reflex         a cycle every 1 ms of the wall clock
 ///
-/// Nothing of the wall clock enters a motion from its first command on: a command counts as having
-/// come at the instant of the state it answers, whatever it took; what answers another state than
-/// the last one, or one that has been answered, is ignored. A motion that waits for longer than
-/// answer_timeout is stopped. A state that is not answered is sent again every 100 ms, for the case
-/// that it was lost. What the configured link delays or loses happens on the virtual clock; a state
-/// it lost is not waited for.
+/// From its first command on, a motion is independent of the wall clock: a command counts as
+/// received at the time of the state it answers. Commands that answer any other state, or a state
+/// answered before, are ignored. A motion without an answer for answer_timeout is stopped. An
+/// unanswered state is sent again every 100 ms in case it was lost. Delays and losses of the
+/// configured link happen on the virtual clock; the robot does not wait for an answer to a state
+/// that this link loses.
 ///
-/// freeze_when_idle: while nothing is under way, the last state is sent again each ms with
-/// message_id + 1, and nothing else happens: no cycle, no step of the plant, no random number; so
-/// ids of motions differ between two runs of a program, and nothing else does. Under way are: a
-/// motion from its first command on, a stop, a reference that still moves, a command of the hand,
-/// and every mode but Idle, Move and Reflex. A request that INT grants while time stands still
-/// takes effect in one cycle that runs at once, before it is answered: a session has the same
-/// cycles whenever its requests come. Time of the plant's disturbances and of the panel's events
-/// stands still too. A motion without a first command is stopped after answer_timeout; until then
-/// the state that shows it is sent again after 10 ms (clients want to see two) and then only every
-/// 500 ms, so that no state and first command cross each other on their way.
+/// freeze_when_idle: while the robot is inactive, only the last state is sent again each ms with
+/// message_id + 1: no cycle, no step of the plant, no random number. So ids of motions differ
+/// between two runs of a program, and nothing else does. The robot is active during a motion from
+/// its first command on, a stop, motion of the reference, a command of the hand, and in every mode
+/// but Idle, Move and Reflex. A request that INT grants while time stands still takes effect in one
+/// cycle that runs before the reply, so a session has the same cycles whenever its requests arrive.
+/// Times of the plant's disturbances and of the panel's events freeze too. A motion without a first
+/// command is stopped after answer_timeout; until then the state that shows it is sent again after
+/// 10 ms (clients wait for two) and then only every 500 ms, so that no state and first command
+/// cross on the wire.
 ///
-/// INT, the link's random numbers and the records of cycles count cycles, so the message_id in a
-/// record is lower than that in the state the workstation saw by the states that were sent again.
+/// INT, the link's random numbers and the cycle records count cycles. So a record's message_id is
+/// lower than that of the state the workstation received, by the number of states sent again.
 ///
 /// Threads: as ThreadedRobot. Real-time: the thread allocates and locks nothing between Begin() and
-/// End(), but it waits, and its sink may.
+/// End(), but it waits, and its sink may wait.
 class AnswerPacedRobot final : public ThreadedRobot {
  public:
-  /// As ThreadedRobot. @param commands  where to wait for what port.Receive() gives; must outlive
+  /// As ThreadedRobot. @param commands  signalled when port.Receive() has a command; must outlive
   /// the robot.
   AnswerPacedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                    WorkstationPort& port, rt::Arrival& commands, const MonotonicClock& clock,
                    rt::ThreadSettings thread, rt::RecordSink* sink, const LockstepOptions& options);
   ~AnswerPacedRobot() override { End(); }
 
-  /// Motions that were stopped because they were not answered. Any thread.
+  /// Number of motions stopped for want of an answer. Any thread.
   [[nodiscard]] std::uint64_t motions_given_up() const noexcept {
-    return motions_given_up_.load(std::memory_order_relaxed);  // a count, nothing hangs on it
+    return motions_given_up_.load(std::memory_order_relaxed);  // a count, orders nothing
   }
 
  private:
-  /// What a motion waits for.
+  /// The answer that a motion waits for.
   enum class Phase : std::uint8_t {
     kNone,      ///< no motion
-    kStarting,  ///< nothing: no command has come yet
-    kAnswered,  ///< an answer to every state
-    kStopping,  ///< nothing
+    kStarting,  ///< none: no command yet
+    kAnswered,  ///< one to every state
+    kStopping,  ///< none
   };
 
   void OnEvent(Time now, std::uint64_t message_id) noexcept override;
   void Run(const std::stop_token& stop) noexcept override;
   void OnGranted(Granted what) noexcept override;
 
-  /// Lets virtual time go on until the next state has come through, or a cycle whose state is lost
-  /// is over.
+  /// Advances virtual time until the next state has arrived, or until a cycle whose state is lost
+  /// has ended.
   void Advance() noexcept TWIN_REALTIME;
-  /// The same, past states that the link loses.
+  /// The same, but skips states that the link loses.
   void AdvanceToState() noexcept TWIN_REALTIME;
-  /// Sends the last state again, as the next.
+  /// Sends the last state again, with the next id.
   void Repeat() noexcept TWIN_REALTIME;
   [[nodiscard]] bool IsFrozen() const noexcept;
   void TakeCommands() noexcept TWIN_REALTIME;
-  /// Waits until the next cycle is due, and does meanwhile what is asked.
+  /// Waits until the next cycle is due and serves requests meanwhile.
   void AwaitCycle(const std::stop_token& stop) noexcept;
   /// @returns whether the next cycle is due.
   [[nodiscard]] bool IsDue(Time now) const noexcept;
   void GiveUpIfUnanswered(Time now) noexcept TWIN_REALTIME;
-  /// Nothing is waited for any more.
+  /// Stops waiting for an answer.
   void Stop() noexcept TWIN_REALTIME;
 
   rt::Arrival& commands_;
   const LockstepOptions options_;
 
-  bool cycling_ = false;  ///< on the robot's thread, between Begin() and End()
+  bool cycling_ = false;  ///< set by the robot's thread between Begin() and End()
   Phase phase_ = Phase::kNone;
-  RobotState shown_;               ///< as it was sent last
-  std::uint64_t shown_cycle_ = 0;  ///< INT's id of it
-  std::uint64_t repeats_ = 0;      ///< states sent again so far: what ids are ahead of INT's
-  bool answered_ = false;          ///< the state shown
-  bool delivered_ = false;         ///< the last Advance() showed a state
+  RobotState shown_;               ///< the state sent last
+  std::uint64_t shown_cycle_ = 0;  ///< its id in INT
+  std::uint64_t repeats_ = 0;      ///< states sent again: offset of ids from INT's
+  bool answered_ = false;          ///< the state in shown_
+  bool delivered_ = false;         ///< the last Advance() delivered a state
   ReceivedCommand received_;
 
-  Time next_cycle_{};     ///< on the wall clock, where it paces
-  Time waiting_since_{};  ///< for an answer
+  Time next_cycle_{};     ///< on the wall clock, while that sets the pace
+  Time waiting_since_{};  ///< start of the wait for an answer
   Time resend_{};
   std::atomic<std::uint64_t> motions_given_up_{0};
 };

@@ -11,12 +11,11 @@
 
 namespace twin::robot {
 
-/// Messages on the way in one direction: each with the fate drawn for it, each copy's arrival an
-/// event. At most kCapacity are on the way at once, two for each millisecond that one may take;
-/// further ones are lost.
+/// Messages in flight in one direction. Each has a random fate, and each copy's arrival is an
+/// event. Holds at most kCapacity, two per millisecond of the longest delay; further ones are lost.
 ///
 /// Threads: that of the event queue. Real-time: allocates nothing after construction.
-/// @tparam Message  with a message_id, the number its fate is drawn by.
+/// @tparam Message  with a message_id, the key of its fate.
 template <typename Message>
 class Channel {
  public:
@@ -26,26 +25,26 @@ class Channel {
   Channel(const DirectionConfig& config, std::uint64_t seed, const rt::FateStreams& streams,
           rt::EventQueue& events, rt::EventOrder order);
 
-  /// @param arrived  gets an event for every copy that arrives; its token is for Receive().
+  /// @param arrived  handles an event per arriving copy, with the token for Receive().
   /// @param repeat  counts messages of the same message_id; see rt::MessageFate.
-  /// @returns what becomes of it; lost is also what would take too long, or finds no room.
+  /// @returns the fate; also lost if the delay is too long or the channel is full.
   rt::Fate Send(const Message& message, rt::EventHandler& arrived,
                 std::uint32_t repeat = 0) noexcept TWIN_REALTIME;
 
-  /// @pre called once for each event. @returns the message, valid until the next Send().
+  /// @pre called once per event. @returns the message, valid until the next Send().
   [[nodiscard]] const Message& Receive(std::uint64_t token) noexcept TWIN_REALTIME;
 
  private:
   struct Slot {
     Message message;
-    int copies = 0;  ///< on the way
+    int copies = 0;  ///< in flight
   };
 
   rt::MessageFate fate_;
   rt::EventQueue& events_;
   rt::EventOrder order_;
   std::vector<Slot> slots_;
-  std::vector<std::size_t> free_;  ///< slots without a copy; the last one freed is used next
+  std::vector<std::size_t> free_;  ///< slots without a copy; the last one freed is used first
 };
 
 template <typename Message>

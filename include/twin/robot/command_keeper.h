@@ -9,14 +9,14 @@
 
 namespace twin::robot {
 
-/// What a client library could do for any program of its users, done at the robot's door: makes of
-/// each command of a motion that runs the nearest one that keeps the limits for ever, whatever up
-/// to n commands in a row are lost. For trying out what that is worth to a program as it is; a real
-/// robot has no such thing.
+/// Replaces each command of a running motion by the nearest one that keeps the limits for ever,
+/// even if up to n consecutive commands are lost. A client library could do this for its users;
+/// here the robot does it, to test the benefit for an unmodified program. A real robot has no such
+/// filter.
 ///
 /// Joint positions and velocities go through reference::ViabilityFilter, poses and twists through
-/// reference::PoseViabilityFilter; elbow and torques pass. A motion's first command passes too: it
-/// must begin where the robot is, and INT says so when it does not.
+/// reference::PoseViabilityFilter; elbow and torques pass unchanged. So does a motion's first
+/// command, which must start at the robot's reference and which INT rejects otherwise.
 ///
 /// Threads: the robot's. Real-time: noexcept, allocates nothing.
 class CommandKeeper {
@@ -24,7 +24,7 @@ class CommandKeeper {
   /// @param lost  n. @throws InputError as both filters.
   CommandKeeper(const JointLimits& joints, const CartesianLimits& cartesian, int lost);
 
-  /// @param answered  state that the command answers: the robot's last one.
+  /// @param answered  the robot's last state, which the command answers.
   [[nodiscard]] RobotCommand Keep(const RobotState& answered,
                                   const RobotCommand& command) const noexcept TWIN_REALTIME;
 

@@ -9,19 +9,18 @@
 
 namespace twin::robot {
 
-/// A whole emulated hand: its controller and its body, cycle by cycle with the arm's.
+/// An emulated hand: controller and body, in the arm's cycle.
 ///
 /// Threads: the robot's. Real-time: all calls are noexcept and allocate nothing.
 class HandUnit {
  public:
-  /// @param body  as the plant's Reset() left it; must outlive the unit.
+  /// @param body  after the plant's Reset(); must outlive the unit.
   explicit HandUnit(plant::HandBody& body) noexcept : body_(body), gripper_(body.sensors()) {}
 
-  /// Once a cycle, before the plant's Step(): reads the body and tells its drive what to do in
-  /// that step.
+  /// Once per cycle, before the plant's Step(): reads the body and sets its drive for that step.
   void Cycle() noexcept TWIN_REALTIME { body_.Drive(gripper_.Cycle(body_.sensors())); }
 
-  /// As onboard::Gripper.
+  /// See onboard::Gripper.
   HandStart Start(const HandCommand& command) noexcept TWIN_REALTIME {
     return gripper_.Start(command);
   }

@@ -14,7 +14,7 @@
 
 namespace twin::robot {
 
-/// The workstation in the same process, on threads of its own.
+/// Port to a workstation in the same process, on its own threads.
 ///
 ///     Write() ---> ring of {command, when} ---> Receive()
 ///     Read()  <--- LatestValue + Signal    <--- Deliver()
@@ -26,27 +26,27 @@ class InProcessPort : public WorkstationPort {
   /// @param clock  of the run; must outlive the port.
   explicit InProcessPort(const MonotonicClock& clock) : clock_(clock), arrival_(clock) {}
 
-  /// Puts a command on the way, as of now. When the robot's thread has left kCommands waiting, it
-  /// is lost, as on the wire.
+  /// Sends a command at the present time. It is lost, as on the wire, when kCommands are waiting
+  /// for the robot's thread.
   void Write(const RobotCommand& command) noexcept TWIN_REALTIME;
 
-  /// The newest state that has arrived since the last call, or null; valid until the next call.
+  /// The newest state since the last call, or null; valid until the next call.
   [[nodiscard]] const RobotState* Read() noexcept TWIN_REALTIME {
     return states_.Refresh() ? &states_.value() : nullptr;
   }
-  /// Where to wait for the next state.
+  /// Signalled when a state arrives.
   [[nodiscard]] rt::Arrival& arrival() noexcept { return arrival_; }
 
   /// Commands lost because the ring was full. Any thread.
   [[nodiscard]] std::uint64_t commands_lost() const noexcept {
-    return commands_lost_.load(std::memory_order_relaxed);  // a count, nothing hangs on it
+    return commands_lost_.load(std::memory_order_relaxed);  // a count, orders nothing
   }
 
   [[nodiscard]] bool Receive(ReceivedCommand& received) noexcept TWIN_REALTIME final;
   void Deliver(const RobotState& state) noexcept TWIN_REALTIME final;
 
  private:
-  /// Commands that may wait for the robot's thread: one a cycle, with room for a stall.
+  /// Capacity for waiting commands: one per cycle, with room for a stall.
   static constexpr std::size_t kCommands = 64;
 
   const MonotonicClock& clock_;

@@ -13,8 +13,8 @@
 
 namespace twin::robot {
 
-/// Robot states on their way to the workstation. Newest id wins: one that arrives behind a newer
-/// one, or a second time, is dropped, as libfranka does.
+/// Robot states in flight to the workstation. The newest id wins: a state that arrives after a
+/// newer one, or a second time, is dropped, as in libfranka.
 ///
 /// Threads: that of the event queue. Real-time: allocates nothing after construction.
 class StateLink final : private rt::EventHandler {
@@ -22,14 +22,14 @@ class StateLink final : private rt::EventHandler {
   StateLink(const LinkConfig& config, std::uint64_t seed, rt::EventQueue& events,
             rt::EventHandler& state_ready);
 
-  /// Robot's end.
+  /// For the robot.
   void Send(const RobotState& state) noexcept TWIN_REALTIME;
 
-  /// Workstation's end. Whether a state has arrived that Take() has not given yet.
+  /// For the workstation. Whether a state has arrived since the last Take().
   [[nodiscard]] bool has_new() const noexcept { return has_new_; }
-  /// When the newest state arrived.
+  /// Arrival time of the newest state.
   [[nodiscard]] Time arrival() const noexcept { return arrival_; }
-  /// Workstation's end. The newest state; it counts as read. @pre a state has arrived.
+  /// For the workstation. Takes the newest state. @pre a state has arrived.
   [[nodiscard]] const RobotState& Take() noexcept {
     has_new_ = false;
     return newest_;
@@ -45,9 +45,9 @@ class StateLink final : private rt::EventHandler {
   bool has_new_ = false;
 };
 
-/// Commands on their way to the robot. The fate of a command is keyed by the state it answers, so
-/// that how many commands were sent before does not change what happens to this one. All that
-/// arrives goes into the inbox, second copies and overtaken ones too; the inbox decides.
+/// Commands in flight to the robot. The state it answers is the key of a command's fate, so the
+/// number of earlier commands does not change it. All arrivals enter the inbox, including
+/// duplicates and overtaken ones; the inbox decides.
 ///
 /// Threads: that of the event queue. Real-time: allocates nothing after construction.
 class CommandLink final : private rt::EventHandler {
@@ -55,7 +55,7 @@ class CommandLink final : private rt::EventHandler {
   CommandLink(const LinkConfig& config, std::uint64_t seed, rt::EventQueue& events,
               onboard::CommandInbox& inbox);
 
-  /// Workstation's end.
+  /// For the workstation.
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
 
  private:

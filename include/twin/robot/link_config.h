@@ -5,14 +5,14 @@
 
 namespace twin::robot {
 
-/// What one direction of the link does to its messages.
+/// Faults of one direction of the link.
 using DirectionConfig = rt::DirectionConfig;
 
-/// The longest a message may be on the way; one that would take longer counts as lost. It would be
-/// overtaken by its successors and dropped on arrival anyway.
+/// Longest delay of a message; longer ones count as lost, since a successor would overtake them and
+/// they would be dropped on arrival.
 inline constexpr Duration kLongestOnTheWay = 255 * kCycle;
 
-/// The way between the robot and the workstation.
+/// The link between the robot and the workstation.
 struct LinkConfig {
   DirectionConfig state;    ///< robot -> workstation
   DirectionConfig command;  ///< workstation -> robot

@@ -9,15 +9,15 @@
 
 namespace twin::robot {
 
-/// The body a robot's configuration asks for, and what is told of it.
+/// The plant of a robot's configuration.
 struct MadePlant {
   std::unique_ptr<plant::Plant> plant;
-  plant::MujocoPlant* engine = nullptr;  ///< the same, when it is MuJoCo's; null: the ideal plant
-  std::string name;                      ///< for people
+  plant::MujocoPlant* engine = nullptr;  ///< the MuJoCo plant; null for the ideal one
+  std::string name;                      ///< for messages
 };
 
-/// Makes it: MuJoCo's, or the ideal plant. What hangs on the flange is what is really there,
-/// whatever INT is told of it.
+/// Creates the MuJoCo or the ideal plant. It carries the configured bodies on the flange,
+/// independent of those set in INT.
 /// @throws InputError, EnvironmentError as plant::MujocoPlant::Create.
 [[nodiscard]] MadePlant MakePlant(const RobotConfig& config);
 

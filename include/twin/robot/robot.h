@@ -26,42 +26,42 @@ namespace twin::robot {
 /// How the last motion ended.
 struct LastMotion {
   MoveStatus end = MoveStatus::kMotionStarted;  ///< see onboard::OnboardController::last_end
-  onboard::Violations violations;               ///< what ended it, when an error did
+  onboard::Violations violations;               ///< violations that ended it, if any
 };
 
-/// A whole emulated robot on an event queue: INT, plant, hand, mobile base and link, run by one
-/// event a period.
+/// An emulated robot on an event queue: INT, plant, hand, mobile base and link, run by one event
+/// per period.
 ///
 /// INT's clock runs clock_ppm faster than the queue's: cycle k is due at
 ///   t_k = begin + k * 1 ms / (1 + clock_ppm 1e-6),
-/// to the nearest nanosecond (exactly k ms after begin without drift). In it
-///   select the newest command that answers state k-1 and arrived by t_k - d_INT, else hold;
+/// to the nearest nanosecond (exactly k ms after begin without drift). In cycle k
+///   INT selects the newest command that answers state k-1 and arrived by t_k - d_INT, else holds;
 ///   INT checks, integrates, controls;  the plant moves by 1 ms;  state k is filled and sent.
-/// In the cycle that takes a motion's first command, the plant is told before it moves.
+/// The cycle that accepts a motion's first command notifies the plant before it moves.
 ///
-/// Its workstation end: Send() puts a command on the way, and `state_ready` is told when a state
-/// has come through, to be taken with states().
+/// The workstation's end: Send() sends a command, and `state_ready` is notified when a state has
+/// arrived, which states() returns.
 ///
 /// Threads: that of the event queue. Real-time: all after Begin() is noexcept and allocates
 /// nothing.
 class Robot final : private rt::EventHandler {
  public:
-  /// @param plant  the body; moved to config.q_start.
+  /// @param plant  the body; set to config.q_start.
   /// @param state_ready, sink  see backend::Request; sink may be null.
   /// @throws InputError naming the field that is out of range.
   Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt::EventQueue& events,
         rt::EventHandler& state_ready, rt::RecordSink* sink);
 
-  /// Starts the cycles: begin is the queue's now, the first is due one period later. Once.
+  /// Starts the cycles at the queue's present time; the first is due one period later. Once.
   void Begin() noexcept;
 
-  /// INT was stalled: its next cycle, and all after it, are due so much later. Nothing is caught
-  /// up: message ids go on by one, only time has jumped.
+  /// Delays the next cycle and all later ones, as after a stall of INT. Nothing is caught up:
+  /// message ids increase by one, only time jumps.
   void Postpone(Duration by) noexcept TWIN_REALTIME;
 
-  /// When the next cycle is due. @pre after Begin().
+  /// Due time of the next cycle. @pre after Begin().
   [[nodiscard]] Time next_cycle() const noexcept { return next_cycle_; }
-  /// Between two cycles, on the queue's clock.
+  /// Requests, between two cycles, on the queue's clock.
   [[nodiscard]] Duration period() const noexcept;
 
   [[nodiscard]] MoveStatus Move(const MotionModes& modes) noexcept;
@@ -74,7 +74,7 @@ class Robot final : private rt::EventHandler {
   }
   [[nodiscard]] bool Operate(PanelAction action) noexcept { return onboard_.Operate(action); }
 
-  /// Whether a hand is mounted. Its requests are as onboard::Gripper's; @pre there is one.
+  /// Whether a hand is mounted. Its requests: see onboard::Gripper. @pre for them: mounted.
   [[nodiscard]] bool has_hand() const noexcept { return hand_.has_value(); }
   [[nodiscard]] HandStart StartHand(const HandCommand& command) noexcept {
     return hand_->Start(command);
@@ -84,25 +84,25 @@ class Robot final : private rt::EventHandler {
   }
   [[nodiscard]] HandState hand_state() const noexcept { return hand_->state(); }
 
-  /// The mobile base below the arm; null when there is none.
+  /// The mobile base below the arm, or null.
   [[nodiscard]] BaseUnit* base() noexcept { return base_ ? &*base_ : nullptr; }
   [[nodiscard]] const BaseUnit* base() const noexcept { return base_ ? &*base_ : nullptr; }
 
-  /// Sends a command from the workstation, at the queue's now; it may be lost on the way.
+  /// Sends a command from the workstation at the queue's present time; the link may lose it.
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
 
   /// The workstation's end of the link.
   [[nodiscard]] StateLink& states() noexcept { return states_; }
 
-  /// The robot's mode as of its last cycle (the workstation sees it one link delay later).
+  /// Mode of the last cycle (the workstation receives it one link delay later).
   [[nodiscard]] RobotMode mode() const noexcept { return onboard_.robot_mode(); }
   [[nodiscard]] LastMotion last_motion() const noexcept {
     return {onboard_.last_end(), last_violations_};
   }
-  /// What the last cycle that found errors found, in a motion or not; empty before the first.
+  /// Violations of the last cycle that had any, with or without a motion; empty before the first.
   [[nodiscard]] const onboard::Violations& last_found() const noexcept { return last_found_; }
-  /// Whether, as of the last cycle, INT's reference stands still and no joint was measured to be as
-  /// fast as kRestSpeed.
+  /// Whether, in the last cycle, INT's reference was at rest and every measured joint velocity
+  /// below kRestSpeed.
   [[nodiscard]] bool AtRest() const noexcept;
 
  private:
@@ -122,13 +122,13 @@ class Robot final : private rt::EventHandler {
   StateLink states_;
   CommandLink commands_;
   Duration d_INT_;
-  double clock_speed_;  ///< of INT's clock, against the queue's
+  double clock_speed_;  ///< of INT's clock, relative to the queue's
   std::optional<CommandKeeper> keeper_;
   const std::vector<PanelEvent> panel_;
   std::size_t next_panel_event_ = 0;
 
   Time begin_{};
-  std::uint64_t periods_ = 0;  ///< from begin_, what was postponed in it, to the next cycle
+  std::uint64_t periods_ = 0;  ///< from begin_ to the next cycle, without postponements
   Time next_cycle_{};
   onboard::Violations last_violations_;
   onboard::Violations last_found_;

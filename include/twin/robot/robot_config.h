@@ -14,31 +14,31 @@
 
 namespace twin::robot {
 
-/// Which body INT moves.
+/// Kind of plant that INT moves.
 enum class PlantKind : std::uint8_t {
   kMujoco,
   kIdeal,
 };
 
-/// Somebody's hand at the robot, at a time of its own clock.
+/// A panel action at a time of the robot's clock.
 struct PanelEvent {
-  Duration at{};  ///< of the robot's clock, whose state k is k ms; before the cycle that follows
+  Duration at{};  ///< state k is at k ms; acts before the next cycle
   PanelAction action{};
   bool operator==(const PanelEvent&) const = default;
 };
 
-/// A whole emulated robot: INT, plant and link.
+/// Configuration of an emulated robot: INT, plant and link.
 struct RobotConfig {
   onboard::OnboardConfig onboard;
   PlantKind plant_kind = PlantKind::kMujoco;
   plant::MujocoPlantOptions plant;  ///< used by kMujoco
-  onboard::BaseConfig base;         ///< of the mobile base in `plant`; of no meaning without one
+  onboard::BaseConfig base;         ///< of the mobile base in `plant`; unused without one
   LinkConfig link;
-  JointVector q_start{};          ///< where the arm rests when the run starts, rad
-  std::vector<PanelEvent> panel;  ///< in order of time
-  double clock_ppm = 0;  ///< how much faster INT's clock runs than the run's, in [-1000, 1000]
-  /// Losses in a row under which the robot itself sees to it that what it is commanded keeps the
-  /// limits (CommandKeeper), in [0, 100]; absent, as on every real one: it takes what comes.
+  JointVector q_start{};          ///< initial position, at rest, rad
+  std::vector<PanelEvent> panel;  ///< sorted by time
+  double clock_ppm = 0;           ///< drift of INT's clock against the run's, in [-1000, 1000]
+  /// Consecutive losses under which the robot itself makes commands keep the limits
+  /// (CommandKeeper), in [0, 100]; absent, as on every real robot: commands are not changed.
   std::optional<int> viability{};
   std::uint64_t seed = 0;  ///< of link and sensors
 

@@ -10,19 +10,19 @@
 
 namespace twin::robot {
 
-/// A whole emulated robot on the wall clock. INT, plant and link are those of lockstep; a delay of
-/// the link is really waited for.
+/// An emulated robot on the wall clock. INT, plant and link are those of lockstep; delays of the
+/// link pass in real time.
 ///
 ///     workstation                       the robot's thread: sleep until the next event is due
 ///     commands ---> WorkstationPort ---> CommandLink ---> INT, plant
 ///     states   <--- WorkstationPort <--- StateLink   <-----+
 ///
-/// What is due runs in order of its time: a command enters the link at the instant it came, after
-/// all that was due before. A cycle that would begin more than 0.25 ms late is postponed by as
-/// much, and all after it: two cycles are never much closer than a period, nothing is caught up,
-/// and the whole periods among it are counted.
+/// Events run in the order of their times: a command enters the link at its arrival time, after all
+/// events due earlier. A cycle more than 0.25 ms late is postponed by its lateness, and so are all
+/// later ones: cycles are never much closer than a period and never caught up. Skipped whole
+/// periods are counted.
 ///
-/// Threads: as ThreadedRobot; the figures from the thread that calls End(). Real-time: the robot's
+/// Threads: as ThreadedRobot; statistics from the thread that calls End(). Real-time: the robot's
 /// thread allocates and locks nothing between Begin() and End().
 class WallClockRobot : public ThreadedRobot {
  public:
@@ -32,10 +32,10 @@ class WallClockRobot : public ThreadedRobot {
                  rt::RecordSink* sink);
   ~WallClockRobot() override { End(); }
 
-  /// Begin of a cycle after its deadline, in which periods it was postponed by are contained.
-  /// @pre this and the following: not between Begin() and End().
+  /// Lateness of a cycle's start, including the periods by which it was postponed.
+  /// @pre for this and the following: not between Begin() and End().
   [[nodiscard]] const rt::DurationHistogram& lateness() const noexcept { return lateness_; }
-  /// Whole periods that were skipped.
+  /// Number of whole periods skipped.
   [[nodiscard]] std::uint64_t overruns() const noexcept { return overruns_; }
 
  private:
@@ -48,7 +48,7 @@ class WallClockRobot : public ThreadedRobot {
   ReceivedCommand received_;
   rt::DurationHistogram lateness_;
   std::uint64_t overruns_ = 0;
-  Duration postponed_{};  ///< the next cycle, so far
+  Duration postponed_{};  ///< of the next cycle, so far
 };
 
 }  // namespace twin::robot

@@ -7,26 +7,26 @@
 
 namespace twin::robot {
 
-/// A command as it came to the robot.
+/// A command with its arrival time.
 struct ReceivedCommand {
   RobotCommand command;
-  Time at{};  ///< when, on the clock of the robot's host: what INT's deadline is compared with
+  Time at{};  ///< arrival on the clock of the robot's host; INT's deadline applies to it
 };
 
-/// Where a robot on a thread of its own meets its workstation: slots of the same process, or the
-/// network. The robot's end; what the other end looks like is the port's own.
+/// The robot's end of its connection to a workstation, in the same process or over the network.
+/// Implementations define the other end.
 ///
 /// Threads: both calls from the robot's thread. Real-time: neither waits, allocates or locks.
 class WorkstationPort {
  public:
   virtual ~WorkstationPort() = default;
 
-  /// The next command that has come, in the order of coming. @param received  written when there
-  /// is one. @returns false when none waits, or when as much was looked at as fits in one go: the
-  /// call after that looks on.
+  /// Takes the next command in the order of arrival. @param received  written if there is one.
+  /// @returns false when none waits, or when a bounded amount of input has been read; the next call
+  /// continues.
   [[nodiscard]] virtual bool Receive(ReceivedCommand& received) noexcept TWIN_REALTIME = 0;
 
-  /// A state has come through the robot's link, for the workstation.
+  /// Delivers a state that has passed the robot's link to the workstation.
   virtual void Deliver(const RobotState& state) noexcept TWIN_REALTIME = 0;
 };
 
