@@ -17,7 +17,7 @@ static_assert(static_cast<int>(HandResult::kSuccess) == 0 &&
                   static_cast<int>(HandResult::kAborted) == 3,
               "the hand's results have the numbers of the wire");
 
-/// What an answer has at least; clients take more and leave it.
+/// Smallest size of an answer; clients accept and ignore surplus bytes.
 std::size_t LeastBytes(ArmCommand asked) noexcept {
   if (asked == ArmCommand::kConnect) return kArmStatusBytes + kVersionBytes;
   if (asked == ArmCommand::kGetCartesianLimit) {
@@ -26,14 +26,14 @@ std::size_t LeastBytes(ArmCommand asked) noexcept {
   return kArmStatusBytes;
 }
 
-/// @returns what is wrong when there are fewer bytes than `least`.
+/// @returns an error if the frame has fewer than `least` bytes.
 std::optional<BadFrame> FindMissing(std::string_view name, const Frame& frame, std::size_t least) {
   if (frame.payload.size() >= least) return {};
   return BadFrame{fmt::format("{}: an answer with {} bytes of payload, {} are needed", name,
                               frame.payload.size(), least)};
 }
 
-/// @returns how the hand's `status` reads; nothing when there is no such status.
+/// @returns the result for the hand's `status`; nullopt for an unknown status.
 std::optional<HandResult> ResultOf(HandCommandId asked, std::uint16_t status) noexcept {
   const bool is_connect = asked == HandCommandId::kConnect;
   const HandResult last = is_connect ? HandResult::kFail : HandResult::kAborted;

@@ -12,16 +12,16 @@
 namespace twin::fci {
 namespace {
 
-/// Datagrams looked at in one Receive(): more than the kernel queues by default.
+/// Datagrams per Receive(): more than the kernel queues by default.
 constexpr int kMostAtOnce = 64;
 
-/// Ids that a state may be ahead of the last one at any time, and by how many more a ms: a robot's
-/// clock may be wrong, and a wire may hold states back, but neither by as much.
+/// How far a state's id may be ahead of the last one: a constant, plus a rate per ms. The margin
+/// exceeds any error of the robot's clock and any delay of the wire.
 constexpr std::uint64_t kMostAhead = 1000;
 constexpr std::uint64_t kMostAheadPerMs = 2;
 
-/// Largest answer: GetCartesianLimit's. Model libraries are never asked for: this program has its
-/// own model, and runs no code that a robot serves.
+/// Largest answer: GetCartesianLimit's. Model libraries are never requested: this program has its
+/// own model and runs no code from a robot.
 constexpr std::size_t kLargestAnswer = 166;
 
 std::string NameOf(const Endpoint& robot) {
@@ -30,7 +30,7 @@ std::string NameOf(const Endpoint& robot) {
 
 }  // namespace
 
-/// An answer with the bytes it refers to.
+/// An answer, with the bytes to which it refers.
 struct ArmClient::Asked {
   std::uint32_t id = 0;
   RequestChannel::Answer bytes;
@@ -41,7 +41,7 @@ ArmClient::ArmClient(const MonotonicClock& clock, const std::string& host, std::
                      const ClientTimeout& timeout, Capture* capture)
     : clock_(clock), timeout_(timeout), capture_(capture), robot_(Resolve(host, port)) {
   TcpStream stream = TcpStream::Connect(robot_, timeout.connect);
-  // States are sent to the address this connection comes from, and nothing else is listened to.
+  // States go to the address of this connection, so listen only there.
   udp_ = std::make_unique<UdpSocket>(clock, Endpoint{stream.local().address, 0});
   channel_ = std::make_unique<RequestChannel>(HeadKind::kArm, std::move(stream), NameOf(robot_),
                                               kLargestAnswer, timeout.answer, capture);
@@ -75,7 +75,7 @@ ArmClient::Asked ArmClient::Ask(const ArmRequest& request, Duration timeout) {
   Asked asked;
   asked.id = channel_->Send(name, [&](std::uint32_t id) { return EncodeRequest(id, request); });
   auto bytes = channel_->Await(asked.id, name, timeout);
-  // A Move that has started is answered once more.
+  // An accepted Move has a second answer.
   if (command != ArmCommand::kMove) channel_->Forget(asked.id);
   if (!bytes) {
     channel_->Forget(asked.id);
@@ -122,10 +122,10 @@ std::optional<MoveStatus> ArmClient::AwaitMotionEnd(Duration timeout) noexcept {
     if (!bytes) return std::nullopt;
     const auto answer = ParseArmAnswer(ArmCommand::kMove, bytes->frame());
     const auto* read = std::get_if<ArmAnswer>(&answer);
-    // Whatever else it says: the motion has ended.
+    // Any other answer still means that the motion has ended.
     last_move_end_ = read == nullptr ? MoveStatus::kAborted : static_cast<MoveStatus>(read->status);
   } catch (const std::exception&) {
-    return std::nullopt;  // the connection is lost: Receive() tells
+    return std::nullopt;  // the connection is lost; Receive() reports it
   }
   channel_->Forget(*move_id_);
   move_id_.reset();
@@ -161,7 +161,7 @@ bool ArmClient::SaysItIsATwin() {
            IsTwinSign(answer.limit);
   } catch (const RobotFault&) {
     if (lost()) throw;
-    return false;  // a refusal may be shorter than a wall
+    return false;  // a refusal may be shorter than a wall's answer
   }
 }
 
@@ -229,7 +229,7 @@ std::uint64_t ArmClient::MostAhead() const noexcept {
 
 Reception ArmClient::FoundNone() noexcept {
   const Time now = clock_.Now();
-  // The clock may have been restarted since.
+  // The clock may have been restarted.
   if (!pending_since_ || *pending_since_ > now) pending_since_ = now;
   if (now - *pending_since_ <= timeout_.state) return Reception::kPending;
   const ReceptionCounts now_found = counts();

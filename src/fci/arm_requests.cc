@@ -23,7 +23,7 @@ Parsed Parse(const Frame& frame) {
   }
 }
 
-/// The command that a message is the request of.
+/// Maps each message to its command.
 struct Commander {
   ArmCommand operator()(const Connect&) { return ArmCommand::kConnect; }
   ArmCommand operator()(const Move&) { return ArmCommand::kMove; }

@@ -8,7 +8,7 @@
 namespace twin::fci {
 namespace {
 
-/// How a recovery that began has ended, by the mode it led to.
+/// Status of a finished recovery, from the mode in which it ended.
 RecoveryStatus RecoveryEnd(RobotMode mode) noexcept {
   switch (mode) {
     case RobotMode::kUserStopped: return RecoveryStatus::kEmergencyAborted;
@@ -59,7 +59,7 @@ ArmSession::Outcome ArmSession::Take(const Connect& connect) {
 }
 
 ArmSession::Outcome ArmSession::Take(const Move& move) {
-  if (move_) OnProgress(service_.Progress());  // it may have ended by now
+  if (move_) OnProgress(service_.Progress());  // the motion may have ended by now
   const MoveStatus status = service_.Move(move);
   if (status == MoveStatus::kMotionStarted) move_ = head_.command_id;
   return Answer(status);

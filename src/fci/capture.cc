@@ -9,7 +9,7 @@
 namespace twin::fci {
 namespace {
 
-/// Pause of the writer when nothing waits.
+/// The writer's pause when it has nothing to write.
 constexpr std::chrono::microseconds kIdlePause(1000);
 
 }  // namespace
@@ -39,7 +39,7 @@ void Capture::Put(const record::Packet& packet) {
 
 void Capture::Run(const std::stop_token& stop) {
   while (true) {
-    // Asked before the lists are looked at: what was put before the request is then written.
+    // Read before Drain(), so that packets put before the stop request are still written.
     const bool last = stop.stop_requested();
     if (Drain()) continue;
     if (last) return;
@@ -53,7 +53,7 @@ bool Capture::Drain() {
     const std::scoped_lock lock(others_lock_);
     waiting_.swap(others_);
   }
-  // All there are, after the others: what came before one of those is then among them.
+  // Drain the ring after the list: then it includes all datagrams older than the list's packets.
   const auto keep = [this](const Datagram& slot) {
     waiting_.push_back({slot.packet, {slot.packet.bytes.begin(), slot.packet.bytes.end()}});
   };

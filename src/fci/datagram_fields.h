@@ -10,9 +10,9 @@
 #include "twin/core/robot_state.h"
 #include "twin/fci/protocol.h"
 
-// Where each field lies in its datagram. Type and count are those of the member; that the offsets
-// leave no gap, and what they sum up to, the compiler checks below. Source: FCI protocol 5, robot
-// state, robot command, gripper state.
+// Position of each field in its datagram. A field has its member's type and count. The compiler
+// checks below that the offsets leave no gap and add up to the datagram's size. Source: FCI
+// protocol 5, robot state, robot command, gripper state.
 namespace twin::fci {
 
 /// One field of a datagram.
@@ -20,7 +20,7 @@ template <typename Struct, typename Value>
 struct DatagramField {
   using Type = Value;
 
-  std::string_view name;  ///< as Franka calls it
+  std::string_view name;  ///< Franka's name
   Value Struct::*member;
   std::size_t offset;  ///< bytes
 };
@@ -96,7 +96,7 @@ inline constexpr std::tuple kHandStateFields{
     DatagramField{"temperature", &HandState::temperature, 21},
 };
 
-/// Whether each field begins where the one before ends, and the last ends at `total`.
+/// True if each field begins where the previous one ends, and the last ends at `total`.
 template <typename Fields>
 [[nodiscard]] constexpr bool IsGapless(const Fields& fields, std::size_t total) {
   std::size_t end = 0;

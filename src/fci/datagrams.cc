@@ -11,7 +11,7 @@
 namespace twin::fci {
 namespace {
 
-/// The highest number that a mode has.
+/// The highest valid number of a mode.
 template <typename Mode>
 inline constexpr std::uint8_t kLastMode = 0;
 template <>
@@ -23,7 +23,7 @@ inline constexpr auto kLastMode<MotionGeneratorMode> =
 template <>
 inline constexpr auto kLastMode<ControllerMode> = static_cast<std::uint8_t>(ControllerMode::kOther);
 
-/// Whether numbers that are none may be in the datagram.
+/// Whether a datagram may contain NaN or infinity.
 enum class NotFinite : bool { kTaken, kRefused };
 
 template <typename T>
@@ -61,7 +61,7 @@ void EncodeFields(const Struct& datagram, const Fields& fields, std::byte* bytes
       fields);
 }
 
-/// Looks at all fields before it writes the first, so that a bad datagram leaves no trace.
+/// Checks all fields before it writes the first, so that a bad datagram changes nothing.
 template <NotFinite kNotFinite, typename Struct, typename... Field>
 DatagramFault DecodeFields(std::span<const std::byte> bytes, std::size_t size,
                            const std::tuple<Field...>& fields, Struct& datagram) noexcept {

@@ -29,7 +29,7 @@ std::string AddressText(std::uint32_t address) {
       why));
 }
 
-/// 0 to 32; below 0: none.
+/// @returns 0 to 32; negative if invalid.
 int ReadBits(std::string_view text) noexcept {
   int bits = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), bits);
@@ -86,7 +86,7 @@ Network ParseNetwork(const std::string& text) {
   }
   const int bits = ReadBits(std::string_view(text).substr(slash + 1));
   if (bits < 0) RefuseNetwork(text, "what stands behind the \"/\" is no number from 0 to 32");
-  // A shift by all 32 bits is not defined.
+  // Shifting by all 32 bits is undefined.
   const std::uint32_t mask = bits == 0 ? 0 : ~std::uint32_t{0} << (kAddressBits - bits);
   const std::uint32_t whole = ntohl(address.s_addr);
   if ((whole & mask) != whole) {

@@ -10,17 +10,18 @@
 #include "twin/fci/protocol.h"
 #include "twin/fci/requests.h"
 
-// Heads of TCP frames, and frames made of a head and a payload. Source: FCI protocol 5, framing.
+// Heads of TCP frames, and assembly of frames from head and payload. Source: FCI protocol 5,
+// framing.
 namespace twin::fci {
 
 [[nodiscard]] constexpr std::size_t HeadBytes(HeadKind kind) noexcept {
   return kind == HeadKind::kArm ? kArmHeadBytes : kHandHeadBytes;
 }
 
-/// @param bytes  at least a head of them.
+/// @param bytes  at least a head's.
 [[nodiscard]] FrameHead ReadHead(HeadKind kind, std::span<const std::byte> bytes) noexcept;
 
-/// A frame with its head written and room for its payload.
+/// A frame under construction: its head is written, its payload is allocated.
 class NewFrame {
  public:
   NewFrame(ArmCommand command, std::uint32_t command_id, std::size_t payload_bytes);

@@ -12,7 +12,7 @@ namespace twin::fci {
 FrameReader::FrameReader(HeadKind kind, std::size_t largest)
     : kind_(kind),
       largest_(largest),
-      // Not filled: of 16 MiB that are never received the system gives no page.
+      // Not initialised, so that the system commits no pages for the unused part of up to 16 MiB.
       buffer_(std::make_unique_for_overwrite<std::byte[]>(largest)) {
   TWIN_CHECK(largest >= HeadBytes(kind));
 }

@@ -18,13 +18,13 @@ namespace {
 constexpr std::size_t kRemembered = 8;
 /// Longest frame of an answer, bytes: Connect's.
 constexpr std::size_t kLargestAnswer = 14;
-/// In which an aborted command, and Stop, are answered.
+/// Time for the answers to an aborted command and to Stop.
 constexpr Duration kAtOnce = std::chrono::seconds(1);
 constexpr Duration kNextState = std::chrono::milliseconds(100);
 
 }  // namespace
 
-/// The newest state; the channel's reader thread fills it.
+/// Holds the newest state; the channel's reader thread fills it.
 class HandClient::Mailbox {
  public:
   Mailbox(std::uint32_t robot, const Endpoint& local, Capture* capture)
@@ -48,16 +48,16 @@ class HandClient::Mailbox {
       came_.notify_all();
     }
   }
-  /// What came so far is old: the hand has done something since.
+  /// Marks the newest state as old, because the hand has acted since.
   void Age() {
     const std::lock_guard lock(mutex_);
     has_fresh_ = false;
   }
-  /// @param first  how long to wait when there never was one.
+  /// @param first  timeout while no state has ever arrived.
   std::optional<HandState> Await(Duration first) {
     std::unique_lock lock(mutex_);
     came_.wait_for(lock, newest_ ? kNextState : first, [this] { return has_fresh_; });
-    has_fresh_ = newest_.has_value();  // what did not come now is not waited for again
+    has_fresh_ = newest_.has_value();  // after a timeout, the next call does not wait again
     return newest_;
   }
 
@@ -76,10 +76,11 @@ class HandClient::Mailbox {
 
   const std::uint32_t robot_;
   Capture* const capture_;
-  // Its own clock: another may be restarted while this thread receives.
+  // An own clock, because another one may be restarted while this thread receives.
   const MonotonicClock clock_;
   UdpSocket socket_;
-  std::optional<Endpoint> from_;  ///< of the first state, and so of all; the reader thread's
+  std::optional<Endpoint>
+      from_;  ///< source of the first state; later ones must match; owned by the reader thread
   std::mutex mutex_;
   std::condition_variable came_;
   std::optional<HandState> newest_;  ///< guarded by mutex_
@@ -143,7 +144,7 @@ void HandClient::Update(Sent& sent, Duration timeout) {
   const auto bytes = channel_->Await(sent.ticket, "the hand's command", timeout);
   if (!bytes) return;
   channel_->Forget(sent.ticket);
-  // The id is what tells answers apart; all of them are read in the same way.
+  // All hand answers have one layout; the id tells them apart.
   const auto answer = ParseHandAnswer(HandCommandId::kMove, bytes->frame());
   const auto* read = std::get_if<HandAnswer>(&answer);
   sent.result = read == nullptr ? HandResult::kFail : read->result;

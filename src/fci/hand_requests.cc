@@ -21,7 +21,7 @@ Parsed Parse(const Frame& frame) {
   }
 }
 
-/// The command that a message is the request of.
+/// Maps each message to its command.
 struct Commander {
   HandCommandId operator()(const Connect&) { return HandCommandId::kConnect; }
   HandCommandId operator()(const hand::Homing&) { return HandCommandId::kHoming; }
@@ -45,7 +45,7 @@ std::vector<std::byte> EncodeMessage(std::uint32_t command_id, const HandCommand
 }  // namespace
 
 Parsed ParseHandRequest(const Frame& frame) {
-  // A head of the hand has 16 bits of command; one with more was not read from a stream.
+  // The hand's head has a 16-bit command; a larger one cannot come from a stream.
   switch (frame.head.command) {
     case static_cast<std::uint32_t>(HandCommandId::kConnect): return Parse<Connect>(frame);
     case static_cast<std::uint32_t>(HandCommandId::kHoming): return Parse<hand::Homing>(frame);

@@ -47,7 +47,7 @@ void HandSession::Take(const HandCommand& command, const FrameHead& head) {
     return;
   }
   pending_.push_back({start.ticket, id, head.command_id});
-  OnProgress();  // what it aborted, and itself, if it is over at once
+  OnProgress();  // answers the command that it aborted, and itself if already over
 }
 
 void HandSession::OnProgress() {

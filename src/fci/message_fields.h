@@ -12,12 +12,12 @@
 #include "fci/wire.h"
 #include "twin/fci/requests.h"
 
-// What the payload of each TCP message consists of: its fields in the order of the wire, one table
-// for both directions. Sizes are checked by the compiler below. Source: FCI protocol 5, request and
-// response payloads, gripper commands.
+// Payload of each TCP message: its fields in wire order, in one table for both directions. The
+// compiler checks the sizes below. Source: FCI protocol 5, request and response payloads, gripper
+// commands.
 namespace twin::fci::wire {
 
-/// Pointers to the members of a T; none: its payload is empty.
+/// Pointers to the members of a T; none for an empty payload.
 template <typename T>
 inline constexpr std::tuple<> kFields{};
 template <>
@@ -102,7 +102,7 @@ static_assert(kPayload<CartesianLimit> == 153);
 static_assert(kArmHeadBytes + kPayload<setting::CollisionBehavior> == kLargestArmRequest);
 static_assert(kHandHeadBytes + kPayload<hand::Grasp> == kLargestHandRequest);
 
-/// @param at  kPayload<T> bytes of it are written.
+/// @param at  kPayload<T> bytes are written there.
 template <typename T>
 void PutFields(std::byte* at, const T& message) noexcept {
   const auto put = [&at](const auto& value) {
@@ -112,8 +112,8 @@ void PutFields(std::byte* at, const T& message) noexcept {
   std::apply([&](auto... member) { (put(message.*member), ...); }, kFields<T>);
 }
 
-/// @param at  kPayload<T> bytes of it are read.
-/// @returns whether all flags are 0 or 1; if not, some fields may have been written.
+/// @param at  kPayload<T> bytes are read from there.
+/// @returns true if all flags are 0 or 1; otherwise some fields may have been written.
 template <typename T>
 [[nodiscard]] bool TakeFields(const std::byte* at, T& message) noexcept {
   const auto take = [&at](auto& value) {
@@ -128,13 +128,13 @@ template <typename T>
   return std::apply([&](auto... member) { return (take(message.*member) && ...); }, kFields<T>);
 }
 
-/// What is said of a payload whose flags are none.
+/// The error for a payload with a flag other than 0 or 1.
 [[nodiscard]] inline BadFrame BadFlag(std::string_view name) {
   return {fmt::format("{}: a flag is neither 0 nor 1", name)};
 }
 
-/// Reads the payload of a request, which has exactly the bytes that it needs.
-/// @param name  of the request, for people.
+/// Reads a request's payload, whose size must match exactly.
+/// @param name  of the request, for the message.
 template <typename T>
 [[nodiscard]] std::optional<BadFrame> ReadRequest(std::string_view name,
                                                   std::span<const std::byte> payload, T& message) {

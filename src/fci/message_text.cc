@@ -14,7 +14,7 @@
 namespace twin::fci {
 namespace {
 
-/// The fields' names, in the order of wire::kFields.
+/// Field names, in the order of wire::kFields.
 template <typename T>
 constexpr std::array<std::string_view, 0> kNames{};
 template <>

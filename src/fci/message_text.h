@@ -7,8 +7,8 @@
 #include "twin/core/robot_state.h"
 #include "twin/fci/requests.h"
 
-// Messages as text, field by field, a line each: "    q = 0 -0.785 ...\n". Numbers are written so
-// that they read back to the same bits.
+// Messages as text, one line per field: "    q = 0 -0.785 ...\n". Numbers read back to the same
+// bits.
 namespace twin::fci {
 
 [[nodiscard]] std::string FieldsOf(const RobotState& state);
@@ -16,7 +16,7 @@ namespace twin::fci {
 [[nodiscard]] std::string FieldsOf(const HandState& state);
 [[nodiscard]] std::string FieldsOf(const ArmRequest& request);
 [[nodiscard]] std::string FieldsOf(const HandRequest& request);
-/// Of an answer to `asked`, its status in words.
+/// The fields of an answer to `asked`, its status in words.
 [[nodiscard]] std::string FieldsOf(ArmCommand asked, const ArmAnswer& answer);
 [[nodiscard]] std::string FieldsOf(HandCommandId asked, const HandAnswer& answer);
 

@@ -16,7 +16,7 @@
 namespace twin::fci {
 namespace {
 
-/// Only Move has two answers; a peer that sends more is not listened to.
+/// Only Move has two answers; surplus ones are discarded.
 constexpr std::size_t kMostAnswers = 2;
 
 FileDescriptor MakeWaker() {
@@ -29,7 +29,7 @@ FileDescriptor MakeWaker() {
   return fd;
 }
 
-/// It only waits for bytes; the 1 kHz path is not its business.
+/// The thread only waits for bytes; it is not part of the 1 kHz path.
 rt::ThreadSettings ReaderSettings() {
   rt::ThreadSettings settings;
   settings.name = "twin-fci-tcp";
@@ -57,7 +57,7 @@ RequestChannel::RequestChannel(HeadKind kind, TcpStream stream, std::string peer
 RequestChannel::~RequestChannel() {
   thread_.request_stop();
   const std::uint64_t one = 1;
-  // Cannot fail: the counter is far from full.
+  // Cannot fail: the counter is far below its limit.
   static_cast<void>(!::write(awake_.get(), &one, sizeof one));
   thread_.join();
   stream_.Close();
@@ -80,7 +80,7 @@ std::uint32_t RequestChannel::Send(std::string_view name, const Encoder& encode)
 }
 
 void RequestChannel::SendAll(std::string_view name, std::span<const std::byte> bytes) {
-  Keep(stream_.local(), stream_.peer(), bytes);  // first: before the answer comes
+  Keep(stream_.local(), stream_.peer(), bytes);  // before the answer arrives
   while (!bytes.empty()) {
     std::size_t sent = 0;
     const StreamResult result = lost() ? StreamResult::kReset : stream_.Send(bytes, sent);
@@ -149,7 +149,7 @@ void RequestChannel::Run(const std::stop_token& stop) {
   while (!stop.stop_requested() && !lost()) {
     std::array<pollfd, 3> fds{{{stream_.fd(), POLLIN, 0},
                                {awake_.get(), POLLIN, 0},
-                               {side_.fd, POLLIN, 0}}};    // a negative one is passed over
+                               {side_.fd, POLLIN, 0}}};    // poll ignores negative descriptors
     if (::poll(fds.data(), fds.size(), -1) < 0) continue;  // interrupted
     if (fds[0].revents != 0) {
       ReceiveSome();

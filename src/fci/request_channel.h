@@ -24,31 +24,31 @@
 
 namespace twin::fci {
 
-/// Another socket that a channel's reader thread looks after.
+/// A second socket that the channel's reader thread polls.
 struct SideSocket {
   int fd = -1;
-  /// Called when it may have something; and after the bytes of the stream were received, before
-  /// they are looked at: what the peer sent on it before an answer is drained before the answer.
+  /// Called when the socket may be readable, and between receiving stream bytes and parsing them:
+  /// what the peer sent here before an answer is drained before the answer.
   std::function<void()> drain;
 };
 
-/// The TCP side of a client: sends requests and hands each answer to who asked.
+/// The TCP side of a client: sends requests and returns each answer to its caller.
 ///
 ///     any thread: Send() ---TCP---> peer          reader thread: bytes -> frames -> answers by id
 ///                 Await(id) <---- condition ------------------------------------------+
 ///
-/// An answer is matched by its command_id, whatever the order; one that nobody asked for, or no
-/// longer, is thrown away. What is kept is bounded: the requests that somebody still asks for, two
-/// answers each. A connection that ends wakes all who wait: nobody waits for ever.
+/// Matches answers by command_id, in any order, and discards answers without a pending request.
+/// Memory is bounded: two answers per pending request. The end of the connection wakes all waiting
+/// threads, so none waits forever.
 ///
-/// Threads: any. The reader thread ends with the object, whose owner makes sure that nobody waits
-/// any more. Not for real-time code, but for lost().
+/// Threads: any. The reader thread ends with the object; the owner ensures that no thread waits
+/// then. Not for real-time code, except lost().
 class RequestChannel {
  public:
-  /// Turns a command_id into a request's frame.
+  /// Encodes a request with the given command_id.
   using Encoder = std::function<std::vector<std::byte>(std::uint32_t)>;
 
-  /// What came.
+  /// A received answer.
   struct Answer {
     FrameHead head;
     std::vector<std::byte> payload;
@@ -56,32 +56,32 @@ class RequestChannel {
     [[nodiscard]] Frame frame() const noexcept { return {head, payload}; }
   };
 
-  /// @param peer      for texts: "the robot 127.0.0.1:1337".
-  /// @param largest   answer that is taken, bytes.
-  /// @param timeout  of a Send() that the peer does not take.
-  /// @param capture   keeps the stream's bytes; must outlive the channel. Null: nothing.
+  /// @param peer      for messages: "the robot 127.0.0.1:1337".
+  /// @param largest   largest accepted answer, bytes.
+  /// @param timeout   of a Send() while the peer does not read.
+  /// @param capture   records the stream's bytes; must outlive the channel. May be null.
   RequestChannel(HeadKind kind, TcpStream stream, std::string peer, std::size_t largest,
                  Duration timeout, Capture* capture, SideSocket side = {});
   ~RequestChannel();
   RequestChannel(const RequestChannel&) = delete;
   RequestChannel& operator=(const RequestChannel&) = delete;
 
-  /// Sends a request; from then on its answers are kept. @returns its command_id, counted from 0.
-  /// @throws RobotFault when the connection is lost.
+  /// Sends a request and keeps its answers from then on. @returns its command_id, counted from 0.
+  /// @throws RobotFault if the connection is lost.
   [[nodiscard]] std::uint32_t Send(std::string_view name, const Encoder& encode);
 
-  /// The next answer to a request that was sent. @pre nobody forgets it meanwhile.
-  /// @returns nothing when none came within `timeout`.
-  /// @throws RobotFault when the connection is lost before one came.
+  /// Waits for the next answer to a request. @pre Forget(id) is not called meanwhile.
+  /// @returns nullopt if none comes within `timeout`.
+  /// @throws RobotFault if the connection is lost before an answer.
   [[nodiscard]] std::optional<Answer> Await(std::uint32_t id, std::string_view name,
                                             Duration timeout);
 
-  /// No answer to it is of interest any more.
+  /// Discards the request's further answers.
   void Forget(std::uint32_t id);
 
-  /// Whether the connection has ended. Real-time: noexcept, wait-free.
+  /// True once the connection has ended. Real-time: noexcept, wait-free.
   [[nodiscard]] bool lost() const noexcept { return lost_.load(std::memory_order_acquire); }
-  /// Why, for people; empty while it has not.
+  /// Why the connection ended, for users; empty while it is up.
   [[nodiscard]] std::string WhyLost() const;
 
  private:
@@ -98,10 +98,10 @@ class RequestChannel {
   const Duration timeout_;
   Capture* const capture_;
   const SideSocket side_;
-  FrameReader reader_;    ///< the reader thread's
+  FrameReader reader_;    ///< owned by the reader thread
   FileDescriptor awake_;  ///< written to end the reader thread
 
-  std::mutex sending_;  ///< one frame after the other; before mutex_
+  std::mutex sending_;  ///< serialises frames; locked before mutex_
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::uint32_t next_id_ = 0;                             ///< guarded by sending_

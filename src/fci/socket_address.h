@@ -6,28 +6,28 @@
 
 #include "twin/fci/sockets.h"
 
-// Addresses as the system's calls take and give them, and what its refusals mean to people.
+// Addresses in the form of the system calls, and users' texts for their errors.
 namespace twin::fci {
 
 [[nodiscard]] sockaddr_in AddressOf(const Endpoint& endpoint) noexcept;
 [[nodiscard]] Endpoint EndpointOf(const sockaddr_in& address) noexcept;
 
-/// Where a socket is bound; 0.0.0.0:0 when the system does not tell.
+/// Address to which a socket is bound; 0.0.0.0:0 if the system gives none.
 [[nodiscard]] Endpoint LocalEndpoint(int fd) noexcept;
-/// To where a socket is connected; 0.0.0.0:0 when it is not, or not any more.
+/// Address to which a socket is connected; 0.0.0.0:0 if it is not, or no longer is.
 [[nodiscard]] Endpoint PeerEndpoint(int fd) noexcept;
 
-/// The system's words for `error`, an errno.
+/// The system's text for `error`, an errno.
 [[nodiscard]] std::string ReasonOf(int error);
 
 /// @param type  SOCK_STREAM or SOCK_DGRAM.
-/// @returns a socket that does not block and is not inherited. @throws EnvironmentError.
+/// @returns a non-blocking socket that child processes do not inherit. @throws EnvironmentError.
 [[nodiscard]] FileDescriptor OpenSocket(int type);
 
-/// @throws EnvironmentError: the port is taken, the address is none of this machine's.
+/// @throws EnvironmentError if the port is in use or the address is not this machine's.
 void Bind(int fd, const Endpoint& local);
 
-/// Switches a socket's option; a socket that refuses works without it.
+/// Sets a socket option; ignores failure, because the socket works without it.
 void SetOption(int fd, int level, int option, int value) noexcept;
 
 }  // namespace twin::fci

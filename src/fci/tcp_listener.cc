@@ -11,13 +11,13 @@
 namespace twin::fci {
 namespace {
 
-/// Connections that may wait to be accepted.
+/// Connections that may wait for Accept().
 constexpr int kBacklog = 16;
 
 }  // namespace
 
 TcpListener::TcpListener(const Endpoint& local) : fd_(OpenSocket(SOCK_STREAM)) {
-  // A port whose last connections are still being forgotten can be taken again.
+  // Allows reuse of a port whose last connections are in TIME_WAIT.
   SetOption(fd_.get(), SOL_SOCKET, SO_REUSEADDR, 1);
   Bind(fd_.get(), local);
   if (listen(fd_.get(), kBacklog) == 0) return;
@@ -38,7 +38,7 @@ std::optional<TcpStream> TcpListener::Accept() {
         "a connection cannot be accepted: {}; raise the limit of open files (`ulimit -n`)",
         ReasonOf(errno)));
   }
-  // None waits, or the one that did has gone again.
+  // No connection waits, or the waiting one has closed.
   return {};
 }
 

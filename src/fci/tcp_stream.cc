@@ -17,11 +17,11 @@
 namespace twin::fci {
 namespace {
 
-/// What Close() reads away at most before it ends the connection in order all the same.
+/// Upper bound of reads in Close() before it closes anyway.
 constexpr int kMostDrained = 64;
 
-/// Waits until `fd` has connected or failed to.
-/// @returns false when `timeout` is over.
+/// Waits until `fd` has connected or failed.
+/// @returns false after `timeout`.
 bool AwaitConnection(int fd, Duration timeout) {
   const MonotonicClock clock;
   pollfd waiting{fd, POLLOUT, 0};
@@ -34,11 +34,11 @@ bool AwaitConnection(int fd, Duration timeout) {
   }
 }
 
-/// @returns an errno: 0 connected, ETIMEDOUT too late, or why not.
+/// @returns 0 on success, ETIMEDOUT after `timeout`, or another errno.
 int ConnectWithin(int fd, const Endpoint& to, Duration timeout) {
   const sockaddr_in address = AddressOf(to);
   if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return 0;
-  // An interrupted connect goes on by itself.
+  // An interrupted connect continues in the kernel.
   if (errno != EINPROGRESS && errno != EINTR) return errno;
   if (!AwaitConnection(fd, timeout)) return ETIMEDOUT;
   int error = 0;
@@ -63,7 +63,7 @@ int ConnectWithin(int fd, const Endpoint& to, Duration timeout) {
                                ReasonOf(error)));
 }
 
-/// How a call that gave `count` went. @param moved  bytes that went.
+/// Result of a call that returned `count`. @param moved  bytes transferred.
 StreamResult Judge(ssize_t count, std::size_t& moved) noexcept {
   moved = count > 0 ? static_cast<std::size_t>(count) : 0;
   if (count >= 0) return StreamResult::kDone;
@@ -107,8 +107,7 @@ StreamResult TcpStream::Send(std::span<const std::byte> bytes, std::size_t& sent
 void TcpStream::Close() noexcept {
   if (!fd_.valid()) return;
   shutdown(fd_.get(), SHUT_WR);
-  // Linux resets a connection that is closed with bytes unread, and the peer would lose what it was
-  // told last.
+  // Linux resets a connection closed with unread bytes, and the peer would lose the last data sent.
   std::array<std::byte, 1024> waste;
   for (int i = 0; i < kMostDrained; ++i) {
     if (recv(fd_.get(), waste.data(), waste.size(), MSG_DONTWAIT) <= 0) break;

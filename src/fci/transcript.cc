@@ -20,10 +20,10 @@
 namespace twin::fci {
 namespace {
 
-/// Streams, and requests without an answer, that are kept in mind; more begin anew.
+/// Upper bounds of streams and of unanswered requests; beyond them the record starts anew.
 constexpr std::size_t kMostStreams = 16;
 constexpr std::size_t kMostRequests = 1024;
-/// Bytes of an answer that are kept: of a model library, a few times the largest that is known.
+/// Largest stored answer, bytes: several times the largest known model library.
 constexpr std::size_t kLargestAnswer = std::size_t{4} << 20;
 
 using Ends = std::pair<record::PacketEnd, record::PacketEnd>;
@@ -187,7 +187,7 @@ class Transcript::Impl {
   TranscriptOptions options_;
   std::uint64_t elsewhere_ = 0;
   std::map<Ends, Stream> streams_;
-  /// Command of each request, by the ends of its answer and its id.
+  /// Command of each request, by its answer's endpoints and its id.
   std::map<std::pair<Ends, std::uint32_t>, std::uint32_t> asked_;
 };
 

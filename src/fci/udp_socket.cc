@@ -17,11 +17,11 @@
 namespace twin::fci {
 namespace {
 
-/// Errors of earlier sends that a receive passes over, each of which the kernel tells once: a bound
-/// for what a stranger's messages can cost a cycle.
+/// Errors of earlier sends to skip in one receive. The kernel reports each once; the bound limits
+/// what foreign ICMP messages cost a cycle.
 constexpr int kMostErrors = 16;
 
-/// When the kernel received the message; now, when it does not tell.
+/// Kernel receive time of the message; now, if the kernel gives none.
 Time ArrivalOf(const MonotonicClock& clock, msghdr& message) noexcept {
   for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
     if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
@@ -78,8 +78,8 @@ std::optional<Datagram> UdpSocket::Receive(std::span<std::byte> buffer) noexcept
 }
 
 void UdpSocket::ListenOnlyTo(const Endpoint& peer) noexcept {
-  // A datagram's first bytes are its UDP header, of which the source's port is the first field; its
-  // IP header, which has the source's address at 12, is reached at an offset of its own.
+  // Offset 0 of the data is the UDP header, which begins with the source port. The IP header, with
+  // the source address at 12, has an offset base of its own.
   constexpr std::uint32_t kSourceAddress = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;
   constexpr std::uint32_t kSourcePort = 0;
   constexpr std::uint32_t kWhole = std::numeric_limits<std::uint32_t>::max();

@@ -11,11 +11,10 @@
 #include "twin/core/modes.h"
 #include "twin/core/robot_errors.h"
 
-// Single values as the wire has them: packed, little-endian, a flag one byte of 0 or 1. Every value
-// but a set of errors and the modes of a Move lies in memory as it lies on the wire, so that it is
-// copied.
+// Single values on the wire: packed, little-endian; a flag is one byte, 0 or 1. Values are copied,
+// because memory and wire have the same layout, except for a set of errors and the modes of a Move.
 //
-// Threads: any. Real-time: noexcept, allocates nothing.
+// Threads: any. Real-time: noexcept, does not allocate.
 namespace twin::fci::wire {
 
 static_assert(std::endian::native == std::endian::little,
@@ -30,7 +29,7 @@ inline constexpr std::size_t kBytes<RobotErrors> = kRobotErrorCount;
 template <>
 inline constexpr std::size_t kBytes<MotionModes> = 8;
 
-/// Whether a T is one flag or several, each of which is 0 or 1.
+/// True if T consists of flags, each 0 or 1.
 template <typename T>
 inline constexpr bool kIsFlags = false;
 template <>
@@ -40,14 +39,14 @@ inline constexpr bool kIsFlags<RobotErrors> = true;
 template <std::size_t N>
 inline constexpr bool kIsFlags<std::array<bool, N>> = true;
 
-/// Whether all of `bytes` are 0 or 1.
+/// True if all `bytes` are 0 or 1.
 [[nodiscard]] inline bool AreFlags(std::span<const std::byte> bytes) noexcept {
   std::byte all{};
   for (const std::byte one : bytes) all |= one;
   return all <= std::byte{1};
 }
 
-/// @param at  kBytes<T> of them are written.
+/// @param at  kBytes<T> bytes are written there.
 template <typename T>
 void Put(std::byte* at, const T& value) noexcept {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -62,14 +61,13 @@ inline void Put(std::byte* at, const RobotErrors& errors) noexcept {
   }
 }
 
-/// A request numbers the generators one lower than the state; kIdle becomes a number that does not
-/// exist.
+/// A request numbers the generators one lower than the state does; kIdle becomes an unused number.
 inline void Put(std::byte* at, const MotionModes& modes) noexcept {
   Put(at, static_cast<std::uint32_t>(modes.controller));
   Put(at + 4, static_cast<std::uint32_t>(modes.generator) - 1U);
 }
 
-/// @param at  kBytes<T> of them are read; of flags each is 0 or 1.
+/// @param at  kBytes<T> bytes are read from there; flags must be 0 or 1.
 template <typename T>
 void Take(const std::byte* at, T& value) noexcept {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -84,7 +82,7 @@ inline void Take(const std::byte* at, RobotErrors& errors) noexcept {
   errors = RobotErrors(bits);
 }
 
-/// Numbers that do not exist become kOther and kIdle, which no motion has.
+/// Unknown numbers become kOther and kIdle, which no motion uses.
 inline void Take(const std::byte* at, MotionModes& modes) noexcept {
   std::uint32_t controller = 0;
   std::uint32_t generator = 0;

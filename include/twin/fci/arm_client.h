@@ -27,23 +27,23 @@ namespace twin::fci {
 
 class RequestChannel;
 
-/// What came of a look for a state.
+/// Outcome of a non-blocking receive.
 enum class Reception : std::uint8_t {
-  kState,    ///< one was received
-  kPending,  ///< none yet
-  /// TCP has ended, no state has come for as long as the timeout for one, or one came in which a
-  /// number is NaN or infinity.
+  kState,    ///< a state was received
+  kPending,  ///< no state yet
+  /// TCP has ended, the timeout for a state has passed, or a state contains NaN or infinity.
   kLost,
 };
 
-/// Datagrams at the states' socket that were none to take.
+/// Datagrams rejected at the state socket.
 struct ReceptionCounts {
-  std::uint64_t old = 0;    ///< not newer than the last accepted: late, or doubled
-  std::uint64_t ahead = 0;  ///< of an id that the robot cannot have reached since the last accepted
-  /// Of another address than the robot's, or of another port than the first state's, as far as the
-  /// kernel let them in (UdpSocket::ListenOnlyTo).
+  std::uint64_t old = 0;  ///< not newer than the last accepted state: late or duplicated
+  std::uint64_t ahead =
+      0;  ///< an id that the robot cannot have reached since the last accepted state
+  /// Not from the robot's address, or not from the port of the first state; counts only those that
+  /// the kernel let in (UdpSocket::ListenOnlyTo).
   std::uint64_t foreign = 0;
-  std::uint64_t bad = 0;  ///< too short, or a mode or flag that does not exist
+  std::uint64_t bad = 0;  ///< too short, or with an unknown mode or flag
   bool operator==(const ReceptionCounts&) const = default;
 };
 
@@ -53,30 +53,29 @@ struct ReceptionCounts {
 ///     any thread ---request---> TCP ---> robot      tick's thread <---states--- UDP <--- robot
 ///     any thread <--answer----- reader thread       tick's thread ---commands--> UDP ---> robot
 ///
-/// Of the states, the newest counts: what is queued is drained (64 at a time, no more). The first
-/// is accepted from the robot's address, the others from where the first came from; that is where
-/// commands go. An id must be greater than the last accepted one's, by no more than
-///   1000 + 2 a ms of the time since the socket was last found empty before that one:
-/// a robot counts one a ms, so that what is further ahead is none of its states and must not make
-/// all that follow old. Whoever sends in the robot's name from its own port is not recognised: the
-/// interface has no secrets.
+/// Receive() returns the newest state: it drains the queue, at most 64 datagrams a call. The first
+/// state is accepted from the robot's address, later ones only from the first one's source, which
+/// is also where commands go. An id must exceed the last accepted one, by at most 1000 + 2 per ms
+/// since the socket was last empty before that state. A robot counts 1 per ms, so a higher id is
+/// not from its states and would make all following ones old. A sender that forges the robot's
+/// address and port is not detected, because the interface has no authentication.
 ///
-/// A number that is none (NaN, infinity) in a state ends the connection: no robot measures it, and
-/// what compares with it takes all for well.
+/// NaN or infinity in a state ends the connection: no robot measures it, and every comparison with
+/// it would pass.
 ///
-/// Unlike libfranka it waits for no answer without end: a connection that is closed, or an answer
-/// that does not come, is a RobotFault.
+/// Unlike libfranka, no call waits forever: a closed connection or a missing answer is a
+/// RobotFault.
 ///
 /// Threads: requests from any; Receive() and Send() from one, the tick's. Real-time: these two and
-/// the arrival are noexcept, lock nothing and allocate nothing.
+/// arrival() are noexcept and neither lock nor allocate.
 class ArmClient {
  public:
-  /// Connects: TCP, the states' socket, and an agreement on the version.
-  /// @param clock  of instants and timeouts; must outlive the client. It may be restarted while
-  ///               nobody receives.
-  /// @param capture  keeps what is sent and received; must outlive the client. Null: nothing.
-  /// @throws InputError when the host has no address; RobotFault when nothing answers there, or
-  /// speaks another version, with both versions and the cure.
+  /// Connects TCP, binds the state socket and checks the protocol version.
+  /// @param clock  for instants and timeouts; must outlive the client. It may be restarted while no
+  /// Receive() runs.
+  /// @param capture  records what is sent and received; must outlive the client. May be null.
+  /// @throws InputError if the host has no address; RobotFault if the host does not answer, or has
+  /// another version (names both versions and the cure).
   ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
             const ClientTimeout& timeout = {}, Capture* capture = nullptr);
   ~ArmClient();
@@ -84,36 +83,37 @@ class ArmClient {
   ArmClient& operator=(const ArmClient&) = delete;
 
   [[nodiscard]] const Endpoint& robot() const noexcept { return robot_; }
-  /// The robot's version of the interface, as it told.
+  /// The robot's protocol version.
   [[nodiscard]] std::uint16_t version() const noexcept { return version_; }
 
-  /// @returns the first answer: kMotionStarted, or why not. @throws RobotFault when the connection
-  /// is lost or no answer comes; so do the other requests.
+  /// @returns the first answer: kMotionStarted, or the reason for the refusal. @throws RobotFault,
+  /// as do all requests, if the connection is lost or no answer comes.
   [[nodiscard]] MoveStatus Move(const fci::Move& move);
-  /// The second answer to the last Move that started.
-  /// @returns nothing when there was none, or its end is not known within `timeout`.
+  /// Waits for the second answer to the last Move that started.
+  /// @returns nullopt without a motion, or if its end does not arrive within `timeout`.
   [[nodiscard]] std::optional<MoveStatus> AwaitMotionEnd(Duration timeout) noexcept;
-  /// Answered when the arm rests; at once when no motion runs.
+  /// Returns once the arm is at rest; at once without a motion.
   [[nodiscard]] StopStatus StopMove();
   [[nodiscard]] SetterStatus Configure(const Setting& setting);
   [[nodiscard]] SetterStatus CartesianLimitOf(std::int32_t id, CartesianLimit& limit);
   [[nodiscard]] RecoveryStatus Recover();
-  /// Asks the robot whether it is a twin (fci/twin_sign.h). What answers in any other way, or not
-  /// at all, may be a real arm. Changes nothing. @throws RobotFault when the connection is lost.
+  /// Asks the robot whether it is a twin (fci/twin_sign.h). False for any other answer or none: it
+  /// may be a real arm. Changes nothing. @throws RobotFault if the connection is lost.
   [[nodiscard]] bool SaysItIsATwin();
 
-  /// Never waits. @param state  written only for kState. @param at  when this side had it.
+  /// Never waits. @param state  written only for kState. @param at  arrival time at this side.
   [[nodiscard]] Reception Receive(RobotState& state, Time& at) noexcept TWIN_REALTIME;
-  /// What the kernel does not take is lost, as on the wire; so is a command before the first state.
+  /// A command that the kernel does not take is lost, as on the wire; so is one before the first
+  /// state.
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
-  /// Where to wait for a state: returns as long as one is queued.
+  /// Waits for states: returns while one is queued.
   [[nodiscard]] rt::Arrival& arrival() noexcept { return *udp_; }
 
-  /// Whether TCP has ended. Real-time: noexcept.
+  /// True once TCP has ended. Real-time: noexcept.
   [[nodiscard]] bool lost() const noexcept;
-  /// Why the connection is gone, for people; empty while it is not.
+  /// Reason for the loss of the connection, for users; empty while it is up.
   [[nodiscard]] std::string WhyLost() const;
-  /// Any thread: each figure by itself.
+  /// Threads: any; each count is read separately.
   [[nodiscard]] ReceptionCounts counts() const noexcept;
 
  private:
@@ -123,7 +123,7 @@ class ArmClient {
   [[nodiscard]] Asked Ask(const ArmRequest& request, Duration timeout);
   [[nodiscard]] std::uint8_t AskForStatus(const ArmRequest& request, std::uint8_t last);
   [[nodiscard]] bool Accept(const Datagram& datagram) noexcept;
-  /// The states have, for good.
+  /// True once the stream of states has ended; stays true.
   [[nodiscard]] bool has_ended() const noexcept {
     return silent_.load(std::memory_order_relaxed) ||
            no_number_.load(std::memory_order_relaxed) != nullptr;
@@ -142,8 +142,8 @@ class ArmClient {
   std::unique_ptr<UdpSocket> udp_;
   std::unique_ptr<RequestChannel> channel_;
 
-  std::mutex motion_;                        ///< guards the two
-  std::optional<std::uint32_t> move_id_;     ///< whose second answer is awaited
+  std::mutex motion_;                        ///< guards move_id_ and last_move_end_
+  std::optional<std::uint32_t> move_id_;     ///< the Move whose second answer is pending
   std::optional<MoveStatus> last_move_end_;  ///< of the last Move that started
 
   // The tick's.
@@ -152,18 +152,18 @@ class ArmClient {
   RobotState received_;
   std::uint64_t last_id_ = 0;
   bool has_state_ = false;
-  Endpoint to_{};  ///< where the first state came from: of commands
-  /// Of ids against time: clock_ may be restarted, this one is not.
+  Endpoint to_{};  ///< source of the first state, and destination of commands
+  /// Relates ids to time: clock_ may be restarted, this clock is not.
   const MonotonicClock own_clock_;
-  Time found_empty_{};  ///< when the socket was last; before the last accepted state: sent_after_
+  Time found_empty_{};  ///< when the socket was last empty; sent_after_: its value before the last
+                        ///< accepted state
   Time sent_after_{};
-  std::optional<Time> pending_since_;  ///< of the first look since the last state
+  std::optional<Time> pending_since_;  ///< time of the first Receive() since the last state
 
   ReceptionCounts before_;   ///< up to the last accepted state
-  ReceptionCounts instead_;  ///< of a state, when silent_
+  ReceptionCounts instead_;  ///< rejected instead of a state, when silent_
 
-  // Counts only: relaxed. silent_ (release after instead_) and no_number_ are set once, by the
-  // tick.
+  // Counters: relaxed. silent_ (release, after instead_) and no_number_ are set once, by the tick.
   std::atomic<std::uint64_t> old_ = 0;
   std::atomic<std::uint64_t> ahead_ = 0;
   std::atomic<std::uint64_t> foreign_ = 0;

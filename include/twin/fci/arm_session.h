@@ -15,70 +15,67 @@
 
 namespace twin::fci {
 
-/// What a session needs to know of the robot after each cycle in which it changed.
+/// Robot data for a session, sent after each cycle that changed it.
 struct ArmProgress {
   RobotMode mode = RobotMode::kOther;
   bool in_motion = false;  ///< the modes of the state are not idle
-  /// How the last motion ended; kMotionStarted while one runs or before the first.
+  /// End of the last motion; kMotionStarted while one runs, or before the first.
   MoveStatus last_end = MoveStatus::kMotionStarted;
   bool operator==(const ArmProgress&) const = default;
 };
 
-/// The robot, as a session sees it. Answers are those of INT.
+/// The robot as seen by a session. The answers are INT's.
 class ArmService {
  public:
   virtual ~ArmService() = default;
   [[nodiscard]] virtual MoveStatus Move(const fci::Move& move) = 0;
   virtual void StopMove() = 0;
   [[nodiscard]] virtual SetterStatus Configure(const Setting& setting) = 0;
-  /// kSuccess: it has begun, or there was nothing to recover from. Not possible in Reflex: the arm
-  /// has not come to rest yet.
+  /// kSuccess: recovery has begun, or was not needed. Refused in Reflex while the arm still moves.
   [[nodiscard]] virtual RecoveryStatus Recover() = 0;
   [[nodiscard]] virtual SetterStatus CartesianLimitOf(std::int32_t id, CartesianLimit& limit) = 0;
-  /// Bytes of the library for such a machine; empty: there is none.
+  /// Bytes of the model library for this machine; empty if unavailable.
   [[nodiscard]] virtual std::span<const std::byte> ModelLibrary(
       const LoadModelLibrary& machine) = 0;
   [[nodiscard]] virtual ArmProgress Progress() = 0;
 };
 
-/// Where a session's answers go: the whole frame at a time, in this order.
+/// Receives a session's answers, one whole frame per call, in order.
 using Answers = std::function<void(std::span<const std::byte>)>;
 
-/// One client's session with the arm, without sockets and without time: requests in, answers out.
+/// One client's session with the arm, without sockets or time: requests in, answers out.
 ///
 ///     Connect -> (states flow) -> Move -> MotionStarted ... motion ends -> Move's second answer
 ///                                 StopMove -> answered when the arm rests, just before Move's
 ///
-/// Every request is answered once, Move twice unless rejected. What is answered later: Move's end,
-/// StopMove of a running motion, recovery; each when OnProgress() shows it. StopMove without a
-/// motion is answered with success at once: clients send it after every failure and some end
-/// themselves when it fails. For the same reason a StopMove is a success, too, when the motion ends
-/// otherwise while it is being stopped (a decision). Recovery that is asked for while the arm still
-/// comes to rest after a reflex begins when it rests: programs recover in the same breath in which
-/// they learn of the reflex, and the real robot lets them (a decision; INT itself refuses). Source:
-/// FCI protocol 5, session and motion semantics.
+/// Every request gets one answer, an accepted Move two. The second answer to Move, StopMove of a
+/// running motion and recovery are answered later, when OnProgress() shows the event. StopMove
+/// without a motion succeeds at once, because clients send it after every failure and some exit
+/// when it fails. It also succeeds if the motion ends otherwise while it stops (a decision). A
+/// recovery requested before the arm is at rest after a reflex begins once it rests: programs
+/// request it as soon as they see the reflex, and the real robot allows it (a decision; INT itself
+/// refuses). Source: FCI protocol 5, session and motion semantics.
 ///
 /// Threads: one.
 class ArmSession {
  public:
   ArmSession(ArmService& service, Answers answers);
 
-  /// @returns what must happen to the connection: nothing; the reason why it has to be closed, once
-  /// what was answered is on its way. A first request that is no Connect, a second Connect, a
-  /// Connect of another version (answered with ours) or without a port for states, and a frame that
-  /// is none all close it.
+  /// @returns nullopt, or the reason to close the connection after the answers are sent: the first
+  /// request is not Connect; a second Connect; a Connect with another version (answered with ours)
+  /// or without a UDP port; a malformed frame.
   [[nodiscard]] std::optional<std::string> OnFrame(const Frame& frame);
 
-  /// The robot has changed.
+  /// The robot's progress has changed.
   void OnProgress(const ArmProgress& progress);
 
-  /// The client has gone: a running motion is stopped. @note Nothing is answered any more.
+  /// The client has disconnected: stops a running motion. @note Sends no more answers.
   void OnClosed();
 
-  /// Where states go, once connected: the client's UDP port.
+  /// The client's UDP port, to which states go; nullopt before Connect.
   [[nodiscard]] std::optional<std::uint16_t> udp_port() const noexcept { return udp_port_; }
-  /// Requests that were not answered to their end yet: such a connection must be reset, not closed,
-  /// when the server ends it, or clients wait for ever.
+  /// True while requests lack an answer. If the server ends such a connection, it must reset it
+  /// instead of closing it; otherwise clients wait forever.
   [[nodiscard]] bool has_pending() const noexcept;
 
  private:
@@ -91,27 +88,28 @@ class ArmSession {
   Outcome Take(const Setting& setting);
   Outcome Take(const AutomaticErrorRecovery& request);
   Outcome Take(const LoadModelLibrary& machine);
-  /// Begins the recovery that was asked for, answers it, or leaves it to be tried again.
+  /// Starts the pending recovery, answers it, or keeps it for another try.
   void TryRecovery();
   void AnswerRecovery(RecoveryStatus status);
   template <typename Status>
   void Answer(ArmCommand command, std::uint32_t command_id, Status status);
-  /// Answers the request at hand.
+  /// Answers the current request.
   template <typename Status>
   Outcome Answer(Status status);
 
-  /// StopMoves that may wait at once; no client has more than one per thread.
+  /// Upper bound of pending StopMoves; a client has at most one per thread.
   static constexpr std::size_t kMostStops = 64;
 
   ArmService& service_;
   const Answers answers_;
-  FrameHead head_;  ///< of the request at hand
+  FrameHead head_;  ///< of the current request
   std::optional<std::uint16_t> udp_port_;
   std::optional<std::uint32_t> move_;  ///< command_id of the running motion's Move
-  std::vector<std::uint32_t> stops_;   ///< of StopMoves that wait for its end, as they came
+  std::vector<std::uint32_t>
+      stops_;  ///< StopMoves that wait for the motion's end, in order of arrival
   struct Recovery {
     std::uint32_t command_id = 0;
-    bool begun = false;  ///< no: the arm still comes to rest
+    bool begun = false;  ///< false: the arm has not come to rest yet
   };
   std::optional<Recovery> recovery_;
 };

@@ -23,58 +23,57 @@
 
 namespace twin::fci {
 
-/// Keeps a session's datagrams and TCP bytes in a pcapng file, off the threads that exchange them.
+/// Records a session's datagrams and TCP bytes to a pcapng file, on a thread of its own.
 ///
 ///     PutRealtime() --ring of 1024--> +---------------+
 ///     Put() -----------list, lock---> | writer thread | --> <path>.partial, <path> when finished
 ///                                     +---------------+
 ///
-/// Packets are in order of their time as far as they wait together, about a millisecond.
+/// Orders packets by time among those that wait together, about one millisecond's worth.
 ///
-/// Threads: PutRealtime() from one, Put() from any. Real-time: PutRealtime() is noexcept,
-/// wait-free, and allocates nothing; a full ring drops and counts. Put() is not for real
-/// time.
+/// Threads: PutRealtime() from one, Put() from any. Real-time: PutRealtime() is noexcept, wait-free
+/// and does not allocate; a full ring drops and counts. Put() is not for real time.
 class Capture {
  public:
-  /// The longest datagram of the protocol.
+  /// Length of the protocol's longest datagram.
   static constexpr std::size_t kLongestDatagram = kStateBytes;
 
-  /// Creates `<path>.partial`. @throws EnvironmentError when that is not possible.
+  /// Creates `<path>.partial`. @throws EnvironmentError if it cannot.
   explicit Capture(const std::filesystem::path& path);
-  /// Without Finish(): leaves `<path>.partial`.
+  /// Leaves `<path>.partial` if Finish() was not called.
   ~Capture();
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
 
-  /// The file's time, from 0 when it was created, for who has no clock that is never restarted.
+  /// The file's clock: 0 at its creation, never restarted.
   [[nodiscard]] const MonotonicClock& clock() const noexcept { return clock_; }
-  /// An instant of another clock on clock(). Real-time: noexcept, O(1).
+  /// Converts an instant of another clock to clock(). Real-time: noexcept, O(1).
   [[nodiscard]] Time TimeOf(const MonotonicClock& other, Time at) const noexcept TWIN_REALTIME {
     return Time(Duration(other.MonotonicNs(at) - clock_.MonotonicNs(Time())));
   }
 
-  /// @param packet  a datagram; of more than kLongestDatagram bytes, those.
+  /// @param packet  a datagram; cut to kLongestDatagram bytes.
   void PutRealtime(const record::Packet& packet) noexcept TWIN_REALTIME;
   /// @param packet  bytes of a TCP stream, or a datagram.
   void Put(const record::Packet& packet);
 
-  /// Why nothing is written any more, as soon as that is so; empty: all is well. Threads: any.
+  /// Reason why writing has stopped; empty while it works. Threads: any.
   [[nodiscard]] std::string Failure() const { return failure_.Text(); }
 
-  /// Writes what waits, and gives the file its name. Call once, after the last Put.
-  /// @returns datagrams that were dropped. @throws EnvironmentError when anything could not be
-  /// written, now or before.
+  /// Writes the remaining packets and renames the file to its final name. Call once, after the last
+  /// Put.
+  /// @returns the number of dropped datagrams. @throws EnvironmentError if any write has failed.
   std::uint64_t Finish();
 
  private:
   static constexpr std::size_t kRing = 1024;
 
   struct Datagram {
-    record::Packet packet;  ///< whose bytes are `bytes`
+    record::Packet packet;  ///< its data is in `bytes`
     std::array<std::byte, kLongestDatagram> bytes;
   };
   struct Kept {
-    record::Packet packet;  ///< whose bytes are `bytes`
+    record::Packet packet;  ///< its data is in `bytes`
     std::vector<std::byte> bytes;
   };
 
@@ -83,13 +82,13 @@ class Capture {
   void StopThread();
 
   const MonotonicClock clock_;
-  record::PcapngWriter writer_;  ///< the writer thread's, then Finish()'s
+  record::PcapngWriter writer_;  ///< owned by the writer thread, then by Finish()
   rt::SpscRing<Datagram> datagrams_{kRing};
   std::mutex others_lock_;
   std::vector<Kept> others_;               ///< guarded by others_lock_
-  std::vector<Kept> waiting_;              ///< the writer thread's
-  std::atomic<std::uint64_t> dropped_{0};  ///< a count only: relaxed
-  record::WriteFailure failure_;           ///< the writer thread's
+  std::vector<Kept> waiting_;              ///< owned by the writer thread
+  std::atomic<std::uint64_t> dropped_{0};  ///< a counter: relaxed
+  record::WriteFailure failure_;           ///< owned by the writer thread
   std::jthread thread_;
 };
 

@@ -4,13 +4,12 @@
 
 namespace twin::fci {
 
-/// How long a client waits. Finite, all of it: a robot that says nothing ends in a message, not in
-/// a program that hangs.
+/// Timeouts of a client. All are finite: a silent robot causes an error message, not a hang.
 struct ClientTimeout {
-  Duration connect = std::chrono::seconds(3);  ///< for the connection, and its answer
-  /// For the answer to a request: StopMove and recovery answer once the arm rests.
+  Duration connect = std::chrono::seconds(3);  ///< for the connection and the answer to Connect
+  /// For the answer to a request; StopMove and recovery answer once the arm is at rest.
   Duration answer = std::chrono::seconds(10);
-  Duration state = std::chrono::seconds(1);  ///< without a state; libfranka's figure
+  Duration state = std::chrono::seconds(1);  ///< between states; as in libfranka
 };
 
 }  // namespace twin::fci

@@ -12,32 +12,31 @@
 #include "twin/core/robot_state.h"
 #include "twin/fci/protocol.h"
 
-// The three datagrams of the Franka Control Interface: their bytes, both ways. A datagram is
-// written and read field by field from one table of {field, offset} (src/fci/datagram_fields.h),
-// whose offsets and sizes are checked by the compiler. Source: FCI protocol 5, robot state, robot
-// command, gripper state.
+// Encodes and decodes the three datagrams of the Franka Control Interface, field by field from one
+// table of {field, offset} (src/fci/datagram_fields.h). The compiler checks its offsets and sizes.
+// Source: FCI protocol 5, robot state, robot command, gripper state.
 //
-// Threads: any. Real-time: all calls are noexcept and allocate nothing.
+// Threads: any. Real-time: all calls are noexcept and do not allocate.
 namespace twin::fci {
 
 using StateBytes = std::array<std::byte, kStateBytes>;
 using CommandBytes = std::array<std::byte, kCommandBytes>;
 using HandStateBytes = std::array<std::byte, kHandStateBytes>;
 
-/// What is wrong with a datagram.
+/// Reason why a datagram is rejected.
 enum class DatagramFault : std::uint8_t {
   kNone,
   kSize,       ///< shorter than the structure (longer ones are cut, as clients do)
-  kEnum,       ///< a mode that does not exist
+  kEnum,       ///< unknown mode
   kBool,       ///< a flag that is neither 0 nor 1
-  kNotFinite,  ///< NaN or infinity in a command; of states FieldWithoutNumber() tells
+  kNotFinite,  ///< NaN or infinity in a command; FieldWithoutNumber() checks states
 };
 
 void Encode(const RobotState& state, StateBytes& bytes) noexcept TWIN_REALTIME;
 void Encode(const RobotCommand& command, CommandBytes& bytes) noexcept TWIN_REALTIME;
 void Encode(const HandState& state, HandStateBytes& bytes) noexcept TWIN_REALTIME;
 
-/// @param state, command  written only when nothing is wrong.
+/// @param state, command  written only on success.
 [[nodiscard]] DatagramFault Decode(std::span<const std::byte> bytes,
                                    RobotState& state) noexcept TWIN_REALTIME;
 [[nodiscard]] DatagramFault Decode(std::span<const std::byte> bytes,
@@ -45,11 +44,11 @@ void Encode(const HandState& state, HandStateBytes& bytes) noexcept TWIN_REALTIM
 [[nodiscard]] DatagramFault Decode(std::span<const std::byte> bytes,
                                    HandState& state) noexcept TWIN_REALTIME;
 
-/// The first field of a state that holds NaN or infinity, as Franka calls it, ended by a null;
-/// empty when every number is one.
+/// @returns Franka's name (null-terminated) of the first field with NaN or infinity in a state;
+/// empty if all numbers are finite.
 [[nodiscard]] std::string_view FieldWithoutNumber(const RobotState& state) noexcept TWIN_REALTIME;
 
-/// In snake case: "size", ...
+/// Snake case: "size", ...
 [[nodiscard]] std::string_view Name(DatagramFault fault) noexcept;
 
 }  // namespace twin::fci

@@ -12,46 +12,47 @@
 
 namespace twin::fci {
 
-/// Whose heads a stream has.
+/// Kind of frame head in a stream.
 enum class HeadKind : std::uint8_t { kArm, kHand };
 
-/// The bytes of a frame as they came, head and payload.
+/// A frame's bytes as received, head and payload.
 [[nodiscard]] std::vector<std::byte> BytesOf(HeadKind kind, const Frame& frame);
 
-/// Cuts a TCP stream into frames, however its bytes come: one by one, or several frames at once.
+/// Splits a TCP stream into frames, in whatever pieces its bytes arrive.
 ///
-/// What it keeps is bounded by the largest frame. A head that announces less than a head, or more
-/// than the largest frame, ends the stream: nothing resynchronises it.
+/// Its memory is bounded by the largest frame. A head with a size below a head's or above the
+/// largest frame's ends the stream, which cannot be resynchronised.
 ///
-/// Threads: one. Errors: fault(). Allocates the largest frame when it is made, and fault()'s text.
+/// Threads: one. Errors: fault(). The constructor allocates the largest frame; a fault allocates
+/// its text.
 class FrameReader {
  public:
-  /// @param largest  frame that is taken, bytes, head included.
+  /// @param largest  largest accepted frame, bytes, including its head.
   FrameReader(HeadKind kind, std::size_t largest);
 
-  /// Room for what is received next; never empty unless a frame waits for Next() or the stream has
-  /// ended. @post Received(n) tells how much of it was filled.
+  /// Buffer for the next received bytes; empty only if a frame waits for Next() or the stream has
+  /// ended. @post Received(n) gives the number of bytes filled.
   [[nodiscard]] std::span<std::byte> Room() noexcept;
   void Received(std::size_t bytes) noexcept;
 
-  /// The next whole frame; nothing: more bytes are needed, or the stream has ended (fault()). The
-  /// payload is valid until the next call of Next() or Room().
+  /// @returns the next whole frame; nullopt if it is incomplete or the stream has ended (fault()).
+  /// The payload is valid until the next call of Next() or Room().
   [[nodiscard]] std::optional<Frame> Next() noexcept;
 
-  /// Why the stream has ended, for people; null while it has not.
+  /// Why the stream has ended, for users; null while it has not.
   [[nodiscard]] const std::string* fault() const noexcept;
-  /// Whether bytes are kept that Next() has not given away: of an unfinished frame, once Next() has
-  /// given nothing.
+  /// True if bytes are held that Next() has not returned; after Next() gave nullopt, these belong
+  /// to an unfinished frame.
   [[nodiscard]] bool is_inside_frame() const noexcept;
 
  private:
   HeadKind kind_;
   std::size_t largest_;
-  /// [0, begin_) was given away, [begin_, end_) waits, [end_, largest_) is room.
+  /// [0, begin_) is consumed, [begin_, end_) is pending, [end_, largest_) is free.
   std::unique_ptr<std::byte[]> buffer_;
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
-  std::string fault_;  ///< empty while there is none
+  std::string fault_;  ///< empty without a fault
 };
 
 }  // namespace twin::fci

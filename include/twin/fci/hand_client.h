@@ -18,13 +18,13 @@ namespace twin::fci {
 class RequestChannel;
 
 /// A session with a hand that speaks the Franka Control Interface: commands over TCP, states over
-/// UDP. Each command is answered when the action is over; meanwhile nobody waits. Source: FCI
+/// UDP. A command is answered when its action is over; no call blocks until then. Source: FCI
 /// protocol 5, gripper.
 ///
 /// Threads: any. Not for real-time code.
 class HandClient {
  public:
-  /// Connects: TCP, the states' socket, and an agreement on the version.
+  /// Connects TCP, binds the state socket and checks the protocol version.
   /// @param capture, @throws  as ArmClient.
   HandClient(const std::string& host, std::uint16_t port, const ClientTimeout& timeout = {},
              Capture* capture = nullptr);
@@ -32,18 +32,19 @@ class HandClient {
   HandClient(const HandClient&) = delete;
   HandClient& operator=(const HandClient&) = delete;
 
-  /// Sends a command. One that still runs is aborted by it, and is given a second to say so: what
-  /// became of it is then known when this returns. The same for the answer to Stop, which comes at
-  /// once. @returns its name, above 0. @throws RobotFault when the connection is lost.
+  /// Sends a command. A command that still runs is aborted and has 1 s to answer, so its outcome is
+  /// known on return. Stop, which is answered at once, is treated the same. @returns the ticket,
+  /// above 0.
+  /// @throws RobotFault if the connection is lost.
   HandTicket Start(const HandCommand& command);
 
-  /// How a command ended; nothing while it runs. Asked of one of the last eight; earlier ones count
-  /// as aborted. @throws RobotFault when the connection is lost before it was answered.
+  /// @returns how the command ended; nullopt while it runs. Keeps the last eight commands and
+  /// reports older ones as aborted. @throws RobotFault if the connection is lost before the answer.
   [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket);
 
-  /// The newest state: when a command has just been answered, one that came after the answer, if it
-  /// does within 0.1 s (states are some 20 ms apart).
-  /// @throws RobotFault when none has ever come, or the connection is lost.
+  /// The newest state. Directly after an answer, waits up to 0.1 s for a state newer than the
+  /// answer (states arrive every 20 ms or so).
+  /// @throws RobotFault if no state has ever arrived, or the connection is lost.
   [[nodiscard]] HandState State();
 
  private:
@@ -56,11 +57,11 @@ class HandClient {
   };
 
   void Negotiate(std::uint16_t udp_port);
-  /// Looks whether the answer has come.
+  /// Checks for the answer.
   void Update(Sent& sent, Duration timeout);
 
   const ClientTimeout timeout_;
-  const std::string name_;  ///< for texts
+  const std::string name_;  ///< for messages
   std::unique_ptr<Mailbox> states_;
   std::unique_ptr<RequestChannel> channel_;
   std::mutex mutex_;

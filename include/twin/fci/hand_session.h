@@ -11,7 +11,7 @@
 
 namespace twin::fci {
 
-/// The hand, as a session sees it.
+/// The hand as seen by a session.
 class HandService {
  public:
   virtual ~HandService() = default;
@@ -20,9 +20,9 @@ class HandService {
   [[nodiscard]] virtual std::optional<HandResult> Outcome(HandTicket ticket) = 0;
 };
 
-/// One client's session with the hand, without sockets and without time. Each request is answered
-/// once, when the action is over; requests are read on meanwhile, so that Stop can abort one.
-/// Source: FCI protocol 5, gripper.
+/// One client's session with the hand, without sockets or time. Each request is answered once, when
+/// its action is over. Requests are read meanwhile, so that Stop can abort a command. Source: FCI
+/// protocol 5, gripper.
 ///
 /// Threads: one.
 class HandSession {
@@ -31,14 +31,14 @@ class HandSession {
 
   /// As ArmSession.
   [[nodiscard]] std::optional<std::string> OnFrame(const Frame& frame);
-  /// Time has passed: answers what is over.
+  /// Time has advanced: answers the commands that are over.
   void OnProgress();
 
   [[nodiscard]] std::optional<std::uint16_t> udp_port() const noexcept { return udp_port_; }
   [[nodiscard]] bool has_pending() const noexcept { return !pending_.empty(); }
 
  private:
-  /// A command that goes on.
+  /// A running command.
   struct Pending {
     HandTicket ticket = 0;
     HandCommandId command{};
@@ -51,7 +51,7 @@ class HandSession {
   HandService& service_;
   const Answers answers_;
   std::optional<std::uint16_t> udp_port_;
-  std::vector<Pending> pending_;  ///< as they came
+  std::vector<Pending> pending_;  ///< in order of arrival
 };
 
 }  // namespace twin::fci

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
-// Figures and numbers of the Franka Control Interface, protocol 5. Everything on the wire is packed
-// and little-endian. Source: FCI protocol 5, transport, framing, commands.
+// Constants of the Franka Control Interface, protocol 5. All wire data is packed and little-endian.
+// Source: FCI protocol 5, transport, framing, commands.
 namespace twin::fci {
 
 inline constexpr std::uint16_t kArmPort = 1337;
@@ -13,18 +13,18 @@ inline constexpr std::uint16_t kHandPort = 1338;
 inline constexpr std::uint16_t kArmVersion = 5;
 inline constexpr std::uint16_t kHandVersion = 3;
 
-/// Datagrams, bytes.
+/// Datagram sizes, bytes.
 inline constexpr std::size_t kStateBytes = 2373;
 inline constexpr std::size_t kCommandBytes = 370;
 inline constexpr std::size_t kHandStateBytes = 23;
 
-/// Heads of TCP frames, bytes; a head's size field counts head and payload.
+/// Head sizes of TCP frames, bytes; a head's size field counts head and payload.
 inline constexpr std::size_t kArmHeadBytes = 12;
 inline constexpr std::size_t kHandHeadBytes = 10;
-/// The largest frames of each direction but LoadModelLibrary's answer, bytes.
+/// Largest frame of each direction except LoadModelLibrary's answer, bytes.
 inline constexpr std::size_t kLargestArmRequest = 428;
 inline constexpr std::size_t kLargestHandRequest = 50;
-/// What a client takes as the answer to LoadModelLibrary at most, bytes.
+/// Largest accepted answer to LoadModelLibrary, bytes.
 inline constexpr std::size_t kLargestModelLibrary = std::size_t{16} << 20;
 
 /// Requests to the arm.
@@ -62,7 +62,7 @@ enum class ConnectStatus : std::uint8_t { kSuccess = 0, kIncompatibleLibraryVers
 /// Answers to LoadModelLibrary.
 enum class ModelLibraryStatus : std::uint8_t { kSuccess = 0, kError = 1 };
 
-/// For which machine a model library is asked.
+/// Machine for which a model library is requested.
 enum class Architecture : std::uint8_t { kX64 = 0, kX86 = 1, kArm = 2, kArm64 = 3 };
 enum class OperatingSystem : std::uint8_t { kLinux = 0, kWindows = 1 };
 

@@ -15,18 +15,18 @@
 #include "twin/core/setting.h"
 #include "twin/fci/protocol.h"
 
-// The TCP frames of the Franka Control Interface, arm and hand: what is asked and what is answered,
-// and their bytes, both ways. Source: FCI protocol 5, TCP commands, gripper.
+// Encodes and decodes the TCP frames of the Franka Control Interface: requests and answers of arm
+// and hand. Source: FCI protocol 5, TCP commands, gripper.
 namespace twin::fci {
 
-/// Opens a session. @note of arm and hand alike.
+/// Opens a session with the arm or the hand.
 struct Connect {
   std::uint16_t version = 0;
-  std::uint16_t udp_port = 0;  ///< where the client listens for states
+  std::uint16_t udp_port = 0;  ///< port on which the client receives states
   bool operator==(const Connect&) const = default;
 };
 
-/// By how much a motion may miss its path or its goal: translation m, rotation rad, elbow rad.
+/// Permitted deviation of a motion from its path or goal: translation m, rotation rad, elbow rad.
 struct Deviation {
   double translation = 10.0;
   double rotation = 3.12;
@@ -34,7 +34,7 @@ struct Deviation {
   bool operator==(const Deviation&) const = default;
 };
 
-/// Asks for a motion. The defaults are what libfranka sends, and mean no limit.
+/// Requests a motion. The defaults are libfranka's and mean no limit.
 struct Move {
   MotionModes modes;
   Deviation maximum_path_deviation;
@@ -44,7 +44,7 @@ struct Move {
 struct StopMove {};
 struct AutomaticErrorRecovery {};
 
-/// Asks for a virtual wall.
+/// Requests a virtual wall.
 struct GetCartesianLimit {
   std::int32_t id = 0;
 };
@@ -57,10 +57,10 @@ struct LoadModelLibrary {
 using ArmRequest = std::variant<Connect, Move, StopMove, GetCartesianLimit, Setting,
                                 AutomaticErrorRecovery, LoadModelLibrary>;
 
-/// Connect, or a command of the hand.
+/// Connect, or a command to the hand.
 using HandRequest = std::variant<Connect, HandCommand>;
 
-/// A virtual wall, as the robot tells it.
+/// A virtual wall, as reported by the robot.
 struct CartesianLimit {
   Vector3 object_world_size{};
   Transform object_frame = kIdentityTransform;
@@ -69,50 +69,50 @@ struct CartesianLimit {
 
 /// Head of a frame, arm or hand.
 struct FrameHead {
-  std::uint32_t command = 0;  ///< ArmCommand or HandCommandId; may be none of them
+  std::uint32_t command = 0;  ///< ArmCommand or HandCommandId; may be unknown
   std::uint32_t command_id = 0;
-  std::uint32_t size = 0;  ///< of head and payload
+  std::uint32_t size = 0;  ///< bytes of head and payload
 };
 
-/// A frame as it came.
+/// A received frame.
 struct Frame {
   FrameHead head;
-  std::span<const std::byte> payload;  ///< of the reader's buffer
+  std::span<const std::byte> payload;  ///< points into the reader's buffer
 };
 
-/// Why a request's payload is none: to be told to people, by capture and server.
+/// Why a request's payload is malformed; capture and server show it to users.
 struct BadFrame {
   std::string what;  ///< "Move: 55 bytes of payload, 56 are needed", ...
 };
 
-/// Reads a request, whose size must be exact. A value that is out of its range (but whose bytes are
-/// well-formed) is no BadFrame: refusing it is the robot's. So NaN in a setting is handed on, a
-/// machine that does not exist in LoadModelLibrary too, and a mode that does not exist in a Move
-/// becomes ControllerMode::kOther or MotionGeneratorMode::kIdle, with which no motion starts: INT
-/// refuses them as an invalid argument. Threads: any. May allocate for the text only.
+/// Decodes a request; its size must match exactly. A well-formed payload with a value out of range
+/// is not a BadFrame, because the robot refuses such values: NaN in a setting and an unknown
+/// machine in LoadModelLibrary pass. An unknown mode in a Move becomes ControllerMode::kOther or
+/// MotionGeneratorMode::kIdle, which INT refuses as an invalid argument. Threads: any. May
+/// allocate, for the text only.
 [[nodiscard]] std::variant<ArmRequest, BadFrame> ParseArmRequest(const Frame& frame);
 [[nodiscard]] std::variant<HandRequest, BadFrame> ParseHandRequest(const Frame& frame);
 
-/// The command a request is sent as.
+/// The command that identifies the request on the wire.
 [[nodiscard]] ArmCommand CommandOf(const ArmRequest& request) noexcept;
 
-/// The whole frame. A Move with kOther or kIdle gets a number that no mode has.
+/// Encodes a whole frame. A Move with kOther or kIdle gets a number that no mode uses.
 [[nodiscard]] std::vector<std::byte> EncodeRequest(std::uint32_t command_id,
                                                    const ArmRequest& request);
 [[nodiscard]] std::vector<std::byte> EncodeRequest(std::uint32_t command_id,
                                                    const HandRequest& request);
 
-/// An answer to the arm's client with nothing but a status. @param command  that is answered.
+/// Encodes an arm's answer that is only a status. @param command  the answered command.
 [[nodiscard]] std::vector<std::byte> EncodeArmAnswer(ArmCommand command, std::uint32_t command_id,
                                                      std::uint8_t status);
-/// Connect's. @param version  the server's.
+/// Encodes Connect's answer. @param version  the server's.
 [[nodiscard]] std::vector<std::byte> EncodeArmConnectAnswer(std::uint32_t command_id,
                                                             ConnectStatus status,
                                                             std::uint16_t version);
 [[nodiscard]] std::vector<std::byte> EncodeCartesianLimitAnswer(std::uint32_t command_id,
                                                                 SetterStatus status,
                                                                 const CartesianLimit& limit);
-/// LoadModelLibrary's. @param library  its bytes; empty unless success.
+/// Encodes LoadModelLibrary's answer. @param library  its bytes; empty unless success.
 [[nodiscard]] std::vector<std::byte> EncodeModelLibraryAnswer(std::uint32_t command_id,
                                                               ModelLibraryStatus status,
                                                               std::span<const std::byte> library);
@@ -122,22 +122,22 @@ struct BadFrame {
                                                              ConnectStatus status,
                                                              std::uint16_t version);
 
-/// What the arm answered: the status, and what follows it.
+/// The arm's answer: a status and its data.
 struct ArmAnswer {
   std::uint8_t status = 0;
   std::uint16_t version = 0;           ///< Connect
   CartesianLimit limit;                ///< GetCartesianLimit
-  std::span<const std::byte> library;  ///< LoadModelLibrary; of the frame's payload
+  std::span<const std::byte> library;  ///< LoadModelLibrary; points into the frame's payload
 };
-/// What the hand answered.
+/// The hand's answer.
 struct HandAnswer {
   HandResult result = HandResult::kFail;  ///< Connect: kSuccess, or kFail for another version
   std::uint16_t version = 0;              ///< Connect
 };
-/// Reads an answer as libfranka does: the frame's command counts for nothing, its command_id tells
-/// what is answered; bytes beyond those needed are left alone. A status that does not exist is a
-/// BadFrame of the hand's; of the arm's it is the caller's to judge.
-/// @param asked  the request that has the frame's command_id.
+/// Decodes an answer as libfranka does: ignores the frame's command, takes the request from
+/// command_id, and ignores surplus bytes. An unknown status is a BadFrame for the hand; for the arm
+/// the caller checks it.
+/// @param asked  the request with the frame's command_id.
 [[nodiscard]] std::variant<ArmAnswer, BadFrame> ParseArmAnswer(ArmCommand asked,
                                                                const Frame& frame);
 [[nodiscard]] std::variant<HandAnswer, BadFrame> ParseHandAnswer(HandCommandId asked,

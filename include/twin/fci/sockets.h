@@ -12,8 +12,8 @@
 #include "twin/record/packet.h"
 #include "twin/rt/arrival.h"
 
-// IPv4 sockets, as far as the Franka Control Interface needs them: nothing here blocks unless it
-// says so. Errors: EnvironmentError or InputError with address, reason and cure.
+// IPv4 sockets for the Franka Control Interface. No call blocks unless its comment says so. Errors:
+// EnvironmentError or InputError with address, reason and cure.
 struct pollfd;
 
 namespace twin::fci {
@@ -38,14 +38,14 @@ class FileDescriptor {
 /// IPv4 address and port.
 using Endpoint = record::PacketEnd;
 
-/// Whether the address is one of this machine's own, 127.0.0.0/8.
+/// True for the loopback network, 127.0.0.0/8.
 [[nodiscard]] constexpr bool IsLoopback(std::uint32_t address) noexcept {
   return address >> 24 == 127;
 }
 
 /// "127.0.0.1:1337".
 [[nodiscard]] std::string ToString(const Endpoint& endpoint);
-/// @param host  an IPv4 address or a name. May wait for the resolver. @throws InputError naming it.
+/// @param host  an IPv4 address or a name. May block in the resolver. @throws InputError naming it.
 [[nodiscard]] Endpoint Resolve(const std::string& host, std::uint16_t port);
 
 /// A network: "192.168.1.0/24".
@@ -56,27 +56,27 @@ struct Network {
     return (other & mask) == address;
   }
 };
-/// @throws InputError naming what is wrong with it.
+/// @throws InputError naming the mistake.
 [[nodiscard]] Network ParseNetwork(const std::string& text);
 
-/// Waits at several descriptors until one of them is ready, or until `deadline`.
-/// @param waited  as poll(2) takes them. @returns whether one is ready. Real-time: noexcept,
-/// bounded by the deadline, allocates nothing.
+/// Waits until one of several descriptors is ready, or until `deadline`.
+/// @param waited  as for poll(2). @returns true if one is ready. Real-time: noexcept, bounded by
+/// the deadline, does not allocate.
 [[nodiscard]] bool AwaitAny(std::span<pollfd> waited, const MonotonicClock& clock,
                             Time deadline) noexcept TWIN_REALTIME;
 
-/// A datagram that was received.
+/// A received datagram.
 struct Datagram {
-  std::span<const std::byte> bytes;  ///< of the buffer given
+  std::span<const std::byte> bytes;  ///< points into the caller's buffer
   Endpoint from;
-  /// When the kernel received it, on the clock given to the socket; never later than now, nor
-  /// earlier than rt::kOldestStamp before. Now, when the kernel does not tell.
+  /// Kernel receive time, on the clock of the socket; limited to at most rt::kOldestStamp before
+  /// now and never after now. If the kernel gives none: now.
   Time at{};
 };
 
-/// A UDP socket that never blocks. Also an Arrival: what a thread waits at.
+/// A non-blocking UDP socket; also an Arrival that a thread can wait for.
 /// Threads: one receives, one sends (may be the same). Real-time: Receive, Send and AwaitUntil are
-/// noexcept and allocate nothing.
+/// noexcept and do not allocate.
 class UdpSocket final : public rt::Arrival {
  public:
   /// Binds `local` (port 0: any free one). @throws EnvironmentError.
@@ -85,21 +85,21 @@ class UdpSocket final : public rt::Arrival {
   [[nodiscard]] Endpoint local() const noexcept { return local_; }
   [[nodiscard]] int fd() const noexcept { return fd_.get(); }
 
-  /// The next datagram that waits; nothing when none does. Longer ones are cut to `buffer`.
+  /// @returns the next queued datagram, cut to `buffer`; nullopt if none is queued.
   [[nodiscard]] std::optional<Datagram> Receive(std::span<std::byte> buffer) noexcept TWIN_REALTIME;
-  /// From now on the kernel drops what comes from elsewhere, before it takes room in the socket or
-  /// a wake-up of who waits: strangers' datagrams, however many, hold back nobody else's. What
-  /// waits already is left; a kernel that knows no socket filters leaves all to who receives. More
-  /// than once: the last counts. Port 0: nothing is let in. A system call.
-  /// @note A filter and no connect(2), which would tie a socket of all this machine's addresses to
-  /// one of them for good, and let a peer's ICMP errors fail sends.
+  /// Makes the kernel drop datagrams from other sources, before they take queue space or wake a
+  /// waiting thread, so that foreign traffic cannot delay the peer's. Datagrams already queued
+  /// remain. A kernel without socket filters lets everything in. The last call counts. Port 0:
+  /// drops everything. Costs a system call. @note A filter instead of connect(2): connect would
+  /// bind a wildcard socket to one local address for good, and would let the peer's ICMP errors
+  /// fail sends.
   void ListenOnlyTo(const Endpoint& peer) noexcept TWIN_REALTIME;
-  /// Datagrams that the kernel dropped since construction: by the filter, or because too many
-  /// waited. Any thread.
+  /// Datagrams dropped by the kernel since construction, by the filter or because the queue was
+  /// full. Threads: any.
   [[nodiscard]] std::uint64_t dropped() const noexcept;
-  /// @returns whether the kernel took it; what it does not take is lost, as on the wire.
+  /// @returns true if the kernel took the datagram; otherwise it is lost, as on the wire.
   bool Send(std::span<const std::byte> bytes, const Endpoint& to) noexcept TWIN_REALTIME;
-  /// @returns whether a datagram waits; also one that an earlier call told of and that was left.
+  /// @returns true if a datagram is queued, including one reported earlier but not received.
   [[nodiscard]] bool AwaitUntil(Time deadline) noexcept TWIN_REALTIME override;
 
  private:
@@ -108,33 +108,33 @@ class UdpSocket final : public rt::Arrival {
   Endpoint local_;
 };
 
-/// How a receive or a send went.
+/// Outcome of a receive or a send.
 enum class StreamResult : std::uint8_t {
-  kDone,     ///< some bytes
+  kDone,     ///< some bytes moved
   kPending,  ///< none now
-  kClosed,   ///< by the peer, in order (FIN)
+  kClosed,   ///< orderly, by the peer (FIN)
   kReset,    ///< broken (RST, timeout)
 };
 
-/// A TCP connection that never blocks (but for Connect); TCP_NODELAY, keep-alive idle 1 s, interval
-/// 1 s, 3 probes, as clients of the real robot set it.
+/// A TCP connection that never blocks, except in Connect. TCP_NODELAY; keep-alive idle 1 s,
+/// interval 1 s, 3 probes, as clients of the real robot set it.
 /// Threads: one receives, one sends.
 class TcpStream {
  public:
   explicit TcpStream(FileDescriptor fd);
-  /// Blocks for `timeout` at most. @throws RobotFault: refused, no answer, with the cure.
+  /// Blocks for at most `timeout`. @throws RobotFault, with the cure, if refused or unanswered.
   [[nodiscard]] static TcpStream Connect(const Endpoint& to, Duration timeout);
 
   [[nodiscard]] int fd() const noexcept { return fd_.get(); }
   [[nodiscard]] const Endpoint& local() const noexcept { return local_; }
-  /// 0.0.0.0:0 when it had gone before it could be asked.
+  /// 0.0.0.0:0 if the peer had disconnected before the query.
   [[nodiscard]] const Endpoint& peer() const noexcept { return peer_; }
-  /// @param room  with no room nothing is received (kPending).
+  /// @param room  if empty, nothing is received (kPending).
   [[nodiscard]] StreamResult Receive(std::span<std::byte> room, std::size_t& received) noexcept;
   [[nodiscard]] StreamResult Send(std::span<const std::byte> bytes, std::size_t& sent) noexcept;
-  /// Orderly end (FIN): what was sent arrives. Bytes that were not read are dropped.
+  /// Closes in order (FIN): sent bytes arrive; unread bytes are dropped.
   void Close() noexcept;
-  /// Reset (RST).
+  /// Resets the connection (RST).
   void ResetConnection() noexcept;
 
  private:
@@ -146,12 +146,12 @@ class TcpStream {
 /// Accepts TCP connections. Threads: one.
 class TcpListener {
  public:
-  /// @throws EnvironmentError: the port is taken, the address is none of this machine's.
+  /// @throws EnvironmentError if the port is in use or the address is not this machine's.
   explicit TcpListener(const Endpoint& local);
   [[nodiscard]] Endpoint local() const;
   [[nodiscard]] int fd() const noexcept { return fd_.get(); }
-  /// The next connection that waits; nothing when none does. @throws EnvironmentError: too many
-  /// files are open; the connection goes on waiting.
+  /// @returns the next waiting connection; nullopt if none waits. @throws EnvironmentError if too
+  /// many files are open; the connection keeps waiting.
   [[nodiscard]] std::optional<TcpStream> Accept();
 
  private:

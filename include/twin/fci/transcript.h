@@ -9,32 +9,32 @@
 
 namespace twin::fci {
 
-/// How a transcript is written.
+/// Format of a transcript.
 struct TranscriptOptions {
-  bool fields = true;  ///< every field of every message, not a line each
+  bool fields = true;  ///< true: every field of every message; false: one line per message
   std::uint16_t arm_port = kArmPort;
   std::uint16_t hand_port = kHandPort;
 };
 
-/// What a capture says, message by message, for people: states, commands, requests and their
-/// answers, arm and hand. TCP streams are put together from their packets, answers are named by the
-/// requests they answer. What is none of the protocol is told as such.
+/// Prints a capture for users, message by message: states, commands, requests and answers of arm
+/// and hand. It reassembles TCP streams from their packets and labels an answer with its request.
+/// Data outside the protocol is printed as such.
 ///
 ///     12.345678901 s  127.0.0.1:40000 > 127.0.0.1:1337  request 7: Move
 ///         modes = joint_impedance joint_position
 ///
-/// What it keeps is bounded, whatever the packets say.
+/// Its memory is bounded for any input.
 ///
-/// Threads: one. Errors: none; untrusted bytes end in a line that says what is wrong with them.
+/// Threads: one. Errors: none; a malformed message prints a line that names the fault.
 class Transcript {
  public:
   explicit Transcript(const TranscriptOptions& options);
   ~Transcript();
 
-  /// @returns the lines this packet completes, each ended; empty when it completes none.
+  /// @returns the lines that this packet completes, each with a newline; may be empty.
   [[nodiscard]] std::string Take(const record::Packet& packet);
 
-  /// Packets of TCP so far between other ports than those of the options.
+  /// TCP packets so far on ports other than those of the options.
   [[nodiscard]] std::uint64_t elsewhere() const noexcept;
 
  private:
