@@ -19,7 +19,7 @@ const ProxyConfig& Validated(const ProxyConfig& config) {
   return config;
 }
 
-/// The two are lost apart from one another.
+/// Makes the hand's draws independent of the arm's.
 std::uint64_t HandSeed(std::uint64_t seed) noexcept {
   const auto bits = Random(seed, RandomStream::kHandSeed).Bits(0);
   return std::uint64_t{bits[1]} << 32 | bits[0];
@@ -37,7 +37,7 @@ RelayRequestHandler::Settings HandlerSettings(const ProxyConfig& config, fci::He
                      .cpu = config.cpu}};
 }
 
-/// A port, and the way behind it.
+/// A port and its handler.
 struct Service {
   Service(const ProxyConfig& config, fci::HeadKind kind, const MonotonicClock& clock,
           const server::TellPeople& tell)

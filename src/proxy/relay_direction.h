@@ -13,44 +13,45 @@
 
 namespace twin::proxy {
 
-/// The longest datagram that is relayed, bytes: above any of the protocol.
+/// Longest relayed datagram, bytes: above the protocol's longest.
 inline constexpr std::size_t kLongestPacket = 4096;
 
-/// A datagram on its way.
+/// A pending datagram.
 struct Packet {
-  std::uint64_t message_id = 0;  ///< its number in its direction
-  std::size_t size = 0;          ///< of bytes
+  std::uint64_t message_id = 0;  ///< number in its direction
+  std::size_t size = 0;          ///< bytes
   std::array<std::byte, kLongestPacket> bytes;
 };
 
-/// Where a direction's datagrams go on to.
+/// Destination of a direction's datagrams.
 class Output {
  public:
   virtual ~Output() = default;
-  /// @returns whether the system took it.
+  /// @returns true if the system took the datagram.
   virtual bool Send(std::span<const std::byte> bytes) noexcept TWIN_REALTIME = 0;
 };
 
-/// One direction of a session's datagrams: each gets the next number, with it a fate, and goes on
-/// when the event queue says so.
+/// One direction of a session's datagrams: assigns each the next number and the number's fate, and
+/// sends it when the event queue fires.
 ///
-/// Threads: that of the event queue. Real-time: allocates nothing after construction.
+/// Threads: the event queue's. Real-time: does not allocate after construction.
 class RelayDirection final : private rt::EventHandler {
  public:
-  /// @param events  on whose time they go on; with room for twice Channel's capacity.
-  /// @param exit    both must outlive the direction.
+  /// @param events  times the sending; needs room for twice Channel's capacity.
+  /// @param exit    destination; both must outlive the direction.
   RelayDirection(const rt::DirectionConfig& config, std::uint64_t seed,
                  const rt::FateStreams& streams, rt::EventQueue& events, rt::EventOrder order,
                  Output& exit);
 
-  /// A datagram came, at the queue's present. @param bytes  more than kLongestPacket: dropped.
+  /// Takes a datagram at the queue's current time. @param bytes  dropped if longer than
+  /// kLongestPacket.
   void Take(std::span<const std::byte> bytes) noexcept TWIN_REALTIME;
-  /// One came that is nobody's who is listened to.
+  /// Counts a datagram from an unknown source.
   void CountForeign() noexcept { ++counts_.foreign; }
 
   [[nodiscard]] const DirectionCounts& counts() const noexcept { return counts_; }
 
-  /// Of one direction at the same time: two copies of each datagram.
+  /// Upper bound of pending events in one direction: two copies of each datagram.
   static constexpr std::size_t kMostEvents = 2 * robot::Channel<Packet>::kCapacity;
 
  private:
@@ -58,7 +59,7 @@ class RelayDirection final : private rt::EventHandler {
 
   robot::Channel<Packet> channel_;
   Output& exit_;
-  Packet incoming_{};  ///< whose message_id is the next number
+  Packet incoming_{};  ///< its message_id is the next number
   std::uint64_t newest_gone_ = 0;
   DirectionCounts counts_;
 };

@@ -13,7 +13,7 @@ namespace twin::proxy {
 namespace {
 
 constexpr Duration kTimeout = std::chrono::milliseconds(100);
-/// Pieces of the robot's bytes that are passed on before others have their turn, and their size.
+/// Number and size of the robot's pieces relayed before other connections get a turn.
 constexpr int kMostPieces = 16;
 constexpr std::size_t kPiece = std::size_t{64} << 10;
 
@@ -34,7 +34,7 @@ std::vector<std::byte> BytesOf(fci::HeadKind kind, std::uint32_t id, const fci::
                                      : fci::EncodeRequest(id, fci::HandRequest(connect));
 }
 
-/// Whether an arm's answer is the first of the two to a Move.
+/// True if an arm's answer is the first of a Move's two.
 bool HasBegun(const fci::Frame& frame) {
   constexpr auto kMove = static_cast<std::uint32_t>(fci::ArmCommand::kMove);
   constexpr auto kStarted = static_cast<std::byte>(MoveStatus::kMotionStarted);
@@ -48,7 +48,7 @@ RelayRequestHandler::RelayRequestHandler(const Settings& settings, const Monoton
     : settings_(settings), clock_(clock), tell_(tell) {}
 
 void RelayRequestHandler::AddTo(std::vector<pollfd>& waited) const {
-  // What the client does not take now is not asked for.
+  // Do not read from the robot while the client has unsent data.
   if (robot_ && !client_->has_unsent()) waited.push_back({robot_->fd(), POLLIN, 0});
 }
 
@@ -70,7 +70,7 @@ std::optional<std::string> RelayRequestHandler::OnFrame(const fci::Frame& frame)
 std::optional<std::string> RelayRequestHandler::Forward(std::span<const std::byte> bytes) {
   std::size_t sent = 0;
   const fci::StreamResult result = robot_->Send(bytes, sent);
-  // A connection that has ended may have left answers: Poll() passes them on, and tells.
+  // A closed connection may have left answers: Poll() relays them, then reports the end.
   const bool has_ended =
       result == fci::StreamResult::kReset || result == fci::StreamResult::kClosed;
   if (has_ended || sent == bytes.size()) return {};
@@ -87,7 +87,7 @@ void RelayRequestHandler::Reach() {
 
 std::vector<std::byte> RelayRequestHandler::Passed(const fci::Frame& frame) {
   std::optional<fci::Connect> connect = ConnectOf(settings_.kind, frame);
-  // Who names no port gets no datagrams.
+  // Without a UDP port the client gets no datagrams.
   if (!connect || connect->udp_port == 0) return fci::BytesOf(settings_.kind, frame);
   connect->udp_port = Cross(connect->udp_port);
   return BytesOf(settings_.kind, frame.head.command_id, *connect);

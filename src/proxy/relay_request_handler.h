@@ -21,36 +21,36 @@
 
 namespace twin::proxy {
 
-/// Relays a client to a robot's arm or hand: frames go to
-/// the robot, the robot's bytes to it, and datagrams over a UdpRelay.
+/// Relays a client to a robot's arm or hand: frames to the robot, the robot's bytes to the client,
+/// and datagrams through a UdpRelay.
 ///
 /// Threads: one.
 class RelayRequestHandler final : public server::RequestHandler {
  public:
   struct Settings {
-    std::string_view name;  ///< for people: "arm", "hand"
+    std::string_view name;  ///< for messages: "arm", "hand"
     fci::HeadKind kind{};
-    fci::Endpoint robot;  ///< its TCP
+    fci::Endpoint robot;  ///< TCP address
     Duration reach_timeout{};
     Faults faults;
-    rt::ThreadSettings thread;  ///< of datagrams
+    rt::ThreadSettings thread;  ///< of the UDP relay
   };
 
   /// @param clock, tell  must outlive the handler.
   RelayRequestHandler(const Settings& settings, const MonotonicClock& clock,
                       const server::TellPeople& tell);
 
-  /// Adds what to wait at.
+  /// Adds the descriptors to poll.
   void AddTo(std::vector<pollfd>& waited) const;
-  /// Of sessions that have ended.
+  /// Sums of the sessions that have ended.
   [[nodiscard]] const RelayCounts& counts() const noexcept { return counts_; }
 
   [[nodiscard]] bool IsReady() override { return true; }
   void OnConnect(server::Connection& client) override { client_ = &client; }
   [[nodiscard]] std::optional<std::string> OnFrame(const fci::Frame& frame) override;
   [[nodiscard]] std::optional<std::string> Poll(Time now) override;
-  /// The robot has broken its connection: so is the client's. Or it owes an answer: clients wait
-  /// for ever on a connection that endpoints in order then.
+  /// True if the robot has broken its connection or owes an answer: the client's must then be
+  /// reset, because clients wait forever after a graceful close.
   [[nodiscard]] bool has_pending() const override { return is_broken_ || owed_ > 0; }
   void OnDisconnect() override;
   [[nodiscard]] Duration poll_timeout() const override;
@@ -59,24 +59,26 @@ class RelayRequestHandler final : public server::RequestHandler {
   void Reach();
   /// @returns as OnFrame().
   [[nodiscard]] std::optional<std::string> Forward(std::span<const std::byte> bytes);
-  /// The frame as it goes on: a Connect with another UDP port, whose datagrams are relayed then.
+  /// The frame to forward. A Connect gets the proxy's UDP port, and its datagrams are relayed from
+  /// then on.
   [[nodiscard]] std::vector<std::byte> Passed(const fci::Frame& frame);
   [[nodiscard]] std::uint16_t Cross(std::uint16_t client_port);
   void EndCrossing();
-  /// Of what the robot has sent.
+  /// Counts the answers in the robot's bytes.
   void CountAnswers();
 
   const Settings settings_;
   const MonotonicClock& clock_;
   const server::TellPeople& tell_;
   RelayCounts counts_;
-  bool noticed_ = false;  ///< what the thread is not permitted was told
+  bool noticed_ = false;  ///< the thread's missing permissions were logged
 
-  // A session's.
+  // State of one session.
   server::Connection* client_ = nullptr;
   std::optional<fci::TcpStream> robot_;
-  std::optional<fci::FrameReader> answers_;  ///< the robot's bytes, which pass as they come
-  std::uint64_t owed_ = 0;                   ///< requests that were not answered to their end
+  std::optional<fci::FrameReader>
+      answers_;             ///< parses a copy of the robot's bytes, which are relayed unchanged
+  std::uint64_t owed_ = 0;  ///< requests without their last answer
   std::optional<UdpRelay> relay_;
   bool is_broken_ = false;
 };

@@ -7,7 +7,7 @@
 namespace twin::proxy {
 namespace {
 
-/// Datagrams that are taken from a socket in one go: whoever floods is not waited for.
+/// Datagrams per turn; bounds the time that a flood can cost.
 constexpr int kMostAtOnce = 64;
 
 }  // namespace

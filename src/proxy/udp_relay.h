@@ -19,52 +19,52 @@
 
 namespace twin::proxy {
 
-/// What happens to datagrams on the way.
+/// Faults of both directions.
 struct Faults {
   rt::DirectionConfig state;
   rt::DirectionConfig command;
   std::uint64_t seed = 1;
 };
 
-/// The addresses of both sides.
+/// Addresses of both sides.
 struct Endpoints {
-  fci::Endpoint client;           ///< its UDP
-  std::uint32_t client_side = 0;  ///< this machine's address, as the client knows it
-  std::uint32_t robot = 0;        ///< its address
-  std::uint32_t robot_side = 0;   ///< this machine's address, as the robot knows it
+  fci::Endpoint client;           ///< UDP address
+  std::uint32_t client_side = 0;  ///< this machine's address as seen by the client
+  std::uint32_t robot = 0;        ///< the robot's address
+  std::uint32_t robot_side = 0;   ///< this machine's address as seen by the robot
 };
 
-/// One session's datagrams, relayed on a thread of their own while it lives.
+/// Relays one session's datagrams on a thread of its own, from construction to End().
 ///
 ///     robot --states--> robot_side_ -> state direction   -> client_side_ --states--> client
 ///     robot <-commands- robot_side_ <- command direction <- client_side_ <-commands- client
 ///
-/// Threads: one makes and endpoints it. Real-time: its thread allocates nothing and takes no lock.
+/// Threads: one constructs and ends it. Real-time: the relay thread neither allocates nor locks.
 class UdpRelay {
  public:
-  /// @throws EnvironmentError when a socket cannot be opened; InputError when the thread's settings
-  /// are none of this machine's.
+  /// @throws EnvironmentError if a socket cannot be opened; InputError if this machine does not
+  /// support the thread's settings.
   UdpRelay(const MonotonicClock& clock, const Endpoints& endpoints, const Faults& faults,
            const rt::ThreadSettings& thread);
   ~UdpRelay();
   UdpRelay(const UdpRelay&) = delete;
   UdpRelay& operator=(const UdpRelay&) = delete;
 
-  /// Where the robot has to send to.
+  /// Port to which the robot sends its datagrams.
   [[nodiscard]] std::uint16_t port() const noexcept { return robot_side_.local().port; }
-  /// What the thread was not permitted, for people.
+  /// Permissions that the thread did not get, for users.
   [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
 
-  /// Endpoints it: nothing is relayed any more. Call once. @returns what became of all.
+  /// Stops relaying. Call once. @returns the session's counts.
   [[nodiscard]] RelayCounts End();
 
  private:
-  /// The peer on one side: its address, and the socket to it.
+  /// The peer on one side: its address, and the socket for it.
   class Peer final : public Output {
    public:
     Peer(fci::UdpSocket& socket, const fci::Endpoint& to) : socket_(socket), to_(to) {}
     bool Send(std::span<const std::byte> bytes) noexcept override;
-    /// @returns whether a datagram from there is listened to. @note The port is that of the first.
+    /// @returns true if the source is the peer. @note The first datagram sets the port.
     [[nodiscard]] bool Knows(const fci::Endpoint& from) noexcept TWIN_REALTIME;
 
    private:
@@ -75,7 +75,7 @@ class UdpRelay {
   void Run(const std::stop_token& stop);
   void TakeFrom(fci::UdpSocket& socket, Peer& peer,
                 RelayDirection& direction) noexcept TWIN_REALTIME;
-  /// All that is due by then goes on.
+  /// Sends all datagrams due by then.
   void RelayUntil(Time now) noexcept TWIN_REALTIME;
   void StopThread();
 
@@ -87,7 +87,7 @@ class UdpRelay {
   rt::EventQueue events_{2 * RelayDirection::kMostEvents};
   RelayDirection states_;
   RelayDirection commands_;
-  /// One byte more than is relayed: what fills it is too long.
+  /// One byte longer than the longest relayed datagram, to detect longer ones.
   std::array<std::byte, kLongestPacket + 1> incoming_{};
   server::WakeEvent end_;
   std::vector<std::string> notices_;

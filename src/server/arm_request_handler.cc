@@ -129,7 +129,7 @@ RecoveryStatus ArmRequestHandler::Recover() {
     TellRefused("Automatic Error Recovery", "a joint is beyond its limit; it must be led back");
   } else if (status != RecoveryStatus::kSuccess && robot_.mode() != RobotMode::kReflex) {
     TellRefused("Automatic Error Recovery",
-                NotPossible());  // in Reflex it waits for the arm's rest
+                NotPossible());  // in Reflex the session waits until the arm is at rest
   }
   return status;
 }

@@ -13,12 +13,12 @@
 
 namespace twin::server {
 
-/// Serves the arm's client: its session, the robot it asks, and the port its states leave by.
+/// Serves the arm's client: its session, the robot, and the UDP port for states.
 ///
 /// Threads: one.
 class ArmRequestHandler final : public RequestHandler, private fci::ArmService {
  public:
-  /// All must outlive the handler.
+  /// All arguments must outlive the handler.
   ArmRequestHandler(robot::ThreadedRobot& robot, UdpPort& port,
                     std::span<const std::byte> model_library, const TellPeople& tell);
 
@@ -44,7 +44,7 @@ class ArmRequestHandler final : public RequestHandler, private fci::ArmService {
   [[nodiscard]] fci::ArmProgress Progress() override;
 
   void TellEnd(const robot::LastMotion& motion);
-  /// What no motion had to do with: a collision, or an arm that does not come to rest.
+  /// Logs violations outside a motion: a collision, or an arm that does not come to rest.
   void TellFound(const onboard::Violations& found);
   void TellRefused(std::string_view request, std::string_view why);
   /// "not possible in the current mode ("Reflex")".
@@ -59,9 +59,9 @@ class ArmRequestHandler final : public RequestHandler, private fci::ArmService {
   std::optional<fci::ArmSession> session_;
   fci::Endpoint client_;
   bool connected_ = false;
-  bool in_motion_ = false;   ///< a motion was granted whose end was not told yet
-  bool stop_asked_ = false;  ///< by the session, or for it
-  std::uint64_t told_ = 0;   ///< cycle of the last errors that were told
+  bool in_motion_ = false;   ///< a granted motion whose end was not logged yet
+  bool stop_asked_ = false;  ///< by the session, or on its behalf
+  std::uint64_t told_ = 0;   ///< cycle of the last logged errors
   DroppedDatagrams dropped_before_;
 };
 

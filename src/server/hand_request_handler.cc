@@ -8,7 +8,7 @@
 namespace twin::server {
 namespace {
 
-/// Between two states. The real hand's rate is not public; clients take any above 1 Hz.
+/// Period of states. The real hand's rate is not public; clients accept any rate above 1 Hz.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(10);
 
 }  // namespace
@@ -49,11 +49,11 @@ Duration HandRequestHandler::poll_timeout() const {
 
 void HandRequestHandler::SendState() {
   HandState state = robot_.hand_state();
-  // Time may stand still for the hand; what a client sees does not.
+  // The hand's time may stand still, but the client must see rising ids.
   last_id_ = std::max(state.message_id, last_id_ + 1);
   state.message_id = last_id_;
   fci::Encode(state, outgoing_);
-  // What the system does not take is lost, as on the wire.
+  // A datagram that the system does not take is lost, as on the wire.
   const fci::Endpoint to{client_.address, *session_->udp_port()};
   static_cast<void>(socket_.Send(outgoing_, to));
   if (capture_ == nullptr) return;

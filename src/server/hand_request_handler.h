@@ -14,13 +14,13 @@
 
 namespace twin::server {
 
-/// Serves the hand's client: its session, the hand it asks, and its states every 10 ms.
+/// Serves the hand's client: its session, the hand, and its states every 10 ms.
 ///
 /// Threads: one.
 class HandRequestHandler final : public RequestHandler, private fci::HandService {
  public:
-  /// All must outlive the handler. @param address  of this machine, that states come from. @param
-  /// capture of what goes over the wire, or null.
+  /// All arguments must outlive the handler. @param address  of this machine, source of the states.
+  /// @param capture  records the wire; may be null.
   HandRequestHandler(robot::ThreadedRobot& robot, const MonotonicClock& clock,
                      std::uint32_t address, const TellPeople& tell, fci::Capture* capture);
 

@@ -16,7 +16,7 @@
 namespace twin::server {
 namespace {
 
-/// Where two free ports are looked for.
+/// First port in the search for two free ones.
 constexpr std::uint16_t kFirstPort = 21337;
 constexpr std::uint16_t kLastPort = 21537;
 
@@ -102,10 +102,10 @@ class ServedRobot::Impl {
   WakeEvent changed_;
   UdpPort port_;
   const std::string plant_name_;
-  const plant::MujocoPlant* const engine_;  ///< the robot's; null: the ideal plant
+  const plant::MujocoPlant* const engine_;  ///< the robot's plant; null for the ideal plant
   std::optional<robot::WallClockRobot> wall_clock_;
   std::optional<robot::AnswerPacedRobot> lockstep_;
-  robot::ThreadedRobot* robot_ = nullptr;  ///< the one of the two that is there
+  robot::ThreadedRobot* robot_ = nullptr;  ///< whichever of the two exists
   std::unique_ptr<Server> server_;
   std::jthread serving_;
 };

@@ -65,11 +65,11 @@ class Server::Impl {
       timeout = std::min(timeout, hand_->poll_timeout());
     }
     const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout);
-    // Interrupted or not: whoever is served finds out by himself what there is to do.
+    // The result does not matter: each handler checks its own descriptors.
     static_cast<void>(poll(waited_.data(), waited_.size(), static_cast<int>(ms.count())));
   }
 
-  /// Tells of a motion's end even when nobody is there any more.
+  /// Logs the end of a motion, even after its client has disconnected.
   void Watch() {
     try {
       arm_desk_.OnRobotChanged();

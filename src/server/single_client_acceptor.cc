@@ -10,10 +10,10 @@
 namespace twin::server {
 namespace {
 
-/// Connections without a request that are kept at once; for a further one the oldest is reset, so
-/// that silent ones keep nobody out.
+/// Pending connections without a request; at the limit the oldest is reset, so that silent ones do
+/// not block new ones.
 constexpr std::size_t kMostVisitors = 16;
-/// Requests of a client that are handled before others have their turn.
+/// Requests of one client handled before other connections get a turn.
 constexpr int kMostRequests = 64;
 
 constexpr Duration kOrdinaryTimeout = std::chrono::milliseconds(100);
@@ -89,7 +89,7 @@ bool SingleClientAcceptor::Receive(PendingClient& pending, Time now) {
   Connection& connection = *pending.connection;
   if (!pending.first) pending.first = connection.Next();
   if (pending.first) {
-    ServeClient(now);  // the client may have left just before this one came
+    ServeClient(now);  // the client may just have disconnected
     if (client_ != nullptr) {
       Tell(connection.peer(), "refused: another client is connected");
       connection.Reset();
@@ -121,7 +121,7 @@ void SingleClientAcceptor::Handle(const fci::Frame& frame) {
   const std::size_t answers = client_->answers();
   try {
     const auto why = handler_.OnFrame(frame);
-    // Who was not answered waits, and must be told.
+    // A client without an answer is still waiting and must be notified.
     if (why) Disconnect(*why, client_->answers() == answers);
   } catch (const RobotFault& fault) {
     Disconnect(fault.what(), true);

@@ -3,7 +3,7 @@
 namespace twin::server {
 namespace {
 
-/// Datagrams that are looked at in one go: a cycle has one; whoever floods is not waited for.
+/// Datagrams per call: a cycle has one; bounds the time that a flood can cost.
 constexpr int kMostAtOnce = 64;
 
 constexpr std::uint64_t Packed(const fci::Endpoint& endpoint) noexcept {
@@ -11,7 +11,7 @@ constexpr std::uint64_t Packed(const fci::Endpoint& endpoint) noexcept {
 }
 
 void CountOne(std::atomic<std::uint64_t>& count) noexcept {
-  count.fetch_add(1, std::memory_order_relaxed);  // a count, nothing hangs on it
+  count.fetch_add(1, std::memory_order_relaxed);  // a counter; publishes no other data
 }
 
 }  // namespace
@@ -19,7 +19,7 @@ void CountOne(std::atomic<std::uint64_t>& count) noexcept {
 UdpPort::UdpPort(const MonotonicClock& clock, std::uint32_t address, WakeEvent& changed)
     : clock_(clock), socket_(clock, {address, 0}), changed_(changed) {}
 
-// Relaxed: the number is all there is to see.
+// Relaxed: the number publishes no other data.
 void UdpPort::OnConnect(const fci::Endpoint& client) noexcept {
   socket_.ListenOnlyTo(client);
   client_.store(Packed(client), std::memory_order_relaxed);
@@ -73,8 +73,8 @@ void UdpPort::Deliver(const RobotState& state) noexcept {
     fci::Encode(state, outgoing_);
     const fci::Endpoint to{static_cast<std::uint32_t>(client >> 16),
                            static_cast<std::uint16_t>(client)};
-    // Kept before it goes: the answer may be here before the next line. What the system does not
-    // take is lost, as on the wire.
+    // Captured before sending, because the answer may arrive before the next line. A datagram that
+    // the system does not take is lost, as on the wire.
     if (capture_ != nullptr) Keep(clock_.Now(), socket_.local(), to, outgoing_);
     static_cast<void>(socket_.Send(outgoing_, to));
   }

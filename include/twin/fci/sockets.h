@@ -112,7 +112,7 @@ class UdpSocket final : public rt::Arrival {
 enum class StreamResult : std::uint8_t {
   kDone,     ///< some bytes moved
   kPending,  ///< none now
-  kClosed,   ///< orderly, by the peer (FIN)
+  kClosed,   ///< gracefully, by the peer (FIN)
   kReset,    ///< broken (RST, timeout)
 };
 
@@ -132,7 +132,7 @@ class TcpStream {
   /// @param room  if empty, nothing is received (kPending).
   [[nodiscard]] StreamResult Receive(std::span<std::byte> room, std::size_t& received) noexcept;
   [[nodiscard]] StreamResult Send(std::span<const std::byte> bytes, std::size_t& sent) noexcept;
-  /// Closes in order (FIN): sent bytes arrive; unread bytes are dropped.
+  /// Closes gracefully (FIN): sent bytes arrive; unread bytes are dropped.
   void Close() noexcept;
   /// Resets the connection (RST).
   void ResetConnection() noexcept;

@@ -16,68 +16,70 @@
 
 namespace twin::proxy {
 
-/// Which robot, for whom, and what happens on the way.
+/// The robot, the permitted clients and the faults.
 struct ProxyConfig {
-  std::uint32_t address = 0x7f000001;        ///< of this machine, to listen at; 127.0.0.1
-  std::uint16_t arm_port = fci::kArmPort;    ///< 0: any free one
-  std::uint16_t hand_port = fci::kHandPort;  ///< the same
-  /// Who may connect from elsewhere; absent: nobody. This machine may always.
+  std::uint32_t address = 0x7f000001;        ///< of this machine, on which to listen; 127.0.0.1
+  std::uint16_t arm_port = fci::kArmPort;    ///< 0: any free port
+  std::uint16_t hand_port = fci::kHandPort;  ///< as arm_port
+  /// Network that may connect, besides this machine; absent: this machine only.
   std::optional<fci::Network> allow;
-  fci::Endpoint robot_arm;      ///< TCP of the robot's arm
-  fci::Endpoint robot_hand;     ///< and of its hand, which need not be there
+  fci::Endpoint robot_arm;      ///< TCP address of the robot's arm
+  fci::Endpoint robot_hand;     ///< TCP address of its hand; may be unreachable
   rt::DirectionConfig state;    ///< faults of datagrams from the robot
-  rt::DirectionConfig command;  ///< and to it
+  rt::DirectionConfig command;  ///< faults of datagrams to the robot
   std::uint64_t seed = 1;       ///< of the faults
-  int fifo_priority = 99;       ///< of the threads of UDP: a wire waits for nobody. 0: ordinary
-  std::optional<int> cpu;       ///< of them
+  int fifo_priority =
+      99;  ///< of the UDP threads, so that nothing delays relaying; 0: normal priority
+  std::optional<int> cpu;                               ///< of the UDP threads
   Duration connect_timeout = std::chrono::seconds(10);  ///< for a client's Connect
-  Duration reach_timeout = std::chrono::seconds(3);     ///< for the robot to take a connection
+  Duration reach_timeout = std::chrono::seconds(3);     ///< for the connection to the robot
 
   /// @throws InputError naming the field that is out of range.
   void Validate() const;
 };
 
-/// Since construction.
+/// Counts since construction.
 struct ProxyCounts {
   RelayCounts arm;
   RelayCounts hand;
 };
 
-/// A way to a robot that delays, loses, doubles and reorders datagrams, by a seed: between any
-/// client and any server of the Franka Control Interface, in user space.
+/// Relays datagrams with seeded delay, loss, duplication and reordering, in user space, between any
+/// client and any server of the Franka Control Interface.
 ///
 ///     client <--TCP--> Run()'s thread, frame by frame -------------------------<--TCP--> robot
 ///     client <--UDP--> a real-time thread per session: rt::MessageFate, queue <--UDP--> robot
 ///
-/// TCP passes unchanged, but for the UDP port in a Connect: the robot is told the proxy's, so that
-/// its datagrams come here. They go on to the client from the address it has connected to; its
-/// commands go to where states come from. Datagrams are not looked into: what they say is the
-/// endpoints' affair. The first of a session's has number 0 in its direction, and its fate is a
-/// function of the configuration, the seed, the direction and that number; the hand's are drawn
-/// apart from the arm's. A datagram's delay counts from when the system received it.
+/// TCP passes unchanged, except for the UDP port in a Connect: the robot gets the proxy's port, so
+/// that its datagrams come here. States go on to the client from the address to which it connected;
+/// commands go to the states' source. Datagram contents are not inspected. The first datagram of a
+/// session has number 0 in its direction; its fate is a function of configuration, seed, direction
+/// and number. The hand's draws are independent of the arm's. A delay counts from the kernel's
+/// receive time.
 ///
 /// Decisions:
-///   - One client at a time, as the server has it: a further one is accepted, its first request
-///     read, and its connection reset. What is no frame, of either side, endpoints the connection.
-///   - The robot is connected when a client's first request is there. When it cannot be, the client
-///     is reset. However one side endpoints, in order or broken, so is the other; but a client to
-///     whom the robot owes an answer is reset, since libfranka waits for ever on one that endpoints
-///     in order.
-///   - Only the client (the address of its TCP connection, the port it has told) and the robot (its
-///     address, and the port its first datagram came from) are listened to.
-///   - Memory is bounded: robot::Channel's capacity in datagrams of each direction, a MiB of
+///   - One client at a time, as in the server: a further client is accepted, its first request is
+///   read,
+///     and its connection is reset. A malformed frame from either side ends the connection.
+///   - The proxy connects to the robot on a client's first request, and resets the client if it
+///   cannot.
+///     When one side closes or breaks its connection, the other side's ends likewise. But a client
+///     with an unanswered request is reset, because libfranka waits forever after a graceful close.
+///   - Only datagrams from the client (its TCP address, the UDP port that it announced) and the
+///   robot
+///     (its address, the port of its first datagram) are accepted.
+///   - Memory is bounded: robot::Channel's capacity in datagrams per direction, and 1 MiB of
 ///   answers
-///     that a client does not read. A robot that takes no requests loses its client.
-///   - TCP is neither delayed nor broken: it would repeat what is lost, and only be slow.
+///     that a client does not read. If the robot reads no requests, its client is disconnected.
+///   - TCP is neither delayed nor broken: it would repeat lost data and only become slow.
 ///
-/// Threads: the one that constructs it. Real-time: a session's datagrams are relayed without locks
-/// and without allocation.
+/// Threads: the constructing thread. Real-time: datagrams are relayed without locks or allocation.
 class Proxy {
  public:
-  /// Listens from now on; clients wait until Run().
+  /// Opens the ports; clients wait until Run().
   /// @param clock  must outlive the proxy.
-  /// @param tell   one line for each thing worth telling people.
-  /// @throws InputError as ProxyConfig::Validate; EnvironmentError when a port cannot be opened.
+  /// @param tell   receives one log line per event that matters to users.
+  /// @throws InputError as ProxyConfig::Validate; EnvironmentError if a port cannot be opened.
   Proxy(const ProxyConfig& config, const MonotonicClock& clock, server::TellPeople tell);
   ~Proxy();
   Proxy(const Proxy&) = delete;
@@ -86,11 +88,11 @@ class Proxy {
   [[nodiscard]] fci::Endpoint arm() const;
   [[nodiscard]] fci::Endpoint hand() const;
 
-  /// Relays until `endpoints` says so, which is asked at least every 100 ms, later only while a
-  /// robot is being reached. Then all connections are ended.
+  /// Relays until the predicate returns true; calls it at least every 100 ms, less often only while
+  /// connecting to a robot. Then ends all connections.
   void Run(const std::function<bool()>& endpoints);
 
-  /// Of sessions that have ended.
+  /// Sums of the sessions that have ended.
   [[nodiscard]] ProxyCounts counts() const noexcept;
 
  private:

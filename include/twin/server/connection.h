@@ -14,20 +14,20 @@
 
 namespace twin::server {
 
-/// Where a copy of what comes and goes is kept.
+/// Destination for a copy of all traffic.
 struct Tap {
-  fci::Capture* capture = nullptr;  ///< null: nowhere
-  const Clock* clock = nullptr;     ///< of the capture; null with it
+  fci::Capture* capture = nullptr;  ///< null: no copy
+  const Clock* clock = nullptr;     ///< the capture's clock; null without a capture
 };
 
-/// A client's TCP connection: frames in, answers out, nothing waits. What is kept is bounded: in,
-/// by the largest request; out, by kMostUnsent, for clients that do not read.
+/// A client's TCP connection: frames in, answers out; no call blocks. Memory is bounded: input by
+/// the largest request; output, for clients that do not read, by kMostUnsent.
 ///
 /// Threads: one.
 class Connection {
  public:
-  /// @param since  when it was accepted. @param largest  frame that is taken.
-  /// @param tap  what it points to must outlive the connection.
+  /// @param since  time of acceptance. @param largest  largest accepted frame, bytes.
+  /// @param tap  its pointers must outlive the connection.
   Connection(fci::TcpStream stream, fci::HeadKind kind, std::size_t largest, Time since,
              const Tap& tap);
 
@@ -36,30 +36,31 @@ class Connection {
   [[nodiscard]] const fci::Endpoint& local() const noexcept { return stream_.local(); }
   [[nodiscard]] Time since() const noexcept { return since_; }
 
-  /// The next whole frame of what has come; its payload is valid until the next call. Receives when
-  /// there is none yet.
+  /// @returns the next whole frame, receiving if none is buffered; its payload is valid until the
+  /// next call.
   [[nodiscard]] std::optional<fci::Frame> Next();
 
-  /// Sends as much as goes, the rest later.
+  /// Sends what the socket takes and buffers the rest.
   void Send(std::span<const std::byte> bytes);
   void Flush();
   [[nodiscard]] bool has_unsent() const noexcept { return !unsent_.empty(); }
-  /// Answers that were given so far.
+  /// Answers sent or buffered so far.
   [[nodiscard]] std::size_t answers() const noexcept { return answers_; }
 
-  /// Why nothing can come or go any more; absent while it can.
+  /// Why the connection has ended; nullopt while it is open.
   [[nodiscard]] const std::optional<std::string>& end() const noexcept { return end_; }
-  /// Whether that is because it broke (RST, timeout).
+  /// True if it ended abnormally (RST, timeout).
   [[nodiscard]] bool is_broken() const noexcept { return is_broken_; }
 
-  /// In order (what was sent is on its way), or broken, so that who waits for an answer knows.
+  /// Close() is graceful: buffered data still arrives. Reset() tells a client that waits for an
+  /// answer.
   void Close() noexcept { stream_.Close(); }
   void Reset() noexcept { stream_.ResetConnection(); }
 
  private:
   static constexpr std::size_t kMostUnsent = std::size_t{1} << 20;
 
-  /// @returns whether bytes came.
+  /// @returns true if bytes were received.
   bool Receive();
   void Break();
   void Keep(const fci::Endpoint& from, const fci::Endpoint& to, std::span<const std::byte> bytes);

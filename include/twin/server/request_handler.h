@@ -11,33 +11,32 @@
 
 namespace twin::server {
 
-/// Gets one line, without its end, for each thing worth telling people: who connected, how motions
-/// ended, what was refused and why.
+/// Receives one log line (no newline) per event that matters to users: connections, ends of
+/// motions, refusals with their reason.
 using TellPeople = std::function<void(std::string_view)>;
 
-/// Where one client at a time is served: the arm's session or the hand's, with what it moves; or a
-/// way to a robot that is elsewhere.
+/// Serves one client at a time: a session with the arm or the hand, or a relay to a remote robot.
 ///
 /// Threads: one.
 class RequestHandler {
  public:
   virtual ~RequestHandler() = default;
 
-  /// Whether the next client can be served already.
+  /// True if the next client can be served.
   [[nodiscard]] virtual bool IsReady() = 0;
-  /// A client is about to send its first request. @param client  gets the answers; it is there
-  /// until OnDisconnect() has returned.
+  /// A client is about to send its first request. @param client  receives the answers; valid until
+  /// OnDisconnect() has returned.
   virtual void OnConnect(Connection& client) = 0;
-  /// @returns why its connection must be closed. @throws RobotFault.
+  /// @returns a reason to close the connection, or nullopt. @throws RobotFault.
   [[nodiscard]] virtual std::optional<std::string> OnFrame(const fci::Frame& frame) = 0;
-  /// Something may have changed, or time has passed. @pre a client is served.
+  /// Handles changes of the robot and the passage of time. @pre a client is served.
   /// @returns as OnFrame(). @throws RobotFault.
   [[nodiscard]] virtual std::optional<std::string> Poll(Time now) = 0;
-  /// Whether the client waits for an answer: its connection must then not end in order.
+  /// True while the client waits for an answer: its connection must then be reset, not closed.
   [[nodiscard]] virtual bool has_pending() const = 0;
-  /// The client is gone, or is going to be.
+  /// The client has disconnected, or is about to be disconnected.
   virtual void OnDisconnect() = 0;
-  /// After which time Poll() wants to be called again at the latest.
+  /// Longest time until the next call of Poll().
   [[nodiscard]] virtual Duration poll_timeout() const = 0;
 };
 

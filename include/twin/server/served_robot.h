@@ -23,35 +23,33 @@ class TruthProbe;
 
 namespace twin::server {
 
-/// How a robot is served. What is pointed to must outlive it.
+/// Configuration of a served robot. All pointers must outlive it.
 struct ServedRobotSettings {
-  /// Where, to whom, and with what. Its capture keeps datagrams as well as TCP.
+  /// Addresses, permitted clients and capture. The capture records datagrams as well as TCP.
   ServerConfig server{};
-  /// Instead of the server's ports: two free ones in a row, since clients that know the arm's port
-  /// look for the hand at the next.
+  /// Ignore the server's ports and take two free consecutive ones: clients that know the arm's port
+  /// expect the hand at the next.
   bool takes_free_ports = false;
-  /// Lockstep with who answers; absent: on the wall clock.
+  /// Lockstep with the client; absent: the wall clock.
   std::optional<robot::LockstepOptions> lockstep{};
-  /// Of the robot's thread. Absent: at real-time priority on the wall clock, an ordinary one in
-  /// lockstep.
+  /// The robot's thread. Absent: real-time priority on the wall clock, normal priority in lockstep.
   std::optional<rt::ThreadSettings> thread{};
-  rt::RecordSink* sink = nullptr;  ///< gets INT's cycles, on the robot's thread; null: nobody does
-  TellPeople tell{};               ///< may be empty
+  rt::RecordSink* sink =
+      nullptr;        ///< receives INT's cycle records on the robot's thread; may be null
+  TellPeople tell{};  ///< may be empty
 };
 
-/// A whole emulated robot and its server at this machine: plant, robot, its end of UDP,
-/// connections.
+/// An emulated robot and its server on this machine: plant, robot, UDP port and connections.
 ///
 ///     construct -> { Begin -> Serve | Start } -> End
 ///
-/// Threads: one, which may wait; the robot has one of its own from Begin() on, connections one from
-/// Start() on.
+/// Threads: one, which may block. The robot has its own thread after Begin(), connections have one
+/// after Start().
 class ServedRobot {
  public:
-  /// Listens from now on; clients wait.
+  /// Opens the ports; clients wait until Serve() or Start().
   /// @param plant  the robot's body: robot::MakePlant(config), or another.
-  /// @throws InputError naming the field that is out of range; EnvironmentError when a port cannot
-  /// be opened.
+  /// @throws InputError naming a field out of range; EnvironmentError if a port cannot be opened.
   ServedRobot(const robot::RobotConfig& config, robot::MadePlant plant,
               ServedRobotSettings settings);
   ~ServedRobot();
@@ -59,36 +57,35 @@ class ServedRobot {
   ServedRobot& operator=(const ServedRobot&) = delete;
 
   [[nodiscard]] fci::Endpoint arm() const;
-  /// Absent: no hand is mounted.
+  /// nullopt without a hand.
   [[nodiscard]] std::optional<fci::Endpoint> hand() const;
-  /// Which body the robot has, for people.
+  /// Name of the plant, for users.
   [[nodiscard]] const std::string& plant_name() const noexcept;
-  /// Null for the ideal plant. Between Begin() and End() only from RecordSink::Put of a cycle's
-  /// record, which is called on the plant's thread.
+  /// Null for the ideal plant. Between Begin() and End(), use it only in RecordSink::Put of a
+  /// cycle's record, which runs on the plant's thread.
   [[nodiscard]] const plant::TruthProbe* truth() const noexcept;
 
-  /// The robot's time begins, once. @throws InputError as rt::SetUpThisThread.
+  /// Starts the robot's time, once. @throws InputError as rt::SetUpThisThread.
   void Begin();
-  /// What its thread was not permitted, a line each. @pre after Begin().
+  /// Permissions that its thread did not get, one line each. @pre after Begin().
   [[nodiscard]] const std::vector<std::string>& notices() const;
-  /// Serves on this thread until `ends` says so, which is asked at least every 100 ms.
+  /// Serves on this thread until `ends` returns true; calls it at least every 100 ms.
   void Serve(const std::function<bool()>& ends);
-  /// Begin(), and Serve() on a thread of its own until End().
+  /// Calls Begin(), then Serve() on a new thread until End().
   void Start();
 
-  /// Presses the robot's user stop, or lets it go. Threads: any, between Begin() and End().
+  /// Presses or releases the robot's user stop. Threads: any, between Begin() and End().
   /// @throws RobotFault as robot::ThreadedRobot's requests.
   void PressUserStop(bool pressed);
 
-  /// Ends connections and robot; no record is put after it returns. More than once: no effect.
+  /// Closes connections and stops the robot; after return no record is put. Idempotent.
   void End();
 
-  // What follows: after End().
+  // Only after End():
 
-  /// What the simulation itself complained of, for people; empty: nothing.
+  /// The simulation's warnings, for users; empty if there are none.
   [[nodiscard]] std::string DescribeWarnings() const;
-  /// Of a robot on the wall clock: begin of a cycle after its deadline, and whole periods that the
-  /// host did not give. @pre it is one.
+  /// Lateness of cycle starts, and whole periods skipped. @pre the robot runs on the wall clock.
   [[nodiscard]] const rt::DurationHistogram& lateness() const;
   [[nodiscard]] std::uint64_t overruns() const;
 

@@ -23,16 +23,16 @@ namespace twin::server {
 class SingleClientAcceptor {
  public:
   struct Settings {
-    std::string_view name;  ///< for people: "arm", "hand"
+    std::string_view name;  ///< for messages: "arm", "hand"
     fci::HeadKind kind{};
-    std::size_t largest = 0;  ///< request
+    std::size_t largest = 0;  ///< largest accepted request, bytes
     fci::Endpoint local;
     std::optional<fci::Network> allow;
     Duration connect_timeout{};
     Tap tap{};
   };
 
-  /// @param config  ServerConfig or ProxyConfig: where both listen, and who may connect.
+  /// @param config  ServerConfig or ProxyConfig: addresses and permitted clients.
   /// @returns settings without a tap.
   template <typename Config>
   [[nodiscard]] static Settings SettingsOf(const Config& config, fci::HeadKind kind) {
@@ -50,26 +50,26 @@ class SingleClientAcceptor {
 
   [[nodiscard]] fci::Endpoint local() const { return listener_.local(); }
 
-  /// Adds what to wait at.
+  /// Adds the descriptors to poll.
   void AddTo(std::vector<pollfd>& waited) const;
-  /// For how long.
+  /// Timeout for the poll.
   [[nodiscard]] Duration poll_timeout() const;
-  /// Does what can be done without waiting.
+  /// Does all work that needs no waiting.
   void Serve(Time now);
-  /// Ends all connections.
+  /// Closes all connections.
   void End();
 
  private:
   struct PendingClient {
     std::unique_ptr<Connection> connection;
-    std::optional<fci::Frame> first;  ///< request, waits for the handler to become ready
+    std::optional<fci::Frame> first;  ///< request; waits until the handler is ready
   };
 
   void Accept(Time now);
-  /// Closes the pending connection that has been silent for longest.
+  /// Closes the pending connection that has been silent the longest.
   void DropSilent();
   [[nodiscard]] bool Admits(const fci::Endpoint& peer) const noexcept;
-  /// @returns whether the pending connection was closed, or became the client.
+  /// @returns true if the pending connection was closed or became the client's.
   bool Receive(PendingClient& pending, Time now);
   void Take(PendingClient& pending);
   void ServeClient(Time now);

@@ -19,58 +19,56 @@
 
 namespace twin::server {
 
-/// Datagrams that were not passed on, by why.
+/// Datagrams that were dropped, by reason.
 struct DroppedDatagrams {
-  /// Of somebody who is not the session's client, or more than wait at once: mostly the kernel
-  /// drops them, before they are anybody's work (UdpSocket::ListenOnlyTo).
+  /// Not from the session's client, or beyond the queue's capacity. The kernel drops most of them
+  /// (UdpSocket::ListenOnlyTo).
   std::uint64_t foreign = 0;
-  std::uint64_t malformed =
-      0;                    ///< of another size than a command's, with NaN or a flag that is none
-  std::uint64_t early = 0;  ///< answers to states that were not sent yet
+  std::uint64_t malformed = 0;  ///< wrong size, NaN, or a flag other than 0 or 1
+  std::uint64_t early = 0;      ///< answers to states that were not sent yet
   bool operator==(const DroppedDatagrams&) const = default;
 };
 
-/// The workstation beyond the network: states and commands as datagrams, over one socket, since
-/// clients answer to where states come from. Source: FCI protocol 5, transport.
+/// The network as a workstation: states and commands as datagrams on one socket, because clients
+/// answer to the source of the states. Source: FCI protocol 5, transport.
 ///
 ///     network's thread:  OnConnect(client) ... Close()
 ///     robot's thread:    Deliver(state) --> socket, and the wake event when mode or errors changed
-///                        Receive() <------- socket, 64 datagrams at most in one go
+///     robot's thread:    Deliver(state) --> socket; notifies the wake event on a new mode or error
+///                        Receive() <------- socket, at most 64 datagrams per call
+/// Between sessions no state is sent and all incoming datagrams are dropped.
 ///
-/// Between sessions no state leaves and nothing that comes is let in.
-///
-/// Threads: OnConnect() and Close() from one, the robot's end from the robot's; counts from any.
-/// Real-time: the robot's end neither waits (but AwaitUntil()), allocates nor locks; a change of
-/// mode notifies the wake event by a system call, as sending does.
+/// Threads: OnConnect() and Close() from one, the robot's side from the robot's; counts from any.
+/// Real-time: the robot's side neither waits (except in AwaitUntil()) nor allocates nor locks. A
+/// change of mode notifies the wake event with a system call, as sending does.
 class UdpPort final : public robot::WorkstationPort, public rt::Arrival {
  public:
-  /// @param clock    of the host; must outlive the port. @param address  to bind, any free port.
-  /// @param changed  notified when a state shows other modes or errors than the last; must outlive
-  /// the port.
+  /// @param clock    the host's; must outlive the port. @param address  to bind, at any free port.
+  /// @param changed  notified when a state has other modes or errors than the previous one; must
+  /// outlive the port.
   /// @throws EnvironmentError as fci::UdpSocket.
   UdpPort(const MonotonicClock& clock, std::uint32_t address, WakeEvent& changed);
 
-  /// States go to, and commands come from `client`.
+  /// Sends states to `client` and accepts its commands.
   void OnConnect(const fci::Endpoint& client) noexcept;
   void Close() noexcept;
 
-  /// Keeps what passes. @param capture  must outlive the port; null: nothing is kept. @pre no robot
-  /// runs.
+  /// Records all datagrams. @param capture  must outlive the port; may be null. @pre no robot runs.
   void KeepIn(fci::Capture* capture) noexcept { capture_ = capture; }
 
   [[nodiscard]] fci::Endpoint local() const noexcept { return socket_.local(); }
-  /// Since construction. Any thread.
+  /// Since construction. Threads: any.
   [[nodiscard]] DroppedDatagrams dropped() const noexcept;
 
   [[nodiscard]] bool Receive(robot::ReceivedCommand& received) noexcept TWIN_REALTIME override;
   void Deliver(const RobotState& state) noexcept TWIN_REALTIME override;
-  /// Until a datagram may have come.
+  /// Waits until a datagram may have arrived.
   [[nodiscard]] bool AwaitUntil(Time deadline) noexcept TWIN_REALTIME override {
     return socket_.AwaitUntil(deadline);
   }
 
  private:
-  /// @returns whether the datagram is a command for the robot.
+  /// @returns true if the datagram is a command for the robot.
   [[nodiscard]] bool Accept(const fci::Datagram& datagram, RobotCommand& command) noexcept;
 
   void Keep(Time at, const fci::Endpoint& from, const fci::Endpoint& to,
@@ -86,8 +84,8 @@ class UdpPort final : public robot::WorkstationPort, public rt::Arrival {
   std::atomic<std::uint64_t> malformed_{0};
   std::atomic<std::uint64_t> early_{0};
 
-  // The robot's thread's.
-  /// One byte more than a command has: what fills it is too long.
+  // Owned by the robot's thread.
+  /// One byte longer than a command, to detect longer datagrams.
   std::array<std::byte, fci::kCommandBytes + 1> incoming_{};
   fci::StateBytes outgoing_{};
   int looked_at_ = 0;

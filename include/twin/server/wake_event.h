@@ -5,19 +5,19 @@
 
 namespace twin::server {
 
-/// Wakes a thread that polls descriptors, one of which is the event's (Linux: eventfd).
+/// Wakes a thread that polls the event's descriptor among others (Linux: eventfd).
 ///
-/// Threads: Notify() from any, the rest from the one that waits. Real-time: Notify() is noexcept,
-/// never waits, allocates nothing; it is a system call.
+/// Threads: Notify() from any, the rest from the polling thread. Real-time: Notify() is noexcept,
+/// never waits and does not allocate; it is a system call.
 class WakeEvent {
  public:
-  /// @throws EnvironmentError when the system has no descriptor left.
+  /// @throws EnvironmentError if no descriptor is left.
   WakeEvent();
 
   void Notify() noexcept TWIN_REALTIME;
   /// Readable after Notify().
   [[nodiscard]] int fd() const noexcept { return fd_.get(); }
-  /// @returns whether Notify() was called since the last Clear().
+  /// @returns true if Notify() was called since the last Clear().
   [[nodiscard]] bool Clear() noexcept;
 
  private:
