@@ -12,7 +12,7 @@ constexpr std::array<std::string_view, 3> kMotionAxes{"translation", "rotation",
 constexpr std::array<std::string_view, 6> kWrenchAxes{"x of K", "y of K", "z of K",
                                                       "R of K", "P of K", "Y of K"};
 
-/// How a text of the catalogue calls the axes of an entry.
+/// Name of an entry's axes in the catalogue.
 std::string_view AxesOf(const ErrorEntry& entry) {
   switch (entry.axis) {
     case AxisKind::kJoint: return "a joint";
@@ -23,7 +23,7 @@ std::string_view AxesOf(const ErrorEntry& entry) {
   return "";
 }
 
-/// "m/s, rad/s, rad/s"; of kMotion with one unit for all only that.
+/// "m/s, rad/s, rad/s"; one unit if kMotion has one for all.
 std::string UnitsOf(const ErrorEntry& entry) {
   std::string text;
   for (const std::string_view unit : entry.units) {

@@ -1,8 +1,7 @@
 #include "core/error_entries.h"
 
-// A table, and longer than other files for that. What each error means follows FCI protocol 5,
-// error table and conditions; how values are computed and which figures are decisions is told where
-// they are: twin/onboard.
+// A data table, hence longer than other files. Meanings follow FCI protocol 5, error table and
+// conditions; twin/onboard documents how values are computed and which figures are decisions.
 namespace twin {
 namespace {
 

@@ -6,13 +6,13 @@
 
 namespace twin {
 
-/// The entries of all errors, by index; of communication_constraints_violation the one for commands
-/// lost in a row.
+/// Entries of all errors, by index; that of communication_constraints_violation is for consecutive
+/// lost commands.
 extern const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries;
 
-/// communication_constraints_violation of a motion whose first command did not come.
+/// communication_constraints_violation of a motion whose first command did not arrive.
 extern const ErrorEntry kNoFirstCommandEntry;
-/// That of an instability whose cause is a value that is no number.
+/// instability_detected caused by a value that is not finite.
 extern const ErrorEntry kNoNumberEntry;
 
 }  // namespace twin

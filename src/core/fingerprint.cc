@@ -11,7 +11,7 @@ namespace twin {
 std::uint64_t LibmFingerprint() {
   constexpr int kPoints = 4096;
   WordHash hash;
-  // volatile: the compiler must not compute these itself.
+  // volatile: keeps the compiler from computing these values.
   volatile double x = 0;
   for (int i = 1; i <= kPoints; ++i) {
     x = i * 0.0037 - 7.3;

@@ -9,7 +9,7 @@ using Finding = std::optional<BadValue>;
 
 constexpr double kMostForce = 140;
 
-/// @param good  false also for what compares false because it is no number.
+/// @param good  also false for NaN.
 Finding Require(bool good, std::string_view field, double value,
                 std::string_view allowed) noexcept {
   if (good) return {};

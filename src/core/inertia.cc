@@ -12,7 +12,7 @@ bool IsInertiaOfBody(const Matrix3& I) noexcept {
   for (const double skew : {I[1] - I[3], I[2] - I[6], I[5] - I[7]}) {
     if (!(std::abs(skew) <= tolerance)) return false;
   }
-  // Sylvester's criterion for Sigma + tolerance 1. What is no number passes no comparison.
+  // Sylvester's criterion for Sigma + tolerance 1. NaN fails every comparison.
   const double xx = trace / 2 - I[0] + tolerance;
   const double yy = trace / 2 - I[4] + tolerance;
   const double zz = trace / 2 - I[8] + tolerance;

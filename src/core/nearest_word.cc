@@ -7,7 +7,7 @@
 namespace twin {
 namespace {
 
-/// Levenshtein distance: the number of letters to insert, remove or replace.
+/// Levenshtein distance: the number of insertions, removals and replacements.
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -27,7 +27,7 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
 
 std::optional<std::string_view> Nearest(std::string_view word,
                                         std::span<const std::string_view> candidates) {
-  constexpr std::size_t kLongestWord = 64;  // a longer one is no misspelling
+  constexpr std::size_t kLongestWord = 64;  // a longer word is not a misspelling
   std::optional<std::string_view> best;
   if (word.size() > kLongestWord) return best;
   std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;

@@ -51,7 +51,7 @@ constexpr std::array kDriftUnits{Unit{"ppm", 1}};
 
 struct DimensionInfo {
   std::string_view name;     ///< with article
-  std::string_view example;  ///< how to write one
+  std::string_view example;  ///< of the notation
   std::span<const Unit> units;
 };
 
@@ -95,12 +95,12 @@ std::string UnitList(const DimensionInfo& info) {
   return list;
 }
 
-/// The longest prefix that reads as a decimal number. @returns its length; 0 when there is none.
+/// Reads the longest prefix that is a decimal number. @returns its length, or 0.
 std::size_t ReadNumber(std::string_view text, double& value) {
   const std::size_t sign = text.starts_with('+') ? 1 : 0;
   const char* begin = text.data() + sign;
   const char* end = text.data() + text.size();
-  // from_chars would take "inf" and "nan", which are no quantities.
+  // from_chars also accepts "inf" and "nan", which are not quantities.
   const char* digits = begin != end && *begin == '-' && sign == 0 ? begin + 1 : begin;
   if (digits == end || !((*digits >= '0' && *digits <= '9') || *digits == '.')) return 0;
   const auto [stop, error] = std::from_chars(begin, end, value);

@@ -51,7 +51,7 @@ constexpr std::array<std::string_view, kRobotErrorCount> kNames{
     "base_acceleration_invalid_reading",
 };
 
-/// What happened, in numbers: the middle of the sentence.
+/// Value and limit: the middle of the sentence.
 std::string Compared(const Violation& violation, const ErrorEntry& entry) {
   if (violation.error == RobotError::kCommunicationConstraintsViolation) {
     return violation.axis == kNoFirstCommandAxis

@@ -14,7 +14,7 @@ namespace twin {
 std::string MakeSecret(std::size_t letters) {
   TWIN_CHECK(letters % 2 == 0 && letters <= 512);
   std::vector<unsigned char> bytes(letters / 2);
-  // Never cut short: that happens to requests of more than 256 bytes only.
+  // Requests of up to 256 bytes are always complete.
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
     throw EnvironmentError(
         "a token is needed, and the operating system gives no random numbers (getrandom)");

@@ -43,7 +43,7 @@ Finding Check(std::string_view field, const std::array<double, N>& values,
   return {};
 }
 
-/// The first of some findings.
+/// The first finding, if any.
 template <typename... Rest>
 Finding First(const Finding& finding, const Rest&... rest) noexcept {
   if constexpr (sizeof...(rest) == 0) {

@@ -6,8 +6,8 @@
 
 namespace twin::rt {
 
-/// `at` as the operating system's absolute waits on CLOCK_MONOTONIC take it; an instant before the
-/// host's start becomes that start, one beyond a hundred years becomes those.
+/// `at` for absolute waits on CLOCK_MONOTONIC, limited to the range from the host's start to a
+/// hundred years.
 [[nodiscard]] timespec AbsoluteTime(const MonotonicClock& clock, Time at) noexcept;
 
 }  // namespace twin::rt

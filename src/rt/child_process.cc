@@ -21,13 +21,13 @@
 namespace twin::rt {
 namespace {
 
-/// Between two looks at whether it has ended.
+/// Poll period for its end.
 constexpr std::chrono::milliseconds kLook(2);
 
-/// Read by whoever waits, written once per command: no order is needed between the two.
+/// Read by waiting threads, written once per command; needs no ordering.
 std::atomic<const volatile bool*> gives_up_when{nullptr};
 
-/// What the child starts with.
+/// Start attributes of the child.
 class SpawnSettings {
  public:
   explicit SpawnSettings(const ChildProcess::Files& files) {

@@ -12,8 +12,8 @@
 namespace twin::rt {
 namespace {
 
-/// A try of either method below succeeds with a probability of at least 1/2 (normal) or 0.95
-/// (gamma): so many fail once in more than 10^19 draws.
+/// A try succeeds with a probability of at least 1/2 (normal) or 0.95 (gamma): all tries fail once
+/// in more than 10^19 draws.
 constexpr std::uint32_t kNormalTries = 64;
 constexpr std::uint32_t kGammaTries = 15;
 
@@ -47,7 +47,7 @@ void RequireEdges(const EmpiricalDelay& empirical) {
   }
 }
 
-/// @returns the share of the weight up to the end of each bin; the last is exactly 1.
+/// @returns the cumulative weight at the end of each bin; the last is exactly 1.
 std::vector<double> Cumulative(const std::vector<double>& weights) {
   double sum = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -134,7 +134,7 @@ Duration DelayModel::Histogram::Draw(const Random& random, std::uint64_t tick) c
   const auto bin = end - cumulative.begin();
   const double before = bin == 0 ? 0 : cumulative[bin - 1];
   const Duration width = edges[bin + 1] - edges[bin];
-  const double part = (u - before) / (*end - before);  // in [0, 1): bins without weight are skipped
+  const double part = (u - before) / (*end - before);  // in [0, 1): skips bins without weight
   return edges[bin] + Duration(static_cast<Duration::rep>(part * width.count()));
 }
 

@@ -6,7 +6,7 @@
 
 namespace twin::rt {
 
-/// Below 2^6 ns every value has its bin; from there on [2^e, 2^(e+1)) has 2^6 of width 2^(e-6).
+/// Up to 2^9 ns a bin per value; from there on [2^e, 2^(e+1)) has 2^8 bins of width 2^(e-8).
 std::size_t DurationHistogram::BinOf(std::uint64_t ns) noexcept {
   const int shift = std::max(0, static_cast<int>(std::bit_width(ns)) - 1 - kSubBits);
   return (static_cast<std::size_t>(shift) << kSubBits) + (ns >> shift);

@@ -8,7 +8,7 @@ Time TimeOfKernelStamp(const MonotonicClock& clock, const timespec& stamp) noexc
   timespec wall{};
   clock_gettime(CLOCK_REALTIME, &wall);
   const Time now = clock.Now();
-  // Whole seconds first: of two stamps that lie far apart the nanoseconds would overflow.
+  // Whole seconds first: nanoseconds between distant stamps would overflow.
   const auto seconds = std::clamp<std::time_t>(wall.tv_sec - stamp.tv_sec, -2, 2);
   const Duration age = std::chrono::seconds(seconds) + Duration(wall.tv_nsec - stamp.tv_nsec);
   return now - std::clamp(age, Duration::zero(), kOldestStamp);

@@ -12,11 +12,11 @@
 namespace twin::rt {
 namespace {
 
-/// Which of the draws of a message number a value comes from.
+/// Index of a draw within a message number.
 constexpr std::uint32_t kTransitionDraw = 0;
 constexpr std::uint32_t kStationaryDraw = 1;
 
-/// Share of messages that find the chain in its bad state.
+/// Stationary probability of the chain's bad state.
 double StationaryShare(const GilbertElliottLoss& chain) noexcept {
   return chain.good_to_bad / (chain.good_to_bad + chain.bad_to_good);
 }

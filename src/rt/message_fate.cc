@@ -10,7 +10,7 @@
 namespace twin::rt {
 namespace {
 
-/// The draw that decides whether a copy is made; the delay models use those from 0 on.
+/// Draw that decides on a copy; the delay models use those from 0 on.
 constexpr std::uint32_t kDecisionDraw = std::numeric_limits<std::uint32_t>::max();
 
 const DirectionConfig& Validated(const DirectionConfig& config) {

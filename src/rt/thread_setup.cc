@@ -23,7 +23,7 @@
 namespace twin::rt {
 namespace {
 
-constexpr std::size_t kLongestName = 15;  // of the kernel, without the closing zero
+constexpr std::size_t kLongestName = 15;  // kernel limit, without the closing zero
 constexpr std::size_t kPage = 4096;
 
 void RequireSound(const ThreadSettings& settings) {
@@ -45,8 +45,8 @@ void RequireSound(const ThreadSettings& settings) {
   }
 }
 
-/// Whether this process may lock any amount of memory. With a limit a lock of all future pages
-/// would not be refused now: allocations would fail once the limit is reached.
+/// Whether this process may lock unlimited memory. With a limit, locking all future pages succeeds
+/// now, but allocations fail once the limit is reached.
 bool MayLockAllMemory() {
   rlimit limit{};
   if (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY) return true;
@@ -56,13 +56,13 @@ bool MayLockAllMemory() {
   return (data[CAP_TO_INDEX(CAP_IPC_LOCK)].effective & CAP_TO_MASK(CAP_IPC_LOCK)) != 0;
 }
 
-/// Touches `pages` pages of stack below the caller's frame, which the caller has found to be there.
+/// Touches `pages` pages of stack below the caller's frame, which the caller knows to exist.
 __attribute__((noinline)) void TouchStack(std::size_t pages) {
   auto* const lowest = static_cast<volatile char*>(__builtin_alloca(pages * kPage));
   for (std::size_t page = pages; page > 0; --page) lowest[(page - 1) * kPage] = 0;
 }
 
-/// Pages of stack below this frame that are certainly there, with a quarter left for what runs.
+/// Pages of stack that certainly exist below this frame, less a quarter for the thread's use.
 std::size_t StackPagesLeft() {
   pthread_attr_t attributes;
   if (pthread_getattr_np(pthread_self(), &attributes) != 0) return 0;
@@ -105,7 +105,7 @@ std::vector<std::string> SetUpThisThread(const ThreadSettings& settings) {
   }
   const std::size_t wanted = settings.stack_kb * 1024 / kPage;
   if (const std::size_t pages = std::min(wanted, StackPagesLeft()); pages > 0) TouchStack(pages);
-  // Of this thread alone, and to yield more is never refused.
+  // For this thread alone; lowering the priority is never refused.
   if (settings.nice > 0) setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), settings.nice);
   if (settings.cpu && !BindTo(*settings.cpu)) {
     notices.push_back(fmt::format(

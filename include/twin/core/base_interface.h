@@ -2,19 +2,19 @@
 
 #include <array>
 
-// Between a base's controller and its body, as joint_interface.h is for the arm. Wheels in the
-// order front left, front right, rear left, rear right; a wheel that turns positively rolls ahead.
+// Interface between a base's controller and its body, like joint_interface.h for the arm. Wheels
+// are ordered front left, front right, rear left, rear right; positive rotation drives forwards.
 namespace twin {
 
-/// What a base's wheels sense.
+/// Wheel sensors of a base.
 struct WheelSensors {
-  std::array<double, 4> q{};   ///< turned since the start, rad, not wrapped
+  std::array<double, 4> q{};   ///< rotation since the start, rad, not wrapped
   std::array<double, 4> dq{};  ///< rad/s
 };
 
-/// What a base's controller asks of its drives for one cycle.
+/// Drive commands of a base for one cycle.
 struct WheelDrive {
-  std::array<double, 4> tau{};  ///< on each wheel, Nm
+  std::array<double, 4> tau{};  ///< per wheel, Nm
 };
 
 }  // namespace twin

@@ -6,7 +6,7 @@
 
 namespace twin {
 
-/// The only way to read time. Lockstep gives a virtual clock, realtime a monotonic one.
+/// The only source of time: a virtual clock in lockstep, a monotonic one in realtime.
 ///
 /// Threads: Now() from any thread. Real-time: Now() is noexcept and allocates nothing.
 class Clock {
@@ -16,19 +16,18 @@ class Clock {
   [[nodiscard]] virtual Time Now() const noexcept = 0;
 };
 
-/// The host's monotonic clock, counted from construction. Used by the realtime drive, by progress
-/// displays and for the wall-clock figures that go to a run's side file; never for anything that
-/// ends in a log of a lockstep run.
+/// The host's monotonic clock, counted from construction. For the realtime drive, progress displays
+/// and the wall-clock figures in a run's side file; never for data in the log of a lockstep run.
 class MonotonicClock final : public Clock {
  public:
   MonotonicClock();
 
-  /// Starts the time line anew at zero. Not while another thread reads it.
+  /// Restarts the clock at zero. Not while another thread reads it.
   void Restart() noexcept;
 
   [[nodiscard]] Time Now() const noexcept override;
 
-  /// The same instant on CLOCK_MONOTONIC, ns: what the operating system's absolute waits take.
+  /// The same instant on CLOCK_MONOTONIC, ns, for absolute waits of the operating system.
   [[nodiscard]] std::int64_t MonotonicNs(Time at) const noexcept {
     return origin_ns_ + at.time_since_epoch().count();
   }

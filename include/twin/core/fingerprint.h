@@ -5,9 +5,9 @@
 
 namespace twin {
 
-/// Tells variants of the C library's mathematics apart: a hash of sin, cos, exp, log, pow, atan2 at
-/// fixed points. glibc takes other code, with other last bits, on processors with and without fused
-/// multiply-add; runs repeat bit by bit only within one variant.
+/// Identifies the variant of the C library's mathematics: a hash of sin, cos, exp, log, pow, atan2
+/// at fixed points. glibc selects code with different last bits on processors with and without
+/// fused multiply-add; runs repeat bit by bit only within one variant.
 [[nodiscard]] std::uint64_t LibmFingerprint();
 
 /// @returns 16 hexadecimal digits.

@@ -10,9 +10,9 @@
 
 namespace twin {
 
-/// Whether each of the values is a number, and a finite one.
+/// Whether all values are finite.
 ///
-/// Threads: any. Real-time: noexcept, allocates nothing. So are the others.
+/// Threads: any. Real-time: noexcept, allocates nothing; so are the overloads.
 template <std::size_t N>
 [[nodiscard]] bool IsFinite(const std::array<double, N>& values) noexcept {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });

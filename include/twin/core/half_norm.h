@@ -7,8 +7,8 @@
 
 namespace twin {
 
-/// Euclidean norm of one half of a twist or wrench: of the translation or force (first = 0), of the
-/// rotation or torque (first = 3). In the unit of that half.
+/// Euclidean norm of one half of a twist or wrench, in its unit: of the translation or force (first
+/// = 0), of the rotation or torque (first = 3).
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.
 [[nodiscard]] inline double HalfNorm(const Vector6& x, std::size_t first) noexcept {

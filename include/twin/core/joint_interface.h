@@ -4,24 +4,24 @@
 
 namespace twin {
 
-/// What the arm's joint sensors report. Units rad, rad/s, Nm.
+/// Joint sensors of the arm. Units rad, rad/s, Nm.
 struct JointSensors {
   JointVector q{};       ///< link position
   JointVector dq{};      ///< link velocity
-  JointVector tau_J{};   ///< link-side torque behind the gear: gravity, link inertia, friction of
-                         ///< the link and contact; not the rotor's inertia
-  JointVector theta{};   ///< motor position, seen at the link
-  JointVector dtheta{};  ///< motor velocity, seen at the link
+  JointVector tau_J{};   ///< link-side torque behind the gear: gravity, link inertia, link friction
+                         ///< and contact; without rotor inertia
+  JointVector theta{};   ///< motor position, reflected to the link
+  JointVector dtheta{};  ///< motor velocity, reflected to the link
 };
 
-/// What the robot's controller hands to the joints for one cycle. A dynamic plant acts on tau; the
-/// ideal plant, which has no dynamics, follows the desired motion.
+/// Controller output to the joints for one cycle. A dynamic plant applies tau; the ideal plant,
+/// which has no dynamics, follows the desired motion.
 struct JointDrive {
-  JointVector tau{};    ///< motor torque seen at the link, gravity compensation included, Nm
+  JointVector tau{};    ///< motor torque reflected to the link, with gravity compensation, Nm
   JointVector q_d{};    ///< rad
   JointVector dq_d{};   ///< rad/s
   JointVector ddq_d{};  ///< rad/s^2
-  bool brakes = false;  ///< closed: the joints are held where they are, whatever tau says
+  bool brakes = false;  ///< closed: the joints are locked, tau has no effect
 };
 
 }  // namespace twin

@@ -8,10 +8,9 @@ namespace twin {
 /// Number of joints of the arm.
 inline constexpr std::size_t kJoints = 7;
 
-/// One value per joint, base to wrist (joint 1 first). Unit given where it is used: rad, rad/s,
-/// rad/s^2, rad/s^3 or Nm. A plain array, not an Eigen type: it crosses thread exchanges, logs and
-/// the wire by copy of its bytes, and its layout must not depend on the vector instructions a
-/// user's own code is compiled for.
+/// One value per joint, base to wrist (joint 1 first), in rad, rad/s, rad/s^2, rad/s^3 or Nm as
+/// stated at its use. A plain array instead of an Eigen type: threads, logs and the wire copy its
+/// bytes, and its layout must not depend on the vector instructions of a user's build.
 using JointVector = std::array<double, kJoints>;
 
 /// Three Cartesian components, x y z.

@@ -4,9 +4,8 @@
 
 namespace twin {
 
-/// Limits of the arm's joints. Data of a robot, read from its limits.yaml; every user gets them as
-/// a value. Velocity, acceleration, jerk, torque and torque rate are magnitudes, symmetric about
-/// zero.
+/// Limits of the arm's joints: robot data, read from its limits.yaml and passed by value. Velocity,
+/// acceleration, jerk, torque and torque rate are magnitudes, symmetric about zero.
 struct JointLimits {
   JointVector q_min{};     ///< rad
   JointVector q_max{};     ///< rad
@@ -29,8 +28,7 @@ struct CartesianBound {
   double dddp_max = 0;  ///< jerk, m/s^3 or rad/s^3
 };
 
-/// Limits of the end effector's motion and of the elbow angle. Data of a robot, read from its
-/// limits.yaml.
+/// Limits of the end effector's motion and of the elbow angle: robot data, read from limits.yaml.
 struct CartesianLimits {
   CartesianBound translation;
   CartesianBound rotation;

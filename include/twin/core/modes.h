@@ -5,8 +5,7 @@
 
 namespace twin {
 
-/// What the robot does as a whole. Values are those of the robot state on the wire. Source: FCI
-/// protocol 5.
+/// Mode of the robot. Values are those of the robot state on the wire. Source: FCI protocol 5.
 enum class RobotMode : std::uint8_t {
   kOther = 0,
   kIdle = 1,
@@ -17,8 +16,8 @@ enum class RobotMode : std::uint8_t {
   kAutomaticErrorRecovery = 6,
 };
 
-/// Where the reference of the running motion comes from. Values are those of the robot *state* (a
-/// Move request numbers them one lower).
+/// Source of the reference in a motion. Values are those of the robot *state* (a Move request
+/// numbers them one lower).
 enum class MotionGeneratorMode : std::uint8_t {
   kIdle = 0,
   kJointPosition = 1,
@@ -27,13 +26,13 @@ enum class MotionGeneratorMode : std::uint8_t {
   kCartesianVelocity = 4,
 };
 
-/// Whether the generator is commanded poses or twists.
+/// Whether commands to the generator are poses or twists.
 [[nodiscard]] constexpr bool IsCartesian(MotionGeneratorMode mode) noexcept {
   return mode == MotionGeneratorMode::kCartesianPosition ||
          mode == MotionGeneratorMode::kCartesianVelocity;
 }
 
-/// Which controller turns the reference into torque. kOther is shown while no motion runs.
+/// Controller that converts the reference to torque. kOther is shown without a motion.
 enum class ControllerMode : std::uint8_t {
   kJointImpedance = 0,
   kCartesianImpedance = 1,
@@ -41,7 +40,7 @@ enum class ControllerMode : std::uint8_t {
   kOther = 3,
 };
 
-/// The pair a motion is started with.
+/// The modes of a motion.
 struct MotionModes {
   ControllerMode controller = ControllerMode::kJointImpedance;
   MotionGeneratorMode generator = MotionGeneratorMode::kJointPosition;

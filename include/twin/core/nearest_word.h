@@ -6,8 +6,8 @@
 
 namespace twin {
 
-/// The candidate nearest to a misspelled `word`; nothing when none is near: a third of its letters
-/// may be wrong. For messages that say "did you mean".
+/// The candidate nearest to a misspelled `word` for "did you mean" messages; nullopt if more than a
+/// third of the letters differ.
 ///
 /// Threads: any.
 [[nodiscard]] std::optional<std::string_view> Nearest(std::string_view word,

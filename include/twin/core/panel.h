@@ -5,8 +5,8 @@
 
 namespace twin {
 
-/// What people do to the robot with their hands, beside the wire: buttons and switches. Source: FCI
-/// protocol 5, user stop, guiding, brakes, recovery.
+/// Manual actions at the robot beside the wire: buttons and switches. Source: FCI protocol 5, user
+/// stop, guiding, brakes, recovery.
 enum class PanelAction : std::uint8_t {
   kPressUserStop,
   kReleaseUserStop,

@@ -5,8 +5,8 @@
 
 namespace twin {
 
-/// Which random quantity is drawn. Every consumer has its own stream, so that adding a draw in one
-/// place changes no number anywhere else.
+/// Purpose of a random number. Every consumer has its own stream, so an additional draw in one
+/// place changes no number elsewhere.
 enum class RandomStream : std::uint32_t {
   kSensorNoise = 1,
   kStateDelay = 2,
@@ -23,30 +23,30 @@ enum class RandomStream : std::uint32_t {
   kStateReorder = 13,
   kCommandReorder = 14,
   kTargetNoise = 15,
-  kFault = 16,          ///< of the fault-injecting backend
-  kHandSeed = 17,       ///< of the hand's way through a proxy, which is drawn apart from the arm's
-  kPlannerSample = 18,  ///< where a planner's search trees grow to
-  kPlannerShortcut = 19,  ///< which shortcuts of a path it tries
+  kFault = 16,            ///< of the fault-injecting backend
+  kHandSeed = 17,         ///< of the hand's link through a proxy, independent of the arm's
+  kPlannerSample = 18,    ///< growth of a planner's search trees
+  kPlannerShortcut = 19,  ///< shortcuts of a path to try
   kPlannerGoal = 20,      ///< random goals
   kMotionSeed = 21,       ///< of a session's later motions
   kGoalSeed = 22,         ///< of an application's later goals
   kObjects = 23,          ///< sizes, masses and places of a scenario's objects
-  kPlace = 24,            ///< where an application puts something
-  kOperatorDelay = 32,    ///< of what an operator's hands do, on the way to the robot
+  kPlace = 24,            ///< where an application places an object
+  kOperatorDelay = 32,    ///< of an operator's commands to the robot
   kOperatorLoss = 33,
   kOperatorBurst = 34,
   kOperatorDuplicate = 35,
   kOperatorReorder = 36,
-  kFeedbackDelay = 37,  ///< of what the operator is made to feel, on the way back
+  kFeedbackDelay = 37,  ///< of force feedback to the operator
   kFeedbackLoss = 38,
   kFeedbackBurst = 39,
   kFeedbackDuplicate = 40,
   kFeedbackReorder = 41,
-  kPerson = 42,  ///< hands and eyes of a scripted person
+  kPerson = 42,  ///< motor and visual noise of a scripted operator
   kTest = 1000,
 };
 
-/// Counter-based random numbers: a pure function of (seed, stream, tick, draw), without state.
+/// Counter-based random numbers: a stateless function of (seed, stream, tick, draw).
 ///
 /// The generator is Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC
 /// 2011), key = seed, counter = (tick, stream, draw). The same arguments give the same number on

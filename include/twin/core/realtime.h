@@ -1,8 +1,8 @@
 #pragma once
 
-/// Marks a function that the 1 kHz path may call: no allocation, no lock that waits, no I/O, no
-/// log, no throw. Compilers that can prove it (LLVM 20 and later) are asked to; elsewhere the guard
-/// in tests/support checks it at run time.
+/// Marks a function that the 1 kHz path may call: no allocation, no blocking lock, no I/O, no log,
+/// no throw. LLVM 20 and later verify it at compile time; elsewhere the guard in tests/support
+/// checks it at run time.
 #if defined(__clang__) && __clang_major__ >= 20
 #define TWIN_REALTIME [[clang::nonblocking]]
 #else

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-// What the robot answers to requests. Values are those of the wire. Source: FCI protocol 5, status
+// Replies of the robot to requests. Values are those of the wire. Source: FCI protocol 5, status
 // values.
 namespace twin {
 
-/// To a Move request; a motion that starts is answered twice: kMotionStarted, then how it ended.
+/// To Move, which has two replies if the motion starts: kMotionStarted, then how it ended.
 enum class MoveStatus : std::uint8_t {
   kSuccess = 0,
   kMotionStarted = 1,

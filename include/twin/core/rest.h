@@ -11,31 +11,31 @@
 
 namespace twin {
 
-/// An arm is at rest when none of its joints was measured to be as fast as this, rad/s, ...
+/// An arm is at rest when every measured joint velocity is below this, rad/s, ...
 inline constexpr double kRestSpeed = 0.05;
-/// ... for so long: an arm that swings is slow twice in each of its swings.
+/// ... for this long, since a swinging arm is slow twice per period.
 inline constexpr Duration kRestTime = std::chrono::milliseconds(100);
-/// Within so long after the end of a motion an arm must be at rest. One that is braked from its
-/// greatest velocity by its greatest deceleration stands after 0.29 s.
+/// Time limit for an arm to come to rest after a motion. Braked from its largest velocity by its
+/// largest deceleration it stops after 0.29 s.
 inline constexpr Duration kRestTimeout = std::chrono::seconds(1);
 
-/// The joint that is measured to be the fastest, from 0.
+/// Joint with the largest measured velocity, from 0.
 [[nodiscard]] inline std::size_t FastestJoint(const JointVector& dq) noexcept {
   const auto slower = [](double a, double b) { return std::abs(a) < std::abs(b); };
   return static_cast<std::size_t>(std::ranges::max_element(dq, slower) - dq.begin());
 }
 
-/// Watches whether an arm comes to rest, on the robot's time: ids of states, one a millisecond. The
-/// figures above are decisions; the robot's own are not public.
+/// Watches whether an arm comes to rest, in the robot's time (state ids, one per ms). The figures
+/// above are decisions; the robot's are not public.
 ///
 /// Threads: one at a time. Real-time: noexcept, allocates nothing.
 class RestWatch {
  public:
-  /// From here on the arm may move: nothing is held against it.
+  /// Restarts the watch: the arm may move from here on.
   void Restart(std::uint64_t message_id) noexcept TWIN_REALTIME {
     now_ = moved_ = rested_ = message_id;
   }
-  /// @param dq  measured, rad/s. What is no number moves.
+  /// @param dq  measured, rad/s. NaN counts as motion.
   void Observe(std::uint64_t message_id, const JointVector& dq) noexcept TWIN_REALTIME {
     now_ = message_id;
     const auto is_slow = [](double x) { return std::abs(x) < kRestSpeed; };
@@ -44,11 +44,11 @@ class RestWatch {
   }
   /// Whether it is at rest.
   [[nodiscard]] bool AtRest() const noexcept TWIN_REALTIME { return Still() >= kRestTime; }
-  /// For how long no joint has been faster.
+  /// Time since a joint was last faster.
   [[nodiscard]] Duration Still() const noexcept TWIN_REALTIME {
     return static_cast<std::int64_t>(now_ - moved_) * kCycle;
   }
-  /// How long it has not been, or since Restart().
+  /// Time since the arm was last at rest, or since Restart().
   [[nodiscard]] Duration Restless() const noexcept TWIN_REALTIME {
     return static_cast<std::int64_t>(now_ - rested_) * kCycle;
   }

@@ -9,8 +9,8 @@
 namespace twin {
 
 /// The 41 errors of the robot's controller; the value is the index into `errors` and
-/// `reflex_reason` of the robot state. The comment says what raises it. Source: FCI protocol 5,
-/// error table.
+/// `reflex_reason` of the robot state. Comments give the cause. Source: FCI protocol 5, error
+/// table.
 enum class RobotError : std::uint8_t {
   kJointPositionLimitsViolation = 0,      ///< measured joint position beyond its limit
   kCartesianPositionLimitsViolation = 1,  ///< virtual wall
@@ -41,7 +41,7 @@ enum class RobotError : std::uint8_t {
   kCartesianMotionGeneratorStartElbowInvalid = 22,
   kForceControllerDesiredForceToleranceViolation = 23,
   kStartElbowSignInconsistent = 24,
-  kCommunicationConstraintsViolation = 25,  ///< 20 command packets lost in a row
+  kCommunicationConstraintsViolation = 25,  ///< 20 consecutive command packets lost
   kPowerLimitViolation = 26,
   kCartesianMotionGeneratorJointPositionLimitsViolation = 27,
   kCartesianMotionGeneratorJointVelocityLimitsViolation = 28,
@@ -65,20 +65,19 @@ inline constexpr std::size_t kRobotErrorCount = 41;
 /// A set of errors, indexed by RobotError.
 using RobotErrors = std::bitset<kRobotErrorCount>;
 
-/// Name as clients of the real robot print it. Mind: index 31 ends in `_flag`, index 34 has a
-/// capital J.
+/// Name as clients of the real robot print it. Index 31 ends in `_flag`; index 34 has a capital J.
 [[nodiscard]] std::string_view Name(RobotError error) noexcept;
 
 /// Names of all errors in the set, as libfranka prints them: `["name_a", "name_b"]`.
 [[nodiscard]] std::string FormatErrors(const RobotErrors& errors);
 
-/// What the real robot only names: the value that broke a limit, where and when. Trivially
-/// copyable; made in the cycle.
+/// Details of an error that the real robot only names: the value that broke a limit, where and
+/// when. Trivially copyable; created in the cycle.
 struct Violation {
   RobotError error{};
-  /// By the error (AxisKind in error_catalogue.h): joint 0..6; 0 translation, 1 rotation, 2 elbow;
-  /// 0..5 = x y z R P Y of K; -1 when nothing single is to blame. Of communication errors 0 when
-  /// the motion's first command did not come, -1 when too many were lost in a row.
+  /// Meaning by error (AxisKind in error_catalogue.h): joint 0..6; 0 translation, 1 rotation, 2
+  /// elbow; 0..5 = x y z R P Y of K; -1 without a single axis. For communication errors: 0 when a
+  /// motion's first command did not arrive, -1 when too many consecutive commands were lost.
   std::int8_t axis = -1;
   double value = 0;              ///< the offending value, in the unit of `limit`
   double limit = 0;              ///< the bound it broke, signed like the value
@@ -86,7 +85,7 @@ struct Violation {
 };
 
 /// One sentence: error, joint or axis, value, limit, unit, cycle, and how the value was computed.
-/// What causes and cures the error is in error_catalogue.h.
+/// error_catalogue.h has cause and cure.
 [[nodiscard]] std::string Describe(const Violation& violation);
 
 }  // namespace twin

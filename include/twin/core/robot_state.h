@@ -8,12 +8,12 @@
 
 namespace twin {
 
-/// What the robot reports every millisecond. Names, units and frames are Franka's. Source: FCI
-/// protocol 5, robot state.
+/// Robot state, every millisecond. Names, units and frames are Franka's. Source: FCI protocol 5,
+/// robot state.
 ///
 /// Frames: O base, F flange, NE nominal end effector, EE end effector, K stiffness frame. Suffix
 /// _d: desired, after the robot's kinematic completion; _c: last commanded value. All SI and rad;
-/// poses are 4 x 4 column-major. A field that no mode of the running backend estimates stays zero.
+/// poses are 4 x 4 column-major. A field that the running backend does not estimate stays zero.
 struct RobotState {
   std::uint64_t message_id = 0;  ///< milliseconds since robot start, +1 per cycle
 

@@ -8,9 +8,8 @@
 
 #include "twin/core/joint_vector.h"
 
-// What can be set on the robot while no motion runs, one struct per request of the Franka Control
-// Interface. Defaults are the robot's after start, where they are known. Source: FCI protocol 5,
-// commands and defaults.
+// Settings of the robot that change while no motion runs, one struct per FCI request. Defaults are
+// the robot's after start, where known. Source: FCI protocol 5, commands and defaults.
 namespace twin::setting {
 
 /// Stiffness of the internal joint impedance controller.
@@ -26,10 +25,10 @@ struct CartesianImpedance {
   bool operator==(const CartesianImpedance&) const = default;
 };
 
-/// Above a lower threshold a contact is reported, above an upper one the robot stops with a reflex.
+/// Above a lower threshold the robot reports a contact; above an upper one it stops with a reflex.
 /// The `acc` set counts while the reference accelerates, the `nominal` one otherwise. Each >= 0,
-/// and no lower threshold above its upper. The factory's own figures are not public; these are what
-/// the vendor's ROS package and motion examples set.
+/// lower <= upper. The factory's values are not public; these are set by the vendor's ROS package
+/// and motion examples.
 struct CollisionBehavior {
   JointVector lower_torque_acc{20, 20, 18, 18, 16, 14, 12};  ///< Nm
   JointVector upper_torque_acc = lower_torque_acc;
@@ -42,7 +41,7 @@ struct CollisionBehavior {
   bool operator==(const CollisionBehavior&) const = default;
 };
 
-/// Along and about which axes of the base the arm can be led in guiding mode.
+/// Axes of the base along and about which people can lead the arm in guiding mode.
 struct GuidingMode {
   std::array<bool, 6> axes{true, true, true, true, true, true};  ///< x y z R P Y; true: free
   bool elbow = true;                                             ///< the null space is free
@@ -61,16 +60,15 @@ struct EndEffectorFrame {
   bool operator==(const EndEffectorFrame&) const = default;
 };
 
-/// What the robot is told to carry beyond its end effector.
+/// Load beyond the end effector, as configured.
 struct Load {
   double m_load = 0;    ///< kg, >= 0
   Vector3 F_x_Cload{};  ///< centre of mass in the flange frame, m
-  Matrix3 I_load{};     ///< inertia about it, flange axes, kg m^2; of a body (inertia.h)
+  Matrix3 I_load{};     ///< about it, flange axes, kg m^2; valid for a body (inertia.h)
   bool operator==(const Load&) const = default;
 };
 
-/// Cut-off frequencies of the robot's own low-passes on what it is commanded, Hz, each in
-/// [1, 1000]; 1000: off.
+/// Cut-off frequencies of the robot's low-passes on commands, Hz, each in [1, 1000]; 1000: off.
 struct Filters {
   double joint_position_hz = 1000;
   double joint_velocity_hz = 1000;
@@ -89,27 +87,27 @@ using Setting =
                  setting::GuidingMode, setting::StiffnessFrame, setting::EndEffectorFrame,
                  setting::Load, setting::Filters>;
 
-/// What is wrong with a setting.
+/// An invalid value in a setting.
 struct BadValue {
   std::string_view field;       ///< "K_theta", ...
-  std::optional<int> index;     ///< of the element; absent: the field has none, or is wrong as such
-  std::optional<double> value;  ///< as given; absent: the field is wrong as a whole
+  std::optional<int> index;     ///< of the element; absent: the whole field
+  std::optional<double> value;  ///< as given; absent: the whole field is wrong
   std::string_view allowed;     ///< "in [0, 14250] Nm/rad", "a rigid transform", ...
 };
 
 /// "K_theta[3] is -1; it must be in [0, 14250] Nm/rad".
 [[nodiscard]] std::string Describe(const BadValue& bad);
 
-/// Looks for the first value out of range or not finite, (transforms) not rigid or more than 10 m
-/// away, or (loads) not that of a body: without mass no inertia, else IsInertiaOfBody.
+/// Finds the first value that is out of range or not finite, a transform that is not rigid or
+/// beyond 10 m, or a load that no body can have (without mass no inertia, else IsInertiaOfBody).
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.
 [[nodiscard]] std::optional<BadValue> FindBadValue(const Setting& setting) noexcept;
 
-/// The request that sets it, as clients of the real robot print it: "Set Joint Impedance", ...
+/// The request, as clients of the real robot print it: "Set Joint Impedance", ...
 [[nodiscard]] std::string_view Name(const Setting& setting) noexcept;
 
-/// Whether it is rigid within 1e-5: rotation orthonormal and right-handed, last row (0, 0, 0, 1).
+/// Whether X is rigid within 1e-5: rotation orthonormal and right-handed, last row (0, 0, 0, 1).
 [[nodiscard]] bool IsRigid(const Transform& X) noexcept;
 
 }  // namespace twin

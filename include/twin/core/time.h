@@ -8,9 +8,8 @@ namespace twin {
 /// Span of time, in whole nanoseconds.
 using Duration = std::chrono::nanoseconds;
 
-/// Tag of the run's own time line; it starts at zero when the run starts. Whether it is virtual
-/// (lockstep) or the monotonic clock (realtime) is decided by the drive; nothing else may depend on
-/// it.
+/// Clock tag of a run's time line, which starts at zero. The drive decides whether it is virtual
+/// (lockstep) or the monotonic clock (realtime); nothing else may depend on that.
 struct RunTimeline {
   using rep = Duration::rep;
   using period = Duration::period;
@@ -33,8 +32,8 @@ constexpr double ToSeconds(Duration d) {
   return std::chrono::duration<double>(d).count();
 }
 
-/// Nearest nanosecond to `seconds`, ties away from zero; a hundred years when it is more (also for
-/// NaN), so that sums with it stay in range.
+/// Nearest nanosecond to `seconds`, ties away from zero; larger values and NaN give a hundred
+/// years, so that sums stay in range.
 constexpr Duration FromSeconds(double seconds) {
   constexpr double kMost = 3.15e9;
   if (!(seconds < kMost)) return Duration(static_cast<std::int64_t>(kMost * 1e9));

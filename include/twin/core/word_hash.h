@@ -6,8 +6,8 @@
 
 namespace twin {
 
-/// Fingerprint of a sequence of 64-bit words: FNV-1a by words instead of bytes, with a shift that
-/// brings the high bits down, which the product alone never does. No defence against an adversary.
+/// Hash of a sequence of 64-bit words: FNV-1a on words instead of bytes, with a shift that mixes
+/// the high bits into the low ones. Not secure against adversaries.
 ///
 /// Real-time: noexcept, O(1) a word, no allocation.
 class WordHash {

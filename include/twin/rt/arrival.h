@@ -5,16 +5,16 @@
 
 namespace twin::rt {
 
-/// Where one thread waits until something may have arrived: a state from another thread, a packet
-/// at a socket. The only thing the communication thread ever waits for.
+/// Lets one thread wait for data: a state from another thread, or a packet at a socket. The
+/// communication thread waits nowhere else.
 ///
 /// Threads: one waits. Real-time: bounded by the deadline; allocates nothing, takes no lock.
 class Arrival {
  public:
   virtual ~Arrival() = default;
 
-  /// Returns when something has arrived that no earlier call has told of, or at `deadline`.
-  /// @returns whether something has.
+  /// Waits until something arrives that no earlier call has reported, or until `deadline`.
+  /// @returns whether something has arrived.
   [[nodiscard]] virtual bool AwaitUntil(Time deadline) noexcept TWIN_REALTIME = 0;
 };
 

@@ -11,17 +11,15 @@
 
 namespace twin::rt {
 
-/// Shows any number of threads the newest value of one producer thread; values in between are lost,
-/// on purpose. (For one consumer: LatestValue, which copies nothing twice.)
+/// Passes the newest value of one producer thread to any number of threads; intermediate values are
+/// lost by design. (LatestValue, for one consumer, avoids a copy.)
 ///
-///     producer writes slot n mod 8, then count_ = n        any thread: n = count_, copies slot n
-///     mod 8,
-///                                                          looks that count_ is below n + 7 still
+///     producer: write slot n mod 8,        reader: n = count_, copy slot n mod 8,
+///               then count_ = n                    accept if count_ is still below n + 7
 ///
-/// The producer never waits. Who reads repeats its copy only when it was held up for seven
-/// publications in the middle of it. The words of a slot are atomic: stored with release, loaded
-/// with acquire, so that who sees a word of publication n + 8 also sees count_ = n + 7, and drops
-/// its copy.
+/// The producer never waits. A reader repeats its copy only if seven publications happen during it.
+/// The words of a slot are atomic: stored with release, loaded with acquire, so a reader that sees
+/// a word of publication n + 8 also sees count_ = n + 7 and discards its copy.
 ///
 /// Threads: one publishes, any reads. Real-time: noexcept, no allocation; Publish() is wait-free,
 /// Read() lock-free.
@@ -30,11 +28,11 @@ class Broadcast {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  /// @param first  what is read before the first Publish().
+  /// @param first  value before the first Publish().
   explicit Broadcast(const T& first = T{}) noexcept { Write(first, 0); }
 
   void Publish(const T& value) noexcept TWIN_REALTIME {
-    const std::uint64_t next = count_.load(std::memory_order_relaxed) + 1;  // nobody else writes it
+    const std::uint64_t next = count_.load(std::memory_order_relaxed) + 1;  // the only writer
     Write(value, next);
     count_.store(next, std::memory_order_release);
   }

@@ -11,7 +11,7 @@
 
 namespace twin::rt {
 
-/// A call that one thread asks another to make.
+/// A call for another thread to execute.
 class Call {
  public:
   virtual ~Call() = default;
@@ -19,8 +19,8 @@ class Call {
   virtual void Run() noexcept TWIN_REALTIME = 0;
 };
 
-/// A function as a call, and its answer once it has run. @tparam Function  noexcept; returns
-/// nothing or a default-constructible value.
+/// Wraps a function as a call and keeps its result. @tparam Function  noexcept; returns void or a
+/// default-constructible value.
 template <typename Function>
 class FunctionCall final : public Call {
  public:
@@ -41,15 +41,15 @@ class FunctionCall final : public Call {
   std::conditional_t<std::is_void_v<Answer>, std::monostate, Answer> answer_{};
 };
 
-/// Passes calls to a real-time thread, which runs them between two cycles, and waits for their end.
-/// Requests reach INT this way without a lock.
+/// Passes calls to a real-time thread, which runs them between two cycles, and waits for their
+/// completion. Requests reach INT this way without a lock.
 ///
 ///     Execute(call): slot_ <- &call, wait on done_    RunPending(): c <- slot_, c->Run(), done_
 ///                    timed out: &call <- slot_
 ///
-/// The side that takes the address out of slot_ owns the call. The real-time thread then runs it;
-/// the requester, once timed out, drops it, and the call never runs. The requester always waits for
-/// the end of a call that has begun.
+/// The side that takes the address out of slot_ owns the call. If it is the real-time thread, the
+/// call runs, and the requester waits for its end. If it is the requester, after a timeout, the
+/// call never runs.
 ///
 /// Threads: Execute() from one thread, RunPending() from the real-time thread; the mailbox outlives
 /// both. Real-time: RunPending() is noexcept, wait-free except for waking the requester, and
@@ -59,7 +59,7 @@ class CallMailbox {
   /// @param clock  of timeouts; must outlive the mailbox.
   explicit CallMailbox(const MonotonicClock& clock) : clock_(clock), done_(clock) {}
 
-  /// @returns true once `call` has run; false when it did not begin within `timeout`.
+  /// @returns true once `call` has run; false if it did not start within `timeout`.
   [[nodiscard]] bool Execute(Call& call, Duration timeout);
 
   /// Runs the waiting call, if any.

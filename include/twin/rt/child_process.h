@@ -10,9 +10,8 @@
 
 namespace twin::rt {
 
-/// A program that this one starts and waits for, in a process group of its own, with default
-/// signals. It never outlives this object: what has not ended by then is killed, and what it
-/// started in its group with it.
+/// A child process in its own process group with default signals. It never outlives this object:
+/// the destructor kills it and its group if it still runs.
 ///
 /// Threads: one thread. Real-time: no.
 class ChildProcess {
@@ -22,7 +21,7 @@ class ChildProcess {
     int in = -1;
     int out = -1;
     int error = -1;
-    int kept_open = -1;  ///< inherited beside them, as number 3; -1: none
+    int kept_open = -1;  ///< inherited as number 3; -1: none
   };
 
   /// @param program  looked up in PATH unless it has a slash. @param arguments  without its name.
@@ -33,24 +32,24 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Waits until it has ended.
-  /// @returns its wait status; nothing when `limit` came first or the user wants to end
-  /// (GiveUpWhen): it is then killed.
+  /// Waits for its end.
+  /// @returns its wait status; nullopt after `limit` or an interrupt (GiveUpWhen), either of which
+  /// kills it.
   [[nodiscard]] std::optional<int> Wait(Duration limit);
 
-  /// Ends it and its group at once, if it has not ended.
+  /// Kills it and its group, if it still runs.
   void Kill() noexcept;
 
  private:
-  pid_t pid_ = -1;  ///< -1: it has ended
+  pid_t pid_ = -1;  ///< -1: has ended
 };
 
-/// What ends every wait for a child, and for what one takes in, as soon as it is true; null:
-/// nothing does. It is set by a signal handler, and like those it is the whole process's. Must live
-/// until it is replaced.
+/// Sets the flag that ends all waits for a child and for its output as soon as it is true; null:
+/// none. A signal handler sets the flag; like a handler it applies to the whole process. The flag
+/// must live until it is replaced.
 void GiveUpWhen(const volatile bool* interrupted) noexcept;
 
-/// Whether that has come.
+/// Whether the flag is set.
 [[nodiscard]] bool GivesUp() noexcept;
 
 /// "was ended by signal 9 (Killed)", "ended with exit code 1". @param status  of a wait.

@@ -9,11 +9,10 @@
 
 namespace twin::rt {
 
-/// Percentiles of very many durations in fixed memory: bins whose width grows with the value, each
-/// power of two divided into 256, so that a percentile is right within 0.4 %. Minimum, maximum and
-/// count are exact.
+/// Percentiles of very many durations in fixed memory: bin widths grow with the value, 256 bins per
+/// power of two, so a percentile is exact within 0.4 %. Minimum, maximum and count are exact.
 ///
-/// Values below 0 count as 0, those above 2^40 ns (18 minutes) as that.
+/// Values below 0 count as 0, those above 2^40 ns (18 minutes) as 2^40 ns.
 ///
 /// Threads: one (copies for others). Real-time: Add() is noexcept, O(1), allocates nothing.
 class DurationHistogram {
@@ -21,12 +20,12 @@ class DurationHistogram {
   void Add(Duration value) noexcept TWIN_REALTIME;
 
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
-  /// 0 when nothing was added.
+  /// 0 if empty.
   [[nodiscard]] Duration min() const noexcept { return count_ == 0 ? Duration{} : min_; }
   [[nodiscard]] Duration max() const noexcept { return max_; }
 
-  /// Smallest bin's upper edge with at least `share` of all values at or below it, never above
-  /// max(); 0 when nothing was added.
+  /// Upper edge of the first bin with at least `share` of all values at or below it, never above
+  /// max(); 0 if empty.
   /// @param share  in [0, 1]: 0.5 the median.
   [[nodiscard]] Duration Percentile(double share) const noexcept;
 

@@ -10,9 +10,9 @@
 
 namespace twin::rt {
 
-/// Which of several events at the same instant comes first: the smaller value. A command that
-/// arrives exactly at INT's deadline counts as arrived; a controller that deposits exactly when a
-/// state arrives is seen by the tick of that state.
+/// Order of events at the same instant: the smaller value first. So a command that arrives exactly
+/// at INT's deadline counts, and a tick sees what a controller deposits exactly when its state
+/// arrives.
 enum class EventOrder : std::uint8_t {
   kCommandArrival = 0,
   kOnboardCycle = 1,
@@ -23,44 +23,43 @@ enum class EventOrder : std::uint8_t {
   kReadBegin = 6,
 };
 
-/// Receives an event on the lockstep thread.
+/// Handles an event on the lockstep thread.
 class EventHandler {
  public:
   virtual ~EventHandler() = default;
-  /// @param now    instant of the event; equals EventQueue::Now().
-  /// @param token  the number given to Schedule().
+  /// @param now    time of the event; equals EventQueue::Now().
+  /// @param token  as given to Schedule().
   virtual void OnEvent(Time now, std::uint64_t token) noexcept TWIN_REALTIME = 0;
 };
 
-/// The virtual clock of lockstep and everything that is due on it: a fixed-capacity binary heap.
+/// The virtual clock of lockstep and its pending events: a binary heap of fixed capacity.
 ///
-/// Events run in order of (time, order, order of scheduling); the last makes equal events
-/// repeatable. Time only moves when an event runs, or is moved towards the next one. Source: the
-/// project's notes on time (README, "Time").
+/// Events run in the order (time, order, order of scheduling); the last makes ties repeatable. Time
+/// advances only when an event runs, or by AdvanceTo(). Source: the project's notes on time
+/// (README, "Time").
 ///
-/// Threads: one thread. Real-time: Schedule() and RunNext() allocate nothing; the heap's storage is
-/// taken at construction.
+/// Threads: one thread. Real-time: Schedule() and RunNext() allocate nothing; the constructor
+/// reserves the heap's storage.
 class EventQueue final : public Clock {
  public:
-  /// @param capacity  most events that may be pending at once; more is a bug of the caller
-  /// (checked).
+  /// @param capacity  most events pending at once; more is a bug of the caller (checked).
   explicit EventQueue(std::size_t capacity = 4096);
 
   /// Adds an event. @pre at >= Now(). `handler` must outlive it.
   void Schedule(Time at, EventOrder order, EventHandler& handler,
                 std::uint64_t token = 0) noexcept TWIN_REALTIME;
 
-  /// Moves time to the next event and runs it. @returns false when nothing is pending; time then
-  /// stays.
+  /// Moves time to the next event and runs it. @returns false, without moving time, if none is
+  /// pending.
   bool RunNext() noexcept TWIN_REALTIME;
 
-  /// When the next event is due; absent when nothing is pending.
+  /// Time of the next event; nullopt if none is pending.
   [[nodiscard]] std::optional<Time> NextTime() const noexcept {
     return heap_.empty() ? std::nullopt : std::optional(heap_.front().at);
   }
 
-  /// Moves time forward to `at`, for something that happens then without being an event; never
-  /// beyond the next event, never back.
+  /// Moves time forward to `at`, for something that happens then without an event; never beyond the
+  /// next event, never back.
   void AdvanceTo(Time at) noexcept TWIN_REALTIME;
 
   [[nodiscard]] Time Now() const noexcept override { return now_; }

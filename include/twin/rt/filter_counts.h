@@ -11,23 +11,23 @@
 
 namespace twin::rt {
 
-/// What a viability filter made of the commands of a run.
+/// Statistics of a viability filter over a run.
 struct FilterCounts {
-  /// Where the reference came nearest to the border of what can be kept legal.
+  /// Closest approach of the reference to the border of the viable set.
   struct Nearest {
     double margin = 0;  ///< as TickRecord::margin
-    Time at{};          ///< the state's read
+    Time at{};          ///< time of the state's read
   };
 
   std::uint64_t commands = 0;                     ///< that passed the filter
-  std::uint64_t kept_back = 0;                    ///< of those, changed for one joint or more
+  std::uint64_t kept_back = 0;                    ///< of those, changed in at least one joint
   std::array<std::uint64_t, kJoints> of_joint{};  ///< changed for this joint
-  std::optional<Nearest> nearest{};               ///< absent: no command passed a filter
+  std::optional<Nearest> nearest{};               ///< absent without filtered commands
 
-  /// Share of the commands that were changed, %; 0 of none.
+  /// Share of changed commands, %; 0 without commands.
   [[nodiscard]] double kept_back_percent() const noexcept;
 
-  /// One tick more; those that wrote nothing, or had no filter, do not count. Real-time: noexcept,
+  /// Adds a tick; ticks without a written or filtered command do not count. Real-time: noexcept,
   /// allocates nothing.
   void Add(const TickRecord& tick) noexcept TWIN_REALTIME;
 };

@@ -7,16 +7,14 @@
 
 namespace twin::rt {
 
-/// The most that a stamp is taken to lie in the past. What waits longer was stamped by a wall clock
-/// that has been set since, or belongs to no cycle any more.
+/// Largest age of a stamp. An older one predates a change of the wall clock, or belongs to no
+/// current cycle.
 inline constexpr Duration kOldestStamp = std::chrono::seconds(1);
 
-/// When something happened that the kernel stamped with its wall clock, as it stamps received
-/// packets:
+/// Time of an event that the kernel stamped with its wall clock, such as a received packet:
 ///   at = now - clamp(wall clock now - stamp, 0, kOldestStamp),   now on `clock`.
-/// So it is never later than now, whatever the wall clock does. A thread that is interrupted
-/// between its looks at the two clocks gets an instant that is too late by as much, never one too
-/// early.
+/// So it is never later than now, whatever the wall clock does. If the thread is interrupted
+/// between reading the two clocks, the result is too late by that time, never too early.
 /// @param stamp  of CLOCK_REALTIME.
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.

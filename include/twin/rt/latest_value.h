@@ -8,8 +8,8 @@
 
 namespace twin::rt {
 
-/// Shows one consumer thread the newest value of one producer thread; values in between are lost,
-/// on purpose.
+/// Passes the newest value of one producer thread to one consumer thread; intermediate values are
+/// lost by design.
 ///
 ///     producer owns  slots_[back]          consumer owns  slots_[front]
 ///                        \                     /
@@ -22,13 +22,12 @@ namespace twin::rt {
 template <typename T>
 class LatestValue {
  public:
-  /// Producer. Makes `value` the newest.
+  /// Producer. Publishes `value`.
   void Publish(const T& value) noexcept TWIN_REALTIME {
     PublishWith([&value](T& slot) { slot = value; });
   }
 
-  /// Producer. As Publish, but `fill(T&)` writes the slot in place. The slot still holds an old
-  /// value.
+  /// Producer. As Publish, but `fill(T&)` writes the slot in place, which still holds an old value.
   template <typename Fill>
   void PublishWith(Fill&& fill) noexcept TWIN_REALTIME {
     fill(slots_[back_]);
@@ -36,7 +35,7 @@ class LatestValue {
             kSlot;
   }
 
-  /// Consumer. @returns true when something was published since the last call; value() is then the
+  /// Consumer. @returns true if something was published since the last call; value() is then the
   /// newest.
   bool Refresh() noexcept TWIN_REALTIME {
     if ((middle_.load(std::memory_order_acquire) & kFresh) == 0) return false;

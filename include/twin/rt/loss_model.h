@@ -9,35 +9,35 @@
 
 namespace twin::rt {
 
-/// Every message is lost with the same probability, whatever happened to the others.
+/// Every message is lost with the same probability, independently.
 struct IndependentLoss {
   double probability = 0;  ///< in [0, 1]
 };
 
-/// Bursts: a chain of two states, stepped once per message, each state with its own loss
-/// probability (Gilbert 1960, Elliott 1963). With p = good_to_bad and r = bad_to_good the share of
-/// bad messages is p / (p + r), the mean length of a burst of them 1 / r.
+/// Bursts: a two-state chain, stepped once per message, with a loss probability per state (Gilbert
+/// 1960, Elliott 1963). With p = good_to_bad and r = bad_to_good, the share of bad messages is p /
+/// (p + r) and the mean length of a bad burst 1 / r.
 struct GilbertElliottLoss {
   double good_to_bad = 0;  ///< probability per message, in [0, 1]
-  double bad_to_good = 1;  ///< probability per message, in (0, 1]; its inverse: mean burst length
+  double bad_to_good = 1;  ///< per message, in (0, 1]; its inverse is the mean burst length
   double loss_good = 0;    ///< in [0, 1]
   double loss_bad = 1;     ///< in [0, 1]
 };
 
-/// Exactly these messages are lost: for tests and for what happened once in a laboratory.
+/// Loses exactly these messages: for tests and to replay a measured incident.
 struct ScriptedLoss {
-  /// `count` messages in a row, the first with number `first`.
+  /// `count` consecutive messages, from number `first` on.
   struct Run {
     std::uint64_t first = 0;
     std::uint64_t count = 1;
   };
-  std::vector<Run> runs;  ///< each of at least one message, rising, not overlapping
+  std::vector<Run> runs;  ///< each with at least one message, increasing, not overlapping
 };
 
-/// Which messages of a numbered stream are lost, drawn from the run's seed.
+/// Selects the lost messages of a numbered stream, drawn from the run's seed.
 class LossModel {
  public:
-  LossModel() = default;  ///< no message is lost
+  LossModel() = default;  ///< loses no message
   /// @throws InputError naming the field when a parameter is outside its range.
   explicit LossModel(const IndependentLoss& independent);
   explicit LossModel(const GilbertElliottLoss& gilbert_elliott);
@@ -50,14 +50,14 @@ class LossModel {
   Parameters parameters_;
 };
 
-/// A loss model at work on one stream. The loss of a message is a function of (model, seed,
-/// streams, number, repeat), in any order of calls and however they are spaced: the chain of a
-/// model with memory is stepped through the numbers in between, and drawn anew from its stationary
-/// distribution at every multiple of kBlock. That cuts bursts there, which matters only when they
-/// are about as long.
+/// Applies a loss model to one stream. The loss of a message is a function of (model, seed,
+/// streams, number, repeat), independent of the order and spacing of calls: the chain of a model
+/// with memory steps through skipped numbers, and restarts from its stationary distribution at
+/// every multiple of kBlock. This cuts bursts there, which matters only for bursts of about that
+/// length.
 ///
-/// Threads: one. Real-time: Loses() is noexcept, allocates nothing, O(1) for rising numbers without
-/// gaps, otherwise O(numbers passed over), fewer than kBlock (a script: O(log runs)).
+/// Threads: one. Real-time: Loses() is noexcept, allocates nothing, O(1) for consecutive numbers,
+/// otherwise O(numbers skipped), less than kBlock (a script: O(log runs)).
 class LossProcess {
  public:
   static constexpr std::uint64_t kBlock = 4096;
@@ -65,8 +65,8 @@ class LossProcess {
   LossProcess(LossModel model, std::uint64_t seed, RandomStream loss, RandomStream burst);
 
   /// @param number  of the message.
-  /// @param repeat  0, or counts further messages of the same number. They meet the same state of
-  /// the chain or the same script; the loss itself is drawn for each.
+  /// @param repeat  0, or counts further messages of the same number. They share the chain's state
+  /// or the script; each has its own random loss.
   [[nodiscard]] bool Loses(std::uint64_t number, std::uint32_t repeat = 0) noexcept TWIN_REALTIME;
 
  private:

@@ -11,32 +11,32 @@
 
 namespace twin::rt {
 
-/// What one direction of a link does to its messages.
+/// Faults of one direction of a link.
 struct DirectionConfig {
   DelayModel delay;            ///< of every message
-  LossModel loss;              ///< which messages never arrive
-  double duplication = 0;      ///< probability that a message arrives a second time, in [0, 1]
-  DelayModel duplicate_delay;  ///< how long after the first
-  double reordering = 0;       ///< probability that a message is held back, in [0, 1]
-  Duration reorder_by{};       ///< by so much, so that later ones overtake it; in [0, 1 h], above
-                               ///< 0 when reordering is
+  LossModel loss;              ///< messages that never arrive
+  double duplication = 0;      ///< probability of a second copy, in [0, 1]
+  DelayModel duplicate_delay;  ///< of the copy, after the first
+  double reordering = 0;       ///< probability of a hold-back, in [0, 1]
+  Duration reorder_by{};       ///< time of a hold-back, so that later messages overtake; in [0, 1
+                               ///< h], > 0 if reordering is
 
-  /// @param where  prefix of the fields' names in the text: "link.state".
+  /// @param where  prefix of the fields in messages: "link.state".
   /// @throws InputError naming field, value and range.
   void Validate(std::string_view where) const;
 };
 
-/// What becomes of one message.
+/// Fate of one message.
 struct Fate {
-  bool lost = false;           ///< no copy arrives; nothing below counts
-  Duration delay{};            ///< from sending to arrival, a hold-back included
+  bool lost = false;           ///< no copy arrives; the rest is unused
+  Duration delay{};            ///< from sending to arrival, including a hold-back
   bool duplicated = false;     ///< a second copy arrives
   Duration duplicate_delay{};  ///< of the second copy, from sending to arrival; >= delay
 
   bool operator==(const Fate&) const = default;
 };
 
-/// Where the draws of one direction come from.
+/// Random streams of one direction.
 struct FateStreams {
   RandomStream delay;
   RandomStream loss;
@@ -55,9 +55,8 @@ inline constexpr FateStreams kCommandStreams{.delay = RandomStream::kCommandDela
                                              .duplicate = RandomStream::kCommandDuplicate,
                                              .reorder = RandomStream::kCommandReorder};
 
-/// The fates of the messages of one direction, drawn from the run's seed; whatever carries the
-/// messages asks here. The fate of a message is a function of (config, seed, streams, number,
-/// repeat), in any order of calls.
+/// Fates of the messages of one direction, drawn from the run's seed, for any transport. A fate is
+/// a function of (config, seed, streams, number, repeat), independent of the order of calls.
 ///
 /// Threads: one. Real-time: Of() is noexcept, allocates nothing, bounded as LossProcess is.
 class MessageFate {
@@ -66,8 +65,8 @@ class MessageFate {
   MessageFate(const DirectionConfig& config, std::uint64_t seed, const FateStreams& streams);
 
   /// @param number  of the message.
-  /// @param repeat  0, or counts further messages of the same number. They go the same way at the
-  /// same time, so only their loss is drawn apart.
+  /// @param repeat  0, or counts further messages of the same number. They share delay and copies;
+  /// only their loss is drawn separately.
   [[nodiscard]] Fate Of(std::uint64_t number, std::uint32_t repeat = 0) noexcept TWIN_REALTIME;
 
  private:

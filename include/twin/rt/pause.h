@@ -4,8 +4,8 @@
 
 namespace twin::rt {
 
-/// Lets the calling thread sleep for about `duration` of the host's time. For helper threads off
-/// the control path only (the log's writer): nothing whose outcome a run repeats may depend on it.
+/// Suspends the calling thread for about `duration` of host time. Only for helper threads off the
+/// control path (the log's writer): nothing that a run must repeat may depend on it.
 void Pause(Duration duration);
 
 }  // namespace twin::rt

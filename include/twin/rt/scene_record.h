@@ -10,15 +10,15 @@
 
 namespace twin::rt {
 
-/// A force and where it acts, in the world.
+/// A force and its point of application, in world axes.
 struct PointForce {
   Vector3 p_W{};      ///< m
   Vector3 force_W{};  ///< N
 };
 
-/// Where everything was in a simulated run, and what pressed on what: ground truth, which no robot
-/// could report, for pictures alone. Trivially copyable; of bounded size, so that it crosses a ring
-/// without allocation.
+/// Ground truth of a simulated run for rendering: positions of all bodies and contact forces, which
+/// no robot can report. Trivially copyable and bounded, so that it passes a ring without
+/// allocation.
 struct SceneRecord {
   static constexpr std::size_t kMostPositions = 96;
   static constexpr std::size_t kMostContacts = 16;
@@ -26,8 +26,8 @@ struct SceneRecord {
 
   Time at{};
   std::uint32_t positions = 0;                      ///< of the model
-  std::uint32_t contacts = 0;                       ///< the first of what touched
-  std::uint32_t pushes = 0;                         ///< the first of who pushed
+  std::uint32_t contacts = 0;                       ///< number stored
+  std::uint32_t pushes = 0;                         ///< number stored
   std::array<double, kMostPositions> qpos{};        ///< in the model's order; m, rad, quaternions
   std::array<PointForce, kMostContacts> contact{};  ///< force on the body of the larger id
   std::array<PointForce, kMostPushes> push{};       ///< by a perturbation

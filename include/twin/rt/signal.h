@@ -8,7 +8,7 @@
 
 namespace twin::rt {
 
-/// Wakes one waiting thread from others: a counter to sleep on (futex), with an absolute deadline,
+/// Wakes one waiting thread from others: a counter to sleep on (futex) with an absolute deadline,
 /// which neither a condition variable without a lock nor std::atomic::wait offers.
 ///
 ///     Notify(): count_ + 1, wake         AwaitUntil(): count_ != seen_ ? return : sleep on count_
@@ -16,7 +16,7 @@ namespace twin::rt {
 /// Notifications between two waits count as one.
 ///
 /// Threads: Notify() from any, AwaitUntil() from one. Real-time: both noexcept, no allocation, no
-/// lock; Notify() makes a system call only when somebody waits.
+/// lock; Notify() makes a system call only if a thread waits.
 class Signal final : public Arrival {
  public:
   /// @param clock  deadlines are of this clock; must outlive the signal.

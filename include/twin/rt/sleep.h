@@ -5,8 +5,8 @@
 
 namespace twin::rt {
 
-/// Lets the calling thread sleep until `deadline` of `clock`, an absolute instant: what one sleep
-/// is late does not add to the next. Returns at once when it has passed.
+/// Suspends the calling thread until `deadline` on `clock`, an absolute time, so that lateness does
+/// not accumulate. Returns at once if it has passed.
 void SleepUntil(const MonotonicClock& clock, Time deadline) noexcept TWIN_REALTIME;
 
 }  // namespace twin::rt

@@ -9,7 +9,7 @@
 
 namespace twin::rt {
 
-/// Hands values from one producer thread to one consumer thread, in order, without locks.
+/// Queue from one producer thread to one consumer thread, in order, without locks.
 ///
 ///     consumer: head_ ->[ v | v | v |   |   ]<- tail_ :producer
 ///
@@ -18,12 +18,12 @@ namespace twin::rt {
 /// (acquire) before it writes there again.
 ///
 /// Threads: producer-consumer pair. Real-time: TryPush() and TryPop() are noexcept, wait-free and
-/// allocate nothing; storage is taken, and touched, at construction. A full ring refuses; whether
-/// that means waiting or dropping is the caller's.
+/// allocate nothing; the constructor allocates and touches the storage. A full ring rejects values;
+/// the caller waits or drops.
 template <typename T>
 class SpscRing {
  public:
-  /// @param capacity  number of values it can hold, a power of two.
+  /// @param capacity  number of values, a power of two.
   explicit SpscRing(std::size_t capacity)
       : mask_(capacity - 1), slots_(std::make_unique<T[]>(capacity)) {
     TWIN_CHECK(capacity >= 2 && (capacity & mask_) == 0);
@@ -34,8 +34,7 @@ class SpscRing {
     return TryPushWith([&value](T& slot) { slot = value; });
   }
 
-  /// Producer. As TryPush, but `fill(T&)` writes the slot in place. The slot still holds an old
-  /// value.
+  /// Producer. As TryPush, but `fill(T&)` writes the slot in place, which still holds an old value.
   template <typename Fill>
   [[nodiscard]] bool TryPushWith(Fill&& fill) noexcept TWIN_REALTIME {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
@@ -45,8 +44,8 @@ class SpscRing {
     return true;
   }
 
-  /// Consumer. Calls `use(const T&)` on the oldest value, then frees it. @returns false when the
-  /// ring is empty.
+  /// Consumer. Calls `use(const T&)` on the oldest value, then frees it. @returns false if the ring
+  /// is empty.
   template <typename Use>
   bool TryPopWith(Use&& use) {
     const std::size_t head = head_.load(std::memory_order_relaxed);
@@ -56,7 +55,7 @@ class SpscRing {
     return true;
   }
 
-  /// Either side; exact only when the other side is at rest.
+  /// Either side; exact only while the other side is idle.
   [[nodiscard]] std::size_t size() const noexcept {
     return tail_.load(std::memory_order_acquire) - head_.load(std::memory_order_acquire);
   }

@@ -10,34 +10,33 @@
 
 namespace twin::rt {
 
-/// How a thread of the 1 kHz path is to run.
+/// Settings of a thread of the 1 kHz path.
 struct ThreadSettings {
   std::string name{};     ///< shown by tools, at most 15 letters
   int fifo_priority = 0;  ///< SCHED_FIFO, 1 to 99; 0: the ordinary scheduler
-  /// Of the ordinary scheduler, in [0, 19]: the more, the more it leaves to others. Threads that
-  /// it starts are the same.
+  /// For the ordinary scheduler, in [0, 19]; higher values yield more to other threads. Threads
+  /// that it starts inherit it.
   int nice = 0;
-  std::optional<int> cpu{};    ///< the only processor it may run on; absent: any
+  std::optional<int> cpu{};    ///< the only allowed processor; absent: any
   bool lock_memory = true;     ///< mlockall of present and future pages of the whole process
-  std::size_t stack_kb = 256;  ///< of its stack, touched in advance
+  std::size_t stack_kb = 256;  ///< stack to touch in advance
 };
 
 /// Applies `settings` to the calling thread: name, scheduler, processor, memory lock, touched
-/// stack. What this machine or user does not permit is left out: real time then works less well,
-/// not at all wrongly.
-/// @returns one line of text per thing that was not permitted, saying what follows and the cure;
-/// empty when all was.
-/// @throws InputError when a priority or a processor is none of this machine's.
+/// stack. It skips what this machine or user does not permit; real time then degrades, but results
+/// stay correct.
+/// @returns one line per missing permission, with its consequence and remedy; else empty.
+/// @throws InputError when a priority or a processor does not exist on this machine.
 [[nodiscard]] std::vector<std::string> SetUpThisThread(const ThreadSettings& settings);
 
-/// A thread that has been set up.
+/// A thread after setup.
 struct StartedThread {
   std::jthread thread;
-  std::vector<std::string> notices;  ///< as SetUpThisThread
+  std::vector<std::string> notices;  ///< as from SetUpThisThread
 };
 
-/// Starts a thread, sets it up and returns then; it goes on with `run`.
-/// @throws what SetUpThisThread threw on it; the thread has then ended without `run`.
+/// Starts a thread and returns after its setup; the thread continues with `run`.
+/// @throws what SetUpThisThread throws; the thread then ends without `run`.
 [[nodiscard]] StartedThread StartThread(const ThreadSettings& settings,
                                         std::function<void(const std::stop_token&)> run);
 
