@@ -34,7 +34,7 @@ EigenVector7 ToNullSpace(const ConstJacobian& J, const EigenVector7& tau_0) {
   return tau_0 - J.transpose() * y;
 }
 
-/// What is read as two of three axes each.
+/// Reads two parameters of three axes each.
 Vector6 Axes(control::ParameterReader& p, const std::string& key, Dimension translation,
              Dimension rotation, const Vector6& otherwise, double most_along, double most_about) {
   const Vector3 along = p.Vector(key + ".translation", translation,

@@ -11,8 +11,8 @@
 
 namespace twin::controllers {
 
-/// Parameters of a ComplianceController; in brackets their keys in a scenario. The defaults are the
-/// paper's stiff case; its compliant one: 100 N/m and 10 Ns/m, 10 Nm/rad and 5 Nms/rad.
+/// Parameters of a ComplianceController, with their scenario keys in brackets. The defaults are the
+/// paper's stiff case; its compliant case has 100 N/m and 10 Ns/m, 10 Nm/rad and 5 Nms/rad.
 struct ComplianceOptions {
   /// Along (N/m, in [0, 5000]) and about (Nm/rad, in [0, 500]) the base's axes
   /// [stiffness: {translation, rotation}].
@@ -20,42 +20,41 @@ struct ComplianceOptions {
   /// Ns/m in [0, 1000], Nms/rad in [0, 100] [damping: {translation, rotation}].
   Vector6 K_D{100, 100, 100, 10, 10, 10};
   double k_0 = 1.0;  ///< of the null space, Nm/rad, in [0, 100] [k0]
-  /// Where the null space pulls the joints, rad [q0].
+  /// Joint positions toward which the null space pulls, rad [q0].
   JointVector q_0{0, 0, 0, -std::numbers::pi / 2, 0, 107 * std::numbers::pi / 180, 0};
-  bool coriolis = true;  ///< C dq is added [coriolis_compensation]
-  /// Share of the joints' friction that is added, in [0, 1]. Absent: what the robot leaves; more is
-  /// refused [friction_compensation].
+  bool coriolis = true;  ///< adds C dq [coriolis_compensation]
+  /// Share of the joint friction to add, in [0, 1]. Absent: all that the robot leaves; a larger
+  /// share is refused [friction_compensation].
   std::optional<double> friction;
   Duration soft_start = std::chrono::milliseconds(100);     ///< in [0, 10] s
-  Duration settling_time = std::chrono::milliseconds(500);  ///< at rest in the end, in [0, 60] s
+  Duration settling_time = std::chrono::milliseconds(500);  ///< at rest after the end, in [0, 60] s
 };
 
-/// Makes the end effector a spring and damper about its reference, by joint torques: the paper's
-/// compliance controller,
+/// Makes the end effector a spring and damper about its reference by joint torques, the paper's
+/// compliance controller:
 ///   tau_J_d = J^T (K_P e + K_D de) + C(q, dq) dq + f(dq) + (I - J^T J#) tau_0 + f(t) b,
 ///   e   = x_d - x = [p_d - p; log(R_d R^T)],   de = dx_d - J dq,
 ///   tau_0 = k_0 (q_0 - q) - 2 sqrt(k_0) dq,    J# = (J J^T)^-1 J, the pseudo-inverse of J^T.
 /// J is the Jacobian of the end effector in base axes, x = (R, p) its pose at the measured q. The
-/// orientation error is a rotation vector in base axes: its length the angle, its direction the
-/// axis; for small errors the same as roll, pitch, yaw about x, y, z. It turns the shortest way.
+/// orientation error is a rotation vector (angle times axis) in base axes, along the shortest
+/// rotation; for small errors it equals roll, pitch, yaw about x, y, z.
 ///
-/// g is the robot's part: it adds gravity to every torque. So is what it makes up for of friction
-/// (onboard.friction_compensation): f(dq) here is the share that is left of tau_f of
-/// model/joint_friction.h. C dq is nobody's but ours. Model and payload as the robot has them (its
-/// state's end effector and load).
+/// The robot adds gravity to every torque, and its own friction compensation
+/// (onboard.friction_compensation): f(dq) here is the remaining share of tau_f in
+/// model/joint_friction.h. The robot does not add C dq. Model and payload are the robot's (end
+/// effector and load in its state).
 ///
-/// At standstill the deflection under a constant force F is F / K_P along each axis, to first
-/// order, but for dry friction (and the null space, whose torque reaches the end effector only by
-/// inertia). J# is damped: J J^T + 1e-6 I (m^2, rad^2), which takes part only where the arm is
-/// singular; there a share of tau_0 acts along the direction that is lost.
+/// At standstill a constant force F deflects each axis by F / K_P, to first order, apart from dry
+/// friction (and the null space, whose torque acts on the end effector only through inertia). J# is
+/// damped: J J^T + 1e-6 I (m^2, rad^2), which matters only near singularities; there a share of
+/// tau_0 acts along the lost direction.
 ///
-/// The motion lasts as long as its path, or as whoever leads wants, and settling_time longer; then
-/// it is finished. f(t) b: see
-/// SoftStart. Nothing bounds the torque's rate beyond that: a reference that jumps, or a force that
-/// does, may be too much for the robot; tick.limiter bounds it.
+/// The motion lasts as long as its path, or until the operator ends it, plus settling_time; then it
+/// is finished. f(t) b: see SoftStart. The torque rate is not bounded otherwise: a jump of the
+/// reference or of a contact force may exceed the robot's limit. tick.limiter bounds it.
 ///
-/// Threads: all calls from the controller loop's thread. Real-time: Update() is noexcept and
-/// allocates nothing.
+/// Threads: all calls from the controller loop's thread. Real-time: Update() is noexcept and does
+/// not allocate.
 class ComplianceController final : public control::Controller {
  public:
   explicit ComplianceController(const control::ControllerRequest& request,
@@ -64,7 +63,7 @@ class ComplianceController final : public control::Controller {
   [[nodiscard]] control::CommandInterface command_interface() const noexcept override {
     return control::CommandInterface::kTorque;
   }
-  /// The options, and PoseReference's. @throws InputError naming place, key, value and range.
+  /// Reads the options and PoseReference's. @throws InputError naming place, key, value and range.
   void Configure(control::ParameterReader& parameters) override;
   /// @throws InputError as PoseReference::Begin.
   void Activate(const RobotState& state, Time now) override;
@@ -80,14 +79,14 @@ class ComplianceController final : public control::Controller {
                                 const reference::PoseTarget& target) const noexcept;
 
   const model::ArmModel& arm_;
-  const double friction_left_;  ///< share that the robot does not make up for
+  const double friction_left_;  ///< share that the robot does not compensate
   ComplianceOptions options_;
   PoseReference reference_;
   SoftStart soft_start_;
-  model::Payload payload_;        ///< as of Activate()
-  bool is_running_ = false;       ///< start_ is set
+  model::Payload payload_;        ///< at Activate()
+  bool is_running_ = false;       ///< start_ is valid
   Time start_{};                  ///< `now` of the first update
-  std::optional<Duration> over_;  ///< since the start: when the reference came to its end
+  std::optional<Duration> over_;  ///< time after start_ at which the reference ended
 };
 
 }  // namespace twin::controllers

@@ -6,23 +6,23 @@
 
 namespace twin::controllers {
 
-/// Parameters of a GravityHoldController; in brackets their keys in a scenario.
+/// Parameters of a GravityHoldController, with their scenario keys in brackets.
 struct GravityHoldOptions {
   JointVector K_D{};                                     ///< Nm s/rad, each in [0, 100] [damping]
   Duration soft_start = std::chrono::milliseconds(100);  ///< in [0, 10] s
 };
 
-/// Lets the arm float: the robot holds its weight (it adds gravity to every torque), the controller
-/// adds nothing but damping,
+/// Lets the arm float: the robot compensates gravity in every torque, and the controller adds only
+/// damping,
 ///   tau_J_d = -K_D dq + f(t) b,
-/// f b: see SoftStart. Undamped by default; the joints' friction, which the robot makes up for in
-/// part, slows what is pushed. A load that the robot does not know of sinks. The arm's motion is
+/// f b: see SoftStart. No damping by default; the share of joint friction that the robot does not
+/// compensate slows the arm. A load unknown to the robot sinks. The arm's motion is
 ///   M ddq + C dq + K_D dq = tau_ext - friction.
 ///
-/// Lasts as long as the motion's trajectory, whose points do not count; then it is finished.
+/// Lasts as long as the motion's trajectory and ignores its points; then it is finished.
 ///
-/// Threads: all calls from the controller loop's thread. Real-time: Update() is noexcept and
-/// allocates nothing.
+/// Threads: all calls from the controller loop's thread. Real-time: Update() is noexcept and does
+/// not allocate.
 class GravityHoldController final : public control::Controller {
  public:
   explicit GravityHoldController(const control::ControllerRequest& request,
@@ -42,7 +42,7 @@ class GravityHoldController final : public control::Controller {
   Duration duration_;
   GravityHoldOptions options_;
   SoftStart soft_start_;
-  bool is_running_ = false;  ///< start_ is set
+  bool is_running_ = false;  ///< start_ is valid
   Time start_{};             ///< `now` of the first update
 };
 

@@ -6,26 +6,26 @@
 
 namespace twin::controllers {
 
-/// How a JointTrajectoryController gives the path.
+/// Options of a JointTrajectoryController.
 struct JointTrajectoryOptions {
   control::CommandInterface command_interface = control::CommandInterface::kJointPosition;
-  /// Position and pose interface only: give the path's own velocity with each position. Otherwise
-  /// it is formed where the command is deposited, from successive positions and their times.
+  /// Position and pose interface only: command the path's own velocity with each position. If
+  /// false, it is formed where the command is deposited, from successive positions and their times.
   bool give_velocity = false;
 };
 
-/// Follows a trajectory in its own time, open loop:
+/// Follows a trajectory on its own clock, open loop:
 ///   (q, dq, ddq)(now) = trajectory(now - t_0),   t_0 = `now` of the first Update after Activate.
-/// A late or skipped update delays nothing: the next one is where the path is by then. The robot's
-/// own position loop does the tracking. On the velocity interface the command is dq, and the path's
-/// position is for the record: a start off the path stays an offset. On the pose interface the
-/// command is the pose of the end effector on the path, O_T_EE(q); the null space is the robot's
-/// own, so the joints need not be where the path has them.
+/// A late or skipped update causes no lag: the next one uses the path's current point. The robot's
+/// position loop tracks the command. Velocity interface: commands dq; the path's position is only
+/// recorded, and a start off the path stays as an offset. Pose interface: commands the end-effector
+/// pose on the path, O_T_EE(q); the robot resolves the null space, so the joints may differ from
+/// the path's.
 ///
-/// After the end the goal is given at rest and `finished` is set, for as long as Update is called.
+/// After the end, every Update commands the goal at rest and sets `finished`.
 ///
 /// Threads: all calls from the controller loop's thread. Real-time: Update() is noexcept, O(log
-/// points), allocates nothing.
+/// points), does not allocate.
 class JointTrajectoryController final : public control::Controller {
  public:
   explicit JointTrajectoryController(reference::Trajectory trajectory,
@@ -35,11 +35,11 @@ class JointTrajectoryController final : public control::Controller {
     return options_.command_interface;
   }
 
-  /// Takes give_velocity. @throws InputError as ParameterReader::Bool.
+  /// Reads give_velocity. @throws InputError as ParameterReader::Bool.
   void Configure(control::ParameterReader& parameters) override;
 
-  /// @throws InputError naming the joint, its q_d, the first point and the cure when a joint is
-  /// further than reference::kStartTolerance from the path's first point (or q_d is not a number).
+  /// @throws InputError naming joint, q_d, first point and cure if a joint is farther than
+  /// reference::kStartTolerance from the path's first point, or its q_d is not a number.
   void Activate(const RobotState& state, Time now) override;
 
   void Update(const RobotState& state, Time now,
@@ -52,8 +52,8 @@ class JointTrajectoryController final : public control::Controller {
  private:
   reference::Trajectory trajectory_;
   JointTrajectoryOptions options_;
-  Transform F_T_EE_ = kIdentityTransform;  ///< as of Activate()
-  bool is_running_ = false;                ///< start_ is set
+  Transform F_T_EE_ = kIdentityTransform;  ///< at Activate()
+  bool is_running_ = false;                ///< start_ is valid
   Time start_{};                           ///< t_0
 };
 

@@ -26,7 +26,7 @@ void RequireInterface(const ControllerRequest& request, CommandInterface wanted,
   if (request.interface != wanted) throw InputError(std::string(text));
 }
 
-/// Who follows joints finds none in a motion of poses.
+/// A joint-space controller cannot follow a motion of poses.
 void RequireJointPath(const ControllerRequest& request, std::string_view name) {
   if (request.poses == nullptr) return;
   throw InputError(

@@ -10,7 +10,7 @@
 namespace twin::teleop {
 namespace {
 
-/// One half of a wrench, force (0) or torque (3): shortened by a dead zone, scaled, limited.
+/// Half of a wrench, force (0) or torque (3): applies dead zone, scale and limit.
 void Reflect(const Vector6& F, std::size_t first, double dead, double scale, double most,
              Vector6& f) {
   const double norm = HalfNorm(F, first);

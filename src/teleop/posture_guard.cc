@@ -24,7 +24,7 @@ double Manipulability(const ConstJacobian& J) {
   return std::sqrt(std::max(0.0, A.ldlt().vectorD().prod()));
 }
 
-/// What a measure that gets less lets through.
+/// Share that a falling measure permits.
 double Through(double now, double then, double hard, double soft) {
   if (then >= now || now >= soft) return 1;
   return std::clamp((now - hard) / (soft - hard), 0.0, 1.0);

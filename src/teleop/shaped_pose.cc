@@ -17,7 +17,7 @@ const Vector3d kShoulder(0, 0, 0.333);    // m, where the axes of joints 1 to 3 
 constexpr double kOfAcceleration = 0.25;  // left for borders, which may come several at once
 constexpr double kNothing = 1e-9;         // m, rad
 
-/// Speed towards a border, by what is left of the way to it.
+/// Largest speed towards a bound, from the distance left.
 struct Brake {
   double deceleration;
   double omega;
@@ -26,7 +26,7 @@ struct Brake {
   }
 };
 
-/// Cuts the part of u along a unit vector to at most that.
+/// Limits the component of u along a unit vector.
 void Cut(Vector3d& u, const Vector3d& along, double most) noexcept {
   const double speed = u.dot(along);
   if (speed > most) u -= (speed - most) * along;
@@ -48,7 +48,7 @@ void CutAtShell(Vector3d& u, const Vector3d& p, const Workspace& w, const Brake&
   Cut(u, -n, brake.Most(distance - w.nearest));
 }
 
-/// @param lead  how far the reference is ahead.
+/// @param lead  lead of the reference over the end effector.
 void CutAtLead(Vector3d& u, const Vector3d& lead, double most, const Brake& brake) noexcept {
   const double distance = lead.norm();
   if (distance > kNothing) Cut(u, lead / distance, brake.Most(most - distance));

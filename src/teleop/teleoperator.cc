@@ -11,11 +11,11 @@ namespace {
 
 using Scalar = Eigen::Matrix<double, 1, 1>;
 
-/// An update that is late by more than this lets the references wait.
+/// Longest period; after a later update the references wait.
 constexpr double kLongestPeriod = 0.02;  // s
-/// A base slower than this stands, m/s and rad/s.
+/// A base slower than this is at rest, m/s and rad/s.
 constexpr double kStands = 0.02;
-/// How long after a switch of the mode its peaks count.
+/// How long the peaks after a mode switch count as the switch's.
 constexpr Duration kSwitch = std::chrono::milliseconds(500);
 
 TeleoperatorConfig Valid(const TeleoperatorConfig& config) {

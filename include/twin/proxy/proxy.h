@@ -59,18 +59,16 @@ struct ProxyCounts {
 ///
 /// Decisions:
 ///   - One client at a time, as in the server: a further client is accepted, its first request is
-///   read,
-///     and its connection is reset. A malformed frame from either side ends the connection.
+///     read, and its connection is reset. A malformed frame from either side ends the connection.
 ///   - The proxy connects to the robot on a client's first request, and resets the client if it
-///   cannot.
-///     When one side closes or breaks its connection, the other side's ends likewise. But a client
-///     with an unanswered request is reset, because libfranka waits forever after a graceful close.
+///     cannot. When one side closes or breaks its connection, the other side's ends likewise. But a
+///     client with an unanswered request is reset, because libfranka waits forever after a graceful
+///     close.
 ///   - Only datagrams from the client (its TCP address, the UDP port that it announced) and the
-///   robot
-///     (its address, the port of its first datagram) are accepted.
+///     robot (its address, the port of its first datagram) are accepted.
 ///   - Memory is bounded: robot::Channel's capacity in datagrams per direction, and 1 MiB of
-///   answers
-///     that a client does not read. If the robot reads no requests, its client is disconnected.
+///     answers that a client does not read. If the robot reads no requests, its client is
+///     disconnected.
 ///   - TCP is neither delayed nor broken: it would repeat lost data and only become slow.
 ///
 /// Threads: the constructing thread. Real-time: datagrams are relayed without locks or allocation.

@@ -49,12 +49,10 @@ struct ServerConfig {
 ///     library reports a broken connection at once (libfranka waits forever after a graceful
 ///     close). The running session is not affected.
 ///   - When a client disconnects, its motion is stopped. The next client's Connect is answered once
-///   the
-///     arm is at rest.
+///     the arm is at rest.
 ///   - When the hand's client disconnects, the hand completes its command: it may hold an object.
 ///   - There are no virtual walls: GetCartesianLimit succeeds with size zero, not active.
-///   Exception: the
-///     wall that identifies a twin (fci/twin_sign.h).
+///     Exception: the wall that identifies a twin (fci/twin_sign.h).
 ///   - A Move's deviations must be finite and not negative; no other check is made.
 ///   - The model library exists for x64 Linux only.
 ///

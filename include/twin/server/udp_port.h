@@ -33,9 +33,9 @@ struct DroppedDatagrams {
 /// answer to the source of the states. Source: FCI protocol 5, transport.
 ///
 ///     network's thread:  OnConnect(client) ... Close()
-///     robot's thread:    Deliver(state) --> socket, and the wake event when mode or errors changed
 ///     robot's thread:    Deliver(state) --> socket; notifies the wake event on a new mode or error
 ///                        Receive() <------- socket, at most 64 datagrams per call
+///
 /// Between sessions no state is sent and all incoming datagrams are dropped.
 ///
 /// Threads: OnConnect() and Close() from one, the robot's side from the robot's; counts from any.

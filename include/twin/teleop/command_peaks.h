@@ -11,14 +11,14 @@
 
 namespace twin::teleop {
 
-/// How abrupt commands were: largest norms of second and third differences.
+/// Abruptness of commands: largest norms of the differences of first to third order.
 struct Peaks {
   double speed = 0;         ///< m/s or rad/s
   double acceleration = 0;  ///< m/s^2 or rad/s^2
   double jerk = 0;          ///< m/s^3 or rad/s^3
 };
 
-/// Peaks of all that is commanded: arm along and about, base ahead and turning.
+/// Peaks of all commands: arm translation and rotation, base translation and turning.
 struct CommandPeaks {
   Peaks along;
   Peaks about;
@@ -26,17 +26,18 @@ struct CommandPeaks {
   Peaks turning;
 };
 
-/// Watches commands from outside: differences of what was given, whoever shaped it.
+/// Measures commands from outside, by differences, whatever produced them.
 ///
-/// Threads: one. Real-time: noexcept, allocates nothing, O(1).
+/// Threads: one. Real-time: noexcept, does not allocate, O(1).
 class PeakWatch {
  public:
-  /// A motion begins, at rest, there.
+  /// Starts a motion at rest at this pose.
   void Begin(const Transform& O_T_EE) noexcept TWIN_REALTIME;
 
-  /// @param T  since the last call, s, > 0. @param is_switch  these count for at_switch() too.
-  /// @param is_stopped  the base is in an emergency stop, abrupt by intent: of its commands nothing
-  /// counts, and after it they begin at rest.
+  /// @param T  since the last call, s, > 0. @param is_switch  also count these peaks for
+  /// at_switch().
+  /// @param is_stopped  emergency stop of the base, abrupt by design: its commands are ignored
+  /// until it ends, and then start at rest.
   void Look(const reference::PoseTarget& target, const BaseTwist& base, double T, bool is_switch,
             bool is_stopped) noexcept TWIN_REALTIME;
 
@@ -44,12 +45,12 @@ class PeakWatch {
   [[nodiscard]] const CommandPeaks& at_switch() const noexcept { return at_switch_; }
 
  private:
-  /// Velocity and acceleration of the last look.
+  /// Velocity and acceleration of the last call.
   struct Track {
     Eigen::Vector3d v = Eigen::Vector3d::Zero();
     Eigen::Vector3d a = Eigen::Vector3d::Zero();
 
-    /// @returns the norms now.
+    /// @returns the current norms.
     Peaks Next(const Eigen::Vector3d& v_now, double T) noexcept;
   };
 

@@ -9,28 +9,28 @@
 
 namespace twin::teleop {
 
-/// What an operator holds in the hands. A plug-in (plugins/devices); the only seam to it.
+/// An operator's input device. Implemented by plug-ins (plugins/devices); the only seam to them.
 ///
-/// A living device gives samples at least every 50 ms, whether or not anything moves: silence is
-/// how a robot learns that nobody leads it any more.
+/// A working device gives a sample at least every 50 ms, even without motion: a robot detects the
+/// operator's absence by silence.
 ///
-/// Threads: Read() and Feel() from one thread. What a device does on threads of its own is its own
-/// affair. Real-time: both noexcept, allocate nothing, wait for nobody.
+/// Threads: Read() and Feel() from one thread; a device may have threads of its own. Real-time:
+/// both are noexcept, do not allocate and never wait.
 class Device {
  public:
   virtual ~Device() = default;
 
-  /// @param now  of the run.
-  /// @returns the newest sample if there is one since the last call.
+  /// @param now  time of the run.
+  /// @returns the newest sample since the last call; nullopt without one.
   [[nodiscard]] virtual std::optional<OperatorSample> Read(Time now) noexcept TWIN_REALTIME = 0;
 
-  /// Makes it felt, where the device can; shown, where it can.
+  /// Renders the feedback as force or display, as far as the device can.
   virtual void Feel(const OperatorFeedback& feedback) noexcept TWIN_REALTIME = 0;
 
-  /// Whether it has been unplugged, or its connection has ended.
+  /// True once it has been unplugged or its connection has ended.
   [[nodiscard]] virtual bool lost() const noexcept TWIN_REALTIME = 0;
 
-  /// For people: "SpaceMouse Compact at /dev/input/event5".
+  /// For users: "SpaceMouse Compact at /dev/input/event5".
   [[nodiscard]] virtual std::string Describe() const = 0;
 };
 

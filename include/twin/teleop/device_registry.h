@@ -15,24 +15,22 @@
 
 namespace twin::teleop {
 
-/// What a device's factory gets. All that is referred to outlives the device, but for the
-/// parameters: what it needs of them it takes at once. What it did not ask for is refused by the
-/// caller.
+/// Arguments of a device's factory. Referenced objects outlive the device, except the parameters,
+/// which it reads at once. The caller refuses parameters that were not read.
 struct DeviceRequest {
   control::ParameterReader& parameters;
-  std::filesystem::path folder;  ///< what relative paths of files are against
-  const MonotonicClock& clock;   ///< for what a device does on threads of its own
-  /// The run's time is virtual: samples must depend on `now` alone, and people cannot keep up.
+  std::filesystem::path folder;  ///< base of relative file paths
+  const MonotonicClock& clock;   ///< for the device's own threads
+  /// The run's time is virtual: samples must depend on `now` only, and an operator cannot keep up.
   bool is_lockstep = false;
-  std::uint64_t seed = 0;  ///< of the run
+  std::uint64_t seed = 0;  ///< the run's
 };
 
-/// Makes a device. @throws InputError for a parameter out of range, and when there is no such
-/// device, naming those there are; EnvironmentError when this machine does not permit it, naming
-/// the cure.
+/// Makes a device. @throws InputError for a parameter out of range or an unknown device, listing
+/// the known ones; EnvironmentError naming the cure if this machine does not permit it.
 using DeviceFactory = std::function<std::unique_ptr<Device>(const DeviceRequest&)>;
 
-/// The devices a program knows, by name. Filled from an explicit list by the program's main.
+/// The program's devices by name. The program's main fills it from an explicit list.
 ///
 /// Threads: one thread.
 class DeviceRegistry {
@@ -40,10 +38,10 @@ class DeviceRegistry {
   /// @pre no device of this name was added.
   void Add(std::string name, DeviceFactory factory);
 
-  /// @throws InputError when there is no such device; the text lists those there are.
+  /// @throws InputError listing the known names if the name is unknown.
   [[nodiscard]] const DeviceFactory& Find(std::string_view name) const;
 
-  /// In the order in which they were added.
+  /// In order of addition.
   [[nodiscard]] std::vector<std::string> Names() const;
 
  private:

@@ -7,20 +7,21 @@
 
 namespace twin::teleop {
 
-/// The robot's end of what an operator feels: the environment's wrench on the end effector, at the
-/// stiffness frame,
+/// The robot's side of force feedback: the external wrench on the end effector, at the stiffness
+/// frame,
 ///   f = low-pass( -scale (F - dead zone) ),   F = O_F_ext_hat_K, or K_F_ext_hat_K,
-/// limited by norm. A first-order low-pass; the dead zone shortens force and torque by what the
-/// observer tells of a free arm.
+/// with a bounded norm. The low-pass is first-order; the dead zone shortens force and torque by the
+/// observer's residual on a free arm.
 ///
-/// Threads: one. Real-time: noexcept, allocates nothing, O(1).
+/// Threads: one. Real-time: noexcept, does not allocate, O(1).
 class ReflectedWrench {
  public:
   explicit ReflectedWrench(const FeedbackConfig& config) noexcept : config_(config) {}
 
   void Reset() noexcept TWIN_REALTIME { f_ = {}; }
 
-  /// @param in_tool_frame  in axes of K, else of the base. @param is_felt  false: the wrench fades.
+  /// @param in_tool_frame  axes of K, else of the base. @param is_felt  false: the wrench fades
+  /// out.
   /// @param T  period, s. @returns f, N and Nm.
   const Vector6& Next(const RobotState& state, bool in_tool_frame, bool is_felt,
                       double T) noexcept TWIN_REALTIME;
@@ -30,43 +31,41 @@ class ReflectedWrench {
   Vector6 f_{};
 };
 
-/// The operator's end: lets only so much energy out at the handle as was put in there, whatever
-/// the wire and the robot behind it do. Time-domain passivity observer and controller at one port,
-/// per axis i. With x the handle's place, f the wrench at it (on the hand) that was held since the
-/// call before,
-///   E_i(k) = E_i(k-1) - f_i(k-1) (x_i(k) - x_i(k-1)),   E_i(0) = reserve      (J, exact: f is
-///   held)
-/// and f_c the wrench that came:
-///   f_i = f_c,i                            E_i > 0, and it opposes the motion, f_c,i dx_i < 0
-///   f_i = f_c,i min(1, 4 E_i / reserve)    E_i > 0, and it goes with the motion, or there is none
-///   f_i = -d_i v_i, within the limits      in debt, E_i <= 0: a damper that pays it back,
-///   d_i = min(-E_i / (T v_i^2), most damping);
-/// dx_i = x_i(k) - x_i(k-1), the motion since the call before, v_i = dx_i / T.
-/// So the energy that is given is bounded by the reserve, but for what a hand gets that turns
-/// around within one period: |f| |dx| of that period. What the delay would make of it is taken out
-/// where it would be felt, without knowing the delay. The damping is limited to what a light
-/// handle bears: one that a period's damping turns around would get energy from it.
+/// The operator's side: the handle returns no more energy than was put in, whatever the wire and
+/// the robot do. Time-domain passivity observer and controller at one port, per axis i. With the
+/// handle's position x and the wrench f on the hand, held since the previous call,
+///   E_i(k) = E_i(k-1) - f_i(k-1) (x_i(k) - x_i(k-1)),   E_i(0) = reserve      (J, exact)
+/// and the received wrench f_c:
+///   f_i = f_c,i                            E_i > 0, f_c opposes the motion: f_c,i dx_i < 0
+///   f_i = f_c,i min(1, 4 E_i / reserve)    E_i > 0, f_c acts along the motion, or no motion
+///   f_i = -d_i v_i, within the limits      E_i <= 0: a damper repays the debt,
+///   d_i = min(-E_i / (T v_i^2), largest damping);
+/// dx_i = x_i(k) - x_i(k-1), v_i = dx_i / T. The reserve thus bounds the energy that the port
+/// gives, except for a reversal within one period, which adds that period's |f| |dx|. Energy that
+/// the delay creates is removed at the handle, without knowledge of the delay. The damping is
+/// limited to what a light handle tolerates: a handle that one period of damping reverses would
+/// gain energy.
 ///
 /// Source: Hannaford, Ryu, "Time-Domain Passivity Control of Haptic Interfaces", IEEE Transactions
-/// on Robotics and Automation 18 (2002). The reserve and the fading in place of a switch are our
+/// on Robotics and Automation 18 (2002). The reserve, and fading instead of switching, are
 /// decisions.
 ///
-/// Threads: one. Real-time: noexcept, allocates nothing, O(1).
+/// Threads: one. Real-time: noexcept, does not allocate, O(1).
 class PassivePort {
  public:
   explicit PassivePort(const FeedbackConfig& config) noexcept;
 
-  /// One look at the handle. @param handle  x, m and rad. @param wrench  f_c, N and Nm.
-  /// @param T  since the last look, s, > 0. @returns f.
+  /// One sample of the handle. @param handle  x, m and rad. @param wrench  f_c, N and Nm.
+  /// @param T  since the last sample, s, > 0. @returns f.
   const Vector6& Next(const Vector6& handle, const Vector6& wrench,
                       double T) noexcept TWIN_REALTIME;
 
-  /// The handle has another origin: what it seems to have moved is no work.
+  /// Sets a new origin of the handle without counting its displacement as work.
   void Recentre(const Vector6& handle) noexcept TWIN_REALTIME;
 
-  /// E less the reserve: what was put in less what came out, J per axis.
+  /// E minus the reserve: energy put in minus energy given, J per axis.
   [[nodiscard]] Vector6 energy() const noexcept;
-  /// The least that any axis' energy() has been, J.
+  /// Minimum of energy() over all axes and calls, J.
   [[nodiscard]] double least_energy() const noexcept { return least_; }
 
  private:

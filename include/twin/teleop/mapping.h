@@ -11,39 +11,39 @@
 
 namespace twin::teleop {
 
-/// What the robot is doing, for who reads the operator's wishes.
+/// State of the robot that the mapping needs.
 struct Situation {
-  bool connected = false;  ///< samples come
-  bool arm_rests = true;   ///< its reference, nearly
+  bool connected = false;  ///< samples arrive
+  bool arm_rests = true;   ///< its reference is nearly at rest
   bool base_rests = true;
   Transform O_T_EE_d = kIdentityTransform;  ///< the arm's reference
 };
 
-/// What the operator wants now.
+/// The operator's current command.
 struct Wish {
-  Vector6 twist{};                  ///< of the end effector, base axes; without a pose
+  Vector6 twist{};                  ///< of the end effector, base axes; if no pose is given
   std::optional<Transform> pose{};  ///< of the end effector in the base
   BaseTwist base{};
   bool operator==(const Wish&) const = default;
 };
 
-/// What samples mean.
+/// Maps samples to motion commands.
 ///
 /// Axes (arm): deflections of a stick (kRate) are a twist, (|x| - dead zone) / (1 - dead zone) of
-/// full speed, in axes of the base or of the end effector; a handle's motion since it was engaged
-/// (kPose) is the end effector's since then. Axes (base): x is ahead; turning is y and about z
-/// together, both to the left.
+/// full speed, in axes of the base or the end effector. For a handle (kPose), the end effector's
+/// displacement is the handle's since it was engaged. Axes (base): x is forward; y and rotation
+/// about z both turn left.
 ///
-/// Clutch: whoever is not engaged moves nothing. After that, after a switch of the mode, an
-/// emergency stop, and an interruption, a stick must have been in its dead zone before it moves
-/// anything, and a handle's motion counts from where it is then. So does it after a switch of frame
-/// or scale: nothing ever jumps.
+/// Clutch: a disengaged device moves nothing. After disengagement, a mode switch, an emergency stop
+/// or an interruption, a stick must return to its dead zone before it has effect, and a handle's
+/// displacement counts from its current position. The latter also holds after a switch of frame or
+/// scale, so that the command never jumps.
 ///
-/// Mode: at the press, what moves is brought to rest; only then the other is led. Presses are
-/// counted: k of them switch k times. Of a stop and a release that come in one sample, the stop
-/// counts. Axes that are not finite mean nothing.
+/// Mode: a press first brings the moving part to rest, then selects the other. Presses are counted:
+/// k presses switch k times. If a stop and a release arrive in one sample, the stop counts. Axes
+/// that are not finite are ignored.
 ///
-/// Threads: one. Real-time: noexcept, allocates nothing, O(1).
+/// Threads: one. Real-time: noexcept, does not allocate, O(1).
 class Mapping {
  public:
   /// @param arm, base  full speeds: m/s, rad/s.
@@ -56,26 +56,26 @@ class Mapping {
   Mapping(const MappingConfig& config, const Speeds& full) noexcept
       : config_(config), full_(full) {}
 
-  /// @param has_base  false: there is none, and mode presses mean nothing.
+  /// @param has_base  false: mode presses have no effect.
   void Begin(bool has_base) noexcept TWIN_REALTIME;
 
-  /// @param sample  the newest; the same again when none has come. @returns the wish.
+  /// @param sample  the newest; repeated if none has arrived. @returns the operator's command.
   [[nodiscard]] Wish Update(const OperatorSample& sample,
                             const Situation& situation) noexcept TWIN_REALTIME;
 
   [[nodiscard]] Mode mode() const noexcept { return mode_; }
-  /// Whether a switch of the mode waits for rest.
+  /// True while a mode switch waits for rest.
   [[nodiscard]] bool is_switching() const noexcept { return mode_ != wanted_; }
   [[nodiscard]] bool stopped() const noexcept { return stopped_; }
   [[nodiscard]] bool fine() const noexcept { return fine_; }
   [[nodiscard]] bool in_tool_frame() const noexcept { return in_tool_frame_; }
   [[nodiscard]] bool ends() const noexcept { return ends_; }
-  /// Presses of the gripper's button since Begin().
+  /// Presses of the gripper button since Begin().
   [[nodiscard]] std::uint32_t gripper_presses() const noexcept { return gripper_presses_; }
 
  private:
   void Count(const OperatorSample& sample) noexcept;
-  /// Whether the axes count; else they wait for a centred stick, a handle for its anchor.
+  /// True if the axes count; otherwise waits for a centred stick, or anchors a handle.
   bool Open(const OperatorSample& sample, const Situation& situation) noexcept;
   [[nodiscard]] double Deflection(double x) const noexcept;
   [[nodiscard]] Vector6 ArmTwist(const OperatorSample& sample,
@@ -88,7 +88,7 @@ class Mapping {
   Speeds full_;
   bool has_base_ = false;
   bool has_counted_ = false;
-  OperatorSample last_{};  ///< counters as of the last sample
+  OperatorSample last_{};  ///< counters of the last sample
   Mode mode_ = Mode::kArm;
   Mode wanted_ = Mode::kArm;
   bool stopped_ = false;
@@ -97,8 +97,8 @@ class Mapping {
   bool ends_ = false;
   std::uint32_t gripper_presses_ = 0;
   bool is_open_ = false;
-  Vector6 handle_0_{};                       ///< axes of a handle as it was anchored
-  Transform O_T_EE_0_ = kIdentityTransform;  ///< reference then
+  Vector6 handle_0_{};                       ///< axes of a handle when it was anchored
+  Transform O_T_EE_0_ = kIdentityTransform;  ///< reference at that time
 };
 
 }  // namespace twin::teleop

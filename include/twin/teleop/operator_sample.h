@@ -9,22 +9,23 @@
 
 namespace twin::teleop {
 
-/// What the axes of a device mean.
+/// Meaning of a device's axes.
 enum class AxisKind : std::uint8_t {
-  kRate = 0,  ///< deflections, shares of full scale in [-1, 1]: sticks, a SpaceMouse, a page
-  kPose = 1,  ///< where the handle is, m and rad from the device's origin: a haptic device
+  kRate = 0,  ///< deflections, shares of full scale in [-1, 1]: sticks, a SpaceMouse, the
+              ///< operator's page
+  kPose = 1,  ///< pose of the handle, m and rad from the device's origin: a haptic device
 };
 
-/// What the operator's hands do, as a device tells it. Trivially copyable; goes over wires that
-/// lose and reorder, so presses are counted, not told: a counter that went on by k was pressed k
-/// times. Counters stand at zero as a device's life begins.
+/// The operator's input, as sent by a device. Trivially copyable. The wire may lose and reorder
+/// samples, so presses are transmitted as counters: a counter that rose by k means k presses.
+/// Counters start at zero with the device.
 struct OperatorSample {
-  std::uint64_t sequence = 0;  ///< grows with every sample of a device, from 1
+  std::uint64_t sequence = 0;  ///< rises with every sample of a device, from 1
   Time at{};                   ///< on the device's own clock
   AxisKind kind = AxisKind::kRate;
-  Vector6 axes{};                     ///< x, y, z, about x, y, z: ahead, left, up of the operator
-  bool engaged = true;                ///< clutch: false re-centres the handle without any motion
-  std::uint32_t mode_presses = 0;     ///< switches between arm and base
+  Vector6 axes{};                  ///< x, y, z, about x, y, z: forward, left, up for the operator
+  bool engaged = true;             ///< clutch: false re-centres the handle without motion
+  std::uint32_t mode_presses = 0;  ///< switches between arm and base
   std::uint32_t gripper_presses = 0;  ///< closes or opens the hand
   std::uint32_t frame_presses = 0;    ///< switches between axes of the base and of the end effector
   std::uint32_t scale_presses = 0;    ///< switches between coarse and fine motion
@@ -33,31 +34,31 @@ struct OperatorSample {
   std::uint32_t end_presses = 0;      ///< ends the session
 };
 
-/// How often a button was pressed since its counter stood at `before`. One that fell is of a device
-/// whose life began anew: where it stands is the new begin, and nothing was pressed.
+/// Presses of a button since its counter was `before`. A counter that fell belongs to a restarted
+/// device: it is the new start value, and 0 is returned.
 [[nodiscard]] constexpr std::uint32_t PressesSince(std::uint32_t before,
                                                    std::uint32_t now) noexcept {
   return now >= before ? now - before : 0;
 }
 
-/// What the operator moves.
+/// The part that the operator moves.
 enum class Mode : std::uint8_t {
   kArm = 0,
   kBase = 1,
 };
 
-/// What goes back to a device: what it makes felt, and what a screen shows. Trivially copyable.
+/// Feedback to a device, for force and display. Trivially copyable.
 struct OperatorFeedback {
-  std::uint64_t sequence = 0;  ///< grows with every one, from 1
+  std::uint64_t sequence = 0;  ///< rises with every message, from 1
   std::uint64_t echo = 0;      ///< sequence of the newest sample that had arrived
   Vector6
       wrench{};  ///< at the handle, N and Nm, in the axes of the sample: scaled, filtered, passive
   Mode mode = Mode::kArm;
   bool stopped = false;      ///< emergency stop
   bool holding = false;      ///< the device is lost or its samples are too old
-  bool hand_closed = false;  ///< as it was last asked for
+  bool hand_closed = false;  ///< as last commanded
   bool fine = false;         ///< motion is scaled down
-  bool at_border = false;    ///< the arm goes no further that way: workspace, posture or force
+  bool at_border = false;    ///< workspace, posture or force limits the arm in this direction
 };
 
 }  // namespace twin::teleop

@@ -8,19 +8,21 @@
 
 namespace twin::teleop {
 
-/// Keeps an operator away from where the arm cannot follow: ends of the joints' ranges and singular
-/// postures.
+/// Keeps an operator away from configurations that the arm cannot follow: ends of joint ranges and
+/// singular postures.
 ///
-/// Looks a quarter of a second (at most 0.1 rad) ahead, along the joints' motion of least norm,
+/// Predicts the joints a quarter of a second (at most 0.1 rad) ahead along the motion of least
+/// norm,
 ///   dq = J^T (J J^T + d I)^-1 u,   q' = q + dq h,
-/// at how far each joint is from the ends of its range and at Yoshikawa's manipulability
-/// sqrt(det(J J^T)). What gets less on that way, and is below its soft bound, lets a share of the
-/// wish through that ends at its hard bound; the least share counts. The way back is always free.
+/// and evaluates each joint's distance from the ends of its range and Yoshikawa's manipulability
+/// sqrt(det(J J^T)). A measure that falls, and is below its soft bound, scales the command by a
+/// share that reaches zero at its hard bound; the smallest share counts. Motion away from a bound
+/// is always free.
 ///
 /// Source of the measure: Yoshikawa, "Manipulability of Robotic Mechanisms", IJRR 1985. The bounds
-/// are our decision.
+/// are decisions.
 ///
-/// Threads: any (immutable). Real-time: noexcept, allocates nothing.
+/// Threads: any (immutable). Real-time: noexcept, does not allocate.
 class PostureGuard {
  public:
   static constexpr double kSoftMargin = 0.20;  ///< of a joint, rad
@@ -32,7 +34,7 @@ class PostureGuard {
   PostureGuard(const model::ArmModel& arm, const JointLimits& limits) noexcept
       : arm_(arm), limits_(limits) {}
 
-  /// @param twist  u, wished, base axes, m/s and rad/s. @returns the share of it that may be
+  /// @param twist  u, commanded, base axes, m/s and rad/s. @returns the share of u that may be
   /// followed, in [0, 1].
   [[nodiscard]] double Share(const RobotState& state,
                              const Vector6& twist) const noexcept TWIN_REALTIME;

@@ -8,40 +8,41 @@
 
 namespace twin::teleop {
 
-/// The end effector's reference x_d: follows a wished twist or pose within bounds of twist,
+/// The end effector's reference x_d. Follows a commanded twist or pose within bounds of twist,
 /// acceleration and jerk, and stays in its workspace.
 ///
-/// The wished twist is cut, along each way that is bounded (the box's axes, the shoulder's radius,
-/// how far ahead of the measured end effector it may be), to the speed from which a quarter of the
-/// acceleration stops it at the border (reference/closing_speed.h); what remains, ShapedVelocity
-/// follows, and x_d integrates. A wished pose is one more such loop, around it:
-///   u = e / |e| min(ClosingSpeed(|e|), V),   e the way to it.
-/// Who begins outside the workspace may only go in.
+/// Each bounded direction (the box's axes, the shoulder's radius, the lead over the measured end
+/// effector) cuts the commanded twist to the speed from which a quarter of the acceleration stops
+/// at the bound (reference/closing_speed.h). ShapedVelocity follows the result and x_d integrates
+/// it. A commanded pose adds an outer loop:
+/// |  u = e / |e| min(ClosingSpeed(|e|), V),   e the pose error.
+/// From outside the workspace only inward motion is possible.
 ///
-/// Threads: one. Real-time: noexcept, allocates nothing, O(1).
+/// Threads: one. Real-time: noexcept, does not allocate, O(1).
 class ShapedPose {
  public:
   ShapedPose(const MotionBounds& along, const MotionBounds& about, const Workspace& workspace)
       : along_(along), about_(about), workspace_(workspace) {}
 
-  /// At rest, there.
+  /// Starts at rest at this pose.
   void Begin(const Transform& O_T_EE) noexcept TWIN_REALTIME;
 
-  /// The twist by which a pose is approached so that it is reached at rest. @param T  period, s.
+  /// The twist that approaches a pose and reaches it at rest. @param T  period, s.
   [[nodiscard]] Vector6 TwistTowards(const Transform& O_T_wish,
                                      double T) const noexcept TWIN_REALTIME;
 
-  /// One period on. @param twist  wished, base axes. @param O_T_EE  measured. @param T  s, > 0.
+  /// Advances one period. @param twist  commanded, base axes. @param O_T_EE  measured. @param T  s,
+  /// > 0.
   const reference::PoseTarget& Next(const Vector6& twist, const Transform& O_T_EE,
                                     double T) noexcept TWIN_REALTIME;
 
   [[nodiscard]] const reference::PoseTarget& target() const noexcept { return target_; }
   [[nodiscard]] bool rests() const noexcept { return along_.rests() && about_.rests(); }
-  /// As ShapedVelocity's.
+  /// As ShapedVelocity::nearly_rests().
   [[nodiscard]] bool nearly_rests() const noexcept {
     return along_.nearly_rests() && about_.nearly_rests();
   }
-  /// Whether a border took most of the last wish away.
+  /// True if a bound removed most of the last command.
   [[nodiscard]] bool at_border() const noexcept { return at_border_; }
 
  private:

@@ -8,7 +8,7 @@
 
 namespace twin::teleop {
 
-/// What a commanded motion keeps to. Magnitudes: of a vector its norm.
+/// Bounds of a commanded motion, on the norms of its vectors.
 struct MotionBounds {
   double speed = 0;         ///< m/s or rad/s, > 0
   double acceleration = 0;  ///< m/s^2 or rad/s^2, > 0
@@ -16,22 +16,22 @@ struct MotionBounds {
   bool operator==(const MotionBounds&) const = default;
 };
 
-/// A velocity that follows a wish within bounds of speed, acceleration and jerk: the inner two
-/// loops of the saturated correction of reference/rejoining_generator.h, for vectors. With s(x, m)
+/// A velocity that follows a command u within bounds of speed, acceleration and jerk: the two inner
+/// loops of the saturated correction in reference/rejoining_generator.h, for vectors. With s(x, m)
 /// = x min(1, m / |x|):
 ///   b = s(w2 (s(u, V) - v), A),   j = s(4 w2 (b - a), J),   a+ = a + T j,   v+ = v + T a+,
 ///   w2 = min(J / 2A, 0.1 / T):
-/// as fast as the jerk allows without overshoot, and well below the rate of the calls.
+/// It is as fast as the jerk permits without overshoot, and well below the call rate.
 ///
-/// |a| <= A and |a+ - a| <= T J always; |v| <= 1.02 V for whatever wish.
+/// a| <= A and |a+ - a| <= T J always; |v| <= 1.02 V for any command.
 ///
-/// Threads: one. Real-time: noexcept, allocates nothing, O(1).
+/// Threads: one. Real-time: noexcept, does not allocate, O(1).
 template <int N>
 class ShapedVelocity {
  public:
   using Vector = Eigen::Matrix<double, N, 1>;
 
-  /// @pre bounds are positive. It begins at rest.
+  /// Starts at rest. @pre bounds are positive.
   explicit ShapedVelocity(const MotionBounds& bounds) noexcept : most_(bounds) {}
 
   void Rest() noexcept TWIN_REALTIME {
@@ -39,14 +39,14 @@ class ShapedVelocity {
     a_.setZero();
   }
 
-  /// One period on. @param wish  u. @param T  s, > 0. @returns v.
+  /// Advances one period. @param wish  u. @param T  s, > 0. @returns v.
   const Vector& Next(const Vector& wish, double T) noexcept TWIN_REALTIME {
     const double omega = Omega(T);
     const Vector u = Limited(wish, most_.speed);
     const Vector b = Limited(omega * (u - v_), most_.acceleration);
     a_ += T * Limited(kInside * omega * (b - a_), most_.jerk);
     v_ += T * a_;
-    // Exponentials never end; this does, by a step that no bound notices.
+    // Ends the exponential decay with a step far below all bounds.
     const bool is_over =
         u.isZero(0) && v_.norm() < kRest * most_.speed && a_.norm() < kRest * most_.acceleration;
     if (is_over) Rest();
@@ -55,13 +55,13 @@ class ShapedVelocity {
 
   [[nodiscard]] const Vector& v() const noexcept { return v_; }
   [[nodiscard]] bool rests() const noexcept { return v_.isZero(0) && a_.isZero(0); }
-  /// Rests but for a tail that nobody notices, and which only ends long after.
+  /// True if at rest apart from a negligible tail, which ends much later.
   [[nodiscard]] bool nearly_rests() const noexcept {
     return v_.norm() <= kNearly * most_.speed && a_.norm() <= kNearly * most_.acceleration;
   }
   [[nodiscard]] const MotionBounds& bounds() const noexcept { return most_; }
 
-  /// w1, 1/s: of a loop of positions around this one, four times slower.
+  /// w1, 1/s: for an outer position loop, four times slower.
   [[nodiscard]] double PositionOmega(double T) const noexcept { return Omega(T) / kInside; }
 
   /// s(x, most).
@@ -71,7 +71,7 @@ class ShapedVelocity {
   }
 
  private:
-  static constexpr double kInside = 4;   ///< each loop as much faster than the one around it
+  static constexpr double kInside = 4;   ///< speed ratio of nested loops
   static constexpr double kRest = 1e-7;  ///< shares of the bounds
   static constexpr double kNearly = 2e-3;
 

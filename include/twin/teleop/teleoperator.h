@@ -22,11 +22,11 @@
 
 namespace twin::teleop {
 
-/// What a teleoperator does, for those who look on. Trivially copyable.
+/// Status of a teleoperator for observers. Trivially copyable.
 struct TeleoperatorStatus {
   Time now{};
   Mode mode = Mode::kArm;
-  bool is_switching = false;  ///< waits for rest
+  bool is_switching = false;  ///< waits until all is at rest
   bool stopped = false;
   bool holding = false;
   bool fine = false;
@@ -34,48 +34,48 @@ struct TeleoperatorStatus {
   bool finished = false;
   std::uint32_t gripper_presses = 0;
   reference::PoseTarget target{};  ///< x_d
-  double arm_error = 0;            ///< m, of the measured end effector from x_d
-  double most_drive_error = 0;     ///< m, the largest arm_error while the base was led, not stopped
-  BaseTwist base_twist{};          ///< commanded
-  Vector6 felt{};                  ///< wrench at the handle, N and Nm
-  Vector6 energy{};                ///< as PassivePort::energy()
-  double least_energy = 0;         ///< as PassivePort::least_energy()
-  CommandPeaks peaks{};            ///< the base's: but of emergency stops
+  double arm_error = 0;            ///< m, distance of the measured end effector from x_d
+  double most_drive_error = 0;  ///< m, largest arm_error while the base is driven and not stopped
+  BaseTwist base_twist{};       ///< commanded
+  Vector6 felt{};               ///< wrench at the handle, N and Nm
+  Vector6 energy{};             ///< as PassivePort::energy()
+  double least_energy = 0;      ///< as PassivePort::least_energy()
+  CommandPeaks peaks{};         ///< the base's without emergency stops
   CommandPeaks peaks_at_switch{};  ///< from each mode press to half a second after the switch
   std::uint64_t samples_sent = 0;
   std::uint64_t samples_arrived = 0;
   Duration longest_silence{};  ///< between two samples that arrived
 };
 
-/// Lets a person lead the arm and the base by a device: the reference of a controller of poses, and
+/// Lets an operator lead arm and base with a device: a pose controller's live reference, and twist
 /// commands to the base.
 ///
 ///     device ─ passive port ─ wire ─►  watchdog ─ mapping ─┬─ posture guard ─ shaped pose ─► x_d
 ///       ▲           ▲                                      └─ shaped twist ─► base
 ///       └─ felt ────┴──────── wire ◄─  reflected wrench ◄─ state
 ///
-/// The operator's end (device, port) and the robot's are both here, with the wire between them; all
-/// advance with Next(). In lockstep that is the virtual clock, so that a run repeats bit by bit.
+/// Both sides, the operator's (device, port) and the robot's, are here with the wire between them;
+/// Next() advances all. In lockstep it runs on the virtual clock, so that a run repeats bit by bit.
 ///
-/// Watchdogs: a device that is lost, or of which nothing has come for stale_after, leads nothing:
-/// arm and base are brought to rest within their bounds, and stay. When it is back it begins anew
-/// (Mapping). Emergency stop: the base brakes as hard as it can, the arm's reference comes to rest.
-/// The end: the session is finished when the operator has ended it and all is at rest.
+/// Watchdogs: a lost device, or one that is silent for stale_after, has no control: arm and base
+/// come to rest within their bounds and stay. When it returns, the mapping restarts (Mapping).
+/// Emergency stop: the base brakes as hard as it can, the arm's reference comes to rest. End: the
+/// session is finished once the operator has ended it and everything is at rest.
 ///
-/// Commands to the base: a twist per update while the base is led or moves; none otherwise, so that
-/// its own watchdog has it stand.
+/// Base commands: one twist per update while the base is driven or moves, and none otherwise, so
+/// that its own watchdog holds it.
 ///
-/// The hand is not for real time: gripper_presses() counts, and who attends the motion acts.
+/// The hand is not for real time: gripper_presses() counts, and the motion's supervisor acts.
 ///
 /// Threads: Begin() and Next() from the controller's thread; gripper_presses() and finished() from
-/// any; TakeStatus() from one other. Real-time: Next() is noexcept, allocates nothing, O(samples on
-/// the way).
+/// any; TakeStatus() from one other. Real-time: Next() is noexcept, does not allocate, O(pending
+/// samples).
 class Teleoperator final : public control::LiveReference {
  public:
-  /// What it works with; all must outlive it.
+  /// Connected components; all must outlive the teleoperator.
   struct Parts {
     Device& device;
-    backend::MobileBase* base = nullptr;  ///< null: there is none
+    backend::MobileBase* base = nullptr;  ///< null without a base
     const model::ArmModel& arm = model::ArmModel::Panda();
     JointLimits limits{};
   };
@@ -88,46 +88,46 @@ class Teleoperator final : public control::LiveReference {
   [[nodiscard]] reference::PoseTarget Next(const RobotState& state,
                                            Time now) noexcept TWIN_REALTIME override;
   [[nodiscard]] bool finished() const noexcept TWIN_REALTIME override {
-    return finished_.load(std::memory_order_relaxed);  // alone; orders nothing
+    return finished_.load(std::memory_order_relaxed);  // relaxed: publishes no other data
   }
 
   [[nodiscard]] std::uint32_t gripper_presses() const noexcept {
-    return gripper_presses_.load(std::memory_order_relaxed);  // alone; orders nothing
+    return gripper_presses_.load(std::memory_order_relaxed);  // relaxed: publishes no other data
   }
 
-  /// The newest status, as of a millisecond or so ago. Its one consumer.
+  /// The newest status, about a millisecond old. For one consumer.
   [[nodiscard]] const TeleoperatorStatus& TakeStatus() noexcept {
     status_shown_.Refresh();
     return status_shown_.value();
   }
 
  private:
-  /// Reads the device and sends; makes felt what has come back. @param T  s.
+  /// Reads and sends the device's sample; applies the received feedback. @param T  s.
   void TendOperator(Time now, double T) noexcept;
-  /// Takes what has arrived. @returns whether somebody leads.
+  /// Takes arrived samples. @returns true if an operator leads.
   bool Receive(Time now) noexcept;
   void LeadArm(const Wish& wish, const RobotState& state, double T) noexcept;
   void LeadBase(const Wish& wish, double T) noexcept;
   void Answer(const RobotState& state, Time now, double T) noexcept;
   void Show(const RobotState& state, Time now) noexcept;
   [[nodiscard]] bool base_rests() const noexcept;
-  /// Where the handle is, as a way in m and rad.
+  /// Displacement of the handle, m and rad.
   [[nodiscard]] Vector6 HandleOf(const OperatorSample& sample) const noexcept;
 
   Device& device_;
   backend::MobileBase* base_;
   TeleoperatorConfig config_;
 
-  // The operator's end.
+  // The operator's side.
   PassivePort port_;
-  OperatorSample handle_{};  ///< the last that the device gave
-  OperatorFeedback came_{};  ///< the newest that came back
+  OperatorSample handle_{};  ///< the device's last sample
+  OperatorFeedback came_{};  ///< the newest received feedback
   std::optional<Time> last_answer_;
   OperatorFeedback felt_{};
   Wire<OperatorSample> to_robot_;
   Wire<OperatorFeedback> from_robot_;
 
-  // The robot's end.
+  // The robot's side.
   OperatorSample sample_{};  ///< the newest that arrived
   std::optional<Time> last_arrival_;
   Mapping mapping_;
@@ -136,14 +136,14 @@ class Teleoperator final : public control::LiveReference {
   ShapedVelocity<1> ahead_;
   ShapedVelocity<1> turning_;
   ReflectedWrench reflected_;
-  bool is_stopped_ = false;  ///< the base has been told to stop
-  bool is_braking_ = false;  ///< it has, until it is released and rests
-  bool guarded_ = false;     ///< the posture took most of the last wish away
+  bool is_stopped_ = false;  ///< the base was told to stop
+  bool is_braking_ = false;  ///< it was, and has not yet been released and come to rest
+  bool guarded_ = false;     ///< the posture guard removed most of the last command
   std::uint64_t answers_ = 0;
   bool connected_ = false;
 
   Time last_{};
-  std::optional<Time> switched_;  ///< the last moment at which a switch waited
+  std::optional<Time> switched_;  ///< last time at which a switch waited
   PeakWatch watch_;
   TeleoperatorStatus status_{};
   rt::LatestValue<TeleoperatorStatus> status_shown_;

@@ -8,50 +8,50 @@
 
 namespace twin::teleop {
 
-/// What becomes of a device's axes.
+/// Interpretation of a device's axes.
 struct MappingConfig {
-  double dead_zone = 0.05;  ///< share of full scale that means nothing, in [0, 0.5]
-  double fine = 0.25;       ///< share of the motion that is left when it is fine, in [0.01, 1]
+  double dead_zone = 0.05;  ///< ignored share of full scale, in [0, 0.5]
+  double fine = 0.25;       ///< scale of fine motion, in [0.01, 1]
   /// Motion of the end effector per motion of a handle (kPose), in [0.01, 10].
   double pose_scale = 1;
-  /// Handle's way (m) and turn (rad) that mean full speed of the base (kPose), > 0.
+  /// Displacement (m) and rotation (rad) of a handle (kPose) for full speed of the base, > 0.
   double full_way = 0.1;
   double full_turn = 0.5;
   bool operator==(const MappingConfig&) const = default;
 };
 
-/// Where the arm's reference may be, in the base frame.
+/// Bounds of the arm's reference, in the base frame.
 struct Workspace {
   Vector3 low{-0.4, -0.75, -0.6};  ///< m, of the end effector's origin
   Vector3 high{0.85, 0.75, 1.0};
   double nearest = 0.25;   ///< m, from the shoulder (0, 0, 0.333 m)
   double farthest = 0.85;  ///< m, from the shoulder
-  /// How far the reference goes ahead of the end effector where something stops it; times the
-  /// stiffness, how hard an operator can press: m and rad.
+  /// Largest lead of the reference over a blocked end effector, m and rad; times the stiffness, it
+  /// bounds the force that an operator can apply.
   double press = 0.04;
   double wring = 0.25;
   bool operator==(const Workspace&) const = default;
 };
 
-/// What of the external wrench the operator feels.
+/// Scaling of the external wrench that the operator feels.
 struct FeedbackConfig {
   double scale = 0.3;         ///< of the wrench, in [0, 10]; 0: none
   double cutoff_hz = 10;      ///< of the low-pass, in [0.1, 500]
-  double dead_force = 4;      ///< N: what the observer tells of a free arm; it is taken off
+  double dead_force = 4;      ///< N, subtracted: the observer's residual on a free arm
   double dead_torque = 1.5;   ///< Nm
   double most_force = 5;      ///< N at the handle, > 0
   double most_torque = 0.3;   ///< Nm at the handle, > 0
   bool passive = true;        ///< false: for experiments only
-  double reserve = 0.02;      ///< J per axis that the port may give before it has got any, > 0
-  double damping = 20;        ///< most that pays a debt of energy back, Ns/m, > 0
+  double reserve = 0.02;      ///< J per axis that the port may give in advance, > 0
+  double damping = 20;        ///< largest damping that repays an energy debt, Ns/m, > 0
   double turn_damping = 0.1;  ///< Nms/rad, > 0
-  /// What full deflection of a stick (kRate) is taken to be as a way, m and rad.
+  /// Displacement that full deflection of a stick (kRate) stands for, m and rad.
   double stick_way = 0.01;
   double stick_turn = 0.15;
   bool operator==(const FeedbackConfig&) const = default;
 };
 
-/// How a person leads the robot.
+/// Configuration of teleoperation.
 struct TeleoperatorConfig {
   Duration stale_after = std::chrono::milliseconds(200);  ///< without a sample, in [10 ms, 10 s]
   MotionBounds along{.speed = 0.25, .acceleration = 2, .jerk = 60};     ///< end effector, m
@@ -67,14 +67,14 @@ struct TeleoperatorConfig {
   bool operator==(const TeleoperatorConfig&) const = default;
 };
 
-/// What the way between operator and robot does to messages.
+/// Faults of the messages between operator and robot.
 struct WireConfig {
   rt::DirectionConfig to_robot{};
   rt::DirectionConfig from_robot{};
 };
 
-/// Takes a configuration from what a scenario gives: its keys are the fields' names, dotted; of
-/// bounds arm.along, arm.about, base.ahead, base.turning.
+/// Reads a configuration from a scenario's parameters. Keys are the dotted field names; the bounds
+/// are arm.along, arm.about, base.ahead, base.turning.
 /// @throws InputError as ParameterReader's functions.
 [[nodiscard]] TeleoperatorConfig ReadTeleoperatorConfig(control::ParameterReader& parameters);
 

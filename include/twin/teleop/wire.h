@@ -11,7 +11,7 @@
 
 namespace twin::teleop {
 
-/// Where the draws of the two directions come from.
+/// Random streams of the two directions.
 inline constexpr rt::FateStreams kToRobotStreams{.delay = RandomStream::kOperatorDelay,
                                                  .loss = RandomStream::kOperatorLoss,
                                                  .burst = RandomStream::kOperatorBurst,
@@ -23,16 +23,17 @@ inline constexpr rt::FateStreams kFromRobotStreams{.delay = RandomStream::kFeedb
                                                    .duplicate = RandomStream::kFeedbackDuplicate,
                                                    .reorder = RandomStream::kFeedbackReorder};
 
-/// One direction of the way between operator and robot, which delays and loses by the run's seed. A
-/// message's fate is a function of its sequence; what arrives behind a newer one is dropped. It
-/// knows no clock: who sends and who takes say what time it is, virtual or not.
+/// One direction between operator and robot; delays and loses messages by the run's seed. A
+/// message's fate is a function of its sequence; a message that arrives after a newer one is
+/// dropped. The callers give the time, virtual or real.
 ///
-/// Threads: one. Real-time: Send() and Take() are noexcept and allocate nothing; O(on the way).
-/// @tparam Message  trivially copyable, with a `sequence` that grows from 1.
+/// Threads: one. Real-time: Send() and Take() are noexcept and do not allocate; O(pending
+/// messages).
+/// @tparam Message  trivially copyable, with a `sequence` that rises from 1.
 template <typename Message>
 class Wire {
  public:
-  static constexpr std::size_t kMostOnTheWay = 4096;  ///< further ones are lost
+  static constexpr std::size_t kMostOnTheWay = 4096;  ///< messages beyond it are lost
 
   /// @throws InputError naming the field of `config` that is out of range.
   Wire(const rt::DirectionConfig& config, std::uint64_t seed, const rt::FateStreams& streams)
@@ -48,7 +49,7 @@ class Wire {
     if (fate.duplicated) Put(now + fate.duplicate_delay, message);
   }
 
-  /// @returns the newest message that has arrived and is newer than all taken before.
+  /// @returns the newest arrived message, if newer than all taken before.
   [[nodiscard]] std::optional<Message> Take(Time now) noexcept TWIN_REALTIME {
     std::optional<Message> newest;
     for (std::size_t i = 0; i < on_the_way_.size();) {
@@ -81,7 +82,7 @@ class Wire {
 
   rt::MessageFate fate_;
   std::vector<Copy> on_the_way_;
-  std::uint64_t taken_ = 0;  ///< highest sequence that was taken
+  std::uint64_t taken_ = 0;  ///< highest taken sequence
   std::uint64_t sent_ = 0;
 };
 
