@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kMargin = 1e-3;
 constexpr double kLostPackets = 3;
-/// What libfranka starts from, whatever the robot's data say.
+/// libfranka's value for any robot.
 constexpr double kTranslationalVelocity = 2.0;  // m/s
 
-/// A limit less what the client keeps away from it.
+/// A limit less the client's margin.
 double Inside(double limit, double margin, const char* field, const std::string& owner) {
   const double left = limit - margin;
   if (left > 0 && std::isfinite(left)) return left;

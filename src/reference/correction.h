@@ -4,7 +4,7 @@
 
 namespace twin::reference::internal {
 
-/// @param generator  as the user knows it. @returns lambda.
+/// @param generator  name for messages. @returns lambda.
 /// @throws InputError naming both when lambda is not in (0, 1].
 double CheckedLambda(std::string_view generator, double lambda);
 

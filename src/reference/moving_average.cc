@@ -15,7 +15,7 @@ std::size_t RateMatchingWindow(double source_rate_hz) {
     throw InputError(fmt::format("rate matcher: the source's rate is {} Hz; it must lie in [1, {}]",
                                  source_rate_hz, kCycleRateHz));
   }
-  // A rate like 1000/3 Hz is not exact in binary: a hair above a whole ratio is that ratio.
+  // Rates like 1000/3 Hz are inexact in binary: slightly above an integer is that integer.
   constexpr double kHair = 1e-9;
   return static_cast<std::size_t>(std::ceil(kCycleRateHz / source_rate_hz - kHair));
 }

@@ -40,8 +40,8 @@ double Bisect(const Polynomial<N>& p, double a, double b, bool rises) {
   return 0.5 * (a + b);
 }
 
-/// Sign changes of p inside [0, 1].
-/// @param turns  the sign changes of p's derivative: between them p is monotonic.
+/// Sign changes of p in [0, 1].
+/// @param turns  sign changes of p's derivative: p is monotonic between them.
 template <std::size_t N>
 Points SignChanges(const Polynomial<N>& p, const Points& turns) {
   Points roots;
@@ -57,7 +57,7 @@ Points SignChanges(const Polynomial<N>& p, const Points& turns) {
   return roots;
 }
 
-/// Calls visit(value, s) at both ends and at the inner points.
+/// Calls visit(value, s) at both ends and at inner points.
 template <std::size_t N, class Visit>
 void VisitExtremes(const Polynomial<N>& p, const Points& inner, const Visit& visit) {
   visit(p[0], 0.0);

@@ -8,14 +8,14 @@
 
 namespace twin::reference::internal {
 
-/// An extreme value and where it is taken.
+/// An extreme value and its location.
 struct Extreme {
   double value = 0;         ///< signed
   double at_s = 0;          ///< time since the start of the trajectory
   std::size_t segment = 0;  ///< index of the segment
 };
 
-/// Extremes of a path, per joint. Of velocity, acceleration and jerk: the largest magnitude.
+/// Extremes of a path per joint; for velocity, acceleration and jerk the largest magnitude.
 struct PathExtremes {
   std::array<Extreme, kJoints> q_lowest{};   ///< rad
   std::array<Extreme, kJoints> q_highest{};  ///< rad
@@ -24,9 +24,8 @@ struct PathExtremes {
   std::array<Extreme, kJoints> dddq{};       ///< rad/s^3
 };
 
-/// Finds the extremes at segment ends and at the roots of the next derivative. The roots are known
-/// to 1e-9 of a segment's length, the extremes therefore to about 1e-18 of a segment's range.
-/// O(segments).
+/// Finds the extremes at segment ends and at the roots of the next derivative. Roots are accurate
+/// to 1e-9 of a segment's length, so extremes to about 1e-18 of a segment's range. O(segments).
 ///
 /// @param segments  at least one.
 [[nodiscard]] PathExtremes FindExtremes(std::span<const QuinticSegment> segments);

@@ -20,14 +20,14 @@ namespace {
 
 constexpr Duration kLongest = std::chrono::hours(24);
 
-/// Peaks of the minimum-jerk profile of length 1 in time 1.
+/// Peaks of the minimum-jerk profile of length 1 and duration 1.
 constexpr double kPeakVelocity = 1.875;
 const double kPeakAcceleration = 10 / std::numbers::sqrt3;
 constexpr double kPeakJerk = 60;
 
-/// Neighbours of an untimed path are further apart than this, m or rad.
+/// Least distance of neighbours on an untimed path, m or rad.
 constexpr double kLeastDistance = 1e-6;
-/// A turn so near half a revolution has no shortest way, rad.
+/// A rotation this near to half a turn has no shortest direction, rad.
 constexpr double kAmbiguous = 1e-3;
 
 template <class... Args>
@@ -80,7 +80,7 @@ std::vector<Vector6> Ways(const std::vector<PoseWaypoint>& waypoints) {
   return ways;
 }
 
-/// @returns the shortest time for a distance within these shares of its limits, s.
+/// @returns the shortest time for a distance within the shares of its limits, s.
 double ShortestTime(double distance, const CartesianBound& bound, const Timing& shares) {
   return std::max(
       {kPeakVelocity * distance / (shares.velocity_scale * bound.dp_max),
@@ -155,7 +155,7 @@ std::vector<Duration> PacedTimes(const std::vector<PoseWaypoint>& waypoints,
   }
   std::vector<Duration> knots;
   knots.reserve(times_s.size());
-  // Upwards: rounding must not make a piece faster than it may be.
+  // Round up, so that rounding never makes a segment too fast.
   for (const double t : times_s)
     knots.push_back(Duration(std::llround(std::ceil(t * factor * 1e9))));
   if (timing.duration) knots.back() = *timing.duration;

@@ -17,14 +17,14 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kT = kCycleSeconds;
-constexpr int kHalvings = 16;    // of the way from what the joints can keep to the command
+constexpr int kHalvings = 16;    // between a motion that the joints can keep and the command
 constexpr int kCorrections = 2;  // of the joints, after the first step; each squares the error
 
-/// A pose comes to rest more gently than a joint can: what that takes at most, twice.
+/// Twice the extra stopping distance of a pose, which brakes more gently than a joint.
 constexpr double kShyOfTheEnds = 2e-3;  // rad
 
-/// Share of the joints' limits that is used: their motion is foreseen, not commanded, and losses
-/// hold the pose's acceleration, not theirs.
+/// Usable share of the joints' limits: their motion is predicted, not commanded, and a loss holds
+/// the pose's acceleration, not theirs.
 constexpr double kForeseen = 0.9;
 
 JointLimits Foreseen(JointLimits limits) {
@@ -51,7 +51,7 @@ Vector3d Second(const Vector6& x) noexcept {
   return Vector3d(x.data() + 3);
 }
 
-/// Where the smallest step of the joints leads that brings the end effector to a pose.
+/// The joints after the smallest step that reaches a pose.
 JointVector JointsAt(const RobotState& state, const Transform& O_T_EE) noexcept {
   const model::ArmModel& arm = model::ArmModel::Panda();
   const Transform O_T_F = model::Multiply(O_T_EE, model::Inverse(state.F_T_EE));
@@ -67,7 +67,7 @@ JointVector JointsAt(const RobotState& state, const Transform& O_T_EE) noexcept 
 
 }  // namespace
 
-/// Where a command starts from.
+/// Start of a command's step.
 struct PoseViabilityFilter::Step {
   Transform X;
   Vector3d v, dv, w, dw;

@@ -5,14 +5,14 @@
 namespace twin::reference::internal {
 namespace {
 
-// A quintic spline with dq = ddq = 0 at its ends is the path of least E = 1/2 integral of jerk^2
-// through its points. With the unknowns x_i = (dq_i, ddq_i) of the inner points, dE/dx_i = 0 says:
-// snap and jerk are continuous there. So the equations
+// A quintic spline with dq = ddq = 0 at its ends is the path through its points with the least E =
+// 1/2 integral of jerk^2. With the unknowns x_i = (dq_i, ddq_i) of the inner points, dE/dx_i = 0
+// makes snap and jerk continuous there. So the equations
 //   C_{i-1}^T x_{i-1} + D_i x_i + C_i x_{i+1} = b_i
 // are symmetric positive definite with 2 x 2 blocks, and elimination without pivoting is stable,
-// also for points 1 ms apart: the errors do not depend on the unit of time.
+// also for points 1 ms apart, as the errors do not depend on the unit of time.
 
-/// Unknowns of one point, or a right-hand side: component first, all joints beside each other.
+/// Unknowns of one point, or a right-hand side: by component, then joint.
 struct Pair {
   JointVector dq{};
   JointVector ddq{};
@@ -102,7 +102,7 @@ std::vector<Pair> SolveRates(std::span<const Waypoint> points, std::span<const d
   return x;
 }
 
-/// The quintic with these values, velocities and accelerations at its ends, h apart.
+/// The quintic with these values, velocities and accelerations at its ends, over the time h.
 std::array<double, 6> Quintic(double q0, double dq0, double ddq0, double q1, double dq1,
                               double ddq1, double h) {
   const double d = q1 - q0;

@@ -7,11 +7,11 @@
 
 namespace twin::reference::internal {
 
-/// Lays a quintic spline through the waypoints: dq = ddq = 0 at both ends and at every stop,
-/// continuous derivatives up to the fourth at the points between. O(points).
+/// Fits a quintic spline through the waypoints: dq = ddq = 0 at both ends and at every stop,
+/// continuous derivatives up to the fourth in between. O(points).
 ///
-/// @param waypoints  at least two; positions and stops are used.
-/// @param knots      one time per waypoint, the first 0, strictly rising.
+/// @param waypoints  at least two; uses positions and stops.
+/// @param knots      one time per waypoint, the first 0, strictly increasing.
 [[nodiscard]] std::vector<QuinticSegment> FitSpline(std::span<const Waypoint> waypoints,
                                                     std::span<const Duration> knots);
 

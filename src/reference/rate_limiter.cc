@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 
 constexpr double kT = kCycleSeconds;
 
-/// Share of the rotation's limits that a pose may use: the robot's way from matrix to velocity is
-/// not quite ours.
+/// Share of the rotation's limits that a pose may use, since the robot derives the velocity from
+/// matrices slightly differently.
 constexpr double kPoseRotationShare = 0.99;
 
 template <typename Values>
@@ -23,7 +23,7 @@ bool AllFinite(const Values& values) noexcept {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }
 
-/// One axis: the law of the header.
+/// One axis: see the header.
 double LimitVelocity(double v_c, double v, double a, const CartesianBound& bound) noexcept {
   const double jerk = std::clamp(((v_c - v) / kT - a) / kT, -bound.dddp_max, bound.dddp_max);
   const double braking = bound.dddp_max / bound.ddp_max;
@@ -42,14 +42,14 @@ CartesianBound BoundOf(const ClientLimits& limits, std::size_t joint) noexcept {
   return {limits.dq_max[joint], limits.ddq_max[joint], limits.dddq_max[joint]};
 }
 
-/// How far v may go along the unit vector u until its norm is v_max: to where the line meets the
-/// sphere, or, when it misses, comes closest to it.
+/// Distance along the unit vector u from v to the sphere of radius v_max, or, if the line misses
+/// it, to its closest point.
 double DistanceToSphere(const Vector3d& v, const Vector3d& u, double v_max) noexcept {
   const double along = u.dot(v);
   return -along + std::sqrt(std::max(along * along - v.squaredNorm() + v_max * v_max, 0.0));
 }
 
-/// Three axes: the law of the header.
+/// Three axes: see the header.
 Vector3d LimitVelocity(const Vector3d& v_c, const Vector3d& v, const Vector3d& a_last,
                        const CartesianBound& bound) noexcept {
   constexpr double kNone = std::numeric_limits<double>::epsilon();

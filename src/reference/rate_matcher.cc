@@ -24,7 +24,7 @@ Eigen::Quaterniond QuaternionOf(const PoseComponents& values) noexcept {
   return Eigen::Quaterniond(values.data() + 9);
 }
 
-/// @param before  the quaternion whose sign is to be matched.
+/// @param before  quaternion whose sign is matched.
 PoseComponents ComponentsOf(const PoseTarget& target, const Eigen::Quaterniond& before) noexcept {
   Eigen::Quaterniond orientation = model::Orientation(target.O_T_EE);
   if (orientation.dot(before) < 0) orientation.coeffs() *= -1;
@@ -68,7 +68,7 @@ PoseTarget PoseRateMatcher::Next(const PoseTarget& u) noexcept {
   const PoseComponents newest = ComponentsOf(u, QuaternionOf(average_.last()));
   const PoseComponents values = average_.Next(newest);
   const Eigen::Quaterniond mean = QuaternionOf(values);
-  // Turns of a whole turn within the window can cancel out: then the newest has to do.
+  // Rotations by a full turn within the window can cancel; then use the newest.
   constexpr double kCancelled = 1e-6;
   const bool is_newest = mean.coeffs() == QuaternionOf(newest).coeffs() || mean.norm() < kCancelled;
   PoseTarget y = u;

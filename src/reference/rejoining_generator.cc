@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 constexpr double kT = kCycleSeconds;
 
-/// Velocity, base axes, that leads from one pose to the next in a cycle.
+/// Velocity, base axes, from one pose to the next in a cycle.
 struct Twist {
   Vector3d v;
   Vector3d w;

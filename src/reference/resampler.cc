@@ -13,18 +13,18 @@ constexpr double kT = kCycleSeconds;
 /// Lag behind the newest deposit, in periods of the source.
 constexpr double kLagPeriods = 2.25;
 
-/// The lock: its low-pass, s; its gains, 1/s and 1/s^2, of a damping of 1; and the fastest that the
-/// play time may run away from the robot's.
+/// Phase lock: its low-pass, s; its gains, 1/s and 1/s^2, for a damping ratio of 1; and the largest
+/// relative rate error of the play time.
 constexpr double kFilter = 0.2;
 constexpr double kProportional = 0.8;
 constexpr double kIntegral = 0.16;
 constexpr double kMostRate = 5e-3;
 
-/// Deposits between those through which the parabola goes that continues the motion: wide enough
-/// that their noise makes little of an acceleration.
+/// Deposits between the support points of the extrapolating parabola: wide enough that noise has
+/// little effect on the acceleration.
 constexpr std::size_t kApart = 4;
 
-/// A source that is off by more periods than these is jumped after.
+/// The play time jumps if the source is off by more periods than this.
 constexpr double kJumpPeriods = 2;
 
 double CheckedPeriod(double source_rate_hz) {

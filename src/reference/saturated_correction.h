@@ -18,20 +18,20 @@ namespace twin::reference {
   return {limits.dq_max[joint], limits.ddq_max[joint], limits.dddq_max[joint]};
 }
 
-/// The law of RejoiningGenerator, of a joint (D = 1) or of a vector of three (D = 3), all
-/// saturations of norms.
+/// The law of RejoiningGenerator, for a joint (D = 1) or a vector of three (D = 3), with saturated
+/// norms.
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.
-/// @param e, de, dde  of the robot's reference less the source's.
+/// @param e, de, dde  the robot's reference minus the source's.
 /// @param v, a  of the source. @param limits  of both together.
-/// @returns how much faster than the source the next command is: e' + T (e'' + T j).
+/// @returns velocity of the next command relative to the source: e' + T (e'' + T j).
 template <int D>
 [[nodiscard]] Eigen::Matrix<double, D, 1> CorrectingVelocity(
     const Eigen::Matrix<double, D, 1>& e, const Eigen::Matrix<double, D, 1>& de,
     const Eigen::Matrix<double, D, 1>& dde, double v, double a,
     const CartesianBound& limits) noexcept TWIN_REALTIME {
   using Vector = Eigen::Matrix<double, D, 1>;
-  // Of position, velocity and acceleration, 1/s: each loop four times faster than the one around.
+  // Loops of position, velocity and acceleration, 1/s, each four times faster than the outer one.
   constexpr double kOmega1 = 25;
   constexpr double kOmega2 = 100;
   constexpr double kOmega3 = 400;

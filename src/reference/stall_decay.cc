@@ -11,7 +11,7 @@ namespace {
 constexpr double kT = kCycleSeconds;
 constexpr double kTorqueDecay = 10;  // 1/s
 
-/// A velocity this small is none: to drop it is a jerk of 0.1 rad/s^3.
+/// Velocities below this count as zero; dropping one is a jerk of 0.1 rad/s^3.
 constexpr double kGone = 1e-7;
 
 /// One cycle of D values at `v`, with their accelerations at `a`.

@@ -20,10 +20,10 @@ using internal::PathExtremes;
 
 constexpr Duration kLongest = std::chrono::hours(24);
 
-/// Neighbours of an untimed path must be further apart than this in some joint, rad.
+/// Least distance of neighbours on an untimed path, in some joint, rad.
 constexpr double kLeastDistance = 1e-6;
 
-/// Segments below this are taken for densely sampled data when a cure is proposed.
+/// Shorter segments count as densely sampled data in the proposed cure.
 constexpr double kDenseSpacingSeconds = 0.0101;
 
 template <class... Args>
@@ -37,7 +37,7 @@ std::string PointName(const std::vector<Waypoint>& waypoints, std::size_t i) {
                        : fmt::format("point {} ({})", i + 1, where);
 }
 
-/// Place of an extreme, for messages.
+/// Location of an extreme, for messages.
 std::string PlaceOf(const Extreme& extreme, const std::vector<Waypoint>& waypoints) {
   return fmt::format("at {:.4f} s, between {} and {}", extreme.at_s,
                      PointName(waypoints, extreme.segment),
@@ -72,7 +72,7 @@ void CheckPositions(const std::vector<Waypoint>& waypoints, const JointLimits& l
   }
 }
 
-/// Is the path timed by its points?
+/// Whether the points have times.
 bool IsTimed(const std::vector<Waypoint>& waypoints) {
   const bool timed = waypoints.front().at.has_value();
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
@@ -116,8 +116,8 @@ std::vector<Duration> GivenTimes(const std::vector<Waypoint>& waypoints, const T
   return knots;
 }
 
-/// Times in s of untimed points, before they are stretched: each distance takes what its slowest
-/// joint needs at its velocity limit.
+/// Times in s of untimed points before stretching: each distance takes the time of its slowest
+/// joint at its velocity limit.
 std::vector<double> DistanceTimes(const std::vector<Waypoint>& waypoints,
                                   const JointLimits& limits) {
   std::vector<double> times_s{0.0};
@@ -171,8 +171,8 @@ double Largest(const JointVector& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
-/// Factor on all times that brings the peaks to these shares: velocity falls with its first power,
-/// acceleration with its second, jerk with its third.
+/// Factor on all times that brings the peaks to these shares: velocity scales with its inverse,
+/// acceleration with its inverse square, jerk with its inverse cube.
 double StretchTo(const PeakShares& peaks, double velocity, double acceleration, double jerk) {
   return std::max({Largest(peaks.velocity) / velocity,
                    std::sqrt(Largest(peaks.acceleration) / acceleration),
@@ -184,15 +184,15 @@ void CheckShare(const char* name, double share) {
   Refuse("the {} share of the limits is {}; it must lie in (0, 1]", name, share);
 }
 
-/// Untimed points at the fastest uniform pace that the shares allow.
+/// Untimed points at the fastest uniform pace within the shares.
 std::vector<Duration> PacedTimes(const std::vector<Waypoint>& waypoints,
                                  const std::vector<double>& times_s, const Timing& timing,
                                  const JointLimits& limits) {
   CheckShare("velocity", timing.velocity_scale);
   CheckShare("acceleration", timing.acceleration_scale);
   CheckShare("jerk", timing.jerk_scale);
-  // The factor is known in closed form after the first round; the others make up for the rounding
-  // of the times to nanoseconds, which matters only for points that are very close.
+  // The first round gives the factor in closed form; the others compensate the rounding of times to
+  // nanoseconds, which matters only for very close points.
   constexpr int kRounds = 5;
   double factor = 1;
   std::vector<Duration> knots = Stretched(waypoints, times_s, factor);
@@ -272,7 +272,7 @@ void CheckRates(const PathExtremes& extremes, const PeakShares& shares,
                 const JointLimits& limits) {
   const double stretch = StretchTo(shares, kAdmissibleShare, kAdmissibleShare, kAdmissibleShare);
   if (stretch <= 1) return;
-  // The one that asks for most stretch is named.
+  // Names the one that needs the largest stretch.
   const double velocity = Largest(shares.velocity);
   const double acceleration = std::sqrt(Largest(shares.acceleration));
   const double jerk = std::cbrt(Largest(shares.jerk));

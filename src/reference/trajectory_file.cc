@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, kColumns> kColumnNames{"time", "q1", "q2"
 constexpr CsvFormat kFormat{kColumnNames, "time in s, q in rad", "points"};
 constexpr double kLongestSeconds = 86400;
 
-/// No joint turns further than this, rad.
+/// Largest joint angle, rad.
 constexpr double kLargestAngle = 2 * std::numbers::pi;
 
 Waypoint ParseRow(const CsvLines& lines) {

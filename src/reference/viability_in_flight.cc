@@ -24,7 +24,7 @@ int Checked(int in_flight, int held) {
   return in_flight;
 }
 
-/// How a joint's command is understood: as a position, or as a velocity.
+/// Interpretation of a joint's command: a position or a velocity.
 struct Position {
   static double Of(const AxisState& x) noexcept { return x.q; }
   static double Jerk(const AxisState& x, double c) noexcept {
@@ -38,7 +38,7 @@ struct Velocity {
   }
 };
 
-/// The states that a joint may be in by now; the first is that after all commands have arrived.
+/// The possible states of a joint; the first one assumes that all commands have arrived.
 template <typename Command>
 class Possible {
  public:
@@ -71,8 +71,8 @@ class Possible {
   std::size_t count_ = 1;
 };
 
-/// @returns what to send to a joint instead of its wish, the wish itself when it is admissible;
-/// nothing when no command is admissible.
+/// @returns the command for a joint: the requested one if admissible, else a replacement; nullopt
+/// if none is admissible.
 template <typename Command>
 std::optional<double> Nearest(const ViableAxis& axis, const Possible<Command>& possible,
                               double wish) noexcept {

@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kT = kCycleSeconds;
 
-/// How far inside the given bounds those are that are kept: shares, and of the range's ends rad.
+/// Distance of the enforced bounds from the given ones: shares, and rad at the range's ends.
 constexpr double kInside = 1e-6;
 
-/// Halvings of the range of jerks: what is left is a 10^-10th of it.
+/// Halvings of the jerk range: the rest is 1e-10 of it.
 constexpr int kHalvings = 34;
 
 AxisBounds KeptOf(const AxisBounds& given) {
@@ -44,7 +44,7 @@ void RequireSound(const AxisBounds& bounds, int lost, std::string_view name) {
 
 ViableAxis::ViableAxis(const AxisBounds& bounds, int lost, std::string_view name)
     : lost_((RequireSound(bounds, lost, name), lost)), kept_(KeptOf(bounds)) {
-  // Rounds until a = -A, in which the velocity rises, and those that take it back to zero.
+  // Rounds until a = -A, in which the velocity rises, and rounds that bring it back to zero.
   const double per_round = (lost_ + 1) * kT * kept_.ddq_max;
   const double turns = std::ceil(2 * kept_.ddq_max / (kT * kept_.dddq_max)) + 1;
   constexpr double kMostRounds = 1e5;
@@ -61,7 +61,7 @@ ViableAxis::ViableAxis(const AxisBounds& bounds, int lost, std::string_view name
   RequireNoConflict(name);
 }
 
-/// No jerk breaks an upper and a lower bound at once.
+/// Requires that no jerk violates an upper and a lower bound at once.
 void ViableAxis::RequireNoConflict(std::string_view name) const {
   const double range = kept_.q_max - kept_.q_min;
   if (range < least_range_) {
@@ -101,7 +101,7 @@ ViableAxis::Reach ViableAxis::ReachOf(double dq, double ddq) const noexcept {
   Reach reach{0, dq};
   double q = 0;
   for (int round = 0; round < rounds_ && (dq > 0 || ddq > 0); ++round) {
-    if (ddq < 0 && dq > 0) {  // the highest point may be among the held cycles
+    if (ddq < 0 && dq > 0) {  // the highest point may be in the held cycles
       const double peak = std::min(n, std::floor(-dq / (kT * ddq)));
       reach.q = std::max(reach.q, q + kT * peak * (dq + kT * ddq * (peak + 1) / 2));
     }
@@ -139,7 +139,7 @@ JerkRange ViableAxis::Feasible(double ddq) const noexcept {
                         std::min(kept_.dddq_max, (kept_.ddq_max - ddq) / kT)};
   if (!range.empty()) return range;
   const double back = std::clamp(-ddq / kT, -kept_.dddq_max, kept_.dddq_max);
-  return {back, back};  // an acceleration far beyond its bound: towards it
+  return {back, back};  // acceleration far beyond its bound: towards it
 }
 
 double ViableAxis::Braking(Side side, double ddq) const noexcept {
@@ -194,7 +194,7 @@ std::optional<double> ViableAxis::NearestOfAll(std::span<const PossibleState> st
     if (!KeepsAll(side, states, braking)) return {};
     jerk = Bisect(side, states, braking, jerk);
   }
-  // What the lower bounds ask for may be too much for the upper ones.
+  // The lower bounds may require too much for the upper ones.
   if (!KeepsAll(Side::kUpper, states, jerk)) return {};
   return jerk;
 }

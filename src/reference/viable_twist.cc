@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kT = kCycleSeconds;
-constexpr double kInside = 1e-6;  ///< share by which the bounds kept are inside those given
+constexpr double kInside = 1e-6;  ///< share by which enforced bounds are inside the given ones
 constexpr int kHalvings = 30;
 
 void RequireSound(const CartesianBound& bound, int lost, std::string_view name) {
@@ -32,7 +32,7 @@ void RequireSound(const CartesianBound& bound, int lost, std::string_view name) 
   }
 }
 
-/// `x`, or the nearest of the ball about `centre`.
+/// `x`, or the nearest point of the ball about `centre`.
 Vector3d IntoBall(const Vector3d& x, const Vector3d& centre, double radius) noexcept {
   const Vector3d way = x - centre;
   const double distance = way.norm();
@@ -77,7 +77,7 @@ bool ViableTwist::Allows(const Vector3d& v, const Vector3d& a, const Vector3d& v
 
 Vector3d ViableTwist::Braked(const Vector3d& v, const Vector3d& a) const noexcept {
   const double acceleration = a.norm();
-  // A hair less than J, so that rounding does not make it more.
+  // Slightly below J, so that rounding does not exceed it.
   const double step = kT * kept_.dddp_max * (1 - 1e-9);
   if (!(acceleration > step)) return v;
   return v + kT * (1 - step / acceleration) * a;

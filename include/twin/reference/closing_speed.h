@@ -6,8 +6,8 @@
 
 namespace twin::reference {
 
-/// Speed at which what is left of a way is gone so that it ends at rest: linear near its end,
-/// further out what a constant deceleration takes away,
+/// Speed at which a remaining distance closes and ends at rest: linear near the end, further out
+/// with constant deceleration,
 ///   v = w d,  d <= a / w^2;   v = sqrt(a (2 d - a / w^2)) beyond.
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.

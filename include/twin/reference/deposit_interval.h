@@ -8,12 +8,11 @@
 
 namespace twin::reference {
 
-/// Which elapsed time divides the difference of two deposits.
+/// Time that divides the difference of two deposits.
 enum class FeedForwardTime : std::uint8_t {
-  kSource,   ///< the source's own, between the two deposits: the mean velocity over a jittered
-             ///< interval is right to first order
-  kNominal,  ///< the source's nominal period: jitter passes through unchanged; kept to show the
-             ///< difference
+  kSource,   ///< the source's time between the deposits: the mean velocity over a jittered interval
+             ///< is correct to first order
+  kNominal,  ///< the source's nominal period: jitter passes unchanged; kept for comparison
 };
 
 /// The time between successive deposits of a source, for the feed-forward of joints and poses.
@@ -28,9 +27,9 @@ class DepositInterval {
   /// Forgets the last deposit.
   void Reset() noexcept { last_time_.reset(); }
 
-  /// @param source_time  when the source sampled this deposit, on its own clock.
-  /// @returns what divides the difference to the last deposit, s; none for the first deposit, and
-  /// for one whose time does not rise.
+  /// @param source_time  sampling time of this deposit on the source's clock.
+  /// @returns the divisor of the difference to the last deposit, s; nullopt for the first deposit
+  /// and for one whose time does not increase.
   [[nodiscard]] std::optional<double> Next(Time source_time) noexcept TWIN_REALTIME;
 
  private:

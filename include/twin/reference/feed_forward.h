@@ -8,15 +8,15 @@
 
 namespace twin::reference {
 
-/// Gives a deposited joint position its velocity, at the place where commands are deposited:
+/// Forms the velocity of a deposited joint position, at the deposit:
 ///   dq_ext = (q_ext(i) - q_ext(i-1)) / (t(i) - t(i-1)),
-/// t the source's own time. Formed where commands are consumed instead, a deposit consumed twice or
-/// skipped would become a velocity spike. A source that knows its velocity bypasses this. Source:
-/// the paper's section on reference generation.
+/// with t the source's time. If it were formed where commands are consumed, a deposit consumed
+/// twice or skipped would become a velocity spike. A source that knows its velocity bypasses this.
+/// Source: the paper's section on reference generation.
 ///
-/// Before the second deposit dq_ext = 0. A deposit whose time does not rise keeps the last
-/// velocity; the next difference is taken from it all the same, so a source whose clock was set
-/// back loses one interval and no more.
+/// Before the second deposit dq_ext = 0. A deposit whose time does not increase keeps the last
+/// velocity and is still the base of the next difference, so a source whose clock is set back loses
+/// one interval only.
 ///
 /// Threads: the depositing thread. Real-time: Next() is noexcept, O(1), allocates nothing.
 class FeedForward {
@@ -29,9 +29,9 @@ class FeedForward {
   /// Forgets the last deposit.
   void Reset() noexcept;
 
-  /// @param source_time  when the source sampled q, on its own clock.
+  /// @param source_time  sampling time of q on the source's clock.
   /// @param q            rad.
-  /// @returns the target with its velocity formed; ddq zero.
+  /// @returns the target with its velocity; ddq is zero.
   [[nodiscard]] JointTarget Next(Time source_time, const JointVector& q) noexcept TWIN_REALTIME;
 
  private:

@@ -8,18 +8,17 @@ namespace twin::reference {
 
 /// The paper's reference generator in joint space:
 ///   q_s(k) = q_d(k) + T dq_ext(k) + lambda (q_ext(k) - q_d(k)),
-/// q_d the last commanded position from the state packet, q_ext and dq_ext the deposited target and
-/// its velocity, T = 1 ms. It continues from what the robot really took, so jitter, late and lost
-/// commands do not show up as steps; a stalled source (dq_ext = 0) decays to the last target with
-/// time constant T/lambda. No time stamp enters. Source: the paper's section on reference
-/// generation.
+/// with q_d the last commanded position from the state packet, q_ext and dq_ext the deposited
+/// target and its velocity, and T = 1 ms. It continues from the reference that the robot accepted,
+/// so jitter and late or lost commands cause no steps; a stalled source (dq_ext = 0) decays to the
+/// last target with time constant T/lambda. It uses no time stamp. Source: the paper's section on
+/// reference generation.
 ///
-/// What it does not do. White noise of q_ext is not removed. When the source gives dq_ext itself,
-/// the noise's jerk comes out times lambda sqrt(6/20), as its third difference becomes a second one
-/// of lambda times it; when dq_ext is formed from the noisy q_ext, the noise comes out whole. And
-/// libfranka's low-pass of gain g behind it scales the increment: the velocity follows
-/// g (s + lambda/T)/(s + g lambda/T) of the target's; at 100 Hz that is 0.4 to 0.5 of a motion with
-/// a period of 2 to 6 s. It belongs off.
+/// Limitations. It does not remove white noise of q_ext. If the source supplies dq_ext, the noise's
+/// jerk is scaled by lambda sqrt(6/20), as its third difference becomes a second one times lambda;
+/// if dq_ext is formed from the noisy q_ext, the noise passes in full. libfranka's low-pass of gain
+/// g behind it scales the increment: the velocity follows g (s + lambda/T)/(s + g lambda/T) of the
+/// target's, at 100 Hz 0.4 to 0.5 for motions with a period of 2 to 6 s. So switch it off.
 ///
 /// Threads: stateless, any. Real-time: Next() is noexcept, O(1), allocates nothing.
 class JointReferenceGenerator {
@@ -28,7 +27,7 @@ class JointReferenceGenerator {
   /// @throws InputError naming the value and the range.
   explicit JointReferenceGenerator(double lambda = 1e-3);
 
-  /// @param q_d     rad, of the state being answered.
+  /// @param q_d     rad, of the answered state.
   /// @param target  q and dq are used.
   /// @returns q_s, rad.
   [[nodiscard]] JointVector Next(const JointVector& q_d,

@@ -4,7 +4,7 @@
 
 namespace twin::reference {
 
-/// What a joint-space source wants at one instant.
+/// Target of a joint-space source at one instant.
 struct JointTarget {
   JointVector q{};    ///< rad
   JointVector dq{};   ///< rad/s

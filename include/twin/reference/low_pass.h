@@ -10,15 +10,15 @@ namespace twin::reference {
 
 /// libfranka's client-side low-pass on a command, of first order:
 ///   y(k) = y(k-1) + gain (x(k) - y(k-1)),   gain = T / (T + 1 / (2 pi f_c)),   T = 1 ms,
-/// 0.385870 at f_c = 100 Hz. y(k-1) is no memory of the client but the last commanded value in the
-/// state being answered: tau_J_d, q_d, dq_d, O_T_EE_c, O_dP_EE_c or the angle of elbow_c. Behind an
+/// 0.385870 at f_c = 100 Hz. y(k-1) is the last commanded value in the answered state (tau_J_d,
+/// q_d, dq_d, O_T_EE_c, O_dP_EE_c or the angle of elbow_c), not a memory of the client. Behind an
 /// incremental generator it therefore scales the increment: see JointReferenceGenerator. Source:
 /// FCI protocol 5, low-pass filter of libfranka 0.9.2.
 ///
 /// Threads: stateless, any. Real-time: all but the constructor; noexcept, O(1), no allocation.
 class LowPass {
  public:
-  /// @param cutoff_hz  f_c in [1, 1000]; 1000 is libfranka's "off": x comes out as it is.
+  /// @param cutoff_hz  f_c in [1, 1000]; 1000 is libfranka's "off": y = x.
   /// @throws InputError naming the value and the range.
   explicit LowPass(double cutoff_hz);
 
@@ -27,7 +27,7 @@ class LowPass {
     return is_on() ? last + gain_ * (x - last) : x;
   }
 
-  /// The same for each component: joints, or a twist.
+  /// The same per component: joints, or a twist.
   template <std::size_t kSize>
   [[nodiscard]] std::array<double, kSize> Filter(
       const std::array<double, kSize>& x,
@@ -37,8 +37,8 @@ class LowPass {
     return y;
   }
 
-  /// The translation as above; the rotation goes the share `gain` of the shortest way from last to
-  /// x (spherical interpolation), and is orthonormal to rounding.
+  /// Translation as above; the rotation covers the share `gain` of the shortest rotation from last
+  /// to x (spherical interpolation) and is orthonormal up to rounding.
   /// @param O_T_EE_c  commanded pose. @param last  O_T_EE_c of the state.
   [[nodiscard]] Transform FilterPose(const Transform& O_T_EE_c,
                                      const Transform& last) const noexcept TWIN_REALTIME;

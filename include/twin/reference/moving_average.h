@@ -9,7 +9,7 @@
 
 namespace twin::reference {
 
-/// N = ceil(f_INT / f_EXT), the cycles a source's update lasts.
+/// N = ceil(f_INT / f_EXT), the cycles between two updates of a source.
 /// @param source_rate_hz  f_EXT in [1, 1000].
 /// @throws InputError naming the value and the range.
 [[nodiscard]] std::size_t RateMatchingWindow(double source_rate_hz);
@@ -17,12 +17,11 @@ namespace twin::reference {
 /// Moving average of each component over the last N values:
 ///   y(k) = (u(k) + u(k-1) + ... + u(k-N+1)) / N.
 ///
-/// Rounding: y(k) is within two units in the last place of the window's largest magnitude, however
-/// long it runs; a component that was the same u over the whole window comes out as exactly u. A
-/// value that is not finite shows in y and is gone at the latest 2 N values after it came.
+/// Rounding: y(k) is within two units in the last place of the window's largest magnitude, for any
+/// run length; a component with the same u over the whole window yields exactly u. A value that is
+/// not finite affects y for at most 2 N values.
 ///
-/// Before the first Next(): the window is full of the value given to Reset(); without one, of
-/// zeros.
+/// Before the first Next() the window holds the value of Reset(), or zeros.
 ///
 /// Threads: one. Real-time: Reset() and Next(); noexcept, no allocation; Next() is O(kComponents).
 template <std::size_t kComponents>
@@ -48,8 +47,7 @@ class MovingAverage {
   [[nodiscard]] std::size_t window() const noexcept { return window_.size(); }
 
  private:
-  /// A sum kept as high + low, with the rounding error of each addition (Knuth's two-sum) gathered
-  /// in low.
+  /// A sum as high + low; low collects the rounding errors of the additions (Knuth's two-sum).
   struct Sum {
     double high = 0;
     double low = 0;
@@ -58,14 +56,14 @@ class MovingAverage {
 
   [[nodiscard]] double Average(std::size_t component, double oldest, double newest) noexcept;
 
-  std::vector<Values> window_;  ///< the last N values, a ring
+  std::vector<Values> window_;  ///< the last N values, as a ring
   std::size_t next_ = 0;        ///< index of the oldest
   /// Sum over the window: the newest added, the oldest subtracted.
   std::array<Sum, kComponents> sums_{};
-  /// Sum of what came since next_ was 0. It replaces sums_ when the ring is full again, so nothing
-  /// that subtraction leaves behind lives longer than N cycles.
+  /// Sum of the values since next_ was 0. It replaces sums_ when the ring has wrapped, so rounding
+  /// residue of subtractions lasts at most N cycles.
   std::array<Sum, kComponents> fresh_{};
-  /// For how many cycles the component has been the same, at most N.
+  /// Cycles since the component changed, at most N.
   std::array<std::size_t, kComponents> same_{};
 };
 

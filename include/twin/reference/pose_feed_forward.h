@@ -8,11 +8,11 @@
 
 namespace twin::reference {
 
-/// Gives a deposited pose its twist, at the place where commands are deposited:
+/// Forms the twist of a deposited pose, at the deposit:
 ///   O_dP_EE = [p(i) - p(i-1); log(R(i) R(i-1)^T)] / (t(i) - t(i-1)),
-/// t the source's own time. FeedForward for poses, with the same reasons and the same rules for the
-/// first deposit and for time that does not rise. A turn between two deposits counts the shortest
-/// way: a source that turns by more than half a turn in one of its periods is misread.
+/// with t the source's time: FeedForward for poses, with the same rules for the first deposit and
+/// for time that does not increase. It takes the shortest rotation between two deposits, so a
+/// rotation by more than half a turn per period is misread.
 ///
 /// Threads: the depositing thread. Real-time: Next() is noexcept, O(1), allocates nothing.
 class PoseFeedForward {
@@ -25,9 +25,9 @@ class PoseFeedForward {
   /// Forgets the last deposit.
   void Reset() noexcept;
 
-  /// @param source_time  when the source sampled the pose, on its own clock.
+  /// @param source_time  sampling time of the pose on the source's clock.
   /// @param O_T_EE       pose of EE in the base.
-  /// @returns the target with its twist formed.
+  /// @returns the target with its twist.
   [[nodiscard]] PoseTarget Next(Time source_time, const Transform& O_T_EE) noexcept TWIN_REALTIME;
 
  private:

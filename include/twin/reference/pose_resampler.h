@@ -9,14 +9,14 @@
 
 namespace twin::reference {
 
-/// A Resampler of poses: position by its coordinates, m; rotation by the coordinates of a unit
-/// quaternion, normalised after the interpolation. Between deposits a few degrees apart that is the
-/// rotation's own cubic to the third order of the angle.
+/// A Resampler for poses: position by its coordinates, m; rotation by the components of a unit
+/// quaternion, normalised after interpolation. For deposits a few degrees apart this equals the
+/// cubic on rotations up to third order in the angle.
 ///
-/// Everything else is the Resampler's: play time, lag, stop, threads, real time.
+/// Play time, lag, stop, threads and real-time: as Resampler.
 class PoseResampler {
  public:
-  /// @param source_rate_hz  and @throws as Resampler.
+  /// @param source_rate_hz  as in Resampler. @throws as Resampler.
   explicit PoseResampler(double source_rate_hz) : resampler_(source_rate_hz) {}
 
   void Reset(const Transform& O_T_EE) noexcept TWIN_REALTIME;
@@ -27,7 +27,7 @@ class PoseResampler {
   [[nodiscard]] Transform Source() const noexcept TWIN_REALTIME;
 
  private:
-  /// [p; w, x, y, z], with the sign of the quaternion nearest to the last one's.
+  /// [p; w, x, y, z], with the sign of the quaternion that is nearest to the last one.
   [[nodiscard]] JointVector CoordinatesOf(const Transform& O_T_EE) const noexcept;
 
   Resampler resampler_;

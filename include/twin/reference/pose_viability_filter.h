@@ -9,22 +9,21 @@
 
 namespace twin::reference {
 
-/// What ViabilityFilter is for joints, for commanded poses of the end effector: stands last before
-/// the wire.
+/// Viability filter for commanded poses of the end effector, like ViabilityFilter for joints: the
+/// last stage before the wire.
 ///
-/// Promised: speed, acceleration and jerk of translation and rotation stay within their limits for
-/// ever, whatever is commanded and whatever up to n commands in a row are lost (ViableTwist, one
-/// for each).
+/// Guarantee: speed, acceleration and jerk of translation and rotation stay within their limits for
+/// ever, for any commands, even if up to n consecutive commands are lost (a ViableTwist each).
 ///
-/// Not promised, but aimed at: the limits of the joints. The robot turns poses into joint motions
-/// by inverse kinematics of its own. The step of the joints is foreseen as the smallest that
-/// reaches the pose; where it leads out of what ViabilityFilter's joints could keep with 0.97 of
-/// their limits, a milder command is sent: one between slowing down, going on as before, and the
-/// wish. That mends what comes near slowly (a joint limit ahead, a singularity) and what is too
-/// sudden for a joint. It cannot where the pose cannot stop as hard as a joint must, or the robot
-/// moves its elbow otherwise. Then its own check ends the motion.
+/// Best effort: the limits of the joints. The robot converts poses to joint motions by its own
+/// inverse kinematics. The filter predicts the smallest joint step that reaches the pose. If it
+/// leaves the set that ViabilityFilter's joints could keep with 0.9 of their limits, the
+/// filter sends a milder command: one between slowing down, constant motion and the requested one.
+/// This handles what approaches slowly (a joint limit, a singularity) and what is too sudden for a
+/// joint. It fails where the pose cannot stop as hard as a joint must, or where the robot moves its
+/// elbow differently; the robot's own check then ends the motion.
 ///
-/// A pose that is admissible passes as it is, bit by bit.
+/// An admissible pose passes unchanged, bit by bit.
 ///
 /// Threads: constant after construction. Real-time: noexcept, allocates nothing.
 class PoseViabilityFilter {
@@ -39,7 +38,7 @@ class PoseViabilityFilter {
     bool active = false;  ///< the command was changed
   };
 
-  /// @param state     that is answered. @param O_T_EE_c  wished.
+  /// @param state     the answered one. @param O_T_EE_c  requested pose.
   [[nodiscard]] Outcome Next(const RobotState& state,
                              const Transform& O_T_EE_c) const noexcept TWIN_REALTIME;
 
@@ -48,11 +47,11 @@ class PoseViabilityFilter {
     bool active = false;  ///< the command was changed
   };
 
-  /// The same on the interface of twists. @param O_dP_EE_c  wished, m/s and rad/s, base axes.
+  /// The same for twists. @param O_dP_EE_c  requested twist, m/s and rad/s, base axes.
   [[nodiscard]] TwistOutcome NextTwist(const RobotState& state,
                                        const Vector6& O_dP_EE_c) const noexcept TWIN_REALTIME;
 
-  /// Of the joints, as ViabilityFilter::Margin.
+  /// Margin of the joints: ViabilityFilter::Margin.
   [[nodiscard]] double Margin(const RobotState& state) const noexcept TWIN_REALTIME {
     return joints_.Margin(state.q_d, state.dq_d, state.ddq_d);
   }
@@ -63,13 +62,13 @@ class PoseViabilityFilter {
     Eigen::Vector3d v;
     Eigen::Vector3d w;
   };
-  /// A command, and where the joints would be.
+  /// A command and the predicted joints.
   struct Option {
     Twist twist;
     JointVector q{};
   };
   struct Step;
-  /// The twist to command: the wished one where it may be.
+  /// The twist to command: the requested one if admissible.
   [[nodiscard]] Twist Kept(const RobotState& state, const Step& from,
                            const Twist& wish) const noexcept;
   [[nodiscard]] static Option Between(const Option& a, const Option& b, double share) noexcept;
@@ -84,7 +83,7 @@ class PoseViabilityFilter {
   ViableTwist translation_;
   ViableTwist rotation_;
   ViabilityFilter joints_;
-  ViabilityFilter narrow_;  ///< the same, a little shy of the ends of the ranges: on the way there
+  ViabilityFilter narrow_;  ///< for joints, slightly inside the ends of their ranges
 };
 
 }  // namespace twin::reference

@@ -9,27 +9,27 @@
 #include "twin/reference/pose_target.h"
 
 // Rate matching spreads the updates of a slow command source evenly over the 1 ms cycles between
-// them. One class for each kind of target; all are a moving average over the last N cycles,
+// them. One class per kind of target; each is a moving average over the last N cycles,
 // N = ceil(f_INT / f_EXT):
 //   y(k) = (u(k) + u(k-1) + ... + u(k-N+1)) / N,   u(k) = newest target deposited before cycle k.
-// A staircase of step h every N cycles becomes a ramp of h/N a cycle; group delay (N - 1)/2 cycles.
-// Averaging the velocity too matters: with the position alone averaged, a reference generator
-// behind it makes jerk 8 ddq/T at N = 8. When two clocks drift, an update now and then lasts N - 1
-// or N + 1 cycles, and the ramp has one cycle of double or no increment: behind a reference
-// generator jerk ddq/T + lambda dq/T^2, of which the first alone stays within the Panda's limit up
-// to half the acceleration limit. Source: the paper's section on rate matching.
+// A staircase of step h every N cycles becomes a ramp of h/N per cycle; group delay (N - 1)/2
+// cycles. The velocity must be averaged too: if only the position is, a reference generator behind
+// it produces a jerk of 8 ddq/T at N = 8. When two clocks drift, some updates last N - 1 or N + 1
+// cycles, and the ramp has one cycle of double or zero increment: behind a reference generator a
+// jerk of ddq/T + lambda dq/T^2, whose first term stays within the Panda's limit up to half the
+// acceleration limit. Source: the paper's section on rate matching.
 //
-// Rounding, and values that are not finite: see MovingAverage.
+// Rounding and values that are not finite: see MovingAverage.
 //
-// Before the first Next(): the value given to Reset(), so that y starts without a step; without a
-// Reset(), zero (a pose: the identity). When the source stalls, y reaches the last u after N - 1
-// cycles and stays there, exactly.
+// Before the first Next(): the value of Reset(), so that y starts without a step; without Reset(),
+// zero (a pose: the identity). When the source stalls, y reaches exactly the last u after N - 1
+// cycles and stays there.
 //
 // Threads: all calls from the tick. Real-time: Reset() and Next(); noexcept, allocate nothing;
 // Next() is O(1).
 namespace twin::reference {
 
-/// Rate matching of joint targets: position, velocity and acceleration alike.
+/// Rate matching of joint targets: position, velocity and acceleration.
 class RateMatcher {
  public:
   /// @param source_rate_hz  f_EXT in [1, 1000].
@@ -72,9 +72,9 @@ class TorqueRateMatcher {
   MovingAverage<kJoints> average_;
 };
 
-/// Rate matching of poses: position and twist as above. The rotation is the mean of the window's
-/// unit quaternions, normalised; each is taken with the sign that is nearer to the one before. For
-/// a staircase of turns by h about one axis that is a ramp of h/N a cycle, but for terms of h^3.
+/// Rate matching of poses: position and twist as above. The rotation is the normalised mean of the
+/// window's unit quaternions, each with the sign nearer to its predecessor. A staircase of
+/// rotations by h about one axis becomes a ramp of h/N per cycle, up to terms of h^3.
 class PoseRateMatcher {
  public:
   /// @param source_rate_hz  f_EXT in [1, 1000].
@@ -84,7 +84,7 @@ class PoseRateMatcher {
   /// @param u0  target that fills the window.
   void Reset(const PoseTarget& u0) noexcept TWIN_REALTIME;
 
-  /// @returns y(k); its rotation is u's bit for bit when the window holds no other.
+  /// @returns y(k); its rotation equals u's bit for bit when the window holds no other.
   [[nodiscard]] PoseTarget Next(const PoseTarget& u) noexcept TWIN_REALTIME;
 
   /// N.

@@ -10,67 +10,67 @@
 
 namespace twin::reference {
 
-/// Reads a source's deposits at times that advance with the robot's cycles, whenever the deposits
-/// came: a deposit consumed twice, one skipped, one late and the jitter of the sampling instants
-/// are no steps of the reference. With t the play time on the source's own clock,
+/// Reads a source's deposits at times that advance with the robot's cycles. So deposits consumed
+/// twice, skipped or late, and jitter of the sampling times, cause no steps in the reference. With
+/// t the play time on the source's clock,
 ///   x(t) = the cubic through the deposits, slopes by central differences; beyond the newest
 ///          deposit the parabola that continues it, of constant acceleration;
 ///   t(k+1) = t(k) + T (1 + r),   lag(k) = t_newest - t(k) at a deposit's arrival,
 ///   r = kp e + ki sum e,   e = lag - 2.25 periods, low-passed.
 ///
 /// The play time is phase-locked to the source: r follows its clock's drift, at most 0.5 %. The lag
-/// of 2.25 periods is what a cubic with central differences asks for (two), and a quarter for
-/// jitter. Slopes use positions and times alone, since a deposited velocity is the mean since the
-/// deposit before. When the source is more than 2 periods ahead (the robot stood still, or its
-/// cycles passed unseen), the play time jumps to the lag.
+/// of 2.25 periods is two for a cubic with central differences and a quarter for jitter. Slopes use
+/// positions and times only, since a deposited velocity is the mean since the deposit before. When
+/// the source is more than 2 periods ahead (the robot stopped, or cycles were missed), the play
+/// time jumps to the lag.
 ///
-/// A source that has been stopped stands at its last deposit at all times, until the next one, from
-/// which the curve begins anew; so it does when the source's clock is set back.
+/// A stopped source stays at its last deposit; the curve restarts at the next one. It also restarts
+/// when the source's clock is set back.
 ///
-/// What a late deposit changes of the curve it changes of its past as well: Value(1) is where the
-/// curve was one cycle ago as it is known now. So a correction that compares the robot's reference
-/// with Value(1), (2) and (3) sees a step of what is known as an offset, and not as a velocity.
+/// A late deposit also changes the curve's past: Value(1) is the curve one cycle ago as known now.
+/// So a correction that compares the robot's reference with Value(1), (2) and (3) sees new
+/// knowledge as an offset, not as a velocity.
 ///
 /// Source: the paper's section on sampling jitter names deposits consumed twice or skipped as the
-/// cause of jerk; this cure is our decision.
+/// cause of jerk; this remedy is a decision.
 ///
 /// Threads: one. Real-time: noexcept, allocates nothing, O(1).
 class Resampler {
  public:
-  /// Values played: of the next cycle and of the three before it.
+  /// Number of values: of the next cycle and of the three before it.
   static constexpr std::size_t kPlayed = 4;
 
   /// @param source_rate_hz  in [1, 1000]. @throws InputError naming the value and the range.
   explicit Resampler(double source_rate_hz);
 
-  /// A motion begins: `x` is played until the first deposit. Seven values of one unit each: joint
+  /// Starts a motion: plays `x` until the first deposit. Seven values of one unit each: joint
   /// positions (rad), velocities (rad/s), or coordinates of a pose.
   void Reset(const JointVector& x) noexcept TWIN_REALTIME;
 
-  /// A deposit has come. One whose time does not rise takes the last one's place.
-  /// @param source_time  when the source sampled it, by its own clock.
+  /// Adds a deposit; one whose time does not increase replaces the last.
+  /// @param source_time  sampling time on the source's clock.
   void Deposit(Time source_time, const JointVector& x) noexcept TWIN_REALTIME;
 
-  /// One cycle of the robot on.
+  /// Advances by one cycle of the robot.
   void Advance() noexcept TWIN_REALTIME;
 
-  /// The source counts as stalled.
+  /// Declares the source stalled.
   void Stop() noexcept TWIN_REALTIME { stopped_ = true; }
 
-  /// What was played `cycles` before the present cycle, in [0, kPlayed).
+  /// The value played `cycles` before the present cycle, in [0, kPlayed).
   [[nodiscard]] JointVector Value(std::size_t cycles = 0) const noexcept TWIN_REALTIME {
     return At(t_[cycles]);
   }
 
-  /// Where the source itself was then: ahead of Value() by the lag.
+  /// The source's own value at that cycle, ahead of Value() by the lag.
   [[nodiscard]] JointVector Source(std::size_t cycles = 0) const noexcept TWIN_REALTIME {
     return At(t_[cycles] + lag_s_);
   }
 
-  /// How far the play time goes on in a cycle, s: T (1 + r).
+  /// Advance of the play time per cycle, s: T (1 + r).
   [[nodiscard]] double step_s() const noexcept { return kCycleSeconds * (1 + rate_); }
 
-  /// How far the play time is behind the source's, by design, s.
+  /// Designed lag of the play time behind the source, s.
   [[nodiscard]] double lag_s() const noexcept { return lag_s_; }
 
  private:
@@ -95,13 +95,13 @@ class Resampler {
 
   double period_s_;
   double lag_s_;
-  std::array<Knot, kKnots> knots_{};  ///< in order of time
+  std::array<Knot, kKnots> knots_{};  ///< ordered by time
   std::size_t count_ = 0;
   Time first_{};
   std::array<double, kPlayed> t_{};  ///< play times, newest first, s since the first deposit
   bool stopped_ = true;
   double error_ = 0;  ///< low-passed, s
-  double drift_ = 0;  ///< of the source's clock, as seen so far
+  double drift_ = 0;  ///< estimate for the source's clock
   double rate_ = 0;   ///< r
 };
 

@@ -9,26 +9,26 @@
 
 namespace twin::reference {
 
-/// What a stalled source's last deposit is taken for, cycle by cycle: its position (or pose) stays,
-/// and its velocity, which nobody renews, decays within the limits,
+/// Target after a source has stalled, cycle by cycle: its position (or pose) stays, and its
+/// velocity decays within the limits,
 ///   b = sat(-w2 v, 0.9 A),   j = sat(w3 (b - a), 0.4 J),   a+ = a + T j,   v+ = v + T a+,
-/// from a = 0, since a deposit that is not renewed has not changed its velocity. A torque decays by
-/// a tenth in 10 ms, at most 870 Nm/s of a Panda's 1000. Source: our decision; the paper says that
-/// a stalled stream decays gracefully.
+/// from a = 0, since without new deposits the velocity was constant. A torque decays by a tenth in
+/// 10 ms, at most 870 Nm/s of a Panda's 1000. Source: decision; the paper says that a stalled
+/// stream decays gracefully.
 ///
-/// Where the robot's reference is driven by the velocity, this keeps it legal; where it is not, as
-/// in a stream of positions, nothing does. When the source returns its deposits count again at
-/// once: what that makes of the reference, the limiter or the filter behind takes away.
+/// This keeps the robot's reference legal where the velocity drives it, but not in a stream of
+/// positions. New deposits of a resumed source count at once; the limiter or filter behind smooths
+/// the step they cause.
 ///
 /// Threads: one. Real-time: noexcept, allocates nothing, O(1).
 class StallDecay {
  public:
-  /// Where limits are zero, velocities stay.
+  /// Velocities with zero limits do not decay.
   StallDecay(const JointLimits& joints, const CartesianLimits& cartesian) noexcept;
 
-  /// The source is not stalled: this is its target.
+  /// The target of a source that is not stalled.
   void Follow(const Target& target) noexcept TWIN_REALTIME;
-  /// The source is stalled: one cycle on.
+  /// One cycle of a stalled source.
   void Decay() noexcept TWIN_REALTIME;
 
   [[nodiscard]] const Target& target() const noexcept { return target_; }

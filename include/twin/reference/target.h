@@ -6,8 +6,8 @@
 
 namespace twin::reference {
 
-/// What a source wants at one instant, in the terms of its command interface; the members of the
-/// other interfaces do not count.
+/// Target of a source at one instant, for its command interface; members of other interfaces are
+/// ignored.
 struct Target {
   JointTarget joint;      ///< joint position and joint velocity
   PoseTarget pose;        ///< Cartesian pose

@@ -12,23 +12,22 @@
 
 namespace twin::reference {
 
-/// One point the arm passes through.
+/// One point of a trajectory.
 struct Waypoint {
   JointVector q{};  ///< rad
-  /// Time from the start; given for all points (strictly rising, the first 0) or for none.
+  /// Time from the start; set for all points (strictly increasing, the first 0) or for none.
   std::optional<Duration> at{};
   bool stop = false;    ///< come to rest here
-  std::string where{};  ///< where it was read ("canonical.yaml:14"), for messages; may be empty
+  std::string where{};  ///< source location for messages ("canonical.yaml:14"); may be empty
 };
 
-/// How fast an untimed trajectory runs. The points are spaced in time by their distance, each
-/// distance the time its slowest joint would need at its velocity limit; then all times are
-/// stretched by one factor. Beside timed points only `duration` is read: it must equal the last
-/// point's time.
+/// Pace of an untimed trajectory. Each distance takes the time of its slowest joint at its velocity
+/// limit; then one factor stretches all times. For timed points only `duration` is used: it must
+/// equal the last point's time.
 struct Timing {
   std::optional<Duration> duration{};  ///< total time, above 0
-  /// Without a duration: the fastest uniform pace at which peak velocity, acceleration and jerk
-  /// stay within these shares of the limits, each in (0, 1].
+  /// Without a duration: the fastest uniform pace with peak velocity, acceleration and jerk within
+  /// these shares of the limits, each in (0, 1].
   double velocity_scale = 0.5;
   double acceleration_scale = 0.2;
   double jerk_scale = 0.1;
@@ -49,48 +48,47 @@ struct QuinticSegment {
                                                    ///< in seconds; rad/s^i
 };
 
-/// Largest share of a velocity, acceleration or jerk limit that a trajectory may use. The rest is
-/// for rounding: a sampled position is off by a few units in its last place, some 4e-16 rad, so its
-/// third difference at 1 ms by 8 x 4e-16 rad / (1 ms)^3 = 3e-6 rad/s^3. That is below a thousandth
-/// of what this leaves of the smallest jerk limit, 1e-6 x 3750 rad/s^3.
+/// Largest share of a velocity, acceleration or jerk limit that a trajectory may use. The rest
+/// covers rounding: a sampled position is accurate to about 4e-16 rad, so its third difference at 1
+/// ms to 8 x 4e-16 rad / (1 ms)^3 = 3e-6 rad/s^3, below a thousandth of the rest of the smallest
+/// jerk limit, 1e-6 x 3750 rad/s^3.
 inline constexpr double kAdmissibleShare = 1.0 - 1e-6;
 
 /// Least distance of a trajectory from the position limits, rad.
 inline constexpr double kPositionMargin = 1e-9;
 
-/// A motion may start this far from its trajectory's first point, rad per joint. A reference
-/// generator with lambda = 1e-3 takes it in with a first step of 1e-6 rad, jerk 1e3 rad/s^3, inside
-/// every joint's limit.
+/// Largest distance of a motion's start from its trajectory's first point, rad per joint. A
+/// reference generator with lambda = 1e-3 corrects it with a first step of 1e-6 rad, a jerk of 1e3
+/// rad/s^3, within every joint's limit.
 inline constexpr double kStartTolerance = 1e-3;
 
-/// Most points of a trajectory: 100 s at 1 kHz. Keeps a scenario that holds them, and the log it is
-/// attached to, within what their readers take.
+/// Most points of a trajectory: 100 s at 1 kHz. Keeps scenarios with inline points, and the logs
+/// that contain them, within the limits of their readers.
 inline constexpr std::size_t kMaxWaypoints = 100'000;
 
 /// A joint-space path through waypoints: a quintic spline, at rest (dq = ddq = 0) at both ends and
 /// at every stop, with continuous derivatives up to the fourth in between. Among all paths through
 /// the points at these times it has the least integral of jerk squared.
 ///
-/// Its jerk is bounded, so the backward differences at 1 ms that INT forms, averages of the
-/// derivatives over one, two and three periods, never exceed the derivatives' own peaks, whatever
-/// the phase of the sampling. The peaks are found at the roots of the next derivative, not by
-/// sampling, and must stay within kAdmissibleShare of the limits.
+/// Its jerk is bounded, so INT's backward differences at 1 ms, which average the derivatives over
+/// one, two and three periods, never exceed the derivatives' peaks for any sampling phase. The
+/// peaks are found at the roots of the next derivative, not by sampling, and must stay within
+/// kAdmissibleShare of the limits.
 ///
-/// Every point's time is a whole number of nanoseconds; computed times are rounded to that before
-/// the spline is laid. Construction takes time and memory in proportion to the number of points
-/// (about 0.5 kB each).
+/// Every point's time is a whole number of nanoseconds; computed times are rounded before the
+/// spline is fitted. Construction is linear in the number of points (about 0.5 kB each).
 ///
 /// Threads: immutable after construction, any thread. Real-time: Sample() is noexcept, O(log
 /// points), allocates nothing.
 class Trajectory {
  public:
   /// @param limits  valid (JointLimits::Validate).
-  /// @throws InputError when: fewer than two points; a value is not finite; a point or the path
-  /// between points is not inside the position limits by kPositionMargin; only some points have a
-  /// time, or times do not rise from 0; two neighbours of an untimed path coincide; a share or the
-  /// duration is out of range or the whole takes more than a day; the path breaks a velocity,
-  /// acceleration or jerk limit. The text names the point or time, joint, value, limit and the cure
-  /// (e.g. the shortest admissible duration).
+  /// @throws InputError when: fewer than two points; a value is not finite; a point or the path is
+  /// not inside the position limits by kPositionMargin; only some points have a time, or times do
+  /// not increase from 0; two neighbours of an untimed path coincide; a share or the duration is
+  /// out of range, or the total exceeds a day; the path exceeds a velocity, acceleration or jerk
+  /// limit. The text names the point or time, joint, value, limit and the cure (e.g. the shortest
+  /// admissible duration).
   Trajectory(const std::vector<Waypoint>& waypoints, const Timing& timing,
              const JointLimits& limits);
 

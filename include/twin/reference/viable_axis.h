@@ -8,7 +8,7 @@
 
 namespace twin::reference {
 
-/// What one joint's reference must keep for ever. Magnitudes, but for the range.
+/// Bounds of one joint's reference; magnitudes except for the range.
 struct AxisBounds {
   double q_min = 0;     ///< rad
   double q_max = 0;     ///< rad
@@ -17,96 +17,95 @@ struct AxisBounds {
   double dddq_max = 0;  ///< rad/s^3
 };
 
-/// A joint's reference as the robot holds it.
+/// A joint's reference in the robot.
 struct AxisState {
   double q = 0;    ///< rad
   double dq = 0;   ///< rad/s
   double ddq = 0;  ///< rad/s^2
 };
 
-/// One of the states that a joint may be in when a command arrives.
+/// A possible state of a joint when a command arrives.
 struct PossibleState {
   AxisState x;
-  double extra = 0;  ///< rad/s^3: how much more jerk one command has here than in the first of them
+  double extra = 0;  ///< rad/s^3: extra jerk of one command here, relative to the first state
 };
 
-/// Jerks that a command may have, rad/s^3.
+/// Admissible jerks of a command, rad/s^3.
 struct JerkRange {
   double lowest = 0;
   double highest = 0;
   [[nodiscard]] bool empty() const noexcept { return !(lowest <= highest); }
 };
 
-/// The states of one joint from which its bounds can be kept for ever, whatever commands are lost,
-/// as long as no more than n are lost in a row: the largest such set, in closed form.
+/// The states of one joint from which its bounds can be kept for ever, whichever commands are lost,
+/// as long as at most n consecutive ones are: the largest such set, in closed form.
 ///
-/// A command that arrives changes the acceleration by T j and integrates (backward differences, T =
-/// 1 ms); one that is lost leaves the acceleration, which is a command with j = 0:
+/// An arriving command changes the acceleration by T j and integrates (backward differences, T = 1
+/// ms); a lost one keeps the acceleration, like a command with j = 0:
 ///   f(x, j):  a+ = a + T j,  v+ = v + T a+,  q+ = q + T v+,     H x = f(x, 0).
-/// With B the hardest braking downwards, a+ = max(a - T J, -A), the worst that can happen to the
-/// upper bounds is H^n B H^n B ... until v <= 0 and a <= 0; what that reaches above its start, P(v,
-/// a), does not depend on q. A state is viable when
-///   |a| <= A,   q + P(v, a) <= q_max,   its speed on that way <= V,   and the same mirrored.
+/// With B the hardest braking downwards, a+ = max(a - T J, -A), the worst sequence for the upper
+/// bounds is H^n B H^n B ... until v <= 0 and a <= 0. Its rise above its start, P(v, a), does not
+/// depend on q. A state is viable when
+///   |a| <= A,   q + P(v, a) <= q_max,   speed along that sequence <= V,   and the same mirrored.
 /// Definitions, lemmas and proofs: src/reference/VIABILITY.md.
 ///
-/// From a viable state a jerk exists that leads to a viable one, whatever of up to n losses comes
-/// between, if upper and lower bounds never bind at once, for which it is enough that
-///   q_max - q_min >= P(0, A),   V >= what the worst way gathers from v = 0, a = A.
-/// Other bounds are refused. No smaller range is enough.
+/// From a viable state some jerk leads to a viable one, for any pattern of up to n consecutive
+/// losses, if upper and lower bounds never bind at once. For this it suffices that
+///   q_max - q_min >= P(0, A),   V >= velocity gained on the worst sequence from v = 0, a = A.
+/// Other bounds are rejected. No smaller range is enough.
 ///
-/// The bounds kept are a millionth inside the given ones, so that rounding, of ours or the robot's,
-/// never leads outside.
+/// The enforced bounds are a millionth inside the given ones, so that rounding, here or in the
+/// robot, never leads outside.
 ///
-/// Threads: constant after construction. Real-time: noexcept, allocates nothing; O(rounds), which
-/// is bounded by the bounds: 12 for a joint of the Panda and n = 19, 150 for n = 0.
+/// Threads: constant after construction. Real-time: noexcept, allocates nothing; O(rounds), with at
+/// most 12 rounds for a joint of the Panda and n = 19, 150 for n = 0.
 class ViableAxis {
  public:
   static constexpr int kMostLost = 100;
 
   /// @param lost  n, in [0, kMostLost]. @param name  of the joint, for messages.
-  /// @throws InputError for bounds that are not finite or positive, an n out of range, and where
-  /// the condition above is not met: says which, and what would be enough.
+  /// @throws InputError for bounds that are not finite or positive, an n out of range, or a
+  /// violation of the condition above; the text says which, and what would be enough.
   ViableAxis(const AxisBounds& bounds, int lost, std::string_view name);
 
   /// Whether the state is viable.
   [[nodiscard]] bool Contains(const AxisState& x) const noexcept TWIN_REALTIME;
 
-  /// The jerk nearest to the wished one that a command may have. From a state outside the set, by
-  /// rounding or because it was left otherwise, the jerk that brakes hardest towards it.
-  /// @param x  that the command answers. @param wish  rad/s^3; not finite: that of hardest braking
-  /// of the speed.
+  /// The admissible jerk nearest to the requested one. From a state outside the set, by rounding or
+  /// other causes: the jerk that brakes hardest towards it.
+  /// @param x  the answered state. @param wish  rad/s^3; not finite: hardest braking of the speed.
   [[nodiscard]] double Nearest(const AxisState& x, double wish) const noexcept TWIN_REALTIME;
 
-  /// The same for a command that has to do in each of several states. From a single one it is
-  /// Nearest(); of more, there may be none that does.
-  /// @param states  at least one. @param wish  jerk in the first of them, as is what is returned.
+  /// The same for a command that must be admissible in several states. A single state gives
+  /// Nearest(); several may have no common jerk, hence nullopt.
+  /// @param states  at least one. @param wish  jerk in the first state, like the result.
   [[nodiscard]] std::optional<double> NearestOfAll(std::span<const PossibleState> states,
                                                    double wish) const noexcept TWIN_REALTIME;
 
-  /// All such jerks. Costs some sixty times Contains(). Empty outside the set.
+  /// All admissible jerks. Costs about sixty times Contains(). Empty outside the set.
   [[nodiscard]] JerkRange Admissible(const AxisState& x) const noexcept TWIN_REALTIME;
 
-  /// How far inside the set: the least of what is left of each bound on the worst ways, as a share
-  /// of the bound (of the range, of the speed). Negative outside; zero on its border.
+  /// Distance to the border of the set: the smallest remainder of a bound on the worst sequences,
+  /// as a share of the bound (range or speed). Negative outside; zero on the border.
   [[nodiscard]] double Margin(const AxisState& x) const noexcept TWIN_REALTIME;
 
   /// f(x, jerk).
   [[nodiscard]] static AxisState Step(const AxisState& x, double jerk) noexcept TWIN_REALTIME;
-  /// Its inverse: the jerk that a command is from x, a position (rad) or a velocity (rad/s).
+  /// Its inverse: the jerk from x of a commanded position (rad) or velocity (rad/s).
   [[nodiscard]] static double JerkToPosition(const AxisState& x, double q_c) noexcept TWIN_REALTIME;
   [[nodiscard]] static double JerkToVelocity(const AxisState& x,
                                              double dq_c) noexcept TWIN_REALTIME;
 
   [[nodiscard]] int lost() const noexcept { return lost_; }
-  /// The bounds that are kept: a millionth inside those given.
+  /// The enforced bounds: a millionth inside the given ones.
   [[nodiscard]] const AxisBounds& kept() const noexcept { return kept_; }
-  /// How far a joint may go on from full speed and acceleration, P(V, A), rad.
+  /// Longest travel from full speed and acceleration, P(V, A), rad.
   [[nodiscard]] double longest_way() const noexcept { return longest_way_; }
-  /// The smallest range that is not refused, P(0, A), rad, between the bounds that are kept.
+  /// The smallest accepted range, P(0, A), rad, between the enforced bounds.
   [[nodiscard]] double least_range() const noexcept { return least_range_; }
 
  private:
-  /// What the worst way reaches above its start.
+  /// Reach of the worst sequence above its start.
   struct Reach {
     double q = 0;   ///< P, rad, >= 0
     double dq = 0;  ///< highest velocity, rad/s
@@ -126,7 +125,7 @@ class ViableAxis {
 
   int lost_;
   AxisBounds kept_;
-  int rounds_ = 0;  ///< of the worst way, at most
+  int rounds_ = 0;  ///< of the worst sequence, at most
   double longest_way_ = 0;
   double least_range_ = 0;
 };
