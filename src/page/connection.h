@@ -7,13 +7,13 @@
 
 namespace twin::page {
 
-/// What goes to a browser over the WebSocket.
+/// A message to a browser over the WebSocket.
 struct Frame {
   std::string bytes;
-  bool is_text = true;  ///< else a picture
+  bool is_text = true;  ///< false: a picture
 };
 
-/// Shared between the browsers it goes to.
+/// Shared by the browsers that receive it.
 using SharedFrame = std::shared_ptr<const Frame>;
 
 /// A browser at the other end of a WebSocket. Threads: the web server's.
@@ -27,7 +27,7 @@ class Connection {
   [[nodiscard]] virtual std::size_t waiting() const noexcept = 0;
   /// The client has sent the token: the connection is no longer dropped to make room. Call once.
   virtual void Authenticate() = 0;
-  /// Closes the connection in order, and ignores what still arrives.
+  /// Closes the connection gracefully and ignores further input.
   virtual void Close(std::string_view reason) = 0;
 };
 

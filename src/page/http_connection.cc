@@ -33,7 +33,7 @@ using Response = http::response<http::string_body>;
 
 constexpr std::uint32_t kLongestHeader = 8192;
 
-/// Nothing but our own files and sockets, in no frame of others.
+/// Permits only our own files and sockets, and forbids embedding in foreign frames.
 constexpr std::string_view kSecurityPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -63,7 +63,7 @@ Response FileResponse(const SiteFile& file) {
   return response;
 }
 
-/// What a request gets that is not for the WebSocket.
+/// The response to an HTTP request.
 Response Answer(const Request& request) {
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     Response response = PlainResponse(http::status::method_not_allowed, "GET and HEAD only\n");
@@ -76,7 +76,7 @@ Response Answer(const Request& request) {
   return FileResponse(*file);
 }
 
-/// A browser's WebSocket. It keeps itself while an operation goes on (Asio's idiom), hence the
+/// A browser's WebSocket. It owns itself during asynchronous operations (Asio's idiom), hence the
 /// shared_ptr.
 class Socket final : public Connection,
                      public Droppable,
@@ -120,7 +120,7 @@ class Socket final : public Connection,
   void Close(std::string_view reason) override {
     if (is_closing_) return;
     is_closing_ = true;
-    reason_ = reason.substr(0, 120);  // as long as a close frame takes
+    reason_ = reason.substr(0, 120);  // limit of a close frame
     if (queue_.empty()) SendClose();
   }
 
@@ -175,7 +175,7 @@ class Socket final : public Connection,
                         [self = shared_from_this()](error_code /*error*/) {});
   }
 
-  /// Without waiting for anything; what is under way ends with an error.
+  /// Does not wait; pending operations end with an error.
   void Drop() override {
     is_closing_ = true;
     entry_->Leave();
@@ -195,13 +195,13 @@ class Socket final : public Connection,
   const std::unique_ptr<PoolEntry> entry_;
   asio::steady_timer deadline_;
   beast::flat_buffer buffer_;
-  std::deque<SharedFrame> queue_;  ///< the first is going out
+  std::deque<SharedFrame> queue_;  ///< the first is being sent
   bool is_closing_ = false;
   std::string reason_;
 };
 
-/// A browser that asks for files, and becomes a Socket when it asks for that. Keeps itself as
-/// Socket does.
+/// A browser's HTTP connection; becomes a Socket on a WebSocket upgrade. Owns itself as Socket
+/// does.
 class Files final : public Droppable, public std::enable_shared_from_this<Files> {
  public:
   Files(asio::ip::tcp::socket socket, ConnectionPool& pool)
@@ -236,7 +236,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
     if (pool_.authenticated >= pool_.config.most_connections) {
       Reply(PlainResponse(http::status::service_unavailable, "Too many look on already\n"));
     } else if (request.count(http::field::host) != 1) {
-      // Of several, who stands between us and the browser may have looked at another one.
+      // With several headers, an intermediary may have checked another one than we do.
       Reply(PlainResponse(http::status::bad_request, "One header Host, no more and no less\n"));
     } else if (!IsOurHost(host, local_)) {
       Reply(PlainResponse(http::status::misdirected_request,
@@ -246,7 +246,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
     } else if (!IsOurOrigin(ViewOf(request[http::field::origin]), host)) {
       Reply(PlainResponse(http::status::forbidden, "Only our own page may open this WebSocket\n"));
     } else {
-      stream_.expires_never();  // the WebSocket has time limits of its own
+      stream_.expires_never();  // the WebSocket has its own timeouts
       std::make_shared<Socket>(std::move(stream_), pool_, std::move(entry_))->Start(request);
     }
   }
@@ -273,7 +273,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
   beast::tcp_stream stream_;
   ConnectionPool& pool_;
   const fci::Endpoint local_;
-  std::unique_ptr<PoolEntry> entry_;  ///< null once it is a Socket's
+  std::unique_ptr<PoolEntry> entry_;  ///< null once passed to a Socket
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   Response response_;

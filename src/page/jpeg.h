@@ -6,10 +6,10 @@
 
 namespace twin::page {
 
-/// Pictures as JPEG, by libjpeg-turbo; colour at half the resolution. Threads: one.
+/// Encodes pictures as JPEG with libjpeg-turbo, chroma at half the resolution. Threads: one.
 class JpegEncoder {
  public:
-  /// @param quality  in [1, 100]. @throws EnvironmentError when the library gives no encoder.
+  /// @param quality  in [1, 100]. @throws EnvironmentError if the library gives no encoder.
   explicit JpegEncoder(int quality);
   ~JpegEncoder();
   JpegEncoder(const JpegEncoder&) = delete;

@@ -20,7 +20,7 @@ constexpr int kMostRate_hz = 25;
 constexpr Duration kPeriod = Duration(std::chrono::seconds(1)) / kMostRate_hz;
 constexpr int kQuality = 80;
 constexpr Duration kLookAgain = std::chrono::milliseconds(5);
-/// A scene that does not change is drawn again after this, for who has come since.
+/// Period of redrawing an unchanged scene, for new clients.
 constexpr Duration kStandingAgain = std::chrono::milliseconds(500);
 
 render::FilmSettings SettingsOf(const render::View& view) {
@@ -29,7 +29,7 @@ render::FilmSettings SettingsOf(const render::View& view) {
   return settings;
 }
 
-/// One view of a scene that is always the newest.
+/// Draws one view of the newest scene.
 class LivePainter {
  public:
   LivePainter(const mjModel_& model, const rt::SceneRecord& scene, const render::View& view)
@@ -48,7 +48,7 @@ class LivePainter {
     return snapshots;
   }
 
-  render::Snapshots snapshots_;  ///< painter_ refers to it
+  render::Snapshots snapshots_;  ///< referenced by painter_
   render::FramePainter painter_;
 };
 
@@ -67,7 +67,7 @@ void LiveCamera::Choose(std::size_t view) noexcept {
 
 void LiveCamera::Run(const std::stop_token& stop) {
   try {
-    // Nothing here is refused: to yield more is anybody's right.
+    // Cannot fail: any thread may raise its nice value.
     static_cast<void>(
         rt::SetUpThisThread({.name = "twin-camera", .nice = 10, .lock_memory = false}));
     Draw(stop);

@@ -17,30 +17,31 @@ struct mjModel_;
 
 namespace twin::page {
 
-/// Draws the newest scene, as long as somebody waits for a picture, at most 25 times a second: 640
-/// x 480, JPEG. On a thread that yields to all others (nice 10; those that Mesa starts are the
-/// same), since it would take whole processors.
+/// Draws the newest scene while a picture is wanted, at most 25 times per second: 640 x 480, JPEG.
+/// Its thread and those that Mesa starts yield to all others (nice 10), since drawing would occupy
+/// whole processors.
 ///
 /// Threads: constructed and destroyed by one; Choose() and Want() from any. Not real-time.
 class LiveCamera {
  public:
-  /// A picture's bytes; or why there is none, for people. Called on the camera's thread.
+  /// Receives a picture's bytes, or the reason for a failure, for users. Called on the camera's
+  /// thread.
   struct Calls {
     std::function<void(std::string)> picture;
     std::function<void(std::string)> failure;
   };
 
-  /// @param model, scenes  must outlive this. The camera is the scenes' only consumer.
+  /// @param model, scenes  must outlive this object. The camera is the scenes' only consumer.
   /// @pre views is not empty.
   LiveCamera(const mjModel_& model, rt::LatestValue<rt::SceneRecord>& scenes,
              std::vector<NamedView> views, Calls calls);
 
-  /// @param view  its place in the list; others have no effect.
+  /// @param view  index in the list; other values have no effect.
   void Choose(std::size_t view) noexcept;
   [[nodiscard]] std::size_t chosen() const noexcept {
     return chosen_.load(std::memory_order_relaxed);
   }
-  /// Whether a picture is waited for.
+  /// Sets whether a picture is wanted.
   void Want(bool picture) noexcept { wanted_.store(picture, std::memory_order_relaxed); }
 
  private:
@@ -52,7 +53,7 @@ class LiveCamera {
   const std::vector<NamedView> views_;
   const Calls calls_;
   const MonotonicClock clock_;
-  // Relaxed: each is all that is told.
+  // Relaxed: each publishes no other data.
   std::atomic<std::size_t> chosen_{0};
   std::atomic<bool> wanted_{false};
   std::jthread thread_;

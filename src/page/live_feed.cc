@@ -9,7 +9,7 @@ namespace twin::page {
 namespace {
 
 constexpr Duration kViewPeriod = std::chrono::milliseconds(17);
-/// A run that fell behind (the machine was busy) does not hurry to make up for more than that.
+/// Largest lag that a run makes up for after the machine was busy.
 constexpr Duration kMostHurry = std::chrono::milliseconds(100);
 
 void Fill(const rt::CycleRecord& record, std::uint64_t served, std::uint64_t held, ArmView& view) {

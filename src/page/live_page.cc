@@ -25,7 +25,7 @@
 namespace twin::page {
 namespace {
 
-/// Until those who look have heard that the run is over.
+/// Timeout for telling the clients that the run has ended.
 constexpr Duration kFarewell = std::chrono::seconds(1);
 
 std::string WelcomeOf(const PageSettings& settings, const PageScene& scene) {
@@ -145,7 +145,7 @@ class LivePage::Impl {
   const MonotonicClock clock_;
   const std::string token_;
   OperatorChannel& channel_;
-  Status status_;  ///< this and the following: the server's thread's, once it runs
+  Status status_;  ///< from here on owned by the server's thread, once it runs
   OperatorServer operator_server_;
   WebServer server_;
   std::optional<LiveCamera> camera_;  ///< set before the server runs

@@ -9,11 +9,11 @@
 
 #include "twin/core/joint_vector.h"
 
-// What a browser may say over the WebSocket, a JSON object each; src/page/README.md has the table.
-// It comes from the network: whatever is not exactly one of these is none.
+// Messages from a browser over the WebSocket, one JSON object each; src/page/README.md has the
+// table. The source is untrusted: anything else is rejected.
 namespace twin::page::message {
 
-/// Must come first.
+/// Must be the first message.
 struct Hello {
   std::string token;
 };
@@ -21,11 +21,11 @@ struct Hello {
 struct TakeControl {};
 struct GiveControlBack {};
 
-/// What the operator's hands do, some thirty times a second; also the heartbeat.
+/// The operator's input, about thirty times per second; also the heartbeat.
 struct Hands {
   Vector6 axes{};       ///< in [-1, 1], as teleop::OperatorSample
   bool engaged = true;  ///< clutch
-  double sent_ms = 0;   ///< on the browser's clock; given back, so that it knows the round trip
+  double sent_ms = 0;   ///< on the browser's clock; echoed, so that it can measure the round trip
 };
 
 enum class Button : std::uint8_t { kMode, kGripper, kFrame, kScale, kRelease, kEnd };
@@ -34,14 +34,14 @@ struct Press {
   Button button = Button::kMode;
 };
 
-/// Emergency stop; anybody's to say.
+/// Emergency stop; any client may send it.
 struct Stop {};
 
 struct ChooseCamera {
   std::size_t number = 0;
 };
 
-/// The last picture has been shown: the next may come.
+/// The last picture has been displayed: the next may be sent.
 struct PictureShown {};
 
 struct Ping {
@@ -60,11 +60,11 @@ using Message = std::variant<message::Hello, message::TakeControl, message::Give
                              message::Hands, message::Press, message::Stop, message::ChooseCamera,
                              message::PictureShown, message::Ping, message::Record>;
 
-/// @returns nothing when the text is no message. Axes beyond [-1, 1] are cut to it; a number that
-/// is not finite makes it no message.
+/// @returns nullopt if the text is not a message, or a number is not finite. Axes are clamped to
+/// [-1, 1].
 [[nodiscard]] std::optional<Message> ParseMessage(std::string_view text);
 
-/// `text` in JSON's quotes; bytes that are no UTF-8 are replaced.
+/// `text` as a JSON string; invalid UTF-8 is replaced.
 [[nodiscard]] std::string Quoted(std::string_view text);
 
 }  // namespace twin::page

@@ -12,7 +12,7 @@
 namespace twin::page {
 namespace {
 
-/// So many frames may wait for a connection before states and pictures are left out.
+/// Queue length at which states and pictures are skipped for a connection.
 constexpr std::size_t kBehind = 4;
 
 SharedFrame TextParcel(std::string text) {
@@ -137,7 +137,7 @@ void OperatorServer::Handle(Client& client, const message::GiveControlBack& /*ba
 }
 
 void OperatorServer::Handle(Client& client, const message::Hands& hands) {
-  if (!IsOperator(client)) return;  // a last one, after control was taken away, is no breach
+  if (!IsOperator(client)) return;  // a late message after losing control is legal
   heard_ = clock_.Now();
   Publish(hands.axes, hands.engaged, hands.sent_ms);
 }

@@ -18,45 +18,45 @@
 
 namespace twin::page {
 
-/// What clients are told, and what they may do.
+/// Configuration of the operator server.
 struct OperatorServerConfig {
-  std::string token;    ///< that each must know
-  std::string welcome;  ///< members of a JSON object: what does not change
-  /// Why nobody may operate here, for people; empty: one may.
+  std::string token;    ///< required of each client
+  std::string welcome;  ///< members of a JSON object: constant data
+  /// Reason why operation is disabled, for users; empty: enabled.
   std::string watch_only{};
-  Duration hello_timeout = std::chrono::seconds(5);  ///< until the token came
-  Duration silence = std::chrono::seconds(2);        ///< after which control is taken away
+  Duration hello_timeout = std::chrono::seconds(5);  ///< for the token
+  Duration silence = std::chrono::seconds(2);        ///< after which the operator loses control
   Duration state_period = std::chrono::milliseconds(40);
 };
 
 /// Callbacks of the operator server, called on its thread. Those marked optional may be empty.
 struct OperatorServerCallbacks {
-  std::function<std::string()> status;  ///< members of a JSON object: what is now
-  /// An operator took control, or gave it back. Where this is set, the session's end is
-  /// pressed after the latter. Or empty.
+  std::function<std::string()> status;  ///< members of a JSON object: current data
+  /// An operator took control or lost it. If set, the session's end is pressed when control is
+  /// lost. Optional.
   std::function<void(bool)> control{};
-  std::function<void()> release{};  ///< of an emergency stop, beside the device's; or empty
-  std::function<void()> stop{};     ///< emergency stop, beside the device's; or empty
-  std::function<void(std::size_t)> choose_camera{};  ///< or empty
-  std::function<void(bool)> watched{};               ///< whether a picture is wanted now; or empty
-  /// Each sample, as it goes to the device; or empty.
+  std::function<void()> release{};  ///< of an emergency stop, in addition to the device's; optional
+  std::function<void()> stop{};     ///< emergency stop, in addition to the device's; optional
+  std::function<void(std::size_t)> choose_camera{};  ///< optional
+  std::function<void(bool)> watched{};               ///< true while a picture is wanted; optional
+  /// Receives each sample, as sent to the device; optional.
   std::function<void(const teleop::OperatorSample&)> sample{};
-  /// Begins or ends a recording of what the operator does. @returns a line for people. Or empty:
-  /// that cannot be.
+  /// Starts or ends a recording of the operator's input. @returns a line for users. Empty: not
+  /// available.
   std::function<std::string(bool)> record{};
 };
 
 /// Serves the operator's page: authenticates clients by the token, gives control to one of them at
 /// a time, turns that client's input into samples, and broadcasts the state. Any client may stop.
 ///
-/// Control: given to the first who asks while nobody has it; gone when it is given back, when the
-/// connection is, and when no hands came for `silence`. Hands are the heartbeat: between them and
-/// that, whoever reads the samples finds them too old, and holds.
+/// Control goes to the first client that asks while it is free. It ends when the client returns it,
+/// disconnects, or sends no input for `silence`. Input is the heartbeat: between its loss and
+/// `silence`, the reader finds the samples too old and holds.
 ///
 /// Threads: the web server's.
 class OperatorServer final : public ConnectionListener {
  public:
-  /// @param channel, clock  must outlive this.
+  /// @param channel, clock  must outlive this object.
   OperatorServer(OperatorServerConfig config, OperatorServerCallbacks calls,
                  OperatorChannel& channel, const Clock& clock);
 
@@ -67,11 +67,11 @@ class OperatorServer final : public ConnectionListener {
 
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
 
-  /// Sends it to the clients that have shown the last one.
+  /// Sends the picture to the clients that have displayed the last one.
   void OnPicture(const SharedFrame& picture);
   /// Sends a line to all clients, and to those that connect later.
   void Tell(Time at, std::string_view kind, std::string_view text);
-  /// The run is over: tells all clients, and disconnects them.
+  /// The run has ended: tells all clients and disconnects them.
   void End(std::string_view text);
 
  private:
@@ -80,7 +80,7 @@ class OperatorServer final : public ConnectionListener {
     std::uint64_t number = 0;  ///< from 1
     Time came{};
     bool is_authenticated = false;  ///< has sent the token
-    bool awaits_picture = false;    ///< has shown the last one
+    bool awaits_picture = false;    ///< has displayed the last picture
   };
 
   void Handle(Client& client, const message::Hello& hello);
@@ -96,7 +96,7 @@ class OperatorServer final : public ConnectionListener {
 
   [[nodiscard]] Client* Find(const Connection& connection);
   [[nodiscard]] bool IsOperator(const Client& client) const { return operator_ == client.number; }
-  /// Ends the control, with all inputs at zero.
+  /// Ends the operator's control with all inputs at zero.
   void EndControl(std::string_view why);
   void Publish(const Vector6& axes, bool engaged, double sent_ms);
   void SendState();
@@ -104,7 +104,7 @@ class OperatorServer final : public ConnectionListener {
   [[nodiscard]] std::string StateText();
   [[nodiscard]] std::string TeleopText();
 
-  static constexpr std::size_t kEchoes = 256;  ///< a power of two: of samples under way
+  static constexpr std::size_t kEchoes = 256;  ///< a power of two; samples whose echo is pending
   static constexpr std::size_t kMostEvents = 30;
 
   const OperatorServerConfig config_;
@@ -114,10 +114,10 @@ class OperatorServer final : public ConnectionListener {
   std::vector<Client> clients_;
   std::uint64_t clients_so_far_ = 0;
   std::uint64_t operator_ = 0;  ///< number of the client in control; 0: none
-  Time heard_{};                ///< the operator, last
+  Time heard_{};                ///< time of the operator's last input
   teleop::OperatorSample sample_;
-  std::array<double, kEchoes> sent_ms_{};  ///< by the samples' sequence
-  std::deque<std::string> events_;         ///< as sent, the last
+  std::array<double, kEchoes> sent_ms_{};  ///< indexed by the samples' sequence
+  std::deque<std::string> events_;         ///< the last ones, as sent
   Time next_state_{};
 };
 

@@ -6,20 +6,20 @@
 
 #include "twin/fci/sockets.h"
 
-// Who is let in. A browser opens WebSockets to this machine for any page that asks, so three things
-// are looked at: that the browser believes it talks to us (Host), that the page which asks is ours
-// (Origin), and that whoever opened it was told the token.
+// Access control. A browser opens WebSockets to this machine for any page, so three things are
+// checked: the browser addresses this server (Host), the requesting page is ours (Origin), and the
+// client knows the token.
 namespace twin::page {
 
-/// Letters of a token (core/secret.h): 128 bits.
+/// Characters of a token (core/secret.h): 128 bits.
 inline constexpr std::size_t kTokenLetters = 32;
 
-/// Whether a request's header Host names this end of its connection: its address, or "localhost"
-/// where that is a loopback's, and its port (which may be left out when it is 80). A name that
-/// resolves to us is not ours: some other site's pages may have it.
+/// True if a request's Host header names this end of its connection: its address, or "localhost"
+/// for loopback, and its port (optional if 80). Other names are refused even if they resolve to
+/// this machine: another site's pages may use them.
 [[nodiscard]] bool IsOurHost(std::string_view host, const fci::Endpoint& local);
 
-/// Whether the page that asks was loaded from `host`: "http://" and the same.
+/// True if the requesting page was loaded from `host`: "http://" and the same host.
 [[nodiscard]] bool IsOurOrigin(std::string_view origin, std::string_view host);
 
 }  // namespace twin::page

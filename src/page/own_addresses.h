@@ -5,8 +5,8 @@
 
 namespace twin::page {
 
-/// IPv4 addresses under which a browser finds what listens at `bound`: itself, or, when it is
-/// 0.0.0.0, all of this machine's as they are now, loopback last. Threads: any.
+/// IPv4 addresses at which a browser reaches a server bound to `bound`: itself, or for 0.0.0.0 all
+/// current addresses of this machine, loopback last. Threads: any.
 [[nodiscard]] std::vector<std::uint32_t> AddressesOf(std::uint32_t bound);
 
 }  // namespace twin::page

@@ -5,14 +5,14 @@
 
 namespace twin::page {
 
-/// A file of the operator's page, within the program.
+/// A file of the operator's page, compiled into the program.
 struct SiteFile {
-  std::string_view path;  ///< as it is asked for: "/page.js"
-  std::string_view type;  ///< as HTTP names it
+  std::string_view path;  ///< in requests: "/page.js"
+  std::string_view type;  ///< MIME type
   std::string_view text;
 };
 
-/// All of them; src/page/site holds what they are made of. The first is the page.
+/// All files, generated from src/page/site. The first is the page.
 [[nodiscard]] std::span<const SiteFile> Site() noexcept;
 
 }  // namespace twin::page

@@ -15,7 +15,7 @@
 namespace twin::page {
 namespace {
 
-/// JSON knows no number that is not finite.
+/// JSON cannot represent numbers that are not finite.
 template <typename Values>
 std::string Numbers(const Values& values) {
   std::string text;
@@ -38,7 +38,7 @@ std::optional<reference::ViabilityFilter> FilterOf(const JointLimits& limits) {
   try {
     return reference::ViabilityFilter(limits);
   } catch (const InputError&) {
-    return {};  // limits too narrow for it: the page shows no margin
+    return {};  // the limits permit no filter: the page shows no margin
   }
 }
 
@@ -90,7 +90,7 @@ std::string Status::HandText() {
     const HandState state = hand_->ReadState();
     return fmt::format(R"({{"width":{:.4f},"is_grasped":{}}})", state.width, state.is_grasped);
   } catch (const RobotFault&) {
-    hand_ = nullptr;  // it does not answer: it is not asked again
+    hand_ = nullptr;  // the hand does not answer: stop asking
     return "null";
   }
 }

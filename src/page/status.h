@@ -11,20 +11,20 @@
 
 namespace twin::page {
 
-/// What is now, as the members of a JSON object: arm, base, hand, camera.
+/// Current data as the members of a JSON object: arm, base, hand, camera.
 ///
-/// The margin is reference::ViabilityFilter's, of the arm's reference q_d and with the losses the
-/// robot bridges, whether or not the run uses the filter. None while torques are commanded.
+/// The margin is reference::ViabilityFilter's for the arm's reference q_d with the losses that the
+/// robot bridges, whether or not the run uses the filter. No margin under torque control.
 ///
 /// Threads: one.
 class Status {
  public:
-  /// @param scene, arm  what is pointed to must outlive this.
+  /// @param scene, arm  must outlive this object, with all that they point to.
   Status(const JointLimits& limits, const PageScene& scene, rt::LatestValue<ArmView>& arm);
 
   void SetNoPicture(std::string why) { no_picture_ = std::move(why); }
 
-  /// @param camera  that is looked through.
+  /// @param camera  the selected one.
   [[nodiscard]] std::string Text(std::size_t camera);
 
  private:
@@ -32,7 +32,7 @@ class Status {
   [[nodiscard]] std::string BaseText() const;
   [[nodiscard]] std::string HandText();
 
-  std::optional<reference::ViabilityFilter> filter_;  ///< absent: of these limits there is none
+  std::optional<reference::ViabilityFilter> filter_;  ///< nullopt: these limits permit no filter
   const backend::Hand* hand_;
   rt::LatestValue<ArmView>& arm_;
   std::string no_picture_;

@@ -55,7 +55,7 @@ class WebServer::Impl {
   void Accept() {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (!error) Admit(std::move(socket));
-      // No more files can be opened, or the like: again with the next tick, not at once.
+      // On errors such as exhausted descriptors, retry at the next tick.
       is_accepting_ = !error;
       if (!error) Accept();
     });
@@ -86,7 +86,7 @@ class WebServer::Impl {
   }
 
   const WebConfig config_;
-  ConnectionPool pool_;  ///< outlives the work of context_
+  ConnectionPool pool_;  ///< must outlive the work of context_
   asio::io_context context_{1};
   tcp::acceptor acceptor_;
   asio::steady_timer timer_;

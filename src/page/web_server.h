@@ -12,28 +12,29 @@
 
 namespace twin::page {
 
-/// Where the page is, for whom, and what one of them may cost.
+/// Address, permitted clients and resource limits of the server.
 struct WebConfig {
-  fci::Endpoint at{.address = 0x7f000001, .port = 8080};  ///< port 0: any free one
-  std::optional<fci::Network> allow{};  ///< who may come from elsewhere; absent: nobody
-  /// That have shown the token: a further one is told so (HTTP 503) and ended. Of as many that have
-  /// not, the oldest makes room for a further one.
+  fci::Endpoint at{.address = 0x7f000001, .port = 8080};  ///< port 0: any free port
+  std::optional<fci::Network>
+      allow{};  ///< remote network that may connect; absent: this machine only
+  /// Limit of connections with the token; further ones get HTTP 503. The same limit holds for
+  /// connections without it; there the oldest is dropped.
   std::size_t most_connections = 100;
-  std::size_t longest_message = 4096;          ///< bytes; a longer one ends its connection
-  std::size_t most_waiting = 64;               ///< frames; with more a connection is dropped
-  Duration timeout = std::chrono::seconds(5);  ///< for a request, and for a frame to go out
+  std::size_t longest_message = 4096;          ///< bytes; a longer message ends its connection
+  std::size_t most_waiting = 64;               ///< frames; a longer queue drops its connection
+  Duration timeout = std::chrono::seconds(5);  ///< for a request, and for sending a frame
   Duration tick = std::chrono::milliseconds(20);
 };
 
-/// Serves the page's files over HTTP and its WebSocket at /ws (Boost.Beast). What is not to be:
-/// requests that do not name this machine as Host, WebSockets that pages from elsewhere ask for,
-/// malformed requests and frames end their own connection and nothing else.
+/// Serves the page's files over HTTP and its WebSocket at /ws (Boost.Beast). A request with another
+/// Host, a WebSocket from a foreign page, and a malformed request or frame each end their own
+/// connection only.
 ///
 /// Threads: constructed and run by one; Stop() and Post() from any. Not real-time.
 class WebServer {
  public:
-  /// Listens from now on. @param listener  must outlive Run().
-  /// @throws EnvironmentError when the port cannot be opened: which, why, and what to do.
+  /// Listens from construction. @param listener  must outlive Run().
+  /// @throws EnvironmentError naming port, reason and cure if the port cannot be opened.
   WebServer(const WebConfig& config, ConnectionListener& listener);
   ~WebServer();
   WebServer(const WebServer&) = delete;
@@ -44,7 +45,7 @@ class WebServer {
   /// Serves until Stop(), then closes all connections.
   void Run();
   void Stop();
-  /// Has `call` run on the thread of Run(), soon.
+  /// Schedules `call` on the thread of Run().
   void Post(std::function<void()> call);
 
  private:

@@ -16,7 +16,7 @@ constexpr std::array kLinks = {"panda_link0", "panda_link1", "panda_link2", "pan
                                "panda_link4", "panda_link5", "panda_link6", "panda_link7",
                                "panda_link8", "panda_hand"};
 
-/// Of all links but the base and the hand.
+/// Frames of all links except the base and the hand.
 constexpr std::array kFrames = {model::Frame::kJoint1, model::Frame::kJoint2, model::Frame::kJoint3,
                                 model::Frame::kJoint4, model::Frame::kJoint5, model::Frame::kJoint6,
                                 model::Frame::kJoint7, model::Frame::kFlange};
@@ -26,8 +26,8 @@ constexpr double kCos45 = std::numbers::sqrt2 / 2;
 constexpr Transform kFlangeToHand{kCos45, -kCos45, 0, 0, kCos45, kCos45, 0, 0,
                                   0,      0,       1, 0, 0,      0,      0, 1};
 
-/// Unit quaternion of a rotation, w not negative: from the largest of its four components, so that
-/// nothing small is divided by. Source: Shepperd, "Quaternion from rotation matrix", 1978.
+/// Unit quaternion of a rotation, w not negative. Computed from its largest component, which avoids
+/// division by small numbers. Source: Shepperd, "Quaternion from rotation matrix", 1978.
 void SetRotation(const Transform& X, foxglove::Quaternion& out) {
   const auto R = [&X](std::size_t row, std::size_t column) { return X[4 * column + row]; };
   const double trace = R(0, 0) + R(1, 1) + R(2, 2);

@@ -9,12 +9,13 @@
 
 namespace twin::record {
 
-/// The arm's frames over time as a message that viewers read: a tree from panda_link0, the base,
-/// over panda_link1 .. panda_link8, the flange, to panda_hand, named as the links of
-/// models/robots/panda/panda.urdf and hand.urdf. panda_hand is where a Franka Hand is, or would be.
+/// The arm's frames over time as messages for viewers: a chain from panda_link0, the base, over
+/// panda_link1 .. panda_link8, the flange, to panda_hand, named as the links of
+/// models/robots/panda/panda.urdf and hand.urdf. panda_hand is the mounting pose of a Franka Hand,
+/// even without one.
 ///
-/// One message every 20 ms of the run's time: at the first cycle in each such span, so that
-/// skipped cycles shift nothing.
+/// One message per 20 ms of run time, at the first cycle in each interval, so that skipped cycles
+/// cause no drift.
 ///
 /// Threads: one thread. Real-time: no.
 class ArmFrames {
@@ -23,15 +24,15 @@ class ArmFrames {
 
   ArmFrames();
 
-  /// @param at  of a cycle. @param q  measured there, rad.
-  /// @returns the message, valid until the next call; null when none is due, or q is not finite.
+  /// @param at  time of a cycle. @param q  measured there, rad.
+  /// @returns the message, valid until the next call; null if none is due or q is not finite.
   [[nodiscard]] const foxglove::FrameTransforms* Next(Time at, const JointVector& q);
 
  private:
   void AddFrame(const char* parent, const char* child);
 
   foxglove::FrameTransforms message_;
-  std::optional<std::int64_t> last_;  ///< number of the span whose message has been given
+  std::optional<std::int64_t> last_;  ///< index of the last interval with a message
 };
 
 }  // namespace twin::record

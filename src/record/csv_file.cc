@@ -3,7 +3,7 @@
 namespace twin::record {
 namespace {
 
-/// Text gathered between two writes.
+/// Buffer size between two writes.
 constexpr std::size_t kBufferBytes = 1 << 18;
 
 }  // namespace

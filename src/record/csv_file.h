@@ -12,20 +12,20 @@
 
 namespace twin::record {
 
-/// A CSV file being written, `.partial` until Commit() and removed when that is never reached.
+/// A CSV file being written: `.partial` until Commit(), removed without it.
 ///
 /// Threads: one thread. Real-time: no. Errors: those of PartialFile.
 class CsvFile {
  public:
   explicit CsvFile(const std::filesystem::path& path);
 
-  /// Appends a field of the row.
+  /// Appends a field to the row.
   template <class Number>
   void Add(Number value) {
     Separate();
     buffer_ += fmt::format("{}", value);
   }
-  /// Text is quoted where it must be.
+  /// Quotes text where necessary.
   void Add(std::string_view text);
   /// `name[0]`, `name[1]` ...
   void AddNames(std::string_view name, std::size_t size);

@@ -73,7 +73,7 @@ void AddVectors(CsvFile& csv, const Table& table, const Record& record) {
   for (const auto& field : table) csv.AddValues(field.values(record));
 }
 
-/// The files of one export.
+/// All files of one export.
 class CsvFiles {
  public:
   explicit CsvFiles(const std::filesystem::path& folder)
@@ -173,7 +173,7 @@ class CsvFiles {
     configs_.EndRow();
   }
 
-  /// The file is made when there is a mobile base.
+  /// Creates the file on the first record of a mobile base.
   void AddBase(Time at, const BaseState& base) {
     if (!base_) {
       base_.emplace(base_path_);

@@ -12,15 +12,15 @@
 
 namespace twin::record {
 
-/// Takes datagrams and TCP bytes out of IPv4 packets that nobody vouches for: puts fragments
-/// together, leaves repeated TCP bytes out. Anything else is no packet for it.
+/// Extracts datagrams and TCP bytes from untrusted IPv4 packets: reassembles fragments, skips
+/// repeated TCP bytes and all other packets.
 ///
-/// What it keeps is bounded: the fragments of the last kUnfinished datagrams, one sequence number
-/// for each of the last kStreams directions.
+/// Memory is bounded: the fragments of the last kUnfinished datagrams, and one sequence number for
+/// each of the last kStreams directions.
 class IpPackets {
  public:
-  /// @param ip  from the first byte of IPv4's head. @returns the packet; its bytes are those of
-  /// `ip`, or kept here until the next call. Nothing: unfinished, repeated, empty, or none of ours.
+  /// @param ip  starts with the IPv4 header. @returns the packet, with its bytes in `ip` or kept
+  /// here until the next call; nullopt if it is incomplete, repeated, empty or of another kind.
   [[nodiscard]] std::optional<Packet> Take(Time at, std::span<const std::byte> ip);
 
   /// Packets that were not UDP or TCP over IPv4, or damaged.

@@ -9,7 +9,7 @@
 
 namespace twin::record {
 
-/// Whether two states agree, bit by bit, in what topic /robot/config carries.
+/// True if two states agree bit by bit in the fields of topic /robot/config.
 [[nodiscard]] inline bool SameConfig(const RobotState& a, const RobotState& b) {
   for (const auto& field : kConfigFields) {
     const auto values = field.values(a);

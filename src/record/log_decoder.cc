@@ -9,7 +9,7 @@
 namespace twin::record {
 namespace {
 
-/// Far above any message of ours (about 2 kB).
+/// Far above our largest message (about 2 kB).
 constexpr std::size_t kMaxMessageBytes = std::size_t{64} * 1024;
 
 template <class Message>
@@ -44,7 +44,7 @@ void DecodeVectors(const Table& table, Message& message, Record& record) {
   }
 }
 
-/// @returns `count`, which is at most `most`.
+/// @returns `count`. @throws InputError if it exceeds `most`.
 std::uint32_t DecodeCount(std::string_view name, int count, std::size_t most) {
   if (static_cast<std::size_t>(count) > most) {
     throw InputError(fmt::format("{} are {}; at most {} are accepted", name, count, most));
@@ -52,7 +52,7 @@ std::uint32_t DecodeCount(std::string_view name, int count, std::size_t most) {
   return static_cast<std::uint32_t>(count);
 }
 
-/// @returns `bits`, of which there is one for each joint.
+/// @returns `bits`, one per joint.
 std::uint8_t DecodeJoints(std::string_view name, std::uint32_t bits) {
   constexpr std::uint32_t kAll = (1U << kJoints) - 1;
   if (bits > kAll) {
@@ -85,7 +85,7 @@ std::vector<Vector3> DecodePoints(const Doubles& from) {
   return points;
 }
 
-/// @returns the enumerator of ours with the number that the message holds.
+/// @returns our enumerator with the message's number.
 template <class Enum>
 Enum DecodeEnum(const char* field, int value, bool valid) {
   if (!valid) throw InputError(fmt::format("{} has the unknown value {}", field, value));

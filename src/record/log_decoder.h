@@ -13,13 +13,13 @@
 
 namespace twin::record {
 
-/// Turns the messages of log.proto back into records. Nobody vouches for their bytes: lengths,
-/// enumerators and ranges are checked, and what does not fit is an InputError naming the field.
+/// Decodes messages of log.proto into records. The bytes are untrusted: lengths, enumerators and
+/// ranges are checked; a bad value is an InputError naming the field.
 ///
 /// Threads: one thread. Real-time: no.
 class LogDecoder {
  public:
-  /// Keeps the configuration; it goes into the states of the cycles that follow.
+  /// Stores the configuration for the states of the following cycles.
   void TakeConfig(std::span<const std::byte> data);
   void Decode(std::span<const std::byte> data, rt::CycleRecord& record);
   void Decode(std::span<const std::byte> data, rt::TickRecord& record);
@@ -28,7 +28,7 @@ class LogDecoder {
   void Decode(std::span<const std::byte> data, PlanRecord& record);
 
  private:
-  RobotState config_;  ///< default but for the configuration
+  RobotState config_;  ///< default except for the configuration
   pb::Cycle cycle_;
   pb::Config config_message_;
   pb::Tick tick_;

@@ -16,7 +16,7 @@
 namespace twin::record {
 namespace {
 
-/// Whether all bits are zero: -0.0 counts as a value.
+/// True if all bits are zero; -0.0 counts as a value.
 bool AllZero(std::span<const double> values) {
   std::uint64_t bits = 0;
   for (const double value : values) bits |= std::bit_cast<std::uint64_t>(value);
@@ -72,7 +72,7 @@ void Encode(const RobotCommand& command, pb::Command& message) {
   EncodeVectors(kCommandFields, command, message);
 }
 
-/// Adds a file after all that it imports, each once: so that the set can be read front to back.
+/// Adds a file after its imports, each once, so that the set can be read front to back.
 void AddWithImports(const google::protobuf::FileDescriptor& file,
                     google::protobuf::FileDescriptorSet& files) {
   for (int i = 0; i < file.dependency_count(); ++i) AddWithImports(*file.dependency(i), files);
@@ -82,7 +82,7 @@ void AddWithImports(const google::protobuf::FileDescriptor& file,
   file.CopyTo(files.add_file());
 }
 
-/// Schema and channel of one message type.
+/// Registers schema and channel of one message type.
 template <class Message>
 std::uint16_t AddChannel(McapWriter& writer, std::string_view topic) {
   google::protobuf::FileDescriptorSet files;

@@ -13,8 +13,8 @@
 
 namespace twin::record {
 
-/// Turns records into the messages of log.proto and foxglove.proto and adds them to an MCAP file.
-/// Messages are reused, so that nothing is allocated per record.
+/// Encodes records as messages of log.proto and foxglove.proto and adds them to an MCAP file.
+/// Messages are reused, so that no record allocates.
 ///
 /// Threads: one thread. Real-time: no. Errors: those of McapWriter.
 class LogEncoder {
@@ -22,14 +22,13 @@ class LogEncoder {
   /// Adds schemas, channels, metadata and the scenario. @param writer  must outlive the encoder.
   LogEncoder(McapWriter& writer, const RunInfo& run);
 
-  /// Adds the cycle, before it the configuration when that is new, and after it the arm's frames
-  /// when they are due.
+  /// Adds the cycle, preceded by a changed configuration and followed by the arm's frames if due.
   void Add(const rt::CycleRecord& record);
   void Add(const rt::TickRecord& record);
   /// Bytes that are not UTF-8 become '?'.
   void Add(Time at, std::string_view kind, std::string_view text);
   void Add(const rt::SceneRecord& record);
-  /// Texts as an event's. @pre at most PlanRecord::kMostPoints points.
+  /// Texts as in events. @pre at most PlanRecord::kMostPoints points.
   void Add(const PlanRecord& record);
 
  private:
@@ -46,7 +45,7 @@ class LogEncoder {
   std::uint16_t scene_channel_ = 0;
   std::uint16_t plan_channel_ = 0;
   bool has_config_ = false;
-  RobotState config_;  ///< whose configuration was written last
+  RobotState config_;  ///< the last written configuration
   pb::Cycle cycle_;
   pb::Config config_message_;
   pb::Tick tick_;

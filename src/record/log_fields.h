@@ -16,7 +16,7 @@ namespace twin::record {
 /// Messages of the log, generated from log.proto.
 namespace pb = ::panda_twin;
 
-/// A fixed-size vector of a record and the repeated field of the message that carries it.
+/// A fixed-size vector of a record, with the repeated field that carries it in the message.
 template <class Record, class Message>
 struct VectorField {
   std::string_view name;
@@ -25,7 +25,7 @@ struct VectorField {
   google::protobuf::RepeatedField<double>* (*repeated)(Message&);
 };
 
-/// `Member` of a record; of a cycle also a member of the robot state in it.
+/// `Member` of a record; for a cycle also a member of its robot state.
 template <auto Member, class Record>
 constexpr auto& Get(Record& record) {
   if constexpr (requires { record.*Member; }) {
@@ -35,7 +35,7 @@ constexpr auto& Get(Record& record) {
   }
 }
 
-/// Pairs the vector `Member` with the repeated field that `Mutable` gives.
+/// Pairs the vector `Member` with the repeated field from `Mutable`.
 template <class Record, class Message, auto Member, auto Mutable>
 constexpr VectorField<Record, Message> Pair(std::string_view name) {
   return {
@@ -140,7 +140,7 @@ inline constexpr std::string_view kFramesTopic = "/tf";
 inline constexpr std::string_view kSceneTopic = "/scene";
 inline constexpr std::string_view kPlanTopic = "/plan";
 
-/// Names of the metadata records about the run and its limits, keys of the former, and the
+/// Names of the metadata records of the run and its limits, the keys of the former, and the
 /// attachment with the scenario.
 inline constexpr const char* kRunMetadata = "run";
 inline constexpr const char* kLimitsMetadata = "limits";

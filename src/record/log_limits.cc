@@ -33,7 +33,7 @@ void ForEachField(Limits& limits, Field&& field) {
   bound("elbow", limits.cartesian.elbow);
 }
 
-/// Takes exactly as many numbers as there are, one blank between two. @returns whether they are.
+/// Parses exactly as many numbers as `numbers` holds, separated by single spaces. @returns success.
 bool Parse(std::string_view text, std::span<double> numbers) {
   const char* at = text.data();
   const char* const end = at + text.size();

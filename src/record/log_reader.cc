@@ -37,7 +37,7 @@ class LogReader::Impl {
   [[nodiscard]] const McapReader& reader() const { return reader_; }
 
  private:
-  /// @returns false when the message is none that a caller gets.
+  /// @returns false for a message that callers do not receive.
   bool Decode(const McapMessage& message, LogEntry& entry) {
     const std::string& topic = message.channel->topic;
     if (topic == kConfigTopic) {
@@ -74,7 +74,7 @@ class LogReader::Impl {
   void TakeRunInfo() {
     const auto found = reader_.metadata().find(kRunMetadata);
     if (found == reader_.metadata().end()) {
-      if (reader_.truncated()) return;  // killed before it was written
+      if (reader_.truncated()) return;  // the run was killed before the message was written
       throw InputError(
           fmt::format("{} is an MCAP file but no log of panda-twin: it has no metadata record '{}'",
                       name_, kRunMetadata));

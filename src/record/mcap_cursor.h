@@ -11,12 +11,12 @@
 
 namespace twin::record::mcap {
 
-/// Takes the fields of records out of bytes that nobody vouches for: every access is checked, and
-/// what does not fit is an InputError with the offset.
+/// Reads the fields of records from untrusted bytes: every access is checked; a failure is an
+/// InputError with the offset.
 class Cursor {
  public:
-  /// @param where  what the offsets count from, for messages: a file, or a chunk of it. Must
-  /// outlive the cursor.
+  /// @param where  origin of the offsets in messages: a file, or a chunk of one. Must outlive the
+  /// cursor.
   /// @param offset  of the first byte.
   Cursor(std::span<const std::byte> bytes, const std::string& where, std::uint64_t offset)
       : bytes_(bytes), where_(&where), begin_(offset) {}
@@ -28,15 +28,15 @@ class Cursor {
     return value;
   }
   [[nodiscard]] std::span<const std::byte> TakeBytes(std::uint64_t count);
-  /// A text behind a 32-bit length.
+  /// Reads a text with a 32-bit length prefix.
   [[nodiscard]] std::string_view TakeString();
-  /// A map of texts. A key that comes twice is an error.
+  /// Reads a map of texts. A repeated key is an error.
   [[nodiscard]] TextMap TakeMap();
 
   [[nodiscard]] std::uint64_t offset() const { return begin_ + at_; }
   [[nodiscard]] std::size_t remaining() const { return bytes_.size() - at_; }
 
-  /// @throws InputError naming `offset`, that the file is damaged there, and `what`.
+  /// @throws InputError: the file is damaged at `offset`, because of `what`.
   [[noreturn]] void Fail(const std::string& what) const;
 
  private:

@@ -43,7 +43,7 @@ inline constexpr std::size_t kRecordHeaderBytes = 9;
 using Bytes = std::vector<std::byte>;
 using TextMap = std::map<std::string, std::string>;
 
-/// CRC-32 (IEEE 802.3, reflected) of `bytes` appended to what gave `crc`; 0 to begin with.
+/// CRC-32 (IEEE 802.3, reflected), continued from `crc` over `bytes`; initial `crc` 0.
 [[nodiscard]] std::uint32_t Crc32(std::uint32_t crc, std::span<const std::byte> bytes);
 
 /// The bytes of a text.
@@ -58,7 +58,7 @@ void Put(Bytes& out, Integer value) {
   PutBytes(out, std::as_bytes(std::span(&value, 1)));
 }
 
-/// Appends a text, or bytes, behind a 32-bit length.
+/// Appends a text, or bytes, with a 32-bit length prefix.
 void PutString(Bytes& out, std::string_view text);
 
 /// Appends a map of texts.
@@ -70,7 +70,7 @@ void PutMap(Bytes& out, const TextMap& map);
 /// Ends the record that began at `begin`.
 void EndRecord(Bytes& out, std::size_t begin);
 
-/// Begins an array or map behind a 32-bit byte length. @returns its offset in `out`.
+/// Begins an array or map with a 32-bit byte length prefix. @returns its offset in `out`.
 [[nodiscard]] std::size_t BeginArray(Bytes& out);
 
 /// Ends the array that began at `begin`.

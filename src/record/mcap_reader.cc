@@ -21,7 +21,7 @@ using mcap::Opcode;
 
 namespace {
 
-/// Longest name of a topic, schema or encoding accepted: what is kept is bounded.
+/// Longest accepted name of a topic, schema or encoding; bounds the memory.
 constexpr std::size_t kMaxNameBytes = 4096;
 
 std::string TakeName(Cursor& cursor) {
@@ -72,7 +72,7 @@ class McapReader::Impl {
   struct Schema {
     std::string name;
     std::string encoding;
-    std::uint32_t crc = 0;  ///< of its data: repetitions must be identical
+    std::uint32_t crc = 0;  ///< of its data, because repetitions must be identical
   };
 
   static bool IsMagic(std::span<const std::byte> bytes) {
@@ -86,7 +86,7 @@ class McapReader::Impl {
     return IsMagic(last);
   }
 
-  /// Reads the next `count` bytes of the file into `record_`. @returns how many there were.
+  /// Appends up to `count` bytes of the file to `record_`. @returns the number read.
   std::size_t ReadMore(std::size_t count) {
     record_.resize(count);
     const std::size_t got = source_->ReadAt(offset_, record_);
@@ -122,7 +122,7 @@ class McapReader::Impl {
     mcap::FailDamaged(name_, start, "a record is longer than the file");
   }
 
-  /// Goes on to the next chunk and opens it. @returns false at the end of the data.
+  /// Opens the next chunk. @returns false at the end of the data.
   bool NextChunk() {
     chunk_.clear();
     chunk_at_ = 0;
@@ -139,7 +139,7 @@ class McapReader::Impl {
         case Opcode::kMessage:
           cursor.Fail("a message outside of a chunk, which this reader does not accept");
         case Opcode::kFooter: cursor.Fail("a footer without an end of the data before it");
-        default: break;  // header, indexes, and what later versions of MCAP add
+        default: break;  // header, indexes, and records of later MCAP versions
       }
     }
     return false;
@@ -171,7 +171,7 @@ class McapReader::Impl {
   }
 
   void Decompress(std::span<const std::byte> data, std::uint64_t size, Cursor& cursor) {
-    // The frame says its size too: a wrong length is found before memory is taken for it.
+    // Checking the frame's own size finds a wrong length before memory is allocated.
     const unsigned long long frame = ZSTD_getFrameContentSize(data.data(), data.size());
     if (frame == ZSTD_CONTENTSIZE_ERROR || (frame != ZSTD_CONTENTSIZE_UNKNOWN && frame != size)) {
       cursor.Fail("the chunk is not a zstd frame of the stated size");
@@ -224,7 +224,7 @@ class McapReader::Impl {
     schema.encoding = TakeName(cursor);
     const std::string_view data = cursor.TakeString();
     schema.crc = mcap::Crc32(0, mcap::AsBytes(data));
-    if (id == 0) return;  // to be ignored, says the specification
+    if (id == 0) return;  // the specification says to ignore it
     const auto [known, added] = schemas_.emplace(id, schema);
     const bool same = known->second.name == schema.name &&
                       known->second.encoding == schema.encoding && known->second.crc == schema.crc;
@@ -284,10 +284,10 @@ class McapReader::Impl {
     if (!truncated_) TakeSummary();
   }
 
-  /// Checks what stands behind the data: the CRC of the summary, and the counts it states.
+  /// Checks the part after the data: the summary's CRC and counts.
   void TakeSummary() {
     const std::uint64_t summary_start = offset_;
-    data_crc_ = 0;  // of the summary from here on
+    data_crc_ = 0;  // counts the summary from here on
     Opcode opcode{};
     while (ReadRecord(opcode)) {
       Cursor cursor(record_, name_, offset_ - record_.size());
@@ -306,7 +306,7 @@ class McapReader::Impl {
     }
   }
 
-  /// CRC of the summary, whose last part is the footer's `covered` bytes.
+  /// CRC of the summary including `covered`, the first part of the footer.
   std::uint32_t FooterCrc(std::span<const std::byte> covered) const {
     mcap::Bytes header;
     mcap::Put(header, Opcode::kFooter);
@@ -330,10 +330,10 @@ class McapReader::Impl {
   const std::string name_;
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd_;
   bool truncated_ = false;
-  bool ended_ = false;  ///< no more data to read
+  bool ended_ = false;  ///< all data has been read
   std::uint64_t offset_ = 0;
   std::uint32_t data_crc_ = 0;         ///< of all bytes read
-  std::uint32_t data_crc_before_ = 0;  ///< the same, without the last record
+  std::uint32_t data_crc_before_ = 0;  ///< the same without the last record
   mcap::Bytes record_;                 ///< content of the last record
   mcap::Bytes chunk_;                  ///< records of the open chunk
   std::size_t chunk_at_ = 0;

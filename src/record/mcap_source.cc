@@ -16,7 +16,7 @@
 namespace twin::record::mcap {
 namespace {
 
-/// A name that leads to no file, which is the user's mistake; all else is the host's.
+/// True if the user's path is wrong; other errors are the machine's.
 bool NamesNoFile(int error) {
   return error == ENOENT || error == ENOTDIR || error == ELOOP || error == ENAMETOOLONG;
 }
@@ -37,7 +37,7 @@ std::string LastError() {
 class FileSource final : public Source {
  public:
   explicit FileSource(const std::filesystem::path& path) : path_(path) {
-    // Not to wait for the writer of a named pipe.
+    // O_NONBLOCK: opening a named pipe does not wait for its writer.
     descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor_ < 0) {
       if (NamesNoFile(errno)) throw InputError(Explain(path_, LastError()));

@@ -8,7 +8,7 @@
 
 namespace twin::record::mcap {
 
-/// Bytes that an MCAP reader reads, at random offsets.
+/// Random-access bytes for an MCAP reader.
 class Source {
  public:
   virtual ~Source() = default;
@@ -16,13 +16,13 @@ class Source {
   /// Length when the source was opened.
   [[nodiscard]] virtual std::uint64_t size() const = 0;
 
-  /// Fills `out` from `offset` on.
-  /// @returns how many bytes were there; fewer than asked for only at the end.
-  /// @throws EnvironmentError when the file cannot be read.
+  /// Fills `out` from `offset`.
+  /// @returns the number of bytes read; less than requested only at the end.
+  /// @throws EnvironmentError if the file cannot be read.
   virtual std::size_t ReadAt(std::uint64_t offset, std::span<std::byte> out) = 0;
 };
 
-/// @throws InputError when `path` names no file; EnvironmentError when it cannot be opened.
+/// @throws InputError if `path` is not a file; EnvironmentError if it cannot be opened.
 [[nodiscard]] std::unique_ptr<Source> OpenFile(const std::filesystem::path& path);
 
 /// Reads from `bytes`, which must outlive the source.

@@ -24,7 +24,7 @@ using mcap::PutString;
 
 namespace {
 
-/// Span of log times, of a chunk or the file; zero while there is no message, as MCAP wants it.
+/// Range of log times in a chunk or the file; zero without messages, as MCAP requires.
 struct TimeSpan {
   std::uint64_t first = 0;
   std::uint64_t last = 0;
@@ -111,7 +111,7 @@ class McapWriter::Impl {
                      std::uint64_t log_time_ns) {
     const std::size_t begin = BeginRecord(out_, Opcode::kAttachment);
     Put(out_, log_time_ns);
-    Put(out_, std::uint64_t{0});  // creation time: none, it would be of the wall clock
+    Put(out_, std::uint64_t{0});  // no creation time: it would come from the wall clock
     PutString(out_, name);
     PutString(out_, media_type);
     Put(out_, std::uint64_t{data.size()});
@@ -145,7 +145,7 @@ class McapWriter::Impl {
     Put(chunk_, channel);
     Put(chunk_, state.messages++);
     Put(chunk_, log_time_ns);
-    Put(chunk_, log_time_ns);  // publish time: the same
+    Put(chunk_, log_time_ns);  // publish time equals log time
     chunk_.resize(chunk_.size() + size);
     EndRecord(chunk_, begin);
     return std::span(chunk_).last(size);
@@ -188,7 +188,7 @@ class McapWriter::Impl {
   }
 
  private:
-  /// Puts the open chunk. @returns its compressed size.
+  /// Writes the open chunk to out_. @returns its compressed size.
   std::size_t PutChunk() {
     const std::size_t begin = BeginRecord(out_, Opcode::kChunk);
     Put(out_, chunk_time_.first);
@@ -210,7 +210,7 @@ class McapWriter::Impl {
     return compressed;
   }
 
-  /// Puts one message index per channel of the chunk, and their offsets into the chunk's index.
+  /// Writes one message index per channel, and their offsets into the chunk's index.
   void PutMessageIndexes() {
     const std::size_t offsets = BeginArray(chunk_index_);
     for (std::size_t id = 0; id < channel_states_.size(); ++id) {
@@ -258,7 +258,7 @@ class McapWriter::Impl {
     const std::size_t footer = BeginRecord(out_, Opcode::kFooter);
     Put(out_, start);
     Put(out_, offset_start);
-    // The length of the footer is covered by the CRC that the footer ends with.
+    // The CRC at the footer's end covers the footer's length.
     Put(out_, std::uint32_t{0});
     EndRecord(out_, footer);
     out_.resize(out_.size() - sizeof(std::uint32_t));
@@ -293,7 +293,7 @@ class McapWriter::Impl {
     return count;
   }
 
-  /// Writes what stands in `out_`.
+  /// Writes `out_` to the file.
   void WriteOut() {
     file_.Write(out_);
     data_crc_ = mcap::Crc32(data_crc_, out_);
@@ -304,7 +304,7 @@ class McapWriter::Impl {
   PartialFile file_;
   std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> zstd_;
   std::uint32_t data_crc_ = 0;  ///< of all bytes written
-  Bytes out_;                   ///< on their way to the file
+  Bytes out_;                   ///< pending output
   Bytes chunk_;                 ///< records of the open chunk
   TimeSpan chunk_time_;
   TimeSpan file_time_;
@@ -313,7 +313,7 @@ class McapWriter::Impl {
   std::uint32_t attachment_count_ = 0;
   std::uint32_t metadata_count_ = 0;
   std::uint64_t chunk_count_ = 0;
-  // Records that the summary repeats or holds.
+  // Records for the summary.
   Bytes schemas_;
   Bytes channels_;
   Bytes chunk_index_;

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
                   what, path.string(), std::generic_category().message(error)));
 }
 
-/// @throws InputError when it holds something that is not of this kind.
+/// @throws InputError if the file is not of this kind.
 void RequireKind(const fs::path& path, const PartialFile::Kind& kind) {
   std::error_code error;
   if (kind.magic.empty() || !fs::is_regular_file(path, error) || fs::is_empty(path, error)) return;
@@ -59,10 +59,10 @@ fs::path Replaceable(fs::path path, const PartialFile::Kind& kind) {
 
 PartialFile::PartialFile(fs::path path, Leftover leftover, const Kind& kind)
     : path_(Replaceable(std::move(path), kind)), output_(path_, PartialOutput::Kind::kFile) {
-  output_.Keep();  // until it is known whose it is
+  output_.Keep();  // until its kind is known
   RequireKind(output_.partial(), kind);
   if (leftover == Leftover::kRemove) output_.Remove();
-  // A device cannot be emptied, and need not.
+  // A device cannot be truncated and need not be.
   if (::ftruncate(output_.lock(), 0) != 0 && errno != EINVAL) {
     Fail("empty", output_.partial(), errno);
   }
@@ -81,7 +81,7 @@ void PartialFile::Write(std::span<const std::byte> bytes) {
 }
 
 void PartialFile::Commit() {
-  // Some file systems tell only on closing what they could not write; the lock is held on.
+  // Some file systems report write errors only on close; the lock stays held.
   const int copy = ::dup(output_.lock());
   if (copy >= 0 && ::close(copy) != 0) Fail("close", output_.partial(), errno);
   output_.Publish();

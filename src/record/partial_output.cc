@@ -16,7 +16,7 @@
 namespace twin::record {
 namespace {
 
-constexpr mode_t kAnyFile = 0666;  // less what the umask says, as the following
+constexpr mode_t kAnyFile = 0666;  // before the umask, as the next
 constexpr mode_t kAnyFolder = 0777;
 
 std::string MessageOf(int error) {
@@ -28,7 +28,7 @@ std::string MessageOf(int error) {
 PartialOutput::PartialOutput(std::filesystem::path path, Kind kind)
     : path_(std::move(path)), partial_(path_) {
   partial_ += ".partial";
-  // Between opening and locking, another writer may have given it its name, or removed it.
+  // Between opening and locking, another writer may have renamed or removed it.
   do {
     const int error = Open(kind);
     if (error != 0) {
@@ -80,7 +80,7 @@ int PartialOutput::Open(Kind kind) {
   Close();
   lock_ = ::open(partial_.c_str(), flags | O_CLOEXEC, kAnyFile);
   if (lock_ >= 0) return 0;
-  // A folder that was just there got its name: again.
+  // Another writer has just published this folder: retry.
   return folder && errno == ENOENT ? 0 : errno;
 }
 

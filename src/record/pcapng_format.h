@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-// Numbers of the pcapng format and of the heads inside. Source: IETF draft-ietf-opsawg-pcapng;
+// Constants of the pcapng format and of the headers inside. Source: IETF draft-ietf-opsawg-pcapng;
 // RFC 791 (IPv4), 768 (UDP), 9293 (TCP).
 namespace twin::record::pcapng {
 
@@ -12,16 +12,16 @@ inline constexpr std::uint32_t kInterfaceDescription = 1;
 inline constexpr std::uint32_t kEnhancedPacket = 6;
 inline constexpr std::uint32_t kByteOrderMagic = 0x1a2b3c4d;
 
-/// What the older format pcap begins with, of microseconds and of nanoseconds, in the byte order of
-/// its writer. Source: IETF draft-ietf-opsawg-pcap.
+/// Magic numbers of the older format pcap, microseconds and nanoseconds, in the writer's byte
+/// order. Source: IETF draft-ietf-opsawg-pcap.
 inline constexpr std::uint32_t kClassicMicroseconds = 0xa1b2c3d4;
 inline constexpr std::uint32_t kClassicNanoseconds = 0xa1b23c4d;
 
-/// Of an interface description.
+/// Options of an interface description.
 inline constexpr std::uint16_t kOptionEnd = 0;
 inline constexpr std::uint16_t kOptionTimeResolution = 9;
 
-/// What an interface's packets begin with.
+/// Link types of an interface.
 inline constexpr std::uint16_t kLinkEthernet = 1;
 inline constexpr std::uint16_t kLinkRaw = 101;
 inline constexpr std::uint16_t kLinkLinuxCooked = 113;

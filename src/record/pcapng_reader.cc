@@ -14,10 +14,10 @@
 namespace twin::record {
 namespace {
 
-/// A block's kind and length; its length again at its end.
+/// A block's type and length; the length is repeated at its end.
 constexpr std::size_t kBlockHead = 8;
 constexpr std::size_t kBlockFrame = 12;
-/// Largest block that is taken: the largest packet with its heads, with room for comments.
+/// Largest accepted block: the largest packet with its headers, and room for comments.
 constexpr std::size_t kLargestBlock = std::size_t{512} * 1024;
 constexpr std::size_t kLargestPacket = std::size_t{256} * 1024;
 constexpr std::size_t kMostInterfaces = 64;
@@ -31,17 +31,17 @@ Integer Load(std::span<const std::byte> bytes, std::size_t at) {
 
 struct Interface {
   std::uint16_t link = 0;
-  std::uint64_t ns_per_tick = 1000;  ///< microseconds, unless it says otherwise
+  std::uint64_t ns_per_tick = 1000;  ///< microseconds by default
 };
 
-/// Whether a file that begins so is of the older format pcap, of either byte order.
+/// True if this is the magic of the older format pcap, in either byte order.
 bool IsClassic(std::uint32_t magic) {
   const std::uint32_t other = __builtin_bswap32(magic);
   return magic == pcapng::kClassicMicroseconds || magic == pcapng::kClassicNanoseconds ||
          other == pcapng::kClassicMicroseconds || other == pcapng::kClassicNanoseconds;
 }
 
-/// Where IPv4 begins in a packet of such a link; nothing: it is none.
+/// Offset of the IPv4 header in a packet of this link type; nullopt if there is none.
 std::optional<std::size_t> IpOffset(std::uint16_t link, std::span<const std::byte> packet) {
   const auto ethertype_at = [&](std::size_t at) {
     return packet.size() >= at + 2 && packet[at] == std::byte{0x08} &&
@@ -81,7 +81,7 @@ class PcapngReader::Impl {
         case pcapng::kEnhancedPacket:
           if (const auto packet = ReadPacket()) return packet;
           break;
-        default: break;  // statistics, names: nothing of ours
+        default: break;  // statistics, names: not needed
       }
     }
   }
@@ -115,7 +115,7 @@ class PcapngReader::Impl {
     }
   }
 
-  /// Reads the next block's body into block_. @returns its kind; nothing at the end.
+  /// Reads the next block's body into block_. @returns its type; nullopt at the end.
   std::optional<std::uint32_t> ReadBlock() {
     block_at_ = next_;
     std::array<std::byte, kBlockHead> head{};

@@ -13,16 +13,16 @@
 namespace twin::record {
 namespace {
 
-/// Of the section header, what any pcapng file begins with.
+/// First word of a section header, and so of any pcapng file.
 constexpr std::array<std::uint32_t, 1> kMagic{pcapng::kSectionHeader};
 
-/// Of a TCP stream that become one packet.
+/// Largest piece of a TCP stream in one packet, bytes.
 constexpr std::size_t kSegmentBytes = std::size_t{16} * 1024;
 
-/// Written to the file at once.
+/// Bytes written to the file at once.
 constexpr std::size_t kBufferBytes = std::size_t{256} * 1024;
 
-/// The largest datagram IPv4 carries.
+/// Largest datagram in IPv4, bytes.
 constexpr std::size_t kLargestDatagram = 65507;
 
 class Bytes {
@@ -30,7 +30,7 @@ class Bytes {
   /// Blocks are in the byte order of the magic: little-endian.
   void Little16(std::uint16_t x) { Put(x, 2, false); }
   void Little32(std::uint32_t x) { Put(x, 4, false); }
-  /// Heads of the network are big-endian.
+  /// Network headers are big-endian.
   void Big16(std::uint16_t x) { Put(x, 2, true); }
   void Big32(std::uint32_t x) { Put(x, 4, true); }
   void Byte(std::uint8_t x) { bytes_.push_back(std::byte{x}); }
@@ -56,7 +56,7 @@ class Bytes {
   std::vector<std::byte> bytes_;
 };
 
-/// The Internet's checksum, RFC 1071.
+/// Internet checksum, RFC 1071.
 class Checksum {
  public:
   void Add(std::span<const std::byte> bytes) {
@@ -86,13 +86,13 @@ class PcapngWriter::Impl {
     out_.Little32(pcapng::kByteOrderMagic);
     out_.Little16(1);  // version 1.0
     out_.Little16(0);
-    out_.Little32(0xffffffff);  // length of the section: not told
+    out_.Little32(0xffffffff);  // section length: unspecified
     out_.Little32(0xffffffff);
     End();
     Begin(pcapng::kInterfaceDescription);
     out_.Little16(pcapng::kLinkIpv4);
     out_.Little16(0);
-    out_.Little32(0);  // packets are not cut
+    out_.Little32(0);  // packets are not truncated
     out_.Little16(pcapng::kOptionTimeResolution);
     out_.Little16(1);
     out_.Byte(9);  // 1e-9 s
@@ -128,7 +128,7 @@ class PcapngWriter::Impl {
     std::swap(block_, out_);
     kind_ = kind;
   }
-  /// What was put into out_ since Begin() becomes the block's body.
+  /// Completes the block with the bytes in out_ since Begin() as its body.
   void End() {
     std::swap(block_, out_);
     const auto length = static_cast<std::uint32_t>(block_.size() + 12);
@@ -167,7 +167,7 @@ class PcapngWriter::Impl {
     out_.Byte(0);
     out_.Big16(length);
     out_.Big16(identification_++);
-    out_.Big16(0x4000);  // is not to be fragmented
+    out_.Big16(0x4000);  // do not fragment
     out_.Byte(64);       // time to live
     out_.Byte(packet.transport == Transport::kTcp ? pcapng::kTcp : pcapng::kUdp);
     out_.Big16(0);
@@ -225,7 +225,7 @@ PcapngWriter::~PcapngWriter() {
   try {
     impl_->Flush();
   } catch (const std::exception&) {
-    // The file stays .partial, which says that it is not whole.
+    // The file keeps the name .partial, which marks it as incomplete.
   }
 }
 

@@ -17,20 +17,20 @@
 namespace twin::record {
 namespace {
 
-/// Records a ring holds, 3 MB of them.
+/// Capacity of a ring, records; 3 MB.
 constexpr std::size_t kRingRecords = 1024;
 
-/// Events a ring of their own holds: they are few.
+/// Capacity of the events' own ring; events are rare.
 constexpr std::size_t kRingEvents = 64;
 
-/// Records of a ring written between two looks at the others, and at whether a producer waits.
+/// Records written from one ring before the writer checks the others and waiting producers.
 constexpr std::size_t kBatch = 128;
 
-/// Pause of the writer when the ring is empty. In it the fastest lockstep run puts a few hundred
-/// records; a wake-up by the producer instead would cost it a system call for nearly each.
+/// Pause of the writer when the rings are empty. The fastest lockstep run puts a few hundred
+/// records meanwhile; a wake-up by the producer would cost it nearly one system call per record.
 constexpr std::chrono::microseconds kIdlePause(1000);
 
-/// A text of bounded length, so that it crosses the ring without allocation.
+/// A text of bounded length, which crosses the ring without allocation.
 template <std::size_t kCapacity>
 struct BoundedText {
   std::array<char, kCapacity> bytes;
@@ -95,7 +95,7 @@ Recorder::~Recorder() {
   try {
     writer_->Flush();
   } catch (const std::exception&) {
-    // The file stays .partial, which says that it is not whole.
+    // The file keeps the name .partial, which marks it as incomplete.
   }
 }
 
@@ -136,7 +136,7 @@ void Recorder::Push(const std::unique_ptr<Ring>& own, Fill&& fill) noexcept {
 
 void Recorder::Run(const std::stop_token& stop) {
   while (true) {
-    // Asked before the rings are looked at: what was put before the request is then written.
+    // Read before Drain(), so that records put before the stop request are still written.
     const bool last = stop.stop_requested();
     if (Drain() > 0) continue;
     if (last) return;

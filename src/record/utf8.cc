@@ -6,7 +6,7 @@
 namespace twin::record {
 namespace {
 
-/// Length of the well-formed character at the front of `text`; 0 when there is none.
+/// Length of the well-formed character at the start of `text`; 0 if there is none.
 std::size_t CharacterBytes(std::string_view text) {
   const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t lead = byte(0);

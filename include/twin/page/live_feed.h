@@ -20,9 +20,9 @@ class TruthProbe;
 
 namespace twin::page {
 
-/// What the page shows of the arm. Units, frames: as RobotState.
+/// State of the arm for the page. Units, frames: as RobotState.
 struct ArmView {
-  Time at{};  ///< of the run
+  Time at{};  ///< of the run's clock
   JointVector q{};
   JointVector dq{};
   JointVector tau_J{};
@@ -32,35 +32,34 @@ struct ArmView {
   Vector6 O_F_ext_hat_K{};
   Vector3 p_EE{};  ///< of the end effector in O, m
   RobotMode mode = RobotMode::kOther;
-  bool follows_reference = true;    ///< false: torques lead, q_d says nothing
+  bool follows_reference = true;    ///< false: torque control, q_d is meaningless
   RobotErrors errors;               ///< current
-  RobotErrors reflex_reason;        ///< of the last motion
-  std::optional<BaseState> base{};  ///< of an arm on a mobile base
-  std::uint64_t served = 0;         ///< cycles with a command in time, so far
-  std::uint64_t held = 0;           ///< cycles without one
+  RobotErrors reflex_reason;        ///< that ended the last motion
+  std::optional<BaseState> base{};  ///< nullopt without a mobile base
+  std::uint64_t served = 0;         ///< cycles so far with a command in time
+  std::uint64_t held = 0;           ///< cycles so far without one
 };
 
-/// Looks on at a run's records, passes them on as they are, and shows the newest some sixty times a
-/// second of the run's time: of the arm to one thread, of the scene to another.
+/// Observes a run's records: forwards them unchanged, and publishes the newest about sixty times
+/// per second of run time, arm data to one thread and scenes to another.
 ///
 ///     cycles --> LiveFeed --> the run's own sink
 ///                   |--> [LatestValue] --> web server's thread
 ///                   `--> [LatestValue] --> camera's thread
 ///
-/// Threads: Put() as RecordSink's; Show() and KeepPace() before the first of them; arm() and
-/// scene() one consumer each. Real-time: Put() as next's, and a copy more; it waits only where it
-/// is to keep pace.
+/// Threads: Put() as RecordSink's; Show() and KeepPace() before the first Put(); arm() and scene()
+/// one consumer each. Real-time: Put() as the next sink's plus one copy; waits only to keep pace.
 class LiveFeed final : public rt::RecordSink {
  public:
   /// @param next  may be null; must outlive this.
   explicit LiveFeed(rt::RecordSink* next) noexcept : next_(next) {}
 
-  /// Also shows the scene. @param truth  must outlive the run.
+  /// Also publishes scenes. @param truth  must outlive the run.
   /// @pre truth.qpos_size() <= rt::SceneRecord::kMostPositions.
   void Show(const plant::TruthProbe& truth) noexcept { truth_ = &truth; }
 
-  /// Holds back a run on a virtual clock, so that its time goes no faster than the wall's. What is
-  /// computed does not depend on it. @param wall  must outlive the run.
+  /// Slows a run on a virtual clock to wall-clock speed at most, without effect on its results.
+  /// @param wall  must outlive the run.
   void KeepPace(const MonotonicClock& wall) noexcept { wall_ = &wall; }
 
   void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
@@ -75,7 +74,7 @@ class LiveFeed final : public rt::RecordSink {
   rt::RecordSink* const next_;
   const plant::TruthProbe* truth_ = nullptr;
   const MonotonicClock* wall_ = nullptr;
-  std::optional<Duration> behind_;  ///< of the run's time behind the wall's
+  std::optional<Duration> behind_;  ///< lag of the run's time behind the wall clock
   Time next_view_{};
   std::uint64_t served_ = 0;
   std::uint64_t held_ = 0;

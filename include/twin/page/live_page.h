@@ -17,68 +17,68 @@
 
 namespace twin::page {
 
-/// A camera that may be chosen.
+/// A selectable camera.
 struct NamedView {
   std::string name;
   render::View view;
 };
 
-/// Where the page is, what it is about, and what may be done there.
+/// Address and content of the page, and the actions it permits.
 struct PageSettings {
-  fci::Endpoint at{.address = 0x7f000001, .port = 8080};  ///< port 0: any free one
-  std::optional<fci::Network> allow{};  ///< who may come from elsewhere; absent: nobody
-  std::string title{};                  ///< the run's name
-  std::string about{};                  ///< robot, drive, pace: a line
-  JointLimits limits;                   ///< of the arm that is shown
-  /// Why nobody may operate there, for people; empty: one may.
+  fci::Endpoint at{.address = 0x7f000001, .port = 8080};  ///< port 0: any free port
+  std::optional<fci::Network>
+      allow{};          ///< remote network that may connect; absent: this machine only
+  std::string title{};  ///< the run's name
+  std::string about{};  ///< one line: robot, drive, pace
+  JointLimits limits;   ///< of the displayed arm
+  /// Reason why operation is disabled, for users; empty: enabled.
   std::string watch_only{};
-  /// Emergency stop, beside the samples' (which the device tells); or empty. Called on the page's
-  /// thread.
+  /// Emergency stop, in addition to the samples' (which the device reports); may be empty. Called
+  /// on the page's thread.
   std::function<void()> stop{};
-  /// Its release, by the operator; as stop.
+  /// The operator's release of the emergency stop; as stop.
   std::function<void()> release{};
-  /// Somebody operates now, or nobody does any more: then the session's end is pressed, too. Empty:
-  /// a session goes on without an operator. Called on the page's thread.
+  /// True: an operator has taken control. False: control has ended, and the session's end is
+  /// pressed. Empty: a session continues without an operator. Called on the page's thread.
   std::function<void(bool)> control{};
-  /// Each sample of the operator's, as it goes to the device; or empty. Called on the page's
-  /// thread.
+  /// Receives each of the operator's samples, as sent to the device; may be empty. Called on the
+  /// page's thread.
   std::function<void(const teleop::OperatorSample&)> sample{};
-  /// Begins or ends a recording of what the operator does. @returns a line for people, which begins
-  /// with "recording" when one began. Empty: there is no such button. Called on the page's thread.
+  /// Starts or ends a recording of the operator's input. @returns a line for users; it begins with
+  /// "recording" if one started. Empty: no such button. Called on the page's thread.
   std::function<std::string(bool)> record{};
 };
 
-/// What there is to see beside the arm. What is pointed to must outlive the page; null: it is not
-/// there, or cannot be asked from another thread.
+/// Further sources for the page. Pointers must outlive the page; null: not present, or not readable
+/// from another thread.
 struct PageScene {
-  const plant::TruthProbe* truth = nullptr;  ///< whose scenes the feed shows
-  std::vector<NamedView> views{};            ///< of it; the first is looked through first
+  const plant::TruthProbe* truth = nullptr;  ///< its scenes come through the feed
+  std::vector<NamedView> views{};            ///< of truth's scene; the first is the default
   const backend::Hand* hand = nullptr;
 };
 
-/// The operator's page of a run: server, camera and what they tell, on threads of their own.
-/// src/page/README.md says how it is used, what it protects against and what goes over the wire.
+/// The operator's page of a run: web server, camera and status, on threads of their own. See
+/// src/page/README.md for usage, protection and protocol.
 ///
-/// Threads: one; Tell() from any. Not real-time; what is read of the run is read without disturbing
-/// it (LiveFeed).
+/// Threads: one; Tell() from any. Not real-time; reads the run without disturbing it (LiveFeed).
 class LivePage {
  public:
-  /// Serves from now on. @param feed, channel  must outlive this; they are of this page alone.
-  /// @throws EnvironmentError when the port cannot be opened, or the system gives no random
-  /// numbers.
+  /// Serves from construction. @param feed, channel  must outlive this object and have no other
+  /// consumer.
+  /// @throws EnvironmentError if the port cannot be opened, or the system gives no random numbers.
   LivePage(const PageSettings& settings, const PageScene& scene, LiveFeed& feed,
            OperatorChannel& channel);
   ~LivePage();
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;
 
-  /// Where a browser finds it: "http://127.0.0.1:8080/#token=...", one for each address of this
-  /// machine that it is served at, loopback last. What follows the # stays in the browser.
+  /// URLs for a browser: "http://127.0.0.1:8080/#token=...", one per served address of this
+  /// machine, loopback last. The browser does not transmit the part after #.
   [[nodiscard]] std::vector<std::string> urls() const;
 
-  /// A line for all who look.
+  /// Sends a line to all clients.
   void Tell(Time at, std::string_view kind, std::string_view text);
-  /// The run is over: says so to all who look, and ends. More than once: no effect.
+  /// The run has ended: notifies all clients and closes. Idempotent.
   void End(std::string_view text);
 
  private:

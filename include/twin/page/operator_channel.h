@@ -8,20 +8,20 @@
 
 namespace twin::page {
 
-/// Between the page and who does what the operator there wants.
+/// Connects the page with the device that carries out its operator's input.
 ///
 ///     web server's thread --OperatorSample-->   [LatestValue] --> the device's thread
 ///                         <--OperatorFeedback-- [LatestValue] <--
 ///
-/// Threads: two, as drawn. Real-time: noexcept, allocates nothing, waits for nobody.
+/// Threads: two, as drawn. Real-time: noexcept, does not allocate, never waits.
 class OperatorChannel {
  public:
   // The web server's side.
 
   void Publish(const teleop::OperatorSample& sample) noexcept { samples_.Publish(sample); }
-  /// The page has ended: nothing more will come.
+  /// The page has ended: no more samples will follow.
   void End() noexcept { ended_.store(true, std::memory_order_relaxed); }
-  /// The newest; null when there was none yet. Valid until the next call.
+  /// The newest feedback; null before the first. Valid until the next call.
   [[nodiscard]] const teleop::OperatorFeedback* Feedback() noexcept {
     static_cast<void>(feedback_.Refresh());
     return feedback_.has_value() ? &feedback_.value() : nullptr;
@@ -29,8 +29,7 @@ class OperatorChannel {
 
   // The device's side.
 
-  /// @returns the newest sample if there is one since the last call, else null. Valid until the
-  /// next call.
+  /// @returns the newest sample since the last call, else null. Valid until the next call.
   [[nodiscard]] const teleop::OperatorSample* NewSample() noexcept TWIN_REALTIME {
     return samples_.Refresh() ? &samples_.value() : nullptr;
   }
@@ -44,7 +43,7 @@ class OperatorChannel {
  private:
   rt::LatestValue<teleop::OperatorSample> samples_;
   rt::LatestValue<teleop::OperatorFeedback> feedback_;
-  std::atomic<bool> ended_{false};  ///< relaxed: nothing else is read by it
+  std::atomic<bool> ended_{false};  ///< relaxed: publishes no other data
 };
 
 }  // namespace twin::page

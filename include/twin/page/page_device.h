@@ -9,7 +9,7 @@
 
 namespace twin::page {
 
-/// `sample` with its buttons pressed as often as since `before`.
+/// `sample` with its press counters relative to `before`.
 [[nodiscard]] inline teleop::OperatorSample Since(const teleop::OperatorSample& before,
                                                   teleop::OperatorSample sample) noexcept {
   sample.mode_presses -= before.mode_presses;
@@ -22,15 +22,14 @@ namespace twin::page {
   return sample;
 }
 
-/// Sticks and buttons on the operator's page. Before anyone has taken control there, no sample
-/// comes; when the operator's browser falls silent, none comes any more, and whoever reads it finds
-/// what it has too old. What was done before the device was made does not count. What is felt is
-/// shown. Lost when the page has ended.
+/// Sticks and buttons on the operator's page. Gives samples only while an operator has control and
+/// the browser sends input; otherwise the reader sees the last sample age. Presses before
+/// construction do not count. Feedback is displayed. Lost once the page has ended.
 ///
-/// Threads, real-time: as teleop::Device; one device of a channel at a time.
+/// Threads, real-time: as teleop::Device; one device per channel at a time.
 class PageDevice final : public teleop::Device {
  public:
-  /// @param channel  must outlive this. @param where  the page's address.
+  /// @param channel  must outlive this object. @param where  the page's address.
   PageDevice(OperatorChannel& channel, std::string where)
       : channel_(channel), where_(std::move(where)) {
     if (const teleop::OperatorSample* sample = channel_.NewSample()) before_ = *sample;
@@ -51,7 +50,7 @@ class PageDevice final : public teleop::Device {
  private:
   OperatorChannel& channel_;
   const std::string where_;
-  teleop::OperatorSample before_;  ///< the device
+  teleop::OperatorSample before_;  ///< counters at construction
 };
 
 }  // namespace twin::page

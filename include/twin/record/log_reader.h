@@ -14,36 +14,36 @@
 
 namespace twin::record {
 
-/// One thing out of a log.
+/// One entry of a log.
 using LogEntry =
     std::variant<rt::CycleRecord, rt::TickRecord, EventRecord, rt::SceneRecord, PlanRecord>;
 
-/// Reads a log that Recorder wrote, whole or of a killed run, back into records, bit by bit as they
-/// were put, in the order in which they were put. What a log does not keep comes back as default: a
-/// violation of a cycle that was not violated. Topics it does not know are passed over.
+/// Reads a log of Recorder, complete or from a killed run. Returns records bit by bit as they were
+/// put, in the same order. Data that a log omits returns as default, such as the violation of a
+/// cycle without one. Unknown topics are skipped.
 ///
 ///     LogReader log(path);
 ///     LogEntry entry;
 ///     while (log.Next(entry)) { if (const auto* cycle = std::get_if<rt::CycleRecord>(&entry)) ...
 ///     }
 ///
-/// Threads: one thread. Real-time: no. Errors: InputError with file, offset and cause when the
-/// bytes are not a log, whatever they are; EnvironmentError when the file cannot be read.
+/// Threads: one thread. Real-time: no. Errors: InputError with file, offset and cause for any bytes
+/// that are not a log; EnvironmentError if the file cannot be read.
 class LogReader {
  public:
   explicit LogReader(const std::filesystem::path& path);
-  /// Of bytes in memory, which must outlive the reader. @param name  for error texts.
+  /// Reads bytes in memory, which must outlive the reader. @param name  for error messages.
   LogReader(std::span<const std::byte> bytes, const std::string& name);
   ~LogReader();
 
-  /// Gives the next entry. @returns false, with `entry` as it was, at the end.
+  /// Reads the next entry. @returns false at the end, with `entry` unchanged.
   bool Next(LogEntry& entry);
 
-  /// About the run. Known from the start.
+  /// Description of the run; available at once.
   [[nodiscard]] const RunInfo& run() const;
-  /// Whether the run was killed before the log was finished. Known from the start.
+  /// True if the run was killed before the log was finished; available at once.
   [[nodiscard]] bool truncated() const;
-  /// Messages read so far, those passed over included.
+  /// Messages read so far, including skipped ones.
   [[nodiscard]] std::uint64_t message_count() const;
 
  private:

@@ -30,47 +30,45 @@ struct McapMessage {
   std::span<const std::byte> data;
 };
 
-/// A file within the file.
+/// A file embedded in the MCAP file.
 struct McapAttachment {
   std::string name;
   std::string media_type;
   std::string data;
 };
 
-/// Reads MCAP files front to back, whole ones and those whose writer was killed. Source:
-/// https://mcap.dev/spec. Chunks are zstd or uncompressed; messages outside of chunks, which MCAP
-/// also allows, are refused.
+/// Reads MCAP files front to back, complete or from a killed writer. Source: https://mcap.dev/spec.
+/// Chunks are zstd or uncompressed; messages outside chunks, which MCAP permits, are refused.
 ///
-/// A file without its closing magic is one whose writer was killed: all complete chunks are read,
-/// then truncated() is true. In any other file every length, CRC, count and reference must be
-/// right. Memory: one record and one chunk, each capped; bytes are checked by their CRC before they
-/// are used.
+/// A file without closing magic has a killed writer: all complete chunks are read, then truncated()
+/// is true. In any other file every length, CRC, count and reference must be right. Memory: one
+/// record and one chunk, each bounded; bytes pass their CRC before use.
 ///
-/// Threads: one thread. Real-time: no. Errors: InputError with the offset when the bytes are not
-/// acceptable; EnvironmentError when the file cannot be read.
+/// Threads: one thread. Real-time: no. Errors: InputError with the offset for invalid bytes;
+/// EnvironmentError if the file cannot be read.
 class McapReader {
  public:
-  /// Longest record accepted, and longest chunk when decompressed, in bytes.
+  /// Largest accepted record, and largest chunk after decompression, bytes.
   static constexpr std::uint64_t kMaxRecordBytes = std::uint64_t{64} << 20;
-  /// Most channels, and most schemas, accepted.
+  /// Largest accepted number of channels, and of schemas.
   static constexpr std::size_t kMaxChannels = 1024;
 
-  /// Opens a file and reads on to its first chunk.
+  /// Opens a file and reads up to its first chunk.
   explicit McapReader(const std::filesystem::path& path);
-  /// The same on bytes in memory, which must outlive the reader. @param name  for error texts.
+  /// Reads bytes in memory, which must outlive the reader. @param name  for error messages.
   McapReader(std::span<const std::byte> bytes, std::string name);
   ~McapReader();
 
-  /// @returns the next message in the order of the file; nothing at its end.
+  /// @returns the next message in file order; nullopt at the end.
   std::optional<McapMessage> Next();
 
-  /// Metadata records met so far, by name; the last of a name counts.
+  /// Metadata records read so far, by name; the last one of a name counts.
   [[nodiscard]] const std::map<std::string, std::map<std::string, std::string>>& metadata() const;
-  /// Attachments met so far.
+  /// Attachments read so far.
   [[nodiscard]] const std::vector<McapAttachment>& attachments() const;
-  /// Messages given out so far.
+  /// Messages returned so far.
   [[nodiscard]] std::uint64_t message_count() const;
-  /// Whether the writer never finished the file. Known from the start.
+  /// True if the writer did not finish the file; available at once.
   [[nodiscard]] bool truncated() const;
 
  private:

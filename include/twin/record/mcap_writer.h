@@ -11,15 +11,14 @@
 
 namespace twin::record {
 
-/// How an MCAP file is written.
+/// Options of an MCAP file.
 struct McapWriterOptions {
-  std::string library = "panda-twin";  ///< text of the header; must name no machine and no time
-  std::size_t chunk_bytes =
-      std::size_t{512} * 1024;  ///< a chunk ends before it would hold more, uncompressed
-  int zstd_level = 1;           ///< compression of the chunks, 1 (fast) .. 19
+  std::string library = "panda-twin";  ///< text of the header; must not name a machine or a time
+  std::size_t chunk_bytes = std::size_t{512} * 1024;  ///< uncompressed size limit of a chunk
+  int zstd_level = 1;                                 ///< compression of the chunks, 1 (fast) .. 19
 };
 
-/// What a finished file holds.
+/// Contents of a finished file.
 struct McapTotals {
   std::uint64_t messages = 0;
   std::uint64_t chunks = 0;
@@ -33,20 +32,20 @@ struct McapTotals {
 ///     summary: Schema.. Channel.. Statistics ChunkIndex.. AttachmentIndex.. MetadataIndex..
 ///     SummaryOffset.. Footer magic
 ///
-/// The file is `<path>.partial` until Finish(). A chunk and its indexes go out with one write(2),
-/// and everything else as soon as it is added: whoever kills the process loses the open chunk at
-/// most. The same calls give the same bytes.
+/// The file is `<path>.partial` until Finish(). A chunk with its indexes is one write(2), and other
+/// records are written at once, so a killed process loses at most the open chunk. The same calls
+/// give the same bytes.
 ///
-/// Threads: one thread. Real-time: no. Errors: EnvironmentError with path, cause and cure when the
-/// file cannot be made or written; after one, only destruction is allowed.
+/// Threads: one thread. Real-time: no. Errors: EnvironmentError with path, cause and cure if the
+/// file cannot be created or written; after an error only destruction is permitted.
 class McapWriter {
  public:
   /// Creates `<path>.partial` and writes the header.
   explicit McapWriter(const std::filesystem::path& path, const McapWriterOptions& options = {});
-  /// Without Finish(): leaves `<path>.partial`, without the open chunk.
+  /// Leaves `<path>.partial`, without the open chunk, if Finish() was not called.
   ~McapWriter();
 
-  /// @param encoding  "protobuf" means that `data` is a serialized FileDescriptorSet.
+  /// @param encoding  "protobuf": `data` is a serialized FileDescriptorSet.
   /// @returns the schema's id.
   std::uint16_t AddSchema(std::string_view name, std::string_view encoding, std::string_view data);
 
@@ -57,19 +56,19 @@ class McapWriter {
   /// Texts must be UTF-8.
   void AddMetadata(std::string_view name, const std::map<std::string, std::string>& entries);
 
-  /// @param log_time_ns  on the run's time line.
+  /// @param log_time_ns  on the run's clock.
   void AddAttachment(std::string_view name, std::string_view media_type, std::string_view data,
                      std::uint64_t log_time_ns = 0);
 
-  /// Adds a message of `size` bytes to the open chunk, which it ends first if it is full.
-  /// @returns the place for its data; to be filled before the next call of this object.
+  /// Adds a message of `size` bytes to the open chunk, or to a new one if that is full.
+  /// @returns the buffer for its data, to be filled before the next call.
   std::span<std::byte> AddMessage(std::uint16_t channel, std::uint64_t log_time_ns,
                                   std::size_t size);
 
-  /// Ends the open chunk, if it holds anything, and writes it.
+  /// Writes the open chunk, unless it is empty.
   void Flush();
 
-  /// Writes what is left, the summary and the footer, and renames the file to `path`. Call once.
+  /// Writes the remaining data, summary and footer, and renames the file to `path`. Call once.
   McapTotals Finish();
 
  private:

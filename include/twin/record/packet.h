@@ -8,19 +8,19 @@
 
 namespace twin::record {
 
-/// How a packet travelled.
+/// Transport protocol of a packet.
 enum class Transport : std::uint8_t { kTcp, kUdp };
 
-/// One end of a connection: IPv4 address, in the host's byte order, and port.
+/// An endpoint: IPv4 address, in host byte order, and port.
 struct PacketEnd {
   std::uint32_t address = 0;
   std::uint16_t port = 0;
   auto operator<=>(const PacketEnd&) const = default;
 };
 
-/// A datagram, or a piece of a TCP stream, without its heads.
+/// A datagram, or a piece of a TCP stream, without headers.
 struct Packet {
-  Time at{};  ///< on the run's time line
+  Time at{};  ///< on the run's clock
   Transport transport = Transport::kUdp;
   PacketEnd from;
   PacketEnd to;

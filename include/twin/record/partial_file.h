@@ -11,33 +11,34 @@
 
 namespace twin::record {
 
-/// A file being written, as `<path>.partial`, that gets its own name only when it is whole. Nobody
-/// else writes it meanwhile (PartialOutput).
+/// A file being written as `<path>.partial`; it gets its own name when complete. Other writers are
+/// locked out (PartialOutput).
 ///
-/// Threads: one thread. Real-time: no. All failures are EnvironmentError with path, cause and cure,
-/// unless it says otherwise.
+/// Threads: one thread. Real-time: no. Failures are EnvironmentError with path, cause and cure,
+/// unless stated otherwise.
 class PartialFile {
  public:
-  /// What happens to the `.partial` file when Commit() is never reached.
+  /// Fate of the `.partial` file without Commit().
   enum class Leftover : std::uint8_t { kKeep, kRemove };
 
-  /// By what files of a kind are known, so that no other is overwritten.
+  /// Identifies files of one kind, so that no other file is overwritten.
   struct Kind {
-    std::string_view name{};             ///< "an MCAP log"
-    std::span<const std::byte> magic{};  ///< what each begins with; empty: any file is replaced
+    std::string_view name{};  ///< "an MCAP log"
+    std::span<const std::byte>
+        magic{};  ///< first bytes of such a file; empty: any file is replaced
   };
 
-  /// Creates `<path>.partial`, or empties the one that is left from before. A `path` that is there
-  /// and no regular file is refused here, before anything is written: Commit() could not, or must
-  /// not, replace it. @throws InputError when either is there, and neither empty nor of this kind.
+  /// Creates `<path>.partial`, or empties an old one. Refuses a `path` that exists and is not a
+  /// regular file before anything is written, because Commit() could not, or must not, replace it.
+  /// @throws InputError if either file exists and is neither empty nor of this kind.
   PartialFile(std::filesystem::path path, Leftover leftover, const Kind& kind);
   PartialFile(std::filesystem::path path, Leftover leftover)
       : PartialFile(std::move(path), leftover, Kind()) {}
 
-  /// Appends `bytes` with one write(2), more only where the kernel takes less at once.
+  /// Appends `bytes` with one write(2), or several if the kernel takes less at once.
   void Write(std::span<const std::byte> bytes);
 
-  /// Closes the file and renames it to its own name, over a file that has it.
+  /// Closes the file and renames it to its own name, replacing an existing file.
   void Commit();
 
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }

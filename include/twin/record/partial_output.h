@@ -5,49 +5,49 @@
 
 namespace twin::record {
 
-/// What is to become a file or a folder, as `<path>.partial`, locked against other writers as long
-/// as this lives: of two that write into one name the second is refused.
+/// A future file or folder, as `<path>.partial`. Its lock excludes other writers for its lifetime:
+/// of two writers to one name the second is refused.
 ///
-/// Where the file system knows no locks, one writes without.
+/// Not locked if the file system supports no locks.
 ///
 /// Threads: one thread. Real-time: no.
 class PartialOutput {
  public:
   enum class Kind : std::uint8_t { kFile, kFolder };
 
-  /// Makes the partial one, or takes the one that is left from before, as it is.
-  /// @throws EnvironmentError when another writes it, or it cannot be made.
+  /// Creates the partial output, or opens an old one unchanged.
+  /// @throws EnvironmentError if another process writes it, or it cannot be created.
   PartialOutput(std::filesystem::path path, Kind kind);
-  /// Removes what has not got its name and is not to be kept: a file, or a folder that is empty.
+  /// Removes an unpublished file or empty folder, unless Keep() was called.
   ~PartialOutput();
   PartialOutput(const PartialOutput&) = delete;
   PartialOutput& operator=(const PartialOutput&) = delete;
 
   [[nodiscard]] const std::filesystem::path& partial() const noexcept { return partial_; }
-  /// @returns what holds the lock, by which a file can be read and written; a process that inherits
-  /// it holds it too.
+  /// @returns the descriptor that holds the lock, for reading and writing a file; a process that
+  /// inherits it holds the lock too.
   [[nodiscard]] int lock() const noexcept { return lock_; }
 
-  /// The partial one stays, whether or not it gets its name.
+  /// Keeps the partial output even if it is not published.
   void Keep() noexcept { keeps_ = true; }
-  /// It goes with this again, as it does unless Keep() was called.
+  /// Reverses Keep().
   void Remove() noexcept { keeps_ = false; }
 
-  /// Gives it its name, in place of an older file or empty folder.
-  /// @throws EnvironmentError when the system refuses, or another took the partial one away.
+  /// Renames it to its name, replacing an existing file or empty folder.
+  /// @throws EnvironmentError if the system refuses, or another process removed the partial output.
   void Publish();
 
-  /// @returns whether the partial one is still there, and this one's.
+  /// @returns true if the partial output still exists and is ours.
   [[nodiscard]] bool IsOurs() const noexcept;
 
  private:
-  /// @returns 0, or why it cannot be opened.
+  /// @returns 0, or the errno of opening it.
   int Open(Kind kind);
   void Close() noexcept;
 
   std::filesystem::path path_;
   std::filesystem::path partial_;
-  int lock_ = -1;  ///< descriptor of the partial one, open for reading and writing
+  int lock_ = -1;  ///< descriptor of the partial output, open for reading and writing
   bool keeps_ = false;
 };
 

@@ -11,30 +11,29 @@
 
 namespace twin::record {
 
-/// Reads the UDP datagrams and the TCP bytes of a pcapng file: of PcapngWriter's, or of a capture
-/// that Wireshark made on an Ethernet, loopback or raw IPv4 interface (fragmented datagrams, as a
-/// state on a real network is, are put together). The older format pcap, as `tcpdump -w` writes it,
-/// is refused by name: `editcap -F pcapng IN OUT` converts it. What is neither UDP nor TCP over
-/// IPv4 is passed over and counted. TCP segments are given as captured, but for those repeated.
+/// Reads UDP datagrams and TCP bytes from a pcapng file of PcapngWriter, or of Wireshark on an
+/// Ethernet, loopback or raw IPv4 interface. Reassembles fragmented datagrams, such as states on a
+/// real network. Refuses the older format pcap of `tcpdump -w` by name: `editcap -F pcapng IN OUT`
+/// converts it. Skips and counts packets other than UDP or TCP over IPv4. Returns TCP segments as
+/// captured, without repeated ones.
 ///
-/// The file is not trusted: no length in it is believed without a look, no packet above 256 KiB is
-/// taken.
+/// The file is untrusted: every length in it is checked, and packets above 256 KiB are refused.
 ///
-/// Threads: one. Errors: InputError with file, offset and what is wrong with it.
+/// Threads: one. Errors: InputError with file, offset and fault.
 class PcapngReader {
  public:
-  /// @throws InputError when it is no pcapng file, EnvironmentError when it cannot be read.
+  /// @throws InputError if it is not a pcapng file, EnvironmentError if it cannot be read.
   explicit PcapngReader(const std::filesystem::path& path);
-  /// Reads from memory, as the constructor above.
+  /// Reads from memory; otherwise as above.
   explicit PcapngReader(std::vector<std::byte> file);
   ~PcapngReader();
 
-  /// The next packet; nothing at the end. Its bytes are valid until the next call.
+  /// @returns the next packet, valid until the next call; nullopt at the end.
   [[nodiscard]] std::optional<Packet> Next();
 
-  /// Packets passed over so far.
+  /// Packets skipped so far.
   [[nodiscard]] std::uint64_t passed_over() const noexcept;
-  /// Whether the file ends within a block: whoever wrote it was killed.
+  /// True if the file ends within a block: its writer was killed.
   [[nodiscard]] bool truncated() const noexcept;
 
  private:

@@ -8,20 +8,19 @@
 
 namespace twin::record {
 
-/// Writes packets into a pcapng file, as Wireshark and tcpdump open it: raw IPv4, nanoseconds, with
-/// the heads a network would have put before the bytes (IPv4, UDP or TCP with running sequence
-/// numbers), and checksums where they are needed. Source: IETF draft-ietf-opsawg-pcapng; RFC 791,
-/// 768, 9293.
+/// Writes packets into a pcapng file for Wireshark and tcpdump: raw IPv4, nanoseconds. Adds the
+/// headers of a network (IPv4, UDP or TCP with running sequence numbers), with checksums where
+/// required. Source: IETF draft-ietf-opsawg-pcapng; RFC 791, 768, 9293.
 ///
-/// A packet's bytes are never fragmented, as on the loopback; what is longer than 16 KiB of a TCP
-/// stream becomes several segments. The same calls give the same bytes.
+/// Packets are never fragmented, as on loopback; TCP data above 16 KiB becomes several segments.
+/// The same calls give the same bytes.
 ///
-/// Threads: one. Real-time: no. Errors: EnvironmentError when the file cannot be made or written.
+/// Threads: one. Real-time: no. Errors: EnvironmentError if the file cannot be created or written.
 class PcapngWriter {
  public:
   /// Creates `<path>.partial`.
   explicit PcapngWriter(const std::filesystem::path& path);
-  /// Without Finish(): leaves `<path>.partial`, which is readable.
+  /// Leaves `<path>.partial`, which is readable, if Finish() was not called.
   ~PcapngWriter();
   PcapngWriter(const PcapngWriter&) = delete;
   PcapngWriter& operator=(const PcapngWriter&) = delete;
@@ -29,7 +28,7 @@ class PcapngWriter {
   /// @pre a datagram has at most 65507 bytes.
   void Add(const Packet& packet);
 
-  /// Writes what is buffered, and gives the file its name. Call once.
+  /// Writes the buffered data and renames the file to its final name. Call once.
   void Finish();
 
  private:

@@ -6,23 +6,23 @@
 
 namespace twin::record {
 
-/// The first failure of a writer thread, for those who look on.
+/// First failure of a writer thread, readable by other threads.
 ///
 /// Threads: Keep() from the writer; the rest from any.
 class WriteFailure {
  public:
-  /// In a catch block: keeps what is thrown, if it is the first.
+  /// Call in a catch block: keeps the current exception if it is the first.
   void Keep() noexcept {
     if (happened()) return;
     failure_ = std::current_exception();
-    happened_.store(true, std::memory_order_release);  // after what it tells of
+    happened_.store(true, std::memory_order_release);  // publishes failure_
   }
   [[nodiscard]] bool happened() const noexcept { return happened_.load(std::memory_order_acquire); }
-  /// @throws what was kept, if anything.
+  /// @throws the kept exception, if any.
   void Rethrow() const {
     if (happened()) std::rethrow_exception(failure_);
   }
-  /// What it says; empty: nothing has failed.
+  /// Message of the failure; empty without one.
   [[nodiscard]] std::string Text() const {
     try {
       Rethrow();
@@ -33,7 +33,7 @@ class WriteFailure {
   }
 
  private:
-  std::exception_ptr failure_;  ///< not changed once happened_
+  std::exception_ptr failure_;  ///< constant once happened_ is set
   std::atomic<bool> happened_{false};
 };
 

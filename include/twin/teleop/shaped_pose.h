@@ -15,7 +15,7 @@ namespace twin::teleop {
 /// effector) cuts the commanded twist to the speed from which a quarter of the acceleration stops
 /// at the bound (reference/closing_speed.h). ShapedVelocity follows the result and x_d integrates
 /// it. A commanded pose adds an outer loop:
-/// |  u = e / |e| min(ClosingSpeed(|e|), V),   e the pose error.
+///   u = e / |e| min(ClosingSpeed(|e|), V),   e the pose error.
 /// From outside the workspace only inward motion is possible.
 ///
 /// Threads: one. Real-time: noexcept, does not allocate, O(1).
