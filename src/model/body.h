@@ -5,7 +5,7 @@
 #include "twin/model/mass_properties.h"
 #include "twin/model/payload.h"
 
-// How mass moments add and change frames.
+// Sums and frame changes of mass moments.
 namespace twin::model::internal {
 
 constexpr SymmetricMatrix3 operator+(const SymmetricMatrix3& a,
@@ -35,7 +35,7 @@ constexpr MassMoments AboutJoint7(const Payload& payload) noexcept {
 /// R I R^T for R the rotation of joint frame i in frame i - 1.
 template <std::size_t i>
 constexpr SymmetricMatrix3 ToParent(const SymmetricMatrix3& I, double s, double c) noexcept {
-  // About z first; the plane's part turns by twice the angle.
+  // About z first; the in-plane part rotates by the double angle.
   const double sc = s * c;
   const double ss = s * s;
   const double difference = I.xx - I.yy;

@@ -20,7 +20,7 @@ namespace {
 
 using Links = std::array<MassMoments, kJoints>;
 
-/// How a link moves, in its own axes.
+/// Motion of a link, in its own axes.
 struct Motion {
   Vector3 w{};      ///< angular velocity
   Vector3 alpha{};  ///< angular acceleration
@@ -32,7 +32,7 @@ struct Columns {
   Vector3 x, y, z;
 };
 
-/// [alpha]x + [w]x^2: times a point of the link, that point's acceleration relative to the origin.
+/// [alpha]x + [w]x^2: maps a point of the link to its acceleration relative to the origin.
 Columns RelativeAcceleration(const Vector3& w, const Vector3& alpha) noexcept {
   const double xx = w[0] * w[0];
   const double yy = w[1] * w[1];
@@ -45,7 +45,7 @@ Columns RelativeAcceleration(const Vector3& w, const Vector3& alpha) noexcept {
           {xz + alpha[1], yz - alpha[0], -xx - yy}};
 }
 
-/// Motion of link i from that of the link before it, `A` the RelativeAcceleration there.
+/// Motion of link i from that of its parent, with `A` the parent's RelativeAcceleration.
 template <std::size_t i>
 Motion Next(const Motion& parent, const Columns& A, double s, double c, double dq,
             double ddq) noexcept {
@@ -80,8 +80,8 @@ JointVector ArmModel::InverseDynamics(const Configuration& q, const JointVector&
                                       const JointVector& ddq, const Payload& payload,
                                       const Vector3& g_earth) const noexcept {
   const MassMoments last = links_[kJoints - 1] + AboutJoint7(payload);
-  std::array<Wrench, kJoints> inertial;  // what moves each link as it does
-  Motion motion{{}, {}, -g_earth};       // the base's
+  std::array<Wrench, kJoints> inertial;  // that accelerates each link
+  Motion motion{{}, {}, -g_earth};       // of the base
   Columns A{};
   BaseToTip([&]<std::size_t i>() {
     const MassMoments& body = i == kJoints - 1 ? last : links_[i];
@@ -93,7 +93,7 @@ JointVector ArmModel::InverseDynamics(const Configuration& q, const JointVector&
   });
 
   JointVector tau;
-  Wrench carried;  // by joint i: what moves link i and all beyond it
+  Wrench carried;  // by joint i, for link i and all beyond it
   TipToBase([&]<std::size_t i>() {
     carried.f = carried.f + inertial[i].f;
     carried.n = carried.n + inertial[i].n;
@@ -139,7 +139,7 @@ JointMatrix ArmModel::MassMatrix(const Configuration& q, const Payload& payload)
   MassMoments body = AboutJoint7(payload);  // link i and all beyond it, held rigid
   TipToBase([&]<std::size_t i>() {
     body = body + links_[i];
-    // What a unit acceleration of joint i alone asks of it, carried on to the base.
+    // Wrench for a unit acceleration of joint i alone, propagated to the base.
     Wrench wrench{{-body.h[1], body.h[0], 0}, {body.I.xz, body.I.yz, body.I.zz}};
     M[kJoints * i + i] = body.I.zz;
     TipToBase([&]<std::size_t j>() {

@@ -17,7 +17,7 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Determinants of J W J^T reach 1e-2; below this they are rounding, of either sign.
+/// Determinants of J W J^T reach 1e-2; below this they are rounding errors of either sign.
 constexpr double kSingularDeterminant = 1e-18;
 
 Vector3 Column(const Transform& X, std::size_t c) noexcept {

@@ -7,8 +7,8 @@
 #include "model/vector3.h"
 #include "twin/core/joint_vector.h"
 
-// The geometry of the arm, known when we compile: every twist angle is 0 or +-90 degrees and most
-// lengths are zero, so that a rotation about x is an exchange of components and terms vanish.
+// Geometry of the arm at compile time: all twist angles are 0 or +-90 degrees and most lengths are
+// zero, so a rotation about x swaps components and terms vanish.
 namespace twin::model::internal {
 
 /// One row of the modified DH table: T(i-1 -> i) = Rot_x(alpha) Trans_x(a) Rot_z(q) Trans_z(d).
@@ -27,7 +27,7 @@ inline constexpr std::array<DhRow, kJoints> kDh{{{0, 0.333, 0},
                                                  {0, 0, 1},
                                                  {0.088, 0, 1}}};
 
-/// The flange is frame 7 moved along its z axis.
+/// The flange is frame 7, shifted along its z axis.
 inline constexpr double kFlangeOffset = 0.107;
 
 /// Origin of joint frame i in frame i - 1; i counts from 0, frame -1 is the base.
@@ -68,7 +68,7 @@ constexpr Vector3 ToChild(const Vector3& v, double s, double c) noexcept {
   return {c * t[0] + s * t[1], c * t[1] - s * t[0], t[2]};
 }
 
-/// p[row] f[column] - p[column] f[row] for p = Offset(i), without the terms that are zero.
+/// p[row] f[column] - p[column] f[row] for p = Offset(i), without zero terms.
 template <std::size_t i, std::size_t row, std::size_t column>
 constexpr double OffsetMinor(const Vector3& f) noexcept {
   constexpr Vector3 p = Offset(i);

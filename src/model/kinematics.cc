@@ -51,8 +51,8 @@ Axes Next(const Axes& parent, double s, double c) noexcept {
   return frame;
 }
 
-/// All joint frames. Which one is asked for is known only at run time: to stop there would cost
-/// more than the rest.
+/// All joint frames. The requested one is known only at run time, and stopping there would cost
+/// more than computing the rest.
 using JointFrames = std::array<Axes, kJoints>;
 
 JointFrames FramesOf(const Configuration& q) noexcept {
@@ -65,12 +65,12 @@ JointFrames FramesOf(const Configuration& q) noexcept {
   return frames;
 }
 
-/// How many joints move the frame.
+/// Number of joints that move the frame.
 std::size_t JointsBefore(Frame frame) noexcept {
   return std::min(static_cast<std::size_t>(frame) + 1, kJoints);
 }
 
-/// The frame asked for.
+/// Selects the requested frame.
 Axes Select(const JointFrames& joints, Frame frame, const Transform& F_T_EE) noexcept {
   if (frame < Frame::kFlange) return joints[static_cast<std::size_t>(frame)];
   Axes flange = joints[kJoints - 1];
@@ -95,7 +95,7 @@ Transform AsTransform(const Axes& frame) noexcept {
   return {x[0], x[1], x[2], 0, y[0], y[1], y[2], 0, z[0], z[1], z[2], 0, p[0], p[1], p[2], 1};
 }
 
-/// @param count  of the joints that move the tip.
+/// @param count  number of joints that move the tip.
 Jacobian ZeroJacobianOf(const JointFrames& joints, const Axes& tip, std::size_t count) noexcept {
   Jacobian J{};
   for (std::size_t i = 0; i < count; ++i) {

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What every ELF file begins with.
+/// Magic number of ELF files.
 constexpr std::array<char, 4> kElf{0x7f, 'E', 'L', 'F'};
 
 const char* FileName(ModelFigures figures) {

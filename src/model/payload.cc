@@ -3,7 +3,7 @@
 namespace twin::model {
 namespace {
 
-/// Adds scale * (-[c]x^2), scale = mass: what a point mass at c contributes about the origin.
+/// Adds scale * (-[c]x^2), scale = mass: inertia of a point mass at c about the origin.
 void AddPointMass(double scale, const Vector3& c, Matrix3& I) noexcept {
   const double norm2 = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
   for (std::size_t column = 0; column < 3; ++column) {

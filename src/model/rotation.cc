@@ -48,7 +48,7 @@ Eigen::Vector3d TurnBetween(const Transform& from, const Transform& to) noexcept
 
 Transform Turned(const Transform& X, const Eigen::Vector3d& phi,
                  const Eigen::Vector3d& position) noexcept {
-  // What the way from matrix to quaternion and back loses is a few units of rounding.
+  // Conversion to a quaternion and back loses a few units of rounding.
   constexpr double kResolution = 8 * std::numeric_limits<double>::epsilon();
   if (phi.norm() < kResolution) {
     Transform moved = X;

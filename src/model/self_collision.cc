@@ -17,14 +17,14 @@ using internal::operator+;
 using internal::operator-;
 using internal::operator*;
 
-/// A straight line with a radius, in the frame of a link.
+/// A capsule in the frame of a link.
 struct Capsule {
-  std::size_t link;  ///< that moves it: 0 the base, 1..7 by the joint before it
+  std::size_t link;  ///< 0 the base, 1..7 by the joint before it
   Vector3 a, b;      ///< ends of its axis
   double radius;
 };
 
-/// By their order: what is compared with what is a matter of ranges.
+/// Ordered so that the compared parts form ranges.
 enum Part : std::size_t {
   kBase,
   kColumn,
@@ -44,7 +44,7 @@ enum Part : std::size_t {
 
 constexpr double kCos45 = 0.70710678118654752440;
 
-/// A point of the hand, whose y axis is 45 degrees from the flange's.
+/// A point of the hand, whose y axis is rotated by 45 degrees from the flange's.
 constexpr Vector3 OfHand(double y, double z) {
   return {kCos45 * y, kCos45 * y, kFlangeOffset + z};
 }
@@ -65,7 +65,7 @@ constexpr std::array<Capsule, kParts> kCapsules{{
     {7, OfHand(-0.05, 0.09), OfHand(0.05, 0.09), 0.022},
 }};
 
-/// Largest distance of what lies beyond a joint from its axis, m, rounded up; a test compares it
+/// Largest distance from a joint's axis of everything beyond it, m, rounded up; a test compares it
 /// with the capsules.
 constexpr JointVector kReach{1.2, 1.2, 0.9, 0.9, 0.4, 0.4, 0.25};
 
@@ -75,10 +75,10 @@ struct Axes {
   std::array<Vector3, kParts> b;
 };
 
-/// Carries every point from its link to the base, joint by joint.
+/// Transforms every point from its link to the base, joint by joint.
 Axes Carry(const Configuration& q, std::size_t parts) noexcept {
   Axes axes;
-  std::size_t first = parts;  // of the points that are on their way
+  std::size_t first = parts;  // of the points in progress
   TipToBase([&]<std::size_t i>() {
     while (first > 0 && kCapsules[first - 1].link == i + 1) {
       --first;
@@ -107,7 +107,7 @@ double SquaredDistance(const Vector3& d, const Vector3& e, const Vector3& r) noe
   const double dr = Dot(d, r);
   const double er = Dot(e, r);
   const double denominator = dd * ee - de * de;
-  // Of parallel segments any s will do.
+  // Parallel segments: any s.
   double s = denominator > 1e-12 ? std::clamp((de * er - dr * ee) / denominator, 0.0, 1.0) : 0;
   double t = (de * s + er) / ee;
   if (t < 0 || t > 1) {
@@ -118,7 +118,7 @@ double SquaredDistance(const Vector3& d, const Vector3& e, const Vector3& r) noe
   return Dot(apart, apart);
 }
 
-/// Looks at one pair, if its bounding spheres do not tell enough.
+/// Compares one pair, unless its bounding spheres suffice.
 void Compare(const Axes& axes, std::size_t k, std::size_t l, double& nearest) noexcept {
   const Vector3 d = axes.b[k] - axes.a[k];
   const Vector3 e = axes.b[l] - axes.a[l];

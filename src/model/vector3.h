@@ -2,7 +2,7 @@
 
 #include "twin/core/joint_vector.h"
 
-// Arithmetic of three-vectors, for the recursions.
+// Arithmetic of three-vectors for the recursions.
 namespace twin::model::internal {
 
 constexpr Vector3 operator+(const Vector3& a, const Vector3& b) noexcept {

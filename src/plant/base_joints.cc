@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kSettlingSteps = 500;
 
-/// How fast a body's point is, world axes. @param p  from the body's origin, world axes.
+/// Velocity of a body's point, world axes. @param p  from the body's origin, world axes.
 Vector3 VelocityAt(const mjModel& model, const mjData& data, int body, const Vector3& p) noexcept {
   mjtNum twist[6];  // [w; v] of the body's origin, world axes
   mj_objectVelocity(&model, &data, mjOBJ_XBODY, body, twist, 0);
@@ -30,8 +30,7 @@ Vector3 VelocityAt(const mjModel& model, const mjData& data, int body, const Vec
   return v;
 }
 
-/// What a body and what is fixed to it touch where the model has them: ": block, table"; empty when
-/// nothing.
+/// Contacts of a body and of bodies fixed to it: ": block, table"; empty without any.
 std::string NamesInTheWay(const mjModel& model, int body) {
   const ModelParts parts(model);
   const DataPointer data(mj_makeData(&model));
@@ -80,7 +79,7 @@ void BaseJoints::Settle(const mjModel& model, mjData& data) {
   }
   mj_forward(&model, &data);
   for (int k = 0; k < kSettlingSteps; ++k) {
-    // All else stands still meanwhile: the arm weighs where it rests, wheels and objects stay.
+    // Everything else is fixed meanwhile: the arm keeps its pose, wheels and objects do not move.
     std::copy_n(data.qfrc_bias, model.nv, data.qfrc_applied);
     Apply(model, data);
     mj_step2(&model, &data);

@@ -25,7 +25,7 @@ void RequirePrimitive(const RobotDescription& base, const std::string& where) {
   }
 }
 
-/// A wheel is a cylinder that turns about its axis, straight on the base's root.
+/// A wheel is a cylinder that rotates about its axis, attached to the base's root.
 bool IsWheel(const Link& link, const std::string& root) {
   return link.parent == root && link.joint_kind == JointKind::kContinuous &&
          link.axis == Vector3{0, 1, 0} && link.collision.size() == 1 &&
@@ -33,7 +33,7 @@ bool IsWheel(const Link& link, const std::string& root) {
          link.collision.front().X_LS.p == Vector3{};
 }
 
-/// @returns how high the root's frame is above the floor.
+/// @returns the height of the root's frame above the floor.
 double RequireWheels(const RobotDescription& base, const std::string& where) {
   const std::string& root = base.links.front().name;
   double height = 0;

@@ -7,9 +7,9 @@
 
 namespace twin::plant {
 
-/// Reads a mobile base's URDF, its shapes all primitive, and hashes it. Its root comes back with a
-/// free joint, as high above the floor as its wheels hold it.
-/// @throws InputError naming file and element for anything that is no such base; see BaseOptions.
+/// Reads and hashes a mobile base's URDF, with primitive shapes only. Its root gets a free joint,
+/// at the height above the floor that its wheels define.
+/// @throws InputError naming file and element if it violates BaseOptions.
 [[nodiscard]] RobotDescription ReadBase(const std::filesystem::path& urdf, ContentHash& hash);
 
 }  // namespace twin::plant

@@ -25,7 +25,7 @@ void Brakes::Set(bool closed, mjModel& model, mjData& data) {
       model.dof_frictionloss[dofs_[i]] = std::max(friction_[i], tau_max_[i]);
     }
   }
-  // The constraints of the step to come are made already; they are made anew.
+  // The constraints of the next step already exist; recompute them.
   mj_step1(&model, &data);
 }
 

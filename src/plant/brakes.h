@@ -9,15 +9,15 @@
 
 namespace twin::plant {
 
-/// The holding brakes of the joints, on the motors: closed, each takes whatever torque keeps its
-/// joint where it is, up to twice the largest torque of its drive.
+/// The joints' holding brakes, on the motors: a closed brake applies the torque that holds its
+/// joint, up to twice the largest torque of its drive.
 ///
 ///   tau_brake = carried + row,   |carried|, |row| <= tau_max,   carried' = carried + row
 ///
-/// `row` is the engine's dry friction, which yields a little to a steady load (5e-5 rad/s under
-/// 20 Nm); what it took in one step is therefore carried over to the next, and a braked arm does
-/// not creep. What the robot's brakes hold is not public; they must hold the arm with its largest
-/// load in any pose, so tau_max at least. Twice that is our decision.
+/// `row` is the engine's dry friction, which yields slightly to a steady load (5e-5 rad/s under 20
+/// Nm). So its torque of one step is carried over to the next, and a braked arm does not creep. The
+/// capacity of the robot's brakes is not public; they must hold the arm with its largest load in
+/// any pose, hence at least tau_max. Twice that is a decision.
 ///
 /// Threads: one thread. Real-time: all but the constructor are noexcept and allocate nothing.
 class Brakes {
@@ -27,16 +27,16 @@ class Brakes {
   Brakes(const mjModel& model, const std::array<int, kJoints>& dofs,
          const JointVector& tau_max) noexcept;
 
-  /// Opens them without a step.
+  /// Opens the brakes without a step.
   void Reset(mjModel& model) noexcept;
 
-  /// Opens or closes them for the steps to come, at once. May throw EngineFault.
+  /// Opens or closes them at once, for later steps. May throw EngineFault.
   void Set(bool closed, mjModel& model, mjData& data) TWIN_REALTIME;
 
-  /// Part of tau_brake to apply in the step to come, Nm; zero when open.
+  /// Part of tau_brake to apply in the next step, Nm; zero when open.
   [[nodiscard]] const JointVector& carried() const noexcept TWIN_REALTIME { return carried_; }
 
-  /// To be called when the forces of a step are solved and its constraints are still there.
+  /// After the forces of a step are solved, while its constraints are valid.
   /// @returns tau_brake of that step; zero when open.
   [[nodiscard]] JointVector Take(const mjData& data) noexcept TWIN_REALTIME;
 

@@ -62,7 +62,7 @@ JointVector ArmIn(const CompiledModel& compiled, std::span<const double> qpos) {
 Transform ArmBaseIn(const CompiledModel& compiled, std::span<const double> qpos) {
   const mjModel& model = *compiled.model;
   if (compiled.base < 0) return kIdentityTransform;
-  // From link 0 down to the body that the free joint moves, all is fixed.
+  // All links from link 0 down to the body with the free joint are fixed.
   const int root = model.jnt_bodyid[compiled.base];
   const mjtNum* const free = qpos.data() + model.jnt_qposadr[compiled.base];
   std::array<mjtNum, 3> p{};

@@ -39,7 +39,7 @@ void ContactWatch::Note(int a, int b, Time now) noexcept {
   if (i == kMostPairs) return;
   if (i == pairs_) seen_[pairs_++] = {.a = a, .b = b, .first = now};
   Seen& seen = seen_[i];
-  if (seen.last_look == looks_) return;  // one of several points at which they touch
+  if (seen.last_look == looks_) return;  // another contact point of the same pair
   seen.last_look = looks_;
   ++seen.cycles;
 }

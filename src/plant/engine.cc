@@ -5,7 +5,7 @@
 namespace twin::plant {
 namespace {
 
-// MuJoCo's handlers carry no context; the collector is found by thread.
+// MuJoCo's handlers carry no context; the collector is thread-local.
 thread_local EngineWarnings* innermost = nullptr;
 
 [[noreturn]] void ThrowFault(const char* text) {

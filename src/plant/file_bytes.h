@@ -7,13 +7,12 @@
 
 namespace twin::plant {
 
-/// @returns the whole file. @throws InputError naming the file and `what` it is when it cannot be
-/// read.
+/// @returns the whole file. @throws InputError naming the file and its kind `what` if not readable.
 [[nodiscard]] std::string ReadFileBytes(const std::filesystem::path& file, std::string_view what);
 
-/// Fingerprint of a sequence of byte strings, for cache keys and the integrity of cached files; no
-/// defence against an adversary. MurmurHash3 x64 128 (Appleby, public domain), chained over the
-/// strings: each one's digest and length enter the next one's seed.
+/// Hash of a sequence of byte strings, for cache keys and the integrity of cached files; not secure
+/// against adversaries. MurmurHash3 x64 128 (Appleby, public domain), chained: each string's digest
+/// and length seed the next one.
 class ContentHash {
  public:
   /// Adds one string; its boundaries count: ("ab", "c") differs from ("a", "bc").

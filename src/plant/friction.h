@@ -8,19 +8,19 @@ namespace twin::plant {
 /// The friction of FrictionProfile::kResidual.
 using model::ResidualFriction;
 
-/// Torque at which a joint at rest begins to move, Nm. Measured through the FCI on one Panda by a
-/// ramp of external torque up to 0.5 deg of motion, so an upper estimate. Source: franka_emulator
-/// (RWTH, MIT licence), model.urdf of 2021-11-20.
+/// Break-away torque of a joint at rest, Nm. Measured through the FCI on one Panda by a ramp of
+/// external torque up to 0.5 deg of motion, so an upper estimate. Source: franka_emulator (RWTH,
+/// MIT licence), model.urdf of 2021-11-20.
 inline constexpr JointVector kBreakawayTorque{0.8315,  0.99845, 0.8923, 1.29255,
                                               0.81225, 0.58725, 0.4132};
 
-/// Viscous friction that goes with it, Nm s/rad. Source: Gaz et al. 2019, supplementary table III,
-/// row "OSI" (the row whose figure for joint 6 is positive).
+/// Viscous friction to add, Nm s/rad. Source: Gaz et al. 2019, supplementary table III, row "OSI"
+/// (the row with a positive value for joint 6).
 inline constexpr JointVector kViscousFriction{0.0628, 0.2088,    0.0361, 0.2174,
                                               0.1021, 1.6128e-4, 0.0632};
 
-/// Inertia of the drives' rotors seen at the link, kg m^2. Source: README of Drake's
-/// franka_description, as provided by Franka for its FR3; nothing is published for the Panda.
+/// Inertia of the drives' rotors reflected to the link, kg m^2. Source: README of Drake's
+/// franka_description, as provided by Franka for its FR3; no Panda values are published.
 inline constexpr JointVector kArmature{0.605721456, 0.605721456, 0.462474144, 0.462474144,
                                        0.205544064, 0.205544064, 0.205544064};
 

@@ -5,7 +5,7 @@ namespace {
 
 constexpr double kFriction = 10;  // D, N s/m: 0.5 N at the hand's full speed; not public
 
-// Of the belt, for a finger's inertia of 1 kg: 80 Hz, half of critical damping.
+// Belt, for a finger's inertia of 1 kg: 80 Hz, half of critical damping.
 constexpr double kBeltStiffness = 1.25e5;  // K, N/m
 constexpr double kBeltDamping = 250;       // C, N s/m
 

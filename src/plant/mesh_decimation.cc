@@ -13,7 +13,7 @@
 namespace twin::plant {
 namespace {
 
-/// MuJoCo takes no mesh with less.
+/// MuJoCo accepts no smaller mesh.
 constexpr std::size_t kLeastVertices = 4;
 
 using Vector = std::array<float, 3>;
@@ -38,12 +38,12 @@ Vector Cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// The surface without normals: vertices at the same place are one. (Were they not, the simplifier
-/// would take every crease for a seam and keep it.)
+/// The surface without normals, with vertices merged by position. (Otherwise the simplifier would
+/// treat every crease as a seam and keep it.)
 struct Surface {
   std::vector<float> places;             ///< x y z each
-  std::vector<unsigned> corners;         ///< three places a triangle
-  std::vector<std::vector<int>> shared;  ///< the part's vertices at each place
+  std::vector<unsigned> corners;         ///< three positions per triangle
+  std::vector<std::vector<int>> shared;  ///< the part's vertices at each position
 };
 
 Surface WithoutNormals(const MeshPart& part) {
@@ -67,7 +67,7 @@ Surface WithoutNormals(const MeshPart& part) {
   return surface;
 }
 
-/// @returns the corners of the triangles that are left.
+/// @returns the corners of the remaining triangles.
 std::vector<unsigned> Simplify(const Surface& surface, double error) {
   constexpr std::size_t kStride = 3 * sizeof(float);
   const std::size_t count = surface.places.size() / 3;
@@ -80,7 +80,7 @@ std::vector<unsigned> Simplify(const Surface& surface, double error) {
   return kept;
 }
 
-/// Gathers triangles, with those of the part's vertices they use.
+/// Collects triangles and the vertices that they use.
 class PartWriter {
  public:
   PartWriter(const MeshPart& from, const Surface& surface)
@@ -98,7 +98,7 @@ class PartWriter {
   [[nodiscard]] MeshPart Take() { return std::move(part_); }
 
  private:
-  /// @returns the vertex at a place whose normal is nearest to a direction.
+  /// @returns the vertex at a position with the normal nearest to a direction.
   [[nodiscard]] std::size_t Facing(unsigned place, const Vector& direction) const {
     const std::vector<int>& there = surface_.shared[place];
     auto best = static_cast<std::size_t>(there.front());
@@ -122,7 +122,7 @@ class PartWriter {
 
   const MeshPart& from_;
   const Surface& surface_;
-  std::vector<int> numbers_;  ///< in the new part; -1: not there yet
+  std::vector<int> numbers_;  ///< in the new part; -1: not added
   MeshPart part_;
 };
 

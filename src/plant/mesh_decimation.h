@@ -4,15 +4,15 @@
 
 namespace twin::plant {
 
-/// The same surface with fewer triangles, to be drawn.
+/// The same surface with fewer triangles, for rendering.
 ///
-/// Edges are collapsed onto one of their own ends (meshoptimizer, by quadrics), so what vertices
-/// are left are some of the part's. Of the normals given at a place a corner keeps the one that
-/// fits its triangle best: curved faces stay smooth and creases sharp.
+/// Edges collapse onto one of their ends (meshoptimizer, quadric error), so the remaining vertices
+/// are some of the part's. A corner takes, of the normals at its position, the one nearest to its
+/// triangle's: curved faces stay smooth and creases sharp.
 ///
-/// @param part  with a normal for each vertex. @param error  how far the surface may move, m, > 0:
-/// root mean square over the area round a vertex; single points move by five times that.
-/// @returns the part in the same colour; unchanged where less than a tetrahedron would be left.
+/// @param part  with a normal per vertex. @param error  largest displacement of the surface, m, >
+/// 0: root mean square around a vertex; single points move up to five times as far.
+/// @returns the part in the same colour; unchanged if less than a tetrahedron would remain.
 /// Same input, same bytes. Threads: any.
 [[nodiscard]] MeshPart Decimate(const MeshPart& part, double error);
 

@@ -22,8 +22,8 @@ constexpr int kRemoved = aiComponent_TEXCOORDS | aiComponent_TANGENTS_AND_BITANG
                          aiComponent_COLORS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
                          aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS |
                          aiComponent_NORMALS;
-// Franka's files give one normal per face; smoothing them up to this angle looks better and lets
-// vertices be shared, at a sixth of the memory.
+// Franka's files have one normal per face; smoothing up to this angle looks better and shares
+// vertices, at a sixth of the memory.
 constexpr float kSmoothingAngle_deg = 35;
 
 /// @returns the scene, owned by `importer`.

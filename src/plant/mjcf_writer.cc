@@ -17,23 +17,22 @@ namespace twin::plant {
 namespace {
 
 // Sizes: room for the joints' own constraints and 100 contacts of 4 rows; a box in the hand makes
-// 16, one on a table 4. Classes copy their settings before the scene's own defaults are read, so
-// those do not reach the robot.
+// 16, one on a table 4. Classes copy their settings before the scene's defaults are read, so those
+// do not affect the robot.
 //
-// What is held must not creep. Friction of soft contacts does, unless the cone is elliptic and the
-// solver's last iterations take the slip out; and it holds a turning object only where contacts
-// resist torsion (condim 4). A pad's settings count whatever touches it: rubber on a hard object,
-// torsion by a patch of 5 mm radius; stiff, for the opening is what a grasp is judged by.
+// Grasped objects must not creep. Friction of soft contacts creeps unless the cone is elliptic and
+// the solver's last iterations remove the slip, and it holds a rotating object only where contacts
+// resist torsion (condim 4). A pad's settings apply to all its contacts: rubber on a hard object,
+// torsion by a patch of 5 mm radius; stiff, because the opening decides on a grasp.
 //
-// One creep is left. The friction rows ask for J(q_k) dq_k+1 = (1 - B T) J(q_k) dq_k; the hand
-// moves on arcs and what it holds does not know, which adds T c a step, c the acceleration by which
-// the arc bends. So the object is left behind at a speed of c (1/B - T/2): none at B T = 2, where
-// the rows would also swing for ever. The pads' B = 1500 1/s leaves a sixth of a micrometre per
-// second for each mm/s^2 of c; MuJoCo's own way to set B allows no more than 1/T, three times as
-// much.
+// One creep remains. The friction rows request J(q_k) dq_k+1 = (1 - B T) J(q_k) dq_k; the hand
+// moves on arcs, which adds T c per step, c the acceleration of that curvature. So the object lags
+// behind at a speed of c (1/B - T/2): zero at B T = 2, where the rows would also oscillate for
+// ever. The pads' B = 1500 1/s leaves a sixth of a micrometre per second for each mm/s^2 of c;
+// MuJoCo's own parameter for B allows at most 1/T, which leaves three times as much.
 //
-// A tyre only bears: its friction is a law of its own (tyre.h). Its contact gives way by about a
-// millimetre under a mobile base, critically damped.
+// A tyre's contact only carries load: its friction law is in tyre.h. Under a mobile base the
+// contact yields by about a millimetre, critically damped.
 constexpr std::string_view kPreamble = R"(<mujoco model="{}">
   <size njmax="420" nconmax="100"/>
   <option cone="elliptic" impratio="10" noslip_iterations="5"/>
@@ -84,7 +83,7 @@ std::string PoseAttributes(const Pose& pose) {
   return fmt::format(R"(pos="{}" quat="{}")", Row(pose.p), Row(pose.quat));
 }
 
-/// Writes one document; the members are what its parts share.
+/// Writes one document; members are state shared by its parts.
 class Writer {
  public:
   Writer(const ModelSources& sources, const MeshAssets& visual, const MeshAssets& collision)
@@ -98,7 +97,7 @@ class Writer {
     Body(sources_.robot.links.front());
     text_ += sources_.objects_text;
     Line("  </worldbody>\n");
-    std::swap(bodies, text_);  // assets are known once the bodies are written
+    std::swap(bodies, text_);  // assets are known after the bodies
     Assets();
     text_ += bodies;
     Excludes();
@@ -164,7 +163,7 @@ class Writer {
 
   void Body(const Link& link) {
     Line("<body name=\"{}\" {}>\n", link.name, PoseAttributes(link.X_PL));
-    // A link without mass says so, or the engine would derive one from its shapes.
+    // A link without mass needs an explicit zero, or the engine derives a mass from its shapes.
     const Inertial inertial = link.inertial.value_or(Inertial{});
     const Matrix3& I = inertial.I;
     if (inertial.mass > 0) {
@@ -218,7 +217,7 @@ class Writer {
     return shape.pad ? "pad" : "collision";
   }
 
-  /// Number of the arm's joints between the root and each link.
+  /// Number of arm joints between the root and each link.
   std::map<std::string, int> JointDepths() const {
     std::map<std::string, int> depths;
     for (const Link& link : sources_.robot.links) {
@@ -228,9 +227,9 @@ class Writer {
     return depths;
   }
 
-  /// Links no more than two joints apart do not collide with one another: the hulls of their shapes
-  /// overlap in poses that the joint limits allow, the links themselves do not. (MoveIt's SRDF of
-  /// the Panda leaves out the same pairs.) Fingers meet at the end of their range, not as shapes.
+  /// Excludes collisions between links up to two joints apart: the hulls of their shapes overlap
+  /// within the joint limits, the links do not. (MoveIt's SRDF of the Panda excludes the same
+  /// pairs.) Fingers meet at the end of their range, not as shapes.
   void Excludes() {
     const auto depths = JointDepths();
     Line("  <contact>\n");

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kErrorSize = 1000;
 
-/// MuJoCo's files in memory. The structure itself takes 2 MB, hence not on the stack.
+/// MuJoCo's in-memory files. The structure takes 2 MB, hence not on the stack.
 class VirtualFiles {
  public:
   VirtualFiles() : vfs_(std::make_unique<mjVFS>()) { mj_defaultVFS(vfs_.get()); }
@@ -29,7 +29,7 @@ class VirtualFiles {
   VirtualFiles(const VirtualFiles&) = delete;
   VirtualFiles& operator=(const VirtualFiles&) = delete;
 
-  /// @param name  not yet in use.
+  /// @param name  unused so far.
   void Add(const std::string& name, std::string_view bytes) {
     if (mj_makeEmptyFileVFS(vfs_.get(), name.c_str(), static_cast<int>(bytes.size())) != 0) {
       throw InputError(fmt::format("the model has too many files: no room for {}", name));
@@ -50,7 +50,7 @@ bool HasMesh(const std::vector<Shape>& shapes, const std::string& uri) {
   return false;
 }
 
-/// Imports every mesh for the uses it has.
+/// Imports every mesh for all its uses.
 void ImportMeshes(const ModelSources& sources, MeshAssets& visual, MeshAssets& collision) {
   int number = 0;
   for (const auto& [uri, mesh] : sources.meshes) {
@@ -91,7 +91,7 @@ bool Near(double a, double b) {
   return std::abs(a - b) <= 1e-9 * (1 + std::abs(b));
 }
 
-/// @returns what of `link` the compiled body has differently; empty when nothing.
+/// @returns the difference of the compiled body from `link`; empty if none.
 std::string Difference(const mjModel& model, int body, const Link& link) {
   const Inertial wanted = link.inertial.value_or(Inertial{});
   if (!Near(model.body_mass[body], wanted.mass)) {
@@ -109,8 +109,8 @@ std::string Difference(const mjModel& model, int body, const Link& link) {
   return {};
 }
 
-/// A scene's compiler settings hold for the whole document (MJCF has one <compiler>), so they could
-/// change the robot silently.
+/// A scene's compiler settings apply to the whole document (MJCF has one <compiler>), so they could
+/// silently change the robot.
 void RequireRobotUnchanged(const ModelSources& sources, const mjModel& model) {
   for (const Link& link : sources.robot.links) {
     const int body = mj_name2id(&model, mjOBJ_BODY, link.name.c_str());
@@ -125,8 +125,8 @@ void RequireRobotUnchanged(const ModelSources& sources, const mjModel& model) {
   if (model.opt.timestep != kCycleSeconds) throw EngineFault("the step is not 1 ms");
 }
 
-/// A finger's stops are a micrometre beyond its range: one that rests at an end of it makes no
-/// constraint, which would have to be solved in every step.
+/// A finger's stops are a micrometre beyond its range, so that a finger at its limit adds no
+/// constraint to solve in every step.
 constexpr double kFingerClearance = 1e-6;
 
 void SetJointRanges(const ModelSources& sources, mjModel& model) {
@@ -149,19 +149,19 @@ BuiltModel BuildModel(const ModelSources& sources) {
   AddAssets(visual, files);
   AddAssets(collision, files);
   files.Add(kSceneFile, sources.scene_text);
-  // The document stands in the scene's folder, so that files the scene names are found.
+  // The document's path is in the scene's folder, so that files of the scene are found.
   const std::string name = (sources.scene_file.parent_path() / "panda_twin_model.xml").string();
   files.Add("panda_twin_model.xml", WriteMjcf(sources, visual, collision));
 
   std::string message(kErrorSize, '\0');
   const EngineWarnings warnings;
   BuiltModel built;
-  // The engine's reader keeps one document for the whole process.
+  // The engine's reader keeps one document per process.
   static std::mutex reader;
   const std::scoped_lock lock(reader);
   try {
     built.model.reset(mj_loadXML(name.c_str(), files.get(), message.data(), kErrorSize));
-    mj_freeLastXML();  // otherwise the engine keeps a copy of every mesh
+    mj_freeLastXML();  // otherwise the engine keeps copies of all meshes
   } catch (const EngineFault& fault) {
     message = fault.what();
   }

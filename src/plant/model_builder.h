@@ -20,22 +20,22 @@ struct DataDeleter {
 };
 using DataPointer = std::unique_ptr<mjData, DataDeleter>;
 
-/// A compiled model, and what the engine warned of while compiling it.
+/// A compiled model and the engine's warnings from compilation.
 struct BuiltModel {
   ModelPointer model;
   std::vector<std::string> warnings;
 };
 
 /// Imports the meshes, composes and compiles.
-/// @throws InputError naming file and element for a bad mesh or scene, or for a scene whose
-/// compiler settings would change the robot.
+/// @throws InputError naming file and element for a bad mesh or scene, or for a scene with compiler
+/// settings that would change the robot.
 [[nodiscard]] BuiltModel BuildModel(const ModelSources& sources);
 
 /// @returns the model in MuJoCo's binary form.
 [[nodiscard]] std::string SerializeModel(const mjModel& model);
 
-/// @param bytes  as SerializeModel() gave them, unchanged.
-/// @throws EnvironmentError when the engine cannot load them all the same.
+/// @param bytes  unchanged from SerializeModel().
+/// @throws EnvironmentError if the engine nevertheless cannot load them.
 [[nodiscard]] ModelPointer DeserializeModel(const std::string& bytes);
 
 }  // namespace twin::plant

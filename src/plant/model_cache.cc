@@ -29,7 +29,7 @@ std::string HeaderOf(const std::string& payload) {
   return fmt::format("panda-twin compiled model 1, {} bytes, {}\n", payload.size(), hash.Hex());
 }
 
-/// @returns the payload of an entry's file, if it is whole.
+/// @returns the payload of an entry's file if complete.
 std::optional<std::string> PayloadOf(const fs::path& file) {
   std::string bytes;
   try {
@@ -49,7 +49,7 @@ bool IsModel(const fs::path& file) {
   return file.extension() == ".mjb";
 }
 
-/// Of one that is being written, or was when its process was killed.
+/// Whether the file is being written, or was when its process was killed.
 bool IsUnfinished(const fs::path& file) {
   return file.extension() == ".partial" &&
          file.filename().string().find(".mjb.") != std::string::npos;
@@ -76,7 +76,7 @@ fs::path ModelCache::FileOf(const std::string& key) const {
 std::optional<std::string> ModelCache::Load(const std::string& key) const {
   const fs::path file = FileOf(key);
   std::optional<std::string> payload = PayloadOf(file);
-  // That it was used now. Where that cannot be written, it is as old as it is.
+  // Marks it as used now. If that fails, it keeps its age.
   if (payload) static_cast<void>(::utimensat(AT_FDCWD, file.c_str(), nullptr, 0));
   return payload;
 }

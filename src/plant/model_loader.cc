@@ -22,7 +22,7 @@ void PrepareEngine() {
 
 namespace {
 
-/// With the objects as they were when the model was compiled first, by whomever.
+/// With the objects of the first compilation, by any process.
 BuiltModel Fetch(const MujocoPlantOptions& options, const ModelSources& sources) {
   if (options.cache.empty() || !sources.scene_is_self_contained) return BuildModel(sources);
   const ModelCache cache(options.cache);
@@ -31,12 +31,12 @@ BuiltModel Fetch(const MujocoPlantOptions& options, const ModelSources& sources)
       try {
         return {DeserializeModel(*bytes), {}};
       } catch (const EnvironmentError&) {
-        // Whole, and still no model of this engine: one is compiled, and takes its place.
+        // Complete, but not loadable by this engine: compile and replace it.
       }
     }
   }
   BuiltModel built = BuildModel(sources);
-  // A model with warnings is compiled anew each time, so that they are seen each time.
+  // A model with warnings is recompiled each time, so that they appear each time.
   if (built.warnings.empty()) cache.Store(sources.key, SerializeModel(*built.model));
   return built;
 }

@@ -6,11 +6,11 @@
 
 namespace twin::plant {
 
-/// Makes MuJoCo's failures ours, and checks that the library is the one this was built for.
-/// @throws EnvironmentError when it is another.
+/// Installs the error handlers, and checks that MuJoCo's version is that of the build.
+/// @throws EnvironmentError if it differs.
 void PrepareEngine();
 
-/// Takes the model from the cache that `options` name, or builds it and leaves it there.
+/// Loads the model from the cache in `options`, or builds and stores it.
 /// @pre PrepareEngine(). @throws as BuildModel() and ModelCache.
 [[nodiscard]] BuiltModel LoadOrBuild(const MujocoPlantOptions& options,
                                      const ModelSources& sources);

@@ -22,7 +22,7 @@
 namespace twin::plant {
 namespace {
 
-/// Part of every key: raised whenever the same sources are composed differently.
+/// Part of every key: increment when the composition changes.
 constexpr std::string_view kComposition = "panda-twin composition 3";
 
 constexpr std::string_view kPlainScene = R"(<mujoco>
@@ -33,7 +33,7 @@ constexpr std::string_view kPlainScene = R"(<mujoco>
 </mujoco>
 )";
 
-/// Name of the body that MujocoPlantOptions::load becomes.
+/// Body name of MujocoPlantOptions::load.
 constexpr std::string_view kLoadBody = "load";
 
 constexpr std::string_view kPackageScheme = "package://";
@@ -47,7 +47,7 @@ std::filesystem::path ResolveMesh(const std::string& uri, const MujocoPlantOptio
   return options.mesh_package / uri.substr(slash + 1);
 }
 
-/// Reads one URDF, hashes its files, and adds its meshes or puts primitives in their place.
+/// Reads one URDF, hashes its files, and adds its meshes or replaces them by primitives.
 class DescriptionReader {
  public:
   DescriptionReader(const MujocoPlantOptions& options, ModelSources& sources, ContentHash& hash)
@@ -95,7 +95,7 @@ class DescriptionReader {
   ContentHash& hash_;
 };
 
-/// The arm is one chain of seven revolute joints; whatever else is there is fixed to it.
+/// Requires one chain of seven revolute joints; all other links are fixed to it.
 void RequireSevenJoints(const RobotDescription& robot, const std::filesystem::path& urdf) {
   std::map<std::string, std::size_t> depths;
   std::size_t joints = 0;
@@ -137,7 +137,7 @@ void RequireNoFingers(const RobotDescription& robot, const std::filesystem::path
                                urdf.string(), found.front().joint, robot.name));
 }
 
-/// The hand's own joints are those of two fingers, of which the second does what the first does.
+/// Requires the joints of two fingers, of which the second follows the first.
 void RequireTwoFingers(const RobotDescription& robot, const std::filesystem::path& urdf) {
   const auto found = Fingers(robot);
   if (found.size() == 2 && found[0].follows.empty() && found[1].follows == found[0].joint) return;
@@ -147,8 +147,8 @@ void RequireTwoFingers(const RobotDescription& robot, const std::filesystem::pat
       urdf.string(), found.size()));
 }
 
-/// Whether an attribute of the MJCF names a file: file="...", fileright="..." and their like. May
-/// err on the side of yes.
+/// Whether an MJCF attribute names a file: file="...", fileright="..." etc. May return true in
+/// doubt.
 bool NamesFiles(std::string_view mjcf) {
   constexpr std::string_view kAttribute = "file";
   for (std::size_t at = mjcf.find(kAttribute); at != std::string_view::npos;
@@ -166,7 +166,7 @@ double InertiaOfSteelBall(double mass) {
   return 0.4 * mass * std::pow(0.75 * mass / (std::numbers::pi * kDensity), 2.0 / 3.0);
 }
 
-/// The engine turns bodies about every axis: what has no inertia about one cannot be simulated.
+/// The engine rotates bodies about every axis, so it cannot simulate zero inertia about one.
 void RequireThickness(const Matrix3& inertia) {
   const Eigen::Map<const Eigen::Matrix3d> I(inertia.data());
   const Eigen::Vector3d moments =
@@ -184,14 +184,14 @@ void RequireVisualError(double error) {
       "visual_error is {} m; it must be in [0, 0.01], 0 for the meshes as they are", error));
 }
 
-/// A mobile base stands as its tyres let it.
+/// A mobile base's tilt follows from its tyres.
 void RequireLevel(const MujocoPlantOptions& options) {
   if (options.base_tilt == BaseTilt()) return;
   throw InputError(
       "base_tilt: the arm stands on a mobile base, which finds its own attitude; leave one out");
 }
 
-/// What the robot weighs, against its URDF.
+/// Scales the robot's masses relative to its URDF.
 void ScaleMasses(double scale, RobotDescription& robot) {
   for (Link& link : robot.links) {
     if (!link.inertial) continue;

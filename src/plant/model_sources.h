@@ -9,30 +9,30 @@
 
 namespace twin::plant {
 
-/// A mesh file as it was read.
+/// A mesh file with its content.
 struct MeshFile {
   std::filesystem::path file;
   std::string bytes;
 };
 
-/// Everything a model is made of, read but not yet composed.
+/// All inputs of a model, read but not yet composed.
 struct ModelSources {
   RobotDescription robot;                  ///< arm and hand
-  std::map<std::string, MeshFile> meshes;  ///< by the URI the URDF uses
+  std::map<std::string, MeshFile> meshes;  ///< by URI in the URDF
   bool uses_meshes = false;
   double visual_error = 0;           ///< see MujocoPlantOptions
   std::string scene_text;            ///< MJCF
   std::string objects_text;          ///< MJCF of the objects' bodies
   std::filesystem::path scene_file;  ///< empty: the built-in scene
   bool scene_is_self_contained =
-      true;  ///< false: it names further files, which the key does not cover
+      true;  ///< false: it refers to further files, which the key does not cover
   FrictionProfile friction = FrictionProfile::kNone;
   bool armature = false;
-  std::string key;  ///< fingerprint of all of the above, of MuJoCo and of our composition
+  std::string key;  ///< hash of all of the above, MuJoCo's version and the composition
 };
 
-/// Reads what `options` name. The hand is `../hand/hand.urdf` and the primitive shapes are
-/// `primitives.yaml`, both beside the URDF concerned.
+/// Reads the files in `options`. The hand is `../hand/hand.urdf` and primitive shapes are in
+/// `primitives.yaml`, beside each URDF.
 /// @throws InputError naming file and element for anything unreadable, unsupported or missing.
 [[nodiscard]] ModelSources ReadModelSources(const MujocoPlantOptions& options);
 

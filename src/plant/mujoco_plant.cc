@@ -26,7 +26,7 @@
 namespace twin::plant {
 namespace {
 
-/// Where the arm's joints are in the engine's vectors, and what they bear.
+/// Indices of the arm's joints in the engine's vectors, and their torque limits.
 struct ArmJoints {
   std::array<int, kJoints> qpos{};
   std::array<int, kJoints> dof{};
@@ -47,7 +47,7 @@ ArmJoints FindJoints(const mjModel& model, const RobotDescription& robot) {
   return found;
 }
 
-/// The base stays where it is and gravity turns the other way: g_O = R^T g_W. Level: not touched.
+/// Tilts gravity instead of the base: g_O = R^T g_W. Level: unchanged.
 void TiltGravity(const BaseTilt& tilt, mjModel& model) {
   if (tilt == BaseTilt()) return;
   const double g = -model.opt.gravity[2];
@@ -78,7 +78,7 @@ class EnginePlant final : public MujocoPlant {
   }
 
   void Reset(const JointVector& q) override;
-  /// As BaseJoints's, of what Reset() came to.
+  /// As in BaseJoints, for the state after Reset().
   void RequireStanding(const BasePose& start) const {
     base_->RequireStanding(start, *model_, *data_);
   }
@@ -110,10 +110,9 @@ class EnginePlant final : public MujocoPlant {
   [[nodiscard]] std::string DescribeWarnings() const override;
 
  private:
-  /// Reads the joints into sensors_ and adds the noise of this tick.
+  /// Reads the joints into sensors_ and adds this tick's noise.
   void Sense(const JointVector& tau_J) noexcept TWIN_REALTIME;
-  /// Moves the engine's warnings into ours. @returns false when there was one that spoils the
-  /// motion.
+  /// Collects the engine's warnings. @returns false for one that invalidates the motion.
   bool TakeWarnings() noexcept TWIN_REALTIME;
 
   const FrictionProfile friction_;
@@ -124,7 +123,7 @@ class EnginePlant final : public MujocoPlant {
   std::vector<std::string> load_warnings_;
   DataPointer data_;
   Perturber perturber_;
-  DataPointer gravity_data_;  ///< made when first asked
+  DataPointer gravity_data_;  ///< created on first use
   const ArmJoints joints_;
   Brakes brakes_;
   std::optional<HandJoints> hand_;
@@ -133,9 +132,9 @@ class EnginePlant final : public MujocoPlant {
   const ElasticityProfile elasticity_;
   JointVector tau_J_{};  ///< of the last step, without noise
   JointSensors sensors_;
-  std::uint64_t tick_ = 0;  ///< steps since the last Reset(); the key of the noise
+  std::uint64_t tick_ = 0;  ///< steps since the last Reset(); key of the noise
   std::array<std::uint64_t, mjNWARNING> warnings_{};
-  std::uint64_t faults_ = 0;  ///< steps in which the engine would have ended the process
+  std::uint64_t faults_ = 0;  ///< steps with an engine fault
   std::uint64_t step_warnings_ = 0;
   bool halted_ = false;
 };
@@ -157,8 +156,7 @@ void EnginePlant::Reset(const JointVector& q) {
     halted_ = true;
   }
   halted_ = !TakeWarnings() || halted_;
-  // At rest the brakes or the controller carry the arm's weight: that is what the torque sensors
-  // show.
+  // At rest the brakes or the controller carry the arm's weight, which the torque sensors show.
   JointVector tau_J{};
   for (std::size_t i = 0; i < kJoints; ++i) tau_J[i] = data_->qfrc_bias[joints_.dof[i]];
   tau_J_ = tau_J;
@@ -184,7 +182,7 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
     for (std::size_t i = 0; i < kJoints; ++i) {
       data_->qfrc_applied[joints_.dof[i]] = drive.tau[i] + brakes_.carried()[i] - friction[i];
     }
-    // The two halves in this order leave poses and contacts of the new state in data().
+    // This order of the halves leaves poses and contacts of the new state in data().
     mj_step2(model_.get(), data_.get());
     const JointVector tau_brake = brakes_.Take(*data_);
     if (base_) base_->Take(*model_, *data_);
@@ -199,7 +197,7 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
   }
   halted_ = !TakeWarnings() || halted_;
   if (halted_) {
-    // Nothing is measured any more.
+    // No measurement from here on.
     constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
     for (JointVector* values :
          {&sensors_.q, &sensors_.dq, &sensors_.tau_J, &sensors_.theta, &sensors_.dtheta}) {
@@ -246,7 +244,7 @@ bool EnginePlant::TakeWarnings() noexcept {
     warnings_[i] += static_cast<std::uint64_t>(number);
     step_warnings_ += static_cast<std::uint64_t>(number);
     data_->warning[i].number = 0;
-    // The engine answers these by putting everything back to its initial state.
+    // The engine reacts to these by a reset to its initial state.
     if (i == mjWARN_BADQPOS || i == mjWARN_BADQVEL || i == mjWARN_BADQACC) return false;
   }
   return true;

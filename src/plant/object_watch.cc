@@ -112,7 +112,7 @@ void ObjectWatch::Sample(Watched& watched, Time now) noexcept {
   sample.X_WB = PoseOf(data, watched.body);
   sample.X_HB =
       hand_ < 0 ? sample.X_WB : model::Multiply(model::Inverse(PoseOf(data, hand_)), sample.X_WB);
-  // A free body's: that of its frame's origin in the world, then its turn in its own axes.
+  // A free body's velocity: of its frame's origin in the world, then its rotation in its own axes.
   const mjtNum* dq = data.qvel + model.body_dofadr[watched.body];
   sample.speed = Length(dq);
   sample.turn_rate = Length(dq + 3);

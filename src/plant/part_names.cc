@@ -5,8 +5,7 @@
 namespace twin::plant {
 namespace {
 
-/// The arm's base, and the link that its first joint moves; all that hangs on the latter is the
-/// arm.
+/// The arm's base, and the link on its first joint, the root of all moving links.
 constexpr const char* kArmBase = "panda_link0";
 constexpr const char* kFirstMovingLink = "panda_link1";
 
@@ -32,7 +31,7 @@ int RobotRoot(const mjModel& model) {
   return arm < 0 ? -1 : model.body_rootid[arm];
 }
 
-// A body comes after its parent.
+// A body follows its parent in the order.
 std::vector<bool> MovingBodies(const mjModel& model) {
   std::vector<bool> moves(model.nbody, false);
   const int first = mj_name2id(&model, mjOBJ_BODY, kFirstMovingLink);

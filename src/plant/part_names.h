@@ -8,8 +8,7 @@
 
 namespace twin::plant {
 
-/// What parts are called: a body of the model by its name, of what is fixed to the world each
-/// shape.
+/// Names of parts: that of a body, or, for what is fixed to the world, that of each shape.
 struct ModelParts {
   explicit ModelParts(const mjModel& model);
 
@@ -17,12 +16,11 @@ struct ModelParts {
   std::map<int, std::string> names;
 };
 
-/// The body that carries the whole robot: the arm's base, or the mobile base below it. -1: there is
-/// no arm.
+/// The root body of the robot: the arm's base, or the mobile base below it. -1 without an arm.
 [[nodiscard]] int RobotRoot(const mjModel& model);
 
-/// By body: whether it moves with the arm, from its first moving link on; with a mobile base also
-/// the base, all but the wheels, which always touch.
+/// By body: whether it moves with the arm, from its first moving link on, or with a mobile base,
+/// except for the wheels, which always touch the ground.
 [[nodiscard]] std::vector<bool> MovingBodies(const mjModel& model);
 
 }  // namespace twin::plant

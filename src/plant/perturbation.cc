@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMostForce = 1e4;      ///< N or Nm
 constexpr double kFarthest = 100;       ///< m
-constexpr double kMostStiffness = 2e4;  ///< N/m; beyond, a step of 1 ms shakes a body of 100 g
+constexpr double kMostStiffness = 2e4;  ///< N/m; above, a step of 1 ms destabilises a body of 100 g
 constexpr double kMostDamping = 500;    ///< Ns/m
 
 void RequireVector(std::string_view what, const Vector3& v, double most) {

@@ -10,7 +10,7 @@
 namespace twin::plant {
 namespace {
 
-/// All bodies but the world, which nothing moves.
+/// All bodies but the world, which is fixed.
 std::string NamesOfBodies(const mjModel& model) {
   std::string names;
   for (int body = 1; body < model.nbody; ++body) {
@@ -22,18 +22,18 @@ std::string NamesOfBodies(const mjModel& model) {
   return names;
 }
 
-/// Which motion a perturbation waits for; absent: none.
+/// The motion of a perturbation's origin; absent: none.
 std::optional<std::uint32_t> MotionOf(const Perturbation& perturbation) noexcept {
   return std::visit([](const auto& one) { return one.motion; }, perturbation);
 }
 
-/// Where time counts from for a perturbation of a plant that has just been reset.
+/// A perturbation's time origin after a reset of the plant.
 std::optional<Duration> FirstOrigin(const Perturbation& perturbation) noexcept {
   if (MotionOf(perturbation)) return std::nullopt;
   return Duration::zero();
 }
 
-/// A vector or point given in the axes of a body, in those of the world.
+/// A vector in a body's axes, converted to world axes.
 Vector3 Turned(const mjData& data, int body, const Vector3& v) noexcept {
   Vector3 turned{};
   mju_rotVecMat(turned.data(), v.data(), data.xmat + 9 * body);

@@ -12,7 +12,7 @@
 
 namespace twin::plant {
 
-/// Puts perturbations into the engine: it alone writes mjData::xfrc_applied.
+/// Applies perturbations to the engine; the only writer of mjData::xfrc_applied.
 ///
 /// Threads: one thread. Real-time: Apply(), BeginMotion() and Restart() are noexcept and allocate
 /// nothing.
@@ -21,21 +21,21 @@ class Perturber {
   /// @param model  must outlive this.
   explicit Perturber(const mjModel& model) : model_(model) {}
 
-  /// From the next Apply() on. May allocate.
-  /// @throws InputError when a field is out of range, or the model has no such body (names those it
-  /// has).
+  /// Adds a perturbation from the next Apply() on. May allocate.
+  /// @throws InputError if a field is out of range, or for an unknown body (listing the known
+  /// ones).
   void Add(const Perturbation& perturbation);
 
-  /// Forgets all, and takes their forces away.
+  /// Removes all perturbations and their forces.
   void Clear(mjData& data);
 
-  /// Plant time starts anew: every hand has still to take hold, and no motion has been.
+  /// Restarts plant time: no hand grips, and no motion has started.
   void Restart() noexcept;
 
-  /// A motion begins at plant time `now`.
+  /// Notes that a motion starts at plant time `now`.
   void BeginMotion(Duration now) noexcept TWIN_REALTIME;
 
-  /// Sets the forces of the step that begins at plant time `begin`.
+  /// Sets the forces of the step that starts at plant time `begin`.
   /// @pre data.xpos, xmat, xipos and cvel are of the state at `begin`.
   void Apply(Duration begin, mjData& data) noexcept TWIN_REALTIME;
 
@@ -43,10 +43,10 @@ class Perturber {
   struct Entry {
     Perturbation what;
     int body = 0;  ///< in the model
-    /// Plant time that its begin counts from; absent: its motion has not begun.
+    /// Plant time of its origin; absent before its motion.
     std::optional<Duration> origin;
     bool holds = false;
-    Vector3 from{};  ///< where the hand took hold; valid while `holds`
+    Vector3 from{};  ///< position at the grip; valid while `holds`
   };
 
   void ClearForces(mjData& data) const noexcept TWIN_REALTIME;
@@ -57,7 +57,7 @@ class Perturber {
 
   const mjModel& model_;
   std::vector<Entry> entries_;
-  std::uint32_t motions_ = 0;  ///< begun since Restart()
+  std::uint32_t motions_ = 0;  ///< started since Restart()
 };
 
 }  // namespace twin::plant

@@ -15,8 +15,8 @@
 namespace twin::plant {
 namespace {
 
-/// The shortest turn from z to a direction; to -z about -x. As Eigen's FromTwoVectors, but for the
-/// singular value decomposition that stands there for -z: half the time this file took to compile.
+/// The shortest rotation from z to a direction; to -z about -x. Like Eigen's FromTwoVectors, but
+/// without its singular value decomposition for -z, which took half of this file's compile time.
 Eigen::Quaterniond TurnFromZ(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d to = direction.normalized();
@@ -108,7 +108,7 @@ class PrimitivesReader {
     return radius;
   }
 
-  /// A body of revolution between two points: z of the shape runs along them.
+  /// A solid of revolution between two points, along z of the shape.
   Shape Between(const YAML::Node& node, ShapeKind kind) const {
     RequireKeys(node, {"shape", "from", "to", "radius", "colour", "use"});
     const Vector3 from = Point(node, "from");

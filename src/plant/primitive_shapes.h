@@ -6,7 +6,7 @@
 
 namespace twin::plant {
 
-/// Replaces every mesh of `robot` by the shapes that a primitives file gives for its link.
+/// Replaces every mesh of `robot` by its link's shapes from a primitives file.
 ///
 /// The file (YAML): `unit: m`; `colours`: name to [red, green, blue, opacity]; `links`: link name
 /// to a list of shapes, each {shape: capsule | cylinder, from, to, radius} or {shape: sphere, at,

@@ -15,7 +15,7 @@
 namespace twin::plant {
 namespace {
 
-/// Keeps what urdfdom would print on the terminal, for the text of our own error.
+/// Captures urdfdom's terminal output for our error text.
 class CapturedMessages final : public console_bridge::OutputHandler {
  public:
   CapturedMessages() { console_bridge::useOutputHandler(this); }
@@ -73,7 +73,7 @@ Shape ToShape(const urdf::Geometry& geometry, const urdf::Pose& origin) {
   return shape;
 }
 
-/// URDF gives the inertia in the axes of the inertial frame; here it is wanted in the link's.
+/// Converts the inertia from the axes of URDF's inertial frame to the link's.
 Inertial ToInertial(const urdf::Inertial& source) {
   Eigen::Matrix3d I;
   I << source.ixx, source.ixy, source.ixz, source.ixy, source.iyy, source.iyz, source.ixz,
@@ -118,7 +118,7 @@ void FillJoint(const urdf::Joint& joint, const std::string& where, Link& link) {
   link.follows = FollowedBy(joint, where);
   link.axis = ToVector(joint.axis);
   if (!HasRange(link.joint_kind)) return;
-  link.q_min = joint.limits->lower;  // urdfdom refuses such a joint without limits
+  link.q_min = joint.limits->lower;  // urdfdom rejects such a joint without limits
   link.q_max = joint.limits->upper;
   if (!std::isfinite(link.q_min) || !std::isfinite(link.q_max) || link.q_min >= link.q_max) {
     throw InputError(

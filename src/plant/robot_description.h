@@ -12,7 +12,7 @@ namespace twin::plant {
 /// Red, green, blue, opacity; each in [0, 1].
 using Colour = std::array<double, 4>;
 
-/// Where a frame is in its parent. Quaternion w x y z, unit length.
+/// Pose of a frame in its parent. Quaternion w x y z, unit length.
 struct Pose {
   Vector3 p{};
   std::array<double, 4> quat{1, 0, 0, 0};
@@ -25,7 +25,7 @@ struct Inertial {
   Matrix3 I{};  ///< about the centre of mass, axes of the link frame
 };
 
-/// What a shape is; the comment says what its `size` holds.
+/// Kind of a shape; comments describe its `size`.
 enum class ShapeKind {
   kMesh,      ///< scale along x, y, z
   kBox,       ///< half extents
@@ -40,8 +40,8 @@ struct Shape {
   Vector3 size{1, 1, 1};
   Pose X_LS;                     ///< shape in the link's frame
   std::string mesh_uri;          ///< only for meshes
-  std::optional<Colour> colour;  ///< absent: the mesh file's own
-  bool pad = false;              ///< of a finger: what it grips with
+  std::optional<Colour> colour;  ///< absent: from the mesh file
+  bool pad = false;              ///< of a finger: its grip surface
 };
 
 /// How a link is attached to its parent.
@@ -50,10 +50,10 @@ enum class JointKind {
   kRevolute,    ///< a joint of the arm
   kPrismatic,   ///< a finger
   kContinuous,  ///< a wheel
-  kFree,        ///< the root of a mobile base, on the world
+  kFree,        ///< root of a mobile base, on the world
 };
 
-/// Whether it moves between two ends.
+/// Whether the joint has two limits.
 [[nodiscard]] constexpr bool HasRange(JointKind kind) noexcept {
   return kind == JointKind::kRevolute || kind == JointKind::kPrismatic;
 }
@@ -63,9 +63,9 @@ struct Link {
   std::string name;
   std::string parent;   ///< empty for the root
   std::string joint;    ///< name of the joint to the parent
-  std::string follows;  ///< name of the joint whose position this one takes over; empty: none
+  std::string follows;  ///< name of the joint whose position it copies; empty: none
   JointKind joint_kind = JointKind::kFixed;
-  Pose X_PL;         ///< link in its parent at joint position zero
+  Pose X_PL;         ///< link in its parent at zero joint position
   Vector3 axis{};    ///< of the joint, link frame
   double q_min = 0;  ///< rad, m
   double q_max = 0;
@@ -80,7 +80,7 @@ struct RobotDescription {
   std::string name;
   std::vector<Link> links;
 
-  /// @returns null when there is none of that name.
+  /// @returns null if no link has that name.
   [[nodiscard]] const Link* Find(const std::string& link) const noexcept;
 };
 
@@ -91,15 +91,15 @@ struct RobotDescription {
 /// <mimic> that scales or shifts).
 [[nodiscard]] RobotDescription ParseUrdf(const std::string& text, const std::string& where);
 
-/// Puts `robot` on a base: the base's links go before it, and its root onto `mount`, a link of the
-/// base. @param where  the base's file, for messages. @throws InputError for a mount that is not
-/// there or a name that both have.
+/// Puts `robot` on a base: prepends the base's links and attaches the robot's root to `mount`, a
+/// link of the base. @param where  the base's file, for messages. @throws InputError for an unknown
+/// mount or a duplicate name.
 void PutOnBase(const RobotDescription& base, const std::string& mount, RobotDescription& robot,
                const std::string& where);
 
-/// Mounts `tool` on `robot`: the tool's root names the link of the robot that carries it.
-/// @param where  the tool's file, for messages. @throws InputError for an unknown mount or a name
-/// that is taken.
+/// Mounts `tool` on `robot`: the tool's root names the robot's link that carries it.
+/// @param where  the tool's file, for messages. @throws InputError for an unknown mount or a
+/// duplicate name.
 void Mount(RobotDescription& robot, const RobotDescription& tool, const std::string& where);
 
 }  // namespace twin::plant

@@ -32,7 +32,7 @@ void CaptureContacts(const mjModel& model, const mjData& data, rt::SceneRecord& 
   }
 }
 
-/// The point p = c + (f x m) / f^2 on the line of the force, nearest to the centre of mass c.
+/// The point p = c + (f x m) / f^2 on the force's line, nearest to the centre of mass c.
 void CapturePushes(const mjModel& model, const mjData& data, rt::SceneRecord& scene) noexcept {
   constexpr mjtNum kLeast = 1e-6;  // N
   scene.pushes = 0;

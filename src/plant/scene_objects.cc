@@ -24,7 +24,7 @@ constexpr double kLeastMass = 1e-3;  // kg
 constexpr double kMostMass = 100;
 constexpr double kMostFriction = 10;
 
-/// What the engine takes for a shape.
+/// A shape in the engine's terms.
 struct Geometry {
   int type = mjGEOM_BOX;
   Vector3 size{};            ///< as geom_size
@@ -164,13 +164,13 @@ std::string ObjectsKey(const std::vector<SceneObject>& objects) {
 void ShapeObjects(const std::vector<SceneObject>& objects, mjModel& model) {
   if (objects.empty()) return;
   for (const SceneObject& object : objects) SetShape(object, model);
-  // A cylinder on a flat face touches in one point by the engine's general algorithm, and rocks.
+  // A cylinder on a flat face has one contact in the engine's general algorithm, and rocks.
   if (std::ranges::any_of(objects, [](const SceneObject& object) {
         return object.shape == ObjectShape::kCylinder;
       })) {
     model.opt.enableflags |= mjENBL_MULTICCD;
   }
-  // What pictures are scaled by stays; a scene may have set it.
+  // Keeps the scale of rendering, which a scene may have set.
   const auto statistic = model.stat;
   const DataPointer data(mj_makeData(&model));
   mj_setConst(&model, data.get());

@@ -9,16 +9,15 @@
 
 namespace twin::plant {
 
-/// The objects' bodies as MJCF, to stand in a <worldbody>: their names, and which of them move.
-/// Everything else of them is ShapeObjects()' to set, so that one compiled model serves whatever
-/// sizes, masses and poses they have.
+/// The objects' bodies as MJCF for a <worldbody>: their names, and which of them move.
+/// ShapeObjects() sets all else, so that one compiled model serves any sizes, masses and poses.
 [[nodiscard]] std::string ObjectsMjcf(const std::vector<SceneObject>& objects);
 
-/// What of the objects goes into a compiled model, for its key; empty when there are none.
+/// The objects' part of a compiled model's key; empty without objects.
 [[nodiscard]] std::string ObjectsKey(const std::vector<SceneObject>& objects);
 
-/// Gives the bodies of a model that has them their shapes, masses and poses, and computes anew what
-/// the engine derives of those. @pre valid objects, the model's own.
+/// Sets shapes, masses and poses of the objects in a model and updates the engine's derived values.
+/// @pre valid objects, those of the model.
 void ShapeObjects(const std::vector<SceneObject>& objects, mjModel& model);
 
 }  // namespace twin::plant

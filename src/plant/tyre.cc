@@ -12,7 +12,7 @@ double Dot(const Vector3& a, const Vector3& b) noexcept {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// The part of `v` in the plane across `normal`.
+/// Component of `v` perpendicular to `normal`.
 Vector3 Across(const Vector3& v, const Vector3& normal) noexcept {
   const double along = Dot(v, normal);
   return {v[0] - along * normal[0], v[1] - along * normal[1], v[2] - along * normal[2]};

@@ -5,33 +5,33 @@
 
 namespace twin::plant {
 
-/// What a wheel stands on: the sum of its contacts.
+/// Ground contact of a wheel: the sum of its contacts.
 struct WheelLoad {
-  double force = 0;  ///< normal, N; zero: it touches nothing
-  Vector3 point{};   ///< where it acts, from the wheel's centre, world axes, m
-  Vector3 normal{};  ///< out of the ground, world axes, unit
+  double force = 0;  ///< normal, N; zero: no contact
+  Vector3 point{};   ///< of application, from the wheel's centre, world axes, m
+  Vector3 normal{};  ///< away from the ground, world axes, unit
 };
 
-/// The friction of a tyre on ground that does not move: bristles that bend before they slide.
+/// Friction of a tyre on static ground: bristles that bend before they slide.
 ///
 ///   dz/dt = v - |u| z / sigma,   f = -(k z + c v),   |f| <= mu N
 ///
-/// v is how fast the tyre slips over the ground where they touch, u how fast it rolls over it; both
-/// lie in the ground's plane, as z, the bend of the bristles, does. Where mu N would be exceeded
-/// the tyre slides: f has that size, and z is what the bristles then keep (k z = -f). At rest it
-/// holds without any creep; rolling forgets what bent it within sigma. The tangential spring that
-/// slides is Cundall and Strack's (A discrete numerical model for granular assemblies, 1979), the
-/// length sigma that of the brush tyre (Pacejka, Tyre and Vehicle Dynamics, chapter 3).
+/// v is the slip velocity of the tyre at the contact, u the rolling velocity; both lie in the
+/// ground's plane, as does z, the bend of the bristles. Where mu N would be exceeded the tyre
+/// slides: f has that magnitude, and z is the bend that remains (k z = -f). At rest it holds
+/// without creep; rolling removes the bend within sigma. The sliding tangential spring is Cundall
+/// and Strack's (A discrete numerical model for granular assemblies, 1979), the length sigma that
+/// of the brush tyre (Pacejka, Tyre and Vehicle Dynamics, chapter 3).
 ///
-/// Why not the engine's own friction: its soft cones push a contact that slips out of the ground,
-/// by mu b v / g of its load where b is its damping; the wheels of a vehicle that turns by skidding
-/// slip all the time, lose the ground and chatter, and the arm on it with them.
+/// The engine's own friction is unsuitable: its soft cones lift a slipping contact off the ground,
+/// by mu b v / g of its load with b its damping. The wheels of a skid-steered vehicle slip all the
+/// time, lose contact and chatter, and so does the arm.
 ///
 /// Threads: one thread. Real-time: noexcept, allocates nothing.
 class Tyre {
  public:
-  // Decisions of ours, as such figures are not published: rubber on a smooth floor; a tyre that
-  // bends sideways by 5 mm under a quarter of the vehicle; damped about half critically.
+  // Decisions, as such values are not published: rubber on a smooth floor; 5 mm of sideways bend
+  // under a quarter of the vehicle; about half of critical damping.
   static constexpr double kFriction = 0.7;    // mu
   static constexpr double kStiffness = 5e4;   // k, N/m
   static constexpr double kDamping = 1000;    // c, N s/m
@@ -39,8 +39,8 @@ class Tyre {
 
   void Reset() noexcept { bend_ = {}; }
 
-  /// One millisecond on.
-  /// @param slip  v, world axes, m/s; its part along the normal does not count.
+  /// Advances by 1 ms.
+  /// @param slip  v, world axes, m/s; its normal component is ignored.
   /// @param rolling  |u|, m/s. @returns f, world axes, N; zero without a load.
   [[nodiscard]] Vector3 Step(const WheelLoad& load, const Vector3& slip,
                              double rolling) noexcept TWIN_REALTIME;

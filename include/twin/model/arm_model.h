@@ -17,8 +17,8 @@ using Jacobian = std::array<double, 6 * kJoints>;
 /// 7 x 7 matrix, column-major: element (row r, column c) is index 7 c + r.
 using JointMatrix = std::array<double, kJoints * kJoints>;
 
-/// The frames of the arm. Joint frames follow the modified DH convention: frame n is fixed to link
-/// n, its z axis is the axis of joint n.
+/// Frames of the arm. Joint frames follow the modified DH convention: frame n is fixed to link n,
+/// with its z axis along joint n.
 enum class Frame : std::uint8_t {
   kJoint1,
   kJoint2,
@@ -31,51 +31,51 @@ enum class Frame : std::uint8_t {
   kEndEffector,  ///< the flange times F_T_EE
 };
 
-/// Joint positions with their sines and cosines. Every call of ArmModel takes one; a JointVector
-/// becomes one by itself. Who makes several calls at the same q builds it once and saves the sines.
+/// Joint positions with sines and cosines, the argument of ArmModel's calls. A JointVector converts
+/// implicitly; construct one explicitly to share the sines between calls at the same q.
 ///
 /// Real-time: noexcept, allocates nothing.
 struct Configuration {
   /// @param q  7, joint order, rad.
-  // NOLINTNEXTLINE(google-explicit-constructor): a JointVector is meant to become one by itself.
+  // NOLINTNEXTLINE(google-explicit-constructor): a JointVector converts on purpose.
   Configuration(const JointVector& q) noexcept TWIN_REALTIME;
 
   JointVector sin{};
   JointVector cos{};
 };
 
-/// A frame and how the joints move it.
+/// Pose and Jacobian of a frame.
 struct FrameMotion {
   Transform O_T_frame = kIdentityTransform;
   Jacobian J{};  ///< zero Jacobian
 };
 
-/// Rigid-body model of the Panda arm: seven joints, kinematics fixed, inertial parameters given.
+/// Rigid-body model of the Panda arm: seven joints, fixed kinematics, given inertial parameters.
 ///
 ///   M(q) ddq + C(q, dq) dq + g(q) = tau
 ///
-/// M, C and g are those of the links and of the payload alone: no rotor inertia, no friction.
-/// Everything beyond the flange enters through the payload.
+/// M, C and g include links and payload only, without rotor inertia and friction. The payload holds
+/// everything beyond the flange.
 /// Source of the kinematics: Franka Control Interface documentation, Denavit-Hartenberg parameters
 /// of Panda. Source of names and conventions: the model library of FCI protocol 5.
 ///
-/// Parameters of the calls: q rad; dq rad/s; ddq rad/s^2; F_T_EE end effector in the flange frame,
-/// read for Frame::kEndEffector only; payload everything beyond the flange, of whose inertia the
-/// symmetric part counts; g_earth gravity in base axes, m/s^2.
+/// Parameters: q rad; dq rad/s; ddq rad/s^2; F_T_EE end effector in the flange frame, used for
+/// Frame::kEndEffector only; payload everything beyond the flange, with the symmetric part of its
+/// inertia; g_earth gravity in base axes, m/s^2.
 ///
-/// Threads: any (immutable). Real-time: all calls are noexcept and allocate nothing. No
-/// argument is checked: what is not finite gives a result that is not.
+/// Threads: any (immutable). Real-time: all calls are noexcept and allocate nothing. Arguments are
+/// not checked: values that are not finite give results that are not finite.
 class ArmModel {
  public:
-  /// What the real robot's own model library answers, by a fit to it: M, c and g of the bare arm to
-  /// rounding, by its author's account. With a load the real library's M is not affine in the mass,
-  /// ours is: up to 18 g apart. Single links are not physical (some have negative inertias); the M
-  /// they make is positive definite.
+  /// A fit to the real robot's model library: M, c and g of the bare arm up to rounding, according
+  /// to its author. With a load, the real library's M is not affine in the mass but ours is; their
+  /// difference corresponds to up to 18 g. Single links are not physical (some have negative
+  /// inertias), but the resulting M is positive definite.
   /// Source: franka-rs (Apache-2.0), crates/franka-rs/tests/data/fer.urdf.
   [[nodiscard]] static const ArmModel& Panda() noexcept TWIN_REALTIME;
 
-  /// The figures the twin's own plant is made of: gravity as Panda() within 1e-3 Nm, but inertias
-  /// that a body can have. M differs from Panda() by up to 0.06 kg m^2, 2.4 % on average.
+  /// The parameters of the twin's plant: gravity equals that of Panda() within 1e-3 Nm, with
+  /// physical inertias. M differs from Panda() by up to 0.06 kg m^2, 2.4 % on average.
   /// Source: masses and centres of mass of franka_emulator (MIT), model.urdf; inertias of Gaz et
   /// al., "Dynamic Identification of the Franka Emika Panda Robot With Retrieval of Feasible
   /// Parameters Using Penalty-Based Optimization", RA-L 2019.
@@ -93,13 +93,13 @@ class ArmModel {
                                const Transform& F_T_EE = kIdentityTransform) const noexcept
       TWIN_REALTIME;
 
-  /// @returns J with J dq = twist of the frame's origin in base axes. Columns of joints beyond the
-  /// frame are zero.
+  /// @returns J with J dq = twist of the frame's origin in base axes. Columns of joints that do not
+  /// move the frame are zero.
   [[nodiscard]] Jacobian ZeroJacobian(Frame frame, const Configuration& q,
                                       const Transform& F_T_EE = kIdentityTransform) const noexcept
       TWIN_REALTIME;
 
-  /// @returns Pose() and ZeroJacobian() at once, for little more than one of them.
+  /// @returns Pose() and ZeroJacobian() together, at little more than the cost of one.
   [[nodiscard]] FrameMotion MotionOf(Frame frame, const Configuration& q,
                                      const Transform& F_T_EE = kIdentityTransform) const noexcept
       TWIN_REALTIME;
@@ -137,7 +137,7 @@ class ArmModel {
   std::array<MassMoments, kJoints> links_{};  // each about its joint frame's origin
 };
 
-/// Angle of joint 4 at which the arm is stretched most, rad. Source: libfranka,
+/// Angle of joint 4 at the greatest extension of the arm, rad. Source: libfranka,
 /// RobotState::elbow.
 inline constexpr double kElbowFlipAngle = -0.467002423653011;
 

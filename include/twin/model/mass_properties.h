@@ -16,8 +16,8 @@ struct LinkParameters {
   SymmetricMatrix3 I;  ///< about the centre of mass, axes of the joint frame
 };
 
-/// Mass moments of a rigid body about the origin of a frame, in its axes: what the dynamics are
-/// linear in, so that bodies fixed to each other simply add.
+/// Mass moments of a rigid body about the origin of a frame, in its axes. The dynamics are linear
+/// in them, so moments of bodies fixed to each other add.
 struct MassMoments {
   double m = 0;        ///< zeroth: mass, kg
   Vector3 h{};         ///< first: mass times centre of mass, kg m

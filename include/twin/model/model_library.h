@@ -7,30 +7,29 @@
 
 namespace twin::model {
 
-/// Whose figures a model library computes with.
+/// Parameters of a model library.
 enum class ModelFigures : std::uint8_t {
-  kPanda,  ///< ArmModel::Panda(): what a real robot's library answers, and what INT computes with
-  kPlant,  ///< ArmModel::PandaPlant(): the twin's own body, for who wants a client without model
-           ///< error
+  kPanda,  ///< ArmModel::Panda(): those of a real robot's library and of INT
+  kPlant,  ///< ArmModel::PandaPlant(): those of the twin's plant, for a client without model error
 };
 
-/// A file larger than this some clients cannot load: libfranka-rs 0.9.0 waits forever for a reply
-/// of some 300 KiB. Ours stay below.
+/// Some clients cannot load a larger file: libfranka-rs 0.9.0 blocks for ever on a reply of about
+/// 300 KiB. Ours stay below this.
 inline constexpr std::size_t kLargestModelLibrary = std::size_t{64} << 10;
 
-/// Finds the model library, which the robot hands to a client that asks for it and which the client
-/// loads into its own process: a shared object with the 30 functions of FCI protocol 5, made of the
-/// same sources as ArmModel (src/model/library). It is built for the machine the twin is built for.
-/// Looked for, from the folder of the running program:
+/// Finds the model library, which the robot sends to a client for loading into its process: a
+/// shared object with the 30 functions of FCI protocol 5, built from ArmModel's sources
+/// (src/model/library) for the twin's platform. Searched relative to the folder of the running
+/// program:
 ///   ../lib/panda-twin/   (installed)
 ///   lib/panda-twin/      (build folder)
 /// @param program  path of the running program.
-/// @throws EnvironmentError when it is in neither, with both names and what to do.
+/// @throws EnvironmentError if neither has it, with both names and the remedy.
 [[nodiscard]] std::filesystem::path FindModelLibrary(const std::filesystem::path& program,
                                                      ModelFigures figures = ModelFigures::kPanda);
 
-/// @returns the file's bytes, as the answer to a client carries them.
-/// @throws EnvironmentError when it cannot be read, is no shared object, or is larger than
+/// @returns the file's bytes, as in the reply to a client.
+/// @throws EnvironmentError if it is not readable, not a shared object, or larger than
 /// kLargestModelLibrary.
 [[nodiscard]] std::vector<std::byte> ReadModelLibrary(const std::filesystem::path& file);
 

@@ -11,10 +11,10 @@ struct Payload {
   Matrix3 I{};      ///< inertia about the centre of mass, flange axes, kg m^2
 };
 
-/// Both bodies as one, as FCI clients add end effector and load: masses add; the centre of mass is
-/// their mass-weighted mean; each inertia is moved to the flange, added, and moved to the common
-/// centre. A body without mass contributes nothing; without any mass the result is zero. Source:
-/// FCI protocol 5, fields the client derives itself.
+/// Combines both bodies, as FCI clients combine end effector and load: masses add; the centre of
+/// mass is the mass-weighted mean; each inertia is moved to the flange, added, and moved to the
+/// common centre. A body without mass contributes nothing; zero total mass gives zero. Source: FCI
+/// protocol 5, fields the client derives itself.
 [[nodiscard]] Payload Combine(const Payload& a, const Payload& b) noexcept;
 
 }  // namespace twin::model

@@ -5,8 +5,8 @@
 
 namespace twin::model {
 
-/// Product of two rigid transforms, X_AC = X_AB X_BC. The last rows are taken to be (0, 0, 0, 1)
-/// and not read.
+/// Product of two rigid transforms, X_AC = X_AB X_BC. Assumes last rows (0, 0, 0, 1) and does not
+/// read them.
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.
 [[nodiscard]] Transform Multiply(const Transform& X_AB,

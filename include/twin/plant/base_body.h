@@ -8,29 +8,29 @@
 
 namespace twin::plant {
 
-/// A mobile base under the arm: a URDF that ends in a link named `arm_mount`, where the arm's own
-/// base O then stands, and that has four wheels on continuous joints, named front_left_wheel,
-/// front_right_wheel, rear_left_wheel and rear_right_wheel, each touching with one cylinder.
+/// A mobile base under the arm: a URDF with a link named `arm_mount`, the pose of the arm's base O,
+/// and four wheels on continuous joints, named front_left_wheel, front_right_wheel, rear_left_wheel
+/// and rear_right_wheel, each with one cylinder for contact.
 ///
-/// With a base the world's frame lies on the floor (z = 0), and O moves with the base.
+/// With a base the world frame is on the floor (z = 0), and O moves with the base.
 struct BaseOptions {
   std::filesystem::path urdf;
   BasePose start;  ///< of the point between the wheels, on the floor
 };
 
-/// The base's body: torques on its wheels in, their turning out. It moves with its plant's Step().
+/// The base's body: wheel torques in, wheel rotation out. It advances in its plant's Step().
 ///
 /// Threads: the plant's. Real-time: noexcept, allocates nothing.
 class BaseBody {
  public:
   virtual ~BaseBody() = default;
 
-  /// What the drives do from the next Step() of the plant on, until told otherwise. After
-  /// Plant::Reset(): nothing.
+  /// Sets the wheel torques from the plant's next Step() on, until the next call. Plant::Reset()
+  /// sets zero.
   virtual void Drive(const WheelDrive& drive) noexcept TWIN_REALTIME = 0;
 
-  /// The sensors after the last Step() or Reset(). Reset() leaves the base at rest on its tyres, at
-  /// its start, all q zero.
+  /// Sensors after the last Step() or Reset(). Reset() leaves the base at rest on its tyres, at its
+  /// start, all q zero.
   [[nodiscard]] virtual const WheelSensors& sensors() const noexcept = 0;
 };
 

@@ -8,15 +8,15 @@
 
 namespace twin::plant {
 
-/// Where a body of the plant is: ground truth, for whoever looks on.
+/// Pose of a body of the plant: ground truth, for observers.
 ///
 /// Threads: the plant's. Real-time: Pose() is noexcept, O(1), allocates nothing.
 class BodyView {
  public:
-  /// @param truth  must outlive the view. @throws InputError when no body has that name.
+  /// @param truth  must outlive the view. @throws InputError if no body has that name.
   BodyView(const TruthProbe& truth, const std::string& body);
 
-  /// Of the body's frame in the world, as of the last step.
+  /// Pose of the body's frame in the world after the last step.
   [[nodiscard]] Transform Pose() const noexcept TWIN_REALTIME;
 
  private:

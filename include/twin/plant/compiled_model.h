@@ -11,38 +11,37 @@
 
 namespace twin::plant {
 
-/// What a MuJoCo plant simulates, without any state: for those who reason about the same bodies on
-/// data of their own, as a planner does. Says nothing of where anything is in a run, so it is no
-/// ground truth.
+/// The model of a MuJoCo plant without state, for code that computes on its own data, such as a
+/// planner. It contains no positions of a run, so it is not ground truth.
 ///
 /// Threads: the model is constant; any.
 struct CompiledModel {
-  std::shared_ptr<const mjModel_> model;  ///< shared: several may reason about one model
+  std::shared_ptr<const mjModel_> model;  ///< shared by its users
   std::array<int, kJoints> arm{};         ///< ids of the arm's joints, base to wrist
   std::vector<int> fingers;               ///< ids of the fingers' joints; empty without a hand
   double open = 0;                        ///< position of each finger of an open hand, m
-  int base = -1;                          ///< id of a mobile base's free joint; -1: there is none
+  int base = -1;                          ///< id of a mobile base's free joint, or -1
 };
 
-/// Composes robot, meshes and scene and compiles them, or takes them from the cache, exactly as
-/// MujocoPlant::Create() does. Of the options, those that make no body count for nothing here
-/// (elasticity, load, noise, seed, perturbations).
+/// Composes robot, meshes and scene and compiles them, or loads them from the cache, like
+/// MujocoPlant::Create(). Options that do not affect bodies are ignored (elasticity, load, noise,
+/// seed, perturbations).
 /// @throws InputError and EnvironmentError as MujocoPlant::Create().
 [[nodiscard]] CompiledModel CompileModel(const MujocoPlantOptions& options);
 
-/// @returns generalised positions as a plant of this model has them after Reset(q): the arm at q
-/// (rad), the hand open, a mobile base at its start, all else where the scene puts it.
+/// @returns generalised positions after a plant's Reset(q): the arm at q (rad), the hand open, a
+/// mobile base at its start, everything else as in the scene.
 [[nodiscard]] std::vector<double> PositionsAt(const CompiledModel& compiled, const JointVector& q);
 
-/// @returns where the arm is in generalised positions of this model, rad. @pre of the model's size.
+/// @returns the arm's joint positions in `qpos`, rad. @pre qpos has the model's size.
 [[nodiscard]] JointVector ArmIn(const CompiledModel& compiled, std::span<const double> qpos);
 
-/// @returns where O, the arm's base, is in the world in generalised positions of this model; the
-/// identity without a mobile base. @pre of the model's size.
+/// @returns the pose in the world of O, the arm's base, for `qpos`; the identity without a mobile
+/// base. @pre qpos has the model's size.
 [[nodiscard]] Transform ArmBaseIn(const CompiledModel& compiled, std::span<const double> qpos);
 
-/// Puts a mobile base where its odometry has it, level; nothing without one.
-/// @param from_start  where it is from its start. @param qpos  of PositionsAt().
+/// Moves a mobile base to a pose of its odometry, level; no effect without a base.
+/// @param from_start  pose relative to its start. @param qpos  from PositionsAt().
 void MoveBase(const CompiledModel& compiled, const BasePose& from_start, std::span<double> qpos);
 
 }  // namespace twin::plant

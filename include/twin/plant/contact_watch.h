@@ -14,41 +14,40 @@
 
 namespace twin::plant {
 
-/// Two parts that touched in a run. A part is a body of the model ("panda_link5", "box") or, of
-/// what is fixed to the world, one shape by its name ("table").
+/// Two parts that touched during a run. A part is a body of the model ("panda_link5", "box"), or a
+/// single shape by its name if fixed to the world ("table").
 struct ContactPair {
   std::string a;  ///< moves with the arm
   std::string b;
-  Time first{};              ///< when they were first seen to touch
-  std::uint64_t cycles = 0;  ///< in how many looks they did
+  Time first{};              ///< first time in contact
+  std::uint64_t cycles = 0;  ///< number of looks in contact
 };
 
-/// What the arm touched in the course of a run, by the engine's own contacts: ground truth, for the
-/// report of a run and for tests, never for what controls it. Counted are pairs of which at least
-/// one moves with the arm (its links from 1 on, hand, fingers; of a mobile base all but its
-/// wheels); a box that lies on a table is none. What became of such bodies is told apart from that
-/// (objects()).
+/// Contacts of the arm during a run, from the engine: ground truth for a run's report and tests,
+/// never for control. It counts pairs with at least one part that moves with the arm (its links
+/// from 1 on, hand, fingers; of a mobile base all but its wheels). A box on a table does not count;
+/// objects() tracks such bodies.
 ///
-/// Threads: Look() from the plant's thread; the others once it has ended. Real-time: Look() is
+/// Threads: Look() from the plant's thread; the others after it has ended. Real-time: Look() is
 /// noexcept, O(contacts), allocates nothing.
 class ContactWatch {
  public:
-  /// More pairs than these are counted, but not told apart.
+  /// Further pairs are only counted.
   static constexpr std::size_t kMostPairs = 64;
 
   /// @param truth  must outlive the watch.
   explicit ContactWatch(const TruthProbe& truth);
 
-  /// Notes what touches now. Once per cycle.
+  /// Records present contacts. Once per cycle.
   void Look(Time now) noexcept TWIN_REALTIME;
 
-  /// @returns the pairs in the order in which they first touched.
+  /// @returns the pairs in the order of their first contact.
   [[nodiscard]] std::vector<ContactPair> Pairs() const;
-  /// In how many looks the arm touched anything.
+  /// Number of looks with any contact of the arm.
   [[nodiscard]] std::uint64_t cycles() const noexcept { return cycles_; }
   [[nodiscard]] std::uint64_t looks() const noexcept { return looks_; }
 
-  /// The bodies that move freely.
+  /// The freely moving bodies.
   [[nodiscard]] const ObjectWatch& objects() const noexcept { return objects_; }
 
  private:
@@ -64,7 +63,7 @@ class ContactWatch {
   const TruthProbe& truth_;
   ObjectWatch objects_;
   std::vector<int> part_of_geom_;
-  std::vector<bool> moves_;  ///< by geom: with the arm
+  std::vector<bool> moves_;  ///< by geom: moves with the arm
   std::map<int, std::string> names_;
   std::array<Seen, kMostPairs> seen_{};
   std::size_t pairs_ = 0;

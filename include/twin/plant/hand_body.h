@@ -7,24 +7,23 @@
 
 namespace twin::plant {
 
-/// What is mounted on the flange.
+/// Hand on the flange.
 enum class HandKind : std::uint8_t {
   kNone,
-  kFrankaHand,  ///< the Franka hand: two fingers on slides, driven as one
+  kFrankaHand,  ///< the Franka Hand: two fingers on slides with one drive
 };
 
-/// The hand's body: force in, motion of the fingers out. It moves with its plant's Step().
+/// The hand's body: force in, motion of the fingers out. It advances in its plant's Step().
 ///
 /// Threads: the plant's. Real-time: noexcept, allocates nothing.
 class HandBody {
  public:
   virtual ~HandBody() = default;
 
-  /// What the drive does from the next Step() of the plant on, until told otherwise. After
-  /// Plant::Reset(): nothing.
+  /// Sets the drive from the plant's next Step() on, until the next call. Plant::Reset() sets zero.
   virtual void Drive(const HandDrive& drive) noexcept TWIN_REALTIME = 0;
 
-  /// The sensors after the last Step() or Reset(). Reset() leaves the hand open.
+  /// Sensors after the last Step() or Reset(). Reset() leaves the hand open.
   [[nodiscard]] virtual const HandSensors& sensors() const noexcept = 0;
 };
 

@@ -8,16 +8,16 @@
 
 namespace twin::plant {
 
-/// The plant that does exactly what is desired, whatever torque is commanded; no MuJoCo.
+/// A plant that follows the desired motion exactly and ignores the torque; without MuJoCo.
 ///
 ///   q = theta = q_d,  dq = dtheta = dq_d,  tau_J = M(q) ddq_d + c(q, dq) + g(q)
 ///
-/// by the robot's own model (model::ArmModel::Panda) with the payload: what the torque sensors of
-/// an arm without friction show when it moves so and nothing touches it. Closed brakes hold it
-/// where it is. For tests and studies in which only INT's checks matter.
+/// by the robot's own model (model::ArmModel::Panda) with the payload: the torque sensors of an arm
+/// in that motion without friction and contact. Closed brakes hold it in place. For tests and
+/// studies of INT's checks alone.
 class IdealPlant final : public Plant {
  public:
-  /// @param payload  everything beyond the flange, for tau_J. @param hand  what moves there.
+  /// @param payload  all bodies beyond the flange, for tau_J. @param hand  its hand.
   explicit IdealPlant(const model::Payload& payload = {}, HandKind hand = HandKind::kNone);
 
   void Reset(const JointVector& q) override;
@@ -26,7 +26,7 @@ class IdealPlant final : public Plant {
   [[nodiscard]] HandBody* hand() noexcept override { return hand_ ? &*hand_ : nullptr; }
 
  private:
-  /// The sensors of an arm that moves so.
+  /// Sets the sensors for this motion.
   void Sense(const JointVector& q, const JointVector& dq,
              const JointVector& ddq) noexcept TWIN_REALTIME;
 

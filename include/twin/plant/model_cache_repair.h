@@ -7,15 +7,14 @@
 
 namespace twin::plant {
 
-/// Compiled models that a cache keeps: those used last.
+/// Number of compiled models that a cache keeps, most recently used.
 inline constexpr std::size_t kMostCachedModels = 64;
 
-/// Makes a folder fit to keep compiled models (MujocoPlantOptions::cache): makes it, tries that it
-/// can be written to, removes models that are damaged, and of the others, unfinished ones included,
-/// all but the kMostCachedModels used last. What else is in it stays.
-/// Reads all of them: 13 models of 12 MB in 5 ms.
-/// @param note  gets what is wrong, for people.
-/// @returns whether it can be used. Threads: one; several processes may share a folder.
+/// Prepares a folder for compiled models (MujocoPlantOptions::cache): creates it, checks that it is
+/// writable, removes damaged models, and keeps the kMostCachedModels last used among the others,
+/// including unfinished ones. Other files stay. It reads all models: 13 of 12 MB in 5 ms.
+/// @param note  receives problems as text for users.
+/// @returns whether the folder is usable. Threads: one; several processes may share a folder.
 [[nodiscard]] bool RepairModelCache(const std::filesystem::path& folder,
                                     const std::function<void(std::string_view)>& note);
 

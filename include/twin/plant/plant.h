@@ -14,24 +14,23 @@ class Plant {
  public:
   virtual ~Plant() = default;
 
-  /// Puts the arm at rest at `q` (rad) and restarts plant time and noise. Does not throw.
+  /// Sets the arm to `q` (rad) at rest and restarts plant time and noise. Does not throw.
   virtual void Reset(const JointVector& q) = 0;
 
-  /// Advances by exactly 1 ms under `drive`, held constant over the step; sensors() then tells the
-  /// outcome.
+  /// Advances by exactly 1 ms under `drive`, constant over the step; then sensors() has the result.
   virtual void Step(const JointDrive& drive) noexcept TWIN_REALTIME = 0;
 
-  /// Tells that the robot begins a motion with the next Step(): people who wait for one see the arm
-  /// move (plant::Push::motion). Real-time: noexcept.
+  /// Announces that a motion starts with the next Step(), for plant::Push::motion. Real-time:
+  /// noexcept.
   virtual void BeginMotion() noexcept TWIN_REALTIME {}
 
-  /// The sensors after the last Step() or Reset().
+  /// Sensors after the last Step() or Reset().
   [[nodiscard]] virtual const JointSensors& sensors() const noexcept = 0;
 
-  /// The hand on the flange, owned by the plant; null when there is none.
+  /// The hand on the flange, owned by the plant; null without one.
   [[nodiscard]] virtual HandBody* hand() noexcept { return nullptr; }
 
-  /// The mobile base below the arm, owned by the plant; null when the arm stands on the world.
+  /// The mobile base below the arm, owned by the plant; null if the arm is fixed to the world.
   [[nodiscard]] virtual BaseBody* base() noexcept { return nullptr; }
 };
 

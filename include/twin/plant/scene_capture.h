@@ -7,9 +7,9 @@
 
 namespace twin::plant {
 
-/// Takes down where everything is and what presses on what: contacts that bear a force, in the
-/// engine's order, and pushes on bodies, each drawn as one force where its moment about the body's
-/// centre of mass puts it (a torque alone is none).
+/// Captures poses and forces: contacts with a force, in the engine's order, and pushes on bodies,
+/// each as one force on the line that gives its moment about the body's centre of mass (a pure
+/// torque is omitted).
 ///
 /// Threads: the plant's. Real-time: noexcept, O(contacts + bodies), allocates nothing.
 /// @pre truth.qpos_size() <= rt::SceneRecord::kMostPositions.

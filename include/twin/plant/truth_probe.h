@@ -8,17 +8,17 @@ struct mjData_;
 
 namespace twin::plant {
 
-/// Ground truth of a MuJoCo plant: what no robot could report. Only render, experiments and tests
-/// may include this header; nothing on the control path may.
+/// Ground truth of a MuJoCo plant, which no robot can report. Only render, experiments and tests
+/// may include this header, never the control path.
 ///
-/// Threads: the plant's thread; model() is constant after construction, all but dof_frictionloss
-/// (which closed brakes raise), and may be read from any thread.
+/// Threads: the plant's thread; model() is constant after construction, except dof_frictionloss
+/// (changed by closed brakes), and readable from any thread.
 class TruthProbe {
  public:
   virtual ~TruthProbe() = default;
   /// The compiled model, owned by the plant.
   [[nodiscard]] virtual const mjModel_& model() const noexcept = 0;
-  /// The plant's data as of the last step, owned by the plant.
+  /// The plant's data after the last step, owned by the plant.
   [[nodiscard]] virtual const mjData_& data() const noexcept = 0;
   /// Number of generalised positions.
   [[nodiscard]] virtual std::size_t qpos_size() const noexcept = 0;

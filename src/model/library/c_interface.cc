@@ -1,15 +1,15 @@
 #include "twin/model/arm_model.h"
 
-// The model library a client loads: the 30 functions of FCI protocol 5, on the same ArmModel the
-// robot computes with. CMakeLists.txt says how this becomes a file that loads anywhere.
+// The model library for clients: the 30 functions of FCI protocol 5, on the robot's own ArmModel.
+// CMakeLists.txt describes how the file is made loadable anywhere.
 //
 // All pointers are to double; q and dq have 7 elements, transforms 16, Jacobians 42, the mass
 // matrix 49, inertias 9, all column-major; vectors 3. The last parameter is the result. I, m and
-// F_x_C are end effector and load as one body: the arm itself ends at the flange. Frame 1 moves
-// with no joint but its own, so its Jacobians have no q.
+// F_x_C are end effector and load as one body: the arm itself ends at the flange. Only joint 1
+// moves frame 1, so its Jacobians take no q.
 //
-// Threads: any, all at once. Real-time: nothing is allocated, locked or kept; inputs are copied
-// before the result is written, so they may overlap.
+// Threads: any, concurrently. Real-time: nothing is allocated, locked or stored; inputs are copied
+// before the result is written, so they may overlap it.
 
 namespace {
 
@@ -161,7 +161,7 @@ void c_NE(const double* q, const double* dq, const double* I, double m, const do
 }
 void g_NE(const double* q, const double* g_earth, double m, const double* F_x_C,
           double* out) noexcept {
-  // Gravity feels no inertia, so none is asked for.
+  // Gravity does not depend on inertia, hence no parameter.
   const Payload payload{m, From<Vector3>(F_x_C), {}};
   To(out, Arm().Gravity(From<JointVector>(q), payload, From<Vector3>(g_earth)));
 }
