@@ -21,7 +21,7 @@ constexpr double kWrist = 0.088;     // a6
 constexpr double kFlange = 0.107;
 constexpr double kPi = std::numbers::pi;
 
-/// Sine below which the upper arm counts as upright; rounding is some 1e-16.
+/// Sine below which the upper arm counts as upright; rounding errors are about 1e-16.
 constexpr double kUpright = 1e-9;
 
 Matrix3d TurnX(double angle) {
@@ -36,7 +36,7 @@ double Wrapped(double angle) {
   return std::remainder(angle, 2 * kPi);
 }
 
-/// A planar figure of the arm: shoulder, elbow and wrist, in axes x3 and z3.
+/// The arm's planar triangle: shoulder, elbow and wrist, in axes x3 and z3.
 struct Triangle {
   double q4;
   double wx, wz;  ///< shoulder to wrist
@@ -52,8 +52,8 @@ struct Triangle {
   }
 };
 
-/// The two turns of the triangle's plane about u at which axis 5 and axis 6 are at right angles,
-/// each as the direction in the plane at right angles to u. @returns how many there are.
+/// The two rotations of the triangle's plane about u for which axes 5 and 6 are perpendicular, each
+/// given by the direction in the plane perpendicular to u. @returns their number.
 int PlaneDirections(const Triangle& triangle, const Vector3d& u, double length, const Vector3d& z6,
                     std::array<Vector3d, 2>& n) {
   // z5 = along u + across n, so cos(phi) A + sin(phi) B = C for n = cos(phi) e1 + sin(phi) e2.
@@ -73,7 +73,7 @@ int PlaneDirections(const Triangle& triangle, const Vector3d& u, double length, 
   return 2;
 }
 
-/// q1, q2, q3 of R_z(q1) R_y(q2) R_z(q3) = R, with the sine of q2 positive or not.
+/// Solves R_z(q1) R_y(q2) R_z(q3) = R for q1, q2, q3, with the given sign of sin(q2).
 void ShoulderAngles(const Matrix3d& R, double sign, double q1_if_free, JointVector& q) {
   const double sine = std::hypot(R(0, 2), R(1, 2));
   if (sine < kUpright) {

@@ -92,7 +92,7 @@ struct CollisionWorld::Parts {
     int body = -1;
     int qpos = -1;
     Transform F_T_B{};
-    std::array<double, 7> placed{};  ///< where it stood
+    std::array<double, 7> placed{};  ///< its qpos before the attachment
   };
 
   void SetWidth(double width) {
@@ -108,7 +108,7 @@ struct CollisionWorld::Parts {
     std::copy(pose.begin(), pose.end(), data->qpos + address);
   }
 
-  /// Puts every shape where it is at q.
+  /// Poses every shape at q.
   void Pose(const JointVector& q) {
     for (std::size_t i = 0; i < kJoints; ++i) data->qpos[qpos[i]] = q[i];
     mj_kinematics(&model, data.get());
@@ -129,7 +129,7 @@ struct CollisionWorld::Parts {
     const int body = model.geom_bodyid[geom];
     return joints_before[body] > 0 || IsHeld(body);
   }
-  /// Whether it matters to us that these touch.
+  /// True if contact between these shapes counts.
   [[nodiscard]] bool Matters(int a, int b) const {
     if (!Moves(a) && !Moves(b)) return false;
     const int body_a = model.geom_bodyid[a];
@@ -141,8 +141,7 @@ struct CollisionWorld::Parts {
     return !allowed.contains(std::minmax(names.OfShape(a), names.OfShape(b)));
   }
 
-  /// How far the arm is from where the robot would stop it, m; nothing when by the clearance or
-  /// more.
+  /// Distance of the arm from the robot's self-stop, m; nullopt if it is at least the clearance.
   [[nodiscard]] std::optional<double> NearGuard(const JointVector& q,
                                                 double clearance) const noexcept {
     if (!self_guard) return std::nullopt;
@@ -152,7 +151,7 @@ struct CollisionWorld::Parts {
     return distance - *self_guard;
   }
 
-  /// Lists the pairs and measures the reach anew. From the hand down: it is what hits most.
+  /// Rebuilds the pairs and the reach. Starts at the hand, which collides most often.
   void ChangeWhatIsThere() {
     pairs.clear();
     for (int a = model.ngeom; a-- > 0;) {
@@ -160,7 +159,7 @@ struct CollisionWorld::Parts {
         if (Matters(a, b) && CanCollide(model, a, b)) pairs.push_back(MakePair(model, a, b));
       }
     }
-    for (int i = 0; i < model.npair; ++i) {  // what the scene lists by itself
+    for (int i = 0; i < model.npair; ++i) {  // pairs that the scene lists explicitly
       const int a = model.pair_geom1[i];
       const int b = model.pair_geom2[i];
       if (!Matters(a, b)) continue;
@@ -171,7 +170,7 @@ struct CollisionWorld::Parts {
     for (std::size_t i = 0; i < compiled.fingers.size() && i < width.size(); ++i) {
       width[i] = data->qpos[model.jnt_qposadr[compiled.fingers[i]]];
     }
-    SetWidth(kOpen);  // where the fingers reach furthest
+    SetWidth(kOpen);  // the largest reach of the fingers
     Pose(JointVector{});
     reach = ReachOf(compiled, *data, joints_before, held.body);
     if (!compiled.fingers.empty()) SetWidth(width[0] + width[1]);

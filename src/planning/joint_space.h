@@ -20,7 +20,7 @@ inline double Distance(const JointVector& a, const JointVector& b) {
   return std::sqrt(sum);
 }
 
-/// The point at a share of the straight way from a (0) to b (1).
+/// The point at `share` of the straight line from a (0) to b (1).
 inline JointVector Between(const JointVector& a, const JointVector& b, double share) {
   JointVector q;
   for (std::size_t i = 0; i < kJoints; ++i) q[i] = a[i] + share * (b[i] - a[i]);
@@ -33,7 +33,7 @@ struct JointBounds {
   JointVector high{};
 };
 
-/// What the position limits leave inside a margin. @throws InputError when that is nothing.
+/// The position limits reduced by a margin. @throws InputError if a joint's range becomes empty.
 inline JointBounds Inside(const JointLimits& limits, double margin) {
   JointBounds bounds{limits.q_min, limits.q_max};
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -47,14 +47,14 @@ inline JointBounds Inside(const JointLimits& limits, double margin) {
   return bounds;
 }
 
-/// Along all points, rad.
+/// Length of the path, rad.
 inline double Length(const std::vector<JointVector>& path) {
   double sum = 0;
   for (std::size_t i = 1; i < path.size(); ++i) sum += Distance(path[i - 1], path[i]);
   return sum;
 }
 
-/// For a message after Describe(): what distance was asked for, where nothing overlaps.
+/// Appended to Describe() in messages: the requested clearance, if the parts do not overlap.
 inline std::string Wanted(const std::vector<Touch>& touches, double clearance) {
   if (touches.empty() || touches.front().distance < 0) return {};
   return fmt::format(" (a clearance of {:.1f} mm is asked for)", clearance * 1e3);

@@ -7,33 +7,33 @@
 
 namespace twin::planning {
 
-/// Asks a world about configurations and ways between them, up to a number of checks. When those
-/// are used up, nothing is free any more.
+/// Checks configurations and straight segments against a world, up to a number of checks. Once
+/// these are used up, nothing counts as free.
 ///
-/// Ways are checked at points so close that nothing moves by more than twice the clearance from one
-/// to the next (CollisionWorld::Travel), so what is found free is free all along, not only at the
-/// points. Alone, joint 1 of the Panda with its hand (1.2 m of reach) so turns by 0.017 rad from
-/// point to point with a clearance of 10 mm, joint 7 by 0.07 rad.
+/// A segment is checked at points between which nothing moves by more than twice the clearance
+/// (CollisionWorld::Travel), so a free segment is free between the points too. With a clearance of
+/// 10 mm, joint 1 of the Panda with hand (reach 1.2 m) moves by 0.017 rad per point, and joint 7 by
+/// 0.07 rad.
 ///
 /// Threads: the world's.
 class MotionChecker {
  public:
-  /// @param world  must outlive this. @param clearance  m, > 0.
+  /// @param world  must outlive this object. @param clearance  m, > 0.
   MotionChecker(CollisionWorld& world, double clearance, std::uint64_t most_checks)
       : world_(world), clearance_(clearance), end_(world.checks() + most_checks) {}
 
   [[nodiscard]] bool IsFree(const JointVector& q) { return IsFreeBy(clearance_, q); }
-  /// With another clearance.
+  /// As IsFree() with another clearance.
   [[nodiscard]] bool IsFreeBy(double clearance, const JointVector& q) {
     return !IsExhausted() && world_.IsFree(q, clearance);
   }
 
-  /// Whether the straight way is free. @pre `from` is free. Far points first, so that what is not
-  /// free is found soon.
+  /// @returns true if the straight segment is free. @pre `from` is free. Tests points far apart
+  /// first, to find collisions soon.
   [[nodiscard]] bool IsFree(const JointVector& from, const JointVector& to);
 
   [[nodiscard]] bool IsExhausted() const noexcept { return world_.checks() >= end_; }
-  /// Checks that are left.
+  /// Remaining checks.
   [[nodiscard]] std::uint64_t left() const noexcept {
     return IsExhausted() ? 0 : end_ - world_.checks();
   }

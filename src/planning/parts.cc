@@ -26,7 +26,7 @@ bool IsFreeBody(const mjModel& model, int body) {
   return model.body_jntnum[body] == 1 && model.jnt_type[model.body_jntadr[body]] == mjJNT_FREE;
 }
 
-/// Where the arm's axes are, and how far along the arm from one to the next.
+/// Positions of the arm's axes, and the distances from one to the next along the arm.
 struct Axes {
   std::array<Vector, kJoints> anchor;
   std::array<Vector, kJoints> direction;
@@ -97,7 +97,7 @@ JointVector ReachOf(const plant::CompiledModel& compiled, const mjData& data,
     const bool is_held = held >= 0 && model.body_rootid[body] == held;
     const int moved_by = is_held ? static_cast<int>(kJoints) : joints_before[body];
     if (moved_by == 0) continue;
-    // From the joint next to the shape down to the base.
+    // From the joint nearest to the shape down to the base.
     const Vector centre = At(data.geom_xpos, geom);
     const auto last = static_cast<std::size_t>(moved_by - 1);
     double beyond = model.geom_rbound[geom];

@@ -11,16 +11,16 @@
 
 namespace twin::planning {
 
-/// The parts of a model by name: its bodies, and each shape that is fixed to the world for itself.
-/// A part's number is its body's, or the number of bodies plus that of the shape.
+/// Names of a model's parts: its bodies, and each shape fixed to the world. A part's number is that
+/// of its body, or the number of bodies plus that of the shape.
 class PartNames {
  public:
   explicit PartNames(const mjModel& model);
 
   [[nodiscard]] int OfShape(int geom) const noexcept { return of_shape_[geom]; }
-  /// Lives as long as this object.
+  /// Valid as long as this object.
   [[nodiscard]] const std::string& NameOf(int part) const { return names_.at(part); }
-  /// @throws InputError naming all parts when there is none of that name.
+  /// @throws InputError listing all parts if the name is unknown.
   [[nodiscard]] int Find(const std::string& name) const;
 
  private:
@@ -28,15 +28,15 @@ class PartNames {
   std::map<int, std::string> names_;
 };
 
-/// For each body the number of the arm's joints (1 to 7) that move it; 0 for what stands still.
+/// For each body the number of the arm's joints (1 to 7) that move it; 0 for fixed bodies.
 [[nodiscard]] std::vector<int> JointsBefore(const plant::CompiledModel& compiled);
 
-/// The body's free joint. @throws InputError naming the bodies that have one when it has none.
+/// The body's free joint. @throws InputError listing the free bodies if it has none.
 [[nodiscard]] int FreeJointOf(const mjModel& model, const std::string& body);
 
-/// For each joint of the arm the largest distance of a shape beyond it from its axis, whatever the
-/// other joints do, m:  a bound by the distances from joint to joint, exact where the arm can be
-/// stretched.
+/// For each joint of the arm an upper bound, over all positions of the other joints, of the
+/// distance from its axis to a shape beyond it, m. Computed from the distances between joints;
+/// exact where the arm can be stretched.
 /// @param data      after mj_kinematics(). @param joints_before  of bodies, as JointsBefore().
 /// @param held      the free body at the flange, -1 for none.
 [[nodiscard]] JointVector ReachOf(const plant::CompiledModel& compiled, const mjData& data,

@@ -22,14 +22,14 @@ constexpr double kPeakVelocity = 15.0 / 8;
 const double kPeakAcceleration = 10 / std::sqrt(3.0);
 constexpr double kPeakJerk = 60;
 
-/// Below the shares by more than a rounding of times to nanoseconds changes.
+/// Keeps below the shares by more than the rounding of times to nanoseconds.
 constexpr double kSlower = 1 + 1e-6;
 
 constexpr int kFittingRounds = 10;
 constexpr int kSamplesPerWay = 12;
-constexpr double kLeastWay = 0.01;  ///< s; a way takes no less, however short
+constexpr double kLeastWay = 0.01;  ///< s; shortest time of a segment
 
-/// What a motion takes of its shares: 1 is all. Times stretched by this make it 1.
+/// Share that a motion uses: 1 is the limit. Stretching its times by this factor gives 1.
 double Load(double dq, double ddq, double dddq, std::size_t joint, const Timing& pace,
             const JointLimits& limits) {
   return std::max({dq / (pace.velocity_scale * limits.dq_max[joint]),
@@ -37,7 +37,7 @@ double Load(double dq, double ddq, double dddq, std::size_t joint, const Timing&
                    std::cbrt(dddq / (pace.jerk_scale * limits.dddq_max[joint]))});
 }
 
-/// Time of a way from rest to rest, s.
+/// Time of a segment from rest to rest, s.
 double RestToRestTime(const JointVector& a, const JointVector& b, const Timing& pace,
                       const JointLimits& limits) {
   double longest = 0;
@@ -49,7 +49,7 @@ double RestToRestTime(const JointVector& a, const JointVector& b, const Timing& 
   return longest;
 }
 
-/// The same for peaks of a trajectory, which are shares of the limits themselves.
+/// The same for a trajectory's peaks, which are shares of the limits.
 double Load(const reference::PeakShares& peaks, const Timing& pace) {
   double load = 0;
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -60,7 +60,7 @@ double Load(const reference::PeakShares& peaks, const Timing& pace) {
   return load;
 }
 
-/// The points, each so much time after the one before.
+/// The points, at the given times after each previous one.
 std::vector<Waypoint> Timed(std::vector<Waypoint> points, const std::vector<double>& ways_s,
                             double stretch) {
   double time_s = 0;
@@ -71,7 +71,7 @@ std::vector<Waypoint> Timed(std::vector<Waypoint> points, const std::vector<doub
   return points;
 }
 
-/// @returns nothing when the path between the points leaves the position limits.
+/// @returns nullopt if the spline through the points leaves the position limits.
 std::optional<Trajectory> Laid(const std::vector<Waypoint>& waypoints, const JointLimits& limits) {
   try {
     return Trajectory(waypoints, {}, limits);
@@ -80,11 +80,11 @@ std::optional<Trajectory> Laid(const std::vector<Waypoint>& waypoints, const Joi
   }
 }
 
-/// Stretches all times by one factor, so that the most loaded place uses its shares up.
+/// Scales all times by one factor, so that the most loaded point uses up its share.
 std::optional<TimedPath> AtFullPace(const std::vector<Waypoint>& points,
                                     const std::vector<double>& ways_s, const Timing& pace,
                                     const JointLimits& limits) {
-  // Slow enough to be inside every limit, whatever the shares of the ways.
+  // Slow enough for every limit, for any shares of the segments.
   const double slow = 20 / *std::min_element(ways_s.begin(), ways_s.end());
   const auto slowly = Laid(Timed(points, ways_s, slow), limits);
   if (!slowly) return std::nullopt;
@@ -95,7 +95,7 @@ std::optional<TimedPath> AtFullPace(const std::vector<Waypoint>& points,
   return TimedPath{std::move(*trajectory), std::move(waypoints)};
 }
 
-/// The load of each way, by samples.
+/// The load of each segment, by sampling.
 std::vector<double> LoadsOf(const TimedPath& path, const Timing& pace, const JointLimits& limits) {
   std::vector<double> loads;
   for (std::size_t way = 0; way + 1 < path.waypoints.size(); ++way) {
@@ -117,7 +117,7 @@ std::vector<double> LoadsOf(const TimedPath& path, const Timing& pace, const Joi
   return loads;
 }
 
-/// The ways on which the trajectory comes closer than half the clearance to something.
+/// The segments on which the trajectory comes closer than half the clearance to a part.
 std::set<std::size_t> WaysThatHit(const TimedPath& path, MotionChecker& checker) {
   std::set<std::size_t> hits;
   std::size_t way = 0;
@@ -137,8 +137,8 @@ std::set<std::size_t> WaysThatHit(const TimedPath& path, MotionChecker& checker)
   return hits;
 }
 
-/// Puts a point into the middle of each of these ways. @param stop  whether the motion is to rest
-/// at both ends of them from now on; what is between two stops is straight.
+/// Splits each of these segments at its middle. @param stop  instead, stop at both its ends; a
+/// segment between two stops is straight.
 void Split(std::vector<Waypoint>& points, const std::set<std::size_t>& ways, bool stop) {
   std::vector<Waypoint> finer;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -167,7 +167,7 @@ std::vector<Waypoint> PointsOf(const std::vector<JointVector>& path, bool stops)
   std::vector<Waypoint> points;
   points.reserve(path.size());
   for (const JointVector& q : path) points.push_back({.q = q, .stop = stops});
-  points.front().stop = points.back().stop = false;  // at rest anyway
+  points.front().stop = points.back().stop = false;  // at rest in any case
   return points;
 }
 
@@ -213,7 +213,7 @@ TimedPath TimePath(const std::vector<JointVector>& path, const Timing& pace,
   constexpr int kRounds = 8;
   TimedPath safe = StopAndGo(path, pace, limits);
   if (path.size() == 2) return safe;
-  // A point in the middle of each way keeps the spline near to it; mostly that is faster as well.
+  // A point in the middle of each segment keeps the spline close to it and mostly makes it faster.
   std::vector<Waypoint> points = PointsOf(path, false);
   std::vector<Waypoint> halved = points;
   Split(halved, AllWays(halved), false);

@@ -19,10 +19,10 @@
 namespace twin::planning {
 namespace {
 
-/// A motion shorter than this is none, rad per joint; trajectories take no shorter way.
+/// Shortest motion, rad per joint; trajectories permit no shorter segment.
 constexpr double kLeastMotion = 1e-6;
 
-/// Share of the budget that is kept from shortening, for the spline.
+/// Reciprocal share of the budget that shortening leaves for the spline.
 constexpr std::uint64_t kKeptPart = 5;
 
 bool Coincide(const JointVector& a, const JointVector& b) {
@@ -32,7 +32,7 @@ bool Coincide(const JointVector& a, const JointVector& b) {
   return true;
 }
 
-/// One plan being made.
+/// The computation of one plan.
 class Attempt {
  public:
   Attempt(CollisionWorld& world, const JointLimits& limits, const Clock& clock,
@@ -49,7 +49,7 @@ class Attempt {
     return {reason, "planning: " + std::move(text), Statistics()};
   }
 
-  /// Names what is at q when it is not free.
+  /// Describes the collision at q; nullopt if q is free.
   [[nodiscard]] std::optional<PlanFailure> Obstructed(const JointVector& q, const char* which,
                                                       PlanFailureReason reason) {
     if (world_.IsFree(q, options_.clearance)) return std::nullopt;
@@ -91,7 +91,7 @@ class Attempt {
             .waypoints = 0};
   }
 
-  /// Start and goals are in the space, however near to a limit.
+  /// Includes start and goals in the search space, even close to a limit.
   static void WidenBounds(SearchProblem& problem, const JointVector& q) {
     for (std::size_t i = 0; i < kJoints; ++i) {
       problem.bounds.low[i] = std::min(problem.bounds.low[i], q[i]);
@@ -99,7 +99,7 @@ class Attempt {
     }
   }
 
-  /// The straight way to the first goal that has a free one; often enough that is all.
+  /// The straight segment to the first goal with a free one; often sufficient.
   [[nodiscard]] std::vector<JointVector> DirectWay(const SearchProblem& problem) {
     for (const JointVector& goal : problem.goals) {
       if (checker_.IsFree(problem.start, goal)) return {problem.start, goal};

@@ -18,14 +18,14 @@ namespace {
 constexpr double kArrived = 1e-5;  // m and rad
 constexpr Duration kTimeout = std::chrono::seconds(5);
 
-/// The way between two poses: [p_d - p; log(R_d R^T)], base axes.
+/// Pose error from X to X_d: [p_d - p; log(R_d R^T)], base axes.
 Vector6 WayTo(const Transform& X, const Transform& X_d) noexcept {
   const Eigen::Vector3d p = model::Position(X_d) - model::Position(X);
   const Eigen::Vector3d phi = model::TurnBetween(X, X_d);
   return {p[0], p[1], p[2], phi[0], phi[1], phi[2]};
 }
 
-/// Joint and bound, where q leaves the range that is asked for.
+/// Joint and bound, if q leaves the requested range.
 std::optional<std::string> OutOfRange(const JointVector& q, const JointLimits& limits,
                                       double margin, Duration at) {
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -36,7 +36,7 @@ std::optional<std::string> OutOfRange(const JointVector& q, const JointLimits& l
   return std::nullopt;
 }
 
-/// What of the joints' limits is used from one step to the next.
+/// Updates the shares of the joint limits used in one step.
 void AddLoads(const JointVector& before, const JointVector& dq, double step_s,
               const JointLimits& limits, const FollowOptions& options, Followed& followed) {
   for (std::size_t i = 0; i < kJoints; ++i) {

@@ -13,11 +13,11 @@
 namespace twin::planning {
 namespace {
 
-/// What the joint limits leave of all ways to reach a pose.
+/// Solutions of a pose that the joint limits permit.
 struct Candidates {
   std::vector<JointVector> inside;  ///< the nearest first
-  bool any = false;                 ///< whether there is a way at all
-  // Of the way that breaks the limits least:
+  bool any = false;                 ///< true if any solution exists, with or without limits
+  // Of the solution with the smallest violation:
   double least_excess = std::numeric_limits<double>::infinity();  ///< rad
   std::size_t joint = 0;
   double value = 0;

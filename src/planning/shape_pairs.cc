@@ -7,7 +7,7 @@
 namespace twin::planning {
 namespace {
 
-/// The model's list of excluded bodies; MuJoCo 2.2.2 counts bodies from 1 in it.
+/// True if the model excludes the pair of bodies; MuJoCo 2.2.2 counts bodies from 1 there.
 bool IsExcluded(const mjModel& model, int body_a, int body_b) {
   const auto [first, second] = std::minmax(body_a, body_b);
   const int signature = ((first + 1) << 16) + second + 1;
@@ -16,8 +16,8 @@ bool IsExcluded(const mjModel& model, int body_a, int body_b) {
   return std::find(begin, end, signature) != end;
 }
 
-/// Bodies that cannot move against one another, and a body and what carries it, make no contacts;
-/// the world is the exception.
+/// Bodies that cannot move relative to each other, and a body and its parent, make no contacts; the
+/// world is the exception.
 bool IsJoined(const mjModel& model, int body_a, int body_b) {
   const int a = model.body_weldid[body_a];
   const int b = model.body_weldid[body_b];
@@ -32,7 +32,7 @@ double Square(double x) {
   return x * x;
 }
 
-/// Distance of a point from a box along each of its axes, squared.
+/// Squared distance of a point from a box, per axis of the box.
 double SquaredDistanceFromBox(const mjModel& model, const mjData& data, int box, const double* p) {
   const double* centre = data.geom_xpos + 3 * box;
   const double* R = data.geom_xmat + 9 * box;
@@ -60,7 +60,7 @@ bool CanCollide(const mjModel& model, int geom_a, int geom_b) {
 }
 
 ShapePair MakePair(const mjModel& model, int geom_a, int geom_b) {
-  // By type and then by number, as the engine does: its narrow phase is not quite symmetric.
+  // By type, then by number, as in the engine: its narrow phase is not quite symmetric.
   if (std::pair(model.geom_type[geom_a], geom_a) > std::pair(model.geom_type[geom_b], geom_b)) {
     std::swap(geom_a, geom_b);
   }
@@ -80,7 +80,7 @@ bool MayTouch(const mjModel& model, const mjData& data, int geom1, int geom2,
   const double r1 = model.geom_rbound[geom1];
   const double squared = Square(p2[0] - p1[0]) + Square(p2[1] - p1[1]) + Square(p2[2] - p1[2]);
   if (squared > Square(r1 + r2 + margin)) return false;
-  // Box is the last type but mesh, so a pair of one is either.
+  // Box is the last type before mesh, so geom1 is a box in any such pair.
   if (model.geom_type[geom1] == mjGEOM_BOX &&
       SquaredDistanceFromBox(model, data, geom1, p2) > Square(r2 + margin)) {
     return false;

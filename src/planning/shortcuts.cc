@@ -9,7 +9,7 @@
 namespace twin::planning {
 namespace {
 
-/// A place on a path: on the way from a point to the next.
+/// A point on a path: a share of a segment.
 struct Place {
   std::size_t segment = 0;
   JointVector q{};
@@ -27,7 +27,7 @@ Place PlaceAt(const std::vector<JointVector>& path, double length) {
   return {path.size() - 2, Between(a, b, along > 0 ? std::clamp(length / along, 0.0, 1.0) : 0)};
 }
 
-/// Takes out each point that need not be passed.
+/// Removes each turning point that is not needed.
 void DropPoints(std::vector<JointVector>& path, MotionChecker& checker, std::uint64_t keep_checks) {
   for (std::size_t i = 1; i + 1 < path.size();) {
     if (checker.left() <= keep_checks) return;
@@ -40,7 +40,7 @@ void DropPoints(std::vector<JointVector>& path, MotionChecker& checker, std::uin
   }
 }
 
-/// Ways shorter than this are not worth a turning point, rad.
+/// Shorter segments are not worth a turning point, rad.
 constexpr double kLeastGain = 1e-3;
 
 }  // namespace
@@ -59,7 +59,7 @@ void Shorten(std::vector<JointVector>& path, MotionChecker& checker, std::uint64
     const Place b = PlaceAt(path, second);
     if (a.segment == b.segment) continue;
     if (second - first - Distance(a.q, b.q) < kLeastGain) continue;
-    // `a` lies between points that were checked, with less than the clearance maybe.
+    // `a` lies between checked points and may have less than the clearance.
     if (!checker.IsFree(a.q) || !checker.IsFree(a.q, b.q)) continue;
     const auto from = path.begin() + static_cast<std::ptrdiff_t>(a.segment) + 1;
     const auto to = path.begin() + static_cast<std::ptrdiff_t>(b.segment) + 1;

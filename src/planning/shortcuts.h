@@ -8,15 +8,15 @@
 
 namespace twin::planning {
 
-/// How much work may go into a shorter path.
+/// Effort for shortening a path.
 struct ShortcutEffort {
-  int attempts = 150;             ///< random shortcuts that are tried
-  std::uint64_t keep_checks = 0;  ///< of the budget, for what comes after
+  int attempts = 150;             ///< random shortcuts to try
+  std::uint64_t keep_checks = 0;  ///< checks reserved for later steps
 };
 
-/// Shortens a free path: takes turning points out where the straight way past them is free, then
-/// tries straight ways between two random places of the path, and takes out once more. Repeats to
-/// the bit with the same seed; ends of the path stay.
+/// Shortens a free path: removes turning points where the direct segment is free, then tries
+/// straight segments between two random points of the path, and removes turning points again.
+/// Bit-identical for the same seed; keeps the path's ends.
 void Shorten(std::vector<JointVector>& path, MotionChecker& checker, std::uint64_t seed,
              const ShortcutEffort& effort);
 

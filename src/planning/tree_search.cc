@@ -33,7 +33,7 @@ ob::ScopedState<Space> StateOf(const ob::StateSpacePtr& space, const JointVector
   return state;
 }
 
-/// Samples by our own random numbers.
+/// Draws samples with our own random numbers.
 class Sampler final : public ob::StateSampler {
  public:
   Sampler(const ob::StateSpace* space, std::uint64_t seed)
@@ -120,7 +120,7 @@ ob::ProblemDefinitionPtr MakeDefinition(const SearchProblem& problem,
 }  // namespace
 
 std::vector<JointVector> FindPath(const SearchProblem& problem, MotionChecker& checker) {
-  ompl::msg::noOutputHandler();  // what it says is no use to ours
+  ompl::msg::noOutputHandler();  // silences OMPL's messages
   auto information = std::make_shared<ob::SpaceInformation>(MakeSpace(problem));
   information->setStateValidityChecker(
       [&checker](const ob::State* state) { return checker.IsFree(JointsOf(state)); });

@@ -9,23 +9,22 @@
 
 namespace twin::planning {
 
-/// Where a path is sought.
+/// Definition of a path search.
 struct SearchProblem {
   JointVector start{};
-  std::vector<JointVector> goals;  ///< not empty; any of them will do
-  JointBounds bounds;              ///< of what is searched
+  std::vector<JointVector> goals;  ///< not empty; any of them suffices
+  JointBounds bounds;              ///< of the search space
   double range = 1;                ///< length of a tree's branch, rad
-  std::uint64_t seed = 0;          ///< of all that is random
+  std::uint64_t seed = 0;          ///< of all random numbers
 };
 
-/// A path of straight ways from the start to one of the goals, by OMPL's RRT-Connect: two trees
-/// that grow from start and goals towards random configurations and towards one another.
+/// Finds a path of straight segments from the start to one of the goals with OMPL's RRT-Connect:
+/// two trees grow from start and goals towards random configurations and towards each other.
 ///
-/// Repeats to the bit: samples are drawn by core/random.h and nearest neighbours found by comparing
-/// all, so OMPL's own random numbers, which depend on what ran before in the process, decide
-/// nothing.
+/// Bit-identical on repetition: core/random.h draws the samples and a linear search finds nearest
+/// neighbours. OMPL's own random numbers, which depend on the process's history, have no effect.
 /// @pre start and goals are free.
-/// @returns start, turning points, goal; empty when the checker's budget ran out before.
+/// @returns start, turning points, goal; empty if the checker's budget ran out.
 [[nodiscard]] std::vector<JointVector> FindPath(const SearchProblem& problem,
                                                 MotionChecker& checker);
 

@@ -8,12 +8,12 @@
 namespace twin::render {
 namespace {
 
-constexpr const char* kFlange = "panda_link7";  ///< the flange is its end, 10.7 cm on
+constexpr const char* kFlange = "panda_link7";  ///< the flange is its end, 10.7 cm further
 
-/// Of the gripper's camera in panda_link7's frame (z along the flange's axis), m. It stands beside
-/// the hand, which is mounted at -45 degrees, where no finger goes; the finger tips are in the
-/// middle of its picture.
-constexpr double kMount = -0.70710678118654752;  ///< sine of that angle; its cosine is the opposite
+/// Gripper camera in panda_link7's frame (z along the flange's axis), m. It is beside the hand,
+/// which is mounted at -45 degrees, away from the fingers; the finger tips are in the middle of its
+/// picture.
+constexpr double kMount = -0.70710678118654752;  ///< sine of that angle; its cosine is the negative
 constexpr Vector3 kAside{-kMount, kMount, 0};
 constexpr double kEyeAside = 0.09;
 constexpr double kEyeAlong = 0.09;
@@ -26,7 +26,7 @@ Vector3 InWorld(const mjData& data, int body, const Vector3& p_B) {
   return p_W;
 }
 
-/// Up in its picture is the side it is mounted on.
+/// The picture's up direction is the side of the mount.
 CameraFrame GripperCamera(const mjData& data, int flange) {
   CameraFrame frame;
   frame.p_W = InWorld(data, flange, {kEyeAside * kAside[0], kEyeAside * kAside[1], kEyeAlong});
@@ -40,7 +40,7 @@ CameraFrame GripperCamera(const mjData& data, int flange) {
   return frame;
 }
 
-/// @param R_WB  of the body, as MuJoCo stores it: row by row.
+/// @param R_WB  of the body, row-major as in MuJoCo.
 void TurnAlong(const mjtNum* R_WB, mjvCamera& camera) {
   const double yaw = std::atan2(R_WB[3], R_WB[0]);
   const double x = camera.lookat[0];

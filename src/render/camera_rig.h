@@ -9,18 +9,18 @@
 
 namespace twin::render {
 
-/// Puts a view's camera where it belongs in a frame.
+/// Positions a view's camera for a frame.
 class CameraRig {
  public:
-  /// @throws InputError for a camera or body that the model does not have.
+  /// @throws InputError if the model lacks the camera or body.
   CameraRig(const View& view, const DrawnModel& model);
 
-  /// @param since  the film's begin.
+  /// @param since  time since the film's start.
   void Aim(Duration since, const mjData& data, Shot& shot) const;
 
  private:
   View view_;
-  int id_ = -1;  ///< of the camera, or the body that is followed or carries the camera
+  int id_ = -1;  ///< of the camera, or of the body that is tracked or carries the camera
 };
 
 }  // namespace twin::render

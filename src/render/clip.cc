@@ -26,7 +26,7 @@ VideoSettings MakeVideoSettings(const ClipSettings& settings, const ClipFrames& 
   return video;
 }
 
-/// Collects some frames, at half their size.
+/// Collects selected frames at half their size.
 class SheetCollector {
  public:
   explicit SheetCollector(std::vector<std::size_t> frames) : frames_(std::move(frames)) {}
@@ -39,7 +39,7 @@ class SheetCollector {
   [[nodiscard]] const std::vector<Image>& images() const noexcept { return images_; }
 
  private:
-  std::vector<std::size_t> frames_;  ///< in order
+  std::vector<std::size_t> frames_;  ///< rising
   std::vector<Image> images_;
 };
 
@@ -56,7 +56,7 @@ std::vector<std::unique_ptr<FrameWorker>> StartWorkers(const ClipFrames& frames,
 
 ClipFrames FramesOf(const Film& film, const FilmSettings& settings) {
   const auto new_painter = [&film, &settings]() -> DrawFrame {
-    // Shared, since a function is copied; it has one user all the same.
+    // Shared only because std::function copies; it has one user.
     return [painter = std::make_shared<FramePainter>(film, settings)](std::size_t frame) {
       return painter->Paint(frame);
     };

@@ -14,9 +14,9 @@
 
 namespace twin::render {
 
-/// A copy of a model for pictures, and positions on it.
+/// A model's copy for rendering, and its positions.
 ///
-/// Threads: constant after construction; data as MuJoCo's.
+/// Threads: immutable after construction; data as MuJoCo's.
 class DrawnModel {
  public:
   struct FreeData {
@@ -24,8 +24,8 @@ class DrawnModel {
   };
   using DataPointer = std::unique_ptr<mjData, FreeData>;
 
-  /// The off-screen buffer is sized by the settings; MuJoCo reads these sizes when the context is
-  /// made.
+  /// Sizes the off-screen buffer by the settings; MuJoCo reads these sizes when it creates the
+  /// context.
   DrawnModel(const mjModel& model, const RenderSettings& settings);
 
   [[nodiscard]] const mjModel& get() const noexcept { return *model_; }
@@ -37,7 +37,7 @@ class DrawnModel {
   /// Poses of bodies, geoms, lights and cameras at `qpos`; no dynamics.
   void SetPositions(std::span<const double> qpos, mjData& data) const;
 
-  /// As Renderer's.
+  /// As Renderer::WithArmAt().
   [[nodiscard]] std::vector<double> WithArmAt(std::span<const double> qpos,
                                               const JointVector& q) const;
   [[nodiscard]] std::vector<double> WithBodyAt(std::span<const double> qpos,
@@ -45,7 +45,7 @@ class DrawnModel {
                                                const Transform& X_WB) const;
   [[nodiscard]] int BodyId(std::string_view name) const;
   [[nodiscard]] int CameraId(const std::string& name) const;
-  /// Ids of the arm's joints. @throws InputError when the model has none.
+  /// Ids of the arm's joints. @throws InputError if the model has none.
   [[nodiscard]] std::array<int, kJoints> ArmJoints() const;
 
  private:

@@ -7,7 +7,7 @@
 namespace twin::render {
 namespace {
 
-/// A key frame, and with it a piece of file that can be played, every so often.
+/// Interval of key frames, after each of which the partial file is playable.
 constexpr int kSecondsPerPiece = 2;
 
 /// Exact arithmetic, at full chroma resolution.
@@ -21,7 +21,7 @@ void Append(const Words& more, Words& words) {
   words.insert(words.end(), more.begin(), more.end());
 }
 
-/// Raw pictures. The queue makes ffmpeg read ahead while it encodes.
+/// Raw pictures. The queue lets ffmpeg read ahead while it encodes.
 Words Input(const VideoSettings& settings) {
   return {"-hide_banner",
           "-nostdin",
@@ -46,8 +46,8 @@ Words Exact() {
   return {"-threads", "1", "-flags:v", "+bitexact", "-fflags", "+bitexact", "-map_metadata", "-1"};
 }
 
-/// To BT.709 and tagged as such, or players guess the colours by the picture's size. In fragments,
-/// so that a file cut short can be played; flushed as they come.
+/// Converted to BT.709 and tagged, because players otherwise guess the colours from the picture's
+/// size. Fragmented and flushed, so that a truncated file is playable.
 Words H264(const VideoSettings& settings) {
   return {"-filter_threads",
           "1",
@@ -77,7 +77,7 @@ Words H264(const VideoSettings& settings) {
           "mp4"};
 }
 
-/// Version 3 with a checksum for each slice; every picture stands alone.
+/// Version 3 with a checksum per slice; every picture is a key frame.
 Words Ffv1() {
   return {"-c:v",
           "ffv1",
@@ -99,13 +99,13 @@ Words Ffv1() {
           "matroska"};
 }
 
-/// Quick compression: these pictures are for programs.
+/// Fast compression: these pictures are for programs.
 Words Pictures() {
   return {"-c:v", "png",           "-pred", "up", "-compression_level",
           "3",    "-start_number", "0",     "-f", "image2"};
 }
 
-/// A path as a pattern of picture names.
+/// The file name pattern of a folder's pictures.
 std::string PatternIn(const std::filesystem::path& folder) {
   std::string pattern;
   for (const char c : folder.string()) pattern += c == '%' ? "%%" : std::string(1, c);

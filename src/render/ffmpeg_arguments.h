@@ -8,8 +8,8 @@
 
 namespace twin::render {
 
-/// @returns what ffmpeg is called with to encode raw RGB pictures from its standard input.
-/// @param output  file, or for pictures the folder, which is there.
+/// @returns the arguments for ffmpeg to encode raw RGB pictures from its standard input.
+/// @param output  file; for pictures an existing folder.
 [[nodiscard]] std::vector<std::string> FfmpegArguments(const VideoSettings& settings,
                                                        VideoFormat format,
                                                        const std::filesystem::path& output);

@@ -18,7 +18,7 @@
 namespace twin::render {
 namespace {
 
-/// How much of ffmpeg's messages an error carries.
+/// Length of ffmpeg's messages in an error.
 constexpr off_t kMessageTail = 600;
 
 [[noreturn]] void ThrowHostError(const char* call, int error) {
@@ -32,7 +32,7 @@ bool Contains(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;
 }
 
-/// ffmpeg may end well though it could not write all.
+/// ffmpeg may exit with success though it could not write all data.
 bool LostData(const std::string& messages) {
   return Contains(messages, "No space left on device") || Contains(messages, "Error writing") ||
          Contains(messages, "Error closing");

@@ -29,14 +29,14 @@ class FileDescriptor {
   int fd_;
 };
 
-/// How long ffmpeg may do nothing: take no frame, or not end once it has all.
+/// Longest time for ffmpeg to take a frame, or to end after the last one.
 inline constexpr Duration kFfmpegTimeout = std::chrono::seconds(60);
 
-/// A running ffmpeg that reads its standard input from us and whose messages we keep.
+/// A running ffmpeg that reads its standard input from us; its messages are kept.
 ///
 /// Its standard input is a socket, so that writing to a dead ffmpeg is an error and never a SIGPIPE
-/// (which would end the whole process); its messages go to a file in memory, so that it can never
-/// block on them.
+/// (which would end the whole process). Its messages go to an in-memory file, so that it never
+/// blocks on them.
 ///
 /// Threads: one thread.
 class FfmpegProcess {
@@ -45,23 +45,23 @@ class FfmpegProcess {
   /// @param arguments  without the program's name.
   /// @param lock  descriptor that it inherits and holds until it ends; negative: none.
   /// @param timeout  as kFfmpegTimeout.
-  /// @throws EnvironmentError when it cannot be started.
+  /// @throws EnvironmentError if it cannot be started.
   FfmpegProcess(const std::string& program, const std::vector<std::string>& arguments,
                 int lock = -1, Duration timeout = kFfmpegTimeout);
 
-  /// Sends bytes to its standard input; waits while it is behind.
-  /// @throws EnvironmentError when it has ended, with its last lines; when its timeout is over or
-  /// the user wants to end (rt::GivesUp), it having been killed.
+  /// Writes to its standard input; waits while ffmpeg lags.
+  /// @throws EnvironmentError if it has ended, with its last lines; after killing it, if the
+  /// timeout has passed or the user wants to end (rt::GivesUp).
   void Send(std::span<const std::uint8_t> bytes);
 
-  /// Ends its input and waits for it to end. @throws EnvironmentError when it failed, with its last
+  /// Closes its input and waits for its end. @throws EnvironmentError if it failed, with its last
   /// lines, and as Send().
   void Finish();
 
  private:
-  /// Until its input takes bytes, or it has ended.
+  /// Waits until its input takes bytes, or it has ended.
   void WaitForRoom();
-  /// Waits for it. @throws EnvironmentError always: why it ended and its last lines.
+  /// Waits for its end. @throws EnvironmentError always, with the cause and its last lines.
   [[noreturn]] void Fail(std::string_view when);
   /// Kills it. @throws EnvironmentError always.
   [[noreturn]] void FailSilent();
@@ -70,7 +70,8 @@ class FfmpegProcess {
   const Duration timeout_;
   FileDescriptor input_;
   FileDescriptor messages_;
-  std::optional<rt::ChildProcess> process_;  ///< always there; killed with this unless it has ended
+  std::optional<rt::ChildProcess>
+      process_;  ///< always set; killed on destruction unless it has ended
 };
 
 }  // namespace twin::render

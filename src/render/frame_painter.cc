@@ -28,7 +28,7 @@ constexpr Colour kContactColour{0.90F, 0.10F, 0.10F, 1};
 constexpr Colour kContactForceColour{0.95F, 0.35F, 0.10F, 1};
 constexpr Colour kPushColour{0.55F, 0.20F, 0.85F, 1};
 
-/// A note is shown for so long after it happened, or until the next.
+/// Display time of a note, unless the next comes earlier.
 constexpr Duration kNoteStays = std::chrono::milliseconds(2500);
 
 mjrRect PlaceOf(const Inset& inset, const mjrRect& whole) {
@@ -158,7 +158,7 @@ class FramePainter::Impl {
 
   void WriteTexts(Time at) {
     if (!film_.title.empty()) scene_.Write(mjGRID_TOPLEFT, film_.title);
-    // One below the other: beside each other they would meet in a small picture.
+    // One below the other: side by side they would overlap in a small picture.
     const std::string note = NoteAt(at);
     const std::string time = fmt::format("t = {:.2f} s", ToSeconds(at.time_since_epoch()));
     scene_.Write(mjGRID_BOTTOMLEFT, note.empty() ? time : note + "\n" + time);

@@ -12,21 +12,21 @@
 
 namespace twin::render {
 
-/// Draws every n-th frame of a clip on a thread of its own, one ahead of what is taken.
+/// Draws every n-th frame of a clip on its own thread, one frame ahead of Take().
 ///
 /// Threads: constructed, taken from and destroyed by one thread.
 class FrameWorker {
  public:
-  /// Draws the frames first, first + stride, ... of `frames`, which must outlive this.
+  /// Draws the frames first, first + stride, ... of `frames`, which must outlive this object.
   FrameWorker(const ClipFrames& frames, std::size_t first, std::size_t stride);
 
-  /// @returns the next of its frames; waits for it. @pre there is one.
-  /// @throws what the drawer throws.
+  /// Waits for the next frame. @returns it. @pre there is one.
+  /// @throws the drawer's exceptions.
   [[nodiscard]] Image Take();
 
  private:
   void Run(const std::stop_token& stop);
-  /// @returns false when the worker was told to stop.
+  /// @returns false if the worker was told to stop.
   bool Put(Image image, const std::stop_token& stop);
 
   const ClipFrames& frames_;
@@ -37,7 +37,7 @@ class FrameWorker {
   std::condition_variable_any changed_;
   std::optional<Image> ready_;  // guarded by mutex_
   std::exception_ptr error_;    // guarded by mutex_
-  std::jthread thread_;         // last: it stops before the rest goes
+  std::jthread thread_;         // last, so that it stops before the other members are destroyed
 };
 
 }  // namespace twin::render

@@ -9,13 +9,13 @@
 
 namespace twin::render {
 
-/// Seven bars in the lower right corner, base to wrist from left to right: each the range of a
-/// joint, upper limit at its top, with a slider where the joint is; amber within a tenth of the
-/// range from a limit, red within a fiftieth.
+/// Seven bars in the lower right corner, base to wrist from left to right. Each is a joint's range,
+/// upper limit at the top, with a slider at its position; amber within a tenth of the range from a
+/// limit, red within a fiftieth.
 class JointBars {
  public:
   JointBars() = default;
-  /// @throws InputError when the model has no arm.
+  /// @throws InputError if the model has no arm.
   explicit JointBars(const DrawnModel& model);
 
   /// @pre scene's context is in use.

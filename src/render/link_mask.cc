@@ -21,7 +21,7 @@ double AxisDistance(double x, int pixel) {
 
 using model::Frame;
 
-/// A joint frame's origin and the link whose shell it lies in.
+/// A joint frame's origin and the link whose shell contains it.
 struct FrameOnLink {
   Frame frame;
   int link;

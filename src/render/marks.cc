@@ -3,7 +3,7 @@
 namespace twin::render {
 namespace {
 
-/// Geoms drawn beside the model have no place in it.
+/// Geoms drawn in addition to the model do not belong to it.
 mjvGeom Begin(int type, const Vector3& size, const Vector3& p_W, const Colour& colour) {
   mjvGeom geom;
   mjv_initGeom(&geom, type, size.data(), p_W.data(), /*mat=*/nullptr, colour.data());
@@ -33,7 +33,7 @@ mjvGeom ForceArrow(const rt::PointForce& force, double newton_m, const Colour& c
   Vector3 tail{};
   for (std::size_t i = 0; i < 3; ++i) tail[i] = force.p_W[i] - newton_m * force.force_W[i];
   mjvGeom arrow = Between(mjGEOM_ARROW, tail, force.p_W, kWidth, colour);
-  arrow.size[2] *= 2;  // a connector's is half its length, an arrow's all of it
+  arrow.size[2] *= 2;  // a connector's size is half its length, an arrow's its full length
   return arrow;
 }
 

@@ -16,11 +16,11 @@ using Colour = std::array<float, 4>;  ///< red, green, blue, opacity, in [0, 1]
 /// A small ball. @param p_W  m. @param radius  m.
 [[nodiscard]] mjvGeom Ball(const Vector3& p_W, double radius, const Colour& colour);
 
-/// A line between two points as thick as its radius.
+/// A cylinder between two points.
 [[nodiscard]] mjvGeom Rod(const Vector3& from_W, const Vector3& to_W, double radius,
                           const Colour& colour);
 
-/// An arrow whose tip is where the force acts. @param newton_m  length per newton, m.
+/// An arrow with its tip at the point of force. @param newton_m  length per newton, m.
 [[nodiscard]] mjvGeom ForceArrow(const rt::PointForce& force, double newton_m,
                                  const Colour& colour);
 

@@ -8,8 +8,7 @@
 
 namespace twin::render {
 
-/// Runs `call` with MuJoCo's errors as exceptions; such an error leaves as EnvironmentError that
-/// begins with `what`.
+/// Runs `call`; a MuJoCo error becomes an EnvironmentError that begins with `what`.
 template <typename Call>
 decltype(auto) MujocoCall(const char* what, Call&& call) {
   plant::InstallEngineHandlers();

@@ -11,19 +11,19 @@ namespace twin::render {
 
 /// An OpenGL context without window or graphics card (Mesa's off-screen interface, llvmpipe).
 ///
-/// MuJoCo draws into a framebuffer object of its own, so the buffer that OSMesa wants is a dummy.
+/// MuJoCo draws into its own framebuffer object, so the buffer that OSMesa requires is a dummy.
 ///
 /// Threads: a context is current on at most one thread at a time.
 class OsMesaContext {
  public:
-  /// @throws EnvironmentError when OSMesa gives no context.
+  /// @throws EnvironmentError if OSMesa gives no context.
   OsMesaContext();
 
-  /// Makes this the calling thread's context.
-  /// @throws EnvironmentError when OSMesa refuses.
+  /// Makes this context current on the calling thread.
+  /// @throws EnvironmentError if OSMesa refuses.
   void MakeCurrent();
 
-  /// Leaves the calling thread without a context, so that another may take this one.
+  /// Releases the calling thread's context, so that another thread may use it.
   static void ReleaseCurrent() noexcept;
 
  private:

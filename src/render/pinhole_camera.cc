@@ -33,7 +33,7 @@ PinholeCamera PinholeCamera::FromFreeCamera(const FreeCamera& camera, double fov
   const Vector3 d{std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
   const Vector3& c = camera.lookat_m;
   const double r = camera.distance_m;
-  // Columns: x to the right (horizontal), y up, z = -d; then the place of the eye.
+  // Columns: x to the right (horizontal), y up, z = -d; then the camera's position.
   const Transform X_WC{std::sin(a),
                        -std::cos(a),
                        0,

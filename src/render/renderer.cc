@@ -35,7 +35,7 @@ mjvCamera MakeCamera(const DrawnModel& model, const RenderSettings& settings) {
   return camera;
 }
 
-/// The line of a ghost. Balls, that its bends are round.
+/// The line of a ghost, as balls, so that its bends are round.
 std::vector<mjvGeom> LineOf(const Ghost& ghost) {
   std::vector<mjvGeom> line;
   line.reserve(ghost.line.size());

@@ -11,17 +11,17 @@
 namespace twin::render {
 namespace {
 
-/// Room for what is drawn beside the model's geoms: marks, and what MuJoCo adds itself.
+/// Capacity for geoms beyond the model's: marks, and those that MuJoCo adds.
 constexpr int kSpareGeoms = 1000 + static_cast<int>(Ghost::kMostPoints);
 
-/// MuJoCo keeps its table of OpenGL functions in globals, filled when a context is made.
+/// MuJoCo keeps its OpenGL function table in globals and fills it when a context is created.
 std::mutex& LoaderMutex() {
   static std::mutex mutex;
   return mutex;
 }
 
-/// Whether a geom is in both at nearly the same place: two surfaces that coincide are drawn as
-/// speckles, other ones with every rasteriser.
+/// True if a geom has nearly the same pose in both: coinciding surfaces render as speckles, which
+/// differ between rasterisers.
 bool StandsAlike(const mjData& a, const mjData& b, int geom) {
   constexpr mjtNum kNear = 4e-3;     // m
   constexpr mjtNum kAligned = 0.02;  // of a rotation matrix: about a degree
@@ -32,7 +32,7 @@ bool StandsAlike(const mjData& a, const mjData& b, int geom) {
   return alike(a.geom_xpos, b.geom_xpos, 3, kNear) && alike(a.geom_xmat, b.geom_xmat, 9, kAligned);
 }
 
-/// Captions that can still be read when the picture is halved.
+/// Scale at which captions remain legible when the picture is halved.
 int FontScale(int height) {
   if (height < 300) return mjFONTSCALE_100;
   return height < 700 ? mjFONTSCALE_150 : mjFONTSCALE_250;
@@ -44,7 +44,7 @@ void PutFrame(const CameraFrame& frame, mjvGLCamera& camera) {
   std::copy(frame.up_W.begin(), frame.up_W.end(), camera.up);
 }
 
-/// Turns rows upside down: OpenGL's first one is the lowest.
+/// Flips rows: OpenGL's first row is the lowest.
 template <class T>
 void FlipRows(std::vector<T>& values, std::size_t row) {
   for (std::size_t top = 0, bottom = values.size(); top + row < bottom; top += row) {

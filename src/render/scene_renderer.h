@@ -13,27 +13,27 @@
 
 namespace twin::render {
 
-/// A camera that stands where no camera of MuJoCo's can: with any frame of its own.
+/// A camera with an arbitrary frame, which MuJoCo's cameras do not permit.
 struct CameraFrame {
   Vector3 p_W{};
   Vector3 forward_W{};
   Vector3 up_W{};
 };
 
-/// What one rendering pass draws.
+/// Content of one rendering pass.
 struct Shot {
   mjData* data = nullptr;  ///< with positions set
   mjvCamera camera{};
-  std::optional<CameraFrame> frame{};  ///< in the camera's place, with its field of view
-  mjData* elsewhere = nullptr;         ///< the model elsewhere, as Ghost::qpos; may be null
+  std::optional<CameraFrame> frame{};  ///< replaces the camera's frame, with its field of view
+  mjData* elsewhere = nullptr;  ///< the model at another position, as Ghost::qpos; may be null
   std::array<float, 4> elsewhere_colour{};
-  std::span<const mjvGeom> marks{};  ///< drawn beside the model
+  std::span<const mjvGeom> marks{};  ///< drawn in addition to the model
 };
 
-/// MuJoCo's abstract scene and its drawing, in one OpenGL context.
+/// MuJoCo's abstract scene and its rendering, in one OpenGL context.
 ///
 /// Use() makes the context current for a scope, so that calls may come from any thread; all other
-/// calls are made within it.
+/// calls require such a scope.
 class SceneRenderer {
  public:
   class Current {
@@ -44,7 +44,7 @@ class SceneRenderer {
     Current& operator=(const Current&) = delete;
   };
 
-  /// @param model  with the sizes of its off-screen buffer and shadow map set. Must outlive this.
+  /// @param model  with off-screen buffer and shadow map sizes set. Must outlive this object.
   SceneRenderer(const mjModel& model, const RenderSettings& settings);
   ~SceneRenderer();
   SceneRenderer(const SceneRenderer&) = delete;
@@ -52,28 +52,28 @@ class SceneRenderer {
 
   [[nodiscard]] Current Use() { return Current(gl_); }
 
-  /// Draws into a part of the off-screen buffer; what was there before goes.
+  /// Draws into a part of the off-screen buffer, replacing its content.
   void Draw(const Shot& shot, mjrRect viewport);
-  /// Writes text into a corner, over what is drawn. @param where  an mjtGridPos.
+  /// Writes text into a corner, over the picture. @param where  an mjtGridPos.
   void Write(int where, const std::string& text);
   /// Fills a rectangle. @param colour  red, green, blue, opacity.
   void Fill(mjrRect rectangle, const std::array<float, 4>& colour) const;
   [[nodiscard]] mjrRect Whole() const noexcept { return {0, 0, settings_.width, settings_.height}; }
-  /// @returns what is drawn, top row first, as the following.
+  /// @returns the drawn picture, top row first, as the functions below.
   [[nodiscard]] Image Read() const;
 
   /// @returns distances along the camera's axis.
   [[nodiscard]] DepthImage Measure(const Shot& shot);
-  /// @param only_bodies  other bodies are taken away; empty: all are there.
+  /// @param only_bodies  other bodies are removed; empty: all bodies.
   [[nodiscard]] SegmentationImage Segment(const Shot& shot, std::span<const int> only_bodies);
 
  private:
   void UpdateScene(const Shot& shot);
-  /// Adds the moving geoms that are not alike in both to the scene, in one colour.
+  /// Adds the moving geoms whose poses differ to the scene, in one colour.
   void AddElsewhere(const Shot& shot);
-  /// Takes the geoms of all bodies but these out of the scene.
+  /// Removes the geoms of all other bodies from the scene.
   void KeepBodies(std::span<const int> bodies);
-  /// @returns the body each colour of an id-coloured picture stands for.
+  /// @returns the body for each colour of an id-coloured picture.
   [[nodiscard]] std::vector<std::int32_t> BodiesByColour() const;
 
   const mjModel& model_;

@@ -50,7 +50,7 @@ std::size_t SnapshotRecorder::Capture(Time now, const plant::TruthProbe& probe) 
   plant::CaptureScene(now, probe, last_);
   const std::size_t before = frames_;
   while (next_due_ <= now && frames_ < max_frames_) {
-    if (keep_ == Keep::kAll) snapshots_.scenes_.push_back(last_);  // within the capacity reserved
+    if (keep_ == Keep::kAll) snapshots_.scenes_.push_back(last_);  // within the reserved capacity
     next_due_ = DueTime(++frames_);
   }
   return frames_ - before;

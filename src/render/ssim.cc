@@ -18,7 +18,7 @@
 namespace twin::render {
 namespace {
 
-/// A file that ffmpeg writes what it measured to; gone with this.
+/// Temporary file for ffmpeg's measurements; removed on destruction.
 class StatsFile {
  public:
   StatsFile() : path_(std::filesystem::temp_directory_path() / "panda-twin-ssim-XXXXXX") {
@@ -44,8 +44,8 @@ class StatsFile {
   std::filesystem::path path_;
 };
 
-/// ffmpeg takes one film whose frames have the expected picture above the actual one, and cuts them
-/// apart: so it needs no second input.
+/// ffmpeg gets one video whose frames have the expected picture above the actual one, and splits
+/// them: no second input is needed.
 std::vector<std::string> ArgumentsFor(const Image& one, const std::filesystem::path& stats) {
   return {"-nostdin",
           "-hide_banner",
@@ -70,7 +70,7 @@ std::vector<std::string> ArgumentsFor(const Image& one, const std::filesystem::p
           "-"};
 }
 
-/// The values of lines such as "n:1 R:0.99 G:0.99 B:0.99 All:0.99 (20.1)".
+/// Parses the values of lines such as "n:1 R:0.99 G:0.99 B:0.99 All:0.99 (20.1)".
 std::vector<double> ReadStats(const std::filesystem::path& path, std::size_t wanted) {
   constexpr std::string_view kKey = "All:";
   std::ifstream file(path);

@@ -5,10 +5,10 @@
 namespace twin::render {
 namespace {
 
-/// More pieces than these are drawn no finer.
+/// Upper bound of the trace's pieces.
 constexpr std::size_t kMostPieces = 300;
 
-/// A body, and the tool in its frame along z, m.
+/// A body, and the tool's position along z of its frame, m.
 struct Tool {
   int body = 0;
   double z_m = 0;
@@ -48,7 +48,7 @@ void ToolTrace::Follow(const DrawnModel& model, const Snapshots& snapshots) {
 void ToolTrace::Append(std::size_t frame, double seconds, const Colour& colour,
                        std::vector<mjvGeom>& marks) const {
   constexpr double kRadius = 0.003;
-  constexpr double kApart = 0.004;  // shorter pieces would not be seen
+  constexpr double kApart = 0.004;  // shorter pieces would be invisible
   const std::size_t last = before_ + frame;
   Vector3 end = points_[last].p_W;
   std::size_t pieces = 0;

@@ -11,15 +11,15 @@
 
 namespace twin::render {
 
-/// Where the tool has been: between the fingers, or at the flange of an arm without a hand.
+/// Past path of the tool: the point between the fingers, or the flange without a hand.
 class ToolTrace {
  public:
   ToolTrace() = default;
-  /// @param before  what came before the frames; may be null.
-  /// @throws InputError when the model has neither hand nor arm.
+  /// @param before  snapshots before the frames; may be null.
+  /// @throws InputError if the model has neither hand nor arm.
   ToolTrace(const DrawnModel& model, const Snapshots* before, const Snapshots& frames);
 
-  /// Appends the way up to a frame. @param seconds  how far back.
+  /// Appends the path up to a frame. @param seconds  length of the trace.
   void Append(std::size_t frame, double seconds, const Colour& colour,
               std::vector<mjvGeom>& marks) const;
 
@@ -30,8 +30,8 @@ class ToolTrace {
   };
   void Follow(const DrawnModel& model, const Snapshots& snapshots);
 
-  std::vector<Point> points_;  ///< before the frames, then one for each
-  std::size_t before_ = 0;     ///< how many are before them
+  std::vector<Point> points_;  ///< those before the frames, then one per frame
+  std::size_t before_ = 0;     ///< number of points before the frames
 };
 
 }  // namespace twin::render

@@ -26,7 +26,7 @@ bool IsPicture(const std::string& name) {
          std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// A folder may be replaced when only a video's pictures are in it.
+/// A folder may be replaced only if it holds nothing but a video's pictures.
 void RequirePicturesOnly(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder, error)) return;
@@ -54,7 +54,7 @@ void RequireNoFolder(const fs::path& file) {
                                file.string()));
 }
 
-/// @returns a path without the slash it may end with.
+/// @returns the path without a trailing slash.
 fs::path WithoutSlash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
 }
@@ -63,13 +63,13 @@ fs::path PartialOf(fs::path path) {
   return path += ".partial";
 }
 
-/// @returns the path without slash. @throws as CheckVideoPath().
+/// @returns the path without a trailing slash. @throws as CheckVideoPath().
 fs::path Checked(const fs::path& path) {
   CheckVideoPath(path);
   return WithoutSlash(path);
 }
 
-/// A folder that holds anything else is left as it is.
+/// Removes only the pictures from the folder.
 void RemovePictures(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> pictures;

@@ -7,24 +7,24 @@
 
 namespace twin::render {
 
-/// Where a video is to be: a partial one beside it until it is whole.
+/// Path of a video: a partial output beside it until it is complete.
 class VideoTarget {
  public:
-  /// Makes the partial one, which nobody else then writes, without the pictures of an earlier run.
+  /// Creates and locks the partial output, and removes an earlier run's pictures from it.
   /// @throws InputError as CheckVideoPath(); EnvironmentError as record::PartialOutput.
   explicit VideoTarget(const std::filesystem::path& path);
-  /// Removes the partial one, unless it got its name.
+  /// Removes the partial output unless it was published.
   ~VideoTarget();
   VideoTarget(const VideoTarget&) = delete;
   VideoTarget& operator=(const VideoTarget&) = delete;
 
   [[nodiscard]] VideoFormat format() const noexcept { return format_; }
   [[nodiscard]] const std::filesystem::path& partial() const noexcept { return output_.partial(); }
-  /// @returns the lock on it, for the process that writes it.
+  /// @returns its lock, for the process that writes it.
   [[nodiscard]] int lock() const noexcept { return output_.lock(); }
 
-  /// The partial video gets its name, in place of an older one.
-  /// @throws EnvironmentError when the system refuses.
+  /// Renames the partial video to its path, replacing an older one.
+  /// @throws EnvironmentError if the system refuses.
   void Publish();
 
  private:

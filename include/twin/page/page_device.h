@@ -23,9 +23,8 @@ namespace twin::page {
 }
 
 /// Sticks and buttons on the operator's page. Gives samples only while an operator has control and
-/// the browser sends input; otherwise the reader sees the last sample age. Presses before
+/// the browser sends input; without them the reader's last sample becomes too old. Presses before
 /// construction do not count. Feedback is displayed. Lost once the page has ended.
-///
 /// Threads, real-time: as teleop::Device; one device per channel at a time.
 class PageDevice final : public teleop::Device {
  public:

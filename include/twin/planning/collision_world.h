@@ -12,102 +12,100 @@
 
 namespace twin::planning {
 
-/// The arm, where it comes too near to itself by the reckoning of the robot's own guard.
+/// Name of the arm in a Touch with itself by the measure of the robot's own guard.
 inline constexpr std::string_view kGuardedArm = "the arm";
 inline constexpr std::string_view kGuardedArmItself = "itself (by the robot's own guard)";
 
-/// Two parts that touch, or come closer than was asked for. A part is a body of the model
-/// ("panda_link5", "panda_hand", "box") or, of what is fixed to the world, one shape by its name
-/// ("table"). The names live as long as the world.
+/// Two parts that touch, or are closer than requested. A part is a body of the model
+/// ("panda_link5", "panda_hand", "box") or a single shape fixed to the world ("table"). The names
+/// live as long as the world.
 struct Touch {
-  std::string_view a;   ///< of the robot, or of what it holds; kGuardedArm
-  std::string_view b;   ///< of the robot, of what it holds, or of the scene
-  double distance = 0;  ///< m; negative where they overlap, but no measure of how deep: between two
-                        ///< boxes MuJoCo 2.2.2 tells half of it
+  std::string_view a;   ///< of the robot or a held object; kGuardedArm
+  std::string_view b;   ///< of the robot, a held object, or the scene
+  double distance = 0;  ///< m; negative if they overlap, but not the penetration depth: between two
+                        ///< boxes MuJoCo 2.2.2 gives half of it
 };
 
 /// "panda_link5 and table overlap; box and crate are 4.0 mm apart"; for messages.
 [[nodiscard]] std::string Describe(const std::vector<Touch>& touches);
 
-/// Whether the robot, put at a configuration, touches itself or the scene. Works on the model that
-/// the plant simulates (meshes or primitive shapes, Franka Hand or none), on data of its own.
+/// Checks whether the robot at a configuration touches itself or the scene. Uses the model that the
+/// plant simulates (meshes or primitive shapes, with or without Franka Hand) with its own data.
 ///
-/// Counted are pairs of shapes of which at least one moves with the arm, by the same rules by which
-/// the engine makes contacts in a simulation: its masks, and the pairs of links the model excludes
-/// (no more than two joints apart). Free bodies of the scene stand where the scene or Place() puts
-/// them.
+/// Checks pairs of shapes of which at least one moves with the arm, by the engine's contact rules:
+/// its masks, and the pairs of links that the model excludes (at most two joints apart). Free
+/// bodies are where the scene or Place() puts them.
 ///
-/// Besides, the robot stops itself when parts of its arm come too near to one another by its own
-/// reckoning, with capsules a little larger than the links (model::SelfDistance); what its guard
+/// The robot also stops itself when parts of its arm come too close by its own measure, with
+/// capsules a little larger than the links (model::SelfDistance). A configuration that this guard
 /// would stop is not free either.
 ///
-/// A check runs the engine's kinematics, then its narrow phase on the pairs whose bounds are near,
-/// up to the first hit. It is a pure function of configuration, clearance and what was placed,
-/// attached and allowed. Joint limits are not its business.
+/// A check runs the engine's kinematics, then its narrow phase on pairs with close bounds, up to
+/// the first hit. It is a pure function of the configuration, the clearance and the placed,
+/// attached and allowed bodies. Joint limits are not checked.
 ///
-/// Threads: one. Not for real-time code. A check allocates nothing.
+/// Threads: one. Not for real-time code. A check does not allocate.
 class CollisionWorld {
  public:
-  /// @param options  of the plant; what of them makes no body counts for nothing.
+  /// @param options  of the plant; options without effect on bodies are ignored.
   /// @throws InputError and EnvironmentError as plant::CompileModel().
   explicit CollisionWorld(const plant::MujocoPlantOptions& options);
   ~CollisionWorld();
   CollisionWorld(const CollisionWorld&) = delete;
   CollisionWorld& operator=(const CollisionWorld&) = delete;
 
-  /// How far the hand is open from now on, between its fingers. At first it is open. Means nothing
-  /// without a hand.
-  /// @throws InputError when width is not in [0, 0.08] m.
+  /// Sets the opening between the fingers; initially fully open. No effect without a hand.
+  /// @throws InputError if width is not in [0, 0.08] m.
   void SetHandWidth(double width);
 
-  /// How near the robot lets parts of its arm come to one another, m: the figure INT guards
+  /// Distance between parts of the arm at which the robot stops itself, m: INT's value
   /// (onboard::MeasuredBounds).
   static constexpr double kSelfGuard = 0.01;
-  /// Sets another distance of the robot's guard; none: as if it had no guard. At first kSelfGuard.
+  /// Sets the distance of the robot's guard; nullopt: no guard. Initially kSelfGuard.
   void SetSelfGuard(std::optional<double> distance);
 
-  /// Puts a free body of the scene somewhere.
+  /// Places a free body of the scene.
   /// @param body  one with a free joint. @param X_WB  its pose in the world.
-  /// @throws InputError for another body (names those that can be moved), or a pose that is none.
+  /// @throws InputError listing the movable bodies for another body, and for a pose that is not
+  /// rigid.
   void Place(const std::string& body, const Transform& X_WB);
 
-  /// Fixes a free body of the scene to the flange: it moves with the arm, and counts as part of it
-  /// against the robot and the scene, but not against the fingers. Only one at a time; another one
-  /// that was attached stands again where it was placed.
+  /// Attaches a free body of the scene to the flange. It moves with the arm and is checked against
+  /// the robot and the scene, but not against the fingers. Only one body at a time; one attached
+  /// before returns to its place.
   /// @param F_T_B  pose of the body in the flange frame.
   /// @throws InputError as Place().
   void Attach(const std::string& body, const Transform& F_T_B);
 
-  /// Takes the attached body away from the flange; it stands where it was placed. Nothing happens
-  /// when there is none.
+  /// Detaches the attached body, which returns to its place. No effect without one.
   void Detach();
 
-  /// From now on these two parts may touch and overlap: "box" and "table" as long as the box stands
-  /// on it. @throws InputError for an unknown part (names those there are).
+  /// Permits contact and overlap of two parts: "box" and "table" while the box stands on it.
+  /// @throws InputError listing all parts if one is unknown.
   void Allow(const std::string& a, const std::string& b);
-  /// Takes all Allow() back.
+  /// Revokes all Allow().
   void ForbidAll();
 
-  /// @param q  rad, any finite values. @param clearance  m, >= 0: closer than this counts as
-  /// touching.
-  /// @returns whether nothing touches. One check.
+  /// @param q  rad, any finite values. @param clearance  m, >= 0: closer parts count as touching.
+  /// @returns true if no parts touch. Counts as one check.
   [[nodiscard]] bool IsFree(const JointVector& q, double clearance = 0);
 
-  /// @returns all parts that touch, the deepest first; none when IsFree(). One check; allocates.
+  /// @returns all touching parts, the deepest first; empty if IsFree(). Counts as one check;
+  /// allocates.
   [[nodiscard]] std::vector<Touch> Touches(const JointVector& q, double clearance = 0);
 
-  /// Checks since construction.
+  /// Number of checks since construction.
   [[nodiscard]] std::uint64_t checks() const noexcept;
 
-  /// How far any point of the robot and of what it holds moves at most on the straight way between
-  /// two configurations, m:  sum_i r_i abs(a_i - b_i),  r_i the largest distance from axis i of
-  /// what lies beyond it. So if a and b are free with a clearance of half of this, the whole way
-  /// between them is free.
+  /// Upper bound of the displacement of any point of the robot and a held object on the straight
+  /// line between two configurations, m:  sum_i r_i abs(a_i - b_i),  r_i the largest distance from
+  /// axis i of the bodies beyond it. If a and b are free with a clearance of half this bound, the
+  /// whole line between them is free.
   [[nodiscard]] double Travel(const JointVector& a, const JointVector& b) const noexcept;
   /// r_i, m.
   [[nodiscard]] const JointVector& reach() const noexcept;
 
-  /// @returns pose of a body in the world at the last check. @throws InputError for an unknown one.
+  /// @returns pose of a body in the world at the last check. @throws InputError if it is unknown.
   [[nodiscard]] Transform PoseOf(const std::string& body) const;
 
  private:

@@ -15,82 +15,83 @@
 
 namespace twin::planning {
 
-/// How motions are planned.
+/// Options of motion planning.
 struct PlannerOptions {
-  /// Collision checks that one plan may take: a budget in checks, not in time, so that planning
-  /// repeats on any machine.
+  /// Budget of collision checks per plan. It counts checks, not time, so that plans are the same on
+  /// any machine.
   std::uint64_t most_checks = 100'000;
-  /// What is kept from obstacles and from the arm itself, m, in [0.001, 0.1]: by start, goal and
-  /// every point where a way is checked. Between those nothing moves by more than twice this, so
+  /// Clearance from obstacles and the arm itself, m, in [0.001, 0.1], of start, goal and all
+  /// checked points of a path. Between checked points nothing moves by more than twice this, so
   /// nothing touches there either.
   double clearance = 0.01;
-  double limit_margin = 0.01;  ///< rad, kept from the joint limits where start and goal do so too
-  double range = 1.0;          ///< length of a branch of the search trees, rad
-  int shortcuts = 150;         ///< attempts to shorten the path
-  reference::Timing pace{};    ///< shares of the limits; without a duration
+  double limit_margin =
+      0.01;             ///< rad, distance from the joint limits, unless start or goal is closer
+  double range = 1.0;   ///< length of a branch of the search trees, rad
+  int shortcuts = 150;  ///< attempts to shorten the path
+  reference::Timing pace{};  ///< shares of the limits; without a duration
 
   /// @throws InputError naming field, value and range.
   void Validate() const;
 };
 
-/// What a plan took.
+/// Costs and results of a plan.
 struct PlanStatistics {
   std::uint64_t checks = 0;   ///< of configurations against the world
-  Duration wall{};            ///< by the clock given; repeats by none but a virtual one
-  double found_length = 0;    ///< of the path as found, rad (Euclidean)
-  double path_length = 0;     ///< and after shortening
+  Duration wall{};            ///< by the given clock; reproducible only with a virtual one
+  double found_length = 0;    ///< of the path found first, rad (Euclidean)
+  double path_length = 0;     ///< after shortening
   std::size_t waypoints = 0;  ///< of the trajectory
 };
 
-/// A motion that can be executed: at rest at both ends, inside the limits, free of collision.
+/// An executable motion: at rest at both ends, within the limits, free of collision.
 struct Plan {
   reference::Trajectory trajectory;
-  std::vector<reference::Waypoint> waypoints;  ///< what the trajectory was laid through, with times
+  std::vector<reference::Waypoint> waypoints;  ///< of the trajectory, with times
   PlanStatistics statistics;
 };
 
 /// Why there is no plan.
 enum class PlanFailureReason : std::uint8_t {
-  kStartInCollision,  ///< or too near to something; move the arm away first
-  kGoalInCollision,   ///< or too near to something
+  kStartInCollision,  ///< or too close to a part; move the arm away first
+  kGoalInCollision,   ///< or too close to a part
   kGoalUnreachable,   ///< no configuration within the joint limits reaches it
-  kBudgetExhausted,   ///< no path found within most_checks; there may be none
+  kBudgetExhausted,   ///< no path found within most_checks; one may exist
 };
 
 struct PlanFailure {
   PlanFailureReason reason = PlanFailureReason::kBudgetExhausted;
-  std::string text;  ///< what, where, which bodies, and what to do
+  std::string text;  ///< what, where, which bodies, and the cure
   PlanStatistics statistics;
 };
 
 using PlanOutcome = std::variant<Plan, PlanFailure>;
 
-/// Plans motions of the arm through joint space, around what a world holds.
+/// Plans joint-space motions of the arm around the bodies of a world.
 ///
-/// A path of straight ways is sought by RRT-Connect (OMPL), shortened, and laid out in time as a
-/// quintic spline, jerk bounded, within the given shares of the joint limits
-/// (reference::Trajectory). The spline leaves the straight ways, so it is checked by itself, every
-/// cycle; where it hits, points are put in, and in the end it stops at each turning point.
+/// RRT-Connect (OMPL) finds a path of straight segments, which is shortened and timed as a quintic
+/// spline with bounded jerk, within the given shares of the joint limits (reference::Trajectory).
+/// The spline departs from the segments, so it is checked in every cycle. Where it collides, points
+/// are added; as the last resort the motion stops at each turning point.
 ///
-/// The same world, question and seed give the same plan to the bit, whatever was planned before.
-/// The hand's width and what is held are the world's, and stay as they are over a motion.
+/// The same world, query and seed give the same plan bit by bit, whatever was planned before. The
+/// hand's width and a held object belong to the world and stay constant over a motion.
 ///
 /// Threads: the world's. Not for real-time code.
 class Planner {
  public:
-  /// @param world, clock  must outlive the planner. @param limits  valid.
+  /// @param world, clock  must outlive the planner. @param limits  must be valid.
   /// @throws InputError for options out of range.
   Planner(CollisionWorld& world, const JointLimits& limits, const Clock& clock,
           const PlannerOptions& options = {});
 
-  /// @param start, goal  rad. @param seed  of all that is random.
-  /// @throws InputError when the start or a number is not inside the joint limits, naming joint,
-  /// value and range, and when start and goal coincide (within 1e-6 rad).
+  /// @param start, goal  rad. @param seed  of all random numbers.
+  /// @throws InputError naming joint, value and range if start or goal is outside the joint limits
+  /// or not finite, and if start and goal coincide (within 1e-6 rad).
   [[nodiscard]] PlanOutcome ToConfiguration(const JointVector& start, const JointVector& goal,
                                             std::uint64_t seed);
 
-  /// To a pose of the flange, by any configuration that reaches it (ConfigurationsAt), the nearest
-  /// first. @param O_T_F  flange in the base; rigid. @throws InputError as above.
+  /// Plans to a pose of the flange, by any configuration that reaches it (ConfigurationsAt), the
+  /// nearest first. @param O_T_F  flange in the base; rigid. @throws InputError as above.
   [[nodiscard]] PlanOutcome ToPose(const JointVector& start, const Transform& O_T_F,
                                    std::uint64_t seed);
 

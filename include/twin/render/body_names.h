@@ -7,8 +7,8 @@ struct mjModel_;
 
 namespace twin::render {
 
-/// @returns the names of a model's bodies by their id, as in a SegmentationImage; the first is
-/// "world". A body without a name is called "body <id>".
+/// @returns the names of a model's bodies by id, as in a SegmentationImage; the first is "world".
+/// An unnamed body is called "body <id>".
 [[nodiscard]] std::vector<std::string> BodyNames(const mjModel_& model);
 
 }  // namespace twin::render

@@ -8,29 +8,29 @@
 
 namespace twin::render {
 
-/// Draws the frames of a film, in any order. What a frame shows depends on the film and its number
-/// alone, so several painters on several threads make one film; determinism as Renderer's.
+/// Draws the frames of a film in any order. A frame depends only on the film and its number, so
+/// several painters on several threads can draw one film; deterministic as Renderer.
 ///
 /// Threads: one at a time, any.
 class FramePainter {
  public:
-  /// @param film  model and snapshots must outlive this.
-  /// @throws InputError for settings out of range, and a camera, body or joint that the model does
-  /// not have; EnvironmentError as Renderer.
+  /// @param film  its model and snapshots must outlive this object.
+  /// @throws InputError for settings out of range, or a camera, body or joint missing in the model;
+  /// EnvironmentError as Renderer.
   FramePainter(const Film& film, const FilmSettings& settings);
   ~FramePainter();
   FramePainter(FramePainter&&) noexcept;
   FramePainter& operator=(FramePainter&&) = delete;
 
-  /// @returns the picture, with insets and overlays. @pre frame < film.snapshots->size(), as the
-  /// following.
+  /// @returns the picture, with insets and overlays. @pre here and below: frame <
+  /// film.snapshots->size().
   [[nodiscard]] Image Paint(std::size_t frame);
-  /// As Paint(), with this goal in place of the film's, whatever its time and the overlays.
-  /// @throws InputError when the model lacks what it names.
+  /// As Paint(), with this goal instead of the film's, regardless of its time and the overlays.
+  /// @throws InputError if the model lacks a named body.
   [[nodiscard]] Image Paint(std::size_t frame, const PlannedGoal& goal);
-  /// @returns distances along the main view's axis; neither insets nor overlays.
+  /// @returns distances along the main view's axis, without insets and overlays.
   [[nodiscard]] DepthImage Depth(std::size_t frame);
-  /// @returns the body seen in each pixel of the main view; neither insets nor overlays.
+  /// @returns the body seen in each pixel of the main view, without insets and overlays.
   [[nodiscard]] SegmentationImage Segment(std::size_t frame);
 
  private:

@@ -21,7 +21,7 @@ struct Image {
   /// A picture filled with `colour`.
   Image(int width_px, int height_px, Rgb colour = {})
       : width(width_px), height(height_px), rgb(Pixels() * 3, colour[0]) {
-    if (colour[1] == colour[0] && colour[2] == colour[0]) return;  // grey is quick
+    if (colour[1] == colour[0] && colour[2] == colour[0]) return;  // fast path for grey
     for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = colour[i % 3];
   }
 
@@ -47,7 +47,7 @@ struct Image {
   bool operator==(const Image&) const = default;
 };
 
-/// Which body each pixel shows: MuJoCo body id (0 is the world), or kBackground. Rows from top to
+/// The body seen in each pixel: MuJoCo body id (0 is the world), or kBackground. Rows from top to
 /// bottom.
 struct SegmentationImage {
   static constexpr std::int32_t kBackground = -1;
@@ -64,8 +64,8 @@ struct SegmentationImage {
   bool operator==(const SegmentationImage&) const = default;
 };
 
-/// How far away what each pixel shows is, along the camera's axis, m; kBackground where there is
-/// nothing. Rows from top to bottom.
+/// Distance of the surface in each pixel along the camera's axis, m; kBackground without one. Rows
+/// from top to bottom.
 struct DepthImage {
   static constexpr float kBackground = 0;
 

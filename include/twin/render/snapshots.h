@@ -12,13 +12,13 @@
 
 namespace twin::render {
 
-/// What a camera would have seen of a run: the scene at each frame.
+/// The scene of a run at each video frame.
 class Snapshots {
  public:
   /// @param fps  frames per second of the run's time, in [1, 1000].
   Snapshots(int fps, std::size_t qpos_size) : fps_(fps), qpos_size_(qpos_size) {}
 
-  /// Makes room for so many in all.
+  /// Reserves memory for this number of scenes.
   void Reserve(std::size_t scenes) { scenes_.reserve(scenes); }
   /// @pre scene.positions == qpos_size().
   void Append(const rt::SceneRecord& scene);
@@ -26,7 +26,7 @@ class Snapshots {
   [[nodiscard]] int fps() const noexcept { return fps_; }
   [[nodiscard]] std::size_t qpos_size() const noexcept { return qpos_size_; }
   [[nodiscard]] std::size_t size() const noexcept { return scenes_.size(); }
-  /// @returns the instant at which frame `i` was captured. @pre i < size(), as the following.
+  /// @returns the instant at which frame `i` was captured. @pre here and below: i < size().
   [[nodiscard]] Time time(std::size_t i) const { return scenes_[i].at; }
   /// @returns the positions in frame `i`.
   [[nodiscard]] std::span<const double> qpos(std::size_t i) const { return scenes_[i].Positions(); }
@@ -40,30 +40,30 @@ class Snapshots {
   std::vector<rt::SceneRecord> scenes_;
 };
 
-/// Captures snapshots while a run goes on, into storage taken at construction: 1.6 kB a frame, all
-/// of which a video that is drawn after the run needs; or only the last one.
+/// Captures snapshots during a run into storage allocated at construction: 1.6 kB per frame; all of
+/// them for a video drawn after the run, or only the last one.
 ///
-/// Frame k is due at k / fps, counted from the first call. A call that comes at or after that
-/// captures it; one that comes several frames late captures the same positions for each, so that
-/// the clip keeps pace with the run.
+/// Frame k is due at k / fps after the first call. The first call at or after that time captures
+/// it. A call that is several frames late captures the same positions for each, so that the clip
+/// keeps pace with the run.
 ///
-/// Threads: the plant's thread. Real-time: Capture() is noexcept and allocates nothing.
+/// Threads: the plant's thread. Real-time: Capture() is noexcept and does not allocate.
 class SnapshotRecorder {
  public:
   enum class Keep : std::uint8_t { kAll, kLast };
 
   /// @param duration  of the run; frames due later are not captured.
-  /// @throws InputError when fps is outside [1, 1000], duration is negative, or the model has more
-  /// positions than a scene's record holds.
+  /// @throws InputError if fps is outside [1, 1000], duration is negative, or the model has more
+  /// positions than a scene record holds.
   SnapshotRecorder(Duration duration, int fps, std::size_t qpos_size, Keep keep = Keep::kAll);
 
-  /// Captures what is due at `now`; nearly free when nothing is. @pre probe has the qpos_size
-  /// given. @returns how many frames that were; last() is each of them.
+  /// Captures the frames due at `now`; almost free if none is. @pre probe has the given qpos_size.
+  /// @returns the number of frames captured; last() is each of them.
   std::size_t Capture(Time now, const plant::TruthProbe& probe) noexcept TWIN_REALTIME;
 
-  /// The scene captured last. @pre there is one.
+  /// The last captured scene. @pre there is one.
   [[nodiscard]] const rt::SceneRecord& last() const noexcept { return last_; }
-  /// All that were captured; with Keep::kLast none.
+  /// All captured scenes; none with Keep::kLast.
   [[nodiscard]] const Snapshots& snapshots() const noexcept { return snapshots_; }
 
  private:
@@ -72,7 +72,7 @@ class SnapshotRecorder {
   Snapshots snapshots_;
   Keep keep_;
   std::size_t max_frames_;
-  std::size_t frames_ = 0;  ///< captured
+  std::size_t frames_ = 0;  ///< captured so far
   rt::SceneRecord last_;
   Time start_{};
   Time next_due_{};

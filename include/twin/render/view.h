@@ -8,20 +8,19 @@
 namespace twin::render {
 
 enum class ViewKind : std::uint8_t {
-  kScene,     ///< a camera of the model, by its name
-  kOrbit,     ///< a camera that stands, or turns round a point of the world
-  kTracking,  ///< one that keeps its distance from a body
-  kGripper,   ///< one on the flange, as users mount it: 7 cm beside its axis, towards the tool
+  kScene,     ///< a camera of the model, by name
+  kOrbit,     ///< a camera that is fixed, or orbits a point of the world
+  kTracking,  ///< a camera at a constant distance from a body
+  kGripper,   ///< a camera on the flange, as users mount it: 7 cm beside its axis, facing the tool
 };
 
-/// From where a film is seen.
+/// Viewpoint of a film.
 struct View {
   ViewKind kind = ViewKind::kOrbit;
-  std::string name;  ///< kScene: the camera; kTracking: the body
-  FreeCamera orbit;  ///< kOrbit, kTracking; of the latter, lookat_m is seen from the body
-  bool turns_along =
-      false;  ///< kTracking: azimuth and lookat_m are the body's, as it turns about z
-  double turn_deg_per_s = 0;  ///< kOrbit, kTracking: of the azimuth, by the run's time; |.| <= 360
+  std::string name;          ///< kScene: the camera; kTracking: the body
+  FreeCamera orbit;          ///< kOrbit, kTracking; for kTracking, lookat_m is relative to the body
+  bool turns_along = false;  ///< kTracking: azimuth and lookat_m follow the body's rotation about z
+  double turn_deg_per_s = 0;  ///< kOrbit, kTracking: of the azimuth, in run time; |.| <= 360
 
   /// @throws InputError naming field, value and range.
   void Validate() const;
@@ -29,7 +28,7 @@ struct View {
 
 enum class Corner : std::uint8_t { kTopLeft, kTopRight, kBottomLeft, kBottomRight };
 
-/// A second view within the picture of the first; without ghosts of planned goals.
+/// A second view inside the picture of the first; without ghosts of planned goals.
 struct Inset {
   View view;
   Corner corner = Corner::kTopRight;
