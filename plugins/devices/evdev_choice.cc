@@ -23,13 +23,13 @@ std::string Lower(std::string_view text) {
   return lower;
 }
 
-/// Which input device is meant.
+/// Selection of an input device.
 struct Choice {
   std::string path;
-  std::string name;  ///< part of it, in small letters
+  std::string name;  ///< part of it, in lower case
 };
 
-/// What there is instead of what was sought.
+/// Lists the devices found instead.
 std::string Others(const std::vector<FoundDevice>& found) {
   std::vector<std::string> usable;
   std::size_t closed = 0;
@@ -48,7 +48,7 @@ std::string Others(const std::vector<FoundDevice>& found) {
   return text;
 }
 
-/// The first SpaceMouse, or else the first gamepad, of those that are meant.
+/// The first SpaceMouse, or else the first gamepad, of the matching devices.
 std::filesystem::path Choose(const Choice& choice) {
   if (!choice.path.empty()) return choice.path;
   const std::vector<FoundDevice> found = FindEventDevices();
@@ -63,7 +63,7 @@ std::filesystem::path Choose(const Choice& choice) {
       choice.name.empty() ? "" : fmt::format(" called \"{}\"", choice.name), Others(found)));
 }
 
-/// @throws InputError also when nobody could lead with it.
+/// @throws InputError also if the device is unsuitable.
 std::unique_ptr<EventSource> OpenLeading(const std::filesystem::path& path) {
   std::unique_ptr<EventSource> source = OpenEventSource(path);
   if (KindOf(source->capabilities())) return source;
@@ -87,7 +87,7 @@ std::unique_ptr<teleop::Device> MakeEvdevDevice(const teleop::DeviceRequest& req
   settings.full_rumble =
       parameters.Quantity("full_rumble", Dimension::kForce, settings.full_rumble, 0, 1000);
   settings.where = path.string();
-  // Plugged in again it may have another number: then it is found by its whole name.
+  // After replugging its number may differ, so it is found by its full name.
   const Choice again{choice.path, Lower(capabilities.name)};
   return std::make_unique<EvdevDevice>(
       request.clock, std::move(source), [again] { return OpenLeading(Choose(again)); },

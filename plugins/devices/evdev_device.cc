@@ -15,10 +15,10 @@
 namespace twin::devices {
 namespace {
 
-/// No gamepad needs to hear of it more often; nor of less.
+/// Shortest interval, and smallest strength and change, of rumble commands.
 constexpr Duration kBetweenRumbles = std::chrono::milliseconds(50);
 constexpr double kLeastRumble = 0.05;
-/// The kernel ends a rumble after a second (EventSource::Rumble).
+/// Rumble is renewed after this; the kernel ends it after one second (EventSource::Rumble).
 constexpr Duration kRumbleLasts = std::chrono::milliseconds(900);
 
 }  // namespace
@@ -110,10 +110,10 @@ void EvdevDevice::Rumble(Time now) {
 void EvdevDevice::Seek() {
   try {
     std::unique_ptr<EventSource> found = again_();
-    if (found->capabilities().name != name_) return;  // another one, at its place
+    if (found->capabilities().name != name_) return;  // another device at its path
     source_ = std::move(found);
   } catch (const Error&) {
-    return;  // it is still unplugged
+    return;  // still unplugged
   }
   rumble_ = 0;
   lost_.store(false, std::memory_order_release);

@@ -17,44 +17,44 @@
 namespace twin::devices {
 
 struct EvdevSettings {
-  EvdevProfile profile{};   ///< what its axes and keys mean
-  std::string where{};      ///< for people: "/dev/input/event5"
-  double full_rumble = 10;  ///< force at the handle that rumbles at full strength, N; 0: never
+  EvdevProfile profile{};   ///< meaning of its axes and keys
+  std::string where{};      ///< for users: "/dev/input/event5"
+  double full_rumble = 10;  ///< force at the handle for full rumble, N; 0: no rumble
 };
 
-/// A SpaceMouse or a gamepad, by Linux's input devices.
+/// A SpaceMouse or a gamepad as a Linux input device.
 ///
-///     events --> thread of its own --LatestValue--> Read()
-///     rumble <-- thread of its own <--LatestValue-- Feel()
+///     events --> own thread --LatestValue--> Read()
+///     rumble <-- own thread <--LatestValue-- Feel()
 ///
-/// A sample comes with every report of the device, and every kPeriod without one: as long as it is
-/// plugged in, it has something to say. When it is unplugged, it is lost, and sought again every
-/// kRetry; when it comes back, samples go on, with everything let go and no press more.
+/// Gives a sample with every report of the device, and every kPeriod without one, as long as it is
+/// plugged in. When unplugged it is lost, and reopened every kRetry. Samples then continue, with
+/// all inputs released and no additional presses.
 ///
 /// Threads: Read() and Feel() from one; lost() and Describe() from any. Real-time: Read() and
-/// Feel() exchange values with the thread, nothing else.
+/// Feel() only exchange values with the thread.
 class EvdevDevice final : public teleop::Device {
  public:
   static constexpr Duration kPeriod = std::chrono::milliseconds(10);
   static constexpr Duration kRetry = std::chrono::milliseconds(500);
 
-  /// Opens the device again. @throws twin::Error when it is not there.
+  /// Reopens the device. @throws twin::Error if it is missing.
   using Open = std::function<std::unique_ptr<EventSource>()>;
 
-  /// @param clock  must outlive this. @param again  called on the device's own thread.
+  /// @param clock  must outlive this object. @param again  called on the device's thread.
   EvdevDevice(const MonotonicClock& clock, std::unique_ptr<EventSource> source, Open again,
               EvdevSettings settings);
 
   [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time now) noexcept override;
   void Feel(const teleop::OperatorFeedback& feedback) noexcept override;
   [[nodiscard]] bool lost() const noexcept override {
-    return lost_.load(std::memory_order_acquire);  // samples of before are not newer than it
+    return lost_.load(std::memory_order_acquire);  // acquire: no older sample is read after it
   }
   [[nodiscard]] std::string Describe() const override;
 
  private:
   void Run(const std::stop_token& stop);
-  /// Reads and publishes until the device goes, or `stop`.
+  /// Reads and publishes until the device is unplugged, or `stop`.
   void Follow(const std::stop_token& stop);
   [[nodiscard]] EventSource::Result TakeWaiting();
   void Publish(Time now);
@@ -67,17 +67,17 @@ class EvdevDevice final : public teleop::Device {
   const std::string name_;
   std::unique_ptr<EventSource> source_;  ///< null while it is lost
   EvdevSampler sampler_;
-  double rumble_ = 0;  ///< strength it was told last
-  Time rumbled_{};     ///< when
+  double rumble_ = 0;  ///< last strength sent
+  Time rumbled_{};     ///< time of sending it
   rt::LatestValue<teleop::OperatorSample> samples_;
   rt::LatestValue<teleop::OperatorFeedback> felt_;
   std::atomic<bool> lost_{false};
-  std::jthread thread_;  ///< last: it uses all of the above
+  std::jthread thread_;  ///< last: it uses all members above
 };
 
-/// The device "evdev". Parameters: path, or name (part of it), or the first there is; axes,
-/// buttons, full_rumble (README.md). @throws InputError for a parameter, in lockstep, and when
-/// there is no such device, naming those there are; EnvironmentError when it may not be read.
+/// The device "evdev". Parameters: path, or name (part of it), or the first one found; axes,
+/// buttons, full_rumble (README.md). @throws InputError for a parameter, in lockstep, and for a
+/// missing device, listing those present; EnvironmentError if reading is not permitted.
 [[nodiscard]] std::unique_ptr<teleop::Device> MakeEvdevDevice(const teleop::DeviceRequest& request);
 
 }  // namespace twin::devices

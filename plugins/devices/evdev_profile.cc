@@ -15,11 +15,11 @@ using teleop::OperatorSample;
 
 constexpr std::array<std::string_view, 6> kAxisNames{"x", "y", "z", "rx", "ry", "rz"};
 
-/// What a button can do, but for the clutch.
+/// A button's function, except the clutch.
 struct ButtonUse {
   std::string_view name;
   std::uint32_t OperatorSample::*presses;
-  std::uint16_t on_gamepad;  ///< code of the usual key
+  std::uint16_t on_gamepad;  ///< code of the default key
 };
 constexpr std::array<ButtonUse, 7> kButtonUses{
     {{"mode", &OperatorSample::mode_presses, BTN_Y},
@@ -36,7 +36,7 @@ AxisSource Absolute(const EvdevCapabilities& capabilities, std::uint16_t code, d
   return {AxisSource::Kind::kAbsolute, code, sign};
 }
 
-/// Of a SpaceMouse: older kernels call its axes relative, though it tells where they are.
+/// A SpaceMouse's axis: older kernels call it relative, though it reports positions.
 AxisSource Either(const EvdevCapabilities& capabilities, std::uint16_t abs, std::uint16_t rel) {
   if (capabilities.abs.contains(abs)) return {AxisSource::Kind::kAbsolute, abs, -1};
   return {AxisSource::Kind::kRelative, rel, -1};

@@ -27,7 +27,7 @@ bool EvdevSampler::Take(const input_event& event, Time now) {
   switch (event.type) {
     case EV_ABS: absolute_[event.code] = event.value; return false;
     case EV_REL: relative_[event.code] = {event.value, now}; return false;
-    case EV_KEY:  // 2 is a key that repeats itself, and says nothing new
+    case EV_KEY:  // 2 is auto-repeat and is ignored
       if (event.code < KEY_CNT && event.value != 2) TakeKey(event.code, event.value == 1, now);
       return false;
     default: return event.type == EV_SYN && event.code == SYN_REPORT;

@@ -14,13 +14,13 @@
 
 namespace twin::devices {
 
-/// Makes samples of a device's events.
+/// Converts a device's events to samples.
 ///
 /// An absolute axis with range [a, b] and flat f gives, with c = (a + b)/2 and h = (b - a)/2,
 ///   sign(v - c) max(0, |v - c| - f)/(h - f), cut to [-1, 1].
-/// A relative one tells of a SpaceMouse where its cap is, up to kFullRelative, and nothing when it
-/// is let go: kForget after its last event it counts as in the middle. (The device tells every 8 to
-/// 16 ms while it is held.)
+/// A relative axis reports the position of a SpaceMouse's cap, up to kFullRelative. It sends no
+/// event when released: kForget after the last event it counts as centred. (While held, the device
+/// reports every 8 to 16 ms.)
 ///
 /// Threads: one. Not for real time.
 class EvdevSampler {
@@ -30,13 +30,13 @@ class EvdevSampler {
 
   EvdevSampler(const EvdevCapabilities& capabilities, EvdevProfile profile);
 
-  /// @returns whether what came before is a whole report now.
+  /// @returns true if the events so far form a complete report.
   bool Take(const input_event& event, Time now);
 
-  /// The sample as of now, with the next sequence. @param is_stopped  as the robot says.
+  /// The current sample, with the next sequence. @param is_stopped  as reported by the robot.
   [[nodiscard]] teleop::OperatorSample Sample(Time now, bool is_stopped);
 
-  /// The device has gone: everything is let go, in the middle, and nothing more is pressed.
+  /// The device was unplugged: releases all keys, centres all axes, adds no presses.
   void LetGo();
 
  private:

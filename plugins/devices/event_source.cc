@@ -29,7 +29,7 @@ std::string Reason(int error) {
   return std::generic_category().message(error);
 }
 
-/// For writing too, where it is allowed: what rumbles is written to.
+/// Opens for writing too, if permitted: rumble requires it.
 fci::FileDescriptor Open(const std::filesystem::path& path) {
   int fd = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0 && (errno == EACCES || errno == EPERM || errno == EROFS)) {
@@ -90,8 +90,8 @@ class LibevdevSource final : public EventSource {
   fci::FileDescriptor fd_;
   Evdev device_;
   EvdevCapabilities capabilities_;
-  int effect_ = -1;        ///< the kernel's number of it; below 0: none yet
-  bool is_synced_ = true;  ///< false: events were missed, and are told again
+  int effect_ = -1;        ///< the kernel's number of it; negative: none yet
+  bool is_synced_ = true;  ///< false: events were lost and are being replaced
 };
 
 EventSource::Result LibevdevSource::Next(input_event& event) {
@@ -107,7 +107,7 @@ EventSource::Result LibevdevSource::Next(input_event& event) {
     if (result == -EINTR) continue;
     if (result != -EAGAIN) return Result::kGone;
     if (is_synced_) return Result::kNone;
-    is_synced_ = true;  // all that was missed has been told
+    is_synced_ = true;  // all lost events have been replaced
   }
 }
 
@@ -116,7 +116,7 @@ void LibevdevSource::Play(int value) const {
   event.type = EV_FF;
   event.code = static_cast<std::uint16_t>(effect_);
   event.value = value;
-  // A gamepad that does not rumble is no failure of the session.
+  // Failing to rumble does not fail the session.
   static_cast<void>(!::write(fd_.get(), &event, sizeof event));
 }
 
@@ -136,7 +136,7 @@ void LibevdevSource::Rumble(double strength) {
   Play(strength > 0 ? 1 : 0);
 }
 
-/// The number behind "event"; below 0: it is named otherwise.
+/// The number after "event"; negative for other names.
 int NumberOf(const std::filesystem::path& path) {
   constexpr std::string_view kPrefix = "event";
   const std::string name = path.filename().string();
@@ -155,7 +155,7 @@ std::unique_ptr<EventSource> OpenEventSource(const std::filesystem::path& path) 
 
 std::vector<FoundDevice> FindEventDevices(const std::filesystem::path& folder) {
   std::vector<FoundDevice> found;
-  std::error_code none;  // no folder: no devices
+  std::error_code none;  // a missing folder has no devices
   for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
     if (NumberOf(entry.path()) < 0) continue;
     FoundDevice device{entry.path(), {}, {}};

@@ -12,39 +12,39 @@
 
 namespace twin::devices {
 
-/// Where the events of an input device come from: an open /dev/input/event*, or what stands in for
-/// one in tests. Threads: one.
+/// Event source of an input device: an open /dev/input/event*, or its replacement in tests.
+/// Threads: one.
 class EventSource {
  public:
   enum class Result : std::uint8_t {
     kEvent,
-    kNone,  ///< none waits
+    kNone,  ///< none queued
     kGone,  ///< unplugged
   };
   virtual ~EventSource() = default;
 
   [[nodiscard]] virtual const EvdevCapabilities& capabilities() const = 0;
-  /// What becomes readable when an event comes.
+  /// Becomes readable when an event arrives.
   [[nodiscard]] virtual int fd() const = 0;
-  /// The next event that waits; does not block.
+  /// Reads the next queued event; does not block.
   [[nodiscard]] virtual Result Next(input_event& event) = 0;
-  /// @param strength  in [0, 1]; lasts a second unless it is told anew.
+  /// @param strength  in [0, 1]; lasts one second unless renewed.
   virtual void Rumble(double strength) = 0;
 };
 
-/// Opens one. What was missed when events came too fast is told again by what it leads to.
-/// @throws InputError when there is none at `path`, or it is no input device; EnvironmentError when
-/// it may not be read, with the cure.
+/// Opens a device. After an overflow, events for the resulting state replace the lost ones.
+/// @throws InputError if `path` does not exist or is not an input device; EnvironmentError with the
+/// cure if reading is not permitted.
 [[nodiscard]] std::unique_ptr<EventSource> OpenEventSource(const std::filesystem::path& path);
 
 /// An input device of this machine.
 struct FoundDevice {
   std::filesystem::path path;
-  EvdevCapabilities capabilities;  ///< empty when it could not be opened
-  std::string why_not{};           ///< empty when it could
+  EvdevCapabilities capabilities;  ///< empty if it could not be opened
+  std::string why_not{};           ///< reason; empty if it could be opened
 };
 
-/// All there are, by number. @param folder  where they are.
+/// All devices, by number. @param folder  the folder to search.
 [[nodiscard]] std::vector<FoundDevice> FindEventDevices(
     const std::filesystem::path& folder = "/dev/input");
 

@@ -6,8 +6,8 @@
 
 namespace twin::devices {
 
-/// For devices whose samples come on the wall clock. @param device  its name in the registry.
-/// @throws InputError when the run's time is virtual.
+/// For devices with samples on the wall clock. @param device  its name in the registry.
+/// @throws InputError if the run's time is virtual.
 void RefuseLockstep(const teleop::DeviceRequest& request, std::string_view device);
 
 }  // namespace twin::devices

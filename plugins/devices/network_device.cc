@@ -18,7 +18,7 @@ namespace {
 
 using teleop::OperatorSample;
 
-/// With the zeros behind it.
+/// Including the padding zeros.
 std::string_view WholeOf(const Token& token) noexcept {
   return {token.data(), token.size()};
 }
@@ -47,7 +47,7 @@ NetworkDevice::NetworkDevice(const MonotonicClock& clock, const NetworkSettings&
 
 std::optional<OperatorSample> NetworkDevice::Read(Time now) noexcept {
   std::optional<OperatorSample> newest;
-  // One byte more than a sample has: what is longer shows as such.
+  // One byte longer than a sample, to detect longer datagrams.
   std::array<std::byte, kSampleBytes + 1> room;
   for (int i = 0; i < kMostDatagrams; ++i) {
     const std::optional<fci::Datagram> datagram = socket_.Receive(room);
@@ -102,8 +102,8 @@ std::optional<OperatorSample> NetworkDevice::Take(const fci::Datagram& datagram,
 void NetworkDevice::BeginSession(const fci::Endpoint& peer, const OperatorSample& first) noexcept {
   peer_ = peer;
   first_ = first.sequence;
-  // The first sample's number becomes the next of ours, its presses those there have been. All are
-  // unsigned: what is subtracted wraps around, and back when it is added.
+  // Our sequence continues with the session's first sample, and presses keep their count. All are
+  // unsigned: a subtraction may wrap, and the addition reverses it.
   offset_.sequence = given_.sequence + 1 - first.sequence;
   for (const auto presses : kPresses) offset_.*presses = given_.*presses - first.*presses;
 }
@@ -111,12 +111,12 @@ void NetworkDevice::BeginSession(const fci::Endpoint& peer, const OperatorSample
 void NetworkDevice::Feel(const teleop::OperatorFeedback& feedback) noexcept {
   if (!peer_) return;
   teleop::OperatorFeedback told = feedback;
-  // Of a sample that came before the session, its program knows nothing.
+  // The program does not know samples from before its session.
   const std::uint64_t echo = feedback.echo - offset_.sequence;
   told.echo = echo >= first_ && echo <= last_ ? echo : 0;
   std::array<std::byte, kFeedbackBytes> bytes;
   WriteFeedback(told, bytes);
-  static_cast<void>(socket_.Send(bytes, *peer_));  // what is lost, the next one replaces
+  static_cast<void>(socket_.Send(bytes, *peer_));  // the next feedback replaces a lost one
 }
 
 std::string NetworkDevice::Describe() const {

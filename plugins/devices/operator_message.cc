@@ -28,7 +28,7 @@ enum : std::uint8_t {
   kAllFlags = 31,
 };
 
-/// Takes values off the front of bytes that are long enough.
+/// Reads successive values from bytes of sufficient length.
 class Taker {
  public:
   explicit Taker(std::span<const std::byte> bytes) noexcept : at_(bytes.data()) {}
@@ -44,7 +44,7 @@ class Taker {
   const std::byte* at_;
 };
 
-/// Puts values one behind the other into bytes that are long enough.
+/// Writes successive values to bytes of sufficient length.
 class Putter {
  public:
   explicit Putter(std::span<std::byte> bytes) noexcept : at_(bytes.data()) {}

@@ -8,32 +8,31 @@
 
 #include "twin/teleop/operator_sample.h"
 
-// What an operator did, as a file of comma-separated values: a row for each sample, with the header
+// An operator's recorded input as comma-separated values: one row per sample, with the header
 //   time,kind,x,y,z,rx,ry,rz,engaged,mode,gripper,frame,scale,stop,release,end
-// time in s from the beginning; kind rate (axes are shares of full scale in [-1, 1]) or pose (m and
-// rad, in [-10, 10]); engaged 1 or 0; then how often each button was pressed since the row before.
+// time in s from the start; kind rate (axes are shares of full scale in [-1, 1]) or pose (m and
+// rad, in [-10, 10]); engaged 1 or 0; then the presses of each button since the previous row.
 namespace twin::devices {
 
 inline constexpr std::uintmax_t kMostScriptBytes = std::uintmax_t{64} << 20;
 
-/// Reads samples: times rise, sequences go from 1 on, presses are summed up.
+/// Reads samples: times rise, sequences count from 1, presses are accumulated.
 /// @param name  of the file, for messages.
-/// @throws InputError "<name>:<line>: what is wrong", also when the presses of a button do not fit
-/// their counter; when there is no row.
+/// @throws InputError "<name>:<line>: what is wrong", also if the presses of a button overflow
+/// their counter, and if there is no row.
 [[nodiscard]] std::vector<teleop::OperatorSample> ReadOperatorScript(std::istream& in,
                                                                      const std::string& name);
 
-/// As above. @throws InputError also when the file cannot be read, or is larger than
-/// kMostScriptBytes.
+/// As above. @throws InputError also if the file cannot be read or exceeds kMostScriptBytes.
 [[nodiscard]] std::vector<teleop::OperatorSample> ReadOperatorScript(
     const std::filesystem::path& path);
 
-/// The first line of a script, with its end.
+/// The header line of a script, with newline.
 [[nodiscard]] std::string OperatorScriptHeader();
 
-/// The line of `sample`, with its end; `at` is its time from the beginning. From it the same values
-/// are read, to the bit. @param before  the sample of the line before; of the first line, one
-/// without presses.
+/// The row of `sample`, with newline; `at` is its time from the start. Reads back to the same
+/// values, bit by bit. @param before  the previous row's sample; for the first row, one without
+/// presses.
 [[nodiscard]] std::string OperatorScriptRow(const teleop::OperatorSample& sample,
                                             const teleop::OperatorSample& before);
 

@@ -55,7 +55,7 @@ std::optional<teleop::OperatorSample> RecordingDevice::Read(Time now) noexcept {
   const auto sample = device_->Read(now);
   if (!sample) return sample;
   Count(*sample);
-  // Rows have times of their own, also of two calls at one.
+  // Row times must rise, even for two calls at one instant.
   last_ = std::max(Time(now - *begun_), last_ + Duration(1));
   const bool is_kept = ring_.TryPushWith([&](teleop::OperatorSample& slot) {
     slot = *sample;

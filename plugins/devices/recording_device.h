@@ -17,30 +17,29 @@
 
 namespace twin::devices {
 
-/// Another device, of which every sample that is read also goes into a script (operator_script.h),
-/// so that what a person did can be run again: at the time of its Read(), counted from the first
-/// Read(). Presses count from the first sample on, as they do for who is led. The first row presses
-/// what it takes to come from a session's begin to where the feedback says things are: mode, when
-/// the base is led; scale, when motion is fine.
+/// Wraps another device and writes every sample to a script (operator_script.h), so that the input
+/// can be replayed. A row's time is that of its Read(), counted from the first Read(). Presses
+/// count from the first sample, as for the teleoperator. The first row contains the presses that
+/// lead from a session's initial state to the state in the feedback: mode if the base is driven;
+/// scale if motion is fine.
 ///
-///     Read() --SpscRing--> thread of its own --> <path>.partial, at the end <path>
+///     Read() --SpscRing--> own thread --> <path>.partial, at the end <path>
 ///
-/// Threads: Read(), Feel() from one, Finish() from the one that made it once nobody reads any more.
-/// Real-time: as the device within; where the file is slower than the samples, some are left out
-/// and counted.
+/// Threads: Read(), Feel() from one; Finish() from the constructing thread after the last Read().
+/// Real-time: as the inner device; samples that the file is too slow for are dropped and counted.
 class RecordingDevice final : public teleop::Device {
  public:
-  /// Told once, when the recording is not whole: why. May be called from the destructor.
+  /// Called once, with the reason, if the recording is incomplete; possibly from the destructor.
   using Tell = std::function<void(std::string_view)>;
 
-  /// How many samples may wait for the disk: eight seconds of a thousand a second.
+  /// Capacity of the queue to the disk: eight seconds at 1 kHz.
   static constexpr std::size_t kRingSize = 8192;
 
-  /// Begins the file. @param ring_size  a power of two. @throws InputError when there is one
-  /// already: recordings are not replaced; EnvironmentError when it cannot be made.
+  /// Creates the file. @param ring_size  a power of two. @throws InputError if it exists, because
+  /// recordings are not replaced; EnvironmentError if it cannot be created.
   RecordingDevice(std::unique_ptr<teleop::Device> device, const std::filesystem::path& path,
                   Tell tell, std::size_t ring_size = kRingSize);
-  /// As Finish(); what it would throw is told.
+  /// As Finish(); reports its error to Tell.
   ~RecordingDevice() override;
   RecordingDevice(const RecordingDevice&) = delete;
   RecordingDevice& operator=(const RecordingDevice&) = delete;
@@ -53,13 +52,14 @@ class RecordingDevice final : public teleop::Device {
   [[nodiscard]] bool lost() const noexcept override { return device_->lost(); }
   [[nodiscard]] std::string Describe() const override;
 
-  /// Writes what is left, and gives the file its name. Once; later calls do nothing.
-  /// @throws EnvironmentError when a sample is missing or the file could not be written; it is
-  /// <path>.partial then.
+  /// Writes the remaining samples and renames the file to its final name. Later calls have no
+  /// effect.
+  /// @throws EnvironmentError if a sample is missing or the file could not be written; it remains
+  /// <path>.partial.
   void Finish();
 
  private:
-  /// Sums presses up.
+  /// Accumulates presses.
   void Count(const teleop::OperatorSample& sample) noexcept;
   void WriteAll(const std::stop_token& stop);
   void WriteWaiting();
@@ -67,16 +67,16 @@ class RecordingDevice final : public teleop::Device {
   const std::unique_ptr<teleop::Device> device_;
   const Tell tell_;
   record::PartialFile file_;
-  std::optional<Time> begun_;  ///< when Read() was called first
-  Time last_{Duration(-1)};    ///< of the newest sample, from then
+  std::optional<Time> begun_;  ///< time of the first Read()
+  Time last_{Duration(-1)};    ///< time of the newest sample after begun_
   teleop::OperatorFeedback felt_;
-  std::optional<teleop::OperatorSample> before_;  ///< newest of the device
-  teleop::OperatorSample counted_;                ///< presses as the file has them
+  std::optional<teleop::OperatorSample> before_;  ///< newest sample of the device
+  teleop::OperatorSample counted_;                ///< presses as in the file
   rt::SpscRing<teleop::OperatorSample> ring_;
-  std::atomic<std::uint64_t> left_out_{0};  ///< relaxed: read once the reader is at rest
-  teleop::OperatorSample written_;          ///< newest in the file
-  std::string failure_;                     ///< of the thread; read once it has ended
-  std::jthread thread_;                     ///< last: it uses all of the above
+  std::atomic<std::uint64_t> left_out_{0};  ///< relaxed: read after the reader has ended
+  teleop::OperatorSample written_;          ///< newest sample in the file
+  std::string failure_;                     ///< of the thread; read after it has ended
+  std::jthread thread_;                     ///< last: it uses all members above
 };
 
 }  // namespace twin::devices

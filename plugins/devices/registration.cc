@@ -14,7 +14,7 @@ namespace {
 
 using Maker = std::unique_ptr<teleop::Device> (*)(const teleop::DeviceRequest&);
 
-/// What `make` makes, recorded where a file for it is named.
+/// Wraps the factory `make` with a recording if a file is named.
 teleop::DeviceFactory Recorded(Maker make, const std::function<void(std::string_view)>& tell) {
   return [make, tell](const teleop::DeviceRequest& request) {
     std::unique_ptr<teleop::Device> device = make(request);

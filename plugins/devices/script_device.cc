@@ -27,7 +27,7 @@ bool HasPresses(const OperatorSample& sample) {
   return std::ranges::any_of(kPresses, [&](auto presses) { return sample.*presses > 0; });
 }
 
-/// The sample before a first one with presses: at its place, at rest, nothing pressed.
+/// The sample before a first row with presses: same pose, at rest, no presses.
 OperatorSample RestBefore(const OperatorSample& first) {
   OperatorSample rest{.kind = first.kind, .engaged = first.engaged};
   if (first.kind == teleop::AxisKind::kPose) rest.axes = first.axes;

@@ -15,18 +15,18 @@
 
 namespace twin::plugins {
 
-/// The body a robot is connected with, and what is told of it.
+/// A plant and its description.
 struct NamedPlant {
   std::unique_ptr<plant::Plant> plant;
-  std::string name;  ///< for people
+  std::string name;  ///< for users
 };
 
-/// What the seam tells of an emulated robot.
+/// The backend seam's description of an emulated robot.
 [[nodiscard]] backend::Description DescribeRobot(const std::string& plant_name,
                                                  const robot::LastMotion& last);
 
-/// The emulated robot behind the backend seam, whoever advances its time: everything but reading
-/// and writing.
+/// The emulated robot behind the backend seam, without reading and writing; independent of what
+/// advances its time.
 /// @tparam Robot  robot::Robot or robot::RealtimeRobot.
 template <typename Robot>
 class EmulatedBackend : public backend::Backend, public backend::Panel {
@@ -45,10 +45,10 @@ class EmulatedBackend : public backend::Backend, public backend::Panel {
     backend::RequireOperated(done, action, robot_.mode());
   }
 
-  /// Null when none is mounted.
+  /// Null without a hand.
   [[nodiscard]] backend::Hand* hand() noexcept { return robot_.has_hand() ? &hand_ : nullptr; }
 
-  /// Null when the arm stands on the world.
+  /// Null without a mobile base.
   [[nodiscard]] backend::MobileBase* base() noexcept {
     return robot_.base() != nullptr ? &base_ : nullptr;
   }

@@ -5,10 +5,10 @@
 
 namespace twin::plugins {
 
-/// The emulated mobile base behind the base seam, whoever advances its time.
+/// The emulated mobile base behind the base seam; independent of what advances its time.
 class EmulatedBase final : public backend::MobileBase {
  public:
-  /// @param unit  must outlive the base; null: there is none, and nothing is asked.
+  /// @param unit  must outlive the base; null without a mobile base, and then never used.
   explicit EmulatedBase(robot::BaseUnit* unit) noexcept : unit_(unit) {}
 
   void Drive(const BaseTwist& twist) noexcept override { unit_->Drive(twist); }

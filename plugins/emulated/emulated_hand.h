@@ -7,7 +7,7 @@
 
 namespace twin::plugins {
 
-/// The emulated hand behind the hand seam, whoever advances its time.
+/// The emulated hand behind the hand seam; independent of what advances its time.
 /// @tparam Robot  robot::Robot or robot::RealtimeRobot, with a hand mounted.
 template <typename Robot>
 class EmulatedHand final : public backend::Hand {

@@ -16,7 +16,7 @@ class LockstepBackend final : public EmulatedBackend<robot::Robot> {
     robot().Begin();
   }
 
-  // Who reads at the instant of an arrival has waited for it.
+  // A reader at the instant of an arrival has waited for it.
   backend::ReadResult Read(backend::ReadRule rule, RobotState& state,
                            Time& arrival) noexcept override {
     robot::StateLink& states = robot().states();

@@ -5,8 +5,8 @@
 
 namespace twin::plugins {
 
-/// The emulated robot on the virtual clock: its cycles are events of the host's queue, from now on.
-/// Fills in backend and panel of the connection.
+/// Connects the emulated robot on the virtual clock: its cycles are events of the host's queue from
+/// now on. Sets backend and panel of the connection.
 void ConnectLockstep(const backend::Request& request, const backend::LockstepHost& host,
                      NamedPlant plant, backend::Connection& connection);
 

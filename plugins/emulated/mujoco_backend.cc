@@ -12,7 +12,7 @@
 namespace twin::plugins {
 namespace {
 
-/// Makes the body, and fills in what the connection tells of it.
+/// Makes the plant and sets its data in the connection.
 NamedPlant MakePlant(const robot::RobotConfig& robot, backend::Connection& connection) {
   robot::MadePlant made = robot::MakePlant(robot);
   if (const plant::MujocoPlant* engine = made.engine) {

@@ -4,9 +4,8 @@
 
 namespace twin::plugins {
 
-/// Adds the backend "mujoco": the emulated robot in process, on the virtual clock or on the wall
-/// clock as the request's host says, with the plant the robot's configuration asks for (MuJoCo, or
-/// the ideal plant).
+/// Adds the backend "mujoco": the emulated robot in this process, on the virtual or the wall clock
+/// by the request's host, with the plant of the robot's configuration (MuJoCo, or the ideal plant).
 void RegisterMujoco(backend::Registry& registry);
 
 }  // namespace twin::plugins

@@ -24,7 +24,7 @@ class RealtimeBackend final : public EmulatedBackend<robot::RealtimeRobot>,
     const RobotState* newest = robot().Read();
     const bool may_be_queued = rule == backend::ReadRule::kFresh && !found_none_;
     if (newest == nullptr || may_be_queued) {
-      found_none_ = true;  // also when a queued state was thrown away: none is left
+      found_none_ = true;  // also after discarding a queued state: the queue is empty
       return backend::ReadResult::kPending;
     }
     found_none_ = false;
@@ -46,7 +46,7 @@ class RealtimeBackend final : public EmulatedBackend<robot::RealtimeRobot>,
 
  private:
   const MonotonicClock& clock_;
-  bool found_none_ = false;  ///< the last Read() left nothing queued: what comes now is fresh
+  bool found_none_ = false;  ///< the last Read() left the queue empty: the next state is fresh
 };
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 namespace twin::plugins {
 
-/// The emulated robot on the wall clock, on a thread of its own that runs between Begin() and End()
-/// of the connection's robot_time. Fills in backend, panel, arrival and robot_time.
+/// Connects the emulated robot on the wall clock, on its own thread, which runs between Begin() and
+/// End() of the connection's robot_time. Sets backend, panel, arrival and robot_time.
 void ConnectRealtime(const backend::Request& request, const backend::RealtimeHost& host,
                      NamedPlant plant, backend::Connection& connection);
 

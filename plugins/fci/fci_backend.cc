@@ -17,10 +17,10 @@
 namespace twin::plugins {
 namespace {
 
-/// For which a motion's end may reach TCP later than the states.
+/// Longest delay of a motion's end on TCP after the states.
 constexpr Duration kEndTimeout = std::chrono::seconds(1);
-/// For a state of a robot whose time is its states: it computes as long as it takes, but no cycle
-/// takes seconds.
+/// State timeout for a robot whose states are its clock: its computing time is unbounded, but no
+/// cycle takes seconds.
 constexpr Duration kLongTimeout = std::chrono::seconds(5);
 
 fci::ClientTimeout TimeoutFor(backend::RobotTime time) {
@@ -29,12 +29,12 @@ fci::ClientTimeout TimeoutFor(backend::RobotTime time) {
   return timeout;
 }
 
-/// What states have shown of the motion that was asked for last.
+/// The last requested motion, as shown by states.
 ///
 ///     kNone --Start--> kAsked --granted--> kGranted --modes--> kMoving --left--> kEnded
 ///
-/// Threads: Ask(), Grant() and Refuse() from who starts, Observe() from the tick, the rest from
-/// any.
+/// Threads: Ask(), Grant() and Refuse() from the starting thread, Observe() from the tick, the rest
+/// from any.
 class MotionAsShown {
  public:
   void Ask(const MotionModes& modes) noexcept {
@@ -43,7 +43,7 @@ class MotionAsShown {
     phase_.store(Phase::kAsked, std::memory_order_release);
   }
   void Grant() noexcept {
-    Phase asked = Phase::kAsked;  // the tick may already have seen it move
+    Phase asked = Phase::kAsked;  // the tick may already have observed the motion
     phase_.compare_exchange_strong(asked, Phase::kGranted, std::memory_order_acq_rel);
   }
   void Refuse() noexcept { phase_.store(before_, std::memory_order_release); }
@@ -60,7 +60,7 @@ class MotionAsShown {
       phase_.store(Phase::kMoving, std::memory_order_release);
       return;
     }
-    // A motion that ended in the cycle it began in never shows its modes.
+    // A motion that ended in its first cycle never shows its modes.
     const bool aborted_unseen =
         phase == Phase::kGranted &&
         (state.robot_mode == RobotMode::kReflex || state.robot_mode == RobotMode::kUserStopped);
@@ -83,10 +83,11 @@ class MotionAsShown {
  private:
   enum class Phase : std::uint8_t { kNone, kAsked, kGranted, kMoving, kEnded };
 
-  std::atomic<Phase> phase_ = Phase::kNone;  ///< release after what it speaks of, acquire to read
+  std::atomic<Phase> phase_ =
+      Phase::kNone;  ///< release after the data that it publishes, acquire to read
   std::atomic<MotionModes> modes_{};
   std::atomic<std::uint64_t> errors_ = 0;
-  Phase before_ = Phase::kNone;  ///< who starts
+  Phase before_ = Phase::kNone;  ///< owned by the starting thread
 };
 static_assert(std::atomic<MotionModes>::is_always_lock_free);
 
@@ -117,18 +118,18 @@ class FciBackend final : public backend::Backend {
                            Time& arrival) noexcept override;
   void Write(const RobotCommand& command) noexcept override {
     client_.Send(command);
-    // A robot whose time is its states sends the next as the answer to this.
+    // A robot whose states are its clock sends the next state in answer to this command.
     if (time_ == backend::RobotTime::kStates) found_none_ = true;
   }
   void Stop() override;
-  /// The robot begins once the arm rests, and answers at its end.
+  /// The robot begins once the arm is at rest, and answers when recovery ends.
   void Recover() override {
     const RecoveryStatus status = client_.Recover();
     backend::RequireRecovered(status, mode());
   }
 
  private:
-  /// As the state read last shows it.
+  /// As in the last read state.
   [[nodiscard]] RobotMode mode() const noexcept { return mode_.load(std::memory_order_relaxed); }
 
   const backend::RobotTime time_;
@@ -138,12 +139,12 @@ class FciBackend final : public backend::Backend {
   std::optional<FciHand> hand_;
 
   MotionAsShown motion_;
-  std::mutex starting_;                              ///< one motion is started after the other
-  std::atomic<RobotMode> mode_ = RobotMode::kOther;  ///< for texts only: relaxed
+  std::mutex starting_;                              ///< serialises starting motions
+  std::atomic<RobotMode> mode_ = RobotMode::kOther;  ///< for messages only: relaxed
 
-  // The tick's.
-  RobotState read_;          ///< so that the caller's is written only for kState
-  bool found_none_ = false;  ///< the last Read() left nothing queued: what comes now is fresh
+  // Owned by the tick.
+  RobotState read_;          ///< a copy, so that the caller's state is written only for kState
+  bool found_none_ = false;  ///< the last Read() left the queue empty: the next state is fresh
 };
 
 backend::Description FciBackend::Describe() const {
@@ -157,7 +158,7 @@ backend::Description FciBackend::Describe() const {
   const auto end = client_.AwaitMotionEnd(ended ? kEndTimeout : Duration::zero());
   if (end) description.last_end = backend::EndOf(*end);
   if (!ended) return description;
-  // The states say that it ended, though the robot itself does not.
+  // The states show the end, but the robot has not answered.
   if (!end) description.last_end = backend::MotionEnd::kAborted;
   if (description.last_end == backend::MotionEnd::kAborted) {
     description.last_errors = motion_.errors();
@@ -194,7 +195,7 @@ backend::ReadResult FciBackend::Read(backend::ReadRule rule, RobotState& state,
     motion_.Observe(read_);
   }
   if (reception == fci::Reception::kPending || may_be_queued) {
-    found_none_ = true;  // also when a queued state was thrown away: none is left
+    found_none_ = true;  // also after discarding a queued state: the queue is empty
     return backend::ReadResult::kPending;
   }
   found_none_ = false;
@@ -205,9 +206,10 @@ backend::ReadResult FciBackend::Read(backend::ReadRule rule, RobotState& state,
 
 void FciBackend::Stop() {
   try {
-    static_cast<void>(client_.StopMove());  // refused: the motion has ended by another cause
+    static_cast<void>(client_.StopMove());  // refused: the motion has already ended
   } catch (const RobotFault&) {
-    // It reaches nobody: without commands the robot stops by itself, and reading tells why.
+    // No effect without a connection: the robot stops without commands, and Read() reports the
+    // loss.
   }
 }
 

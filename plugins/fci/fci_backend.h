@@ -4,18 +4,18 @@
 
 namespace twin::plugins {
 
-/// The backend "fci": a robot at the other end of a wire that speaks the Franka Control Interface,
-/// version 5: a Panda, or a twin served by `panda-twin serve`. It needs no library of the vendor's,
-/// and runs no code that the robot serves.
+/// The backend "fci": a remote robot that speaks the Franka Control Interface, version 5: a Panda,
+/// or a twin served by `panda-twin serve`. It needs no vendor library and runs no code from the
+/// robot.
 ///
-/// Its arrival is the states' socket. Of panel, truth and cycles it knows nothing; the hand is
-/// there when the request's robot has one.
+/// Its arrival is the state socket. It has no panel, truth or cycle records; it has a hand if the
+/// request's robot has one.
 ///
-/// @throws InputError when the request's host is no RemoteHost, or its address is none; RobotFault
-/// when the robot cannot be reached, or speaks another version.
+/// @throws InputError if the request's host is not a RemoteHost, or its address is invalid;
+/// RobotFault if the robot cannot be reached or speaks another version.
 [[nodiscard]] backend::Connection ConnectFci(const backend::Request& request);
 
-/// Adds it.
+/// Adds the backend "fci".
 void RegisterFci(backend::Registry& registry);
 
 }  // namespace twin::plugins

@@ -11,7 +11,7 @@ fci::HandClient& FciHand::Client() const {
 }
 
 HandTicket FciHand::Start(const HandCommand& command) {
-  // The hand itself would only say that it failed, not for what.
+  // The hand itself would report the failure without its cause.
   HandStart start;
   start.bad = FindBadValue(command, ReadState().max_width);
   backend::RequireStarted(start, command);

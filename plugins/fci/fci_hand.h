@@ -10,8 +10,8 @@
 
 namespace twin::plugins {
 
-/// The hand at the other end of a wire, behind the hand seam. It is connected when it is first
-/// asked for something: an arm can be run without its hand being there.
+/// A remote hand behind the hand seam. Connects on first use, so that an arm runs without its hand
+/// being reachable.
 class FciHand final : public backend::Hand {
  public:
   /// @param capture  as fci::HandClient's.
@@ -29,7 +29,7 @@ class FciHand final : public backend::Hand {
   const std::uint16_t port_;
   fci::Capture* const capture_;
   mutable std::mutex mutex_;
-  mutable std::optional<fci::HandClient> client_;  ///< guarded by mutex_ until it is there
+  mutable std::optional<fci::HandClient> client_;  ///< guarded by mutex_ until it is set
 };
 
 }  // namespace twin::plugins

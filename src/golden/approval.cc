@@ -25,7 +25,7 @@ bool HaveSameKeys(const Pictures& a, const Pictures& b) {
                     });
 }
 
-/// What came of a comparison, or nothing when there is none to be made.
+/// Compares; nullopt if the two cannot be compared.
 std::optional<Comparison> TryCompare(const Golden& old, const Evidence& evidence) {
   if (old.pictures.frames == evidence.pictures->frames &&
       !HaveSameKeys(old.pictures, *evidence.pictures)) {
@@ -33,7 +33,7 @@ std::optional<Comparison> TryCompare(const Golden& old, const Evidence& evidence
   }
   try {
     return Compare(old, evidence);
-  } catch (const InputError&) {  // other views, sizes or interval
+  } catch (const InputError&) {  // views, sizes or interval differ
     return std::nullopt;
   }
 }
@@ -47,7 +47,7 @@ Golden Anew(const Evidence& evidence) {
   return golden;
 }
 
-/// The old pictures, with what is not known yet of states and hashes. @returns what was added.
+/// Adds new hashes of states and frames to the old golden. @returns a description of the additions.
 std::string AddHashes(const Comparison& comparison, const Evidence& evidence, Golden& golden) {
   std::string added;
   if (!comparison.gates[static_cast<std::size_t>(Gate::kStates)].passed) {

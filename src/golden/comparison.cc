@@ -37,7 +37,7 @@ constexpr double kPercent = 100;
 /// The first gate that can fail a case.
 constexpr std::size_t kDeciding = static_cast<std::size_t>(Gate::kFrames);
 
-/// The gates of one comparison while it goes on.
+/// Collects the gates' results during one comparison.
 class Gates {
  public:
   explicit Gates(const Limits& limits) {
@@ -59,7 +59,7 @@ class Gates {
     }
   }
 
-  /// Takes a measurement. Of the places that fail, the one of the earliest frame is kept.
+  /// Adds a measurement. Keeps the failure with the earliest frame.
   void Take(Gate gate, double value, const Place& place) {
     GateResult& result = results_[static_cast<std::size_t>(gate)];
     if (value > result.worst) {
@@ -106,7 +106,7 @@ void RequireFit(const Pictures& expected, const Pictures& actual) {
   }
 }
 
-/// @returns null when the frame is no key picture.
+/// @returns null if the frame is not a key picture.
 const KeyPicture* KeyOf(const ViewPictures& view, std::size_t frame) {
   const auto found = std::find_if(view.keys.begin(), view.keys.end(),
                                   [&](const KeyPicture& key) { return key.frame == frame; });
@@ -196,7 +196,7 @@ class Comparer {
     std::vector<std::size_t> frames;
     for (const KeyPicture& before : Expected(view).keys) {
       const KeyPicture* after = KeyOf(actual_.views[view], before.frame);
-      if (after == nullptr) continue;  // the film ends before: the gate of frames tells
+      if (after == nullptr) continue;  // the film ends earlier: the gate of frames reports it
       CompareKey(actual_.views[view].name, before, *after);
       expected.push_back(before.colour);
       actual.push_back(after->colour);
@@ -225,7 +225,7 @@ class Comparer {
          CompareBodies(before.bodies, after.bodies, limits_.window_px));
   }
 
-  /// Signatures tell where, but not what is there.
+  /// Adds the body to the signatures' failure, which has only a position.
   void NameBody() {
     auto& first = gates_.Of(Gate::kSignatures).first;
     if (!first) return;
@@ -289,7 +289,7 @@ std::string_view Meaning(Gate gate) noexcept {
 }
 
 const GateResult* Comparison::FirstFailure() const noexcept {
-  // Of one frame, the gate that knows most of it.
+  // Ranks the gates of one frame by the detail of their result.
   const auto rank = [](const GateResult& gate) {
     const Place& place = *gate.first;
     return std::pair(place.frame, place.body.empty() ? 2 : place.body == "world" ? 1 : 0);

@@ -10,10 +10,10 @@
 namespace twin::golden {
 namespace {
 
-/// The first body that is not the world.
+/// The first body other than the world.
 constexpr std::int32_t kFirstOfRun = 1;
 
-/// Sums over the pixels left of and above each corner, so that any box is four readings.
+/// Summed-area table: any box is four lookups.
 class Integral {
  public:
   explicit Integral(const DifferenceMask& mask)
@@ -45,7 +45,7 @@ class Integral {
   std::vector<int> sums_;
 };
 
-/// The box of what differs within `window`, which holds something that does.
+/// Bounding box of the differing pixels within `window`. @pre there is one.
 Region Shrink(const DifferenceMask& mask, const Region& window) {
   int left = window.left + window.width;
   int right = window.left;

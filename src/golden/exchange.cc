@@ -15,7 +15,7 @@ fs::path AsideOf(fs::path folder) {
   return folder += ".replaced";
 }
 
-/// @returns whether the file system knows how to. @throws fs::filesystem_error when it fails.
+/// @returns false if the file system cannot exchange. @throws fs::filesystem_error on failure.
 bool ExchangeAtOnce(const fs::path& made, const fs::path& folder) {
   if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, folder.c_str(), RENAME_EXCHANGE) == 0) {
     return true;
@@ -55,7 +55,7 @@ void Exchange(const fs::path& made, const fs::path& folder) {
     return;
   }
   if (!ExchangeAtOnce(made, folder)) ExchangeInSteps(made, folder);
-  // The new golden is in its place: what cannot be removed of the old one harms nobody.
+  // The new golden is in place; remains of the old one are harmless.
   std::error_code ignored;
   fs::remove_all(made, ignored);
   fs::remove_all(AsideOf(folder), ignored);

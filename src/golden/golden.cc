@@ -101,7 +101,7 @@ void RequireFewBodies(const Pictures& pictures) {
                                pictures.bodies.size(), kMost));
 }
 
-/// The names of a golden's files.
+/// File names of a golden.
 std::set<std::string> FilesOf(const Golden& golden) {
   std::set<std::string> names{kGoldenFile};
   for (const ViewPictures& view : golden.pictures.views) {
@@ -126,7 +126,7 @@ std::set<std::string> FilesOf(const Golden& golden) {
       path.string()));
 }
 
-/// The names of the files that a golden's folder should have.
+/// File names that a golden's folder should contain.
 std::set<std::string> FilesIn(const fs::path& folder) {
   if (!fs::exists(folder / kGoldenFile)) return {};
   try {

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kFormat = 1;
 
-/// In double quotes, as YAML reads it back.
+/// Double-quoted for YAML.
 std::string Quoted(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -30,7 +30,7 @@ std::string Quoted(std::string_view text) {
   return quoted + '"';
 }
 
-/// Hashes as one text: YAML is slow at long lists.
+/// Hashes as one string, because YAML parses long lists slowly.
 std::string HashesText(const std::vector<std::uint64_t>& hashes) {
   std::string text;
   for (const std::uint64_t hash : hashes) {
@@ -95,7 +95,7 @@ Golden GoldenOf(const YAML::Node& root) {
   return golden;
 }
 
-/// What a text may say and no golden does.
+/// Refuses values that no golden has.
 void RequireSense(const Golden& golden) {
   const Pictures& pictures = golden.pictures;
   constexpr std::size_t kMostFrames = 1'000'000;
@@ -121,7 +121,7 @@ void RequireSense(const Golden& golden) {
 std::string ReadText(const std::filesystem::path& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  file.peek();  // a folder opens, and cannot be read
+  file.peek();  // a folder can be opened but not read
   if (!file.is_open() || file.bad()) {
     throw InputError(fmt::format("{}: cannot be read ({})", path.string(),
                                  std::generic_category().message(errno)));

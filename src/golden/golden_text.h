@@ -5,13 +5,13 @@
 
 #include "twin/golden/golden.h"
 
-// golden.yaml: everything of a golden but its pictures.
+// golden.yaml: all data of a golden except its pictures.
 namespace twin::golden {
 
 [[nodiscard]] std::string TextOf(const Golden& golden);
 
-/// Reads what TextOf() wrote. The key pictures have their frames, and nothing else.
-/// @throws InputError naming the file, and the line where there is one.
+/// Reads the text of TextOf(). The key pictures have only their frames.
+/// @throws InputError naming the file and, if known, the line.
 [[nodiscard]] Golden ReadGoldenText(const std::filesystem::path& path);
 
 }  // namespace twin::golden

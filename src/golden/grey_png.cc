@@ -38,7 +38,7 @@ void Write(const std::filesystem::path& path, int width, int height, png_uint_32
   }
 }
 
-/// @param sort  for the message: what the file should be.
+/// @param sort  the expected kind of file, for the message.
 template <typename Pixel>
 std::vector<Pixel> Read(const std::filesystem::path& path, png_uint_32 format,
                         std::string_view sort, int& width, int& height) {

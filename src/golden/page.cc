@@ -31,7 +31,7 @@ bool IsSame(const KeyPicture& key, const ViewPictures& other) {
   });
 }
 
-/// One side of a viewer as JSON. @param other  what is the same there is left out; null: nothing.
+/// One side of a viewer as JSON, without the parts that equal `other`'s; null: all parts.
 std::string SideJson(const ViewPictures& view, const ViewPictures* other) {
   const bool same_strip = other != nullptr && other->signatures == view.signatures;
   std::string keys;
@@ -54,7 +54,7 @@ std::string ViewJson(const ViewPictures& expected, const ViewPictures& actual) {
       SideJson(actual, &expected), same);
 }
 
-/// The time that the plot of joints shows, s.
+/// Time range of the joint plot, s.
 double SpanOf(const CaseResult& result) {
   const double film =
       result.pictures.interval_s *

@@ -4,10 +4,10 @@
 
 namespace twin::golden {
 
-/// What makes a page's viewers work: slider, swapping pictures, the mark in the plot of joints.
+/// Script of a page's viewers: slider, swapping pictures, the mark in the joint plot.
 [[nodiscard]] std::string_view PageScript() noexcept;
 
-/// What they look like.
+/// Their style sheet.
 [[nodiscard]] std::string_view PageStyle() noexcept;
 
 }  // namespace twin::golden

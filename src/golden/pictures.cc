@@ -43,7 +43,7 @@ ViewPictures TakeView(const render::Film& film, const ViewPlan& plan,
 }  // namespace
 
 std::uint64_t HashOf(const render::Image& image) {
-  // FNV-1a, by bytes.
+  // FNV-1a, byte by byte.
   std::uint64_t hash = 0xcbf29ce484222325;
   const auto add = [&hash](std::uint8_t byte) { hash = (hash ^ byte) * 0x100000001b3; };
   for (const int length : {image.width, image.height}) {

@@ -26,7 +26,7 @@ std::uint8_t MeanOfBox(const render::Image& picture, int column, int row, std::s
   return static_cast<std::uint8_t>((sum + pixels / 2) / pixels);
 }
 
-/// Where signature `i` is in a strip: left and top, pixels.
+/// Position of signature `i` in a strip: left and top, pixels.
 std::pair<int, int> PlaceOf(std::size_t i) {
   const int number = static_cast<int>(i);
   return {number % kStripColumns * kSignatureWidth, number / kStripColumns * kSignatureHeight};

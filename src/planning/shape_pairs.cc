@@ -80,7 +80,7 @@ bool MayTouch(const mjModel& model, const mjData& data, int geom1, int geom2,
   const double r1 = model.geom_rbound[geom1];
   const double squared = Square(p2[0] - p1[0]) + Square(p2[1] - p1[1]) + Square(p2[2] - p1[2]);
   if (squared > Square(r1 + r2 + margin)) return false;
-  // Box is the last type before mesh, so geom1 is a box in any such pair.
+  // Only mesh sorts after box, so a box may be either shape of the pair.
   if (model.geom_type[geom1] == mjGEOM_BOX &&
       SquaredDistanceFromBox(model, data, geom1, p2) > Square(r2 + margin)) {
     return false;

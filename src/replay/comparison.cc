@@ -34,7 +34,7 @@ double LengthOf(const Recording& recording) {
   return ToSeconds(LastOf(recording) - FirstOf(recording));
 }
 
-/// A run on the clip's time line, and its words.
+/// One run on the clip's time line, with its captions.
 struct Side {
   render::Snapshots snapshots;
   render::Snapshots before;
@@ -144,12 +144,12 @@ class Comparison::Impl {
  private:
   using Painter = render::FramePainter;
 
-  /// As late as either run goes, on the first's clock.
+  /// The end of the longer run, on the first's clock.
   [[nodiscard]] Time LastOfBoth() const {
     return std::max(LastOf(first_), LastOf(second_) - FirstOf(second_) + FirstOf(first_));
   }
 
-  // Painters are shared, since a function is copied; each has one user all the same.
+  // Painters are shared only because std::function copies; each has one user.
   [[nodiscard]] render::DrawFrame NewSplit() const {
     return [left = std::make_shared<Painter>(left_.film, settings_.film),
             right = std::make_shared<Painter>(right_.film, settings_.film)](std::size_t frame) {

@@ -39,7 +39,7 @@ double DistanceFromSegment(const Vector3& p, const Vector3& a, const Vector3& b)
   return std::sqrt(Dot(off, off));
 }
 
-/// Draws pictures of a recording, each with words of its own.
+/// Draws pictures of a recording, each with its own caption.
 class Page {
  public:
   Page(const Recording& recording, const render::FilmSettings& settings)
@@ -76,7 +76,7 @@ class Page {
                               : fmt::format("only {}", fmt::join(ids, ", "))));
 }
 
-/// The frame in which the end effector is furthest from a plan's way, and how far that is.
+/// The frame of the largest distance of the end effector from a plan's path, and that distance.
 std::pair<std::size_t, double> Furthest(const Recording& recording,
                                         const record::PlanRecord& plan) {
   const std::size_t first = FrameAt(recording.snapshots(), plan.from);
@@ -92,7 +92,7 @@ std::pair<std::size_t, double> Furthest(const Recording& recording,
 }
 
 render::Image DrawGrid(const Recording& recording, Page page) {
-  constexpr double kArrow = 0.03;  // of a push of 10 N, 30 cm: the hand hides none of it
+  constexpr double kArrow = 0.03;  // 30 cm for a push of 10 N, so that the hand does not hide it
   page.settings().overlays = {.text = page.settings().overlays.text, .forces = true};
   page.settings().newton_m = kArrow;
   std::vector<render::Image> pictures;

@@ -33,10 +33,10 @@ ArmSample SampleOf(const rt::CycleRecord& cycle) {
   return sample;
 }
 
-/// What a log holds for pictures. Takes its records as std::visit gives them.
+/// The parts of a log for rendering. Visitor of its records.
 class Contents {
  public:
-  /// @param fps  at which the arm is sampled. @param scenes  gets the scenes.
+  /// @param fps  rate at which the arm is sampled. @param scenes  receives the scenes.
   /// @param log  for messages.
   Contents(int fps, render::Snapshots& scenes, const std::filesystem::path& log)
       : fps_(fps), scenes_(scenes), log_(log) {}
@@ -57,7 +57,7 @@ class Contents {
   }
   void operator()(const record::PlanRecord& plan) { plans.push_back(plan); }
 
-  std::vector<ArmSample> arm;  ///< one for each frame: the first cycle at or after its instant
+  std::vector<ArmSample> arm;  ///< one per frame: the first cycle at or after its instant
   std::vector<record::PlanRecord> plans;
   std::vector<record::EventRecord> events;
 
@@ -103,7 +103,7 @@ class Recording::Impl {
   FrameSource source = FrameSource::kScenes;
   std::vector<record::PlanRecord> plans;
   std::vector<record::EventRecord> events;
-  std::optional<render::Snapshots> snapshots;  ///< always there after construction
+  std::optional<render::Snapshots> snapshots;  ///< always set after construction
 
  private:
   Impl(const std::filesystem::path& log, record::LogReader reader, const run::RunFiles& files,
@@ -150,8 +150,7 @@ class Recording::Impl {
   }
 };
 
-Recording::Recording(const std::filesystem::path& log, const run::RunFiles& files,
-                     int least_fps)
+Recording::Recording(const std::filesystem::path& log, const run::RunFiles& files, int least_fps)
     : impl_(std::make_unique<Impl>(log, files, least_fps)) {}
 
 Recording::~Recording() = default;

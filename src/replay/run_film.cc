@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostLetters = 48;
 
-/// A line that fits into a picture, in the letters that its font has.
+/// Cuts a text to one line of a picture, in the characters of its font.
 std::string LineOf(std::string_view text) {
   std::string line(text.substr(0, text.find('\n')));
   std::erase_if(line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; });
@@ -28,7 +28,7 @@ std::string TextOf(const control::Parameter& parameter) {
              : fmt::format("{} {}", parameter.key, parameter.values.front());
 }
 
-/// Whether a parameter of a controller is what people call a gain.
+/// True if a controller's parameter is a gain.
 bool IsGain(std::string_view key) {
   constexpr std::array<std::string_view, 7> kWords = {"stiffness", "damping", "gain", "k0",
                                                       "p",         "i",       "d"};
@@ -50,7 +50,7 @@ std::string TitleOf(const scenario::Scenario& scenario) {
   return fmt::format("{}\n{}", LineOf(scenario.name), LineOf(gains));
 }
 
-/// A step's text goes into detail after its first comma.
+/// Drops the details after a completed step's first comma.
 std::string NoteOf(const record::EventRecord& event) {
   std::string_view text = event.text;
   if (event.kind == "step" && text.find(": done") != std::string_view::npos) {
@@ -81,7 +81,7 @@ render::Film FilmOfRun(const mjModel_& model, const render::Snapshots& snapshots
                           .way = plan.way,
                           .object = plan.object,
                           .O_T_object = plan.O_T_object});
-    // What a caption says behind a semicolon is about the pair of pictures of a report.
+    // The caption's part after a semicolon refers to a report's pair of pictures.
     const std::string_view caption =
         std::string_view(plan.caption).substr(0, plan.caption.find(';'));
     if (!caption.empty()) film.notes.push_back({plan.from, LineOf(caption)});

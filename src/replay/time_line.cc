@@ -18,7 +18,7 @@ double Seconds(Time time) {
   return ToSeconds(time.time_since_epoch());
 }
 
-/// Whole nanoseconds as a run's camera counts them, so that at speed 1 the instants are its own.
+/// Integer nanoseconds as in the run's camera, so that at speed 1 the instants are the same.
 Duration Since(std::size_t frame, const TimeLine& line) {
   const std::int64_t film_ns = static_cast<std::int64_t>(frame) * kNanosecondsPerSecond / line.fps;
   if (line.speed == 1) return Duration(film_ns);

@@ -68,10 +68,9 @@ struct Request {
 
 /// Timing of a simulated robot in real time.
 struct RobotTimings {
-  rt::DurationHistogram lateness;  ///< of a cycle's start
-  std::uint64_t overruns = 0;      ///< whole periods skipped
-  std::uint64_t commands_lost =
-      0;  ///< lost because the robot stopped reading until the queue was full
+  rt::DurationHistogram lateness;    ///< of a cycle's start
+  std::uint64_t overruns = 0;        ///< whole periods skipped
+  std::uint64_t commands_lost = 0;   ///< lost at a full queue: the robot did not read
   std::vector<std::string> notices;  ///< permissions that its thread did not get
 };
 

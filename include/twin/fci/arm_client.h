@@ -37,9 +37,8 @@ enum class Reception : std::uint8_t {
 
 /// Datagrams rejected at the state socket.
 struct ReceptionCounts {
-  std::uint64_t old = 0;  ///< not newer than the last accepted state: late or duplicated
-  std::uint64_t ahead =
-      0;  ///< an id that the robot cannot have reached since the last accepted state
+  std::uint64_t old = 0;    ///< not newer than the last accepted state: late or duplicated
+  std::uint64_t ahead = 0;  ///< an id that the robot cannot have reached yet
   /// Not from the robot's address, or not from the port of the first state; counts only those that
   /// the kernel let in (UdpSocket::ListenOnlyTo).
   std::uint64_t foreign = 0;

@@ -8,18 +8,18 @@
 
 namespace twin::golden {
 
-/// What an approval makes of a golden.
+/// Result of an approval.
 struct Approved {
   Golden golden;
-  bool changed = true;  ///< else everything was approved before, and nothing need be written
+  bool changed = true;  ///< false: everything was already approved, and nothing is written
 };
 
-/// Takes a run as right. Pictures that look the same as those approved (Compare() passes) stay what
-/// they are, so that many approvals cannot drift away: only hashes that are not known are added.
-/// Pictures that do not, or of other views, replace the old ones, and so do their hashes.
-/// @param old  what was approved until now; absent: nothing.
+/// Approves a run. If its pictures look like the approved ones (Compare() passes), these stay, so
+/// that many approvals cannot drift, and only new hashes are added. Otherwise, and for other views,
+/// its pictures and hashes replace the old ones.
+/// @param old  the previous golden; nullopt without one.
 /// @param reason  in the user's words. @param version  of the program.
-/// @throws InputError when the reason is blank; EnvironmentError as Compare.
+/// @throws InputError if the reason is blank; EnvironmentError as Compare.
 [[nodiscard]] Approved Approve(const std::optional<Golden>& old, const Evidence& evidence,
                                const std::string& reason, const std::string& version);
 

@@ -4,11 +4,11 @@
 
 namespace twin::golden {
 
-/// Keeps others from approving into a folder of cases for as long as it lives, be it in other
-/// processes or by another lock. Where the file system knows no locks, it does nothing.
+/// Excludes other approvals into a folder of cases for its lifetime, from other processes and other
+/// locks. No effect on file systems without locks.
 class GoldensLock {
  public:
-  /// @throws EnvironmentError naming the folder when another holds it, or it cannot be opened.
+  /// @throws EnvironmentError naming the folder if it is locked or cannot be opened.
   explicit GoldensLock(const std::filesystem::path& goldens);
   ~GoldensLock();
   GoldensLock(const GoldensLock&) = delete;

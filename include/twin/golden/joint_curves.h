@@ -9,16 +9,16 @@
 
 namespace twin::golden {
 
-/// Where the joints were over a run, thinned out for a plot.
+/// Joint positions over a run, thinned for a plot.
 struct JointCurves {
   static constexpr std::size_t kMostPoints = 1200;
 
-  std::vector<double> t;                           ///< s, of the robot's time
+  std::vector<double> t;                           ///< s, robot time
   std::array<std::vector<double>, kJoints> q{};    ///< measured, rad, by joint
   std::array<std::vector<double>, kJoints> q_d{};  ///< the reference, rad, by joint
 };
 
-/// Reads a log in one pass, keeping each second point whenever there are too many.
+/// Reads a log in one pass, halving the number of points whenever it exceeds the limit.
 /// Threads: one thread. Real-time: no. @throws as record::LogReader.
 [[nodiscard]] JointCurves ReadJointCurves(const std::filesystem::path& log);
 

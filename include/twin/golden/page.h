@@ -10,10 +10,10 @@
 
 namespace twin::golden {
 
-/// What is told of one case.
+/// Report data of one case.
 struct CaseResult {
   std::string name;
-  std::string run;      ///< scenario, lab, seed: a line for people
+  std::string run;      ///< scenario, lab, seed: one line for users
   std::string approve;  ///< the command that approves it
   Comparison comparison{};
   Golden golden{};
@@ -21,17 +21,17 @@ struct CaseResult {
   JointCurves joints{};
 };
 
-/// One HTML page that needs no other file and no network: of each case the verdict, the gates with
-/// values and limits, expected, actual and difference of every frame (key pictures whole, others
-/// small) by a slider, the two changing places under the mouse, the joints under them with a mark
-/// at the frame, and the command that approves it. The same results give the same bytes.
+/// A self-contained HTML page. For each case: the verdict; the gates with values and limits; a
+/// slider over the frames with expected, actual and difference (key pictures in full size, others
+/// small), swapping the first two under the mouse; the joints with a mark at the frame; and the
+/// command that approves the case. The same results give the same bytes.
 /// @throws EnvironmentError as report::DrawChart.
 [[nodiscard]] std::string PageOf(std::span<const CaseResult> results);
 
-/// Whether a file is a page that PageOf() made; one that cannot be read is none.
+/// True if a file is a page of PageOf(); false if it cannot be read.
 [[nodiscard]] bool IsPage(const std::filesystem::path& file);
 
-/// The same for machines, as JUnit's XML: a test case each, whose failure is the verdict.
+/// The results as JUnit XML: one test case each, with the verdict as its failure.
 [[nodiscard]] std::string JUnitOf(std::span<const CaseResult> results);
 
 }  // namespace twin::golden

@@ -12,29 +12,29 @@ namespace twin::golden {
 inline constexpr int kSignatureWidth = 32;
 inline constexpr int kSignatureHeight = 24;
 
-/// A picture made so small that every frame of a film can be kept: each of its pixels is the
-/// rounded mean of a box of the picture's; the boxes cover it without gap or overlap, box i from
-/// floor(i * size / count) on. What moves by a fraction of a box shows in its grey.
-/// @pre the picture is at least of a signature's size.
+/// Downscales a picture so that every frame of a film can be stored: each pixel is the rounded mean
+/// of a box; the boxes cover the picture without gap or overlap, box i starting at floor(i * size /
+/// count). Motion by a fraction of a box changes its grey level.
+/// @pre the picture is not smaller than a signature.
 [[nodiscard]] render::Image SignatureOf(const render::Image& picture);
 
-/// The largest difference of two signatures.
+/// Largest difference of two signatures.
 struct SignatureDifference {
-  int levels = 0;  ///< of the channel most off, 8-bit
-  int column = 0;  ///< where
+  int levels = 0;  ///< of the channel with the largest difference, 8-bit
+  int column = 0;  ///< its position
   int row = 0;
 };
-/// @pre both are of a signature's size.
+/// @pre both have a signature's size.
 [[nodiscard]] SignatureDifference CompareSignatures(const render::Image& expected,
                                                     const render::Image& actual);
 
-/// All signatures of a film as one picture, row by row, kStripColumns in a row; the last row is
-/// filled up with black. @pre there is one, and all are of a signature's size.
+/// All signatures of a film as one picture, row by row, kStripColumns per row; the last row is
+/// padded with black. @pre at least one, all of a signature's size.
 inline constexpr int kStripColumns = 16;
 [[nodiscard]] render::Image JoinSignatures(std::span<const render::Image> signatures);
 
-/// The first `count` signatures out of such a picture.
-/// @returns nothing when the picture is not of the size that many make.
+/// The first `count` signatures of such a picture.
+/// @returns an empty vector if the picture's size does not match `count`.
 [[nodiscard]] std::vector<render::Image> SplitSignatures(const render::Image& strip,
                                                          std::size_t count);
 

@@ -24,11 +24,10 @@ struct PlannerOptions {
   /// checked points of a path. Between checked points nothing moves by more than twice this, so
   /// nothing touches there either.
   double clearance = 0.01;
-  double limit_margin =
-      0.01;             ///< rad, distance from the joint limits, unless start or goal is closer
-  double range = 1.0;   ///< length of a branch of the search trees, rad
-  int shortcuts = 150;  ///< attempts to shorten the path
-  reference::Timing pace{};  ///< shares of the limits; without a duration
+  double limit_margin = 0.01;  ///< rad, from the joint limits; less at a closer start or goal
+  double range = 1.0;          ///< length of a branch of the search trees, rad
+  int shortcuts = 150;         ///< attempts to shorten the path
+  reference::Timing pace{};    ///< shares of the limits; without a duration
 
   /// @throws InputError naming field, value and range.
   void Validate() const;

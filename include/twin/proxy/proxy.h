@@ -28,9 +28,8 @@ struct ProxyConfig {
   rt::DirectionConfig state;    ///< faults of datagrams from the robot
   rt::DirectionConfig command;  ///< faults of datagrams to the robot
   std::uint64_t seed = 1;       ///< of the faults
-  int fifo_priority =
-      99;  ///< of the UDP threads, so that nothing delays relaying; 0: normal priority
-  std::optional<int> cpu;                               ///< of the UDP threads
+  int fifo_priority = 99;       ///< of the UDP threads: nothing delays relaying; 0: normal
+  std::optional<int> cpu;       ///< of the UDP threads
   Duration connect_timeout = std::chrono::seconds(10);  ///< for a client's Connect
   Duration reach_timeout = std::chrono::seconds(3);     ///< for the connection to the robot
 

@@ -11,30 +11,31 @@
 
 namespace twin::replay {
 
-/// A page of pictures, as the paper's figures show its applications.
+/// Arrangement of pictures, as in the paper's figures of its applications.
 enum class Layout : std::uint8_t {
-  kGrid,   ///< 2 x 2: compliance A, B, C, D, each where the arm is furthest from its way, with what
-           ///< pushes it as an arrow and the way as dots
-  kStrip,  ///< of six plans: above, when it was planned, with its goal as a ghost; below, done
-  kTriple,  ///< of each plan a row: initial, plan with ghost and way, final
+  kGrid,    ///< 2 x 2: compliance A to D, each at the arm's largest deviation from its path, with
+            ///< pushes as arrows and the path as dots
+  kStrip,   ///< six plans: above, at planning time, with the goal as a ghost; below, when done
+  kTriple,  ///< one row per plan: initial, plan with ghost and path, final
 };
 
-/// @throws InputError when there is none of this name (names those there are).
+/// @throws InputError if the name is unknown (lists the known ones).
 [[nodiscard]] Layout LayoutFromName(std::string_view name);
 
-/// Draws a layout, each picture of the settings' size, between borders.
+/// Draws a layout; each picture has the settings' size and a border.
 ///
-/// A strip of more than six plans takes six, evenly spaced, the first and the last among them. What
-/// is furthest is sought in the snapshots, from when a plan was made until it was done: the largest
-/// distance of the end effector from the plan's way, or from where it was, of a plan without one.
+/// A strip of more than six plans takes six, evenly spaced, with the first and the last. The
+/// largest deviation is searched in the snapshots between a plan's start and end: the largest
+/// distance of the end effector from the plan's path, or from its start position if the plan has no
+/// path.
 ///
-/// @param settings  edges are smoothed, and overlays are the layout's own but for the text.
-/// Threads: any. @throws InputError when the log lacks the plans it takes (names those it has);
-/// what render::FramePainter throws.
+/// @param settings  edges are smoothed; the layout sets the overlays except the text.
+/// Threads: any. @throws InputError if the log lacks the required plans (lists those it has); the
+/// errors of render::FramePainter.
 [[nodiscard]] render::Image DrawLayout(const Recording& recording, Layout layout,
                                        const render::FilmSettings& settings);
 
-/// How far a point is from a way of points, joined by straight lines; m.
+/// Distance of a point from a polyline, m.
 /// @pre at least one point.
 [[nodiscard]] double DistanceFromWay(const Vector3& point, std::span<const Vector3> way);
 

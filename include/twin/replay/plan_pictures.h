@@ -8,20 +8,20 @@
 
 namespace twin::replay {
 
-/// Still pictures of what was planned and what came of it: edges are smoothed, overlays but those
-/// of forces and contacts taken away.
+/// Still pictures of plans and their results, with smoothed edges and without overlays except
+/// forces and contacts.
 ///
-/// Threads: one at a time, any. Errors: those of render::FramePainter.
+/// Threads: any, one at a time. Errors: those of render::FramePainter.
 class PlanPictures {
  public:
-  /// @param film  what it refers to must outlive this. @pre it has a frame.
+  /// @param film  its references must outlive this object. @pre it has a frame.
   PlanPictures(const render::Film& film, render::FilmSettings settings);
 
-  /// When it was planned; a plan is one of the film's goals, as in the following.
+  /// At planning time. @param plan  here and below: one of the film's goals.
   [[nodiscard]] render::Image Before(const render::PlannedGoal& plan);
-  /// The same with its goal as a ghost and its way as a line.
+  /// As Before(), with the goal as a ghost and the path as a line.
   [[nodiscard]] render::Image Planned(const render::PlannedGoal& plan);
-  /// When it was done.
+  /// When the plan was done.
   [[nodiscard]] render::Image Done(const render::PlannedGoal& plan);
 
  private:
@@ -29,7 +29,7 @@ class PlanPictures {
   render::FramePainter painter_;
 };
 
-/// The last frame at or before an instant; the first one when there is none.
+/// The last frame at or before an instant; the first frame if there is none.
 [[nodiscard]] std::size_t FrameAt(const render::Snapshots& snapshots, Time at);
 
 }  // namespace twin::replay

@@ -18,27 +18,27 @@ struct mjModel_;
 
 namespace twin::replay {
 
-/// What a recording's frames come from.
+/// Source of a recording's frames.
 enum class FrameSource : std::uint8_t {
-  kScenes,  ///< from /scene: where everything really was, and what pressed on what
-  kStates,  ///< from /robot/cycle: the arm by its measured q; the hand open and all else where the
-            ///< scenario puts it, for nobody recorded that
+  kScenes,  ///< from /scene: the true positions and contact forces
+  kStates,  ///< from /robot/cycle: the arm by its measured q; the hand open and all else at its
+            ///< initial pose, because no record has them
 };
 
-/// A log made ready for pictures: of a simulated run, or of one on hardware; of a motion or an
-/// application; whole, or of a run that was killed.
+/// A log prepared for rendering: of a simulated run or one on hardware, of a motion or an
+/// application, complete or of a killed run.
 ///
-/// The model is compiled from the scenario in the log, as it was for the run: same robot, scene,
-/// seed-drawn objects. Robots, scenes and meshes are those of `files`: what is drawn follows them.
+/// The model is compiled from the scenario in the log, as for the run: same robot, scene and random
+/// objects. Robots, scenes and meshes come from `files`: pictures follow their changes.
 ///
-/// Threads: one thread; constant after construction.
+/// Threads: one thread; immutable after construction.
 class Recording {
  public:
-  /// @param least_fps  a log without scenes is sampled so often, in [0, 1000] per second of the
-  /// robot's time, or as often as its scenario's video where that is more.
-  /// @throws InputError when the log is damaged, tells no scenario, holds neither scenes nor
-  /// cycles, or its scenes do not fit the model that is made of its scenario now; and as
-  /// record::LogReader, scenario::Parse, plant::CompileModel.
+  /// @param least_fps  sampling rate of a log without scenes, in [0, 1000] per second of robot
+  /// time; the rate of its scenario's video counts if higher.
+  /// @throws InputError if the log is damaged, has no scenario, has neither scenes nor cycles, or
+  /// its scenes do not fit the model compiled now; and as record::LogReader, scenario::Parse,
+  /// plant::CompileModel.
   Recording(const std::filesystem::path& log, const run::RunFiles& files, int least_fps = 0);
   ~Recording();
   Recording(Recording&&) noexcept;
@@ -47,22 +47,22 @@ class Recording {
   [[nodiscard]] const record::RunInfo& run() const noexcept;
   [[nodiscard]] const scenario::Scenario& scenario() const noexcept;
   [[nodiscard]] FrameSource source() const noexcept;
-  /// Whether the run was killed before the log was finished: there are no plans then.
+  /// True if the run was killed before the log was finished; it then has no plans.
   [[nodiscard]] bool truncated() const noexcept;
 
   [[nodiscard]] const mjModel_& model() const noexcept;
-  /// In order of time; at least one. Their rate is that of the scenario's video, or the one that
-  /// was asked for.
+  /// Ordered by time; at least one. Their rate is that of the scenario's video, or the requested
+  /// one.
   [[nodiscard]] const render::Snapshots& snapshots() const noexcept;
-  /// Where the arm is in positions of the model, rad. @pre of the model's size.
+  /// The arm's joints in the model's positions, rad. @pre of the model's size.
   [[nodiscard]] JointVector ArmIn(std::span<const double> qpos) const;
-  /// Where its end effector is in a snapshot, as the robot was told of it; world, m.
+  /// Position of the end effector in a snapshot, by the robot's EE frame; world, m.
   /// @pre frame < snapshots().size()
   [[nodiscard]] Vector3 ToolAt(std::size_t frame) const;
   [[nodiscard]] const std::vector<record::PlanRecord>& plans() const noexcept;
   [[nodiscard]] const std::vector<record::EventRecord>& events() const noexcept;
 
-  /// As FilmOfRun(). Refers to this, which must outlive it.
+  /// As FilmOfRun(). Refers to this object, which must outlive it.
   [[nodiscard]] render::Film Film() const;
 
  private:

@@ -34,9 +34,8 @@ struct ServedRobotSettings {
   std::optional<robot::LockstepOptions> lockstep{};
   /// The robot's thread. Absent: real-time priority on the wall clock, normal priority in lockstep.
   std::optional<rt::ThreadSettings> thread{};
-  rt::RecordSink* sink =
-      nullptr;        ///< receives INT's cycle records on the robot's thread; may be null
-  TellPeople tell{};  ///< may be empty
+  rt::RecordSink* sink = nullptr;  ///< gets INT's cycle records on the robot's thread; may be null
+  TellPeople tell{};               ///< may be empty
 };
 
 /// An emulated robot and its server on this machine: plant, robot, UDP port and connections.
