@@ -14,7 +14,7 @@
 namespace twin::scenario {
 namespace {
 
-/// The keys of a lab. @param description  for people, and not kept.
+/// Adds the keys of a lab.
 void DescribeLab(Map& map, Scenario& scenario, std::string& description) {
   map.Add("description", Text(description), "For people.");
   map.Add("plant", SectionOf(scenario.plant), "As in scenarios.");

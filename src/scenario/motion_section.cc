@@ -6,7 +6,7 @@
 #include "scenario/sections.h"
 #include "twin/reference/trajectory_file.h"
 
-// The sections motion, application and max_deviation.
+// The sections motion and max_deviation.
 namespace twin::scenario {
 
 using enum Dimension;
@@ -75,7 +75,7 @@ Value TrajectoryOf(MotionSection& motion, const std::filesystem::path& folder) {
                 in_place, [] { return false; });
 }
 
-/// An absolute vector, or else one against the pose before.
+/// Adds an absolute vector and its relative alternative.
 void AddEither(Map& map, const char* absolute, std::optional<Vector3>& value, const char* relative,
                Vector3& step, Dimension dimension, double most) {
   map.Add(absolute, Optional(value, [=](Vector3& v) { return Vector(v, dimension, -most, most); }),
@@ -130,7 +130,7 @@ Value PosesOf(MotionSection& motion) {
   return poses;
 }
 
-/// A pose of which nothing may be left out.
+/// A pose with all its keys required.
 Value PoseOf(FramePose& pose) {
   return Section([&pose](Map& map) {
     Describe(map, pose);

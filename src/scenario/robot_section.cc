@@ -42,7 +42,7 @@ Value Torques(JointVector& torques) {
   return Joints(torques, kTorque);
 }
 
-/// A threshold without a suffix is of both sets.
+/// Adds a threshold without suffix, which sets both thresholds.
 template <typename Bind, typename Values>
 void AddBoth(Map& map, std::string key, Bind bind, Values& acc, Values& nominal,
              std::string_view meaning) {

@@ -12,7 +12,7 @@ static void Describe(Map& map, ApplicationSection& application, Place& place) {
 
 namespace {
 
-/// A section that may be absent, and remembers a name's place.
+/// A section that may be absent and that remembers the place of a name.
 template <typename T>
 Value OptionalSection(std::optional<T>& section, Place& place) {
   return Optional(section, [&place](T& one) {
@@ -20,7 +20,7 @@ Value OptionalSection(std::optional<T>& section, Place& place) {
   });
 }
 
-/// What the other sections imply for what tick and controller do not say.
+/// Sets the defaults of tick and controller that depend on loop and motion.
 void SetDefaults(Scenario& scenario) {
   const bool is_torque = scenario.motion.interface == control::CommandInterface::kTorque;
   scenario.tick = is_torque ? TorqueTick() : TickSection{};

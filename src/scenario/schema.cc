@@ -11,7 +11,7 @@
 namespace twin::scenario {
 namespace {
 
-/// A default as it is written, for JSON: numbers and truth values as such, all else as text.
+/// Converts a default to JSON: numbers and truth values as such, all else as text.
 Json FromYaml(const YAML::Node& node) {
   Json json = node.IsMap() ? Json::object() : Json::array();
   for (const auto& item : node) {
@@ -136,7 +136,7 @@ void Map::Schema(Json& schema, Json& definitions) const {
       schema["required"].push_back(entry.key);
     } else if (!text.empty() && !Holds(one_of_, entry.key) &&
                (text.front() != '{' || property.value("title", "").starts_with("{unit"))) {
-      property["default"] = FromYaml(YAML::Load(text));  // but of a map each key has its own
+      property["default"] = FromYaml(YAML::Load(text));  // the keys of a map have their own
     }
     schema["properties"][entry.key] = std::move(property);
   }
@@ -170,7 +170,7 @@ Value Defined(std::string name, std::string_view meaning, Value value) {
   value.schema = [name, meaning, define = value.schema](Json& schema, Json& definitions) {
     schema["$ref"] = "#/$defs/" + name;
     if (definitions.contains(name)) return;
-    definitions[name] = nullptr;  // keeps its place before those that it uses
+    definitions[name] = nullptr;  // reserves a place before the definitions it uses
     Json definition;
     define(definition, definitions);
     definition["description"] = meaning;

@@ -32,7 +32,7 @@ namespace twin::scenario {
 
 using Json = nlohmann::ordered_json;
 
-/// What a file says of one variable. It is bound to the variable, which must outlive it.
+/// The spelling of one variable in a file. It refers to the variable, which must outlive it.
 ///
 /// Threads: one thread.
 struct Value {
@@ -47,7 +47,8 @@ struct Value {
   std::function<void(Json& schema, Json& definitions)> schema = [](Json&, Json&) {};
 };
 
-/// The keys of a map and what each is bound to, in the order in which they are read and written.
+/// The keys of a map and their values. The reader and the writer keep the order of the calls of
+/// Add.
 class Map {
  public:
   using Hook = std::function<void(const YamlNode&)>;
@@ -64,38 +65,38 @@ class Map {
     Entry& OmitIf(bool omitted);
     /// Runs with the key's node after the key was read.
     Entry& Then(Hook hook);
-    /// Remembers name and place of what only a run can judge.
+    /// Remembers name and place for errors that only a run can find.
     Entry& At(Place& place);
   };
 
   /// @param meaning  one sentence for people; must outlive the map: a literal.
   Entry& Add(std::string key, Value value, std::string_view meaning = {});
-  /// The same of a key that must be given.
+  /// Adds a key that a file must give.
   Entry& Require(std::string key, Value value, std::string_view meaning = {});
-  /// All keys so far must be given.
+  /// Makes all keys so far required.
   void RequireAll();
-  /// Exactly one of the keys so far must be given, beside `other`.
+  /// A file must give exactly one of the keys so far; `other` does not count.
   void ExactlyOne(std::string_view other = {});
-  /// The same in the JSON Schema only: a hook refuses what else is given.
+  /// The same in the JSON Schema only; a hook checks what a file gives.
   void DescribeOneOf(std::vector<std::string_view> keys) { one_of_ = std::move(keys); }
   /// Runs with the map's node when its keys are known, before the first value is read.
   void Before(Hook hook) { before_ = std::move(hook); }
-  /// These keys are read after the others.
+  /// The reader takes these keys after the others.
   void ReadLast(std::vector<std::string_view> keys) { last_ = std::move(keys); }
-  /// A key of former versions. @param what  says what to do, where it is given.
+  /// Refuses a key of former versions. @param what  the message: what to do.
   void Renamed(std::string_view from, std::string_view what) { renamed_.emplace_back(from, what); }
-  /// Remembers where the map stands in its file.
+  /// Remembers the place of the map in its file.
   void Where(std::string& where) { where_ = &where; }
 
   [[nodiscard]] std::vector<std::string_view> Keys() const;
 
-  // What was given. @pre in a hook.
+  // The map as the file gives it. @pre called in a hook.
   [[nodiscard]] const YamlNode& node() const { return *node_; }
   [[nodiscard]] std::optional<YamlNode> Given(std::string_view key) const;
   /// @throws InputError when the key is missing.
   [[nodiscard]] YamlNode MustBeGiven(std::string_view key) const;
 
-  // As those of Value.
+  // As the functions of Value.
   void Read(const YamlNode& node);
   [[nodiscard]] std::string Write(int indent) const;
   void Check(const std::string& key) const;
@@ -104,7 +105,7 @@ class Map {
  private:
   std::vector<Entry> entries_;
   Hook before_;
-  bool is_one_of_ = false;  ///< one_of_ is required of what is read, too
+  bool is_one_of_ = false;  ///< the reader requires one_of_, too
   std::vector<std::string_view> one_of_, last_;
   std::vector<std::pair<std::string_view, std::string_view>> renamed_;
   std::string* where_ = nullptr;
@@ -127,13 +128,13 @@ template <typename T>
   return Section([&section](Map& map) { Describe(map, section); }, style);
 }
 
-/// A value under a name in the JSON Schema's `$defs`: for what several keys take.
+/// Puts a value that several keys take under a name into the JSON Schema's `$defs`.
 [[nodiscard]] Value Defined(std::string name, std::string_view meaning, Value value);
 
-/// What values must be together. @param validate  throws InputError when they are not.
+/// Adds a check of the whole value. @param validate  throws InputError that says what is wrong.
 [[nodiscard]] Value Validated(Value value, std::function<void()> validate);
 
-/// A value of a T that may not be there. @param bind  the Value of a T&.
+/// A value of a T that may be absent. @param bind  makes the Value of a T&.
 template <typename T, typename Bind>
 [[nodiscard]] Value Held(std::function<T*()> find, std::function<T&()> emplace, Bind bind) {
   return {.read = [=](const YamlNode& node) { bind(emplace()).read(node); },
@@ -155,7 +156,7 @@ template <typename T, typename Bind>
                  [&value]() -> T& { return value.emplace(); }, bind);
 }
 
-/// The alternative T of a variant, which holds it once it was read.
+/// The alternative T of a variant; reading it makes the variant hold a T.
 template <typename T, typename Variant, typename Bind>
 [[nodiscard]] Value Alternative(Variant& variant, Bind bind) {
   return Held<T>([&variant] { return std::get_if<T>(&variant); },
@@ -203,7 +204,7 @@ template <typename T>
       list, [](T& item) { return SectionOf(item); }, Style::kBlock);
 }
 
-/// A single value, or a map or list. @param is_scalar  whether the former is written.
+/// A single value, or else a map or list. @param is_scalar  says which one the writer takes.
 [[nodiscard]] Value Either(Value scalar, Value other, std::function<bool()> is_scalar);
 /// A word that stands for a value of the variable, or the value itself.
 [[nodiscard]] Value OrWord(std::string_view word, std::function<bool()> is_word,
@@ -224,10 +225,10 @@ template <typename T, typename Bind, typename Set>
 
 // Single values. A range is in the dimension's base unit.
 [[nodiscard]] Value Text(std::string& text);
-/// 1 to 64 letters, digits, '_' and '-', which only the check requires.
+/// 1 to 64 letters, digits, '_' and '-'. The check requires it; the reader takes any text.
 [[nodiscard]] Value Identifier(std::string& name);
 [[nodiscard]] bool IsNameLetter(char c);
-/// A text that means something to `read` only. @param pattern  of the JSON Schema.
+/// A text that `read` interprets. @param pattern  regular expression for the JSON Schema.
 [[nodiscard]] Value Word(std::string_view title, std::string_view pattern,
                          std::function<void(const YamlNode&)> read);
 [[nodiscard]] Value Bool(bool& value);
@@ -240,9 +241,12 @@ template <typename T>
       [least, most](std::uint64_t& held) { return Integer(held, least, most); },
       [&value](std::uint64_t held) { value = static_cast<T>(held); });
 }
-/// Of random numbers: any whole number.
+/// A seed of random numbers: any whole number.
 [[nodiscard]] Value Seed(std::uint64_t& seed);
 [[nodiscard]] Value Quantity(double& value, Dimension dimension, double least, double most);
+/// A quantity whose dimension depends on another key. @param all  all its dimensions.
+[[nodiscard]] Value QuantityIn(double& value, Dimension dimension, std::vector<Dimension> all,
+                               double least, double most);
 [[nodiscard]] Value TimeSpan(Duration& value, Duration least, Duration most);
 /// [x, y, z].
 [[nodiscard]] Value Vector(std::span<double, 3> value, Dimension dimension, double least,
@@ -250,7 +254,7 @@ template <typename T>
 /// [x, y, z], or one value for all.
 [[nodiscard]] Value Axes(std::span<double, 3> value, Dimension dimension, double least,
                          double most);
-/// A list of so many values. @param wrong_count  of a message; {} stands for the count given.
+/// A list of fixed length. @param wrong_count  message for another length, which replaces {}.
 [[nodiscard]] Value Array(std::span<double> values, std::function<Value(double&)> bind,
                           std::string wrong_count);
 /// 7 plain numbers in a unit that is read before them.
@@ -264,9 +268,9 @@ template <typename T>
 /// A map of plain values, lists of plain values, and such maps, made flat: the keys dotted. Only a
 /// controller, an application or a device understands it.
 [[nodiscard]] Value Parameters(control::Parameters& parameters);
-/// {}.
+/// An empty map.
 [[nodiscard]] Value NoValues();
-/// What is not read.
+/// A value that nothing reads.
 [[nodiscard]] Value Anything();
 
 /// One of some names, by its index.

@@ -15,14 +15,14 @@ inline constexpr Duration kDay = std::chrono::hours(24);
 
 [[nodiscard]] Value DelayOf(Delay& delay);
 [[nodiscard]] Value LossOf(Loss& loss);
-/// The four keys of one direction; its name is in front of each: "state_delay".
+/// Adds the four keys of one direction, with its name as prefix: "state_delay".
 void DescribeDirection(Map& map, const std::string& name, DirectionSection& direction);
-/// "off" (kLowPassOff), or a low-pass's cut-off frequency.
+/// The cut-off frequency of a low-pass, or off (kLowPassOff).
 [[nodiscard]] Value Cutoff(double& cutoff_hz);
-/// Of a clock against the run's, ppm.
+/// The drift of a clock against the run's, ppm.
 [[nodiscard]] Value Drift(double& ppm);
 [[nodiscard]] Value LoadOf(setting::Load& load);
-/// How fast a motion is: shares of the limits. @param least  of each.
+/// Adds the shares of the limits that set the pace of a motion. @param least  lower bound of each.
 void DescribeShares(Map& map, reference::Timing& timing, double least);
 
 void Describe(Map& map, BaseSection& base, Place& place);

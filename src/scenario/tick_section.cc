@@ -2,8 +2,8 @@
 
 #include "scenario/sections.h"
 
-// The sections tick and controller: what the workstation does. Read after loop and motion, on which
-// their defaults depend.
+// The sections tick and controller. Their defaults depend on loop and motion, so the reader takes
+// them last.
 namespace twin::scenario {
 
 using enum Dimension;
@@ -12,7 +12,7 @@ namespace {
 
 constexpr Duration kLongestPhase = std::chrono::seconds(10);
 
-/// A path is against the scenario's folder.
+/// A path relative to the scenario's folder.
 Value Library(Scenario& scenario) {
   std::filesystem::path& library = scenario.controller.library;
   Place& place = scenario.places.library;
@@ -106,10 +106,12 @@ void DescribeController(Map& map, Scenario& scenario) {
   map.Add("parameters", Parameters(controller.parameters), "Parameters of the controller.")
       .OmitIf(is_free || controller.parameters.empty())
       .Then(require_type);  // whose parameters they are
+  const Dimension dimension = DimensionOf(scenario.motion.interface);
   map.Add("target_noise",
-          Quantity(controller.target_noise, DimensionOf(scenario.motion.interface), 0, 1),
-          "Uniform noise of up to so much on every value that it deposits, in the unit of "
-          "motion.interface (a pose: m).")
+          QuantityIn(controller.target_noise, dimension,
+                     {kAngle, kAngularVelocity, kLength, kTorque}, 0, 1),
+          "Uniform noise of up to so much on every value that the controller deposits, in the unit "
+          "of motion.interface (a pose: m).")
       .OmitIf(is_free);
   map.Add("rate", Quantity(controller.rate_hz, kFrequency, 1, 1000), "Rate of the loop.");
   map.Add("clock_drift", Drift(controller.clock_drift_ppm),

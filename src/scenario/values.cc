@@ -9,15 +9,14 @@
 #include "scenario/schema.h"
 #include "twin/core/error.h"
 
-// The values of which files are made: how each is read, written, checked and described.
+// The single values of files: reading, writing, range and schema of each.
 namespace twin::scenario {
 namespace {
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 constexpr double kMostNumber = 1e9;
 
-/// A value that a function makes from a node and another one makes a text of. All are called only
-/// when they are needed: a file may have a hundred thousand values.
+/// Calls the functions only when they are needed: a file may have a hundred thousand values.
 template <typename T, typename Describe, typename Read, typename Write>
 Value Single(T& value, Describe describe, Read read, Write write) {
   return {.read = [&value, read](const YamlNode& node) { value = read(node); },
@@ -51,12 +50,12 @@ Value Ranged(T& value, T least, T most, Describe describe, Range range, const ch
   return ranged;
 }
 
-/// A schema that does not depend on anything.
+/// A schema without parameters.
 auto Fixed(const char* title, const char* type) {
   return [=] { return Json{{"title", title}, {"type", type}}; };
 }
 
-/// @param parse  of a text; what it throws is told with the node's place.
+/// Parses a scalar; an InputError of `parse` gets the node's place.
 template <typename Parse>
 auto Parsed(const YamlNode& node, std::string_view wanted, Parse parse) {
   const std::string text = Shown(node.Scalar(wanted));
@@ -189,6 +188,17 @@ Value Quantity(double& value, Dimension dimension, double least, double most) {
       [=] { return FormatRange(least, most, dimension); }, "\"",
       [=](const YamlNode& node) { return Parsed(node, "a number with its unit", parse); },
       [=](double number) { return QuantityText(number, dimension); });
+}
+
+Value QuantityIn(double& value, Dimension dimension, std::vector<Dimension> all, double least,
+                 double most) {
+  Value quantity = Quantity(value, dimension, least, most);
+  quantity.schema = [=, &value](Json& schema, Json& definitions) {
+    for (const Dimension each : all) {
+      Quantity(value, each, least, most).schema(schema["anyOf"].emplace_back(), definitions);
+    }
+  };
+  return quantity;
 }
 
 Value TimeSpan(Duration& value, Duration least, Duration most) {

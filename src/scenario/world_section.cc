@@ -5,8 +5,7 @@
 #include "scenario/sections.h"
 #include "twin/core/error.h"
 
-// The sections objects, perturbations, panel and hand: what is beside the robot and what is done to
-// it.
+// The sections objects, perturbations, panel and hand.
 namespace twin::scenario {
 
 using enum Dimension;
@@ -19,7 +18,7 @@ constexpr double kRoughest = 10;
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kMostForce = 1e4;     // N or Nm
 constexpr double kFarthestPush = 100;  // m
-constexpr double kAnyHand = 1e6;       // the hand's own ranges are told in its own words
+constexpr double kAnyHand = 1e6;       // FindBadValue() has the hand's own ranges
 
 Value PointOf(Vector3& point) {
   return Vector(point, kLength, -kFarthestPush, kFarthestPush);

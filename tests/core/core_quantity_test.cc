@@ -34,6 +34,16 @@ TEST(QuantityTest, NeedsNoBlankBeforeTheUnit) {
   EXPECT_EQ(ParseQuantity("  +5  ms ", Dimension::kTime), 0.005);
 }
 
+TEST(QuantityTest, ReadsEveryUnitItNames) {
+  for (const Dimension dimension : {Dimension::kTime, Dimension::kAngle, Dimension::kInertia}) {
+    EXPECT_THAT(UnitNames(dimension), ::testing::Contains(BaseUnit(dimension)));
+    for (const std::string_view unit : UnitNames(dimension)) {
+      EXPECT_GT(ParseQuantity("1 " + std::string(unit), dimension), 0) << unit;
+    }
+  }
+  EXPECT_EQ(Name(Dimension::kAngularVelocity), "angular velocity");
+}
+
 TEST(QuantityTest, ReadsTimesToTheNanosecond) {
   EXPECT_EQ(ParseDuration("18.32 s"), milliseconds(18320));
   EXPECT_EQ(ParseDuration("13.2 us"), nanoseconds(13200));
