@@ -51,8 +51,8 @@ namespace twin::reference {
 [[nodiscard]] JointVector LimitTorque(const JointVector& tau_J_d_c, const JointVector& tau_J_d,
                                       const ClientLimits& limits) noexcept TWIN_REALTIME;
 
-/// Pose. Translation and rotation are limited separately; the rotational velocity is log(R_c
-/// R^T)/T, with 0.99 of the given limits.
+/// Pose. Translation and rotation are limited separately; the rotational velocity is
+/// log(R_c R^T)/T, with 0.99 of the given limits.
 /// @param O_T_EE_c  commanded. @param last, O_dP_EE_c, O_ddP_EE_c  pose, twist and its derivative
 /// of the state.
 [[nodiscard]] Transform LimitCartesianPose(const Transform& O_T_EE_c, const Transform& last,
