@@ -48,7 +48,7 @@ class EvdevDevice final : public teleop::Device {
   [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time now) noexcept override;
   void Feel(const teleop::OperatorFeedback& feedback) noexcept override;
   [[nodiscard]] bool lost() const noexcept override {
-    return lost_.load(std::memory_order_acquire);  // acquire: no older sample is read after it
+    return lost_.load(std::memory_order_acquire);  // pairs with the release after the last sample
   }
   [[nodiscard]] std::string Describe() const override;
 
