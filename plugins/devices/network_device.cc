@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "plugins/devices/lockstep_refusal.h"
-#include "plugins/devices/operator_ranges.h"
 #include "twin/core/error.h"
 #include "twin/core/require.h"
 #include "twin/core/secret.h"
+#include "twin/teleop/operator_ranges.h"
 
 namespace twin::devices {
 namespace {
@@ -89,7 +89,7 @@ std::optional<OperatorSample> NetworkDevice::Take(const fci::Datagram& datagram,
   last_ = message->sample.sequence;
   OperatorSample sample = message->sample;
   sample.sequence += offset_.sequence;
-  for (const auto presses : kPresses) {
+  for (const auto presses : teleop::kPresses) {
     const std::uint32_t before = given_.*presses - offset_.*presses;
     if (sample.*presses < before) offset_.*presses += before - sample.*presses;
     sample.*presses += offset_.*presses;
@@ -105,7 +105,7 @@ void NetworkDevice::BeginSession(const fci::Endpoint& peer, const OperatorSample
   // Our sequence continues with the session's first sample, and presses keep their count. All are
   // unsigned: a subtraction may wrap, and the addition reverses it.
   offset_.sequence = given_.sequence + 1 - first.sequence;
-  for (const auto presses : kPresses) offset_.*presses = given_.*presses - first.*presses;
+  for (const auto presses : teleop::kPresses) offset_.*presses = given_.*presses - first.*presses;
 }
 
 void NetworkDevice::Feel(const teleop::OperatorFeedback& feedback) noexcept {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "plugins/devices/operator_ranges.h"
+#include "twin/teleop/operator_ranges.h"
 
 namespace twin::devices {
 namespace {
@@ -89,8 +89,8 @@ std::optional<SampleMessage> ParseSample(std::span<const std::byte> bytes) noexc
   if (sample.sequence == 0 || sample.sequence > kMostSequence) return {};
   sample.at = Time(Duration(in.Take<std::int64_t>()));
   sample.axes = in.Take<Vector6>();
-  if (!AreWithin(sample.axes, MostOfAxis(sample.kind))) return {};
-  for (const auto presses : kPresses) sample.*presses = in.Take<std::uint32_t>();
+  if (!AreWithin(sample.axes, teleop::MostOfAxis(sample.kind))) return {};
+  for (const auto presses : teleop::kPresses) sample.*presses = in.Take<std::uint32_t>();
   return message;
 }
 
@@ -105,7 +105,7 @@ void WriteSample(const SampleMessage& message, std::span<std::byte, kSampleBytes
   out.Put(sample.sequence);
   out.Put(static_cast<std::int64_t>(sample.at.time_since_epoch().count()));
   out.Put(sample.axes);
-  for (const auto presses : kPresses) out.Put(sample.*presses);
+  for (const auto presses : teleop::kPresses) out.Put(sample.*presses);
 }
 
 std::optional<teleop::OperatorFeedback> ParseFeedback(std::span<const std::byte> bytes) noexcept {

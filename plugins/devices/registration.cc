@@ -6,8 +6,8 @@
 
 #include "plugins/devices/evdev_device.h"
 #include "plugins/devices/network_device.h"
-#include "plugins/devices/recording_device.h"
 #include "plugins/devices/script_device.h"
+#include "twin/teleop/recording_device.h"
 
 namespace twin::devices {
 namespace {
@@ -21,7 +21,7 @@ teleop::DeviceFactory Recorded(Maker make, const std::function<void(std::string_
     const std::string file = request.parameters.Text("record", "");
     if (file.empty()) return device;
     return std::unique_ptr<teleop::Device>(
-        std::make_unique<RecordingDevice>(std::move(device), request.folder / file, tell));
+        std::make_unique<teleop::RecordingDevice>(std::move(device), request.folder / file, tell));
   };
 }
 

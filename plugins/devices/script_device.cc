@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "plugins/devices/operator_ranges.h"
-#include "plugins/devices/operator_script.h"
 #include "twin/core/check.h"
+#include "twin/teleop/operator_ranges.h"
+#include "twin/teleop/operator_script.h"
 
 namespace twin::devices {
 namespace {
@@ -24,7 +24,7 @@ OperatorSample EndAfter(const OperatorSample& last) {
 }
 
 bool HasPresses(const OperatorSample& sample) {
-  return std::ranges::any_of(kPresses, [&](auto presses) { return sample.*presses > 0; });
+  return std::ranges::any_of(teleop::kPresses, [&](auto presses) { return sample.*presses > 0; });
 }
 
 /// The sample before a first row with presses: same pose, at rest, no presses.
@@ -96,7 +96,7 @@ std::unique_ptr<teleop::Device> MakeScriptDevice(const teleop::DeviceRequest& re
       parameters.Time("repeat", Duration::zero(), Duration::zero(), std::chrono::seconds(10));
   settings.ends = parameters.Choice("at_end", "end", {"end", "lost"}) == "end";
   const std::filesystem::path path = request.folder / file;
-  return std::make_unique<ScriptDevice>(ReadOperatorScript(path), path.filename().string(),
+  return std::make_unique<ScriptDevice>(teleop::ReadOperatorScript(path), path.filename().string(),
                                         settings);
 }
 

@@ -2,8 +2,6 @@
 
 #include <unistd.h>
 
-#include <fstream>
-
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
@@ -26,13 +24,6 @@ std::filesystem::path FindProgram(std::string_view name, std::string_view path) 
 void RequireProgram(std::string_view name, std::string_view path, std::string_view cure) {
   if (!FindProgram(name, path).empty()) return;
   throw EnvironmentError(fmt::format("the program {} is not installed; {}", name, cure));
-}
-
-std::string FirstLine(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  std::getline(in, line);
-  return line;
 }
 
 }  // namespace twin::cli

@@ -12,7 +12,4 @@ namespace twin::cli {
 /// @throws EnvironmentError with `cure` when the program is not in `path`.
 void RequireProgram(std::string_view name, std::string_view path, std::string_view cure);
 
-/// First line of a file of /proc or /sys; empty when it cannot be read.
-[[nodiscard]] std::string FirstLine(const std::filesystem::path& file);
-
 }  // namespace twin::cli

@@ -4,10 +4,11 @@
 #include <csignal>
 #include <cstddef>
 
+#include "twin/run/console.h"
+
 namespace twin::cli {
 
-/// Thrown when the user asked to end while no motion runs.
-class Interrupted {};
+using run::Interrupted;
 
 /// While it lives, SIGINT, SIGTERM and SIGHUP (unless that is ignored, as under nohup) set a flag
 /// instead of ending the program; a second one of the same kind ends it at once. What waits for

@@ -62,10 +62,11 @@ int main(int argc, char** argv) {
     twin::cli::Say(stderr, "panda-twin: note: " + std::string(text) + "\n");
   });
 
-  twin::cli::Host host;
   std::error_code error;
-  host.executable = std::filesystem::read_symlink("/proc/self/exe", error);
-  host.cache = CacheFolder();
-  host.path = Environment("PATH");
-  return twin::cli::RunProgram(argc, argv, host, {backends, controllers, &devices});
+  twin::cli::Program program{
+      .host = {.executable = std::filesystem::read_symlink("/proc/self/exe", error),
+               .cache = CacheFolder(),
+               .path = Environment("PATH")},
+      .catalogue = {backends, controllers, &devices}};
+  return twin::cli::RunProgram(argc, argv, program);
 }

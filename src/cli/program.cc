@@ -9,13 +9,45 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "cli/commands/commands.h"
 #include "cli/interrupt.h"
-#include "cli/options.h"
 #include "cli/say.h"
 #include "twin/core/error.h"
 
 namespace twin::cli {
 namespace {
+
+constexpr const char* kFooter = R"(Start here:
+  panda-twin check                                       does this host have all it takes, and keep 1 kHz?
+  panda-twin run models/scenarios/canonical.yaml         the main example; results in out/canonical
+  panda-twin run SCENARIO.yaml --seed 7 --out /tmp/a     other random numbers, another folder
+  panda-twin run SCENARIO.yaml --lab b                   at another site: other masses, friction, tilt, delays
+  panda-twin run models/applications/pick_and_place.yaml a whole task: steps, retries, what is demanded, report.html
+  panda-twin run APPLICATION.yaml --seeds 100            the same for a hundred seeds: how many succeed, and why not
+  panda-twin run SCENARIO.yaml --drive realtime          on the wall clock, threads at real-time priority
+  panda-twin run SCENARIO.yaml --page                    watch it in a browser; the address is printed
+  panda-twin run models/applications/teleoperation.yaml --device page --page   lead it from there
+  panda-twin serve                                       a Panda for libfranka programs, at 127.0.0.1
+  panda-twin proxy --robot HOST --link FILE.yaml         a wire with faults, before a robot or a twin
+  panda-twin experiment all                              the paper's tables and figures, beside ours
+  panda-twin render out/canonical --out slow.mp4 --speed 0.25   any recorded run as a video, any camera; two side by side
+  panda-twin video check                                 do the runs look as they were approved?
+  panda-twin validate my.yaml                            is my scenario sound? (no run)
+  panda-twin run SCENARIO.yaml --backend fci --robot HOST --allow-hardware --max-speed 0.1   on a robot, slowly
+  panda-twin export out/canonical/run.mcap               the log as CSV tables
+  panda-twin devices                                     what is plugged in to lead the robot by hand?
+  panda-twin explain out/canonical                       why did the run abort? value, limit, cause, cure
+
+A scenario is a YAML file that describes a run: robot, link, controller, motion or application. Start from one in
+models/scenarios; every quantity in it carries its unit, and what is wrong is named by file and line.
+
+A run writes run.mcap (every cycle; opens in Foxglove), scenario.yaml (the scenario, complete),
+plots/*.svg, video.mp4, contact_sheet.png, summary.json (in lockstep it repeats with the seed, byte by byte) and
+timing.json (wall-clock figures, which do not); an application also report.html and moments/*.png. Files are called *.partial until they are whole.
+
+Exit codes:
+  0 ok   1 the run aborted, a check failed (with --strict the deviation's too), or no plan was found   2 usage   3 bad input
+  4 environment   130 interrupted (the motion was stopped and the log completed))";
 
 /// One line, whatever the text holds: of one that is endless, its begin and its end, which has the
 /// cure.
@@ -63,8 +95,6 @@ int Guarded(Command command) {
   }
 }
 
-}  // namespace
-
 std::string VersionText() {
 #if defined(__clang__)
   constexpr const char* kCompiler = "clang " __clang_version__;
@@ -74,39 +104,27 @@ std::string VersionText() {
   return fmt::format("panda-twin {}\nMuJoCo {}\n{}", TWIN_VERSION, TWIN_MUJOCO_VERSION, kCompiler);
 }
 
-int RunProgram(int argc, const char* const* argv, const Host& host,
-               const run::Catalogue& catalogue) {
+}  // namespace
+
+int RunProgram(int argc, const char* const* argv, Program& program) {
   CLI::App app("A digital twin of the Franka Emika Panda and its 1 kHz control stack.",
                "panda-twin");
   app.set_version_flag("--version", &VersionText, "Show the version and exit");
   app.require_subcommand(1);
-  Flags flags;
-  const Commands commands = AddCommands(app, flags);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& done) {  // --help, --version
-    const int code = app.exit(done);
-    return Guarded([&] {
+  for (const auto add : kCommands) add(app, program);
+  app.footer(kFooter);  // after its commands, which else would repeat it
+  return Guarded([&] {
+    try {
+      app.parse(argc, argv);  // and runs the command
+      return program.code;
+    } catch (const CLI::Success& done) {  // --help, --version
+      const int code = app.exit(done);
       FinishOutput();
       return code;
-    });
-  } catch (const CLI::ParseError& error) {
-    PrintError(fmt::format("{}; see panda-twin --help", error.what()));
-    return kUsage;
-  }
-  return Guarded([&]() -> int {
-    if (commands.run->parsed()) return RunCommand(flags.run, host, catalogue);
-    if (commands.serve->parsed()) return ServeCommand(flags.serve, host, catalogue);
-    if (commands.proxy->parsed()) return ProxyCommand(flags.proxy);
-    if (commands.render->parsed()) return RenderCommand(flags.render, host);
-    if (commands.video->parsed()) return VideoCommand(flags.video, host, catalogue);
-    if (commands.experiment->parsed()) return ExperimentCommand(flags.experiment, host, catalogue);
-    if (commands.validate->parsed()) return ValidateCommand(flags.validate, host, catalogue);
-    if (commands.check->parsed()) return CheckCommand(flags.check, host);
-    if (commands.explain->parsed()) return ExplainCommand(flags.explain);
-    if (commands.devices->parsed()) return DevicesCommand(flags.devices, *catalogue.devices);
-    if (commands.decode->parsed()) return DecodeCommand(flags.decode);
-    return ExportCommand(flags.exported);
+    } catch (const CLI::ParseError& error) {
+      PrintError(fmt::format("{}; see panda-twin --help", error.what()));
+      return static_cast<int>(kUsage);
+    }
   });
 }
 

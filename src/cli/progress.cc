@@ -21,7 +21,11 @@ Progress::Progress(std::string what, Style style, const Clock& clock)
     : what_(std::move(what)), style_(style), clock_(clock) {}
 
 Progress::~Progress() {
-  if (drawn_) Say(stdout, "\n");
+  EndLine();
+}
+
+void Progress::EndLine() {
+  if (std::exchange(drawn_, false)) Say(stdout, "\n");
 }
 
 void Progress::Show(double share, std::string_view note) {

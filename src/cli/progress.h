@@ -27,6 +27,9 @@ class Progress {
 
   /// @param share  done, in [0, 1]; more counts as all. @param note  shown behind it.
   void Show(double share, std::string_view note);
+  /// Before something else is printed.
+  void EndLine();
+  [[nodiscard]] const std::string& what() const noexcept { return what_; }
 
  private:
   void DrawBar(double share, std::string_view note);

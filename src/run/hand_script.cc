@@ -19,7 +19,8 @@ std::string EndText(const HandCommand& command, const HandOutcome& outcome) {
 
 }  // namespace
 
-HandScript::HandScript(const std::vector<scenario::HandEvent>& events, backend::Hand& hand, Tell tell)
+HandScript::HandScript(const std::vector<scenario::HandEvent>& events, backend::Hand& hand,
+                       Tell tell)
     : events_(events), hand_(hand), tell_(std::move(tell)), outcomes_(events.size()) {}
 
 Time HandScript::Attend(Time now) {

@@ -18,8 +18,8 @@ namespace {
 /// Plans to whatever the goal is.
 class Question {
  public:
-  Question(const scenario::Scenario& scenario, const scenario::RobotData& robot, const JointVector& start,
-           planning::CollisionWorld& world, const Clock& clock)
+  Question(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+           const JointVector& start, planning::CollisionWorld& world, const Clock& clock)
       : plan_(*scenario.motion.plan),
         q_start_(*scenario.robot.q_start),
         start_(start),
@@ -74,8 +74,9 @@ reference::Trajectory Stretched(planning::Plan plan, double by, const JointLimit
 
 }  // namespace
 
-reference::Trajectory PlanMotion(const scenario::Scenario& scenario, const scenario::RobotData& robot,
-                                 const JointVector& start, const plant::MujocoPlantOptions& world,
+reference::Trajectory PlanMotion(const scenario::Scenario& scenario,
+                                 const scenario::RobotData& robot, const JointVector& start,
+                                 const plant::MujocoPlantOptions& world,
                                  planning::PlanStatistics& statistics) {
   const scenario::PlanSection& plan = *scenario.motion.plan;
   const MonotonicClock clock;

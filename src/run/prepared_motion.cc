@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
-#include "twin/scenario/names.h"
-#include "twin/scenario/place.h"
 #include "twin/control/controller_library.h"
 #include "twin/control/parameters.h"
 #include "twin/core/error.h"
 #include "twin/core/half_norm.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/inverse_kinematics.h"
+#include "twin/scenario/names.h"
+#include "twin/scenario/place.h"
 
 namespace twin::run {
 namespace {
@@ -22,8 +22,8 @@ constexpr Duration kBeyondPlan = std::chrono::seconds(20);
 
 /// @returns the motion's controller with its parameters. It refers to the motion.
 std::unique_ptr<control::Controller> MakeController(const scenario::Scenario& scenario,
-                                                    const scenario::RobotData& robot, const Motion& motion,
-                                                    const Transform& F_T_EE,
+                                                    const scenario::RobotData& robot,
+                                                    const Motion& motion, const Transform& F_T_EE,
                                                     const control::ControllerRegistry& known) {
   const scenario::ControllerSection& section = motion.controller;
   const control::ControllerRequest request{
@@ -36,17 +36,17 @@ std::unique_ptr<control::Controller> MakeController(const scenario::Scenario& sc
       .F_T_EE = F_T_EE,
       .friction_compensated = scenario.onboard.friction_compensation};
   const bool is_loaded = !section.library.empty();
-  auto controller =
-      scenario::At(is_loaded ? scenario.places.library : scenario.places.controller,
-         is_loaded ? section.library.string() : section.type, [&] {
-           return is_loaded ? control::LoadController(section.library, section.type, request)
-                            : known.Find(section.type)(request);
-         });
+  auto controller = scenario::At(is_loaded ? scenario.places.library : scenario.places.controller,
+                                 is_loaded ? section.library.string() : section.type, [&] {
+                                   return is_loaded ? control::LoadController(section.library,
+                                                                              section.type, request)
+                                                    : known.Find(section.type)(request);
+                                 });
   if (controller->command_interface() != request.interface) {
-    throw InputError(
-        fmt::format("controller {} commands {}, and motion.interface is {}; let them agree",
-                    section.type, scenario::NameOf(scenario::kInterfaceNames, controller->command_interface()),
-                    scenario::NameOf(scenario::kInterfaceNames, request.interface)));
+    throw InputError(fmt::format(
+        "controller {} commands {}, and motion.interface is {}; let them agree", section.type,
+        scenario::NameOf(scenario::kInterfaceNames, controller->command_interface()),
+        scenario::NameOf(scenario::kInterfaceNames, request.interface)));
   }
   control::ParameterReader parameters(section.parameters);
   controller->Configure(parameters);
@@ -56,8 +56,8 @@ std::unique_ptr<control::Controller> MakeController(const scenario::Scenario& sc
 
 }  // namespace
 
-PreparedMotion::PreparedMotion(const scenario::Scenario& scenario, const scenario::RobotData& robot, Motion motion,
-                               const control::ControllerRegistry& known)
+PreparedMotion::PreparedMotion(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                               Motion motion, const control::ControllerRegistry& known)
     : motion_(std::move(motion)),
       F_T_EE_(robot.F_T_EE(scenario.onboard.NE_T_EE)),
       modes_(ModesOf(scenario.motion)),

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/fci/capture.h"
 #include "twin/core/require.h"
 #include "twin/run/run.h"
 
@@ -121,6 +122,12 @@ void SlowDown(scenario::Scenario& scenario, const scenario::RobotData& robot, do
   if (!last) timing.duration = total;
   if (last && timing.duration) timing.duration = last;
   for (scenario::HandEvent& event : scenario.hand) event.at = slower(event.at);
+}
+
+void FinishCapture(fci::Capture& capture, const std::function<void(std::string_view)>& note) {
+  const std::uint64_t dropped = capture.Finish();
+  if (dropped == 0) return;
+  note(fmt::format("the capture lacks {} datagrams: the disk was slower than the wire", dropped));
 }
 
 }  // namespace twin::run

@@ -7,11 +7,11 @@
 #include "devices/pipe_source.h"
 #include "plugins/devices/evdev_device.h"
 #include "plugins/devices/network_device.h"
-#include "plugins/devices/recording_device.h"
 #include "plugins/devices/script_device.h"
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/rt/pause.h"
+#include "twin/teleop/recording_device.h"
 
 namespace twin::devices {
 namespace {
@@ -92,10 +92,11 @@ class RecordedRig final : public DeviceRig {
 
  private:
   twin::test::TemporaryFolder folder_;
-  RecordingDevice device_{std::make_unique<ScriptDevice>(
-                              Script(), "a test", ScriptSettings{.repeat = {}, .ends = false}),
-                          folder_ / "session.csv",
-                          {}};
+  teleop::RecordingDevice device_{
+      std::make_unique<ScriptDevice>(Script(), "a test",
+                                     ScriptSettings{.repeat = {}, .ends = false}),
+      folder_ / "session.csv",
+      {}};
 };
 
 /// How often something is waited for that must come: minutes, on the slowest machine.

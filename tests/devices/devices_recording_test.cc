@@ -7,11 +7,11 @@
 
 #include <gmock/gmock.h>
 
-#include "plugins/devices/operator_script.h"
-#include "plugins/devices/recording_device.h"
 #include "plugins/devices/script_device.h"
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
+#include "twin/teleop/operator_script.h"
+#include "twin/teleop/recording_device.h"
 
 namespace twin::devices {
 namespace {
@@ -49,11 +49,11 @@ class RecordingDeviceTest : public testing::Test {
 TEST_F(RecordingDeviceTest, KeepsWhatRunsAgainAsItWas) {
   std::vector<OperatorSample> given;
   {
-    RecordingDevice device(std::make_unique<EveryCall>(), path(), {});
+    teleop::RecordingDevice device(std::make_unique<EveryCall>(), path(), {});
     for (int ms = 0; ms < 500; ++ms) given.push_back(*device.Read(Time(3s + ms * 1ms)));
     device.Finish();
   }
-  ScriptDevice again(ReadOperatorScript(path()), "again", {.repeat = {}, .ends = false});
+  ScriptDevice again(teleop::ReadOperatorScript(path()), "again", {.repeat = {}, .ends = false});
   for (int ms = 0; ms < 500; ++ms) {
     const auto sample = again.Read(Time(8s + ms * 1ms));
     ASSERT_TRUE(sample.has_value());
@@ -80,14 +80,14 @@ class Given final : public teleop::Device {
 TEST_F(RecordingDeviceTest, PressesNothingWhenACounterFalls) {
   OperatorSample sample{.sequence = 1, .gripper_presses = 5};
   {
-    RecordingDevice device(std::make_unique<Given>(sample), path(), {});
+    teleop::RecordingDevice device(std::make_unique<Given>(sample), path(), {});
     static_cast<void>(device.Read(Time(0ms)));
     sample.gripper_presses = 0;
     static_cast<void>(device.Read(Time(1ms)));
     sample.gripper_presses = 2;
     static_cast<void>(device.Read(Time(2ms)));
   }
-  const auto samples = ReadOperatorScript(path());
+  const auto samples = teleop::ReadOperatorScript(path());
   ASSERT_EQ(samples.size(), 3u);
   EXPECT_EQ(samples[0].gripper_presses, 0u);
   EXPECT_EQ(samples[1].gripper_presses, 0u);
@@ -97,14 +97,14 @@ TEST_F(RecordingDeviceTest, PressesNothingWhenACounterFalls) {
 TEST_F(RecordingDeviceTest, BeginsInTheModeAndScaleInWhichThingsAre) {
   OperatorSample sample{.sequence = 1, .mode_presses = 3, .scale_presses = 1};
   {
-    RecordingDevice device(std::make_unique<Given>(sample), path(), {});
+    teleop::RecordingDevice device(std::make_unique<Given>(sample), path(), {});
     device.Feel({.mode = teleop::Mode::kBase, .fine = true});
     static_cast<void>(device.Read(Time(0ms)));
     device.Feel({.mode = teleop::Mode::kArm});
     ++sample.mode_presses;
     static_cast<void>(device.Read(Time(1ms)));
   }
-  const auto samples = ReadOperatorScript(path());
+  const auto samples = teleop::ReadOperatorScript(path());
   ASSERT_EQ(samples.size(), 2u);
   EXPECT_EQ(samples[0].mode_presses, 1u);
   EXPECT_EQ(samples[0].scale_presses, 1u);
@@ -112,7 +112,7 @@ TEST_F(RecordingDeviceTest, BeginsInTheModeAndScaleInWhichThingsAre) {
 }
 
 TEST_F(RecordingDeviceTest, IsPartialUntilItIsWhole) {
-  RecordingDevice device(std::make_unique<EveryCall>(), path(), {});
+  teleop::RecordingDevice device(std::make_unique<EveryCall>(), path(), {});
   static_cast<void>(device.Read(Time(0s)));
   EXPECT_FALSE(std::filesystem::exists(path()));
   EXPECT_TRUE(std::filesystem::exists(partial()));
@@ -123,24 +123,24 @@ TEST_F(RecordingDeviceTest, IsPartialUntilItIsWhole) {
 
 TEST_F(RecordingDeviceTest, IsWholeOnceTheDeviceHasGone) {
   {
-    RecordingDevice device(std::make_unique<EveryCall>(), path(), {});
+    teleop::RecordingDevice device(std::make_unique<EveryCall>(), path(), {});
     static_cast<void>(device.Read(Time(0s)));
   }
-  EXPECT_EQ(ReadOperatorScript(path()).size(), 1u);
+  EXPECT_EQ(teleop::ReadOperatorScript(path()).size(), 1u);
 }
 
 TEST_F(RecordingDeviceTest, GivesTwoReadsAtOneInstantRowsOfTheirOwn) {
   {
-    RecordingDevice device(std::make_unique<EveryCall>(), path(), {});
+    teleop::RecordingDevice device(std::make_unique<EveryCall>(), path(), {});
     static_cast<void>(device.Read(Time(1s)));
     static_cast<void>(device.Read(Time(1s)));
   }
-  EXPECT_EQ(ReadOperatorScript(path()).size(), 2u);
+  EXPECT_EQ(teleop::ReadOperatorScript(path()).size(), 2u);
 }
 
 TEST_F(RecordingDeviceTest, ReplacesNoRecording) {
   std::ofstream(path()) << "mine";
-  EXPECT_THAT([&] { RecordingDevice(std::make_unique<EveryCall>(), path(), {}); },
+  EXPECT_THAT([&] { teleop::RecordingDevice(std::make_unique<EveryCall>(), path(), {}); },
               ThrowsMessage<InputError>(HasSubstr("a recording is not replaced")));
   EXPECT_EQ(test::ReadText(path()), "mine");
 }
@@ -149,7 +149,7 @@ TEST_F(RecordingDeviceTest, TellsWhenSamplesAreMissing) {
   std::string told;
   {
     // Two fit, and the disk is looked after every 20 ms.
-    RecordingDevice device(
+    teleop::RecordingDevice device(
         std::make_unique<EveryCall>(), path(), [&](std::string_view text) { told = text; }, 2);
     for (int i = 0; i < 10'000; ++i) static_cast<void>(device.Read(Time(i * 1us)));
   }
@@ -163,8 +163,8 @@ TEST_F(RecordingDeviceTest, TellsWhenTheDiskIsFull) {
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   std::signal(SIGXFSZ, SIG_IGN);
   {
-    RecordingDevice device(std::make_unique<EveryCall>(), path(),
-                           [&](std::string_view text) { told = text; });
+    teleop::RecordingDevice device(std::make_unique<EveryCall>(), path(),
+                                   [&](std::string_view text) { told = text; });
     const rlimit small{.rlim_cur = 1000, .rlim_max = before.rlim_max};
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
     for (int i = 0; i < 1000; ++i) static_cast<void>(device.Read(Time(i * 1us)));
@@ -175,8 +175,9 @@ TEST_F(RecordingDeviceTest, TellsWhenTheDiskIsFull) {
 }
 
 TEST_F(RecordingDeviceTest, RefusesAFolderThatIsNotThere) {
-  EXPECT_THROW(RecordingDevice(std::make_unique<EveryCall>(), folder_ / "none/session.csv", {}),
-               EnvironmentError);
+  EXPECT_THROW(
+      teleop::RecordingDevice(std::make_unique<EveryCall>(), folder_ / "none/session.csv", {}),
+      EnvironmentError);
 }
 
 }  // namespace

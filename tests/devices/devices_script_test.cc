@@ -4,13 +4,13 @@
 
 #include <gmock/gmock.h>
 
-#include "plugins/devices/operator_ranges.h"
-#include "plugins/devices/operator_script.h"
 #include "plugins/devices/script_device.h"
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 #include "twin/teleop/mapping.h"
+#include "twin/teleop/operator_ranges.h"
+#include "twin/teleop/operator_script.h"
 
 namespace twin::devices {
 namespace {
@@ -21,8 +21,8 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 std::vector<OperatorSample> Parse(const std::string& rows) {
-  std::istringstream in(OperatorScriptHeader() + rows);
-  return ReadOperatorScript(in, "hands.csv");
+  std::istringstream in(teleop::OperatorScriptHeader() + rows);
+  return teleop::ReadOperatorScript(in, "hands.csv");
 }
 
 void ExpectRefused(const std::string& rows, const std::string& text) {
@@ -99,7 +99,7 @@ TEST(OperatorScriptTest, RefusesAFileWithoutSamples) {
 }
 
 TEST(OperatorScriptTest, RefusesAFileThatIsNotThere) {
-  EXPECT_THAT([] { static_cast<void>(ReadOperatorScript("there/is/none.csv")); },
+  EXPECT_THAT([] { static_cast<void>(teleop::ReadOperatorScript("there/is/none.csv")); },
               ThrowsMessage<InputError>(HasSubstr("there/is/none.csv: not a file")));
 }
 
@@ -114,7 +114,7 @@ OperatorSample Any(const Random& random, std::uint64_t n) {
     sample.axes[i] = 2 * random.Uniform(1000 + n, static_cast<std::uint32_t>(i)) - 1;
   }
   sample.engaged = bits[2] % 2 == 0;
-  for (const auto presses : kPresses) sample.*presses = static_cast<std::uint32_t>(n);
+  for (const auto presses : teleop::kPresses) sample.*presses = static_cast<std::uint32_t>(n);
   return sample;
 }
 
@@ -124,7 +124,7 @@ TEST(OperatorScriptTest, ReadsTheSameBitsThatItWrote) {
   OperatorSample before;
   for (std::uint64_t n = 0; n < 500; ++n) {
     const OperatorSample sample = Any(random, n);
-    rows += OperatorScriptRow(sample, before);
+    rows += teleop::OperatorScriptRow(sample, before);
     before = sample;
   }
   const auto samples = Parse(rows);
@@ -136,7 +136,7 @@ TEST(OperatorScriptTest, ReadsTheSameBitsThatItWrote) {
     EXPECT_EQ((std::bit_cast<std::array<std::uint64_t, 6>>(samples[n].axes)),
               (std::bit_cast<std::array<std::uint64_t, 6>>(wanted.axes)));
     EXPECT_EQ(samples[n].engaged, wanted.engaged);
-    for (const auto presses : kPresses) EXPECT_EQ(samples[n].*presses, wanted.*presses);
+    for (const auto presses : teleop::kPresses) EXPECT_EQ(samples[n].*presses, wanted.*presses);
   }
 }
 
@@ -266,14 +266,14 @@ TEST_F(ScriptDeviceTest, GivesTheSameForTheSameTimes) {
     const auto b = other.Read(Time(ms * 1ms));
     ASSERT_EQ(a.has_value(), b.has_value());
     if (a) {
-      EXPECT_EQ(OperatorScriptRow(*a, {}), OperatorScriptRow(*b, {}));
+      EXPECT_EQ(teleop::OperatorScriptRow(*a, {}), teleop::OperatorScriptRow(*b, {}));
     }
   }
 }
 
 TEST(MakeScriptDeviceTest, FindsTheFileBesideTheScenario) {
   const test::TemporaryFolder folder;
-  std::ofstream(folder / "hands.csv") << OperatorScriptHeader() << kRest;
+  std::ofstream(folder / "hands.csv") << teleop::OperatorScriptHeader() << kRest;
   const control::Parameters parameters{{.key = "file", .values = {"hands.csv"}}};
   control::ParameterReader reader(parameters);
   const MonotonicClock clock;

@@ -10,8 +10,8 @@
 #include "fuzz/mutations.h"
 #include "fuzz/seeds.h"
 #include "plugins/devices/operator_message.h"
-#include "plugins/devices/operator_script.h"
 #include "twin/core/error.h"
+#include "twin/teleop/operator_script.h"
 
 namespace twin::devices {
 namespace {
@@ -45,7 +45,7 @@ TEST(DeviceCorpusTest, ScriptsAreReadAsTheyWereMeant) {
     std::istringstream in(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
     bool is_read = true;
     try {
-      static_cast<void>(ReadOperatorScript(in, name));
+      static_cast<void>(teleop::ReadOperatorScript(in, name));
     } catch (const InputError&) {
       is_read = false;
     }

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "plugins/devices/operator_message.h"
-#include "plugins/devices/operator_ranges.h"
-#include "plugins/devices/operator_script.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
+#include "twin/teleop/operator_ranges.h"
+#include "twin/teleop/operator_script.h"
 
 namespace twin::devices::fuzz {
 namespace {
@@ -21,7 +21,7 @@ using teleop::OperatorSample;
 
 void CheckSample(const OperatorSample& sample) {
   TWIN_CHECK(sample.sequence >= 1);
-  const double most = MostOfAxis(sample.kind);
+  const double most = teleop::MostOfAxis(sample.kind);
   for (const double axis : sample.axes) TWIN_CHECK(std::abs(axis) <= most);
 }
 
@@ -29,7 +29,7 @@ void CheckSample(const OperatorSample& sample) {
 std::optional<std::vector<OperatorSample>> Read(const std::string& text) {
   std::istringstream in(text);
   try {
-    return ReadOperatorScript(in, "fuzz.csv");
+    return teleop::ReadOperatorScript(in, "fuzz.csv");
   } catch (const InputError& error) {
     const std::string said = error.what();
     TWIN_CHECK(said.starts_with("fuzz.csv") && said.size() < 500);
@@ -39,10 +39,10 @@ std::optional<std::vector<OperatorSample>> Read(const std::string& text) {
 }
 
 std::string Written(const std::vector<OperatorSample>& samples) {
-  std::string text = OperatorScriptHeader();
+  std::string text = teleop::OperatorScriptHeader();
   OperatorSample before;
   for (const OperatorSample& sample : samples) {
-    text += OperatorScriptRow(sample, before);
+    text += teleop::OperatorScriptRow(sample, before);
     before = sample;
   }
   return text;

@@ -16,8 +16,8 @@
 
 #include <fmt/format.h>
 
-#include "cli/picture.h"
 #include "golden/defects.h"
+#include "twin/golden/case_run.h"
 #include "twin/golden/comparison.h"
 #include "twin/golden/golden.h"
 #include "twin/replay/recording.h"
@@ -25,16 +25,6 @@
 
 namespace twin::golden {
 namespace {
-
-PicturePlan PlanOf(const scenario::VideoCase& wanted) {
-  PicturePlan plan;
-  plan.every = wanted.every;
-  plan.key_frames = wanted.key_frames;
-  for (const scenario::VideoView& view : wanted.views) {
-    plan.views.push_back({view.name, cli::FilmOf(view.render)});
-  }
-  return plan;
-}
 
 std::vector<std::size_t> KeysOf(const Golden& golden) {
   std::vector<std::size_t> keys;

@@ -72,9 +72,8 @@ struct MonteCarloResult {
 /// @throws InputError when an option is out of range, the scenario is not in lockstep, or the first
 /// run cannot be made; a run that throws later has failed with what it said.
 [[nodiscard]] MonteCarloResult RunSeeds(const scenario::Scenario& scenario,
-                                        const run::Catalogue& catalogue,
-                                        const run::RunFiles& files, const Clock& clock,
-                                        const MonteCarloOptions& options,
+                                        const run::Catalogue& catalogue, const run::RunFiles& files,
+                                        const Clock& clock, const MonteCarloOptions& options,
                                         const std::function<void(const SeedOutcome&)>& told = {});
 
 }  // namespace twin::application

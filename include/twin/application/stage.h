@@ -11,9 +11,9 @@
 #include "twin/core/joint_vector.h"
 #include "twin/planning/collision_world.h"
 #include "twin/run/run.h"
+#include "twin/run/session.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
-#include "twin/run/session.h"
 #include "twin/teleop/device_registry.h"
 
 namespace twin::application {
@@ -26,9 +26,8 @@ class Stage {
  public:
   /// @param tell  gets a line for people about what is done; may be empty. All references must
   /// outlive the stage.
-  Stage(run::Session& session, const scenario::Scenario& scenario,
-        const run::RunFiles& files, const Clock& clock,
-        std::function<void(std::string_view)> tell = {},
+  Stage(run::Session& session, const scenario::Scenario& scenario, const run::RunFiles& files,
+        const Clock& clock, std::function<void(std::string_view)> tell = {},
         const teleop::DeviceRegistry* devices = nullptr);
 
   [[nodiscard]] run::Session& session() const noexcept { return session_; }
@@ -50,7 +49,7 @@ class Stage {
   /// generator the interface's. What it follows, and the controller's type and parameters, are the
   /// caller's to add.
   [[nodiscard]] run::Motion NewMotion(std::string name, control::CommandInterface interface,
-                                           reference::Trajectory trajectory) const;
+                                      reference::Trajectory trajectory) const;
 
   /// Carries out steps on the session's time; each attempt is told and is an event of the log.
   [[nodiscard]] TaskReport Carry(const std::vector<TaskStep>& steps) const;

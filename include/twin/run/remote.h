@@ -48,6 +48,10 @@ struct CheckLine {
   std::string text;  ///< what was found; when it is not ok, also the cure
 };
 
+/// Completes what a capture keeps. @param note  told when it lacks something. @pre nobody puts any
+/// more. @throws EnvironmentError as fci::Capture::Finish.
+void FinishCapture(fci::Capture& capture, const std::function<void(std::string_view)>& note);
+
 using TellCheck = std::function<void(const CheckLine&)>;
 
 }  // namespace twin::run

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string_view>
+#include <thread>
+
+#include "twin/core/time.h"
+#include "twin/fci/sockets.h"
+#include "twin/page/operator_channel.h"
+#include "twin/run/run.h"
+#include "twin/scenario/scenario.h"
+#include "twin/teleop/device.h"
+
+namespace twin::application {
+
+/// Does on a served robot what the operator at its page wants: as a client like any other, over the
+/// Franka Control Interface on the loopback network, by backend fci and the application
+/// teleoperation. Connects when somebody takes control, and is gone when nobody has it; while
+/// another client is connected, it is refused as any second one.
+///
+/// Threads: Operate() from any; the client is on a thread of its own.
+class PageOperator {
+ public:
+  using Tell = std::function<void(Time, std::string_view kind, std::string_view text)>;
+
+  /// What it works with; all must outlive it.
+  struct Parts {
+    const run::Catalogue& catalogue;
+    run::RunFiles files;
+    page::OperatorChannel& channel;
+  };
+
+  /// @param served  the robot's scenario. @param arm  where it is served.
+  PageOperator(const Parts& parts, const scenario::Scenario& served, const fci::Endpoint& arm,
+               Tell tell);
+
+  /// Somebody has taken control; or nobody has it any more, and the session's end will be pressed.
+  void Operate(bool wanted) noexcept {
+    if (wanted) takes_.fetch_add(1, std::memory_order_relaxed);
+    wanted_.store(wanted, std::memory_order_release);
+  }
+
+ private:
+  void Run(const std::stop_token& stop);
+  /// From connecting to the end of the motion.
+  void Session(std::unique_ptr<teleop::Device> device);
+
+  const Parts parts_;
+  const scenario::Scenario scenario_;
+  const run::RealtimeSettings settings_;
+  const Tell tell_;
+  std::atomic<bool> wanted_{false};  ///< release, acquire: takes_ is counted before
+  std::atomic<std::uint64_t> takes_{0};
+  volatile bool interrupted_ = false;  ///< read by the session: the program ends
+  std::jthread thread_;
+};
+
+}  // namespace twin::application

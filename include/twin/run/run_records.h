@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "twin/core/time.h"
+#include "twin/plant/contact_watch.h"
+#include "twin/plant/truth_probe.h"
+#include "twin/record/recorder.h"
+#include "twin/render/snapshots.h"
+#include "twin/rt/cycle_record.h"
+#include "twin/rt/scene_record.h"
+#include "twin/scenario/robot_data.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::run {
+
+/// Where a run's records go: to the log, to the camera, to what watches contacts, as many of them
+/// as were asked for between the robot's assembly and its first cycle.
+///
+/// Threads: Put() as RecordSink's; the others from the run's thread while no motion runs.
+class RunRecords final : public rt::RecordSink {
+ public:
+  /// @throws EnvironmentError as record::Recorder.
+  void Log(const std::filesystem::path& path, const record::RunInfo& run,
+           record::FullRing full_ring);
+  /// Takes down the scene at each frame of the video, for the log too.
+  /// @param keep   kLast: for the log alone; no film can be made. @param truth  must outlive this,
+  /// as WatchContacts(). @throws as render::SnapshotRecorder.
+  void Film(const plant::TruthProbe& truth, Duration duration, int fps,
+            render::SnapshotRecorder::Keep keep = render::SnapshotRecorder::Keep::kAll);
+  /// Whether a scene's record holds all there is.
+  [[nodiscard]] static bool CanFilm(const plant::TruthProbe& truth) noexcept {
+    return truth.qpos_size() <= rt::SceneRecord::kMostPositions;
+  }
+  void WatchContacts(const plant::TruthProbe& truth);
+
+  void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
+
+  /// For RunHooks::event; empty when neither log nor camera is there. They are for the film, too.
+  [[nodiscard]] std::function<void(Time, std::string_view, std::string_view)> Events();
+
+  /// What was planned, for log and film; after the run, before Finish().
+  void Add(record::PlanRecord plan);
+
+  /// After the run: the log is whole. @returns records it had no room for.
+  /// @throws EnvironmentError as record::Recorder::Finish.
+  std::uint64_t Finish();
+
+  /// After a run that threw: the log stays partial.
+  void Abandon() { log_.reset(); }
+
+  /// Whether the log could not be written to its end; what there is of it can be read.
+  [[nodiscard]] bool log_failed() const noexcept { return log_failed_; }
+
+  /// Null when it was not filmed.
+  [[nodiscard]] const render::Snapshots* snapshots() const noexcept {
+    return camera_ ? &camera_->snapshots() : nullptr;
+  }
+  /// Whether there is at least one frame.
+  [[nodiscard]] bool was_filmed() const noexcept {
+    return camera_ && camera_->snapshots().size() > 0;
+  }
+  /// What there is for its film beside snapshots().
+  [[nodiscard]] const std::vector<record::PlanRecord>& plans() const noexcept { return plans_; }
+  [[nodiscard]] const std::vector<record::EventRecord>& events() const noexcept { return events_; }
+  /// Of a robot that MuJoCo simulates.
+  [[nodiscard]] const std::optional<plant::ContactWatch>& contacts() const noexcept {
+    return contacts_;
+  }
+
+ private:
+  /// The scenes that are due: for pictures, and in the log.
+  void TakeScenes(Time now) noexcept TWIN_REALTIME;
+
+  std::optional<record::Recorder> log_;
+  bool log_failed_ = false;
+  std::optional<render::SnapshotRecorder> camera_;
+  std::optional<plant::ContactWatch> contacts_;
+  const plant::TruthProbe* truth_ = nullptr;  ///< set with camera_
+  std::vector<record::PlanRecord> plans_;
+  std::vector<record::EventRecord> events_;
+};
+
+/// What a log says of its run.
+[[nodiscard]] record::RunInfo InfoOf(const scenario::Scenario& scenario,
+                                     const scenario::RobotData& robot);
+
+}  // namespace twin::run

@@ -1,0 +1,317 @@
+#include "application/run_recorder.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/render/clip.h"
+#include "twin/replay/run_film.h"
+#include "twin/report/plots.h"
+#include "twin/run/film.h"
+#include "twin/run/remote.h"
+
+namespace twin::application {
+namespace {
+
+bool WaitsForNobody(const scenario::Scenario& scenario, const run::RealtimeSettings& settings) {
+  if (scenario.drive == scenario::Drive::kRemote) {
+    return settings.remote.time == backend::RobotTime::kWall;
+  }
+  return scenario.drive == scenario::Drive::kRealtime;
+}
+
+/// Largest resident size of the process, MB.
+double PeakMemoryMb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+/// A note when the robot is simulated in primitive shapes.
+void NoteMissingMeshes(const scenario::Scenario& scenario, const backend::Connection& connection,
+                       run::Console& console) {
+  if (scenario.drive == scenario::Drive::kRemote || connection.uses_meshes ||
+      scenario.plant.kind != robot::PlantKind::kMujoco) {
+    return;
+  }
+  console.Note(
+      "the robot's meshes were not found; it is simulated and drawn in primitive shapes "
+      "(scripts/setup fetches them; or name them with --meshes)");
+}
+
+/// One note each for what of the scenario has no effect on a robot at the other end of a wire.
+void NoteIgnoredSettings(const scenario::Scenario& scenario, bool video, run::Console& console) {
+  for (const std::string& text : run::WithoutEffectThere(scenario)) {
+    console.Note("without effect on this robot: " + text);
+  }
+  if (!video) return;
+  console.Note(
+      "no video is made: nobody here sees the robot; run the scenario in the twin (without "
+      "--backend) to see the motion");
+}
+
+/// A line of the checks before the first motion.
+void Print(run::Console& console, const run::CheckLine& line) {
+  console.Say(fmt::format("{:<6} {:<13} {}\n", line.ok ? "ok" : "FAILED", line.subject, line.text));
+}
+
+/// Connects, and prints the first lines of the checks: whether the robot is reached, and whether a
+/// real arm may move. @throws InputError when the robot does not say that it is a twin, and nothing
+/// allows hardware.
+void Reach(const std::string& host, bool allow_hardware, run::Console& console,
+           const std::function<const backend::Connection&()>& connect) {
+  console.Say("before the first motion; nothing of this moves the arm\n");
+  bool is_twin = false;
+  try {
+    const backend::Connection& connection = connect();
+    Print(console, {"reach", true, connection.backend->Describe().robot});
+    is_twin = connection.is_twin;
+  } catch (const RobotFault&) {
+    // The text is that of the error, which follows.
+    Print(console,
+          {"reach", false, fmt::format("{} is no robot that can be driven; see below", host)});
+    throw;
+  }
+  if (is_twin) return Print(console, {"hardware", true, "none: it says that it is a twin"});
+  if (allow_hardware) {
+    return Print(console, {"hardware", true, "a real arm may move (--allow-hardware)"});
+  }
+  Print(console, {"hardware", false, "a real arm may move, and nothing allows that; see below"});
+  throw InputError(
+      fmt::format("--robot {}: what answers there does not say that it is a twin, so that a real "
+                  "arm may move; clear its workspace, keep the user stop in your hand, and say "
+                  "--allow-hardware",
+                  host));
+}
+
+/// Prints the other lines. @throws RobotFault when one of them is not well: nothing has moved.
+void RequireReady(const std::function<bool(const run::TellCheck&)>& check, run::Console& console) {
+  int failed = 0;
+  const bool ready = check([&](const run::CheckLine& line) {
+    Print(console, line);
+    failed += line.ok ? 0 : 1;
+  });
+  if (ready) return;
+  throw RobotFault(
+      fmt::format("{} of the checks before the first motion failed, see above; the arm was not "
+                  "moved",
+                  failed));
+}
+
+/// Leaves the summary of a run that failed before its first motion, in place of an earlier run's
+/// results. What fails here is told beside it.
+void LeaveFailure(const RunParts& parts, const std::string& failure) {
+  try {
+    run::ResultFolder out(parts.options.out);
+    out.Prepare();
+    out.Clear();
+    run::WriteWholeFile(out.scenario(), scenario::ToYaml(parts.scenario));
+    run::WriteWholeFile(out.summary(), run::FailureJson(parts.scenario, failure));
+  } catch (const EnvironmentError& error) {
+    parts.console.Note(error.what());
+  }
+}
+
+void Execute(const RunParts& parts, std::optional<fci::Capture>& capture) {
+  const auto make = parts.scenario.application ? &MakeApplicationRecorder : &MakeMotionRecorder;
+  std::unique_ptr<RunRecorder> recorder;
+  try {
+    recorder = make(parts);
+    recorder->Execute(capture);
+  } catch (const InputError&) {
+    throw;
+  } catch (const EnvironmentError&) {
+    throw;
+  } catch (const Error& error) {
+    const bool has_summary = recorder && recorder->has_summary();
+    recorder.reset();  // it locks the folder
+    if (!has_summary) LeaveFailure(parts, error.what());
+    throw;
+  }
+}
+
+}  // namespace
+
+void RecordRun(const scenario::Scenario& scenario, const RunOptions& options,
+               const run::RunFiles& files, const run::Catalogue& catalogue, run::Console& console) {
+  std::optional<fci::Capture> capture;
+  const auto note = [&console](std::string_view text) { console.Note(text); };
+  try {
+    Execute({scenario, options, files, catalogue, console}, capture);
+    if (capture) run::FinishCapture(*capture, note);
+  } catch (...) {
+    try {  // what was captured of a run that failed is wanted most
+      if (capture) run::FinishCapture(*capture, note);
+    } catch (const EnvironmentError& error) {
+      console.Note(error.what());
+    }
+    throw;
+  }
+}
+
+RunRecorder::RunRecorder(const RunParts& parts)
+    : parts_(parts),
+      out_(parts.options.out),
+      page_(parts.options.page, &records_, out_.folder(),
+            [&console = parts.console](std::string_view why) { console.Note(why); }),
+      settings_(parts.options.settings) {}
+
+void RunRecorder::Execute(std::optional<fci::Capture>& capture) {
+  Prepare(capture);
+  parts_.console.ThrowIfInterrupted();
+  if (is_remote()) RequireReady(run_.check_start, parts_.console);
+  parts_.console.ThrowIfInterrupted();
+  OpenPage();
+  try {
+    out_.Clear();
+    try {
+      Perform();
+      WriteResults();
+    } catch (...) {
+      records_.Abandon();
+      out_.RemovePartial(records_.log_failed());
+      parts_.console.ThrowIfInterrupted();  // counts before whatever else it led to
+      throw;
+    }
+  } catch (...) {
+    page_.Close("it was broken off");
+    throw;
+  }
+  parts_.console.Print(
+      fmt::format("{}  {:<13}{}\n", SummaryForPeople(), "files", out_.folder().string()));
+  if (outcome_.failure.empty()) return EvaluateDeviations();
+  parts_.console.ThrowIfInterrupted();
+  throw RobotFault(outcome_.failure + outcome_.cause);
+}
+
+void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
+  const auto connect = [this]() -> const backend::Connection& {
+    run_ = Connect(settings_);
+    return *run_.connection;
+  };
+  if (is_remote()) {
+    NoteIgnoredSettings(scenario(), wants_video(), parts_.console);
+    if (const auto& file = parts_.options.capture) {
+      settings_.remote.capture = &capture.emplace(*file);
+    }
+    Reach(settings_.remote.host, parts_.options.allow_hardware, parts_.console, connect);
+  } else {
+    connect();
+  }
+  NoteMissingMeshes(scenario(), *run_.connection, parts_.console);
+  if (makes_video()) {
+    run::CheckPicture(*run_.connection, scenario().render, parts_.options.scenario);
+  }
+  out_.Prepare();
+  times_.prepare_s = SecondsSince(Time());
+}
+
+void RunRecorder::OpenPage() {
+  const bool is_operated =
+      scenario().operator_section && scenario().operator_section->device == run::kPageDevice;
+  const bool is_lockstep = scenario().drive == scenario::Drive::kLockstep;
+  page::PageSettings settings = is_operated ? page_.Recorded() : page::PageSettings();
+  settings.title = scenario().name;
+  settings.about = fmt::format("{}, backend {}, drive {}{}", scenario().robot.model,
+                               scenario().backend, Name(scenario().drive),
+                               is_lockstep ? ", held back to the pace of the wall clock" : "");
+  settings.limits = run_.robot->limits;
+  if (!is_operated) {
+    settings.watch_only = "nobody operates this run from here; anyone may stop it";
+    settings.stop = [this] { parts_.console.Interrupt(); };
+  }
+  // Lockstep has one thread, and the page is another.
+  parts_.console.Say(page_.Open(settings, scenario(),
+                                {.truth = run_.connection->truth,
+                                 .hand = is_lockstep ? nullptr : run_.connection->hand,
+                                 .keeps_pace = is_lockstep}));
+}
+
+void RunRecorder::BeginRecords() {
+  if (scenario().record) {
+    // Where nobody waits for the run, what is late is lost: the log's records too.
+    records_.Log(
+        out_.log(), run::InfoOf(scenario(), *run_.robot),
+        WaitsForNobody(scenario(), settings_) ? record::FullRing::kDrop : record::FullRing::kWait);
+  }
+  const plant::TruthProbe* truth = run_.connection->truth;
+  if (truth == nullptr) return;
+  // Logs are the same with a video and without.
+  const bool keeps_scenes = scenario().record || run_.evaluates_scenes;
+  if (makes_video() || (keeps_scenes && run::RunRecords::CanFilm(*truth))) {
+    using Keep = render::SnapshotRecorder::Keep;
+    records_.Film(*truth, run_.longest, scenario().render.fps,
+                  makes_video() || run_.evaluates_scenes ? Keep::kAll : Keep::kLast);
+  }
+  records_.WatchContacts(*truth);
+}
+
+void RunRecorder::Perform() {
+  BeginRecords();
+  run::RunHooks hooks;
+  hooks.interrupted = &parts_.console.interrupted();
+  hooks.event = page_.Also(records_.Events());
+  const Time begin = clock_.Now();
+  outcome_ = Perform(hooks);
+  times_.run_s = SecondsSince(begin);
+  times_.real_time_factor = ToSeconds(outcome_.simulated) / times_.run_s;
+  for (const record::PlanRecord& plan : outcome_.plans) records_.Add(plan);
+  times_.records_dropped = records_.Finish();
+  for (const std::string& notice : outcome_.notices) {
+    parts_.console.Note("workstation: " + notice);
+  }
+  for (const std::string& notice : outcome_.robot.notices) parts_.console.Note("robot: " + notice);
+  Evaluate(outcome_);
+  page_.Close(outcome_.failure.empty() ? "it went well" : outcome_.failure);
+}
+
+void RunRecorder::WriteResults() {
+  run::WriteWholeFile(out_.scenario(), scenario::ToYaml(scenario()));
+  run::WriteWholeFile(out_.summary(), SummaryOfFile());
+  has_summary_ = true;
+  if (!is_interrupted()) {
+    std::vector<std::filesystem::path> plots;
+    if (scenario().record) {
+      const Time begin = clock_.Now();
+      parts_.console.Print("plots ...\n");
+      plots = report::WritePlots(out_.log(), run_.robot->limits, out_.plots());
+      times_.plots_s = SecondsSince(begin);
+    }
+    if (is_filmed()) MakePictures();
+    Report(plots);
+  }
+  times_.peak_memory_mb = PeakMemoryMb();
+  run::WriteWholeFile(out_.timing(), run::TimingJson(times_, outcome_.robot));
+}
+
+void RunRecorder::MakePictures() {
+  const plant::TruthProbe& truth = *run_.connection->truth;
+  const render::Film film = replay::FilmOfRun(truth.model(), *records_.snapshots(), scenario(),
+                                              records_.plans(), records_.events());
+  const render::FilmSettings settings = run::FilmOf(scenario().render);
+  times_.video_s = run::RenderClip(render::FramesOf(film, settings),
+                                   {out_.video(), out_.contact_sheet()}, clock_, parts_.console)
+                       .seconds;
+  Draw(film, settings);
+}
+
+void RunRecorder::EvaluateDeviations() const {
+  const std::vector<run::FollowedMotion>& motions = outcome_.followed;
+  const auto exceeding = std::ranges::count_if(motions, &run::FollowedMotion::exceeds);
+  if (exceeding == 0) return;
+  const run::FollowedMotion& first = *std::ranges::find_if(motions, &run::FollowedMotion::exceeds);
+  const std::string whose = motions.size() == 1
+                                ? std::string()
+                                : fmt::format("in {} of {} motions, first in {}: ", exceeding,
+                                              motions.size(), first.name);
+  const std::string text =
+      fmt::format("the arm was off its path: {}{} (max_deviation)", whose, first.Excess());
+  if (parts_.options.strict) throw RobotFault(text);
+  parts_.console.Warn(text);
+}
+
+}  // namespace twin::application

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "cli/command.h"
+
+// Every command of the program: one file each, NAME.cc, with its options, its help and what it
+// does. A command throws twin::Error, or Interrupted.
+namespace twin::cli {
+
+void AddRun(CLI::App& app, Program& program);
+void AddServe(CLI::App& app, Program& program);
+void AddProxy(CLI::App& app, Program& program);
+void AddRender(CLI::App& app, Program& program);
+void AddVideo(CLI::App& app, Program& program);
+void AddExperiment(CLI::App& app, Program& program);
+void AddValidate(CLI::App& app, Program& program);
+void AddCheck(CLI::App& app, Program& program);
+void AddExplain(CLI::App& app, Program& program);
+void AddDecode(CLI::App& app, Program& program);
+void AddDevices(CLI::App& app, Program& program);
+void AddExport(CLI::App& app, Program& program);
+
+/// All of them, in the order of the help.
+inline constexpr auto kCommands = {&AddRun,     &AddServe,      &AddProxy,    &AddRender,
+                                   &AddVideo,   &AddExperiment, &AddValidate, &AddCheck,
+                                   &AddExplain, &AddDecode,     &AddDevices,  &AddExport};
+
+}  // namespace twin::cli

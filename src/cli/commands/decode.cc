@@ -1,0 +1,64 @@
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "cli/commands/commands.h"
+#include "cli/say.h"
+#include "twin/fci/protocol.h"
+#include "twin/fci/transcript.h"
+#include "twin/record/pcapng_reader.h"
+
+namespace twin::cli {
+namespace {
+
+struct Flags {
+  std::filesystem::path capture;
+  bool brief = false;
+  std::uint16_t arm_port = fci::kArmPort;
+  std::uint16_t hand_port = fci::kHandPort;
+};
+
+int Decode(const Flags& flags, const Program& /*program*/) {
+  record::PcapngReader reader(flags.capture);
+  fci::Transcript transcript(
+      {.fields = !flags.brief, .arm_port = flags.arm_port, .hand_port = flags.hand_port});
+  while (const auto packet = reader.Next()) {
+    const std::string text = transcript.Take(*packet);
+    if (!text.empty()) Say(stdout, text);
+  }
+  if (transcript.elsewhere() > 0) {
+    Say(stderr,
+        fmt::format("note: {} packets of TCP are between other ports than {} (arm) and {} (hand); "
+                    "if the robot's were others, name them with --port and --hand-port\n",
+                    transcript.elsewhere(), flags.arm_port, flags.hand_port));
+  }
+  if (reader.passed_over() > 0) {
+    Say(stderr, fmt::format("note: {} packets are neither UDP nor TCP over IPv4, or damaged\n",
+                            reader.passed_over()));
+  }
+  if (reader.truncated()) {
+    Say(stderr, "note: the capture ends within a packet; whoever wrote it was killed\n");
+  }
+  FinishOutput();
+  return kOk;
+}
+
+}  // namespace
+
+void AddDecode(CLI::App& app, Program& program) {
+  CLI::App* decode = app.add_subcommand("decode", "Print a capture of the wire, field by field");
+  Flags& flags = SetAction(*decode, program, &Decode);
+  decode
+      ->add_option("capture", flags.capture,
+                   "What --capture or Wireshark wrote (pcapng); what tcpdump -w wrote, after "
+                   "editcap -F pcapng IN OUT")
+      ->required()
+      ->type_name("FILE");
+  decode->add_flag("--brief", flags.brief, "A line for each message, no fields");
+  decode->add_option("--port", flags.arm_port, "TCP port of the arm")->capture_default_str();
+  decode->add_option("--hand-port", flags.hand_port, "TCP port of the hand")->capture_default_str();
+}
+
+}  // namespace twin::cli

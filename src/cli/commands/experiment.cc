@@ -1,0 +1,435 @@
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands/commands.h"
+#include "cli/host.h"
+#include "cli/interrupt.h"
+#include "cli/progress.h"
+#include "cli/say.h"
+#include "cli/shared_flags.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/experiment/calibration.h"
+#include "twin/experiment/client_study.h"
+#include "twin/experiment/experiment.h"
+#include "twin/experiment/page.h"
+#include "twin/loop/host_timing.h"
+#include "twin/model/model_library.h"
+#include "twin/run/result_folder.h"
+#include "twin/run/summary.h"
+#include "twin/scenario/data_directory.h"
+
+namespace twin::cli {
+namespace {
+
+struct Flags {
+  std::vector<std::string> ids;  ///< or all
+  std::optional<std::uint64_t> seed;
+  std::string drive = "lockstep";  ///< or realtime
+  std::optional<int> seeds;        ///< runs of what is averaged, in [1, 1000]; 20, in realtime 5
+  std::optional<std::filesystem::path> out;  ///< out/experiments, or out/experiments_realtime
+  std::optional<std::filesystem::path> calibration;  ///< instead of models/experiments
+  std::optional<std::string> client;                 ///< a program to be timed, for /bin/sh
+  std::uint16_t port = 1337;                         ///< where the client finds the arm
+  std::optional<double> seconds;                     ///< after which the client is ended
+  bool list = false;                                 ///< only say which there are
+  bool quiet = false;
+  DataFlags data;
+};
+
+constexpr const char* kExperimentFooter =
+    R"(In lockstep the same seed gives the same report, byte by byte; in realtime it tells what this machine makes of
+the loops, and takes about 7 minutes. Writes report.html, one page that needs no other file, findings.json, every
+figure with its verdict (predicted, calibrated, not reproduced), and csv/*.csv, the points of every curve. The delays of the three loops are in bare.yaml, synchronous.yaml and asynchronous.yaml of
+models/experiments; --calibration takes a folder with yours.
+`timings --client CMD` serves a robot on the wall clock, runs any program made for it until it ends, and tells its
+d_EXT on the wire, unserved cycles, losses in a row and how far they are from the 20 that end a motion (of one that
+does not end by itself after --for S), so
+  panda-twin experiment timings --client "./communication_test 127.0.0.1"
+Exit code 1: an experiment could not be done, or missed what is demanded of it for no known reason; each is named in a line.)";
+
+namespace fs = std::filesystem;
+using experiment::Experiment;
+using experiment::Findings;
+
+std::string KnownIds() {
+  std::string ids;
+  for (const Experiment& one : experiment::Experiments()) {
+    ids += fmt::format("{}{}", ids.empty() ? "" : ", ", one.id);
+  }
+  return ids;
+}
+
+/// Those that were asked for, in the order of the paper. @throws InputError for one there is not.
+std::vector<Experiment> Chosen(const std::vector<std::string>& ids, bool on_wall_clock) {
+  const auto known = experiment::Experiments();
+  for (const std::string& id : ids) {
+    if (id == "all" || std::ranges::find(known, id, &Experiment::id) != known.end()) continue;
+    throw InputError(fmt::format(
+        "experiment \"{}\": there is none of that name; there are {}, and all", id, KnownIds()));
+  }
+  const bool all = std::ranges::find(ids, "all") != ids.end();
+  std::vector<Experiment> chosen;
+  for (const Experiment& one : known) {
+    const bool by_name = std::ranges::find(ids, one.id) != ids.end();
+    const bool is_there = !on_wall_clock || one.run_on_wall_clock != nullptr;
+    if (by_name && !is_there) {
+      throw InputError(
+          fmt::format("experiment \"{}\": nothing in it hangs on how a machine keeps time; run it "
+                      "without --drive realtime",
+                      one.id));
+    }
+    if ((all && is_there) || by_name) chosen.push_back(one);
+  }
+  return chosen;
+}
+
+bool IsOnWallClock(const Flags& flags) {
+  if (flags.client) return true;  // whose clock is this machine's, too
+  if (flags.drive == "lockstep") return false;
+  if (flags.drive == "realtime") return true;
+  throw InputError(fmt::format("--drive {}: must be lockstep or realtime", flags.drive));
+}
+
+/// @returns how many runs. @throws InputError when they are too many or none.
+int SeedsOf(const Flags& flags) {
+  constexpr int kDefault = 20;
+  constexpr int kDefaultOnWallClock = 5;
+  constexpr int kMost = 1000;
+  const int seeds = flags.seeds.value_or(IsOnWallClock(flags) ? kDefaultOnWallClock : kDefault);
+  if (seeds >= 1 && seeds <= kMost) return seeds;
+  throw InputError(fmt::format(
+      "--seeds {}: must be from 1 to {}; so many runs are averaged, the report's default is 20",
+      seeds, kMost));
+}
+
+std::string ReadText(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// What kept time, for the report.
+std::string MachineText() {
+  const loop::HostFacts host = loop::ReadHostFacts();
+  return fmt::format(
+      "{} processors ({}{}), {}{}, {}", host.processors, host.processor,
+      host.virtual_machine ? ", virtual" : "", host.kernel,
+      host.realtime_kernel ? " PREEMPT_RT" : "",
+      host.may_use_fifo ? "threads at real-time priority" : "no real-time priority was permitted");
+}
+
+/// Those that are run in lockstep only.
+std::string LeftOutText() {
+  std::string ids;
+  for (const Experiment& one : experiment::Experiments()) {
+    if (one.run_on_wall_clock == nullptr)
+      ids += fmt::format("{}{}", ids.empty() ? "" : ", ", one.id);
+  }
+  return fmt::format(
+      "Left out: {}; nothing in them hangs on how a machine keeps time, and the report in lockstep "
+      "has "
+      "them.",
+      ids);
+}
+
+experiment::ClientProgram ClientOf(const Flags& flags, const Host& host) {
+  experiment::ClientProgram program{
+      .command = *flags.client, .arm_port = flags.port, .model_library = {}};
+  if (flags.seconds) program.most = FromSeconds(*flags.seconds);
+  try {
+    program.model_library = model::ReadModelLibrary(model::FindModelLibrary(host.executable));
+  } catch (const EnvironmentError& error) {
+    Say(stderr,
+        fmt::format("panda-twin: note: the client gets no model library: {}\n", error.what()));
+  }
+  return program;
+}
+
+/// @returns the flags. @throws InputError when a client was given beside other experiments.
+const Flags& RequireClientAlone(const Flags& flags) {
+  if (!flags.client) return flags;
+  if (flags.client->empty()) throw InputError("--client: give the program's command line");
+  if (flags.ids == std::vector<std::string>{"timings"}) return flags;
+  throw InputError("--client goes with the experiment timings, and with that alone");
+}
+
+/// What was found, for programs: every figure beside the paper's, with its verdict.
+std::string FindingsJson(const std::vector<Findings>& all, int seeds,
+                         std::string_view calibration) {
+  using Json = nlohmann::ordered_json;
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json();
+  };
+  Json experiments = Json::array();
+  for (const Findings& findings : all) {
+    Json comparisons = Json::array();
+    for (const experiment::Comparison& one : findings.comparisons) {
+      comparisons.push_back({{"quantity", one.quantity},
+                             {"unit", one.unit},
+                             {"paper", or_null(one.paper)},
+                             {"ours", one.ours},
+                             {"low", or_null(one.low)},
+                             {"high", or_null(one.high)},
+                             {"demand", one.demand},
+                             {"verdict", experiment::Name(one.verdict)},
+                             {"reason", one.reason}});
+    }
+    experiments.push_back({{"id", findings.id},
+                           {"outcome", experiment::Outcome(findings)},
+                           {"failure", findings.failure},
+                           {"comparisons", std::move(comparisons)}});
+  }
+  return run::TextOf(
+      {{"seeds", seeds}, {"calibration", calibration}, {"experiments", std::move(experiments)}});
+}
+
+/// A folder that is there as long as this.
+class ScratchFolder {
+ public:
+  explicit ScratchFolder(fs::path path) : path_(std::move(path)) {
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error) {
+      throw EnvironmentError(fmt::format(
+          "{}: cannot be made ({}); choose a folder of your own with --out, or make room",
+          path_.string(), error.message()));
+    }
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// One report from its flags to its files.
+class ExperimentSession {
+ public:
+  ExperimentSession(const Flags& flags, const Program& program)
+      : flags_(flags),
+        program_(program),
+        on_wall_clock_(IsOnWallClock(RequireClientAlone(flags))),
+        seeds_(SeedsOf(flags)),
+        chosen_(Chosen(flags.ids, on_wall_clock_)),
+        data_(DataOf(flags.data, program.host)),
+        scenarios_(flags.calibration.value_or(data_.models / "experiments")),
+        out_(flags.out.value_or(flags.client     ? "out/experiments_client"
+                                : on_wall_clock_ ? "out/experiments_realtime"
+                                                 : "out/experiments")) {
+    calibration_ = experiment::ReadCalibration(scenarios_);
+    RequireProgram("gnuplot", program.host.path, "apt-get install gnuplot-nox");
+  }
+
+  int Execute();
+
+ private:
+  /// @throws InputError when something else has the report's place.
+  void RequireOurs() const;
+  void Clear() const;
+  [[nodiscard]] Findings Do(const Experiment& one, const fs::path& scratch);
+  void WriteCsv(const Findings& findings) const;
+  void WritePage() const;
+  /// A line for each demand that was missed, and each experiment that failed. @returns whether all
+  /// is well.
+  [[nodiscard]] bool TellFailures() const;
+  [[nodiscard]] fs::path page() const { return out_.folder() / "report.html"; }
+  [[nodiscard]] fs::path json() const { return out_.folder() / "findings.json"; }
+  [[nodiscard]] fs::path tables() const { return out_.folder() / "csv"; }
+
+  const MonotonicClock clock_;
+  const Flags& flags_;
+  const Program& program_;
+  const bool on_wall_clock_;
+  const int seeds_;
+  const std::vector<Experiment> chosen_;
+  const scenario::DataDirectory data_;
+  const fs::path scenarios_;
+  experiment::Calibration calibration_;
+  run::ResultFolder out_;
+  const InterruptGuard interrupt_;
+  std::vector<Findings> findings_;
+};
+
+void ExperimentSession::RequireOurs() const {
+  std::error_code ignored;
+  if (!fs::exists(page(), ignored)) return;
+  if (!fs::is_regular_file(page(), ignored) || !experiment::IsPage(ReadText(page()))) {
+    throw InputError(
+        fmt::format("{}: is there and no report of panda-twin; choose another folder with --out",
+                    page().string()));
+  }
+}
+
+/// Takes away an earlier report, and the tables that it names.
+void ExperimentSession::Clear() const {
+  std::error_code error;
+  if (fs::exists(page(), error)) {
+    for (const std::string& name : experiment::CsvNamesOf(ReadText(page()))) {
+      fs::remove(tables() / name, error);
+    }
+    fs::remove(page(), error);
+    fs::remove(json(), error);
+  }
+  fs::create_directories(tables(), error);
+  if (error) {
+    throw EnvironmentError(fmt::format("{}: cannot be made ({}); choose another --out",
+                                       tables().string(), error.message()));
+  }
+}
+
+Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
+  Progress progress(std::string(one.id), Progress::StyleOfStdout(flags_.quiet), clock_);
+  const experiment::Setting setting{
+      .catalogue = program_.catalogue,
+      .files = {data_.models, data_.mesh_package, program_.host.cache, false},
+      .scenarios = scenarios_,
+      .scratch = scratch,
+      .seed = flags_.seed.value_or(1),
+      .seeds = seeds_,
+      .is_calibrated = !flags_.calibration,
+      .on_wall_clock = on_wall_clock_,
+      .progress = [&progress](double share) { progress.Show(share, ""); },
+      .interrupted = interrupt_.flag()};
+  try {
+    if (flags_.client) return experiment::RunClientStudy(setting, ClientOf(flags_, program_.host));
+    return on_wall_clock_ ? one.run_on_wall_clock(setting) : one.run(setting);
+  } catch (const std::exception& failure) {
+    interrupt_.ThrowIfInterrupted();
+    if (flags_.client && dynamic_cast<const EnvironmentError*>(&failure) != nullptr) throw;
+    return {.id = std::string(one.id), .title = std::string(one.title), .failure = failure.what()};
+  }
+}
+
+void ExperimentSession::WriteCsv(const Findings& findings) const {
+  for (const experiment::Figure& figure : findings.figures) {
+    run::WriteWholeFile(tables() / experiment::CsvName(findings, figure), experiment::Csv(figure));
+  }
+}
+
+void ExperimentSession::WritePage() const {
+  experiment::PageFacts facts{.seed = flags_.seed.value_or(1),
+                              .seeds = seeds_,
+                              .calibration = calibration_.hash,
+                              .version = TWIN_VERSION};
+  if (on_wall_clock_) {
+    facts.machine = MachineText();
+    if (!flags_.client) facts.left_out = LeftOutText();
+  }
+  for (const std::string& yaml : calibration_.yaml) (facts.parameters += yaml) += '\n';
+  run::WriteWholeFile(page(), experiment::Page(findings_, facts));
+}
+
+bool ExperimentSession::TellFailures() const {
+  bool is_well = true;
+  for (const Findings& findings : findings_) {
+    if (findings.succeeded()) continue;
+    is_well = false;
+    std::string lines;
+    if (!findings.failure.empty()) lines = fmt::format("failed: {}\n", findings.failure);
+    lines += experiment::MissedLines(findings);
+    while (!lines.empty()) {
+      const std::size_t end = lines.find('\n');
+      Say(stderr, fmt::format("panda-twin: {}: {}\n", findings.id, lines.substr(0, end)));
+      lines.erase(0, end + 1);
+    }
+  }
+  return is_well;
+}
+
+int ExperimentSession::Execute() {
+  out_.Prepare();
+  RequireOurs();
+  const ScratchFolder scratch(out_.folder() / "scratch.partial");
+  for (const Experiment& one : chosen_) {
+    const Time begin = clock_.Now();
+    findings_.push_back(Do(one, scratch.path()));
+    interrupt_.ThrowIfInterrupted();
+    if (flags_.quiet) continue;
+    Say(stdout, fmt::format("{:<14}{} ({:.1f} s)\n", one.id, experiment::Outcome(findings_.back()),
+                            ToSeconds(clock_.Now() - begin)));
+  }
+  Clear();  // what was there stays until there is something in its place
+  for (const Findings& findings : findings_) WriteCsv(findings);
+  run::WriteWholeFile(json(), FindingsJson(findings_, seeds_, calibration_.hash));
+  WritePage();
+  if (!flags_.quiet) Say(stdout, fmt::format("report        {}\n", page().string()));
+  return TellFailures() ? kOk : kFailed;
+}
+
+int List() {
+  for (const Experiment& one : experiment::Experiments()) {
+    Say(stdout, fmt::format("{:<14}{}\n", one.id, one.title));
+  }
+  FinishOutput();
+  return kOk;
+}
+
+int RunExperiments(const Flags& flags, const Program& program) {
+  if (flags.ids.empty() && !flags.list) throw CLI::RequiredError("experiments or --list");
+  if (flags.list) return List();
+  return ExperimentSession(flags, program).Execute();
+}
+
+}  // namespace
+
+void AddExperiment(CLI::App& app, Program& program) {
+  CLI::App* experiment =
+      app.add_subcommand("experiment", "Reproduce the paper's tables and figures, as a report");
+  Flags& flags = SetAction(*experiment, program, &RunExperiments);
+  CLI::Option* ids = experiment->add_option("experiments", flags.ids, "Which (see --list), or all");
+  ids->type_name("ID...");
+  experiment->add_flag("--list", flags.list, "Say which there are")->excludes(ids);
+  AddSeed(*experiment, flags.seed, "Seed of all random numbers (default: 1)");
+  experiment
+      ->add_option("--seeds", flags.seeds, "Runs of what is averaged (default: 20; realtime: 5)")
+      ->type_name("N");
+  experiment
+      ->add_option("--drive", flags.drive,
+                   "lockstep, or realtime: on the wall clock, over UDP against a robot served here")
+      ->capture_default_str();
+  experiment
+      ->add_option("--out", flags.out,
+                   "Folder of the report (default: out/experiments, or out/experiments_realtime)")
+      ->type_name("DIR");
+  experiment
+      ->add_option("--calibration", flags.calibration,
+                   "Folder of the experiments' scenarios, instead of models/experiments")
+      ->type_name("DIR");
+  CLI::Option* client =
+      experiment
+          ->add_option("--client", flags.client,
+                       "timings of a program of yours, which finds a robot at 127.0.0.1")
+          ->type_name("\"CMD\"");
+  experiment
+      ->add_option("--port", flags.port, "client: TCP port of the arm; the hand's is the next")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 65534))
+      ->needs(client);
+  experiment->add_option("--for", flags.seconds, "client: end it after so long, and report")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->type_name("S")
+      ->needs(client);
+  experiment->add_flag("--quiet", flags.quiet, "No progress; errors and what was missed only");
+  AddData(*experiment, flags.data);
+  experiment->footer(kExperimentFooter);
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,94 @@
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/commands/commands.h"
+#include "cli/interrupt.h"
+#include "cli/say.h"
+#include "twin/core/error.h"
+#include "twin/core/error_catalogue.h"
+#include "twin/onboard/mode_table.h"
+#include "twin/report/explanation.h"
+#include "twin/run/result_folder.h"
+
+namespace twin::cli {
+namespace {
+
+struct Flags {
+  std::filesystem::path log;  ///< or a run's folder; empty with errors or modes
+  std::filesystem::path out;  ///< of the page; empty: beside the log
+  bool errors = false;        ///< the catalogue of errors instead
+  bool modes = false;         ///< what the robot grants in which mode instead
+};
+
+constexpr const char* kExplainFooter =
+    R"(Of a run that an error ended: what happened, in which cycle, which joint or axis, value and limit, how the
+value was computed, what became of the last commands, the usual cause, and what helps; and explain.html,
+one page with the last 50 cycles plotted. Of any other run: how close it came to each limit.)";
+
+namespace fs = std::filesystem;
+
+fs::path FolderOf(const Flags& flags, const fs::path& log) {
+  if (flags.out.empty()) return log.has_parent_path() ? log.parent_path() : fs::path(".");
+  std::error_code error;
+  fs::create_directories(flags.out, error);
+  if (!error) return flags.out;
+  throw EnvironmentError(fmt::format("cannot create folder {}: {}; choose another one",
+                                     flags.out.string(), error.message()));
+}
+
+/// Takes gnuplot along when the user wants to end.
+report::Explanation Explained(const fs::path& log) {
+  const InterruptGuard interrupt;
+  try {
+    return report::Explain(log);
+  } catch (const EnvironmentError&) {
+    interrupt.ThrowIfInterrupted();
+    throw;
+  }
+}
+
+int Explain(const Flags& flags, const Program& /*program*/) {
+  if (flags.log.empty() && !flags.errors && !flags.modes) {
+    throw CLI::RequiredError("log, --errors or --modes");
+  }
+  if (flags.errors || flags.modes) {
+    Say(stdout, flags.errors ? ErrorCatalogue() : onboard::ModeTable());
+    FinishOutput();
+    return kOk;
+  }
+  const fs::path log = run::FindLog(flags.log);
+  const report::Explanation explanation = Explained(log);
+  std::string text = explanation.text;
+  if (explanation.aborted) {
+    const fs::path page = run::ResultFolder(FolderOf(flags, log)).explanation();
+    run::WriteWholeFile(page, explanation.page);
+    text += fmt::format("  {:<13}{}\n", "page", page.string());
+  }
+  Say(stdout, text);
+  FinishOutput();
+  return kOk;
+}
+
+}  // namespace
+
+void AddExplain(CLI::App& app, Program& program) {
+  CLI::App* explain = app.add_subcommand("explain", "Say how a run ended, and why");
+  Flags& flags = SetAction(*explain, program, &Explain);
+  CLI::Option* log =
+      explain->add_option("log", flags.log, "Log of a run, or its folder of results");
+  log->type_name("FILE|DIR");
+  explain->add_option("--out", flags.out, "Folder of the page (default: beside the log)")
+      ->type_name("DIR");
+  CLI::Option* errors = explain->add_flag("--errors", flags.errors,
+                                          "Print all errors of the robot's controller (Markdown)");
+  errors->excludes(log);
+  explain->add_flag("--modes", flags.modes, "Print what the robot grants in which mode (Markdown)")
+      ->excludes(log)
+      ->excludes(errors);
+  explain->footer(kExplainFooter);
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,155 @@
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "cli/commands/commands.h"
+#include "cli/interrupt.h"
+#include "cli/messages.h"
+#include "cli/shared_flags.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/proxy/proxy.h"
+#include "twin/run/remote.h"
+#include "twin/scenario/link.h"
+
+namespace twin::cli {
+namespace {
+
+struct Flags {
+  std::string robot;  ///< HOST[:PORT]
+  NetworkFlags network;
+  std::filesystem::path link;                                    ///< file of faults; empty: none
+  std::vector<std::pair<std::string_view, std::string>> faults;  ///< keys of a link, and values
+  std::optional<std::uint64_t> seed;                             ///< absent: 1
+  std::optional<int> cpu;                                        ///< of the threads that relay
+  std::optional<double> seconds;                                 ///< as serve's
+};
+
+constexpr const char* kProxyFooter =
+    R"(TCP passes as it is; of datagrams, states are those from the robot, commands those to it. What --link and the
+other flags take is what a scenario's section link takes (models/scenarios/README.md), so
+  --state-delay "{log_normal: {median: 60 us, sigma: 0.3}}" --command-loss "{scripted: [{at: 2 s, count: 25}]}"
+d_INT is the robot's, and has no effect here. The first datagram of a session has number 0 in its direction; its fate
+follows from the faults, the seed and that number. At the end: how many came, went on, were delayed, and so on.)";
+
+robot::LinkConfig LinkOf(const Flags& flags) {
+  if (!flags.link.empty() && !flags.faults.empty()) {
+    throw InputError(
+        "--link and flags of single faults do not go together; put all of them into the file, or "
+        "leave it out");
+  }
+  if (!flags.link.empty()) return scenario::MakeLink(scenario::LoadLink(flags.link));
+  if (flags.faults.empty()) return {};
+  std::string text;
+  for (const auto& [key, value] : flags.faults) text += fmt::format("{}: {}\n", key, value);
+  return scenario::MakeLink(scenario::ParseLink(text, "flags"));
+}
+
+proxy::ProxyConfig ProxyConfigOf(const Flags& flags) {
+  proxy::ProxyConfig config;
+  Listen(flags.network, config);
+  const run::RemoteSettings robot = run::ParseRemote(flags.robot, "wall");
+  const robot::LinkConfig link = LinkOf(flags);
+  config.robot_arm = fci::Resolve(robot.host, robot.arm_port == 0 ? fci::kArmPort : robot.arm_port);
+  config.robot_hand = config.robot_arm;
+  ++config.robot_hand.port;
+  config.state = link.state;
+  config.command = link.command;
+  config.seed = flags.seed.value_or(1);
+  config.cpu = flags.cpu;
+  return config;
+}
+
+std::string LineOf(std::string_view what, const proxy::DirectionCounts& counts) {
+  return fmt::format("{:<13}{:>9}{:>9}{:>9}{:>9}{:>11}{:>10}{:>9}{:>9}\n", what, counts.came,
+                     counts.relayed, counts.delayed, counts.lost, counts.duplicated,
+                     counts.reordered, counts.dropped, counts.foreign);
+}
+
+std::string TableOf(const proxy::ProxyCounts& counts) {
+  return fmt::format("{:<13}{:>9}{:>9}{:>9}{:>9}{:>11}{:>10}{:>9}{:>9}\n", "datagrams", "came",
+                     "relayed", "delayed", "lost", "duplicated", "reordered", "dropped",
+                     "foreign") +
+         LineOf("arm states", counts.arm.state) + LineOf("arm commands", counts.arm.command) +
+         LineOf("hand states", counts.hand.state);
+}
+
+std::string Introduction(const proxy::Proxy& proxy, const proxy::ProxyConfig& config,
+                         const NetworkFlags& network) {
+  return fmt::format("panda-twin proxy to the robot at {}, seed {}\n  arm   {}\n  hand  {}\n  {}\n",
+                     fci::ToString(config.robot_arm), config.seed, fci::ToString(proxy.arm()),
+                     fci::ToString(proxy.hand()), DescribeAccess(network));
+}
+
+int RunProxy(const Flags& flags, const Program& /*program*/) {
+  RequireDuration(flags.seconds);
+  const proxy::ProxyConfig config = ProxyConfigOf(flags);
+  const MonotonicClock clock;
+  const auto now = [&clock] { return clock.Now().time_since_epoch(); };
+  const InterruptGuard interrupt;
+  Messages messages;
+  proxy::Proxy proxy(config, clock, [&](std::string_view line) {
+    messages.Put(fmt::format("{:10.3f} s  {}\n", ToSeconds(now()), line));
+  });
+  messages.Put(Introduction(proxy, config, flags.network));
+  proxy.Run([&] {
+    return interrupt.interrupted() || (flags.seconds && now() >= FromSeconds(*flags.seconds));
+  });
+  messages.Put(TableOf(proxy.counts()));
+  return interrupt.interrupted() ? kInterrupted : kOk;
+}
+
+/// A key of a scenario's link, as a flag: state_delay, --state-delay.
+struct FaultFlag {
+  std::string_view key;
+  const char* flag;
+  const char* text;
+};
+constexpr FaultFlag kFaultFlags[] = {
+    {"state_delay", "--state-delay", "How long states take, such as \"200 us\""},
+    {"state_loss", "--state-loss", "Which states never arrive, such as \"0.1 %\""},
+    {"state_duplication", "--state-duplication", "States that arrive a second time"},
+    {"state_reordering", "--state-reordering", "States that are overtaken"},
+    {"command_delay", "--command-delay", "How long commands take"},
+    {"command_loss", "--command-loss", "Which commands never arrive"},
+    {"command_duplication", "--command-duplication", "Commands that arrive a second time"},
+    {"command_reordering", "--command-reordering", "Commands that are overtaken"}};
+
+}  // namespace
+
+void AddProxy(CLI::App& app, Program& program) {
+  CLI::App* proxy =
+      app.add_subcommand("proxy", "Pass a robot's wire on, with delays and losses by a seed");
+  Flags& flags = SetAction(*proxy, program, &RunProxy);
+  proxy->add_option("--robot", flags.robot, "The robot, or the twin that is served")
+      ->required()
+      ->type_name("HOST[:PORT]");
+  AddNetwork(*proxy, flags.network);
+  proxy
+      ->add_option("--link", flags.link,
+                   "All faults: a scenario, or a file with its section link only")
+      ->type_name("FILE");
+  for (const FaultFlag& fault : kFaultFlags) {
+    proxy
+        ->add_option_function<std::string>(
+            fault.flag,
+            [&flags, key = fault.key](const std::string& value) {
+              flags.faults.emplace_back(key, value);
+            },
+            fault.text)
+        ->type_name("YAML");
+  }
+  AddSeed(*proxy, flags.seed, "Seed of the faults (default: 1)");
+  proxy->add_option("--cpu", flags.cpu, "Processor of the threads that relay datagrams")
+      ->type_name("N");
+  proxy->add_option("--for", flags.seconds, "End after so long")->type_name("S");
+  proxy->footer(kProxyFooter);
+}
+
+}  // namespace twin::cli

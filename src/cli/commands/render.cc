@@ -1,0 +1,352 @@
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "cli/commands/commands.h"
+#include "cli/host.h"
+#include "cli/say.h"
+#include "cli/shared_flags.h"
+#include "cli/terminal.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/render/clip.h"
+#include "twin/render/png.h"
+#include "twin/render/video_writer.h"
+#include "twin/replay/comparison.h"
+#include "twin/replay/layout.h"
+#include "twin/replay/recording.h"
+#include "twin/replay/time_line.h"
+#include "twin/run/film.h"
+#include "twin/run/film_choice.h"
+#include "twin/run/result_folder.h"
+
+namespace twin::cli {
+namespace {
+
+struct Flags {
+  std::filesystem::path log;                    ///< or a run's folder
+  std::optional<std::filesystem::path> second;  ///< of another run, to compare with
+  std::filesystem::path out;
+  run::FilmChoice film;
+  double speed = 1;
+  std::optional<int> fps;
+  std::optional<double> from;  ///< s of the run, as the following
+  std::optional<double> until;
+  std::optional<double> at;  ///< one picture
+  std::string compare = "split";
+  std::optional<int> tolerance;  ///< absent: 16
+  std::optional<std::string> layout;
+  bool quiet = false;
+  DataFlags data;
+};
+
+constexpr const char* kRenderFooter =
+    R"(Whatever is not said is as the scenario's section render has it, so that `render LOG --out a.mp4` makes the run's own
+video again, frame by frame. Of a log without scenes (hardware, the ideal plant) the arm moves as it was measured.
+A frame shows what was recorded first at or after its instant; nothing between is made up.
+  panda-twin render out/canonical --out slow.mp4 --speed 0.25 --from 2 --to 4 --camera track:panda_hand
+  panda-twin render out/a out/b --out both.mp4 --compare ghost    the second arm translucent in the first's picture
+  panda-twin render out/demo --out frame.png --at 3.2 --inset gripper --overlays text,forces,limits
+  panda-twin render out/compliance --out grid.png --layout grid      the four cases, each where the arm is furthest off
+  panda-twin render out/pick_and_place --out strip.png --layout strip  six plans above, carried out below
+  panda-twin render out/plan_and_execute --out triple.png --layout triple  initial, plan, final
+Two runs go side by side by their own time; one that has ended stays as it was. split is twice as wide as --size.)";
+
+std::optional<Time> InstantOf(const std::optional<double>& seconds) {
+  if (!seconds) return std::nullopt;
+  return Time(Duration(std::llround(*seconds * 1e9)));
+}
+
+/// What a log is called in pictures: its folder, or its own name where that says more.
+std::string NameOf(const std::filesystem::path& log) {
+  const std::filesystem::path folder = std::filesystem::absolute(log).parent_path().filename();
+  return (log.stem() == "run" ? folder : log.stem()).string();
+}
+
+/// One picture, or a film.
+bool IsPicture(const Flags& flags) {
+  const bool wanted = flags.at || flags.layout;
+  const bool named = flags.out.extension() == ".png";
+  if (wanted == named) return wanted;
+  throw InputError(named ? "--out: a .png is one picture: say which with --at S or --layout NAME, "
+                           "or name a video or a folder"
+                         : "--out: --at and --layout make one picture, so name a .png");
+}
+
+void RefuseWhatDoesNotGoTogether(const Flags& flags) {
+  if (flags.at && (flags.from || flags.until || flags.layout)) {
+    throw InputError("--at shows one instant; leave --from, --to and --layout out");
+  }
+  if ((flags.at || flags.layout) && (flags.fps || flags.speed != 1)) {
+    throw InputError("--at and --layout make one picture; leave --fps and --speed out");
+  }
+  if (flags.tolerance && flags.compare != "difference") {
+    throw InputError("--tolerance is for --compare difference; leave it out, or compare so");
+  }
+  if (flags.layout && flags.second) {
+    throw InputError("--layout is of one run; leave the second log out");
+  }
+  if (flags.layout && (flags.from || flags.until)) {
+    throw InputError("--layout takes its instants from the plans; leave --from and --to out");
+  }
+}
+
+/// Before anything is read or drawn. @throws twin::Error when nothing can be written there.
+void RequirePlace(const std::filesystem::path& out, bool picture) {
+  std::error_code error;
+  if (!picture) {
+    render::CheckVideoPath(out);
+  } else if (std::filesystem::is_directory(out, error)) {
+    throw InputError(
+        fmt::format("--out: {} is a folder; name a file that is not there", out.string()));
+  }
+  const std::filesystem::path folder = (out.has_filename() ? out : out.parent_path()).parent_path();
+  run::TryToWrite(folder.empty() ? "." : folder);
+}
+
+/// One rendering, from its flags to its file.
+class Rendering {
+ public:
+  Rendering(const Flags& flags, const Program& program)
+      : terminal_(flags.quiet),
+        flags_(flags),
+        picture_(IsPicture(flags)),
+        files_(FilesOf(flags.data, program.host)) {
+    if (files_.mesh_package.empty()) {
+      terminal_.Note(
+          "the robot's meshes were not found; it is drawn in primitive shapes (scripts/setup "
+          "fetches them; or name them with --meshes)");
+    }
+    RefuseWhatDoesNotGoTogether(flags);
+    RequirePlace(flags.out, picture_);
+    if (!picture_) RequireProgram("ffmpeg", program.host.path, "apt-get install ffmpeg");
+    Read(flags.log, first_);
+    if (flags.second) Read(*flags.second, second_);
+    settings_ = run::FilmOf(first_->scenario().render, flags.film);
+  }
+
+  void Execute() {
+    if (flags_.layout) {
+      WritePicture(replay::DrawLayout(*first_, replay::LayoutFromName(*flags_.layout), settings_));
+    } else if (second_) {
+      DrawBoth();
+    } else {
+      DrawOne();
+    }
+  }
+
+ private:
+  void Read(const std::filesystem::path& named, std::optional<replay::Recording>& recording) {
+    const std::filesystem::path log = run::FindLog(named);
+    const int least = static_cast<int>(std::ceil(flags_.fps.value_or(0) / flags_.speed));
+    recording.emplace(log, files_, std::max(least, 0));
+    if (recording->truncated()) {
+      terminal_.Note(fmt::format(
+          "{}: the run was killed; its last part is missing, and what it planned", log.string()));
+    }
+    if (recording->source() == replay::FrameSource::kStates) {
+      terminal_.Note(fmt::format(
+          "{}: it holds no scenes, so the arm moves as it was measured, the hand stays open, and "
+          "objects stay where the scenario puts them",
+          log.string()));
+    } else if (flags_.speed < 1) {
+      terminal_.Note(
+          fmt::format("{}: scenes were recorded {} times a second; slower, each is shown "
+                      "several times",
+                      log.string(), recording->snapshots().fps()));
+    }
+  }
+
+  [[nodiscard]] replay::TimeLine TimeLineOf() const {
+    replay::TimeLine line{.from = InstantOf(flags_.at ? flags_.at : flags_.from),
+                          .until = InstantOf(flags_.at ? flags_.at : flags_.until),
+                          .speed = flags_.speed,
+                          .fps = flags_.fps.value_or(first_->scenario().render.fps)};
+    return line;
+  }
+
+  void DrawOne() {
+    const render::Snapshots& scenes = first_->snapshots();
+    const replay::TimeLine line = TimeLineOf();
+    const render::Snapshots shown = replay::SnapshotsAt(
+        scenes, replay::FrameTimes(scenes.time(0), scenes.time(scenes.size() - 1), line), line.fps);
+    const render::Snapshots before =
+        replay::SnapshotsBefore(scenes, shown.time(0), FromSeconds(settings_.trace_s));
+    render::Film film = first_->Film();
+    film.snapshots = &shown;
+    film.before = &before;
+    Write(render::FramesOf(film, settings_));
+  }
+
+  void DrawBoth() {
+    const replay::Comparison comparison(
+        *first_, *second_,
+        {.kind = replay::ComparisonFromName(flags_.compare),
+         .film = settings_,
+         .time_line = TimeLineOf(),
+         .tolerance = flags_.tolerance.value_or(replay::ComparisonSettings().tolerance)},
+        {NameOf(run::FindLog(flags_.log)), NameOf(run::FindLog(*flags_.second))});
+    for (const std::string& note : comparison.Notes()) terminal_.Note(note);
+    Write(comparison.Frames());
+  }
+
+  void WritePicture(const render::Image& image) {
+    terminal_.ThrowIfInterrupted();
+    render::WritePng(flags_.out, image);
+  }
+
+  void Write(const render::ClipFrames& frames) {
+    if (picture_) {
+      WritePicture(frames.new_drawer()(0));
+      return;
+    }
+    run::RenderClip(frames, {.video = flags_.out, .contact_sheet = {}}, clock_, terminal_);
+  }
+
+  const MonotonicClock clock_;
+  Terminal terminal_;
+  const Flags& flags_;
+  const bool picture_;
+  const run::RunFiles files_;
+  std::optional<replay::Recording> first_;  ///< always there after construction
+  std::optional<replay::Recording> second_;
+  render::FilmSettings settings_;
+};
+
+int Render(const Flags& flags, const Program& program) {
+  Rendering(flags, program).Execute();
+  if (!flags.quiet) Say(stdout, fmt::format("{}\n", flags.out.string()));
+  return kOk;
+}
+
+/// A text that something can be made of. @param read  throws InputError to say why not.
+CLI::Validator Readable(std::function<void(const std::string&)> read) {
+  const auto check = [read = std::move(read)](const std::string& text) {
+    try {
+      read(text);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  return CLI::Validator(check, "", "");
+}
+
+/// A number in a range; CLI::Range lets NaN pass.
+CLI::Validator Within(double low, double high) {
+  const std::string range = fmt::format("[{} - {}]", low, high);
+  const auto check = [=](const std::string& text) {
+    double value = 0;
+    const bool number = CLI::detail::lexical_cast(text, value);
+    return number && value >= low && value <= high
+               ? std::string()
+               : fmt::format("{} is no number in {}", text, range);
+  };
+  return CLI::Validator(check, "FLOAT in " + range, "");
+}
+
+/// Of a run, s: within eleven days.
+CLI::Validator Instant() {
+  return Within(0, 1e6);
+}
+
+void AddPicture(CLI::App& app, run::FilmChoice& flags) {
+  app.add_option("--camera", flags.camera,
+                 "A camera of the scene by its name, orbit, track:BODY, or gripper")
+      ->type_name("CAMERA");
+  app.add_option("--azimuth", flags.azimuth_deg, "orbit, track: direction in which it looks")
+      ->type_name("DEG");
+  app.add_option("--elevation", flags.elevation_deg, "orbit, track: negative looks down")
+      ->type_name("DEG");
+  app.add_option("--distance", flags.distance, "orbit, track: from what it looks at")
+      ->type_name("M");
+  app.add_option("--lookat", flags.lookat, "orbit: point of the world; track: from the body")
+      ->expected(3)
+      ->type_name("X Y Z");
+  app.add_option("--turn", flags.turn_deg, "orbit, track: turns so fast, by the run's time")
+      ->type_name("DEG/S");
+  app.add_option("--inset", flags.insets,
+                 "A picture within the picture, such as gripper@bottom_left; may be repeated; none")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->check(Readable([](const std::string& text) {
+        if (text != "none") static_cast<void>(run::InsetFromText(text, {}));
+      }))
+      ->type_name("CAMERA[@CORNER]");
+  app.add_option("--overlays", flags.overlays,
+                 "What is drawn over it, of text, goal, trace, forces, contacts, limits; none")
+      ->check(
+          Readable([](const std::string& text) { static_cast<void>(run::OverlaysFromText(text)); }))
+      ->type_name("LIST");
+  app.add_option("--size", flags.size, "Of the picture, pixels, even")
+      ->check(Readable([](const std::string& text) {
+        render::RenderSettings settings;
+        run::SetSizeFromText(text, settings);
+      }))
+      ->type_name("WxH");
+}
+
+}  // namespace
+
+void AddRender(CLI::App& app, Program& program) {
+  CLI::App* render = app.add_subcommand("render", "Draw a recorded run, or two beside each other");
+  Flags& flags = SetAction(*render, program, &Render);
+  render->add_option("log", flags.log, "Log of a run, or its folder of results")
+      ->required()
+      ->type_name("FILE|DIR");
+  CLI::Option* second = render->add_option("second", flags.second, "Of another run, to compare");
+  second->type_name("FILE|DIR");
+  render
+      ->add_option("--out", flags.out,
+                   "Video (.mp4, or .mkv without loss), folder/ of pictures, or a .png with --at "
+                   "or --layout")
+      ->required()
+      ->type_name("FILE");
+  AddPicture(*render, flags.film);
+  render->add_option("--speed", flags.speed, "Seconds of the run in a second of the film")
+      ->check(Within(0.01, 100))
+      ->capture_default_str()
+      ->type_name("X");
+  render->add_option("--fps", flags.fps, "Frames per second of the film")
+      ->check(CLI::Range(1, 240))
+      ->type_name("N");
+  render->add_option("--from", flags.from, "Begin at this time of the run")
+      ->check(Instant())
+      ->type_name("S");
+  render->add_option("--to", flags.until, "End at this time of the run")
+      ->check(Instant())
+      ->type_name("S");
+  render->add_option("--at", flags.at, "One picture, of this time of the run")
+      ->check(Instant())
+      ->type_name("S");
+  render
+      ->add_option("--compare", flags.compare,
+                   "Two runs: split (side by side), ghost, or difference (red where they differ)")
+      ->check(Readable(
+          [](const std::string& text) { static_cast<void>(replay::ComparisonFromName(text)); }))
+      ->capture_default_str()
+      ->needs(second)
+      ->type_name("HOW");
+  render
+      ->add_option("--tolerance", flags.tolerance,
+                   "difference: how far a channel may be off, of 255 (16)")
+      ->check(CLI::Range(0, 254))
+      ->needs(second)
+      ->type_name("N");
+  render->add_option("--layout", flags.layout, "A page of pictures: grid, strip or triple")
+      ->check(Readable(
+          [](const std::string& text) { static_cast<void>(replay::LayoutFromName(text)); }))
+      ->type_name("NAME");
+  render->add_flag("--quiet", flags.quiet, "No progress; notes and errors only");
+  AddData(*render, flags.data);
+  render->footer(kRenderFooter);
+}
+
+}  // namespace twin::cli

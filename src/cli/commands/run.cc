@@ -1,0 +1,236 @@
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "cli/commands/commands.h"
+#include "cli/host.h"
+#include "cli/run_flags.h"
+#include "cli/terminal.h"
+#include "twin/application/record_run.h"
+#include "twin/core/error.h"
+#include "twin/run/remote.h"
+#include "twin/scenario/lab.h"
+#include "twin/scenario/robot_data.h"
+
+namespace twin::cli {
+namespace {
+
+constexpr const char* kRunFooter =
+    R"(The folder of results is made when missing. Results of an earlier run in it are removed when the motion
+starts, never before all input has been found good; other files there stay. A run that its robot refuses before that, or
+that finds no plan, leaves a summary.json that says so. Of a log that could not be written to its end (a full disk),
+run.mcap.partial stays, and can be read. ffmpeg and gnuplot may do nothing for a minute, and are then ended.
+A scenario that names a controller.library executes its code, with your rights.)";
+
+/// With the device's own defaults: the scenario's parameters are of another one.
+void ChooseDevice(const std::string& device, scenario::Scenario& scenario) {
+  if (!scenario.operator_section) {
+    throw InputError("--device goes with a scenario in which somebody leads: its section operator");
+  }
+  if (scenario.operator_section->device == device) return;
+  scenario.operator_section->device = device;
+  scenario.operator_section->parameters.clear();
+  scenario.places.device = {};
+}
+
+/// The backend of the command line, and with it the drive that it implies.
+void ChooseBackend(std::string_view backend, scenario::Scenario& scenario) {
+  scenario.backend = backend;
+  if (backend == scenario::kRemoteBackend) {
+    scenario.drive = scenario::Drive::kRemote;
+  } else if (scenario.drive == scenario::Drive::kRemote) {
+    scenario.drive = scenario::Drive::kLockstep;
+  }
+}
+
+/// @throws InputError when the flags of a remote robot and the scenario's drive do not go together.
+void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenario) {
+  const bool is_remote = scenario.drive == scenario::Drive::kRemote;
+  if (!is_remote && flags.drive && scenario.backend == scenario::kRemoteBackend) {
+    throw InputError(fmt::format(
+        "--drive {} contradicts backend fci, whose drive is remote; leave out --drive, or the "
+        "backend",
+        *flags.drive));
+  }
+  if (!is_remote && (flags.robot || flags.robot_time || flags.capture || flags.allow_hardware)) {
+    throw InputError("--robot, --robot-time, --allow-hardware and --capture go with --backend fci");
+  }
+  if (is_remote && !flags.robot) {
+    throw InputError(
+        "backend fci needs --robot HOST[:PORT]: a robot's address, or that of panda-twin serve");
+  }
+  if (is_remote && flags.int_cpu) {
+    throw InputError("--int-cpu is of a robot in this process; with backend fci leave it out");
+  }
+}
+
+/// @throws InputError for flags that do not go with many seeds, or only with them.
+void RequireSeedsFlags(const RunFlags& flags, const scenario::Scenario& scenario) {
+  if (!scenario.application) {
+    throw InputError("--seeds goes with an application; this scenario has a motion");
+  }
+  if (scenario.drive != scenario::Drive::kLockstep) {
+    throw InputError("--seeds goes with lockstep: on the wall clock no seed repeats");
+  }
+  if (flags.max_speed) throw InputError("--seeds and --max-speed do not go together");
+  if (!(flags.least_share >= 0 && flags.least_share <= 100)) {
+    throw InputError(
+        fmt::format("--least-share is {} %; it must lie in [0, 100] %", flags.least_share));
+  }
+}
+
+/// @throws InputError for flags that do not go together, with this scenario.
+void RequireAgreement(const RunFlags& flags, const scenario::Scenario& scenario) {
+  RequirePageFlags(flags.page);
+  if (flags.seeds && flags.page.wanted()) {
+    throw InputError("--page shows one run; leave out --seeds, or the page");
+  }
+  if (flags.seeds && flags.strict) {
+    throw InputError("--strict judges one run; leave out --seeds, or --strict");
+  }
+  if (flags.seeds) return RequireSeedsFlags(flags, scenario);
+  if (flags.max_speed && scenario.application) {
+    throw InputError(
+        "--max-speed goes with a motion; an application makes its own: see its parameters");
+  }
+}
+
+/// @throws EnvironmentError when a program that the results need is missing.
+void RequirePrograms(const RunFlags& flags, const scenario::Scenario& scenario, const Host& host) {
+  if (flags.seeds) return RequireProgram("gnuplot", host.path, "apt-get install gnuplot-nox");
+  if (scenario.drive != scenario::Drive::kRemote && scenario.render.enabled && !flags.no_video &&
+      scenario.plant.kind == robot::PlantKind::kMujoco) {
+    RequireProgram("ffmpeg", host.path, "apt-get install ffmpeg, or run with --no-video");
+  }
+  if (scenario.record) {
+    RequireProgram("gnuplot", host.path, "apt-get install gnuplot-nox, or say record: false");
+  }
+}
+
+application::RunOptions OptionsOf(const RunFlags& flags, const scenario::Scenario& scenario) {
+  const std::string name = scenario.name + (flags.seeds ? "_seeds" : "");
+  application::RunOptions options{
+      .scenario = flags.scenario,
+      .out = flags.out.empty() ? std::filesystem::path("out") / name : flags.out,
+      .site = flags.lab ? "lab " + *flags.lab : "the scenario's own",
+      .makes_video = !flags.no_video,
+      .strict = flags.strict,
+      .allow_hardware = flags.allow_hardware,
+      .capture = flags.capture};
+  if (flags.page.wanted()) options.page = PageAt(flags.page);
+  options.settings.robot.cpu = flags.int_cpu;
+  options.settings.threads.communication.cpu = flags.ext_cpu;
+  if (flags.robot) {
+    options.settings.remote = run::ParseRemote(*flags.robot, flags.robot_time.value_or("wall"));
+  }
+  return options;
+}
+
+/// The flags of a robot at the other end of a wire.
+void AddRemote(CLI::App& app, RunFlags& flags) {
+  app.add_option("--robot", flags.robot, "fci: the robot, or the twin that is served")
+      ->type_name("HOST[:PORT]");
+  app.add_option("--robot-time", flags.robot_time,
+                 "fci: wall (hardware, or a twin in real time; the default) or states (a twin "
+                 "served in lockstep)")
+      ->type_name("wall|states");
+  app.add_option("--capture", flags.capture,
+                 "fci: keep what goes over the wire (pcapng; see decode)")
+      ->type_name("FILE");
+  app.add_flag("--allow-hardware", flags.allow_hardware,
+               "fci: a real arm may move; needed wherever no twin says that it is one");
+  app.add_option("--max-speed", flags.max_speed,
+                 "Share of the scenario's speed, in (0, 1]: all times are divided by it")
+      ->type_name("F");
+}
+
+}  // namespace
+
+scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
+  scenario::Scenario scenario = scenario::Load(flags.scenario);
+  if (flags.lab) {
+    scenario::ApplyLab(scenario::FindLab(*flags.lab, DataOf(flags.data, host).models), scenario);
+  }
+  if (flags.seed) scenario.seed = *flags.seed;
+  if (flags.backend) ChooseBackend(*flags.backend, scenario);
+  if (flags.drive) scenario.drive = scenario::DriveFromName(*flags.drive);
+  if (flags.device) ChooseDevice(*flags.device, scenario);
+  RequireRemoteFlags(flags, scenario);
+  if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
+  if (scenario.drive == scenario::Drive::kLockstep && (flags.ext_cpu || flags.int_cpu)) {
+    throw InputError("--ext-cpu and --int-cpu go with --drive realtime: lockstep has one thread");
+  }
+  scenario.Validate();
+  return scenario;
+}
+
+int Run(const RunFlags& flags, const Program& program) {
+  scenario::Scenario scenario = LoadWithFlags(flags, program.host);
+  RequireAgreement(flags, scenario);
+  const application::RunOptions options = OptionsOf(flags, scenario);
+  RequirePrograms(flags, scenario, program.host);
+  Terminal terminal(flags.quiet);
+  run::RunFiles files = FilesOf(flags.data, program.host);
+  files.rebuild_cache = flags.rebuild_cache;
+  if (flags.seeds) {
+    application::RecordSeeds(scenario, options, {*flags.seeds, flags.threads, flags.least_share},
+                             files, program.catalogue, terminal);
+    return kOk;
+  }
+  if (flags.max_speed) {
+    run::SlowDown(scenario,
+                  scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand),
+                  *flags.max_speed);
+  }
+  application::RecordRun(scenario, options, files, program.catalogue, terminal);
+  return kOk;
+}
+
+void AddRun(CLI::App& app, Program& program) {
+  CLI::App* run = app.add_subcommand("run", "Run a scenario and write log, plots and video");
+  RunFlags& flags = SetAction(*run, program, &Run);
+  run->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
+  AddSeed(*run, flags.seed);
+  AddLab(*run, flags.lab);
+  AddPage(*run, flags.page);
+  run->add_option("--out", flags.out, "Folder of results (default: out/<name of the scenario>)")
+      ->type_name("DIR");
+  run->add_option("--backend", flags.backend,
+                  "Backend, instead of the scenario's: mujoco, or fci (a robot on the network)");
+  run->add_option("--drive", flags.drive, "Who advances time: lockstep, realtime; remote with fci");
+  run->add_option("--device", flags.device,
+                  "What the operator holds, instead of the scenario's: page, evdev, network, ...");
+  AddRemote(*run, flags);
+  run->add_option("--clock-ppm", flags.clock_ppm,
+                  "Drift of the robot's clock, instead of the scenario's")
+      ->type_name("PPM");
+  run->add_option("--ext-cpu", flags.ext_cpu,
+                  "realtime, fci: processor of the communication thread")
+      ->type_name("N");
+  run->add_option("--int-cpu", flags.int_cpu, "realtime: processor of the robot's thread")
+      ->type_name("N");
+  run->add_option(
+         "--seeds", flags.seeds,
+         "An application: carry it out for N seeds from --seed on, and tell how many succeed")
+      ->type_name("N");
+  run->add_option("--threads", flags.threads, "With --seeds: so many at once")
+      ->type_name("N")
+      ->capture_default_str();
+  run->add_option("--least-share", flags.least_share,
+                  "With --seeds: fail when fewer percent succeed")
+      ->type_name("PERCENT")
+      ->capture_default_str();
+  run->add_flag("--strict", flags.strict,
+                "Exit code 1, not only a warning, when the arm was further off its path than "
+                "max_deviation");
+  run->add_flag("--no-video", flags.no_video, "Make no video and no contact sheet");
+  run->add_flag("--rebuild-cache", flags.rebuild_cache, "Compile the robot's model anew");
+  run->add_flag("--quiet", flags.quiet, "No progress and no summary; errors only");
+  AddData(*run, flags.data);
+  run->footer(kRunFooter);
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,349 @@
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "cli/commands/commands.h"
+#include "cli/interrupt.h"
+#include "cli/messages.h"
+#include "cli/say.h"
+#include "cli/shared_flags.h"
+#include "twin/application/page_operator.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/fci/capture.h"
+#include "twin/model/model_library.h"
+#include "twin/record/recorder.h"
+#include "twin/reference/viable_axis.h"
+#include "twin/robot/make_plant.h"
+#include "twin/run/operator_page.h"
+#include "twin/run/remote.h"
+#include "twin/run/run.h"
+#include "twin/run/run_records.h"
+#include "twin/scenario/lab.h"
+#include "twin/scenario/robot_data.h"
+#include "twin/scenario/scenario.h"
+#include "twin/server/served_robot.h"
+
+namespace twin::cli {
+namespace {
+
+struct Flags {
+  std::filesystem::path scenario;              ///< robot, scene, start; empty: the ready pose
+  std::optional<std::string> lab;              ///< as run's
+  std::optional<std::filesystem::path> scene;  ///< instead of the scenario's
+  std::optional<std::uint64_t> seed;
+  NetworkFlags network;
+  std::string drive = "realtime";
+  std::string idle = "run";         ///< or "freeze"
+  std::optional<double> clock_ppm;  ///< of INT's clock; real time
+  double session_timeout = 10;      ///< s, for an answer in lockstep
+  std::optional<int> viability;     ///< as robot::RobotConfig's
+  std::optional<double> seconds;    ///< after which it ends; absent: when it is interrupted
+  std::optional<std::filesystem::path> log;
+  std::optional<std::filesystem::path> capture;
+  PageFlags page;
+  DataFlags data;
+};
+
+constexpr const char* kServeFooter =
+    R"(Of a scenario, robot, plant, scene, perturbations, panel events, the losses of its link and the start count;
+its motion is the client's affair. A push with `motion: N` waits for the N-th motion of whoever connects. Of --lab, plant
+and losses count; its delays have no effect, since socket and client are real (panda-twin proxy delays what passes).
+drive lockstep: the next state is sent when the client has answered the last, so that nothing depends on how fast
+either is; --idle freeze: physics stands still between motions, too.
+--log and --capture replace a log and a capture, and no other file; each is FILE.partial until the end. When one cannot
+be written any more, a warning says so at once, the robot is served on, and the exit code is 4.
+Exit codes: 0 after --for, 130 when interrupted, others as ever.)";
+
+scenario::Scenario LoadWithFlags(const Flags& flags, const std::filesystem::path& models) {
+  scenario::Scenario scenario =
+      flags.scenario.empty() ? run::DefaultServed() : scenario::Load(flags.scenario);
+  if (flags.lab) scenario::ApplyLab(scenario::FindLab(*flags.lab, models), scenario);
+  if (flags.scene) scenario.scene = *flags.scene;
+  if (flags.seed) scenario.seed = *flags.seed;
+  if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
+  scenario.drive = scenario::DriveFromName(flags.drive);
+  return scenario;
+}
+
+bool FreezesWhenIdle(const Flags& flags) {
+  if (flags.idle == "run") return false;
+  if (flags.idle == "freeze") return true;
+  throw InputError(fmt::format("--idle: \"{}\" is neither run nor freeze", flags.idle));
+}
+
+/// Whether or not they are there.
+bool IsSameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
+  return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
+}
+
+void Note(std::string_view text) {
+  Say(stderr, fmt::format("panda-twin: note: {}\n", text));
+}
+
+void RequireAgreement(const Flags& flags) {
+  RequirePageFlags(flags.page);
+  const scenario::Drive drive = scenario::DriveFromName(flags.drive);
+  if (drive == scenario::Drive::kRemote) {
+    throw InputError(
+        "--drive remote is for the other end of the wire; serve in realtime or lockstep");
+  }
+  const bool is_lockstep = drive == scenario::Drive::kLockstep;
+  if (FreezesWhenIdle(flags) && !is_lockstep) {
+    throw InputError("--idle freeze goes with --drive lockstep: the wall clock never stands still");
+  }
+  if (flags.clock_ppm && is_lockstep) {
+    throw InputError("--clock-ppm goes with --drive realtime: lockstep has one clock");
+  }
+  if (!(flags.session_timeout >= 0.001 && flags.session_timeout <= 3600)) {
+    throw InputError(fmt::format("--session-timeout is {} s; it must lie in [0.001, 3600] s",
+                                 flags.session_timeout));
+  }
+  if (flags.log && flags.capture && IsSameFile(*flags.log, *flags.capture)) {
+    throw InputError(fmt::format("--log and --capture both name {}; give each a file of its own",
+                                 flags.log->string()));
+  }
+  RequireDuration(flags.seconds);
+}
+
+server::ServerConfig ServerConfigOf(const Flags& flags, const Host& host) {
+  server::ServerConfig config;
+  Listen(flags.network, config);
+  try {
+    config.model_library = model::ReadModelLibrary(model::FindModelLibrary(host.executable));
+  } catch (const EnvironmentError& error) {
+    Note(fmt::format("clients get no model library: {}", error.what()));
+  }
+  return config;
+}
+
+/// A served robot, from flags to the end.
+class Service {
+ public:
+  Service(const Flags& flags, const Program& program)
+      : flags_(flags),
+        catalogue_(program.catalogue),
+        files_(FilesOf(flags.data, program.host)),
+        scenario_(LoadWithFlags(flags, files_.models)) {
+    robot::RobotConfig robot = run::MakeServedConfig(scenario_, files_);
+    robot.viability = flags_.viability;
+    server::ServedRobotSettings settings = MakeSettings(program.host);
+    robot::MadePlant plant = robot::MakePlant(robot);
+    MakeLog();
+    page_.emplace(flags_.page.wanted() ? std::optional(PageAt(flags_.page)) : std::nullopt,
+                  log_ ? &*log_ : nullptr, ".", &Note);
+    settings.sink = page_->sink();
+    if (flags_.capture) settings.server.capture = &capture_.emplace(*flags_.capture);
+    robot_.emplace(robot, std::move(plant), std::move(settings));
+  }
+  ~Service() {
+    ClosePage();  // it looks at the robot
+  }
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  int Run();
+
+ private:
+  /// Short of log and capture.
+  [[nodiscard]] server::ServedRobotSettings MakeSettings(const Host& host);
+  void MakeLog();
+  /// Whoever takes control at the page moves the robot, but not one that is served in lockstep:
+  /// people cannot keep up with it. STOP presses the robot's user stop, and the operator's release
+  /// lets it go.
+  void OpenPage();
+  void PressUserStop(bool pressed);
+  void ClosePage();
+  [[nodiscard]] scenario::RobotData DataOfRobot() const {
+    return scenario::LoadRobotData(files_.models, scenario_.robot.model, scenario_.robot.hand);
+  }
+  void Introduce();
+  void Tell(std::string_view line);
+  [[nodiscard]] bool Ends();
+  /// Says, once each, that log or capture cannot be written any more.
+  void TellLosses();
+  [[nodiscard]] bool is_lockstep() const { return scenario_.drive == scenario::Drive::kLockstep; }
+
+  const MonotonicClock clock_;
+  const Flags& flags_;
+  const run::Catalogue& catalogue_;
+  const run::RunFiles files_;
+  const scenario::Scenario scenario_;
+  const InterruptGuard interrupt_;
+  std::optional<Messages> messages_;  ///< from Run() to the end
+  std::optional<record::Recorder> log_;
+  std::optional<fci::Capture> capture_;
+  bool told_of_log_ = false;
+  bool told_of_capture_ = false;
+  std::optional<run::OperatorPage> page_;
+  std::optional<server::ServedRobot> robot_;
+  std::unique_ptr<application::PageOperator>
+      operator_;  ///< from before the page is open until it has ended
+};
+
+void Service::MakeLog() {
+  if (!flags_.log) return;
+  // Of no scenario nobody knows the motion, which is the client's: the log's one stands, so that
+  // the log can be read as any other.
+  scenario::Scenario told = scenario_;
+  if (flags_.scenario.empty()) {
+    const reference::Waypoint stand{.q = told.robot.q_start.value()};
+    told.motion.waypoints = {stand, stand};
+  }
+  log_.emplace(*flags_.log, run::InfoOf(told, DataOfRobot()),
+               is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
+}
+
+server::ServedRobotSettings Service::MakeSettings(const Host& host) {
+  server::ServedRobotSettings settings;
+  settings.server = ServerConfigOf(flags_, host);
+  if (is_lockstep()) {
+    settings.lockstep = {.answer_timeout = FromSeconds(flags_.session_timeout),
+                         .freeze_when_idle = FreezesWhenIdle(flags_)};
+  }
+  settings.tell = [this](std::string_view line) { Tell(line); };
+  return settings;
+}
+
+void Service::Tell(std::string_view line) {
+  const Time now = clock_.Now();
+  messages_->Put(fmt::format("{:10.3f} s  {}\n", ToSeconds(now.time_since_epoch()), line));
+  if (page_) page_->Tell(now, "server", line);
+}
+
+void Service::Introduce() {
+  std::string text = fmt::format("panda-twin serves {} ({}), drive {}{}\n", scenario_.robot.model,
+                                 robot_->plant_name(), Name(scenario_.drive),
+                                 FreezesWhenIdle(flags_) ? ", idle freeze" : "");
+  if (flags_.viability) {
+    text += fmt::format("  commands are kept within the limits, up to {} lost in a row\n",
+                        *flags_.viability);
+  }
+  text += fmt::format("  arm   {}\n", fci::ToString(robot_->arm()));
+  if (const auto hand = robot_->hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
+  text += fmt::format("  {}\n", DescribeAccess(flags_.network));
+  messages_->Put(std::move(text));
+}
+
+void Service::TellLosses() {
+  const auto tell = [](bool& told, const std::string& failure) {
+    if (told || failure.empty()) return;
+    told = true;
+    Say(stderr, fmt::format("panda-twin: warning: {}. It goes on without\n", failure));
+  };
+  if (log_) tell(told_of_log_, log_->Failure());
+  if (capture_) tell(told_of_capture_, capture_->Failure());
+}
+
+void Service::OpenPage() {
+  if (!page_->is_wanted()) return;
+  page::PageSettings settings = is_lockstep() ? page::PageSettings() : page_->Recorded();
+  settings.title = scenario_.name.empty() ? "panda-twin serve" : scenario_.name;
+  settings.about = fmt::format("{}, served at {}, drive {}", scenario_.robot.model,
+                               fci::ToString(robot_->arm()), Name(scenario_.drive));
+  settings.limits = DataOfRobot().limits;
+  settings.stop = [this] { PressUserStop(true); };
+  settings.release = [this] { PressUserStop(false); };
+  if (is_lockstep()) {
+    settings.watch_only = "a robot served in lockstep waits for programs; people watch";
+  } else {
+    settings.control = [this](bool wanted) { operator_->Operate(wanted); };
+    operator_ = std::make_unique<application::PageOperator>(
+        application::PageOperator::Parts{catalogue_, files_, page_->channel()}, scenario_,
+        robot_->arm(), [this](Time at, std::string_view kind, std::string_view text) {
+          page_->Tell(at, kind, text);
+        });
+  }
+  Say(stdout, page_->Open(settings, scenario_, {.truth = robot_->truth()}));
+  std::fflush(stdout);
+}
+
+void Service::PressUserStop(bool pressed) {
+  try {
+    robot_->PressUserStop(pressed);
+  } catch (const Error& error) {
+    page_->Tell({}, "error", error.what());
+  }
+}
+
+void Service::ClosePage() {
+  page_->Close("the robot is served no more");
+  operator_.reset();
+}
+
+bool Service::Ends() {
+  TellLosses();
+  if (interrupt_.interrupted()) return true;
+  return flags_.seconds && clock_.Now().time_since_epoch() >= FromSeconds(*flags_.seconds);
+}
+
+int Service::Run() {
+  interrupt_.ThrowIfInterrupted();
+  OpenPage();
+  messages_.emplace();
+  robot_->Begin();
+  for (const std::string& notice : robot_->notices()) {
+    Note("robot: " + notice);
+  }
+  Introduce();
+  robot_->Serve([this] { return Ends(); });
+  ClosePage();
+  robot_->End();
+  if (log_) static_cast<void>(log_->Finish());
+  if (capture_) run::FinishCapture(*capture_, &Note);
+  const std::string warnings = robot_->DescribeWarnings();
+  if (!warnings.empty()) throw RobotFault("the simulation itself became unsound: " + warnings);
+  return interrupt_.interrupted() ? kInterrupted : kOk;
+}
+
+int Serve(const Flags& flags, const Program& program) {
+  RequireAgreement(flags);
+  return Service(flags, program).Run();
+}
+
+}  // namespace
+
+void AddServe(CLI::App& app, Program& program) {
+  CLI::App* serve =
+      app.add_subcommand("serve", "Serve a robot to programs made for it (FCI protocol 5)");
+  Flags& flags = SetAction(*serve, program, &Serve);
+  serve->add_option("scenario", flags.scenario, "Scenario file (default: the ready pose, no scene)")
+      ->type_name("FILE");
+  AddLab(*serve, flags.lab);
+  serve->add_option("--scene", flags.scene, "World around the robot (MJCF in the models folder)")
+      ->type_name("FILE");
+  AddNetwork(*serve, flags.network);
+  serve->add_option("--drive", flags.drive, "Who advances time: realtime or lockstep")
+      ->capture_default_str();
+  serve->add_option("--idle", flags.idle, "lockstep: time between motions: run or freeze")
+      ->capture_default_str();
+  serve->add_option("--clock-ppm", flags.clock_ppm, "realtime: drift of the robot's clock")
+      ->type_name("PPM");
+  serve
+      ->add_option("--session-timeout", flags.session_timeout,
+                   "lockstep: a motion that is not answered for so long is stopped")
+      ->capture_default_str()
+      ->type_name("S");
+  serve
+      ->add_option(
+          "--viability", flags.viability,
+          "Keep the clients' motions within the limits, whatever up to N commands in a row "
+          "are lost; 19 bridges all that no robot aborts for")
+      ->type_name("N")
+      ->check(CLI::Range(0, reference::ViableAxis::kMostLost));
+  AddSeed(*serve, flags.seed);
+  serve->add_option("--log", flags.log, "Write every cycle (MCAP)")->type_name("FILE");
+  serve->add_option("--capture", flags.capture, "Keep what goes over the wire (pcapng; see decode)")
+      ->type_name("FILE");
+  AddPage(*serve, flags.page);
+  serve->add_option("--for", flags.seconds, "End after so long")->type_name("S");
+  AddData(*serve, flags.data);
+  serve->footer(kServeFooter);
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,339 @@
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/commands/commands.h"
+#include "cli/host.h"
+#include "cli/interrupt.h"
+#include "cli/run_flags.h"
+#include "cli/say.h"
+#include "cli/shared_flags.h"
+#include "twin/core/error.h"
+#include "twin/golden/approval.h"
+#include "twin/golden/case_run.h"
+#include "twin/golden/comparison.h"
+#include "twin/golden/goldens_lock.h"
+#include "twin/golden/page.h"
+#include "twin/record/log_reader.h"
+#include "twin/run/result_folder.h"
+#include "twin/scenario/video_case.h"
+
+namespace twin::cli {
+namespace {
+
+struct Flags {
+  std::vector<std::string> cases;  ///< empty: all there are; to approve, at least one
+  std::filesystem::path goldens = "tests/golden/cases";
+  std::filesystem::path out = "out/video";     ///< of runs and the page
+  std::optional<std::filesystem::path> log;    ///< a recorded run instead of a new one; one case
+  std::optional<std::filesystem::path> junit;  ///< file for machines
+  std::string reason;                          ///< to approve
+  bool quiet = false;
+  DataFlags data;
+};
+
+constexpr const char* kVideoFooter =
+    R"(A case is a file <goldens>/<case>.yaml: a scenario, a lab, a seed, and some views, each as a scenario's render section;
+what was approved of it is in the folder <goldens>/<case>. Hashes of states and frames tell what changed, physics
+or rendering; whether pictures differ is decided by what shows: another processor or rasteriser is no failure.
+  panda-twin video check                          run all cases, compare, say what differs; a page when something does
+  panda-twin video check CASE --log out/run       a recorded run instead of a new one
+  panda-twin video report                         the page whatever comes of it
+  panda-twin video approve CASE --reason "..."    what the case looks like now is right
+Exit codes: 1 pictures differ from those approved; others as ever.)";
+
+namespace fs = std::filesystem;
+
+/// Makes the file for machines, and removes it, before the work. @throws EnvironmentError.
+void TryJunit(const fs::path& file) {
+  std::error_code error;
+  const fs::path partial = run::PartialOf(file);
+  errno = 0;
+  std::ofstream probe(partial);
+  const int why = probe ? (fs::is_directory(file, error) ? EISDIR : 0) : errno;
+  if (probe) fs::remove(partial, error);
+  if (why == 0) return;
+  throw EnvironmentError(
+      fmt::format("--junit: {}: cannot be written ({}); name a file in a folder that exists and "
+                  "may be written to",
+                  file.string(), std::generic_category().message(why)));
+}
+
+constexpr const char* kGoldensFlag = "--goldens names the folder of cases";
+
+/// The names of all cases, sorted.
+std::vector<std::string> CasesIn(const fs::path& goldens) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(goldens, error)) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  if (error) {
+    throw InputError(fmt::format("{}: cannot be read ({}); {}", goldens.string(), error.message(),
+                                 kGoldensFlag));
+  }
+  if (names.empty()) {
+    throw InputError(fmt::format("{}: there is no case in it (<name>.yaml); {}", goldens.string(),
+                                 kGoldensFlag));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<scenario::VideoCase> Wanted(const Flags& flags) {
+  const std::vector<std::string> all = CasesIn(flags.goldens);
+  for (const std::string& name : flags.cases) {
+    if (std::find(all.begin(), all.end(), name) != all.end()) continue;
+    throw InputError(fmt::format("there is no case {} in {}; there are {}", name,
+                                 flags.goldens.string(), fmt::join(all, ", ")));
+  }
+  std::vector<scenario::VideoCase> cases;
+  for (const std::string& name : flags.cases.empty() ? all : flags.cases) {
+    cases.push_back(scenario::LoadVideoCase(flags.goldens / (name + ".yaml")));
+  }
+  if (flags.log && cases.size() != 1) {
+    throw InputError("--log goes with one case: name it");
+  }
+  return cases;
+}
+
+std::string RunText(const scenario::VideoCase& wanted, const Flags& flags) {
+  if (flags.log) return flags.log->string();
+  std::string text = wanted.scenario.string();
+  if (wanted.lab) text += fmt::format(", lab {}", *wanted.lab);
+  if (wanted.seed) text += fmt::format(", seed {}", *wanted.seed);
+  return text;
+}
+
+std::string ApproveCommand(const scenario::VideoCase& wanted, const Flags& flags) {
+  std::string command = fmt::format("panda-twin video approve {}", wanted.name);
+  if (flags.goldens != Flags().goldens) command += " --goldens " + flags.goldens.string();
+  if (flags.log) command += " --log " + flags.log->string();
+  return command + " --reason \"why they are right\"";
+}
+
+/// @throws InputError when the log's run is not the case's, or is to be whole and is not.
+void RequireRunOf(const scenario::VideoCase& wanted, const scenario::Scenario& scenario,
+                  const fs::path& log, bool whole) {
+  const record::LogReader reader(log);
+  if (reader.truncated()) {
+    const std::string cut =
+        fmt::format("{}: the run was killed, and its last part is missing", log.string());
+    if (whole) throw InputError(cut + "; approve the log of a whole run");
+    Say(stderr, fmt::format("panda-twin: note: {}\n", cut));
+  }
+  golden::RequireRunOf(wanted, scenario, reader, log);
+}
+
+/// A command while it goes on.
+class VideoSession {
+ public:
+  VideoSession(const Flags& flags, const Program& program) : flags_(flags), program_(program) {
+    RequireProgram("ffmpeg", program.host.path, "apt-get install ffmpeg");
+  }
+
+  /// @param always  a page is written whatever comes of it, and nothing is a failure.
+  int Compare(bool always) {
+    const std::vector<scenario::VideoCase> cases = Wanted(flags_);
+    if (flags_.junit) TryJunit(*flags_.junit);
+    std::vector<golden::Golden> goldens;
+    goldens.reserve(cases.size());
+    for (const scenario::VideoCase& wanted : cases) goldens.push_back(ReadGoldenOf(wanted));
+    std::vector<golden::CaseResult> results;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      results.push_back(Check(cases[i], std::move(goldens[i])));
+      Tell(fmt::format("{:<24} {:<6} {}\n", cases[i].name,
+                       results.back().comparison.passed() ? "ok" : "FAILED",
+                       Describe(results.back().comparison, results.back().pictures)));
+    }
+    return Conclude(results, always);
+  }
+
+  int Approve() {
+    const std::vector<scenario::VideoCase> cases = Wanted(flags_);
+    const golden::GoldensLock lock(flags_.goldens);
+    for (const scenario::VideoCase& wanted : cases) golden::RequireNothingElse(FolderOf(wanted));
+    for (const scenario::VideoCase& wanted : cases) {
+      std::optional<golden::Golden> old;
+      if (golden::HasGolden(FolderOf(wanted))) old = golden::ReadGolden(FolderOf(wanted));
+      golden::CaseRun run = RunOf(wanted, true);
+      run.Take(nullptr, [this] { interrupt_.ThrowIfInterrupted(); });
+      const golden::Approved approved =
+          golden::Approve(old, run.Evidence(), flags_.reason, TWIN_VERSION);
+      interrupt_.ThrowIfInterrupted();
+      if (approved.changed) golden::WriteGolden(FolderOf(wanted), approved.golden);
+      Tell(fmt::format("{:<24} {}\n", wanted.name,
+                       approved.changed ? "approved: " + approved.golden.approvals.back().changed
+                                        : "was approved before; nothing was written"));
+    }
+    return kOk;
+  }
+
+ private:
+  [[nodiscard]] fs::path FolderOf(const scenario::VideoCase& wanted) const {
+    return flags_.goldens / wanted.name;
+  }
+
+  /// Runs the case, unless the flags name a log. A run that fails is taken as it came out: its
+  /// pictures tell more. @param whole  a log of a run that was killed will not do.
+  [[nodiscard]] golden::CaseRun RunOf(const scenario::VideoCase& wanted, bool whole) const {
+    const run::RunFiles files = FilesOf(flags_.data, program_.host);
+    if (files.mesh_package.empty()) {
+      throw EnvironmentError(
+          "the robot's meshes were not found, and pictures that were approved show them; "
+          "scripts/setup fetches them, or name them with --meshes");
+    }
+    RunFlags run;
+    run.scenario = files.models / wanted.scenario;
+    run.lab = wanted.lab;
+    run.seed = wanted.seed;
+    run.out = flags_.out / wanted.name;
+    run.no_video = true;
+    run.quiet = true;
+    run.data = flags_.data;
+    fs::path log = run.out / "run.mcap";
+    if (flags_.log) {
+      log = run::FindLog(*flags_.log);
+      RequireRunOf(wanted, LoadWithFlags(run, program_.host), log, whole);
+    } else {
+      try {
+        static_cast<void>(Run(run, program_));
+      } catch (const RobotFault& fault) {
+        Say(stderr,
+            fmt::format("panda-twin: note: {}: the run failed: {}\n", wanted.name, fault.what()));
+      }
+    }
+    return {wanted, flags_.goldens / (wanted.name + ".yaml"), log, files};
+  }
+
+  [[nodiscard]] golden::Golden ReadGoldenOf(const scenario::VideoCase& wanted) const {
+    if (golden::HasGolden(FolderOf(wanted))) return golden::ReadGolden(FolderOf(wanted));
+    throw InputError(fmt::format("{}: nothing was approved of this case yet: {}",
+                                 FolderOf(wanted).string(), ApproveCommand(wanted, flags_)));
+  }
+
+  golden::CaseResult Check(const scenario::VideoCase& wanted, golden::Golden golden) const {
+    golden::CaseRun run = RunOf(wanted, false);
+    run.Take(&golden, [this] { interrupt_.ThrowIfInterrupted(); });
+    golden::CaseResult result{wanted.name, RunText(wanted, flags_), ApproveCommand(wanted, flags_)};
+    try {
+      result.comparison = golden::Compare(golden, run.Evidence());
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", FolderOf(wanted).string(), error.what()));
+    }
+    interrupt_.ThrowIfInterrupted();
+    result.golden = std::move(golden);
+    result.pictures = run.pictures();
+    result.joints = run.Joints();
+    return result;
+  }
+
+  /// Writes what is to be written. @returns kFailed when a check failed.
+  int Conclude(const std::vector<golden::CaseResult>& results, bool always) const {
+    const auto failed = std::count_if(results.begin(), results.end(), [](const auto& result) {
+      return !result.comparison.passed();
+    });
+    if (flags_.junit) run::WriteWholeFile(*flags_.junit, golden::JUnitOf(results));
+    const fs::path page = flags_.out / "report.html";
+    if (failed > 0 || always) {
+      run::MakeFolder(flags_.out);
+      run::WriteWholeFile(page, golden::PageOf(results));
+      Tell(fmt::format("report                   {}\n", page.string()));
+    } else {
+      RemoveStale(page);
+    }
+    if (failed == 0 || always) return kOk;
+    throw RobotFault(fmt::format("{} of {} cases look different from what was approved; see {}",
+                                 failed, results.size(), page.string()));
+  }
+
+  /// An earlier check's page tells of what is no more.
+  static void RemoveStale(const fs::path& page) {
+    if (!golden::IsPage(page)) return;
+    std::error_code error;
+    fs::remove(page, error);
+    if (error) {
+      throw EnvironmentError(fmt::format("{}: of an earlier check, and cannot be removed ({})",
+                                         page.string(), error.message()));
+    }
+  }
+
+  void Tell(const std::string& line) const {
+    if (flags_.quiet) return;
+    Say(stdout, line);
+    std::fflush(stdout);
+  }
+
+  const Flags& flags_;
+  const Program& program_;
+  const InterruptGuard interrupt_;
+};
+
+int Check(const Flags& flags, const Program& program) {
+  return VideoSession(flags, program).Compare(false);
+}
+
+int Report(const Flags& flags, const Program& program) {
+  return VideoSession(flags, program).Compare(true);
+}
+
+int Approve(const Flags& flags, const Program& program) {
+  return VideoSession(flags, program).Approve();
+}
+
+/// The options that all three have. @returns the flags.
+Flags& AddCases(CLI::App& command, Flags& flags) {
+  command.add_option("cases", flags.cases, "Which (default: all there are)")->type_name("CASE...");
+  command.add_option("--goldens", flags.goldens, "Folder of cases and of what was approved")
+      ->type_name("DIR")
+      ->capture_default_str();
+  command.add_option("--log", flags.log, "One case: a recorded run instead of a new one")
+      ->type_name("FILE|DIR");
+  command.add_option("--out", flags.out, "Folder of the runs' results and of report.html")
+      ->type_name("DIR")
+      ->capture_default_str();
+  command.add_flag("--quiet", flags.quiet, "Errors only");
+  command.add_option("--data", flags.data.models, "Folder of models, if not beside the program")
+      ->type_name("DIR");
+  command.add_option("--meshes", flags.data.meshes, "Folder panda_description with the meshes")
+      ->type_name("DIR");
+  return flags;
+}
+
+void AddJunit(CLI::App& command, Flags& flags) {
+  command.add_option("--junit", flags.junit, "Write what came of the cases for machines, as XML")
+      ->type_name("FILE");
+}
+
+}  // namespace
+
+void AddVideo(CLI::App& app, Program& program) {
+  CLI::App* video =
+      app.add_subcommand("video", "Compare the pictures of runs with those that were approved");
+  video->require_subcommand(1);
+  CLI::App* check =
+      video->add_subcommand("check", "Compare, and fail when something looks different");
+  CLI::App* approve =
+      video->add_subcommand("approve", "Keep what the cases look like now as right");
+  CLI::App* report =
+      video->add_subcommand("report", "Compare, and write the page whatever comes of it");
+  AddJunit(*check, AddCases(*check, SetAction(*check, program, &Check)));
+  AddJunit(*report, AddCases(*report, SetAction(*report, program, &Report)));
+  Flags& flags = AddCases(*approve, SetAction(*approve, program, &Approve));
+  approve->get_option("cases")->required()->description("Which");
+  approve->add_option("--reason", flags.reason, "Why they are right; it is kept")
+      ->type_name("TEXT")
+      ->required();
+  video->footer(kVideoFooter);  // after its commands, which else would repeat it
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,135 @@
+#include "cli/shared_flags.h"
+
+#include <charconv>
+#include <cstdio>
+#include <limits>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/say.h"
+#include "twin/core/error.h"
+#include "twin/plant/model_cache_repair.h"
+
+namespace twin::cli {
+namespace {
+
+/// CLI11 would take -1 as a large number, clamp what is too large, and read 010 as octal.
+std::uint64_t ParseSeed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* const end = text.data() + text.size();
+  const auto [parsed, error] = std::from_chars(text.data(), end, seed);
+  if (error == std::errc() && parsed == end) return seed;
+  throw CLI::ValidationError("--seed",
+                             fmt::format("\"{}\" is not a whole number from 0 to {}", text,
+                                         std::numeric_limits<std::uint64_t>::max()));
+}
+
+/// The folder of compiled models, made fit for use; empty, with a note, when it cannot be used.
+std::filesystem::path UsableCache(const Host& host) {
+  const auto note = [](std::string_view text) {
+    Say(stderr, fmt::format("panda-twin: note: {}\n", text));
+  };
+  if (host.cache.empty() || !plant::RepairModelCache(host.cache, note)) return {};
+  return host.cache;
+}
+
+}  // namespace
+
+void AddData(CLI::App& app, DataFlags& flags) {
+  app.add_option("--data", flags.models, "Folder of models, if not beside the program")
+      ->type_name("DIR");
+  app.add_option("--meshes", flags.meshes, "Folder panda_description with the robot's meshes")
+      ->type_name("DIR");
+}
+
+scenario::DataDirectory DataOf(const DataFlags& flags, const Host& host) {
+  return scenario::FindDataDirectory({host.executable, flags.models, flags.meshes});
+}
+
+run::RunFiles FilesOf(const DataFlags& flags, const Host& host) {
+  const scenario::DataDirectory data = DataOf(flags, host);
+  return {data.models, data.mesh_package, UsableCache(host), false};
+}
+
+void AddNetwork(CLI::App& app, NetworkFlags& flags) {
+  app.add_option("--bind", flags.bind, "Address to listen at")->capture_default_str();
+  app.add_option("--allow", flags.allow, "Network that may connect, such as 192.168.1.0/24")
+      ->type_name("CIDR");
+  app.add_option("--port", flags.arm_port, "TCP port of the arm; 0: any")->capture_default_str();
+  app.add_option("--hand-port", flags.hand_port, "TCP port of the hand; 0: any")
+      ->capture_default_str();
+}
+
+Listening ListeningAt(const std::string& bind, const std::optional<std::string>& allow,
+                      std::string_view bind_flag, std::string_view allow_flag) {
+  Listening listening;
+  listening.address = fci::Resolve(bind, 0).address;
+  if (allow) listening.allow = fci::ParseNetwork(*allow);
+  if (fci::IsLoopback(listening.address) || listening.allow) return listening;
+  throw InputError(
+      fmt::format("{0} {1} lets other machines move the robot: name the network that may, with {2} "
+                  "ADDRESS/BITS, or leave {0} out",
+                  bind_flag, bind, allow_flag));
+}
+
+std::string DescribeAccess(const NetworkFlags& flags) {
+  if (!flags.allow) return "open to this machine only";
+  return fmt::format(
+      "open to this machine and to {}: who is there can move the robot, without a password",
+      *flags.allow);
+}
+
+/// Takes its port behind a '=' only: what follows it is the scenario.
+void AddPage(CLI::App& app, PageFlags& flags) {
+  app.add_flag("--page{8080}", flags.port,
+               "Show it in a browser: --page, or --page=PORT (0: any free one); the address is "
+               "printed")
+      ->type_name("PORT");
+  app.add_option("--page-bind", flags.bind, "Address of this machine to serve the page at")
+      ->capture_default_str()
+      ->type_name("ADDRESS");
+  app.add_option("--page-allow", flags.allow, "Network that may open the page, beside this machine")
+      ->type_name("ADDRESS/BITS");
+}
+
+page::PageSettings PageAt(const PageFlags& flags) {
+  std::uint16_t port = 0;
+  const char* const end = flags.port.data() + flags.port.size();
+  const auto [parsed, error] = std::from_chars(flags.port.data(), end, port);
+  if (error != std::errc() || parsed != end) {
+    throw InputError(fmt::format("--page is \"{}\"; it must be a port in [0, 65535]", flags.port));
+  }
+  const Listening listening = ListeningAt(flags.bind, flags.allow, "--page-bind", "--page-allow");
+  page::PageSettings settings;
+  settings.at = {.address = listening.address, .port = port};
+  settings.allow = listening.allow;
+  return settings;
+}
+
+void RequirePageFlags(const PageFlags& flags) {
+  if (flags.wanted()) {
+    static_cast<void>(PageAt(flags));
+  } else if (flags.allow || flags.bind != PageFlags().bind) {
+    throw InputError("--page-bind and --page-allow go with --page");
+  }
+}
+
+void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed, const char* what) {
+  app.add_option_function<std::string>(
+         "--seed", [&seed](const std::string& text) { seed = ParseSeed(text); }, what)
+      ->type_name("UINT");
+}
+
+void AddLab(CLI::App& app, std::optional<std::string>& lab) {
+  app.add_option("--lab", lab, "Site laid over the scenario: a, b (models/labs), or a file")
+      ->type_name("NAME|FILE");
+}
+
+void RequireDuration(const std::optional<double>& seconds) {
+  if (seconds && !(*seconds > 0)) {
+    throw InputError(fmt::format("--for is {} s; it must be above 0", *seconds));
+  }
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,99 @@
+#include "twin/run/film.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <numbers>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/render/frame_painter.h"
+
+namespace twin::run {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+render::View ViewOf(const scenario::CameraSection& camera) {
+  render::View view;
+  view.orbit = {camera.azimuth * kDegrees, camera.elevation * kDegrees, camera.distance,
+                camera.lookat};
+  view.turn_deg_per_s = camera.turn * kDegrees;
+  switch (camera.kind) {
+    case scenario::CameraKind::kOrbit:
+      view.kind = camera.track.empty() ? render::ViewKind::kOrbit : render::ViewKind::kTracking;
+      view.name = camera.track;
+      break;
+    case scenario::CameraKind::kScene:
+      view.kind = render::ViewKind::kScene;
+      view.name = camera.name;
+      break;
+    case scenario::CameraKind::kGripper: view.kind = render::ViewKind::kGripper; break;
+  }
+  return view;
+}
+
+}  // namespace
+
+render::Corner CornerOf(scenario::PictureCorner corner) {
+  switch (corner) {
+    case scenario::PictureCorner::kTopLeft: return render::Corner::kTopLeft;
+    case scenario::PictureCorner::kTopRight: return render::Corner::kTopRight;
+    case scenario::PictureCorner::kBottomLeft: return render::Corner::kBottomLeft;
+    case scenario::PictureCorner::kBottomRight: break;
+  }
+  return render::Corner::kBottomRight;
+}
+
+render::Overlays OverlaysOf(const std::vector<scenario::Overlay>& wanted) {
+  const auto has = [&](scenario::Overlay overlay) {
+    return std::find(wanted.begin(), wanted.end(), overlay) != wanted.end();
+  };
+  return {.text = has(scenario::Overlay::kText),
+          .goal = has(scenario::Overlay::kGoal),
+          .trace = has(scenario::Overlay::kTrace),
+          .forces = has(scenario::Overlay::kForces),
+          .contacts = has(scenario::Overlay::kContacts),
+          .limits = has(scenario::Overlay::kLimits)};
+}
+
+render::FilmSettings FilmOf(const scenario::RenderSection& wanted) {
+  render::FilmSettings film;
+  film.render.width = wanted.width;
+  film.render.height = wanted.height;
+  film.view = ViewOf(wanted.camera);
+  for (const scenario::InsetSection& inset : wanted.insets) {
+    film.insets.push_back(
+        {ViewOf(inset.camera), CornerOf(inset.corner), inset.share_percent / 100});
+  }
+  film.overlays = OverlaysOf(wanted.overlays);
+  return film;
+}
+
+void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted,
+                  const std::filesystem::path& scenario) {
+  const render::Snapshots none(wanted.fps, connection.truth->qpos_size());
+  try {
+    const render::FramePainter painter({&connection.truth->model(), &none}, FilmOf(wanted));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scenario.string(), error.what()));
+  }
+}
+
+render::ClipStats RenderClip(const render::ClipFrames& frames, const render::ClipPaths& paths,
+                             const Clock& clock, Console& console) {
+  render::ClipSettings settings;
+  settings.render_threads =
+      static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 16U));
+  const Time begin = clock.Now();
+  return render::RenderClip(
+      frames, settings, paths, clock, [&](std::size_t done, std::size_t total) {
+        console.ThrowIfInterrupted();
+        const double rate = static_cast<double>(done) / ToSeconds(clock.Now() - begin);
+        console.Show("video", static_cast<double>(done) / static_cast<double>(total),
+                     fmt::format("{} of {} frames, {:.0f} frames/s", done, total, rate));
+      });
+}
+
+}  // namespace twin::run
