@@ -19,6 +19,8 @@ FIELDS = {
 }
 CONTENTS = (
     "./usr/bin/panda-twin",
+    "./usr/share/bash-completion/completions/panda-twin",
+    "./usr/share/man/man1/panda-twin.1",
     "./usr/include/twin/core/robot_state.h",
     "./usr/lib/panda-twin/libpanda_model.so",
     "./usr/share/panda_twin/models/scenarios/canonical.yaml",

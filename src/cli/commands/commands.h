@@ -18,10 +18,11 @@ void AddExplain(CLI::App& app, Program& program);
 void AddDecode(CLI::App& app, Program& program);
 void AddDevices(CLI::App& app, Program& program);
 void AddExport(CLI::App& app, Program& program);
+void AddCompletion(CLI::App& app, Program& program);
 
 /// All of them, in the order of the help.
-inline constexpr auto kCommands = {&AddRun,     &AddServe,      &AddProxy,    &AddRender,
-                                   &AddVideo,   &AddExperiment, &AddValidate, &AddCheck,
-                                   &AddExplain, &AddDecode,     &AddDevices,  &AddExport};
+inline constexpr auto kCommands = {
+    &AddRun,   &AddServe,   &AddProxy,  &AddRender,  &AddVideo,  &AddExperiment, &AddValidate,
+    &AddCheck, &AddExplain, &AddDecode, &AddDevices, &AddExport, &AddCompletion};
 
 }  // namespace twin::cli
