@@ -43,6 +43,7 @@ RunRecorder::Outcome MotionRecorder::Perform(const run::RunHooks& hooks) {
   const Time begin = clock_.Now();
   run::RunHooks shown = hooks;
   shown.progress = [&](Time now, Duration planned) {
+    hooks.progress(now, planned);
     const double simulated = ToSeconds(now.time_since_epoch());
     parts_.console.Show("run", simulated / ToSeconds(planned),
                         fmt::format("{:.1f} of {:.1f} s, {:.1f} x real time", simulated,

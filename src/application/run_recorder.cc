@@ -196,6 +196,10 @@ void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
   if (is_remote()) {
     NoteIgnoredSettings(scenario(), wants_video(), parts_.console);
     if (const auto& file = parts_.options.capture) {
+      if (out_.Holds(*file)) {
+        throw InputError(fmt::format(
+            "--capture: {} is one of the run's own results; name another file", file->string()));
+      }
       settings_.remote.capture = &capture.emplace(*file);
     }
     Reach(settings_.remote.host, parts_.options.allow_hardware, parts_.console, connect);
@@ -255,6 +259,7 @@ void RunRecorder::Perform() {
   run::RunHooks hooks;
   hooks.interrupted = &parts_.console.interrupted();
   hooks.event = page_.Also(records_.Events());
+  hooks.progress = [this](Time /*now*/, Duration /*planned*/) { WarnOfLostLog(); };
   const Time begin = clock_.Now();
   outcome_ = Perform(hooks);
   times_.run_s = SecondsSince(begin);
@@ -267,6 +272,13 @@ void RunRecorder::Perform() {
   for (const std::string& notice : outcome_.robot.notices) parts_.console.Note("robot: " + notice);
   Evaluate(outcome_);
   page_.Close(outcome_.failure.empty() ? "it went well" : outcome_.failure);
+}
+
+void RunRecorder::WarnOfLostLog() {
+  const std::string failure = told_of_log_ ? std::string() : records_.LogFailure();
+  if (failure.empty()) return;
+  told_of_log_ = true;
+  parts_.console.Warn(failure + ". The run goes on without its log");
 }
 
 void RunRecorder::WriteResults() {

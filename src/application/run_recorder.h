@@ -93,6 +93,8 @@ class RunRecorder {
   void OpenPage();
   void BeginRecords();
   void Perform();
+  /// Once, as soon as the log cannot be written any more.
+  void WarnOfLostLog();
   void WriteResults();
   void MakePictures();
   /// After a run that went well: says which of its motions were further off their targets than the
@@ -110,6 +112,7 @@ class RunRecorder {
   run::RealtimeSettings settings_;
   Connected run_;
   Outcome outcome_;
+  bool told_of_log_ = false;
   bool has_summary_ = false;
 };
 

@@ -1,10 +1,13 @@
 #include "cli/program.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -13,6 +16,7 @@
 #include "cli/interrupt.h"
 #include "cli/say.h"
 #include "twin/core/error.h"
+#include "twin/core/nearest_word.h"
 
 namespace twin::cli {
 namespace {
@@ -95,6 +99,22 @@ int Guarded(Command command) {
   }
 }
 
+/// What is wrong with a command line. CLI11 does not say which word is no command.
+std::string Describe(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  const std::vector<std::string> unread = command->remaining();
+  const auto word =
+      std::ranges::find_if(unread, [](const std::string& text) { return !text.starts_with('-'); });
+  const auto commands = command->get_subcommands([](const CLI::App*) { return true; });
+  if (commands.empty() || word == unread.end()) return error.what();
+  std::vector<std::string_view> names;
+  for (const CLI::App* one : commands) names.emplace_back(one->get_name());
+  const auto nearest = Nearest(*word, names);
+  return fmt::format("there is no command \"{}\"{}", *word,
+                     nearest ? fmt::format("; did you mean \"{}\"?", *nearest) : "");
+}
+
 std::string VersionText() {
 #if defined(__clang__)
   constexpr const char* kCompiler = "clang " __clang_version__;
@@ -122,7 +142,7 @@ int RunProgram(int argc, const char* const* argv, Program& program) {
       FinishOutput();
       return code;
     } catch (const CLI::ParseError& error) {
-      PrintError(fmt::format("{}; see panda-twin --help", error.what()));
+      PrintError(fmt::format("{}; see panda-twin --help", Describe(app, error)));
       return static_cast<int>(kUsage);
     }
   });

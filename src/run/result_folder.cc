@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
@@ -92,6 +93,14 @@ std::vector<fs::path> ResultFolder::Files() const {
     if (entry.path().extension() == ".png") files.push_back(entry.path());
   }
   return files;
+}
+
+bool ResultFolder::Holds(const fs::path& file) const {
+  const fs::path there = fs::weakly_canonical(file);
+  return std::ranges::any_of(Files(), [&](const fs::path& own) {
+    const fs::path ours = fs::weakly_canonical(own);
+    return there == ours || there == PartialOf(ours);
+  });
 }
 
 void ResultFolder::Clear() const {

@@ -31,6 +31,15 @@ class BadScenario(CliTest):
             self.assert_refused(done, 3, "scenario.yaml")
             self.assertLess(len(done.stderr), 2200)
 
+    def test_a_capture_that_is_one_of_the_runs_results_is_refused(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        before = {name: (self.out / name).read_bytes() for name in self.files()}
+        for name in ("run.mcap", "run.mcap.partial", "../out/summary.json", "plots/joints.svg"):
+            with self.subTest(name=name):
+                done = self.run_scenario(SHORT, "--backend", "fci", "--robot", "127.0.0.1:9", "--capture", self.out / name)
+                self.assert_error(done, 3, "is one of the run's own results; name another file")
+                self.assertEqual({name: (self.out / name).read_bytes() for name in self.files()}, before)
+
 
 class BadEnvironment(CliTest):
     def test_a_file_that_may_not_grow_leaves_a_log_that_can_be_read(self):
@@ -39,6 +48,8 @@ class BadEnvironment(CliTest):
                               env=self.environment, capture_output=True, text=True, timeout=120,
                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
         self.assert_error(done, 4, "run.mcap.partial: File too large")
+        [warning] = [line for line in done.stderr.splitlines() if "warning:" in line]
+        self.assertRegex(warning, "File too large; .*The run goes on without its log")  # at once, not at the end
         self.assertEqual(self.files(), {"run.mcap.partial"})
         done = self.call("export", self.out / "run.mcap.partial")
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -300,6 +300,13 @@ class BadUsage(CliTest):
             with self.subTest(arguments=arguments):
                 self.assert_refused(self.call(*arguments), 2, "see panda-twin --help")
 
+    def test_command_that_is_none_is_named(self):
+        for arguments, says in [(["rnu", "x"], 'there is no command "rnu"; did you mean "run"?'), (["fly"], 'there is no command "fly"; see'),
+                                (["video", "aprove", "a"], 'there is no command "aprove"; did you mean "approve"?'),
+                                (["video"], "A subcommand is required")]:
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.call(*arguments), 2, says)
+
     def test_export_of_what_is_no_log(self):
         (self.folder / "run.mcap").write_bytes(b"not a log")
         done = self.call("export", self.folder / "run.mcap", "--out", self.out)

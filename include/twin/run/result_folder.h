@@ -27,6 +27,9 @@ class ResultFolder {
   /// Removes those of a run's files that are not whole. @param but_log  leaves the log's.
   void RemovePartial(bool but_log = false) const;
 
+  /// Whether a run writes this file, or its part until it is whole.
+  [[nodiscard]] bool Holds(const std::filesystem::path& file) const;
+
   [[nodiscard]] const std::filesystem::path& folder() const noexcept { return folder_; }
   [[nodiscard]] std::filesystem::path log() const { return folder_ / "run.mcap"; }
   [[nodiscard]] std::filesystem::path scenario() const { return folder_ / "scenario.yaml"; }

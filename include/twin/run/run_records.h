@@ -56,6 +56,8 @@ class RunRecords final : public rt::RecordSink {
   /// After a run that threw: the log stays partial.
   void Abandon() { log_.reset(); }
 
+  /// Why the log cannot be written any more; empty: it can. While a run goes on.
+  [[nodiscard]] std::string LogFailure() const { return log_ ? log_->Failure() : std::string(); }
   /// Whether the log could not be written to its end; what there is of it can be read.
   [[nodiscard]] bool log_failed() const noexcept { return log_failed_; }
 
