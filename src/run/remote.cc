@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/fci/capture.h"
 #include "twin/core/require.h"
+#include "twin/fci/capture.h"
 #include "twin/run/run.h"
 
 namespace twin::run {

@@ -44,8 +44,9 @@ TEST(EvaluateTest, CallsWhatTheReferenceGeneratorBridgesUsable) {
 }
 
 TEST(EvaluateTest, CallsWhatEndsMotionsNotFit) {
-  EXPECT_THAT(Evaluate(Figures(2000, 120, 2)).text, HasSubstr("not fit"));   // 6 %
-  EXPECT_THAT(Evaluate(Figures(60000, 20, 20)).text, HasSubstr("not fit"));  // once, but 20 in a row
+  EXPECT_THAT(Evaluate(Figures(2000, 120, 2)).text, HasSubstr("not fit"));  // 6 %
+  EXPECT_THAT(Evaluate(Figures(60000, 20, 20)).text,
+              HasSubstr("not fit"));  // once, but 20 in a row
   EXPECT_THAT(Evaluate(Figures(60000, 20, 20)).text, HasSubstr("lockstep"));
   EXPECT_FALSE(Evaluate(Figures(60000, 20, 20)).good);
   EXPECT_TRUE(Evaluate(Figures(60000, 20, 19)).good);
