@@ -13,6 +13,7 @@ void AddRender(CLI::App& app, Program& program);
 void AddVideo(CLI::App& app, Program& program);
 void AddExperiment(CLI::App& app, Program& program);
 void AddValidate(CLI::App& app, Program& program);
+void AddSchema(CLI::App& app, Program& program);
 void AddCheck(CLI::App& app, Program& program);
 void AddExplain(CLI::App& app, Program& program);
 void AddDecode(CLI::App& app, Program& program);
@@ -22,7 +23,7 @@ void AddCompletion(CLI::App& app, Program& program);
 
 /// All of them, in the order of the help.
 inline constexpr auto kCommands = {
-    &AddRun,   &AddServe,   &AddProxy,  &AddRender,  &AddVideo,  &AddExperiment, &AddValidate,
-    &AddCheck, &AddExplain, &AddDecode, &AddDevices, &AddExport, &AddCompletion};
+    &AddRun,    &AddServe, &AddProxy,   &AddRender, &AddVideo,   &AddExperiment, &AddValidate,
+    &AddSchema, &AddCheck, &AddExplain, &AddDecode, &AddDevices, &AddExport,     &AddCompletion};
 
 }  // namespace twin::cli

@@ -1,0 +1,28 @@
+#include "cli/commands/commands.h"
+#include "cli/say.h"
+#include "twin/scenario/format.h"
+
+namespace twin::cli {
+namespace {
+
+struct Flags {
+  bool keys = false;  ///< the table of keys instead
+};
+
+int Schema(const Flags& flags, const Program& /*program*/) {
+  Say(stdout, flags.keys ? scenario::KeyTable() : scenario::JsonSchema());
+  FinishOutput();
+  return kOk;
+}
+
+}  // namespace
+
+void AddSchema(CLI::App& app, Program& program) {
+  CLI::App* schema = app.add_subcommand(
+      "schema",
+      "Print the JSON Schema of scenario files, by which editors complete and check them");
+  Flags& flags = SetAction(*schema, program, &Schema);
+  schema->add_flag("--keys", flags.keys, "Print the table of all keys instead (Markdown)");
+}
+
+}  // namespace twin::cli
