@@ -5,7 +5,7 @@ namespace twin::golden {
 std::string_view PageScript() noexcept {
   // A section's data: {views: [{name, width, height, expected, actual}], small: [columns, width,
   // height], interval, span, first, firstView}; expected and actual: {frames, strip, keys: {frame:
-  // address}}. What is the same in actual is left out of it.
+  // address}}. `actual` omits the parts that equal `expected`'s.
   return R"script(
 'use strict';
 function load(address) {

@@ -21,7 +21,7 @@ const speeds = curves($("speeds"), ["1", "2", "3", "4", "5", "6", "7"], 5);
 const forces = curves($("forces"), ["x", "y", "z"], 5);
 const torques = curves($("torques"), ["x", "y", "z"], 1);
 
-// ---- talking
+// ---- connection
 
 function say(type, more = {}) {
   if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ type, ...more }));
@@ -97,7 +97,7 @@ async function look(data) {
   pictures = pictures.filter((at) => at > now - 2000);
 }
 
-// ---- showing
+// ---- display
 
 const operating = () => me !== 0 && state !== null && state.operator === me;
 
@@ -211,7 +211,7 @@ setInterval(() => {
 }, 150);
 setInterval(() => say("ping", { sent_ms: performance.now() }), 1000);
 
-// ---- operating
+// ---- operator input
 
 const speed = () => Number($("speed").value) / 100;
 const drives = () => state && state.teleop && state.teleop.mode === "base";
@@ -236,13 +236,13 @@ for (const id of ["mode", "gripper", "frame", "scale", "release", "end"]) $(id).
 $("record").onclick = () => say("record", { on: !recording });
 $("cameras").onchange = () => say("camera", { number: $("cameras").selectedIndex });
 $("speed").oninput = () => { $("speed-told").textContent = `${$("speed").value} %`; };
-// As the button goes down, not when it comes up again.
+// On pressing the button, not on its release.
 $("stop").addEventListener("pointerdown", stop);
 $("stop").addEventListener("keydown", (event) => { if (event.code === "Enter") stop(); });
 $("clutch").addEventListener("pointerdown", (event) => { $("clutch").setPointerCapture(event.pointerId); clutch(true); });
 for (const kind of ["pointerup", "pointercancel"]) $("clutch").addEventListener(kind, () => clutch(false));
 
-// Keys belong to the robot, whatever was touched last: only where text is written do they write.
+// Keys control the robot whatever has the focus, except in text fields.
 const writes = (event) => event.target.closest("#ask");
 for (const id of ["cameras", "speed"]) $(id).addEventListener("change", () => $(id).blur());
 
@@ -263,7 +263,7 @@ window.addEventListener("keyup", (event) => {
 }, true);
 window.addEventListener("blur", () => clutch(false));
 
-// ---- beginning
+// ---- start
 
 $("ask").onsubmit = (event) => {
   event.preventDefault();
@@ -274,7 +274,7 @@ $("ask").onsubmit = (event) => {
 const given = new URLSearchParams(location.hash.slice(1)).get("token");
 if (given) {
   sessionStorage.setItem("token", given);
-  history.replaceState(null, "", location.pathname);  // not for the screen, nor for the browser's memory
+  history.replaceState(null, "", location.pathname);  // hides the token from the address bar and the history
 }
 const token = sessionStorage.getItem("token");
 if (token) connect(token);

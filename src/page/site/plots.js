@@ -3,12 +3,12 @@
 const SECONDS = 20;
 const COLOURS = ["#6cb4ee", "#f0bf5c", "#7fc98f", "#e58a8a", "#b79cf0", "#6fd3d0", "#d8d3c4"];
 
-// As toFixed, but zero has no sign.
+// toFixed without the sign of a negative zero.
 export function fixed(value, digits) {
   return value.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1");
 }
 
-// Curves of `names` in `canvas`; at least `least` either side of zero is shown.
+// Curves of `names` in `canvas`; the range includes +-`least`.
 export function curves(canvas, names, least) {
   const points = [];
 
@@ -66,7 +66,7 @@ export function curves(canvas, names, least) {
   return { add, draw };
 }
 
-// One bar a joint, with a mark between its limits.
+// One bar per joint, with a mark between its limits.
 export function jointBars(box, limits) {
   const rows = limits.q_min.map((_, i) => {
     const row = document.createElement("div");

@@ -1,4 +1,4 @@
-// What the operator's hands do: three sticks by touch or mouse, and keys.
+// The operator's input: three sticks by touch or mouse, and keys.
 
 const KEYS = {
   KeyW: [0, 1], KeyS: [0, -1], KeyA: [1, 1], KeyD: [1, -1], KeyR: [2, 1], KeyF: [2, -1],
@@ -38,8 +38,8 @@ function stick(element) {
   return { value: () => value, letGo };
 }
 
-// axes(speed, drives): x, y, z, about x, y, z: ahead, left, up of the operator. A base drives ahead and turns; it has
-// no way to the left, so the left stick turns it.
+// axes(speed, drives): x, y, z, about x, y, z: forward, left, up for the operator. A base drives forward and turns;
+// it cannot move left, so the left stick turns it.
 export function hands(left, right, tilt) {
   const sticks = [stick(left), stick(right), stick(tilt)];
   const held = new Set();
