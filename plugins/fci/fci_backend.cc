@@ -83,8 +83,7 @@ class MotionAsShown {
  private:
   enum class Phase : std::uint8_t { kNone, kAsked, kGranted, kMoving, kEnded };
 
-  std::atomic<Phase> phase_ =
-      Phase::kNone;  ///< release after the data that it publishes, acquire to read
+  std::atomic<Phase> phase_ = Phase::kNone;  ///< release after its data, acquire to read
   std::atomic<MotionModes> modes_{};
   std::atomic<std::uint64_t> errors_ = 0;
   Phase before_ = Phase::kNone;  ///< owned by the starting thread

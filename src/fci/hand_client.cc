@@ -79,8 +79,7 @@ class HandClient::Mailbox {
   // An own clock, because another one may be restarted while this thread receives.
   const MonotonicClock clock_;
   UdpSocket socket_;
-  std::optional<Endpoint>
-      from_;  ///< source of the first state; later ones must match; owned by the reader thread
+  std::optional<Endpoint> from_;  ///< source of all states; owned by the reader thread
   std::mutex mutex_;
   std::condition_variable came_;
   std::optional<HandState> newest_;  ///< guarded by mutex_

@@ -15,8 +15,7 @@ namespace twin::page {
 /// Address, permitted clients and resource limits of the server.
 struct WebConfig {
   fci::Endpoint at{.address = 0x7f000001, .port = 8080};  ///< port 0: any free port
-  std::optional<fci::Network>
-      allow{};  ///< remote network that may connect; absent: this machine only
+  std::optional<fci::Network> allow{};  ///< clients' network; absent: this machine only
   /// Limit of connections with the token; further ones get HTTP 503. The same limit holds for
   /// connections without it; there the oldest is dropped.
   std::size_t most_connections = 100;

@@ -70,8 +70,7 @@ class FfmpegProcess {
   const Duration timeout_;
   FileDescriptor input_;
   FileDescriptor messages_;
-  std::optional<rt::ChildProcess>
-      process_;  ///< always set; killed on destruction unless it has ended
+  std::optional<rt::ChildProcess> process_;  ///< always set; killed on destruction if running
 };
 
 }  // namespace twin::render

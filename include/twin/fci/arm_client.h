@@ -59,8 +59,8 @@ struct ReceptionCounts {
 /// not from its states and would make all following ones old. A sender that forges the robot's
 /// address and port is not detected, because the interface has no authentication.
 ///
-/// NaN or infinity in a state ends the connection: no robot measures it, and every comparison with
-/// it would pass.
+/// NaN or infinity in a state ends the connection: no robot measures it, and no comparison with
+/// a limit would reject it.
 ///
 /// Unlike libfranka, no call waits forever: a closed connection or a missing answer is a
 /// RobotFault.

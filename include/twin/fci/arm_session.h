@@ -105,8 +105,7 @@ class ArmSession {
   FrameHead head_;  ///< of the current request
   std::optional<std::uint16_t> udp_port_;
   std::optional<std::uint32_t> move_;  ///< command_id of the running motion's Move
-  std::vector<std::uint32_t>
-      stops_;  ///< StopMoves that wait for the motion's end, in order of arrival
+  std::vector<std::uint32_t> stops_;   ///< StopMoves waiting for the motion's end
   struct Recovery {
     std::uint32_t command_id = 0;
     bool begun = false;  ///< false: the arm has not come to rest yet

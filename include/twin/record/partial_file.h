@@ -23,9 +23,8 @@ class PartialFile {
 
   /// Identifies files of one kind, so that no other file is overwritten.
   struct Kind {
-    std::string_view name{};  ///< "an MCAP log"
-    std::span<const std::byte>
-        magic{};  ///< first bytes of such a file; empty: any file is replaced
+    std::string_view name{};             ///< "an MCAP log"
+    std::span<const std::byte> magic{};  ///< first bytes; empty: any file is replaced
   };
 
   /// Creates `<path>.partial`, or empties an old one. Refuses a `path` that exists and is not a
