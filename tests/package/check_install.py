@@ -3,8 +3,8 @@
 
     check_install.py BUILD SOURCE
 
-Checked: no installed file names the build, the source or the first install folder; no header includes one of MuJoCo; a project of someone
-else's is configured, compiled and run; the program says its version and finds its models; uninstall leaves nothing.
+Checked: no installed file names the build, the source or the first install folder; no header includes one of MuJoCo; a consumer's
+project and README's example are configured, compiled and run; the program says its version and finds its models; uninstall leaves nothing.
 """
 
 import pathlib
@@ -15,6 +15,7 @@ import sys
 import tempfile
 
 CONSUMER = pathlib.Path(__file__).resolve().parent / "consumer"
+EXAMPLE = pathlib.Path(__file__).resolve().parent / "example"
 MUJOCO = re.compile(rb"#\s*include\s*[<\"]mujoco")
 
 
@@ -65,10 +66,15 @@ def main():
         shutil.move(first, prefix)
 
         wrong = check_contents(prefix, [str(build), str(source), str(first)])
-        run("cmake", "-S", CONSUMER, "-B", work / "build", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
-            "-DCMAKE_BUILD_TYPE=Debug")
-        run("cmake", "--build", work / "build")
-        print("consumer:", run(work / "build" / "consumer").strip())
+        for project in (CONSUMER, EXAMPLE):
+            build_there = work / f"build_{project.name}"
+            run("cmake", "-S", project, "-B", build_there, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
+                "-DCMAKE_BUILD_TYPE=Debug")
+            run("cmake", "--build", build_there)
+            printed = run(build_there / project.name).strip()
+            print(f"{project.name}:", printed)
+        if not printed.startswith("joint_motion_generator_velocity"):
+            wrong.append(f"the example prints {printed}")
 
         program = prefix / "bin" / "panda-twin"
         print("program:", run(program, "--version").splitlines()[0])

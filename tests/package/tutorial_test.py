@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
-"""Follows controllers/TUTORIAL.md word by word, in a home of its own: tutorial_test.py BUILD SOURCE.
+"""Follows the tutorials of docs/tutorials word by word, each in a home of its own: tutorial_test.py BUILD SOURCE.
 
-Every block of shell commands is run in one shell after the other, with what it exported and where it went. Changed are only the folder
-of the build, and the address of the served robot, which another test may use at the same time.
+Fenced blocks are followed in their order, by language:
+  sh       runs in one shell, with what the blocks before exported and where they went; "# exit code N" is expected if it is said
+  text     its lines stand in what the block of commands before printed
+  console  is not run here: it installs from the network, or builds what BUILD holds already (NOT_RUN)
+A block of any language with title="FILE" is written to that file. Other blocks fail.
+What depends on the machine's speed is replaced (replaced()): the wall clock by lockstep; so is the robot, by a served twin.
 """
 
 import json
@@ -18,34 +22,35 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "clients"))
 from twin_server import ARM_PORT, is_listening, own_address  # noqa: E402
 
 BUILD, SOURCE = "", pathlib.Path()
-
-
-def blocks(text):
-    return re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+FENCE = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```$', re.MULTILINE | re.DOTALL)
+NOT_RUN = {"scripts/demo\n", "pip install panda-python==1.1.1\n"}
 
 
 class Shell:
-    """A shell whose commands are given one after the other; ends at the first that fails."""
+    """A shell whose blocks of commands are given one after the other; ends at the first command that fails."""
 
     def __init__(self, home, folder):
-        environment = {**os.environ, "HOME": str(home), "LC_ALL": "C.UTF-8"}
+        path = os.pathsep.join([str(home / "panda-twin/bin"), str(pathlib.Path(sys.executable).parent), os.environ["PATH"]])
+        environment = {**os.environ, "HOME": str(home), "PATH": path, "LC_ALL": "C.UTF-8"}
+        self.block = home / "block.sh"
         self.process = subprocess.Popen(["bash"], cwd=folder, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         stderr=subprocess.STDOUT, text=True)
 
     def run(self, commands):
-        """Exit code of the first command that fails, or 0, and all they print."""
+        """Exit code of the last command, or of the first that fails, and all they print."""
         end = "=== end of the block"
-        self.process.stdin.write(f"status=0\n")
-        for line in commands.strip().splitlines():
-            self.process.stdin.write(f"[ $status -ne 0 ] || {{ {line}\n}} </dev/null || status=$?\n")
-        self.process.stdin.write(f'echo "{end} $status"\n')
+        self.block.write_text(commands)
+        self.process.stdin.write(f'set -e; . {self.block} </dev/null; set +e; echo; echo "{end}"\n')
         self.process.stdin.flush()
-        said = []
+        printed = []
         for line in self.process.stdout:
             if line.startswith(end):
-                return int(line.split()[-1]), "".join(said)
-            said.append(line)
-        return self.process.wait(), "".join(said)
+                return 0, "".join(printed)
+            printed.append(line)
+        return self.process.wait(), "".join(printed)
+
+    def folder(self):
+        return pathlib.Path(self.run("pwd\n")[1].split("\n")[0])
 
     def close(self):
         self.process.stdin.close()
@@ -54,40 +59,104 @@ class Shell:
 
 
 class TutorialTest(unittest.TestCase):
+    """Each case follows one tutorial, in the source's folder, so that paths of the repository hold; files go to a folder of its own."""
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="panda-twin-tutorial-")
         self.addCleanup(folder.cleanup)
         self.home = pathlib.Path(folder.name)
-        self.shell = Shell(self.home, SOURCE)
-        self.addCleanup(self.shell.close)
+        self.address = None
+        self.server = None
+        self.addCleanup(self.stop_server)
 
-    def serve(self, commands, address):
-        """Starts what the tutorial has in a terminal of its own, and waits until it listens."""
-        program = self.home / "panda-twin" / "bin" / "panda-twin"
-        command = [program, *commands.split()[1:], "--bind", address]
-        server = subprocess.Popen(command, cwd=self.home / "soft_spring", stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
-        self.addCleanup(server.wait, 20)
-        self.addCleanup(server.terminate)
-        while not is_listening(address, ARM_PORT):
-            self.assertIsNone(server.poll(), "the server has gone")
+    def install(self):
+        subprocess.run(["cmake", "--install", BUILD, "--prefix", self.home / "panda-twin"], check=True, stdout=subprocess.DEVNULL)
 
-    def test_its_commands_do_what_it_says(self):
-        address = own_address()
-        text = (SOURCE / "controllers" / "TUTORIAL.md").read_text()
-        found = blocks(text)
-        self.assertGreaterEqual(len(found), 7)
-        for block in found:
-            block = block.replace("build/release", BUILD, 1).replace("127.0.0.1", address)
-            if block.startswith("panda-twin serve"):
-                self.serve(block, address)
-                continue
-            code, said = self.shell.run(block)
-            self.assertEqual(code, 0, f"{block}\n{said}")
+    def replaced(self, block):
+        block = block.replace("build/release", BUILD)
+        block = block.replace("--drive realtime", "--drive lockstep")
+        block = re.sub(r"(--robot (?:127\.0\.0\.1|172\.16\.0\.2))(?!.*--robot-time)", r"\1 --robot-time states", block)
+        return re.sub(r"127\.0\.0\.1|172\.16\.0\.2", str(self.address), block)
+
+    def stop_server(self):
+        if self.server:
+            self.server.terminate()
+            self.server.wait(60)
+            self.server = None
+
+    def serve(self, commands, folder):
+        """Starts what the tutorial has in a terminal of its own, after the server before it, and waits until it listens."""
+        self.stop_server()
+        self.address = own_address()
+        options = commands.split()[1:] + ([] if "--drive" in commands else ["--drive", "lockstep"])
+        self.server = subprocess.Popen([self.home / "panda-twin/bin/panda-twin", *options, "--bind", self.address], cwd=folder,
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
+        while not is_listening(self.address, ARM_PORT):
+            self.assertIsNone(self.server.poll(), f"the server has gone: {commands}")
+
+    def follow(self, name):
+        text = (SOURCE / "docs/tutorials" / name).read_text()
+        blocks = FENCE.findall(text)
+        self.assertEqual(len(blocks), len(re.findall(r"^ *```", text, re.MULTILINE)) / 2, "a block is not understood")
+        start = self.home / "work"
+        start.mkdir()
+        for known in ("build", "controllers", "models", "scripts"):  # of the repository's root, in which the tutorials begin
+            (start / known).symlink_to(SOURCE / known)
+        shell = Shell(self.home, start)
+        self.addCleanup(shell.close)
+        printed = ""
+        for language, title, block in blocks:
+            if title:
+                (shell.folder() / title).write_text(block)
+            elif language == "console":
+                self.assertIn(block, NOT_RUN)
+            elif language == "text":
+                for line in block.splitlines():
+                    self.assertIn(line, printed)
+            elif block.startswith("panda-twin serve"):
+                self.serve(block, shell.folder())
+            else:
+                self.assertEqual(language, "sh", block)
+                expected = re.search(r"# exit code (\d+)", block)
+                if expected:
+                    block = f"{block.rstrip()} || test $? -eq {expected.group(1)}\n".replace(expected.group(0), "")
+                code, printed = shell.run(self.replaced(block))
+                self.assertEqual(code, 0, f"{block}\n{printed}")
+        return shell.folder()
+
+    def test_get_started(self):
+        self.follow("get-started.md")
+
+    def test_libfranka_program(self):
+        if subprocess.run([sys.executable, "-c", "import panda_py"], capture_output=True).returncode:
+            self.skipTest("missing: panda-python (scripts/setup)")
+        self.install()
+        folder = self.follow("libfranka-program.md")
+        self.stop_server()
+        self.assertTrue((folder / "session.mcap").exists())
+        for command in ("explain session.mcap", "decode session.pcapng"):
+            subprocess.run([self.home / "panda-twin/bin/panda-twin", *command.split()], cwd=folder, check=True, capture_output=True)
+
+    def test_controller(self):
+        folder = self.follow("controller.md")
         for run in ("soft_spring", "stiffer", "served"):
-            summary = json.loads((self.home / "soft_spring" / "out" / run / "summary.json").read_text())
+            summary = json.loads((folder / "out" / run / "summary.json").read_text())
             self.assertEqual(summary["outcome"], "success", run)
-        for plot in re.findall(r"plots/\w+\.svg", text):
-            self.assertTrue((self.home / "soft_spring" / "out" / "soft_spring" / plot).exists(), plot)
+        for plot in re.findall(r"plots/\w+\.svg", (SOURCE / "docs/tutorials/controller.md").read_text()):
+            self.assertTrue((folder / "out/soft_spring" / plot).exists(), plot)
+
+    def test_explain_an_abort(self):
+        self.install()
+        folder = self.follow("explain-an-abort.md")
+        self.assertTrue((folder / "out/jerky/explain.html").exists())
+
+    def test_from_twin_to_robot(self):
+        self.install()
+        self.follow("from-twin-to-robot.md")
+
+    def test_no_tutorial_is_left_out(self):
+        cases = {name[len("test_"):].replace("_", "-") + ".md" for name in dir(self) if name.startswith("test_")}
+        self.assertLessEqual({path.name for path in (SOURCE / "docs/tutorials").glob("*.md")}, cases)
 
 
 class NewControllerTest(unittest.TestCase):

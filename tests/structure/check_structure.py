@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 CODE_FOLDERS = ("include", "src", "plugins", "controllers", "tests")
-TEXT_FOLDERS = CODE_FOLDERS + ("scripts", "models", ".ci")
+TEXT_FOLDERS = CODE_FOLDERS + ("docs", "scripts", "models", ".ci")
 TEXT_SUFFIXES = {".h", ".cc", ".py", ".txt", ".cmake", ".in", ".md", ".yaml", ".xml", ".urdf", ".proto", ".json", ""}
 MOST_LINES = 600
 
@@ -115,23 +115,33 @@ def check_text(path, lines):
             yield number, "a TODO names its issue: TODO(#12)"
 
 
-PICTURE = re.compile(r"!\[[^\]]*\]\(([^)\s]+)\)")
-GALLERY = "models/gallery"
+LINK = re.compile(r"\[[^\]]*\]\(([^)\s#]+)[^)]*\)")
+QUOTE = re.compile(r"<!-- file: (\S+) -->\n```\w*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PICTURES = "docs/images"
 
 
-def check_pictures(root, files):
-    """Pictures of notes that are not there, and pictures of the gallery that scripts/gallery does not draw."""
+def check_notes(root, files):
+    """Links of notes to files that are not there, and quotations that differ from the file they name."""
     for path in files:
         if not path.endswith(".md"):
             continue
-        for number, line in enumerate((root / path).read_text(errors="replace").splitlines(), 1):
-            for target in PICTURE.findall(line):
-                if "://" not in target and not (root / path).parent.joinpath(target).is_file():
-                    yield path, number, f"shows {target}, which is not there"
+        text = (root / path).read_text(errors="replace")
+        for number, line in enumerate(text.splitlines(), 1):
+            for target in LINK.findall(line):
+                if ":" not in target and not (root / path).parent.joinpath(target).exists():
+                    yield path, number, f"links to {target}, which does not exist"
+        for quote in QUOTE.finditer(text):
+            file = root / quote.group(1)
+            if not file.is_file() or file.read_text() != quote.group(2):
+                yield path, text.count("\n", 0, quote.start()) + 1, f"quotes {quote.group(1)}, which differs"
+
+
+def check_pictures(root):
+    """Pictures that scripts/gallery does not draw."""
     drawn = (root / "scripts/gallery").read_text() if (root / "scripts/gallery").is_file() else ""
-    for picture in sorted((root / GALLERY).glob("*")):
+    for picture in sorted((root / PICTURES).glob("*")):
         if picture.stem not in drawn:
-            yield f"{GALLERY}/{picture.name}", 1, "is not drawn by scripts/gallery"
+            yield f"{PICTURES}/{picture.name}", 1, "is not drawn by scripts/gallery"
 
 
 def check_listed(root, folder_files):
@@ -159,7 +169,7 @@ def check_tree(root):
     """All breaches of the tree, as "file:line: text"."""
     areas = areas_in_order(root)
     files = text_files(root)
-    breaches = list(check_listed(root, files)) + list(check_pictures(root, files))
+    breaches = [*check_listed(root, files), *check_notes(root, files), *check_pictures(root)]
     for path in files:
         lines = (root / path).read_text(errors="replace").splitlines()
         breaches += [(path, number, text) for number, text in check_text(path, lines)]
@@ -199,9 +209,12 @@ SELF_TEST = [
     ("src/core/a.cc", "// TO" "DO(#12): later\n", ""),
     ("README.md", "see /wo" "rk/main\n", "path of one machine"),
     ("models/robots/a.yaml", "file: ../sha" "red/data.json\n", "path of one machine"),
-    ("README.md", "![a picture](models/there_is_none.png)\n", "which is not there"),
+    ("README.md", "![a picture](models/there_is_none.png)\n", "which does not exist"),
+    ("README.md", "see [a note](docs/there_is_none.md#part)\n", "which does not exist"),
+    ("README.md", "<!-- file: src/core/CMakeLists.txt -->\n```cmake\nb.cc\n```\n", "which differs"),
+    ("README.md", "<!-- file: src/core/CMakeLists.txt -->\n```cmake\na.cc a_test clock.cc BadName.cc\n```\n", ""),
     ("README.md", "![a picture](https://example.com/a.png)\n", ""),
-    ("models/gallery/forgotten.png", "", "is not drawn by scripts/gallery"),
+    ("docs/images/forgotten.png", "", "is not drawn by scripts/gallery"),
     ("src/core/unlisted.cc", "int x;\n", "is not named"),
     ("tests/core/unlisted_test.cc", "int x;\n", "is not named"),
 ]

@@ -58,7 +58,7 @@ struct PageScene {
 };
 
 /// The operator's page of a run: web server, camera and status, on threads of their own. See
-/// src/page/README.md for usage, protection and protocol.
+/// docs/how-to/operator-page.md for usage and protection, src/page/README.md for the protocol.
 ///
 /// Threads: one; Tell() from any. Not real-time; reads the run without disturbing it (LiveFeed).
 class LivePage {
