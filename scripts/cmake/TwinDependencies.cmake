@@ -5,6 +5,7 @@ find_package(fmt REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
+find_path(TWIN_MUSTACHE kainjow/mustache.hpp REQUIRED)  # headers only, in the default path
 find_package(Protobuf REQUIRED)
 find_package(PNG REQUIRED)
 find_package(PkgConfig REQUIRED)

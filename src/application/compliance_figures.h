@@ -9,8 +9,7 @@
 namespace twin::application::compliance {
 
 /// The plots for the page; of cases that were made.
-/// @throws as report::DrawChart.
-[[nodiscard]] std::vector<Figure> FiguresOf(const Log& log, const Measures& measures,
-                                            const Settings& settings);
+[[nodiscard]] std::vector<report::Figure> FiguresOf(const Log& log, const Measures& measures,
+                                                    const Settings& settings);
 
 }  // namespace twin::application::compliance

@@ -48,11 +48,11 @@ void AddResponse(const Case& one, const Response& r, Findings& findings) {
       fmt::format("F / K = {:.4g} mm within {:.0f} %", 1e3 * r.expected, 1e2 * kSteadyShare),
       std::abs(r.steady - r.expected) <= kSteadyShare * std::abs(r.expected));
   findings.Report(named("force of the push"), r.force, "N");
-  findings.Report(named("the same as the robot estimates it"), r.estimated_steady, "N");
+  findings.Report(named("force of the push, estimated by the robot"), r.estimated_steady, "N");
   if (r.settling) {
-    findings.Report(named("settled to a tenth, after the push's end"), *r.settling, "s");
+    findings.Report(named("settling time to a tenth, after the end of the push"), *r.settling, "s");
   } else {
-    findings.Report(named("not settled to a tenth when the motion ended, after"),
+    findings.Report(named("not settled to a tenth by the end of the motion, after"),
                     r.t.back() - r.t.front(), "s");
   }
 }
@@ -60,12 +60,12 @@ void AddResponse(const Case& one, const Response& r, Findings& findings) {
 void AddComparison(const Case& stiff, const Case& compliant, const Response& a, const Response& b,
                    Findings& findings) {
   const double share = a.peak / b.peak;
-  findings.Demand(fmt::format("{}'s largest deflection, of {}'s", stiff.id, compliant.id), share,
+  findings.Demand(fmt::format("{}: largest deflection / that of {}", stiff.id, compliant.id), share,
                   "", fmt::format("below {}", kStiffShare), share < kStiffShare);
 }
 
 void AddTracking(const Case& one, const Tracking& t, bool is_demanded, Findings& findings) {
-  const std::string largest = fmt::format("{}: distance from the trajectory, largest", one.id);
+  const std::string largest = fmt::format("{}: tracking error, largest", one.id);
   if (is_demanded) {
     findings.Demand(largest, 1e3 * t.largest, "mm",
                     fmt::format("at most {} mm", 1e3 * kLargestTracking),
@@ -73,9 +73,9 @@ void AddTracking(const Case& one, const Tracking& t, bool is_demanded, Findings&
   } else {
     findings.Report(largest, 1e3 * t.largest, "mm");
   }
-  findings.Report(fmt::format("{}: the same, RMS", one.id), 1e3 * t.rms, "mm");
-  findings.Report(fmt::format("{}: turned from the trajectory, largest", one.id),
-                  1e3 * t.largest_turned, "mrad");
+  findings.Report(fmt::format("{}: tracking error, RMS", one.id), 1e3 * t.rms, "mm");
+  findings.Report(fmt::format("{}: orientation error, largest", one.id), 1e3 * t.largest_turned,
+                  "mrad");
 }
 
 }  // namespace
@@ -96,18 +96,17 @@ std::vector<Finding> FindingsOf(const Measures& m) {
     AddTracking(kAllCases[index], *m.trackings[index], index == kC0, findings);
   }
   if (m.wandering) {
-    findings.Demand("N: way of a joint by the null space, largest", m.wandering->joints, "rad",
+    findings.Demand("N: joint motion in the null space, largest", m.wandering->joints, "rad",
                     fmt::format("at least {} rad", kLeastWandering),
                     m.wandering->joints >= kLeastWandering);
-    findings.Demand("N: way of the end effector meanwhile, largest",
-                    1e3 * m.wandering->end_effector, "mm",
-                    fmt::format("at most {} mm", 1e3 * kLargestWandering),
+    findings.Demand("N: end effector motion meanwhile, largest", 1e3 * m.wandering->end_effector,
+                    "mm", fmt::format("at most {} mm", 1e3 * kLargestWandering),
                     m.wandering->end_effector <= kLargestWandering);
   }
-  findings.Demand("torque, measured or commanded, of its limit, largest", 1e2 * m.torque, "%",
+  findings.Demand("peak torque / limit, measured or commanded", 1e2 * m.torque, "%",
                   "at most 100 %", m.torque <= 1);
-  findings.Demand("rate of the commanded torque, of its limit, largest", 1e2 * m.rate, "%",
-                  "at most 100 %", m.rate <= 1);
+  findings.Demand("peak rate of the commanded torque / limit", 1e2 * m.rate, "%", "at most 100 %",
+                  m.rate <= 1);
   findings.Demand("reflexes", static_cast<double>(m.reflexes), "", "none", m.reflexes == 0);
   return all;
 }

@@ -1,21 +1,21 @@
 #include "twin/application/page.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <fstream>
 #include <iterator>
-#include <string_view>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "twin/core/error.h"
-#include "twin/report/html.h"
+#include "twin/report/page.h"
+#include "twin/report/plot.h"
 
 namespace twin::application {
 namespace {
 
-using report::Escape;
+using nlohmann::json;
 
 std::string ReadFile(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -24,86 +24,70 @@ std::string ReadFile(const std::filesystem::path& path) {
   return bytes;
 }
 
-std::string PictureHtml(const std::filesystem::path& png, std::string_view what) {
-  if (png.empty()) return {};
-  return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", Escape(what),
-                     report::Base64(ReadFile(png)));
+std::string PictureOf(const std::filesystem::path& png) {
+  return png.empty() ? std::string() : report::Base64(ReadFile(png));
 }
 
-std::string_view VerdictOf(const Finding& finding) {
-  if (!finding.met) return "reported";
-  return *finding.met ? "met" : "missed";
-}
-
-std::string FindingsHtml(const std::vector<Finding>& findings) {
-  if (findings.empty()) return {};
-  std::string html =
-      "<h2>What came of it</h2>\n<div class=\"wide\"><table>\n<tr><th>quantity</th><th>value</th>"
-      "<th>unit</th><th>demanded</th><th>verdict</th></tr>\n";
-  for (const Finding& finding : findings) {
-    const std::string_view verdict = VerdictOf(finding);
-    html += fmt::format(
-        "<tr><td>{}</td><td>{:.4g}</td><td class=\"word\">{}</td><td class=\"word\">{}</td>"
-        "<td class=\"{}\">{}</td></tr>\n",
-        Escape(finding.quantity), finding.value, Escape(finding.unit), Escape(finding.demand),
-        verdict, verdict);
+json FindingsOf(const Evaluation& evaluation) {
+  json list = json::array();
+  for (const Finding& finding : evaluation.findings) {
+    const char* const verdict = !finding.met ? "reported" : *finding.met ? "met" : "missed";
+    list.push_back({{"quantity", finding.quantity},
+                    {"value", finding.value},
+                    {"unit", finding.unit},
+                    {"demand", finding.demand},
+                    {"verdict", verdict}});
   }
-  return html + "</table></div>\n";
+  return list;
 }
 
-std::string StepsHtml(const TaskReport& task) {
-  std::string html =
-      "<h2>Steps</h2>\n<div class=\"wide\"><table>\n<tr><th>step</th><th>attempt</th><th>begun "
-      "[s]</th><th>took [s]</th><th>outcome</th><th></th></tr>\n";
+json StepsOf(const TaskReport& task) {
+  json list = json::array();
   for (const StepReport& step : task.steps) {
-    html += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{:.3f}</td><td>{:.3f}</td><td class=\"{}\">{}</td>"
-        "<td class=\"word\">{}</td></tr>\n",
-        Escape(step.name), step.attempt, ToSeconds(step.begun.time_since_epoch()),
-        ToSeconds(step.ended - step.begun), step.succeeded ? "met" : "failed",
-        step.succeeded ? "done" : "failed", Escape(step.text));
+    list.push_back({{"name", step.name},
+                    {"attempt", step.attempt},
+                    {"begun_s", fmt::format("{:.3f}", ToSeconds(step.begun.time_since_epoch()))},
+                    {"took_s", fmt::format("{:.3f}", ToSeconds(step.ended - step.begun))},
+                    {"succeeded", step.succeeded},
+                    {"text", step.text}});
   }
-  return html + "</table></div>\n";
+  return list;
 }
 
-std::string SnapshotsHtml(const TaskResult& task_result, const PageFacts& facts) {
-  if (facts.snapshots.empty()) return {};
-  std::string html =
-      "<h2>Planned and done</h2>\n<p>Left, before each motion: the arm as it is, its goal as a "
-      "ghost, the way of its end effector as a line. Right: where it came to.</p>\n";
-  const std::size_t pairs = std::min(facts.snapshots.size(), task_result.snapshots.size());
-  for (std::size_t i = 0; i < pairs; ++i) {
+json SnapshotsOf(const TaskResult& task_result, const PageFacts& facts) {
+  json list = json::array();
+  const auto seconds = [](Time time) {
+    return fmt::format("{:.2f}", ToSeconds(time.time_since_epoch()));
+  };
+  for (std::size_t i = 0; i < std::min(facts.snapshots.size(), task_result.snapshots.size()); ++i) {
     const Snapshot& snapshot = task_result.snapshots[i];
-    html += fmt::format(
-        "<figure class=\"pair\"><figcaption>{}. {} <span class=\"run\">{:.2f} s to {:.2f} "
-        "s</span></figcaption>\n{}{}</figure>\n",
-        i + 1, Escape(snapshot.caption), ToSeconds(snapshot.planned.time_since_epoch()),
-        ToSeconds(snapshot.done.time_since_epoch()),
-        PictureHtml(facts.snapshots[i].planned, snapshot.caption + " (planned)"),
-        PictureHtml(facts.snapshots[i].done, snapshot.caption + " (done)"));
+    list.push_back({{"number", i + 1},
+                    {"caption", snapshot.caption},
+                    {"planned_s", seconds(snapshot.planned)},
+                    {"done_s", seconds(snapshot.done)},
+                    {"planned", PictureOf(facts.snapshots[i].planned)},
+                    {"done", PictureOf(facts.snapshots[i].done)}});
   }
-  return html;
+  return list;
 }
 
-std::string FiguresHtml(const std::vector<Figure>& figures) {
-  std::string html;
-  for (const Figure& figure : figures) {
-    html += fmt::format("<h2>{}</h2>\n<figure>\n<figcaption>{}</figcaption>\n{}</figure>\n",
-                        Escape(figure.title), Escape(figure.what),
-                        report::InlineSvg(figure.svg, figure.id));
+json FiguresOf(const Evaluation& evaluation) {
+  json all = json::object();
+  for (const report::Figure& figure : evaluation.figures) {
+    const std::string svg = report::DrawPlot("application/", figure);
+    json& one = all[figure.id] = figure.values;
+    one["svg"] = report::InlineSvg(svg, figure.id);
   }
-  return html;
+  return all;
 }
 
-std::string PlotsHtml(const std::vector<std::filesystem::path>& plots) {
-  if (plots.empty()) return {};
-  std::string html = "<h2>The whole run, joint by joint</h2>\n";
+json PlotsOf(const std::vector<std::filesystem::path>& plots) {
+  json list = json::array();
   for (const std::filesystem::path& plot : plots) {
     const std::string name = plot.stem().string();
-    html += fmt::format("<details><summary>{}</summary>\n{}</details>\n", Escape(name),
-                        report::InlineSvg(ReadFile(plot), name));
+    list.push_back({{"name", name}, {"svg", report::InlineSvg(ReadFile(plot), name)}});
   }
-  return html;
+  return list;
 }
 
 }  // namespace
@@ -126,20 +110,20 @@ std::string FailureOf(const TaskResult& task_result, const Evaluation& evaluatio
 
 std::string PageOf(const scenario::Scenario& scenario, const TaskResult& task_result,
                    const Evaluation& evaluation, const PageFacts& facts) {
-  const bool succeeded = Succeeded(task_result, evaluation);
-  std::string body =
-      fmt::format("<h1>{}</h1>\n<p>{}</p>\n", Escape(scenario.name), Escape(scenario.description));
-  body += succeeded ? std::string("<p class=\"met\">succeeded</p>\n")
-                    : fmt::format("<p class=\"failed\">failed: {}</p>\n",
-                                  Escape(FailureOf(task_result, evaluation)));
-  if (facts.has_video) body += "<video controls src=\"video.mp4\"></video>\n";
-  body += FindingsHtml(evaluation.findings);
-  body += StepsHtml(task_result.task);
-  body += SnapshotsHtml(task_result, facts);
-  body += FiguresHtml(evaluation.figures);
-  body += PlotsHtml(facts.plots);
-  body += report::FactsTable(facts.lines);
-  return report::HtmlPage(scenario.name, body);
+  return report::RenderPage("application/run", {{"title", scenario.name},
+                                                {"description", scenario.description},
+                                                {"succeeded", Succeeded(task_result, evaluation)},
+                                                {"failure", FailureOf(task_result, evaluation)},
+                                                {"video", facts.has_video},
+                                                {"judged", !evaluation.findings.empty()},
+                                                {"findings", FindingsOf(evaluation)},
+                                                {"steps", StepsOf(task_result.task)},
+                                                {"pictured", !facts.snapshots.empty()},
+                                                {"snapshots", SnapshotsOf(task_result, facts)},
+                                                {"figures", FiguresOf(evaluation)},
+                                                {"plotted", !facts.plots.empty()},
+                                                {"plots", PlotsOf(facts.plots)},
+                                                {"facts", report::FactsOf(facts.lines)}});
 }
 
 }  // namespace twin::application

@@ -99,8 +99,8 @@ void TellSlip(const ObjectTrack& track, Findings& findings) {
     distance = std::max(distance, Distance(*first, sample.X_HB));
     angle = std::max(angle, Angle(*first, sample.X_HB));
   }
-  findings.Tell("the object moved in the hand while it was carried, at most", distance * 1e3, "mm");
-  findings.Tell("it turned there by at most", angle / kDegree, "deg");
+  findings.Tell("slip of the object in the hand, largest", distance * 1e3, "mm");
+  findings.Tell("rotation of the object in the hand, largest", angle / kDegree, "deg");
 }
 
 /// How far the closing fingers moved the object.
@@ -111,7 +111,8 @@ void TellPush(const ObjectTrack& track, const PickTask& task, Findings& findings
   for (const plant::ObjectSample& sample : track.samples) {
     if (sample.at <= carried->begin) last = sample.X_WB;
   }
-  findings.Tell("the grasp moved the object by", Distance(task.object.X_WB, last) * 1e3, "mm");
+  findings.Tell("displacement of the object by the grasp", Distance(task.object.X_WB, last) * 1e3,
+                "mm");
 }
 
 std::vector<std::string> UnwantedContacts(const PickTask& task, const plant::ContactWatch& contacts,
@@ -133,19 +134,19 @@ std::vector<std::string> UnwantedContacts(const PickTask& task, const plant::Con
 void EvaluateTruth(const PickTask& task, const plant::ContactWatch& contacts,
                    const ObjectTrack& track, Findings& findings) {
   const plant::ObjectSample& end = track.last;
-  findings.Demand("the object's distance from its goal in the end",
-                  Distance(end.X_WB, task.O_T_goal) * 1e3, "mm", kMostDistance * 1e3);
-  findings.Demand("its angle from its goal", Angle(end.X_WB, task.O_T_goal) / kDegree, "deg",
+  findings.Demand("object position error", Distance(end.X_WB, task.O_T_goal) * 1e3, "mm",
+                  kMostDistance * 1e3);
+  findings.Demand("object orientation error", Angle(end.X_WB, task.O_T_goal) / kDegree, "deg",
                   kMostAngle / kDegree);
-  findings.Demand("its speed in the end", end.speed * 1e3, "mm/s", kStillSpeed * 1e3);
-  findings.Demand("the rate at which it turns in the end", end.turn_rate / kDegree, "deg/s",
+  findings.Demand("object speed at the end", end.speed * 1e3, "mm/s", kStillSpeed * 1e3);
+  findings.Demand("object turn rate at the end", end.turn_rate / kDegree, "deg/s",
                   kStillTurnRate / kDegree);
-  findings.Demand("longest time in which nothing bore it", ToSeconds(LongestFall(track)) * 1e3,
-                  "ms", ToSeconds(kLongestFall) * 1e3);
+  findings.Demand("longest free fall of the object", ToSeconds(LongestFall(track)) * 1e3, "ms",
+                  ToSeconds(kLongestFall) * 1e3);
   const std::vector<std::string> unwanted = UnwantedContacts(task, contacts, track);
   findings.Demand(unwanted.empty()
-                      ? "contacts other than fingers and object, object and surfaces"
-                      : fmt::format("contacts that should not be: {}", fmt::join(unwanted, "; ")),
+                      ? "unwanted contacts"
+                      : fmt::format("unwanted contacts: {}", fmt::join(unwanted, "; ")),
                   static_cast<double>(unwanted.size()), "", 0);
   TellPush(track, task, findings);
   TellSlip(track, findings);
@@ -162,12 +163,12 @@ std::optional<ObjectTrack> TrackOf(const std::string& object, const Evidence& ev
 
 void DemandLimits(const PickTrace& trace, Findings& findings) {
   if (trace.t.empty()) return;
-  findings.Demand("velocity of the reference, of a joint's limit at most",
+  findings.Demand("peak joint velocity of the reference / limit",
                   std::ranges::max(trace.velocity) * 1e2, "%", 100);
-  findings.Demand("acceleration of the reference, of a joint's limit at most",
+  findings.Demand("peak joint acceleration of the reference / limit",
                   std::ranges::max(trace.acceleration) * 1e2, "%", 100);
-  findings.Demand("jerk of the reference, of a joint's limit at most",
-                  std::ranges::max(trace.jerk) * 1e2, "%", 100);
+  findings.Demand("peak joint jerk of the reference / limit", std::ranges::max(trace.jerk) * 1e2,
+                  "%", 100);
 }
 
 /// What the robot knows of it. @param is_all  whether nothing else is known.
@@ -176,8 +177,8 @@ void EvaluateReports(const PickRecord& record, bool is_all, Findings& findings) 
   const Transform O_T_object = model::Multiply(record.O_T_EE_placed, model::Inverse(record.B_T_EE));
   const double distance = Distance(O_T_object, record.task.O_T_goal) * 1e3;
   const double angle = Angle(O_T_object, record.task.O_T_goal) / kDegree;
-  const char* quantity = "distance from the goal when it was let go, by the robot's joints";
-  const char* turned = "angle from the goal then, by the robot's joints";
+  const char* quantity = "position error at release, by the robot's joints";
+  const char* turned = "orientation error at release, by the robot's joints";
   if (is_all) {
     findings.Demand(quantity, distance, "mm", kMostDistance * 1e3);
     findings.Demand(turned, angle, "deg", kMostAngle / kDegree);
@@ -185,8 +186,8 @@ void EvaluateReports(const PickRecord& record, bool is_all, Findings& findings) 
     findings.Tell(quantity, distance, "mm");
     findings.Tell(turned, angle, "deg");
   }
-  findings.Tell("width in the hand as it was gripped", record.width_grasped * 1e3, "mm");
-  findings.Tell("width in the hand before it was let go", record.width_placed * 1e3, "mm");
+  findings.Tell("finger width after the grasp", record.width_grasped * 1e3, "mm");
+  findings.Tell("finger width before the release", record.width_placed * 1e3, "mm");
 }
 
 }  // namespace
@@ -202,11 +203,10 @@ Evaluation EvaluatePick(const PickRecord& record, const TaskResult& task_result,
   if (track) EvaluateTruth(record.task, *evidence.contacts, *track, findings);
   EvaluateReports(record, !track, findings);
   const auto failed = std::ranges::count(task_result.task.steps, false, &StepReport::succeeded);
-  findings.Tell("attempts that were repeated or failed", static_cast<double>(failed));
-  findings.Tell("planned time of all ways", ToSeconds(record.moved), "s");
+  findings.Tell("repeated or failed attempts", static_cast<double>(failed));
+  findings.Tell("planned duration of all motions", ToSeconds(record.moved), "s");
   if (evidence.session.counts.cycles() > 0) {
-    findings.Tell("cycles the robot did without a command",
-                  evidence.session.counts.unserved_percent(), "%");
+    findings.Tell("unserved cycles", evidence.session.counts.unserved_percent(), "%");
   }
   Evaluation evaluation;
   if (!evidence.log.empty()) {

@@ -20,7 +20,7 @@ struct PickRecord {
   bool is_placed = false;
   Transform O_T_EE_placed = kIdentityTransform;  ///< measured, before it was let go
   Transform B_T_EE = kIdentityTransform;         ///< as planned
-  Duration moved{};                              ///< planned time of all ways
+  Duration moved{};                              ///< planned duration of all motions
 };
 
 /// The demands of pick and place, and figures beside them.

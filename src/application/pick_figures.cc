@@ -3,22 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <string>
-#include <string_view>
 #include <utility>
 #include <variant>
 
-#include <fmt/format.h>
-
 #include "twin/core/modes.h"
 #include "twin/record/log_reader.h"
-#include "twin/report/chart.h"
 
 namespace twin::application {
 namespace {
-
-using report::ChartCurve;
-using report::ChartPanel;
 
 constexpr std::uint64_t kSampleCycles = 5;
 
@@ -56,31 +48,6 @@ class Collector {
   double jerk_ = 0;
 };
 
-ChartCurve CurveOf(std::string name, std::size_t colour, const std::vector<double>& x,
-                   const std::vector<double>& y, double scale) {
-  ChartCurve curve{
-      .name = std::move(name), .colour = report::colour::kSeries[colour], .x = x, .y = y};
-  for (double& value : curve.y) value *= scale;
-  return curve;
-}
-
-ChartPanel PathPanel(const PickTrace& trace, const plant::ObjectTrack* track) {
-  ChartPanel panel{.x_label = "t [s]", .y_label = "[m]"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    panel.curves.push_back(
-        CurveOf(fmt::format("end effector {}", "xyz"[i]), i, trace.t, trace.p[i], 1));
-  }
-  if (track == nullptr) return panel;
-  ChartCurve height{
-      .name = "object z", .colour = report::colour::kLimit, .style = ChartCurve::Style::kDashed};
-  for (const plant::ObjectSample& sample : track->samples) {
-    height.x.push_back(ToSeconds(sample.at.time_since_epoch()));
-    height.y.push_back(sample.X_WB[14]);
-  }
-  panel.curves.push_back(std::move(height));
-  return panel;
-}
-
 }  // namespace
 
 PickTrace ReadPickTrace(const std::filesystem::path& log, const JointLimits& limits) {
@@ -92,31 +59,26 @@ PickTrace ReadPickTrace(const std::filesystem::path& log, const JointLimits& lim
   return trace;
 }
 
-std::vector<Figure> PickFigures(const PickTrace& trace, const plant::ObjectTrack* track) {
+std::vector<report::Figure> PickFigures(const PickTrace& trace, const plant::ObjectTrack* track) {
   if (trace.t.empty()) return {};
-  ChartPanel shares{.x_label = "t [s]", .y_label = "share of the limit [%]"};
-  shares.curves = {CurveOf("velocity", 0, trace.t, trace.velocity, 1e2),
-                   CurveOf("acceleration", 1, trace.t, trace.acceleration, 1e2)};
-  ChartPanel jerk{.x_label = "t [s]", .y_label = "jerk, share of the limit [%]"};
-  jerk.curves = {CurveOf("", 2, trace.t, trace.jerk, 1e2)};
-  ChartPanel force{.x_label = "t [s]", .y_label = "force [N]"};
-  force.curves = {CurveOf("", 4, trace.t, trace.force, 1)};
-  return {
-      {.id = "path",
-       .title = "Where the hand was",
-       .what = "The end effector as the robot measured it, in the base frame; dashed how high "
-               "the object was, where it is simulated.",
-       .svg = report::DrawChart({.panels = {PathPanel(trace, track)}})},
-      {.id = "limits",
-       .title = "What the joints were asked for",
-       .what = "Of the robot's reference the largest share of a joint's limit: what lost and "
-               "doubled commands add shows as jerk.",
-       .svg = report::DrawChart({.panel_height = 220, .panels = {shares, jerk}})},
-      {.id = "force",
-       .title = "What the hand felt",
-       .what = "The vertical force from outside, as the robot estimates it, upwards on the hand; "
-               "while it carries, what the object weighs beyond what the robot was told.",
-       .svg = report::DrawChart({.panel_height = 220, .panels = {force}})}};
+  report::Figure path{.id = "path", .columns = "t [s],x [m],y [m],z [m]"};
+  report::Figure limits{.id = "limits", .columns = "t [s],velocity,acceleration,jerk"};
+  report::Figure force{.id = "force", .columns = "t [s],force [N]"};
+  for (std::size_t i = 0; i < trace.t.size(); ++i) {
+    const double t = trace.t[i];
+    path.rows.push_back({t, trace.p[0][i], trace.p[1][i], trace.p[2][i]});
+    limits.rows.push_back({t, trace.velocity[i], trace.acceleration[i], trace.jerk[i]});
+    force.rows.push_back({t, trace.force[i]});
+  }
+  report::Table object{.columns = "t [s],z [m]"};
+  if (track != nullptr) {
+    for (const plant::ObjectSample& sample : track->samples) {
+      object.rows.push_back({ToSeconds(sample.at.time_since_epoch()), sample.X_WB[14]});
+    }
+  }
+  path.tables["object"] = std::move(object);
+  path.values["simulated"] = track == nullptr ? 0 : 1;
+  return {std::move(path), std::move(limits), std::move(force)};
 }
 
 }  // namespace twin::application

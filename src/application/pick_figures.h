@@ -24,8 +24,8 @@ struct PickTrace {
 [[nodiscard]] PickTrace ReadPickTrace(const std::filesystem::path& log, const JointLimits& limits);
 
 /// Where the end effector was, how much of the limits the reference used, what the hand felt.
-/// @param track  of the object; null: nobody knows. @throws as report::DrawChart.
-[[nodiscard]] std::vector<Figure> PickFigures(const PickTrace& trace,
-                                              const plant::ObjectTrack* track);
+/// @param track  of the object; null: nobody knows.
+[[nodiscard]] std::vector<report::Figure> PickFigures(const PickTrace& trace,
+                                                      const plant::ObjectTrack* track);
 
 }  // namespace twin::application

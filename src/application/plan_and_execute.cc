@@ -133,18 +133,18 @@ Evaluation PlanAndExecute::Evaluate(const TaskResult& task_result, const Evidenc
   };
   const auto count = [](std::uint64_t number) { return static_cast<double>(number); };
   add({.quantity = "plans", .value = count(task_result.snapshots.size())});
-  add({.quantity = "collision checks, most of a plan",
+  add({.quantity = "collision checks of a plan, largest",
        .value = count(most_checks_),
        .demand = fmt::format("at most {}", budget_),
        .met = most_checks_ <= budget_});
-  add({.quantity = "configurations of the plans looked at once more, every millisecond",
+  add({.quantity = "configurations of the plans checked again, every millisecond",
        .value = count(dense_)});
-  add({.quantity = "of these, in which something touches",
+  add({.quantity = "configurations in collision",
        .value = count(touching_),
        .demand = "none",
        .met = touching_ == 0});
   if (evidence.contacts != nullptr) {
-    add({.quantity = "cycles of the run in which the arm touched something",
+    add({.quantity = "cycles with contact of the arm",
          .value = count(evidence.contacts->cycles()),
          .demand = "none",
          .met = evidence.contacts->cycles() == 0});
@@ -157,7 +157,7 @@ Evaluation PlanAndExecute::Evaluate(const TaskResult& task_result, const Evidenc
        .value = deviation * 1e3,
        .unit = "mrad",
        .demand = "within the controller's path tolerance, else the step fails"});
-  add({.quantity = "largest distance of a joint from its goal in the end",
+  add({.quantity = "joint position error at the goal, largest",
        .value = final_error_ * 1e3,
        .unit = "mrad",
        .demand = "within the controller's goal tolerance, else the step fails"});

@@ -6,15 +6,16 @@
 #include <cstddef>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "twin/core/fingerprint.h"
-#include "twin/report/chart.h"
-#include "twin/report/html.h"
+#include "twin/report/page.h"
+#include "twin/report/plot.h"
 
 namespace twin::application {
 namespace {
 
-using report::Escape;
+using nlohmann::json;
 
 /// The finding of these words; null when a run has none.
 const Finding* Find(const SeedOutcome& outcome, const std::string& quantity) {
@@ -22,80 +23,68 @@ const Finding* Find(const SeedOutcome& outcome, const std::string& quantity) {
   return found == outcome.findings.end() ? nullptr : &*found;
 }
 
-std::string SpreadsHtml(const std::vector<FindingSpread>& spreads) {
-  std::string html =
-      "<h2>What came of it</h2>\n<div class=\"wide\"><table>\n<tr><th>quantity</th><th>median</th>"
-      "<th>largest</th><th>of seed</th><th>unit</th><th>demanded</th><th>missed</th></tr>\n";
+json SpreadsOf(const std::vector<FindingSpread>& spreads) {
+  json list = json::array();
   for (const FindingSpread& spread : spreads) {
-    html += fmt::format(
-        "<tr><td>{}</td><td>{:.4g}</td><td>{:.4g}</td><td>{}</td><td class=\"word\">{}</td>"
-        "<td class=\"word\">{}</td><td class=\"{}\">{}</td></tr>\n",
-        Escape(spread.quantity), spread.median, spread.largest, spread.largest_seed,
-        Escape(spread.unit), Escape(spread.demand), spread.missed == 0 ? "met" : "missed",
-        spread.demand.empty() ? "" : fmt::format("{}", spread.missed));
+    list.push_back({{"quantity", spread.quantity},
+                    {"median", spread.median},
+                    {"largest", spread.largest},
+                    {"seed", spread.largest_seed},
+                    {"unit", spread.unit},
+                    {"demand", spread.demand},
+                    {"verdict", spread.missed == 0 ? "met" : "missed"},
+                    {"missed", spread.demand.empty() ? json() : json(spread.missed)}});
   }
-  return html + "</table></div>\n";
+  return list;
 }
 
-std::string FailuresHtml(const MonteCarloResult& result) {
-  if (result.succeeded == static_cast<int>(result.outcomes.size())) return {};
-  std::string html =
-      "<h2>What failed</h2>\n<div class=\"wide\"><table>\n<tr><th>seed</th><th>step</th><th>why"
-      "</th></tr>\n";
+json FailuresOf(const MonteCarloResult& result) {
+  json list = json::array();
   for (const SeedOutcome& outcome : result.outcomes) {
     if (outcome.succeeded) continue;
-    html += fmt::format(
-        "<tr><td>{}</td><td class=\"word\">{}</td><td class=\"word\">{}</td></tr>\n", outcome.seed,
-        outcome.failed_step.empty() ? "evaluation" : Escape(outcome.failed_step),
-        Escape(outcome.failure));
+    list.push_back({{"seed", outcome.seed},
+                    {"step", outcome.failed_step.empty() ? "evaluation" : outcome.failed_step},
+                    {"cause", outcome.failure}});
   }
-  return html + "</table></div>\n";
+  return list;
 }
 
-/// Counts of the values in bins of equal width.
-report::ChartPanel HistogramOf(const MonteCarloResult& result, const FindingSpread& spread) {
+/// Adds the counts of a finding's values in bins of equal width.
+void AddHistogram(const MonteCarloResult& result, const FindingSpread& spread,
+                  report::Figure& figure) {
   constexpr std::size_t kBins = 20;
   std::vector<double> values;
   for (const SeedOutcome& outcome : result.outcomes) {
     const Finding* finding = Find(outcome, spread.quantity);
     if (finding != nullptr && std::isfinite(finding->value)) values.push_back(finding->value);
   }
-  report::ChartPanel panel;
-  panel.title = spread.quantity;
-  panel.x_label = spread.unit.empty() ? "" : fmt::format("[{}]", spread.unit);
-  panel.y_label = "runs";
-  const double least = std::ranges::min(values);
-  const double most = std::ranges::max(values);
+  if (values.empty()) return;
+  figure.names.push_back(spread.quantity);
+  figure.names.push_back(spread.unit.empty() ? "" : fmt::format("[{}]", spread.unit));
+  const auto [least, most] = std::ranges::minmax(values);
   const double width = most > least ? (most - least) / kBins : 1;
-  report::ChartCurve bars{.style = report::ChartCurve::Style::kBars};
-  for (std::size_t i = 0; i < kBins; ++i) {
-    const double low = least + width * static_cast<double>(i);
-    const auto in_bin = [&](double value) {
-      const auto bin = std::min(kBins - 1, static_cast<std::size_t>((value - least) / width));
-      return bin == i;
-    };
-    bars.x.push_back(low + width / 2);
-    bars.y.push_back(static_cast<double>(std::ranges::count_if(values, in_bin)));
+  std::array<double, kBins> counts{};
+  for (const double value : values) {
+    ++counts.at(std::min(kBins - 1, static_cast<std::size_t>((value - least) / width)));
   }
-  panel.curves = {bars};
-  return panel;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    figure.rows.push_back({static_cast<double>(figure.names.size()) / 2,
+                           least + width * (static_cast<double>(i) + 0.5), width, counts.at(i)});
+  }
 }
 
-std::string HistogramsHtml(const MonteCarloResult& result,
-                           const std::vector<FindingSpread>& spreads) {
-  report::Chart chart;
-  chart.columns = 2;
-  chart.panel_height = 220;
+std::string HistogramsOf(const MonteCarloResult& result,
+                         const std::vector<FindingSpread>& spreads) {
+  report::Figure figure{.id = "histograms", .columns = "panel,centre,width,runs"};
   for (const FindingSpread& spread : spreads) {
     const bool varies = std::ranges::any_of(result.outcomes, [&](const SeedOutcome& outcome) {
       const Finding* finding = Find(outcome, spread.quantity);
       return finding != nullptr && finding->value != spread.median;
     });
-    if (!spread.demand.empty() && varies) chart.panels.push_back(HistogramOf(result, spread));
+    if (!spread.demand.empty() && varies) AddHistogram(result, spread, figure);
   }
-  if (chart.panels.empty()) return {};
-  return fmt::format("<h2>Over all runs</h2>\n<figure>\n{}</figure>\n",
-                     report::InlineSvg(report::DrawChart(chart), "histograms"));
+  if (figure.rows.empty()) return {};
+  return report::InlineSvg(report::DrawPlot("application/", figure), figure.id);
 }
 
 std::string CsvField(const std::string& text) {
@@ -114,18 +103,21 @@ std::string SeedsPage(const scenario::Scenario& scenario, const MonteCarloResult
                       const std::vector<std::pair<std::string, std::string>>& facts) {
   const std::vector<FindingSpread> spreads = result.Spreads();
   const std::size_t runs = result.outcomes.size();
-  std::string body = fmt::format(
-      "<h1>{}: {} of {} seeds</h1>\n<p>{}</p>\n<p class=\"{}\">{:.1f} % succeeded; between {:.1f} "
-      "and {:.1f} % by 95 % confidence</p>\n",
-      Escape(scenario.name), result.succeeded, runs, Escape(scenario.description),
-      result.succeeded == static_cast<int>(runs) ? "met" : "failed", 100 * result.share(),
-      100 * result.least_share, 100 * result.most_share);
-  body += FailuresHtml(result);
-  body += SpreadsHtml(spreads);
-  body += HistogramsHtml(result, spreads);
-  body += report::FactsTable(facts);
-  body += "<p><a href=\"seeds.csv\">Every seed, as CSV</a></p>\n";
-  return report::HtmlPage(scenario.name, body);
+  const bool succeeded = result.succeeded == static_cast<int>(runs);
+  const auto percent = [](double share) { return fmt::format("{:.1f}", 100 * share); };
+  return report::RenderPage("application/seeds", {{"title", scenario.name},
+                                                  {"description", scenario.description},
+                                                  {"succeeded", result.succeeded},
+                                                  {"runs", runs},
+                                                  {"verdict", succeeded ? "met" : "failed"},
+                                                  {"share", percent(result.share())},
+                                                  {"least", percent(result.least_share)},
+                                                  {"most", percent(result.most_share)},
+                                                  {"failed", !succeeded},
+                                                  {"failures", FailuresOf(result)},
+                                                  {"spreads", SpreadsOf(spreads)},
+                                                  {"histograms", HistogramsOf(result, spreads)},
+                                                  {"facts", report::FactsOf(facts)}});
 }
 
 std::string SeedsCsv(const MonteCarloResult& result) {

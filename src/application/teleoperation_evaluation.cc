@@ -11,14 +11,11 @@
 #include <fmt/ranges.h>
 
 #include "twin/core/half_norm.h"
-#include "twin/report/chart.h"
 
 namespace twin::application {
 namespace {
 
 using plant::ObjectTrack;
-using report::ChartCurve;
-using report::ChartPanel;
 using teleop::TeleoperatorStatus;
 
 constexpr double kMostDistance = 0.03;  // m, from the target
@@ -50,76 +47,48 @@ void EvaluateObject(const FetchTask& task, const Evidence& evidence, Evaluation&
   const auto track = std::ranges::find(tracks, task.object, &ObjectTrack::body);
   if (track == tracks.end()) return;
   const Transform& X = track->last.X_WB;
-  Demand(evaluation, "the object's distance from its target in the end",
+  Demand(evaluation, "object position error",
          1e3 * std::hypot(X[12] - task.to[0], X[13] - task.to[1], X[14] - task.to[2]), "mm",
          1e3 * kMostDistance);
-  Demand(evaluation, "it leans in the end, 1 - cos", 1 - X[10], "", kMostTilt);
+  Demand(evaluation, "object tilt at the end, 1 - cos", 1 - X[10], "", kMostTilt);
   const plant::Support& now = track->changes.back().now;
-  Demand(evaluation, "fingers that still touch it",
+  Demand(evaluation, "fingers in contact with the object at the end",
          static_cast<double>(now.left_finger) + static_cast<double>(now.right_finger), "", 0);
 }
 
 void EvaluateCommands(const TeleoperationRecord& record, Evaluation& evaluation) {
   const TeleoperatorStatus& end = record.trace.back();
   const teleop::TeleoperatorConfig& most = record.config;
-  Demand(evaluation, "the arm's distance from its reference while the base was led, at most",
+  Demand(evaluation, "tracking error of the arm while the base drives, largest",
          1e3 * end.most_drive_error, "mm", 1e3 * kMostError);
-  Demand(evaluation, "jerk of the arm's reference at switches of the mode",
-         end.peaks_at_switch.along.jerk, "m/s^3", kRounding * most.along.jerk);
-  Demand(evaluation, "jerk of the base's command at switches of the mode",
-         end.peaks_at_switch.ahead.jerk, "m/s^3", kRounding * most.ahead.jerk);
+  Demand(evaluation, "jerk of the arm's reference at mode switches", end.peaks_at_switch.along.jerk,
+         "m/s^3", kRounding * most.along.jerk);
+  Demand(evaluation, "jerk of the base's command at mode switches", end.peaks_at_switch.ahead.jerk,
+         "m/s^3", kRounding * most.ahead.jerk);
   Demand(evaluation, "jerk of the arm's reference", end.peaks.along.jerk, "m/s^3",
          kRounding * most.along.jerk);
   Demand(evaluation, "jerk of the base's command", end.peaks.ahead.jerk, "m/s^3",
          kRounding * most.ahead.jerk);
-  Tell(evaluation, "speed of the arm's reference, at most", end.peaks.along.speed, "m/s");
-  Tell(evaluation, "speed of the base's command, at most", end.peaks.ahead.speed, "m/s");
+  Tell(evaluation, "speed of the arm's reference, largest", end.peaks.along.speed, "m/s");
+  Tell(evaluation, "speed of the base's command, largest", end.peaks.ahead.speed, "m/s");
   // On top of the reserve comes what a hand gets that turns around within a period.
   const double turned = most.feedback.most_force * kHandSpeed * kCycleSeconds;
-  Demand(evaluation, "energy the operator's port gave on any axis",
+  Demand(evaluation, "energy out of the operator's port, largest of the axes",
          1e3 * std::max(0.0, -end.least_energy), "mJ", 1e3 * (most.feedback.reserve + turned));
 }
 
-ChartCurve CurveOf(const TeleoperationRecord& record, std::string name, std::size_t colour,
-                   const std::function<double(const TeleoperatorStatus&)>& value) {
-  ChartCurve curve{.name = std::move(name), .colour = report::colour::kSeries[colour]};
-  for (const TeleoperatorStatus& status : record.trace) {
-    curve.x.push_back(ToSeconds(status.now.time_since_epoch()));
-    curve.y.push_back(value(status));
+std::vector<report::Figure> FiguresOf(const TeleoperationRecord& record) {
+  report::Figure led{.id = "led", .columns = "t [s],ahead [m/s],turning [rad/s],arm [m/s]"};
+  report::Figure error{.id = "error", .columns = "t [s],error [mm]"};
+  report::Figure port{.id = "port", .columns = "t [s],force [N],x [mJ],y [mJ],z [mJ]"};
+  for (const TeleoperatorStatus& s : record.trace) {
+    const double t = ToSeconds(s.now.time_since_epoch());
+    led.rows.push_back({t, s.base_twist.v, s.base_twist.w, HalfNorm(s.target.O_dP_EE, 0)});
+    error.rows.push_back({t, 1e3 * s.arm_error});
+    port.rows.push_back(
+        {t, HalfNorm(s.felt, 0), 1e3 * s.energy[0], 1e3 * s.energy[1], 1e3 * s.energy[2]});
   }
-  return curve;
-}
-
-std::vector<Figure> FiguresOf(const TeleoperationRecord& record) {
-  ChartPanel base{.x_label = "t [s]", .y_label = "base [m/s, rad/s]"};
-  base.curves = {CurveOf(record, "ahead", 0, [](const auto& s) { return s.base_twist.v; }),
-                 CurveOf(record, "turning", 1, [](const auto& s) { return s.base_twist.w; })};
-  ChartPanel arm{.x_label = "t [s]", .y_label = "arm's reference [m/s]"};
-  arm.curves = {
-      CurveOf(record, "", 2, [](const auto& s) { return HalfNorm(s.target.O_dP_EE, 0); })};
-  ChartPanel error{.x_label = "t [s]", .y_label = "arm off its reference [mm]"};
-  error.curves = {CurveOf(record, "", 3, [](const auto& s) { return 1e3 * s.arm_error; })};
-  ChartPanel felt{.x_label = "t [s]", .y_label = "force at the handle [N]"};
-  felt.curves = {CurveOf(record, "", 4, [](const auto& s) { return HalfNorm(s.felt, 0); })};
-  ChartPanel energy{.x_label = "t [s]", .y_label = "energy put in at the port [mJ]"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    energy.curves.push_back(CurveOf(record, fmt::format("{}", "xyz"[i]), i,
-                                    [i](const auto& s) { return 1e3 * s.energy[i]; }));
-  }
-  return {{.id = "led",
-           .title = "What was led",
-           .what = "Commands to the base and the speed of the arm's reference: one at a time, each "
-                   "at rest before the other begins.",
-           .svg = report::DrawChart({.panel_height = 200, .panels = {base, arm}})},
-          {.id = "error",
-           .title = "How well the arm held",
-           .what = "Distance of the measured end effector from its reference, relative to the "
-                   "base: also while that drives.",
-           .svg = report::DrawChart({.panel_height = 200, .panels = {error}})},
-          {.id = "port",
-           .title = "What the operator felt",
-           .what = "Force at the handle, and the energy that was put in there less what came out.",
-           .svg = report::DrawChart({.panel_height = 200, .panels = {felt, energy}})}};
+  return {std::move(led), std::move(error), std::move(port)};
 }
 
 }  // namespace
@@ -134,12 +103,11 @@ Evaluation EvaluateTeleoperation(const TeleoperationRecord& record, const Eviden
   EvaluateObject(record.task, evidence, evaluation);
   if (record.trace.empty()) return evaluation;
   EvaluateCommands(record, evaluation);
-  Tell(evaluation, "switches of the mode", record.switches);
-  if (record.motions > 0) Tell(evaluation, "motions of the person", record.motions);
+  Tell(evaluation, "mode switches", record.switches);
+  if (record.motions > 0) Tell(evaluation, "motions by the operator", record.motions);
   const TeleoperatorStatus& end = record.trace.back();
   Tell(evaluation, "duration", ToSeconds(end.now.time_since_epoch()), "s");
-  Tell(evaluation, "longest silence between two samples", 1e3 * ToSeconds(end.longest_silence),
-       "ms");
+  Tell(evaluation, "longest gap between two samples", 1e3 * ToSeconds(end.longest_silence), "ms");
   if (!evidence.log.empty()) evaluation.figures = FiguresOf(record);
   return evaluation;
 }

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/report/chart.h"
 #include "twin/core/fingerprint.h"
 #include "twin/scenario/scenario.h"
 
@@ -30,9 +29,9 @@ class ByteHash {
 
 const std::array<CalibratedLoop, 3>& CalibratedLoops() noexcept {
   static constexpr std::array<CalibratedLoop, 3> kLoops{{
-      {"LF", "bare", loop::LoopKind::kBare, report::colour::kBare},
-      {"RS", "synchronous", loop::LoopKind::kSynchronous, report::colour::kSynchronous},
-      {"RA", "asynchronous", loop::LoopKind::kAsynchronous, report::colour::kAsynchronous},
+      {"LF", "bare", loop::LoopKind::kBare},
+      {"RS", "synchronous", loop::LoopKind::kSynchronous},
+      {"RA", "asynchronous", loop::LoopKind::kAsynchronous},
   }};
   return kLoops;
 }

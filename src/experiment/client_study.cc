@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -146,31 +147,14 @@ void AddEnd(const Observation& seen, std::vector<Comparison>& out) {
                  .verdict = Judge(well)});
 }
 
-std::string Text(const ClientProgram& program, const Observation& seen) {
-  std::string text = fmt::format(
-      "`{}` against a robot served on the wall clock at 127.0.0.1:{}, from the ready pose; it "
-      "ended "
-      "with {}, after {} motions. d_EXT on the wire goes from when a state leaves the server to "
-      "when "
-      "the kernel has its answer: the program's own time from read to write, its wake-up, and both "
-      "ways over loopback. Unserved cycles are those of a motion for which no command came in "
-      "time; "
-      "{} in a row end it. Beside their share stands that of the bare loop, LF, in the paper's "
-      "Table 1. "
-      "A state that was never answered has no d_EXT.",
-      program.command, program.arm_port, seen.how_it_ended, seen.tally.motions().size(),
-      MotionTally::EndsTheMotion());
-  if (seen.overruns > 0) {
-    text += fmt::format(
-        " This machine kept the robot's own thread waiting for {} periods; what was lost then is "
-        "no "
-        "fault of the program.",
-        seen.overruns);
-  }
-  if (seen.tally.is_full()) {
-    text += " Only the first cycles are counted; the rest was more than there is room for.";
-  }
-  return text;
+std::map<std::string, std::string> ValuesOf(const ClientProgram& program, const Observation& seen) {
+  return {{"command", program.command},
+          {"port", fmt::format("{}", program.arm_port)},
+          {"end", seen.how_it_ended},
+          {"motions", fmt::format("{}", seen.tally.motions().size())},
+          {"most", fmt::format("{}", MotionTally::EndsTheMotion())},
+          {"overruns", seen.overruns > 0 ? fmt::format("{}", seen.overruns) : std::string()},
+          {"full", seen.tally.is_full() ? "yes" : ""}};
 }
 
 }  // namespace
@@ -182,7 +166,8 @@ Findings RunClientStudy(const Setting& setting, const ClientProgram& program) {
   Findings findings{.id = "client",
                     .title = "Timings of a program of your own",
                     .source = "As Section 2, Table 1",
-                    .text = Text(program, seen)};
+                    .page = "client",
+                    .values = ValuesOf(program, seen)};
   if (seen.tally.motions().empty()) {
     findings.failure = fmt::format(
         "the client ended with {} and without a motion that got a command; it must connect to "
@@ -195,7 +180,8 @@ Findings RunClientStudy(const Setting& setting, const ClientProgram& program) {
   AddAll(seen.tally, latencies, findings.comparisons);
   AddEach(seen.tally, findings.comparisons);
   AddEnd(seen, findings.comparisons);
-  findings.figures = {DrawClientLatency(latencies), DrawClientLosses(seen.tally)};
+  if (!latencies.empty()) findings.figures.push_back(ClientLatencyFigure(latencies));
+  findings.figures.push_back(ClientLossesFigure(seen.tally));
   return findings;
 }
 

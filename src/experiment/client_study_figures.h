@@ -8,9 +8,9 @@
 namespace twin::experiment {
 
 /// How d_EXT on the wire is distributed. @param latencies_us  rising.
-[[nodiscard]] Figure DrawClientLatency(const std::vector<double>& latencies_us);
+[[nodiscard]] Figure ClientLatencyFigure(const std::vector<double>& latencies_us);
 
 /// Unserved cycles in a row over the motions' time, against the 20 that end one.
-[[nodiscard]] Figure DrawClientLosses(const MotionTally& tally);
+[[nodiscard]] Figure ClientLossesFigure(const MotionTally& tally);
 
 }  // namespace twin::experiment

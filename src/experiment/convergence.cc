@@ -16,7 +16,6 @@
 #include "twin/core/time.h"
 #include "twin/reference/resampler.h"
 #include "twin/reference/viability_filter.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
@@ -139,41 +138,12 @@ void CompareLags(const std::vector<ConvergenceWay>& ways, const std::vector<Conv
   }
 }
 
-report::ChartPanel PanelOf(const std::vector<ConvergenceWay>& ways,
-                           const std::vector<Convergence>& all, bool moves) {
-  constexpr std::size_t kShown = 3000;  // cycles
-  report::ChartPanel panel{.title = CaseName(kDrawnOffset, moves),
-                           .x_label = "t [s]",
-                           .y_label = "|error| [rad]",
-                           .log_y = true,
-                           .y_range = {{1e-7, 1}}};
-  for (std::size_t w = 0; w < ways.size(); ++w) {
-    report::ChartCurve curve{.name = moves ? "" : std::string(ways[w].name),
-                             .colour = report::colour::kSeries.at(w)};
-    for (std::size_t k = 0; k < kShown; ++k) {
-      curve.x.push_back(static_cast<double>(k) * kCycleSeconds);
-      curve.y.push_back(std::abs(all[w].errors[k]));
-    }
-    panel.curves.push_back(std::move(curve));
-  }
-  return panel;
-}
-
-Figure Draw(const std::vector<ConvergenceWay>& ways,
-            const std::array<std::vector<Convergence>, 2>& all) {
+Figure ErrorsFigure(const std::vector<ConvergenceWay>& ways,
+                    const std::array<std::vector<Convergence>, 2>& all) {
   constexpr std::size_t kEvery = 10;
-  Figure figure{.id = "convergence",
-                .title = "To the source from 0.1 rad behind it, joint 1",
-                .what =
-                    "The saturated correction arrives and stays; lambda creeps, and its first "
-                    "step breaks a limit; the limiter overshoots and swings.",
-                .svg = {},
-                .columns = "source moves [-],way [-],t [s],error [rad]",
-                .rows = {}};
-  report::Chart chart{
-      .title = figure.title, .columns = 2, .width = 1000, .panel_height = 340, .panels = {}};
+  Figure figure{.id = "convergence", .columns = "source moves [-],way [-],t [s],error [rad]"};
+  for (const ConvergenceWay& way : ways) figure.names.emplace_back(way.name);
   for (std::size_t moves = 0; moves < all.size(); ++moves) {
-    chart.panels.push_back(PanelOf(ways, all.at(moves), moves == 1));
     for (std::size_t w = 0; w < ways.size(); ++w) {
       const std::vector<double>& errors = all.at(moves)[w].errors;
       for (std::size_t k = 0; k < errors.size() / 2; k += kEvery) {
@@ -182,7 +152,6 @@ Figure Draw(const std::vector<ConvergenceWay>& ways,
       }
     }
   }
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
@@ -253,7 +222,7 @@ void AddConvergence(const scenario::RobotData& robot, Findings& findings) {
     }
   }
   CompareLags(ways, drawn[1], findings);
-  findings.figures.push_back(Draw(ways, drawn));
+  findings.figures.push_back(ErrorsFigure(ways, drawn));
 }
 
 }  // namespace twin::experiment

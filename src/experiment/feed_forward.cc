@@ -11,13 +11,9 @@
 
 #include "experiment/jitter_parts.h"
 #include "experiment/runs.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
-
-using report::ChartCurve;
-using report::ChartPanel;
 
 constexpr double kJitter = 4e-6;  // s, the paper's
 
@@ -25,14 +21,10 @@ constexpr double kJitter = 4e-6;  // s, the paper's
 struct Way {
   VelocityFrom from;
   const char* name;
-  std::string_view colour;
-  ChartCurve::Style style = ChartCurve::Style::kLine;
 };
-constexpr std::array<Way, 3> kWays{
-    Way{VelocityFrom::kSourceTime, "over the source's elapsed time", report::colour::kSeries[3]},
-    Way{VelocityFrom::kNominalTime, "over the nominal T", report::colour::kAsynchronous,
-        ChartCurve::Style::kDashed},
-    Way{VelocityFrom::kConsumption, "where consumed", report::colour::kSynchronous}};
+constexpr std::array<Way, 3> kWays{Way{VelocityFrom::kSourceTime, "over the source's elapsed time"},
+                                   Way{VelocityFrom::kNominalTime, "over the nominal T"},
+                                   Way{VelocityFrom::kConsumption, "where consumed"}};
 constexpr std::array<double, 6> kPpm{0, 10, 20, 50, 100, 200};
 constexpr std::size_t kUsualPpm = 3;
 
@@ -59,42 +51,11 @@ Table Fill(const Setting& setting, const StreamSetting& streams, double jitter_s
   return table;
 }
 
-ChartPanel DriftPanel(const Table& table, const char* title) {
-  ChartPanel panel{.title = title,
-                   .x_label = "drift between the two loops [ppm]",
-                   .y_label = "largest jerk / its limit",
-                   .log_y = true};
-  for (std::size_t way = 0; way < kWays.size(); ++way) {
-    ChartCurve curve{
-        .name = kWays[way].name, .colour = kWays[way].colour, .style = kWays[way].style};
-    for (std::size_t i = 0; i < kPpm.size(); ++i) {
-      curve.x.push_back(kPpm[i]);
-      curve.y.push_back(table[way][i].jerk);
-    }
-    panel.curves.push_back(curve);
-  }
-  panel.curves.push_back({.name = "limit",
-                          .colour = report::colour::kLimit,
-                          .style = ChartCurve::Style::kDashed,
-                          .x = {kPpm.front(), kPpm.back()},
-                          .y = {1, 1}});
-  return panel;
-}
-
-Figure DrawDrift(const Table& jittered, const Table& exact) {
-  Figure figure{
-      .id = "drift",
-      .title = "Three ways to form the feed-forward",
-      .what =
-          "Over the source's own time the jerk stays within its limit; over the nominal T jitter "
-          "passes through unchanged, and formed where commands are consumed every crossing of the "
-          "two loops becomes a spike.",
-      .svg = report::DrawChart(
-          {.title = "Canonical trajectory through the reference generator",
-           .panels = {DriftPanel(jittered, "Jitter of 4 us"), DriftPanel(exact, "No jitter")}}),
-      .columns =
-          "jitter [s],way (0: source's time; 1: nominal T; 2: consumption),drift [ppm],"
-          "largest jerk / limit,RMS jerk / limit,share of runs aborted"};
+Figure DriftFigure(const Table& jittered, const Table& exact) {
+  Figure figure{.id = "drift",
+                .columns =
+                    "jitter [s],way (0: source's time; 1: nominal T; 2: consumption),"
+                    "drift [ppm],largest jerk / limit,RMS jerk / limit,share of runs aborted"};
   for (const Table* table : {&jittered, &exact}) {
     for (std::size_t way = 0; way < kWays.size(); ++way) {
       for (std::size_t i = 0; i < kPpm.size(); ++i) {
@@ -108,48 +69,25 @@ Figure DrawDrift(const Table& jittered, const Table& exact) {
 }
 
 /// Velocity and jerk of joint 1 about the crossing of two loops without jitter.
-Figure DrawCrossing(const StreamSetting& streams) {
+Figure CrossingFigure(const StreamSetting& streams) {
   constexpr double kCrossing = 1.5;  // s
   constexpr double kFastPpm = 50;
-  ChartPanel velocity{.title = "Velocity INT reconstructs",
-                      .x_label = "t [s]",
-                      .y_label = "dq_d of joint 1 [rad/s]"};
-  ChartPanel jerk{.title = "Jerk", .x_label = "t [s]", .y_label = "jerk of joint 1 / its limit"};
   Figure figure{.id = "crossing",
-                .title = "A crossing of the two loops",
-                .what =
-                    "Where the source's deposits cross the robot's cycles, one is skipped: "
-                    "differenced there, "
-                    "it is twice the velocity for a cycle.",
                 .columns =
-                    "way (0: source's time; 1: nominal T; 2: consumption),t [s],dq_d [rad/s],"
-                    "jerk / limit"};
+                    "way (0: source's time; 1: nominal T; 2: consumption),t [s],"
+                    "dq_d [rad/s],jerk / limit"};
   for (std::size_t way = 0; way < kWays.size(); ++way) {
     Stream stream = StreamWith(kWays[way].from);
     stream.clock_ppm = kFastPpm;
     stream.phase = FromSeconds(kCrossing * kFastPpm * 1e-6);
-    ChartCurve speed{
-        .name = kWays[way].name, .colour = kWays[way].colour, .style = kWays[way].style};
-    ChartCurve shaking{.colour = kWays[way].colour, .style = kWays[way].style};
     const auto keep = [&](const StreamCycle& cycle) {
       const double t = static_cast<double>(cycle.cycle) * kCycleSeconds;
       if (std::abs(t - kCrossing) > 0.03) return;
-      speed.x.push_back(t);
-      speed.y.push_back(cycle.next.dq_d[0]);
-      shaking.y.push_back(cycle.next.dddq_d[0] / streams.robot.limits.dddq_max[0]);
-      figure.rows.push_back({static_cast<double>(way), t, speed.y.back(), shaking.y.back()});
+      figure.rows.push_back({static_cast<double>(way), t, cycle.next.dq_d[0],
+                             cycle.next.dddq_d[0] / streams.robot.limits.dddq_max[0]});
     };
     static_cast<void>(RunStream(streams.canonical, streams.robot.limits, stream, false, keep));
-    shaking.x = speed.x;
-    velocity.curves.push_back(speed);
-    jerk.curves.push_back(shaking);
   }
-  // What shows nothing lies upon what does.
-  for (auto* curves : {&velocity.curves, &jerk.curves}) {
-    std::rotate(curves->begin(), curves->end() - 1, curves->end());
-  }
-  figure.svg = report::DrawChart(
-      {.title = "Clocks 50 ppm apart, no jitter: a crossing at 1.5 s", .panels = {velocity, jerk}});
   return figure;
 }
 
@@ -235,21 +173,7 @@ Findings RunFeedForwardStudy(const Setting& setting) {
   const StreamSetting streams = LoadStreamSetting(setting);
   const Table jittered = Fill(setting, streams, kJitter, 0, 0.5);
   const Table exact = Fill(setting, streams, 0, 0.5, 0.9);
-  Findings findings{
-      .id = "feed_forward",
-      .title = "The feed-forward of the reference generator",
-      .source = "Section 4, reference generation",
-      .text =
-          "The canonical trajectory through the reference generator, dq_ext formed in three ways: "
-          "where "
-          "commands are deposited, over the time that passed on the source's own clock; there, "
-          "over the nominal T; and "
-          "where commands are consumed, between what two cycles in a row consumed. Two loops of 1 "
-          "kHz run freely; in every "
-          "run with drift their clocks cross at a random time, where a deposit is skipped. Of a "
-          "run that INT would abort the rest is looked at all the same. Link and plant are "
-          "ideal. The third way exists in this experiment only: the stack has the first and, "
-          "for comparison (controller.feed_forward: nominal), the second."};
+  Findings findings;
   Compare(jittered, exact, NominalAgainstRaw(streams, setting.seed), findings);
   for (const auto time :
        {reference::FeedForwardTime::kSource, reference::FeedForwardTime::kNominal}) {
@@ -261,7 +185,7 @@ Findings RunFeedForwardStudy(const Setting& setting) {
          .unit = "%",
          .ours = 100 * AbortsThroughStack(setting, time)});
   }
-  findings.figures = {DrawDrift(jittered, exact), DrawCrossing(streams)};
+  findings.figures = {DriftFigure(jittered, exact), CrossingFigure(streams)};
   return findings;
 }
 

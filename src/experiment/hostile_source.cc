@@ -13,7 +13,6 @@
 #include "experiment/convergence.h"
 #include "twin/core/time.h"
 #include "twin/reference/viability_filter.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
@@ -55,86 +54,20 @@ Breaches BreachesOf(const std::vector<HostileCycle>& cycles, const JointLimits& 
   return breaches;
 }
 
-report::ChartCurve Curve(std::string name, std::size_t series,
-                         const std::vector<HostileCycle>& cycles, double HostileCycle::*field) {
-  report::ChartCurve curve{.name = std::move(name), .colour = report::colour::kSeries.at(series)};
-  for (const HostileCycle& cycle : cycles) {
-    curve.x.push_back(cycle.t);
-    curve.y.push_back(cycle.*field);
-  }
-  return curve;
-}
-
-report::ChartCurve Limit(std::string name, double value) {
-  return {.name = std::move(name),
-          .colour = report::colour::kLimit,
-          .style = report::ChartCurve::Style::kDashed,
-          .x = {0, kCycles * kCycleSeconds},
-          .y = {value, value}};
-}
-
-/// Cycles of a kind, on a line.
-template <class Condition>
-report::ChartCurve Marks(std::string name, std::size_t series, double line,
-                         const std::vector<HostileCycle>& cycles, const Condition& condition) {
-  report::ChartCurve curve{.name = std::move(name),
-                           .colour = report::colour::kSeries.at(series),
-                           .style = report::ChartCurve::Style::kPoints};
-  for (const HostileCycle& cycle : cycles) {
-    if (!condition(cycle)) continue;
-    curve.x.push_back(cycle.t);
-    curve.y.push_back(line);
-  }
-  return curve;
-}
-
-Figure Draw(const std::vector<HostileCycle>& cycles, const JointLimits& limits) {
+Figure CyclesFigure(const std::vector<HostileCycle>& cycles, const JointLimits& limits) {
   constexpr std::size_t kEvery = 4;
-  Figure figure{.id = "hostile",
-                .title = "A source that asks for too much, joint 1",
-                .what =
-                    "It swings beyond the range, faster than the joint may go, and jumps at 9 s; "
-                    "in the marked spans 19 of 20 commands are lost. The filter gives as much "
-                    "as can be given, and not one limit is broken. What is lost lowers the "
-                    "margin, even below zero: it has been reckoned with already.",
-                .svg = {},
-                .columns =
-                    "t [s],wished [rad],q_d [rad],dq_d [rad/s],share [-],margin [-],kept "
-                    "back [-],lost [-]",
-                .rows = {}};
+  Figure figure{
+      .id = "hostile",
+      .columns =
+          "t [s],wished [rad],q_d [rad],dq_d [rad/s],share [-],margin [-],kept "
+          "back [-],lost [-]",
+      .values = {
+          {"q_min", limits.q_min[0]}, {"q_max", limits.q_max[0]}, {"dq_max", limits.dq_max[0]}}};
   for (std::size_t k = 0; k < cycles.size(); k += kEvery) {
     const HostileCycle& c = cycles[k];
     figure.rows.push_back({c.t, c.wished, c.q_d, c.dq_d, c.share, c.margin, c.kept_back ? 1.0 : 0.0,
                            c.is_lost ? 1.0 : 0.0});
   }
-  report::ChartPanel position{
-      .title = "position",
-      .y_label = "q_d [rad]",
-      .curves = {Curve("wished", 1, cycles, &HostileCycle::wished),
-                 Curve("q_d", 0, cycles, &HostileCycle::q_d), Limit("limit", limits.q_max[0]),
-                 Limit("", limits.q_min[0])}};
-  report::ChartPanel velocity{
-      .title = "velocity",
-      .y_label = "dq_d [rad/s]",
-      .curves = {Curve("", 0, cycles, &HostileCycle::dq_d), Limit("", limits.dq_max[0]),
-                 Limit("", -limits.dq_max[0])}};
-  constexpr double kKeptBackLine = -0.06;
-  constexpr double kLostLine = -0.12;
-  report::ChartPanel margin{
-      .title = "margin to the border of the viable set",
-      .x_label = "t [s]",
-      .y_label = "margin",
-      .y_range = {{-0.18, 0.5}},
-      .curves = {Curve("", 0, cycles, &HostileCycle::margin),
-                 Marks("kept back", 2, kKeptBackLine, cycles,
-                       [](const HostileCycle& cycle) { return cycle.kept_back; }),
-                 Marks("lost", 4, kLostLine, cycles,
-                       [](const HostileCycle& cycle) { return cycle.is_lost; })}};
-  figure.svg =
-      report::DrawChart({.title = figure.title,
-                         .width = 1000,
-                         .panel_height = 250,
-                         .panels = {std::move(position), std::move(velocity), std::move(margin)}});
   return figure;
 }
 
@@ -181,7 +114,7 @@ void AddHostileSource(const scenario::RobotData& robot, Findings& findings) {
     findings.comparisons.push_back({.quantity = name + "beyond the range by at most",
                                     .unit = "rad",
                                     .ours = std::max(0.0, breaches.beyond_range)});
-    if (is_ours) findings.figures.push_back(Draw(cycles, robot.limits));
+    if (is_ours) findings.figures.push_back(CyclesFigure(cycles, robot.limits));
   }
 }
 

@@ -169,36 +169,13 @@ void CompareEnd(const std::vector<Pace>& paces, Findings& findings) {
        .ours = ShareAtLimit(paces)});
 }
 
-/// How it was done, for the report.
-std::string Describe(const Setting& setting) {
-  return fmt::format(
-      "A trajectory is sampled at kT + dt(k), dt normal with the given standard deviation, and "
-      "filed at kT. The command chain, INT's backward differences and its checks are those of the "
-      "stack; the link takes no time and loses nothing, and the plant is ideal, as only the "
-      "reference is judged. Formulas: the canonical trajectory, both derivatives taken in the "
-      "middle of the samples that make the difference, RMS over all joints and samples; they hold "
-      "by "
-      "arithmetic, as does the jerk of one displaced sample, and show it. Map: joint "
-      "1 moves from rest to rest in 1 s; {} runs a place, the source's clock {} ppm fast and its "
-      "phase random, so that one run in twenty meets the crossing of the two clocks. Limits of the "
-      "reference generator: the brisk trajectory at several paces, {} runs each, every one of "
-      "which meets the crossing: a deposit consumed twice beside a skipped one makes jerk 2 ddq / "
-      "T by its velocity, and 2 lambda dq / T^2 by its position. What the rate limiter saves from "
-      "aborts shakes instead, as its RMS jerk tells; INT timestamps need a source that runs at the "
-      "robot's rate. Runs through the whole stack: constant delays of 80 us on the link, nothing "
-      "lost, no limiter.",
-      setting.seeds, kPpm, setting.seeds);
-}
-
 }  // namespace
 
 Findings RunJitter(const Setting& setting) {
   const StreamSetting streams = LoadStreamSetting(setting);
   const JointLimits& limits = streams.robot.limits;
-  Findings findings{.id = "jitter",
-                    .title = "Sampling jitter",
-                    .source = "Section 3, figure on jitter",
-                    .text = Describe(setting)};
+  Findings findings{
+      .values = {{"runs", fmt::format("{}", setting.seeds)}, {"ppm", fmt::format("{}", kPpm)}}};
   findings.comparisons.push_back({.quantity = "one sample displaced by 4 us at 1 rad/s: jerk",
                                   .unit = "rad/s^3",
                                   .paper = 1.2e4,
@@ -216,8 +193,9 @@ Findings RunJitter(const Setting& setting) {
   const std::vector<Pace> paces = FindEnd(
       setting, streams, {0.1, 0.15, 0.21, 0.24, 0.27, 0.35, 0.45, 0.55, 0.68}, setting.seeds);
   CompareEnd(paces, findings);
-  findings.figures = {DrawJitter(streams.robot, setting.seed), DrawJitterJerk(position, velocity),
-                      DrawAbortMap(map, limits), DrawEnd(paces, limits)};
+  findings.figures = {SamplesFigure(streams.robot, setting.seed),
+                      JitterJerkFigure(position, velocity), AbortMapFigure(map, limits),
+                      EndFigure(paces, limits)};
   return findings;
 }
 

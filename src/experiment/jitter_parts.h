@@ -69,9 +69,10 @@ struct Pace {
 /// chosen at random within the plan. @param ppm  > 0.
 [[nodiscard]] Duration CrossingPhase(const reference::Trajectory& plan, double ppm, double choice);
 
-[[nodiscard]] Figure DrawJitter(const scenario::RobotData& robot, std::uint64_t seed);
-[[nodiscard]] Figure DrawJitterJerk(const JitterJerk& position, const JitterJerk& velocity);
-[[nodiscard]] Figure DrawAbortMap(const AbortMap& map, const JointLimits& limits);
-[[nodiscard]] Figure DrawEnd(const std::vector<Pace>& paces, const JointLimits& limits);
+/// Samples of a raw stream, displaced and as INT reconstructs them.
+[[nodiscard]] Figure SamplesFigure(const scenario::RobotData& robot, std::uint64_t seed);
+[[nodiscard]] Figure JitterJerkFigure(const JitterJerk& position, const JitterJerk& velocity);
+[[nodiscard]] Figure AbortMapFigure(const AbortMap& map, const JointLimits& limits);
+[[nodiscard]] Figure EndFigure(const std::vector<Pace>& paces, const JointLimits& limits);
 
 }  // namespace twin::experiment

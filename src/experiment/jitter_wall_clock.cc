@@ -87,17 +87,7 @@ Comparison Report(std::string quantity, const std::vector<double>& values) {
 Findings RunJitterOnWallClock(const Setting& setting) {
   const Aborts raw = Count(setting, loop::Generator::kNone);
   const Aborts generated = Count(setting, loop::Generator::kJoint);
-  Findings findings{
-      .id = "jitter",
-      .title = "Sampling jitter",
-      .source = "Section 3",
-      .text =
-          "The canonical trajectory by the asynchronous loop, over UDP on this machine, without "
-          "rate "
-          "limiter: its samples are taken whenever this machine wakes the controller. The raw "
-          "stream "
-          "commands them as they are, the reference generator forms its velocity over the source's "
-          "own time. Each run ends where the robot's controller aborts."};
+  Findings findings;
   const auto share = [&](const char* name, const Aborts& aborts, double paper) {
     findings.comparisons.push_back(
         {.quantity = fmt::format("{}: aborts in {} runs", name, aborts.runs),

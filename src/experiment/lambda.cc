@@ -16,7 +16,6 @@
 #include "twin/core/half_norm.h"
 #include "twin/model/inverse_kinematics.h"
 #include "twin/reference/cartesian_reference_generator.h"
-#include "twin/report/chart.h"
 #include "twin/scenario/robot_data.h"
 
 namespace twin::experiment {
@@ -88,14 +87,11 @@ struct StallChain {
   std::string_view name;
   loop::Generator generator;
   bool limiter;
-  std::string_view colour;
 };
 constexpr std::array kStallChains{
-    StallChain{"the paper's law", loop::Generator::kJoint, false, report::colour::kBare},
-    StallChain{"the paper's law, client's limiter", loop::Generator::kJoint, true,
-               report::colour::kSynchronous},
-    StallChain{"rejoining, viability", loop::Generator::kRejoining, false,
-               report::colour::kAsynchronous},
+    StallChain{"the paper's law", loop::Generator::kJoint, false},
+    StallChain{"the paper's law, client's limiter", loop::Generator::kJoint, true},
+    StallChain{"rejoining, viability", loop::Generator::kRejoining, false},
 };
 constexpr std::size_t kOurs = 2;
 
@@ -179,104 +175,33 @@ Stalls MeasureStalls(const scenario::RobotData& robot) {
   return stalls;
 }
 
-report::ChartCurve Curve(std::string name, std::string_view colour,
-                         report::ChartCurve::Style style = report::ChartCurve::Style::kLine) {
-  return {.name = std::move(name), .colour = colour, .style = style, .x = {}, .y = {}};
-}
-
-Figure DrawConvergence(const std::vector<Convergence>& all) {
-  using Style = report::ChartCurve::Style;
+Figure ConvergenceFigure(const std::vector<Convergence>& all) {
   Figure figure{.id = "convergence",
-                .title = "How fast an offset goes, over lambda",
-                .what =
-                    "The time falls as 1/lambda, for joints and poses alike; what an offset "
-                    "costs in jerk rises with lambda.",
-                .svg = {},
                 .columns =
                     "lambda,formula [s],joint [s],translation [s],rotation [s],"
-                    "jerk per offset [1/s^3]",
-                .rows = {}};
-  report::ChartCurve formula = Curve("ln 0.05 / ln(1 - lambda)", report::colour::kReference);
-  report::ChartCurve joint = Curve("joint", report::colour::kBare, Style::kPoints);
-  report::ChartCurve rotation = Curve("rotation", report::colour::kSynchronous, Style::kPoints);
-  report::ChartCurve jerk = Curve("", report::colour::kBare, Style::kPoints);
+                    "jerk per offset [1/s^3]"};
   for (const Convergence& c : all) {
     figure.rows.push_back(
         {c.lambda, c.formula_s, c.joint_s, c.translation_s, c.rotation_s, c.jerk_per_rad});
-    for (report::ChartCurve* curve : {&formula, &joint, &rotation, &jerk}) {
-      curve->x.push_back(c.lambda);
-    }
-    formula.y.push_back(c.formula_s);
-    joint.y.push_back(c.joint_s);
-    rotation.y.push_back(c.rotation_s);
-    jerk.y.push_back(c.jerk_per_rad * 1e-3);
   }
-  report::Chart chart{
-      .title = "An offset between the reference and the last command", .columns = 2, .panels = {}};
-  chart.panels.push_back({.title = "until 5 % are left",
-                          .x_label = "lambda per cycle",
-                          .y_label = "time [s]",
-                          .log_x = true,
-                          .log_y = true,
-                          .curves = {formula, joint, rotation}});
-  chart.panels.push_back({.title = "largest jerk of an offset of 1 mrad",
-                          .x_label = "lambda per cycle",
-                          .y_label = "jerk [rad/s^3]",
-                          .log_x = true,
-                          .log_y = true,
-                          .curves = {jerk}});
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
-Figure DrawStalls(const Stalls& stalls, double jerk_limit) {
-  Figure figure{
-      .id = "stalls",
-      .title = "A source that stops for 50 and 200 ms at 1 rad/s",
-      .what =
-          "Behind each chain the velocity decays while nothing comes. When the source is back, "
-          "the paper's law alone steps to its velocity, far beyond the jerk limit.",
-      .columns =
-          "stall [ms],chain [-],t [s],planned [rad/s],dq_d [rad/s],error [rad],jerk [rad/s^3]"};
-  constexpr std::array kShown{-0.1, 1.5};  // s
-  report::Chart chart{
-      .title = "The source stops at t = 0", .columns = 2, .width = 1000, .panel_height = 260};
+Figure StallsFigure(const Stalls& stalls, double jerk_limit) {
+  Figure figure{.id = "stalls",
+                .columns =
+                    "stall [ms],chain [-],t [s],planned [rad/s],dq_d [rad/s],error [rad],"
+                    "jerk [rad/s^3]",
+                .values = {{"jerk_limit", jerk_limit}}};
+  for (const StallChain& chain : kStallChains) figure.names.emplace_back(chain.name);
   for (std::size_t i = 0; i < stalls.size(); ++i) {
-    report::ChartCurve planned =
-        Curve("planned", report::colour::kReference, report::ChartCurve::Style::kDashed);
-    for (const StallRow& row : stalls[i][0].rows) {
-      planned.x.push_back(row.t);
-      planned.y.push_back(row.planned);
-    }
-    report::ChartPanel velocity{.title = fmt::format("{} ms", kStallsMs[i]),
-                                .x_label = "t [s]",
-                                .y_label = "velocity [rad/s]",
-                                .x_range = kShown,
-                                .curves = {planned}};
-    report::ChartPanel jerk{
-        .title = fmt::format("{} ms, limit {:.0f} rad/s^3", kStallsMs[i], jerk_limit),
-        .x_label = "t [s]",
-        .y_label = "jerk [rad/s^3]",
-        .x_range = kShown,
-        .y_range = {{-1.5 * jerk_limit, 1.5 * jerk_limit}}};
     for (std::size_t c = 0; c < kStallChains.size(); ++c) {
-      report::ChartCurve dq_d = Curve(std::string(kStallChains[c].name), kStallChains[c].colour);
-      report::ChartCurve dddq_d = Curve("", kStallChains[c].colour);
       for (const StallRow& row : stalls[i][c].rows) {
         figure.rows.push_back({static_cast<double>(kStallsMs[i]), static_cast<double>(c), row.t,
                                row.planned, row.dq_d, row.error, row.jerk});
-        dq_d.x.push_back(row.t);
-        dq_d.y.push_back(row.dq_d);
-        dddq_d.x.push_back(row.t);
-        dddq_d.y.push_back(row.jerk);
       }
-      velocity.curves.push_back(std::move(dq_d));
-      jerk.curves.push_back(std::move(dddq_d));
     }
-    chart.panels.push_back(std::move(velocity));
-    chart.panels.push_back(std::move(jerk));
   }
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
@@ -359,28 +284,9 @@ Findings RunLambda(const Setting& setting) {
   const Stalls stalls = MeasureStalls(robot);
   if (setting.progress) setting.progress(0.3);
   const bool poses_end_well = RunPoses(setting);
-  Findings findings{
-      .id = "lambda",
-      .title = "The correction lambda of the reference generator",
-      .source = "Section 4, reference generation",
-      .text =
-          "Convergence and stalls are the command chain's own: it is stepped cycle by cycle "
-          "against the reference the robot's controller would make of its commands, every "
-          "command taken in time. Convergence: an offset of 1 mrad, 1 mm or 0.5 rad between a "
-          "target at rest and the last command, until 5 % of it are left. The jerk is that of "
-          "the first steps and rises with offset and lambda; at lambda = 1e-3 an offset of 7.5 "
-          "mrad reaches the limit of joint 1. Stalls: joint 1 swings, the source stops at 1 "
-          "rad/s and comes back on its plan. After 20 ms without a target the velocity decays "
-          "within the limits, behind every chain. The paper's law does not say how to go on when "
-          "the source returns: alone it steps to the source's velocity, and the robot aborts; the "
-          "client's limiter, with which the paper runs it, makes the step legal and leaves the "
-          "error to lambda. Poses also: a motion of 8 s commanded as poses through the "
-          "calibrated asynchronous loop, on the ideal plant.",
-      .comparisons = {},
-      .figures = {},
-      .failure = {}};
+  Findings findings;
   Compare(all, stalls, limit, poses_end_well, findings.comparisons);
-  findings.figures = {DrawConvergence(all), DrawStalls(stalls, limit)};
+  findings.figures = {ConvergenceFigure(all), StallsFigure(stalls, limit)};
   if (setting.progress) setting.progress(1);
   return findings;
 }

@@ -15,7 +15,6 @@
 #include "experiment/recording.h"
 #include "experiment/runs.h"
 #include "experiment/tempos.h"
-#include "twin/report/chart.h"
 #include "twin/scenario/robot_data.h"
 
 namespace twin::experiment {
@@ -142,6 +141,12 @@ Outcomes MeasureTable(const Setting& setting, const std::vector<Loss>& losses, i
   return outcomes;
 }
 
+std::vector<std::string> WayNames() {
+  std::vector<std::string> names;
+  for (const Way& way : kWays) names.emplace_back(way.name);
+  return names;
+}
+
 /// Share of aborted runs against how long bursts are and how often they come, at the hard tempo.
 Figure MapAborts(const Setting& setting, int runs, double from, double to) {
   std::vector<Job> jobs;
@@ -153,36 +158,17 @@ Figure MapAborts(const Setting& setting, int runs, double from, double to) {
     }
   }
   const std::vector<Outcome> outcomes = MeasureAll(setting, jobs, runs, from, to);
-  Figure figure{
-      .id = "map",
-      .title = "Aborts against length and rate of bursts, hard",
-      .what =
-          "Long bursts end a stream and the paper's law alone. With the client's limiter the "
-          "paper's law comes through nearly everywhere; ours comes through all.",
-      .columns =
-          "way [-],bursts a second [-],commands lost in a row [-],aborted [%],RMS error "
-          "[mrad]"};
-  report::Chart chart{.title = figure.title, .columns = 2, .width = 1000, .panel_height = 260};
-  const std::size_t places = kBurstsPerSecond.size() * kBursts.size();
-  for (std::size_t way = 0; way < kWays.size(); ++way) {
-    report::HeatMap map{.x = {kBursts.begin(), kBursts.end()},
-                        .y = {kBurstsPerSecond.begin(), kBurstsPerSecond.end()},
-                        .z_label = "aborted [%]",
-                        .z_range = {{0, 100}}};
-    for (std::size_t i = way * places; i < (way + 1) * places; ++i) {
-      map.z.push_back(outcomes[i].aborted_percent());
-      const Bursts& bursts = jobs[i].loss.bursts;
-      figure.rows.push_back({static_cast<double>(way), bursts.per_second,
-                             static_cast<double>(bursts.length), outcomes[i].aborted_percent(),
-                             outcomes[i].rms_mrad()});
-    }
-    chart.panels.push_back({.title = std::string(kWays.at(way).name),
-                            .x_label = "commands lost in a row",
-                            .y_label = "bursts a second",
-                            .log_y = true,
-                            .map = std::move(map)});
+  Figure figure{.id = "map",
+                .columns =
+                    "way [-],bursts a second [-],commands lost in a row [-],aborted [%],"
+                    "RMS error [mrad]",
+                .names = WayNames()};
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const Bursts& bursts = jobs[i].loss.bursts;
+    figure.rows.push_back({static_cast<double>(jobs[i].way), bursts.per_second,
+                           static_cast<double>(bursts.length), outcomes[i].aborted_percent(),
+                           outcomes[i].rms_mrad()});
   }
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
@@ -214,42 +200,24 @@ void CompareEveryLength(const Setting& setting, int runs, double from, double to
                                   .ours = largest});
 }
 
-/// Of each tempo a panel of aborted shares and one of errors.
-Figure Draw(std::string id, std::string title, std::string what, const std::string& x_label,
-            const std::vector<double>& x, const Outcomes& outcomes) {
-  report::Chart chart{.title = title, .columns = 2, .width = 1000, .panel_height = 300};
-  Figure figure{.id = std::move(id), .title = std::move(title), .what = std::move(what)};
-  figure.columns = x_label + ",tempo [-],way [-],aborted [%],RMS error [mrad]";
+/// Aborted runs and errors of each tempo and way.
+Figure OutcomesFigure(std::string id, std::string title, const std::string& x_label,
+                      const std::vector<double>& x, const Outcomes& outcomes) {
+  Figure figure{.id = std::move(id),
+                .plot = "outcomes",
+                .columns = x_label + ",tempo [-],way [-],aborted [%],RMS error [mrad]",
+                .names = WayNames()};
+  figure.names.push_back(x_label);
+  figure.names.push_back(std::move(title));
   for (std::size_t p = 0; p < kTempos.size(); ++p) {
-    report::ChartPanel aborted{.title = fmt::format("{}: aborted", kTempos[p].name),
-                               .x_label = x_label,
-                               .y_label = "[%]",
-                               .log_x = true,
-                               .y_range = {{-5, 105}}};
-    report::ChartPanel error{.title = fmt::format("{}: error of the completed", kTempos[p].name),
-                             .x_label = x_label,
-                             .y_label = "[mrad]",
-                             .log_x = true,
-                             .log_y = true};
     for (std::size_t w = 0; w < kWays.size(); ++w) {
-      report::ChartCurve curve{
-          .name = std::string(kWays[w].name), .colour = report::colour::kSeries[w], .x = x};
-      report::ChartCurve rms = curve;
-      rms.name.clear();
       for (std::size_t i = 0; i < x.size(); ++i) {
         const Outcome& outcome = outcomes[p][w][i];
-        curve.y.push_back(outcome.aborted_percent());
-        rms.y.push_back(outcome.rms_mrad());
-        figure.rows.push_back(
-            {x[i], static_cast<double>(p), static_cast<double>(w), curve.y.back(), rms.y.back()});
+        figure.rows.push_back({x[i], static_cast<double>(p), static_cast<double>(w),
+                               outcome.aborted_percent(), outcome.rms_mrad()});
       }
-      aborted.curves.push_back(std::move(curve));
-      error.curves.push_back(std::move(rms));
     }
-    chart.panels.push_back(std::move(aborted));
-    chart.panels.push_back(std::move(error));
   }
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
@@ -307,22 +275,6 @@ void CompareSurvived(const Outcomes& bursts, Findings& findings) {
   }
 }
 
-std::string Describe(int runs) {
-  return fmt::format(
-      "Commands are lost in runs of one length, {} a second in the mean, at instants that are the "
-      "same for every way; or each for itself. Nothing else disturbs: no jitter, no drift, the "
-      "ideal plant. {} runs of each. Canonical: a tenth of the acceleration limits; brisk: 0.6 of "
-      "them and 0.8 of the speed limits; hard: 0.85 and 0.95. The paper runs its law with the "
-      "client library's limiter; its low-pass, which it also tried, scales each increment and "
-      "leaves the arm far behind. Where the paper's law is as good as ours: without losses it is "
-      "nearer to the plan, as ours pays 2.25 ms for resampling; up to 10 commands lost in a row it "
-      "aborts at no tempo and follows as closely; with the limiter it bridges 19. Ours matters for "
-      "what else goes wrong with the losses: late and stalling sources, clocks that drift apart "
-      "near the limits, limits of the position; and where a promise is wanted in place of a "
-      "statistic.",
-      Bursts().per_second, runs);
-}
-
 }  // namespace
 
 Findings RunLosses(const Setting& setting) {
@@ -335,22 +287,16 @@ Findings RunLosses(const Setting& setting) {
   for (const double share : kShares) shares.push_back({.share_percent = share});
   const Outcomes by_burst = MeasureTable(setting, bursts, runs, 0, 0.3);
   const Outcomes by_share = MeasureTable(setting, shares, runs, 0.3, 0.55);
-  Findings findings{.id = "losses",
-                    .title = "Runs of lost commands",
-                    .source = "left open by the paper (its outlook)",
-                    .text = Describe(runs)};
+  Findings findings{.values = {{"per_second", fmt::format("{}", Bursts().per_second)},
+                               {"runs", fmt::format("{}", runs)}}};
   Compare(by_burst, findings);
   CompareEveryLength(setting, runs, 0.55, 0.8, findings);
   CompareSurvived(by_burst, findings);
-  findings.figures = {
-      Draw("bursts", "Bursts of losses",
-           "Share of motions that the robot aborts, and the error of those completed, against the "
-           "length of the bursts.",
-           "commands lost in a row", {kBursts.begin(), kBursts.end()}, by_burst),
-      Draw("shares", "Losses one by one",
-           "The same when each command is lost for itself: long runs are rare, until most are.",
-           "lost commands [%]", {kShares.begin(), kShares.end()}, by_share),
-      MapAborts(setting, runs, 0.8, 1)};
+  findings.figures = {OutcomesFigure("bursts", "Bursts of losses", "commands lost in a row",
+                                     {kBursts.begin(), kBursts.end()}, by_burst),
+                      OutcomesFigure("shares", "Independent losses", "lost commands [%]",
+                                     {kShares.begin(), kShares.end()}, by_share),
+                      MapAborts(setting, runs, 0.8, 1)};
   return findings;
 }
 

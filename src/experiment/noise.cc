@@ -13,14 +13,9 @@
 
 #include "experiment/runs.h"
 #include "twin/onboard/violations.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
-
-using report::Chart;
-using report::ChartCurve;
-using report::ChartPanel;
 
 constexpr double kGentle = 0.02;                                // of the acceleration limits
 constexpr double kPeakAcceleration = 10 / std::numbers::sqrt3;  // of 1 rad in 1 s, rad/s^2
@@ -34,83 +29,35 @@ std::vector<double> Amplitudes() {
   return amplitudes;
 }
 
-std::string_view ColourOf(std::size_t i) {
-  return i < report::colour::kSeries.size() ? report::colour::kSeries[i] : report::colour::kLimit;
-}
-
-ChartCurve CurveOf(std::string name, std::size_t index, const std::vector<double>& x,
-                   const std::vector<double>& y) {
-  return {.name = std::move(name), .colour = ColourOf(index), .x = x, .y = y};
-}
-
 using AllCurves = std::array<NoiseCurves, kNoiseStages.size()>;
 
-Figure DrawJoints(const AllCurves& all) {
-  Chart chart{.title = "Runs of 1 s that a joint alone aborts, by amplitude of the noise",
-              .columns = 2,
-              .width = 1000,
-              .panel_height = 270};
-  Figure figure{
-      .id = "joints",
-      .title = "Noise that INT bears, by joint",
-      .what =
-          "Raw, a few tenths of a microradian to a little above one are too much, and the "
-          "reference generator moves nothing unless its source gives the velocity.",
-      .columns = "stage,amplitude [rad]"};
-  for (std::size_t j = 0; j < kJoints; ++j)
-    figure.columns += fmt::format(",joint {} aborted", j + 1);
+Figure JointsFigure(const AllCurves& all) {
+  Figure figure{.id = "joints",
+                .columns = "stage,amplitude [rad]",
+                .names = {kNoiseStages.begin(), kNoiseStages.end()}};
+  for (std::size_t j = 1; j <= kJoints; ++j) figure.columns += fmt::format(",joint {} aborted", j);
   for (std::size_t stage = 0; stage < all.size(); ++stage) {
     const NoiseCurves& curves = all[stage];
-    ChartPanel panel{.title = std::string(kNoiseStages[stage]),
-                     .x_label = "amplitude [rad]",
-                     .y_label = "aborted",
-                     .log_x = true,
-                     .y_range = {{-0.05, 1.05}}};
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      panel.curves.push_back(CurveOf(stage == 0 ? fmt::format("joint {}", j + 1) : "", j,
-                                     curves.amplitude, curves.aborted[j]));
-    }
-    chart.panels.push_back(panel);
     for (std::size_t i = 0; i < curves.amplitude.size(); ++i) {
-      std::vector<double> row{static_cast<double>(stage), curves.amplitude[i]};
+      std::vector<double>& row =
+          figure.rows.emplace_back(std::vector{static_cast<double>(stage), curves.amplitude[i]});
       for (const auto& aborted : curves.aborted) row.push_back(aborted[i]);
-      figure.rows.push_back(row);
     }
   }
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
-Figure DrawJerk(const AllCurves& all) {
-  Figure figure{.id = "jerk",
-                .title = "Jerk that noise leaves",
-                .what =
-                    "What the rate limiter does not let abort it makes shake at its limit; the "
-                    "reference generator leaves about a thousandth of noise on its path, and all "
-                    "of what is differenced.",
-                .columns = "amplitude [rad]"};
-  ChartPanel panel{.x_label = "amplitude [rad]",
-                   .y_label = "RMS jerk of joint 1 / its limit",
-                   .log_x = true,
-                   .log_y = true,
-                   .y_range = {{1e-4, 1e3}}};
-  for (std::size_t stage = 0; stage < all.size(); ++stage) {
-    figure.columns += fmt::format(",{}", kNoiseStages[stage]);
-    std::ranges::replace(
-        figure.columns.end() - static_cast<std::ptrdiff_t>(kNoiseStages[stage].size()),
-        figure.columns.end(), ',', ' ');
-    panel.curves.push_back(CurveOf(std::string(kNoiseStages[stage]), stage, all[stage].amplitude,
-                                   all[stage].rms_jerk[0]));
+Figure JerkFigure(const AllCurves& all) {
+  Figure figure{.id = "jerk", .columns = "amplitude [rad]"};
+  for (const std::string_view name : kNoiseStages) {
+    std::string stage(name);
+    std::ranges::replace(stage, ',', ' ');
+    figure.columns += "," + stage;
   }
-  // Generator and raw coincide: dashed, to be seen both.
-  panel.curves[static_cast<std::size_t>(NoiseStage::kGenerator)].style = ChartCurve::Style::kDashed;
   for (std::size_t i = 0; i < all[0].amplitude.size(); ++i) {
-    std::vector<double> row{all[0].amplitude[i]};
+    std::vector<double>& row = figure.rows.emplace_back(1, all[0].amplitude[i]);
     for (const NoiseCurves& curves : all) row.push_back(curves.rms_jerk[0][i]);
-    figure.rows.push_back(row);
   }
-  figure.svg = report::DrawChart(
-      {.title = "Jerk that noise leaves in joint 1", .panel_height = 420, .panels = {panel}});
   return figure;
 }
 
@@ -136,8 +83,8 @@ void Compare(const AllCurves& all, Findings& findings) {
     const double largest = all[stage].amplitude.back() / HalfAborted(raw, 0);
     const bool bounded = std::isfinite(least);
     findings.comparisons.push_back(
-        {.quantity = fmt::format("{}: {}amplitude it bears / raw, worst joint", kNoiseStages[stage],
-                                 bounded ? "" : "none aborted; at least, "),
+        {.quantity = fmt::format("{}: admissible amplitude / raw, worst joint{}",
+                                 kNoiseStages[stage], bounded ? "" : " (no abort: a lower bound)"),
          .ours = bounded ? least : largest});
   }
 }
@@ -206,31 +153,10 @@ Findings RunNoise(const Setting& setting) {
     all[stage] = MeasureNoise(setting, streams.robot, static_cast<NoiseStage>(stage), Amplitudes(),
                               setting.seeds);
   }
-  Findings findings{
-      .id = "noise",
-      .title = "Noise on the commanded positions",
-      .source = "Section 2, on what INT differentiates",
-      .text = fmt::format(
-          "Every joint moves from rest to rest in 1 s at {:.0f} % of its acceleration limit, and "
-          "uniform "
-          "noise of the given amplitude is added to every deposited position; {} runs for each "
-          "amplitude, link and plant ideal, all joints at once and each judged for itself. One "
-          "sample off "
-          "by e makes a third difference of up to 3 e, noise of amplitude e one of up to 8 e: jerk "
-          "8 e / T^3. What the reference generator does not cure: noise of the source. Where the "
-          "velocity "
-          "is formed from the deposits, its increments are the source's, and the noise goes "
-          "through "
-          "whole; only a velocity that the source gives without noise leaves it the share lambda "
-          "of "
-          "the correction. The rate limiter bears any noise without an abort, and shakes. Rate "
-          "matching "
-          "spreads an update of a slow source over 8 cycles and bears 16 times as much (8 e "
-          "against "
-          "4 e / 8).",
-          kGentle * 100, setting.seeds)};
+  Findings findings{.values = {{"acceleration", fmt::format("{:.0f}", kGentle * 100)},
+                               {"runs", fmt::format("{}", setting.seeds)}}};
   Compare(all, findings);
-  findings.figures = {DrawJoints(all), DrawJerk(all)};
+  findings.figures = {JointsFigure(all), JerkFigure(all)};
   return findings;
 }
 

@@ -17,7 +17,6 @@
 #include "experiment/wave_source.h"
 #include "twin/control/registry.h"
 #include "twin/reference/moving_average.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
@@ -148,88 +147,17 @@ double PaperRiserRatio(const Pair& pair) {
   return RiserRatio(pair, N, least);
 }
 
-/// The paper's figure: velocity with the stage off and on, whole and close up.
-Figure DrawUpdates(const Pair& pair) {
+/// The paper's figure: commanded velocity of joint 1, and what each cycle adds to it.
+Figure UpdatesFigure(const Pair& pair) {
   Figure figure{
       .id = "updates",
-      .title = "A velocity source at 125 Hz, rate matching off and on",
-      .what =
-          "Off, one riser carries a whole update, eight times the intended "
-          "increment; on, a ramp makes the same way, 3.5 ms later.",
-      .svg = {},
-      .columns = "t [s],off [rad/s],on [rad/s],increment off [rad/s],increment on [rad/s]",
-      .rows = {}};
-  report::ChartCurve off{.name = "off",
-                         .colour = report::colour::kSynchronous,
-                         .style = report::ChartCurve::Style::kSteps};
-  report::ChartCurve on{
-      .name = "on", .colour = report::colour::kBare, .style = report::ChartCurve::Style::kSteps};
-  report::ChartCurve jump_off = off;
-  report::ChartCurve jump_on = on;
-  const std::vector<double> values_off = Commands(pair.off);
-  const std::vector<double> values_on = Commands(pair.on);
-  for (std::size_t k = 1; k < std::min(values_off.size(), values_on.size()); ++k) {
-    const double t = static_cast<double>(k) * kCycleSeconds;
-    figure.rows.push_back({t, values_off[k], values_on[k], values_off[k] - values_off[k - 1],
-                           values_on[k] - values_on[k - 1]});
-    for (const auto& [curve, column] :
-         {std::pair{&off, 1}, std::pair{&on, 2}, std::pair{&jump_off, 3}, std::pair{&jump_on, 4}}) {
-      curve->x.push_back(t);
-      curve->y.push_back(figure.rows.back()[static_cast<std::size_t>(column)]);
-    }
+      .columns = "t [s],off [rad/s],on [rad/s],increment off [rad/s],increment on [rad/s]"};
+  const std::vector<double> off = Commands(pair.off);
+  const std::vector<double> on = Commands(pair.on);
+  for (std::size_t k = 1; k < std::min(off.size(), on.size()); ++k) {
+    figure.rows.push_back({static_cast<double>(k) * kCycleSeconds, off[k], on[k],
+                           off[k] - off[k - 1], on[k] - on[k - 1]});
   }
-  report::Chart chart{.title = "Commanded velocity of joint 1", .panels = {}};
-  const std::array close{0.6, 0.68};
-  chart.panels.push_back({.title = "the whole motion",
-                          .x_label = "t [s]",
-                          .y_label = "dq_c [rad/s]",
-                          .curves = {off, on}});
-  report::ChartPanel near{
-      .title = "80 ms of it", .x_label = "t [s]", .y_label = "dq_c [rad/s]", .x_range = close};
-  report::ChartPanel jumps{.title = "what one cycle adds",
-                           .x_label = "t [s]",
-                           .y_label = "increment [rad/s]",
-                           .x_range = close};
-  near.curves = {off, on};
-  jumps.curves = {jump_off, jump_on};
-  chart.panels.push_back(near);
-  chart.panels.push_back(jumps);
-  figure.svg = report::DrawChart(chart);
-  return figure;
-}
-
-/// Delay of the stage against the formula, over the source's rate.
-Figure DrawDelays(const std::vector<std::vector<double>>& rows) {
-  Figure figure{.id = "delays",
-                .title = "What rate matching costs in delay",
-                .what =
-                    "Points on the line: the stage delays by (N - 1)/2 cycles, whatever the "
-                    "interface.",
-                .svg = {},
-                .columns = "source [Hz],N,formula [ms],position [ms],velocity [ms],torque [ms]",
-                .rows = rows};
-  report::ChartPanel panel{.title = "stage on less stage off",
-                           .x_label = "source [Hz]",
-                           .y_label = "delay [ms]",
-                           .log_x = true};
-  report::ChartCurve formula{.name = "(N - 1)/2 T", .colour = report::colour::kReference};
-  for (const std::vector<double>& row : rows) {
-    formula.x.push_back(row[0]);
-    formula.y.push_back(row[2]);
-  }
-  panel.curves.push_back(formula);
-  for (std::size_t i = 0; i < kInterfaces.size(); ++i) {
-    report::ChartCurve curve{.name = kInterfaces[i].name,
-                             .colour = report::colour::kSeries[i],
-                             .style = report::ChartCurve::Style::kPoints};
-    for (const std::vector<double>& row : rows) {
-      curve.x.push_back(row[0]);
-      curve.y.push_back(row[3 + i]);
-    }
-    panel.curves.push_back(curve);
-  }
-  report::Chart chart{.title = "Delay of rate matching", .panels = {panel}};
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
@@ -316,54 +244,27 @@ void Compare(const Measured& measured, const std::vector<std::vector<double>>& r
 
 Findings RunRateMatchingOnWallClock(const Setting& setting) {
   const Pair pair = Measure(setting, CommandInterface::kJointVelocity, kPaperRateHz);
-  Findings findings{
-      .id = "rate_matching",
-      .title = "Rate matching",
-      .source = "Sections 4 and 5, figure of rate matching",
-      .text =
-          "The velocity source at 125 Hz, once with the stage off and once on, over UDP on this "
-          "machine: joint 1 swings for 4 s by q = A sin^4. Cycles that go unserved, and updates "
-          "that come early or late, are measured along; each run's source wakes at a phase of its "
-          "own, so the two are aligned to within one of its periods."};
+  Findings findings;
   findings.comparisons.push_back(
       {.quantity = "125 Hz, velocity: riser of an update over the increment of a cycle",
        .paper = static_cast<double>(reference::RateMatchingWindow(kPaperRateHz)),
        .ours = PaperRiserRatio(pair)});
   findings.comparisons.push_back(
       {.quantity = "Both runs ended well", .unit = "%", .ours = pair.ended_well ? 100.0 : 0.0});
-  findings.figures = {DrawUpdates(pair)};
-  findings.figures.back().what =
-      "Off, an update is a riser; on, a ramp. Where this machine's updates come early or late, or "
-      "its cycles go unserved the robot draws the motion on, and risers are ramps, too.";
+  findings.figures = {UpdatesFigure(pair)};
   return findings;
 }
 
 Findings RunRateMatching(const Setting& setting) {
   const Measured measured = MeasureAll(setting);
   const std::vector<std::vector<double>> rows = DelayRows(measured);
-  Findings findings{
-      .id = "rate_matching",
-      .title = "Rate matching",
-      .source = "Sections 4 and 5, figure of rate matching",
-      .text =
-          "Joint 1 swings for 4 s by q = A sin^4, from a source of its own rate that does not "
-          "look at the robot, on the ideal plant behind the calibrated asynchronous loop; the "
-          "rate limiter is off, and every state takes 100 us: cycles that go unserved would be "
-          "measured along. Each source runs twice with the same delays, the stage off and "
-          "on. The swing is so slow that an update that nothing spreads makes a jerk N ddq/T of "
-          "at most 0.4 of the limit, so that nothing but the stage shapes the commands. The "
-          "delay is that of what the robot took (q_d, dq_d, tau_J_d): each run's lag behind the "
-          "swing by least squares, on less off. The riser is compared with the increment that "
-          "the stage makes of the same update half a window later, the median over all "
-          "updates of at least a fifth of the largest. Last, the canonical trajectory by "
-          "velocities "
-          "at 125 Hz, rate limiter on: an envelope is the largest speed in each quarter of a "
-          "second.",
-      .comparisons = {},
-      .figures = {},
-      .failure = {}};
+  Findings findings;
   Compare(measured, rows, findings.comparisons);
-  findings.figures = {DrawUpdates(measured.paper), DrawDelays(rows)};
+  findings.figures = {
+      UpdatesFigure(measured.paper),
+      {.id = "delays",
+       .columns = "source [Hz],N,formula [ms],position [ms],velocity [ms],torque [ms]",
+       .rows = rows}};
   AddEnvelopes(setting, findings);
   return findings;
 }

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
-#include <tuple>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,12 +12,9 @@
 #include "experiment/recording.h"
 #include "experiment/runs.h"
 #include "twin/core/joint_vector.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
-
-using report::ChartCurve;
 
 constexpr std::size_t kWindow = 250;      // cycles of an envelope's point
 constexpr double kMostDifference = 0.05;  // of a joint's largest speed
@@ -68,45 +63,20 @@ std::vector<double> Velocity(const Recording& recording, std::size_t joint) {
   return Signal(recording.cycles(), &CycleSample::dq_d, joint, 0, recording.cycles().size());
 }
 
-Figure Draw(const Recording& off, const Recording& on) {
-  Figure figure{.id = "envelopes",
-                .title = "The whole canonical trajectory, rate matching off and on",
-                .what =
-                    "The two lie on each other over the motion: the stage takes the risers away, "
-                    "and nothing of the velocity.",
-                .svg = {},
-                .columns = "t [s]"};
+Figure EnvelopesFigure(const Recording& off, const Recording& on) {
   constexpr std::size_t kEvery = 4;
-  report::Chart chart{.title = "dq_d from a source at 125 Hz; red: off, blue: on",
-                      .columns = 2,
-                      .panel_height = 200,
-                      .panels = {}};
+  Figure figure{.id = "envelopes", .columns = "t [s]"};
   std::vector<std::vector<double>> columns;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    report::ChartPanel panel{
-        .title = fmt::format("joint {}", j + 1), .x_label = "t [s]", .y_label = "dq_d [rad/s]"};
-    for (const auto& [recording, colour, name] :
-         {std::tuple{&off, report::colour::kSynchronous, "off"},
-          std::tuple{&on, report::colour::kBare, "on"}}) {
-      const std::vector<double> values = Velocity(*recording, j);
-      ChartCurve curve{.name = {}, .colour = colour};
-      columns.emplace_back();
-      for (std::size_t k = 0; k < values.size(); k += kEvery) {
-        curve.x.push_back(static_cast<double>(k) * kCycleSeconds);
-        curve.y.push_back(values[k]);
-        columns.back().push_back(values[k]);
-      }
-      panel.curves.push_back(std::move(curve));
-      figure.columns += fmt::format(",{}_{} [rad/s]", name, j + 1);
-    }
-    chart.panels.push_back(std::move(panel));
+    columns.push_back(Velocity(off, j));
+    columns.push_back(Velocity(on, j));
+    figure.columns += fmt::format(",off_{0} [rad/s],on_{0} [rad/s]", j + 1);
   }
-  const std::size_t rows = std::ranges::min(columns, {}, &std::vector<double>::size).size();
-  for (std::size_t i = 0; i < rows; ++i) {
-    figure.rows.push_back({static_cast<double>(kEvery * i) * kCycleSeconds});
-    for (const std::vector<double>& column : columns) figure.rows.back().push_back(column[i]);
+  const std::size_t cycles = std::ranges::min(columns, {}, &std::vector<double>::size).size();
+  for (std::size_t k = 0; k < cycles; k += kEvery) {
+    std::vector<double>& row = figure.rows.emplace_back(1, static_cast<double>(k) * kCycleSeconds);
+    for (const std::vector<double>& column : columns) row.push_back(column[k]);
   }
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
@@ -139,7 +109,7 @@ void AddEnvelopes(const Setting& setting, Findings& findings) {
       {.quantity = fmt::format("{}, stage and rate limiter off: aborts", kRates),
        .unit = "%",
        .ours = unlimited_well ? 0.0 : 100.0});
-  findings.figures.push_back(Draw(off, on));
+  findings.figures.push_back(EnvelopesFigure(off, on));
 }
 
 }  // namespace twin::experiment

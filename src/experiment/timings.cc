@@ -142,33 +142,13 @@ void CompareIntervals(const LoopRuns& runs, std::vector<Comparison>& comparisons
   }
 }
 
-std::string Text(const Setting& setting) {
-  return fmt::format(
-      "Each loop drives the same motion {} times on the virtual clock, with seeds and start phases "
-      "drawn from seed {}; the bare loop has no phase. d_EXT is the time from the end of a state's "
-      "read to the end of its command's write; a cycle is unserved when the robot had no command "
-      "in time and held the last acceleration. The figures are means over the runs, the spread "
-      "the lowest and the highest run. {} No cycle is made to fail, and every other experiment "
-      "takes the delays as they are (calibration {}).",
-      setting.seeds, setting.seed,
-      setting.is_calibrated
-          ? "Fitted: d_EXT of each loop, a log-normal through the paper's median and p99; and the "
-            "share of states that the link brings most of a period late, to LF's unserved share. "
-            "Assumed: the rest of the link, wake-ups of 18 us, clocks 54.6 ppm apart (one beat in "
-            "the motion). What follows by the loops' mechanisms: the largest d_EXT, the unserved "
-            "cycles of RS and RA and their ratio, and the shape of the read-to-read intervals."
-          : "The delays are not the paper's but those that were given with --calibration, so the "
-            "paper's figures stand beside them for comparison, and nothing is demanded.",
-      ReadCalibration(setting.scenarios).hash);
-}
-
 }  // namespace
 
 Findings RunTimings(const Setting& setting) {
-  Findings findings{.id = "timings",
-                    .title = "Loop timings (Table 1)",
-                    .source = "Section 2, Table 1 and the figure of read-to-read intervals",
-                    .text = Text(setting)};
+  Findings findings{.values = {{"runs", fmt::format("{}", setting.seeds)},
+                               {"seed", fmt::format("{}", setting.seed)},
+                               {"own_loops", setting.is_calibrated ? "" : "yes"},
+                               {"calibration", ReadCalibration(setting.scenarios).hash}}};
   const LoopRuns runs = RunLoops(setting, setting.catalogue, kShareOfTable);
   for (std::size_t loop = 0; loop < runs.size(); ++loop) {
     for (std::size_t row = 0; row < kTableOne.size(); ++row) {

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstddef>
 #include <functional>
-#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -13,20 +12,15 @@
 #include "twin/core/check.h"
 #include "twin/core/time.h"
 #include "twin/experiment/calibration.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
-
-using report::ChartCurve;
-using report::ChartPanel;
 
 constexpr double kSlowDriftPpm = 5;  ///< at which the start phase shows
 constexpr int kMostSeeds = 3;
 
 /// What is varied.
 struct Sweep {
-  ChartPanel panel;
   std::vector<double> values;
   int seeds;
   std::function<void(scenario::Scenario&, double value)> set;
@@ -43,26 +37,15 @@ std::vector<double> Steps(double from, double to, int count) {
 std::array<Sweep, 3> Sweeps(int seeds) {
   const int few = std::min(seeds, kMostSeeds);
   return {{
-      {{.title = "drift, any start phase",
-        .x_label = "drift [ppm]",
-        .y_label = "unserved cycles [%]"},
-       {0, 5, 10, 20, 30, 40, 54.6, 70, 85, 100, 109.2},
+      {{0, 5, 10, 20, 30, 40, 54.6, 70, 85, 100, 109.2},
        few,
        [](scenario::Scenario& s, double ppm) { s.controller.clock_drift_ppm = ppm; }},
-      {{.title = "start phase, at a drift of 5 ppm",
-        .x_label = "phase [us]",
-        .y_label = "unserved cycles [%]",
-        .x_range = {{0, 1000}}},
-       Steps(0, 960, 13),
-       1,
+      {Steps(0, 960, 13), 1,
        [](scenario::Scenario& s, double phase_us) {
          s.controller.clock_drift_ppm = kSlowDriftPpm;
          s.controller.phase = FromSeconds(1e-6 * phase_us);
        }},
-      {{.title = "load, any start phase",
-        .x_label = "cost of its controllers, times",
-        .y_label = "unserved cycles [%]"},
-       {0.25, 0.5, 1, 1.5, 2, 3, 4},
+      {{0.25, 0.5, 1, 1.5, 2, 3, 4},
        std::min(few, 2),
        [](scenario::Scenario& s, double factor) {
          s.controller.cost = Scaled(s.controller.cost, factor);
@@ -89,46 +72,21 @@ std::vector<std::vector<double>> RunSweep(const Setting& setting, const Sweep& s
   return unserved;
 }
 
-/// The mean over the runs of each value, and every run.
-ChartPanel PanelOf(const Sweep& sweep, const std::vector<std::vector<double>>& unserved) {
-  ChartCurve mean{.name = "RS", .colour = report::colour::kSynchronous, .x = sweep.values};
-  ChartCurve runs{.name = sweep.seeds > 1 ? "single runs" : "",
-                  .colour = report::colour::kReference,
-                  .style = ChartCurve::Style::kPoints};
-  for (std::size_t v = 0; v < sweep.values.size(); ++v) {
-    mean.y.push_back(SpreadOf(unserved[v]).mean);
-    for (const double run : unserved[v]) {
-      runs.x.push_back(sweep.values[v]);
-      runs.y.push_back(run);
-    }
-  }
-  ChartPanel panel = sweep.panel;
-  panel.curves = {std::move(runs), std::move(mean)};
-  return panel;
-}
-
 /// What is varied of the late states: a panel.
 struct LateStates {
-  const char* title;
-  const char* x_label;
   std::vector<double> values;
   void (*set)(rt::EmpiricalDelay& law, double value);
 };
 
 const std::array<LateStates, 2>& LateStatesPanels() {
   static const std::array<LateStates, 2> panels{
-      {{"how many come late",
-        "weight of the late bin [%]",
-        {0, 0.09, 0.18, 0.36, 0.54},
+      {{{0, 0.09, 0.18, 0.36, 0.54},
         [](rt::EmpiricalDelay& law, double percent) {
           double others = 0;
           for (std::size_t i = 0; i + 1 < law.weights.size(); ++i) others += law.weights[i];
           law.weights.back() = others * percent / (100 - percent);
         }},
-       {"how late they come",
-        "begin of the late bin [us]",
-        {250, 400, 550, 700, 850},
-        [](rt::EmpiricalDelay& law, double begin_us) {
+       {{250, 400, 550, 700, 850}, [](rt::EmpiricalDelay& law, double begin_us) {
           Duration& begin = law.edges[law.edges.size() - 2];
           law.edges.back() += FromSeconds(1e-6 * begin_us) - begin;
           begin = FromSeconds(1e-6 * begin_us);
@@ -168,39 +126,19 @@ Figure LateStatesFigure(const Setting& setting, double from, double to) {
     rows[row][2 + loop] = UnservedOf(setting, loop, panels.at(row / values), rows[row][1], runs);
   };
   InParallel(setting, static_cast<int>(rows.size() * loops.size()), work, from, to);
-  report::Chart chart{.columns = 2, .width = 1040, .panel_height = 320};
-  for (std::size_t p = 0; p < panels.size(); ++p) {
-    ChartPanel panel{.title = panels.at(p).title,
-                     .x_label = panels.at(p).x_label,
-                     .y_label = "unserved cycles [%]",
-                     .log_y = true,
-                     .y_range = {{0.01, 20}}};
-    for (std::size_t loop = 0; loop < loops.size(); ++loop) {
-      ChartCurve curve{.name = std::string(loops.at(loop).name),
-                       .colour = loops.at(loop).colour,
-                       .x = panels.at(p).values};
-      for (std::size_t i = 0; i < values; ++i) curve.y.push_back(rows[p * values + i][2 + loop]);
-      panel.curves.push_back(std::move(curve));
-    }
-    chart.panels.push_back(std::move(panel));
-  }
-  return {
-      .id = "late_states",
-      .title = "What hangs on the late states, which are assumed",
-      .what =
-          "Their weight is LF's unserved share by construction; RA loses two cycles for each, "
-          "as its rule on the period has it, RS one or two beside those of its timer. Those that "
-          "come within 0.7 ms LF serves, and RA still does not.",
-      .svg = report::DrawChart(chart),
-      .columns =
-          "varied: 0 weight [%]; 1 begin [us],value,LF unserved [%],RS unserved [%],RA unserved "
-          "[%]",
-      .rows = std::move(rows)};
+  return {.id = "late_states",
+          .columns =
+              "varied: 0 weight [%]; 1 begin [us],value,LF unserved [%],RS unserved [%],RA "
+              "unserved [%]",
+          .rows = std::move(rows)};
 }
 
 Figure SensitivityFigure(const Setting& setting, double from) {
-  report::Chart chart{.columns = 3, .width = 1200, .panel_height = 320};
-  std::vector<std::vector<double>> rows;
+  Figure figure{.id = "sensitivity",
+                .columns =
+                    "varied: 0 drift [ppm]; 1 phase [us]; 2 load [1],value,mean unserved "
+                    "[%],lowest [%],highest [%]",
+                .tables = {{"single", {.columns = "varied,value,unserved [%]"}}}};
   const std::array<Sweep, 3> sweeps = Sweeps(setting.seeds);
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
     const Sweep& sweep = sweeps[i];
@@ -209,23 +147,14 @@ Figure SensitivityFigure(const Setting& setting, double from) {
                                    from + share * static_cast<double>(i + 1));
     for (std::size_t v = 0; v < sweep.values.size(); ++v) {
       const Spread spread = SpreadOf(unserved[v]);
-      rows.push_back(
-          {static_cast<double>(i), sweep.values[v], spread.mean, spread.low, spread.high});
+      const auto varied = static_cast<double>(i);
+      figure.rows.push_back({varied, sweep.values[v], spread.mean, spread.low, spread.high});
+      for (const double run : unserved[v]) {
+        figure.tables["single"].rows.push_back({varied, sweep.values[v], run});
+      }
     }
-    chart.panels.push_back(PanelOf(sweep, unserved));
   }
-  return {.id = "sensitivity",
-          .title = "What the unserved share of the synchronous loop hangs on",
-          .what =
-              "From one beat in the motion on (54.6 ppm) the drift sweeps every phase alike "
-              "and the share settles near 6 %; below it the start phase decides between next to "
-              "none and 40 %; and the share grows with the work done between read and write. "
-              "Points are single runs.",
-          .svg = report::DrawChart(chart),
-          .columns =
-              "varied: 0 drift [ppm]; 1 phase [us]; 2 load [1],value,mean unserved "
-              "[%],lowest [%],highest [%]",
-          .rows = std::move(rows)};
+  return figure;
 }
 
 }  // namespace twin::experiment

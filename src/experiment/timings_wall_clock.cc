@@ -116,23 +116,8 @@ Findings RunTimingsOnWallClock(const Setting& setting) {
   const control::ControllerRegistry loaded = Loaded(setting.catalogue.controllers, kLoad);
   const LoopRuns runs = RunLoops(setting, {setting.catalogue.backends, loaded}, 1);
   Findings findings{
-      .id = "timings",
-      .title = "Loop timings (Table 1)",
-      .source = "Section 2, Table 1 and the figure of read-to-read intervals",
-      .text = fmt::format(
-          "Each loop drives the same motion {} times, in turn, over UDP on this machine, against a "
-          "robot on a thread of its own. d_EXT is the time from the end of a state's read to the "
-          "end of its command's write, both by this machine's clock; unserved cycles are those in "
-          "which the robot had no command in time, as the robot counts them. Figures are the "
-          "medians of the runs, the spread the lowest and the highest run. One machine has one "
-          "clock: the robot's is made to differ by what synchronous.yaml and asynchronous.yaml "
-          "give as clock_drift. The controllers of RS and RA keep the processor busy for {} us an "
-          "update by waiting in a loop, as much as the paper's stack does between read and write: "
-          "that is calibrated (Table 1: RS less LF), so RS's d_EXT is an input. Of RA they have a "
-          "thread beside the communication; that its d_EXT stays LF's, and that RS leaves many "
-          "more cycles unserved, is what this machine must show. In builds with tracepoints, "
-          "scripts/trace --report puts LTTng's d_EXT beside these.",
-          setting.seeds, kLoad / std::chrono::microseconds(1))};
+      .values = {{"runs", fmt::format("{}", setting.seeds)},
+                 {"load_us", fmt::format("{}", kLoad / std::chrono::microseconds(1))}}};
   AddTable(runs, findings.comparisons);
   const double load_us = 1e6 * ToSeconds(kLoad);
   findings.comparisons.push_back(

@@ -247,43 +247,6 @@ Outcomes MeasureAll(const Setting& setting, const reference::Trajectory& plan,
   return outcomes;
 }
 
-std::string Text(std::size_t runs) {
-  return fmt::format(
-      "The canonical trajectory of 18.32 s on the MuJoCo arm, rate limiter on in all, {} runs "
-      "of each with seeds and start phases of their own: the synchronous loop with the client "
-      "library's low-pass of 100 Hz on the raw positions; the asynchronous loop with the "
-      "reference generator; the same with the low-pass. White noise of 1e-3 rad/s (standard "
-      "deviation) is on every measured velocity. Welch's spectra, Hann's window, segments of "
-      "1.024 s; the band holds 20 to 150 Hz. The robot's own controller feeds the acceleration "
-      "of its reference forward, torque (M + B) ddq_d beside stiffness and damping, which "
-      "changes these ratios. While the phase of the two clocks is such that every second cycle "
-      "goes unserved, limiter, low-pass and held accelerations make the synchronous reference "
-      "oscillate at some 7 Hz; the median second of the motion tells the ratio without that. "
-      "The proposed configuration shows next to nothing but the stated sensor noise, 1e-3 "
-      "rad/s times the root of the band's share of 500 Hz: 0.51 mrad/s. So the ratio is as large "
-      "as the sensors are quiet, and that of the control run, which takes every timing fault out "
-      "of the synchronous loop (constant delays, no drift, the states half a period after the "
-      "wake-ups), is one of noise to noise. The plan's time 0 is the first cycle served; the delay "
-      "is "
-      "the one of least squares. The frequency response is measured apart, on the ideal plant "
-      "with the calibrated loop: each joint swings at a frequency of its own, and sines are "
-      "fitted to the deposited velocity and to that of the robot's reference one cycle later.",
-      runs);
-}
-
-std::string TextOnWallClock() {
-  return "The canonical trajectory of 18.32 s on the MuJoCo arm, served over UDP on this machine, "
-         "rate "
-         "limiter on in all, one run of each: the synchronous loop with the client library's "
-         "low-pass "
-         "of 100 Hz on the raw positions, its clock and the robot's apart by what synchronous.yaml "
-         "gives; the asynchronous loop with the reference generator; the same with the low-pass. "
-         "White "
-         "noise of 1e-3 rad/s (standard deviation) is on every measured velocity. Spectra, band "
-         "and "
-         "delay as in the report of the virtual clock.";
-}
-
 }  // namespace
 
 Findings RunTrackingOnWallClock(const Setting& setting) {
@@ -294,10 +257,7 @@ Findings RunTrackingOnWallClock(const Setting& setting) {
     const Way way = kWallWays[static_cast<std::size_t>(i)];
     outcomes[static_cast<std::size_t>(way)] = {MeasureTracking(setting, plan, way, 0)};
   });
-  Findings findings{.id = "tracking",
-                    .title = "Position control: velocity and its spectrum",
-                    .source = "Section 5, figure of position control",
-                    .text = TextOnWallClock()};
+  Findings findings;
   const auto report = [&](const char* quantity, const char* unit, std::optional<double> paper,
                           double ours) {
     findings.comparisons.push_back(
@@ -322,7 +282,7 @@ Findings RunTrackingOnWallClock(const Setting& setting) {
                           .synchronous = curves(Way::kSynchronous),
                           .proposed = curves(Way::kProposed),
                           .filtered = curves(Way::kFiltered)};
-  findings.figures = {DrawFirstJoint(runs), DrawVelocities(runs)};
+  findings.figures = {FirstJointFigure(runs), VelocitiesFigure(runs)};
   return findings;
 }
 
@@ -330,13 +290,7 @@ Findings RunTracking(const Setting& setting) {
   const reference::Trajectory plan = TrackingPlan(setting);
   FollowedShare share;
   Outcomes outcomes = MeasureAll(setting, plan, share);
-  Findings findings{.id = "tracking",
-                    .title = "Position control: velocity and its spectrum",
-                    .source = "Section 5, figure of position control",
-                    .text = Text(Of(outcomes, Way::kProposed).size()),
-                    .comparisons = {},
-                    .figures = {},
-                    .failure = {}};
+  Findings findings{.values = {{"runs", fmt::format("{}", Of(outcomes, Way::kProposed).size())}}};
   ComparePower(outcomes, findings.comparisons);
   CompareFollowing(outcomes, share, findings.comparisons);
   CompareTracking(outcomes, findings.comparisons);
@@ -348,11 +302,11 @@ Findings RunTracking(const Setting& setting) {
                           .proposed = first(Way::kProposed),
                           .filtered = first(Way::kFiltered),
                           .quiet = first(Way::kQuiet)};
-  findings.figures = {DrawFirstJoint(runs), DrawVelocities(runs), DrawSpectra(runs)};
+  findings.figures = {FirstJointFigure(runs), VelocitiesFigure(runs), SpectraFigure(runs)};
   AddLevels(setting, plan, kUntilLevels, findings);
   const double lambda = LoadScenario(setting, "asynchronous").tick.lambda;
   findings.figures.push_back(
-      DrawFollowedShare(share, reference::LowPass(kLowPassHz).gain(), lambda));
+      FollowedShareFigure(share, reference::LowPass(kLowPassHz).gain(), lambda));
   return findings;
 }
 

@@ -29,12 +29,12 @@ struct TrackingRuns {
 };
 
 /// The paper's figure, of joint 1: velocities above, their spectra below.
-[[nodiscard]] Figure DrawFirstJoint(const TrackingRuns& runs);
+[[nodiscard]] Figure FirstJointFigure(const TrackingRuns& runs);
 
 /// Velocities of all joints, every tenth cycle.
-[[nodiscard]] Figure DrawVelocities(const TrackingRuns& runs);
+[[nodiscard]] Figure VelocitiesFigure(const TrackingRuns& runs);
 
 /// Spectra of all joints.
-[[nodiscard]] Figure DrawSpectra(const TrackingRuns& runs);
+[[nodiscard]] Figure SpectraFigure(const TrackingRuns& runs);
 
 }  // namespace twin::experiment

@@ -6,13 +6,10 @@
 #include <numbers>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "experiment/recording.h"
 #include "experiment/runs.h"
 #include "experiment/spectrum.h"
 #include "twin/reference/low_pass.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
@@ -108,42 +105,15 @@ FollowedShare MeasureFollowedShare(const Setting& setting, double low_pass_hz) {
   return share;
 }
 
-Figure DrawFollowedShare(const FollowedShare& share, double gain, double lambda) {
-  Figure figure{
-      .id = "low_pass_response",
-      .title = "What a low-pass behind the reference generator leaves of the motion",
-      .what =
-          "Grey: slow motion is followed whole, all else by the low-pass's gain g; points off the "
-          "line are what lost commands add.",
-      .svg = {},
-      .columns = "f [Hz],share,share by formula,phase [rad],phase by formula [rad]",
-      .rows = {}};
-  report::ChartCurve formula{.name = fmt::format("g(s + l/T)/(s + g l/T), g = {:.3f}", gain),
-                             .colour = report::colour::kReference};
-  constexpr int kPoints = 200;
-  for (int i = 0; i <= kPoints; ++i) {
-    const double f = 0.01 * std::pow(1000.0, static_cast<double>(i) / kPoints);
-    formula.x.push_back(f);
-    formula.y.push_back(std::abs(LowPassedResponse(gain, lambda, f)));
-  }
-  report::ChartCurve measured{.name = "measured",
-                              .colour = report::colour::kSynchronous,
-                              .style = report::ChartCurve::Style::kPoints};
+Figure FollowedShareFigure(const FollowedShare& share, double gain, double lambda) {
+  Figure figure{.id = "low_pass_response",
+                .columns = "f [Hz],share,share by formula,phase [rad],phase by formula [rad]",
+                .values = {{"gain", gain}, {"lambda", lambda}}};
   for (std::size_t j = 0; j < kJoints; ++j) {
-    measured.x.push_back(share.frequency_hz[j]);
-    measured.y.push_back(std::abs(share.measured[j]));
     figure.rows.push_back({share.frequency_hz[j], std::abs(share.measured[j]),
                            std::abs(share.expected[j]), std::arg(share.measured[j]),
                            std::arg(share.expected[j])});
   }
-  report::Chart chart{.title = "Velocity of the robot's reference over that of the deposited one"};
-  chart.panels.push_back({.title = "ideal plant, calibrated asynchronous loop, low-pass of 100 Hz",
-                          .x_label = "f [Hz]",
-                          .y_label = "share of the velocity",
-                          .log_x = true,
-                          .y_range = std::array{0.0, 1.1},
-                          .curves = {formula, measured}});
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 

@@ -29,6 +29,6 @@ struct FollowedShare {
 [[nodiscard]] FollowedShare MeasureFollowedShare(const Setting& setting, double low_pass_hz);
 
 /// The figure of it.
-[[nodiscard]] Figure DrawFollowedShare(const FollowedShare& share, double gain, double lambda);
+[[nodiscard]] Figure FollowedShareFigure(const FollowedShare& share, double gain, double lambda);
 
 }  // namespace twin::experiment

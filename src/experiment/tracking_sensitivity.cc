@@ -11,7 +11,6 @@
 #include "experiment/runs.h"
 #include "experiment/tracking_runs.h"
 #include "twin/core/error.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
@@ -63,24 +62,11 @@ double NoiseAtPapersRatio(const Curve& noise, double& last) {
   return at;
 }
 
-report::ChartCurve CurveOf(const char* name, std::string_view colour, const Curve& curve) {
-  return {.name = name, .colour = colour, .x = curve.x, .y = curve.ratio};
-}
-
-Figure Draw(const Curve& noise, const Curve& beat, const Curve& one_clock) {
-  Figure figure{
-      .id = "levels",
-      .title = "Where the paper's ratio of 10 would come out",
-      .what =
-          "By noise alone only where the robot's own contact estimate, which that noise feeds, "
-          "ends "
-          "the motion (no point): not plausible. By timing, when the clocks have no beat in the "
-          "motion and states arrive within some 8 us (calibrated here: 34 us, assumed): plausible. "
-          "With the beat of Table 1 the ratio jumps from next to none to hundreds: limiter and "
-          "low-pass swing while every second cycle goes unserved.",
-      .columns =
-          "varied: 0 noise [mrad/s]; 1 spread with a beat [us]; 2 spread without [us],value,"
-          "ratio"};
+Figure LevelsFigure(const Curve& noise, const Curve& beat, const Curve& one_clock) {
+  Figure figure{.id = "levels",
+                .columns =
+                    "varied: 0 noise [mrad/s]; 1 spread with a beat [us]; 2 spread without "
+                    "[us],value,ratio"};
   double kind = 0;
   for (const Curve* curve : {&noise, &beat, &one_clock}) {
     for (std::size_t i = 0; i < curve->x.size(); ++i) {
@@ -88,27 +74,6 @@ Figure Draw(const Curve& noise, const Curve& beat, const Curve& one_clock) {
     }
     ++kind;
   }
-  const auto panel = [](const char* title, const char* x_label, const Curve& span) {
-    return report::ChartPanel{.title = title,
-                              .x_label = x_label,
-                              .y_label = "power of dq in 20-150 Hz, RS : proposed",
-                              .log_x = true,
-                              .log_y = true,
-                              .curves = {{.name = "the paper's 10",
-                                          .colour = report::colour::kReference,
-                                          .style = report::ChartCurve::Style::kDashed,
-                                          .x = {span.x.front(), span.x.back()},
-                                          .y = {kPaperRatio, kPaperRatio}}}};
-  };
-  report::ChartPanel by_noise =
-      panel("noise of the measured velocity, in both loops", "standard deviation [mrad/s]", noise);
-  by_noise.curves.push_back(CurveOf("calibrated loops", report::colour::kSynchronous, noise));
-  report::ChartPanel by_spread = panel("spread of the states' arrival, in the synchronous loop",
-                                       "standard deviation [us]", beat);
-  by_spread.curves.push_back(CurveOf("one beat in the motion", report::colour::kSynchronous, beat));
-  by_spread.curves.push_back(CurveOf("no beat", report::colour::kAsynchronous, one_clock));
-  figure.svg = report::DrawChart(
-      {.columns = 2, .width = 1040, .panel_height = 340, .panels = {by_noise, by_spread}});
   return figure;
 }
 
@@ -159,7 +124,7 @@ void AddLevels(const Setting& setting, const reference::Trajectory& plan, double
   findings.comparisons.push_back({.quantity = "The same with the beat, where it jumps",
                                   .unit = "us",
                                   .ours = FirstAtPapersRatio(beat)});
-  findings.figures.push_back(Draw(noise, beat, one_clock));
+  findings.figures.push_back(LevelsFigure(noise, beat, one_clock));
 }
 
 }  // namespace twin::experiment

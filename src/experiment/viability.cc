@@ -19,7 +19,6 @@
 #include "experiment/viability_runs.h"
 #include "experiment/viable_set.h"
 #include "twin/reference/viability_filter.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
@@ -35,10 +34,6 @@ std::string_view NameOf(Disturbance disturbance) {
     case Disturbance::kCalibrated: return "calibrated loop";
   }
   return {};
-}
-
-std::string_view NameOf(Maker maker) {
-  return maker == Maker::kOurs ? "rejoining generator, filter" : "the paper's generator";
 }
 
 /// The runs of one tempo and one disturbance, by maker.
@@ -148,103 +143,35 @@ void ComparePair(const Pair& pair, Findings& findings) {
          demanded(std::isnan(ratio) ? "" : "at most 2"), ratio <= 2, findings);
 }
 
-report::ChartPanel MarginPanel(const Pair& pair, Figure& figure) {
+/// The least of the joints' margins over a trajectory under bursts, at each tempo.
+Figure MarginFigure(const std::vector<Pair>& pairs) {
   constexpr std::size_t kEvery = 5;
-  const ViabilityRun& run = pair.ours().front();
-  report::ChartPanel panel{.title = fmt::format("{}, bursts of 19", pair.tempo.name),
-                           .x_label = "t [s]",
-                           .y_label = "least margin",
-                           .y_range = {{-0.05, 0.5}}};
-  const bool has_key = figure.rows.empty();
-  report::ChartCurve margin{.name = has_key ? "margin" : "", .colour = report::colour::kSeries[0]};
-  report::ChartCurve kept_back{.name = "kept back",
-                               .colour = report::colour::kSeries[2],
-                               .style = report::ChartCurve::Style::kPoints};
-  for (std::size_t k = 0; k < run.ticks.size(); ++k) {
-    const TickSample& tick = run.ticks[k];
-    const double t =
-        static_cast<double>(tick.message_id - run.ticks.front().message_id) * kCycleSeconds;
-    margin.x.push_back(t);
-    margin.y.push_back(tick.margin.value_or(0));
-    if (tick.kept_back != 0) {
-      kept_back.x.push_back(t);
-      kept_back.y.push_back(0);
-    }
-    if (k % kEvery == 0 || tick.kept_back != 0) {
-      figure.rows.push_back(
-          {pair.tempo.stretch, t, tick.margin.value_or(0), static_cast<double>(tick.kept_back)});
-    }
-  }
-  panel.curves = {std::move(margin)};
-  if (!kept_back.x.empty()) panel.curves.push_back(std::move(kept_back));
-  return panel;
-}
-
-Figure DrawMargins(const std::vector<Pair>& pairs) {
   Figure figure{.id = "margin",
-                .title = "Margin over a trajectory",
-                .what =
-                    "The least of the joints' margins to the border of the viable set, in the "
-                    "state that each command answers. At rest it is what the position leaves; "
-                    "a burst that is held at full acceleration takes most of it.",
-                .svg = {},
-                .columns = "stretch of the brisk trajectory [-],t [s],margin [-],kept back [bits]",
-                .rows = {}};
-  report::Chart chart{
-      .title = figure.title, .columns = 1, .width = 1000, .panel_height = 240, .panels = {}};
+                .columns = "stretch of the brisk trajectory [-],t [s],margin [-],kept back [bits]"};
   for (const Pair& pair : pairs) {
-    if (pair.disturbance == Disturbance::kBursts) {
-      chart.panels.push_back(MarginPanel(pair, figure));
+    if (pair.disturbance != Disturbance::kBursts) continue;
+    figure.names.emplace_back(pair.tempo.name);
+    const ViabilityRun& run = pair.ours().front();
+    for (std::size_t k = 0; k < run.ticks.size(); ++k) {
+      const TickSample& tick = run.ticks[k];
+      if (k % kEvery != 0 && tick.kept_back == 0) continue;
+      const auto cycle = static_cast<double>(tick.message_id - run.ticks.front().message_id);
+      figure.rows.push_back({pair.tempo.stretch, cycle * kCycleSeconds, tick.margin.value_or(0),
+                             static_cast<double>(tick.kept_back)});
     }
   }
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
-Figure DrawSpectra(const Pair& pair) {
+Figure SpectrumFigure(const Pair& pair) {
   Figure figure{.id = "spectrum",
-                .title = "Smooth, not only legal: joint 1 on the canonical trajectory",
-                .what =
-                    "Power spectral density of the reference's velocity behind the asynchronous "
-                    "thread's timing.",
-                .svg = {},
-                .columns = "f [Hz],ours [(rad/s)^2/Hz],the paper's generator [(rad/s)^2/Hz]",
-                .rows = {}};
-  report::ChartPanel panel{.title = std::string(NameOf(pair.disturbance)),
-                           .x_label = "f [Hz]",
-                           .y_label = "PSD of dq_d [(rad/s)^2/Hz]",
-                           .log_x = true,
-                           .log_y = true};
-  for (std::size_t m = 0; m < kMakers.size(); ++m) {
-    panel.curves.push_back(
-        {.name = std::string(NameOf(kMakers.at(m))), .colour = report::colour::kSeries.at(m)});
-  }
+                .columns = "f [Hz],ours [(rad/s)^2/Hz],the paper's generator [(rad/s)^2/Hz]"};
   const Spectrum& ours = pair.ours().front().spectrum;
   const Spectrum& paper = pair.paper().front().spectrum;
   for (std::size_t i = 1; i < std::min(ours.density.size(), paper.density.size()); ++i) {
     figure.rows.push_back({ours.frequency_hz(i), ours.density[i], paper.density[i]});
-    for (std::size_t m = 0; m < kMakers.size(); ++m) {
-      panel.curves[m].x.push_back(figure.rows.back()[0]);
-      panel.curves[m].y.push_back(figure.rows.back()[1 + m]);
-    }
   }
-  figure.svg = report::DrawChart({.title = figure.title, .panels = {std::move(panel)}});
   return figure;
-}
-
-std::string Describe(int runs) {
-  return fmt::format(
-      "A filter behind everything else keeps the joints' limits of position, velocity, "
-      "acceleration "
-      "and jerk for ever, whatever up to n commands in a row are lost. First the set of states it "
-      "keeps to, by its closed form: borders and price. Speeds, ways to stop and times that are "
-      "demanded are those of another implementation, made before this one. Then what becomes of an "
-      "offset when every command is taken: time, overshoot, shares of the limits; a share above 1 "
-      "is a motion that the robot would have aborted, looked at all the same. Then motions on the "
-      "ideal plant behind the asynchronous thread's timing, {} runs of each, with start phases "
-      "that differ, the client's limiter off; error and power are of the reference q_d. The "
-      "calibrated loop is that of Table 1, whose losses are states that come late.",
-      runs);
 }
 
 }  // namespace
@@ -252,10 +179,7 @@ std::string Describe(int runs) {
 Findings RunViability(const Setting& setting) {
   const int runs = std::min(setting.seeds, 6);
   const StreamSetting streams = LoadStreamSetting(setting);
-  Findings findings{.id = "viability",
-                    .title = "Legal for ever, whatever is lost",
-                    .source = "left open by the paper (its outlook)",
-                    .text = Describe(runs)};
+  Findings findings{.values = {{"runs", fmt::format("{}", runs)}}};
   std::vector<reference::AxisBounds> bounds;
   bounds.reserve(kJoints);
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -267,8 +191,8 @@ Findings RunViability(const Setting& setting) {
   if (setting.progress) setting.progress(0.3);
   const std::vector<Pair> pairs = RunAll(setting, runs);
   for (const Pair& pair : pairs) ComparePair(pair, findings);
-  findings.figures.push_back(DrawSpectra(pairs.front()));
-  findings.figures.push_back(DrawMargins(pairs));
+  findings.figures.push_back(SpectrumFigure(pairs.front()));
+  findings.figures.push_back(MarginFigure(pairs));
   return findings;
 }
 

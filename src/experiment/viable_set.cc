@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "twin/core/time.h"
-#include "twin/report/chart.h"
 
 namespace twin::experiment {
 namespace {
@@ -45,85 +44,45 @@ double Middle(const ViableAxis& axis) {
   return (axis.kept().q_min + axis.kept().q_max) / 2;
 }
 
-std::string NameOf(int lost) {
-  return lost == 0 ? "no loss" : fmt::format("{} lost in a row", lost);
-}
-
-report::ChartCurve CurveOf(std::size_t series, std::string name) {
-  return {.name = std::move(name), .colour = report::colour::kSeries.at(series)};
-}
-
 /// Velocity against acceleration, far from the range's ends: the upper border, then the lower one
 /// back, which is the upper one mirrored.
-void AddAgainstAcceleration(const std::vector<ViableAxis>& axes, report::Chart& chart,
-                            Figure& figure) {
+void AddAgainstAcceleration(const std::vector<ViableAxis>& axes, Figure& figure) {
   constexpr int kSteps = 200;
-  report::ChartPanel panel{
-      .title = "far from the ends of the range",
-      .x_label = "acceleration [rad/s^2]",
-      .y_label = "velocity [rad/s]",
-      .x_range = {{-1.1 * axes[0].kept().ddq_max, 1.1 * axes[0].kept().ddq_max}},
-      .y_range = {{-1.1 * axes[0].kept().dq_max, 1.1 * axes[0].kept().dq_max}}};
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    report::ChartCurve curve = CurveOf(i, NameOf(kDrawn[i]));
     const double most = axes[i].kept().ddq_max;
-    const auto add = [&](double ddq, double sign) {
-      const double dq = HighestSpeed(axes[i], Middle(axes[i]), ddq);
-      curve.x.push_back(sign * ddq);
-      curve.y.push_back(sign * dq);
-      figure.rows.push_back({static_cast<double>(kDrawn[i]), sign * ddq, sign * dq,
-                             std::numeric_limits<double>::quiet_NaN()});
-    };
     for (const double sign : {1.0, -1.0}) {
-      for (int k = 0; k <= kSteps; ++k) add(most * (2.0 * k / kSteps - 1), sign);
+      for (int k = 0; k <= kSteps; ++k) {
+        const double ddq = most * (2.0 * k / kSteps - 1);
+        const double dq = HighestSpeed(axes[i], Middle(axes[i]), ddq);
+        figure.rows.push_back({static_cast<double>(kDrawn[i]), sign * ddq, sign * dq, kNone});
+      }
     }
-    curve.x.push_back(curve.x.front());
-    curve.y.push_back(curve.y.front());
-    panel.curves.push_back(std::move(curve));
   }
-  chart.panels.push_back(std::move(panel));
 }
 
 /// Velocity against what is left to the upper end of the range, without acceleration.
-void AddAgainstDistance(const std::vector<ViableAxis>& axes, report::Chart& chart, Figure& figure) {
+void AddAgainstDistance(const std::vector<ViableAxis>& axes, Figure& figure) {
   constexpr double kFarthest = 0.3;  // rad
   constexpr int kSteps = 300;
-  report::ChartPanel panel{.title = "towards an end of the range, without acceleration",
-                           .x_label = "distance to the end [rad]",
-                           .y_label = "highest velocity [rad/s]",
-                           .y_range = {{0, 1.1 * axes[0].kept().dq_max}}};
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    report::ChartCurve curve = CurveOf(i, "");
     for (int k = 0; k <= kSteps; ++k) {
       const double distance = kFarthest * k / kSteps;
       const double dq = HighestSpeed(axes[i], axes[i].kept().q_max - distance, 0);
-      curve.x.push_back(distance);
-      curve.y.push_back(dq);
       figure.rows.push_back({static_cast<double>(kDrawn[i]), 0, dq, distance});
     }
-    panel.curves.push_back(std::move(curve));
   }
-  chart.panels.push_back(std::move(panel));
 }
 
-Figure DrawBorder(const AxisBounds& bounds) {
+Figure BorderFigure(const AxisBounds& bounds) {
+  const std::vector<ViableAxis> axes = AxesOf(bounds);
   Figure figure{.id = "border",
-                .title = "Border of the viable set, joint 1",
-                .what =
-                    "Inside, a joint's limits can be kept for ever, whatever is lost; outside "
-                    "they cannot. The more commands may be lost in a row, the earlier a joint "
-                    "must stop to accelerate, and the earlier it must brake.",
-                .svg = {},
                 .columns =
                     "lost in a row [-],acceleration [rad/s^2],velocity [rad/s],distance to "
                     "the end of the range [rad]",
-                .rows = {}};
-  report::Chart chart{
-      .title = figure.title, .columns = 2, .width = 1000, .panel_height = 360, .panels = {}};
-  const std::vector<ViableAxis> axes = AxesOf(bounds);
-  AddAgainstAcceleration(axes, chart, figure);
-  AddAgainstDistance(axes, chart, figure);
-  figure.svg = report::DrawChart(chart);
+                .values = {{"dq_max", axes[0].kept().dq_max}, {"ddq_max", axes[0].kept().ddq_max}}};
+  AddAgainstAcceleration(axes, figure);
+  AddAgainstDistance(axes, figure);
   return figure;
 }
 
@@ -132,58 +91,20 @@ double LongerPercent(const AxisBounds& bounds, int lost, double distance) {
   return 100 * (RestToRestTime(bounds, lost, distance) / RestToRestTime(bounds, 0, distance) - 1);
 }
 
-Figure DrawPrice(const AxisBounds& bounds) {
+Figure PriceFigure(const AxisBounds& bounds) {
   constexpr int kMost = 20;
   Figure figure{.id = "price",
-                .title = "Price of the losses that are reckoned with, joint 1",
-                .what =
-                    "What a filter for n losses in a row costs when nothing is lost: speed at "
-                    "full acceleration, way to stop from full speed, time from rest to rest.",
-                .svg = {},
                 .columns =
                     "lost in a row [-],speed at full acceleration [rad/s],stopping distance "
-                    "[rad],0.05 rad longer by [%],0.3 rad longer by [%],1.5 rad longer by [%]",
-                .rows = {}};
-  report::ChartCurve speed = CurveOf(0, "");
-  report::ChartCurve way = CurveOf(0, "");
-  std::array<report::ChartCurve, kDistances.size()> longer;
-  for (std::size_t d = 0; d < longer.size(); ++d) {
-    longer.at(d) = CurveOf(d, fmt::format("{} rad", kDistances.at(d)));
-  }
+                    "[rad],0.05 rad longer by [%],0.3 rad longer by [%],1.5 rad longer by "
+                    "[%]"};
   for (int lost = 0; lost <= kMost; ++lost) {
     const ViableAxis axis(bounds, lost, "joint 1");
-    figure.rows.push_back({static_cast<double>(lost),
-                           HighestSpeed(axis, Middle(axis), axis.kept().ddq_max),
-                           StoppingDistance(axis)});
-    std::vector<double>& row = figure.rows.back();
+    std::vector<double>& row = figure.rows.emplace_back(
+        std::vector{static_cast<double>(lost),
+                    HighestSpeed(axis, Middle(axis), axis.kept().ddq_max), StoppingDistance(axis)});
     for (const double distance : kDistances) row.push_back(LongerPercent(bounds, lost, distance));
-    const auto add = [&](report::ChartCurve& curve, std::size_t column) {
-      curve.x.push_back(lost);
-      curve.y.push_back(row.at(column));
-    };
-    add(speed, 1);
-    add(way, 2);
-    for (std::size_t d = 0; d < longer.size(); ++d) add(longer.at(d), 3 + d);
   }
-  const std::string x = "commands lost in a row, n";
-  report::Chart chart{.title = figure.title,
-                      .columns = 3,
-                      .width = 1200,
-                      .panel_height = 320,
-                      .panels = {{.title = "at full acceleration",
-                                  .x_label = x,
-                                  .y_label = "highest speed [rad/s]",
-                                  .curves = {std::move(speed)}},
-                                 {.title = "from full speed",
-                                  .x_label = x,
-                                  .y_label = "way to stop [rad]",
-                                  .curves = {std::move(way)}},
-                                 {.title = "from rest to rest",
-                                  .x_label = x,
-                                  .y_label = "longer than with n = 0 [%]",
-                                  .curves = {std::make_move_iterator(longer.begin()),
-                                             std::make_move_iterator(longer.end())}}}};
-  figure.svg = report::DrawChart(chart);
   return figure;
 }
 
@@ -288,8 +209,8 @@ double RestToRestTime(const AxisBounds& bounds, int lost, double distance, doubl
 void AddViableSet(const std::vector<AxisBounds>& bounds, Findings& findings) {
   CompareBorder(bounds.front(), findings);
   CompareTimes(bounds, findings);
-  findings.figures.push_back(DrawBorder(bounds.front()));
-  findings.figures.push_back(DrawPrice(bounds.front()));
+  findings.figures.push_back(BorderFigure(bounds.front()));
+  findings.figures.push_back(PriceFigure(bounds.front()));
 }
 
 }  // namespace twin::experiment

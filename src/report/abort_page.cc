@@ -1,16 +1,21 @@
 #include "report/abort_page.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "report/abort_figure.h"
 #include "report/abort_panels.h"
 #include "report/gnuplot.h"
-#include "twin/report/html.h"
+#include "twin/report/page.h"
 
 namespace twin::report {
 namespace {
+
+using nlohmann::json;
 
 std::string_view NameOf(const RunEnd& end, rt::CommandFate fate) {
   switch (fate) {
@@ -21,45 +26,53 @@ std::string_view NameOf(const RunEnd& end, rt::CommandFate fate) {
   return end.fates_unknown() ? "not known" : "none due";
 }
 
-/// All that the figure shows, in numbers.
-std::string CycleTable(const RunEnd& end) {
-  const std::vector<EndPanel> panels = EndPanels(end);
-  std::string html = "<div class=\"wide\"><table>\n<tr><th>state</th><th>command</th>";
-  for (const EndPanel& panel : panels) {
-    for (const EndCurve& curve : panel.curves) {
-      html += fmt::format("<th>{}<br>{}</th>", Escape(curve.name), Escape(panel.unit));
-    }
+json ParagraphsOf(const std::vector<Paragraph>& paragraphs) {
+  json list = json::array();
+  for (const Paragraph& paragraph : paragraphs) {
+    if (paragraph.lines.empty()) continue;
+    list.push_back({{"label", paragraph.label}, {"lines", paragraph.lines}});
   }
-  html += "</tr>\n";
+  return list;
+}
+
+/// All that the figure shows, in numbers: a row for each cycle.
+json RowsOf(const RunEnd& end, const std::vector<EndPanel>& panels) {
+  json rows = json::array();
   for (std::size_t i = 0; i < end.cycles.size(); ++i) {
     const rt::CycleRecord& cycle = end.cycles[i].cycle;
-    html += fmt::format("<tr{}><td>{}</td><td class=\"word\">{}</td>",
-                        cycle.fate == rt::CommandFate::kHeld ? " class=\"held\"" : "",
-                        cycle.state.message_id, NameOf(end, cycle.fate));
+    json values = json::array();
     for (const EndPanel& panel : panels) {
       for (const EndCurve& curve : panel.curves) {
-        html += std::isfinite(curve.values[i]) ? fmt::format("<td>{:.7g}</td>", curve.values[i])
-                                               : "<td></td>";
+        const double value = curve.values[i];
+        values.push_back(std::isfinite(value) ? fmt::format("{:.7g}", value) : std::string());
       }
     }
-    html += "</tr>\n";
+    rows.push_back({{"held", cycle.fate == rt::CommandFate::kHeld},
+                    {"state", cycle.state.message_id},
+                    {"command", NameOf(end, cycle.fate)},
+                    {"values", std::move(values)}});
   }
-  return html + "</table></div>\n";
+  return rows;
 }
 
-std::string ApproachTable(const RunEnd& end) {
-  std::string html = "<table>\n";
+json CurvesOf(const std::vector<EndPanel>& panels) {
+  json curves = json::array();
+  for (const EndPanel& panel : panels) {
+    for (const EndCurve& curve : panel.curves) {
+      curves.push_back({{"name", curve.name}, {"unit", panel.unit}});
+    }
+  }
+  return curves;
+}
+
+json ApproachesOf(const RunEnd& end) {
+  json list = json::array();
   for (const Approach& approach : end.approach.Closest()) {
-    html += fmt::format("<tr><td>{}</td><td>{:.1f} %</td><td class=\"word\">{}</td></tr>\n",
-                        Escape(approach.what), 100 * approach.share, Escape(PlaceOf(approach)));
+    list.push_back({{"quantity", approach.what},
+                    {"percent", fmt::format("{:.1f}", 100 * approach.share)},
+                    {"place", PlaceOf(approach)}});
   }
-  return html + "</table>\n";
-}
-
-std::string RunLine(const RunEnd& end) {
-  const record::RunInfo& run = end.run;
-  return fmt::format("scenario {}, seed {}, {}, panda-twin {}", Escape(run.scenario), run.seed,
-                     Escape(run.drive), Escape(run.version));
+  return list;
 }
 
 }  // namespace
@@ -74,16 +87,19 @@ std::string PlaceOf(const Approach& approach) {
 
 std::string AbortPage(const RunEnd& end, std::string_view headline,
                       const std::vector<Paragraph>& paragraphs) {
-  std::string html =
-      fmt::format("<h1>{}</h1>\n<p class=\"run\">{}</p>\n", Escape(headline), RunLine(end));
-  html += ToHtml(paragraphs);
-  html += fmt::format("<h2>The last {} cycles</h2>\n", std::min(end.cycles.size(), RunEnd::kShown));
-  html += InlineSvg(SvgOf(EndScript(end)), "end");
-  html += "<details><summary>In numbers</summary>\n" + CycleTable(end) + "</details>\n";
-  if (end.approach.has_limits()) {
-    html += "<h2>How close it had come to the limits before</h2>\n" + ApproachTable(end);
-  }
-  return HtmlPage(headline, html);
+  const std::vector<EndPanel> panels = EndPanels(end);
+  return RenderPage("abort", {{"title", headline},
+                              {"scenario", end.run.scenario},
+                              {"seed", end.run.seed},
+                              {"drive", end.run.drive},
+                              {"version", end.run.version},
+                              {"paragraphs", ParagraphsOf(paragraphs)},
+                              {"cycles", std::min(end.cycles.size(), RunEnd::kShown)},
+                              {"figure", InlineSvg(SvgOf(EndScript(end)), "end")},
+                              {"curves", CurvesOf(panels)},
+                              {"rows", RowsOf(end, panels)},
+                              {"limited", end.approach.has_limits()},
+                              {"approaches", ApproachesOf(end)}});
 }
 
 }  // namespace twin::report

@@ -125,8 +125,7 @@ std::string SvgOf(std::string_view script) {
   return svg;
 }
 
-void DrawSvg(std::string_view script, const std::filesystem::path& path) {
-  const std::string svg = SvgOf(script);
+void WriteSvg(std::string_view svg, const std::filesystem::path& path) {
   auto partial = path;
   partial += ".partial";
   try {

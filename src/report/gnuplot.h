@@ -14,8 +14,8 @@ namespace twin::report {
 /// @throws EnvironmentError when gnuplot is not there or fails, or draws nothing whole.
 [[nodiscard]] std::string SvgOf(std::string_view script);
 
-/// The same into the file `path`, which is `.partial` until it is whole.
-/// @throws EnvironmentError as above, or when the file cannot be written.
-void DrawSvg(std::string_view script, const std::filesystem::path& path);
+/// Writes a picture into the file `path`, which is `.partial` until it is whole.
+/// @throws EnvironmentError when it cannot be written.
+void WriteSvg(std::string_view svg, const std::filesystem::path& path);
 
 }  // namespace twin::report

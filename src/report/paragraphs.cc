@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "twin/report/html.h"
-
 namespace twin::report {
 namespace {
 
@@ -53,17 +51,6 @@ std::string ToText(const std::vector<Paragraph>& paragraphs) {
     }
   }
   return text;
-}
-
-std::string ToHtml(const std::vector<Paragraph>& paragraphs) {
-  std::string html = "<dl>\n";
-  for (const Paragraph& paragraph : paragraphs) {
-    if (paragraph.lines.empty()) continue;
-    html += fmt::format("<dt>{}</dt>\n<dd>", Escape(paragraph.label));
-    for (const std::string& line : paragraph.lines) html += fmt::format("<p>{}</p>", Escape(line));
-    html += "</dd>\n";
-  }
-  return html + "</dl>\n";
 }
 
 }  // namespace twin::report

@@ -14,7 +14,4 @@ struct Paragraph {
 /// For a terminal: the label left, its lines beside it, wrapped at 100 columns.
 [[nodiscard]] std::string ToText(const std::vector<Paragraph>& paragraphs);
 
-/// As a definition list.
-[[nodiscard]] std::string ToHtml(const std::vector<Paragraph>& paragraphs);
-
 }  // namespace twin::report

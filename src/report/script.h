@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "report/envelope.h"
 #include "report/run_data.h"
 
 namespace twin::report {
@@ -32,10 +31,6 @@ class Script {
     text_ += '\n';
   }
 
-  /// Adds data under the name `$name`. A curve without samples gets one that is not drawn, since
-  /// gnuplot takes no empty data.
-  void Curve(std::string_view name, const Envelope& envelope, std::size_t curve);
-
   /// Ends the drawing. @returns the whole script.
   [[nodiscard]] std::string End();
 
@@ -49,16 +44,5 @@ class Script {
 /// "name of the scenario: what", which error ended the motion, and that the log is cut short where
 /// it is.
 [[nodiscard]] std::string Title(const RunData& run, std::string_view what);
-
-/// Marks in all panels from here on when an error ended the motion, if one did. In front of what
-/// they show, for it may be areas.
-void MarkAbort(Script& script, const RunData& run);
-
-/// Marks in all panels from here on where each motion begins, by its number, when there is more
-/// than one.
-void MarkMotions(Script& script, const RunData& run);
-
-/// Range of the time axis; never empty.
-[[nodiscard]] std::string TimeRange(const RunData& run);
 
 }  // namespace twin::report

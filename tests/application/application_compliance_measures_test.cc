@@ -155,22 +155,22 @@ TEST(ComplianceMeasuresTest, EveryDemandCanBeMissed) {
     return all.size() == 1 ? all.front() : std::to_string(all.size()) + " missed";
   };
   using M = Measures;
-  EXPECT_EQ(missed([](M& m) { m.responses[kA]->peak = 0.0221; }), "A's largest deflection, of B's");
-  EXPECT_EQ(missed([](M& m) { m.responses[kD]->peak = 0.0549; }), "C's largest deflection, of D's");
+  EXPECT_EQ(missed([](M& m) { m.responses[kA]->peak = 0.0221; }),
+            "A: largest deflection / that of B");
+  EXPECT_EQ(missed([](M& m) { m.responses[kD]->peak = 0.0549; }),
+            "C: largest deflection / that of D");
   EXPECT_EQ(missed([](M& m) { m.responses[kB]->steady = 0.1101; }),
             "B: deflection under the constant force");
   EXPECT_EQ(missed([](M& m) { m.responses[kC]->steady = 0.0089; }),
             "C: deflection under the constant force");
   EXPECT_EQ(missed([](M& m) { m.trackings[kC0]->largest = 5.1e-3; }),
-            "C0: distance from the trajectory, largest");
+            "C0: tracking error, largest");
   EXPECT_EQ(missed([](M& m) { m.wandering->end_effector = 2.1e-3; }),
-            "N: way of the end effector meanwhile, largest");
+            "N: end effector motion meanwhile, largest");
   EXPECT_EQ(missed([](M& m) { m.wandering->joints = 0.09; }),
-            "N: way of a joint by the null space, largest");
-  EXPECT_EQ(missed([](M& m) { m.torque = 1.01; }),
-            "torque, measured or commanded, of its limit, largest");
-  EXPECT_EQ(missed([](M& m) { m.rate = 1.01; }),
-            "rate of the commanded torque, of its limit, largest");
+            "N: joint motion in the null space, largest");
+  EXPECT_EQ(missed([](M& m) { m.torque = 1.01; }), "peak torque / limit, measured or commanded");
+  EXPECT_EQ(missed([](M& m) { m.rate = 1.01; }), "peak rate of the commanded torque / limit");
   EXPECT_EQ(missed([](M& m) { m.reflexes = 1; }), "reflexes");
 }
 

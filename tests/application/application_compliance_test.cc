@@ -50,16 +50,17 @@ TEST(ComplianceApplicationTest, GivesWayAsItsSpringsSay) {
   EXPECT_EQ(performance.task_result.task.steps.size(), 13U);
   EXPECT_EQ(performance.task_result.snapshots.size(), 5U);
   EXPECT_EQ(performance.evaluation.figures.size(), 7U);
-  const Figure& friction = performance.evaluation.figures.back();
+  EXPECT_EQ(performance.FiguresOnPage(), 7U);
+  const report::Figure& friction = performance.evaluation.figures.back();
   EXPECT_EQ(friction.id, "friction");
-  EXPECT_NE(friction.what.find("here it is 30 %"), std::string::npos) << friction.what;
+  EXPECT_EQ(friction.values.at("percent"), 30);
   // 10 N against 1000 and 100 N/m.
   EXPECT_NEAR(ValueOf(performance, "A: deflection under the constant force"), 10, 1);
   EXPECT_NEAR(ValueOf(performance, "B: deflection under the constant force"), 100, 10);
   EXPECT_NEAR(ValueOf(performance, "C: deflection under the constant force"), 10, 1);
   EXPECT_NEAR(ValueOf(performance, "D: deflection under the constant force"), 100, 10);
   // What the robot feels of it.
-  EXPECT_NEAR(ValueOf(performance, "D: the same as the robot estimates it"), 10, 2);
+  EXPECT_NEAR(ValueOf(performance, "D: force of the push, estimated by the robot"), 10, 2);
 }
 
 TEST(ComplianceApplicationTest, ASoftArmThatShouldBeStiffIsFound) {
@@ -72,8 +73,9 @@ TEST(ComplianceApplicationTest, ASoftArmThatShouldBeStiffIsFound) {
   performance.Perform();
   EXPECT_FALSE(performance.succeeded());
   EXPECT_EQ(performance.task_result.task.failure, "");
-  for (const char* quantity : {"A's largest deflection, of B's", "C's largest deflection, of D's",
-                               "C0: distance from the trajectory, largest"}) {
+  for (const char* quantity :
+       {"A: largest deflection / that of B", "C: largest deflection / that of D",
+        "C0: tracking error, largest"}) {
     const Finding* finding = performance.Find(quantity);
     ASSERT_NE(finding, nullptr) << quantity << '\n' << performance.Story();
     EXPECT_EQ(finding->met, false) << quantity << ": " << finding->value;

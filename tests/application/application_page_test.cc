@@ -67,11 +67,13 @@ TEST(ApplicationPageTest, HasItsPicturesInIt) {
   PageFacts facts;
   facts.snapshots = {{folder / "a.png", folder / "b.png"}, {folder / "c.png", {}}};
   facts.has_video = true;
+  facts.lines = {{"lab", "a & b"}};
   const std::string page = PageOf(Task(), task_result, {}, facts);
   EXPECT_THAT(page, HasSubstr("base64,TQ==\""));
   EXPECT_THAT(page, HasSubstr("base64,TWE=\""));
   EXPECT_THAT(page, HasSubstr("base64,TWFu\""));
   EXPECT_THAT(page, HasSubstr("<video"));
+  EXPECT_THAT(page, HasSubstr("<td>lab</td><td class=\"word\">a &amp; b</td>"));
   facts.snapshots[0].done = folder / "none.png";
   EXPECT_THROW((void)PageOf(Task(), task_result, {}, facts), EnvironmentError);
 }

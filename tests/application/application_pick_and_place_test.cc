@@ -48,6 +48,7 @@ TEST(PickAndPlaceTest, CarriesTheParcelUpAndTurnsIt) {
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
   EXPECT_EQ(performance.evaluation.figures.size(), 3U);
+  EXPECT_EQ(performance.FiguresOnPage(), 3U);
   ASSERT_EQ(performance.task_result.snapshots.size(), 6U);
   const std::vector<Snapshot>& snapshots = performance.task_result.snapshots;
   for (std::size_t i = 0; i < 6; ++i) {
@@ -125,8 +126,8 @@ TEST(PickAndPlaceTest, GoesOnAfterAReflex) {
   performance.Perform();
   EXPECT_TRUE(performance.task_result.task.failure.empty()) << performance.Story();
   EXPECT_EQ(std::ranges::count(StepsOf(performance), "transfer"), 2) << performance.Story();
-  EXPECT_TRUE(*performance.Find("the object's distance")->met);
-  EXPECT_TRUE(*performance.Find("longest time in which nothing bore it")->met);
+  EXPECT_TRUE(*performance.Find("object position error")->met);
+  EXPECT_TRUE(*performance.Find("longest free fall of the object")->met);
   // What became of the object is well; but the robot has made an error, and none is allowed.
   ASSERT_NE(performance.Find("errors of the robot"), nullptr);
   EXPECT_EQ(performance.Find("errors of the robot")->value, 1);
@@ -143,7 +144,7 @@ TEST(PickAndPlaceTest, NoticesADroppedObject) {
   performance.Perform();
   EXPECT_FALSE(performance.succeeded());
   EXPECT_THAT(performance.task_result.task.failure, HasSubstr("the hand lost the parcel"));
-  EXPECT_FALSE(*performance.Find("longest time in which nothing bore it")->met);
+  EXPECT_FALSE(*performance.Find("longest free fall of the object")->met);
 }
 
 TEST(PickAndPlaceTest, RefusesParametersByPlace) {

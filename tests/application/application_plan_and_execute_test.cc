@@ -36,8 +36,8 @@ TEST(PlanAndExecuteTest, GoesToGoalAfterGoalAndTouchesNothing) {
   EXPECT_NE(performance.task_result.snapshots[0].goal, performance.task_result.snapshots[1].goal);
   EXPECT_GT(performance.task_result.snapshots[0].done,
             performance.task_result.snapshots[0].planned);
-  ASSERT_NE(performance.Find("cycles of the run in which the arm touched"), nullptr);
-  EXPECT_EQ(performance.Find("of these, in which something touches")->value, 0);
+  ASSERT_NE(performance.Find("cycles with contact of the arm"), nullptr);
+  EXPECT_EQ(performance.Find("configurations in collision")->value, 0);
   EXPECT_LT(performance.Find("largest distance of a joint from the plan")->value, 50);
 }
 

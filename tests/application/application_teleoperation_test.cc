@@ -43,6 +43,7 @@ TEST(TeleoperationTest, FetchesTheCanAndSetsItDownOnTheMat) {
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
   EXPECT_EQ(performance.evaluation.figures.size(), 3U);
+  EXPECT_EQ(performance.FiguresOnPage(), 3U);
   // To the can, down to it, up with it, to the mat, down to it, up again.
   EXPECT_EQ(performance.task_result.snapshots.size(), 6U);
 }

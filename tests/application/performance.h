@@ -78,6 +78,16 @@ class Performance final : public rt::RecordSink {
     }
     return story;
   }
+  /// Draws the figures. @returns how many of them the page has.
+  [[nodiscard]] std::size_t FiguresOnPage() const {
+    const std::string html = PageOf({}, task_result, evaluation, {});
+    std::size_t count = 0;
+    for (std::size_t at = html.find("</svg>"); at != std::string::npos;
+         at = html.find("</svg>", at + 1)) {
+      ++count;
+    }
+    return count;
+  }
   /// The finding that begins so; null when there is none.
   [[nodiscard]] const Finding* Find(std::string_view quantity) const {
     for (const Finding& finding : evaluation.findings) {

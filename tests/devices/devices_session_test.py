@@ -130,7 +130,7 @@ class RealtimeTest(SessionTest):
         self.assertGreater(answers, 0)
         again = self.run_led("again", "script", "file: led.csv")
         self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
-        self.assertRegex(again.stdout, r"speed of the arm's reference, at most: 0\.0[1-9]")
+        self.assertRegex(again.stdout, r"speed of the arm's reference, largest: 0\.0[1-9]")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,16 @@
 #pragma once
 
+#include <array>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "controllers/joint_trajectory.h"
 #include "plugins/emulated/mujoco_backend.h"
 #include "support/temporary_folder.h"
 #include "twin/experiment/experiment.h"
+#include "twin/experiment/page.h"
 
 namespace twin::experiment::test {
 
@@ -59,5 +62,17 @@ class ExperimentBench {
   control::ControllerRegistry controllers_;
   const run::Catalogue catalogue_{backends_, controllers_};
 };
+
+/// Draws what an experiment found. @returns how many of its figures the page has.
+inline std::size_t FiguresOnPage(Findings findings, const std::string& id) {
+  findings.id = findings.page = id;
+  const std::string html = Page(std::array{std::move(findings)}, {});
+  std::size_t count = 0;
+  for (std::size_t at = html.find("</svg>"); at != std::string::npos;
+       at = html.find("</svg>", at + 1)) {
+    ++count;
+  }
+  return count;
+}
 
 }  // namespace twin::experiment::test

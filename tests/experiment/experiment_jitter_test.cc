@@ -137,9 +137,10 @@ TEST_F(JitterTest, TheSameSettingGivesTheSameFindings) {
   }
   ASSERT_EQ(first.figures.size(), second.figures.size());
   for (std::size_t i = 0; i < first.figures.size(); ++i) {
-    EXPECT_EQ(first.figures[i].svg, second.figures[i].svg);
+    EXPECT_EQ(first.figures[i].values, second.figures[i].values);
     EXPECT_EQ(first.figures[i].rows, second.figures[i].rows);
   }
+  EXPECT_EQ(test::FiguresOnPage(first, "jitter"), 4U);
 }
 
 }  // namespace

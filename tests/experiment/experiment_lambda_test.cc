@@ -49,6 +49,7 @@ TEST(LambdaTest, ConvergenceKeepsToItsFormulaForJointsAndPoses) {
     EXPECT_NE(comparison.verdict, Verdict::kNotReproduced) << comparison.quantity;
   }
   EXPECT_EQ(findings.figures.size(), 2U);
+  EXPECT_EQ(test::FiguresOnPage(findings, "lambda"), 2U);
 }
 
 }  // namespace

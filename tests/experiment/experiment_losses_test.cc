@@ -32,6 +32,7 @@ TEST(LossesTest, BurstsEndWhatIsNotMadeForThemAndNothingOfOurs) {
   EXPECT_EQ(Named(findings, "hard, rejoining", "up to this length").ours, 19);
   EXPECT_LT(Named(findings, "hard, stream of positions", "up to this length").ours, 19);
   EXPECT_EQ(findings.figures.size(), 3U);
+  EXPECT_EQ(test::FiguresOnPage(findings, "losses"), 3U);
 }
 
 }  // namespace

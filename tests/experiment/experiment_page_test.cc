@@ -1,6 +1,5 @@
 #include "twin/experiment/page.h"
 
-#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -9,8 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "twin/experiment/experiment.h"
-#include "twin/report/chart.h"
-#include "twin/report/html.h"
 
 namespace twin::experiment {
 namespace {
@@ -31,20 +28,19 @@ Comparison Compared(Verdict verdict) {
 }
 
 Figure Drawn(const std::string& id) {
-  const report::ChartCurve curve{.name = "c", .x = {1, 2}, .y = {3, 4}};
   return {.id = id,
-          .title = "a figure",
-          .what = "what to see",
-          .svg = report::DrawChart({.panels = {{.curves = {curve}}}}),
-          .columns = "x [s],y [1]",
-          .rows = {{1, 3}, {2, std::numeric_limits<double>::quiet_NaN()}}};
+          .plot = "convergence",
+          .columns =
+              "lambda,formula [s],joint [s],translation [s],rotation [s],jerk per offset [1/s^3]",
+          .rows = {{1e-3, 3, 3, 3, 3, 1}, {1e-2, 1, 1, 1, 1, 10}}};
 }
 
 Findings Found(std::vector<Comparison> comparisons) {
-  return {.id = "one",
+  return {.id = "lambda",
           .title = "The first",
           .source = "Section 1",
-          .text = "how it & was done",
+          .page = "client",
+          .values = {{"command", "how it & was done"}},
           .comparisons = std::move(comparisons)};
 }
 
@@ -112,14 +108,15 @@ TEST(PageTest, TellsHowItWasMade) {
   const std::string html = Page(
       {}, {.seed = 77, .seeds = 5, .calibration = "abc", .parameters = "x: <1>", .version = "9"});
   for (const char* fact : {"<td class=\"word\">77</td>", "<td class=\"word\">5</td>",
-                           "<td class=\"word\">abc</td>", "x: &lt;1&gt;\n"}) {
+                           "<td class=\"word\">abc</td>", "<pre>x: &lt;1&gt;</pre>"}) {
     EXPECT_THAT(html, HasSubstr(fact));
   }
 }
 
 TEST(PageTest, NeedsNoNetworkAndNoOtherFile) {
   std::vector<Findings> findings{Found({Compared(Verdict::kPredicted)})};
-  findings[0].figures = {Drawn("f")};
+  findings[0].page = "lambda";
+  findings[0].figures = {Drawn("stalls")};
   std::string html = Page(findings, {});
   for (const char* reference : {"src=", "<link", "<script", "@import", "url(http"}) {
     EXPECT_THAT(html, Not(HasSubstr(reference)));
@@ -128,7 +125,8 @@ TEST(PageTest, NeedsNoNetworkAndNoOtherFile) {
 
 TEST(PageTest, NoNameIsThereTwice) {
   std::vector<Findings> findings{Found({})};
-  findings[0].figures = {Drawn("f"), Drawn("g")};
+  findings[0].page = "lambda";
+  findings[0].figures = {Drawn("convergence"), Drawn("stalls")};
   const std::string html = Page(findings, {});
   std::set<std::string> names;
   for (const char quote : {'"', '\''}) {
@@ -139,14 +137,17 @@ TEST(PageTest, NoNameIsThereTwice) {
       EXPECT_TRUE(names.insert(name).second) << name;
     }
   }
-  EXPECT_TRUE(names.contains("one_g-gpDot"));
+  EXPECT_TRUE(names.contains("lambda_stalls-gpDot"));
   EXPECT_THAT(html, Not(HasSubstr("gnuplot_plot_1a</title>")));
-  EXPECT_THAT(html, HasSubstr("href='#one_g-gpPt5'"));
+  EXPECT_THAT(html, HasSubstr("href='#lambda_stalls-gpPt6'"));
 }
 
-TEST(CsvTest, HasALineForEveryRow) {
-  EXPECT_EQ(Csv(Drawn("f")), "x [s],y [1]\n1,3\n2,\n");
-  EXPECT_EQ(CsvName(Found({}), Drawn("f")), "one_f.csv");
+TEST(CsvNameTest, IsThatOfExperimentAndFigure) {
+  EXPECT_EQ(CsvName(Found({}), Drawn("f")), "lambda_f.csv");
+  std::vector<Findings> findings{Found({})};
+  findings[0].page = "lambda";
+  findings[0].figures = {Drawn("stalls")};
+  EXPECT_EQ(CsvNamesOf(Page(findings, {})), std::vector<std::string>{"lambda_stalls.csv"});
 }
 
 TEST(ExperimentsTest, HaveNamesThatFilesCanHave) {
@@ -157,6 +158,7 @@ TEST(ExperimentsTest, HaveNamesThatFilesCanHave) {
               std::string_view::npos);
     EXPECT_NE(experiment.run, nullptr);
     EXPECT_FALSE(experiment.title.empty());
+    EXPECT_FALSE(experiment.source.empty());
   }
 }
 

@@ -49,6 +49,7 @@ TEST(RateMatchingTest, TheStageDelaysByHalfAWindowAtEveryRate) {
   const Findings findings = RunRateMatching(bench.setting(1));
   EXPECT_TRUE(findings.succeeded());
   ASSERT_EQ(findings.figures.size(), 3U);
+  EXPECT_EQ(test::FiguresOnPage(findings, "rate_matching"), 3U);
   for (const std::vector<double>& row : findings.figures[1].rows) {
     ASSERT_EQ(row.size(), 6U);
     EXPECT_NEAR(row[2], (row[1] - 1) / 2, 1e-12);

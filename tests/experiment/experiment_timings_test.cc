@@ -50,6 +50,7 @@ TEST(TimingsTest, ComparesTheTwelveFiguresOfTheTableAndTheirRatio) {
   }
   EXPECT_EQ(Of(findings, "RS, d_EXT, max").paper, 2.174);
   EXPECT_THAT(findings.figures, SizeIs(4));
+  EXPECT_EQ(test::FiguresOnPage(findings, "timings"), 4U);
   for (const Figure& figure : findings.figures) {
     const auto columns = 1 + std::ranges::count(figure.columns, ',');
     EXPECT_THAT(figure.rows, Each(SizeIs(columns))) << figure.id;

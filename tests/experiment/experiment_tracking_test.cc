@@ -51,6 +51,7 @@ TEST(TrackingTest, TheSynchronousLoopsTimingShakesTheArm) {
   EXPECT_LT(findings.comparisons[3].ours, 3);
   EXPECT_TRUE(findings.succeeded());
   EXPECT_EQ(findings.figures.size(), 5U);
+  EXPECT_EQ(test::FiguresOnPage(findings, "tracking"), 5U);
   for (const Figure& figure : findings.figures) {
     const auto columns = 1 + std::ranges::count(figure.columns, ',');
     ASSERT_FALSE(figure.rows.empty());

@@ -111,6 +111,7 @@ TEST_F(ViabilityStudyTest, MeetsWhatItDemandsAndDraws) {
         << comparison.quantity << ": " << comparison.ours << ", " << comparison.demand;
   }
   EXPECT_EQ(findings.figures.size(), 6U);
+  EXPECT_EQ(test::FiguresOnPage(findings, "viability"), 6U);
   for (const Figure& figure : findings.figures) EXPECT_FALSE(figure.rows.empty()) << figure.id;
 }
 

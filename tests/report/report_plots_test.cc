@@ -12,8 +12,8 @@
 
 #include "record/temporary_folder.h"
 #include "report/gnuplot.h"
-#include "report/joint_plots.h"
 #include "report/run_data.h"
+#include "report/run_plots.h"
 #include "report/script.h"
 #include "support/panda_limits.h"
 #include "twin/core/error.h"
@@ -189,9 +189,12 @@ TEST(RunDataTest, TellsWhereEachMotionBegins) {
   const auto log = folder / "a.mcap";
   RecordMotions(log, 3);
   EXPECT_THAT(ReadRun(log).motions, ElementsAre(0, 0.03, 0.06));
-  EXPECT_THAT(TrackingScript(ReadRun(log)), HasSubstr("set label '3' at first 0.06"));
+  const Figure figure = TrackingFigure(ReadRun(log));
+  EXPECT_EQ(figure.values.at("motions"), 3);
+  EXPECT_EQ(figure.values.at("motion_3"), 0.06);
+  EXPECT_THAT(DrawPlot("run/", figure), HasSubstr("<text>3</text>"));
   RecordMotions(log, 1);
-  EXPECT_THAT(TrackingScript(ReadRun(log)), Not(HasSubstr("set label '")))
+  EXPECT_EQ(TrackingFigure(ReadRun(log)).values.at("motions"), 0)
       << "a single motion needs no mark";
 }
 
@@ -231,21 +234,26 @@ TEST(RunDataTest, MeasuresUnderTorquesHowFarTheArmIsFromItsTarget) {
   const RunData run = ReadRun(folder / "a.mcap");
   EXPECT_TRUE(run.by_torque);
   EXPECT_NEAR(run.peak_error[6], 5, 1e-9);
-  EXPECT_THAT(TrackingScript(run), HasSubstr("q_ext - q"));
+  EXPECT_THAT(TrackingFigure(run).names, Contains(HasSubstr("q_ext - q")));
 }
 
-TEST(ScriptTest, ShowsUnderTorquesTheTargetInsteadOfAReferenceThatStandsStill) {
+TEST(RunFiguresTest, ShowUnderTorquesTheTargetInsteadOfAReferenceThatStandsStill) {
   const TemporaryFolder folder;
   RecordTorques(folder / "a.mcap");
   const RunData run = ReadRun(folder / "a.mcap");
   const JointLimits limits = test::PandaLimits();
-  EXPECT_THAT(PositionScript(run, limits),
-              AllOf(HasSubstr("q_ext, target"), HasSubstr(" 0.255\n"), Not(HasSubstr("q_d"))));
-  EXPECT_THAT(VelocityScript(run, limits),
-              AllOf(HasSubstr("dq_ext"), HasSubstr(" 0.125\n"), Not(HasSubstr("dq_d"))));
-  EXPECT_THAT(TorqueScript(run, limits),
-              AllOf(HasSubstr("joint 1: peak 8 of 87 Nm (9.2 %)"),
-                    HasSubstr("joint 7: peak 8 of 12"), HasSubstr(" -8\n"), HasSubstr(" 2\n")));
+  const Figure joints = JointsFigure(run, limits);
+  EXPECT_THAT(joints.names, AllOf(Contains("q_ext, target"), Not(Contains(HasSubstr("q_d")))));
+  EXPECT_EQ(joints.tables.at("reference").rows.front().back(), 0.255);
+  const Figure velocities = VelocitiesFigure(run, limits);
+  EXPECT_THAT(velocities.names,
+              AllOf(Contains(HasSubstr("dq_ext")), Not(Contains(HasSubstr("dq_d")))));
+  EXPECT_EQ(velocities.tables.at("reference").rows.front().back(), 0.125);
+  const Figure torques = TorquesFigure(run, limits);
+  EXPECT_THAT(torques.names, AllOf(Contains("joint 1: peak 8 of 87 Nm (9.2 %)"),
+                                   Contains(HasSubstr("joint 7: peak 8 of 12"))));
+  EXPECT_EQ(torques.tables.at("measured").rows.front().back(), -8);
+  EXPECT_EQ(torques.tables.at("reference").rows.front().back(), 2);
 }
 
 TEST(WritePlotsTest, DrawsTorquesInsteadOfJerkUnderTorques) {
@@ -256,17 +264,20 @@ TEST(WritePlotsTest, DrawsTorquesInsteadOfJerkUnderTorques) {
   EXPECT_FALSE(std::filesystem::exists(folder / "plots" / "jerk.svg"));
 }
 
-TEST(ScriptTest, MarksTheAbortInEveryFigureWhenThereIsOne) {
+TEST(RunFiguresTest, MarkTheAbortInEveryFigureWhenThereIsOne) {
   const TemporaryFolder folder;
   RecordAbort(folder / "a.mcap", 40, true, false);
   RecordAbort(folder / "b.mcap", 100, true, false);
   const JointLimits limits = test::PandaLimits();
   for (const auto& [log, marked] : {std::pair{"a.mcap", true}, {"b.mcap", false}}) {
     const RunData run = ReadRun(folder / log);
-    for (const std::string& script :
-         {PositionScript(run, limits), TrackingScript(run), VelocityScript(run, limits),
-          JerkScript(run, limits), ServedScript(run)}) {
-      EXPECT_EQ(script.find("set arrow from first 0.04,") != std::string::npos, marked) << script;
+    for (const Figure& figure :
+         {JointsFigure(run, limits), TrackingFigure(run), VelocitiesFigure(run, limits),
+          JerkFigure(run, limits), ServedFigure(run)}) {
+      EXPECT_EQ(figure.values.at("aborted"), marked ? 1 : 0) << figure.id;
+      EXPECT_EQ(figure.values.at("abort"), marked ? 0.04 : 0) << figure.id;
+      EXPECT_EQ(DrawPlot("run/", figure).find("rgb(122,  42, 144)") != std::string::npos, marked)
+          << figure.id;
     }
   }
 }
@@ -336,13 +347,13 @@ TEST(WritePlotsTest, ReportsAFolderThatCannotBeMade) {
                EnvironmentError);
 }
 
-TEST(DrawSvgTest, NamesTheCureWhenGnuplotIsMissing) {
+TEST(SvgOfTest, NamesTheCureWhenGnuplotIsMissing) {
   const TemporaryFolder folder;
   const std::string path = ::getenv("PATH");
   ::setenv("PATH", folder.path().c_str(), 1);
   std::string text;
   try {
-    DrawSvg("", folder / "a.svg");
+    WriteSvg(SvgOf(""), folder / "a.svg");
   } catch (const EnvironmentError& error) {
     text = error.what();
   }
@@ -351,10 +362,10 @@ TEST(DrawSvgTest, NamesTheCureWhenGnuplotIsMissing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(DrawSvgTest, PassesOnWhatGnuplotComplainsAbout) {
+TEST(SvgOfTest, PassesOnWhatGnuplotComplainsAbout) {
   const TemporaryFolder folder;
   try {
-    DrawSvg("set terminal svg\nplot nonsense\n", folder / "a.svg");
+    WriteSvg(SvgOf("set terminal svg\nplot nonsense\n"), folder / "a.svg");
     FAIL() << "no exception";
   } catch (const EnvironmentError& error) {
     EXPECT_THAT(error.what(), HasSubstr("undefined variable: nonsense"));
@@ -362,9 +373,9 @@ TEST(DrawSvgTest, PassesOnWhatGnuplotComplainsAbout) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(DrawSvgTest, NoticesAPictureThatIsNotWhole) {
+TEST(SvgOfTest, NoticesAPictureThatIsNotWhole) {
   const TemporaryFolder folder;
-  EXPECT_THROW(DrawSvg("set terminal svg\n", folder / "a.svg"), EnvironmentError);
+  EXPECT_THROW(WriteSvg(SvgOf("set terminal svg\n"), folder / "a.svg"), EnvironmentError);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 

@@ -22,6 +22,7 @@ CLOCK = re.compile(r"(steady|system|high_resolution|utc|file)_clock\b|\bclock_ge
 RANDOMNESS = re.compile(r"\bs?rand\(|\brandom_device\b|\bmt19937|\bdefault_random_engine\b|\bdrand48\b")
 ENVIRONMENT = re.compile(r"\bgetenv\(")
 MACHINE_PATH = re.compile(r"(?<![\w.])/(work|root|home/\w+)/|[.][.]/shared\b")
+HTML = re.compile(r"<(!DOCTYPE|html|table|t[rdh]|h[1-6]|div|pre|script|style|figure)[ >]")
 LOOSE_TODO = re.compile(r"\b(TODO|FIXME|XXX)\b(?!\(#\d+\))")
 
 CLOCK_READERS = ("src/core/clock.cc", "src/rt/")
@@ -91,6 +92,8 @@ def check_line(path, line, areas):
         yield "uses a random source of its own: use core/random.h"
     if ENVIRONMENT.search(code) and not path.startswith(ENVIRONMENT_READERS):
         yield "reads the environment: only cli does"
+    if product and HTML.search(code):
+        yield "writes HTML: pages are templates in src/report/templates"
 
 
 def check_code(path, lines, areas):
@@ -202,6 +205,7 @@ SELF_TEST = [
     ("src/core/a.cc", "std::mt19937 generator;\n", "random source"),
     ("tests/core/a_test.cc", "int x = rand();\n", "random source"),
     ("src/core/a.cc", 'std::getenv("HOME");\n', "reads the environment"),
+    ("src/golden/a.cc", 'page += "<td>";\n', "writes HTML"),
     ("include/twin/core/a.h", "int x;\n", "#pragma once"),
     ("src/core/BadName.cc", "int x;\n", "lower_snake"),
     ("src/core/a.cc", "int x;\n" * 601, "split it"),

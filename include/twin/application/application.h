@@ -12,6 +12,7 @@
 #include "twin/control/controller.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
+#include "twin/report/plot.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::application {
@@ -40,14 +41,6 @@ struct Finding {
   std::optional<bool> met{};  ///< absent: nothing is demanded
 };
 
-/// A plot for the page.
-struct Figure {
-  std::string id;  ///< letters, digits, '_'
-  std::string title;
-  std::string what;  ///< one sentence: what to see in it
-  std::string svg;   ///< as report::DrawChart gives it
-};
-
 /// What was done.
 struct TaskResult {
   TaskReport task;
@@ -58,7 +51,7 @@ struct TaskResult {
 /// What an application makes of the evidence.
 struct Evaluation {
   std::vector<Finding> findings{};
-  std::vector<Figure> figures{};
+  std::vector<report::Figure> figures{};  ///< drawn by templates/application/ID.gp
 };
 
 /// Does a whole task on a robot, by motions and commands to the hand, whatever drive the robot is

@@ -11,7 +11,7 @@ namespace twin::application {
 
 /// The page of many seeds: how many succeeded, what was found over all of them, which failed and
 /// why, a histogram of each finding with a demand. One HTML file with everything in it.
-/// @param facts  "lab": "a"; as a table. @throws EnvironmentError as report::DrawChart.
+/// @param facts  "lab": "a"; as a table. @throws EnvironmentError as report::DrawPlot.
 [[nodiscard]] std::string SeedsPage(const scenario::Scenario& scenario,
                                     const MonteCarloResult& result,
                                     const std::vector<std::pair<std::string, std::string>>& facts);

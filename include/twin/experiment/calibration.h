@@ -11,10 +11,9 @@ namespace twin::experiment {
 
 /// One of the paper's three loops.
 struct CalibratedLoop {
-  std::string_view name;    ///< as the paper has it: "LF"
-  std::string_view file;    ///< its scenario, without .yaml
-  loop::LoopKind kind{};    ///< what its scenario must say
-  std::string_view colour;  ///< in every chart
+  std::string_view name;  ///< as the paper has it: "LF"
+  std::string_view file;  ///< its scenario, without .yaml
+  loop::LoopKind kind{};  ///< what its scenario must say
 };
 
 /// LF, RS, RA, in the paper's order.

@@ -35,8 +35,9 @@ struct Setting {
 /// One of the paper's tables or figures. On the virtual clock the same setting gives the same
 /// bytes, and runs of one experiment may be worked off on several threads.
 struct Experiment {
-  std::string_view id;     ///< "timings"
-  std::string_view title;  ///< "Loop timings (Table 1)"
+  std::string_view id;      ///< "timings"
+  std::string_view title;   ///< "Loop timings (Table 1)"
+  std::string_view source;  ///< "Section 2, Table 1"
   /// @throws InputError and EnvironmentError as the runs do; the caller turns them into a failure
   /// of this experiment, and goes on with the next.
   Findings (*run)(const Setting& setting);
@@ -44,6 +45,9 @@ struct Experiment {
   /// any. Null: nothing in it hangs on how a machine keeps time.
   Findings (*run_on_wall_clock)(const Setting& setting) = nullptr;
 };
+
+/// Runs an experiment on the drive of the setting. @returns what `run` found, under its names.
+[[nodiscard]] Findings Run(const Experiment& experiment, const Setting& setting);
 
 /// All of them, in the order of the paper.
 [[nodiscard]] std::span<const Experiment> Experiments() noexcept;

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "twin/report/plot.h"
 
 namespace twin::experiment {
 
@@ -43,22 +46,17 @@ struct Comparison {
   [[nodiscard]] std::optional<double> ratio() const noexcept;
 };
 
-/// A plot of a report.
-struct Figure {
-  std::string id{};                         ///< letters, digits and '_': names its files
-  std::string title{};                      ///< a few words
-  std::string what{};                       ///< one sentence that says what to see
-  std::string svg{};                        ///< whole SVG document
-  std::string columns{};                    ///< head of the CSV: "name [unit],..."
-  std::vector<std::vector<double>> rows{};  ///< every curve's points, a row each
-};
+/// A plot of the report: src/report/templates/experiment/EXPERIMENT_FIGURE.gp draws it.
+using Figure = report::Figure;
 
 /// What an experiment found.
 struct Findings {
-  std::string id{};      ///< as --only and the files' names spell it: "timings"
+  std::string id{};      ///< as the command line and the files' names spell it: "timings"
   std::string title{};   ///< "Loop timings (Table 1)"
   std::string source{};  ///< where in the paper: "Section 2, Table 1"
-  std::string text{};    ///< how it was done, a few sentences, plain text; the report escapes it
+  /// Its section of the report: src/report/templates/experiment/PAGE.html. Empty: none.
+  std::string page{};
+  std::map<std::string, std::string> values{};  ///< what the section names, as text
   std::vector<Comparison> comparisons{};
   std::vector<Figure> figures{};
   std::string failure{};  ///< why it could not be done; empty: it was

@@ -33,9 +33,6 @@ struct PageFacts {
 /// The tables that a report names, without their folder; no name leads out of it.
 [[nodiscard]] std::vector<std::string> CsvNamesOf(std::string_view html);
 
-/// A figure's curves: its columns, then a line per row. What is not finite is left empty.
-[[nodiscard]] std::string Csv(const Figure& figure);
-
 /// "<experiment>_<figure>.csv".
 [[nodiscard]] std::string CsvName(const Findings& findings, const Figure& figure);
 

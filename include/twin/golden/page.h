@@ -25,7 +25,7 @@ struct CaseResult {
 /// slider over the frames with expected, actual and difference (key pictures in full size, others
 /// small), swapping the first two under the mouse; the joints with a mark at the frame; and the
 /// command that approves the case. The same results give the same bytes.
-/// @throws EnvironmentError as report::DrawChart.
+/// @throws EnvironmentError as report::DrawPlot.
 [[nodiscard]] std::string PageOf(std::span<const CaseResult> results);
 
 /// True if a file is a page of PageOf(); false if it cannot be read.

@@ -27,6 +27,7 @@
 #include "twin/experiment/page.h"
 #include "twin/loop/host_timing.h"
 #include "twin/model/model_library.h"
+#include "twin/report/plot.h"
 #include "twin/run/result_folder.h"
 #include "twin/run/summary.h"
 #include "twin/scenario/data_directory.h"
@@ -310,7 +311,7 @@ Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
       .interrupted = interrupt_.flag()};
   try {
     if (flags_.client) return experiment::RunClientStudy(setting, ClientOf(flags_, program_.host));
-    return on_wall_clock_ ? one.run_on_wall_clock(setting) : one.run(setting);
+    return experiment::Run(one, setting);
   } catch (const std::exception& failure) {
     interrupt_.ThrowIfInterrupted();
     if (flags_.client && dynamic_cast<const EnvironmentError*>(&failure) != nullptr) throw;
@@ -320,7 +321,7 @@ Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
 
 void ExperimentSession::WriteCsv(const Findings& findings) const {
   for (const experiment::Figure& figure : findings.figures) {
-    run::WriteWholeFile(tables() / experiment::CsvName(findings, figure), experiment::Csv(figure));
+    run::WriteWholeFile(tables() / experiment::CsvName(findings, figure), report::Csv(figure));
   }
 }
 
