@@ -8,11 +8,11 @@ namespace {
 
 class LockstepBackend final : public EmulatedBackend<robot::Robot> {
  public:
-  LockstepBackend(const backend::Request& request, const backend::LockstepHost& host,
+  LockstepBackend(const backend::Request& request, const backend::VirtualTime& time,
                   NamedPlant plant)
-      : EmulatedBackend(std::move(plant.name), request.robot, std::move(plant.plant), host.events,
-                        host.state_ready, request.sink),
-        events_(host.events) {
+      : EmulatedBackend(std::move(plant.name), request.robot, std::move(plant.plant), time.events,
+                        time.state_ready, request.sink),
+        events_(time.events) {
     robot().Begin();
   }
 
@@ -37,9 +37,9 @@ class LockstepBackend final : public EmulatedBackend<robot::Robot> {
 
 }  // namespace
 
-void ConnectLockstep(const backend::Request& request, const backend::LockstepHost& host,
+void ConnectLockstep(const backend::Request& request, const backend::VirtualTime& time,
                      NamedPlant plant, backend::Connection& connection) {
-  auto backend = std::make_unique<LockstepBackend>(request, host, std::move(plant));
+  auto backend = std::make_unique<LockstepBackend>(request, time, std::move(plant));
   connection.panel = backend.get();
   connection.hand = backend->hand();
   connection.base = backend->base();

@@ -5,9 +5,9 @@
 
 namespace twin::plugins {
 
-/// Connects the emulated robot on the virtual clock: its cycles are events of the host's queue from
-/// now on. Sets backend and panel of the connection.
-void ConnectLockstep(const backend::Request& request, const backend::LockstepHost& host,
+/// Connects the emulated robot on the virtual clock: its cycles are events of the queue from now on.
+/// Sets backend and panel of the connection.
+void ConnectLockstep(const backend::Request& request, const backend::VirtualTime& time,
                      NamedPlant plant, backend::Connection& connection);
 
 }  // namespace twin::plugins

@@ -24,17 +24,17 @@ NamedPlant MakePlant(const robot::RobotConfig& robot, backend::Connection& conne
 }
 
 backend::Connection Connect(const backend::Request& request) {
-  if (std::holds_alternative<backend::RemoteHost>(request.host)) {
+  if (std::holds_alternative<backend::RemoteRobot>(request.time)) {
     throw InputError(
         "backend mujoco is in this process, not at the other end of a wire; say drive: lockstep or "
         "realtime, or backend: fci");
   }
   backend::Connection connection;
   NamedPlant plant = MakePlant(request.robot, connection);
-  if (const auto* lockstep = std::get_if<backend::LockstepHost>(&request.host)) {
+  if (const auto* lockstep = std::get_if<backend::VirtualTime>(&request.time)) {
     ConnectLockstep(request, *lockstep, std::move(plant), connection);
   } else {
-    ConnectRealtime(request, std::get<backend::RealtimeHost>(request.host), std::move(plant),
+    ConnectRealtime(request, std::get<backend::WallTime>(request.time), std::move(plant),
                     connection);
   }
   return connection;

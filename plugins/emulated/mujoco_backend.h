@@ -5,7 +5,7 @@
 namespace twin::plugins {
 
 /// Adds the backend "mujoco": the emulated robot in this process, on the virtual or the wall clock
-/// by the request's host, with the plant of the robot's configuration (MuJoCo, or the ideal plant).
+/// by the request's time, with the plant of the robot's configuration (MuJoCo, or the ideal plant).
 void RegisterMujoco(backend::Registry& registry);
 
 }  // namespace twin::plugins

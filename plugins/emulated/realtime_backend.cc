@@ -11,11 +11,10 @@ namespace {
 class RealtimeBackend final : public EmulatedBackend<robot::RealtimeRobot>,
                               public backend::RealtimeRobotControl {
  public:
-  RealtimeBackend(const backend::Request& request, const backend::RealtimeHost& host,
-                  NamedPlant plant)
-      : EmulatedBackend(std::move(plant.name), request.robot, std::move(plant.plant), host.clock,
-                        host.robot_thread, request.sink),
-        clock_(host.clock) {}
+  RealtimeBackend(const backend::Request& request, const backend::WallTime& time, NamedPlant plant)
+      : EmulatedBackend(std::move(plant.name), request.robot, std::move(plant.plant), time.clock,
+                        time.robot_thread, request.sink),
+        clock_(time.clock) {}
 
   [[nodiscard]] rt::Arrival& arrival() noexcept { return robot().arrival(); }
 
@@ -51,9 +50,9 @@ class RealtimeBackend final : public EmulatedBackend<robot::RealtimeRobot>,
 
 }  // namespace
 
-void ConnectRealtime(const backend::Request& request, const backend::RealtimeHost& host,
+void ConnectRealtime(const backend::Request& request, const backend::WallTime& time,
                      NamedPlant plant, backend::Connection& connection) {
-  auto backend = std::make_unique<RealtimeBackend>(request, host, std::move(plant));
+  auto backend = std::make_unique<RealtimeBackend>(request, time, std::move(plant));
   connection.arrival = &backend->arrival();
   connection.robot_time = backend.get();
   connection.panel = backend.get();

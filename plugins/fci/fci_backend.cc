@@ -92,14 +92,15 @@ static_assert(std::atomic<MotionModes>::is_always_lock_free);
 
 class FciBackend final : public backend::Backend {
  public:
-  FciBackend(const backend::Request& request, const backend::RemoteHost& host)
-      : time_(host.time),
-        port_(host.arm_port == 0 ? fci::kArmPort : host.arm_port),
-        client_(host.clock, host.address, port_, TimeoutFor(host.time), host.capture),
+  FciBackend(const backend::Request& request, const backend::RobotAddress& address,
+             const MonotonicClock& clock)
+      : time_(address.time),
+        port_(address.arm_port == 0 ? fci::kArmPort : address.arm_port),
+        client_(clock, address.host, port_, TimeoutFor(address.time), address.capture),
         is_twin_(client_.SaysItIsATwin()) {
     if (request.robot.plant.hand == plant::HandKind::kNone) return;
     const auto next = static_cast<std::uint16_t>(port_ + 1);
-    hand_.emplace(host.address, next, host.capture);
+    hand_.emplace(address.host, next, address.capture);
   }
 
   [[nodiscard]] rt::Arrival& arrival() noexcept { return client_.arrival(); }
@@ -215,13 +216,13 @@ void FciBackend::Stop() {
 }  // namespace
 
 backend::Connection ConnectFci(const backend::Request& request) {
-  const auto* host = std::get_if<backend::RemoteHost>(&request.host);
-  if (host == nullptr) {
+  const auto* remote = std::get_if<backend::RemoteRobot>(&request.time);
+  if (remote == nullptr) {
     throw InputError(
         "backend fci is a robot at the other end of a wire, which keeps its own time; say drive: "
         "remote, or backend: mujoco");
   }
-  auto backend = std::make_unique<FciBackend>(request, *host);
+  auto backend = std::make_unique<FciBackend>(request, remote->address, remote->clock);
   backend::Connection connection;
   connection.arrival = &backend->arrival();
   connection.hand = backend->hand();

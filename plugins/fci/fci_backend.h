@@ -11,7 +11,7 @@ namespace twin::plugins {
 /// Its arrival is the state socket. It has no panel, truth or cycle records; it has a hand if the
 /// request's robot has one.
 ///
-/// @throws InputError if the request's host is not a RemoteHost, or its address is invalid;
+/// @throws InputError if the request's time is not a RemoteRobot, or its address is invalid;
 /// RobotFault if the robot cannot be reached or speaks another version.
 [[nodiscard]] backend::Connection ConnectFci(const backend::Request& request);
 

@@ -47,7 +47,7 @@ run::RealtimeSettings ServedAt(const fci::Endpoint& arm) {
   run::RealtimeSettings settings;
   settings.remote.host = "127.0.0.1";
   settings.remote.arm_port = arm.port;
-  settings.remote.checks_start = false;
+  settings.checks_start = false;
   return settings;
 }
 

@@ -41,7 +41,7 @@ class WorkstationSide final : public rt::RecordSink {
 }  // namespace
 
 run::RunResult RunOverWire(const Setting& setting, const scenario::Scenario& scenario,
-                                rt::RecordSink* sink) {
+                           rt::RecordSink* sink) {
   scenario::Scenario served = scenario;
   served.robot.clock_drift_ppm -= scenario.controller.clock_drift_ppm;
   RobotSide robot_side(sink);
@@ -54,7 +54,8 @@ run::RunResult RunOverWire(const Setting& setting, const scenario::Scenario& sce
   remote.controller.clock_drift_ppm = 0;
   WorkstationSide workstation_side(sink);
   run::RealtimeSettings settings;
-  settings.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port, .checks_start = false};
+  settings.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port};
+  settings.checks_start = false;
   run::RunResult result;
   {
     run::Run run(remote, setting.catalogue, setting.files, &workstation_side, settings);

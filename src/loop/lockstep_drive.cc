@@ -1,26 +1,23 @@
-#include "twin/loop/lockstep_drive.h"
-
 #include <memory>
 
-#include "loop/motion_session.h"
-#include "twin/loop/control_tick.h"
-#include "twin/loop/controller_loop.h"
-#include "twin/loop/exchange.h"
+#include "loop/motion_runner.h"
+#include "twin/loop/drive.h"
+#include "twin/rt/event_queue.h"
 
 namespace twin::loop {
 namespace {
 
-class LockstepStage;
+class LockstepRunner;
 
 /// Hands the queue's events to the motion they were scheduled for. It outlives the motions: an
 /// event that is still pending when its motion is over reaches nobody.
 class Port final : public rt::EventHandler {
  public:
-  using Step = void (LockstepStage::*)(Time) noexcept;
+  using Step = void (LockstepRunner::*)(Time) noexcept;
   explicit Port(Step step) : step_(step) {}
 
-  void Attach(LockstepStage* stage) noexcept {
-    stage_ = stage;
+  void Attach(LockstepRunner* runner) noexcept {
+    runner_ = runner;
     ++serial_;
   }
   void Schedule(rt::EventQueue& events, Time at, rt::EventOrder order) noexcept {
@@ -30,7 +27,7 @@ class Port final : public rt::EventHandler {
 
  private:
   Step step_;
-  LockstepStage* stage_ = nullptr;
+  LockstepRunner* runner_ = nullptr;
   std::uint64_t serial_ = 0;
 };
 
@@ -43,17 +40,14 @@ struct Ports {
 };
 
 /// Runs the loops of one motion from the event queue.
-class LockstepStage final : public Stage {
+class LockstepRunner final : public MotionRunner {
  public:
-  LockstepStage(rt::EventQueue& events, const MotionRun& run, Ports& ports)
-      : events_(events),
-        run_(run),
-        ports_(ports),
-        tick_(run.tick, run.controller.command_interface(), exchange_),
-        loop_(MakeLoop(run, tick_, exchange_)),
-        controller_loop_(run.controller_loop, run.controller, exchange_, run.seed) {}
+  LockstepRunner(rt::EventQueue& events, const MotionRun& run, Ports& ports)
+      : MotionRunner(run), events_(events), ports_(ports) {
+    loop_ = MakeLoop(run, tick_, exchange_);
+  }
 
-  RunReport Run();
+  void Begin();
 
   /// A state has arrived.
   void OnState(Time now) noexcept {
@@ -74,8 +68,6 @@ class LockstepStage final : public Stage {
     }
     return true;
   }
-  [[nodiscard]] const RobotState& State() override { return loop_->state(); }
-  void Activate(const MotionModes& modes) override { loop_->Activate(modes); }
   void StopController() override { controller_stopped_ = true; }
 
  private:
@@ -85,22 +77,16 @@ class LockstepStage final : public Stage {
   }
 
   rt::EventQueue& events_;
-  const MotionRun& run_;
   Ports& ports_;
-  Exchange exchange_;
-  ControlTick tick_;
-  std::unique_ptr<CommunicationLoop> loop_;
-  ControllerLoop controller_loop_;
-  MotionWatch watch_;
   bool reading_ = false;
   bool controller_stopped_ = false;
 };
 
 void Port::OnEvent(Time now, std::uint64_t serial) noexcept {
-  if (stage_ != nullptr && serial == serial_) (stage_->*step_)(now);
+  if (runner_ != nullptr && serial == serial_) (runner_->*step_)(now);
 }
 
-void LockstepStage::Look(Time now) noexcept {
+void LockstepRunner::Look(Time now) noexcept {
   switch (loop_->OnState()) {
     case CommunicationLoop::Outcome::kPending: return;
     case CommunicationLoop::Outcome::kLost: watch_.Fail(LoopFailure::kConnectionLost); return;
@@ -112,7 +98,7 @@ void LockstepStage::Look(Time now) noexcept {
   if (begins && run_.kind == LoopKind::kAsynchronous) ScheduleWake(controller_loop_.Start(now));
 }
 
-void LockstepStage::OnTickDone(Time now) noexcept {
+void LockstepRunner::OnTickDone(Time now) noexcept {
   loop_->Write();
   const Time next = loop_->OnDone(now);
   if (loop_->record().action == rt::TickAction::kInvalid) {
@@ -125,7 +111,7 @@ void LockstepStage::OnTickDone(Time now) noexcept {
   }
 }
 
-void LockstepStage::OnControllerWake(Time now) noexcept {
+void LockstepRunner::OnControllerWake(Time now) noexcept {
   if (controller_stopped_ || watch_.ended()) return;
   if (controller_loop_.OnWake(now)) {
     ports_.controller_done.Schedule(events_, now + controller_loop_.cost(),
@@ -135,7 +121,7 @@ void LockstepStage::OnControllerWake(Time now) noexcept {
   }
 }
 
-RunReport LockstepStage::Run() {
+void LockstepRunner::Begin() {
   const Time now = events_.Now();
   const Time first = loop_->Start(now);
   if (first <= now) {
@@ -143,55 +129,58 @@ RunReport LockstepStage::Run() {
   } else {
     ports_.read_begin.Schedule(events_, first, rt::EventOrder::kReadBegin);
   }
-  RunReport report = MotionSession(run_, *this, watch_).Run();
-  report.timings = loop_->timings();
-  report.deviation = loop_->deviation();
-  report.controller_overruns = controller_loop_.overruns();
-  if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_->LastTicks();
-  return report;
 }
 
-}  // namespace
-
-class LockstepDrive::Impl final : public rt::EventHandler {
+class LockstepDrive final : public Drive, private rt::EventHandler {
  public:
-  void OnEvent(Time now, std::uint64_t /*message_id*/) noexcept override {
-    if (stage_ != nullptr) stage_->OnState(now);
-  }
+  LockstepDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
+                rt::RecordSink* sink)
+      : connection_(connect({robot, backend::VirtualTime{events_, *this}, sink})) {}
 
-  RunReport Run(rt::EventQueue& events, const MotionRun& run) {
-    LockstepStage stage(events, run, ports_);
-    Attach(&stage);
+  [[nodiscard]] const backend::Connection& connection() const noexcept override {
+    return connection_;
+  }
+  [[nodiscard]] Time Now() const override { return events_.Now(); }
+
+  [[nodiscard]] RunReport Run(const MotionRun& run) override {
+    LockstepRunner runner(events_, run, ports_);
+    Attach(&runner);
     const struct Detach {
-      Impl& impl;
-      ~Detach() { impl.Attach(nullptr); }
+      LockstepDrive& drive;
+      ~Detach() { drive.Attach(nullptr); }
     } detach{*this};
-    return stage.Run();
+    runner.Begin();
+    return runner.Run();
   }
 
  private:
-  void Attach(LockstepStage* stage) noexcept {
-    stage_ = stage;
+  void Wait(Time /*limit*/) override { static_cast<void>(events_.RunNext()); }
+
+  /// A state has arrived.
+  void OnEvent(Time now, std::uint64_t /*message_id*/) noexcept override {
+    if (runner_ != nullptr) runner_->OnState(now);
+  }
+  void Attach(LockstepRunner* runner) noexcept {
+    runner_ = runner;
     for (Port* port : {&ports_.read_begin, &ports_.tick_done, &ports_.controller_wake,
                        &ports_.controller_done}) {
-      port->Attach(stage);
+      port->Attach(runner);
     }
   }
 
-  LockstepStage* stage_ = nullptr;
-  Ports ports_{Port(&LockstepStage::OnReadBegin), Port(&LockstepStage::OnTickDone),
-               Port(&LockstepStage::OnControllerWake), Port(&LockstepStage::OnControllerDone)};
+  LockstepRunner* runner_ = nullptr;
+  Ports ports_{Port(&LockstepRunner::OnReadBegin), Port(&LockstepRunner::OnTickDone),
+               Port(&LockstepRunner::OnControllerWake), Port(&LockstepRunner::OnControllerDone)};
+  // The backend's robot is on the queue and tells the drive: the queue must outlive it.
+  rt::EventQueue events_;
+  backend::Connection connection_;
 };
 
-LockstepDrive::LockstepDrive() : impl_(std::make_unique<Impl>()) {}
-LockstepDrive::~LockstepDrive() = default;
+}  // namespace
 
-rt::EventHandler& LockstepDrive::StateReady() noexcept {
-  return *impl_;
-}
-
-RunReport LockstepDrive::Run(rt::EventQueue& events, const MotionRun& run) {
-  return impl_->Run(events, run);
+std::unique_ptr<Drive> MakeLockstepDrive(const backend::Factory& connect,
+                                         const robot::RobotConfig& robot, rt::RecordSink* sink) {
+  return std::make_unique<LockstepDrive>(connect, robot, sink);
 }
 
 }  // namespace twin::loop

@@ -1,16 +1,12 @@
-#include "twin/loop/realtime_drive.h"
-
 #include <algorithm>
 #include <optional>
 
 #include "loop/communication_thread.h"
 #include "loop/controller_thread.h"
-#include "loop/motion_session.h"
-#include "twin/core/check.h"
+#include "loop/motion_runner.h"
+#include "loop/state_time_drive.h"
 #include "twin/core/error.h"
-#include "twin/loop/control_tick.h"
-#include "twin/loop/controller_loop.h"
-#include "twin/loop/exchange.h"
+#include "twin/loop/drive.h"
 #include "twin/rt/sleep.h"
 
 namespace twin::loop {
@@ -26,38 +22,32 @@ void AddNew(const std::vector<std::string>& notices, std::vector<std::string>& a
   }
 }
 
-class RealtimeStage final : public Stage {
+class RealtimeRunner final : public MotionRunner {
  public:
-  RealtimeStage(const MonotonicClock& clock, const backend::Connection& connection,
-                const MotionRun& run, const RealtimeThreads& threads)
-      : clock_(clock),
-        run_(run),
-        moving_(clock),
-        tick_(run.tick, run.controller.command_interface(), exchange_),
-        loop_(MakeLoop(run, tick_, exchange_)),
-        controller_loop_(run.controller_loop, run.controller, exchange_, run.seed),
-        communication_(clock, *loop_, run.backend, *connection.arrival, watch_, moving_,
-                       threads.communication) {
+  RealtimeRunner(const MonotonicClock& clock, const backend::Connection& connection,
+                 const MotionRun& run, const DriveThreads& threads)
+      : MotionRunner(run), clock_(clock), moving_(clock) {
+    loop_ = MakeLoop(run, tick_, exchange_);
+    // A simulated robot puts its own cycles.
+    loop_->RecordStates(connection.robot_time == nullptr);
+    communication_.emplace(clock, *loop_, run.backend, *connection.arrival, watch_, moving_,
+                           threads.communication);
     if (run.kind == LoopKind::kAsynchronous) {
       controller_.emplace(clock, controller_loop_, watch_, moving_, threads.controller);
     }
   }
-  ~RealtimeStage() override { End(); }
-  RealtimeStage(const RealtimeStage&) = delete;
-  RealtimeStage& operator=(const RealtimeStage&) = delete;
+  ~RealtimeRunner() override { StopThreads(); }
+  RealtimeRunner(const RealtimeRunner&) = delete;
+  RealtimeRunner& operator=(const RealtimeRunner&) = delete;
 
-  RunReport Run() {
-    RunReport report = MotionSession(run_, *this, watch_).Run();
-    End();
-    report.timings = loop_->timings();
-    report.deviation = loop_->deviation();
-    report.controller_overruns = controller_loop_.overruns();
-    report.notices = communication_.notices();
-    if (controller_) AddNew(controller_->notices(), report.notices);
-    if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_->LastTicks();
-    return report;
+  /// What the threads were not permitted. @pre the motion is over.
+  [[nodiscard]] std::vector<std::string> Notices() const {
+    std::vector<std::string> notices = communication_->notices();
+    if (controller_) AddNew(controller_->notices(), notices);
+    return notices;
   }
 
+ private:
   [[nodiscard]] Time Now() const override { return clock_.Now(); }
   [[nodiscard]] bool PassUntil(Time limit, const std::function<bool()>& done) override {
     while (!done()) {
@@ -66,7 +56,7 @@ class RealtimeStage final : public Stage {
     }
     return true;
   }
-  [[nodiscard]] const RobotState& State() override { return communication_.State(); }
+  [[nodiscard]] const RobotState& State() override { return communication_->State(); }
   void Activate(const MotionModes& modes) override {
     DoOnCommunication([&] { loop_->Activate(modes); });
   }
@@ -78,57 +68,93 @@ class RealtimeStage final : public Stage {
       DoOnCommunication([&] { loop_->StopController(); });
     }
   }
+  void EndThreads() override { StopThreads(); }
 
- private:
   template <typename Function>
   void DoOnCommunication(Function function) {
     rt::FunctionCall<Function> call(function);
-    if (communication_.Execute(call)) return;
+    if (communication_->Execute(call)) return;
     throw EnvironmentError(
         "the communication thread has not run for 1 s; this machine gives it no time (see "
         "panda-twin check)");
   }
 
   /// Ends both threads; afterwards nothing puts ticks or calls the controller.
-  void End() {
+  void StopThreads() {
     if (controller_) controller_->Stop();
-    communication_.Stop();
+    if (communication_) communication_->Stop();
   }
 
   const MonotonicClock& clock_;
-  const MotionRun& run_;
-  Exchange exchange_;
-  MotionWatch watch_;
   rt::Signal moving_;
-  ControlTick tick_;
-  std::unique_ptr<CommunicationLoop> loop_;
-  ControllerLoop controller_loop_;
-  CommunicationThread communication_;
-  std::optional<ControllerThread> controller_;
+  std::optional<CommunicationThread> communication_;  ///< there from the constructor on
+  std::optional<ControllerThread> controller_;        ///< of the asynchronous loop
+};
+
+class RealtimeDrive final : public Drive {
+ public:
+  RealtimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
+                rt::RecordSink* sink, const DriveThreads& threads)
+      : threads_(threads),
+        connection_(connect({robot, backend::WallTime{clock_, threads.robot}, sink})) {}
+  RealtimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
+                rt::RecordSink* sink, const backend::RobotAddress& address,
+                const DriveThreads& threads)
+      : threads_(threads),
+        connection_(connect({robot, backend::RemoteRobot{clock_, address}, sink})) {}
+  ~RealtimeDrive() override { static_cast<void>(End()); }
+
+  [[nodiscard]] const backend::Connection& connection() const noexcept override {
+    return connection_;
+  }
+  [[nodiscard]] const MonotonicClock* wall_clock() const noexcept override { return &clock_; }
+  [[nodiscard]] Time Now() const override { return clock_.Now(); }
+
+  void Begin() override {
+    clock_.Restart();
+    if (connection_.robot_time != nullptr) connection_.robot_time->Begin();
+    begun_ = true;
+  }
+  [[nodiscard]] RunReport Run(const MotionRun& run) override {
+    const MotionRun measured = WithoutModels(run);
+    RealtimeRunner runner(clock_, connection_, measured, threads_);
+    RunReport report = runner.Run();
+    report.notices = runner.Notices();
+    return report;
+  }
+  backend::RobotTimings End() override {
+    if (connection_.robot_time == nullptr || !begun_) return {};
+    connection_.robot_time->End();
+    return connection_.robot_time->timings();
+  }
+
+ private:
+  void Wait(Time limit) override {
+    static_cast<void>(connection_.arrival->AwaitUntil(std::min(limit, clock_.Now() + kLook)));
+  }
+
+  MonotonicClock clock_;
+  const DriveThreads threads_;
+  bool begun_ = false;
+  backend::Connection connection_;
 };
 
 }  // namespace
 
-RobotCycles::RobotCycles(const backend::Connection& connection) : robot_(connection.robot_time) {
-  if (robot_ != nullptr) robot_->Begin();
+std::unique_ptr<Drive> MakeRealtimeDrive(const backend::Factory& connect,
+                                         const robot::RobotConfig& robot, rt::RecordSink* sink,
+                                         const DriveThreads& threads) {
+  return std::make_unique<RealtimeDrive>(connect, robot, sink, threads);
 }
 
-RobotCycles::~RobotCycles() {
-  if (robot_ != nullptr) robot_->End();
-}
-
-backend::RobotTimings RobotCycles::End() {
-  if (robot_ == nullptr) return {};
-  robot_->End();
-  return robot_->timings();
-}
-
-RunReport RunInRealtime(const MonotonicClock& clock, const backend::Connection& connection,
-                        const MotionRun& run, const RealtimeThreads& threads) {
-  TWIN_CHECK(connection.arrival != nullptr);
-  const MotionRun measured = WithoutModels(run);
-  RealtimeStage stage(clock, connection, measured, threads);
-  return stage.Run();
+std::unique_ptr<Drive> MakeRemoteDrive(const backend::Factory& connect,
+                                       const robot::RobotConfig& robot, rt::RecordSink* sink,
+                                       const backend::RobotAddress& address,
+                                       const DriveThreads& threads) {
+  if (address.time == backend::RobotTime::kStates) {
+    return MakeStateTimeDrive(connect, robot, sink, address);
+  }
+  return std::make_unique<RealtimeDrive>(connect, robot, sink, address, threads);
 }
 
 }  // namespace twin::loop

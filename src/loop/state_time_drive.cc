@@ -1,11 +1,9 @@
-#include "twin/loop/state_time_drive.h"
+#include "loop/state_time_drive.h"
 
-#include "loop/motion_session.h"
-#include "twin/core/check.h"
+#include <utility>
+
+#include "loop/motion_runner.h"
 #include "twin/core/error.h"
-#include "twin/loop/control_tick.h"
-#include "twin/loop/controller_loop.h"
-#include "twin/loop/exchange.h"
 #include "twin/loop/state_time_loop.h"
 
 namespace twin::loop {
@@ -26,34 +24,28 @@ MotionRun OnStates(const MotionRun& run) {
   return on_states;
 }
 
-class StateTimeStage final : public Stage {
+/// How far the robot's states have come, over several motions.
+struct StateTimeline {
+  std::uint64_t first_id = 0;  ///< of the state at time zero; 0: of the next that is read
+  Time now{};                  ///< of the state read last
+};
+
+class StateTimeRunner final : public MotionRunner {
  public:
-  StateTimeStage(const MonotonicClock& clock, rt::Arrival& arrival, const MotionRun& run,
-                 StateTimeline& timeline)
-      : clock_(clock),
-        arrival_(arrival),
-        run_(run),
-        timeline_(timeline),
-        tick_(run.tick, run.controller.command_interface(), exchange_),
-        controller_(run.controller_loop, run.controller, exchange_, run.seed),
-        loop_(tick_, run.backend, run.sink, controller_, timeline.first_id, timeline.now) {
-    loop_.RecordStates(run.record_states);
+  StateTimeRunner(const MonotonicClock& clock, rt::Arrival& arrival, const MotionRun& run,
+                  StateTimeline& timeline)
+      : MotionRunner(run), clock_(clock), arrival_(arrival), timeline_(timeline) {
+    auto loop = std::make_unique<StateTimeLoop>(tick_, run.backend, run.sink, controller_loop_,
+                                                timeline.first_id, timeline.now);
+    states_ = loop.get();
+    loop_ = std::move(loop);
+    loop_->RecordStates(true);
+    static_cast<void>(loop_->Start(Now()));
   }
-  ~StateTimeStage() override { timeline_ = {loop_.first_id(), loop_.now()}; }
-  StateTimeStage(const StateTimeStage&) = delete;
-  StateTimeStage& operator=(const StateTimeStage&) = delete;
+  ~StateTimeRunner() override { timeline_ = {states_->first_id(), states_->now()}; }
 
-  RunReport Run() {
-    static_cast<void>(loop_.Start(Now()));
-    RunReport report = MotionSession(run_, *this, watch_).Run();
-    report.timings = loop_.timings();
-    report.deviation = loop_.deviation();
-    report.controller_overruns = controller_.overruns();
-    if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_.LastTicks();
-    return report;
-  }
-
-  [[nodiscard]] Time Now() const override { return loop_.now(); }
+ private:
+  [[nodiscard]] Time Now() const override { return states_->now(); }
   [[nodiscard]] bool PassUntil(Time limit, const std::function<bool()>& done) override {
     while (!done()) {
       if (Now() >= limit || lost_) return false;
@@ -61,14 +53,11 @@ class StateTimeStage final : public Stage {
     }
     return true;
   }
-  [[nodiscard]] const RobotState& State() override { return loop_.state(); }
-  void Activate(const MotionModes& modes) override { loop_.Activate(modes); }
-  void StopController() override { loop_.StopController(); }
+  void StopController() override { loop_->StopController(); }
 
- private:
   /// One state, if one comes in time.
   void Step() {
-    switch (loop_.OnState()) {
+    switch (loop_->OnState()) {
       case CommunicationLoop::Outcome::kPending:
         static_cast<void>(arrival_.AwaitUntil(clock_.Now() + kLook));
         return;
@@ -78,36 +67,61 @@ class StateTimeStage final : public Stage {
         return;
       case CommunicationLoop::Outcome::kComputing: break;
     }
-    loop_.Write();
-    static_cast<void>(loop_.OnDone(Now()));
-    static_cast<void>(watch_.Observe(loop_.InMotion(), Now()));
-    if (loop_.record().action == rt::TickAction::kInvalid) {
+    loop_->Write();
+    static_cast<void>(loop_->OnDone(Now()));
+    static_cast<void>(watch_.Observe(loop_->InMotion(), Now()));
+    if (loop_->record().action == rt::TickAction::kInvalid) {
       watch_.Fail(LoopFailure::kInvalidCommand);
     }
   }
 
   const MonotonicClock& clock_;
   rt::Arrival& arrival_;
-  const MotionRun& run_;
   StateTimeline& timeline_;
-  Exchange exchange_;
-  MotionWatch watch_;
-  ControlTick tick_;
-  ControllerLoop controller_;
-  StateTimeLoop loop_;
+  StateTimeLoop* states_ = nullptr;  ///< loop_
   bool lost_ = false;
+};
+
+class StateTimeDrive final : public Drive {
+ public:
+  StateTimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
+                 rt::RecordSink* sink, const backend::RobotAddress& address)
+      : connection_(connect({robot, backend::RemoteRobot{clock_, address}, sink})) {}
+
+  [[nodiscard]] const backend::Connection& connection() const noexcept override {
+    return connection_;
+  }
+  [[nodiscard]] const MonotonicClock* wall_clock() const noexcept override { return &clock_; }
+  [[nodiscard]] Time Now() const override { return timeline_.now; }
+
+  void Begin() override { clock_.Restart(); }
+  [[nodiscard]] RunReport Run(const MotionRun& run) override {
+    const MotionRun on_states = OnStates(run);
+    return StateTimeRunner(clock_, *connection_.arrival, on_states, timeline_).Run();
+  }
+
+ private:
+  void Wait(Time /*limit*/) override {
+    constexpr Duration kShortLook = std::chrono::milliseconds(5);
+    static_cast<void>(connection_.arrival->AwaitUntil(clock_.Now() + kShortLook));
+  }
+  void Observe(const RobotState& state) override {
+    if (timeline_.first_id == 0) timeline_.first_id = state.message_id;
+    const std::uint64_t cycles = state.message_id - timeline_.first_id;
+    timeline_.now = Time(kCycle * static_cast<std::int64_t>(cycles));
+  }
+
+  MonotonicClock clock_;
+  StateTimeline timeline_;
+  backend::Connection connection_;
 };
 
 }  // namespace
 
-RunReport RunOnStateTime(const MonotonicClock& clock, const backend::Connection& connection,
-                         const MotionRun& run, StateTimeline* timeline) {
-  TWIN_CHECK(connection.arrival != nullptr);
-  const MotionRun on_states = OnStates(run);
-  StateTimeline own;
-  return StateTimeStage(clock, *connection.arrival, on_states,
-                        timeline == nullptr ? own : *timeline)
-      .Run();
+std::unique_ptr<Drive> MakeStateTimeDrive(const backend::Factory& connect,
+                                          const robot::RobotConfig& robot, rt::RecordSink* sink,
+                                          const backend::RobotAddress& address) {
+  return std::make_unique<StateTimeDrive>(connect, robot, sink, address);
 }
 
 }  // namespace twin::loop

@@ -5,12 +5,19 @@
 
 #include <fmt/format.h>
 
+#include "twin/core/error.h"
+
 namespace twin::run {
 namespace {
 
 constexpr Duration kPeriod = std::chrono::milliseconds(50);
 
 }  // namespace
+
+backend::MobileBase& RequireBase(const backend::Connection& connection, std::string_view backend) {
+  if (connection.base != nullptr) return *connection.base;
+  throw InputError(fmt::format("base: the backend {} has no mobile base; leave it out", backend));
+}
 
 DriveScript::DriveScript(const std::vector<scenario::DriveEvent>& events, backend::MobileBase& base,
                          Tell tell)

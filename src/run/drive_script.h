@@ -6,10 +6,16 @@
 #include <vector>
 
 #include "twin/backend/mobile_base.h"
+#include "twin/backend/registry.h"
 #include "twin/core/time.h"
 #include "twin/scenario/base_section.h"
 
 namespace twin::run {
+
+/// @returns the connection's mobile base. @throws InputError when the backend of this name has
+/// none.
+[[nodiscard]] backend::MobileBase& RequireBase(const backend::Connection& connection,
+                                               std::string_view backend);
 
 /// Asks a mobile base for what a scenario lists, every 50 ms, as somebody at a stick would; for
 /// zero where it lists nothing.

@@ -19,6 +19,12 @@ std::string EndText(const HandCommand& command, const HandOutcome& outcome) {
 
 }  // namespace
 
+backend::Hand& RequireHand(const backend::Connection& connection, std::string_view backend) {
+  if (connection.hand != nullptr) return *connection.hand;
+  throw InputError(
+      fmt::format("hand: the backend {} has no hand; leave the commands out", backend));
+}
+
 HandScript::HandScript(const std::vector<scenario::HandEvent>& events, backend::Hand& hand,
                        Tell tell)
     : events_(events), hand_(hand), tell_(std::move(tell)), outcomes_(events.size()) {}

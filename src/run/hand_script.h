@@ -7,11 +7,16 @@
 #include <vector>
 
 #include "twin/backend/hand.h"
+#include "twin/backend/registry.h"
 #include "twin/core/time.h"
 #include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::run {
+
+/// @returns the connection's hand. @throws InputError when the backend of this name has none.
+[[nodiscard]] backend::Hand& RequireHand(const backend::Connection& connection,
+                                         std::string_view backend);
 
 /// Gives a hand its commands at their times, and sees how they end. A command that the hand refuses
 /// or does not answer has failed; the arm's motion goes on.

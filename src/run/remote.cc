@@ -53,8 +53,8 @@ bool HasOwnLaws(const scenario::OnboardSection& onboard) {
 
 }  // namespace
 
-RemoteSettings ParseRemote(std::string_view robot, std::string_view time) {
-  RemoteSettings settings;
+backend::RobotAddress ParseRemote(std::string_view robot, std::string_view time) {
+  backend::RobotAddress settings;
   settings.time = ParseTime(time);
   const std::size_t colon = robot.rfind(':');
   settings.host = std::string(robot.substr(0, colon));

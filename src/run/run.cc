@@ -12,7 +12,6 @@
 #include "run/hand_script.h"
 #include "run/prepared_motion.h"
 #include "run/resolve.h"
-#include "run/session_core.h"
 #include "run/start_check.h"
 #include "twin/run/session.h"
 
@@ -40,37 +39,37 @@ bool IsNear(const JointVector& q, const JointVector& q_start) {
   return true;
 }
 
-/// Ends a robot's time whatever happens: its thread must put no record once the run is over.
+/// Ends a session whatever happens: no record is put after the run is over.
 class EndGuard {
  public:
-  explicit EndGuard(SessionCore& core) noexcept : core_(core) {}
-  ~EndGuard() { core_.setting().End(); }
+  explicit EndGuard(Session& session) noexcept : session_(session) {}
+  ~EndGuard() { static_cast<void>(session_.End()); }
   EndGuard(const EndGuard&) = delete;
   EndGuard& operator=(const EndGuard&) = delete;
 
  private:
-  SessionCore& core_;
+  Session& session_;
 };
 
 }  // namespace
 
-/// A session of one motion.
+/// A session with one motion, the scenario's.
 class Run::Impl {
  public:
   Impl(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
        rt::RecordSink* sink, const RealtimeSettings& settings)
-      : Impl(scenario, MakePlan(scenario, catalogue, files), catalogue, sink, settings) {
-    if (planning_) PlanFromWhereItStands(catalogue, files);
+      : Impl(scenario, MakePlan(scenario, catalogue, files), catalogue, files, sink, settings) {
+    if (planning_) PlanFromCurrentPosition(catalogue, files);
   }
 
   RunResult Execute(const RunHooks& hooks);
   [[nodiscard]] bool CheckStart(const TellCheck& tell) {
-    return core_.setting().Check(core_.scenario(), core_.robot(), trajectory().start(), tell);
+    return session_.CheckStart(motion_->motion(), tell);
   }
   [[nodiscard]] const reference::Trajectory& trajectory() const noexcept {
     return motion_->motion().trajectory;
   }
-  [[nodiscard]] const SessionCore& core() const noexcept { return core_; }
+  [[nodiscard]] const Session& session() const noexcept { return session_; }
   [[nodiscard]] std::optional<Duration> planning_time() const noexcept {
     if (!planning_) return std::nullopt;
     return planning_->wall;
@@ -79,16 +78,16 @@ class Run::Impl {
  private:
   // The motion is prepared before the robot is connected: what is wrong with it is known then.
   Impl(const scenario::Scenario& scenario, Plan plan, const Catalogue& catalogue,
-       rt::RecordSink* sink, const RealtimeSettings& settings)
-      : planning_(plan.planning),
+       const RunFiles& files, rt::RecordSink* sink, const RealtimeSettings& settings)
+      : scenario_(scenario),
+        planning_(plan.planning),
         motion_(std::in_place, scenario, plan.robot,
                 MotionOf(scenario, plan.trajectory, plan.poses), catalogue.controllers),
-        core_(scenario, {std::move(plan.robot), std::move(plan.config)}, catalogue, sink,
-              settings) {}
+        session_(scenario, catalogue, files, sink, settings) {}
 
   /// Plans anew when the robot stands a little beside robot.q_start. One that stands elsewhere is
   /// left to the checks before the motion, which refuse it.
-  void PlanFromWhereItStands(const Catalogue& catalogue, const RunFiles& files);
+  void PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& files);
 
   /// Nothing when the scenario has no commands to the hand.
   [[nodiscard]] std::optional<HandScript> MakeHandScript(const RunHooks& hooks) const;
@@ -96,38 +95,38 @@ class Run::Impl {
   /// Nothing when the scenario asks nothing of a base.
   [[nodiscard]] std::optional<DriveScript> MakeDriveScript(const RunHooks& hooks) const;
 
+  const scenario::Scenario scenario_;
   std::optional<planning::PlanStatistics> planning_;  ///< of a planned motion
   std::optional<PreparedMotion> motion_;              ///< always there
-  SessionCore core_;
+  Session session_;
 };
 
-void Run::Impl::PlanFromWhereItStands(const Catalogue& catalogue, const RunFiles& files) {
-  const std::optional<JointVector> q = core_.setting().ReadCurrentPosition();
+void Run::Impl::PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& files) {
+  const std::optional<JointVector> q = session_.ReadCurrentPosition();
   if (!q || *q == trajectory().start() || !IsNear(*q, trajectory().start())) return;
-  const scenario::Scenario& scenario = core_.scenario();
   const reference::Trajectory planned =
-      PlanFrom(*q, scenario, core_.robot(), files, planning_.emplace());
-  motion_.emplace(scenario, core_.robot(), MotionOf(scenario, planned, std::nullopt),
+      PlanFrom(*q, scenario_, session_.robot(), files, planning_.emplace());
+  motion_.emplace(scenario_, session_.robot(), MotionOf(scenario_, planned, std::nullopt),
                   catalogue.controllers);
 }
 
 std::optional<HandScript> Run::Impl::MakeHandScript(const RunHooks& hooks) const {
-  if (core_.scenario().hand.empty()) return std::nullopt;
+  if (scenario_.hand.empty()) return std::nullopt;
   HandScript::Tell tell;
   if (hooks.event) {
     tell = [&hooks](Time now, std::string_view text) { hooks.event(now, "hand", text); };
   }
-  return HandScript(core_.scenario().hand, core_.RequireHand(), tell);
+  return HandScript(scenario_.hand, RequireHand(session_.connection(), scenario_.backend), tell);
 }
 
 std::optional<DriveScript> Run::Impl::MakeDriveScript(const RunHooks& hooks) const {
-  const scenario::Scenario& scenario = core_.scenario();
-  if (!scenario.base || scenario.base->drive.empty()) return std::nullopt;
+  if (!scenario_.base || scenario_.base->drive.empty()) return std::nullopt;
   DriveScript::Tell tell;
   if (hooks.event) {
     tell = [&hooks](Time now, std::string_view text) { hooks.event(now, "base", text); };
   }
-  return DriveScript(scenario.base->drive, core_.RequireBase(), tell);
+  return DriveScript(scenario_.base->drive, RequireBase(session_.connection(), scenario_.backend),
+                     tell);
 }
 
 RunResult Run::Impl::Execute(const RunHooks& hooks) {
@@ -140,13 +139,13 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
       return drive ? std::min(next, drive->Attend(now)) : next;
     };
   }
-  core_.Begin(hooks);
-  const EndGuard end_guard(core_);
-  MotionResult motion = core_.Move(*motion_, attend);
+  session_.Begin(hooks);
+  const EndGuard end_guard(session_);
+  MotionResult motion = session_.Move(*motion_, attend);
   RunResult result;
   if (hand) result.hand = hand->Report();
-  if (const backend::MobileBase* base = core_.connection().base) result.base = base->ReadState();
-  const SessionResult session = core_.End();
+  if (const backend::MobileBase* base = session_.base()) result.base = base->ReadState();
+  const SessionResult session = session_.End();
   result.report = std::move(motion.report);
   result.report.robot_timings = session.robot_timings;
   if (!session.unsound.empty()) {
@@ -178,7 +177,7 @@ Run::Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const R
 Run::~Run() = default;
 
 const backend::Connection& Run::connection() const noexcept {
-  return impl_->core().connection();
+  return impl_->session().connection();
 }
 
 const reference::Trajectory& Run::trajectory() const noexcept {
@@ -186,7 +185,7 @@ const reference::Trajectory& Run::trajectory() const noexcept {
 }
 
 const scenario::RobotData& Run::robot() const noexcept {
-  return impl_->core().robot();
+  return impl_->session().robot();
 }
 
 std::optional<Duration> Run::planning_time() const noexcept {

@@ -7,12 +7,16 @@
 
 #include <fmt/format.h>
 
+#include "run/cycle_summary.h"
 #include "run/hand_script.h"
 #include "run/prepared_motion.h"
 #include "run/resolve.h"
-#include "run/session_core.h"
+#include "run/start_check.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
+#include "twin/core/random.h"
+#include "twin/loop/drive.h"
+#include "twin/loop/robot_listener.h"
 #include "twin/scenario/names.h"
 
 namespace twin::run {
@@ -24,12 +28,20 @@ constexpr double kRestSpeed = 0.01;
 constexpr Duration kRestTime = std::chrono::milliseconds(50);
 /// For an arm to come to rest, and for a robot to recover.
 constexpr Duration kTimeout = std::chrono::seconds(5);
+/// For reading where a robot stands.
+constexpr Duration kGlance = std::chrono::milliseconds(20);
+
+double LargestDistance(const JointVector& a, const JointVector& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
 
 /// A scenario without waypoints gets two where its arm rests.
 scenario::Scenario Standing(scenario::Scenario scenario) {
   scenario.application.reset();
   scenario.operator_section.reset();
-  if (!scenario.motion.waypoints.empty()) return scenario;
+  if (!scenario.motion.waypoints.empty() || scenario.motion.plan) return scenario;
   if (!scenario.robot.q_start) {
     throw InputError(
         "robot.q_start: a scenario without a motion must say where the arm rests; give it");
@@ -47,55 +59,199 @@ bool IsSlow(const RobotState& state) {
 class Session::Impl {
  public:
   Impl(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-       rt::RecordSink* sink, const RealtimeSettings& settings)
-      : controllers_(catalogue.controllers),
-        core_(scenario, MakeRobotPlan(scenario, catalogue, files), catalogue, sink, settings) {}
+       rt::RecordSink* sink, const RealtimeSettings& settings);
 
-  [[nodiscard]] SessionCore& core() noexcept { return core_; }
-  [[nodiscard]] Time Now() const { return core_.setting().Now(); }
-
-  MotionResult Move(const Motion& motion) {
-    PreparedMotion prepared(As(core_.scenario(), motion), core_.robot(), motion, controllers_);
-    return core_.Move(prepared, motion.attend);
+  [[nodiscard]] const scenario::Scenario& scenario() const noexcept { return scenario_; }
+  [[nodiscard]] const scenario::RobotData& robot() const noexcept { return robot_.robot; }
+  [[nodiscard]] const control::ControllerRegistry& controllers() const noexcept {
+    return controllers_;
   }
+  [[nodiscard]] loop::Drive& drive() const noexcept { return *drive_; }
+  [[nodiscard]] bool interrupted() const noexcept {
+    return hooks_.interrupted != nullptr && *hooks_.interrupted;
+  }
+  void Tell(std::string_view kind, std::string_view text) const {
+    if (hooks_.event) hooks_.event(drive_->Now(), kind, text);
+  }
+
+  [[nodiscard]] bool CheckStart(const scenario::Scenario& scenario, const JointVector& start,
+                                const TellCheck& tell);
+  [[nodiscard]] std::optional<JointVector> ReadCurrentPosition() const;
+  void Begin(const RunHooks& hooks);
+  MotionResult Move(PreparedMotion& motion, const std::function<Time(Time)>& attend);
   HandOutcome Command(const HandCommand& command, Duration limit);
   WaitEnd Wait(Duration limit, const std::function<bool(const RobotState&)>& done);
+  RobotState NextState();
   void Recover();
-
-  bool begun = false;
-  std::optional<SessionResult> result;
+  SessionResult End();
 
  private:
+  [[nodiscard]] bool is_remote() const { return scenario_.backend == scenario::kRemoteBackend; }
   /// Lets time pass until then, at least. @returns whether it did, and was not interrupted.
   [[nodiscard]] bool PassUntil(Time time);
+  [[nodiscard]] std::uint64_t SeedOf(std::uint64_t motion) const noexcept;
 
+  const scenario::Scenario scenario_;
+  const RobotPlan robot_;
+  const RealtimeSettings settings_;
   const control::ControllerRegistry& controllers_;
-  SessionCore core_;
+  RunHooks hooks_;
+  bool begun_ = false;
+  bool checked_ = false;       ///< the checks before a remote robot's first motion found all well
+  std::uint64_t motions_ = 0;  ///< begun
+  std::vector<FollowedMotion> followed_;
+  std::optional<SessionResult> result_;
+  CycleSummary summary_;
+  std::unique_ptr<loop::Drive> drive_;
 };
 
+Session::Impl::Impl(const scenario::Scenario& scenario, const Catalogue& catalogue,
+                    const RunFiles& files, rt::RecordSink* sink, const RealtimeSettings& settings)
+    : scenario_(scenario),
+      robot_(MakeRobotPlan(scenario, catalogue, files)),
+      settings_(settings),
+      controllers_(catalogue.controllers),
+      summary_(sink) {
+  const backend::Factory& connect = catalogue.backends.Find(scenario.backend);
+  if (is_remote()) {
+    drive_ =
+        loop::MakeRemoteDrive(connect, robot_.config, &summary_, settings.remote, settings.threads);
+  } else if (scenario.drive == scenario::Drive::kRealtime) {
+    drive_ = loop::MakeRealtimeDrive(connect, robot_.config, &summary_, settings.threads);
+  } else {
+    drive_ = loop::MakeLockstepDrive(connect, robot_.config, &summary_);
+  }
+}
+
+bool Session::Impl::CheckStart(const scenario::Scenario& scenario, const JointVector& start,
+                               const TellCheck& tell) {
+  if (!is_remote()) return true;
+  StartCheck check{.clock = *drive_->wall_clock(),
+                   .backend = *drive_->connection().backend,
+                   .arrival = *drive_->connection().arrival,
+                   .time = settings_.remote.time,
+                   .listening = {}};
+  check.listening.thread = settings_.threads.communication;
+  if (scenario.tick.period_tolerance > Duration::zero()) {
+    check.listening.tolerance = scenario.tick.period_tolerance;
+  }
+  checked_ = RunStartCheck(check, scenario, robot(), start, tell);
+  return checked_;
+}
+
+std::optional<JointVector> Session::Impl::ReadCurrentPosition() const {
+  if (!is_remote()) return std::nullopt;
+  const backend::Connection& connection = drive_->connection();
+  const loop::ListenReport heard = loop::ListenToRobot(
+      *drive_->wall_clock(), *connection.backend, *connection.arrival,
+      {.span = kGlance, .tolerance = kCycle, .thread = settings_.threads.communication});
+  if (heard.states == 0) return std::nullopt;
+  return heard.last.q_d;
+}
+
+void Session::Impl::Begin(const RunHooks& hooks) {
+  TWIN_CHECK(!begun_);
+  if (is_remote() && settings_.checks_start && !checked_) {
+    throw RobotFault("the robot is not moved: not all checks before its first motion are well");
+  }
+  hooks_ = hooks;
+  drive_->Begin();
+  begun_ = true;
+}
+
+std::uint64_t Session::Impl::SeedOf(std::uint64_t motion) const noexcept {
+  if (motion == 0) return scenario_.seed;
+  const auto bits = Random(scenario_.seed, RandomStream::kMotionSeed).Bits(motion);
+  return static_cast<std::uint64_t>(bits[0]) << 32 | bits[1];
+}
+
+RobotState Session::Impl::NextState() {
+  TWIN_CHECK(begun_);
+  RobotState next;
+  const auto came = [&next](const RobotState* state) {
+    if (state != nullptr) next = *state;
+    return state != nullptr;
+  };
+  // It gives up by itself when none comes.
+  static_cast<void>(drive_->PassUntil(Time::max(), came));
+  return next;
+}
+
+MotionResult Session::Impl::Move(PreparedMotion& motion, const std::function<Time(Time)>& attend) {
+  TWIN_CHECK(begun_);
+  // In real time, what is queued shows where the robot was when the last one looked.
+  if (motions_ > 0 && scenario_.drive != scenario::Drive::kLockstep) static_cast<void>(NextState());
+  const std::uint64_t seen = summary_.Tally().motions;
+  const Duration planned = motion.motion().trajectory.duration();
+  MotionResult result;
+  result.name = motion.motion().name;
+  result.begun = drive_->Now();
+  const Duration planned_end = result.begun.time_since_epoch() + planned;
+
+  loop::MotionRun run = motion.Run(*drive_->connection().backend, SeedOf(motions_++));
+  run.sink = &summary_;
+  run.event = hooks_.event;
+  run.interrupted = hooks_.interrupted;
+  run.attend = attend;
+  if (hooks_.progress) {
+    run.progress = [this, planned_end](Time now) { hooks_.progress(now, planned_end); };
+  }
+  if (!result.name.empty()) Tell("session", fmt::format("motion {}: {}", motions_, result.name));
+  result.report = drive_->Run(run);
+  const std::string lost = drive_->connection().why_lost ? drive_->connection().why_lost() : "";
+  if (!lost.empty() && !result.report.failure.empty()) result.report.failure += "; " + lost;
+  for (const rt::TickRecord& tick : result.report.evidence) {
+    if (hooks_.event) hooks_.event(tick.read, "evidence", loop::DescribeTick(tick));
+  }
+  followed_.push_back(
+      {.name = result.name,
+       .begun = result.begun,
+       .deviation = result.report.deviation,
+       .limit = LimitOf(scenario_, motion.motion().interface, motion.motion().impedance),
+       .succeeded = result.report.succeeded()});
+  result.goal = motion.motion().trajectory.goal();
+  result.final_error = LargestDistance(result.report.q_final, result.goal);
+  result.final_pose_error = motion.PoseErrorAt(result.report.q_final);
+  const CycleTally& tally = summary_.Tally();
+  if (tally.motions > seen) result.counts = tally.motion;
+  return result;
+}
+
+SessionResult Session::Impl::End() {
+  if (result_) return *result_;
+  SessionResult& result = result_.emplace();
+  result.robot_timings = drive_->End();
+  result.motions = motions_;
+  result.followed = followed_;
+  result.counts = summary_.counts();
+  if (scenario_.tick.viability) result.viability = summary_.viability();
+  result.states_hash = summary_.states_hash();
+  const auto& warnings = drive_->connection().engine_warnings;
+  if (warnings) result.unsound = warnings();
+  return result;
+}
+
 bool Session::Impl::PassUntil(Time time) {
-  return !core_.setting().PassUntil(
-      time, [this](const RobotState* /*state*/) { return core_.interrupted(); });
+  return !drive_->PassUntil(time, [this](const RobotState* /*state*/) { return interrupted(); });
 }
 
 HandOutcome Session::Impl::Command(const HandCommand& command, Duration limit) {
-  backend::Hand& hand = core_.RequireHand();
-  const Time begin = core_.setting().Now();
+  TWIN_CHECK(begun_);
+  backend::Hand& hand = RequireHand(drive_->connection(), scenario_.backend);
+  const Time begin = drive_->Now();
   const std::vector<scenario::HandEvent> events{{begin.time_since_epoch(), command}};
-  HandScript script(events, hand,
-                    [this](Time, std::string_view text) { core_.Tell("hand", text); });
+  HandScript script(events, hand, [this](Time, std::string_view text) { Tell("hand", text); });
   std::string stopped;
-  for (Time next = script.Attend(begin); next != Time::max();
-       next = script.Attend(core_.setting().Now())) {
+  for (Time next = script.Attend(begin); next != Time::max(); next = script.Attend(drive_->Now())) {
     if (!PassUntil(next)) {
       stopped = "interrupted";
-    } else if (core_.setting().Now() - begin >= limit) {
+    } else if (drive_->Now() - begin >= limit) {
       stopped = fmt::format("{} has not ended within {} s, and was stopped", twin::Name(command),
                             ToSeconds(limit));
     }
     if (stopped.empty()) continue;
     static_cast<void>(hand.Start(hand::Stop()));
-    static_cast<void>(script.Attend(core_.setting().Now()));
+    static_cast<void>(script.Attend(drive_->Now()));
     break;
   }
   HandOutcome outcome = script.Report().commands.front();
@@ -104,24 +260,25 @@ HandOutcome Session::Impl::Command(const HandCommand& command, Duration limit) {
 }
 
 WaitEnd Session::Impl::Wait(Duration limit, const std::function<bool(const RobotState&)>& done) {
+  TWIN_CHECK(begun_);
   bool is_done = false;
-  const bool in_time = core_.setting().PassUntil(Now() + limit, [&](const RobotState* state) {
+  const bool in_time = drive_->PassUntil(drive_->Now() + limit, [&](const RobotState* state) {
     is_done = is_done || (state != nullptr && done(*state));
-    return is_done || core_.interrupted();
+    return is_done || interrupted();
   });
   if (is_done) return WaitEnd::kDone;
   return in_time ? WaitEnd::kInterrupted : WaitEnd::kTimeLimit;
 }
 
 void Session::Impl::Recover() {
-  RobotState last = core_.NextState();
+  RobotState last = NextState();
   if (last.robot_mode == RobotMode::kIdle) return;
   const auto stopped = [&last](const RobotState& state) {
     last = state;
     return state.robot_mode != RobotMode::kReflex || IsSlow(state);
   };
   if (Wait(kTimeout, stopped) == WaitEnd::kInterrupted) return;
-  core_.connection().backend->Recover();
+  drive_->connection().backend->Recover();
   const auto idle = [&last](const RobotState& state) {
     last = state;
     return state.robot_mode == RobotMode::kIdle;
@@ -132,7 +289,7 @@ void Session::Impl::Recover() {
         "the robot has not recovered within {} s: it is in mode {}, not Idle; see what keeps it",
         ToSeconds(kTimeout), Name(last.robot_mode)));
   }
-  if (end == WaitEnd::kDone) core_.Tell("recovery", "done");
+  if (end == WaitEnd::kDone) Tell("recovery", "done");
 }
 
 Session::Session(const scenario::Scenario& scenario, const Catalogue& catalogue,
@@ -140,11 +297,11 @@ Session::Session(const scenario::Scenario& scenario, const Catalogue& catalogue,
     : impl_(std::make_unique<Impl>(Standing(scenario), catalogue, files, sink, settings)) {}
 
 Session::~Session() {
-  impl_->core().setting().End();
+  static_cast<void>(impl_->drive().End());
 }
 
 const backend::Connection& Session::connection() const noexcept {
-  return impl_->core().connection();
+  return impl_->drive().connection();
 }
 
 backend::MobileBase* Session::base() const noexcept {
@@ -152,33 +309,38 @@ backend::MobileBase* Session::base() const noexcept {
 }
 
 const scenario::RobotData& Session::robot() const noexcept {
-  return impl_->core().robot();
+  return impl_->robot();
 }
 
 bool Session::CheckStart(const Motion& first, const TellCheck& tell) {
-  SessionCore& core = impl_->core();
-  return core.setting().Check(As(core.scenario(), first), core.robot(), first.trajectory.start(),
-                              tell);
+  // The only motion is the scenario's own.
+  const scenario::Scenario& own = impl_->scenario();
+  return impl_->CheckStart(first.name.empty() ? own : As(own, first), first.trajectory.start(),
+                           tell);
+}
+
+std::optional<JointVector> Session::ReadCurrentPosition() {
+  return impl_->ReadCurrentPosition();
 }
 
 void Session::Begin(const RunHooks& hooks) {
-  TWIN_CHECK(!impl_->begun);
-  impl_->core().Begin(hooks);
-  impl_->begun = true;
+  impl_->Begin(hooks);
 }
 
 MotionResult Session::Move(const Motion& motion) {
-  TWIN_CHECK(impl_->begun);
-  return impl_->Move(motion);
+  PreparedMotion prepared(As(impl_->scenario(), motion), robot(), motion, impl_->controllers());
+  return impl_->Move(prepared, motion.attend);
+}
+
+MotionResult Session::Move(PreparedMotion& motion, const std::function<Time(Time)>& attend) {
+  return impl_->Move(motion, attend);
 }
 
 HandOutcome Session::Command(const HandCommand& command, Duration limit) {
-  TWIN_CHECK(impl_->begun);
   return impl_->Command(command, limit);
 }
 
 WaitEnd Session::Wait(Duration limit, const std::function<bool(const RobotState&)>& done) {
-  TWIN_CHECK(impl_->begun);
   return impl_->Wait(limit, done);
 }
 
@@ -195,30 +357,27 @@ WaitEnd Session::WaitForRest(Duration limit) {
 }
 
 RobotState Session::ReadState() {
-  TWIN_CHECK(impl_->begun);
-  return impl_->core().NextState();
+  return impl_->NextState();
 }
 
 void Session::Recover() {
-  TWIN_CHECK(impl_->begun);
   impl_->Recover();
 }
 
 void Session::Tell(std::string_view kind, std::string_view text) const {
-  impl_->core().Tell(kind, text);
+  impl_->Tell(kind, text);
 }
 
 Time Session::Now() const {
-  return impl_->Now();
+  return impl_->drive().Now();
 }
 
 bool Session::interrupted() const noexcept {
-  return impl_->core().interrupted();
+  return impl_->interrupted();
 }
 
 SessionResult Session::End() {
-  if (!impl_->result) impl_->result = impl_->core().End();
-  return *impl_->result;
+  return impl_->End();
 }
 
 reference::Trajectory StandingFor(const JointVector& q, Duration duration,

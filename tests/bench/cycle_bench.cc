@@ -24,7 +24,7 @@
 
 #include "plugins/emulated/mujoco_backend.h"
 #include "support/panda_limits.h"
-#include "twin/loop/lockstep_drive.h"
+#include "twin/loop/drive.h"
 #include "twin/onboard/onboard_controller.h"
 #include "twin/plant/mujoco_plant.h"
 #include "twin/record/recorder.h"
@@ -147,32 +147,29 @@ void RunCycles(benchmark::State& state, bool recorded) {
   std::int64_t cycles = 0;
   for (auto _ : state) {
     state.PauseTiming();
-    auto events = std::make_unique<rt::EventQueue>();
-    auto drive = std::make_unique<loop::LockstepDrive>();
     std::unique_ptr<record::Recorder> recorder;
     if (recorded) {
       recorder =
           std::make_unique<record::Recorder>(log, record::RunInfo{}, record::FullRing::kWait);
     }
-    backend::Connection connection = registry.Find("mujoco")(
-        {robot, backend::LockstepHost{*events, drive->StateReady()}, recorder.get()});
+    auto drive = loop::MakeLockstepDrive(registry.Find("mujoco"), robot, recorder.get());
     state.ResumeTiming();
-    const loop::RunReport report = drive->Run(*events, {.backend = *connection.backend,
-                                                        .controller = hold,
-                                                        .modes = {},
-                                                        .kind = loop::LoopKind::kAsynchronous,
-                                                        .tick = {},
-                                                        .controller_loop = {},
-                                                        .seed = 1,
-                                                        .time_limit = std::chrono::seconds(10),
-                                                        .sink = recorder.get(),
-                                                        .progress = {},
-                                                        .event = {},
-                                                        .interrupted = nullptr});
+    const loop::RunReport report = drive->Run({.backend = *drive->connection().backend,
+                                               .controller = hold,
+                                               .modes = {},
+                                               .kind = loop::LoopKind::kAsynchronous,
+                                               .tick = {},
+                                               .controller_loop = {},
+                                               .seed = 1,
+                                               .time_limit = std::chrono::seconds(10),
+                                               .sink = recorder.get(),
+                                               .progress = {},
+                                               .event = {},
+                                               .interrupted = nullptr});
     if (recorder) static_cast<void>(recorder->Finish());
     cycles += report.simulated / kCycle;
     state.PauseTiming();
-    connection = {};
+    drive.reset();
     state.ResumeTiming();
   }
   state.SetItemsProcessed(cycles);

@@ -17,7 +17,7 @@ class LockstepHarness final : public BackendHarness, private rt::EventHandler {
     config_.link.command.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::microseconds(80)});
     backend::Registry registry;
     plugins::RegisterMujoco(registry);
-    connection_ = registry.Find("mujoco")({config_, backend::LockstepHost{events_, *this}});
+    connection_ = registry.Find("mujoco")({config_, backend::VirtualTime{events_, *this}});
   }
 
   backend::Backend& backend() override { return *connection_.backend; }

@@ -38,7 +38,7 @@ class RealtimeHarness final : public BackendHarness {
     backend::Registry registry;
     plugins::RegisterMujoco(registry);
     connection_ = registry.Find("mujoco")(
-        {config_, backend::RealtimeHost{clock_, Urgent("robot", 85)}, &late_commands_});
+        {config_, backend::WallTime{clock_, Urgent("robot", 85)}, &late_commands_});
     connection_.robot_time->Begin();
   }
   ~RealtimeHarness() override { connection_.robot_time->End(); }

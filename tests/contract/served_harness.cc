@@ -57,7 +57,10 @@ class ServedHarness final : public BackendHarness {
     service_.emplace(config_, robot::MakePlant(config_), SettingsOf(time, freeze, witness_));
     service_->Start();
     connection_ = plugins::ConnectFci(
-        {config_, backend::RemoteHost{clock_, "127.0.0.1", service_->arm().port, time}, nullptr});
+        {config_,
+         backend::RemoteRobot{
+             clock_, {.host = "127.0.0.1", .arm_port = service_->arm().port, .time = time}},
+         nullptr});
   }
 
   backend::Backend& backend() override { return *connection_.backend; }

@@ -45,8 +45,8 @@ class PeerClientTest : public ::testing::Test {
     robot_.plant.hand = plant::HandKind::kFrankaHand;
     connection_ = plugins::ConnectFci(
         {robot_,
-         backend::RemoteHost{
-             .clock = clock_, .address = "127.0.0.1", .arm_port = peer_->arm_port(), .time = time},
+         backend::RemoteRobot{clock_,
+                              {.host = "127.0.0.1", .arm_port = peer_->arm_port(), .time = time}},
          nullptr});
   }
   backend::Backend& robot() { return *connection_.backend; }
@@ -188,14 +188,14 @@ TEST_F(PeerClientTest, RefusesASecondMotionAndSettingsWhileOneRuns) {
 
 TEST_F(PeerClientTest, RefusesAPeerOfAnotherVersion) {
   const PeerProcess old({"--version", "4"});
-  EXPECT_THAT(FaultOf([&] {
-                static_cast<void>(plugins::ConnectFci(
-                    {robot_,
-                     backend::RemoteHost{
-                         .clock = clock_, .address = "127.0.0.1", .arm_port = old.arm_port()},
-                     nullptr}));
-              }),
-              AllOf(HasSubstr("version 4"), HasSubstr("version 5")));
+  EXPECT_THAT(
+      FaultOf([&] {
+        static_cast<void>(plugins::ConnectFci(
+            {robot_,
+             backend::RemoteRobot{clock_, {.host = "127.0.0.1", .arm_port = old.arm_port()}},
+             nullptr}));
+      }),
+      AllOf(HasSubstr("version 4"), HasSubstr("version 5")));
 }
 
 TEST_F(PeerClientTest, ARequestAtWhichTheConnectionIsClosedFails) {

@@ -12,7 +12,7 @@
 #include "support/panda_limits.h"
 #include "twin/backend/registry.h"
 #include "twin/core/error.h"
-#include "twin/loop/lockstep_drive.h"
+#include "twin/loop/drive.h"
 
 namespace twin::test {
 
@@ -93,25 +93,22 @@ struct LockstepMotion {
   [[nodiscard]] loop::RunReport Run(control::Controller& controller, std::uint64_t seed = 1,
                                     rt::RecordSink* sink = nullptr) {
     robot.seed = seed;
-    rt::EventQueue events;
-    loop::LockstepDrive drive;
     backend::Registry registry;
     plugins::RegisterMujoco(registry);
-    const backend::Connection connection =
-        registry.Find("mujoco")({robot, backend::LockstepHost{events, drive.StateReady()}, sink});
-    return drive.Run(events, {.backend = *connection.backend,
-                              .controller = controller,
-                              .modes = modes,
-                              .kind = kind,
-                              .tick = tick,
-                              .controller_loop = controller_loop,
-                              .seed = seed,
-                              .time_limit = time_limit,
-                              .sink = sink,
-                              .progress = {},
-                              .event = {},
-                              .interrupted = interrupted,
-                              .attend = attend});
+    const auto drive = loop::MakeLockstepDrive(registry.Find("mujoco"), robot, sink);
+    return drive->Run({.backend = *drive->connection().backend,
+                       .controller = controller,
+                       .modes = modes,
+                       .kind = kind,
+                       .tick = tick,
+                       .controller_loop = controller_loop,
+                       .seed = seed,
+                       .time_limit = time_limit,
+                       .sink = sink,
+                       .progress = {},
+                       .event = {},
+                       .interrupted = interrupted,
+                       .attend = attend});
   }
 };
 

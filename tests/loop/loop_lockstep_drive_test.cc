@@ -1,4 +1,4 @@
-#include "twin/loop/lockstep_drive.h"
+#include "twin/loop/drive.h"
 
 #include <chrono>
 #include <string>

@@ -1,7 +1,7 @@
 // The wall clock's drive. Nothing here depends on how well this machine keeps time: a run that
 // failed is run again when a witness saw the machine late by several cycles in a row, which INT may
 // rightly answer with an abort.
-#include "twin/loop/realtime_drive.h"
+#include "twin/loop/drive.h"
 
 #include <algorithm>
 #include <atomic>
@@ -60,23 +60,21 @@ class RealtimeDriveTest : public ::testing::Test {
   RealtimeDriveTest() { plugins::RegisterMujoco(registry_); }
 
   RunReport Run(control::Controller& controller, rt::RecordSink* sink = nullptr) {
-    const backend::Connection connection = registry_.Find("mujoco")(
-        {robot_, backend::RealtimeHost{clock_, {.name = "twin-int", .fifo_priority = 98}}, sink});
-    RobotCycles cycles(connection);
-    RunReport report = RunInRealtime(clock_, connection,
-                                     {.backend = *connection.backend,
-                                      .controller = controller,
-                                      .modes = {},
-                                      .kind = kind_,
-                                      .tick = tick_,
-                                      .controller_loop = controller_loop_,
-                                      .seed = 1,
-                                      .time_limit = time_limit_,
-                                      .sink = sink,
-                                      .progress = progress_,
-                                      .event = {},
-                                      .interrupted = interrupted_});
-    report.robot_timings = cycles.End();
+    const auto drive = MakeRealtimeDrive(registry_.Find("mujoco"), robot_, sink, {});
+    drive->Begin();
+    RunReport report = drive->Run({.backend = *drive->connection().backend,
+                                   .controller = controller,
+                                   .modes = {},
+                                   .kind = kind_,
+                                   .tick = tick_,
+                                   .controller_loop = controller_loop_,
+                                   .seed = 1,
+                                   .time_limit = time_limit_,
+                                   .sink = sink,
+                                   .progress = progress_,
+                                   .event = {},
+                                   .interrupted = interrupted_});
+    report.robot_timings = drive->End();
     return report;
   }
 
@@ -97,7 +95,6 @@ class RealtimeDriveTest : public ::testing::Test {
   }
 
   backend::Registry registry_;
-  MonotonicClock clock_;
   robot::RobotConfig robot_ = test::IdealPanda();
   LoopKind kind_ = LoopKind::kAsynchronous;
   TickConfig tick_;

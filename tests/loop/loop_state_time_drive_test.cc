@@ -1,4 +1,4 @@
-#include "twin/loop/state_time_drive.h"
+#include "loop/state_time_drive.h"
 
 #include <chrono>
 #include <cmath>
@@ -28,22 +28,23 @@ class StateTimeDriveTest : public ::testing::Test {
   }
 
   RunReport Run(test::AnswerPacedBackend& robot, control::Controller& controller) {
-    const backend::Connection connection = robot.Connect();
-    return RunOnStateTime(clock_, connection,
-                          {.backend = robot,
-                           .controller = controller,
-                           .modes = {},
-                           .kind = kind_,
-                           .tick = tick_,
-                           .controller_loop = controller_loop_,
-                           .seed = 1,
-                           .time_limit = std::chrono::seconds(20),
-                           .sink = &records_,
-                           .record_states = true,
-                           .progress = {},
-                           .event = {},
-                           .interrupted = interrupted_,
-                           .attend = {}});
+    const robot::RobotConfig config;
+    const auto drive = MakeStateTimeDrive(
+        [&robot](const backend::Request&) { return robot.Connect(); }, config, &records_, {});
+    drive->Begin();
+    return drive->Run({.backend = robot,
+                       .controller = controller,
+                       .modes = {},
+                       .kind = kind_,
+                       .tick = tick_,
+                       .controller_loop = controller_loop_,
+                       .seed = 1,
+                       .time_limit = std::chrono::seconds(20),
+                       .sink = &records_,
+                       .progress = {},
+                       .event = {},
+                       .interrupted = interrupted_,
+                       .attend = {}});
   }
 
   /// What was commanded, from the motion's first command on, without the ids.
@@ -53,7 +54,6 @@ class StateTimeDriveTest : public ::testing::Test {
     return all;
   }
 
-  const MonotonicClock clock_;
   LoopKind kind_ = LoopKind::kAsynchronous;
   TickConfig tick_;
   ControllerLoopConfig controller_loop_;

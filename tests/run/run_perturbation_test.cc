@@ -90,10 +90,9 @@ class SessionPerturbationTest : public test::SessionFixture {
       scenario.perturbations.clear();  // the client knows nothing of it
       scenario.backend = "fci";
       scenario.drive = scenario::Drive::kRemote;
-      settings.remote = {.host = "127.0.0.1",
-                         .arm_port = served->arm().port,
-                         .time = backend::RobotTime::kStates,
-                         .checks_start = false};
+      settings.remote = {
+          .host = "127.0.0.1", .arm_port = served->arm().port, .time = backend::RobotTime::kStates};
+      settings.checks_start = false;
     } else if (place == Place::kRealtime) {
       scenario.drive = scenario::Drive::kRealtime;
     }

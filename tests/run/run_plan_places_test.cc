@@ -84,8 +84,8 @@ class PlanPlacesTest : public ::testing::Test {
     scenario.backend = "fci";
     scenario.drive = scenario::Drive::kRemote;
     RealtimeSettings remote;
-    remote.remote = {
-        .host = "127.0.0.1", .arm_port = robot.arm().port, .time = time, .checks_start = false};
+    remote.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port, .time = time};
+    remote.checks_start = false;
     Execution execution;
     {
       run::Run run(scenario, {backends_, controllers_}, files_, nullptr, remote);

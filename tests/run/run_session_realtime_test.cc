@@ -42,8 +42,8 @@ class SessionRealtimeTest : public test::SessionFixture,
       served = Serve(scenario, time);
       scenario.backend = "fci";
       scenario.drive = scenario::Drive::kRemote;
-      settings.remote = {
-          .host = "127.0.0.1", .arm_port = served->arm().port, .time = time, .checks_start = false};
+      settings.remote = {.host = "127.0.0.1", .arm_port = served->arm().port, .time = time};
+      settings.checks_start = false;
     }
     const auto session = Open(scenario, nullptr, settings);
     session->Begin();

@@ -18,7 +18,9 @@ JUMPS = {"discontinuity": (IN_ROW, 1)}
 # What `run --backend fci` checks before a motion, over 500 cycles: that 5 % at most of the robot's are missing, 10 % of the answers.
 REFUSES = {"FAILED states": (OF_500, 25), "FAILED communication": (OF_500, 50)}
 GIVES_UP = {"no robot state": (IN_ROW, 900), "this machine gives it no time": (IN_ROW, 900)}  # after 1 s
-A_CLIENT = ENDS_A_MOTION | REFUSES | GIVES_UP  # with the default chain: a lost command is no excuse for a jump
+# The default chain rejoins after a loss, so that positions, velocities and poses have no such excuse. Torques cannot rejoin.
+TORQUES_JUMP = {"controller_torque_discontinuity": (IN_ROW, 1)}
+A_CLIENT = ENDS_A_MOTION | TORQUES_JUMP | REFUSES | GIVES_UP
 PRIORITY = 98  # FIFO: of a robot in real time; clients have 99
 
 

@@ -32,13 +32,13 @@ class Capture;
 namespace twin::backend {
 
 /// The virtual clock of lockstep.
-struct LockstepHost {
+struct VirtualTime {
   rt::EventQueue& events;
   rt::EventHandler& state_ready;  ///< notified (token = message_id) when a state has arrived
 };
 
 /// The wall clock. A simulated robot runs on its own thread.
-struct RealtimeHost {
+struct WallTime {
   const MonotonicClock& clock;
   rt::ThreadSettings robot_thread;
 };
@@ -51,18 +51,23 @@ enum class RobotTime : std::uint8_t {
 };
 
 /// A robot at the other end of a wire.
-struct RemoteHost {
-  const MonotonicClock& clock;
-  std::string address;         ///< IPv4 address, or name
+struct RobotAddress {
+  std::string host;            ///< IPv4 address, or name
   std::uint16_t arm_port = 0;  ///< TCP; 0: the interface's default
   RobotTime time = RobotTime::kWall;
   fci::Capture* capture = nullptr;  ///< records the traffic on the wire; may be null
 };
 
+/// The same, with the clock that times its messages.
+struct RemoteRobot {
+  const MonotonicClock& clock;
+  RobotAddress address;
+};
+
 /// Arguments of a factory. References and pointers must outlive the backend.
 struct Request {
   const robot::RobotConfig& robot;
-  std::variant<LockstepHost, RealtimeHost, RemoteHost> host;
+  std::variant<VirtualTime, WallTime, RemoteRobot> time;
   rt::RecordSink* sink = nullptr;  ///< INT's cycle records, if the backend knows them; may be null
 };
 

@@ -24,7 +24,6 @@ struct MotionRun {
   std::uint64_t seed = 0;          ///< of computation times, wake-ups and target noise
   Duration time_limit{};           ///< the run is stopped and reported as failed after this
   rt::RecordSink* sink = nullptr;  ///< tick records; may be null
-  bool record_states = false;      ///< it also gets the states, as CommunicationLoop::RecordStates
   /// Called outside the tick about every 100 ms of the run's time; may be empty.
   std::function<void(Time)> progress;
   /// Called at changes worth a line in the log: (time, kind, text). May be empty.

@@ -13,21 +13,9 @@
 // Scenarios on a robot at the other end of a wire: a Panda, or a twin that is served.
 namespace twin::run {
 
-/// Which robot, and what keeps its time. Of the host, not of the scenario.
-struct RemoteSettings {
-  std::string host;            ///< IPv4 address, or name
-  std::uint16_t arm_port = 0;  ///< 0: the interface's own
-  backend::RobotTime time = backend::RobotTime::kWall;
-  fci::Capture* capture =
-      nullptr;  ///< keeps what goes over the wire, and outlives the run; or null
-  /// Run::CheckStart() must have found all well. False: a twin that this process serves itself, as
-  /// the scenario has it; nobody stands beside it.
-  bool checks_start = true;
-};
-
 /// @param robot  "HOST" or "HOST:PORT", PORT in [1, 65534]: the hand's is the next one.
 /// @param time   "wall" or "states". @throws InputError naming what is wrong.
-[[nodiscard]] RemoteSettings ParseRemote(std::string_view robot, std::string_view time);
+[[nodiscard]] backend::RobotAddress ParseRemote(std::string_view robot, std::string_view time);
 
 /// What of a scenario has no effect on such a robot, one line each, for people: what is simulated
 /// only (plant, link, scene, pushes, buttons, computation times), and what a robot cannot be told.

@@ -8,7 +8,7 @@
 #include "twin/backend/registry.h"
 #include "twin/core/error.h"
 #include "twin/core/time.h"
-#include "twin/loop/realtime_drive.h"
+#include "twin/loop/drive.h"
 #include "twin/reference/trajectory.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/thread_setup.h"
@@ -33,12 +33,13 @@ struct RunHooks {
   const volatile bool* interrupted = nullptr;
 };
 
-/// Drives realtime and remote: how the threads run, and which robot. Settings of the host, not of
-/// the scenario.
+/// How the threads of real time run, and which robot. Of the host, not of the scenario.
 struct RealtimeSettings {
-  rt::ThreadSettings robot{.name = "twin-int", .fifo_priority = 98};
-  loop::RealtimeThreads threads;
-  RemoteSettings remote;
+  loop::DriveThreads threads;
+  backend::RobotAddress remote;  ///< of the backend fci
+  /// The checks before a remote robot's first motion must have found all well (CheckStart). False:
+  /// a twin that this process serves itself, as the scenario has it.
+  bool checks_start = true;
 };
 
 /// No way to the goal of a planned motion was found within its budget; there may be none. Exit code

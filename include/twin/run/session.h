@@ -87,6 +87,8 @@ enum class WaitEnd : std::uint8_t {
   kInterrupted,
 };
 
+class PreparedMotion;
+
 /// A connected robot on any drive, on which motions and commands to the hand follow each other.
 ///
 ///     construct -> [CheckStart] -> Begin -> { Move | Command | Wait | Recover } ... -> End
@@ -123,6 +125,10 @@ class Session {
   /// As Run::CheckStart. @param first  the motion that will come first.
   [[nodiscard]] bool CheckStart(const Motion& first, const TellCheck& tell);
 
+  /// Where a robot at the other end of a wire holds itself (q_d, rad), before Begin(). Nothing: it
+  /// is simulated, or no state came.
+  [[nodiscard]] std::optional<JointVector> ReadCurrentPosition();
+
   /// Time begins, once. @param hooks  for all that follows; the plan that progress is told is the
   /// end of the motion under way. What they refer to must outlive the session.
   void Begin(const RunHooks& hooks = {});
@@ -131,6 +137,8 @@ class Session {
   /// follows. @throws InputError when it is not well formed or cannot start from where the robot
   /// is; RobotFault when it is refused (after a reflex: Recover() first).
   [[nodiscard]] MotionResult Move(const Motion& motion);
+  /// The same of a motion that was prepared before the session. @param attend  as Motion::attend.
+  [[nodiscard]] MotionResult Move(PreparedMotion& motion, const std::function<Time(Time)>& attend);
 
   /// Gives the hand a command and waits, in the robot's time, until it has ended. One that has not
   /// within `limit`, or when the session is interrupted, is stopped; the failure then says so.

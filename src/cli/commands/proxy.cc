@@ -54,7 +54,7 @@ robot::LinkConfig LinkOf(const Flags& flags) {
 proxy::ProxyConfig ProxyConfigOf(const Flags& flags) {
   proxy::ProxyConfig config;
   Listen(flags.network, config);
-  const run::RemoteSettings robot = run::ParseRemote(flags.robot, "wall");
+  const backend::RobotAddress robot = run::ParseRemote(flags.robot, "wall");
   const robot::LinkConfig link = LinkOf(flags);
   config.robot_arm = fci::Resolve(robot.host, robot.arm_port == 0 ? fci::kArmPort : robot.arm_port);
   config.robot_hand = config.robot_arm;

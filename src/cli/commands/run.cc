@@ -121,7 +121,7 @@ application::RunOptions OptionsOf(const RunFlags& flags, const scenario::Scenari
       .allow_hardware = flags.allow_hardware,
       .capture = flags.capture};
   if (flags.page.wanted()) options.page = PageAt(flags.page);
-  options.settings.robot.cpu = flags.int_cpu;
+  options.settings.threads.robot.cpu = flags.int_cpu;
   options.settings.threads.communication.cpu = flags.ext_cpu;
   if (flags.robot) {
     options.settings.remote = run::ParseRemote(*flags.robot, flags.robot_time.value_or("wall"));

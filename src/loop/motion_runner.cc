@@ -1,4 +1,4 @@
-#include "loop/motion_session.h"
+#include "loop/motion_runner.h"
 
 #include <algorithm>
 #include <utility>
@@ -46,8 +46,17 @@ const char* Text(LoopFailure failure) {
   return "";
 }
 
-std::unique_ptr<CommunicationLoop> NewLoop(const MotionRun& run, ControlTick& tick,
-                                           Exchange& exchange) {
+}  // namespace
+
+MotionRun WithoutModels(MotionRun run) {
+  run.tick.cost = rt::DelayModel();
+  run.controller_loop.cost = rt::DelayModel();
+  run.controller_loop.wake_delay = rt::DelayModel();
+  return run;
+}
+
+std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& tick,
+                                            Exchange& exchange) {
   switch (run.kind) {
     case LoopKind::kSynchronous:
       return std::make_unique<SynchronousLoop>(tick, run.backend, run.sink, run.controller,
@@ -60,25 +69,24 @@ std::unique_ptr<CommunicationLoop> NewLoop(const MotionRun& run, ControlTick& ti
   return std::make_unique<AsynchronousLoop>(tick, run.backend, run.tick.cost, run.seed, run.sink);
 }
 
-}  // namespace
+MotionRunner::MotionRunner(const MotionRun& run)
+    : run_(run),
+      tick_(run.tick, run.controller.command_interface(), exchange_),
+      controller_loop_(run.controller_loop, run.controller, exchange_, run.seed) {}
 
-MotionRun WithoutModels(MotionRun run) {
-  run.tick.cost = rt::DelayModel();
-  run.controller_loop.cost = rt::DelayModel();
-  run.controller_loop.wake_delay = rt::DelayModel();
-  return run;
+RunReport MotionRunner::Run() {
+  RunReport report = RunToEnd();
+  EndThreads();
+  report.timings = loop_->timings();
+  report.deviation = loop_->deviation();
+  report.controller_overruns = controller_loop_.overruns();
+  if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_->LastTicks();
+  return report;
 }
 
-std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& tick,
-                                            Exchange& exchange) {
-  std::unique_ptr<CommunicationLoop> loop = NewLoop(run, tick, exchange);
-  loop->RecordStates(run.record_states);
-  return loop;
-}
-
-RunReport MotionSession::Run() {
+RunReport MotionRunner::RunToEnd() {
   RunReport report;
-  const Time begin = stage_.Now();
+  const Time begin = Now();
   if (!Pass(begin + kTimeout, [&] { return watch_.has_state(); })) {
     if (Interrupted()) {
       report.failure = kInterrupted;
@@ -86,8 +94,8 @@ RunReport MotionSession::Run() {
     }
     throw RobotFault("no robot state arrived within 3 s; is the link losing every state?");
   }
-  run_.controller.Activate(stage_.State(), stage_.Now());
-  stage_.Activate(run_.modes);
+  run_.controller.Activate(State(), Now());
+  Activate(run_.modes);
   watch_.Expect();
   run_.backend.Start(run_.modes);
   Tell("motion",
@@ -100,9 +108,9 @@ RunReport MotionSession::Run() {
   return report;
 }
 
-bool MotionSession::Pass(Time limit, const std::function<bool()>& done) {
+bool MotionRunner::Pass(Time limit, const std::function<bool()>& done) {
   bool given_up = false;
-  const bool in_time = stage_.PassUntil(limit, [&] {
+  const bool in_time = PassUntil(limit, [&] {
     Attend();
     LookOn();
     WatchRest();
@@ -113,21 +121,21 @@ bool MotionSession::Pass(Time limit, const std::function<bool()>& done) {
   return in_time && !given_up;
 }
 
-void MotionSession::Attend() {
-  const Time now = stage_.Now();
+void MotionRunner::Attend() {
+  const Time now = Now();
   if (run_.attend && now >= next_attendance_) next_attendance_ = run_.attend(now);
 }
 
-void MotionSession::WatchRest() {
+void MotionRunner::WatchRest() {
   if (!watch_.has_state()) return;
-  const RobotState& state = stage_.State();
+  const RobotState& state = State();
   if (newest_ == 0) rest_.Restart(state.message_id);
   if (state.message_id != newest_) rest_.Observe(state.message_id, state.dq);
   newest_ = state.message_id;
 }
 
-void MotionSession::LookOn() {
-  const Time now = stage_.Now();
+void MotionRunner::LookOn() {
+  const Time now = Now();
   if (now < next_look_) return;
   // Who has not looked for long was stopped itself, and cannot say that the others were silent.
   if (now > next_look_ + kSilence) silent_since_ = now;
@@ -137,13 +145,13 @@ void MotionSession::LookOn() {
   if (run_.progress) run_.progress(now);
 }
 
-void MotionSession::NoticeUnseenEnd() {
+void MotionRunner::NoticeUnseenEnd() {
   // A motion that ended in the cycle it began in shows in no state.
   if (run_.backend.Describe().last_end != backend::MotionEnd::kNone) watch_.End();
 }
 
-void MotionSession::NoticeSilence() {
-  const Duration silence = stage_.Now() - std::max(watch_.last_state(), silent_since_);
+void MotionRunner::NoticeSilence() {
+  const Duration silence = Now() - std::max(watch_.last_state(), silent_since_);
   if (silence < kSilence) return;
   if (run_.backend.Describe().last_end != backend::MotionEnd::kNone) {
     watch_.End();
@@ -152,34 +160,34 @@ void MotionSession::NoticeSilence() {
   }
 }
 
-std::string MotionSession::WhyNotEnded() const {
+std::string MotionRunner::WhyNotEnded() const {
   if (Interrupted()) return kInterrupted;
   if (watch_.failure() != LoopFailure::kNone) return Text(watch_.failure());
   if (deaf_) return "no robot state has come for 1 s; is the link losing every state?";
   return fmt::format("the motion did not end within {} s of run time", ToSeconds(run_.time_limit));
 }
 
-void MotionSession::StopEarly(RunReport& report, std::string why) {
+void MotionRunner::StopEarly(RunReport& report, std::string why) {
   report.failure = std::move(why);
   stopping_ = true;
   run_.backend.Stop();
   const LoopFailure failure = watch_.failure();
   if (failure == LoopFailure::kInvalidCommand) {
     // Nobody else asks the controller anything from here on.
-    stage_.StopController();
+    StopController();
     const std::string reason = run_.controller.Explain();
     if (!reason.empty()) report.failure = reason + "; the motion was stopped";
   }
   Tell("stop", report.failure);
   if (failure == LoopFailure::kConnectionLost || failure == LoopFailure::kException) return;
-  if (!Pass(stage_.Now() + kTimeout, [&] { return watch_.ended(); })) {
+  if (!Pass(Now() + kTimeout, [&] { return watch_.ended(); })) {
     report.failure += "; no state has come through that shows the arm at rest";
   }
 }
 
-void MotionSession::JudgeRest(RunReport& report) {
+void MotionRunner::JudgeRest(RunReport& report) {
   constexpr auto kInstability = static_cast<std::size_t>(RobotError::kInstabilityDetected);
-  const RobotState& state = stage_.State();
+  const RobotState& state = State();
   std::string why;
   if (report.errors.test(kInstability)) return;  // it ended the motion, and has been told
   if (state.errors.test(kInstability)) {
@@ -197,8 +205,8 @@ void MotionSession::JudgeRest(RunReport& report) {
   report.failure = std::move(why);
 }
 
-void MotionSession::Conclude(RunReport& report) {
-  stage_.StopController();
+void MotionRunner::Conclude(RunReport& report) {
+  StopController();
   run_.controller.Deactivate();
   const backend::Description description = run_.backend.Describe();
   report.end = description.last_end;
@@ -220,12 +228,12 @@ void MotionSession::Conclude(RunReport& report) {
 
   stopping_ = true;
   const Duration rest = report.end == backend::MotionEnd::kSuccess ? kAfterSuccess : kAfterMotion;
-  const Time end = stage_.Now();
+  const Time end = Now();
   static_cast<void>(Pass(end + rest, [] { return false; }));
   static_cast<void>(Pass(end + kUntilRest, [this] { return rest_.Still() >= kStill; }));
   JudgeRest(report);
-  report.simulated = stage_.Now().time_since_epoch();
-  report.q_final = stage_.State().q;
+  report.simulated = Now().time_since_epoch();
+  report.q_final = State().q;
 }
 
 }  // namespace twin::loop

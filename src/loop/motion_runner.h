@@ -3,51 +3,64 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "loop/motion_watch.h"
 #include "twin/core/rest.h"
 #include "twin/loop/communication_loop.h"
+#include "twin/loop/control_tick.h"
+#include "twin/loop/controller_loop.h"
 #include "twin/loop/exchange.h"
 #include "twin/loop/motion_run.h"
 #include "twin/loop/run_report.h"
 
 namespace twin::loop {
 
-/// Where nothing is drawn: what things cost is what passes.
+/// @returns `run` without its models of delay and cost: on a clock, they are what passes.
 [[nodiscard]] MotionRun WithoutModels(MotionRun run);
 
 /// @returns the communication loop that `run` asks for, around `tick`.
 [[nodiscard]] std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& tick,
                                                           Exchange& exchange);
 
-/// What a drive does for a motion: lets time pass, and keeps the communication side going in it.
-class Stage {
+/// Runs one motion: first state, activation, start, motion, end, rest. The drives derive from it
+/// and add how time passes and where the communication loop runs.
+///
+/// Threads: the caller's. The watch is what it knows of the others.
+class MotionRunner {
  public:
-  virtual ~Stage() = default;
+  virtual ~MotionRunner() = default;
+  MotionRunner(const MotionRunner&) = delete;
+  MotionRunner& operator=(const MotionRunner&) = delete;
+
+  /// @throws as Drive::Run.
+  [[nodiscard]] RunReport Run();
+
+ protected:
+  /// A derived class makes loop_. @param run  must outlive the runner.
+  explicit MotionRunner(const MotionRun& run);
+
   [[nodiscard]] virtual Time Now() const = 0;
   /// Lets time pass until `done()`, which is asked often. @returns false when `limit` came first.
   [[nodiscard]] virtual bool PassUntil(Time limit, const std::function<bool()>& done) = 0;
   /// The newest state that was read. @pre the watch has one.
-  [[nodiscard]] virtual const RobotState& State() = 0;
-  /// Tells the communication side that a motion is about to start.
-  virtual void Activate(const MotionModes& modes) = 0;
+  [[nodiscard]] virtual const RobotState& State() { return loop_->state(); }
+  /// Tells the communication loop that a motion is about to start.
+  virtual void Activate(const MotionModes& modes) { loop_->Activate(modes); }
   /// Ends the controller's updates.
   virtual void StopController() = 0;
-};
+  /// Ends the motion's threads, after which its loops are the caller's.
+  virtual void EndThreads() {}
 
-/// The life of a motion, the same in every drive: first state, activation, start, motion, end,
-/// conclusion.
-///
-/// Threads: the onlooker's. The watch is what it knows of the others.
-class MotionSession {
- public:
-  MotionSession(const MotionRun& run, Stage& stage, MotionWatch& watch)
-      : run_(run), stage_(stage), watch_(watch) {}
-
-  /// @throws as LockstepDrive::Run. The figures of the communication loop are the drive's to add.
-  [[nodiscard]] RunReport Run();
+  const MotionRun& run_;
+  Exchange exchange_;
+  MotionWatch watch_;
+  ControlTick tick_;
+  ControllerLoop controller_loop_;
+  std::unique_ptr<CommunicationLoop> loop_;
 
  private:
+  [[nodiscard]] RunReport RunToEnd();
   bool Pass(Time limit, const std::function<bool()>& done);
   void StopEarly(RunReport& report, std::string why);
   void Conclude(RunReport& report);
@@ -62,12 +75,9 @@ class MotionSession {
   void NoticeSilence();
   void NoticeUnseenEnd();
   void Tell(std::string_view kind, std::string_view text) {
-    if (run_.event) run_.event(stage_.Now(), kind, text);
+    if (run_.event) run_.event(Now(), kind, text);
   }
 
-  const MotionRun& run_;
-  Stage& stage_;
-  MotionWatch& watch_;
   RestWatch rest_;
   std::uint64_t newest_ = 0;  ///< id of the newest state that was looked at; 0: none yet
   bool stopping_ = false;

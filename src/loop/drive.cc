@@ -1,0 +1,43 @@
+#include "twin/loop/drive.h"
+
+#include "twin/core/error.h"
+
+namespace twin::loop {
+namespace {
+
+/// A robot without a state for this long counts as gone.
+constexpr Duration kTimeout = std::chrono::seconds(1);
+
+}  // namespace
+
+bool Drive::PassUntil(Time limit, const std::function<bool(const RobotState*)>& done) {
+  backend::Backend& backend = *connection().backend;
+  const auto now = [this] { return wall_clock() != nullptr ? wall_clock()->Now() : Now(); };
+  Time heard = now();
+  Time arrival{};
+  // States in the queue are old.
+  static_cast<void>(backend.Read(backend::ReadRule::kNewest, state_, arrival));
+  while (true) {
+    const RobotState* read = nullptr;
+    switch (backend.Read(backend::ReadRule::kFresh, state_, arrival)) {
+      case backend::ReadResult::kPending: break;
+      case backend::ReadResult::kLost: {
+        const auto& why = connection().why_lost;
+        throw RobotFault("the connection to the robot is gone" + (why ? ": " + why() : ""));
+      }
+      case backend::ReadResult::kState:
+        read = &state_;
+        heard = now();
+        Observe(state_);
+        break;
+    }
+    if (done(read)) return true;
+    if (Now() >= limit) return false;
+    if (now() - heard > kTimeout) {
+      throw RobotFault("no robot state has come for 1 s; is the link losing every state?");
+    }
+    Wait(limit);
+  }
+}
+
+}  // namespace twin::loop
