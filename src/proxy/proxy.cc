@@ -63,8 +63,8 @@ class Proxy::Impl {
         arm_(Validated(config), fci::HeadKind::kArm, clock, tell_),
         hand_(config, fci::HeadKind::kHand, clock, tell_) {}
 
-  void Run(const std::function<bool()>& endpoints) {
-    while (!endpoints()) {
+  void Run(const std::function<bool()>& ends) {
+    while (!ends()) {
       Wait();
       const Time now = clock_.Now();
       for (Service* service : {&arm_, &hand_}) service->acceptor.Serve(now);
@@ -106,8 +106,8 @@ fci::Endpoint Proxy::hand() const {
   return impl_->hand().acceptor.local();
 }
 
-void Proxy::Run(const std::function<bool()>& endpoints) {
-  impl_->Run(endpoints);
+void Proxy::Run(const std::function<bool()>& ends) {
+  impl_->Run(ends);
 }
 
 ProxyCounts Proxy::counts() const noexcept {

@@ -40,6 +40,10 @@ std::string ScriptOf(std::string_view prefix, const Figure& figure) {
   std::string script(TemplateText("style.gp"));
   if (!figure.columns.empty()) AddTable(script, "data", figure.columns, figure.rows);
   for (const auto& [key, table] : figure.tables) AddTable(script, key, table.columns, table.rows);
+  // Without a point gnuplot finds no range, and fails: such a figure shows empty axes.
+  if (figure.rows.empty() && figure.tables.empty()) {
+    script += "panel = panel . \"; set xrange [0.1:1]; set yrange [0.1:1]\"\n";
+  }
   for (const auto& [key, value] : figure.values) {
     script += std::isfinite(value) ? fmt::format("{} = {:.9g}\n", key, value)
                                    : fmt::format("{} = NaN\n", key);

@@ -41,7 +41,6 @@ const Comparison& Of(const Findings& findings, const std::string& quantity) {
 TEST(TimingsTest, ComparesTheTwelveFiguresOfTheTableAndTheirRatio) {
   const ExperimentBench bench;
   const Findings findings = RunTimings(bench.short_setting());
-  EXPECT_EQ(findings.id, "timings");
   EXPECT_EQ(std::ranges::count_if(findings.comparisons,
                                   [](const Comparison& c) { return c.paper.has_value(); }),
             13);

@@ -87,7 +87,7 @@ class Proxy {
 
   /// Relays until the predicate returns true; calls it at least every 100 ms, less often only while
   /// connecting to a robot. Then ends all connections.
-  void Run(const std::function<bool()>& endpoints);
+  void Run(const std::function<bool()>& ends);
 
   /// Sums of the sessions that have ended.
   [[nodiscard]] ProxyCounts counts() const noexcept;
