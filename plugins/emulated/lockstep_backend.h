@@ -5,8 +5,8 @@
 
 namespace twin::plugins {
 
-/// Connects the emulated robot on the virtual clock: its cycles are events of the queue from now on.
-/// Sets backend and panel of the connection.
+/// Connects the emulated robot on the virtual clock: its cycles are events of the queue from now
+/// on. Sets backend and panel of the connection.
 void ConnectLockstep(const backend::Request& request, const backend::VirtualTime& time,
                      NamedPlant plant, backend::Connection& connection);
 

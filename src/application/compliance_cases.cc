@@ -202,11 +202,11 @@ Duration LengthOf(const Case& one, const Settings& settings) noexcept {
 }
 
 run::Motion MotionOf(const Case& one, const Settings& settings, const Stage& stage,
-                          const RobotState& state) {
+                     const RobotState& state) {
   const bool moves = one.kind == Kind::kTrajectory;
-  run::Motion motion = stage.NewMotion(
-      fmt::format("{}: {}", one.id, one.what), control::CommandInterface::kTorque,
-      run::StandingFor(state.q, LengthOf(one, settings), stage.robot().limits));
+  run::Motion motion =
+      stage.NewMotion(fmt::format("{}: {}", one.id, one.what), control::CommandInterface::kTorque,
+                      run::StandingFor(state.q, LengthOf(one, settings), stage.robot().limits));
   if (moves) motion.poses = PathFrom(state.O_T_EE, settings, stage.robot().cartesian);
   motion.controller.type = "compliance";
   motion.controller.parameters = ParametersOf(

@@ -13,8 +13,8 @@
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 #include "twin/plant/perturbation.h"
-#include "twin/scenario/scenario.h"
 #include "twin/run/session.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::application {
 class Stage;
@@ -90,12 +90,11 @@ inline constexpr std::array<Case, kCases> kAllCases{{
 
 /// The motion of a case that begins where the robot is.
 /// @throws InputError when its path breaks a limit of the end effector's motion.
-[[nodiscard]] run::Motion MotionOf(const Case& one, const Settings& settings,
-                                        const Stage& stage, const RobotState& state);
+[[nodiscard]] run::Motion MotionOf(const Case& one, const Settings& settings, const Stage& stage,
+                                   const RobotState& state);
 
 /// The motion back to robot.q_start, by torques as well.
-[[nodiscard]] run::Motion MotionBack(const Case& from, const Stage& stage,
-                                          const RobotState& state);
+[[nodiscard]] run::Motion MotionBack(const Case& from, const Stage& stage, const RobotState& state);
 
 /// Who pushes: the same at A and B, the same at C and D.
 struct Pushes {

@@ -6,9 +6,9 @@
 
 namespace twin::application {
 
-Stage::Stage(run::Session& session, const scenario::Scenario& scenario,
-             const run::RunFiles& files, const Clock& clock,
-             std::function<void(std::string_view)> tell, const teleop::DeviceRegistry* devices)
+Stage::Stage(run::Session& session, const scenario::Scenario& scenario, const run::RunFiles& files,
+             const Clock& clock, std::function<void(std::string_view)> tell,
+             const teleop::DeviceRegistry* devices)
     : session_(session),
       scenario_(scenario),
       files_(files),
@@ -26,7 +26,7 @@ planning::CollisionWorld& Stage::World() {
 }
 
 run::Motion Stage::NewMotion(std::string name, control::CommandInterface interface,
-                                  reference::Trajectory trajectory) const {
+                             reference::Trajectory trajectory) const {
   return run::MotionOn(scenario_, std::move(name), interface, std::move(trajectory));
 }
 

@@ -12,8 +12,7 @@
 namespace twin::experiment {
 namespace {
 
-LoopSample RunOnce(const Setting& setting, const run::Catalogue& stack, std::size_t loop,
-                   int run) {
+LoopSample RunOnce(const Setting& setting, const run::Catalogue& stack, std::size_t loop, int run) {
   const scenario::Scenario scenario = LoopScenario(setting, loop, run);
   const bool is_bare = scenario.loop == loop::LoopKind::kBare;
   LoopSample sample = SampleLoop(is_bare ? setting : With(setting, stack), scenario);

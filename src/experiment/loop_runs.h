@@ -21,7 +21,6 @@ using LoopRuns = std::array<std::vector<LoopSample>, 3>;
 /// @param stack  with what RS and RA run; LF has the setting's own. @param share  of the work, for
 /// the progress.
 /// @throws as RunScenario; InputError when a run wrote no command at all.
-[[nodiscard]] LoopRuns RunLoops(const Setting& setting, const run::Catalogue& stack,
-                                double share);
+[[nodiscard]] LoopRuns RunLoops(const Setting& setting, const run::Catalogue& stack, double share);
 
 }  // namespace twin::experiment

@@ -73,7 +73,7 @@ void TakeOutTimingFaults(scenario::Scenario& scenario) {
 }
 
 run::RunResult RunScenario(const Setting& setting, const scenario::Scenario& scenario,
-                                rt::RecordSink* sink) {
+                           rt::RecordSink* sink) {
   ThrowIfInterrupted(setting);
   run::RunResult result;
   if (scenario.drive == scenario::Drive::kRemote) {

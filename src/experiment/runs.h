@@ -39,7 +39,7 @@ void TakeOutTimingFaults(scenario::Scenario& scenario);
 /// Runs it, in lockstep or as RunOverWire. How it ended is in the result. @param sink  may be null.
 /// @throws as run::Run; RobotFault when the setting says it was interrupted.
 run::RunResult RunScenario(const Setting& setting, const scenario::Scenario& scenario,
-                                rt::RecordSink* sink);
+                           rt::RecordSink* sink);
 
 /// Works off job(0) ... job(count - 1) on the host's processors, on the wall clock one by one; of
 /// those that throw the first in their order is thrown, once all are done. Tells the setting how

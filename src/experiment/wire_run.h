@@ -14,8 +14,7 @@ namespace twin::experiment {
 /// @param scenario  drive remote. @param sink  cycles come from the robot's thread, ticks from the
 /// communication's; may be null.
 /// @returns counts as the robot had them, not as the workstation guesses. @throws as RunScenario.
-[[nodiscard]] run::RunResult RunOverWire(const Setting& setting,
-                                              const scenario::Scenario& scenario,
-                                              rt::RecordSink* sink);
+[[nodiscard]] run::RunResult RunOverWire(const Setting& setting, const scenario::Scenario& scenario,
+                                         rt::RecordSink* sink);
 
 }  // namespace twin::experiment

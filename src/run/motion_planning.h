@@ -16,7 +16,8 @@ namespace twin::run {
 /// @pre scenario.motion.plan and scenario.robot.q_start are there.
 /// @throws InputError when start or goal touches something (names the bodies), the goal is out of
 /// reach, or a value is out of range; NoPlanError when no path was found within the budget.
-[[nodiscard]] reference::Trajectory PlanMotion(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+[[nodiscard]] reference::Trajectory PlanMotion(const scenario::Scenario& scenario,
+                                               const scenario::RobotData& robot,
                                                const JointVector& start,
                                                const plant::MujocoPlantOptions& world,
                                                planning::PlanStatistics& statistics);

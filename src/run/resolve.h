@@ -39,13 +39,15 @@ struct Plan {
                             const RunFiles& files);
 
 /// As MakePlan, of a planned motion only. @param start  where the arm stands, rad.
-[[nodiscard]] reference::Trajectory PlanFrom(const JointVector& start, const scenario::Scenario& scenario,
-                                             const scenario::RobotData& robot, const RunFiles& files,
+[[nodiscard]] reference::Trajectory PlanFrom(const JointVector& start,
+                                             const scenario::Scenario& scenario,
+                                             const scenario::RobotData& robot,
+                                             const RunFiles& files,
                                              planning::PlanStatistics& statistics);
 
 /// As MakePlan, of the robot only.
-[[nodiscard]] RobotPlan MakeRobotPlan(const scenario::Scenario& scenario, const Catalogue& catalogue,
-                                      const RunFiles& files);
+[[nodiscard]] RobotPlan MakeRobotPlan(const scenario::Scenario& scenario,
+                                      const Catalogue& catalogue, const RunFiles& files);
 
 // Parts of a plan.
 
@@ -54,9 +56,11 @@ struct Plan {
 [[nodiscard]] MotionModes ModesOf(const scenario::MotionSection& motion);
 
 /// @throws InputError as TickConfig::Validate.
-[[nodiscard]] loop::TickConfig MakeTick(const scenario::Scenario& scenario, const scenario::RobotData& robot);
+[[nodiscard]] loop::TickConfig MakeTick(const scenario::Scenario& scenario,
+                                        const scenario::RobotData& robot);
 
 /// @throws InputError as ControllerLoopConfig::Validate.
-[[nodiscard]] loop::ControllerLoopConfig MakeControllerLoop(const scenario::ControllerSection& controller);
+[[nodiscard]] loop::ControllerLoopConfig MakeControllerLoop(
+    const scenario::ControllerSection& controller);
 
 }  // namespace twin::run

@@ -29,7 +29,7 @@ constexpr backend::RobotTime kStates = backend::RobotTime::kStates;
 
 scenario::RobotData Panda() {
   return scenario::LoadRobotData(std::filesystem::path(TWIN_SOURCE_DIR) / "models", "panda",
-                       plant::HandKind::kFrankaHand);
+                                 plant::HandKind::kFrankaHand);
 }
 
 /// A robot that is ready.

@@ -20,7 +20,8 @@ int main() {
   const auto config = twin::run::MakeServedConfig(scenario, {.models = MODELS});
   twin::rt::EventQueue events;
   Client client;
-  twin::robot::Robot robot(config, std::make_unique<twin::plant::IdealPlant>(), events, client, nullptr);
+  twin::robot::Robot robot(config, std::make_unique<twin::plant::IdealPlant>(), events, client,
+                           nullptr);
   client.robot = &robot;
   robot.Begin();
   while (robot.Move({}) != twin::MoveStatus::kMotionStarted) events.RunNext();
