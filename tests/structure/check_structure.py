@@ -25,6 +25,10 @@ MACHINE_PATH = re.compile(r"(?<![\w.])/(work|root|home/\w+)/|[.][.]/shared\b")
 HTML = re.compile(r"<(!DOCTYPE|html|table|t[rdh]|h[1-6]|div|pre|script|style|figure)[ >]")
 LOOSE_TODO = re.compile(r"\b(TODO|FIXME|XXX)\b(?!\(#\d+\))")
 
+TERMS = dict(line.split(" ", 1) for line in pathlib.Path(__file__).with_name("terms.txt").read_text().splitlines() if line[:1] != "#")
+STRING = re.compile(r'"(\\.|[^"\\])*"')
+WORD_OF_IDENTIFIER = re.compile(r"[A-Z]?[a-z]+")
+
 CLOCK_READERS = ("src/core/clock.cc", "src/rt/")
 MUJOCO_USERS = ("src/plant/", "src/planning/", "src/render/", "plugins/emulated/", "tests/")
 TRUTH_USERS = ("include/twin/plant/", "src/plant/", "include/twin/render/", "src/render/", "plugins/emulated/", "tests/",
@@ -94,6 +98,9 @@ def check_line(path, line, areas):
         yield "reads the environment: only cli does"
     if product and HTML.search(code):
         yield "writes HTML: pages are templates in src/report/templates"
+    words = {word.lower() for word in WORD_OF_IDENTIFIER.findall(STRING.sub("", code))} if product else set()
+    for word in sorted(words & TERMS.keys()):
+        yield f"an identifier says {word}: the term is {TERMS[word]} (tests/structure/terms.txt)"
 
 
 def check_code(path, lines, areas):
@@ -185,6 +192,8 @@ def check_tree(root):
 SELF_TEST = [
     ("src/rt/a.cc", '#include "twin/core/x.h"\n#include "rt/private.h"\n#include <vector>\n', ""),
     ("src/core/a.cc", '#include "twin/rt/x.h"\n', "area rt comes after core"),
+    ("src/rt/a.cc", "class ErrandBox;\n", "the term is Call"),
+    ("src/rt/a.cc", 'Say("an errand");  // an errand\n', ""),
     ("include/twin/core/a.h", '#pragma once\n#include "twin/plant/x.h"\n', "area plant comes after core"),
     ("src/rt/a.cc", '#include "core/private.h"\n', "a private header of area core"),
     ("src/rt/a.cc", '#include "twin/elsewhere/x.h"\n', "does not list"),
