@@ -58,7 +58,7 @@ class Run::Impl {
  public:
   Impl(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
        rt::RecordSink* sink, const RealtimeSettings& settings)
-      : Impl(scenario, MakePlan(scenario, catalogue, files), catalogue, files, sink, settings) {
+      : Impl(scenario, MakePlan(scenario, catalogue, files), catalogue, sink, settings) {
     if (planning_) PlanFromCurrentPosition(catalogue, files);
   }
 
@@ -78,12 +78,13 @@ class Run::Impl {
  private:
   // The motion is prepared before the robot is connected: what is wrong with it is known then.
   Impl(const scenario::Scenario& scenario, Plan plan, const Catalogue& catalogue,
-       const RunFiles& files, rt::RecordSink* sink, const RealtimeSettings& settings)
+       rt::RecordSink* sink, const RealtimeSettings& settings)
       : scenario_(scenario),
         planning_(plan.planning),
         motion_(std::in_place, scenario, plan.robot,
                 MotionOf(scenario, plan.trajectory, plan.poses), catalogue.controllers),
-        session_(scenario, catalogue, files, sink, settings) {}
+        session_(scenario, {std::move(plan.robot), std::move(plan.config)}, catalogue, sink,
+                 settings) {}
 
   /// Plans anew when the robot stands a little beside robot.q_start. One that stands elsewhere is
   /// left to the checks before the motion, which refuse it.

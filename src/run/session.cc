@@ -41,7 +41,7 @@ double LargestDistance(const JointVector& a, const JointVector& b) {
 scenario::Scenario Standing(scenario::Scenario scenario) {
   scenario.application.reset();
   scenario.operator_section.reset();
-  if (!scenario.motion.waypoints.empty() || scenario.motion.plan) return scenario;
+  if (!scenario.motion.waypoints.empty()) return scenario;
   if (!scenario.robot.q_start) {
     throw InputError(
         "robot.q_start: a scenario without a motion must say where the arm rests; give it");
@@ -58,7 +58,7 @@ bool IsSlow(const RobotState& state) {
 
 class Session::Impl {
  public:
-  Impl(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
+  Impl(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
        rt::RecordSink* sink, const RealtimeSettings& settings);
 
   [[nodiscard]] const scenario::Scenario& scenario() const noexcept { return scenario_; }
@@ -105,10 +105,10 @@ class Session::Impl {
   std::unique_ptr<loop::Drive> drive_;
 };
 
-Session::Impl::Impl(const scenario::Scenario& scenario, const Catalogue& catalogue,
-                    const RunFiles& files, rt::RecordSink* sink, const RealtimeSettings& settings)
+Session::Impl::Impl(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
+                    rt::RecordSink* sink, const RealtimeSettings& settings)
     : scenario_(scenario),
-      robot_(MakeRobotPlan(scenario, catalogue, files)),
+      robot_(std::move(robot)),
       settings_(settings),
       controllers_(catalogue.controllers),
       summary_(sink) {
@@ -294,7 +294,12 @@ void Session::Impl::Recover() {
 
 Session::Session(const scenario::Scenario& scenario, const Catalogue& catalogue,
                  const RunFiles& files, rt::RecordSink* sink, const RealtimeSettings& settings)
-    : impl_(std::make_unique<Impl>(Standing(scenario), catalogue, files, sink, settings)) {}
+    : Session(Standing(scenario), MakeRobotPlan(Standing(scenario), catalogue, files), catalogue,
+              sink, settings) {}
+
+Session::Session(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
+                 rt::RecordSink* sink, const RealtimeSettings& settings)
+    : impl_(std::make_unique<Impl>(scenario, std::move(robot), catalogue, sink, settings)) {}
 
 Session::~Session() {
   static_cast<void>(impl_->drive().End());

@@ -20,9 +20,9 @@ namespace twin::loop {
 ///
 ///     Begin() -> { Run() | PassUntil() } ... -> End()
 ///
-/// - Lockstep: an event queue on a virtual clock, one thread. The same inputs and seed give the
-/// same
-///   records. Time stands still between two calls.
+/// - Lockstep: an event queue on a virtual clock, one thread. Inputs and seed determine the
+/// records.
+///   Time stands still between two calls.
 /// - Realtime: the wall clock. The communication loop and the controller have threads of their own.
 ///   A simulated robot has one too, whose cycles run from Begin() to End(); a robot at the other
 ///   end of a wire keeps its own time.

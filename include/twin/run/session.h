@@ -88,6 +88,7 @@ enum class WaitEnd : std::uint8_t {
 };
 
 class PreparedMotion;
+struct RobotPlan;
 
 /// A connected robot on any drive, on which motions and commands to the hand follow each other.
 ///
@@ -106,12 +107,15 @@ class PreparedMotion;
 /// RobotFault from any call; a motion that starts and then fails is none: its report says so.
 class Session {
  public:
-  /// Connects. @param scenario  drive, backend, robot, plant, link, int, seed. Its motion is not
-  /// run, only robot.q_start (else its first waypoint) says where the arm rests; a scenario without
-  /// waypoints must have the former. Its hand script is not run either.
+  /// Connects. @param scenario  drive, backend, robot, plant, link, onboard, seed. Its motion is
+  /// not run, only robot.q_start (else its first waypoint) says where the arm rests; a scenario
+  /// without waypoints must have the former. Its hand script is not run either.
   /// @param sink, settings  as Run's. @throws as Run's constructor.
   Session(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
           rt::RecordSink* sink, const RealtimeSettings& settings = {});
+  /// The same of a robot that is resolved already.
+  Session(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
+          rt::RecordSink* sink, const RealtimeSettings& settings);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
