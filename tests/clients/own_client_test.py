@@ -90,7 +90,9 @@ class OwnClientTest(unittest.TestCase):
         subprocess.run([PROGRAM, "export", out / "run.mcap", "--out", out / "csv"], check=True, capture_output=True)
         cycles, ticks = rows(out, "cycles.csv"), rows(out, "ticks.csv")
         self.assertEqual([row["message_id"] for row in cycles], [row["message_id"] for row in ticks])
-        self.assertGreater(len(cycles), 1000)
+        # In wall-clock time a client does not get each state; the robot's own count tells how long the motion took.
+        self.assertGreater(int(cycles[-1]["message_id"]) - int(cycles[0]["message_id"]), 1000)
+        self.assertGreater(len(cycles), 1000 if DRIVE == "lockstep" else 500)
         explained = subprocess.run([PROGRAM, "explain", out, "--out", out], capture_output=True, text=True)
         self.assertEqual(explained.returncode, 0, explained.stderr)
 
