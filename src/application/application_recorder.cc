@@ -84,7 +84,7 @@ void ApplicationRecorder::Report(const std::vector<std::filesystem::path>& plots
                  {"seed", fmt::format("{}", scenario().seed)},
                  {"site", parts_.options.site},
                  {"backend", scenario().backend},
-                 {"drive", std::string(Name(scenario().drive))},
+                 {"drive", std::string(scenario().drive_name())},
                  {"motions", fmt::format("{}", result_.session.motions)},
                  {"panda-twin", TWIN_VERSION}};
   run::WriteWholeFile(out_.report(),

@@ -197,7 +197,7 @@ MonteCarloResult RunSeeds(const scenario::Scenario& scenario, const run::Catalog
                           const std::function<void(const SeedOutcome&)>& told) {
   RequireInRange("seeds", options.seeds, 1, 100'000);
   RequireInRange("threads", options.threads, 1, 64);
-  if (scenario.drive != scenario::Drive::kLockstep) {
+  if (!scenario.is_lockstep()) {
     throw InputError("seeds: runs of many seeds take drive: lockstep");
   }
   Runs runs(scenario, catalogue, files, clock, options);

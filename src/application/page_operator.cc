@@ -27,7 +27,6 @@ constexpr const char* kLongest = "3600 s";
 /// The robot's own scenario from the other end of the wire, led by the page.
 scenario::Scenario LedFromThePage(scenario::Scenario served) {
   served.backend = scenario::kRemoteBackend;
-  served.drive = scenario::Drive::kRemote;
   served.robot.clock_drift_ppm = 0;
   served.hand.clear();
   if (!served.robot.q_start && !served.motion.waypoints.empty()) {

@@ -18,7 +18,7 @@ namespace twin::application {
 namespace {
 
 bool WaitsForNobody(const scenario::Scenario& scenario, const run::RealtimeSettings& settings) {
-  if (scenario.drive == scenario::Drive::kRemote) {
+  if (scenario.is_remote()) {
     return settings.remote.time == backend::RobotTime::kWall;
   }
   return scenario.drive == scenario::Drive::kRealtime;
@@ -34,7 +34,7 @@ double PeakMemoryMb() {
 /// A note when the robot is simulated in primitive shapes.
 void NoteMissingMeshes(const scenario::Scenario& scenario, const backend::Connection& connection,
                        run::Console& console) {
-  if (scenario.drive == scenario::Drive::kRemote || connection.uses_meshes ||
+  if (scenario.is_remote() || connection.uses_meshes ||
       scenario.plant.kind != robot::PlantKind::kMujoco) {
     return;
   }
@@ -217,11 +217,11 @@ void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
 void RunRecorder::OpenPage() {
   const bool is_operated =
       scenario().operator_section && scenario().operator_section->device == run::kPageDevice;
-  const bool is_lockstep = scenario().drive == scenario::Drive::kLockstep;
+  const bool is_lockstep = scenario().is_lockstep();
   page::PageSettings settings = is_operated ? page_.Recorded() : page::PageSettings();
   settings.title = scenario().name;
   settings.about = fmt::format("{}, backend {}, drive {}{}", scenario().robot.model,
-                               scenario().backend, Name(scenario().drive),
+                               scenario().backend, scenario().drive_name(),
                                is_lockstep ? ", held back to the pace of the wall clock" : "");
   settings.limits = run_.robot->limits;
   if (!is_operated) {

@@ -100,7 +100,7 @@ class RunRecorder {
   /// After a run that went well: says which of its motions were further off their targets than the
   /// scenario's max_deviation. Warns; @throws RobotFault when that is a failure.
   void EvaluateDeviations() const;
-  [[nodiscard]] bool is_remote() const { return scenario().drive == scenario::Drive::kRemote; }
+  [[nodiscard]] bool is_remote() const { return scenario().is_remote(); }
   /// Not to make one is no part of the scenario: log and plots are the same with and without.
   [[nodiscard]] bool wants_video() const {
     return scenario().render.enabled && parts_.options.makes_video;

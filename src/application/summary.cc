@@ -64,14 +64,14 @@ std::string OutcomeOf(const ApplicationResult& result) {
 std::string SummaryJson(const scenario::Scenario& scenario, const ApplicationResult& result,
                         const std::optional<plant::ContactWatch>& contacts) {
   // What became of commands, a robot at the other end of a wire does not tell.
-  const bool is_remote = scenario.drive == scenario::Drive::kRemote;
+  const bool is_remote = scenario.is_remote();
   const auto known = [&](std::uint64_t count) { return is_remote ? Json() : Json(count); };
   const run::CycleCounts& counts = result.session.counts;
   const Json summary{
       {"scenario", scenario.name},
       {"application", scenario.application->type},
       {"seed", scenario.seed},
-      {"drive", Name(scenario.drive)},
+      {"drive", scenario.drive_name()},
       {"version", TWIN_VERSION},
       {"outcome", OutcomeOf(result)},
       {"failure", FailureOf(result.task_result, result.evaluation)},
@@ -102,7 +102,7 @@ std::string SummaryText(const scenario::Scenario& scenario, const ApplicationRes
                        finding.demand.empty() ? "" : fmt::format(" ({})", finding.demand));
   }
   const run::CycleCounts& counts = result.session.counts;
-  if (scenario.drive != scenario::Drive::kRemote) {
+  if (!scenario.is_remote()) {
     out += fmt::format("  {:<13}{} in {} motions; {} served, {} held (at most {} in a row)\n",
                        "cycles", counts.cycles(), result.session.motions, counts.served,
                        counts.held, counts.longest_loss);
@@ -112,7 +112,7 @@ std::string SummaryText(const scenario::Scenario& scenario, const ApplicationRes
   }
   out += fmt::format("  {:<13}{:.2f} s: {:.1f} x real time; of it planning {:.2f} s\n", "took",
                      times.run_s, times.real_time_factor, times.planning_s.value_or(0));
-  if (scenario.drive == scenario::Drive::kLockstep) {
+  if (scenario.is_lockstep()) {
     out += fmt::format("  {:<13}{} (libm {})\n", "states hash",
                        FormatHash(result.session.states_hash), FormatHash(LibmFingerprint()));
   }

@@ -145,7 +145,7 @@ void Teleoperation::Require(const scenario::Scenario& scenario) const {
   if (!is_scripted) return;
   control::ParameterReader(scenario.operator_section->parameters, "operator.parameters")
       .RefuseUnread();
-  if (scenario.drive != scenario::Drive::kLockstep) {
+  if (!scenario.is_lockstep()) {
     throw InputError(
         "operator: the scripted person sees the simulation and is for drive: lockstep only; name a "
         "device that somebody holds");
@@ -203,12 +203,12 @@ std::unique_ptr<teleop::Device> Teleoperation::MakeDevice(const Stage& stage) {
                                  section.device, kPerson));
   }
   control::ParameterReader reader(section.parameters, "operator.parameters");
-  auto device = stage.devices()->Find(section.device)(
-      {.parameters = reader,
-       .folder = stage.scenario().places.folder,
-       .clock = clock_,
-       .is_lockstep = stage.scenario().drive == scenario::Drive::kLockstep,
-       .seed = stage.scenario().seed});
+  auto device =
+      stage.devices()->Find(section.device)({.parameters = reader,
+                                             .folder = stage.scenario().places.folder,
+                                             .clock = clock_,
+                                             .is_lockstep = stage.scenario().is_lockstep(),
+                                             .seed = stage.scenario().seed});
   reader.RefuseUnread();
   return device;
 }

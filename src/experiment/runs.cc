@@ -53,7 +53,7 @@ Setting With(const Setting& setting, const run::Catalogue& catalogue) {
 
 scenario::Scenario LoadScenario(const Setting& setting, std::string_view name) {
   scenario::Scenario scenario = scenario::Load(setting.scenarios / (std::string(name) + ".yaml"));
-  scenario.drive = setting.on_wall_clock ? scenario::Drive::kRemote : scenario::Drive::kLockstep;
+  scenario.drive = scenario::Drive::kLockstep;
   scenario.backend = setting.on_wall_clock ? scenario::kRemoteBackend : "mujoco";
   scenario.render.enabled = false;
   scenario.record = false;
@@ -76,7 +76,7 @@ run::RunResult RunScenario(const Setting& setting, const scenario::Scenario& sce
                            rt::RecordSink* sink) {
   ThrowIfInterrupted(setting);
   run::RunResult result;
-  if (scenario.drive == scenario::Drive::kRemote) {
+  if (scenario.is_remote()) {
     result = RunOverWire(setting, scenario, sink);
   } else {
     run::Run run(scenario, setting.catalogue, setting.files, sink);

@@ -11,7 +11,7 @@ namespace twin::experiment {
 /// that is served as `panda-twin serve` does it. Plant, sensors and start are the scenario's;
 /// delays and costs are what passes. One host has one clock: the controller's drift is made by the
 /// robot's, which runs slower by as much.
-/// @param scenario  drive remote. @param sink  cycles come from the robot's thread, ticks from the
+/// @param scenario  backend fci. @param sink  cycles come from the robot's thread, ticks from the
 /// communication's; may be null.
 /// @returns counts as the robot had them, not as the workstation guesses. @throws as RunScenario.
 [[nodiscard]] run::RunResult RunOverWire(const Setting& setting, const scenario::Scenario& scenario,

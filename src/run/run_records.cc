@@ -62,7 +62,7 @@ record::RunInfo InfoOf(const scenario::Scenario& scenario, const scenario::Robot
   return {scenario.name,
           scenario.seed,
           TWIN_VERSION,
-          std::string(Name(scenario.drive)),
+          std::string(scenario.drive_name()),
           scenario::ToYaml(scenario),
           record::RunLimits{robot.limits, robot.cartesian}};
 }

@@ -86,7 +86,7 @@ class Session::Impl {
   SessionResult End();
 
  private:
-  [[nodiscard]] bool is_remote() const { return scenario_.backend == scenario::kRemoteBackend; }
+  [[nodiscard]] bool is_remote() const { return scenario_.is_remote(); }
   /// Lets time pass until then, at least. @returns whether it did, and was not interrupted.
   [[nodiscard]] bool PassUntil(Time time);
   [[nodiscard]] std::uint64_t SeedOf(std::uint64_t motion) const noexcept;
@@ -180,7 +180,7 @@ RobotState Session::Impl::NextState() {
 MotionResult Session::Impl::Move(PreparedMotion& motion, const std::function<Time(Time)>& attend) {
   TWIN_CHECK(begun_);
   // In real time, what is queued shows where the robot was when the last one looked.
-  if (motions_ > 0 && scenario_.drive != scenario::Drive::kLockstep) static_cast<void>(NextState());
+  if (motions_ > 0 && !scenario_.is_lockstep()) static_cast<void>(NextState());
   const std::uint64_t seen = summary_.Tally().motions;
   const Duration planned = motion.motion().trajectory.duration();
   MotionResult result;

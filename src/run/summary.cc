@@ -36,8 +36,8 @@ std::string PercentilesText(const rt::DurationHistogram& histogram) {
 
 /// What helps against the errors that ended the run, each text once.
 std::vector<std::string> CuresOf(const scenario::Scenario& scenario, const RunResult& result) {
-  const TimeKeeper keeper = scenario.drive == scenario::Drive::kLockstep ? TimeKeeper::kVirtualClock
-                                                                         : TimeKeeper::kWallClock;
+  const TimeKeeper keeper =
+      scenario.is_lockstep() ? TimeKeeper::kVirtualClock : TimeKeeper::kWallClock;
   std::vector<std::string> cures;
   const auto add = [&](const ErrorEntry& entry) {
     std::string cure(CureHere(entry, keeper));
@@ -245,12 +245,12 @@ std::string SummaryJson(const scenario::Scenario& scenario, const RunResult& res
   const auto& pose = result.final_pose_error;
   // What became of commands, a robot at the other end of a wire does not tell.
   const auto known = [&](std::uint64_t count) {
-    return scenario.drive == scenario::Drive::kRemote ? Json() : Json(count);
+    return scenario.is_remote() ? Json() : Json(count);
   };
   Json summary{
       {"scenario", scenario.name},
       {"seed", scenario.seed},
-      {"drive", Name(scenario.drive)},
+      {"drive", scenario.drive_name()},
       {"version", TWIN_VERSION},
       {"outcome", OutcomeOf(result, interrupted)},
       {"failure", result.report.failure},
@@ -287,7 +287,7 @@ std::string SummaryJson(const scenario::Scenario& scenario, const RunResult& res
 std::string FailureJson(const scenario::Scenario& scenario, const std::string& failure) {
   return TextOf(Json{{"scenario", scenario.name},
                      {"seed", scenario.seed},
-                     {"drive", Name(scenario.drive)},
+                     {"drive", scenario.drive_name()},
                      {"version", TWIN_VERSION},
                      {"outcome", "failed"},
                      {"failure", failure}});
@@ -331,7 +331,7 @@ std::string SummaryText(const scenario::Scenario& scenario, const RunResult& res
   }
   if (result.hand) line("hand", HandText(scenario, *result.hand));
   if (result.base) line("base", BaseText(*result.base));
-  const bool is_remote = scenario.drive == scenario::Drive::kRemote;
+  const bool is_remote = scenario.is_remote();
   line("cycles", is_remote ? RemoteCyclesText(result.report.timings) : CyclesText(result.counts));
   if (const std::uint64_t stalled = result.report.timings.stalled; stalled > 0) {
     line("stalled", fmt::format("the controller gave no new target in {} cycles beyond "
@@ -343,7 +343,7 @@ std::string SummaryText(const scenario::Scenario& scenario, const RunResult& res
                             ToSeconds(result.report.simulated),
                             is_remote ? "of the robot's time" : "simulated", times.run_s,
                             times.real_time_factor));
-  if (scenario.drive != scenario::Drive::kLockstep) {
+  if (!scenario.is_lockstep()) {
     line("d_EXT", PercentilesText(result.report.timings.d_EXT));
     std::string late =
         fmt::format("{} states, not answered; {} wake-ups of the controller skipped",

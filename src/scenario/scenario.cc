@@ -34,15 +34,6 @@ void ValidateLoop(const Scenario& scenario) {
       "wake_delay have no meaning in it: leave them out, or say loop: asynchronous");
 }
 
-void ValidateDrive(const Scenario& scenario) {
-  const bool is_remote = scenario.drive == Drive::kRemote;
-  if (is_remote == (scenario.backend == kRemoteBackend)) return;
-  throw InputError(fmt::format(
-      "drive: {} does not go with backend {}; {}", Name(scenario.drive), scenario.backend,
-      is_remote ? "say backend: fci, or drive: lockstep or realtime"
-                : "a robot at the other end of a wire keeps its own time: say drive: remote"));
-}
-
 void ValidatePlant(const PlantSection& plant) {
   if (plant.kind != robot::PlantKind::kIdeal) return;
   if (plant.mass_scale == 1 && plant.base_tilt == plant::BaseTilt()) return;
@@ -58,7 +49,7 @@ void ValidateBase(const Scenario& scenario) {
   const auto refuse = [](std::string_view why) {
     throw InputError(fmt::format("base: {}, or leave base out", why));
   };
-  if (scenario.drive == Drive::kRemote) {
+  if (scenario.is_remote()) {
     refuse("a robot at the other end of a wire has none; say backend: mujoco");
   }
   if (scenario.plant.kind == robot::PlantKind::kIdeal) {
@@ -182,9 +173,14 @@ Drive DriveFromName(std::string_view name) {
   for (const auto& [spelling, drive] : kDriveNames) {
     if (spelling == name) return drive;
   }
+  if (name == "remote") {
+    throw InputError(
+        "drive \"remote\" repeats backend fci: write backend: fci and no drive, or without that "
+        "backend realtime or lockstep");
+  }
   throw InputError(
       fmt::format("drive \"{}\" is unknown; accepted: lockstep (the virtual clock), realtime (the "
-                  "wall clock), remote (the robot's, with backend fci)",
+                  "wall clock)",
                   name));
 }
 
@@ -250,7 +246,6 @@ void Scenario::Validate() const {
   Map map;
   Describe(map, copy);
   map.Check("");
-  ValidateDrive(*this);
   ValidatePlant(plant);
   ValidateLoop(*this);
   if (application) {

@@ -36,10 +36,7 @@ void AddWhatIsRun(Map& map, Scenario& s) {
   map.Add("seed", Seed(s.seed), "Seed of every random number of the run.");
   map.Add("backend", Identifier(s.backend),
           "What stands for the robot: mujoco, or fci for one at the other end of a wire.")
-      .Then([&s](const YamlNode& node) {
-        s.places.backend = {s.backend, node.Where()};
-        if (s.backend == kRemoteBackend) s.drive = Drive::kRemote;
-      });
+      .At(s.places.backend);
   Value drive = Choice(s.drive, kDriveNames);
   drive.read = [&s](const YamlNode& node) {
     try {
@@ -48,7 +45,12 @@ void AddWhatIsRun(Map& map, Scenario& s) {
       node.Fail(error.what());
     }
   };
-  map.Add("drive", drive, "The virtual clock; the wall clock; or, of backend fci, the robot's.");
+  map.Add("drive", drive, "The virtual clock, or the wall clock; leave it out with backend fci.")
+      .OmitIf(s.is_remote())
+      .Then([&s](const YamlNode& node) {
+        if (!s.is_remote()) return;
+        node.Fail("the robot of backend fci keeps its own time; leave drive out");
+      });
   map.Add("loop", Choice(s.loop, kLoopNames),
           "The workstation's: a thread for communication beside the controller; one periodic loop "
           "of both; or one that the robot paces.");

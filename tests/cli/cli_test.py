@@ -126,10 +126,10 @@ class BadScenario(CliTest):
 
     def test_drive_that_does_not_go_with_the_backend(self):
         done = self.run_scenario(SHORT, "--drive", "remote", "--robot", "127.0.0.1")
-        self.assert_refused(done, 3, "drive: remote does not go with backend mujoco")
+        self.assert_refused(done, 3, 'drive "remote" repeats backend fci: write backend: fci and no drive')
         for drive in ("lockstep", "realtime"):
             done = self.run_scenario(SHORT, "--backend", "fci", "--robot", "127.0.0.1:9", "--drive", drive)
-            self.assert_refused(done, 3, f"--drive {drive} contradicts backend fci, whose drive is remote")
+            self.assert_refused(done, 3, f"--drive {drive} contradicts backend fci, whose robot keeps its own time")
 
     def test_remote_robot_without_address(self):
         done = self.run_scenario(SHORT, "--backend", "fci")

@@ -89,7 +89,6 @@ class SessionPerturbationTest : public test::SessionFixture {
       served = Serve(scenario, backend::RobotTime::kStates, &cycles);
       scenario.perturbations.clear();  // the client knows nothing of it
       scenario.backend = "fci";
-      scenario.drive = scenario::Drive::kRemote;
       settings.remote = {
           .host = "127.0.0.1", .arm_port = served->arm().port, .time = backend::RobotTime::kStates};
       settings.checks_start = false;

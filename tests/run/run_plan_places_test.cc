@@ -82,7 +82,6 @@ class PlanPlacesTest : public ::testing::Test {
     watcher.Watch(*robot.truth());
     robot.Start();
     scenario.backend = "fci";
-    scenario.drive = scenario::Drive::kRemote;
     RealtimeSettings remote;
     remote.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port, .time = time};
     remote.checks_start = false;

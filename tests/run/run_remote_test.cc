@@ -78,9 +78,10 @@ TEST(RemoteTest, NamesWhatIsWrongWithAnAddress) {
 }
 
 TEST(RemoteTest, ScenariosOfARobotOnTheWireAreDrivenByIt) {
-  EXPECT_EQ(Untimed("backend: fci").drive, scenario::Drive::kRemote);
-  EXPECT_EQ(Untimed("backend: fci\ndrive: remote").drive, scenario::Drive::kRemote);
+  EXPECT_EQ(Untimed("backend: fci").drive_name(), "remote");
+  EXPECT_FALSE(Untimed("backend: fci").is_lockstep());
   EXPECT_THROW(Untimed("backend: fci\ndrive: lockstep"), InputError);
+  EXPECT_THROW(Untimed("backend: fci\ndrive: remote"), InputError);
   EXPECT_THROW(Untimed("drive: remote"), InputError);
   EXPECT_EQ(scenario::Parse(scenario::ToYaml(Untimed("backend: fci")), "again.yaml"),
             Untimed("backend: fci"));

@@ -41,7 +41,6 @@ class SessionRealtimeTest : public test::SessionFixture,
                                                                : backend::RobotTime::kWall;
       served = Serve(scenario, time);
       scenario.backend = "fci";
-      scenario.drive = scenario::Drive::kRemote;
       settings.remote = {.host = "127.0.0.1", .arm_port = served->arm().port, .time = time};
       settings.checks_start = false;
     }

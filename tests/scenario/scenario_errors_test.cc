@@ -127,8 +127,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "      - {q: [10, -40, 5, -130, 0, 95, 40], stop: true}\n"
                 "      - {q: [0, -45, 0, -135, 0, 90, 45]}\n",
                 "", "s.yaml:1: ", "1 waypoints; a trajectory needs at least two"},
-        Spoiled{"RemoteDrive", "drive: lockstep", "drive: remote",
-                "s.yaml:1: drive: ", "remote does not go with backend mujoco; say backend: fci"},
+        Spoiled{"RemoteDrive", "drive: lockstep", "drive: remote", "s.yaml:5: drive: ",
+                "\"remote\" repeats backend fci: write backend: fci and no drive"},
         Spoiled{"OldNameOfOnboard", "\nonboard:", "\nint:", "s.yaml:28: int: ",
                 "this section is called onboard now; rename it"},
         Spoiled{"UnknownLoop", "loop: asynchronous", "loop: async", "s.yaml:6: loop: ",

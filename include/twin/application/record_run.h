@@ -21,9 +21,8 @@ struct RunOptions {
   bool makes_video = true;         ///< where the scenario wants one; the log is the same without
   bool strict = false;             ///< an arm that was too far off its path is a failure
   bool allow_hardware = false;     ///< a robot at the other end of a wire need not be a twin
-  std::optional<std::filesystem::path>
-      capture{};                             ///< drive remote: file of what goes over the wire
-  std::optional<page::PageSettings> page{};  ///< where the operator's page is served
+  std::optional<std::filesystem::path> capture{};  ///< backend fci: file of what goes over the wire
+  std::optional<page::PageSettings> page{};        ///< where the operator's page is served
   run::RealtimeSettings settings{};
 };
 

@@ -79,9 +79,9 @@ class Run {
   /// How long the planner took, on the wall clock; nothing when nothing was planned.
   [[nodiscard]] std::optional<Duration> planning_time() const noexcept;
 
-  /// Drive remote, before Execute(): sends the robot the scenario's settings (section onboard) and
-  /// looks whether it, the way to it and this host are ready for a motion. Nothing of it moves the
-  /// arm. Takes about 0.5 s. @param tell  gets each line as soon as it is known.
+  /// With a remote robot, before Execute(): sends the robot the scenario's settings (section
+  /// onboard) and looks whether it, the way to it and this host are ready for a motion. Nothing of
+  /// it moves the arm. Takes about 0.5 s. @param tell  gets each line as soon as it is known.
   /// @returns whether all is well. @throws RobotFault when the connection is lost.
   [[nodiscard]] bool CheckStart(const TellCheck& tell);
 

@@ -39,8 +39,8 @@ inline constexpr std::array<Spelling<plant::ObjectShape>, 3> kObjectShapeNames{
      {"cylinder", plant::ObjectShape::kCylinder},
      {"sphere", plant::ObjectShape::kSphere}}};
 
-inline constexpr std::array<Spelling<Drive>, 3> kDriveNames{
-    {{"lockstep", Drive::kLockstep}, {"realtime", Drive::kRealtime}, {"remote", Drive::kRemote}}};
+inline constexpr std::array<Spelling<Drive>, 2> kDriveNames{
+    {{"lockstep", Drive::kLockstep}, {"realtime", Drive::kRealtime}}};
 
 inline constexpr std::array<Spelling<loop::LoopKind>, 3> kLoopNames{
     {{"asynchronous", loop::LoopKind::kAsynchronous},

@@ -35,17 +35,16 @@
 
 namespace twin::scenario {
 
-/// Who advances time.
+/// Who advances the time of a simulated robot.
 enum class Drive : std::uint8_t {
   kLockstep,  ///< a seeded event queue on a virtual clock: repeatable to the byte
   kRealtime,  ///< the wall clock: robot, communication and controller on threads of their own
-  kRemote,    ///< the robot's, at the other end of a wire: backend fci, and only that
 };
 
-/// The backend that goes with Drive::kRemote, and only with it.
+/// The backend of a robot at the other end of a wire, which keeps its own time.
 inline constexpr std::string_view kRemoteBackend = "fci";
 
-/// @throws InputError when there is no such drive.
+/// @throws InputError for an unknown name, and for "remote" of former versions: says what to write.
 [[nodiscard]] Drive DriveFromName(std::string_view name);
 /// As scenarios spell it.
 [[nodiscard]] std::string_view Name(Drive drive) noexcept;
@@ -263,7 +262,7 @@ struct Scenario {
   std::string description;  ///< one or more sentences for people; may be empty
   std::uint64_t seed = 1;   ///< of every random number of the run
   std::string backend = "mujoco";
-  Drive drive = Drive::kLockstep;
+  Drive drive = Drive::kLockstep;  ///< without effect on a remote robot
   loop::LoopKind loop = loop::LoopKind::kAsynchronous;
   std::filesystem::path
       scene;  ///< MJCF of the world, in the models folder or absolute; may be empty
@@ -287,6 +286,15 @@ struct Scenario {
   bool record = true;  ///< write the log
 
   Places places;
+
+  [[nodiscard]] bool is_remote() const noexcept { return backend == kRemoteBackend; }
+  [[nodiscard]] bool is_lockstep() const noexcept {
+    return !is_remote() && drive == Drive::kLockstep;
+  }
+  /// Who advances time, for summaries and logs: "lockstep", "realtime" or "remote".
+  [[nodiscard]] std::string_view drive_name() const noexcept {
+    return is_remote() ? "remote" : Name(drive);
+  }
 
   /// Checks what can be checked without the robot's data.
   /// @throws InputError naming section, field, value and range.

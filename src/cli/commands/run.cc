@@ -36,23 +36,13 @@ void ChooseDevice(const std::string& device, scenario::Scenario& scenario) {
   scenario.places.device = {};
 }
 
-/// The backend of the command line, and with it the drive that it implies.
-void ChooseBackend(std::string_view backend, scenario::Scenario& scenario) {
-  scenario.backend = backend;
-  if (backend == scenario::kRemoteBackend) {
-    scenario.drive = scenario::Drive::kRemote;
-  } else if (scenario.drive == scenario::Drive::kRemote) {
-    scenario.drive = scenario::Drive::kLockstep;
-  }
-}
-
-/// @throws InputError when the flags of a remote robot and the scenario's drive do not go together.
+/// @throws InputError when the flags of a remote robot do not go with the scenario.
 void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenario) {
-  const bool is_remote = scenario.drive == scenario::Drive::kRemote;
-  if (!is_remote && flags.drive && scenario.backend == scenario::kRemoteBackend) {
+  const bool is_remote = scenario.is_remote();
+  if (is_remote && flags.drive) {
     throw InputError(fmt::format(
-        "--drive {} contradicts backend fci, whose drive is remote; leave out --drive, or the "
-        "backend",
+        "--drive {} contradicts backend fci, whose robot keeps its own time; leave out --drive, or "
+        "the backend",
         *flags.drive));
   }
   if (!is_remote && (flags.robot || flags.robot_time || flags.capture || flags.allow_hardware)) {
@@ -72,7 +62,7 @@ void RequireSeedsFlags(const RunFlags& flags, const scenario::Scenario& scenario
   if (!scenario.application) {
     throw InputError("--seeds goes with an application; this scenario has a motion");
   }
-  if (scenario.drive != scenario::Drive::kLockstep) {
+  if (!scenario.is_lockstep()) {
     throw InputError("--seeds goes with lockstep: on the wall clock no seed repeats");
   }
   if (flags.max_speed) throw InputError("--seeds and --max-speed do not go together");
@@ -101,7 +91,7 @@ void RequireAgreement(const RunFlags& flags, const scenario::Scenario& scenario)
 /// @throws EnvironmentError when a program that the results need is missing.
 void RequirePrograms(const RunFlags& flags, const scenario::Scenario& scenario, const Host& host) {
   if (flags.seeds) return RequireProgram("gnuplot", host.path, "apt-get install gnuplot-nox");
-  if (scenario.drive != scenario::Drive::kRemote && scenario.render.enabled && !flags.no_video &&
+  if (!scenario.is_remote() && scenario.render.enabled && !flags.no_video &&
       scenario.plant.kind == robot::PlantKind::kMujoco) {
     RequireProgram("ffmpeg", host.path, "apt-get install ffmpeg, or run with --no-video");
   }
@@ -155,12 +145,12 @@ scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
     scenario::ApplyLab(scenario::FindLab(*flags.lab, DataOf(flags.data, host).models), scenario);
   }
   if (flags.seed) scenario.seed = *flags.seed;
-  if (flags.backend) ChooseBackend(*flags.backend, scenario);
+  if (flags.backend) scenario.backend = *flags.backend;
   if (flags.drive) scenario.drive = scenario::DriveFromName(*flags.drive);
   if (flags.device) ChooseDevice(*flags.device, scenario);
   RequireRemoteFlags(flags, scenario);
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
-  if (scenario.drive == scenario::Drive::kLockstep && (flags.ext_cpu || flags.int_cpu)) {
+  if (scenario.is_lockstep() && (flags.ext_cpu || flags.int_cpu)) {
     throw InputError("--ext-cpu and --int-cpu go with --drive realtime: lockstep has one thread");
   }
   scenario.Validate();
@@ -200,7 +190,7 @@ void AddRun(CLI::App& app, Program& program) {
       ->type_name("DIR");
   run->add_option("--backend", flags.backend,
                   "Backend, instead of the scenario's: mujoco, or fci (a robot on the network)");
-  run->add_option("--drive", flags.drive, "Who advances time: lockstep, realtime; remote with fci");
+  run->add_option("--drive", flags.drive, "Who advances time: lockstep or realtime; not with fci");
   run->add_option("--device", flags.device,
                   "What the operator holds, instead of the scenario's: page, evdev, network, ...");
   AddRemote(*run, flags);

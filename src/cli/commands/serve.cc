@@ -67,6 +67,7 @@ scenario::Scenario LoadWithFlags(const Flags& flags, const std::filesystem::path
   if (flags.scene) scenario.scene = *flags.scene;
   if (flags.seed) scenario.seed = *flags.seed;
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
+  scenario.backend = scenario::Scenario().backend;  // the served robot is simulated
   scenario.drive = scenario::DriveFromName(flags.drive);
   return scenario;
 }
@@ -88,12 +89,7 @@ void Note(std::string_view text) {
 
 void RequireAgreement(const Flags& flags) {
   RequirePageFlags(flags.page);
-  const scenario::Drive drive = scenario::DriveFromName(flags.drive);
-  if (drive == scenario::Drive::kRemote) {
-    throw InputError(
-        "--drive remote is for the other end of the wire; serve in realtime or lockstep");
-  }
-  const bool is_lockstep = drive == scenario::Drive::kLockstep;
+  const bool is_lockstep = scenario::DriveFromName(flags.drive) == scenario::Drive::kLockstep;
   if (FreezesWhenIdle(flags) && !is_lockstep) {
     throw InputError("--idle freeze goes with --drive lockstep: the wall clock never stands still");
   }
@@ -167,7 +163,7 @@ class Service {
   [[nodiscard]] bool Ends();
   /// Says, once each, that log or capture cannot be written any more.
   void TellLosses();
-  [[nodiscard]] bool is_lockstep() const { return scenario_.drive == scenario::Drive::kLockstep; }
+  [[nodiscard]] bool is_lockstep() const { return scenario_.is_lockstep(); }
 
   const MonotonicClock clock_;
   const Flags& flags_;
@@ -218,7 +214,7 @@ void Service::Tell(std::string_view line) {
 
 void Service::Introduce() {
   std::string text = fmt::format("panda-twin serves {} ({}), drive {}{}\n", scenario_.robot.model,
-                                 robot_->plant_name(), Name(scenario_.drive),
+                                 robot_->plant_name(), scenario_.drive_name(),
                                  FreezesWhenIdle(flags_) ? ", idle freeze" : "");
   if (flags_.viability) {
     text += fmt::format("  commands are kept within the limits, up to {} lost in a row\n",
@@ -245,7 +241,7 @@ void Service::OpenPage() {
   page::PageSettings settings = is_lockstep() ? page::PageSettings() : page_->Recorded();
   settings.title = scenario_.name.empty() ? "panda-twin serve" : scenario_.name;
   settings.about = fmt::format("{}, served at {}, drive {}", scenario_.robot.model,
-                               fci::ToString(robot_->arm()), Name(scenario_.drive));
+                               fci::ToString(robot_->arm()), scenario_.drive_name());
   settings.limits = DataOfRobot().limits;
   settings.stop = [this] { PressUserStop(true); };
   settings.release = [this] { PressUserStop(false); };
