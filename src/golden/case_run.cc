@@ -13,7 +13,7 @@
 #include "twin/core/error.h"
 #include "twin/render/frame_painter.h"
 #include "twin/run/film.h"
-#include "twin/run/states_hash.h"
+#include "twin/run/result.h"
 
 namespace twin::golden {
 namespace {

@@ -1,6 +1,9 @@
 #include "run/cycle_summary.h"
 
 #include <algorithm>
+#include <variant>
+
+#include "twin/record/log_reader.h"
 
 namespace twin::run {
 
@@ -60,6 +63,16 @@ void CycleSummary::Put(const rt::CycleRecord& record) noexcept {
 void CycleSummary::Put(const rt::TickRecord& record) noexcept {
   viability_.Add(record);
   if (next_ != nullptr) next_->Put(record);
+}
+
+std::uint64_t StatesHashOf(const std::filesystem::path& log) {
+  record::LogReader reader(log);
+  CycleSummary summary(nullptr);
+  record::LogEntry entry;
+  while (reader.Next(entry)) {
+    if (const auto* cycle = std::get_if<rt::CycleRecord>(&entry)) summary.Put(*cycle);
+  }
+  return summary.states_hash();
 }
 
 }  // namespace twin::run

@@ -1,4 +1,4 @@
-#include "twin/run/followed_motion.h"
+#include "twin/run/result.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "run/motion_planning.h"
+#include "run/resolve.h"
 
 #include <string>
 #include <utility>

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "run/motion_planning.h"
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/transform.h"

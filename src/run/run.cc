@@ -8,10 +8,9 @@
 #include <string_view>
 #include <utility>
 
-#include "run/drive_script.h"
-#include "run/hand_script.h"
 #include "run/prepared_motion.h"
 #include "run/resolve.h"
+#include "run/scripts.h"
 #include "run/start_check.h"
 #include "twin/run/session.h"
 
@@ -39,6 +38,12 @@ bool IsNear(const JointVector& q, const JointVector& q_start) {
   return true;
 }
 
+/// Lines of a script as events of a kind; empty when nothing listens. `hooks` must outlive it.
+std::function<void(Time, std::string_view)> EventsOf(const RunHooks& hooks, std::string_view kind) {
+  if (!hooks.event) return {};
+  return [&hooks, kind](Time now, std::string_view text) { hooks.event(now, kind, text); };
+}
+
 /// Ends a session whatever happens: no record is put after the run is over.
 class EndGuard {
  public:
@@ -53,86 +58,69 @@ class EndGuard {
 
 }  // namespace
 
-/// A session with one motion, the scenario's.
-class Run::Impl {
- public:
-  Impl(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-       rt::RecordSink* sink, const RealtimeSettings& settings)
-      : Impl(scenario, MakePlan(scenario, catalogue, files), catalogue, sink, settings) {
-    if (planning_) PlanFromCurrentPosition(catalogue, files);
-  }
+Run::Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
+         rt::RecordSink* sink, const RealtimeSettings& settings)
+    : scenario_(scenario) {
+  Plan plan = MakePlan(scenario, catalogue, files);
+  // Before the robot is connected: what is wrong with the motion is known then.
+  motion_ = std::make_unique<PreparedMotion>(
+      scenario, plan.robot, MotionOf(scenario, plan.trajectory, plan.poses), catalogue.controllers);
+  session_ =
+      std::make_unique<Session>(scenario, RobotPlan{std::move(plan.robot), std::move(plan.config)},
+                                catalogue, sink, settings);
+  if (!plan.planning) return;
+  Planned(*plan.planning);
+  PlanFromCurrentPosition(catalogue, files);
+}
 
-  RunResult Execute(const RunHooks& hooks);
-  [[nodiscard]] bool CheckStart(const TellCheck& tell) {
-    return session_.CheckStart(motion_->motion(), tell);
-  }
-  [[nodiscard]] const reference::Trajectory& trajectory() const noexcept {
-    return motion_->motion().trajectory;
-  }
-  [[nodiscard]] const Session& session() const noexcept { return session_; }
-  [[nodiscard]] std::optional<Duration> planning_time() const noexcept {
-    if (!planning_) return std::nullopt;
-    return planning_->wall;
-  }
+Run::~Run() = default;
 
- private:
-  // The motion is prepared before the robot is connected: what is wrong with it is known then.
-  Impl(const scenario::Scenario& scenario, Plan plan, const Catalogue& catalogue,
-       rt::RecordSink* sink, const RealtimeSettings& settings)
-      : scenario_(scenario),
-        planning_(plan.planning),
-        motion_(std::in_place, scenario, plan.robot,
-                MotionOf(scenario, plan.trajectory, plan.poses), catalogue.controllers),
-        session_(scenario, {std::move(plan.robot), std::move(plan.config)}, catalogue, sink,
-                 settings) {}
+void Run::Planned(const planning::PlanStatistics& planning) {
+  planning_time_ = planning.wall;
+  plan_ = PlanReport{.checks = planning.checks,
+                     .found_length = planning.found_length,
+                     .path_length = planning.path_length,
+                     .waypoints = planning.waypoints,
+                     .duration = trajectory().duration()};
+}
 
-  /// Plans anew when the robot stands a little beside robot.q_start. One that stands elsewhere is
-  /// left to the checks before the motion, which refuse it.
-  void PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& files);
-
-  /// Nothing when the scenario has no commands to the hand.
-  [[nodiscard]] std::optional<HandScript> MakeHandScript(const RunHooks& hooks) const;
-
-  /// Nothing when the scenario asks nothing of a base.
-  [[nodiscard]] std::optional<DriveScript> MakeDriveScript(const RunHooks& hooks) const;
-
-  const scenario::Scenario scenario_;
-  std::optional<planning::PlanStatistics> planning_;  ///< of a planned motion
-  std::optional<PreparedMotion> motion_;              ///< always there
-  Session session_;
-};
-
-void Run::Impl::PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& files) {
-  const std::optional<JointVector> q = session_.ReadCurrentPosition();
+void Run::PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& files) {
+  const std::optional<JointVector> q = session_->ReadCurrentPosition();
   if (!q || *q == trajectory().start() || !IsNear(*q, trajectory().start())) return;
-  const reference::Trajectory planned =
-      PlanFrom(*q, scenario_, session_.robot(), files, planning_.emplace());
-  motion_.emplace(scenario_, session_.robot(), MotionOf(scenario_, planned, std::nullopt),
-                  catalogue.controllers);
+  planning::PlanStatistics planning;
+  const reference::Trajectory planned = PlanFrom(*q, scenario_, robot(), files, planning);
+  motion_ = std::make_unique<PreparedMotion>(
+      scenario_, robot(), MotionOf(scenario_, planned, std::nullopt), catalogue.controllers);
+  Planned(planning);
 }
 
-std::optional<HandScript> Run::Impl::MakeHandScript(const RunHooks& hooks) const {
-  if (scenario_.hand.empty()) return std::nullopt;
-  HandScript::Tell tell;
-  if (hooks.event) {
-    tell = [&hooks](Time now, std::string_view text) { hooks.event(now, "hand", text); };
+const backend::Connection& Run::connection() const noexcept {
+  return session_->connection();
+}
+
+const reference::Trajectory& Run::trajectory() const noexcept {
+  return motion_->motion().trajectory;
+}
+
+const scenario::RobotData& Run::robot() const noexcept {
+  return session_->robot();
+}
+
+bool Run::CheckStart(const TellCheck& tell) {
+  return session_->CheckStart(motion_->motion(), tell);
+}
+
+RunResult Run::Execute(const RunHooks& hooks) {
+  std::optional<HandScript> hand;
+  if (!scenario_.hand.empty()) {
+    hand.emplace(scenario_.hand, RequireHand(connection(), scenario_.backend),
+                 EventsOf(hooks, "hand"));
   }
-  return HandScript(scenario_.hand, RequireHand(session_.connection(), scenario_.backend), tell);
-}
-
-std::optional<DriveScript> Run::Impl::MakeDriveScript(const RunHooks& hooks) const {
-  if (!scenario_.base || scenario_.base->drive.empty()) return std::nullopt;
-  DriveScript::Tell tell;
-  if (hooks.event) {
-    tell = [&hooks](Time now, std::string_view text) { hooks.event(now, "base", text); };
+  std::optional<DriveScript> drive;
+  if (scenario_.base && !scenario_.base->drive.empty()) {
+    drive.emplace(scenario_.base->drive, RequireBase(connection(), scenario_.backend),
+                  EventsOf(hooks, "base"));
   }
-  return DriveScript(scenario_.base->drive, RequireBase(session_.connection(), scenario_.backend),
-                     tell);
-}
-
-RunResult Run::Impl::Execute(const RunHooks& hooks) {
-  std::optional<HandScript> hand = MakeHandScript(hooks);
-  std::optional<DriveScript> drive = MakeDriveScript(hooks);
   std::function<Time(Time)> attend;
   if (hand || drive) {
     attend = [&hand, &drive](Time now) {
@@ -140,13 +128,13 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
       return drive ? std::min(next, drive->Attend(now)) : next;
     };
   }
-  session_.Begin(hooks);
-  const EndGuard end_guard(session_);
-  MotionResult motion = session_.Move(*motion_, attend);
+  session_->Begin(hooks);
+  const EndGuard end_guard(*session_);
+  MotionResult motion = session_->Move(*motion_, attend);
   RunResult result;
   if (hand) result.hand = hand->Report();
-  if (const backend::MobileBase* base = session_.base()) result.base = base->ReadState();
-  const SessionResult session = session_.End();
+  if (const backend::MobileBase* base = session_->base()) result.base = base->ReadState();
+  const SessionResult session = session_->End();
   result.report = std::move(motion.report);
   result.report.robot_timings = session.robot_timings;
   if (!session.unsound.empty()) {
@@ -160,45 +148,8 @@ RunResult Run::Impl::Execute(const RunHooks& hooks) {
   result.followed.succeeded = result.report.succeeded();
   result.viability = session.viability;
   result.states_hash = session.states_hash;
-  if (planning_) {
-    result.plan = PlanReport{.checks = planning_->checks,
-                             .found_length = planning_->found_length,
-                             .path_length = planning_->path_length,
-                             .waypoints = planning_->waypoints,
-                             .duration = trajectory().duration()};
-  }
+  result.plan = plan_;
   return result;
-}
-
-Run::Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-         rt::RecordSink* sink, const RealtimeSettings& settings) {
-  impl_ = std::make_unique<Impl>(scenario, catalogue, files, sink, settings);
-}
-
-Run::~Run() = default;
-
-const backend::Connection& Run::connection() const noexcept {
-  return impl_->session().connection();
-}
-
-const reference::Trajectory& Run::trajectory() const noexcept {
-  return impl_->trajectory();
-}
-
-const scenario::RobotData& Run::robot() const noexcept {
-  return impl_->session().robot();
-}
-
-std::optional<Duration> Run::planning_time() const noexcept {
-  return impl_->planning_time();
-}
-
-bool Run::CheckStart(const TellCheck& tell) {
-  return impl_->CheckStart(tell);
-}
-
-RunResult Run::Execute(const RunHooks& hooks) {
-  return impl_->Execute(hooks);
 }
 
 }  // namespace twin::run

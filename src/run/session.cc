@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "run/cycle_summary.h"
-#include "run/hand_script.h"
 #include "run/prepared_motion.h"
 #include "run/resolve.h"
+#include "run/scripts.h"
 #include "run/start_check.h"
 #include "twin/core/check.h"
 #include "twin/core/error.h"
@@ -54,78 +54,47 @@ bool IsSlow(const RobotState& state) {
   return std::ranges::all_of(state.dq, [](double dq) { return std::abs(dq) < kRestSpeed; });
 }
 
-}  // namespace
-
-class Session::Impl {
- public:
-  Impl(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
-       rt::RecordSink* sink, const RealtimeSettings& settings);
-
-  [[nodiscard]] const scenario::Scenario& scenario() const noexcept { return scenario_; }
-  [[nodiscard]] const scenario::RobotData& robot() const noexcept { return robot_.robot; }
-  [[nodiscard]] const control::ControllerRegistry& controllers() const noexcept {
-    return controllers_;
+/// @returns the drive that the scenario asks for, connected to its robot.
+std::unique_ptr<loop::Drive> MakeDrive(const scenario::Scenario& scenario,
+                                       const robot::RobotConfig& config,
+                                       const backend::Registry& backends, rt::RecordSink* sink,
+                                       const RealtimeSettings& settings) {
+  const backend::Factory& connect = backends.Find(scenario.backend);
+  if (scenario.is_remote()) {
+    return loop::MakeRemoteDrive(connect, config, sink, settings.remote, settings.threads);
   }
-  [[nodiscard]] loop::Drive& drive() const noexcept { return *drive_; }
-  [[nodiscard]] bool interrupted() const noexcept {
-    return hooks_.interrupted != nullptr && *hooks_.interrupted;
-  }
-  void Tell(std::string_view kind, std::string_view text) const {
-    if (hooks_.event) hooks_.event(drive_->Now(), kind, text);
-  }
-
-  [[nodiscard]] bool CheckStart(const scenario::Scenario& scenario, const JointVector& start,
-                                const TellCheck& tell);
-  [[nodiscard]] std::optional<JointVector> ReadCurrentPosition() const;
-  void Begin(const RunHooks& hooks);
-  MotionResult Move(PreparedMotion& motion, const std::function<Time(Time)>& attend);
-  HandOutcome Command(const HandCommand& command, Duration limit);
-  WaitEnd Wait(Duration limit, const std::function<bool(const RobotState&)>& done);
-  RobotState NextState();
-  void Recover();
-  SessionResult End();
-
- private:
-  [[nodiscard]] bool is_remote() const { return scenario_.is_remote(); }
-  /// Lets time pass until then, at least. @returns whether it did, and was not interrupted.
-  [[nodiscard]] bool PassUntil(Time time);
-  [[nodiscard]] std::uint64_t SeedOf(std::uint64_t motion) const noexcept;
-
-  const scenario::Scenario scenario_;
-  const RobotPlan robot_;
-  const RealtimeSettings settings_;
-  const control::ControllerRegistry& controllers_;
-  RunHooks hooks_;
-  bool begun_ = false;
-  bool checked_ = false;       ///< the checks before a remote robot's first motion found all well
-  std::uint64_t motions_ = 0;  ///< begun
-  std::vector<FollowedMotion> followed_;
-  std::optional<SessionResult> result_;
-  CycleSummary summary_;
-  std::unique_ptr<loop::Drive> drive_;
-};
-
-Session::Impl::Impl(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
-                    rt::RecordSink* sink, const RealtimeSettings& settings)
-    : scenario_(scenario),
-      robot_(std::move(robot)),
-      settings_(settings),
-      controllers_(catalogue.controllers),
-      summary_(sink) {
-  const backend::Factory& connect = catalogue.backends.Find(scenario.backend);
-  if (is_remote()) {
-    drive_ =
-        loop::MakeRemoteDrive(connect, robot_.config, &summary_, settings.remote, settings.threads);
-  } else if (scenario.drive == scenario::Drive::kRealtime) {
-    drive_ = loop::MakeRealtimeDrive(connect, robot_.config, &summary_, settings.threads);
-  } else {
-    drive_ = loop::MakeLockstepDrive(connect, robot_.config, &summary_);
-  }
+  if (scenario.is_lockstep()) return loop::MakeLockstepDrive(connect, config, sink);
+  return loop::MakeRealtimeDrive(connect, config, sink, settings.threads);
 }
 
-bool Session::Impl::CheckStart(const scenario::Scenario& scenario, const JointVector& start,
-                               const TellCheck& tell) {
-  if (!is_remote()) return true;
+}  // namespace
+
+Session::Session(const scenario::Scenario& scenario, const Catalogue& catalogue,
+                 const RunFiles& files, rt::RecordSink* sink, const RealtimeSettings& settings)
+    : Session(Standing(scenario), MakeRobotPlan(Standing(scenario), catalogue, files), catalogue,
+              sink, settings) {}
+
+Session::Session(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
+                 rt::RecordSink* sink, const RealtimeSettings& settings)
+    : scenario_(scenario),
+      robot_(std::make_unique<RobotPlan>(std::move(robot))),
+      settings_(settings),
+      controllers_(catalogue.controllers),
+      summary_(std::make_unique<CycleSummary>(sink)),
+      drive_(MakeDrive(scenario, robot_->config, catalogue.backends, summary_.get(), settings)) {}
+
+Session::~Session() {
+  static_cast<void>(drive_->End());
+}
+
+const scenario::RobotData& Session::robot() const noexcept {
+  return robot_->robot;
+}
+
+bool Session::CheckStart(const Motion& first, const TellCheck& tell) {
+  if (!scenario_.is_remote()) return true;
+  // The only motion is the scenario's own.
+  const scenario::Scenario scenario = first.name.empty() ? scenario_ : As(scenario_, first);
   StartCheck check{.clock = *drive_->wall_clock(),
                    .backend = *drive_->connection().backend,
                    .arrival = *drive_->connection().arrival,
@@ -135,12 +104,12 @@ bool Session::Impl::CheckStart(const scenario::Scenario& scenario, const JointVe
   if (scenario.tick.period_tolerance > Duration::zero()) {
     check.listening.tolerance = scenario.tick.period_tolerance;
   }
-  checked_ = RunStartCheck(check, scenario, robot(), start, tell);
+  checked_ = RunStartCheck(check, scenario, robot(), first.trajectory.start(), tell);
   return checked_;
 }
 
-std::optional<JointVector> Session::Impl::ReadCurrentPosition() const {
-  if (!is_remote()) return std::nullopt;
+std::optional<JointVector> Session::ReadCurrentPosition() const {
+  if (!scenario_.is_remote()) return std::nullopt;
   const backend::Connection& connection = drive_->connection();
   const loop::ListenReport heard = loop::ListenToRobot(
       *drive_->wall_clock(), *connection.backend, *connection.arrival,
@@ -149,9 +118,9 @@ std::optional<JointVector> Session::Impl::ReadCurrentPosition() const {
   return heard.last.q_d;
 }
 
-void Session::Impl::Begin(const RunHooks& hooks) {
+void Session::Begin(const RunHooks& hooks) {
   TWIN_CHECK(!begun_);
-  if (is_remote() && settings_.checks_start && !checked_) {
+  if (scenario_.is_remote() && settings_.checks_start && !checked_) {
     throw RobotFault("the robot is not moved: not all checks before its first motion are well");
   }
   hooks_ = hooks;
@@ -159,13 +128,13 @@ void Session::Impl::Begin(const RunHooks& hooks) {
   begun_ = true;
 }
 
-std::uint64_t Session::Impl::SeedOf(std::uint64_t motion) const noexcept {
+std::uint64_t Session::SeedOf(std::uint64_t motion) const noexcept {
   if (motion == 0) return scenario_.seed;
   const auto bits = Random(scenario_.seed, RandomStream::kMotionSeed).Bits(motion);
   return static_cast<std::uint64_t>(bits[0]) << 32 | bits[1];
 }
 
-RobotState Session::Impl::NextState() {
+RobotState Session::ReadState() {
   TWIN_CHECK(begun_);
   RobotState next;
   const auto came = [&next](const RobotState* state) {
@@ -177,11 +146,11 @@ RobotState Session::Impl::NextState() {
   return next;
 }
 
-MotionResult Session::Impl::Move(PreparedMotion& motion, const std::function<Time(Time)>& attend) {
+MotionResult Session::Move(PreparedMotion& motion, const std::function<Time(Time)>& attend) {
   TWIN_CHECK(begun_);
   // In real time, what is queued shows where the robot was when the last one looked.
-  if (motions_ > 0 && !scenario_.is_lockstep()) static_cast<void>(NextState());
-  const std::uint64_t seen = summary_.Tally().motions;
+  if (motions_ > 0 && !scenario_.is_lockstep()) static_cast<void>(ReadState());
+  const std::uint64_t seen = summary_->Tally().motions;
   const Duration planned = motion.motion().trajectory.duration();
   MotionResult result;
   result.name = motion.motion().name;
@@ -189,7 +158,7 @@ MotionResult Session::Impl::Move(PreparedMotion& motion, const std::function<Tim
   const Duration planned_end = result.begun.time_since_epoch() + planned;
 
   loop::MotionRun run = motion.Run(*drive_->connection().backend, SeedOf(motions_++));
-  run.sink = &summary_;
+  run.sink = summary_.get();
   run.event = hooks_.event;
   run.interrupted = hooks_.interrupted;
   run.attend = attend;
@@ -212,38 +181,35 @@ MotionResult Session::Impl::Move(PreparedMotion& motion, const std::function<Tim
   result.goal = motion.motion().trajectory.goal();
   result.final_error = LargestDistance(result.report.q_final, result.goal);
   result.final_pose_error = motion.PoseErrorAt(result.report.q_final);
-  const CycleTally& tally = summary_.Tally();
+  const CycleTally& tally = summary_->Tally();
   if (tally.motions > seen) result.counts = tally.motion;
   return result;
 }
 
-SessionResult Session::Impl::End() {
+SessionResult Session::End() {
   if (result_) return *result_;
   SessionResult& result = result_.emplace();
   result.robot_timings = drive_->End();
   result.motions = motions_;
   result.followed = followed_;
-  result.counts = summary_.counts();
-  if (scenario_.tick.viability) result.viability = summary_.viability();
-  result.states_hash = summary_.states_hash();
+  result.counts = summary_->counts();
+  if (scenario_.tick.viability) result.viability = summary_->viability();
+  result.states_hash = summary_->states_hash();
   const auto& warnings = drive_->connection().engine_warnings;
   if (warnings) result.unsound = warnings();
   return result;
 }
 
-bool Session::Impl::PassUntil(Time time) {
-  return !drive_->PassUntil(time, [this](const RobotState* /*state*/) { return interrupted(); });
-}
-
-HandOutcome Session::Impl::Command(const HandCommand& command, Duration limit) {
+HandOutcome Session::Command(const HandCommand& command, Duration limit) {
   TWIN_CHECK(begun_);
   backend::Hand& hand = RequireHand(drive_->connection(), scenario_.backend);
   const Time begin = drive_->Now();
   const std::vector<scenario::HandEvent> events{{begin.time_since_epoch(), command}};
   HandScript script(events, hand, [this](Time, std::string_view text) { Tell("hand", text); });
   std::string stopped;
+  const auto stop = [this](const RobotState* /*state*/) { return interrupted(); };
   for (Time next = script.Attend(begin); next != Time::max(); next = script.Attend(drive_->Now())) {
-    if (!PassUntil(next)) {
+    if (drive_->PassUntil(next, stop)) {
       stopped = "interrupted";
     } else if (drive_->Now() - begin >= limit) {
       stopped = fmt::format("{} has not ended within {} s, and was stopped", twin::Name(command),
@@ -259,7 +225,7 @@ HandOutcome Session::Impl::Command(const HandCommand& command, Duration limit) {
   return outcome;
 }
 
-WaitEnd Session::Impl::Wait(Duration limit, const std::function<bool(const RobotState&)>& done) {
+WaitEnd Session::Wait(Duration limit, const std::function<bool(const RobotState&)>& done) {
   TWIN_CHECK(begun_);
   bool is_done = false;
   const bool in_time = drive_->PassUntil(drive_->Now() + limit, [&](const RobotState* state) {
@@ -270,8 +236,8 @@ WaitEnd Session::Impl::Wait(Duration limit, const std::function<bool(const Robot
   return in_time ? WaitEnd::kInterrupted : WaitEnd::kTimeLimit;
 }
 
-void Session::Impl::Recover() {
-  RobotState last = NextState();
+void Session::Recover() {
+  RobotState last = ReadState();
   if (last.robot_mode == RobotMode::kIdle) return;
   const auto stopped = [&last](const RobotState& state) {
     last = state;
@@ -292,61 +258,9 @@ void Session::Impl::Recover() {
   if (end == WaitEnd::kDone) Tell("recovery", "done");
 }
 
-Session::Session(const scenario::Scenario& scenario, const Catalogue& catalogue,
-                 const RunFiles& files, rt::RecordSink* sink, const RealtimeSettings& settings)
-    : Session(Standing(scenario), MakeRobotPlan(Standing(scenario), catalogue, files), catalogue,
-              sink, settings) {}
-
-Session::Session(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
-                 rt::RecordSink* sink, const RealtimeSettings& settings)
-    : impl_(std::make_unique<Impl>(scenario, std::move(robot), catalogue, sink, settings)) {}
-
-Session::~Session() {
-  static_cast<void>(impl_->drive().End());
-}
-
-const backend::Connection& Session::connection() const noexcept {
-  return impl_->drive().connection();
-}
-
-backend::MobileBase* Session::base() const noexcept {
-  return connection().base;
-}
-
-const scenario::RobotData& Session::robot() const noexcept {
-  return impl_->robot();
-}
-
-bool Session::CheckStart(const Motion& first, const TellCheck& tell) {
-  // The only motion is the scenario's own.
-  const scenario::Scenario& own = impl_->scenario();
-  return impl_->CheckStart(first.name.empty() ? own : As(own, first), first.trajectory.start(),
-                           tell);
-}
-
-std::optional<JointVector> Session::ReadCurrentPosition() {
-  return impl_->ReadCurrentPosition();
-}
-
-void Session::Begin(const RunHooks& hooks) {
-  impl_->Begin(hooks);
-}
-
 MotionResult Session::Move(const Motion& motion) {
-  PreparedMotion prepared(As(impl_->scenario(), motion), robot(), motion, impl_->controllers());
-  return impl_->Move(prepared, motion.attend);
-}
-
-MotionResult Session::Move(PreparedMotion& motion, const std::function<Time(Time)>& attend) {
-  return impl_->Move(motion, attend);
-}
-
-HandOutcome Session::Command(const HandCommand& command, Duration limit) {
-  return impl_->Command(command, limit);
-}
-
-WaitEnd Session::Wait(Duration limit, const std::function<bool(const RobotState&)>& done) {
-  return impl_->Wait(limit, done);
+  PreparedMotion prepared(As(scenario_, motion), robot(), motion, controllers_);
+  return Move(prepared, motion.attend);
 }
 
 WaitEnd Session::WaitForRest(Duration limit) {
@@ -359,30 +273,6 @@ WaitEnd Session::WaitForRest(Duration limit) {
     if (!slow_since) slow_since = state.message_id;
     return kCycle * static_cast<std::int64_t>(state.message_id - *slow_since) >= kRestTime;
   });
-}
-
-RobotState Session::ReadState() {
-  return impl_->NextState();
-}
-
-void Session::Recover() {
-  impl_->Recover();
-}
-
-void Session::Tell(std::string_view kind, std::string_view text) const {
-  impl_->Tell(kind, text);
-}
-
-Time Session::Now() const {
-  return impl_->drive().Now();
-}
-
-bool Session::interrupted() const noexcept {
-  return impl_->interrupted();
-}
-
-SessionResult Session::End() {
-  return impl_->End();
 }
 
 reference::Trajectory StandingFor(const JointVector& q, Duration duration,

@@ -1,4 +1,4 @@
-#include "run/hand_script.h"
+#include "run/scripts.h"
 
 #include <chrono>
 #include <string>

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "run/drive_script.h"
+#include "run/scripts.h"
 #include "support/husky.h"
 #include "twin/core/error.h"
 #include "twin/run/run.h"

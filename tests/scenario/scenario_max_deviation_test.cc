@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "scenario/scenario_examples.h"
-#include "twin/run/followed_motion.h"
+#include "twin/run/result.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {

@@ -1,23 +1,57 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "twin/control/controller.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/mobile_base.h"
+#include "twin/core/modes.h"
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
+#include "twin/loop/deviation.h"
 #include "twin/loop/run_report.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/filter_counts.h"
-#include "twin/run/followed_motion.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::run {
 
-/// What became of the commands of a motion, as INT saw them.
+/// How far the arm may be from its target in one motion; infinite where it is not judged.
+struct DeviationLimit {
+  double joints = std::numeric_limits<double>::infinity();    ///< rad
+  double position = std::numeric_limits<double>::infinity();  ///< m
+  double angle = std::numeric_limits<double>::infinity();     ///< rad
+};
+
+/// What a motion came to that the robot's own controller should have kept on its path.
+struct FollowedMotion {
+  std::string name;  ///< empty: the only one
+  Time begun{};      ///< of the session
+  loop::Deviation deviation;
+  DeviationLimit limit;
+  bool succeeded = false;  ///< else its failure tells more than its deviation
+
+  [[nodiscard]] bool exceeds() const noexcept { return succeeded && !Excess().empty(); }
+  /// By what it is above its limit, for people; empty: by nothing.
+  [[nodiscard]] std::string Excess() const;
+};
+
+/// What the scenario says of a motion on this interface, which the robot follows by `impedance`.
+/// What it does not say is 20 mrad, or 20 mm and 20 mrad of poses, times as often as the robot is
+/// softer (onboard.K_theta, onboard.K_x) than as delivered: what friction, inertia and loads take
+/// from its path is a force over its stiffness. Not judged unless it is said: torques, which are as
+/// stiff as their controller, and a scenario with perturbations, which are there to move the arm
+/// off its path.
+[[nodiscard]] DeviationLimit LimitOf(const scenario::Scenario& scenario,
+                                     control::CommandInterface interface, ControllerMode impedance);
+
+/// Command statistics of a motion, counted by INT.
 struct CycleCounts {
   std::uint64_t served = 0;        ///< cycles with a command in time
   std::uint64_t held = 0;          ///< cycles without one
@@ -80,5 +114,11 @@ struct RunResult {
   /// Fingerprint of all states INT sent, in order: the physics, without the log's format.
   std::uint64_t states_hash = 0;
 };
+
+/// The fingerprint of all states of a run, out of its log: RunResult::states_hash, unless the log
+/// was cut short.
+///
+/// Threads: one thread. Real-time: no. @throws as record::LogReader.
+[[nodiscard]] std::uint64_t StatesHashOf(const std::filesystem::path& log);
 
 }  // namespace twin::run

@@ -9,6 +9,8 @@
 #include "twin/core/error.h"
 #include "twin/core/time.h"
 #include "twin/loop/drive.h"
+#include "twin/planning/planner.h"
+#include "twin/reference/pose_trajectory.h"
 #include "twin/reference/trajectory.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/rt/thread_setup.h"
@@ -16,7 +18,6 @@
 #include "twin/run/remote.h"
 #include "twin/run/result.h"
 #include "twin/run/robot_config.h"
-#include "twin/run/trajectory.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 
@@ -48,13 +49,27 @@ class NoPlanError : public Error {
   using Error::Error;
 };
 
+/// The scenario's trajectory, checked against the robot's limits; of a motion of poses, the arm at
+/// rest where it begins for as long as they take. @throws InputError as Trajectory and
+/// PoseTrajectory, and for a motion that is planned: that takes a Run.
+[[nodiscard]] reference::Trajectory MakeTrajectory(const scenario::Scenario& scenario,
+                                                   const scenario::RobotData& robot);
+
+/// The path of a motion of poses, checked against the robot's limits; nullopt for others.
+/// @throws InputError as PoseTrajectory.
+[[nodiscard]] std::optional<reference::PoseTrajectory> MakePoses(const scenario::Scenario& scenario,
+                                                                 const scenario::RobotData& robot);
+
 /// Checks all of a scenario short of compiling the robot's model and running it: names, robot,
 /// trajectory, start, tick, scene file. A motion that is to be planned is planned, on a model
 /// compiled for that.
 /// @throws InputError as Run does.
 void Check(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files);
 
-/// A scenario made ready to run: drive, connected backend, trajectory, controller.
+class PreparedMotion;
+class Session;
+
+/// A scenario made ready to run: a session with one motion, the scenario's.
 ///
 /// Threads: one thread.
 class Run {
@@ -77,7 +92,7 @@ class Run {
   [[nodiscard]] const reference::Trajectory& trajectory() const noexcept;
   [[nodiscard]] const scenario::RobotData& robot() const noexcept;
   /// How long the planner took, on the wall clock; nothing when nothing was planned.
-  [[nodiscard]] std::optional<Duration> planning_time() const noexcept;
+  [[nodiscard]] std::optional<Duration> planning_time() const noexcept { return planning_time_; }
 
   /// With a remote robot, before Execute(): sends the robot the scenario's settings (section
   /// onboard) and looks whether it, the way to it and this host are ready for a motion. Nothing of
@@ -92,8 +107,16 @@ class Run {
   [[nodiscard]] RunResult Execute(const RunHooks& hooks = {});
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  /// Plans anew when the robot stands a little beside robot.q_start. The checks before the motion
+  /// refuse one that stands elsewhere.
+  void PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& files);
+  void Planned(const planning::PlanStatistics& planning);
+
+  const scenario::Scenario scenario_;
+  std::optional<PlanReport> plan_;         ///< of a planned motion
+  std::optional<Duration> planning_time_;  ///< of the same
+  std::unique_ptr<PreparedMotion> motion_;
+  std::unique_ptr<Session> session_;
 };
 
 }  // namespace twin::run

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "twin/backend/registry.h"
 #include "twin/control/controller.h"
@@ -87,6 +88,7 @@ enum class WaitEnd : std::uint8_t {
   kInterrupted,
 };
 
+class CycleSummary;
 class PreparedMotion;
 struct RobotPlan;
 
@@ -120,18 +122,20 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  [[nodiscard]] const backend::Connection& connection() const noexcept;
+  [[nodiscard]] const backend::Connection& connection() const noexcept {
+    return drive_->connection();
+  }
   [[nodiscard]] const scenario::RobotData& robot() const noexcept;
 
-  /// The mobile base below the arm; null when there is none. Nobody else asks anything of it.
-  [[nodiscard]] backend::MobileBase* base() const noexcept;
+  /// The mobile base below the arm; null without one. Only the caller may command it.
+  [[nodiscard]] backend::MobileBase* base() const noexcept { return connection().base; }
 
   /// As Run::CheckStart. @param first  the motion that will come first.
   [[nodiscard]] bool CheckStart(const Motion& first, const TellCheck& tell);
 
   /// Where a robot at the other end of a wire holds itself (q_d, rad), before Begin(). Nothing: it
   /// is simulated, or no state came.
-  [[nodiscard]] std::optional<JointVector> ReadCurrentPosition();
+  [[nodiscard]] std::optional<JointVector> ReadCurrentPosition() const;
 
   /// Time begins, once. @param hooks  for all that follows; the plan that progress is told is the
   /// end of the motion under way. What they refer to must outlive the session.
@@ -165,17 +169,33 @@ class Session {
   void Recover();
 
   /// Tells RunHooks::event something of the caller's, at the robot's time.
-  void Tell(std::string_view kind, std::string_view text) const;
+  void Tell(std::string_view kind, std::string_view text) const {
+    if (hooks_.event) hooks_.event(Now(), kind, text);
+  }
 
-  [[nodiscard]] Time Now() const;
-  [[nodiscard]] bool interrupted() const noexcept;
+  [[nodiscard]] Time Now() const { return drive_->Now(); }
+  [[nodiscard]] bool interrupted() const noexcept {
+    return hooks_.interrupted != nullptr && *hooks_.interrupted;
+  }
 
   /// Time ends: no record is put after it returns. More than once: the same again.
   SessionResult End();
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  [[nodiscard]] std::uint64_t SeedOf(std::uint64_t motion) const noexcept;
+
+  const scenario::Scenario scenario_;
+  const std::unique_ptr<const RobotPlan> robot_;
+  const RealtimeSettings settings_;
+  const control::ControllerRegistry& controllers_;
+  const std::unique_ptr<CycleSummary> summary_;  ///< passes the records on to the sink
+  const std::unique_ptr<loop::Drive> drive_;
+  RunHooks hooks_;
+  bool begun_ = false;
+  bool checked_ = false;       ///< CheckStart() of a remote robot found all well
+  std::uint64_t motions_ = 0;  ///< begun
+  std::vector<FollowedMotion> followed_;
+  std::optional<SessionResult> result_;
 };
 
 }  // namespace twin::run

@@ -24,7 +24,6 @@
 #include "twin/replay/recording.h"
 #include "twin/replay/time_line.h"
 #include "twin/run/film.h"
-#include "twin/run/film_choice.h"
 #include "twin/run/result_folder.h"
 
 namespace twin::cli {

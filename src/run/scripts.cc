@@ -1,5 +1,6 @@
-#include "run/hand_script.h"
+#include "run/scripts.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,8 +10,9 @@
 namespace twin::run {
 namespace {
 
-/// How often the hand is asked whether a command has ended.
-constexpr Duration kLook = std::chrono::milliseconds(10);
+/// How often the hand is asked whether a command has ended, and a base is commanded.
+constexpr Duration kHandPeriod = std::chrono::milliseconds(10);
+constexpr Duration kDrivePeriod = std::chrono::milliseconds(50);
 
 std::string EndText(const HandCommand& command, const HandOutcome& outcome) {
   return fmt::format("{}: {}; {:.1f} mm open{}", twin::Name(command), Name(*outcome.result),
@@ -26,13 +28,13 @@ backend::Hand& RequireHand(const backend::Connection& connection, std::string_vi
 }
 
 HandScript::HandScript(const std::vector<scenario::HandEvent>& events, backend::Hand& hand,
-                       Tell tell)
-    : events_(events), hand_(hand), tell_(std::move(tell)), outcomes_(events.size()) {}
+                       ScriptLog log)
+    : events_(events), hand_(hand), log_(std::move(log)), outcomes_(events.size()) {}
 
 Time HandScript::Attend(Time now) {
   Look(now);
   for (; next_ < events_.size() && Time(events_[next_].at) <= now; ++next_) Begin(next_, now);
-  if (running_) return now + kLook;
+  if (running_) return now + kHandPeriod;
   return next_ < events_.size() ? Time(events_[next_].at) : Time::max();
 }
 
@@ -77,6 +79,36 @@ void HandScript::Look(Time now) {
 
 HandReport HandScript::Report() const {
   return {.commands = outcomes_, .state = hand_.ReadState()};
+}
+
+backend::MobileBase& RequireBase(const backend::Connection& connection, std::string_view backend) {
+  if (connection.base != nullptr) return *connection.base;
+  throw InputError(fmt::format("base: the backend {} has no mobile base; leave it out", backend));
+}
+
+DriveScript::DriveScript(const std::vector<scenario::DriveEvent>& events, backend::MobileBase& base,
+                         ScriptLog log)
+    : events_(events), base_(base), log_(std::move(log)) {}
+
+Time DriveScript::Attend(Time now) {
+  while (next_ < events_.size() && Time(events_[next_].at + events_[next_].span) <= now) {
+    ++next_;
+    told_ = false;
+  }
+  Time until = now + kDrivePeriod;
+  BaseTwist twist;
+  if (next_ < events_.size()) {
+    const scenario::DriveEvent& event = events_[next_];
+    const bool runs = Time(event.at) <= now;
+    if (runs) twist = event.twist;
+    until = std::min(until, Time(runs ? event.at + event.span : event.at));
+    if (runs && !std::exchange(told_, true) && log_) {
+      log_(now, fmt::format("asked for {} m/s, {} rad/s for {} s", twist.v, twist.w,
+                            ToSeconds(event.span)));
+    }
+  }
+  base_.Drive(twist);
+  return until;
 }
 
 }  // namespace twin::run
