@@ -4,6 +4,7 @@ find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
+find_package(spdlog REQUIRED)  # the program's log; no library links it
 find_package(nlohmann_json REQUIRED)
 find_path(TWIN_MUSTACHE kainjow/mustache.hpp REQUIRED)  # headers only, in the default path
 find_package(Protobuf REQUIRED)

@@ -258,7 +258,12 @@ void RunRecorder::Perform() {
   BeginRecords();
   run::RunHooks hooks;
   hooks.interrupted = &parts_.console.interrupted();
-  hooks.event = page_.Also(records_.Events());
+  hooks.event = [this, next = page_.Also(records_.Events())](
+                    Time at, std::string_view kind, std::string_view text) {
+    if (next) next(at, kind, text);
+    parts_.console.Debug(
+        fmt::format("{:.3f} s  {}: {}", ToSeconds(at.time_since_epoch()), kind, text));
+  };
   hooks.progress = [this](Time /*now*/, Duration /*planned*/) { WarnOfLostLog(); };
   const Time begin = clock_.Now();
   outcome_ = Perform(hooks);

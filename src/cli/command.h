@@ -3,14 +3,25 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 
-#include "cli/exit_code.h"
+#include "cli/log.h"
 #include "twin/run/catalogue.h"
 
 namespace twin::cli {
+
+/// What the program returns.
+enum ExitCode : int {
+  kOk = 0,
+  kFailed = 1,       ///< the run aborted, or a check failed
+  kUsage = 2,        ///< the command line is wrong
+  kBadInput = 3,     ///< a file or a value is not acceptable
+  kEnvironment = 4,  ///< the host lacks something
+  kInterrupted = 130,
+};
 
 /// What the host tells the program. The environment is read in main, and nowhere else.
 struct Host {
@@ -19,22 +30,39 @@ struct Host {
   std::string path;             ///< the search path of programs
 };
 
+/// @param path  a search path as in $PATH. @returns the program's file; empty when there is none.
+[[nodiscard]] std::filesystem::path FindProgram(std::string_view name, std::string_view path);
+/// @throws EnvironmentError with `cure` when the program is not in `path`.
+void RequireProgram(std::string_view name, std::string_view path, std::string_view cure);
+
 /// What a command works with, and what came of it.
 struct Program {
   Host host;
   run::Catalogue catalogue;
+  std::shared_ptr<LogFlags> log_flags;
+  Log log;
   int code = kOk;  ///< what the command returned
+
+  [[nodiscard]] bool is_quiet() const noexcept { return log_flags->quiet; }
 };
 
-/// Makes `run` what `command` does once its options are read.
-/// `run` may throw a CLI::ParseError for options that do not do.
+/// Adds -v, -q and --log-format, which every command has.
+void AddLog(CLI::App& command, LogFlags& flags);
+
+/// Makes `run` what `command` does once its options are read, and adds the flags of the log.
+/// `run` may throw twin::Error, Interrupted, or a CLI::ParseError for options that do not do.
 /// @param program  must outlive the command. @returns the flags that the options fill; the command
 /// owns them.
 template <typename Flags>
 Flags& SetAction(CLI::App& command, Program& program, int (*run)(const Flags&, const Program&)) {
   auto flags = std::make_shared<Flags>();
   command.final_callback([flags, run, &program] { program.code = run(*flags, program); });
+  AddLog(command, *program.log_flags);
   return *flags;
 }
+
+/// Reads the command line, runs the command, translates what it throws. Logs exactly one line
+/// "panda-twin: error: ..." for anything that is an error. @returns the exit code.
+[[nodiscard]] int RunProgram(int argc, const char* const* argv, Program& program);
 
 }  // namespace twin::cli

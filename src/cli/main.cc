@@ -3,12 +3,11 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
-#include "cli/exit_code.h"
-#include "cli/program.h"
-#include "cli/say.h"
+#include "cli/command.h"
 #include "controllers/registration.h"
 #include "plugins/devices/registration.h"
 #include "plugins/emulated/mujoco_backend.h"
@@ -58,15 +57,17 @@ int main(int argc, char** argv) {
   twin::control::ControllerRegistry controllers;
   twin::controllers::RegisterControllers(controllers);
   twin::teleop::DeviceRegistry devices;
-  twin::devices::RegisterDevices(devices, [](std::string_view text) {
-    twin::cli::Say(stderr, "panda-twin: note: " + std::string(text) + "\n");
-  });
+  const auto log_flags = std::make_shared<twin::cli::LogFlags>();
+  const twin::cli::Log log = twin::cli::MakeLog(*log_flags);
+  twin::devices::RegisterDevices(devices, [log](std::string_view text) { log->info(text); });
 
   std::error_code error;
   twin::cli::Program program{
       .host = {.executable = std::filesystem::read_symlink("/proc/self/exe", error),
                .cache = CacheFolder(),
                .path = Environment("PATH")},
-      .catalogue = {backends, controllers, &devices}};
+      .catalogue = {backends, controllers, &devices},
+      .log_flags = log_flags,
+      .log = log};
   return twin::cli::RunProgram(argc, argv, program);
 }

@@ -1,7 +1,8 @@
-#include "cli/program.h"
+#include "cli/command.h"
+
+#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
@@ -14,7 +15,6 @@
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
-#include "cli/say.h"
 #include "twin/core/error.h"
 #include "twin/core/nearest_word.h"
 
@@ -53,49 +53,32 @@ Exit codes:
   0 ok   1 the run aborted, a check failed (with --strict the deviation's too), or no plan was found   2 usage   3 bad input
   4 environment   130 interrupted (the motion was stopped and the log completed))";
 
-/// One line, whatever the text holds: of one that is endless, its begin and its end, which has the
-/// cure.
-void PrintError(std::string_view text) {
-  constexpr std::size_t kMost = 2000;
-  std::string line(text);
-  if (line.size() > kMost) line.replace(kMost / 2, line.size() - kMost, " ... ");
-  for (char& c : line) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  while (line.ends_with(' ')) line.pop_back();
-  std::fflush(stdout);
-  Say(stderr, fmt::format("panda-twin: error: {}\n", line));
-}
-
 /// Runs `command` and turns what it throws into an exit code.
 template <typename Command>
-int Guarded(Command command) {
+int Guarded(const Log& log, Command command) {
+  const auto fail = [&log](int code, std::string_view text) {
+    log->error(text);
+    return code;
+  };
   try {
     return command();
   } catch (const Interrupted&) {
-    PrintError("interrupted");
-    return kInterrupted;
+    return fail(kInterrupted, "interrupted");
   } catch (const InputError& error) {
-    PrintError(error.what());
-    return kBadInput;
+    return fail(kBadInput, error.what());
   } catch (const EnvironmentError& error) {
-    PrintError(error.what());
-    return kEnvironment;
+    return fail(kEnvironment, error.what());
   } catch (const Error& error) {
-    PrintError(error.what());
-    return kFailed;
+    return fail(kFailed, error.what());
   } catch (const std::system_error& error) {
-    PrintError(
-        fmt::format("the operating system refused: {}; are there limits on threads or files "
-                    "(ulimit -u, ulimit -n)?",
-                    error.what()));
-    return kEnvironment;
+    return fail(kEnvironment,
+                fmt::format("the operating system refused: {}; are there limits on threads or "
+                            "files (ulimit -u, ulimit -n)?",
+                            error.what()));
   } catch (const std::bad_alloc&) {
-    PrintError("out of memory; close other programs or use a smaller scenario");
-    return kEnvironment;
+    return fail(kEnvironment, "out of memory; close other programs or use a smaller scenario");
   } catch (const std::exception& error) {
-    PrintError(fmt::format("internal error, please report it: {}", error.what()));
-    return kFailed;
+    return fail(kFailed, fmt::format("internal error, please report it: {}", error.what()));
   }
 }
 
@@ -126,6 +109,33 @@ std::string VersionText() {
 
 }  // namespace
 
+std::filesystem::path FindProgram(std::string_view name, std::string_view path) {
+  while (!path.empty()) {
+    const auto colon = path.find(':');
+    std::filesystem::path file = std::filesystem::path(path.substr(0, colon)) / name;
+    std::error_code error;
+    if (std::filesystem::is_regular_file(file, error) && access(file.c_str(), X_OK) == 0) {
+      return file;
+    }
+    path = colon == std::string_view::npos ? std::string_view() : path.substr(colon + 1);
+  }
+  return {};
+}
+
+void RequireProgram(std::string_view name, std::string_view path, std::string_view cure) {
+  if (!FindProgram(name, path).empty()) return;
+  throw EnvironmentError(fmt::format("the program {} is not installed; {}", name, cure));
+}
+
+void AddLog(CLI::App& command, LogFlags& flags) {
+  command.add_flag("-v,--verbose", flags.verbose, "Log details too");
+  command.add_flag("-q,--quiet", flags.quiet, "No progress and no summary; log and errors only");
+  command.add_option("--log-format", flags.format, "Lines of the log: text or json")
+      ->check(CLI::IsMember({"text", "json"}).description(""))
+      ->type_name("text|json")
+      ->capture_default_str();
+}
+
 int RunProgram(int argc, const char* const* argv, Program& program) {
   CLI::App app("A digital twin of the Franka Emika Panda and its 1 kHz control stack.",
                "panda-twin");
@@ -133,7 +143,7 @@ int RunProgram(int argc, const char* const* argv, Program& program) {
   app.require_subcommand(1);
   for (const auto add : kCommands) add(app, program);
   app.footer(kFooter);  // after its commands, which else would repeat it
-  return Guarded([&] {
+  return Guarded(program.log, [&] {
     try {
       app.parse(argc, argv);  // and runs the command
       return program.code;
@@ -142,7 +152,7 @@ int RunProgram(int argc, const char* const* argv, Program& program) {
       FinishOutput();
       return code;
     } catch (const CLI::ParseError& error) {
-      PrintError(fmt::format("{}; see panda-twin --help", Describe(app, error)));
+      program.log->error("{}; see panda-twin --help", Describe(app, error));
       return static_cast<int>(kUsage);
     }
   });

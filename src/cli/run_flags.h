@@ -34,7 +34,6 @@ struct RunFlags {
   bool strict = false;       ///< an arm that was too far off its path is a failure
   bool no_video = false;
   bool rebuild_cache = false;
-  bool quiet = false;
   PageFlags page;
   DataFlags data;
 };

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "cli/say.h"
 #include "twin/core/error.h"
 #include "twin/plant/model_cache_repair.h"
 
@@ -26,12 +25,10 @@ std::uint64_t ParseSeed(const std::string& text) {
 }
 
 /// The folder of compiled models, made fit for use; empty, with a note, when it cannot be used.
-std::filesystem::path UsableCache(const Host& host) {
-  const auto note = [](std::string_view text) {
-    Say(stderr, fmt::format("panda-twin: note: {}\n", text));
-  };
-  if (host.cache.empty() || !plant::RepairModelCache(host.cache, note)) return {};
-  return host.cache;
+std::filesystem::path UsableCache(const Program& program) {
+  const std::filesystem::path& cache = program.host.cache;
+  const auto note = [&program](std::string_view text) { program.log->info(text); };
+  return cache.empty() || !plant::RepairModelCache(cache, note) ? std::filesystem::path() : cache;
 }
 
 }  // namespace
@@ -47,9 +44,12 @@ scenario::DataDirectory DataOf(const DataFlags& flags, const Host& host) {
   return scenario::FindDataDirectory({host.executable, flags.models, flags.meshes});
 }
 
-run::RunFiles FilesOf(const DataFlags& flags, const Host& host) {
-  const scenario::DataDirectory data = DataOf(flags, host);
-  return {data.models, data.mesh_package, UsableCache(host), false};
+run::RunFiles FilesOf(const DataFlags& flags, const Program& program) {
+  const scenario::DataDirectory data = DataOf(flags, program.host);
+  const run::RunFiles files{data.models, data.mesh_package, UsableCache(program), false};
+  program.log->debug("models {}, meshes {}, cache {}", files.models.string(),
+                     files.mesh_package.string(), files.cache.string());
+  return files;
 }
 
 void AddNetwork(CLI::App& app, NetworkFlags& flags) {

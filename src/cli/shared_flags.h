@@ -26,7 +26,7 @@ void AddData(CLI::App& app, DataFlags& flags);
 /// @throws as scenario::FindDataDirectory.
 [[nodiscard]] scenario::DataDirectory DataOf(const DataFlags& flags, const Host& host);
 /// The same, for a run. Prints a note when compiled models cannot be kept.
-[[nodiscard]] run::RunFiles FilesOf(const DataFlags& flags, const Host& host);
+[[nodiscard]] run::RunFiles FilesOf(const DataFlags& flags, const Program& program);
 
 struct Listening {
   std::uint32_t address = 0;

@@ -82,6 +82,19 @@ class BadEnvironment(CliTest):
             self.assertIn("compiled models cannot be kept there", note)
             self.assertNotIn("--", note)
 
+    def test_log_has_details_and_lines_of_json(self):
+        self.assert_refused(self.call("schema", "--log-format", "xml"), 2, "--log-format")
+        (self.folder / "cache").write_text("no folder\n")  # of which a note tells
+        self.assertEqual(self.run_scenario(SHORT, "-q", "-v").stdout, "")
+        done = self.run_scenario(SHORT, "-q", "-v", "--log-format", "json")
+        lines = [json.loads(line) for line in done.stderr.splitlines()]
+        self.assertEqual({line["level"] for line in lines}, {"debug", "note"})
+        self.assertTrue(any(line["message"].startswith("models ") for line in lines), done.stderr)
+        for line in lines:
+            self.assertRegex(line["time"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z$")
+        done = self.call("validate", "none.yaml", "--log-format", "json")
+        self.assertEqual((done.returncode, json.loads(done.stderr)["level"]), (3, "error"))
+
 
 class EarlyEnd(CliTest):
     def test_a_run_that_fails_before_its_first_motion_leaves_a_summary(self):

@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
-#include "cli/host.h"
-#include "cli/say.h"
 #include "cli/shared_flags.h"
 #include "twin/core/error.h"
 #include "twin/core/require.h"

@@ -3,7 +3,7 @@
 #include "cli/command.h"
 
 // Every command of the program: one file each, NAME.cc, with its options, its help and what it
-// does. A command throws twin::Error, or Interrupted.
+// does.
 namespace twin::cli {
 
 void AddRun(CLI::App& app, Program& program);

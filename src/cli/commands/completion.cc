@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
-#include "cli/say.h"
 #include "twin/core/error.h"
 
 // What other programs want to know of the command line, all of it out of the commands' own

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
-#include "cli/say.h"
 #include "twin/fci/protocol.h"
 #include "twin/fci/transcript.h"
 #include "twin/record/pcapng_reader.h"
@@ -20,7 +19,7 @@ struct Flags {
   std::uint16_t hand_port = fci::kHandPort;
 };
 
-int Decode(const Flags& flags, const Program& /*program*/) {
+int Decode(const Flags& flags, const Program& program) {
   record::PcapngReader reader(flags.capture);
   fci::Transcript transcript(
       {.fields = !flags.brief, .arm_port = flags.arm_port, .hand_port = flags.hand_port});
@@ -29,17 +28,18 @@ int Decode(const Flags& flags, const Program& /*program*/) {
     if (!text.empty()) Say(stdout, text);
   }
   if (transcript.elsewhere() > 0) {
-    Say(stderr,
-        fmt::format("note: {} packets of TCP are between other ports than {} (arm) and {} (hand); "
-                    "if the robot's were others, name them with --port and --hand-port\n",
-                    transcript.elsewhere(), flags.arm_port, flags.hand_port));
+    program.log->info(
+        "{} packets of TCP are between other ports than {} (arm) and {} (hand); if the robot's "
+        "were "
+        "others, name them with --port and --hand-port",
+        transcript.elsewhere(), flags.arm_port, flags.hand_port);
   }
   if (reader.passed_over() > 0) {
-    Say(stderr, fmt::format("note: {} packets are neither UDP nor TCP over IPv4, or damaged\n",
-                            reader.passed_over()));
+    program.log->info("{} packets are neither UDP nor TCP over IPv4, or damaged",
+                      reader.passed_over());
   }
   if (reader.truncated()) {
-    Say(stderr, "note: the capture ends within a packet; whoever wrote it was killed\n");
+    program.log->info("the capture ends within a packet; the program that wrote it was killed");
   }
   FinishOutput();
   return kOk;

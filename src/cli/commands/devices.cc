@@ -14,7 +14,6 @@
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
-#include "cli/say.h"
 #include "plugins/devices/event_source.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"

@@ -14,11 +14,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands/commands.h"
-#include "cli/host.h"
 #include "cli/interrupt.h"
-#include "cli/progress.h"
-#include "cli/say.h"
 #include "cli/shared_flags.h"
+#include "cli/terminal.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/experiment/calibration.h"
@@ -46,7 +44,6 @@ struct Flags {
   std::uint16_t port = 1337;                         ///< where the client finds the arm
   std::optional<double> seconds;                     ///< after which the client is ended
   bool list = false;                                 ///< only say which there are
-  bool quiet = false;
   DataFlags data;
 };
 
@@ -297,7 +294,7 @@ void ExperimentSession::Clear() const {
 }
 
 Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
-  Progress progress(std::string(one.id), Progress::StyleOfStdout(flags_.quiet), clock_);
+  Progress progress(std::string(one.id), program_.is_quiet(), clock_);
   const experiment::Setting setting{
       .catalogue = program_.catalogue,
       .files = {data_.models, data_.mesh_package, program_.host.cache, false},
@@ -363,7 +360,7 @@ int ExperimentSession::Execute() {
     const Time begin = clock_.Now();
     findings_.push_back(Do(one, scratch.path()));
     interrupt_.ThrowIfInterrupted();
-    if (flags_.quiet) continue;
+    if (program_.is_quiet()) continue;
     Say(stdout, fmt::format("{:<14}{} ({:.1f} s)\n", one.id, experiment::Outcome(findings_.back()),
                             ToSeconds(clock_.Now() - begin)));
   }
@@ -371,7 +368,7 @@ int ExperimentSession::Execute() {
   for (const Findings& findings : findings_) WriteCsv(findings);
   run::WriteWholeFile(json(), FindingsJson(findings_, seeds_, calibration_.hash));
   WritePage();
-  if (!flags_.quiet) Say(stdout, fmt::format("report        {}\n", page().string()));
+  if (!program_.is_quiet()) Say(stdout, fmt::format("report        {}\n", page().string()));
   return TellFailures() ? kOk : kFailed;
 }
 
@@ -428,7 +425,6 @@ void AddExperiment(CLI::App& app, Program& program) {
       ->check(CLI::Range(0.1, 3600.0))
       ->type_name("S")
       ->needs(client);
-  experiment->add_flag("--quiet", flags.quiet, "No progress; errors and what was missed only");
   AddData(*experiment, flags.data);
   experiment->footer(kExperimentFooter);
 }

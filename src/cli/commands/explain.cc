@@ -6,7 +6,6 @@
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
-#include "cli/say.h"
 #include "twin/core/error.h"
 #include "twin/core/error_catalogue.h"
 #include "twin/onboard/mode_table.h"

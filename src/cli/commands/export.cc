@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
-#include "cli/say.h"
 #include "twin/record/export_csv.h"
 
 namespace twin::cli {

@@ -10,7 +10,6 @@
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
-#include "cli/messages.h"
 #include "cli/shared_flags.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -87,21 +86,20 @@ std::string Introduction(const proxy::Proxy& proxy, const proxy::ProxyConfig& co
                      fci::ToString(proxy.hand()), DescribeAccess(network));
 }
 
-int RunProxy(const Flags& flags, const Program& /*program*/) {
+int RunProxy(const Flags& flags, const Program& program) {
   RequireDuration(flags.seconds);
   const proxy::ProxyConfig config = ProxyConfigOf(flags);
   const MonotonicClock clock;
   const auto now = [&clock] { return clock.Now().time_since_epoch(); };
   const InterruptGuard interrupt;
-  Messages messages;
-  proxy::Proxy proxy(config, clock, [&](std::string_view line) {
-    messages.Put(fmt::format("{:10.3f} s  {}\n", ToSeconds(now()), line));
-  });
-  messages.Put(Introduction(proxy, config, flags.network));
+  EventLog events(*program.log_flags);
+  proxy::Proxy proxy(config, clock,
+                     [&](std::string_view line) { events.Put(ToSeconds(now()), line); });
+  events.Put(Introduction(proxy, config, flags.network));
   proxy.Run([&] {
     return interrupt.interrupted() || (flags.seconds && now() >= FromSeconds(*flags.seconds));
   });
-  messages.Put(TableOf(proxy.counts()));
+  events.Put(TableOf(proxy.counts()));
   return interrupt.interrupted() ? kInterrupted : kOk;
 }
 

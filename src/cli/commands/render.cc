@@ -10,8 +10,6 @@
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
-#include "cli/host.h"
-#include "cli/say.h"
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
 #include "twin/core/clock.h"
@@ -42,7 +40,6 @@ struct Flags {
   std::string compare = "split";
   std::optional<int> tolerance;  ///< absent: 16
   std::optional<std::string> layout;
-  bool quiet = false;
   DataFlags data;
 };
 
@@ -114,10 +111,10 @@ void RequirePlace(const std::filesystem::path& out, bool picture) {
 class Rendering {
  public:
   Rendering(const Flags& flags, const Program& program)
-      : terminal_(flags.quiet),
+      : terminal_(program.log, program.is_quiet()),
         flags_(flags),
         picture_(IsPicture(flags)),
-        files_(FilesOf(flags.data, program.host)) {
+        files_(FilesOf(flags.data, program)) {
     if (files_.mesh_package.empty()) {
       terminal_.Note(
           "the robot's meshes were not found; it is drawn in primitive shapes (scripts/setup "
@@ -221,7 +218,7 @@ class Rendering {
 
 int Render(const Flags& flags, const Program& program) {
   Rendering(flags, program).Execute();
-  if (!flags.quiet) Say(stdout, fmt::format("{}\n", flags.out.string()));
+  if (!program.is_quiet()) Say(stdout, fmt::format("{}\n", flags.out.string()));
   return kOk;
 }
 
@@ -343,7 +340,6 @@ void AddRender(CLI::App& app, Program& program) {
       ->check(Readable(
           [](const std::string& text) { static_cast<void>(replay::LayoutFromName(text)); }))
       ->type_name("NAME");
-  render->add_flag("--quiet", flags.quiet, "No progress; notes and errors only");
   AddData(*render, flags.data);
   render->footer(kRenderFooter);
 }

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
-#include "cli/host.h"
 #include "cli/run_flags.h"
 #include "cli/terminal.h"
 #include "twin/application/record_run.h"
@@ -162,8 +161,8 @@ int Run(const RunFlags& flags, const Program& program) {
   RequireAgreement(flags, scenario);
   const application::RunOptions options = OptionsOf(flags, scenario);
   RequirePrograms(flags, scenario, program.host);
-  Terminal terminal(flags.quiet);
-  run::RunFiles files = FilesOf(flags.data, program.host);
+  Terminal terminal(program.log, program.is_quiet());
+  run::RunFiles files = FilesOf(flags.data, program);
   files.rebuild_cache = flags.rebuild_cache;
   if (flags.seeds) {
     application::RecordSeeds(scenario, options, {*flags.seeds, flags.threads, flags.least_share},
@@ -218,7 +217,6 @@ void AddRun(CLI::App& app, Program& program) {
                 "max_deviation");
   run->add_flag("--no-video", flags.no_video, "Make no video and no contact sheet");
   run->add_flag("--rebuild-cache", flags.rebuild_cache, "Compile the robot's model anew");
-  run->add_flag("--quiet", flags.quiet, "No progress and no summary; errors only");
   AddData(*run, flags.data);
   run->footer(kRunFooter);
 }

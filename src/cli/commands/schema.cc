@@ -1,5 +1,4 @@
 #include "cli/commands/commands.h"
-#include "cli/say.h"
 #include "twin/scenario/format.h"
 
 namespace twin::cli {

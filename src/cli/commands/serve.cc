@@ -9,8 +9,6 @@
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
-#include "cli/messages.h"
-#include "cli/say.h"
 #include "cli/shared_flags.h"
 #include "twin/application/page_operator.h"
 #include "twin/core/clock.h"
@@ -83,10 +81,6 @@ bool IsSameFile(const std::filesystem::path& a, const std::filesystem::path& b) 
   return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
 }
 
-void Note(std::string_view text) {
-  Say(stderr, fmt::format("panda-twin: note: {}\n", text));
-}
-
 void RequireAgreement(const Flags& flags) {
   RequirePageFlags(flags.page);
   const bool is_lockstep = scenario::DriveFromName(flags.drive) == scenario::Drive::kLockstep;
@@ -107,13 +101,14 @@ void RequireAgreement(const Flags& flags) {
   RequireDuration(flags.seconds);
 }
 
-server::ServerConfig ServerConfigOf(const Flags& flags, const Host& host) {
+server::ServerConfig ServerConfigOf(const Flags& flags, const Program& program) {
   server::ServerConfig config;
   Listen(flags.network, config);
   try {
-    config.model_library = model::ReadModelLibrary(model::FindModelLibrary(host.executable));
+    config.model_library =
+        model::ReadModelLibrary(model::FindModelLibrary(program.host.executable));
   } catch (const EnvironmentError& error) {
-    Note(fmt::format("clients get no model library: {}", error.what()));
+    program.log->info("clients get no model library: {}", error.what());
   }
   return config;
 }
@@ -123,16 +118,17 @@ class Service {
  public:
   Service(const Flags& flags, const Program& program)
       : flags_(flags),
-        catalogue_(program.catalogue),
-        files_(FilesOf(flags.data, program.host)),
+        program_(program),
+        files_(FilesOf(flags.data, program)),
         scenario_(LoadWithFlags(flags, files_.models)) {
     robot::RobotConfig robot = run::MakeServedConfig(scenario_, files_);
     robot.viability = flags_.viability;
-    server::ServedRobotSettings settings = MakeSettings(program.host);
+    server::ServedRobotSettings settings = MakeSettings();
     robot::MadePlant plant = robot::MakePlant(robot);
     MakeLog();
     page_.emplace(flags_.page.wanted() ? std::optional(PageAt(flags_.page)) : std::nullopt,
-                  log_ ? &*log_ : nullptr, ".", &Note);
+                  log_ ? &*log_ : nullptr, ".",
+                  [this](std::string_view text) { program_.log->info(text); });
     settings.sink = page_->sink();
     if (flags_.capture) settings.server.capture = &capture_.emplace(*flags_.capture);
     robot_.emplace(robot, std::move(plant), std::move(settings));
@@ -147,7 +143,7 @@ class Service {
 
  private:
   /// Short of log and capture.
-  [[nodiscard]] server::ServedRobotSettings MakeSettings(const Host& host);
+  [[nodiscard]] server::ServedRobotSettings MakeSettings();
   void MakeLog();
   /// Whoever takes control at the page moves the robot, but not one that is served in lockstep:
   /// people cannot keep up with it. STOP presses the robot's user stop, and the operator's release
@@ -167,11 +163,11 @@ class Service {
 
   const MonotonicClock clock_;
   const Flags& flags_;
-  const run::Catalogue& catalogue_;
+  const Program& program_;
   const run::RunFiles files_;
   const scenario::Scenario scenario_;
   const InterruptGuard interrupt_;
-  std::optional<Messages> messages_;  ///< from Run() to the end
+  std::optional<EventLog> events_;  ///< from Run() to the end
   std::optional<record::Recorder> log_;
   std::optional<fci::Capture> capture_;
   bool told_of_log_ = false;
@@ -195,9 +191,9 @@ void Service::MakeLog() {
                is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
 }
 
-server::ServedRobotSettings Service::MakeSettings(const Host& host) {
+server::ServedRobotSettings Service::MakeSettings() {
   server::ServedRobotSettings settings;
-  settings.server = ServerConfigOf(flags_, host);
+  settings.server = ServerConfigOf(flags_, program_);
   if (is_lockstep()) {
     settings.lockstep = {.answer_timeout = FromSeconds(flags_.session_timeout),
                          .freeze_when_idle = FreezesWhenIdle(flags_)};
@@ -208,7 +204,7 @@ server::ServedRobotSettings Service::MakeSettings(const Host& host) {
 
 void Service::Tell(std::string_view line) {
   const Time now = clock_.Now();
-  messages_->Put(fmt::format("{:10.3f} s  {}\n", ToSeconds(now.time_since_epoch()), line));
+  events_->Put(ToSeconds(now.time_since_epoch()), line);
   if (page_) page_->Tell(now, "server", line);
 }
 
@@ -223,14 +219,14 @@ void Service::Introduce() {
   text += fmt::format("  arm   {}\n", fci::ToString(robot_->arm()));
   if (const auto hand = robot_->hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
   text += fmt::format("  {}\n", DescribeAccess(flags_.network));
-  messages_->Put(std::move(text));
+  events_->Put(text);
 }
 
 void Service::TellLosses() {
-  const auto tell = [](bool& told, const std::string& failure) {
+  const auto tell = [this](bool& told, const std::string& failure) {
     if (told || failure.empty()) return;
     told = true;
-    Say(stderr, fmt::format("panda-twin: warning: {}. It goes on without\n", failure));
+    program_.log->warn("{}. It goes on without", failure);
   };
   if (log_) tell(told_of_log_, log_->Failure());
   if (capture_) tell(told_of_capture_, capture_->Failure());
@@ -250,7 +246,7 @@ void Service::OpenPage() {
   } else {
     settings.control = [this](bool wanted) { operator_->Operate(wanted); };
     operator_ = std::make_unique<application::PageOperator>(
-        application::PageOperator::Parts{catalogue_, files_, page_->channel()}, scenario_,
+        application::PageOperator::Parts{program_.catalogue, files_, page_->channel()}, scenario_,
         robot_->arm(), [this](Time at, std::string_view kind, std::string_view text) {
           page_->Tell(at, kind, text);
         });
@@ -281,17 +277,17 @@ bool Service::Ends() {
 int Service::Run() {
   interrupt_.ThrowIfInterrupted();
   OpenPage();
-  messages_.emplace();
+  events_.emplace(*program_.log_flags);
   robot_->Begin();
-  for (const std::string& notice : robot_->notices()) {
-    Note("robot: " + notice);
-  }
+  for (const std::string& notice : robot_->notices()) program_.log->info("robot: {}", notice);
   Introduce();
   robot_->Serve([this] { return Ends(); });
   ClosePage();
   robot_->End();
   if (log_) static_cast<void>(log_->Finish());
-  if (capture_) run::FinishCapture(*capture_, &Note);
+  if (capture_) {
+    run::FinishCapture(*capture_, [this](std::string_view text) { program_.log->info(text); });
+  }
   const std::string warnings = robot_->DescribeWarnings();
   if (!warnings.empty()) throw RobotFault("the simulation itself became unsound: " + warnings);
   return interrupt_.interrupted() ? kInterrupted : kOk;

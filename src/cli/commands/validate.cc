@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
-#include "cli/say.h"
 #include "cli/shared_flags.h"
 #include "twin/application/application_run.h"
 #include "twin/control/controller_library.h"
@@ -124,7 +123,7 @@ std::string CheckApplication(const scenario::Scenario& scenario, const std::file
 // code that a scenario names unless asked.
 int Validate(const Flags& flags, const Program& program) {
   const scenario::Scenario scenario = scenario::Load(flags.scenario);
-  const run::RunFiles files = FilesOf(flags.data, program.host);
+  const run::RunFiles files = FilesOf(flags.data, program);
   const auto check = scenario.application                                ? &CheckApplication
                      : flags.load || scenario.controller.library.empty() ? &CheckMotion
                                                                          : &CheckWithoutLibrary;

@@ -12,10 +12,8 @@
 #include <fmt/ranges.h>
 
 #include "cli/commands/commands.h"
-#include "cli/host.h"
 #include "cli/interrupt.h"
 #include "cli/run_flags.h"
-#include "cli/say.h"
 #include "cli/shared_flags.h"
 #include "twin/core/error.h"
 #include "twin/golden/approval.h"
@@ -37,7 +35,6 @@ struct Flags {
   std::optional<std::filesystem::path> log;    ///< a recorded run instead of a new one; one case
   std::optional<std::filesystem::path> junit;  ///< file for machines
   std::string reason;                          ///< to approve
-  bool quiet = false;
   DataFlags data;
 };
 
@@ -123,13 +120,13 @@ std::string ApproveCommand(const scenario::VideoCase& wanted, const Flags& flags
 
 /// @throws InputError when the log's run is not the case's, or is to be whole and is not.
 void RequireRunOf(const scenario::VideoCase& wanted, const scenario::Scenario& scenario,
-                  const fs::path& log, bool whole) {
+                  const fs::path& log, bool whole, const Log& notes) {
   const record::LogReader reader(log);
   if (reader.truncated()) {
     const std::string cut =
         fmt::format("{}: the run was killed, and its last part is missing", log.string());
     if (whole) throw InputError(cut + "; approve the log of a whole run");
-    Say(stderr, fmt::format("panda-twin: note: {}\n", cut));
+    notes->info(cut);
   }
   golden::RequireRunOf(wanted, scenario, reader, log);
 }
@@ -186,7 +183,7 @@ class VideoSession {
   /// Runs the case, unless the flags name a log. A run that fails is taken as it came out: its
   /// pictures tell more. @param whole  a log of a run that was killed will not do.
   [[nodiscard]] golden::CaseRun RunOf(const scenario::VideoCase& wanted, bool whole) const {
-    const run::RunFiles files = FilesOf(flags_.data, program_.host);
+    const run::RunFiles files = FilesOf(flags_.data, program_);
     if (files.mesh_package.empty()) {
       throw EnvironmentError(
           "the robot's meshes were not found, and pictures that were approved show them; "
@@ -198,18 +195,18 @@ class VideoSession {
     run.seed = wanted.seed;
     run.out = flags_.out / wanted.name;
     run.no_video = true;
-    run.quiet = true;
     run.data = flags_.data;
     fs::path log = run.out / "run.mcap";
     if (flags_.log) {
       log = run::FindLog(*flags_.log);
-      RequireRunOf(wanted, LoadWithFlags(run, program_.host), log, whole);
+      RequireRunOf(wanted, LoadWithFlags(run, program_.host), log, whole, program_.log);
     } else {
       try {
-        static_cast<void>(Run(run, program_));
+        Program quiet = program_;
+        quiet.log_flags = std::make_shared<LogFlags>(LogFlags{.quiet = true});
+        static_cast<void>(Run(run, quiet));
       } catch (const RobotFault& fault) {
-        Say(stderr,
-            fmt::format("panda-twin: note: {}: the run failed: {}\n", wanted.name, fault.what()));
+        program_.log->info("{}: the run failed: {}", wanted.name, fault.what());
       }
     }
     return {wanted, flags_.goldens / (wanted.name + ".yaml"), log, files};
@@ -268,7 +265,7 @@ class VideoSession {
   }
 
   void Tell(const std::string& line) const {
-    if (flags_.quiet) return;
+    if (program_.is_quiet()) return;
     Say(stdout, line);
     std::fflush(stdout);
   }
@@ -301,11 +298,7 @@ Flags& AddCases(CLI::App& command, Flags& flags) {
   command.add_option("--out", flags.out, "Folder of the runs' results and of report.html")
       ->type_name("DIR")
       ->capture_default_str();
-  command.add_flag("--quiet", flags.quiet, "Errors only");
-  command.add_option("--data", flags.data.models, "Folder of models, if not beside the program")
-      ->type_name("DIR");
-  command.add_option("--meshes", flags.data.meshes, "Folder panda_description with the meshes")
-      ->type_name("DIR");
+  AddData(command, flags.data);
   return flags;
 }
 
