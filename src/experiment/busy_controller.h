@@ -10,10 +10,10 @@
 
 namespace twin::experiment {
 
-/// A controller whose every update takes at least so long, by keeping the processor busy: what a
-/// stack's other controllers cost beside it. What it commands is the other's.
+/// Wraps a controller and keeps the processor busy until every update has lasted `load`: the cost
+/// of a stack's other controllers. The commands are the wrapped controller's.
 ///
-/// Threads and real-time: as the controller inside.
+/// Threads and real-time: as the wrapped controller.
 class BusyController final : public control::Controller {
  public:
   BusyController(std::unique_ptr<control::Controller> inner, Duration load)
@@ -41,7 +41,7 @@ class BusyController final : public control::Controller {
   Duration load_;
 };
 
-/// The same controllers, each loaded so. @param registry  must outlive what is returned.
+/// The same controllers with that load. @param registry  must outlive what is returned.
 [[nodiscard]] inline control::ControllerRegistry Loaded(const control::ControllerRegistry& registry,
                                                         Duration load) {
   control::ControllerRegistry loaded;

@@ -12,18 +12,9 @@
 namespace twin::experiment {
 namespace {
 
-class ByteHash {
- public:
-  void Add(std::string_view text) noexcept {
-    for (const char c : text) {
-      value_ = (value_ ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-    }
-  }
-  [[nodiscard]] std::uint64_t value() const noexcept { return value_; }
-
- private:
-  std::uint64_t value_ = 0xcbf29ce484222325;
-};
+void AddBytes(std::string_view text, std::uint64_t& fnv1a) noexcept {
+  for (const char c : text) fnv1a = (fnv1a ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+}
 
 }  // namespace
 
@@ -38,7 +29,7 @@ const std::array<CalibratedLoop, 3>& CalibratedLoops() noexcept {
 
 Calibration ReadCalibration(const std::filesystem::path& scenarios) {
   Calibration calibration;
-  ByteHash hash;
+  std::uint64_t hash = 0xcbf29ce484222325;
   for (std::size_t i = 0; i < calibration.yaml.size(); ++i) {
     const auto file = std::string(CalibratedLoops()[i].file) + ".yaml";
     const scenario::Scenario loop = scenario::Load(scenarios / file);
@@ -48,9 +39,9 @@ Calibration ReadCalibration(const std::filesystem::path& scenarios) {
                                    CalibratedLoops()[i].name));
     }
     calibration.yaml[i] = scenario::ToYaml(loop);
-    hash.Add(calibration.yaml[i]);
+    AddBytes(calibration.yaml[i], hash);
   }
-  calibration.hash = FormatHash(hash.value());
+  calibration.hash = FormatHash(hash);
   return calibration;
 }
 

@@ -5,23 +5,14 @@
 #include <cstddef>
 
 namespace twin::experiment {
-namespace {
-
-loop::TickConfig Config(double lambda) {
-  loop::TickConfig config;
-  config.lambda = lambda;
-  return config;
-}
-
-}  // namespace
-
 JointVector MiddleOf(const JointLimits& limits) noexcept {
   JointVector middle{};
   for (std::size_t i = 0; i < kJoints; ++i) middle[i] = (limits.q_min[i] + limits.q_max[i]) / 2;
   return middle;
 }
 
-ChainBench::ChainBench(double lambda, double q_d) : ChainBench(Config(lambda), {q_d}) {}
+ChainBench::ChainBench(double lambda, double q_d)
+    : ChainBench(loop::TickConfig{.lambda = lambda, .limiter = {}, .cost = {}}, {q_d}) {}
 
 ChainBench::ChainBench(const loop::TickConfig& config, const JointVector& q_d)
     : chain_(config, control::CommandInterface::kJointPosition),
@@ -29,14 +20,6 @@ ChainBench::ChainBench(const loop::TickConfig& config, const JointVector& q_d)
       reference_(onboard::JointReference::Rest(q_d)) {
   state_.q_d = reference_.q_d;
   chain_.Reset(state_);
-}
-
-void ChainBench::Step(double q_ext, double dq_ext, bool fresh) noexcept {
-  Answer(q_ext, dq_ext, fresh, false);
-}
-
-void ChainBench::StepLost(double q_ext, double dq_ext, bool fresh) noexcept {
-  Answer(q_ext, dq_ext, fresh, true);
 }
 
 double ChainBench::LargestShare(const JointLimits& limits) const noexcept {

@@ -14,24 +14,27 @@ namespace twin::experiment {
 /// The middle of every joint's range.
 [[nodiscard]] JointVector MiddleOf(const JointLimits& limits) noexcept;
 
-/// The workstation's command chain and the reference that the robot's controller makes of its
-/// commands, cycle by cycle, without the way between them: every command is taken, none is late.
-/// For questions that are about the chain alone. Joint 1 is looked at.
+/// The workstation's command chain and the robot controller's reference behind it, cycle by cycle,
+/// without a link between them: the robot takes every command in time. Joint 1 moves.
 ///
 /// Threads: one.
 class ChainBench {
  public:
-  /// @param lambda  the generator's. @param q_d  where the robot's reference is, of joint 1, rad.
+  /// @param lambda  of the generator. @param q_d  initial reference of joint 1, rad.
   ChainBench(double lambda, double q_d);
-  /// Any chain. @param q_d  7, rad; the other joints are to stay there.
+  /// Any chain. @param q_d  initial reference, 7, rad; the other joints stay there.
   ChainBench(const loop::TickConfig& config, const JointVector& q_d);
 
   /// One cycle. @param q_ext, dq_ext  newest deposit, of joint 1: rad, rad/s.
   /// @param fresh  it was deposited since the last cycle.
-  void Step(double q_ext, double dq_ext, bool fresh) noexcept;
+  void Step(double q_ext, double dq_ext, bool fresh) noexcept {
+    Answer(q_ext, dq_ext, fresh, false);
+  }
 
   /// One cycle whose command is lost: the robot holds its acceleration.
-  void StepLost(double q_ext, double dq_ext, bool fresh) noexcept;
+  void StepLost(double q_ext, double dq_ext, bool fresh) noexcept {
+    Answer(q_ext, dq_ext, fresh, true);
+  }
 
   /// After the last cycle.
   [[nodiscard]] double q_d() const noexcept { return reference_.q_d[0]; }
@@ -40,7 +43,7 @@ class ChainBench {
   [[nodiscard]] double jerk() const noexcept { return reference_.dddq_d[0]; }
   /// Largest share of joint 1's limits of velocity, acceleration and jerk.
   [[nodiscard]] double LargestShare(const JointLimits& limits) const noexcept;
-  /// Of the state that was answered last, and whether joint 1 was kept back: rt::TickRecord.
+  /// rt::TickRecord::margin of the last state, and whether the filter changed joint 1.
   [[nodiscard]] std::optional<double> margin() const noexcept { return chain_.margin(); }
   [[nodiscard]] bool kept_back() const noexcept { return (chain_.changed_joints() & 1U) != 0; }
 
@@ -48,7 +51,7 @@ class ChainBench {
   void Answer(double q_ext, double dq_ext, bool fresh, bool is_lost) noexcept;
 
   loop::CommandChain chain_;
-  JointVector rest_;  ///< where the other joints are to stay
+  JointVector rest_;  ///< of the other joints
   onboard::JointReference reference_;
   RobotState state_;
   Time now_{};

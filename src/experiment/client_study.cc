@@ -11,15 +11,10 @@
 
 #include <fmt/format.h>
 
-#include "experiment/client_process.h"
-#include "experiment/client_study_figures.h"
-#include "experiment/loop_sample.h"
-#include "experiment/motion_tally.h"
+#include "experiment/client_parts.h"
+#include "experiment/loop_runs.h"
 #include "experiment/runs.h"
-#include "experiment/table_one.h"
-#include "experiment/wire_times.h"
 #include "twin/core/clock.h"
-#include "twin/experiment/calibration.h"
 #include "twin/fci/capture.h"
 #include "twin/robot/make_plant.h"
 #include "twin/rt/sleep.h"
@@ -30,16 +25,16 @@
 namespace twin::experiment {
 namespace {
 
-/// What was seen of the client from outside.
+/// Measurements of the client from outside.
 struct Observation {
   MotionTally tally;
   std::string how_it_ended;
-  bool was_ended = false;      ///< by us, after ClientProgram::most
+  bool was_ended = false;      ///< by this study, after ClientProgram::most
   std::uint64_t overruns = 0;  ///< of the robot's own thread
 };
 
-/// Serves, runs the client, and waits for its end. @param capture  where the wire is kept.
-void Observe(const Setting& setting, const ClientProgram& program,
+/// Serves, runs the client, and waits for its end. @param capture  file for the wire's datagrams.
+void Observe(const Config& config, const ClientProgram& program,
              const std::filesystem::path& capture, Observation& seen) {
   fci::Capture kept(capture);
   {
@@ -49,25 +44,25 @@ void Observe(const Setting& setting, const ClientProgram& program,
     settings.server.model_library = program.model_library;
     settings.server.capture = &kept;
     settings.sink = &seen.tally;
-    const robot::RobotConfig config = run::MakeServedConfig(run::DefaultServed(), setting.files);
-    server::ServedRobot robot(config, robot::MakePlant(config), std::move(settings));
+    const robot::RobotConfig served = run::MakeServedConfig(run::DefaultServed(), config.files);
+    server::ServedRobot robot(served, robot::MakePlant(served), std::move(settings));
     robot.Start();
     const MonotonicClock clock;
-    constexpr Duration kLook = std::chrono::milliseconds(20);
+    constexpr Duration kPollPeriod = std::chrono::milliseconds(20);
     ClientProcess client(program.command);
     const Time begin = clock.Now();
     while (!client.HasEnded()) {
-      ThrowIfInterrupted(setting);
+      ThrowIfInterrupted(config);
       if (program.most && clock.Now() >= begin + *program.most) {
         client.End();
         seen.was_ended = true;
         break;
       }
-      rt::SleepUntil(clock, clock.Now() + kLook);
+      rt::SleepUntil(clock, clock.Now() + kPollPeriod);
     }
     seen.how_it_ended = client.HowItEnded();
-    // What it left moving comes to rest, and what it sent last has arrived.
-    rt::SleepUntil(clock, clock.Now() + 10 * kLook);
+    // The robot comes to rest, and the last datagrams arrive.
+    rt::SleepUntil(clock, clock.Now() + 10 * kPollPeriod);
     robot.End();
     seen.overruns = robot.overruns();
   }
@@ -86,68 +81,56 @@ std::vector<double> LatenciesOf(const std::vector<Answer>& answers, const Motion
   return latencies;
 }
 
-void AddAll(const MotionTally& tally, const std::vector<double>& latencies,
-            std::vector<Comparison>& out) {
+void AddAll(const MotionTally& tally, const std::vector<double>& latencies, Findings& findings) {
   const LoopSample sample{.d_EXT_us = latencies,
                           .interval_us = {},
                           .unserved_percent = tally.counts().unserved_percent(),
                           .longest_loss = tally.counts().longest_loss};
   for (const TableRow& row : kTableOne) {
-    const bool is_unserved = &row == &kTableOne[kUnserved];
-    if (latencies.empty() && !is_unserved) continue;
-    out.push_back(
-        {.quantity = is_unserved ? std::string(row.name) : fmt::format("{}, on the wire", row.name),
-         .unit = row.unit,
-         .ours = row.of(sample)});
-    if (is_unserved) out.back().paper = row.paper[0];
+    if (&row == &kTableOne[kUnserved]) {
+      findings.Add(row.name, row.unit, row.of(sample)).Paper(row.paper[kBare]);
+    } else if (!latencies.empty()) {
+      findings.Add(fmt::format("{}, on the wire", row.name), row.unit, row.of(sample));
+    }
   }
-  out.push_back(
-      {.quantity = "commands that these are of", .ours = static_cast<double>(latencies.size())});
-  out.push_back({.quantity = "states of a motion that were never answered",
-                 .ours = static_cast<double>(tally.counts().cycles() - latencies.size())});
+  findings.Add("commands that these are of", "", static_cast<double>(latencies.size()));
+  findings.Add("states of a motion that were never answered", "",
+               static_cast<double>(tally.counts().cycles() - latencies.size()));
   const auto longest = static_cast<double>(sample.longest_loss);
-  out.push_back({.quantity = "most unserved in a row", .unit = "cycles", .ours = longest});
-  out.push_back(
-      {.quantity = fmt::format("margin to the {} that end a motion", MotionTally::EndsTheMotion()),
-       .unit = "cycles",
-       .ours = std::max(0.0, MotionTally::EndsTheMotion() - longest)});
-  out.push_back({.quantity = "commands that came late, twice or for no state",
-                 .ours = static_cast<double>(tally.counts().dropped)});
+  findings.Add("most unserved in a row", "cycles", longest);
+  findings.Add(fmt::format("margin to the {} that end a motion", MotionTally::EndsTheMotion()),
+               "cycles", std::max(0.0, MotionTally::EndsTheMotion() - longest));
+  findings.Add("commands that came late, twice or for no state", "",
+               static_cast<double>(tally.counts().dropped));
 }
 
-void AddEach(const MotionTally& tally, std::vector<Comparison>& out) {
+void AddEach(const MotionTally& tally, Findings& findings) {
   int number = 0;
   for (const TalliedMotion& motion : tally.motions()) {
     ++number;
-    out.push_back(
-        {.quantity = fmt::format("motion {}, {:.3f} s{}: unserved cycles", number,
-                                 static_cast<double>(motion.counts.cycles()) * kCycleSeconds,
-                                 motion.HowItEnded()),
-         .unit = "%",
-         .ours = motion.counts.unserved_percent()});
-    out.push_back({.quantity = fmt::format("motion {}: most unserved in a row", number),
-                   .unit = "cycles",
-                   .ours = static_cast<double>(motion.counts.longest_loss)});
+    findings.Add(fmt::format("motion {}, {:.3f} s{}: unserved cycles", number,
+                             static_cast<double>(motion.counts.cycles()) * kCycleSeconds,
+                             motion.HowItEnded()),
+                 "%", motion.counts.unserved_percent());
+    findings.Add(fmt::format("motion {}: most unserved in a row", number), "cycles",
+                 static_cast<double>(motion.counts.longest_loss));
   }
 }
 
-/// What must hold of any program: it ends well, and so do its motions.
-void AddEnd(const Observation& seen, std::vector<Comparison>& out) {
+/// Demands on any program: it ends well, and so do its motions.
+void AddEnd(const Observation& seen, Findings& findings) {
   const auto aborted = std::ranges::count_if(
       seen.tally.motions(), [](const TalliedMotion& motion) { return motion.errors.any(); });
-  out.push_back({.quantity = "motions that an error of the robot ended",
-                 .ours = static_cast<double>(aborted),
-                 .demand = "none",
-                 .verdict = Judge(aborted == 0)});
+  findings.Add("motions that an error of the robot ended", "", static_cast<double>(aborted))
+      .Demand("none", aborted == 0);
   if (seen.was_ended) return;
   const bool well = seen.how_it_ended == "exit code 0";
-  out.push_back({.quantity = fmt::format("the program ended well ({})", seen.how_it_ended),
-                 .ours = well ? 1.0 : 0.0,
-                 .demand = "exit code 0",
-                 .verdict = Judge(well)});
+  findings.Add(fmt::format("the program ended well ({})", seen.how_it_ended), "", well ? 1.0 : 0.0)
+      .Demand("exit code 0", well);
 }
 
-std::map<std::string, std::string> ValuesOf(const ClientProgram& program, const Observation& seen) {
+std::map<std::string, std::string> ClientValues(const ClientProgram& program,
+                                                const Observation& seen) {
   return {{"command", program.command},
           {"port", fmt::format("{}", program.arm_port)},
           {"end", seen.how_it_ended},
@@ -157,17 +140,46 @@ std::map<std::string, std::string> ValuesOf(const ClientProgram& program, const 
           {"full", seen.tally.is_full() ? "yes" : ""}};
 }
 
+/// Distribution of d_EXT on the wire. @param latencies_us  rising.
+Figure ClientLatencyFigure(const std::vector<double>& latencies_us) {
+  const std::vector<double> edges = LogEdges(4, 4000, 40);
+  std::vector<double> shares = Histogram(latencies_us, edges);
+  shares.push_back(0);
+  const std::vector<double> longer = Exceedance(latencies_us, edges);
+  Figure figure{.id = "wire", .columns = "d_EXT on the wire [us],in bin [%],longer [1]"};
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    figure.rows.push_back({edges[i], 100 * shares[i], longer[i]});
+  }
+  return figure;
+}
+
+/// Successive unserved cycles over the motions' time, beside the number that ends a motion.
+Figure ClientLossesFigure(const MotionTally& tally) {
+  constexpr std::size_t kMostPoints = 4000;
+  Figure figure{.id = "losses",
+                .columns = "t [s],unserved in a row [1]",
+                .values = {{"most", MotionTally::EndsTheMotion()}}};
+  const std::vector<std::uint8_t>& lost = tally.lost_in_row();
+  const std::size_t step = lost.size() / kMostPoints + 1;
+  for (std::size_t k = 0; k < lost.size(); k += step) {
+    const auto end = lost.begin() + static_cast<std::ptrdiff_t>(std::min(k + step, lost.size()));
+    const double most = *std::max_element(lost.begin() + static_cast<std::ptrdiff_t>(k), end);
+    figure.rows.push_back({static_cast<double>(k) * kCycleSeconds, most});
+  }
+  return figure;
+}
+
 }  // namespace
 
-Findings RunClientStudy(const Setting& setting, const ClientProgram& program) {
+Findings RunClientStudy(const Config& config, const ClientProgram& program) {
   Observation seen;
-  const std::filesystem::path capture = setting.scratch / "client.pcapng";
-  Observe(setting, program, capture, seen);
+  const std::filesystem::path capture = config.scratch / "client.pcapng";
+  Observe(config, program, capture, seen);
   Findings findings{.id = "client",
                     .title = "Timings of a program of your own",
                     .source = "As Section 2, Table 1",
                     .page = "client",
-                    .values = ValuesOf(program, seen)};
+                    .values = ClientValues(program, seen)};
   if (seen.tally.motions().empty()) {
     findings.failure = fmt::format(
         "the client ended with {} and without a motion that got a command; it must connect to "
@@ -177,9 +189,9 @@ Findings RunClientStudy(const Setting& setting, const ClientProgram& program) {
   }
   const std::vector<Answer> answers = AnswersOf(capture);
   const std::vector<double> latencies = LatenciesOf(answers, seen.tally);
-  AddAll(seen.tally, latencies, findings.comparisons);
-  AddEach(seen.tally, findings.comparisons);
-  AddEnd(seen, findings.comparisons);
+  AddAll(seen.tally, latencies, findings);
+  AddEach(seen.tally, findings);
+  AddEnd(seen, findings);
   if (!latencies.empty()) findings.figures.push_back(ClientLatencyFigure(latencies));
   findings.figures.push_back(ClientLossesFigure(seen.tally));
   return findings;

@@ -1,5 +1,3 @@
-#include "experiment/convergence.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,8 +9,9 @@
 #include <fmt/format.h>
 
 #include "experiment/chain_bench.h"
+#include "experiment/statistics.h"
 #include "experiment/stream.h"
-#include "experiment/viable_set.h"
+#include "experiment/viability.h"
 #include "twin/core/time.h"
 #include "twin/reference/resampler.h"
 #include "twin/reference/viability_filter.h"
@@ -20,14 +19,15 @@
 namespace twin::experiment {
 namespace {
 
-constexpr int kCycles = 20'000;
+constexpr int kConvergenceCycles = 20'000;
+constexpr int kHostileCycles = 12'000;
 constexpr double kClose = 1e-4;                            ///< rad
 constexpr std::array<double, 3> kOffsets{0.01, 0.1, 0.5};  ///< rad
 constexpr double kDrawnOffset = 0.1;
-constexpr std::size_t kOurs = 0;
+constexpr std::size_t kOurChain = 0;
 
 /// The source's joint 1.
-struct Source {
+struct SwingSource {
   double middle = 0;  ///< rad
   bool moves = false;
 
@@ -40,31 +40,27 @@ struct Source {
   [[nodiscard]] double dq(double t) const {
     return moves ? kAmplitude * kOmega * std::cos(kOmega * t) : 0;
   }
-  /// As a deposit has it: the mean since the one before.
+  /// Of a deposit: the mean since the previous one.
   [[nodiscard]] double deposited_dq(double t) const {
     return (q(t) - q(t - kCycleSeconds)) / kCycleSeconds;
   }
 };
 
-/// The delay that leaves the least squares over the last quarter, s.
-double LagOf(const std::vector<double>& q_d, const Source& source) {
+/// The lag of joint 1 behind the source over the last quarter, s.
+double LagOf(const std::vector<double>& q_d, const SwingSource& source) {
   if (!source.moves) return 0;
-  constexpr int kSteps = 4;  // Gauss and Newton's
-  double lag = 0;
-  for (int step = 0; step < kSteps; ++step) {
-    double product = 0;
-    double square = 0;
+  return LeastSquaresDelay(4, [&](double lag_s) {
+    DelaySums sums;
     for (std::size_t k = q_d.size() * 3 / 4; k < q_d.size(); ++k) {
-      const double t = static_cast<double>(k) * kCycleSeconds - lag;
-      product += (source.q(t) - q_d[k]) * source.dq(t);
-      square += source.dq(t) * source.dq(t);
+      const double t = static_cast<double>(k) * kCycleSeconds - lag_s;
+      sums.product += (source.q(t) - q_d[k]) * source.dq(t);
+      sums.square += source.dq(t) * source.dq(t);
     }
-    lag = std::clamp(lag + product / square, -0.1, 0.1);
-  }
-  return lag;
+    return sums;
+  });
 }
 
-/// Since the last cycle that was not close, s; not a number when that is in the last quarter.
+/// Time of the last cycle that was not close, s; NaN when that is in the last quarter.
 double TimeUntilClose(const std::vector<double>& errors) {
   std::size_t k = errors.size();
   while (k > 0 && std::abs(errors[k - 1]) <= kClose) --k;
@@ -76,78 +72,66 @@ std::string CaseName(double offset, bool moves) {
   return fmt::format("{} rad behind a source that {}", offset, moves ? "moves" : "stands");
 }
 
-void Compare(const std::vector<ConvergenceWay>& ways, const std::vector<Convergence>& all,
-             double offset, bool moves, Findings& findings) {
-  for (std::size_t w = 0; w < ways.size(); ++w) {
-    const bool is_ours = w == kOurs;
-    if (!is_ours && offset != kDrawnOffset) continue;  // theirs of one offset are enough
-    const std::string name = fmt::format("{}, {}: ", CaseName(offset, moves), ways[w].name);
-    const auto add = [&](const char* what, const char* unit, double ours, const char* demand,
-                         bool met) {
-      findings.comparisons.push_back({.quantity = name + what,
-                                      .unit = unit,
-                                      .ours = ours,
-                                      .demand = is_ours ? demand : "",
-                                      .verdict = is_ours ? Judge(met) : Verdict::kReported});
-    };
-    const Convergence& one = all[w];
+void CompareConvergence(const std::vector<Chain>& chains, const std::vector<Convergence>& all,
+                        double offset, bool moves, Findings& findings) {
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    const bool is_ours = c == kOurChain;
+    if (!is_ours && offset != kDrawnOffset) continue;  // one offset of the others is enough
+    const std::string name = fmt::format("{}, {}: ", CaseName(offset, moves), chains[c].name);
+    const Convergence& one = all[c];
     const bool is_sooner = one.time_s < all[1].time_s || std::isnan(all[1].time_s);
-    add("until within 0.1 mrad for good", "s", one.time_s, "sooner than with lambda = 1e-3",
-        is_sooner);
-    add("overshoot", "%", 100 * one.overshoot, "at most 0.1 % of the offset",
-        one.overshoot <= 1e-3);
-    add("largest share of a limit", "", one.share, "at most 1", one.share <= 1);
+    findings.Add(name + "until within 0.1 mrad for good", "s", one.time_s)
+        .Demand(is_ours ? "sooner than with lambda = 1e-3" : "", is_sooner);
+    findings.Add(name + "overshoot", "%", 100 * one.overshoot)
+        .Demand(is_ours ? "at most 0.1 % of the offset" : "", one.overshoot <= 1e-3);
+    findings.Add(name + "largest share of a limit", "", one.share)
+        .Demand(is_ours ? "at most 1" : "", one.share <= 1);
   }
 }
 
-/// How much longer ours takes to a source that stands than the fastest way behind the same filter.
+/// Our time to a standing source over that of the fastest motion behind the same filter.
 void CompareWithFastest(const Convergence& ours, const JointLimits& limits, double offset,
                         Findings& findings) {
   const double fastest = RestToRestTime(reference::BoundsOf(limits, 0),
                                         reference::ViabilityFilter::kLostByDefault, offset, kClose);
-  findings.comparisons.push_back(
-      {.quantity = fmt::format("{}, saturated correction: time over that of the fastest way",
-                               CaseName(offset, false)),
-       .ours = ours.time_s / fastest});
+  findings.Add(fmt::format("{}, saturated correction: time over that of the fastest way",
+                           CaseName(offset, false)),
+               "", ours.time_s / fastest);
 }
 
-/// What is added to the lag of an admissible source: nothing but the resampler's.
-void CompareLags(const std::vector<ConvergenceWay>& ways, const std::vector<Convergence>& moving,
+/// The lags behind an admissible source: ours is the resampler's alone.
+void CompareLags(const std::vector<Chain>& chains, const std::vector<Convergence>& moving,
                  Findings& findings) {
   const double resampling = reference::Resampler(1 / kCycleSeconds).lag_s();
-  for (std::size_t w = 0; w < ways.size(); ++w) {
-    Comparison comparison{
-        .quantity = fmt::format("lag behind an admissible source, {}", ways[w].name),
-        .unit = "ms",
-        .ours = 1e3 * moving[w].lag_s};
-    if (w == kOurs) {
-      // A command is the reference's next value: a cycle ahead of the state it answers.
-      const double demanded = resampling - kCycleSeconds;
-      comparison.demand = fmt::format(
-          "the resampler's {:.4g} less the cycle that a command is ahead", 1e3 * resampling);
-      comparison.verdict = Judge(std::abs(moving[w].lag_s - demanded) < 1e-6);
-    }
-    findings.comparisons.push_back(std::move(comparison));
-    findings.comparisons.push_back(
-        {.quantity =
-             fmt::format("error behind an admissible source, less that lag, {}", ways[w].name),
-         .unit = "mrad",
-         .ours = 1e3 * moving[w].error,
-         .demand = w == kOurs ? "at most 1e-5" : "",
-         .verdict = w == kOurs ? Judge(moving[w].error <= 1e-8) : Verdict::kReported});
+  // A command is the reference's next value: a cycle ahead of the state it answers.
+  const double demanded = resampling - kCycleSeconds;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    const bool is_ours = c == kOurChain;
+    findings
+        .Add(fmt::format("lag behind an admissible source, {}", chains[c].name), "ms",
+             1e3 * moving[c].lag_s)
+        .Demand(is_ours ? fmt::format("the resampler's {:.4g} less the cycle that a command is "
+                                      "ahead",
+                                      1e3 * resampling)
+                        : "",
+                std::abs(moving[c].lag_s - demanded) < 1e-6);
+    findings
+        .Add(fmt::format("error behind an admissible source, less that lag, {}", chains[c].name),
+             "mrad", 1e3 * moving[c].error)
+        .Demand(is_ours ? "at most 1e-5" : "", moving[c].error <= 1e-8);
   }
 }
 
-Figure ErrorsFigure(const std::vector<ConvergenceWay>& ways,
+Figure ErrorsFigure(const std::vector<Chain>& chains,
                     const std::array<std::vector<Convergence>, 2>& all) {
   constexpr std::size_t kEvery = 10;
   Figure figure{.id = "convergence", .columns = "source moves [-],way [-],t [s],error [rad]"};
-  for (const ConvergenceWay& way : ways) figure.names.emplace_back(way.name);
+  for (const Chain& chain : chains) figure.names.emplace_back(chain.name);
   for (std::size_t moves = 0; moves < all.size(); ++moves) {
-    for (std::size_t w = 0; w < ways.size(); ++w) {
-      const std::vector<double>& errors = all.at(moves)[w].errors;
+    for (std::size_t c = 0; c < chains.size(); ++c) {
+      const std::vector<double>& errors = all.at(moves)[c].errors;
       for (std::size_t k = 0; k < errors.size() / 2; k += kEvery) {
-        figure.rows.push_back({static_cast<double>(moves), static_cast<double>(w),
+        figure.rows.push_back({static_cast<double>(moves), static_cast<double>(c),
                                static_cast<double>(k) * kCycleSeconds, errors[k]});
       }
     }
@@ -155,9 +139,61 @@ Figure ErrorsFigure(const std::vector<ConvergenceWay>& ways,
   return figure;
 }
 
+/// The source's position. Beyond the range of +-2.9 rad, at up to 2.7 rad/s.
+double WishedAt(double t) {
+  constexpr double kAmplitude = 3.2;  // rad
+  constexpr double kOmega = 0.85;     // rad/s
+  constexpr double kJumpAt = 9;       // s
+  constexpr double kJump = -1;        // rad
+  return kAmplitude * std::sin(kOmega * t) + (t < kJumpAt ? 0 : kJump);
+}
+
+/// In the last of every three seconds one of twenty commands arrives.
+bool IsLost(int cycle) {
+  constexpr int kOneOf = reference::ViabilityFilter::kLostByDefault + 1;
+  return cycle % 3000 >= 2000 && cycle % kOneOf != 0;
+}
+
+/// Broken limits over all cycles.
+struct Breaches {
+  int cycles = 0;
+  double largest_share = 0;
+  double beyond_range = 0;  ///< rad; <= 0: within
+};
+
+Breaches BreachesOf(const std::vector<HostileCycle>& cycles, const JointLimits& limits) {
+  // Tolerance of the robot's own checks.
+  constexpr double kRounding = 1e-9;
+  Breaches breaches{.beyond_range = -std::numeric_limits<double>::infinity()};
+  for (const HostileCycle& cycle : cycles) {
+    const double beyond = std::max(limits.q_min[0] - cycle.q_d, cycle.q_d - limits.q_max[0]);
+    breaches.beyond_range = std::max(breaches.beyond_range, beyond);
+    breaches.largest_share = std::max(breaches.largest_share, cycle.share);
+    breaches.cycles += cycle.share > 1 + kRounding || beyond > 0 ? 1 : 0;
+  }
+  return breaches;
+}
+
+Figure HostileFigure(const std::vector<HostileCycle>& cycles, const JointLimits& limits) {
+  constexpr std::size_t kEvery = 4;
+  Figure figure{
+      .id = "hostile",
+      .columns =
+          "t [s],wished [rad],q_d [rad],dq_d [rad/s],share [-],margin [-],kept "
+          "back [-],lost [-]",
+      .values = {
+          {"q_min", limits.q_min[0]}, {"q_max", limits.q_max[0]}, {"dq_max", limits.dq_max[0]}}};
+  for (std::size_t k = 0; k < cycles.size(); k += kEvery) {
+    const HostileCycle& c = cycles[k];
+    figure.rows.push_back({c.t, c.wished, c.q_d, c.dq_d, c.share, c.margin, c.kept_back ? 1.0 : 0.0,
+                           c.is_lost ? 1.0 : 0.0});
+  }
+  return figure;
+}
+
 }  // namespace
 
-std::vector<ConvergenceWay> ConvergenceWays(const scenario::RobotData& robot) {
+std::vector<Chain> ComparedChains(const scenario::RobotData& robot) {
   loop::TickConfig slow;
   slow.lambda = 1e-3;
   slow.limits = robot.limits;
@@ -176,14 +212,14 @@ std::vector<ConvergenceWay> ConvergenceWays(const scenario::RobotData& robot) {
 
 Convergence MeasureConvergence(const loop::TickConfig& tick, const JointVector& rest, double offset,
                                bool moves) {
-  const Source source{.middle = rest[0], .moves = moves};
+  const SwingSource source{.middle = rest[0], .moves = moves};
   JointVector start = rest;
   start[0] -= offset;
   ChainBench bench(tick, start);
   Convergence convergence;
   std::vector<double> q_d;
-  q_d.reserve(kCycles);
-  for (int k = 0; k < kCycles; ++k) {
+  q_d.reserve(kConvergenceCycles);
+  for (int k = 0; k < kConvergenceCycles; ++k) {
     const double t = k * kCycleSeconds;
     bench.Step(source.q(t), source.deposited_dq(t), true);
     q_d.push_back(bench.q_d());
@@ -204,25 +240,64 @@ Convergence MeasureConvergence(const loop::TickConfig& tick, const JointVector& 
 }
 
 void AddConvergence(const scenario::RobotData& robot, Findings& findings) {
-  const std::vector<ConvergenceWay> ways = ConvergenceWays(robot);
+  const std::vector<Chain> chains = ComparedChains(robot);
   JointVector rest = MiddleOf(robot.limits);
-  constexpr double kMiddle = 0.3;  // rad: no number of the middle of the range itself
+  constexpr double kMiddle = 0.3;  // rad: off the middle of the range
   rest[0] = kMiddle;
   std::array<std::vector<Convergence>, 2> drawn;
   for (const bool moves : {false, true}) {
     for (const double offset : kOffsets) {
       std::vector<Convergence> all;
-      all.reserve(ways.size());
-      for (const ConvergenceWay& way : ways) {
-        all.push_back(MeasureConvergence(way.tick, rest, offset, moves));
+      all.reserve(chains.size());
+      for (const Chain& chain : chains) {
+        all.push_back(MeasureConvergence(chain.tick, rest, offset, moves));
       }
-      Compare(ways, all, offset, moves, findings);
-      if (!moves) CompareWithFastest(all[kOurs], robot.limits, offset, findings);
+      CompareConvergence(chains, all, offset, moves, findings);
+      if (!moves) CompareWithFastest(all[kOurChain], robot.limits, offset, findings);
       if (offset == kDrawnOffset) drawn.at(moves ? 1 : 0) = std::move(all);
     }
   }
-  CompareLags(ways, drawn[1], findings);
-  findings.figures.push_back(ErrorsFigure(ways, drawn));
+  CompareLags(chains, drawn[1], findings);
+  findings.figures.push_back(ErrorsFigure(chains, drawn));
+}
+
+std::vector<HostileCycle> RunHostileSource(const loop::TickConfig& tick,
+                                           const JointLimits& limits) {
+  ChainBench bench(tick, MiddleOf(limits));
+  std::vector<HostileCycle> cycles;
+  cycles.reserve(kHostileCycles);
+  for (int k = 0; k < kHostileCycles; ++k) {
+    const double t = k * kCycleSeconds;
+    const double wished = WishedAt(t);
+    const double dq = (wished - WishedAt(t - kCycleSeconds)) / kCycleSeconds;
+    const bool is_lost = IsLost(k);
+    is_lost ? bench.StepLost(wished, dq, true) : bench.Step(wished, dq, true);
+    cycles.push_back({.t = t,
+                      .wished = wished,
+                      .q_d = bench.q_d(),
+                      .dq_d = bench.dq_d(),
+                      .share = bench.LargestShare(limits),
+                      .margin = bench.margin().value_or(0),
+                      .kept_back = bench.kept_back(),
+                      .is_lost = is_lost});
+  }
+  return cycles;
+}
+
+void AddHostileSource(const scenario::RobotData& robot, Findings& findings) {
+  const std::vector<Chain> chains = ComparedChains(robot);
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    const std::vector<HostileCycle> cycles = RunHostileSource(chains[c].tick, robot.limits);
+    const Breaches breaches = BreachesOf(cycles, robot.limits);
+    const std::string name = fmt::format(
+        "a source that asks for too much, 19 of 20 lost at times, {}: ", chains[c].name);
+    const bool is_ours = c == kOurChain;
+    findings.Add(name + "cycles beyond a limit", "", breaches.cycles)
+        .Demand(is_ours ? "none" : "", breaches.cycles == 0);
+    findings.Add(name + "largest share of a limit", "", breaches.largest_share);
+    findings.Add(name + "beyond the range by at most", "rad", std::max(0.0, breaches.beyond_range));
+    if (is_ours) findings.figures.push_back(HostileFigure(cycles, robot.limits));
+  }
 }
 
 }  // namespace twin::experiment

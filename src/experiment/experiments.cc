@@ -1,15 +1,6 @@
 #include <array>
 
-#include "experiment/feed_forward.h"
-#include "experiment/jitter.h"
-#include "experiment/lambda.h"
-#include "experiment/losses.h"
-#include "experiment/noise.h"
-#include "experiment/rate_matching.h"
-#include "experiment/timings.h"
-#include "experiment/tracking.h"
-#include "experiment/viability.h"
-#include "twin/experiment/experiment.h"
+#include "experiment/studies.h"
 
 namespace twin::experiment {
 namespace {
@@ -33,19 +24,19 @@ constexpr std::array kExperiments{
                "Section 4, reference generation", &RunLambda},
     Experiment{"losses", "Bursts of lost commands", "left open by the paper (its outlook)",
                &RunLosses},
-    Experiment{"viability", "Limits kept for ever under loss",
-               "left open by the paper (its outlook)", &RunViability},
+    Experiment{"viability", "Guaranteed limits under loss", "left open by the paper (its outlook)",
+               &RunViability},
 };
 
 }  // namespace
 
-Findings Run(const Experiment& experiment, const Setting& setting) {
+Findings Run(const Experiment& experiment, const Config& config) {
   Findings findings =
-      setting.on_wall_clock ? experiment.run_on_wall_clock(setting) : experiment.run(setting);
+      config.on_wall_clock ? experiment.run_on_wall_clock(config) : experiment.run(config);
   findings.id = experiment.id;
   findings.title = experiment.title;
   findings.source = experiment.source;
-  findings.page = setting.on_wall_clock ? findings.id + "_wall_clock" : findings.id;
+  findings.page = config.on_wall_clock ? findings.id + "_wall_clock" : findings.id;
   return findings;
 }
 

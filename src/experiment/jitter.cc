@@ -1,33 +1,24 @@
-#include "experiment/jitter.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/jitter_parts.h"
 #include "experiment/runs.h"
+#include "experiment/statistics.h"
+#include "experiment/stream_studies.h"
+#include "experiment/studies.h"
 
 namespace twin::experiment {
 namespace {
 
-using control::CommandInterface;
 using std::chrono::microseconds;
 
-constexpr double kJitter = 4e-6;  // s, the paper's
-constexpr double kPpm = 50;
-constexpr int kRunsForEverySeed = 5;  // 100 runs with the usual 20 seeds
-
-/// Ours beside the paper's, with what must hold.
-Comparison Demanded(Comparison comparison, std::string demand, bool met) {
-  comparison.demand = std::move(demand);
-  comparison.verdict = Judge(met);
-  return comparison;
-}
+constexpr double kDriftPpm = 50;
+constexpr int kRunsPerSeed = 5;        // 100 runs with the usual 20 seeds
+constexpr int kMostWallClockRuns = 3;  // of each generator: 18 s a run
 
 /// One sample displaced in a motion at constant speed, as INT sees it.
 double JerkOfOneSample(double speed, double displacement_s) {
@@ -42,39 +33,24 @@ double JerkOfOneSample(double speed, double displacement_s) {
   return largest;
 }
 
-/// The reconstructed jerk beside its own expansion: so by arithmetic, and no demand.
-void ShowFormula(const JitterJerk& jerk, const std::string& interface, Findings& findings) {
-  findings.comparisons.push_back(
-      {.quantity = interface + ": RMS of the jerk of jitter, reconstructed / formula",
-       .paper = 1,
-       .ours = jerk.ratio});
-  findings.comparisons.push_back(
-      {.quantity = interface + ": RMS of reconstructed - formula, of the formula's",
-       .unit = "%",
-       .ours = jerk.residual * 100});
-}
-
-/// What came of the canonical trajectory behind a remedy.
+/// Runs of the canonical trajectory behind a remedy.
 struct CanonicalRuns {
   int aborted = 0;
   double largest_jerk = 0;  ///< of all runs, as a share of its limit
 };
 
-CanonicalRuns RunCanonical(const Setting& setting, const StreamSetting& streams, Remedy remedy,
-                           int runs, bool stops) {
-  std::vector<StreamResult> results(static_cast<std::size_t>(runs));
-  const auto job = [&](int run) {
-    Stream stream = StreamBehind(remedy, streams.robot);
-    stream.jitter_s = kJitter;
-    stream.clock_ppm = run % 2 == 0 ? kPpm : -kPpm;
-    stream.phase = FromSeconds(kCycleSeconds * ChoiceOfRun(setting, run));
-    stream.seed = SeedOfRun(setting, run);
-    results[static_cast<std::size_t>(run)] =
-        RunStream(streams.canonical, streams.robot.limits, stream, stops);
+CanonicalRuns RunCanonicalStreams(const Config& config, const StreamInputs& inputs, Remedy remedy,
+                                  int runs, bool stops) {
+  const auto run_once = [&](int run) {
+    Stream stream = StreamBehind(remedy, inputs.robot);
+    stream.jitter_s = kPaperJitter;
+    stream.clock_ppm = run % 2 == 0 ? kDriftPpm : -kDriftPpm;
+    stream.phase = PhaseOfRun(config, run);
+    stream.seed = SeedOfRun(config, run);
+    return RunStream(inputs.canonical, inputs.robot.limits, stream, stops);
   };
-  InParallel(setting, runs, job, 0, 0.2);
   CanonicalRuns all;
-  for (const StreamResult& result : results) {
+  for (const StreamResult& result : MapInParallel(config, runs, run_once, 0, 0.2)) {
     all.aborted += result.aborted ? 1 : 0;
     all.largest_jerk = std::max(all.largest_jerk, Largest(result.jerk));
   }
@@ -82,9 +58,9 @@ CanonicalRuns RunCanonical(const Setting& setting, const StreamSetting& streams,
 }
 
 /// The same through the whole stack in lockstep. @returns how many of the runs aborted.
-int AbortsThroughStack(const Setting& setting, loop::Generator generator, int runs) {
+int JitterAbortsThroughStack(const Config& config, loop::Generator generator, int runs) {
   return CountFailures(
-      setting, runs,
+      config, runs,
       [&](scenario::Scenario& scenario) {
         scenario.link.state = {};
         scenario.link.command = {};
@@ -97,57 +73,42 @@ int AbortsThroughStack(const Setting& setting, loop::Generator generator, int ru
       0.2, 0.3);
 }
 
-void CompareCanonical(const Setting& setting, const StreamSetting& streams, Findings& findings) {
-  const int runs = kRunsForEverySeed * setting.seeds;
+void CompareCanonical(const Config& config, const StreamInputs& inputs, Findings& findings) {
+  const auto add = [&](std::string quantity, int aborted, int runs, bool all_abort) {
+    findings.Add(std::move(quantity), "%", 100.0 * aborted / runs)
+        .Paper(all_abort ? 100 : 0)
+        .Demand(all_abort ? "all of them" : "none", aborted == (all_abort ? runs : 0));
+  };
+  const int runs = kRunsPerSeed * config.seeds;
   const std::string of = fmt::format("{} runs of the canonical trajectory, 4 us: ", runs);
-  const CanonicalRuns raw = RunCanonical(setting, streams, Remedy::kNone, runs, true);
-  findings.comparisons.push_back(Demanded({.quantity = of + "raw stream aborts",
-                                           .unit = "%",
-                                           .paper = 100,
-                                           .ours = 100.0 * raw.aborted / runs},
-                                          "all of them", raw.aborted == runs));
-  const CanonicalRuns generator = RunCanonical(setting, streams, Remedy::kGenerator, runs, false);
-  findings.comparisons.push_back(Demanded({.quantity = of + "reference generator aborts",
-                                           .unit = "%",
-                                           .paper = 0,
-                                           .ours = 100.0 * generator.aborted / runs},
-                                          "none", generator.aborted == 0));
-  findings.comparisons.push_back({.quantity = of + "largest jerk / limit, reference generator",
-                                  .ours = generator.largest_jerk});
-  const int whole = std::min(setting.seeds, 4);
-  const int raw_aborts = AbortsThroughStack(setting, loop::Generator::kNone, whole);
-  const int aborts = AbortsThroughStack(setting, loop::Generator::kJoint, whole);
-  findings.comparisons.push_back(Demanded(
-      {.quantity =
-           fmt::format("the same through the whole stack, {} runs: raw stream aborts", whole),
-       .unit = "%",
-       .paper = 100,
-       .ours = 100.0 * raw_aborts / whole},
-      "all of them", raw_aborts == whole));
-  findings.comparisons.push_back(
-      Demanded({.quantity = fmt::format("the same, {} runs: reference generator aborts", whole),
-                .unit = "%",
-                .paper = 0,
-                .ours = 100.0 * aborts / whole},
-               "none", aborts == 0));
+  const CanonicalRuns raw = RunCanonicalStreams(config, inputs, Remedy::kNone, runs, true);
+  add(of + "raw stream aborts", raw.aborted, runs, true);
+  const CanonicalRuns generator =
+      RunCanonicalStreams(config, inputs, Remedy::kGenerator, runs, false);
+  add(of + "reference generator aborts", generator.aborted, runs, false);
+  findings.Add(of + "largest jerk / limit, reference generator", "", generator.largest_jerk);
+  const int whole = std::min(config.seeds, 4);
+  add(fmt::format("the same through the whole stack, {} runs: raw stream aborts", whole),
+      JitterAbortsThroughStack(config, loop::Generator::kNone, whole), whole, true);
+  add(fmt::format("the same, {} runs: reference generator aborts", whole),
+      JitterAbortsThroughStack(config, loop::Generator::kJoint, whole), whole, false);
 }
 
-/// How much each remedy leaves of the jerk of jitter, without a crossing of the clocks.
-void CompareRemedies(const Setting& setting, const StreamSetting& streams, Findings& findings) {
-  for (std::size_t way = 0; way < kRemedyNames.size(); ++way) {
-    Stream stream = StreamBehind(static_cast<Remedy>(way), streams.robot);
-    stream.jitter_s = kJitter;
-    stream.seed = setting.seed;
-    const StreamResult result = RunStream(streams.canonical, streams.robot.limits, stream, false);
-    findings.comparisons.push_back(
-        {.quantity = fmt::format("canonical, 4 us, {}: RMS jerk / limit, worst joint, as though "
-                                 "INT went on",
-                                 kRemedyNames[way]),
-         .ours = Largest(result.rms_jerk)});
+/// The share of the jerk of jitter that each remedy leaves, without a crossing of the clocks.
+void CompareRemedies(const Config& config, const StreamInputs& inputs, Findings& findings) {
+  for (std::size_t i = 0; i < kRemedyNames.size(); ++i) {
+    Stream stream = StreamBehind(static_cast<Remedy>(i), inputs.robot);
+    stream.jitter_s = kPaperJitter;
+    stream.seed = config.seed;
+    const StreamResult result = RunStream(inputs.canonical, inputs.robot.limits, stream, false);
+    findings.Add(fmt::format("canonical, 4 us, {}: RMS jerk / limit, worst joint, as though INT "
+                             "went on",
+                             kRemedyNames[i]),
+                 "", Largest(result.rms_jerk));
   }
 }
 
-void CompareEnd(const std::vector<Pace>& paces, Findings& findings) {
+void CompareEnd(const std::vector<PaceResult>& paces, Findings& findings) {
   struct Known {
     double acceleration;
     double jerk;
@@ -155,45 +116,121 @@ void CompareEnd(const std::vector<Pace>& paces, Findings& findings) {
   // Of another implementation, of one joint behind a simple servo.
   constexpr Known kOther[] = {{0.21, 0.72}, {0.27, 1.23}, {0.68, 2.85}};
   for (const Known& known : kOther) {
-    const auto pace = std::ranges::min_element(paces, {}, [&](const Pace& candidate) {
+    const auto pace = std::ranges::min_element(paces, {}, [&](const PaceResult& candidate) {
       return std::abs(candidate.acceleration - known.acceleration);
     });
-    findings.comparisons.push_back(
-        {.quantity = fmt::format("brisk, |ddq| {:.2f} of its limit: largest jerk / limit (another "
-                                 "implementation: {})",
-                                 known.acceleration, known.jerk),
-         .ours = pace->jerk});
+    findings.Add(fmt::format("brisk, |ddq| {:.2f} of its limit: largest jerk / limit (another "
+                             "implementation: {})",
+                             known.acceleration, known.jerk),
+                 "", pace->jerk);
   }
-  findings.comparisons.push_back(
-      {.quantity = "brisk: |ddq| / limit up to which the reference generator keeps the jerk limit",
-       .ours = ShareAtLimit(paces)});
+  findings.Add("brisk: |ddq| / limit up to which the reference generator keeps the jerk limit", "",
+               ShareAtLimit(paces));
+}
+
+/// Collects the source times of the consumed deposits.
+class DepositTimes final : public rt::RecordSink {
+ public:
+  DepositTimes() { times_.reserve(32768); }
+  void Put(const rt::CycleRecord& /*record*/) noexcept override {}
+  void Put(const rt::TickRecord& record) noexcept override {
+    if (record.action != rt::TickAction::kWritten) return;
+    if (times_.empty() || times_.back() != record.deposit_time) {
+      times_.push_back(record.deposit_time);
+    }
+  }
+
+  /// Difference of each interval from whole cycles, us, rising. Deposits that no tick consumed do
+  /// not count.
+  [[nodiscard]] std::vector<double> OffCycle() const {
+    std::vector<double> off;
+    for (std::size_t i = 1; i < times_.size(); ++i) {
+      const double interval_us = 1e6 * ToSeconds(times_[i] - times_[i - 1]);
+      const double cycles = std::max(1.0, std::round(interval_us / 1e3));
+      off.push_back(std::abs(interval_us - 1e3 * cycles));
+    }
+    std::ranges::sort(off);
+    return off;
+  }
+
+ private:
+  std::vector<Time> times_;
+};
+
+/// Aborted runs, and the jitter of runs with deposits.
+struct JitteredRuns {
+  int runs = 0;
+  int aborted = 0;
+  std::vector<double> median_us{};
+  std::vector<double> p99_us{};
+};
+
+JitteredRuns RunJittered(const Config& config, loop::Generator generator) {
+  JitteredRuns all{.runs = std::min(config.seeds, kMostWallClockRuns)};
+  InParallel(config, all.runs, [&](int run) {
+    scenario::Scenario scenario = LoadScenario(config, "asynchronous");
+    scenario.seed = SeedOfRun(config, run);
+    scenario.tick.limiter = false;
+    scenario.tick.generator = generator;
+    DepositTimes times;
+    if (!RunScenario(config, scenario, &times).report.succeeded()) ++all.aborted;
+    const std::vector<double> off = times.OffCycle();
+    if (off.empty()) return;
+    all.median_us.push_back(Percentile(off, 0.5));
+    all.p99_us.push_back(Percentile(off, 0.99));
+  });
+  return all;
 }
 
 }  // namespace
 
-Findings RunJitter(const Setting& setting) {
-  const StreamSetting streams = LoadStreamSetting(setting);
-  const JointLimits& limits = streams.robot.limits;
+Findings RunJitterOnWallClock(const Config& config) {
+  const JitteredRuns raw = RunJittered(config, loop::Generator::kNone);
+  const JitteredRuns generated = RunJittered(config, loop::Generator::kJoint);
+  Findings findings;
+  findings
+      .Add(fmt::format("raw stream: aborts in {} runs", raw.runs), "%",
+           100.0 * raw.aborted / raw.runs)
+      .Paper(100);
+  findings
+      .Add(fmt::format("reference generator: aborts in {} runs", generated.runs), "%",
+           100.0 * generated.aborted / generated.runs)
+      .Paper(0);
+  findings.Add("from one sample to the next, off a cycle: median", "us",
+               SpreadOf(generated.median_us));
+  findings.Add("the same, p99", "us", SpreadOf(generated.p99_us));
+  return findings;
+}
+
+Findings RunJitter(const Config& config) {
+  using control::CommandInterface;
+  const StreamInputs inputs = LoadStreamInputs(config);
+  const JointLimits& limits = inputs.robot.limits;
   Findings findings{
-      .values = {{"runs", fmt::format("{}", setting.seeds)}, {"ppm", fmt::format("{}", kPpm)}}};
-  findings.comparisons.push_back({.quantity = "one sample displaced by 4 us at 1 rad/s: jerk",
-                                  .unit = "rad/s^3",
-                                  .paper = 1.2e4,
-                                  .ours = JerkOfOneSample(1, kJitter)});
-  const JitterJerk position = JerkOfJitter(streams.canonical, limits,
-                                           CommandInterface::kJointPosition, kJitter, setting.seed);
-  const JitterJerk velocity = JerkOfJitter(streams.canonical, limits,
-                                           CommandInterface::kJointVelocity, kJitter, setting.seed);
-  ShowFormula(position, "position interface", findings);
-  ShowFormula(velocity, "velocity interface", findings);
-  CompareCanonical(setting, streams, findings);
-  CompareRemedies(setting, streams, findings);
-  const AbortMap map = MapAborts(setting, streams.robot, {0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64},
-                                 {0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2}, setting.seeds);
-  const std::vector<Pace> paces = FindEnd(
-      setting, streams, {0.1, 0.15, 0.21, 0.24, 0.27, 0.35, 0.45, 0.55, 0.68}, setting.seeds);
+      .values = {{"runs", fmt::format("{}", config.seeds)}, {"ppm", fmt::format("{}", kDriftPpm)}}};
+  findings
+      .Add("one sample displaced by 4 us at 1 rad/s: jerk", "rad/s^3",
+           JerkOfOneSample(1, kPaperJitter))
+      .Paper(1.2e4);
+  // The reconstructed jerk beside its own expansion holds by arithmetic: no demand.
+  const auto measure = [&](CommandInterface interface, const std::string& name) {
+    JitterJerk jerk = JerkOfJitter(inputs.canonical, limits, interface, kPaperJitter, config.seed);
+    findings.Add(name + ": RMS of the jerk of jitter, reconstructed / formula", "", jerk.ratio)
+        .Paper(1);
+    findings.Add(name + ": RMS of reconstructed - formula, of the formula's", "%",
+                 jerk.residual * 100);
+    return jerk;
+  };
+  const JitterJerk position = measure(CommandInterface::kJointPosition, "position interface");
+  const JitterJerk velocity = measure(CommandInterface::kJointVelocity, "velocity interface");
+  CompareCanonical(config, inputs, findings);
+  CompareRemedies(config, inputs, findings);
+  const AbortMap map = MapAborts(config, inputs.robot, {0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64},
+                                 {0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2}, config.seeds);
+  const std::vector<PaceResult> paces = MeasurePaces(
+      config, inputs, {0.1, 0.15, 0.21, 0.24, 0.27, 0.35, 0.45, 0.55, 0.68}, config.seeds);
   CompareEnd(paces, findings);
-  findings.figures = {SamplesFigure(streams.robot, setting.seed),
+  findings.figures = {SamplesFigure(inputs.robot, config.seed),
                       JitterJerkFigure(position, velocity), AbortMapFigure(map, limits),
                       EndFigure(paces, limits)};
   return findings;

@@ -1,22 +1,20 @@
-#include "experiment/lambda.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "experiment/chain_bench.h"
 #include "experiment/runs.h"
+#include "experiment/statistics.h"
+#include "experiment/studies.h"
 #include "twin/core/half_norm.h"
 #include "twin/model/inverse_kinematics.h"
 #include "twin/reference/cartesian_reference_generator.h"
-#include "twin/scenario/robot_data.h"
 
 namespace twin::experiment {
 namespace {
@@ -25,10 +23,10 @@ constexpr std::array<double, 10> kLambdas{1e-4, 2e-4, 5e-4, 1e-3, 2e-3,
                                           5e-3, 1e-2, 2e-2, 5e-2, 1e-1};
 constexpr double kPaperLambda = 1e-3;
 constexpr std::array<int, 2> kStallsMs{50, 200};
-constexpr double kLeft = 0.05;  ///< share of an offset at which it counts as gone
+constexpr double kLeft = 0.05;  ///< share of an offset that counts as decayed
 
-/// What becomes of an offset at one lambda.
-struct Convergence {
+/// The decay of an offset at one lambda.
+struct OffsetDecay {
   double lambda = 0;
   double formula_s = 0;      ///< until 5 % are left: ln(0.05) / ln(1 - lambda) cycles
   double joint_s = 0;        ///< measured, joint position
@@ -41,27 +39,26 @@ double FormulaTime(double lambda) {
   return std::log(kLeft) / std::log1p(-lambda) * kCycleSeconds;
 }
 
-/// Cycles until `left(cycle)` of an offset is at most 5 %, s.
+/// Time until left() after a cycle is at most 5 %, s.
 template <typename Left>
-double TimeUntilGone(double lambda, Left left) {
+double TimeUntilDecayed(double lambda, Left left) {
   const int most = static_cast<int>(4 * FormulaTime(lambda) / kCycleSeconds) + 10;
-  for (int cycle = 1; cycle <= most; ++cycle) {
-    if (left() <= kLeft) return cycle * kCycleSeconds;
-  }
-  return most * kCycleSeconds;
+  int cycle = 1;
+  while (cycle <= most && left() > kLeft) ++cycle;
+  return std::min(cycle, most) * kCycleSeconds;
 }
 
-Convergence Converge(double lambda) {
+OffsetDecay MeasureDecay(double lambda) {
   constexpr double kOffset = 1e-3;  // rad, m
-  Convergence convergence{.lambda = lambda, .formula_s = FormulaTime(lambda)};
+  OffsetDecay decay{.lambda = lambda, .formula_s = FormulaTime(lambda)};
   ChainBench bench(lambda, 0);
   double jerk = 0;
-  convergence.joint_s = TimeUntilGone(lambda, [&] {
+  decay.joint_s = TimeUntilDecayed(lambda, [&] {
     bench.Step(kOffset, 0, true);
     jerk = std::max(jerk, std::abs(bench.jerk()));
     return (kOffset - bench.q_d()) / kOffset;
   });
-  convergence.jerk_per_rad = jerk / kOffset;
+  decay.jerk_per_rad = jerk / kOffset;
 
   const reference::CartesianReferenceGenerator generator(lambda);
   reference::PoseTarget target;
@@ -71,18 +68,18 @@ Convergence Converge(double lambda) {
     pose = generator.Next(pose, target);
     return HalfNorm(model::Displacement(pose, target.O_T_EE), half);
   };
-  convergence.translation_s = TimeUntilGone(lambda, [&] { return left(0) / kOffset; });
+  decay.translation_s = TimeUntilDecayed(lambda, [&] { return left(0) / kOffset; });
   constexpr double kTurn = 0.5;  // rad, about z
   target.O_T_EE = kIdentityTransform;
   target.O_T_EE[0] = target.O_T_EE[5] = std::cos(kTurn);
   target.O_T_EE[1] = std::sin(kTurn);
   target.O_T_EE[4] = -std::sin(kTurn);
   pose = kIdentityTransform;
-  convergence.rotation_s = TimeUntilGone(lambda, [&] { return left(3) / kTurn; });
-  return convergence;
+  decay.rotation_s = TimeUntilDecayed(lambda, [&] { return left(3) / kTurn; });
+  return decay;
 }
 
-/// How commands are made of a source that stops for a while.
+/// A command chain behind a source that stops for a while.
 struct StallChain {
   std::string_view name;
   loop::Generator generator;
@@ -93,9 +90,9 @@ constexpr std::array kStallChains{
     StallChain{"the paper's law, client's limiter", loop::Generator::kJoint, true},
     StallChain{"rejoining, viability", loop::Generator::kRejoining, false},
 };
-constexpr std::size_t kOurs = 2;
+constexpr std::size_t kOurStallChain = 2;
 
-/// One cycle of such a source.
+/// One cycle behind such a source.
 struct StallRow {
   double t = 0;        ///< since the source stopped, s
   double planned = 0;  ///< velocity, rad/s
@@ -108,24 +105,24 @@ struct Stall {
   std::vector<StallRow> rows;  ///< from 0.1 s before the source stops to 9 s after
   double largest_jerk = 0;     ///< rad/s^3
   double largest_error = 0;    ///< rad
-  double recovered_s = 0;      ///< after the source is back, until the error stays within 4 mrad
+  double recovered_s = 0;      ///< from the source's return until the error stays within 4 mrad
 };
 
-loop::TickConfig ConfigOf(const StallChain& chain, const scenario::RobotData& robot) {
-  loop::TickConfig config;
-  config.generator = chain.generator;
-  config.lambda = kPaperLambda;
-  config.limits = robot.limits;
-  config.cartesian = robot.cartesian;
-  if (chain.limiter) config.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
+loop::TickConfig TickOf(const StallChain& chain, const scenario::RobotData& robot) {
+  loop::TickConfig tick;
+  tick.generator = chain.generator;
+  tick.lambda = kPaperLambda;
+  tick.limits = robot.limits;
+  tick.cartesian = robot.cartesian;
+  if (chain.limiter) tick.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
   if (chain.generator == loop::Generator::kRejoining) {
-    config.viability = reference::ViabilityFilter::kLostByDefault;
+    tick.viability = reference::ViabilityFilter::kLostByDefault;
   }
-  return config;
+  return tick;
 }
 
 /// Joint 1 swings by 0.8 rad with 1 rad/s at most; the source stops at full speed.
-Stall MeasureStall(const loop::TickConfig& config, const JointVector& rest, int stall_ms) {
+Stall MeasureStall(const loop::TickConfig& tick, const JointVector& rest, int stall_ms) {
   constexpr double kAmplitude = 0.8;
   constexpr double kOmega = 1.25;
   constexpr int kStopsMs = 5027;  // two periods: the plan is at its fastest
@@ -133,14 +130,14 @@ Stall MeasureStall(const loop::TickConfig& config, const JointVector& rest, int 
   constexpr int kAfterMs = 9000;
   constexpr double kClose = 4e-3;  // more than the resampler's lag of 2.25 ms at 1 rad/s
   Stall stall;
-  ChainBench bench(config, rest);
+  ChainBench bench(tick, rest);
   double q_ext = 0;
   double dq_ext = 0;
   for (int ms = 1; ms <= kStopsMs + stall_ms + kAfterMs; ++ms) {
     // The first second fades in: the bench starts at rest.
     const double t = ms * kCycleSeconds;
     const double x = std::min(t, 1.0);
-    const double share = x * x * x * (10 + x * (-15 + 6 * x));
+    const double share = SmoothStep(x);
     const double rate = t < 1 ? 30 * x * x * (1 - x) * (1 - x) : 0;
     const double q = kAmplitude * share * std::sin(kOmega * t);
     const double dq =
@@ -161,7 +158,7 @@ Stall MeasureStall(const loop::TickConfig& config, const JointVector& rest, int 
   return stall;
 }
 
-/// By length of the stall and chain.
+/// By length of the stall, then by chain.
 using Stalls = std::array<std::array<Stall, kStallChains.size()>, kStallsMs.size()>;
 
 Stalls MeasureStalls(const scenario::RobotData& robot) {
@@ -169,18 +166,18 @@ Stalls MeasureStalls(const scenario::RobotData& robot) {
   for (std::size_t i = 0; i < stalls.size(); ++i) {
     for (std::size_t c = 0; c < kStallChains.size(); ++c) {
       stalls[i][c] =
-          MeasureStall(ConfigOf(kStallChains[c], robot), MiddleOf(robot.limits), kStallsMs[i]);
+          MeasureStall(TickOf(kStallChains[c], robot), MiddleOf(robot.limits), kStallsMs[i]);
     }
   }
   return stalls;
 }
 
-Figure ConvergenceFigure(const std::vector<Convergence>& all) {
+Figure DecayFigure(const std::vector<OffsetDecay>& all) {
   Figure figure{.id = "convergence",
                 .columns =
                     "lambda,formula [s],joint [s],translation [s],rotation [s],"
                     "jerk per offset [1/s^3]"};
-  for (const Convergence& c : all) {
+  for (const OffsetDecay& c : all) {
     figure.rows.push_back(
         {c.lambda, c.formula_s, c.joint_s, c.translation_s, c.rotation_s, c.jerk_per_rad});
   }
@@ -207,87 +204,67 @@ Figure StallsFigure(const Stalls& stalls, double jerk_limit) {
 
 /// A motion of 8 s commanded as poses, that of models/scenarios/cartesian.yaml, by the calibrated
 /// loop. @returns whether it ended well.
-bool RunPoses(const Setting& setting) {
-  scenario::Scenario scenario = LoadScenario(setting, "asynchronous");
-  scenario.seed = SeedOfRun(setting, 0);
-  scenario.motion = scenario::Load(setting.files.models / "scenarios" / "cartesian.yaml").motion;
+bool RunPoses(const Config& config) {
+  scenario::Scenario scenario = LoadScenario(config, "asynchronous");
+  scenario.seed = SeedOfRun(config, 0);
+  scenario.motion = scenario::Load(config.files.models / "scenarios" / "cartesian.yaml").motion;
   scenario.tick.generator = loop::Generator::kCartesian;
-  return RunScenario(setting, scenario, nullptr).report.succeeded();
+  return RunScenario(config, scenario, nullptr).report.succeeded();
 }
 
-void Compare(const std::vector<Convergence>& all, const Stalls& stalls, double limit,
-             bool poses_end_well, std::vector<Comparison>& out) {
+void CompareDecay(const std::vector<OffsetDecay>& all, Findings& findings) {
   double joint = 0;
   double pose = 0;
-  for (const Convergence& c : all) {
-    // A cycle is the grain of the measurement.
+  for (const OffsetDecay& c : all) {
+    // A cycle is the resolution of the measurement.
     const double grain = kCycleSeconds / c.formula_s;
     joint = std::max(joint, std::abs(c.joint_s / c.formula_s - 1) - grain);
     pose = std::max({pose, std::abs(c.translation_s / c.formula_s - 1) - grain,
                      std::abs(c.rotation_s / c.formula_s - 1) - grain});
   }
-  const auto percent = [](double share) { return 100 * std::max(share, 0.0); };
-  // The generator's own arithmetic: shown, and demanded nothing of.
-  out.push_back({.quantity = "Convergence time off its formula beyond one cycle, joints, largest",
-                 .unit = "%",
-                 .ours = percent(joint)});
-  out.push_back({.quantity = "The same, poses", .unit = "%", .ours = percent(pose)});
-  const auto paper = std::ranges::find(all, kPaperLambda, &Convergence::lambda);
-  out.push_back({"Time until 5 % of an offset are left, lambda = 1e-3",
-                 "s",
-                 {},
-                 paper->joint_s,
-                 {},
-                 {},
-                 "",
-                 Verdict::kReported});
+  // The generator's own arithmetic has no demand.
+  findings.Add("Convergence time off its formula beyond one cycle, joints, largest", "%",
+               100 * std::max(joint, 0.0));
+  findings.Add("The same, poses", "%", 100 * std::max(pose, 0.0));
+  findings.Add("Time until 5 % of an offset are left, lambda = 1e-3", "s",
+               std::ranges::find(all, kPaperLambda, &OffsetDecay::lambda)->joint_s);
+}
+
+void CompareStalls(const Stalls& stalls, double jerk_limit, Findings& findings) {
   for (std::size_t i = 0; i < stalls.size(); ++i) {
     for (std::size_t c = 0; c < kStallChains.size(); ++c) {
       const Stall& stall = stalls[i][c];
       const std::string name =
           fmt::format("Stall of {} ms at 1 rad/s, {}", kStallsMs[i], kStallChains[c].name);
-      Comparison jerk{.quantity = name + ": largest jerk over its limit",
-                      .ours = stall.largest_jerk / limit};
-      if (c == kOurs) {
-        jerk.demand = "at most 1";
-        jerk.verdict = Judge(stall.largest_jerk <= limit);
-      }
-      out.push_back(jerk);
-      out.push_back({.quantity = name + ": largest error from the plan",
-                     .unit = "mrad",
-                     .ours = 1e3 * stall.largest_error});
-      out.push_back({.quantity = name + ": time until the error is within 4 mrad again",
-                     .unit = "s",
-                     .ours = stall.recovered_s});
+      findings.Add(name + ": largest jerk over its limit", "", stall.largest_jerk / jerk_limit)
+          .Demand(c == kOurStallChain ? "at most 1" : "", stall.largest_jerk <= jerk_limit);
+      findings.Add(name + ": largest error from the plan", "mrad", 1e3 * stall.largest_error);
+      findings.Add(name + ": time until the error is within 4 mrad again", "s", stall.recovered_s);
     }
   }
-  out.push_back({"A motion of 8 s as poses behind the Cartesian generator: aborts",
-                 "",
-                 0,
-                 poses_end_well ? 0.0 : 1.0,
-                 {},
-                 {},
-                 "none",
-                 Judge(poses_end_well)});
 }
 
 }  // namespace
 
-Findings RunLambda(const Setting& setting) {
-  std::vector<Convergence> all;
+Findings RunLambda(const Config& config) {
+  std::vector<OffsetDecay> all;
   all.reserve(kLambdas.size());
-  for (const double lambda : kLambdas) all.push_back(Converge(lambda));
-  const scenario::Scenario loop = LoadScenario(setting, "asynchronous");
-  const scenario::RobotData robot =
-      scenario::LoadRobotData(setting.files.models, loop.robot.model, loop.robot.hand);
-  const double limit = robot.limits.dddq_max[0];
+  for (const double lambda : kLambdas) all.push_back(MeasureDecay(lambda));
+  const scenario::RobotData robot = RobotOf(config, LoadScenario(config, "asynchronous"));
+  const double jerk_limit = robot.limits.dddq_max[0];
   const Stalls stalls = MeasureStalls(robot);
-  if (setting.progress) setting.progress(0.3);
-  const bool poses_end_well = RunPoses(setting);
+  if (config.progress) config.progress(0.3);
+  const bool poses_end_well = RunPoses(config);
   Findings findings;
-  Compare(all, stalls, limit, poses_end_well, findings.comparisons);
-  findings.figures = {ConvergenceFigure(all), StallsFigure(stalls, limit)};
-  if (setting.progress) setting.progress(1);
+  CompareDecay(all, findings);
+  CompareStalls(stalls, jerk_limit, findings);
+  findings
+      .Add("A motion of 8 s as poses behind the Cartesian generator: aborts", "",
+           poses_end_well ? 0.0 : 1.0)
+      .Paper(0)
+      .Demand("none", poses_end_well);
+  findings.figures = {DecayFigure(all), StallsFigure(stalls, jerk_limit)};
+  if (config.progress) config.progress(1);
   return findings;
 }
 

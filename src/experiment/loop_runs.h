@@ -2,25 +2,92 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <string>
 #include <vector>
 
-#include "experiment/loop_sample.h"
+#include "experiment/statistics.h"
+#include "twin/experiment/calibration.h"
 #include "twin/experiment/experiment.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::experiment {
+
+/// Measurements of one run of a loop.
+struct LoopSample {
+  std::vector<double> d_EXT_us;     ///< of each command, rising
+  std::vector<double> interval_us;  ///< between the ends of two successive reads
+  double unserved_percent = 0;      ///< of the motion's cycles
+  std::uint64_t longest_loss = 0;   ///< most unserved cycles in a row
+  std::uint64_t cycles = 0;         ///< of the motion
+  bool succeeded = false;           ///< the motion reached its goal
+  std::string failure{};            ///< why it did not
+  // On the wall clock, of the robot's own thread:
+  double robot_late_p99_us = 0;      ///< start of a cycle after its deadline
+  std::uint64_t robot_overruns = 0;  ///< whole periods it did not get
+};
+
+/// Runs a loop and measures it. @throws as RunScenario.
+[[nodiscard]] LoopSample SampleLoop(const Config& config, const scenario::Scenario& scenario);
 
 /// The runs of LF, RS, RA: as many of each.
 using LoopRuns = std::array<std::vector<LoopSample>, 3>;
 
-/// The scenario of one of CalibratedLoops() for its `run`-th run: seed and start phase of its own.
+/// The scenario of one of CalibratedLoops() for its `run`-th run, with its seed and start phase.
 /// @throws InputError as LoadScenario.
-[[nodiscard]] scenario::Scenario LoopScenario(const Setting& setting, std::size_t loop, int run);
+[[nodiscard]] scenario::Scenario LoopScenario(const Config& config, std::size_t loop, int run);
 
-/// Drives each of the calibrated loops through its motion Setting::seeds times, one loop after the
-/// other, as LoopScenario has it (the bare loop has no phase).
-/// @param stack  with what RS and RA run; LF has the setting's own. @param share  of the work, for
+/// Runs each calibrated loop Config::seeds times as LoopScenario has it (the bare loop has no
+/// phase), one loop after the other.
+/// @param stack  catalogue of RS and RA; LF has the config's own. @param share  of the work, for
 /// the progress.
 /// @throws as RunScenario; InputError when a run wrote no command at all.
-[[nodiscard]] LoopRuns RunLoops(const Setting& setting, const run::Catalogue& stack, double share);
+[[nodiscard]] LoopRuns RunLoops(const Config& config, const run::Catalogue& stack, double share);
+
+/// A row of the paper's Table 1.
+struct TableRow {
+  const char* name;
+  const char* unit;
+  std::array<double, 3> paper;    ///< of LF, RS and RA, as in CalibratedLoops()
+  std::array<bool, 3> is_fitted;  ///< whether models/experiments is calibrated on it
+  double (*of)(const LoopSample& sample);
+};
+
+/// d_EXT: median, p99 and largest; unserved cycles.
+inline constexpr std::array<TableRow, 4> kTableOne{
+    {{"d_EXT, median",
+      "ms",
+      {0.012, 0.065, 0.013},
+      {true, true, true},
+      [](const LoopSample& s) { return 1e-3 * Percentile(s.d_EXT_us, 0.5); }},
+     {"d_EXT, p99",
+      "ms",
+      {0.040, 0.137, 0.048},
+      {true, true, true},
+      [](const LoopSample& s) { return 1e-3 * Percentile(s.d_EXT_us, 0.99); }},
+     {"d_EXT, max",
+      "ms",
+      {0.087, 2.174, 0.141},
+      {false, false, false},
+      [](const LoopSample& s) { return 1e-3 * s.d_EXT_us.back(); }},
+     {"unserved cycles", "%", {0.18, 5.91, 0.41}, {true, false, false}, [](const LoopSample& s) {
+        return s.unserved_percent;
+      }}}};
+inline constexpr std::size_t kMedianLatency = 0;
+inline constexpr std::size_t kHighLatency = 1;  ///< p99
+inline constexpr std::size_t kLargestLatency = 2;
+inline constexpr std::size_t kUnserved = 3;
+
+/// The unserved shares of all three loops over weight and place of the link's late bin, the last
+/// one; runs them with few seeds. @pre the link's law is a histogram, as ours is. Progress from
+/// `from` to `to`.
+[[nodiscard]] Figure LateStatesFigure(const Config& config, double from, double to);
+
+/// The unserved share of the synchronous loop over drift, start phase and load; runs it with few
+/// seeds. Progress from `from` to 1.
+[[nodiscard]] Figure SensitivityFigure(const Config& config, double from);
+
+/// The same law of a computation that takes `factor` times as long. @param factor  > 0.
+[[nodiscard]] scenario::Delay Scaled(const scenario::Delay& delay, double factor);
 
 }  // namespace twin::experiment

@@ -12,6 +12,7 @@
 
 #include "twin/report/page.h"
 #include "twin/report/plot.h"
+#include "twin/run/summary.h"
 
 namespace twin::experiment {
 namespace {
@@ -35,23 +36,25 @@ std::ptrdiff_t Count(const Findings& findings, Verdict verdict) {
   return std::ranges::count(findings.comparisons, verdict, &Comparison::verdict);
 }
 
-/// Class of what is shown in the colour of a verdict.
+/// CSS class in the colour of a verdict.
 std::string_view ClassOf(Verdict verdict) {
   if (verdict == Verdict::kPredicted) return "met";
   return verdict == Verdict::kNotReproduced ? "missed" : "reported";
 }
 
-/// The same of an outcome.
+/// CSS class in the colour of an outcome.
 std::string_view ClassOf(const Findings& findings) {
   if (!findings.failure.empty()) return "failed";
   if (!findings.succeeded()) return "missed";
   return Count(findings, Verdict::kPredicted) > 0 ? "met" : "reported";
 }
 
+/// A number, or null.
+json NumberOrNull(const std::optional<double>& value) {
+  return value ? json(*value) : json();
+}
+
 json ComparisonsOf(const Findings& findings) {
-  const auto number = [](const std::optional<double>& value) {
-    return value ? json(*value) : json();
-  };
   json list = json::array();
   for (const Comparison& comparison : findings.comparisons) {
     const bool has_reason =
@@ -59,9 +62,9 @@ json ComparisonsOf(const Findings& findings) {
     list.push_back(
         {{"quantity", comparison.quantity},
          {"unit", comparison.unit},
-         {"paper", number(comparison.paper)},
+         {"paper", NumberOrNull(comparison.paper)},
          {"ours", comparison.ours},
-         {"ratio", number(comparison.ratio())},
+         {"ratio", NumberOrNull(comparison.ratio())},
          {"spread", SpreadText(comparison)},
          {"demand", has_reason ? fmt::format("{}; {}", comparison.demand, comparison.reason)
                                : comparison.demand},
@@ -139,6 +142,32 @@ std::vector<std::string> CsvNamesOf(std::string_view html) {
     }
   }
   return names;
+}
+
+std::string FindingsJson(std::span<const Findings> findings, int seeds,
+                         std::string_view calibration) {
+  using Json = nlohmann::ordered_json;
+  Json experiments = Json::array();
+  for (const Findings& one : findings) {
+    Json comparisons = Json::array();
+    for (const Comparison& comparison : one.comparisons) {
+      comparisons.push_back({{"quantity", comparison.quantity},
+                             {"unit", comparison.unit},
+                             {"paper", NumberOrNull(comparison.paper)},
+                             {"ours", comparison.ours},
+                             {"low", NumberOrNull(comparison.low)},
+                             {"high", NumberOrNull(comparison.high)},
+                             {"demand", comparison.demand},
+                             {"verdict", Name(comparison.verdict)},
+                             {"reason", comparison.reason}});
+    }
+    experiments.push_back({{"id", one.id},
+                           {"outcome", Outcome(one)},
+                           {"failure", one.failure},
+                           {"comparisons", std::move(comparisons)}});
+  }
+  return run::TextOf(
+      {{"seeds", seeds}, {"calibration", calibration}, {"experiments", std::move(experiments)}});
 }
 
 std::string CsvName(const Findings& findings, const Figure& figure) {

@@ -1,5 +1,3 @@
-#include "experiment/rate_matching.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,9 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "experiment/rate_matching_envelope.h"
 #include "experiment/recording.h"
 #include "experiment/runs.h"
+#include "experiment/statistics.h"
+#include "experiment/studies.h"
 #include "experiment/wave_source.h"
 #include "twin/control/registry.h"
 #include "twin/reference/moving_average.h"
@@ -24,13 +23,12 @@ namespace {
 using control::CommandInterface;
 
 constexpr double kPaperRateHz = 125;
-constexpr double kPaperDelayS = 3.5e-3;
 constexpr std::array<double, 6> kRatesHz{1000, 500, 250, 125, 100, 62.5};
 
 struct NamedInterface {
   CommandInterface interface;
   const char* name;
-  JointVector CycleSample::*answer;  ///< where the robot's state shows what it took
+  JointVector CycleSample::*answer;  ///< signal of the robot's state that follows it
 };
 constexpr std::array<NamedInterface, 3> kInterfaces{
     {{CommandInterface::kJointPosition, "position", &CycleSample::q_d},
@@ -38,7 +36,7 @@ constexpr std::array<NamedInterface, 3> kInterfaces{
      {CommandInterface::kTorque, "torque", &CycleSample::tau_J_d}}};
 
 /// A source of one rate on one interface, the stage off and on.
-struct Pair {
+struct StagePair {
   Recording off;
   Recording on;
   bool ended_well = false;
@@ -55,10 +53,12 @@ double LargestAcceleration(double rate_hz) {
   return std::min(kGentle, kShare * kJerkLimit * kCycleSeconds / N);
 }
 
-scenario::Scenario MakeScenario(const Setting& setting, CommandInterface interface, double rate_hz,
+/// The asynchronous loop with a source of `rate_hz`, and every state in time: a cycle that goes
+/// unserved would shape the commands, too.
+scenario::Scenario RateScenario(const Config& config, CommandInterface interface, double rate_hz,
                                 bool stage) {
-  scenario::Scenario scenario = LoadScenario(setting, "asynchronous");
-  scenario.seed = SeedOfRun(setting, 0);
+  scenario::Scenario scenario = LoadScenario(config, "asynchronous");
+  scenario.seed = SeedOfRun(config, 0);
   scenario.motion.interface = interface;
   scenario.tick.generator = interface == CommandInterface::kJointPosition ? loop::Generator::kJoint
                                                                           : loop::Generator::kNone;
@@ -66,43 +66,40 @@ scenario::Scenario MakeScenario(const Setting& setting, CommandInterface interfa
   scenario.tick.limiter = false;
   scenario.tick.finish_tolerance = 1e-2;
   scenario.controller.rate_hz = rate_hz;
-  // No state comes late: a cycle that goes unserved would shape the commands, too.
-  scenario.link.state.delay = {rt::ConstantDelay{std::chrono::microseconds(100)}};
-  const JointVector q = scenario.motion.waypoints.front().q;
-  scenario.motion.waypoints = {{.q = q, .at = Duration{}}, {.q = q, .at = WaveSource::kLength}};
-  scenario.motion.timing = {};
+  SetConstantStateDelay(scenario);
   return scenario;
 }
 
-Pair Measure(const Setting& setting, CommandInterface interface, double rate_hz) {
+StagePair MeasureStage(const Config& config, CommandInterface interface, double rate_hz) {
   control::ControllerRegistry controllers;
   const double acceleration = LargestAcceleration(rate_hz);
   const auto make = [acceleration](const control::ControllerRequest& request) {
     return std::make_unique<WaveSource>(request.interface, request.trajectory.start(),
                                         acceleration);
   };
-  const run::Catalogue catalogue{setting.catalogue.backends, controllers};
-  const Setting with_wave = With(setting, catalogue);
-  constexpr std::size_t kRoom = 8192;  // cycles: more than the swing has
-  Pair pair{.off = Recording(kRoom), .on = Recording(kRoom)};
+  const run::Catalogue catalogue{config.catalogue.get().backends, controllers};
+  Config with_wave = config;
+  with_wave.catalogue = catalogue;
   const auto run = [&](bool stage, Recording& recording) {
-    const scenario::Scenario scenario = MakeScenario(setting, interface, rate_hz, stage);
+    scenario::Scenario scenario = RateScenario(config, interface, rate_hz, stage);
+    const JointVector q = scenario.motion.waypoints.front().q;
+    scenario.motion.waypoints = {{.q = q, .at = Duration{}}, {.q = q, .at = WaveSource::kLength}};
+    scenario.motion.timing = {};
     if (controllers.Names().empty()) controllers.Add(scenario.controller.type, make);
     return RunScenario(with_wave, scenario, &recording).report.succeeded();
   };
+  StagePair pair;
   const bool off = run(false, pair.off);
   const bool on = run(true, pair.on);
   pair.ended_well = off && on;
   return pair;
 }
 
-/// Group delay of `on` behind `off`: each one's lag behind the wave by least squares, and their
-/// difference.
-double DelayOf(const Pair& pair, const NamedInterface& interface, double acceleration) {
+/// Delay of `on` behind `off`: the difference of their lags behind the wave by least squares.
+double DelayOf(const StagePair& pair, const NamedInterface& interface, double acceleration) {
   const auto delay = [&](const Recording& recording) {
-    const std::vector<double> signal =
-        Signal(recording.cycles(), interface.answer, 0, 0, recording.cycles().size());
-    return WaveDelay(interface.interface, acceleration, signal);
+    return WaveDelay(interface.interface, acceleration,
+                     Signal(recording.cycles(), interface.answer, 0));
   };
   return delay(pair.on) - delay(pair.off);
 }
@@ -113,16 +110,16 @@ std::vector<double> Commands(const Recording& recording) {
   for (const TickSample& tick : recording.ticks()) {
     while (!commands.empty() &&
            recording.ticks().front().message_id + commands.size() < tick.message_id) {
-      commands.push_back(std::nan(""));  // this state was not answered
+      commands.push_back(std::nan(""));  // this state has no answer
     }
     commands.push_back(tick.dq_c[0]);
   }
   return commands;
 }
 
-/// Riser of each update with the stage off, over the increment a cycle that the stage makes of it;
-/// of updates that stood N cycles and are large enough to be told from none. @returns their median.
-double RiserRatio(const Pair& pair, std::size_t N, double least) {
+/// Riser of each update with the stage off, over the increment per cycle with the stage on; of
+/// updates that lasted N cycles and exceed `least`. @returns their median.
+double RiserRatio(const StagePair& pair, std::size_t N, double least) {
   const std::vector<double> off = Commands(pair.off);
   const std::vector<double> on = Commands(pair.on);
   std::vector<double> ratios;
@@ -134,21 +131,18 @@ double RiserRatio(const Pair& pair, std::size_t N, double least) {
       ratios.push_back(riser / increment);
     }
   }
-  if (ratios.empty()) return 0;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::ranges::nth_element(ratios, middle);
-  return *middle;
+  return UpperMedian(std::move(ratios));
 }
 
-double PaperRiserRatio(const Pair& pair) {
+double PaperRiserRatio(const StagePair& pair) {
   const std::size_t N = reference::RateMatchingWindow(kPaperRateHz);
   const double least =
       0.2 * static_cast<double>(N) * LargestAcceleration(kPaperRateHz) * kCycleSeconds;
   return RiserRatio(pair, N, least);
 }
 
-/// The paper's figure: commanded velocity of joint 1, and what each cycle adds to it.
-Figure UpdatesFigure(const Pair& pair) {
+/// The paper's figure: commanded velocity of joint 1, and its increment per cycle.
+Figure UpdatesFigure(const StagePair& pair) {
   Figure figure{
       .id = "updates",
       .columns = "t [s],off [rad/s],on [rad/s],increment off [rad/s],increment on [rad/s]"};
@@ -162,110 +156,177 @@ Figure UpdatesFigure(const Pair& pair) {
 }
 
 /// All rates on all interfaces.
-struct Measured {
+struct RateResults {
   std::array<std::array<double, kInterfaces.size()>, kRatesHz.size()> delay_s{};
-  int runs_that_failed = 0;
-  Pair paper;  ///< the paper's: 125 Hz, velocity
+  int failed_runs = 0;
+  StagePair paper;  ///< the paper's: 125 Hz, velocity
 };
 
-Measured MeasureAll(const Setting& setting) {
-  constexpr std::size_t kColumns = kInterfaces.size();
-  Measured measured;
-  std::array<bool, kRatesHz.size() * kColumns> ended_well{};
-  InParallel(setting, static_cast<int>(ended_well.size()), [&](int i) {
-    const std::size_t rate = static_cast<std::size_t>(i) / kColumns;
-    const std::size_t column = static_cast<std::size_t>(i) % kColumns;
-    const NamedInterface& interface = kInterfaces[column];
-    Pair pair = Measure(setting, interface.interface, kRatesHz[rate]);
-    measured.delay_s[rate][column] = DelayOf(pair, interface, LargestAcceleration(kRatesHz[rate]));
-    ended_well[static_cast<std::size_t>(i)] = pair.ended_well;
-    if (kRatesHz[rate] == kPaperRateHz && interface.interface == CommandInterface::kJointVelocity) {
-      measured.paper = std::move(pair);
-    }
-  });
-  measured.runs_that_failed = static_cast<int>(std::ranges::count(ended_well, false));
-  return measured;
+bool IsPapers(double rate_hz, const NamedInterface& interface) {
+  return rate_hz == kPaperRateHz && interface.interface == CommandInterface::kJointVelocity;
 }
 
-std::vector<std::vector<double>> DelayRows(const Measured& measured) {
+RateResults MeasureRates(const Config& config) {
+  constexpr std::size_t kColumns = kInterfaces.size();
+  RateResults results;
+  std::array<bool, kRatesHz.size() * kColumns> ended_well{};
+  InParallel(config, static_cast<int>(ended_well.size()), [&](int i) {
+    const double rate_hz = kRatesHz[i / kColumns];
+    const NamedInterface& interface = kInterfaces[i % kColumns];
+    StagePair pair = MeasureStage(config, interface.interface, rate_hz);
+    results.delay_s[i / kColumns][i % kColumns] =
+        DelayOf(pair, interface, LargestAcceleration(rate_hz));
+    ended_well[i] = pair.ended_well;
+    if (IsPapers(rate_hz, interface)) results.paper = std::move(pair);
+  });
+  results.failed_runs = static_cast<int>(std::ranges::count(ended_well, false));
+  return results;
+}
+
+std::vector<std::vector<double>> DelayRows(const RateResults& results) {
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 0; i < kRatesHz.size(); ++i) {
     const auto N = static_cast<double>(reference::RateMatchingWindow(kRatesHz[i]));
     rows.push_back({kRatesHz[i], N, (N - 1) / 2 * kCycleSeconds * 1e3});
-    for (const double delay_s : measured.delay_s[i]) rows.back().push_back(1e3 * delay_s);
+    for (const double delay_s : results.delay_s[i]) rows.back().push_back(1e3 * delay_s);
   }
   return rows;
 }
 
-void Compare(const Measured& measured, const std::vector<std::vector<double>>& rows,
-             std::vector<Comparison>& out) {
+void CompareRates(const RateResults& results, const std::vector<std::vector<double>>& rows,
+                  Findings& findings) {
   constexpr double kTolerance = 0.1;
-  const std::size_t N = reference::RateMatchingWindow(kPaperRateHz);
-  const double ratio = PaperRiserRatio(measured.paper);
-  out.push_back({"125 Hz, velocity: riser of an update over the increment of a cycle",
-                 "",
-                 static_cast<double>(N),
-                 ratio,
-                 {},
-                 {},
-                 "8 within 0.1",
-                 Judge(std::abs(ratio - static_cast<double>(N)) <= kTolerance)});
+  const auto N = static_cast<double>(reference::RateMatchingWindow(kPaperRateHz));
+  const double ratio = PaperRiserRatio(results.paper);
+  findings.Add("125 Hz, velocity: riser of an update over the increment of a cycle", "", ratio)
+      .Paper(N)
+      .Demand("8 within 0.1", std::abs(ratio - N) <= kTolerance);
   for (const std::vector<double>& row : rows) {
     for (std::size_t i = 0; i < kInterfaces.size(); ++i) {
-      const bool is_paper =
-          row[0] == kPaperRateHz && kInterfaces[i].interface == CommandInterface::kJointVelocity;
-      Comparison comparison{.quantity = fmt::format("{:g} Hz, {}: delay, stage on less off", row[0],
-                                                    kInterfaces[i].name),
-                            .unit = "ms",
-                            .paper = {},
-                            .ours = row[3 + i],
-                            .low = {},
-                            .high = {},
-                            .demand = {}};
+      const double delay_ms = row[3 + i];
+      Comparison& one = findings.Add(
+          fmt::format("{:g} Hz, {}: delay, stage on less off", row[0], kInterfaces[i].name), "ms",
+          delay_ms);
       if (row[1] > 1) {  // a window of one does nothing
-        comparison.demand = fmt::format("{:g} ms within 0.1 ms", row[2]);
-        comparison.verdict = Judge(std::abs(row[3 + i] - row[2]) <= kTolerance);
+        one.Demand(fmt::format("{:g} ms within 0.1 ms", row[2]),
+                   std::abs(delay_ms - row[2]) <= kTolerance);
       }
-      if (is_paper) comparison.paper = 1e3 * kPaperDelayS;
-      out.push_back(std::move(comparison));
+      if (IsPapers(row[0], kInterfaces[i])) one.Paper(3.5);
     }
   }
-  out.push_back({"Runs that did not end well",
-                 "",
-                 {},
-                 static_cast<double>(measured.runs_that_failed),
-                 {},
-                 {},
-                 "none",
-                 Judge(measured.runs_that_failed == 0)});
+  findings.Add("Runs that did not end well", "", results.failed_runs)
+      .Demand("none", results.failed_runs == 0);
+}
+
+constexpr std::size_t kEnvelopeWindow = 250;  // cycles of an envelope's point
+constexpr double kMostDifference = 0.05;      // of a joint's largest speed
+constexpr const char* kRates = "125 Hz, velocity, canonical trajectory";
+
+/// The canonical trajectory from a velocity source at 125 Hz. @returns whether it reached its goal.
+bool RunCanonicalVelocities(const Config& config, bool stage, bool limiter, Recording& recording) {
+  scenario::Scenario scenario =
+      RateScenario(config, CommandInterface::kJointVelocity, kPaperRateHz, stage);
+  scenario.tick.limiter = limiter;
+  return RunScenario(config, scenario, &recording).report.succeeded();
+}
+
+/// Largest magnitude in each window.
+std::vector<double> EnvelopeOf(const std::vector<double>& signal) {
+  std::vector<double> envelope;
+  for (std::size_t begin = 0; begin < signal.size(); begin += kEnvelopeWindow) {
+    double most = 0;
+    for (std::size_t k = begin; k < std::min(begin + kEnvelopeWindow, signal.size()); ++k) {
+      most = std::max(most, std::abs(signal[k]));
+    }
+    envelope.push_back(most);
+  }
+  return envelope;
+}
+
+/// Largest difference of two envelopes, as a share of the largest value of the first.
+double EnvelopeDifference(const std::vector<double>& a, const std::vector<double>& b) {
+  double most = 0;
+  double largest = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    most = std::max(most, std::abs(a[i] - b[i]));
+    largest = std::max(largest, a[i]);
+  }
+  return largest > 0 ? most / largest : 0;
+}
+
+std::vector<double> VelocityOf(const Recording& recording, std::size_t joint) {
+  return Signal(recording.cycles(), &CycleSample::dq_d, joint);
+}
+
+Figure EnvelopesFigure(const Recording& off, const Recording& on) {
+  constexpr std::size_t kEvery = 4;
+  Figure figure{.id = "envelopes", .columns = "t [s]"};
+  std::vector<std::vector<double>> columns;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    columns.push_back(VelocityOf(off, j));
+    columns.push_back(VelocityOf(on, j));
+    figure.columns += fmt::format(",off_{0} [rad/s],on_{0} [rad/s]", j + 1);
+  }
+  const std::size_t cycles = std::ranges::min(columns, {}, &std::vector<double>::size).size();
+  for (std::size_t k = 0; k < cycles; k += kEvery) {
+    std::vector<double>& row = figure.rows.emplace_back(1, static_cast<double>(k) * kCycleSeconds);
+    for (const std::vector<double>& column : columns) row.push_back(column[k]);
+  }
+  return figure;
+}
+
+/// The canonical trajectory from a velocity source at 125 Hz, rate matching off and on, rate
+/// limiter on in both: whether the envelopes of the commands coincide, as in the paper's figure.
+void AddEnvelopes(const Config& config, Findings& findings) {
+  Recording off;
+  Recording on;
+  Recording unlimited;
+  std::array<bool, 3> ended_well{};
+  InParallel(config, 3, [&](int i) {
+    Recording& recording = i == 0 ? off : i == 1 ? on : unlimited;
+    ended_well[i] = RunCanonicalVelocities(config, i == 1, i != 2, recording);
+  });
+  double most = 0;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    most = std::max(
+        most, EnvelopeDifference(EnvelopeOf(VelocityOf(off, j)), EnvelopeOf(VelocityOf(on, j))));
+  }
+  findings
+      .Add(fmt::format("{}: envelopes off and on apart, the most of any joint", kRates), "%",
+           100 * most)
+      .Demand(fmt::format("at most {:g} % of the joint's largest speed, and both reach the goal",
+                          100 * kMostDifference),
+              ended_well[0] && ended_well[1] && most <= kMostDifference);
+  findings.Add(fmt::format("{}, stage and rate limiter off: aborts", kRates), "%",
+               ended_well[2] ? 0.0 : 100.0);
+  findings.figures.push_back(EnvelopesFigure(off, on));
 }
 
 }  // namespace
 
-Findings RunRateMatchingOnWallClock(const Setting& setting) {
-  const Pair pair = Measure(setting, CommandInterface::kJointVelocity, kPaperRateHz);
+Findings RunRateMatchingOnWallClock(const Config& config) {
+  const StagePair pair = MeasureStage(config, CommandInterface::kJointVelocity, kPaperRateHz);
   Findings findings;
-  findings.comparisons.push_back(
-      {.quantity = "125 Hz, velocity: riser of an update over the increment of a cycle",
-       .paper = static_cast<double>(reference::RateMatchingWindow(kPaperRateHz)),
-       .ours = PaperRiserRatio(pair)});
-  findings.comparisons.push_back(
-      {.quantity = "Both runs ended well", .unit = "%", .ours = pair.ended_well ? 100.0 : 0.0});
+  findings
+      .Add("125 Hz, velocity: riser of an update over the increment of a cycle", "",
+           PaperRiserRatio(pair))
+      .Paper(static_cast<double>(reference::RateMatchingWindow(kPaperRateHz)));
+  findings.Add("Both runs ended well", "%", pair.ended_well ? 100.0 : 0.0);
   findings.figures = {UpdatesFigure(pair)};
   return findings;
 }
 
-Findings RunRateMatching(const Setting& setting) {
-  const Measured measured = MeasureAll(setting);
-  const std::vector<std::vector<double>> rows = DelayRows(measured);
+Findings RunRateMatching(const Config& config) {
+  const RateResults results = MeasureRates(config);
+  const std::vector<std::vector<double>> rows = DelayRows(results);
   Findings findings;
-  Compare(measured, rows, findings.comparisons);
+  CompareRates(results, rows, findings);
   findings.figures = {
-      UpdatesFigure(measured.paper),
+      UpdatesFigure(results.paper),
       {.id = "delays",
        .columns = "source [Hz],N,formula [ms],position [ms],velocity [ms],torque [ms]",
        .rows = rows}};
-  AddEnvelopes(setting, findings);
+  AddEnvelopes(config, findings);
   return findings;
 }
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "experiment/statistics.h"
 
 namespace twin::experiment {
 namespace {
@@ -52,23 +53,18 @@ std::size_t PlannedCycles(const reference::Trajectory& plan,
 
 double DelayBehind(const reference::Trajectory& plan, const std::vector<CycleSample>& cycles,
                    JointVector CycleSample::*field) {
-  constexpr double kMost = 0.1;
-  constexpr int kSteps = 4;  // Gauss and Newton's; what is followed at all converges in two
   const std::size_t end = PlannedCycles(plan, cycles);
-  double delay_s = 0;
-  for (int step = 0; step < kSteps; ++step) {
-    double product = 0;
-    double square = 0;
+  return LeastSquaresDelay(4, [&](double delay_s) {
+    DelaySums sums;
     for (std::size_t k = 0; k < end; ++k) {
       const reference::JointTarget target = plan.Sample(PlannedAt(k, delay_s));
       for (std::size_t j = 0; j < kJoints; ++j) {
-        product += (target.q[j] - (cycles[k].*field)[j]) * target.dq[j];
-        square += target.dq[j] * target.dq[j];
+        sums.product += (target.q[j] - (cycles[k].*field)[j]) * target.dq[j];
+        sums.square += target.dq[j] * target.dq[j];
       }
     }
-    if (square > 0) delay_s = std::clamp(delay_s + product / square, -kMost, kMost);
-  }
-  return delay_s;
+    return sums;
+  });
 }
 
 JointVector RmsError(const reference::Trajectory& plan, const std::vector<CycleSample>& cycles,
@@ -92,19 +88,6 @@ std::array<std::vector<double>, kJoints> PlannedVelocities(const reference::Traj
     for (std::size_t j = 0; j < kJoints; ++j) velocities[j].push_back(dq[j]);
   }
   return velocities;
-}
-
-double RegressionSlope(const std::vector<double>& x, const std::vector<double>& y) {
-  const double count = static_cast<double>(x.size());
-  const double mean_x = std::accumulate(x.begin(), x.end(), 0.0) / count;
-  const double mean_y = std::accumulate(y.begin(), y.end(), 0.0) / count;
-  double product = 0;
-  double square = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    product += (x[i] - mean_x) * (y[i] - mean_y);
-    square += (x[i] - mean_x) * (x[i] - mean_x);
-  }
-  return product / square;
 }
 
 }  // namespace twin::experiment

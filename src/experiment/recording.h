@@ -14,7 +14,7 @@
 
 namespace twin::experiment {
 
-/// Of one INT cycle what curves are drawn from; names as in RobotState and CycleRecord.
+/// The part of an INT cycle that curves show; names as in RobotState and CycleRecord.
 struct CycleSample {
   std::uint64_t message_id = 0;
   JointVector q{};
@@ -26,7 +26,7 @@ struct CycleSample {
   rt::CommandFate fate = rt::CommandFate::kNone;
 };
 
-/// Of one tick that wrote a command; names as in TickRecord and RobotCommand.
+/// The part of a tick that wrote a command; names as in TickRecord and RobotCommand.
 struct TickSample {
   std::uint64_t message_id = 0;  ///< of the state it answers
   JointVector q_ext{};
@@ -37,14 +37,14 @@ struct TickSample {
   std::uint8_t kept_back = 0;
 };
 
-/// Keeps a run's curves in memory: of every cycle in motion, and of every tick that wrote.
+/// Keeps a run's curves in memory: every cycle in motion, and every tick that wrote.
 ///
-/// Threads: cycles from one, ticks from one; the rest once the run is over.
+/// Threads: cycles from one, ticks from one; the rest after the run.
 class Recording final : public rt::RecordSink {
  public:
-  /// @param cycles  room for so many from the start: on the wall clock nothing is allocated while a
-  /// run goes on.
-  explicit Recording(std::size_t cycles = 0) {
+  /// @param cycles  initial capacity: on the wall clock a run must not allocate. The default holds
+  /// more than any motion of the experiments.
+  explicit Recording(std::size_t cycles = 32768) {
     cycles_.reserve(cycles);
     ticks_.reserve(cycles);
   }
@@ -60,17 +60,18 @@ class Recording final : public rt::RecordSink {
   std::vector<TickSample> ticks_;
 };
 
-/// One joint of the cycles in [begin, end), as a signal of 1 kHz.
+/// One joint of the cycles in [begin, end), as a signal of 1 kHz. @param end  at most the number of
+/// cycles counts.
 [[nodiscard]] std::vector<double> Signal(const std::vector<CycleSample>& cycles,
                                          JointVector CycleSample::*field, std::size_t joint,
-                                         std::size_t begin, std::size_t end);
+                                         std::size_t begin = 0, std::size_t end = SIZE_MAX);
 
-/// Cycles in which the plan was to be moved along; the first stands at the plan's time 0.
+/// Number of cycles in which the plan moves; the first is at the plan's time 0.
 [[nodiscard]] std::size_t PlannedCycles(const reference::Trajectory& plan,
                                         const std::vector<CycleSample>& cycles);
 
-/// The delay that leaves the least squares between a position and the plan, over all joints, s.
-/// @param field  the position, of the cycles. @returns a delay within 100 ms.
+/// The delay of a position behind the plan by least squares over all joints, within 100 ms, s.
+/// @param field  the position.
 [[nodiscard]] double DelayBehind(const reference::Trajectory& plan,
                                  const std::vector<CycleSample>& cycles,
                                  JointVector CycleSample::*field);
@@ -83,9 +84,5 @@ class Recording final : public rt::RecordSink {
 /// The plan's velocity at every cycle, joint by joint, rad/s.
 [[nodiscard]] std::array<std::vector<double>, kJoints> PlannedVelocities(
     const reference::Trajectory& plan);
-
-/// Slope of the regression of y on x, both with their means: sum (x - mx)(y - my) / sum (x - mx)^2.
-/// @pre as many of both, and x is not constant.
-[[nodiscard]] double RegressionSlope(const std::vector<double>& x, const std::vector<double>& y);
 
 }  // namespace twin::experiment

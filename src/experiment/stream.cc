@@ -25,9 +25,9 @@ constexpr RandomStream kNoiseStream{2002};
 constexpr Duration kAfterwards = 20 * kCycle;
 
 /// The deposits, one after the other.
-class Source {
+class StreamSource {
  public:
-  Source(const reference::Trajectory& plan, const Stream& stream)
+  StreamSource(const reference::Trajectory& plan, const Stream& stream)
       : plan_(plan),
         stream_(stream),
         noise_(stream.seed, kNoiseStream),
@@ -37,7 +37,7 @@ class Source {
                           : reference::FeedForwardTime::kSource,
                       period_) {}
 
-  /// Works off what is deposited by `now`. @returns whether anything was.
+  /// Takes the deposits until `now`. @returns whether there was any.
   bool Advance(Duration now) {
     if (stream_.on_robot_time) {
       Put(now);
@@ -91,9 +91,9 @@ class Source {
 };
 
 /// The robot's side: chain, differences, checks.
-class Robot {
+class StreamRobot {
  public:
-  Robot(const JointVector& q0, const JointLimits& limits, const Stream& stream)
+  StreamRobot(const JointVector& q0, const JointLimits& limits, const Stream& stream)
       : limits_(limits),
         stream_(stream),
         chain_(stream.tick, stream.interface),
@@ -103,7 +103,7 @@ class Robot {
     chain_.Reset(state_);
   }
 
-  /// @returns what the command comes to; it is not yet taken.
+  /// @returns the reference after the command, which is not yet taken.
   [[nodiscard]] JointReference Try(reference::JointTarget consumed, bool fresh, Time source_time) {
     if (stream_.velocity == VelocityFrom::kConsumption) {
       for (std::size_t j = 0; j < kJoints; ++j) {
@@ -160,8 +160,8 @@ Duration SamplingError(const Stream& stream, std::uint64_t deposit) noexcept {
 StreamResult RunStream(const reference::Trajectory& plan, const JointLimits& limits,
                        const Stream& stream, bool stops,
                        const std::function<void(const StreamCycle&)>& tell) {
-  Source source(plan, stream);
-  Robot robot(plan.start(), limits, stream);
+  StreamSource source(plan, stream);
+  StreamRobot robot(plan.start(), limits, stream);
   StreamResult result;
   const auto last = static_cast<std::uint64_t>((plan.duration() + kAfterwards) / kCycle);
   for (std::uint64_t k = 0; k <= last; ++k) {
@@ -179,24 +179,30 @@ StreamResult RunStream(const reference::Trajectory& plan, const JointLimits& lim
   return result;
 }
 
-StreamSetting LoadStreamSetting(const Setting& setting) {
-  const scenario::Scenario scenario = LoadScenario(setting, "asynchronous");
-  scenario::RobotData robot =
-      scenario::LoadRobotData(setting.files.models, scenario.robot.model, scenario.robot.hand);
-  reference::Trajectory canonical = run::MakeTrajectory(scenario, robot);
-  return {std::move(robot), std::move(canonical)};
+StreamInputs LoadStreamInputs(const Config& config) {
+  const scenario::Scenario scenario = LoadScenario(config, "asynchronous");
+  return {RobotOf(config, scenario), PlanOf(config, scenario)};
 }
 
-reference::Trajectory BriskAt(const Setting& setting, const JointLimits& limits, double share) {
-  const scenario::Scenario scenario =
-      scenario::Load(setting.files.models / "scenarios" / "brisk.yaml");
-  std::vector<reference::Waypoint> waypoints = scenario.motion.waypoints;
-  const reference::Trajectory brisk(waypoints, scenario.motion.timing, limits);
-  const double stretch = std::sqrt(Largest(brisk.peaks().acceleration) / share);
-  for (reference::Waypoint& waypoint : waypoints) {
-    if (waypoint.at) waypoint.at = FromSeconds(ToSeconds(*waypoint.at) * stretch);
+Stream StreamBehind(Remedy remedy, const scenario::RobotData& robot) {
+  Stream stream;
+  switch (remedy) {
+    case Remedy::kNone: break;
+    case Remedy::kLimiter: stream.tick = WithLimiter(stream.tick, robot); break;
+    case Remedy::kLowPass: stream.tick.low_pass_hz = 100; break;
+    case Remedy::kRobotTime: stream.on_robot_time = true; break;
+    case Remedy::kRateMatching: stream.tick.source_rate_hz = 125; break;
+    case Remedy::kGivenVelocity: stream.velocity = VelocityFrom::kGiven; [[fallthrough]];
+    case Remedy::kGenerator: stream.tick.generator = loop::Generator::kJoint; break;
   }
-  return {waypoints, {}, limits};
+  return stream;
+}
+
+reference::Trajectory BriskAt(const Config& config, const JointLimits& limits, double share) {
+  const scenario::MotionSection motion = BriskMotion(config, 1);
+  const reference::Trajectory brisk(motion.waypoints, motion.timing, limits);
+  const double stretch = std::sqrt(Largest(brisk.peaks().acceleration) / share);
+  return {BriskMotion(config, stretch).waypoints, {}, limits};
 }
 
 reference::Trajectory SecondOfMotion(const JointVector& displacement, const JointLimits& limits) {
@@ -207,6 +213,11 @@ reference::Trajectory SecondOfMotion(const JointVector& displacement, const Join
   return {{{.q = ready, .at = Duration::zero()}, {.q = goal, .at = std::chrono::seconds(1)}},
           {},
           limits};
+}
+
+Duration CrossingPhase(const reference::Trajectory& plan, double ppm, double choice) {
+  const double slid = ppm * 1e-6 * ToSeconds(plan.duration());
+  return FromSeconds(std::min(slid, kCycleSeconds) * choice);
 }
 
 loop::TickConfig WithLimiter(loop::TickConfig tick, const scenario::RobotData& robot) {

@@ -17,24 +17,24 @@
 
 namespace twin::experiment {
 
-/// Where a deposited position gets its velocity.
+/// Source of a deposited position's velocity.
 enum class VelocityFrom : std::uint8_t {
-  kGiven,        ///< the source knows it
+  kGiven,        ///< given by the source
   kSourceTime,   ///< difference of two deposits over the source's own elapsed time
   kNominalTime,  ///< the same over the nominal period
-  kConsumption,  ///< difference of what two commands in a row consumed over the robot's cycle
+  kConsumption,  ///< difference of two consumed positions over the robot's cycle
 };
 
-/// A source that samples a planned trajectory with a clock of its own, and what stands between its
-/// deposits and the robot. Deposit i is sampled at i P + dt(i) of the source's clock, deposited at
-/// once, and consumed by the robot's cycles at k T: the newest that is there. The link takes no
-/// time and loses nothing.
+/// A source that samples a planned trajectory with a clock of its own, and the stages between its
+/// deposits and the robot. Deposit i is sampled at i P + dt(i) of the source's clock and deposited
+/// at once; the robot's cycles at k T consume the newest deposit. The link takes no time and loses
+/// nothing.
 struct Stream {
-  /// What experiments vary of the command chain; source_rate_hz is the source's.
+  /// Command chain; source_rate_hz is the source's.
   loop::TickConfig tick{.generator = loop::Generator::kNone, .limiter = {}, .cost = {}};
   control::CommandInterface interface = control::CommandInterface::kJointPosition;
   VelocityFrom velocity = VelocityFrom::kSourceTime;
-  /// Sampled at the robot's own time (message_id), one for each cycle, instead of by a clock.
+  /// Sampled once per cycle at the robot's own time (message_id), not by a clock.
   bool on_robot_time = false;
   double jitter_s = 0;          ///< of dt, normal: standard deviation
   double noise = 0;             ///< uniform in [-x, x] on every deposited position, rad
@@ -49,11 +49,11 @@ struct Stream {
 /// One cycle of the robot.
 struct StreamCycle {
   std::uint64_t cycle = 0;               ///< k; the first with a deposit is not always 0
-  const onboard::JointReference& next;   ///< what INT makes of the command
-  const reference::JointTarget& target;  ///< that was consumed
+  const onboard::JointReference& next;   ///< INT's reference after the command
+  const reference::JointTarget& target;  ///< the consumed deposit
 };
 
-/// What became of a stream.
+/// Result of a stream.
 struct StreamResult {
   std::uint64_t cycles = 0;                ///< with a command
   std::optional<std::uint64_t> aborted{};  ///< first cycle that INT refuses
@@ -63,28 +63,41 @@ struct StreamResult {
   JointVector share{};
 };
 
-/// What INT does on an ideal plant with such a stream: the command chain as the tick runs it
+/// Feeds a stream to INT on an ideal plant: the command chain as the tick runs it
 /// (loop::CommandChain), INT's backward differences (onboard::JointReference) and its checks
 /// (onboard::CheckStep); from rest at the trajectory's start to 20 cycles after its end.
 ///
-/// Threads: any. @param stops  at the first refused command, as the robot does; else it is taken
-/// all the same, so that all of the stream can be looked at. @param tell  of each cycle; may be
-/// empty. @throws InputError as TickConfig::Validate.
+/// Threads: any. @param stops  ends at the first refused command, as the robot does; else the robot
+/// takes it all the same, so that the result covers the whole stream. @param tell  receives each
+/// cycle; may be empty. @throws InputError as TickConfig::Validate.
 [[nodiscard]] StreamResult RunStream(const reference::Trajectory& plan, const JointLimits& limits,
                                      const Stream& stream, bool stops,
                                      const std::function<void(const StreamCycle&)>& tell = {});
 
-/// The Panda, and the motions of the experiments that look at streams.
-struct StreamSetting {
+/// The Panda, and the motion of the experiments on streams.
+struct StreamInputs {
   scenario::RobotData robot;
   reference::Trajectory canonical;  ///< of the calibrated asynchronous loop
 };
 /// @throws InputError as Load.
-[[nodiscard]] StreamSetting LoadStreamSetting(const Setting& setting);
+[[nodiscard]] StreamInputs LoadStreamInputs(const Config& config);
 
-/// The brisk trajectory, run so fast that its largest acceleration is `share` of the limit.
+/// The stages between a disturbed source and the robot.
+enum class Remedy : std::uint8_t {
+  kNone,           ///< the sampled positions go out unchanged
+  kLimiter,        ///< libfranka's rate limiter
+  kLowPass,        ///< libfranka's low-pass, 100 Hz
+  kRobotTime,      ///< sampled at the robot's own time
+  kGenerator,      ///< the reference generator; the velocity is formed from the positions
+  kRateMatching,   ///< a source of 125 Hz and the moving average over 8 cycles
+  kGivenVelocity,  ///< the reference generator with a velocity from the source
+};
+/// @returns an undisturbed 1 kHz stream behind the remedy.
+[[nodiscard]] Stream StreamBehind(Remedy remedy, const scenario::RobotData& robot);
+
+/// The brisk trajectory, stretched in time until its largest acceleration is `share` of the limit.
 /// @throws InputError when that breaks another limit.
-[[nodiscard]] reference::Trajectory BriskAt(const Setting& setting, const JointLimits& limits,
+[[nodiscard]] reference::Trajectory BriskAt(const Config& config, const JointLimits& limits,
                                             double share);
 
 /// From rest to rest in 1 s, out of the ready pose: q(s) = q0 + d (10 s^3 - 15 s^4 + 6 s^5); the
@@ -92,7 +105,11 @@ struct StreamSetting {
 [[nodiscard]] reference::Trajectory SecondOfMotion(const JointVector& displacement,
                                                    const JointLimits& limits);
 
-/// A chain that continues with libfranka's rate limiter. @returns the stages of `tick` with it.
+/// The phase with which a source that is `ppm` fast crosses the robot's cycles at a random time
+/// within the plan. @param ppm  > 0. @param choice  uniform in [0, 1).
+[[nodiscard]] Duration CrossingPhase(const reference::Trajectory& plan, double ppm, double choice);
+
+/// @returns the stages of `tick` with libfranka's rate limiter behind them.
 [[nodiscard]] loop::TickConfig WithLimiter(loop::TickConfig tick, const scenario::RobotData& robot);
 
 /// Largest component.

@@ -1,36 +1,37 @@
-#include "experiment/tracking_runs.h"
-
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <numbers>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "experiment/recording.h"
 #include "experiment/runs.h"
-#include "experiment/spectrum.h"
+#include "experiment/tracking.h"
 #include "twin/core/error.h"
-#include "twin/run/run.h"
-#include "twin/scenario/robot_data.h"
+#include "twin/reference/low_pass.h"
 
 namespace twin::experiment {
 namespace {
 
-using scenario::Scenario;
+bool IsSynchronous(Setup setup) {
+  return setup == Setup::kSynchronous || setup == Setup::kQuiet;
+}
 
-constexpr double kFromHz = 20;  // the paper's band
-constexpr double kToHz = 150;
-
-Scenario MakeScenario(const Setting& setting, Way way, int run, const TrackingLevels& levels = {}) {
-  const bool synchronous = way == Way::kSynchronous || way == Way::kQuiet;
-  Scenario scenario = LoadScenario(setting, synchronous ? "synchronous" : "asynchronous");
-  scenario.seed = SeedOfRun(setting, run);
-  scenario.controller.phase = FromSeconds(ChoiceOfRun(setting, run) * kCycleSeconds);
+scenario::Scenario TrackingScenario(const Config& config, Setup setup, int run,
+                                    const TrackingLevels& levels) {
+  const bool synchronous = IsSynchronous(setup);
+  scenario::Scenario scenario = LoadScenario(config, synchronous ? "synchronous" : "asynchronous");
+  scenario.seed = SeedOfRun(config, run);
+  scenario.controller.phase = PhaseOfRun(config, run);
   scenario.plant.kind = robot::PlantKind::kMujoco;
   scenario.plant.noise_dq = levels.noise_dq;
   scenario.tick.limiter = true;
   scenario.tick.generator = synchronous ? loop::Generator::kNone : loop::Generator::kJoint;
-  scenario.tick.low_pass_hz = way == Way::kProposed ? 1000 : kLowPassHz;
-  scenario.tick.finish_tolerance = 1e-2;  // behind the low-pass the end is crept up to for long
+  scenario.tick.low_pass_hz = setup == Setup::kProposed ? 1000 : kLowPassHz;
+  scenario.tick.finish_tolerance = 1e-2;  // behind the low-pass the end takes long
   if (levels.arrival_spread) {
     scenario.link.state.delay = {
         rt::NormalDelay{std::chrono::microseconds(120), *levels.arrival_spread}};
@@ -39,36 +40,69 @@ Scenario MakeScenario(const Setting& setting, Way way, int run, const TrackingLe
     scenario.controller.clock_drift_ppm = 0;
     scenario.controller.phase = kCycle / 2;
   }
-  if (way == Way::kQuiet) TakeOutTimingFaults(scenario);
+  if (setup == Setup::kQuiet) RemoveTimingFaults(scenario);
   return scenario;
+}
+
+constexpr std::array<double, kJoints> kFrequencies{0.05, 0.1, 0.2, 0.5, 1, 2, 5};
+constexpr JointVector kMiddle{0, -0.5, 0, -2, 0, 1.6, 0.7};
+/// At most 0.5 rad/s and 1 rad/s^2: within the reference generator's guarantee.
+constexpr JointVector kAmplitudes{0.5, 0.5, 0.3, 0.1, 0.025, 0.006, 0.001};
+constexpr double kLengthS = 40;
+constexpr double kRampS = 3;
+/// The compared part: whole periods of all sines, after 17 s, six of the longest time constant.
+constexpr double kFromS = 17;
+constexpr double kToS = 37;
+
+std::vector<reference::Waypoint> Swings() {
+  constexpr int kStepMs = 10;
+  std::vector<reference::Waypoint> waypoints;
+  for (int ms = 0; ms <= static_cast<int>(kLengthS * 1000); ms += kStepMs) {
+    const double t = ms * 1e-3;
+    const double share = SmoothStep(t / kRampS) * SmoothStep((kLengthS - t) / kRampS);
+    reference::Waypoint point{.q = kMiddle, .at = std::chrono::milliseconds(ms)};
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      point.q[j] += kAmplitudes[j] * share * std::sin(2 * std::numbers::pi * kFrequencies[j] * t);
+    }
+    waypoints.push_back(point);
+  }
+  return waypoints;
+}
+
+/// The deposited velocity behind each cycle's command; held where a cycle has none.
+std::vector<JointVector> VelocitiesInUse(const Recording& recording) {
+  std::vector<JointVector> values;
+  std::size_t next = 0;
+  JointVector newest{};
+  for (const CycleSample& cycle : recording.cycles()) {
+    while (next < recording.ticks().size() &&
+           recording.ticks()[next].message_id < cycle.message_id) {
+      newest = recording.ticks()[next++].dq_ext;
+    }
+    values.push_back(newest);
+  }
+  return values;
 }
 
 }  // namespace
 
-reference::Trajectory TrackingPlan(const Setting& setting) {
-  const Scenario scenario = MakeScenario(setting, Way::kProposed, 0);
-  return run::MakeTrajectory(
-      scenario,
-      scenario::LoadRobotData(setting.files.models, scenario.robot.model, scenario.robot.hand));
+reference::Trajectory TrackingPlan(const Config& config) {
+  return PlanOf(config, TrackingScenario(config, Setup::kProposed, 0, {}));
 }
 
-TrackingOutcome MeasureTracking(const Setting& setting, const reference::Trajectory& plan, Way way,
-                                int run, const TrackingLevels& levels) {
-  constexpr std::size_t kRoom = 32768;  // cycles: more than the motion has
-  Recording recording(kRoom);
-  TrackingOutcome outcome;
+TrackingOutcome MeasureTracking(const Config& config, const reference::Trajectory& plan,
+                                Setup setup, int run, const TrackingLevels& levels) {
+  Recording recording;
   const run::RunResult result =
-      RunScenario(setting, MakeScenario(setting, way, run, levels), &recording);
-  outcome.succeeded = result.report.succeeded();
+      RunScenario(config, TrackingScenario(config, setup, run, levels), &recording);
+  TrackingOutcome outcome{.succeeded = result.report.succeeded(), .curves = {}};
   const std::vector<CycleSample>& cycles = recording.cycles();
   const std::size_t end = PlannedCycles(plan, cycles);
-  constexpr std::size_t kLeast = 2 * kTrackingSegment;
-  if (end < kLeast) {
+  if (end < 2 * kTrackingSegment) {
     throw RobotFault(
-        fmt::format("a run of {} ended after {} cycles ({}); there is nothing to compare",
-                    way == Way::kSynchronous || way == Way::kQuiet ? "the synchronous loop"
-                                                                   : "the asynchronous loop",
-                    end, result.report.failure.empty() ? "aborted" : result.report.failure));
+        fmt::format("a run of the {} loop ended after {} cycles ({}), too early for a comparison",
+                    IsSynchronous(setup) ? "synchronous" : "asynchronous", end,
+                    result.report.failure.empty() ? "aborted" : result.report.failure));
   }
   outcome.delay_s = DelayBehind(plan, cycles, &CycleSample::q);
   outcome.rms_delayed = RmsError(plan, cycles, &CycleSample::q, outcome.delay_s);
@@ -77,14 +111,68 @@ TrackingOutcome MeasureTracking(const Setting& setting, const reference::Traject
   for (std::size_t j = 0; j < kJoints; ++j) {
     std::vector<double> dq = Signal(cycles, &CycleSample::dq, j, 0, end);
     outcome.curves.spectrum[j] = Welch(dq, 1 / kCycleSeconds, kTrackingSegment);
-    outcome.band[j] = BandPower(outcome.curves.spectrum[j], kFromHz, kToHz);
+    outcome.band[j] = BandPower(outcome.curves.spectrum[j]);
     planned[j].resize(end);
-    if (end > 1) outcome.slope[j] = RegressionSlope(planned[j], dq);
+    outcome.slope[j] = RegressionSlope(planned[j], dq);
     outcome.curves.dq[j] = std::move(dq);
   }
-  outcome.median_band =
-      MedianBandPower(outcome.curves.dq[0], 1 / kCycleSeconds, kTrackingSegment, kFromHz, kToHz);
+  outcome.median_band = MedianBandPower(outcome.curves.dq[0], 1 / kCycleSeconds, kTrackingSegment);
   return outcome;
+}
+
+double FollowedShare::largest_error() const noexcept {
+  double largest = 0;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    largest = std::max(largest, std::abs(measured[j] - expected[j]) / std::abs(expected[j]));
+  }
+  return largest;
+}
+
+std::complex<double> LowPassedResponse(double gain, double lambda, double frequency_hz) noexcept {
+  const std::complex<double> s{0, 2 * std::numbers::pi * frequency_hz};
+  const double rate = lambda / kCycleSeconds;
+  return gain * (s + rate) / (s + gain * rate);
+}
+
+FollowedShare MeasureFollowedShare(const Config& config, double low_pass_hz) {
+  scenario::Scenario scenario = LoadScenario(config, "asynchronous");
+  scenario.seed = SeedOfRun(config, 0);
+  scenario.tick.low_pass_hz = low_pass_hz;
+  scenario.tick.finish_tolerance = 1e-2;
+  scenario.motion.waypoints = Swings();
+  scenario.motion.timing = {};
+  Recording recording;
+  RunScenario(config, scenario, &recording);
+  const std::vector<JointVector> in_use = VelocitiesInUse(recording);
+  FollowedShare share{.frequency_hz = kFrequencies};
+  const auto cycle = [](double seconds) {
+    return static_cast<std::size_t>(seconds / kCycleSeconds);
+  };
+  const double gain = reference::LowPass(low_pass_hz).gain();
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    share.expected[j] = LowPassedResponse(gain, scenario.tick.lambda, kFrequencies[j]);
+    if (in_use.size() < cycle(kToS)) continue;  // it ended early: nothing was followed
+    std::vector<double> deposited;
+    for (std::size_t k = cycle(kFromS); k < cycle(kToS); ++k) deposited.push_back(in_use[k][j]);
+    const std::vector<double> followed =
+        Signal(recording.cycles(), &CycleSample::dq_d, j, cycle(kFromS), cycle(kToS));
+    const double rate = 1 / kCycleSeconds;
+    share.measured[j] = SineAmplitude(followed, rate, kFrequencies[j]) /
+                        SineAmplitude(deposited, rate, kFrequencies[j]);
+  }
+  return share;
+}
+
+Figure FollowedShareFigure(const FollowedShare& share, double gain, double lambda) {
+  Figure figure{.id = "low_pass_response",
+                .columns = "f [Hz],share,share by formula,phase [rad],phase by formula [rad]",
+                .values = {{"gain", gain}, {"lambda", lambda}}};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    figure.rows.push_back({share.frequency_hz[j], std::abs(share.measured[j]),
+                           std::abs(share.expected[j]), std::arg(share.measured[j]),
+                           std::arg(share.expected[j])});
+  }
+  return figure;
 }
 
 }  // namespace twin::experiment

@@ -2,71 +2,146 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/convergence.h"
-#include "experiment/hostile_source.h"
+#include "experiment/recording.h"
 #include "experiment/runs.h"
+#include "experiment/statistics.h"
 #include "experiment/stream.h"
-#include "experiment/viability_runs.h"
-#include "experiment/viable_set.h"
+#include "experiment/studies.h"
+#include "experiment/tracking.h"
 #include "twin/reference/viability_filter.h"
 
 namespace twin::experiment {
 namespace {
 
-constexpr std::array<Disturbance, 3> kDisturbances{Disturbance::kThread, Disturbance::kBursts,
-                                                   Disturbance::kCalibrated};
-constexpr std::array<Maker, 2> kMakers{Maker::kOurs, Maker::kPaper};
+constexpr int kLongestBurst = reference::ViabilityFilter::kLostByDefault;
 
-std::string_view NameOf(Disturbance disturbance) {
-  switch (disturbance) {
-    case Disturbance::kThread: return "4 us jitter, 50 ppm, 0.41 % lost";
-    case Disturbance::kBursts: return "4 us jitter, 50 ppm, bursts of 19";
-    case Disturbance::kCalibrated: return "calibrated loop";
-  }
-  return {};
-}
+/// Source of a motion's commands.
+enum class Generator : std::uint8_t {
+  kOurs,   ///< the rejoining generator, and the viability filter behind it
+  kPaper,  ///< the paper's generator, lambda = 1e-3, with the client's limiter
+};
+constexpr std::array<Generator, 2> kGenerators{Generator::kOurs, Generator::kPaper};
 
-/// The runs of one tempo and one disturbance, by maker.
-struct Pair {
-  Tempo tempo;
-  Disturbance disturbance = Disturbance::kThread;
-  std::array<std::vector<ViabilityRun>, kMakers.size()> runs;
-
-  [[nodiscard]] const std::vector<ViabilityRun>& ours() const { return runs[0]; }
-  [[nodiscard]] const std::vector<ViabilityRun>& paper() const { return runs[1]; }
+/// Disturbance of a motion.
+struct Disturbance {
+  std::string_view name;
+  bool is_calibrated;  ///< the calibrated asynchronous loop; else 4 us of jitter, 50 ppm of drift
+  bool has_bursts;     ///< 19 lost commands in a row, two such bursts a second
+};
+constexpr std::array kDisturbances{
+    Disturbance{"4 us jitter, 50 ppm, 0.41 % lost", false, false},
+    Disturbance{"4 us jitter, 50 ppm, bursts of 19", false, true},
+    Disturbance{"calibrated loop", true, false},
 };
 
-std::vector<Pair> RunAll(const Setting& setting, int runs) {
-  std::vector<Pair> pairs;
-  for (const Tempo& tempo : kTempos) {
-    for (const Disturbance disturbance : kDisturbances) {
-      pairs.push_back({.tempo = tempo, .disturbance = disturbance, .runs = {}});
-      for (auto& of_maker : pairs.back().runs) of_maker.resize(static_cast<std::size_t>(runs));
-    }
+/// One motion, on the ideal plant.
+struct ViabilityRun {
+  bool aborted = false;
+  double idle_percent = 0;  ///< of the commands: those that the filter let pass; ours only
+  double least_margin = 0;  ///< of the state; ours only
+  double delay_s = 0;       ///< of q_d behind the plan
+  double rms = 0;           ///< error of q_d, less that delay: worst joint, rad
+  JointVector band{};       ///< power of dq_d in the paper's band, (rad/s)^2
+  Spectrum spectrum{};      ///< of dq_d, joint 1
+  std::vector<TickSample> ticks{};
+};
+
+/// Constant delays, and the jitter and drift of an unsynchronised source.
+void SetSourceFaults(scenario::Scenario& scenario) {
+  RemoveTimingFaults(scenario);
+  scenario.link.state.loss = {};
+  scenario.link.command.loss = {};
+  scenario.controller.wake_delay.law =
+      rt::NormalDelay{std::chrono::microseconds(30), std::chrono::microseconds(4)};
+  scenario.controller.clock_drift_ppm = 50;
+}
+
+scenario::Scenario ViabilityScenario(const Config& config, const Pace& pace,
+                                     const Disturbance& disturbance, Generator generator, int run) {
+  const bool is_ours = generator == Generator::kOurs;
+  scenario::Scenario scenario = LoadScenario(config, "asynchronous");
+  SetPace(config, pace, scenario);
+  scenario.seed = SeedOfRun(config, run);
+  if (!disturbance.is_calibrated) SetSourceFaults(scenario);
+  if (!disturbance.is_calibrated && !disturbance.has_bursts) {
+    scenario.link.command.loss = {scenario::IndependentLoss{0.41}};
   }
-  const int per_pair = runs * static_cast<int>(kMakers.size());
-  InParallel(
-      setting, static_cast<int>(pairs.size()) * per_pair,
+  // Drift carries deposits through the arrival of states in some of the runs.
+  scenario.controller.phase = PhaseOfRun(config, run);
+  scenario.tick.limiter = !is_ours;  // as the paper runs its law
+  scenario.tick.generator = is_ours ? loop::Generator::kRejoining : loop::Generator::kJoint;
+  if (is_ours) scenario.tick.viability = kLongestBurst;
+  return scenario;
+}
+
+/// @param run  gives seed and start phase, the same for every generator. @throws as RunScenario.
+ViabilityRun MeasureViability(const Config& config, const Pace& pace,
+                              const Disturbance& disturbance, Generator generator, int run) {
+  scenario::Scenario scenario = ViabilityScenario(config, pace, disturbance, generator, run);
+  const reference::Trajectory plan = PlanOf(config, scenario);
+  if (disturbance.has_bursts) {
+    scenario.link.command.loss =
+        LossOf(config, {.length = kLongestBurst}, ToSeconds(plan.duration()), run);
+  }
+  Recording recording;
+  const run::RunResult result = RunScenario(config, scenario, &recording);
+  ViabilityRun outcome{.aborted = result.report.end == backend::MotionEnd::kAborted,
+                       .ticks = recording.ticks()};
+  if (result.viability) {
+    outcome.idle_percent = 100 - result.viability->kept_back_percent();
+    if (result.viability->nearest) outcome.least_margin = result.viability->nearest->margin;
+  }
+  const std::vector<CycleSample>& cycles = recording.cycles();
+  const std::size_t end = PlannedCycles(plan, cycles);
+  outcome.delay_s = DelayBehind(plan, cycles, &CycleSample::q_d);
+  outcome.rms = std::ranges::max(RmsError(plan, cycles, &CycleSample::q_d, outcome.delay_s));
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const Spectrum spectrum =
+        Welch(Signal(cycles, &CycleSample::dq_d, j, 0, end), 1 / kCycleSeconds, kTrackingSegment);
+    outcome.band[j] = BandPower(spectrum);
+    if (j == 0) outcome.spectrum = spectrum;
+  }
+  return outcome;
+}
+
+/// The runs of one pace and one disturbance.
+struct GeneratorPair {
+  Pace pace;
+  Disturbance disturbance;
+  std::vector<ViabilityRun> ours{};
+  std::vector<ViabilityRun> paper{};
+};
+
+std::vector<GeneratorPair> RunPairs(const Config& config, int runs) {
+  std::vector<GeneratorPair> pairs;
+  for (const Pace& pace : kPaces) {
+    for (const Disturbance& disturbance : kDisturbances) pairs.push_back({pace, disturbance});
+  }
+  const int per_pair = runs * static_cast<int>(kGenerators.size());
+  std::vector<ViabilityRun> all = MapInParallel(
+      config, pairs.size() * per_pair,
       [&](int job) {
-        Pair& pair = pairs[static_cast<std::size_t>(job / per_pair)];
-        const auto maker = static_cast<std::size_t>(job % per_pair / runs);
-        const int run = job % runs;
-        pair.runs.at(maker)[static_cast<std::size_t>(run)] = RunViabilityCase(
-            setting,
-            {.tempo = pair.tempo, .disturbance = pair.disturbance, .maker = kMakers.at(maker)},
-            run);
+        const GeneratorPair& pair = pairs[job / per_pair];
+        return MeasureViability(config, pair.pace, pair.disturbance,
+                                kGenerators[job % per_pair / runs], job % runs);
       },
       0.3, 1);
+  for (std::size_t job = 0; job < all.size(); ++job) {
+    GeneratorPair& pair = pairs[job / per_pair];
+    (job % per_pair < static_cast<std::size_t>(runs) ? pair.ours : pair.paper)
+        .push_back(std::move(all[job]));
+  }
   return pairs;
 }
 
@@ -75,99 +150,78 @@ double AbortedPercent(const std::vector<ViabilityRun>& runs) {
   return 100.0 * static_cast<double>(aborted) / static_cast<double>(runs.size());
 }
 
-/// Of each run a number: the worst, and the range.
-template <class Number>
-Comparison WorstOf(const std::vector<ViabilityRun>& runs, bool largest, const Number& number) {
-  std::vector<double> values;
-  values.reserve(runs.size());
-  for (const ViabilityRun& run : runs) values.push_back(number(run));
-  const auto [low, high] = std::ranges::minmax(values);
-  return {.ours = largest ? high : low, .low = low, .high = high};
-}
-
-/// How much more power ours has in the band than the paper's generator in the same runs, of those
-/// that the latter completes: worst joint. Not a number when there are none.
-double BandRatio(const Pair& pair) {
+/// Our power in the band over that of the paper's generator in the same runs, of those that the
+/// latter completes: worst joint. NaN without such runs.
+double BandRatio(const GeneratorPair& pair) {
   double worst = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t j = 0; j < kJoints; ++j) {
     double ours = 0;
     double paper = 0;
-    for (std::size_t run = 0; run < pair.paper().size(); ++run) {
-      if (pair.paper()[run].aborted) continue;
-      ours += pair.ours()[run].band[j];
-      paper += pair.paper()[run].band[j];
+    for (std::size_t run = 0; run < pair.paper.size(); ++run) {
+      if (pair.paper[run].aborted) continue;
+      ours += pair.ours[run].band[j];
+      paper += pair.paper[run].band[j];
     }
     if (paper > 0) worst = std::fmax(worst, ours / paper);
   }
   return worst;
 }
 
-void Demand(Comparison comparison, std::string quantity, std::string unit, std::string demand,
-            bool met, Findings& findings) {
-  comparison.quantity = std::move(quantity);
-  comparison.unit = std::move(unit);
-  comparison.demand = std::move(demand);
-  comparison.verdict = comparison.demand.empty() ? Verdict::kReported : Judge(met);
-  findings.comparisons.push_back(std::move(comparison));
-}
-
-/// What must hold of one tempo and one disturbance.
-void ComparePair(const Pair& pair, Findings& findings) {
-  const std::string name = fmt::format("{}, {}: ", pair.tempo.name, NameOf(pair.disturbance));
-  const double aborted = AbortedPercent(pair.ours());
-  Demand({.ours = aborted}, name + "ours aborted", "%", "none", aborted == 0, findings);
-  Demand({.ours = AbortedPercent(pair.paper())}, name + "the paper's generator aborted", "%", "",
-         true, findings);
+void ComparePair(const GeneratorPair& pair, Findings& findings) {
+  const std::string name = fmt::format("{}, {}: ", pair.pace.name, pair.disturbance.name);
+  const double aborted = AbortedPercent(pair.ours);
+  findings.Add(name + "ours aborted", "%", aborted).Demand("none", aborted == 0);
+  findings.Add(name + "the paper's generator aborted", "%", AbortedPercent(pair.paper));
   // Bursts are no admissible reference, and a source near its limits leaves no room to rejoin.
-  const bool is_smooth = pair.tempo.stretch == 0 && pair.disturbance != Disturbance::kBursts;
-  const auto demanded = [is_smooth](const char* text) {
-    return std::string(is_smooth ? text : "");
+  const bool is_smooth = pair.pace.stretch == 0 && !pair.disturbance.has_bursts;
+  // The worst of the runs, with the range.
+  const auto add = [&](const char* quantity, const char* unit, bool largest,
+                       double ViabilityRun::*field, double factor) -> Comparison& {
+    Spread spread = SpreadOf(
+        ValuesOf(pair.ours, [&](const ViabilityRun& run) { return factor * (run.*field); }));
+    spread.mean = largest ? spread.high : spread.low;
+    return findings.Add(name + quantity, unit, spread);
   };
-  Comparison idle =
-      WorstOf(pair.ours(), false, [](const ViabilityRun& run) { return run.idle_percent; });
-  const bool is_idle = idle.ours >= 99;
-  Demand(std::move(idle), name + "commands that the filter let pass", "%",
-         demanded("at least 99 in every run"), is_idle, findings);
-  Comparison rms =
-      WorstOf(pair.ours(), true, [](const ViabilityRun& run) { return 1e3 * run.rms; });
-  const bool is_near = rms.ours <= 2;
-  Demand(std::move(rms), name + "RMS error less its delay, worst joint", "mrad",
-         demanded("at most 2 in every run"), is_near, findings);
-  Demand(WorstOf(pair.ours(), true, [](const ViabilityRun& run) { return 1e3 * run.delay_s; }),
-         name + "delay", "ms", "", true, findings);
-  Demand(WorstOf(pair.ours(), false, [](const ViabilityRun& run) { return run.least_margin; }),
-         name + "least margin", "", "", true, findings);
+  Comparison& idle =
+      add("commands that the filter let pass", "%", false, &ViabilityRun::idle_percent, 1);
+  idle.Demand(is_smooth ? "at least 99 in every run" : "", idle.ours >= 99);
+  Comparison& rms =
+      add("RMS error less its delay, worst joint", "mrad", true, &ViabilityRun::rms, 1e3);
+  rms.Demand(is_smooth ? "at most 2 in every run" : "", rms.ours <= 2);
+  add("delay", "ms", true, &ViabilityRun::delay_s, 1e3);
+  add("least margin", "", false, &ViabilityRun::least_margin, 1);
   const double ratio = BandRatio(pair);
-  Demand({.ours = ratio},
-         name + "power of dq_d in 20 to 150 Hz over that of the paper's generator, worst joint", "",
-         demanded(std::isnan(ratio) ? "" : "at most 2"), ratio <= 2, findings);
+  findings
+      .Add(name + "power of dq_d in 20 to 150 Hz over that of the paper's generator, worst joint",
+           "", ratio)
+      .Demand(is_smooth && !std::isnan(ratio) ? "at most 2" : "", ratio <= 2);
 }
 
-/// The least of the joints' margins over a trajectory under bursts, at each tempo.
-Figure MarginFigure(const std::vector<Pair>& pairs) {
+/// The least of the joints' margins over a trajectory under bursts, at each pace.
+Figure MarginFigure(const std::vector<GeneratorPair>& pairs) {
   constexpr std::size_t kEvery = 5;
   Figure figure{.id = "margin",
                 .columns = "stretch of the brisk trajectory [-],t [s],margin [-],kept back [bits]"};
-  for (const Pair& pair : pairs) {
-    if (pair.disturbance != Disturbance::kBursts) continue;
-    figure.names.emplace_back(pair.tempo.name);
-    const ViabilityRun& run = pair.ours().front();
-    for (std::size_t k = 0; k < run.ticks.size(); ++k) {
-      const TickSample& tick = run.ticks[k];
+  for (const GeneratorPair& pair : pairs) {
+    if (!pair.disturbance.has_bursts) continue;
+    figure.names.emplace_back(pair.pace.name);
+    const std::vector<TickSample>& ticks = pair.ours.front().ticks;
+    for (std::size_t k = 0; k < ticks.size(); ++k) {
+      const TickSample& tick = ticks[k];
       if (k % kEvery != 0 && tick.kept_back == 0) continue;
-      const auto cycle = static_cast<double>(tick.message_id - run.ticks.front().message_id);
-      figure.rows.push_back({pair.tempo.stretch, cycle * kCycleSeconds, tick.margin.value_or(0),
+      const auto cycle = static_cast<double>(tick.message_id - ticks.front().message_id);
+      figure.rows.push_back({pair.pace.stretch, cycle * kCycleSeconds, tick.margin.value_or(0),
                              static_cast<double>(tick.kept_back)});
     }
   }
   return figure;
 }
 
-Figure SpectrumFigure(const Pair& pair) {
+Figure SpectrumFigure(const GeneratorPair& pair) {
   Figure figure{.id = "spectrum",
                 .columns = "f [Hz],ours [(rad/s)^2/Hz],the paper's generator [(rad/s)^2/Hz]"};
-  const Spectrum& ours = pair.ours().front().spectrum;
-  const Spectrum& paper = pair.paper().front().spectrum;
+  const Spectrum& ours = pair.ours.front().spectrum;
+  const Spectrum& paper = pair.paper.front().spectrum;
   for (std::size_t i = 1; i < std::min(ours.density.size(), paper.density.size()); ++i) {
     figure.rows.push_back({ours.frequency_hz(i), ours.density[i], paper.density[i]});
   }
@@ -176,21 +230,20 @@ Figure SpectrumFigure(const Pair& pair) {
 
 }  // namespace
 
-Findings RunViability(const Setting& setting) {
-  const int runs = std::min(setting.seeds, 6);
-  const StreamSetting streams = LoadStreamSetting(setting);
+Findings RunViability(const Config& config) {
+  const int runs = std::min(config.seeds, 6);
+  const scenario::RobotData robot = RobotOf(config, LoadScenario(config, "asynchronous"));
   Findings findings{.values = {{"runs", fmt::format("{}", runs)}}};
   std::vector<reference::AxisBounds> bounds;
-  bounds.reserve(kJoints);
   for (std::size_t i = 0; i < kJoints; ++i) {
-    bounds.push_back(reference::BoundsOf(streams.robot.limits, i));
+    bounds.push_back(reference::BoundsOf(robot.limits, i));
   }
   AddViableSet(bounds, findings);
-  AddConvergence(streams.robot, findings);
-  AddHostileSource(streams.robot, findings);
-  if (setting.progress) setting.progress(0.3);
-  const std::vector<Pair> pairs = RunAll(setting, runs);
-  for (const Pair& pair : pairs) ComparePair(pair, findings);
+  AddConvergence(robot, findings);
+  AddHostileSource(robot, findings);
+  if (config.progress) config.progress(0.3);
+  const std::vector<GeneratorPair> pairs = RunPairs(config, runs);
+  for (const GeneratorPair& pair : pairs) ComparePair(pair, findings);
   findings.figures.push_back(SpectrumFigure(pairs.front()));
   findings.figures.push_back(MarginFigure(pairs));
   return findings;

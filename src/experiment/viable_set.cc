@@ -1,14 +1,15 @@
-#include "experiment/viable_set.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "experiment/statistics.h"
+#include "experiment/viability.h"
 #include "twin/core/time.h"
 
 namespace twin::experiment {
@@ -18,11 +19,11 @@ using reference::AxisBounds;
 using reference::AxisState;
 using reference::ViableAxis;
 
-/// Losses in a row of which the borders are drawn.
+/// Losses in a row whose borders the figure shows.
 constexpr std::array<int, 3> kDrawn{0, 3, 20};
 constexpr std::array<double, 3> kDistances{0.05, 0.3, 1.5};  ///< rad
 
-/// Where a condition ends that holds at `holds` and not at `fails`.
+/// The border of a condition that holds at `holds` and not at `fails`.
 template <class Condition>
 double Border(double holds, double fails, const Condition& condition) {
   constexpr int kHalvings = 50;
@@ -61,7 +62,7 @@ void AddAgainstAcceleration(const std::vector<ViableAxis>& axes, Figure& figure)
   }
 }
 
-/// Velocity against what is left to the upper end of the range, without acceleration.
+/// Velocity against the distance to the upper end of the range, without acceleration.
 void AddAgainstDistance(const std::vector<ViableAxis>& axes, Figure& figure) {
   constexpr double kFarthest = 0.3;  // rad
   constexpr int kSteps = 300;
@@ -86,7 +87,7 @@ Figure BorderFigure(const AxisBounds& bounds) {
   return figure;
 }
 
-/// What a motion takes longer than without losses to reckon with, %.
+/// Extra time of a motion over one that tolerates no losses, %.
 double LongerPercent(const AxisBounds& bounds, int lost, double distance) {
   return 100 * (RestToRestTime(bounds, lost, distance) / RestToRestTime(bounds, 0, distance) - 1);
 }
@@ -108,17 +109,7 @@ Figure PriceFigure(const AxisBounds& bounds) {
   return figure;
 }
 
-/// A figure that is known beforehand. @param share  how far off it may be.
-void AddKnown(std::string quantity, std::string unit, double ours, double known, double share,
-              Findings& findings) {
-  findings.comparisons.push_back({.quantity = std::move(quantity),
-                                  .unit = std::move(unit),
-                                  .ours = ours,
-                                  .demand = fmt::format("{} within {:.2g} %", known, 100 * share),
-                                  .verdict = Judge(std::abs(ours / known - 1) <= share)});
-}
-
-/// Of the first joint, whose figures are known beforehand.
+/// The borders of the first joint, which are known beforehand.
 void CompareBorder(const AxisBounds& bounds, Findings& findings) {
   struct Known {
     int lost;
@@ -127,50 +118,49 @@ void CompareBorder(const AxisBounds& bounds, Findings& findings) {
   };
   constexpr std::array kKnown{Known{0, 2.1675, 0.1574}, Known{3, 2.10, 0.1671},
                               Known{20, 1.7175, 0.2217}};
+  const auto add = [&](std::string quantity, const char* unit, double ours, double known,
+                       double share) {
+    findings.Add(std::move(quantity), unit, ours)
+        .Demand(fmt::format("{} within {:.2g} %", known, 100 * share),
+                std::abs(ours / known - 1) <= share);
+  };
   for (const Known& known : kKnown) {
     const ViableAxis axis(bounds, known.lost, "joint 1");
     const std::string name = fmt::format("joint 1, n = {}, ", known.lost);
-    AddKnown(name + "highest speed without acceleration", "rad/s",
-             HighestSpeed(axis, Middle(axis), 0), 2.175, 1e-4, findings);
-    AddKnown(name + "highest speed at full acceleration", "rad/s",
-             HighestSpeed(axis, Middle(axis), axis.kept().ddq_max),
-             known.speed_at_full_acceleration, 1e-4, findings);
-    AddKnown(name + "way to stop from full speed", "rad", StoppingDistance(axis),
-             known.stopping_distance, 3e-3, findings);
+    add(name + "highest speed without acceleration", "rad/s", HighestSpeed(axis, Middle(axis), 0),
+        2.175, 1e-4);
+    add(name + "highest speed at full acceleration", "rad/s",
+        HighestSpeed(axis, Middle(axis), axis.kept().ddq_max), known.speed_at_full_acceleration,
+        1e-4);
+    add(name + "way to stop from full speed", "rad", StoppingDistance(axis),
+        known.stopping_distance, 3e-3);
   }
 }
 
-/// Of all joints: the range of what a motion takes longer.
+/// The range of the extra time over all joints.
 void CompareTimes(const std::vector<AxisBounds>& bounds, Findings& findings) {
-  struct Demand {
+  struct Band {
     double distance;
     double low_percent;
     double high_percent;
   };
-  constexpr std::array kDemands{Demand{kDistances[0], 12, 29}, Demand{kDistances[1], 2, 5},
-                                Demand{kDistances[2], 0, 1}};
-  for (const Demand& demand : kDemands) {
+  constexpr std::array kBands{Band{kDistances[0], 12, 29}, Band{kDistances[1], 2, 5},
+                              Band{kDistances[2], 0, 1}};
+  for (const Band& band : kBands) {
     for (const int lost : {3, 19, 20}) {
-      std::vector<double> longer;
-      longer.reserve(bounds.size());
-      for (const AxisBounds& joint : bounds) {
-        longer.push_back(LongerPercent(joint, lost, demand.distance));
-      }
-      const auto [low, high] = std::ranges::minmax(longer);
-      Comparison comparison{.quantity = fmt::format("all joints, n = {}, {} rad from rest to rest: "
-                                                    "longer than with n = 0, joint 1",
-                                                    lost, demand.distance),
-                            .unit = "%",
-                            .ours = longer.front(),
-                            .low = low,
-                            .high = high};
-      if (lost == kDrawn.back()) {
-        comparison.demand =
-            fmt::format("all within {} to {} %", demand.low_percent, demand.high_percent);
-        comparison.verdict = Judge(low >= demand.low_percent && high <= demand.high_percent);
-        comparison.reason = "the other implementation's figures are whole per cents";
-      }
-      findings.comparisons.push_back(std::move(comparison));
+      Spread longer = SpreadOf(ValuesOf(bounds, [&](const AxisBounds& joint) {
+        return LongerPercent(joint, lost, band.distance);
+      }));
+      longer.mean = LongerPercent(bounds.front(), lost, band.distance);
+      Comparison& one = findings.Add(
+          fmt::format(
+              "all joints, n = {}, {} rad from rest to rest: longer than with n = 0, joint 1", lost,
+              band.distance),
+          "%", longer);
+      if (lost != kDrawn.back()) continue;
+      one.Demand(fmt::format("all within {} to {} %", band.low_percent, band.high_percent),
+                 longer.low >= band.low_percent && longer.high <= band.high_percent);
+      one.reason = "the other implementation's figures are whole per cents";
     }
   }
 }

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "experiment/statistics.h"
+
 namespace twin::experiment {
 namespace {
 
@@ -45,26 +47,23 @@ void WaveSource::Update(const RobotState& /*state*/, Time now,
 
 double WaveDelay(control::CommandInterface interface, double acceleration,
                  const std::vector<double>& signal) {
-  constexpr int kSteps = 5;  // Gauss and Newton's
   const auto count = static_cast<double>(signal.size());
-  double delay = 0;
-  for (int step = 0; step < kSteps; ++step) {
+  return LeastSquaresDelay(5, [&](double delay_s) {
     double error = 0;
     double rate = 0;
-    double product = 0;
-    double square = 0;
+    DelaySums sums;
     for (std::size_t k = 0; k < signal.size(); ++k) {
       const WaveValue wave =
-          WaveAt(interface, acceleration, static_cast<double>(k) * kCycleSeconds - delay);
+          WaveAt(interface, acceleration, static_cast<double>(k) * kCycleSeconds - delay_s);
       error += wave.value - signal[k];
       rate += wave.rate;
-      product += (wave.value - signal[k]) * wave.rate;
-      square += wave.rate * wave.rate;
+      sums.product += (wave.value - signal[k]) * wave.rate;
+      sums.square += wave.rate * wave.rate;
     }
-    const double spread = square - rate * rate / count;
-    if (spread > 0) delay += (product - error * rate / count) / spread;
-  }
-  return delay;
+    sums.product -= error * rate / count;
+    sums.square -= rate * rate / count;
+    return sums;
+  });
 }
 
 }  // namespace twin::experiment

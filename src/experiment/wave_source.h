@@ -9,7 +9,7 @@
 
 namespace twin::experiment {
 
-/// A source that swings joint 1 without looking at the robot, the same on every interface:
+/// A source that swings joint 1 without feedback, alike on every interface:
 ///   q(t) = q_0 + A sin^4(w t),   w = pi/2 1/s,   4 s long: at rest at both ends,
 /// as position, as its derivative, or as a torque of 1 Nm per rad of the swing. Its largest
 /// acceleration is 4 A w^2.
@@ -20,7 +20,7 @@ class WaveSource final : public control::Controller {
   static constexpr Duration kLength = std::chrono::seconds(4);
 
   /// @param interface  joint position, joint velocity or torque. @param start  q_0.
-  /// @param acceleration  the most of it, rad/s^2.
+  /// @param acceleration  the largest, rad/s^2.
   WaveSource(control::CommandInterface interface, const JointVector& start, double acceleration)
       : interface_(interface), start_(start), acceleration_(acceleration) {}
 
@@ -40,8 +40,7 @@ class WaveSource final : public control::Controller {
   Time begin_{};
 };
 
-/// What the source deposits for joint 1 at time t of its motion, and its derivative; a position
-/// less q_0.
+/// The deposit for joint 1 at time t of the motion, and its derivative; a position less q_0.
 struct WaveValue {
   double value = 0;
   double rate = 0;
@@ -49,7 +48,7 @@ struct WaveValue {
 [[nodiscard]] WaveValue WaveAt(control::CommandInterface interface, double acceleration,
                                double t) noexcept;
 
-/// How far a signal of 1 kHz lags behind the wave, by least squares over shift and a constant, s.
+/// The lag of a signal of 1 kHz behind the wave, by least squares over shift and a constant, s.
 [[nodiscard]] double WaveDelay(control::CommandInterface interface, double acceleration,
                                const std::vector<double>& signal);
 

@@ -1,15 +1,15 @@
-#include "experiment/wire_run.h"
-
+#include "experiment/runs.h"
 #include "twin/robot/make_plant.h"
+#include "twin/run/remote.h"
 #include "twin/server/served_robot.h"
 
 namespace twin::experiment {
 namespace {
 
-/// The robot's end: its cycles, counted.
-class RobotSide final : public rt::RecordSink {
+/// Passes the robot's cycles on and counts them.
+class RobotSink final : public rt::RecordSink {
  public:
-  explicit RobotSide(rt::RecordSink* next) : next_(next) {}
+  explicit RobotSink(rt::RecordSink* next) : next_(next) {}
 
   void Put(const rt::CycleRecord& record) noexcept override {
     counts_.Add(record);
@@ -24,10 +24,10 @@ class RobotSide final : public rt::RecordSink {
   run::CycleCounts counts_;
 };
 
-/// The workstation's end: its ticks. What it makes of the states is not looked at.
-class WorkstationSide final : public rt::RecordSink {
+/// Passes the workstation's ticks on, and drops its view of the cycles.
+class WorkstationSink final : public rt::RecordSink {
  public:
-  explicit WorkstationSide(rt::RecordSink* next) : next_(next) {}
+  explicit WorkstationSink(rt::RecordSink* next) : next_(next) {}
 
   void Put(const rt::CycleRecord& /*record*/) noexcept override {}
   void Put(const rt::TickRecord& record) noexcept override {
@@ -40,31 +40,31 @@ class WorkstationSide final : public rt::RecordSink {
 
 }  // namespace
 
-run::RunResult RunOverWire(const Setting& setting, const scenario::Scenario& scenario,
+run::RunResult RunOverWire(const Config& config, const scenario::Scenario& scenario,
                            rt::RecordSink* sink) {
   scenario::Scenario served = scenario;
   served.robot.clock_drift_ppm -= scenario.controller.clock_drift_ppm;
-  RobotSide robot_side(sink);
-  const robot::RobotConfig config = run::MakeServedConfig(served, setting.files);
-  server::ServedRobot robot(config, robot::MakePlant(config),
-                            {.takes_free_ports = true, .sink = &robot_side});
+  RobotSink robot_sink(sink);
+  const robot::RobotConfig robot_config = run::MakeServedConfig(served, config.files);
+  server::ServedRobot robot(robot_config, robot::MakePlant(robot_config),
+                            {.takes_free_ports = true, .sink = &robot_sink});
   robot.Start();
 
   scenario::Scenario remote = scenario;
   remote.controller.clock_drift_ppm = 0;
-  WorkstationSide workstation_side(sink);
+  WorkstationSink workstation_sink(sink);
   run::RealtimeSettings settings;
   settings.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port};
   settings.checks_start = false;
   run::RunResult result;
   {
-    run::Run run(remote, setting.catalogue, setting.files, &workstation_side, settings);
+    run::Run run(remote, config.catalogue, config.files, &workstation_sink, settings);
     run::RunHooks hooks;
-    hooks.interrupted = setting.interrupted;
+    hooks.interrupted = config.interrupted;
     result = run.Execute(hooks);
   }
   robot.End();
-  result.counts = robot_side.counts();
+  result.counts = robot_sink.counts();
   result.report.robot_timings.lateness = robot.lateness();
   result.report.robot_timings.overruns = robot.overruns();
   return result;

@@ -28,7 +28,7 @@ class ExperimentBench {
   }
 
   /// Of the scenarios as they are. @param seeds  few, for speed.
-  [[nodiscard]] Setting setting(int seeds = 2) const {
+  [[nodiscard]] Config config(int seeds = 2) const {
     return {.catalogue = catalogue_,
             .files = {models_, {}, {}, false},
             .scenarios = models_ / "experiments",
@@ -39,16 +39,16 @@ class ExperimentBench {
   }
 
   /// Of the calibrated loops with a motion of one second.
-  [[nodiscard]] Setting short_setting(int seeds = 2) const {
+  [[nodiscard]] Config short_config(int seeds = 2) const {
     for (const std::string name : {"bare", "synchronous", "asynchronous"}) {
       std::string text = twin::test::ReadText(models_ / "experiments" / (name + ".yaml"));
       const std::string motion = "../scenarios/trajectories/canonical.yaml";
       text.replace(text.find(motion), motion.size(), kShortMotion);
       std::ofstream(folder_ / (name + ".yaml")) << text;
     }
-    Setting setting = this->setting(seeds);
-    setting.scenarios = folder_.path();
-    return setting;
+    Config config = this->config(seeds);
+    config.scenarios = folder_.path();
+    return config;
   }
 
  private:

@@ -4,9 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/client_process.h"
-#include "experiment/motion_tally.h"
-#include "experiment/wire_times.h"
+#include "experiment/client_parts.h"
 #include "support/temporary_folder.h"
 #include "twin/fci/datagrams.h"
 #include "twin/record/pcapng_writer.h"

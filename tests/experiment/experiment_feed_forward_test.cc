@@ -1,4 +1,5 @@
-#include "experiment/feed_forward.h"
+#include "experiment/stream_studies.h"
+#include "experiment/studies.h"
 
 #include <algorithm>
 #include <chrono>
@@ -17,12 +18,12 @@ using test::ExperimentBench;
 class FeedForwardStudyTest : public ::testing::Test {
  protected:
   [[nodiscard]] FeedForwardRuns Run(VelocityFrom velocity, double jitter_s, double ppm) const {
-    return RunFeedForward(bench_.setting(), streams_.canonical, streams_.robot.limits, velocity,
+    return RunFeedForward(bench_.config(), streams_.canonical, streams_.robot.limits, velocity,
                           jitter_s, ppm, 2);
   }
 
   const ExperimentBench bench_;
-  const StreamSetting streams_ = LoadStreamSetting(bench_.setting());
+  const StreamInputs streams_ = LoadStreamInputs(bench_.config());
 };
 
 TEST_F(FeedForwardStudyTest, OverTheSourcesTimeNeitherJitterNorCrossingsAbort) {
@@ -57,7 +58,7 @@ TEST_F(FeedForwardStudyTest, WhereConsumedASkippedDepositIsTwiceTheVelocityForAC
 }
 
 TEST_F(FeedForwardStudyTest, MeetsWhatItDemandsAndDrawsATableAndACrossing) {
-  const Findings findings = RunFeedForwardStudy(bench_.setting(1));
+  const Findings findings = RunFeedForwardStudy(bench_.config(1));
   EXPECT_TRUE(findings.succeeded());
   ASSERT_EQ(findings.figures.size(), 2U);
   EXPECT_EQ(findings.figures[0].rows.size(), 36U);

@@ -1,4 +1,4 @@
-#include "experiment/jitter.h"
+#include "experiment/studies.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "experiment/experiment_bench.h"
-#include "experiment/jitter_parts.h"
+#include "experiment/stream_studies.h"
 
 namespace twin::experiment {
 namespace {
@@ -26,7 +26,7 @@ class JitterTest : public ::testing::Test {
   }
 
   const ExperimentBench bench_;
-  const StreamSetting streams_ = LoadStreamSetting(bench_.setting());
+  const StreamInputs streams_ = LoadStreamInputs(bench_.config());
   const JointLimits& limits_ = streams_.robot.limits;
 };
 
@@ -92,7 +92,7 @@ TEST_F(JitterTest, TheRawCanonicalStreamAbortsAndTheGeneratorsDoesNot) {
 }
 
 TEST_F(JitterTest, NeitherTheLimiterNorTimestampsAbortWhereTheRawStreamDoes) {
-  const AbortMap map = MapAborts(bench_.setting(), streams_.robot, {0.01, 16}, {1}, 3);
+  const AbortMap map = MapAborts(bench_.config(), streams_.robot, {0.01, 16}, {1}, 3);
   const auto at = [&](Remedy remedy, std::size_t place) {
     return map.probability[static_cast<std::size_t>(remedy)][place];
   };
@@ -105,8 +105,8 @@ TEST_F(JitterTest, NeitherTheLimiterNorTimestampsAbortWhereTheRawStreamDoes) {
 
 TEST_F(JitterTest, ACrossingCostsTheGeneratorTwoAccelerationsPerCycle) {
   // By the velocity 2 ddq / T, by the position 2 lambda dq / T^2 more at the most.
-  const std::vector<Pace> paces = FindEnd(bench_.setting(), streams_, {0.15, 0.5}, 8);
-  for (const Pace& pace : paces) {
+  const std::vector<PaceResult> paces = MeasurePaces(bench_.config(), streams_, {0.15, 0.5}, 8);
+  for (const PaceResult& pace : paces) {
     const double expected = 2 * pace.acceleration * limits_.ddq_max[0] / kT / limits_.dddq_max[0];
     EXPECT_GT(pace.jerk, 0.6 * expected);
     EXPECT_LT(pace.jerk, expected + 0.5);
@@ -117,7 +117,7 @@ TEST_F(JitterTest, ACrossingCostsTheGeneratorTwoAccelerationsPerCycle) {
 
 TEST_F(JitterTest, TheBriskTrajectoryRunsAtThePaceAskedFor) {
   for (const double share : {0.1, 0.68}) {
-    const reference::Trajectory plan = BriskAt(bench_.setting(), limits_, share);
+    const reference::Trajectory plan = BriskAt(bench_.config(), limits_, share);
     EXPECT_NEAR(Largest(plan.peaks().acceleration), share, 1e-6);
   }
 }
@@ -128,9 +128,9 @@ TEST(ShareAtLimitTest, IsWhereTheLineThroughThePacesMeetsTheLimit) {
 }
 
 TEST_F(JitterTest, TheSameSettingGivesTheSameFindings) {
-  const Setting setting = bench_.setting(1);
-  const Findings first = RunJitter(setting);
-  const Findings second = RunJitter(setting);
+  const Config config = bench_.config(1);
+  const Findings first = RunJitter(config);
+  const Findings second = RunJitter(config);
   ASSERT_EQ(first.comparisons.size(), second.comparisons.size());
   for (std::size_t i = 0; i < first.comparisons.size(); ++i) {
     EXPECT_EQ(first.comparisons[i].ours, second.comparisons[i].ours);

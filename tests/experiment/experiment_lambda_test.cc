@@ -1,4 +1,4 @@
-#include "experiment/lambda.h"
+#include "experiment/studies.h"
 
 #include <cmath>
 
@@ -26,9 +26,9 @@ TEST(ChainBenchTest, ASourceInTimeIsFollowedWithItsVelocity) {
 }
 
 TEST(ChainBenchTest, ASourceThatStopsForEverIsDecayedTo) {
-  loop::TickConfig config;
-  config.limits = twin::test::PandaLimits();
-  ChainBench bench(config, {});
+  loop::TickConfig tick;
+  tick.limits = twin::test::PandaLimits();
+  ChainBench bench(tick, {});
   double q = 0;
   for (int k = 1; k <= 1000; ++k) {
     q = 0.1e-3 * k;
@@ -41,7 +41,7 @@ TEST(ChainBenchTest, ASourceThatStopsForEverIsDecayedTo) {
 
 TEST(LambdaTest, ConvergenceKeepsToItsFormulaForJointsAndPoses) {
   const test::ExperimentBench bench;
-  const Findings findings = RunLambda(bench.short_setting(1));
+  const Findings findings = RunLambda(bench.short_config(1));
   ASSERT_GE(findings.comparisons.size(), 2U);
   EXPECT_LE(findings.comparisons[0].ours, 1) << "%, joints";
   EXPECT_LE(findings.comparisons[1].ours, 1) << "%, poses";

@@ -1,4 +1,4 @@
-#include "experiment/losses.h"
+#include "experiment/studies.h"
 
 #include <algorithm>
 #include <string_view>
@@ -21,7 +21,7 @@ const Comparison& Named(const Findings& findings, std::string_view begin, std::s
 
 TEST(LossesTest, BurstsEndWhatIsNotMadeForThemAndNothingOfOurs) {
   const test::ExperimentBench bench;
-  const Findings findings = RunLosses(bench.short_setting(1));
+  const Findings findings = RunLosses(bench.short_config(1));
   EXPECT_TRUE(findings.succeeded());
   for (const char* pace : {"canonical", "brisk", "hard"}) {
     EXPECT_EQ(Named(findings, pace, "viability filter").ours, 0) << pace;

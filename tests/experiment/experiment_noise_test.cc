@@ -1,4 +1,4 @@
-#include "experiment/noise.h"
+#include "experiment/stream_studies.h"
 
 #include <cmath>
 #include <limits>
@@ -17,26 +17,26 @@ constexpr double kT = kCycleSeconds;
 
 class NoiseTest : public ::testing::Test {
  protected:
-  [[nodiscard]] NoiseCurves Measure(NoiseStage stage, const std::vector<double>& amplitude) const {
-    return MeasureNoise(bench_.setting(), streams_.robot, stage, amplitude, 2);
+  [[nodiscard]] NoiseCurves Measure(Remedy remedy, const std::vector<double>& amplitude) const {
+    return MeasureNoise(bench_.config(), streams_.robot, remedy, amplitude, 2);
   }
 
   const ExperimentBench bench_;
-  const StreamSetting streams_ = LoadStreamSetting(bench_.setting());
+  const StreamInputs streams_ = LoadStreamInputs(bench_.config());
   const JointLimits& limits_ = streams_.robot.limits;
 };
 
 TEST_F(NoiseTest, NoRawNoiseBelowAnEighthOfTheJerkLimitAborts) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double bound = limits_.dddq_max[j] * kT * kT * kT / 8;
-    EXPECT_EQ(Measure(NoiseStage::kRaw, {0.99 * bound}).aborted[j][0], 0) << "joint " << j + 1;
-    EXPECT_EQ(Measure(NoiseStage::kRaw, {3 * bound}).aborted[j][0], 1) << "joint " << j + 1;
+    EXPECT_EQ(Measure(Remedy::kNone, {0.99 * bound}).aborted[j][0], 0) << "joint " << j + 1;
+    EXPECT_EQ(Measure(Remedy::kNone, {3 * bound}).aborted[j][0], 1) << "joint " << j + 1;
   }
 }
 
 TEST_F(NoiseTest, RawNoiseLeavesTheThirdDifferenceOfUniformSamples) {
   // Deviation e / sqrt(3), of the third difference sqrt(20) times that.
-  const NoiseCurves curves = Measure(NoiseStage::kRaw, {1e-5});
+  const NoiseCurves curves = Measure(Remedy::kNone, {1e-5});
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double expected = 1e-5 * std::sqrt(20.0 / 3) / (kT * kT * kT) / limits_.dddq_max[j];
     EXPECT_NEAR(curves.rms_jerk[j][0] / expected, 1, 0.05) << "joint " << j + 1;
@@ -44,18 +44,18 @@ TEST_F(NoiseTest, RawNoiseLeavesTheThirdDifferenceOfUniformSamples) {
 }
 
 TEST_F(NoiseTest, TheGeneratorPassesNoiseOnWholeWhenItsVelocityIsFormedFromIt) {
-  const double raw = Measure(NoiseStage::kRaw, {1e-5}).rms_jerk[0][0];
-  EXPECT_NEAR(Measure(NoiseStage::kGenerator, {1e-5}).rms_jerk[0][0] / raw, 1, 0.01);
+  const double raw = Measure(Remedy::kNone, {1e-5}).rms_jerk[0][0];
+  EXPECT_NEAR(Measure(Remedy::kGenerator, {1e-5}).rms_jerk[0][0] / raw, 1, 0.01);
 }
 
 TEST_F(NoiseTest, OfAGivenVelocityItPassesLambdaTimesTheSecondDifference) {
-  const double raw = Measure(NoiseStage::kRaw, {1e-3}).rms_jerk[0][0];
-  const double given = Measure(NoiseStage::kGivenVelocity, {1e-3}).rms_jerk[0][0];
+  const double raw = Measure(Remedy::kNone, {1e-3}).rms_jerk[0][0];
+  const double given = Measure(Remedy::kGivenVelocity, {1e-3}).rms_jerk[0][0];
   EXPECT_NEAR(given / raw, 1e-3 * std::sqrt(6.0 / 20), 0.05 * given / raw);
 }
 
 TEST_F(NoiseTest, TheLimiterKeepsItsLimitWhateverTheNoise) {
-  const NoiseCurves curves = Measure(NoiseStage::kLimiter, {1e-6, 1e-4, 1e-2});
+  const NoiseCurves curves = Measure(Remedy::kLimiter, {1e-6, 1e-4, 1e-2});
   for (const auto& aborted : curves.aborted) {
     for (const double share : aborted) EXPECT_EQ(share, 0);
   }
@@ -64,9 +64,9 @@ TEST_F(NoiseTest, TheLimiterKeepsItsLimitWhateverTheNoise) {
 
 TEST_F(NoiseTest, RateMatchingAndLowPassBearMoreThanARawStream) {
   const double amplitude = 2 * limits_.dddq_max[0] * kT * kT * kT / 8;
-  EXPECT_EQ(Measure(NoiseStage::kRaw, {amplitude}).aborted[0][0], 1);
-  EXPECT_EQ(Measure(NoiseStage::kRateMatching, {amplitude}).aborted[0][0], 0);
-  EXPECT_EQ(Measure(NoiseStage::kLowPass, {amplitude}).aborted[0][0], 0);
+  EXPECT_EQ(Measure(Remedy::kNone, {amplitude}).aborted[0][0], 1);
+  EXPECT_EQ(Measure(Remedy::kRateMatching, {amplitude}).aborted[0][0], 0);
+  EXPECT_EQ(Measure(Remedy::kLowPass, {amplitude}).aborted[0][0], 0);
 }
 
 TEST(HalfAbortedTest, IsInterpolatedOnALogarithmicScale) {

@@ -1,4 +1,4 @@
-#include "experiment/rate_matching.h"
+#include "experiment/studies.h"
 
 #include <cmath>
 #include <vector>
@@ -46,7 +46,7 @@ TEST(WaveSourceTest, TheDelayOfASignalIsFound) {
 
 TEST(RateMatchingTest, TheStageDelaysByHalfAWindowAtEveryRate) {
   const test::ExperimentBench bench;
-  const Findings findings = RunRateMatching(bench.setting(1));
+  const Findings findings = RunRateMatching(bench.config(1));
   EXPECT_TRUE(findings.succeeded());
   ASSERT_EQ(findings.figures.size(), 3U);
   EXPECT_EQ(test::FiguresOnPage(findings, "rate_matching"), 3U);

@@ -1,4 +1,5 @@
 #include "experiment/recording.h"
+#include "experiment/statistics.h"
 
 #include <vector>
 

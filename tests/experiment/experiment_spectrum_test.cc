@@ -1,4 +1,4 @@
-#include "experiment/spectrum.h"
+#include "experiment/statistics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "experiment/timings.h"
+#include "experiment/studies.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,9 +15,8 @@
 #include <gtest/gtest.h>
 
 #include "experiment/experiment_bench.h"
-#include "experiment/loop_sample.h"
+#include "experiment/loop_runs.h"
 #include "experiment/runs.h"
-#include "experiment/table_one.h"
 #include "twin/core/error.h"
 #include "twin/experiment/calibration.h"
 #include "twin/experiment/page.h"
@@ -40,7 +39,7 @@ const Comparison& Of(const Findings& findings, const std::string& quantity) {
 
 TEST(TimingsTest, ComparesTheTwelveFiguresOfTheTableAndTheirRatio) {
   const ExperimentBench bench;
-  const Findings findings = RunTimings(bench.short_setting());
+  const Findings findings = RunTimings(bench.short_config());
   EXPECT_EQ(std::ranges::count_if(findings.comparisons,
                                   [](const Comparison& c) { return c.paper.has_value(); }),
             13);
@@ -58,7 +57,7 @@ TEST(TimingsTest, ComparesTheTwelveFiguresOfTheTableAndTheirRatio) {
 
 TEST(TimingsTest, WhatTheDelaysWereFittedToIsNoDemand) {
   const ExperimentBench bench;
-  const Findings findings = RunTimings(bench.short_setting(1));
+  const Findings findings = RunTimings(bench.short_config(1));
   for (const char* loop : {"LF", "RS", "RA"}) {
     for (const char* figure : {"median", "p99"}) {
       const Comparison& fitted = Of(findings, fmt::format("{}, d_EXT, {}", loop, figure));
@@ -72,46 +71,46 @@ TEST(TimingsTest, WhatTheDelaysWereFittedToIsNoDemand) {
 
 TEST(TimingsTest, TheSameSeedGivesTheSameBytesAndAnotherOthers) {
   const ExperimentBench bench;
-  Setting setting = bench.short_setting(1);
-  const std::vector<Findings> first{RunTimings(setting)};
-  const std::vector<Findings> second{RunTimings(setting)};
-  setting.seed = 2;
-  const std::vector<Findings> other{RunTimings(setting)};
+  Config config = bench.short_config(1);
+  const std::vector<Findings> first{RunTimings(config)};
+  const std::vector<Findings> second{RunTimings(config)};
+  config.seed = 2;
+  const std::vector<Findings> other{RunTimings(config)};
   EXPECT_EQ(Page(first, {}), Page(second, {}));
   EXPECT_NE(Page(first, {}), Page(other, {}));
 }
 
 TEST(TimingsTest, VerdictsFollowTheDelays) {
   const ExperimentBench bench;
-  const Setting setting = bench.short_setting(1);
-  std::string text = twin::test::ReadText(setting.scenarios / "bare.yaml");
+  const Config config = bench.short_config(1);
+  std::string text = twin::test::ReadText(config.scenarios / "bare.yaml");
   text.replace(text.find("median: 12 us"), 13, "median: 60 us");
-  std::ofstream(setting.scenarios / "bare.yaml") << text;
-  const Findings findings = RunTimings(setting);
+  std::ofstream(config.scenarios / "bare.yaml") << text;
+  const Findings findings = RunTimings(config);
   EXPECT_EQ(Of(findings, "LF, d_EXT, max").verdict, Verdict::kNotReproduced);
   EXPECT_FALSE(findings.succeeded());
 }
 
 TEST(CalibrationTest, HashChangesWithAnyFigure) {
   const ExperimentBench bench;
-  const Setting setting = bench.short_setting();
-  const std::string before = ReadCalibration(setting.scenarios).hash;
+  const Config config = bench.short_config();
+  const std::string before = ReadCalibration(config.scenarios).hash;
   EXPECT_THAT(before, SizeIs(16));
-  EXPECT_EQ(before, ReadCalibration(setting.scenarios).hash);
-  std::string text = twin::test::ReadText(setting.scenarios / "asynchronous.yaml");
+  EXPECT_EQ(before, ReadCalibration(config.scenarios).hash);
+  std::string text = twin::test::ReadText(config.scenarios / "asynchronous.yaml");
   const std::size_t sigma = text.find("sigma: 0.56151");
   ASSERT_NE(sigma, std::string::npos);
   text.replace(sigma, 14, "sigma: 0.56152");
-  std::ofstream(setting.scenarios / "asynchronous.yaml") << text;
-  EXPECT_NE(before, ReadCalibration(setting.scenarios).hash);
+  std::ofstream(config.scenarios / "asynchronous.yaml") << text;
+  EXPECT_NE(before, ReadCalibration(config.scenarios).hash);
 }
 
 TEST(CalibrationTest, TheThreeLoopsHaveOneLinkAndOneMotion) {
   const ExperimentBench bench;
-  const Setting setting = bench.setting();
-  const auto bare = LoadScenario(setting, "bare");
+  const Config config = bench.config();
+  const auto bare = LoadScenario(config, "bare");
   for (const CalibratedLoop& loop : CalibratedLoops()) {
-    const auto scenario = LoadScenario(setting, loop.file);
+    const auto scenario = LoadScenario(config, loop.file);
     EXPECT_EQ(scenario.link, bare.link) << loop.file;
     EXPECT_EQ(scenario.motion, bare.motion) << loop.file;
   }
@@ -122,7 +121,7 @@ TEST(CalibrationTest, LawsOfTheLoopsAreFittedToMedianAndP99Alone) {
   constexpr double kZ99 = 2.3263478740;  // standard normal
   const ExperimentBench bench;
   for (std::size_t i = 0; i < CalibratedLoops().size(); ++i) {
-    const auto scenario = LoadScenario(bench.setting(), CalibratedLoops()[i].file);
+    const auto scenario = LoadScenario(bench.config(), CalibratedLoops()[i].file);
     const bool in_tick = scenario.loop == loop::LoopKind::kAsynchronous;
     const scenario::Delay& cost = in_tick ? scenario.tick.cost : scenario.controller.cost;
     const auto* law = std::get_if<rt::LogNormalDelay>(&cost.law);
@@ -139,7 +138,7 @@ TEST(CalibrationTest, LawsOfTheLoopsAreFittedToMedianAndP99Alone) {
 // unserved: the share is that table's.
 TEST(CalibrationTest, TheLateBinsWeightIsTheBareLoopsUnservedShare) {
   const ExperimentBench bench;
-  const auto link = LoadScenario(bench.setting(), "bare").link;
+  const auto link = LoadScenario(bench.config(), "bare").link;
   const auto* law = std::get_if<rt::EmpiricalDelay>(&link.state.delay.law);
   ASSERT_NE(law, nullptr);
   const double sum = std::accumulate(law->weights.begin(), law->weights.end(), 0.0);
@@ -196,13 +195,13 @@ TEST(ScaledDelayTest, TakesSoManyTimesAsLongInEveryDraw) {
 
 TEST(RunsTest, SeedsAndChoicesAreApartForEveryRun) {
   const ExperimentBench bench;
-  const Setting setting = bench.setting();
+  const Config config = bench.config();
   std::set<std::uint64_t> seeds;
   std::set<double> choices;
   for (int run = 0; run < 100; ++run) {
-    seeds.insert(SeedOfRun(setting, run));
+    seeds.insert(SeedOfRun(config, run));
     for (const std::uint32_t what : {0U, 1U, 2U}) {
-      const double choice = ChoiceOfRun(setting, run, what);
+      const double choice = ChoiceOfRun(config, run, what);
       EXPECT_TRUE(choice >= 0 && choice < 1);
       choices.insert(choice);
     }
@@ -213,17 +212,17 @@ TEST(RunsTest, SeedsAndChoicesAreApartForEveryRun) {
 
 TEST(InParallelTest, DoesEveryJobOnceAndTellsFromTheCallersThread) {
   const ExperimentBench bench;
-  Setting setting = bench.setting();
+  Config config = bench.config();
   const auto caller = std::this_thread::get_id();
   double last = 0;
-  setting.progress = [&](double share) {
+  config.progress = [&](double share) {
     EXPECT_EQ(std::this_thread::get_id(), caller);
     EXPECT_GE(share, last);
     last = share;
   };
   std::vector<int> done(100);
   InParallel(
-      setting, 100, [&](int job) { ++done[static_cast<std::size_t>(job)]; }, 0.2, 0.7);
+      config, 100, [&](int job) { ++done[static_cast<std::size_t>(job)]; }, 0.2, 0.7);
   EXPECT_THAT(done, Each(1));
   EXPECT_EQ(last, 0.7);
 }
@@ -234,7 +233,7 @@ TEST(InParallelTest, ThrowsWhatTheFirstJobInOrderThrew) {
     if (job >= 3) throw InputError("job " + std::to_string(job));
   };
   try {
-    InParallel(bench.setting(), 20, work);
+    InParallel(bench.config(), 20, work);
     FAIL() << "nothing was thrown";
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "job 3");
@@ -243,10 +242,10 @@ TEST(InParallelTest, ThrowsWhatTheFirstJobInOrderThrew) {
 
 TEST(RunScenarioTest, AnInterruptEndsAnExperiment) {
   const ExperimentBench bench;
-  Setting setting = bench.short_setting();
+  Config config = bench.short_config();
   const volatile bool interrupted = true;
-  setting.interrupted = &interrupted;
-  EXPECT_THROW((void)RunTimings(setting), RobotFault);
+  config.interrupted = &interrupted;
+  EXPECT_THROW((void)RunTimings(config), RobotFault);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "experiment/tracking.h"
+#include "experiment/studies.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "experiment/experiment_bench.h"
-#include "experiment/tracking_response.h"
+#include "experiment/tracking.h"
 
 namespace twin::experiment {
 namespace {
@@ -45,7 +45,7 @@ TEST(FollowedShareTest, ItsErrorIsThatOfTheWorstFrequency) {
 
 TEST(TrackingTest, TheSynchronousLoopsTimingShakesTheArm) {
   const test::ExperimentBench bench;
-  const Findings findings = RunTracking(bench.setting(1));
+  const Findings findings = RunTracking(bench.config(1));
   ASSERT_GE(findings.comparisons.size(), 4U);
   EXPECT_GT(findings.comparisons[0].ours, 5);
   EXPECT_LT(findings.comparisons[3].ours, 3);

@@ -1,4 +1,4 @@
-#include "experiment/viability.h"
+#include "experiment/studies.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "experiment/chain_bench.h"
-#include "experiment/convergence.h"
 #include "experiment/experiment_bench.h"
-#include "experiment/hostile_source.h"
+#include "experiment/runs.h"
 #include "experiment/stream.h"
-#include "experiment/tempos.h"
-#include "experiment/viable_set.h"
+#include "experiment/viability.h"
 #include "twin/core/time.h"
 #include "twin/reference/viability_filter.h"
 
@@ -29,7 +27,7 @@ class ViabilityStudyTest : public ::testing::Test {
   }
 
   const test::ExperimentBench bench_;
-  const scenario::RobotData robot_ = LoadStreamSetting(bench_.setting()).robot;
+  const scenario::RobotData robot_ = LoadStreamInputs(bench_.config()).robot;
 };
 
 // A jerk of J T = A/2 a cycle: full acceleration is held for n cycles, then half of it.
@@ -59,27 +57,28 @@ TEST_F(ViabilityStudyTest, WithoutLossesAMotionIsAsFastAsItCanBe) {
 }
 
 TEST_F(ViabilityStudyTest, LambdaTakesAnOffsetAwayAtItsRate) {
-  const auto ways = ConvergenceWays(robot_);
-  const Convergence slow = MeasureConvergence(ways[1].tick, MiddleOf(robot_.limits), 0.1, false);
+  const auto chains = ComparedChains(robot_);
+  const Convergence slow = MeasureConvergence(chains[1].tick, MiddleOf(robot_.limits), 0.1, false);
   EXPECT_NEAR(slow.time_s, std::log(1e-3) / std::log1p(-1e-3) * kT, 2 * kT);
   EXPECT_GT(slow.share, 1) << "the first step";
 }
 
 TEST_F(ViabilityStudyTest, ALimitedStreamSwingsAboutItsSource) {
-  const auto ways = ConvergenceWays(robot_);
-  const Convergence limited = MeasureConvergence(ways[3].tick, MiddleOf(robot_.limits), 0.1, false);
+  const auto chains = ComparedChains(robot_);
+  const Convergence limited =
+      MeasureConvergence(chains[3].tick, MiddleOf(robot_.limits), 0.1, false);
   EXPECT_TRUE(std::isnan(limited.time_s));
   EXPECT_GT(limited.overshoot, 0.5);
 }
 
 TEST_F(ViabilityStudyTest, AHostileSourceBreaksTheLimitsOfOthers) {
-  const auto ways = ConvergenceWays(robot_);
-  for (std::size_t way = 0; way < ways.size(); ++way) {
-    const auto cycles = RunHostileSource(ways[way].tick, robot_.limits);
+  const auto chains = ComparedChains(robot_);
+  for (std::size_t chain = 0; chain < chains.size(); ++chain) {
+    const auto cycles = RunHostileSource(chains[chain].tick, robot_.limits);
     const auto most = std::ranges::max(cycles, {}, &HostileCycle::share);
     const auto highest = std::ranges::max(cycles, {}, &HostileCycle::q_d);
     const bool keeps = most.share <= 1 + 1e-9 && highest.q_d <= robot_.limits.q_max[0];
-    EXPECT_EQ(keeps, way == 0) << ways[way].name;
+    EXPECT_EQ(keeps, chain == 0) << chains[chain].name;
   }
 }
 
@@ -94,8 +93,7 @@ TEST_F(ViabilityStudyTest, ALostCommandHoldsTheAcceleration) {
 
 TEST_F(ViabilityStudyTest, BurstsComeAsOftenAsSaidAndDoNotOverlap) {
   constexpr double kSeconds = 2000;
-  const scenario::Loss loss =
-      LossOf(bench_.setting(), {.length = 10, .per_second = 5}, kSeconds, 0);
+  const scenario::Loss loss = LossOf(bench_.config(), {.length = 10, .per_second = 5}, kSeconds, 0);
   const auto& bursts = std::get<scenario::ScriptedLoss>(loss.law).bursts;
   // 0.2 s in the mean from the end of one to the begin of the next.
   EXPECT_NEAR(static_cast<double>(bursts.size()), kSeconds / 0.21, 0.05 * kSeconds / 0.21);
@@ -105,7 +103,7 @@ TEST_F(ViabilityStudyTest, BurstsComeAsOftenAsSaidAndDoNotOverlap) {
 }
 
 TEST_F(ViabilityStudyTest, MeetsWhatItDemandsAndDraws) {
-  const Findings findings = RunViability(bench_.setting(2));
+  const Findings findings = RunViability(bench_.config(2));
   for (const Comparison& comparison : findings.comparisons) {
     EXPECT_FALSE(comparison.is_missed())
         << comparison.quantity << ": " << comparison.ours << ", " << comparison.demand;

@@ -11,23 +11,28 @@ namespace twin::experiment {
 
 /// One of the paper's three loops.
 struct CalibratedLoop {
-  std::string_view name;  ///< as the paper has it: "LF"
+  std::string_view name;  ///< the paper's: "LF"
   std::string_view file;  ///< its scenario, without .yaml
-  loop::LoopKind kind{};  ///< what its scenario must say
+  loop::LoopKind kind{};  ///< the loop that the scenario must name
 };
+
+// Places in CalibratedLoops().
+inline constexpr std::size_t kBare = 0;
+inline constexpr std::size_t kSynchronous = 1;
+inline constexpr std::size_t kAsynchronous = 2;
 
 /// LF, RS, RA, in the paper's order.
 [[nodiscard]] const std::array<CalibratedLoop, 3>& CalibratedLoops() noexcept;
 
-/// What every experiment takes its delays from.
+/// Source of the delays of every experiment.
 struct Calibration {
-  /// 16 hexadecimal digits: FNV-1a over the three scenarios as ToYaml writes them. Another one
-  /// means that something in them is another.
+  /// 16 hexadecimal digits: FNV-1a over the three scenarios as ToYaml writes them. It changes with
+  /// any of their values.
   std::string hash;
   std::array<std::string, 3> yaml;  ///< of the loops, complete
 };
 
-/// @param scenarios  Setting::scenarios. @throws InputError as scenario::Load.
+/// @param scenarios  Config::scenarios. @throws InputError as scenario::Load.
 [[nodiscard]] Calibration ReadCalibration(const std::filesystem::path& scenarios);
 
 }  // namespace twin::experiment

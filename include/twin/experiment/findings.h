@@ -11,21 +11,28 @@
 
 namespace twin::experiment {
 
-/// How a figure of ours stands to what is known of it. Only the first two are demanded.
+/// How a figure of ours compares with what is known about it. Only the first two have a demand.
 enum class Verdict : std::uint8_t {
-  kPredicted,      ///< follows by mechanism from what was not fitted to it, within what is demanded
-  kNotReproduced,  ///< is demanded and does not come out
-  kCalibrated,     ///< an input: fitted to what stands beside it
-  kReported,       ///< none: nothing is demanded of it, or it is so by arithmetic
+  kPredicted,      ///< follows by mechanism from inputs not fitted to it, and meets its demand
+  kNotReproduced,  ///< misses its demand
+  kCalibrated,     ///< an input, fitted to the paper's figure
+  kReported,       ///< has no demand, or holds by arithmetic
 };
 
-/// Of something that is demanded.
+/// The verdict on a figure with a demand.
 [[nodiscard]] constexpr Verdict Judge(bool met) noexcept {
   return met ? Verdict::kPredicted : Verdict::kNotReproduced;
 }
 
-/// As a report words it: "not reproduced". Thread-safe.
+/// The verdict in a report's words: "not reproduced". Thread-safe.
 [[nodiscard]] std::string_view Name(Verdict verdict) noexcept;
+
+/// Mean, smallest and largest of some values; all 0 without values.
+struct Spread {
+  double mean = 0;
+  double low = 0;
+  double high = 0;
+};
 
 /// One figure beside the paper's.
 struct Comparison {
@@ -33,35 +40,45 @@ struct Comparison {
   std::string unit{};             ///< "ms", "%"; empty: a pure number
   std::optional<double> paper{};  ///< absent: the paper has none
   double ours = 0;
-  std::optional<double> low{};   ///< over the seeds or runs, if there were several
-  std::optional<double> high{};  ///< the same
-  std::string demand{};          ///< what must hold, "within 20 % of the paper's"; empty: nothing
+  std::optional<double> low{};   ///< smallest over the seeds or runs; absent for a single value
+  std::optional<double> high{};  ///< largest over the same
+  std::string demand{};          ///< "within 20 % of the paper's"; empty: none
   Verdict verdict = Verdict::kReported;
-  std::string reason{};  ///< why it is not reproduced, where that is known; shown with that verdict
+  std::string reason{};  ///< why it is not reproduced, where known; shown with that verdict
 
-  /// Not reproduced, and nobody knows why.
+  /// Sets the paper's figure.
+  Comparison& Paper(double value);
+  /// Sets the demand and its verdict; an empty text sets no demand.
+  Comparison& Demand(std::string text, bool met);
+
+  /// Not reproduced, for an unknown reason.
   [[nodiscard]] bool is_missed() const noexcept;
 
-  /// ours / paper; absent without the paper's, or when it is 0.
+  /// ours / paper; absent without the paper's figure, or when that is 0.
   [[nodiscard]] std::optional<double> ratio() const noexcept;
 };
 
 /// A plot of the report: src/report/templates/experiment/EXPERIMENT_FIGURE.gp draws it.
 using Figure = report::Figure;
 
-/// What an experiment found.
+/// The results of an experiment.
 struct Findings {
-  std::string id{};      ///< as the command line and the files' names spell it: "timings"
+  std::string id{};      ///< the spelling of the command line and of file names: "timings"
   std::string title{};   ///< "Loop timings (Table 1)"
-  std::string source{};  ///< where in the paper: "Section 2, Table 1"
+  std::string source{};  ///< place in the paper: "Section 2, Table 1"
   /// Its section of the report: src/report/templates/experiment/PAGE.html. Empty: none.
   std::string page{};
-  std::map<std::string, std::string> values{};  ///< what the section names, as text
+  std::map<std::string, std::string> values{};  ///< texts of the section, by name
   std::vector<Comparison> comparisons{};
   std::vector<Figure> figures{};
-  std::string failure{};  ///< why it could not be done; empty: it was
+  std::string failure{};  ///< why the experiment failed; empty: it completed
 
-  /// It was done, and nothing it demands was missed but for a known reason.
+  /// Appends a figure of ours. @returns it, until the next call.
+  Comparison& Add(std::string quantity, std::string unit, double ours);
+  /// Appends a mean with its range. @returns it, until the next call.
+  Comparison& Add(std::string quantity, std::string unit, const Spread& spread);
+
+  /// It completed, and missed no demand for an unknown reason.
   [[nodiscard]] bool succeeded() const noexcept;
 };
 

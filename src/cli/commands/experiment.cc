@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
@@ -27,7 +26,6 @@
 #include "twin/model/model_library.h"
 #include "twin/report/plot.h"
 #include "twin/run/result_folder.h"
-#include "twin/run/summary.h"
 #include "twin/scenario/data_directory.h"
 
 namespace twin::cli {
@@ -163,36 +161,6 @@ const Flags& RequireClientAlone(const Flags& flags) {
   throw InputError("--client goes with the experiment timings, and with that alone");
 }
 
-/// What was found, for programs: every figure beside the paper's, with its verdict.
-std::string FindingsJson(const std::vector<Findings>& all, int seeds,
-                         std::string_view calibration) {
-  using Json = nlohmann::ordered_json;
-  const auto or_null = [](const std::optional<double>& value) {
-    return value ? Json(*value) : Json();
-  };
-  Json experiments = Json::array();
-  for (const Findings& findings : all) {
-    Json comparisons = Json::array();
-    for (const experiment::Comparison& one : findings.comparisons) {
-      comparisons.push_back({{"quantity", one.quantity},
-                             {"unit", one.unit},
-                             {"paper", or_null(one.paper)},
-                             {"ours", one.ours},
-                             {"low", or_null(one.low)},
-                             {"high", or_null(one.high)},
-                             {"demand", one.demand},
-                             {"verdict", experiment::Name(one.verdict)},
-                             {"reason", one.reason}});
-    }
-    experiments.push_back({{"id", findings.id},
-                           {"outcome", experiment::Outcome(findings)},
-                           {"failure", findings.failure},
-                           {"comparisons", std::move(comparisons)}});
-  }
-  return run::TextOf(
-      {{"seeds", seeds}, {"calibration", calibration}, {"experiments", std::move(experiments)}});
-}
-
 /// A folder that is there as long as this.
 class ScratchFolder {
  public:
@@ -295,7 +263,7 @@ void ExperimentSession::Clear() const {
 
 Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
   Progress progress(std::string(one.id), program_.is_quiet(), clock_);
-  const experiment::Setting setting{
+  const experiment::Config config{
       .catalogue = program_.catalogue,
       .files = {data_.models, data_.mesh_package, program_.host.cache, false},
       .scenarios = scenarios_,
@@ -307,8 +275,8 @@ Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
       .progress = [&progress](double share) { progress.Show(share, ""); },
       .interrupted = interrupt_.flag()};
   try {
-    if (flags_.client) return experiment::RunClientStudy(setting, ClientOf(flags_, program_.host));
-    return experiment::Run(one, setting);
+    if (flags_.client) return experiment::RunClientStudy(config, ClientOf(flags_, program_.host));
+    return experiment::Run(one, config);
   } catch (const std::exception& failure) {
     interrupt_.ThrowIfInterrupted();
     if (flags_.client && dynamic_cast<const EnvironmentError*>(&failure) != nullptr) throw;
@@ -366,7 +334,7 @@ int ExperimentSession::Execute() {
   }
   Clear();  // what was there stays until there is something in its place
   for (const Findings& findings : findings_) WriteCsv(findings);
-  run::WriteWholeFile(json(), FindingsJson(findings_, seeds_, calibration_.hash));
+  run::WriteWholeFile(json(), experiment::FindingsJson(findings_, seeds_, calibration_.hash));
   WritePage();
   if (!program_.is_quiet()) Say(stdout, fmt::format("report        {}\n", page().string()));
   return TellFailures() ? kOk : kFailed;

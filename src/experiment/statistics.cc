@@ -1,11 +1,13 @@
-#include "experiment/spectrum.h"
+#include "experiment/statistics.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <Eigen/Dense>
 #include <unsupported/Eigen/FFT>
+
+#include "twin/core/check.h"
 
 namespace twin::experiment {
 namespace {
@@ -20,19 +22,85 @@ std::vector<double> Hann(std::size_t size) {
 }
 
 double Mean(std::span<const double> values) {
-  double sum = 0;
-  for (const double x : values) sum += x;
-  return sum / static_cast<double>(values.size());
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 }  // namespace
+
+Spread SpreadOf(std::span<const double> values) {
+  if (values.empty()) return {};
+  const auto [low, high] = std::ranges::minmax(values);
+  return {Mean(values), low, high};
+}
+
+double Percentile(std::span<const double> sorted, double share) {
+  TWIN_CHECK(!sorted.empty());
+  const double rank = std::ceil(share * static_cast<double>(sorted.size()));
+  const auto index = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
+  return sorted[std::min(index, sorted.size() - 1)];
+}
+
+double UpperMedian(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+std::vector<double> Histogram(std::span<const double> values, std::span<const double> edges) {
+  std::vector<double> shares(edges.size() - 1);
+  for (const double value : values) {
+    const auto above = std::ranges::upper_bound(edges, value);
+    if (above == edges.begin() || above == edges.end()) continue;
+    ++shares[static_cast<std::size_t>(above - edges.begin()) - 1];
+  }
+  if (!values.empty()) {
+    for (double& share : shares) share /= static_cast<double>(values.size());
+  }
+  return shares;
+}
+
+std::vector<double> Exceedance(std::vector<double> values, std::span<const double> edges) {
+  std::ranges::sort(values);
+  std::vector<double> shares;
+  for (const double edge : edges) {
+    const auto above = values.end() - std::ranges::upper_bound(values, edge);
+    shares.push_back(
+        values.empty() ? 0 : static_cast<double>(above) / static_cast<double>(values.size()));
+  }
+  return shares;
+}
+
+std::vector<double> LogEdges(double from, double to, int per_decade) {
+  std::vector<double> edges;
+  for (int i = 0; edges.empty() || edges.back() < to; ++i) {
+    edges.push_back(from * std::pow(10, static_cast<double>(i) / per_decade));
+  }
+  return edges;
+}
+
+double SmoothStep(double x) noexcept {
+  const double c = std::clamp(x, 0.0, 1.0);
+  return c * c * c * (10 + c * (-15 + 6 * c));
+}
+
+double RegressionSlope(const std::vector<double>& x, const std::vector<double>& y) {
+  const double mean_x = Mean(x);
+  const double mean_y = Mean(y);
+  double product = 0;
+  double square = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    product += (x[i] - mean_x) * (y[i] - mean_y);
+    square += (x[i] - mean_x) * (x[i] - mean_x);
+  }
+  return product / square;
+}
 
 Spectrum Welch(std::span<const double> signal, double rate_hz, std::size_t segment) {
   Spectrum spectrum{.step_hz = rate_hz / static_cast<double>(segment), .density = {}};
   if (signal.size() < segment) return spectrum;
   const std::vector<double> window = Hann(segment);
-  double weight = 0;
-  for (const double w : window) weight += w * w;
+  const double weight = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
   spectrum.density.assign(segment / 2 + 1, 0);
   Eigen::FFT<double> fft;
   std::vector<double> part(segment);
@@ -69,10 +137,7 @@ double MedianBandPower(std::span<const double> signal, double rate_hz, std::size
     powers.push_back(
         BandPower(Welch(signal.subspan(i, segment), rate_hz, segment), from_hz, to_hz));
   }
-  if (powers.empty()) return 0;
-  const auto middle = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
-  std::ranges::nth_element(powers, middle);
-  return *middle;
+  return UpperMedian(std::move(powers));
 }
 
 std::complex<double> SineAmplitude(std::span<const double> signal, double rate_hz,
