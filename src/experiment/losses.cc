@@ -202,9 +202,11 @@ Figure OutcomesFigure(std::string id, std::string title, const std::string& x_la
   figure.names.push_back(x_label);
   figure.names.push_back(std::move(title));
   for (std::size_t pace = 0; pace < kPaces.size(); ++pace) {
+    double& completed = figure.values[fmt::format("completed_{}", pace)];
     for (std::size_t chain = 0; chain < kLossChains.size(); ++chain) {
       for (std::size_t i = 0; i < x.size(); ++i) {
         const LossOutcome& outcome = table.Of(pace, chain)[i];
+        completed += outcome.aborted < outcome.runs ? 1 : 0;
         figure.rows.push_back({x[i], static_cast<double>(pace), static_cast<double>(chain),
                                outcome.aborted_percent(), outcome.rms_mrad()});
       }

@@ -1,6 +1,8 @@
 #include "experiment/studies.h"
 
 #include <algorithm>
+#include <limits>
+#include <string>
 #include <string_view>
 
 #include <gtest/gtest.h>
@@ -33,6 +35,21 @@ TEST(LossesTest, BurstsEndWhatIsNotMadeForThemAndNothingOfOurs) {
   EXPECT_LT(Named(findings, "hard, stream of positions", "up to this length").ours, 19);
   EXPECT_EQ(findings.figures.size(), 3U);
   EXPECT_EQ(test::FiguresOnPage(findings, "losses"), 3U);
+}
+
+TEST(LossesTest, APaceThatCompletesNoMotionIsDrawn) {
+  Figure figure{.id = "bursts",
+                .plot = "outcomes",
+                .columns = "commands lost in a row,tempo [-],way [-],aborted [%],RMS error [mrad]",
+                .names = {"a", "b", "c", "d", "e", "commands lost in a row", "Bursts"}};
+  for (const int pace : {0, 1, 2}) {
+    figure.values["completed_" + std::to_string(pace)] = pace == 0 ? 1 : 0;
+    for (const double lost : {1, 3}) {
+      const double error = pace == 0 ? 1 : std::numeric_limits<double>::quiet_NaN();
+      figure.rows.push_back({lost, 1.0 * pace, 0, 100, error});
+    }
+  }
+  EXPECT_EQ(test::FiguresOnPage({.figures = {figure}}, "losses"), 1U);
 }
 
 }  // namespace
