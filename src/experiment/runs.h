@@ -12,7 +12,7 @@
 #include "twin/reference/trajectory.h"
 #include "twin/rt/cycle_record.h"
 #include "twin/run/run.h"
-#include "twin/scenario/loss.h"
+#include "twin/scenario/link_section.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 

@@ -11,7 +11,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/model/inverse_kinematics.h"
 #include "twin/scenario/names.h"
-#include "twin/scenario/place.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::run {
 namespace {

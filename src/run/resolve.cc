@@ -11,8 +11,8 @@
 #include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
 #include "twin/reference/client_limits.h"
-#include "twin/scenario/link.h"
-#include "twin/scenario/place.h"
+#include "twin/scenario/link_section.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::run {
 namespace {

@@ -12,7 +12,6 @@
 #include "twin/backend/registry.h"
 #include "twin/core/time.h"
 #include "twin/run/run.h"
-#include "twin/scenario/base_section.h"
 #include "twin/scenario/scenario.h"
 
 // What a scenario lists for times of a run: commands to the hand, velocities of the mobile base.

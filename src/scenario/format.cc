@@ -1,5 +1,3 @@
-#include "twin/scenario/format.h"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 

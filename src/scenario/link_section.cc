@@ -1,3 +1,10 @@
+#include "twin/scenario/link_section.h"
+
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
 #include "scenario/sections.h"
 #include "twin/core/error.h"
 
@@ -15,6 +22,44 @@ Value Part(Duration& part) {
 
 Value Share(double& percent) {
   return Quantity(percent, kPercent, 0, 100);
+}
+
+auto ParametersOf(const rt::ConstantDelay& law) {
+  return std::tie(law.value);
+}
+auto ParametersOf(const rt::LogNormalDelay& law) {
+  return std::tie(law.median, law.sigma, law.offset);
+}
+auto ParametersOf(const rt::NormalDelay& law) {
+  return std::tie(law.mean, law.sigma);
+}
+auto ParametersOf(const rt::GammaDelay& law) {
+  return std::tie(law.shape, law.scale, law.offset);
+}
+auto ParametersOf(const rt::EmpiricalDelay& law) {
+  return std::tie(law.edges, law.weights);
+}
+
+rt::LossModel Make(const IndependentLoss& loss) {
+  return rt::LossModel(rt::IndependentLoss{loss.percent / 100});
+}
+
+rt::LossModel Make(const GilbertElliottLoss& loss) {
+  return rt::LossModel(rt::GilbertElliottLoss{loss.good_to_bad / 100, loss.bad_to_good / 100,
+                                              loss.loss_good / 100, loss.loss_bad / 100});
+}
+
+rt::LossModel Make(const ScriptedLoss& loss) {
+  rt::ScriptedLoss script;
+  for (const ScriptedLoss::Burst& burst : loss.bursts) {
+    if (burst.at < Duration::zero() || burst.at % kCycle != Duration::zero()) {
+      throw InputError(fmt::format(
+          "{} ns is no time of a message; they are 1 ms apart, so give a whole number of ms",
+          burst.at.count()));
+    }
+    script.runs.push_back({static_cast<std::uint64_t>(burst.at / kCycle), burst.count});
+  }
+  return rt::LossModel(std::move(script));
 }
 
 /// One alternative of a law.
@@ -151,6 +196,58 @@ void Describe(Map& map, OperatorSection& section, Place& place) {
       .OmitIf(section.settings.empty());
   DescribeDirection(map, "to_robot", section.to_robot);
   DescribeDirection(map, "from_robot", section.from_robot);
+}
+
+rt::DelayModel Delay::Model() const {
+  return std::visit([](const auto& parameters) { return rt::DelayModel(parameters); }, law);
+}
+
+bool Delay::operator==(const Delay& other) const {
+  if (law.index() != other.law.index()) return false;
+  return std::visit(
+      [&other]<typename T>(const T& mine) {
+        return ParametersOf(mine) == ParametersOf(std::get<T>(other.law));
+      },
+      law);
+}
+
+rt::LossModel Loss::Model() const {
+  return std::visit([](const auto& parameters) { return Make(parameters); }, law);
+}
+
+robot::DirectionConfig MakeDirection(const DirectionSection& section) {
+  robot::DirectionConfig config;
+  config.delay = section.delay.Model();
+  config.loss = section.loss.Model();
+  config.duplication = section.duplication.share_percent / 100;
+  config.duplicate_delay = section.duplication.delay.Model();
+  config.reordering = section.reordering.share_percent / 100;
+  config.reorder_by = section.reordering.by;
+  return config;
+}
+
+robot::LinkConfig MakeLink(const LinkSection& link) {
+  robot::LinkConfig config;
+  config.state = MakeDirection(link.state);
+  config.command = MakeDirection(link.command);
+  config.d_INT = link.d_INT;
+  return config;
+}
+
+LinkSection LoadLink(const std::filesystem::path& path) {
+  const YamlNode root = YamlNode::ParseFile(path.string());
+  if (root.Member("motion")) return Load(path).link;
+  LinkSection link;
+  Map map;
+  map.Require("link", SectionOf(link));
+  map.Read(root);
+  return link;
+}
+
+LinkSection ParseLink(const std::string& text, const std::filesystem::path& file) {
+  LinkSection link;
+  SectionOf(link).read(YamlNode::Parse(text, file.string()));
+  return link;
 }
 
 }  // namespace twin::scenario

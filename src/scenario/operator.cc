@@ -1,7 +1,7 @@
 #include "twin/scenario/operator.h"
 #include "twin/control/parameters.h"
 #include "twin/core/error.h"
-#include "twin/scenario/link.h"
+#include "twin/scenario/link_section.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,17 +18,22 @@ using enum Dimension;
 
 namespace {
 
-/// The names of the robots there are: folders with a limits.yaml.
-std::vector<std::string> RobotNames(const std::filesystem::path& robots) {
+/// The folders of robots or bases that have a file. @param key  whose value is `name`, for
+/// messages.
+/// @throws InputError listing the names when `name` is none of them.
+void RequireFolder(const std::filesystem::path& robots, std::string_view name, const char* file,
+                   std::string_view key) {
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(robots, error)) {
-    if (std::filesystem::exists(entry.path() / "limits.yaml", error)) {
+    if (std::filesystem::exists(entry.path() / file, error)) {
       names.push_back(entry.path().filename().string());
     }
   }
   std::ranges::sort(names);
-  return names;
+  if (std::ranges::find(names, name) != names.end()) return;
+  throw InputError(fmt::format("{}: \"{}\" is unknown; {} has: {}", key, name, robots.string(),
+                               fmt::join(names, ", ")));
 }
 
 /// Turned by `angle` about z, then moved by `z` along it.
@@ -107,6 +113,54 @@ void DescribeJoints(Map& map, JointLimits& limits) {
   map.RequireAll();
 }
 
+constexpr double kLeastOfBase = 1e-3;
+constexpr double kMostOfBase = 1e3;
+constexpr const char* kBaseFile = "base.yaml";
+
+Value Most(double& value, Dimension dimension) {
+  return Quantity(value, dimension, kLeastOfBase, kMostOfBase);
+}
+
+Value AccelerationOf(onboard::BaseAcceleration& acceleration) {
+  return Section([&acceleration](Map& map) {
+    map.Require("v", Most(acceleration.dv, kAcceleration));
+    map.Require("w", Most(acceleration.dw, kAngularAcceleration));
+  });
+}
+
+void DescribeBase(Map& map, onboard::BaseConfig& config) {
+  map.Add("base", Anything(), "Its name.");
+  const auto wheels = [&config](Map& of) {
+    of.Add("radius", Most(config.wheel_radius, kLength));
+    of.Add("track", Most(config.track, kLength));
+    of.Add("track_factor", Number(config.track_factor, 1, 10));
+    of.Add("torque", Most(config.tau_max, kTorque));
+    of.RequireAll();
+  };
+  const auto most = [&config](Map& of) {
+    of.Require("v", Most(config.most.v, kVelocity));
+    of.Require("w", Most(config.most.w, kAngularVelocity));
+  };
+  const auto acceleration = [&config](Map& of) {
+    of.Add("ordinary", AccelerationOf(config.ordinary));
+    of.Add("lost", AccelerationOf(config.lost));
+    of.Add("emergency", AccelerationOf(config.emergency));
+    of.RequireAll();
+  };
+  map.Require("wheels", Section(wheels));
+  map.Require("most", Section(most));
+  map.Require("acceleration", Section(acceleration));
+  map.Require("watchdog", TimeSpan(config.watchdog, kCycle, std::chrono::seconds(10)));
+}
+
+onboard::BaseConfig ReadBaseConfig(const std::filesystem::path& file) {
+  onboard::BaseConfig config;
+  Map map;
+  DescribeBase(map, config);
+  map.Read(YamlNode::ParseFile(file.string()));
+  return config;
+}
+
 }  // namespace
 
 Transform RobotData::F_T_EE(const FramePose& NE_T_EE) const {
@@ -141,11 +195,7 @@ CartesianLimits LoadCartesianLimits(const std::filesystem::path& file) {
 RobotData LoadRobotData(const std::filesystem::path& models, std::string_view name,
                         plant::HandKind hand) {
   const std::filesystem::path robots = models / "robots";
-  const std::vector<std::string> names = RobotNames(robots);
-  if (std::ranges::find(names, name) == names.end()) {
-    throw InputError(fmt::format("robot.model: \"{}\" is unknown; {} has: {}", name,
-                                 robots.string(), fmt::join(names, ", ")));
-  }
+  RequireFolder(robots, name, "limits.yaml", "robot.model");
   RobotData robot;
   robot.name = name;
   robot.urdf = robots / name / (robot.name + ".urdf");
@@ -156,6 +206,14 @@ RobotData LoadRobotData(const std::filesystem::path& models, std::string_view na
     ReadEndEffector(robots / "hand" / "end_effector.yaml", robot);
   }
   return robot;
+}
+
+BaseData LoadBaseData(const std::filesystem::path& models, std::string_view name) {
+  const std::filesystem::path robots = models / "robots";
+  RequireFolder(robots, name, kBaseFile, "base.model");
+  const std::filesystem::path folder = robots / name;
+  return {.urdf = folder / (std::string(name) + ".urdf"),
+          .config = ReadBaseConfig(folder / kBaseFile)};
 }
 
 }  // namespace twin::scenario

@@ -42,10 +42,23 @@ void ValidatePlant(const PlantSection& plant) {
       "mass_scale and base_tilt out, or say kind: mujoco");
 }
 
+/// Its drives follow each other.
+void ValidateDrives(const std::vector<DriveEvent>& drive) {
+  Duration end{};
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    if (drive[i].at < end) {
+      throw InputError(
+          fmt::format("base.drive[{}].at: {} s is before the end of the drive before it, {} s",
+                      i + 1, ToSeconds(drive[i].at), ToSeconds(end)));
+    }
+    end = drive[i].at + drive[i].span;
+  }
+}
+
 /// A mobile base rolls in the engine, and only a run's own motion may stand on one.
 void ValidateBase(const Scenario& scenario) {
   if (!scenario.base) return;
-  scenario.base->Validate();
+  ValidateDrives(scenario.base->drive);
   const auto refuse = [](std::string_view why) {
     throw InputError(fmt::format("base: {}, or leave base out", why));
   };

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "twin/scenario/format.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario {

@@ -7,6 +7,7 @@
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
 #include "twin/model/arm_model.h"
+#include "twin/onboard/base_controller.h"
 #include "twin/plant/mujoco_plant.h"
 #include "twin/scenario/frame_pose.h"
 
@@ -45,5 +46,16 @@ struct RobotData {
 /// key of what is wrong in its data.
 [[nodiscard]] RobotData LoadRobotData(const std::filesystem::path& models, std::string_view name,
                                       plant::HandKind hand);
+
+/// What is known of a mobile base, read from its folder below models/robots.
+struct BaseData {
+  std::filesystem::path urdf;  ///< <name>/<name>.urdf
+  onboard::BaseConfig config;  ///< from <name>/base.yaml
+};
+
+/// @param models  the models folder. @param name  folder below models/robots.
+/// @throws InputError when there is no such base (names those there are), or naming file, line and
+/// key of what is wrong in its data.
+[[nodiscard]] BaseData LoadBaseData(const std::filesystem::path& models, std::string_view name);
 
 }  // namespace twin::scenario

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -11,8 +12,10 @@
 
 #include "twin/control/controller.h"
 #include "twin/control/parameters.h"
+#include "twin/core/error.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/mobile_base.h"
 #include "twin/core/modes.h"
 #include "twin/core/setting.h"
 #include "twin/core/time.h"
@@ -25,11 +28,8 @@
 #include "twin/reference/trajectory.h"
 #include "twin/reference/viability_filter.h"
 #include "twin/robot/robot_config.h"
-#include "twin/scenario/base_section.h"
-#include "twin/scenario/delay.h"
 #include "twin/scenario/frame_pose.h"
-#include "twin/scenario/loss.h"
-#include "twin/scenario/max_deviation.h"
+#include "twin/scenario/link_section.h"
 #include "twin/scenario/objects.h"
 #include "twin/scenario/render_section.h"
 
@@ -58,6 +58,23 @@ struct RobotSection {
   bool operator==(const RobotSection&) const = default;
 };
 
+/// A velocity that a mobile base is asked for, for a while.
+struct DriveEvent {
+  Duration at{};    ///< since the run began
+  Duration span{};  ///< > 0
+  BaseTwist twist;  ///< what exceeds the base's limits is saturated
+  bool operator==(const DriveEvent&) const = default;
+};
+
+/// The mobile base that carries the arm. With it the world's frame lies on the floor.
+struct BaseSection {
+  std::string model = "husky";  ///< folder below models/robots
+  BasePose start;               ///< on the floor, m and rad
+  /// What it is asked for, one after the other; zero in between. None beside an application.
+  std::vector<DriveEvent> drive;
+  bool operator==(const BaseSection&) const = default;
+};
+
 struct PlantSection {
   robot::PlantKind kind = robot::PlantKind::kMujoco;
   plant::FrictionProfile friction = plant::FrictionProfile::kResidual;
@@ -69,35 +86,6 @@ struct PlantSection {
   double noise_dq = 0;        ///< rad/s
   double noise_tau_J = 0;     ///< Nm
   bool operator==(const PlantSection&) const = default;
-};
-
-/// Messages that arrive a second time.
-struct Duplication {
-  double share_percent = 0;  ///< of all messages, in [0, 100]
-  Delay delay;               ///< of the second after the first
-  bool operator==(const Duplication&) const = default;
-};
-
-/// Messages that are held back, so that later ones overtake them.
-struct Reordering {
-  double share_percent = 0;  ///< of all messages, in [0, 100]
-  Duration by{};             ///< >= 0
-  bool operator==(const Reordering&) const = default;
-};
-
-struct DirectionSection {
-  Delay delay;
-  Loss loss;
-  Duplication duplication;
-  Reordering reordering;
-  bool operator==(const DirectionSection&) const = default;
-};
-
-struct LinkSection {
-  DirectionSection state;    ///< robot to workstation
-  DirectionSection command;  ///< workstation to robot
-  Duration d_INT = robot::LinkConfig().d_INT;
-  bool operator==(const LinkSection&) const = default;
 };
 
 /// Thresholds that nothing reaches: neither contacts nor collisions are told.
@@ -228,6 +216,15 @@ struct OperatorSection {
   bool operator==(const OperatorSection&) const = default;
 };
 
+/// What a scenario says about how far the arm may be from its target (loop::Deviation) in a motion
+/// that ended well. Infinite: as far as it likes. Absent: the default, see run::LimitOf.
+struct MaxDeviation {
+  std::optional<double> joints;    ///< rad, of any joint
+  std::optional<double> position;  ///< m, of the end effector on the interface of poses
+  std::optional<double> angle;     ///< rad, of the same
+  bool operator==(const MaxDeviation&) const = default;
+};
+
 /// A command to the hand, at a time of the run.
 struct HandEvent {
   Duration at{};  ///< since the run began
@@ -240,6 +237,17 @@ struct Place {
   std::string name;   ///< as read there; a scenario that says otherwise by now is not from there
   std::string where;  ///< "<file>:<line>"; empty when nothing was read
 };
+
+/// Calls `check`; puts the line `name` was read from in front of what it complains of.
+template <typename Check>
+auto At(const Place& place, const std::string& name, Check check) {
+  try {
+    return check();
+  } catch (const InputError& error) {
+    if (place.where.empty() || place.name != name) throw;
+    throw InputError(place.where + ": " + error.what());
+  }
+}
 
 /// Where the names were read that only a run can judge, for messages. No part of a comparison.
 struct Places {
@@ -312,5 +320,15 @@ struct Scenario {
 
 /// Canonical text: every field, waypoints included, so that it stands alone. Parse(ToYaml(s)) == s.
 [[nodiscard]] std::string ToYaml(const Scenario& scenario);
+
+/// JSON Schema (draft 2020-12) of scenario files: keys, spellings, units, defaults, and ranges of
+/// plain numbers. It refuses no file that Load() takes, except for the spelling of plain values (a
+/// number in quotes, a text that reads as a number). Load() also refuses what a schema cannot say:
+/// quantities out of range, and sections that contradict each other.
+[[nodiscard]] std::string JsonSchema();
+
+/// The table of all keys with units, ranges, defaults and meaning, as Markdown:
+/// models/scenarios/KEYS.md.
+[[nodiscard]] std::string KeyTable();
 
 }  // namespace twin::scenario

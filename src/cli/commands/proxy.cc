@@ -15,7 +15,7 @@
 #include "twin/core/error.h"
 #include "twin/proxy/proxy.h"
 #include "twin/run/remote.h"
-#include "twin/scenario/link.h"
+#include "twin/scenario/link_section.h"
 
 namespace twin::cli {
 namespace {

@@ -1,5 +1,5 @@
 #include "cli/commands/commands.h"
-#include "twin/scenario/format.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::cli {
 namespace {

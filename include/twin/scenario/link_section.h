@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "twin/core/time.h"
+#include "twin/robot/link_config.h"
+#include "twin/rt/delay_model.h"
+#include "twin/rt/loss_model.h"
+
+// The section `link`, also by itself, and the laws of delays and losses.
+namespace twin::scenario {
+
+/// How long something takes: the parameters of an rt::DelayModel, as a value that can be compared
+/// and written down.
+struct Delay {
+  using Law = std::variant<rt::ConstantDelay, rt::LogNormalDelay, rt::NormalDelay, rt::GammaDelay,
+                           rt::EmpiricalDelay>;
+  Law law;
+
+  /// @throws InputError when a parameter is outside its range.
+  [[nodiscard]] rt::DelayModel Model() const;
+  bool operator==(const Delay& other) const;
+};
+
+/// Every message is lost with the same probability.
+struct IndependentLoss {
+  double percent = 0;  ///< in [0, 100]
+  bool operator==(const IndependentLoss&) const = default;
+};
+
+/// Bursts: a chain of a good and a bad state, stepped once per message; all in percent.
+struct GilbertElliottLoss {
+  double good_to_bad = 0;    ///< per message, in [0, 100]
+  double bad_to_good = 100;  ///< per message, in (0, 100]; 100 over it: mean length of a burst
+  double loss_good = 0;      ///< in [0, 100]
+  double loss_bad = 100;     ///< in [0, 100]
+  bool operator==(const GilbertElliottLoss&) const = default;
+};
+
+/// Exactly these messages.
+struct ScriptedLoss {
+  /// `count` messages in a row, the first with number at / 1 ms.
+  struct Burst {
+    Duration at{};            ///< since the first message, a whole number of ms, >= 0
+    std::uint64_t count = 1;  ///< >= 1
+    bool operator==(const Burst&) const = default;
+  };
+  std::vector<Burst> bursts;  ///< rising, not overlapping
+  bool operator==(const ScriptedLoss&) const = default;
+};
+
+/// Which messages are lost: the parameters of an rt::LossModel as a scenario writes them.
+struct Loss {
+  using Law = std::variant<IndependentLoss, GilbertElliottLoss, ScriptedLoss>;
+  Law law;
+
+  /// @throws InputError when a parameter is outside its range.
+  [[nodiscard]] rt::LossModel Model() const;
+  bool operator==(const Loss&) const = default;
+};
+
+/// Messages that arrive a second time.
+struct Duplication {
+  double share_percent = 0;  ///< of all messages, in [0, 100]
+  Delay delay;               ///< of the second after the first
+  bool operator==(const Duplication&) const = default;
+};
+
+/// Messages that are held back, so that later ones overtake them.
+struct Reordering {
+  double share_percent = 0;  ///< of all messages, in [0, 100]
+  Duration by{};             ///< >= 0
+  bool operator==(const Reordering&) const = default;
+};
+
+struct DirectionSection {
+  Delay delay;
+  Loss loss;
+  Duplication duplication;
+  Reordering reordering;
+  bool operator==(const DirectionSection&) const = default;
+};
+
+struct LinkSection {
+  DirectionSection state;    ///< robot to workstation
+  DirectionSection command;  ///< workstation to robot
+  Duration d_INT = robot::LinkConfig().d_INT;
+  bool operator==(const LinkSection&) const = default;
+};
+
+/// What the section asks for. @throws InputError when a parameter is outside its range.
+[[nodiscard]] robot::LinkConfig MakeLink(const LinkSection& link);
+
+/// The same of one direction. @throws InputError as MakeLink.
+[[nodiscard]] robot::DirectionConfig MakeDirection(const DirectionSection& direction);
+
+/// @param path  a scenario, whose section `link` counts; or a file with that section only.
+/// @throws InputError naming file, line and key.
+[[nodiscard]] LinkSection LoadLink(const std::filesystem::path& path);
+
+/// @param text  the keys of the section. @param file  its name in messages.
+/// @throws InputError naming file, line and key.
+[[nodiscard]] LinkSection ParseLink(const std::string& text, const std::filesystem::path& file);
+
+}  // namespace twin::scenario
