@@ -33,6 +33,10 @@ std::filesystem::path UsableCache(const Program& program) {
 
 }  // namespace
 
+void RefuseIf(bool wrong, const char* why) {
+  if (wrong) throw InputError(why);
+}
+
 void AddData(CLI::App& app, DataFlags& flags) {
   app.add_option("--data", flags.models, "Folder of models, if not beside the program")
       ->type_name("DIR");

@@ -17,6 +17,9 @@
 // outlive the app.
 namespace twin::cli {
 
+/// @throws InputError saying `why` when the flags are wrong.
+void RefuseIf(bool wrong, const char* why);
+
 /// Where the user says the data is; empty: sought.
 struct DataFlags {
   std::filesystem::path models;

@@ -77,21 +77,15 @@ bool IsPicture(const Flags& flags) {
 }
 
 void RefuseWhatDoesNotGoTogether(const Flags& flags) {
-  if (flags.at && (flags.from || flags.until || flags.layout)) {
-    throw InputError("--at shows one instant; leave --from, --to and --layout out");
-  }
-  if ((flags.at || flags.layout) && (flags.fps || flags.speed != 1)) {
-    throw InputError("--at and --layout make one picture; leave --fps and --speed out");
-  }
-  if (flags.tolerance && flags.compare != "difference") {
-    throw InputError("--tolerance is for --compare difference; leave it out, or compare so");
-  }
-  if (flags.layout && flags.second) {
-    throw InputError("--layout is of one run; leave the second log out");
-  }
-  if (flags.layout && (flags.from || flags.until)) {
-    throw InputError("--layout takes its instants from the plans; leave --from and --to out");
-  }
+  RefuseIf(flags.at && (flags.from || flags.until || flags.layout),
+           "--at shows one instant; leave --from, --to and --layout out");
+  RefuseIf((flags.at || flags.layout) && (flags.fps || flags.speed != 1),
+           "--at and --layout make one picture; leave --fps and --speed out");
+  RefuseIf(flags.tolerance && flags.compare != "difference",
+           "--tolerance is for --compare difference; leave it out, or compare so");
+  RefuseIf(flags.layout && flags.second, "--layout is of one run; leave the second log out");
+  RefuseIf(flags.layout && (flags.from || flags.until),
+           "--layout takes its instants from the plans; leave --from and --to out");
 }
 
 /// Before anything is read or drawn. @throws twin::Error when nothing can be written there.

@@ -26,9 +26,8 @@ A scenario that names a controller.library executes its code, with your rights.)
 
 /// With the device's own defaults: the scenario's parameters are of another one.
 void ChooseDevice(const std::string& device, scenario::Scenario& scenario) {
-  if (!scenario.operator_section) {
-    throw InputError("--device goes with a scenario in which somebody leads: its section operator");
-  }
+  RefuseIf(!scenario.operator_section,
+           "--device goes with a scenario in which somebody leads: its section operator");
   if (scenario.operator_section->device == device) return;
   scenario.operator_section->device = device;
   scenario.operator_section->parameters.clear();
@@ -44,27 +43,20 @@ void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenari
         "the backend",
         *flags.drive));
   }
-  if (!is_remote && (flags.robot || flags.robot_time || flags.capture || flags.allow_hardware)) {
-    throw InputError("--robot, --robot-time, --allow-hardware and --capture go with --backend fci");
-  }
-  if (is_remote && !flags.robot) {
-    throw InputError(
-        "backend fci needs --robot HOST[:PORT]: a robot's address, or that of panda-twin serve");
-  }
-  if (is_remote && flags.int_cpu) {
-    throw InputError("--int-cpu is of a robot in this process; with backend fci leave it out");
-  }
+  RefuseIf(!is_remote && (flags.robot || flags.robot_time || flags.capture || flags.allow_hardware),
+           "--robot, --robot-time, --allow-hardware and --capture go with --backend fci");
+  RefuseIf(is_remote && !flags.robot,
+           "backend fci needs --robot HOST[:PORT]: a robot's address, or that of panda-twin serve");
+  RefuseIf(is_remote && flags.int_cpu,
+           "--int-cpu is of a robot in this process; with backend fci leave it out");
 }
 
 /// @throws InputError for flags that do not go with many seeds, or only with them.
 void RequireSeedsFlags(const RunFlags& flags, const scenario::Scenario& scenario) {
-  if (!scenario.application) {
-    throw InputError("--seeds goes with an application; this scenario has a motion");
-  }
-  if (!scenario.is_lockstep()) {
-    throw InputError("--seeds goes with lockstep: on the wall clock no seed repeats");
-  }
-  if (flags.max_speed) throw InputError("--seeds and --max-speed do not go together");
+  RefuseIf(!scenario.application, "--seeds goes with an application; this scenario has a motion");
+  RefuseIf(!scenario.is_lockstep(),
+           "--seeds goes with lockstep: on the wall clock no seed repeats");
+  RefuseIf(flags.max_speed.has_value(), "--seeds and --max-speed do not go together");
   if (!(flags.least_share >= 0 && flags.least_share <= 100)) {
     throw InputError(
         fmt::format("--least-share is {} %; it must lie in [0, 100] %", flags.least_share));
@@ -74,17 +66,12 @@ void RequireSeedsFlags(const RunFlags& flags, const scenario::Scenario& scenario
 /// @throws InputError for flags that do not go together, with this scenario.
 void RequireAgreement(const RunFlags& flags, const scenario::Scenario& scenario) {
   RequirePageFlags(flags.page);
-  if (flags.seeds && flags.page.wanted()) {
-    throw InputError("--page shows one run; leave out --seeds, or the page");
-  }
-  if (flags.seeds && flags.strict) {
-    throw InputError("--strict judges one run; leave out --seeds, or --strict");
-  }
+  RefuseIf(flags.seeds && flags.page.wanted(),
+           "--page shows one run; leave out --seeds, or the page");
+  RefuseIf(flags.seeds && flags.strict, "--strict judges one run; leave out --seeds, or --strict");
   if (flags.seeds) return RequireSeedsFlags(flags, scenario);
-  if (flags.max_speed && scenario.application) {
-    throw InputError(
-        "--max-speed goes with a motion; an application makes its own: see its parameters");
-  }
+  RefuseIf(flags.max_speed && scenario.application,
+           "--max-speed goes with a motion; an application makes its own: see its parameters");
 }
 
 /// @throws EnvironmentError when a program that the results need is missing.
@@ -149,9 +136,8 @@ scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
   if (flags.device) ChooseDevice(*flags.device, scenario);
   RequireRemoteFlags(flags, scenario);
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
-  if (scenario.is_lockstep() && (flags.ext_cpu || flags.int_cpu)) {
-    throw InputError("--ext-cpu and --int-cpu go with --drive realtime: lockstep has one thread");
-  }
+  RefuseIf(scenario.is_lockstep() && (flags.ext_cpu || flags.int_cpu),
+           "--ext-cpu and --int-cpu go with --drive realtime: lockstep has one thread");
   scenario.Validate();
   return scenario;
 }

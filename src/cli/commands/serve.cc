@@ -84,12 +84,10 @@ bool IsSameFile(const std::filesystem::path& a, const std::filesystem::path& b) 
 void RequireAgreement(const Flags& flags) {
   RequirePageFlags(flags.page);
   const bool is_lockstep = scenario::DriveFromName(flags.drive) == scenario::Drive::kLockstep;
-  if (FreezesWhenIdle(flags) && !is_lockstep) {
-    throw InputError("--idle freeze goes with --drive lockstep: the wall clock never stands still");
-  }
-  if (flags.clock_ppm && is_lockstep) {
-    throw InputError("--clock-ppm goes with --drive realtime: lockstep has one clock");
-  }
+  RefuseIf(FreezesWhenIdle(flags) && !is_lockstep,
+           "--idle freeze goes with --drive lockstep: the wall clock never stands still");
+  RefuseIf(flags.clock_ppm && is_lockstep,
+           "--clock-ppm goes with --drive realtime: lockstep has one clock");
   if (!(flags.session_timeout >= 0.001 && flags.session_timeout <= 3600)) {
     throw InputError(fmt::format("--session-timeout is {} s; it must lie in [0.001, 3600] s",
                                  flags.session_timeout));
