@@ -20,7 +20,7 @@ namespace twin::cli {
 /// @throws InputError saying `why` when the flags are wrong.
 void RefuseIf(bool wrong, const char* why);
 
-/// Where the user says the data is; empty: sought.
+/// Folders of data; empty: to be found.
 struct DataFlags {
   std::filesystem::path models;
   std::filesystem::path meshes;
@@ -41,8 +41,8 @@ struct Listening {
                                     const std::optional<std::string>& allow,
                                     std::string_view bind_flag, std::string_view allow_flag);
 
-/// Where a command listens, and who may connect: by default nobody from elsewhere, since whoever
-/// connects can move the robot.
+/// Address of a command's server, and the network that may connect: by default this machine only,
+/// since a client can move the robot.
 struct NetworkFlags {
   std::string bind = "127.0.0.1";
   std::optional<std::string> allow;  ///< network that may connect
@@ -60,7 +60,7 @@ void Listen(const NetworkFlags& flags, Config& config) {
   config.arm_port = flags.arm_port;
   config.hand_port = flags.hand_port;
 }
-/// Who may connect, for people.
+/// Text on which machines may connect.
 [[nodiscard]] std::string DescribeAccess(const NetworkFlags& flags);
 
 /// The operator's page.

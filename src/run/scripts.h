@@ -24,8 +24,8 @@ using ScriptLog = std::function<void(Time now, std::string_view text)>;
 [[nodiscard]] backend::Hand& RequireHand(const backend::Connection& connection,
                                          std::string_view backend);
 
-/// Gives a hand its commands at their times, and sees how they end. A command that the hand refuses
-/// or does not answer has failed; the arm's motion goes on.
+/// Gives a hand its commands at their times, and records their results. A command that the hand
+/// refuses or does not answer fails; the arm's motion continues.
 ///
 /// Threads: one, the run's, which may wait; not for real-time code.
 class HandScript {
@@ -62,8 +62,8 @@ class HandScript {
 [[nodiscard]] backend::MobileBase& RequireBase(const backend::Connection& connection,
                                                std::string_view backend);
 
-/// Asks a mobile base for what a scenario lists, every 50 ms, as somebody at a stick would; for
-/// zero where it lists nothing.
+/// Commands a mobile base every 50 ms, as an operator at a joystick: the listed velocity, else
+/// zero.
 ///
 /// Threads: one, the run's; not for real-time code.
 class DriveScript {

@@ -86,7 +86,7 @@ void ValidatePerturbations(const Scenario& scenario) {
       "out");
 }
 
-/// Whether they can be drawn is the seed's affair as well: of a bad one there is no run.
+/// Whether objects can be drawn depends on the seed too.
 void ValidateObjects(const Scenario& scenario) {
   (void)ObjectsOf(scenario.objects, scenario.seed);
 }

@@ -68,7 +68,7 @@ class YamlNode {
 /// A text for a message: what is endless is cut, control characters stay out of the terminal.
 [[nodiscard]] std::string Shown(std::string_view text);
 
-/// Reads a file of at most 4 MiB. @throws InputError when it is no regular file, is larger, or
+/// Reads a file of at most 32 MiB. @throws InputError when it is not a regular file, is larger, or
 /// cannot be read.
 [[nodiscard]] std::string ReadTextFile(const std::string& path);
 

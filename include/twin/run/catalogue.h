@@ -8,14 +8,14 @@
 
 namespace twin::run {
 
-/// What the program offers: filled from explicit lists by its main. Must outlive every run.
+/// Implementations the program offers, registered by its main. Must outlive every run.
 struct Catalogue {
   const backend::Registry& backends;
   const control::ControllerRegistry& controllers;
-  const teleop::DeviceRegistry* devices = nullptr;  ///< of operators; null: there are none
+  const teleop::DeviceRegistry* devices = nullptr;  ///< of operators; null: none
 };
 
-/// Where a run gets its files from.
+/// Folders from which a run reads its files.
 struct RunFiles {
   std::filesystem::path models;        ///< DataDirectory::models
   std::filesystem::path mesh_package;  ///< empty: primitive shapes

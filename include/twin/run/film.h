@@ -15,27 +15,27 @@
 
 namespace twin::run {
 
-/// A scenario's words in the renderer's.
+/// Convert a scenario's enumerators into the renderer's.
 [[nodiscard]] render::Corner CornerOf(scenario::PictureCorner corner);
 [[nodiscard]] render::Overlays OverlaysOf(const std::vector<scenario::Overlay>& wanted);
 
-/// What a scenario wants its film to look like.
+/// The film settings that a scenario's section render asks for.
 [[nodiscard]] render::FilmSettings FilmOf(const scenario::RenderSection& wanted);
 
-/// Tries the renderer once, before a run writes anything.
+/// Draws one picture, before a run writes anything.
 /// @pre connection.truth is not null.
-/// @param scenario  the file that wants it, for messages.
+/// @param scenario  its file, for messages.
 /// @throws InputError naming it for a camera or body the scene does not have; EnvironmentError
 /// without OSMesa.
 void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted,
                   const std::filesystem::path& scenario);
 
 /// Renders frames as a video, and a contact sheet of them, on one thread for each processor, and
-/// shows how far that is. @returns what it took. @throws as render::RenderClip; Interrupted.
+/// shows the progress. @returns counts and times. @throws as render::RenderClip; Interrupted.
 render::ClipStats RenderClip(const render::ClipFrames& frames, const render::ClipPaths& paths,
                              const Clock& clock, Console& console);
 
-/// What a film should look like, where that differs from what its scenario says.
+/// Film settings of the command line, which replace those of the scenario.
 struct FilmChoice {
   std::optional<std::string> camera;  ///< a scene's camera by name, orbit, track:BODY or gripper
   std::optional<double> azimuth_deg;
@@ -48,7 +48,7 @@ struct FilmChoice {
   std::optional<std::string> size;      ///< WIDTHxHEIGHT, pixels
 };
 
-/// What a flag's words mean. @throws InputError naming those that may stand there.
+/// Parses the value of a flag. @throws InputError listing the accepted words.
 [[nodiscard]] render::Overlays OverlaysFromText(std::string_view text);
 /// As the above. @param otherwise  what the camera `orbit` shows, where it is one that orbits.
 [[nodiscard]] render::Inset InsetFromText(std::string_view text, const render::View& otherwise);

@@ -23,19 +23,18 @@ namespace twin::run {
 /// The device of scenarios that the operator leads from the page.
 inline constexpr std::string_view kPageDevice = "page";
 
-/// The operator's page of a run or of a served robot, when one is wanted; else all calls are
-/// without effect.
+/// The operator's page of a run or of a served robot. Without an address all calls have no effect.
 ///
 /// Threads: one; Tell() from any; the sink as page::LiveFeed.
 class OperatorPage {
  public:
   using Events = std::function<void(Time, std::string_view kind, std::string_view text)>;
 
-  /// @param at  where it is served; nothing: there is no page.
-  /// @param records  what the robot's records go to besides; may be null; must outlive this.
-  /// @param folder  of recordings of what the operator does: operator_1.csv, operator_2.csv, ...,
-  /// which device `script` runs again. Made when the first begins.
-  /// @param note  told why a recording is not whole, and that others may reach the page.
+  /// @param at  address and port of the page; nullopt: no page.
+  /// @param records  also receives the robot's records; may be null; must outlive this.
+  /// @param folder  of the operator's recordings, operator_1.csv, operator_2.csv, ..., which device
+  /// `script` replays. Created with the first recording.
+  /// @param note  receives a line when a recording is incomplete or other machines reach the page.
   OperatorPage(std::optional<page::PageSettings> at, rt::RecordSink* records,
                std::filesystem::path folder, std::function<void(std::string_view)> note);
   ~OperatorPage();
@@ -43,33 +42,32 @@ class OperatorPage {
   OperatorPage& operator=(const OperatorPage&) = delete;
 
   [[nodiscard]] bool is_wanted() const noexcept { return settings_.has_value(); }
-  /// What the robot's records go to.
+  /// Where the robot must send its records.
   [[nodiscard]] rt::RecordSink* sink() noexcept { return is_wanted() ? &feed_ : records_; }
   [[nodiscard]] page::OperatorChannel& channel() noexcept { return channel_; }
 
-  /// The catalogue's devices and kPageDevice: what the operator does there. Refers to this.
+  /// The catalogue's devices and kPageDevice, the operator's input on the page. Refers to this.
   [[nodiscard]] teleop::DeviceRegistry Devices(const Catalogue& catalogue);
 
-  /// What is to be seen. All must outlive the page.
+  /// What the page shows. All must outlive it.
   struct Shown {
-    const plant::TruthProbe* truth = nullptr;  ///< null: nobody simulates the robot
-    const backend::Hand* hand = nullptr;       ///< null: there is none, or it may not be asked
-    bool keeps_pace = false;                   ///< records come no faster than the wall clock's
+    const plant::TruthProbe* truth = nullptr;  ///< null: the robot is not simulated
+    const backend::Hand* hand = nullptr;       ///< null: none, or it must not be asked
+    bool keeps_pace = false;                   ///< hold records back to the wall clock
   };
-  /// Begins to serve. @param settings  what may be done there, and its words; where it is, is
-  /// known. @param scenario  of the robot.
-  /// @returns lines with its addresses. @throws as page::LivePage.
+  /// Begins to serve. @param settings  actions and texts of the page; its address is ignored.
+  /// @returns lines with the page's addresses. @throws as page::LivePage.
   [[nodiscard]] std::string Open(page::PageSettings settings, const scenario::Scenario& scenario,
                                  const Shown& shown);
   /// The settings of a page at which the operator's samples can be recorded.
   [[nodiscard]] page::PageSettings Recorded();
 
-  /// @returns `own`, and the page is told too. @param own  may be empty.
+  /// @returns a function that calls `own` and shows the event. @param own  may be empty.
   [[nodiscard]] Events Also(Events own);
-  /// A line for all who look.
+  /// Shows a line to all viewers.
   void Tell(Time at, std::string_view kind, std::string_view text);
-  /// Says how it ended, and ends; looks at nothing that is shown from then on. More than once: no
-  /// effect.
+  /// Shows how the run ended, and ends the page, which then reads nothing that it showed. A second
+  /// call has no effect.
   void Close(std::string_view how);
 
  private:

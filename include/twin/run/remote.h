@@ -17,15 +17,15 @@ namespace twin::run {
 /// @param time   "wall" or "states". @throws InputError naming what is wrong.
 [[nodiscard]] backend::RobotAddress ParseRemote(std::string_view robot, std::string_view time);
 
-/// What of a scenario has no effect on such a robot, one line each, for people: what is simulated
-/// only (plant, link, scene, pushes, buttons, computation times), and what a robot cannot be told.
+/// Keys of a scenario that have no effect on such a robot, a line each: those of simulation only
+/// (plant, link, scene, pushes, buttons, computation times), and those that no request sets.
 [[nodiscard]] std::vector<std::string> WithoutEffectThere(const scenario::Scenario& scenario);
 
-/// What is served when nothing else is said: the ready pose, nothing around it.
+/// The robot that is served by default: in the ready pose, without a scene.
 [[nodiscard]] scenario::Scenario DefaultServed();
 
 /// Makes the scenario's motion slower: every time of its trajectory, and of the hand's commands
-/// beside it, is divided by `share`; the path stays. A planned one's stretch is.
+/// beside it, is divided by `share`; the path stays. Of a planned motion the stretch is.
 /// @param share  in [0.001, 1]. @throws InputError when it is not; as MakeTrajectory.
 void SlowDown(scenario::Scenario& scenario, const scenario::RobotData& robot, double share);
 
@@ -33,11 +33,11 @@ void SlowDown(scenario::Scenario& scenario, const scenario::RobotData& robot, do
 struct CheckLine {
   std::string_view subject;  ///< one or two words
   bool ok = false;
-  std::string text;  ///< what was found; when it is not ok, also the cure
+  std::string text;  ///< the finding; when not ok, also the cure
 };
 
-/// Completes what a capture keeps. @param note  told when it lacks something. @pre nobody puts any
-/// more. @throws EnvironmentError as fci::Capture::Finish.
+/// Completes a capture. @param note  receives a line when datagrams are missing. @pre no thread
+/// puts datagrams any more. @throws EnvironmentError as fci::Capture::Finish.
 void FinishCapture(fci::Capture& capture, const std::function<void(std::string_view)>& note);
 
 using TellCheck = std::function<void(const CheckLine&)>;

@@ -29,25 +29,25 @@ struct DeviationLimit {
   double angle = std::numeric_limits<double>::infinity();     ///< rad
 };
 
-/// What a motion came to that the robot's own controller should have kept on its path.
+/// Deviation of one motion from its path, and the limit.
 struct FollowedMotion {
   std::string name;  ///< empty: the only one
   Time begun{};      ///< of the session
   loop::Deviation deviation;
   DeviationLimit limit;
-  bool succeeded = false;  ///< else its failure tells more than its deviation
+  bool succeeded = false;  ///< a failed motion is judged by its failure alone
 
   [[nodiscard]] bool exceeds() const noexcept { return succeeded && !Excess().empty(); }
-  /// By what it is above its limit, for people; empty: by nothing.
+  /// The values above their limits, as text; empty: none.
   [[nodiscard]] std::string Excess() const;
 };
 
-/// What the scenario says of a motion on this interface, which the robot follows by `impedance`.
-/// What it does not say is 20 mrad, or 20 mm and 20 mrad of poses, times as often as the robot is
-/// softer (onboard.K_theta, onboard.K_x) than as delivered: what friction, inertia and loads take
-/// from its path is a force over its stiffness. Not judged unless it is said: torques, which are as
-/// stiff as their controller, and a scenario with perturbations, which are there to move the arm
-/// off its path.
+/// The limit of a motion on this interface, which the robot follows by `impedance`: the scenario's
+/// max_deviation. The default is 20 mrad, for poses 20 mm and 20 mrad, times the ratio by which the
+/// robot is softer than as delivered (onboard.K_theta, onboard.K_x): friction, inertia and loads
+/// move the arm by a force over its stiffness. Without max_deviation two kinds are not judged:
+/// torques, which are as stiff as their controller, and scenarios with perturbations, which move
+/// the arm off its path on purpose.
 [[nodiscard]] DeviationLimit LimitOf(const scenario::Scenario& scenario,
                                      control::CommandInterface interface, ControllerMode impedance);
 
@@ -66,29 +66,29 @@ struct CycleCounts {
   void Add(const rt::CycleRecord& record) noexcept TWIN_REALTIME;
 };
 
-/// What became of a command to the hand.
+/// Result of a command to the hand.
 struct HandOutcome {
-  std::optional<Time> begun;         ///< absent: the run was over before
-  std::optional<Time> ended;         ///< seen to, within 10 ms; absent: it had not when the run was
+  std::optional<Time> begun;         ///< absent: the run ended before
+  std::optional<Time> ended;         ///< within 10 ms; absent: it still ran at the end
   std::optional<HandResult> result;  ///< once it ended
   double width = 0;                  ///< between the fingers as it ended, m
   bool is_grasped = false;           ///< an object was held as it ended
-  std::string failure;               ///< why it was refused, for people; empty: it was not
+  std::string failure;               ///< why the hand refused it; empty: it did not
 };
 
-/// What the hand did in a run.
+/// Results of all commands to the hand of a run.
 struct HandReport {
   std::vector<HandOutcome> commands;  ///< as the scenario lists them
   HandState state;                    ///< at the end of the run
 };
 
-/// How far a pose is from another.
+/// Distance between two poses.
 struct PoseError {
   double distance = 0;  ///< of the origins, m
   double angle = 0;     ///< of the turn between them, rad
 };
 
-/// What planning a run's motion took, and gave.
+/// Effort and result of planning a run's motion.
 struct PlanReport {
   std::uint64_t checks = 0;   ///< of configurations for collision, by the search
   double found_length = 0;    ///< of the path as found, rad (Euclidean)
@@ -97,7 +97,7 @@ struct PlanReport {
   Duration duration{};        ///< of the motion
 };
 
-/// What a run came to. Everything in it repeats with the scenario, bit by bit.
+/// Result of a run. In lockstep all of it repeats with the scenario, bit by bit.
 struct RunResult {
   loop::RunReport report;
   JointVector goal{};      ///< last waypoint, or where the plan ends, rad

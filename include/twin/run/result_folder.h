@@ -6,11 +6,11 @@
 
 namespace twin::run {
 
-/// The folder a run writes to, with the names of what it writes.
+/// The folder of a run's results, and the names of its files.
 ///
-/// A folder never shows the results of two runs: Clear() takes away those of an earlier one, by
-/// name; other files are left alone. From Prepare() on the folder is locked against other runs, as
-/// long as this lives.
+/// A folder never holds the results of two runs: Clear() removes those of an earlier one, by name,
+/// and leaves other files. From Prepare() on, for the lifetime of the object, the folder is locked
+/// against other runs.
 class ResultFolder {
  public:
   explicit ResultFolder(std::filesystem::path folder);
@@ -19,15 +19,15 @@ class ResultFolder {
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
-  /// Makes the folder, locks it, and tries that it and its plots can be written to. Once.
+  /// Creates and locks the folder, and tries to write into it and its plots. To be called once.
   /// @throws EnvironmentError naming it; also when another run writes into it.
   void Prepare();
   /// Removes what an earlier run left. @throws EnvironmentError naming what cannot be removed.
   void Clear() const;
-  /// Removes those of a run's files that are not whole. @param but_log  leaves the log's.
+  /// Removes a run's incomplete files. @param but_log  leaves that of the log.
   void RemovePartial(bool but_log = false) const;
 
-  /// Whether a run writes this file, or its part until it is whole.
+  /// Whether a run writes this file, or its incomplete form.
   [[nodiscard]] bool Holds(const std::filesystem::path& file) const;
 
   [[nodiscard]] const std::filesystem::path& folder() const noexcept { return folder_; }
@@ -49,7 +49,7 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path snapshots() const { return folder_ / "moments"; }
   [[nodiscard]] std::filesystem::path summary() const { return folder_ / "summary.json"; }
   [[nodiscard]] std::filesystem::path timing() const { return folder_ / "timing.json"; }
-  /// Not a run writes it, but who asks for it; it goes with the run.
+  /// Written by the command explain; Clear() removes it too.
   [[nodiscard]] std::filesystem::path explanation() const { return folder_ / "explain.html"; }
 
  private:
@@ -61,20 +61,21 @@ class ResultFolder {
   int lock_ = -1;  ///< descriptor of the folder
 };
 
-/// The log that the user means: a file, or a run's folder, whose log may not be whole.
+/// The log that a path names: a file, or a run's folder, whose log may be incomplete.
 /// @throws InputError when the folder holds none.
 [[nodiscard]] std::filesystem::path FindLog(const std::filesystem::path& named);
 
-/// Makes a file of its own in `folder`, and removes it. @throws EnvironmentError when it cannot.
+/// Creates a temporary file in `folder`, and removes it. @throws EnvironmentError when it cannot.
 void TryToWrite(const std::filesystem::path& folder);
 
-/// Makes a folder, and those it is in, unless it is there. @throws EnvironmentError naming it.
+/// Creates a folder and its parents unless they exist. @throws EnvironmentError naming it.
 void MakeFolder(const std::filesystem::path& folder);
 
-/// What a file is called until it is whole.
+/// The name of a file until it is complete.
 [[nodiscard]] std::filesystem::path PartialOf(std::filesystem::path file);
 
-/// Writes a file that is `.partial` until it is whole. @throws EnvironmentError naming the file.
+/// Writes a file, which is `.partial` until it is complete. @throws EnvironmentError naming the
+/// file.
 void WriteWholeFile(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace twin::run

@@ -13,8 +13,8 @@ namespace twin::run {
                                                  const scenario::RobotData& robot,
                                                  const RunFiles& files);
 
-/// The same of a twin that is served, with the data of its robot: the wire itself delays and
-/// reorders, so that of the link only the losses and d_INT are left.
+/// The configuration of a served twin. The wire itself delays and reorders; of the link only the
+/// losses and d_INT count.
 /// @throws InputError also as LoadRobotData.
 [[nodiscard]] robot::RobotConfig MakeServedConfig(const scenario::Scenario& scenario,
                                                   const RunFiles& files);

@@ -23,12 +23,11 @@
 
 namespace twin::run {
 
-/// What the run tells while it goes on; all may be empty. Called on the run's thread, outside the
-/// tick.
+/// Callbacks of a run; all may be empty. Called on the run's thread, outside the tick.
 struct RunHooks {
-  /// About once per simulated 100 ms: the run's time, and the length of the planned motion.
+  /// About once per 100 ms of the robot's time: the time, and the length of the planned motion.
   std::function<void(Time now, Duration planned)> progress;
-  /// Changes worth a line: when, which kind, what.
+  /// An event: time, kind, text.
   std::function<void(Time now, std::string_view kind, std::string_view text)> event;
   /// Set from a signal handler: the motion is stopped and the run ends. May be null.
   const volatile bool* interrupted = nullptr;
@@ -43,8 +42,7 @@ struct RealtimeSettings {
   bool checks_start = true;
 };
 
-/// No way to the goal of a planned motion was found within its budget; there may be none. Exit code
-/// 1.
+/// The planner found no path to the goal within its budget; there may be none. Exit code 1.
 class NoPlanError : public Error {
   using Error::Error;
 };
@@ -91,7 +89,7 @@ class Run {
   [[nodiscard]] const backend::Connection& connection() const noexcept;
   [[nodiscard]] const reference::Trajectory& trajectory() const noexcept;
   [[nodiscard]] const scenario::RobotData& robot() const noexcept;
-  /// How long the planner took, on the wall clock; nothing when nothing was planned.
+  /// Wall-clock time of the planner; nullopt without a planned motion.
   [[nodiscard]] std::optional<Duration> planning_time() const noexcept { return planning_time_; }
 
   /// With a remote robot, before Execute(): sends the robot the scenario's settings (section

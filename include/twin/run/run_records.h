@@ -20,8 +20,8 @@
 
 namespace twin::run {
 
-/// Where a run's records go: to the log, to the camera, to what watches contacts, as many of them
-/// as were asked for between the robot's assembly and its first cycle.
+/// Passes a run's records on to log, camera and contact watch, those of them that were added before
+/// the robot's first cycle.
 ///
 /// Threads: Put() as RecordSink's; the others from the run's thread while no motion runs.
 class RunRecords final : public rt::RecordSink {
@@ -29,12 +29,12 @@ class RunRecords final : public rt::RecordSink {
   /// @throws EnvironmentError as record::Recorder.
   void Log(const std::filesystem::path& path, const record::RunInfo& run,
            record::FullRing full_ring);
-  /// Takes down the scene at each frame of the video, for the log too.
-  /// @param keep   kLast: for the log alone; no film can be made. @param truth  must outlive this,
+  /// Records the scene at each frame of the video, for the log too.
+  /// @param keep   kLast: for the log alone, without a film. @param truth  must outlive this,
   /// as WatchContacts(). @throws as render::SnapshotRecorder.
   void Film(const plant::TruthProbe& truth, Duration duration, int fps,
             render::SnapshotRecorder::Keep keep = render::SnapshotRecorder::Keep::kAll);
-  /// Whether a scene's record holds all there is.
+  /// Whether a scene record holds all positions.
   [[nodiscard]] static bool CanFilm(const plant::TruthProbe& truth) noexcept {
     return truth.qpos_size() <= rt::SceneRecord::kMostPositions;
   }
@@ -43,25 +43,25 @@ class RunRecords final : public rt::RecordSink {
   void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
   void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
 
-  /// For RunHooks::event; empty when neither log nor camera is there. They are for the film, too.
+  /// For RunHooks::event: events for log and film; empty without both.
   [[nodiscard]] std::function<void(Time, std::string_view, std::string_view)> Events();
 
-  /// What was planned, for log and film; after the run, before Finish().
+  /// Adds a plan to log and film; after the run, before Finish().
   void Add(record::PlanRecord plan);
 
-  /// After the run: the log is whole. @returns records it had no room for.
+  /// After the run: completes the log. @returns the number of records that were dropped.
   /// @throws EnvironmentError as record::Recorder::Finish.
   std::uint64_t Finish();
 
-  /// After a run that threw: the log stays partial.
+  /// After a run that threw: leaves the log partial.
   void Abandon() { log_.reset(); }
 
-  /// Why the log cannot be written any more; empty: it can. While a run goes on.
+  /// During a run: why the log cannot be written any more; empty: it can.
   [[nodiscard]] std::string LogFailure() const { return log_ ? log_->Failure() : std::string(); }
-  /// Whether the log could not be written to its end; what there is of it can be read.
+  /// Whether the log could not be completed; its partial file can be read.
   [[nodiscard]] bool log_failed() const noexcept { return log_failed_; }
 
-  /// Null when it was not filmed.
+  /// Null without a camera.
   [[nodiscard]] const render::Snapshots* snapshots() const noexcept {
     return camera_ ? &camera_->snapshots() : nullptr;
   }
@@ -69,7 +69,7 @@ class RunRecords final : public rt::RecordSink {
   [[nodiscard]] bool was_filmed() const noexcept {
     return camera_ && camera_->snapshots().size() > 0;
   }
-  /// What there is for its film beside snapshots().
+  /// For the film, beside snapshots().
   [[nodiscard]] const std::vector<record::PlanRecord>& plans() const noexcept { return plans_; }
   [[nodiscard]] const std::vector<record::EventRecord>& events() const noexcept { return events_; }
   /// Of a robot that MuJoCo simulates.
@@ -78,7 +78,7 @@ class RunRecords final : public rt::RecordSink {
   }
 
  private:
-  /// The scenes that are due: for pictures, and in the log.
+  /// Records the scenes that are due, for film and log.
   void TakeScenes(Time now) noexcept TWIN_REALTIME;
 
   std::optional<record::Recorder> log_;
@@ -90,7 +90,7 @@ class RunRecords final : public rt::RecordSink {
   std::vector<record::EventRecord> events_;
 };
 
-/// What a log says of its run.
+/// The description of a run in its log.
 [[nodiscard]] record::RunInfo InfoOf(const scenario::Scenario& scenario,
                                      const scenario::RobotData& robot);
 

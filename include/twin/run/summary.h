@@ -15,7 +15,7 @@
 
 namespace twin::run {
 
-/// Wall-clock figures of a run; they differ from run to run.
+/// Wall-clock times of a run; they differ from run to run.
 struct WallTimes {
   double prepare_s = 0;              ///< scenario read, model composed or taken from the cache
   std::optional<double> planning_s;  ///< part of it: the search for a motion, where one is planned
@@ -30,8 +30,8 @@ struct WallTimes {
 /// "success", "aborted", "interrupted" or "failed".
 [[nodiscard]] std::string OutcomeOf(const RunResult& result, bool interrupted);
 
-/// summary.json: what, in lockstep, repeats with scenario and seed, byte by byte.
-/// @param contacts   what the arm touched; absent: nobody simulates it.
+/// summary.json: in lockstep it repeats with scenario and seed, byte by byte.
+/// @param contacts   of the arm; nullopt without a simulation.
 [[nodiscard]] std::string SummaryJson(const scenario::Scenario& scenario, const RunResult& result,
                                       bool interrupted,
                                       const std::optional<plant::ContactWatch>& contacts);
@@ -40,26 +40,26 @@ struct WallTimes {
 [[nodiscard]] std::string FailureJson(const scenario::Scenario& scenario,
                                       const std::string& failure);
 
-/// Text of a file. Texts may hold bytes of a user's file names: what is no UTF-8 is replaced.
+/// Text of a file. Replaces bytes that are not UTF-8, such as those of a user's file names.
 [[nodiscard]] std::string TextOf(const nlohmann::ordered_json& json);
 
-/// How far the arm was from its targets, the limits of that, and whether it was above them.
+/// Deviation of the arm from its targets, the limits, and whether it exceeded them.
 [[nodiscard]] nlohmann::ordered_json DeviationJson(const FollowedMotion& motion);
 
-/// What the arm touched; null when nobody knows.
+/// Contacts of the arm; null without a simulation.
 [[nodiscard]] nlohmann::ordered_json ContactsJson(
     const std::optional<plant::ContactWatch>& contacts);
 
-/// What the viability filter did; null without one.
+/// Counts of the viability filter; null without one.
 [[nodiscard]] nlohmann::ordered_json ViabilityJson(const std::optional<rt::FilterCounts>& counts);
 
-/// The same in a line for people.
+/// As one line of text.
 [[nodiscard]] std::string ViabilityText(const rt::FilterCounts& counts);
 
-/// timing.json: what does not. @param robot  how a robot in real time kept its time.
+/// timing.json. @param robot  timing of a robot in real time.
 [[nodiscard]] std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot);
 
-/// The block a run ends with on the terminal.
+/// The summary that a run prints at its end.
 [[nodiscard]] std::string SummaryText(const scenario::Scenario& scenario, const RunResult& result,
                                       bool interrupted, const WallTimes& times,
                                       const std::optional<plant::ContactWatch>& contacts);

@@ -6,14 +6,14 @@
 
 namespace twin::scenario {
 
-/// Where the twin's data may be.
+/// Where to look for the twin's data.
 struct DataSearch {
   std::filesystem::path executable;  ///< the running program
   std::filesystem::path models;      ///< given by the user; empty: sought
   std::filesystem::path meshes;      ///< given by the user; empty: sought
 };
 
-/// Where it is.
+/// Folders of the twin's data.
 struct DataDirectory {
   std::filesystem::path models;                        ///< robots, scenes, scenarios
   std::filesystem::path mesh_package;                  ///< panda_description; empty: not there

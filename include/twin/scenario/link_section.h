@@ -14,8 +14,8 @@
 // The section `link`, also by itself, and the laws of delays and losses.
 namespace twin::scenario {
 
-/// How long something takes: the parameters of an rt::DelayModel, as a value that can be compared
-/// and written down.
+/// A law of delays: the parameters of an rt::DelayModel, as a value that can be compared and
+/// written to a file.
 struct Delay {
   using Law = std::variant<rt::ConstantDelay, rt::LogNormalDelay, rt::NormalDelay, rt::GammaDelay,
                            rt::EmpiricalDelay>;
@@ -53,7 +53,7 @@ struct ScriptedLoss {
   bool operator==(const ScriptedLoss&) const = default;
 };
 
-/// Which messages are lost: the parameters of an rt::LossModel as a scenario writes them.
+/// A law of losses: the parameters of an rt::LossModel as a scenario writes them.
 struct Loss {
   using Law = std::variant<IndependentLoss, GilbertElliottLoss, ScriptedLoss>;
   Law law;
@@ -70,7 +70,7 @@ struct Duplication {
   bool operator==(const Duplication&) const = default;
 };
 
-/// Messages that are held back, so that later ones overtake them.
+/// Messages that are delayed, so that later ones overtake them.
 struct Reordering {
   double share_percent = 0;  ///< of all messages, in [0, 100]
   Duration by{};             ///< >= 0
@@ -92,10 +92,10 @@ struct LinkSection {
   bool operator==(const LinkSection&) const = default;
 };
 
-/// What the section asks for. @throws InputError when a parameter is outside its range.
+/// The configuration of a link. @throws InputError when a parameter is outside its range.
 [[nodiscard]] robot::LinkConfig MakeLink(const LinkSection& link);
 
-/// The same of one direction. @throws InputError as MakeLink.
+/// The configuration of one direction. @throws InputError as MakeLink.
 [[nodiscard]] robot::DirectionConfig MakeDirection(const DirectionSection& direction);
 
 /// @param path  a scenario, whose section `link` counts; or a file with that section only.

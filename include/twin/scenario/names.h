@@ -9,7 +9,7 @@
 
 namespace twin::scenario {
 
-/// How scenarios spell their choices; used by reader and writer alike.
+/// The spelling of an enumerator in scenarios, for reader and writer.
 template <typename Enum>
 using Spelling = std::pair<std::string_view, Enum>;
 

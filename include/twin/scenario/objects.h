@@ -24,7 +24,7 @@ struct ObjectSpread {
   bool operator==(const ObjectSpread&) const = default;
 };
 
-/// A body that a scenario puts beside the robot: a piece to grasp, or what it stands on.
+/// A body beside the robot: an object to grasp, or one on which others stand.
 ///
 /// Where it stands: with `on`, in the frame of what is below it, T, whose origin is the middle of
 /// the upper face and whose axes are that object's (kGround: the base frame). There its centre is
@@ -46,7 +46,7 @@ struct ObjectSection {
 
 inline constexpr std::string_view kGround = "ground";  ///< the plane z = 0 of the base frame
 
-/// The objects as they are in the run of that seed: drawn, and put in their places.
+/// The objects of a run with this seed: drawn from their ranges, with their poses.
 /// @throws InputError naming the object, with file and line where it was read, and what is wrong.
 [[nodiscard]] std::vector<plant::SceneObject> ObjectsOf(std::span<const ObjectSection> objects,
                                                         std::uint64_t seed);
@@ -54,7 +54,7 @@ inline constexpr std::string_view kGround = "ground";  ///< the plane z = 0 of t
 /// T of an object, in the world. @throws InputError of a sphere.
 [[nodiscard]] Transform TopOf(const plant::SceneObject& object);
 
-/// Where an object is that stands on something.
+/// Pose of an object that stands on another one.
 /// @param W_T_top  T of what is below it. @param pose  position and turn in T, as ObjectSection's.
 [[nodiscard]] Transform StandingOn(const Transform& W_T_top, const plant::SceneObject& object,
                                    const FramePose& pose) noexcept;

@@ -13,7 +13,7 @@
 
 namespace twin::scenario {
 
-/// What is known of a robot, read from its folder below models/robots.
+/// Data of a robot, read from its folder below models/robots.
 struct RobotData {
   std::string name;             ///< "panda"
   std::filesystem::path urdf;   ///< <name>/<name>.urdf
@@ -42,20 +42,20 @@ struct RobotData {
 [[nodiscard]] CartesianLimits LoadCartesianLimits(const std::filesystem::path& file);
 
 /// @param models  the models folder. @param name  folder below models/robots.
-/// @throws InputError when there is no such robot (names those there are), or naming file, line and
-/// key of what is wrong in its data.
+/// @throws InputError for an unknown robot (lists the known ones), and for invalid data (names
+/// file, line and key).
 [[nodiscard]] RobotData LoadRobotData(const std::filesystem::path& models, std::string_view name,
                                       plant::HandKind hand);
 
-/// What is known of a mobile base, read from its folder below models/robots.
+/// Data of a mobile base, read from its folder below models/robots.
 struct BaseData {
   std::filesystem::path urdf;  ///< <name>/<name>.urdf
   onboard::BaseConfig config;  ///< from <name>/base.yaml
 };
 
 /// @param models  the models folder. @param name  folder below models/robots.
-/// @throws InputError when there is no such base (names those there are), or naming file, line and
-/// key of what is wrong in its data.
+/// @throws InputError for an unknown base (lists the known ones), and for invalid data (names file,
+/// line and key).
 [[nodiscard]] BaseData LoadBaseData(const std::filesystem::path& models, std::string_view name);
 
 }  // namespace twin::scenario

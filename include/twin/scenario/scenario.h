@@ -58,11 +58,11 @@ struct RobotSection {
   bool operator==(const RobotSection&) const = default;
 };
 
-/// A velocity that a mobile base is asked for, for a while.
+/// A velocity command to a mobile base, for a duration.
 struct DriveEvent {
   Duration at{};    ///< since the run began
   Duration span{};  ///< > 0
-  BaseTwist twist;  ///< what exceeds the base's limits is saturated
+  BaseTwist twist;  ///< saturated at the base's limits
   bool operator==(const DriveEvent&) const = default;
 };
 
@@ -70,7 +70,7 @@ struct DriveEvent {
 struct BaseSection {
   std::string model = "husky";  ///< folder below models/robots
   BasePose start;               ///< on the floor, m and rad
-  /// What it is asked for, one after the other; zero in between. None beside an application.
+  /// Commands one after the other; zero in between. None beside an application.
   std::vector<DriveEvent> drive;
   bool operator==(const BaseSection&) const = default;
 };
@@ -88,14 +88,14 @@ struct PlantSection {
   bool operator==(const PlantSection&) const = default;
 };
 
-/// Thresholds that nothing reaches: neither contacts nor collisions are told.
+/// Thresholds that no force reaches: the robot reports neither contacts nor collisions.
 [[nodiscard]] setting::CollisionBehavior NoCollisionBehavior() noexcept;
 
 struct OnboardSection {
   JointVector K_theta = setting::JointImpedance().K_theta;  ///< Nm/rad
   Vector6 K_x = setting::CartesianImpedance().K_x;          ///< N/m, Nm/rad
   setting::CollisionBehavior collision_behavior;
-  setting::Load load;  ///< what INT is told of, whatever is really there
+  setting::Load load;  ///< the load that INT assumes; robot.load is the real one
   FramePose EE_T_K;
   FramePose NE_T_EE;
   setting::GuidingMode guiding_mode;
@@ -123,8 +123,8 @@ struct TickSection {
   bool operator==(const TickSection&) const = default;
 };
 
-/// Of a scenario on the torque interface that does not say otherwise: torques go out as they are
-/// deposited, within the rate that the robot takes.
+/// The default on the torque interface: torques are sent as they are deposited, within the robot's
+/// limit of their rate.
 [[nodiscard]] inline TickSection TorqueTick() {
   TickSection tick;
   tick.generator = loop::Generator::kNone;
@@ -162,13 +162,13 @@ struct PoseStep {
   bool operator==(const PoseStep& other) const;
 };
 
-/// Anywhere that is free of collision, drawn from the joint limits, not near the start.
+/// A collision-free configuration, drawn within the joint limits, not near the start.
 struct RandomGoal {
   bool operator==(const RandomGoal&) const = default;
 };
 
-/// A motion that is planned when the run is made ready: from robot.q_start around the scene. The
-/// bodies of the scene are taken to stay where it puts them, the hand to stay open.
+/// A motion that is planned before the run: from robot.q_start around the scene. The planner
+/// assumes that the bodies of the scene do not move and that the hand stays open.
 struct PlanSection {
   /// A FramePose: of EE in the base. A JointVector: rad.
   std::variant<RandomGoal, JointVector, FramePose> goal;
@@ -195,15 +195,14 @@ struct MotionSection {
   bool operator==(const MotionSection& other) const;
 };
 
-/// What moves the robot in place of one motion: an application, which makes its motions itself, one
-/// after the other (application/application.h).
+/// An application, which makes several motions in place of one (application/application.h).
 struct ApplicationSection {
   std::string type;                ///< name in the application registry
   control::Parameters parameters;  ///< understood by it alone
   bool operator==(const ApplicationSection&) const = default;
 };
 
-/// Who leads the robot in an application that is led: by which device, and over which wire.
+/// Device and wire of the operator in an application with teleoperation.
 struct OperatorSection {
   std::string device;              ///< name in the device registry
   control::Parameters parameters;  ///< of the device, understood by it alone
@@ -216,8 +215,8 @@ struct OperatorSection {
   bool operator==(const OperatorSection&) const = default;
 };
 
-/// What a scenario says about how far the arm may be from its target (loop::Deviation) in a motion
-/// that ended well. Infinite: as far as it likes. Absent: the default, see run::LimitOf.
+/// Limits of the arm's deviation from its target (loop::Deviation) in a successful motion.
+/// Infinite: no limit. Absent: the default, see run::LimitOf.
 struct MaxDeviation {
   std::optional<double> joints;    ///< rad, of any joint
   std::optional<double> position;  ///< m, of the end effector on the interface of poses
@@ -232,13 +231,13 @@ struct HandEvent {
   bool operator==(const HandEvent&) const = default;
 };
 
-/// Where a name was read.
+/// The place of a name in a file.
 struct Place {
-  std::string name;   ///< as read there; a scenario that says otherwise by now is not from there
+  std::string name;   ///< as read; a scenario with another name was changed since
   std::string where;  ///< "<file>:<line>"; empty when nothing was read
 };
 
-/// Calls `check`; puts the line `name` was read from in front of what it complains of.
+/// Calls `check`; adds the place of `name` to the text of its InputError.
 template <typename Check>
 auto At(const Place& place, const std::string& name, Check check) {
   try {
@@ -249,7 +248,7 @@ auto At(const Place& place, const std::string& name, Check check) {
   }
 }
 
-/// Where the names were read that only a run can judge, for messages. No part of a comparison.
+/// Places of the names that only a run can check, for messages. Not compared.
 struct Places {
   Place backend;
   Place scene;
@@ -311,8 +310,8 @@ struct Scenario {
   bool operator==(const Scenario&) const = default;
 };
 
-/// Reads a scenario and the waypoint file it names (relative to it), and validates.
-/// @throws InputError "<file>:<line>: <key>: ..." for anything that is not as it should be.
+/// Reads and validates a scenario and the waypoint file it names (relative to it).
+/// @throws InputError "<file>:<line>: <key>: ..." for anything invalid.
 [[nodiscard]] Scenario Load(const std::filesystem::path& path);
 
 /// As Load, from text. @param file  its name in messages; a waypoint file is sought beside it.

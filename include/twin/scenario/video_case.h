@@ -11,7 +11,7 @@
 
 namespace twin::scenario {
 
-/// From where a case is seen.
+/// A view of a case.
 struct VideoView {
   std::string name;  ///< letters, digits, '_' and '-'
   RenderSection render;
@@ -37,7 +37,7 @@ struct VideoCase {
   std::vector<VideoView> views;
 };
 
-/// @throws InputError "<file>:<line>: <key>: ..." for anything that is not as it should be.
+/// @throws InputError "<file>:<line>: <key>: ..." for anything invalid.
 [[nodiscard]] VideoCase LoadVideoCase(const std::filesystem::path& path);
 
 }  // namespace twin::scenario

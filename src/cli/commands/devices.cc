@@ -66,7 +66,7 @@ void List(const teleop::DeviceRegistry& devices) {
       why_not = device.why_not;
     }
   }
-  // Keyboards are nobody's business but the group's: one line for all.
+  // Keyboards are readable for their group only: one line for all.
   if (closed > 0) text += fmt::format("  {} cannot be opened; {}\n", closed, why_not);
   if (found.empty()) text += "  none: nothing is plugged in, or this machine shows no /dev/input\n";
   text += fmt::format("devices of scenarios: {}; panda-twin devices NAME shows one\n",

@@ -178,8 +178,8 @@ class Service {
 
 void Service::MakeLog() {
   if (!flags_.log) return;
-  // Of no scenario nobody knows the motion, which is the client's: the log's one stands, so that
-  // the log can be read as any other.
+  // Without a scenario the motion is the client's alone; the log gets one at rest, so that it can
+  // be read as any other.
   scenario::Scenario told = scenario_;
   if (flags_.scenario.empty()) {
     const reference::Waypoint stand{.q = told.robot.q_start.value()};

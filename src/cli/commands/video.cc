@@ -253,7 +253,7 @@ class VideoSession {
                                  failed, results.size(), page.string()));
   }
 
-  /// An earlier check's page tells of what is no more.
+  /// Removes the page of an earlier check, which is out of date.
   static void RemoveStale(const fs::path& page) {
     if (!golden::IsPage(page)) return;
     std::error_code error;
