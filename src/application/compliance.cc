@@ -1,5 +1,3 @@
-#include "application/compliance.h"
-
 #include <array>
 #include <optional>
 #include <string>
@@ -8,25 +6,20 @@
 
 #include <fmt/format.h>
 
-#include "application/compliance_cases.h"
-#include "application/compliance_figures.h"
-#include "application/compliance_measures.h"
-#include "application/compliance_trace.h"
-#include "twin/application/evidence.h"
-#include "twin/application/stage.h"
+#include "application/applications.h"
+#include "application/compliance.h"
 #include "twin/core/error.h"
 
 namespace twin::application {
+namespace compliance {
 namespace {
-
-using namespace compliance;  // NOLINT(google-build-using-namespace): this is its application
 
 /// Points in a picture for each part of the trajectory.
 constexpr int kWayPoints = 24;
 
 class Compliance final : public Application {
  public:
-  explicit Compliance(control::ParameterReader& parameters) : settings_(ReadSettings(parameters)) {}
+  explicit Compliance(control::ParameterReader& parameters) : config_(ReadConfig(parameters)) {}
 
   [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
     return control::CommandInterface::kTorque;
@@ -40,29 +33,29 @@ class Compliance final : public Application {
   StepEnd Do(const Case& one, CaseIndex index, Stage& stage);
   static StepEnd GoBack(const Case& from, Stage& stage);
   /// Two pictures: the arm before, and at the end of the push's constant force or of the motion.
-  void AddMoment(const Case& one, const run::Motion& motion, const Transform& O_T_EE, Time begun,
-                 Time ended);
+  void AddPlan(const Case& one, const run::Motion& motion, const Transform& O_T_EE, Time begun,
+               Time ended);
 
-  const Settings settings_;
+  const Config config_;
   std::optional<Pushes> pushes_;
   JointLimits limits_;
   std::array<std::optional<Span>, kCases> spans_{};
-  std::vector<Snapshot> snapshots_;
+  std::vector<record::PlanRecord> plans_;
 };
 
 Duration Compliance::longest(const scenario::Scenario& /*scenario*/) const {
   Duration all{};
   // The way back and settling take less.
-  for (const Case& one : kAllCases) all += LengthOf(one, settings_) + std::chrono::seconds(5);
+  for (const Case& one : kAllCases) all += LengthOf(one, config_) + std::chrono::seconds(5);
   return all;
 }
 
 TaskResult Compliance::Perform(Stage& stage) {
-  if (!stage.scenario().record) {
+  if (!stage.scenario.record) {
     throw InputError("record: is false, and the application compliance is judged by its log");
   }
-  pushes_ = PushesOf(stage.scenario(), settings_);
-  limits_ = stage.robot().limits;
+  pushes_ = PushesOf(stage.scenario, config_);
+  limits_ = stage.session.robot().limits;
   std::vector<TaskStep> steps;
   for (std::size_t i = 0; i < kCases; ++i) {
     const Case& one = kAllCases[i];
@@ -74,67 +67,69 @@ TaskResult Compliance::Perform(Stage& stage) {
                      .act = [&one, &stage] { return GoBack(one, stage); }});
   }
   TaskResult task_result{.task = stage.Carry(steps)};
-  task_result.snapshots = std::move(snapshots_);
+  task_result.plans = std::move(plans_);
   return task_result;
 }
 
 StepEnd Compliance::Do(const Case& one, CaseIndex index, Stage& stage) {
-  const RobotState state = stage.session().ReadState();
-  const run::Motion motion = MotionOf(one, settings_, stage, state);
-  const Time begun = stage.session().Now();
-  const run::MotionResult result = stage.session().Move(motion);
-  spans_[index] = {.begun = begun, .ended = stage.session().Now(), .path = motion.poses};
+  const RobotState state = stage.session.ReadState();
+  const run::Motion motion = MotionOf(one, config_, stage, state);
+  const Time begun = stage.session.Now();
+  const run::MotionResult result = stage.session.Move(motion);
+  spans_[index] = {.begun = begun, .ended = stage.session.Now(), .path = motion.poses};
   if (one.is_pushed || one.kind == Kind::kNullSpace) {
-    AddMoment(one, motion, state.O_T_EE, begun, stage.session().Now());
+    AddPlan(one, motion, state.O_T_EE, begun, stage.session.Now());
   }
   return {result.report.succeeded(), result.report.failure};
 }
 
 StepEnd Compliance::GoBack(const Case& from, Stage& stage) {
-  const RobotState state = stage.session().ReadState();
-  const run::MotionResult result = stage.session().Move(MotionBack(from, stage, state));
+  const RobotState state = stage.session.ReadState();
+  const run::MotionResult result = stage.session.Move(MotionBack(from, stage, state));
   return {result.report.succeeded(), result.report.failure};
 }
 
-void Compliance::AddMoment(const Case& one, const run::Motion& motion, const Transform& O_T_EE,
-                           Time begun, Time ended) {
+void Compliance::AddPlan(const Case& one, const run::Motion& motion, const Transform& O_T_EE,
+                         Time begun, Time ended) {
   const auto point = [](const Transform& X) { return Vector3{X[12], X[13], X[14]}; };
-  Snapshot snapshot{.id = std::string(one.id),
-                    .caption = fmt::format("{}: {}; right, {}", one.id, one.what,
-                                           one.is_pushed ? "while it is pushed" : "at its end"),
-                    .planned = begun,
-                    .done = ended,
-                    .way = {point(O_T_EE)}};
+  record::PlanRecord plan{
+      .id = std::string(one.id),
+      .caption = fmt::format("{}: {}; right, {}", one.id, one.what,
+                             one.is_pushed ? "while it is pushed" : "at its end"),
+      .from = begun,
+      .until = ended,
+      .way = {point(O_T_EE)}};
   if (one.is_pushed) {
     const plant::Push& push = one.kind == Kind::kStandstill ? pushes_->standing : pushes_->moving;
-    snapshot.done = begun + push.begin + push.duration - push.rise;
+    plan.until = begun + push.begin + push.duration - push.rise;
   }
   if (motion.poses) {
-    const Duration step = settings_.leg / kWayPoints;
+    const Duration step = config_.leg / kWayPoints;
     for (int i = 1; i < 3 * kWayPoints; ++i) {
-      snapshot.way.push_back(point(motion.poses->Sample(i * step).O_T_EE));
+      plan.way.push_back(point(motion.poses->Sample(i * step).O_T_EE));
     }
   }
-  snapshots_.push_back(std::move(snapshot));
+  plans_.push_back(std::move(plan));
 }
 
 Evaluation Compliance::Evaluate(const TaskResult& /*task_result*/, const Evidence& evidence) {
   if (evidence.log.empty() || !pushes_) {
-    return {.findings = {{.quantity = "log of the run",
-                          .value = 0,
-                          .unit = "",
-                          .demand = "one, to judge by",
-                          .met = false}}};
+    Evaluation evaluation;
+    evaluation.Demand("log of the run", 0, "", "one, to judge by", false);
+    return evaluation;
   }
   const Log log = ReadLog(evidence.log, spans_, limits_);
-  const Measures measures = Measure(log, settings_, *pushes_);
-  return {.findings = FindingsOf(measures), .figures = FiguresOf(log, measures, settings_)};
+  const Measures measures = Measure(log, config_, *pushes_);
+  Evaluation evaluation = EvaluateCases(measures);
+  evaluation.figures = FiguresOf(log, measures, config_);
+  return evaluation;
 }
 
 }  // namespace
+}  // namespace compliance
 
 std::unique_ptr<Application> MakeCompliance(control::ParameterReader& parameters) {
-  return std::make_unique<Compliance>(parameters);
+  return std::make_unique<compliance::Compliance>(parameters);
 }
 
 }  // namespace twin::application

@@ -1,4 +1,4 @@
-#include "application/compliance_cases.h"
+#include "application/compliance.h"
 
 #include <algorithm>
 #include <optional>
@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "twin/application/stage.h"
 #include "twin/core/error.h"
 #include "twin/core/quantity.h"
 #include "twin/reference/pose_trajectory.h"
@@ -52,8 +51,8 @@ std::vector<std::string> Texts(const double* values, std::size_t count, std::str
 }
 
 /// As the controller reads them.
-control::Parameters ParametersOf(const Gains& gains, const JointVector& q_0,
-                                 const Settings& settings, std::string_view reference) {
+control::Parameters ParametersOf(const Gains& gains, const JointVector& q_0, const Config& config,
+                                 std::string_view reference) {
   const auto list = [](std::string key, std::vector<std::string> values) {
     return control::Parameter{.key = std::move(key), .values = std::move(values), .is_list = true};
   };
@@ -66,31 +65,29 @@ control::Parameters ParametersOf(const Gains& gains, const JointVector& q_0,
       list("stiffness.rotation", Texts(gains.K_P.data() + 3, 3, "Nm/rad")),
       list("damping.translation", Texts(gains.K_D.data(), 3, "Ns/m")),
       list("damping.rotation", Texts(gains.K_D.data() + 3, 3, "Nms/rad")),
-      one("k0", FormatNumber(settings.k_0) + " Nm/rad"),
+      one("k0", FormatNumber(config.k_0) + " Nm/rad"),
       one("q0.unit", "rad"),
       list("q0.values", Texts(q_0.data(), kJoints, "")),
-      one("soft_start", FormatDuration(settings.soft_start))};
-  if (settings.friction_compensation) {
-    parameters.push_back(
-        one("friction_compensation", FormatNumber(*settings.friction_compensation)));
+      one("soft_start", FormatDuration(config.soft_start))};
+  if (config.friction_compensation) {
+    parameters.push_back(one("friction_compensation", FormatNumber(*config.friction_compensation)));
   }
   return parameters;
 }
 
-reference::PoseTrajectory PathFrom(const Transform& O_T_EE, const Settings& settings,
+reference::PoseTrajectory PathFrom(const Transform& O_T_EE, const Config& config,
                                    const CartesianLimits& limits) {
   const auto moved = [](Transform pose, const Vector3& by) {
     for (std::size_t i = 0; i < by.size(); ++i) pose[12 + i] += by[i];
     return pose;
   };
-  const Transform first = moved(O_T_EE, settings.first);
-  return reference::PoseTrajectory(
-      {{.O_T_EE = O_T_EE, .at = Duration::zero()},
-       {.O_T_EE = first, .at = settings.leg},
-       {.O_T_EE = moved(first, settings.second), .at = 2 * settings.leg},
-       {.O_T_EE = O_T_EE, .at = 3 * settings.leg},
-       {.O_T_EE = O_T_EE, .at = 3 * settings.leg + settings.rest}},
-      {}, limits);
+  const Transform first = moved(O_T_EE, config.first);
+  return reference::PoseTrajectory({{.O_T_EE = O_T_EE, .at = Duration::zero()},
+                                    {.O_T_EE = first, .at = config.leg},
+                                    {.O_T_EE = moved(first, config.second), .at = 2 * config.leg},
+                                    {.O_T_EE = O_T_EE, .at = 3 * config.leg},
+                                    {.O_T_EE = O_T_EE, .at = 3 * config.leg + config.rest}},
+                                   {}, limits);
 }
 
 /// The only push of a motion.
@@ -136,7 +133,7 @@ void RequireSame(const Case& one, const Case& other, const scenario::Scenario& s
       one.id, other.id));
 }
 
-void RequireMeasurable(const Case& one, const plant::Push& push, const Settings& settings) {
+void RequireMeasurable(const Case& one, const plant::Push& push, const Config& config) {
   const auto fail = [&one](const std::string& why) {
     throw InputError(fmt::format("perturbations: the push of case {}: {}", one.id, why));
   };
@@ -144,26 +141,26 @@ void RequireMeasurable(const Case& one, const plant::Push& push, const Settings&
       push.torque != Vector3{}) {
     fail("it must be a force and no torque, in the world's axes");
   }
-  if (push.begin < settings.soft_start + kBefore) {
+  if (push.begin < config.soft_start + kBefore) {
     fail(fmt::format("begin is {}; it must be at least {}, {} after the soft start",
-                     FormatDuration(push.begin), FormatDuration(settings.soft_start + kBefore),
+                     FormatDuration(push.begin), FormatDuration(config.soft_start + kBefore),
                      FormatDuration(kBefore)));
   }
   if (push.duration - 2 * push.rise < 2 * kSteady) {
     fail(fmt::format("the force is constant for {}; it must be for at least {}, to settle",
                      FormatDuration(push.duration - 2 * push.rise), FormatDuration(2 * kSteady)));
   }
-  if (push.begin + push.duration >= LengthOf(one, settings)) {
+  if (push.begin + push.duration >= LengthOf(one, config)) {
     fail(fmt::format("it ends {} after the motion's begin; the motion takes {}",
                      FormatDuration(push.begin + push.duration),
-                     FormatDuration(LengthOf(one, settings))));
+                     FormatDuration(LengthOf(one, config))));
   }
 }
 
 }  // namespace
 
-Settings ReadSettings(control::ParameterReader& p) {
-  Settings s;
+Config ReadConfig(control::ParameterReader& p) {
+  Config s;
   ReadGains(p, "stiff", s.stiff);
   ReadGains(p, "compliant", s.compliant);
   s.k_0 = p.Quantity("k0", Dimension::kStiffness, s.k_0, 0, 100);
@@ -188,48 +185,48 @@ Settings ReadSettings(control::ParameterReader& p) {
   return s;
 }
 
-const Gains& GainsOf(const Case& one, const Settings& settings) noexcept {
-  return one.is_stiff ? settings.stiff : settings.compliant;
+const Gains& GainsOf(const Case& one, const Config& config) noexcept {
+  return one.is_stiff ? config.stiff : config.compliant;
 }
 
-Duration LengthOf(const Case& one, const Settings& settings) noexcept {
+Duration LengthOf(const Case& one, const Config& config) noexcept {
   switch (one.kind) {
-    case Kind::kStandstill: return settings.standing;
-    case Kind::kTrajectory: return 3 * settings.leg + settings.rest;
+    case Kind::kStandstill: return config.standing;
+    case Kind::kTrajectory: return 3 * config.leg + config.rest;
     case Kind::kNullSpace: break;
   }
-  return settings.wandering;
+  return config.wandering;
 }
 
-run::Motion MotionOf(const Case& one, const Settings& settings, const Stage& stage,
+run::Motion MotionOf(const Case& one, const Config& config, const Stage& stage,
                      const RobotState& state) {
   const bool moves = one.kind == Kind::kTrajectory;
-  run::Motion motion =
-      stage.NewMotion(fmt::format("{}: {}", one.id, one.what), control::CommandInterface::kTorque,
-                      run::StandingFor(state.q, LengthOf(one, settings), stage.robot().limits));
-  if (moves) motion.poses = PathFrom(state.O_T_EE, settings, stage.robot().cartesian);
+  run::Motion motion = run::MotionOn(
+      stage.scenario, fmt::format("{}: {}", one.id, one.what), control::CommandInterface::kTorque,
+      run::StandingFor(state.q, LengthOf(one, config), stage.session.robot().limits));
+  if (moves) motion.poses = PathFrom(state.O_T_EE, config, stage.session.robot().cartesian);
   motion.controller.type = "compliance";
   motion.controller.parameters = ParametersOf(
-      GainsOf(one, settings), one.kind == Kind::kNullSpace ? settings.elsewhere : settings.q_0,
-      settings, moves ? "path" : "hold");
+      GainsOf(one, config), one.kind == Kind::kNullSpace ? config.elsewhere : config.q_0, config,
+      moves ? "path" : "hold");
   return motion;
 }
 
 run::Motion MotionBack(const Case& from, const Stage& stage, const RobotState& state) {
-  return stage.NewMotion(
-      fmt::format("back from {}", from.id), control::CommandInterface::kTorque,
+  return run::MotionOn(
+      stage.scenario, fmt::format("back from {}", from.id), control::CommandInterface::kTorque,
       reference::Trajectory({{.q = state.q, .at = Duration::zero()},
-                             {.q = stage.scenario().robot.q_start.value(), .at = kBack}},
-                            {}, stage.robot().limits));
+                             {.q = stage.scenario.robot.q_start.value(), .at = kBack}},
+                            {}, stage.session.robot().limits));
 }
 
-Pushes PushesOf(const scenario::Scenario& scenario, const Settings& settings) {
+Pushes PushesOf(const scenario::Scenario& scenario, const Config& config) {
   RefuseOthers(scenario);
   RequireSame(kAllCases[kA], kAllCases[kB], scenario);
   RequireSame(kAllCases[kC], kAllCases[kD], scenario);
   Pushes pushes{PushOf(kAllCases[kA], scenario), PushOf(kAllCases[kC], scenario)};
-  RequireMeasurable(kAllCases[kA], pushes.standing, settings);
-  RequireMeasurable(kAllCases[kC], pushes.moving, settings);
+  RequireMeasurable(kAllCases[kA], pushes.standing, config);
+  RequireMeasurable(kAllCases[kC], pushes.moving, config);
   return pushes;
 }
 

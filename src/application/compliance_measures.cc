@@ -1,4 +1,4 @@
-#include "application/compliance_measures.h"
+#include "application/compliance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -145,15 +145,15 @@ Tracking TrackingOf(const Trace& trace) {
   return tracking;
 }
 
-double WanderingBegin(const Settings& settings) {
-  return ToSeconds(settings.soft_start + kBefore);
+double WanderingBegin(const Config& config) {
+  return ToSeconds(config.soft_start + kBefore);
 }
 
-std::optional<Wandering> WanderingOf(const Trace& trace, const Settings& settings) {
+std::optional<Wandering> WanderingOf(const Trace& trace, const Config& config) {
   const Sample* first = nullptr;
   Wandering w;
   for (const Sample& sample : trace) {
-    if (sample.t() < WanderingBegin(settings)) continue;
+    if (sample.t() < WanderingBegin(config)) continue;
     if (first == nullptr) first = &sample;
     w.end_effector = std::max(w.end_effector, Norm(Minus(sample.p, first->p)));
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -164,13 +164,13 @@ std::optional<Wandering> WanderingOf(const Trace& trace, const Settings& setting
   return w;
 }
 
-Measures Measure(const Log& log, const Settings& settings, const Pushes& pushes) {
+Measures Measure(const Log& log, const Config& config, const Pushes& pushes) {
   Measures m;
   m.reflexes = log.reflexes;
   const auto respond = [&](CaseIndex index, const Trace* untouched, const plant::Push& push) {
     const Trace& trace = log.traces[index];
     if (trace.empty() || (untouched != nullptr && untouched->empty())) return;
-    m.responses[index] = ResponseOf(trace, untouched, push, GainsOf(kAllCases[index], settings));
+    m.responses[index] = ResponseOf(trace, untouched, push, GainsOf(kAllCases[index], config));
   };
   respond(kA, nullptr, pushes.standing);
   respond(kB, nullptr, pushes.standing);
@@ -179,7 +179,7 @@ Measures Measure(const Log& log, const Settings& settings, const Pushes& pushes)
   for (const CaseIndex index : {kC0, kD0}) {
     if (!log.traces[index].empty()) m.trackings[index] = TrackingOf(log.traces[index]);
   }
-  m.wandering = WanderingOf(log.traces[kN], settings);
+  m.wandering = WanderingOf(log.traces[kN], config);
   for (const Trace& trace : log.traces) {
     for (const Sample& sample : trace) {
       m.torque = std::max(m.torque, sample.torque);

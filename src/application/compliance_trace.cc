@@ -1,4 +1,4 @@
-#include "application/compliance_trace.h"
+#include "application/compliance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,10 +17,10 @@ Vector3 PositionOf(const Transform& X) noexcept {
 }
 
 /// Takes the states of a log one after the other.
-class Collector {
+class TraceCollector {
  public:
-  Collector(const std::array<std::optional<Span>, kCases>& spans, const JointLimits& limits,
-            Log& log)
+  TraceCollector(const std::array<std::optional<Span>, kCases>& spans, const JointLimits& limits,
+                 Log& log)
       : spans_(spans), limits_(limits), log_(log) {}
 
   void Add(const rt::CycleRecord& cycle) {
@@ -80,9 +80,9 @@ class Collector {
                   .p = PositionOf(state.O_T_EE),
                   .q = state.q};
     const Transform wanted = span.path ? span.path->Sample(cycle.at - begun_).O_T_EE : held_;
-    const Vector6 way = model::Displacement(wanted, state.O_T_EE);
-    sample.off = {way[0], way[1], way[2]};
-    sample.turned = HalfNorm(way, 3);
+    const Vector6 error = model::Displacement(wanted, state.O_T_EE);
+    sample.off = {error[0], error[1], error[2]};
+    sample.turned = HalfNorm(error, 3);
     for (std::size_t i = 0; i < sample.force.size(); ++i) sample.force[i] = -state.O_F_ext_hat_K[i];
     TakeTorques(state, sample);
     return sample;
@@ -117,7 +117,7 @@ Log ReadLog(const std::filesystem::path& path, const std::array<std::optional<Sp
             const JointLimits& limits) {
   Log log;
   record::LogReader reader(path);
-  Collector collector(spans, limits, log);
+  TraceCollector collector(spans, limits, log);
   record::LogEntry entry;
   while (reader.Next(entry)) {
     std::visit([&collector](const auto& record) { collector.Add(record); }, entry);

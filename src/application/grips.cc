@@ -1,4 +1,4 @@
-#include "application/grips.h"
+#include "application/pick.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using plant::ObjectShape;
 
 // Of the Franka Hand, from the middle between its fingertips: models/robots/hand/hand.urdf.
 constexpr double kPalm = 0.0374;      // m, up to the palm
@@ -24,27 +23,27 @@ constexpr double kLeastHold = 0.004;  // m of the object above that middle, at l
 /// A cylinder stands when its axis is nearer to the vertical than this, cos.
 constexpr double kStands = 0.7;
 
-/// Where the fingers close, and what is between them then.
+/// An axis along which the fingers close, and the object's width between them.
 struct Closing {
   Vector3d axis;
   double width = 0;
 };
 
-/// The axis of the object that points up, or of a lying cylinder the direction across it.
+/// The object's axis that points up; of a lying cylinder the upward direction across its axis.
 Vector3d UpOf(const plant::SceneObject& object, const Vector3d& up) {
   Vector3d nearest = Vector3d::Zero();
-  if (object.shape == ObjectShape::kCylinder && std::abs(up.z()) < kStands) {
+  if (object.shape == plant::ObjectShape::kCylinder && std::abs(up.z()) < kStands) {
     return Vector3d(up.x(), up.y(), 0).normalized();
   }
   Eigen::Index axis = 2;
-  if (object.shape == ObjectShape::kBox) up.cwiseAbs().maxCoeff(&axis);
+  if (object.shape == plant::ObjectShape::kBox) up.cwiseAbs().maxCoeff(&axis);
   nearest[axis] = up[axis] < 0 ? -1 : 1;
   return nearest;
 }
 
 std::vector<Closing> ClosingsOf(const plant::SceneObject& object, const Vector3d& up) {
   std::vector<Closing> closings;
-  if (object.shape == ObjectShape::kBox) {
+  if (object.shape == plant::ObjectShape::kBox) {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       if (std::abs(up[axis]) > 0.5) continue;
       closings.push_back({Vector3d::Unit(axis), object.size[static_cast<std::size_t>(axis)]});
@@ -61,14 +60,12 @@ std::vector<Closing> ClosingsOf(const plant::SceneObject& object, const Vector3d
   return closings;
 }
 
-/// Half of the object's extent along its direction up.
+/// Half of the object's extent along `up`, object's axes.
 double HalfAlong(const plant::SceneObject& object, const Vector3d& up) {
-  if (object.shape != ObjectShape::kBox) {
+  if (object.shape != plant::ObjectShape::kBox) {
     return (std::abs(up.z()) > 0.5 ? object.size[2] : object.size[0]) / 2;
   }
-  return (std::abs(up.x()) * object.size[0] + std::abs(up.y()) * object.size[1] +
-          std::abs(up.z()) * object.size[2]) /
-         2;
+  return up.cwiseAbs().dot(Vector3d(object.size.data())) / 2;
 }
 
 }  // namespace
@@ -76,7 +73,7 @@ double HalfAlong(const plant::SceneObject& object, const Vector3d& up) {
 std::vector<Grip> GripsOf(const plant::SceneObject& object, const Vector3& up,
                           const GripRoom& room) {
   const Matrix3d O_R_B = model::Orientation(object.X_WB).toRotationMatrix();
-  const Vector3d B_up = UpOf(object, O_R_B.transpose() * Vector3d(up[0], up[1], up[2]));
+  const Vector3d B_up = UpOf(object, O_R_B.transpose() * Vector3d(up.data()));
   const double half = HalfAlong(object, B_up);
   const double height = std::max({0.0, half - (kPalm - room.palm), kTip + room.below - half});
   std::vector<Grip> grips;

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "twin/application/application_run.h"
+#include "twin/application/application.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/page/page_device.h"

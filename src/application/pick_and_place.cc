@@ -1,5 +1,3 @@
-#include "application/pick_and_place.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,12 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "application/pick_evaluation.h"
-#include "application/pick_plan.h"
-#include "application/pick_task.h"
-#include "twin/application/stage.h"
+#include "application/applications.h"
+#include "application/pick.h"
 #include "twin/backend/backend.h"
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 #include "twin/core/setting.h"
 #include "twin/model/arm_model.h"
@@ -23,17 +18,17 @@
 namespace twin::application {
 namespace {
 
-constexpr double kHandSpeed = 0.1;   // m/s, of the open hand
-constexpr double kSameWidth = 1e-3;  // m
-constexpr double kSamePlace = 2e-3;  // rad: nearer than this a way begins where it was planned
+constexpr double kOpeningSpeed = 0.1;  // m/s, of the hand
+constexpr double kSameWidth = 1e-3;    // m
+constexpr double kSameStart = 2e-3;    // rad, from a leg's planned start
 
-double LargestDistance(const JointVector& a, const JointVector& b) {
+double LargestDifference(const JointVector& a, const JointVector& b) {
   double largest = 0;
   for (std::size_t i = 0; i < kJoints; ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
   return largest;
 }
 
-/// What people see of a way.
+/// The caption of a leg's pictures.
 std::string CaptionOf(Leg leg, const PickTask& task) {
   const std::string& name = task.object.name;
   switch (leg) {
@@ -70,32 +65,36 @@ class PickAndPlace final : public Application {
   StepEnd Approach();
   StepEnd Grasp();
   StepEnd Lift();
+  StepEnd Transfer() { return Carry(Leg::kTransfer); }
   StepEnd Carry(Leg leg);
   StepEnd Place();
   StepEnd Release();
   StepEnd Retreat();
 
-  /// Goes a way, planned anew when the arm is not where it begins.
+  /// Executes a leg, planned anew when the arm is not at its start.
   StepEnd Go(Leg leg);
   StepEnd Follow(const std::string& name, const LegPlan& leg, const JointVector& q);
-  /// Where the arm is, at rest and ready to move.
+  /// The arm's position, at rest and ready to move.
   [[nodiscard]] JointVector Ready();
   StepEnd Open();
   [[nodiscard]] bool Holds() const;
-  void TellLoad(const setting::Load& load);
   [[nodiscard]] setting::Load LoadOfObject() const;
-  Snapshot& SnapshotOf(Leg leg);
-  [[nodiscard]] run::Session& session() const { return stage_->session(); }
+  /// The record of a leg's plan; added when it is the first.
+  record::PlanRecord& RecordOf(Leg leg);
+  [[nodiscard]] run::Session& session() const { return stage_->session; }
+  [[nodiscard]] HandState hand_state() const { return session().connection().hand->ReadState(); }
+  void Configure(const setting::Load& load) { session().connection().backend->Configure(load); }
   [[nodiscard]] double opening() const { return planner_->OpeningFor(plan_.grip); }
 
   const PickParameters parameters_;
   const control::Parameters controller_;
-  Stage* stage_ = nullptr;  ///< set while it performs
+  Stage* stage_ = nullptr;  ///< during Perform()
+  std::unique_ptr<planning::CollisionWorld> world_;
   std::optional<PickPlanner> planner_;
   PickPlan plan_;
   PickRecord record_;
   TaskResult task_result_;
-  bool is_around_object_ = false;  ///< the fingers are, without holding it
+  bool is_around_object_ = false;  ///< the open fingers are around it
 };
 
 void PickAndPlace::Require(const scenario::Scenario& scenario) const {
@@ -107,54 +106,39 @@ void PickAndPlace::Require(const scenario::Scenario& scenario) const {
 
 TaskResult PickAndPlace::Perform(Stage& stage) {
   stage_ = &stage;
-  record_.task = TaskOf(stage.scenario(), parameters_);
-  record_.limits = stage.robot().limits;
-  planner_.emplace(stage.World(),
-                   PickRobot{.limits = stage.robot().limits,
-                             .cartesian = stage.robot().cartesian,
-                             .F_T_NE = stage.robot().F_T_NE,
+  const scenario::RobotData& robot = stage.session.robot();
+  record_.task = TaskOf(stage.scenario, parameters_);
+  record_.limits = robot.limits;
+  world_ = stage.MakeWorld();
+  planner_.emplace(*world_,
+                   PickRobot{.limits = robot.limits,
+                             .cartesian = robot.cartesian,
+                             .F_T_NE = robot.F_T_NE,
                              .F_T_EE = stage.F_T_EE()},
                    record_.task, parameters_.options);
-  const int tries = parameters_.tries;
-  task_result_.task = stage.Carry({{.name = "plan", .act = [this] { return Plan(); }},
-                                   {.name = "approach",
-                                    .act = [this] { return Approach(); },
-                                    .after_failure = "approach",
-                                    .attempts = 2},
-                                   {.name = "grasp",
-                                    .act = [this] { return Grasp(); },
-                                    .after_failure = "approach",
-                                    .attempts = tries},
-                                   {.name = "lift",
-                                    .act = [this] { return Lift(); },
-                                    .after_failure = "approach",
-                                    .attempts = 2},
-                                   {.name = "transfer",
-                                    .act = [this] { return Carry(Leg::kTransfer); },
-                                    .after_failure = "transfer",
-                                    .attempts = 2},
-                                   {.name = "place",
-                                    .act = [this] { return Place(); },
-                                    .after_failure = "place",
-                                    .attempts = 2},
-                                   {.name = "release", .act = [this] { return Release(); }},
-                                   {.name = "retreat",
-                                    .act = [this] { return Retreat(); },
-                                    .after_failure = "retreat",
-                                    .attempts = 2}});
+  const auto step = [this](const char* name, StepEnd (PickAndPlace::*act)(),
+                           const char* after_failure = "", int attempts = 1) -> TaskStep {
+    return {name, [this, act] { return (this->*act)(); }, after_failure, attempts};
+  };
+  task_result_.task = stage.Carry(
+      {step("plan", &PickAndPlace::Plan), step("approach", &PickAndPlace::Approach, "approach", 2),
+       step("grasp", &PickAndPlace::Grasp, "approach", parameters_.tries),
+       step("lift", &PickAndPlace::Lift, "approach", 2),
+       step("transfer", &PickAndPlace::Transfer, "transfer", 2),
+       step("place", &PickAndPlace::Place, "place", 2), step("release", &PickAndPlace::Release),
+       step("retreat", &PickAndPlace::Retreat, "retreat", 2)});
   stage_ = nullptr;
   return std::move(task_result_);
 }
 
 StepEnd PickAndPlace::Plan() {
-  const Time begun = stage_->clock().Now();
+  const Time begun = stage_->clock.Now();
   auto planned = planner_->Plan(Ready());
-  task_result_.planning_time += stage_->clock().Now() - begun;
+  task_result_.planning_time += stage_->clock.Now() - begun;
   if (auto* why = std::get_if<std::string>(&planned)) return {false, std::move(*why)};
   plan_ = std::move(std::get<PickPlan>(planned));
   const Transform NE_T_EE =
-      model::Multiply(model::Inverse(stage_->robot().F_T_NE), stage_->F_T_EE());
-  record_.grip = plan_.grip;
+      model::Multiply(model::Inverse(session().robot().F_T_NE), stage_->F_T_EE());
   record_.B_T_EE = model::Multiply(plan_.grip.B_T_NE, NE_T_EE);
   record_.moved = plan_.duration;
   return {true, fmt::format("{} ways, {:.1f} s, the hand closes to {:.1f} mm", kLegs,
@@ -170,40 +154,40 @@ JointVector PickAndPlace::Ready() {
   return state.q_d;
 }
 
-Snapshot& PickAndPlace::SnapshotOf(Leg leg) {
-  const std::string id(Name(leg));
-  const auto found = std::ranges::find(task_result_.snapshots, id, &Snapshot::id);
-  return found != task_result_.snapshots.end()
+record::PlanRecord& PickAndPlace::RecordOf(Leg leg) {
+  const std::string id(kLegNames.at(static_cast<std::size_t>(leg)));
+  const auto found = std::ranges::find(task_result_.plans, id, &record::PlanRecord::id);
+  return found != task_result_.plans.end()
              ? *found
-             : task_result_.snapshots.emplace_back(Snapshot{.id = id, .caption = {}});
+             : task_result_.plans.emplace_back(record::PlanRecord{.id = id, .caption = {}});
 }
 
 StepEnd PickAndPlace::Go(Leg leg) {
   const JointVector q = Ready();
   const auto number = static_cast<std::size_t>(leg);
-  if (LargestDistance(q, plan_.legs[number].q_start) > kSamePlace) {
-    const Time begun = stage_->clock().Now();
+  if (LargestDifference(q, plan_.legs[number].q_start) > kSameStart) {
+    const Time begun = stage_->clock.Now();
     auto planned = planner_->PlanFrom(q, leg, plan_.grip);
-    task_result_.planning_time += stage_->clock().Now() - begun;
+    task_result_.planning_time += stage_->clock.Now() - begun;
     if (auto* why = std::get_if<std::string>(&planned)) {
       return {false, fmt::format("no way from where the arm is: {}", *why)};
     }
     plan_ = std::move(std::get<PickPlan>(planned));
   }
   const LegPlan& plan = plan_.legs[number];
-  Snapshot& snapshot = SnapshotOf(leg);
-  snapshot.caption = CaptionOf(leg, record_.task);
-  snapshot.planned = session().Now();
-  snapshot.goal = plan.q_end;
-  snapshot.way = plan.way;
+  record::PlanRecord& record = RecordOf(leg);
+  record.caption = CaptionOf(leg, record_.task);
+  record.from = session().Now();
+  record.q = plan.q_end;
+  record.way = plan.path;
   if (leg == Leg::kLift || leg == Leg::kTransfer || leg == Leg::kPlace) {
-    snapshot.object = record_.task.object.name;
-    snapshot.O_T_object = model::Multiply(
+    record.object = record_.task.object.name;
+    record.O_T_object = model::Multiply(
         model::ArmModel::Panda().Pose(model::Frame::kEndEffector, plan.q_end, stage_->F_T_EE()),
         model::Inverse(record_.B_T_EE));
   }
-  StepEnd end = Follow(std::string(Name(leg)), plan, q);
-  snapshot.done = session().Now();
+  StepEnd end = Follow(record.id, plan, q);
+  record.until = session().Now();
   return end;
 }
 
@@ -212,10 +196,11 @@ StepEnd PickAndPlace::Follow(const std::string& name, const LegPlan& leg, const 
   LegPlan from_here = leg;
   from_here.poses.front() =
       model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q, stage_->F_T_EE());
-  reference::PoseTrajectory poses = PathOf(from_here, stage_->robot().cartesian);
+  reference::PoseTrajectory poses = PathOf(from_here, session().robot().cartesian);
   const Duration duration = poses.duration();
-  run::Motion motion = stage_->NewMotion(name, control::CommandInterface::kJointPosition,
-                                         run::StandingFor(q, duration, stage_->robot().limits));
+  run::Motion motion =
+      run::MotionOn(stage_->scenario, name, control::CommandInterface::kJointPosition,
+                    run::StandingFor(q, duration, session().robot().limits));
   motion.poses = std::move(poses);
   motion.controller.type = "cartesian_pose";
   motion.controller.parameters = controller_;
@@ -227,27 +212,23 @@ StepEnd PickAndPlace::Follow(const std::string& name, const LegPlan& leg, const 
 }
 
 StepEnd PickAndPlace::Open() {
-  if (std::abs(session().connection().hand->ReadState().width - opening()) < kSameWidth) return {};
+  if (std::abs(hand_state().width - opening()) < kSameWidth) return {};
   const run::HandOutcome outcome =
-      session().Command(hand::Move{.width = opening(), .speed = kHandSpeed});
+      session().Command(hand::Move{.width = opening(), .speed = kOpeningSpeed});
   if (outcome.result == HandResult::kSuccess) return {};
   return {false, fmt::format("the hand did not open to {:.1f} mm: it stands at {:.1f} mm. {}",
                              opening() * 1e3, outcome.width * 1e3, outcome.failure)};
 }
 
 bool PickAndPlace::Holds() const {
-  const HandState hand = session().connection().hand->ReadState();
-  return hand.is_grasped && std::abs(hand.width - plan_.grip.width) <= parameters_.tolerance;
-}
-
-void PickAndPlace::TellLoad(const setting::Load& load) {
-  session().connection().backend->Configure(load);
+  const HandState state = hand_state();
+  return state.is_grasped && std::abs(state.width - plan_.grip.width) <= parameters_.tolerance;
 }
 
 setting::Load PickAndPlace::LoadOfObject() const {
   const Transform F_T_B =
-      model::Multiply(stage_->robot().F_T_NE, model::Inverse(plan_.grip.B_T_NE));
-  return {.m_load = NominalMass(stage_->scenario(), record_.task.object.name),
+      model::Multiply(session().robot().F_T_NE, model::Inverse(plan_.grip.B_T_NE));
+  return {.m_load = NominalMass(stage_->scenario, record_.task.object.name),
           .F_x_Cload = {F_T_B[12], F_T_B[13], F_T_B[14]}};
 }
 
@@ -275,7 +256,7 @@ StepEnd PickAndPlace::Grasp() {
                                     .epsilon_inner = parameters_.tolerance,
                                     .epsilon_outer = parameters_.tolerance});
   record_.width_grasped = outcome.width;
-  SnapshotOf(Leg::kGrasp).done = session().Now();
+  RecordOf(Leg::kGrasp).until = session().Now();
   if (outcome.result == HandResult::kSuccess && Holds()) {
     return {true, fmt::format("{:.2f} mm wide", outcome.width * 1e3)};
   }
@@ -286,9 +267,8 @@ StepEnd PickAndPlace::Grasp() {
 
 StepEnd PickAndPlace::Carry(Leg leg) {
   const auto lost = [this]() -> StepEnd {
-    return {false,
-            fmt::format("the hand lost the {}: it stands at {:.1f} mm", record_.task.object.name,
-                        session().connection().hand->ReadState().width * 1e3)};
+    return {false, fmt::format("the hand lost the {}: it stands at {:.1f} mm",
+                               record_.task.object.name, hand_state().width * 1e3)};
   };
   if (!Holds()) return lost();
   StepEnd end = Go(leg);
@@ -297,7 +277,7 @@ StepEnd PickAndPlace::Carry(Leg leg) {
 
 StepEnd PickAndPlace::Lift() {
   static_cast<void>(Ready());
-  TellLoad(LoadOfObject());
+  Configure(LoadOfObject());
   return Carry(Leg::kLift);
 }
 
@@ -306,15 +286,15 @@ StepEnd PickAndPlace::Place() {
   if (!end.succeeded) return end;
   record_.is_placed = true;
   record_.O_T_EE_placed = session().ReadState().O_T_EE;
-  record_.width_placed = session().connection().hand->ReadState().width;
+  record_.width_placed = hand_state().width;
   return end;
 }
 
 StepEnd PickAndPlace::Release() {
-  // What is below bears the object from here on: so nothing jerks when the fingers open.
-  TellLoad(stage_->scenario().onboard.load);
+  // The surface bears the object from here on, so the arm does not jerk when the fingers open.
+  Configure(stage_->scenario.onboard.load);
   StepEnd end = Open();
-  SnapshotOf(Leg::kPlace).done = session().Now();
+  RecordOf(Leg::kPlace).until = session().Now();
   return end;
 }
 

@@ -1,17 +1,19 @@
-#include "application/pick_evaluation.h"
-
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <Eigen/Core>
 
-#include "application/pick_figures.h"
+#include "application/pick.h"
+#include "twin/core/modes.h"
 #include "twin/model/rotation.h"
 #include "twin/model/transform.h"
+#include "twin/record/log_reader.h"
 
 namespace twin::application {
 namespace {
@@ -19,46 +21,27 @@ namespace {
 using plant::ObjectTrack;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kMostDistance = 5e-3;      // m, from the goal
-constexpr double kMostAngle = 3 * kDegree;  // rad
-constexpr double kStillSpeed = 1e-3;        // m/s
-constexpr double kStillTurnRate = kDegree;  // rad/s
-/// A fall of 2 mm takes as long.
-constexpr Duration kLongestFall = std::chrono::milliseconds(20);
+constexpr double kMostPositionError = 5e-3;      // m
+constexpr double kMostAngleError = 3 * kDegree;  // rad
+constexpr double kStillSpeed = 1e-3;             // m/s
+constexpr double kStillTurnRate = kDegree;       // rad/s
+constexpr double kLongestFallMs = 20;            // of a fall of 2 mm
+constexpr std::uint64_t kCyclesPerSample = 5;
 
-double Distance(const Transform& a, const Transform& b) {
+double PositionError(const Transform& a, const Transform& b) {
   return (model::Position(a) - model::Position(b)).norm();
 }
 
-double Angle(const Transform& a, const Transform& b) {
+double AngleError(const Transform& a, const Transform& b) {
   return model::TurnBetween(a, b).norm();
 }
 
-/// Collects findings.
-class Findings {
- public:
-  void Tell(std::string quantity, double value, std::string unit = "") {
-    all.push_back({.quantity = std::move(quantity), .value = value, .unit = std::move(unit)});
-  }
-  void Demand(std::string quantity, double value, std::string unit, double most) {
-    const bool met = value <= most;
-    all.push_back({.quantity = std::move(quantity),
-                   .value = value,
-                   .unit = std::move(unit),
-                   .demand = most == 0 ? "none" : fmt::format("at most {:g}", most),
-                   .met = met});
-    if (!all.back().unit.empty() && most != 0) all.back().demand += " " + all.back().unit;
-  }
-
-  std::vector<Finding> all;
-};
-
-/// The longest time in which the object was borne neither by what is around it nor by both fingers.
+/// The longest time without support by the surroundings or by both fingers.
 Duration LongestFall(const ObjectTrack& track) {
   Duration longest{};
   for (std::size_t i = 0; i < track.changes.size(); ++i) {
     const plant::Support& now = track.changes[i].now;
-    // Before the first step it stands exactly on its place, which is no contact yet.
+    // Before the first step the object only touches its surface, without contact.
     if (i == 0 || now.world || now.between_fingers()) continue;
     const Time end = i + 1 < track.changes.size() ? track.changes[i + 1].at : track.last.at;
     longest = std::max(longest, end - track.changes[i].at);
@@ -66,53 +49,37 @@ Duration LongestFall(const ObjectTrack& track) {
   return longest;
 }
 
-/// When the object was in the fingers alone: from the last time it left its place until it first
-/// came to rest on another.
-struct Carried {
-  Time begin{};
-  Time end{};
-};
-
-std::optional<Carried> WhenCarried(const ObjectTrack& track) {
-  std::optional<Carried> carried;
+/// The longest interval in which the fingers alone hold the object; nullopt: none.
+std::optional<std::pair<Time, Time>> WhenCarried(const ObjectTrack& track) {
+  std::optional<std::pair<Time, Time>> carried;
   for (std::size_t i = 0; i + 1 < track.changes.size(); ++i) {
     const plant::Support& now = track.changes[i].now;
     if (now.world || !now.between_fingers()) continue;
-    const Time end = track.changes[i + 1].at;
-    if (!carried || end - track.changes[i].at > carried->end - carried->begin) {
-      carried = Carried{track.changes[i].at, end};
-    }
+    const auto [begin, end] = std::pair(track.changes[i].at, track.changes[i + 1].at);
+    if (!carried || end - begin > carried->second - carried->first) carried = {begin, end};
   }
   return carried;
 }
 
-/// How far the object moved in the hand while it was carried.
-void TellSlip(const ObjectTrack& track, Findings& findings) {
+/// Motion of the object by the closing fingers, and in the hand during the transport.
+void ReportSlip(const ObjectTrack& track, const PickTask& task, Evaluation& evaluation) {
   const auto carried = WhenCarried(track);
   if (!carried) return;
+  Transform before = task.object.X_WB;
   std::optional<Transform> first;
   double distance = 0;
   double angle = 0;
   for (const plant::ObjectSample& sample : track.samples) {
-    if (sample.at < carried->begin || sample.at > carried->end) continue;
+    if (sample.at <= carried->first) before = sample.X_WB;
+    if (sample.at < carried->first || sample.at > carried->second) continue;
     if (!first) first = sample.X_HB;
-    distance = std::max(distance, Distance(*first, sample.X_HB));
-    angle = std::max(angle, Angle(*first, sample.X_HB));
+    distance = std::max(distance, PositionError(*first, sample.X_HB));
+    angle = std::max(angle, AngleError(*first, sample.X_HB));
   }
-  findings.Tell("slip of the object in the hand, largest", distance * 1e3, "mm");
-  findings.Tell("rotation of the object in the hand, largest", angle / kDegree, "deg");
-}
-
-/// How far the closing fingers moved the object.
-void TellPush(const ObjectTrack& track, const PickTask& task, Findings& findings) {
-  const auto carried = WhenCarried(track);
-  if (!carried) return;
-  Transform last = task.object.X_WB;
-  for (const plant::ObjectSample& sample : track.samples) {
-    if (sample.at <= carried->begin) last = sample.X_WB;
-  }
-  findings.Tell("displacement of the object by the grasp", Distance(task.object.X_WB, last) * 1e3,
-                "mm");
+  evaluation.Report("displacement of the object by the grasp",
+                    PositionError(task.object.X_WB, before) * 1e3, "mm");
+  evaluation.Report("slip of the object in the hand, largest", distance * 1e3, "mm");
+  evaluation.Report("rotation of the object in the hand, largest", angle / kDegree, "deg");
 }
 
 std::vector<std::string> UnwantedContacts(const PickTask& task, const plant::ContactWatch& contacts,
@@ -130,91 +97,126 @@ std::vector<std::string> UnwantedContacts(const PickTask& task, const plant::Con
   return unwanted;
 }
 
-/// What really became of the object.
+/// The object's motion, by ground truth.
 void EvaluateTruth(const PickTask& task, const plant::ContactWatch& contacts,
-                   const ObjectTrack& track, Findings& findings) {
+                   const ObjectTrack& track, Evaluation& evaluation) {
   const plant::ObjectSample& end = track.last;
-  findings.Demand("object position error", Distance(end.X_WB, task.O_T_goal) * 1e3, "mm",
-                  kMostDistance * 1e3);
-  findings.Demand("object orientation error", Angle(end.X_WB, task.O_T_goal) / kDegree, "deg",
-                  kMostAngle / kDegree);
-  findings.Demand("object speed at the end", end.speed * 1e3, "mm/s", kStillSpeed * 1e3);
-  findings.Demand("object turn rate at the end", end.turn_rate / kDegree, "deg/s",
-                  kStillTurnRate / kDegree);
-  findings.Demand("longest free fall of the object", ToSeconds(LongestFall(track)) * 1e3, "ms",
-                  ToSeconds(kLongestFall) * 1e3);
-  const std::vector<std::string> unwanted = UnwantedContacts(task, contacts, track);
-  findings.Demand(unwanted.empty()
-                      ? "unwanted contacts"
-                      : fmt::format("unwanted contacts: {}", fmt::join(unwanted, "; ")),
-                  static_cast<double>(unwanted.size()), "", 0);
-  TellPush(track, task, findings);
-  TellSlip(track, findings);
+  evaluation.DemandAtMost("object position error", PositionError(end.X_WB, task.O_T_goal) * 1e3,
+                          "mm", kMostPositionError * 1e3);
+  evaluation.DemandAtMost("object orientation error", AngleError(end.X_WB, task.O_T_goal) / kDegree,
+                          "deg", kMostAngleError / kDegree);
+  evaluation.DemandAtMost("object speed at the end", end.speed * 1e3, "mm/s", kStillSpeed * 1e3);
+  evaluation.DemandAtMost("object turn rate at the end", end.turn_rate / kDegree, "deg/s",
+                          kStillTurnRate / kDegree);
+  evaluation.DemandAtMost("longest free fall of the object", ToSeconds(LongestFall(track)) * 1e3,
+                          "ms", kLongestFallMs);
+  evaluation.DemandNone("unwanted contacts", UnwantedContacts(task, contacts, track));
+  ReportSlip(track, task, evaluation);
 }
 
-/// Nothing where nobody simulates it.
-std::optional<ObjectTrack> TrackOf(const std::string& object, const Evidence& evidence) {
-  if (evidence.contacts == nullptr) return std::nullopt;
-  std::vector<ObjectTrack> tracks = evidence.contacts->objects().Tracks();
-  const auto track = std::ranges::find(tracks, object, &ObjectTrack::body);
-  if (track == tracks.end()) return std::nullopt;
-  return std::move(*track);
-}
-
-void DemandLimits(const PickTrace& trace, Findings& findings) {
-  if (trace.t.empty()) return;
-  findings.Demand("peak joint velocity of the reference / limit",
-                  std::ranges::max(trace.velocity) * 1e2, "%", 100);
-  findings.Demand("peak joint acceleration of the reference / limit",
-                  std::ranges::max(trace.acceleration) * 1e2, "%", 100);
-  findings.Demand("peak joint jerk of the reference / limit", std::ranges::max(trace.jerk) * 1e2,
-                  "%", 100);
-}
-
-/// What the robot knows of it. @param is_all  whether nothing else is known.
-void EvaluateReports(const PickRecord& record, bool is_all, Findings& findings) {
+/// The object's pose by the robot's joints. @param is_all  whether no ground truth is available.
+void EvaluateReports(const PickRecord& record, bool is_all, Evaluation& evaluation) {
   if (!record.is_placed) return;
   const Transform O_T_object = model::Multiply(record.O_T_EE_placed, model::Inverse(record.B_T_EE));
-  const double distance = Distance(O_T_object, record.task.O_T_goal) * 1e3;
-  const double angle = Angle(O_T_object, record.task.O_T_goal) / kDegree;
-  const char* quantity = "position error at release, by the robot's joints";
-  const char* turned = "orientation error at release, by the robot's joints";
+  const double distance = PositionError(O_T_object, record.task.O_T_goal) * 1e3;
+  const double angle = AngleError(O_T_object, record.task.O_T_goal) / kDegree;
+  const char* position = "position error at release, by the robot's joints";
+  const char* orientation = "orientation error at release, by the robot's joints";
   if (is_all) {
-    findings.Demand(quantity, distance, "mm", kMostDistance * 1e3);
-    findings.Demand(turned, angle, "deg", kMostAngle / kDegree);
+    evaluation.DemandAtMost(position, distance, "mm", kMostPositionError * 1e3);
+    evaluation.DemandAtMost(orientation, angle, "deg", kMostAngleError / kDegree);
   } else {
-    findings.Tell(quantity, distance, "mm");
-    findings.Tell(turned, angle, "deg");
+    evaluation.Report(position, distance, "mm");
+    evaluation.Report(orientation, angle, "deg");
   }
-  findings.Tell("finger width after the grasp", record.width_grasped * 1e3, "mm");
-  findings.Tell("finger width before the release", record.width_placed * 1e3, "mm");
+  evaluation.Report("finger width after the grasp", record.width_grasped * 1e3, "mm");
+  evaluation.Report("finger width before the release", record.width_placed * 1e3, "mm");
+}
+
+/// The figures from the states in a log, one sample per 5 ms. Shares of the limits are the largest
+/// since the sample before.
+class PickFigures {
+ public:
+  explicit PickFigures(const JointLimits& limits) : limits_(limits) {}
+
+  void operator()(const rt::CycleRecord& cycle) {
+    const RobotState& state = cycle.state;
+    if (state.robot_mode == RobotMode::kMove) {
+      for (std::size_t i = 0; i < kJoints; ++i) {
+        velocity_ = std::max(velocity_, std::abs(state.dq_d[i]) / limits_.dq_max[i]);
+        acceleration_ = std::max(acceleration_, std::abs(state.ddq_d[i]) / limits_.ddq_max[i]);
+        jerk_ = std::max(jerk_, std::abs(cycle.dddq_d[i]) / limits_.dddq_max[i]);
+      }
+    }
+    if (cycles_++ % kCyclesPerSample != 0) return;
+    const double t = ToSeconds(cycle.at.time_since_epoch());
+    path.rows.push_back({t, state.O_T_EE[12], state.O_T_EE[13], state.O_T_EE[14]});
+    shares.rows.push_back(
+        {t, std::exchange(velocity_, 0), std::exchange(acceleration_, 0), std::exchange(jerk_, 0)});
+    force.rows.push_back({t, -state.O_F_ext_hat_K[2]});
+  }
+  template <typename Other>
+  void operator()(const Other& /*record*/) {}
+
+  report::Figure path{.id = "path", .columns = "t [s],x [m],y [m],z [m]"};
+  report::Figure shares{.id = "limits", .columns = "t [s],velocity,acceleration,jerk"};
+  report::Figure force{.id = "force", .columns = "t [s],force [N]"};
+
+ private:
+  const JointLimits& limits_;
+  std::uint64_t cycles_ = 0;
+  double velocity_ = 0;
+  double acceleration_ = 0;
+  double jerk_ = 0;
+};
+
+/// Demands the limits of the reference and adds the figures. @param track  of the object; null:
+/// none. @throws as record::LogReader.
+void EvaluateLog(const std::filesystem::path& log, const JointLimits& limits,
+                 const ObjectTrack* track, Evaluation& evaluation) {
+  PickFigures figures(limits);
+  record::LogReader reader(log);
+  record::LogEntry entry;
+  while (reader.Next(entry)) std::visit([&](const auto& record) { figures(record); }, entry);
+  if (figures.path.rows.empty()) return;
+  for (const auto& [name, column] : {std::pair("velocity", 1), {"acceleration", 2}, {"jerk", 3}}) {
+    double largest = 0;
+    for (const auto& row : figures.shares.rows) {
+      largest = std::max(largest, row[static_cast<std::size_t>(column)]);
+    }
+    evaluation.DemandAtMost(fmt::format("peak joint {} of the reference / limit", name),
+                            largest * 1e2, "%", 100);
+  }
+  report::Table object{.columns = "t [s],z [m]"};
+  if (track != nullptr) {
+    for (const plant::ObjectSample& sample : track->samples) {
+      object.rows.push_back({ToSeconds(sample.at.time_since_epoch()), sample.X_WB[14]});
+    }
+  }
+  figures.path.tables["object"] = std::move(object);
+  figures.path.values["simulated"] = track == nullptr ? 0 : 1;
+  evaluation.figures = {std::move(figures.path), std::move(figures.shares),
+                        std::move(figures.force)};
 }
 
 }  // namespace
 
 Evaluation EvaluatePick(const PickRecord& record, const TaskResult& task_result,
                         const Evidence& evidence) {
-  Findings findings;
-  findings.Demand(record.robot_errors.empty() ? "errors of the robot"
-                                              : fmt::format("errors of the robot: {}",
-                                                            fmt::join(record.robot_errors, "; ")),
-                  static_cast<double>(record.robot_errors.size()), "", 0);
-  const std::optional<ObjectTrack> track = TrackOf(record.task.object.name, evidence);
-  if (track) EvaluateTruth(record.task, *evidence.contacts, *track, findings);
-  EvaluateReports(record, !track, findings);
-  const auto failed = std::ranges::count(task_result.task.steps, false, &StepReport::succeeded);
-  findings.Tell("repeated or failed attempts", static_cast<double>(failed));
-  findings.Tell("planned duration of all motions", ToSeconds(record.moved), "s");
-  if (evidence.session.counts.cycles() > 0) {
-    findings.Tell("unserved cycles", evidence.session.counts.unserved_percent(), "%");
-  }
   Evaluation evaluation;
-  if (!evidence.log.empty()) {
-    const PickTrace trace = ReadPickTrace(evidence.log, record.limits);
-    DemandLimits(trace, findings);
-    evaluation.figures = PickFigures(trace, track ? &*track : nullptr);
+  evaluation.DemandNone("errors of the robot", record.robot_errors);
+  const std::optional<ObjectTrack> track = evidence.TrackOf(record.task.object.name);
+  if (track) EvaluateTruth(record.task, *evidence.contacts, *track, evaluation);
+  EvaluateReports(record, !track, evaluation);
+  const auto failed = std::ranges::count(task_result.task.steps, false, &StepReport::succeeded);
+  evaluation.Report("repeated or failed attempts", static_cast<double>(failed));
+  evaluation.Report("planned duration of all motions", ToSeconds(record.moved), "s");
+  if (evidence.session.counts.cycles() > 0) {
+    evaluation.Report("unserved cycles", evidence.session.counts.unserved_percent(), "%");
   }
-  evaluation.findings = std::move(findings.all);
+  if (!evidence.log.empty()) {
+    EvaluateLog(evidence.log, record.limits, track ? &*track : nullptr, evaluation);
+  }
   return evaluation;
 }
 

@@ -1,4 +1,4 @@
-#include "application/pick_plan.h"
+#include "application/pick.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "twin/application/end_effector_path.h"
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 #include "twin/core/hand_command.h"
 #include "twin/model/arm_model.h"
@@ -21,14 +19,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSamePlace = 1e-4;  // m and rad
-constexpr double kHigher = 0.12;     // m, of points over which to go
-constexpr double kNearer = 0.75;     // of the distance from the robot, of points nearer to it
+constexpr double kSamePose = 1e-4;  // m and rad
+constexpr double kHigher = 0.12;    // m, height of intermediate points
+constexpr double kNearer = 0.75;    // share of the distance from the robot, of nearer points
 constexpr int kSlowings = 4;
-
-Vector3d VectorOf(const Vector3& v) {
-  return {v[0], v[1], v[2]};
-}
 
 Transform MovedBy(Transform X, const Vector3d& by) {
   for (std::size_t i = 0; i < 3; ++i) X[12 + i] += by[static_cast<Eigen::Index>(i)];
@@ -36,8 +30,8 @@ Transform MovedBy(Transform X, const Vector3d& by) {
 }
 
 bool SamePose(const Transform& a, const Transform& b) {
-  return (model::Position(a) - model::Position(b)).norm() < kSamePlace &&
-         model::TurnBetween(a, b).norm() < kSamePlace;
+  return (model::Position(a) - model::Position(b)).norm() < kSamePose &&
+         model::TurnBetween(a, b).norm() < kSamePose;
 }
 
 /// Half way, nearer to the robot and above both.
@@ -58,18 +52,6 @@ std::vector<reference::PoseWaypoint> WaypointsOf(const std::vector<Transform>& p
 
 }  // namespace
 
-std::string_view Name(Leg leg) noexcept {
-  switch (leg) {
-    case Leg::kApproach: return "approach";
-    case Leg::kGrasp: return "grasp";
-    case Leg::kLift: return "lift";
-    case Leg::kTransfer: return "transfer";
-    case Leg::kPlace: return "place";
-    case Leg::kRetreat: return "retreat";
-  }
-  return "";
-}
-
 reference::PoseTrajectory PathOf(const LegPlan& leg, const CartesianLimits& limits) {
   return reference::PoseTrajectory(WaypointsOf(leg.poses), {.duration = leg.duration}, limits);
 }
@@ -86,19 +68,12 @@ double PickPlanner::OpeningFor(const Grip& grip) const noexcept {
   return std::min(kHandStroke, grip.width + options_.room);
 }
 
-std::vector<Grip> PickPlanner::Grips() const {
-  return GripsOf(task_.object, task_.from_up,
-                 {.palm = options_.clearance + 2e-3,
-                  .below = options_.near + 3e-3,
-                  .beside = options_.near + 1e-3});
-}
-
 std::vector<PickPlanner::Route> PickPlanner::RoutesOf(Leg leg, const Transform& here,
                                                       const Grip& grip) const {
   const Transform NE_T_EE = model::Multiply(model::Inverse(robot_.F_T_NE), robot_.F_T_EE);
   const Transform B_T_EE = model::Multiply(grip.B_T_NE, NE_T_EE);
-  const Vector3d from_up = VectorOf(task_.from_up);
-  const Vector3d to_up = VectorOf(task_.to_up);
+  const Vector3d from_up = Vector3d(task_.from_up.data());
+  const Vector3d to_up = Vector3d(task_.to_up.data());
   const Transform at_object = model::Multiply(task_.object.X_WB, B_T_EE);
   const Transform above_object = MovedBy(at_object, options_.above * from_up);
   const Transform at_goal = MovedBy(model::Multiply(task_.O_T_goal, B_T_EE), options_.gap * to_up);
@@ -123,7 +98,7 @@ std::vector<PickPlanner::Route> PickPlanner::RoutesOf(Leg leg, const Transform& 
     case Leg::kPlace: return {{at_goal}};
     case Leg::kRetreat: {
       const Vector3d away =
-          model::Orientation(task_.O_T_goal) * VectorOf(grip.B_up) * options_.above;
+          model::Orientation(task_.O_T_goal) * Vector3d(grip.B_up.data()) * options_.above;
       return {{MovedBy(at_goal, away)}};
     }
   }
@@ -145,7 +120,7 @@ void PickPlanner::SetWorld(Leg leg, const Grip& grip) {
   }
 }
 
-std::variant<PickPlanner::Way, std::string> PickPlanner::Followed(
+std::variant<PickPlanner::FollowedLeg, std::string> PickPlanner::Follow(
     LegPlan leg, const JointVector& q, const reference::Timing& pace) const {
   reference::PoseTrajectory path(WaypointsOf(leg.poses), pace, robot_.cartesian);
   for (int slowing = 0;; ++slowing) {
@@ -154,7 +129,7 @@ std::variant<PickPlanner::Way, std::string> PickPlanner::Followed(
     auto& followed = std::get<planning::Followed>(outcome);
     leg.duration = path.duration();
     const double slower = std::max(followed.velocity_load, std::sqrt(followed.acceleration_load));
-    if (slower <= 1) return Way{std::move(leg), std::move(followed.q)};
+    if (slower <= 1) return FollowedLeg{std::move(leg), std::move(followed.q)};
     if (slowing == kSlowings) {
       return fmt::format("near a singularity: the joints would be {:.1f} times too fast", slower);
     }
@@ -172,26 +147,30 @@ std::variant<LegPlan, std::string> PickPlanner::Try(const Route& route, const Jo
   }
   if (leg.poses.size() == 1) return LegPlan{.q_start = q, .q_end = q};
   try {
-    auto followed = Followed(std::move(leg), q, pace);
-    if (auto* why = std::get_if<std::string>(&followed)) return std::move(*why);
-    Way& way = std::get<Way>(followed);
-    if (auto touch = planning::FirstTouch(world_, way.q, clearance)) return std::move(*touch);
-    way.leg.q_end = way.q.back();
+    auto outcome = Follow(std::move(leg), q, pace);
+    if (auto* why = std::get_if<std::string>(&outcome)) return std::move(*why);
+    auto& [followed, joints] = std::get<FollowedLeg>(outcome);
+    if (auto touch = planning::FirstTouch(world_, joints, clearance)) return std::move(*touch);
+    followed.q_end = joints.back();
     std::vector<Vector3> points;
-    points.reserve(way.q.size());
-    for (const JointVector& at : way.q) {
+    points.reserve(joints.size());
+    for (const JointVector& at : joints) {
       const Transform X = PoseAt(at);
       points.push_back({X[12], X[13], X[14]});
     }
-    way.leg.way = Thinned(points);
-    return std::move(way.leg);
-  } catch (const InputError& error) {  // half a turn: there is no shortest way
+    followed.path = Thinned(points);
+    return std::move(followed);
+  } catch (const InputError& error) {  // half a turn has no shortest path
     return error.what();
   }
 }
 
 bool PickPlanner::Search(const JointVector& q, std::size_t number, PickPlan& plan) {
-  if (number == kLegs) return true;
+  if (number == kLegs) {
+    plan.duration = {};
+    for (const LegPlan& leg : plan.legs) plan.duration += leg.duration;
+    return true;
+  }
   const Leg leg = static_cast<Leg>(number);
   const bool is_across = leg == Leg::kApproach || leg == Leg::kTransfer;
   const bool is_down = leg == Leg::kGrasp || leg == Leg::kPlace;
@@ -215,49 +194,41 @@ bool PickPlanner::Search(const JointVector& q, std::size_t number, PickPlan& pla
 std::variant<PickPlan, std::string> PickPlanner::Plan(const JointVector& q) {
   furthest_ = 0;
   failure_.clear();
-  const std::vector<Grip> grips = Grips();
+  const std::vector<Grip> grips = GripsOf(task_.object, task_.from_up,
+                                          {.palm = options_.clearance + 2e-3,
+                                           .below = options_.near + 3e-3,
+                                           .beside = options_.near + 1e-3});
   if (grips.empty()) {
     return fmt::format(
         "{} ({} x {} x {} m) cannot be gripped from above: it is too wide for the hand, which "
-        "opens "
-        "by {} m, or too flat",
+        "opens by {} m, or too flat",
         task_.object.name, task_.object.size[0], task_.object.size[1], task_.object.size[2],
         kHandStroke);
   }
   std::optional<PickPlan> best;
   for (const Grip& grip : grips) {
-    auto planned = PlanWith(q, Leg::kApproach, grip);
-    auto* plan = std::get_if<PickPlan>(&planned);
-    if (plan == nullptr || (best && best->duration <= plan->duration)) continue;
-    best = std::move(*plan);
+    PickPlan plan{.grip = grip, .legs = {}};
+    if (!Search(q, 0, plan) || (best && best->duration <= plan.duration)) continue;
+    best = std::move(plan);
   }
   if (best) return std::move(*best);
   return fmt::format("of {} grips none leads to the goal; the best fails at the way \"{}\": {}",
-                     grips.size(), Name(static_cast<Leg>(furthest_)), failure_);
+                     grips.size(), kLegNames.at(furthest_), failure_);
 }
 
 std::variant<PickPlan, std::string> PickPlanner::PlanFrom(const JointVector& q, Leg first,
                                                           const Grip& grip) {
   furthest_ = 0;
   failure_.clear();
-  return PlanWith(q, first, grip);
-}
-
-std::variant<PickPlan, std::string> PickPlanner::PlanWith(const JointVector& q, Leg first,
-                                                          const Grip& grip) {
   PickPlan plan{.grip = grip, .legs = {}};
-  const auto number = static_cast<std::size_t>(first);
-  if (!Search(q, number, plan)) {
-    return fmt::format("the way \"{}\": {}", Name(static_cast<Leg>(furthest_)), failure_);
-  }
-  for (const LegPlan& leg : plan.legs) plan.duration += leg.duration;
-  return plan;
+  if (Search(q, static_cast<std::size_t>(first), plan)) return plan;
+  return fmt::format("the way \"{}\": {}", kLegNames.at(furthest_), failure_);
 }
 
 std::variant<LegPlan, std::string> PickPlanner::BackOff(const JointVector& q, const Grip& grip) {
   SetWorld(Leg::kGrasp, grip);
-  return Try({MovedBy(PoseAt(q), options_.above * VectorOf(task_.from_up))}, q, options_.pace,
-             options_.near);
+  return Try({MovedBy(PoseAt(q), options_.above * Vector3d(task_.from_up.data()))}, q,
+             options_.pace, options_.near);
 }
 
 }  // namespace twin::application

@@ -1,4 +1,4 @@
-#include "application/pick_task.h"
+#include "application/pick.h"
 
 #include <algorithm>
 #include <numbers>
@@ -13,18 +13,16 @@
 namespace twin::application {
 namespace {
 
-using plant::SceneObject;
-using scenario::ObjectSection;
+constexpr double kFullTurn = 2 * std::numbers::pi;
+constexpr double kFarthest = 2;  // m: beyond any reach
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kFar = 2;  // m: beyond any reach
-
-/// Part that the ground is in a scene: the name of its plane in all of ours.
+/// Name of the ground plane in the scenes.
 constexpr const char* kFloor = "floor";
 
 scenario::FramePose ReadPlace(control::ParameterReader& p, const std::string& key, double least) {
-  return {.position = p.Vector(key + "position", Dimension::kLength, {}, least * kFar, kFar),
-          .rpy = p.Vector(key + "rpy", Dimension::kAngle, {}, least * kTurn, kTurn)};
+  return {
+      .position = p.Vector(key + "position", Dimension::kLength, {}, least * kFarthest, kFarthest),
+      .rpy = p.Vector(key + "rpy", Dimension::kAngle, {}, least * kFullTurn, kFullTurn)};
 }
 
 void ReadPace(control::ParameterReader& p, const std::string& key, reference::Timing& pace) {
@@ -63,7 +61,7 @@ const Object& FindObject(const std::vector<Object>& objects, const std::string& 
                   names.empty() ? "it has none: list them under objects" : "it has: " + names));
 }
 
-/// About a pose, from the scenario's seed.
+/// A random pose about another one, from the scenario's seed.
 scenario::FramePose Drawn(const scenario::FramePose& pose, const scenario::FramePose& spread,
                           std::uint64_t seed) {
   const Random random(seed, RandomStream::kPlace);
@@ -75,7 +73,7 @@ scenario::FramePose Drawn(const scenario::FramePose& pose, const scenario::Frame
   return drawn;
 }
 
-Vector3 UpOf(const Transform& top) {
+Vector3 NormalOf(const Transform& top) {
   return {top[8], top[9], top[10]};
 }
 
@@ -95,19 +93,19 @@ PickParameters::PickParameters(control::ParameterReader& p)
       on_key(p.PlaceOf("place.on")) {}
 
 PickTask TaskOf(const scenario::Scenario& scenario, const PickParameters& parameters) {
-  const std::vector<SceneObject> objects = ObjectsOf(scenario.objects, scenario.seed);
-  const SceneObject& object = FindObject(objects, parameters.object, parameters.object_key);
+  const std::vector<plant::SceneObject> objects = ObjectsOf(scenario.objects, scenario.seed);
+  const plant::SceneObject& object = FindObject(objects, parameters.object, parameters.object_key);
   if (!object.mass || object.shape == plant::ObjectShape::kSphere) {
     throw InputError(fmt::format("{}{} is {}", parameters.object_key, object.name,
                                  object.mass ? "a sphere, which does not stay where it is put"
                                              : "fixed to the world; give it a mass"));
   }
-  const SceneObject& below = FindObject(objects, parameters.on, parameters.on_key);
-  const ObjectSection& section =
+  const plant::SceneObject& below = FindObject(objects, parameters.on, parameters.on_key);
+  const scenario::ObjectSection& section =
       FindObject(scenario.objects, parameters.object, parameters.object_key);
   PickTask task{.object = object, .to = below.name};
   const Transform to_top = scenario::TopOf(below);
-  task.to_up = UpOf(to_top);
+  task.to_up = NormalOf(to_top);
   task.O_T_goal = scenario::StandingOn(to_top, object,
                                        Drawn(parameters.place, parameters.spread, scenario.seed));
   task.from = section.on == scenario::kGround ? kFloor : section.on;
@@ -116,7 +114,7 @@ PickTask TaskOf(const scenario::Scenario& scenario, const PickParameters& parame
                                  parameters.object_key, object.name, scenario::kGround));
   }
   if (task.from != kFloor) {
-    task.from_up = UpOf(scenario::TopOf(FindObject(objects, task.from, parameters.object_key)));
+    task.from_up = NormalOf(scenario::TopOf(FindObject(objects, task.from, parameters.object_key)));
   }
   return task;
 }

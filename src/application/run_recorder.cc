@@ -17,7 +17,8 @@
 namespace twin::application {
 namespace {
 
-bool WaitsForNobody(const scenario::Scenario& scenario, const run::RealtimeSettings& settings) {
+/// Whether time passes by itself.
+bool IsOnWallClock(const scenario::Scenario& scenario, const run::RealtimeSettings& settings) {
   if (scenario.is_remote()) {
     return settings.remote.time == backend::RobotTime::kWall;
   }
@@ -31,7 +32,7 @@ double PeakMemoryMb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-/// A note when the robot is simulated in primitive shapes.
+/// Notes that the robot is simulated in primitive shapes.
 void NoteMissingMeshes(const scenario::Scenario& scenario, const backend::Connection& connection,
                        run::Console& console) {
   if (scenario.is_remote() || connection.uses_meshes ||
@@ -43,7 +44,7 @@ void NoteMissingMeshes(const scenario::Scenario& scenario, const backend::Connec
       "(scripts/setup fetches them; or name them with --meshes)");
 }
 
-/// One note each for what of the scenario has no effect on a robot at the other end of a wire.
+/// Notes the settings that have no effect on a remote robot, one line each.
 void NoteIgnoredSettings(const scenario::Scenario& scenario, bool video, run::Console& console) {
   for (const std::string& text : run::WithoutEffectThere(scenario)) {
     console.Note("without effect on this robot: " + text);
@@ -54,14 +55,15 @@ void NoteIgnoredSettings(const scenario::Scenario& scenario, bool video, run::Co
       "--backend) to see the motion");
 }
 
-/// A line of the checks before the first motion.
+/// Prints a line of the checks before the first motion.
 void Print(run::Console& console, const run::CheckLine& line) {
   console.Say(fmt::format("{:<6} {:<13} {}\n", line.ok ? "ok" : "FAILED", line.subject, line.text));
 }
 
-/// Connects, and prints the first lines of the checks: whether the robot is reached, and whether a
-/// real arm may move. @throws InputError when the robot does not say that it is a twin, and nothing
-/// allows hardware.
+/// Connects and prints the first checks: whether the robot answers, and whether a real arm may
+/// move.
+/// @throws InputError when the robot does not identify itself as a twin and hardware is not
+/// allowed.
 void Reach(const std::string& host, bool allow_hardware, run::Console& console,
            const std::function<const backend::Connection&()>& connect) {
   console.Say("before the first motion; nothing of this moves the arm\n");
@@ -71,7 +73,6 @@ void Reach(const std::string& host, bool allow_hardware, run::Console& console,
     Print(console, {"reach", true, connection.backend->Describe().robot});
     is_twin = connection.is_twin;
   } catch (const RobotFault&) {
-    // The text is that of the error, which follows.
     Print(console,
           {"reach", false, fmt::format("{} is no robot that can be driven; see below", host)});
     throw;
@@ -88,7 +89,7 @@ void Reach(const std::string& host, bool allow_hardware, run::Console& console,
                   host));
 }
 
-/// Prints the other lines. @throws RobotFault when one of them is not well: nothing has moved.
+/// Prints the other checks. @throws RobotFault when one of them failed; nothing has moved.
 void RequireReady(const std::function<bool(const run::TellCheck&)>& check, run::Console& console) {
   int failed = 0;
   const bool ready = check([&](const run::CheckLine& line) {
@@ -102,25 +103,24 @@ void RequireReady(const std::function<bool(const run::TellCheck&)>& check, run::
                   failed));
 }
 
-/// Leaves the summary of a run that failed before its first motion, in place of an earlier run's
-/// results. What fails here is told beside it.
-void LeaveFailure(const RunParts& parts, const std::string& failure) {
+/// Replaces an earlier run's results by the summary of a run that failed before its first motion.
+void LeaveFailure(const RunInputs& inputs, const std::string& failure) {
   try {
-    run::ResultFolder out(parts.options.out);
+    run::ResultFolder out(inputs.options.out);
     out.Prepare();
     out.Clear();
-    run::WriteWholeFile(out.scenario(), scenario::ToYaml(parts.scenario));
-    run::WriteWholeFile(out.summary(), run::FailureJson(parts.scenario, failure));
+    run::WriteWholeFile(out.scenario(), scenario::ToYaml(inputs.scenario));
+    run::WriteWholeFile(out.summary(), run::FailureJson(inputs.scenario, failure));
   } catch (const EnvironmentError& error) {
-    parts.console.Note(error.what());
+    inputs.console.Note(error.what());
   }
 }
 
-void Execute(const RunParts& parts, std::optional<fci::Capture>& capture) {
-  const auto make = parts.scenario.application ? &MakeApplicationRecorder : &MakeMotionRecorder;
+void Execute(const RunInputs& inputs, std::optional<fci::Capture>& capture) {
   std::unique_ptr<RunRecorder> recorder;
   try {
-    recorder = make(parts);
+    recorder =
+        inputs.scenario.application ? MakeApplicationRecorder(inputs) : MakeMotionRecorder(inputs);
     recorder->Execute(capture);
   } catch (const InputError&) {
     throw;
@@ -128,43 +128,42 @@ void Execute(const RunParts& parts, std::optional<fci::Capture>& capture) {
     throw;
   } catch (const Error& error) {
     const bool has_summary = recorder && recorder->has_summary();
-    recorder.reset();  // it locks the folder
-    if (!has_summary) LeaveFailure(parts, error.what());
+    recorder.reset();  // unlocks the folder
+    if (!has_summary) LeaveFailure(inputs, error.what());
     throw;
   }
 }
 
 }  // namespace
 
-void RecordRun(const scenario::Scenario& scenario, const RunOptions& options,
-               const run::RunFiles& files, const run::Catalogue& catalogue, run::Console& console) {
+void RecordRun(const RunInputs& inputs) {
   std::optional<fci::Capture> capture;
-  const auto note = [&console](std::string_view text) { console.Note(text); };
+  const auto note = [&inputs](std::string_view text) { inputs.console.Note(text); };
   try {
-    Execute({scenario, options, files, catalogue, console}, capture);
+    Execute(inputs, capture);
     if (capture) run::FinishCapture(*capture, note);
   } catch (...) {
-    try {  // what was captured of a run that failed is wanted most
+    try {  // the capture of a failed run matters most
       if (capture) run::FinishCapture(*capture, note);
     } catch (const EnvironmentError& error) {
-      console.Note(error.what());
+      note(error.what());
     }
     throw;
   }
 }
 
-RunRecorder::RunRecorder(const RunParts& parts)
-    : parts_(parts),
-      out_(parts.options.out),
-      page_(parts.options.page, &records_, out_.folder(),
-            [&console = parts.console](std::string_view why) { console.Note(why); }),
-      settings_(parts.options.settings) {}
+RunRecorder::RunRecorder(const RunInputs& inputs)
+    : inputs_(inputs),
+      out_(inputs.options.out),
+      page_(inputs.options.page, &records_, out_.folder(),
+            [&console = inputs.console](std::string_view why) { console.Note(why); }),
+      settings_(inputs.options.settings) {}
 
 void RunRecorder::Execute(std::optional<fci::Capture>& capture) {
   Prepare(capture);
-  parts_.console.ThrowIfInterrupted();
-  if (is_remote()) RequireReady(run_.check_start, parts_.console);
-  parts_.console.ThrowIfInterrupted();
+  inputs_.console.ThrowIfInterrupted();
+  if (is_remote()) RequireReady(run_.check_start, inputs_.console);
+  inputs_.console.ThrowIfInterrupted();
   OpenPage();
   try {
     out_.Clear();
@@ -174,17 +173,17 @@ void RunRecorder::Execute(std::optional<fci::Capture>& capture) {
     } catch (...) {
       records_.Abandon();
       out_.RemovePartial(records_.log_failed());
-      parts_.console.ThrowIfInterrupted();  // counts before whatever else it led to
+      inputs_.console.ThrowIfInterrupted();  // takes precedence over errors that it caused
       throw;
     }
   } catch (...) {
     page_.Close("it was broken off");
     throw;
   }
-  parts_.console.Print(
-      fmt::format("{}  {:<13}{}\n", SummaryForPeople(), "files", out_.folder().string()));
+  inputs_.console.Print(
+      fmt::format("{}  {:<13}{}\n", SummaryOfTerminal(), "files", out_.folder().string()));
   if (outcome_.failure.empty()) return EvaluateDeviations();
-  parts_.console.ThrowIfInterrupted();
+  inputs_.console.ThrowIfInterrupted();
   throw RobotFault(outcome_.failure + outcome_.cause);
 }
 
@@ -194,21 +193,21 @@ void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
     return *run_.connection;
   };
   if (is_remote()) {
-    NoteIgnoredSettings(scenario(), wants_video(), parts_.console);
-    if (const auto& file = parts_.options.capture) {
+    NoteIgnoredSettings(scenario(), wants_video(), inputs_.console);
+    if (const auto& file = inputs_.options.capture) {
       if (out_.Holds(*file)) {
         throw InputError(fmt::format(
             "--capture: {} is one of the run's own results; name another file", file->string()));
       }
       settings_.remote.capture = &capture.emplace(*file);
     }
-    Reach(settings_.remote.host, parts_.options.allow_hardware, parts_.console, connect);
+    Reach(settings_.remote.host, inputs_.options.allow_hardware, inputs_.console, connect);
   } else {
     connect();
   }
-  NoteMissingMeshes(scenario(), *run_.connection, parts_.console);
+  NoteMissingMeshes(scenario(), *run_.connection, inputs_.console);
   if (makes_video()) {
-    run::CheckPicture(*run_.connection, scenario().render, parts_.options.scenario);
+    run::CheckPicture(*run_.connection, scenario().render, inputs_.options.scenario);
   }
   out_.Prepare();
   times_.prepare_s = SecondsSince(Time());
@@ -226,30 +225,29 @@ void RunRecorder::OpenPage() {
   settings.limits = run_.robot->limits;
   if (!is_operated) {
     settings.watch_only = "nobody operates this run from here; anyone may stop it";
-    settings.stop = [this] { parts_.console.Interrupt(); };
+    settings.stop = [this] { inputs_.console.Interrupt(); };
   }
-  // Lockstep has one thread, and the page is another.
-  parts_.console.Say(page_.Open(settings, scenario(),
-                                {.truth = run_.connection->truth,
-                                 .hand = is_lockstep ? nullptr : run_.connection->hand,
-                                 .keeps_pace = is_lockstep}));
+  // In lockstep the page's thread must not ask the hand, which belongs to the run's thread.
+  inputs_.console.Say(page_.Open(settings, scenario(),
+                                 {.truth = run_.connection->truth,
+                                  .hand = is_lockstep ? nullptr : run_.connection->hand,
+                                  .keeps_pace = is_lockstep}));
 }
 
 void RunRecorder::BeginRecords() {
   if (scenario().record) {
-    // Where nobody waits for the run, what is late is lost: the log's records too.
+    // A run that does not wait for its log loses the records that find the ring full.
     records_.Log(
         out_.log(), run::InfoOf(scenario(), *run_.robot),
-        WaitsForNobody(scenario(), settings_) ? record::FullRing::kDrop : record::FullRing::kWait);
+        IsOnWallClock(scenario(), settings_) ? record::FullRing::kDrop : record::FullRing::kWait);
   }
   const plant::TruthProbe* truth = run_.connection->truth;
   if (truth == nullptr) return;
-  // Logs are the same with a video and without.
-  const bool keeps_scenes = scenario().record || run_.evaluates_scenes;
-  if (makes_video() || (keeps_scenes && run::RunRecords::CanFilm(*truth))) {
+  // The log holds the scenes, with a video or without.
+  if (makes_video() || (scenario().record && run::RunRecords::CanFilm(*truth))) {
     using Keep = render::SnapshotRecorder::Keep;
     records_.Film(*truth, run_.longest, scenario().render.fps,
-                  makes_video() || run_.evaluates_scenes ? Keep::kAll : Keep::kLast);
+                  makes_video() ? Keep::kAll : Keep::kLast);
   }
   records_.WatchContacts(*truth);
 }
@@ -257,11 +255,11 @@ void RunRecorder::BeginRecords() {
 void RunRecorder::Perform() {
   BeginRecords();
   run::RunHooks hooks;
-  hooks.interrupted = &parts_.console.interrupted();
-  hooks.event = [this, next = page_.Also(records_.Events())](
-                    Time at, std::string_view kind, std::string_view text) {
+  hooks.interrupted = &inputs_.console.interrupted();
+  hooks.event = [this, next = page_.Also(records_.Events())](Time at, std::string_view kind,
+                                                             std::string_view text) {
     if (next) next(at, kind, text);
-    parts_.console.Debug(
+    inputs_.console.Debug(
         fmt::format("{:.3f} s  {}: {}", ToSeconds(at.time_since_epoch()), kind, text));
   };
   hooks.progress = [this](Time /*now*/, Duration /*planned*/) { WarnOfLostLog(); };
@@ -272,18 +270,18 @@ void RunRecorder::Perform() {
   for (const record::PlanRecord& plan : outcome_.plans) records_.Add(plan);
   times_.records_dropped = records_.Finish();
   for (const std::string& notice : outcome_.notices) {
-    parts_.console.Note("workstation: " + notice);
+    inputs_.console.Note("workstation: " + notice);
   }
-  for (const std::string& notice : outcome_.robot.notices) parts_.console.Note("robot: " + notice);
+  for (const std::string& notice : outcome_.robot.notices) inputs_.console.Note("robot: " + notice);
   Evaluate(outcome_);
   page_.Close(outcome_.failure.empty() ? "it went well" : outcome_.failure);
 }
 
 void RunRecorder::WarnOfLostLog() {
-  const std::string failure = told_of_log_ ? std::string() : records_.LogFailure();
+  const std::string failure = warned_of_log_ ? std::string() : records_.LogFailure();
   if (failure.empty()) return;
-  told_of_log_ = true;
-  parts_.console.Warn(failure + ". The run goes on without its log");
+  warned_of_log_ = true;
+  inputs_.console.Warn(failure + ". The run goes on without its log");
 }
 
 void RunRecorder::WriteResults() {
@@ -294,12 +292,12 @@ void RunRecorder::WriteResults() {
     std::vector<std::filesystem::path> plots;
     if (scenario().record) {
       const Time begin = clock_.Now();
-      parts_.console.Print("plots ...\n");
+      inputs_.console.Print("plots ...\n");
       plots = report::WritePlots(out_.log(), run_.robot->limits, out_.plots());
       times_.plots_s = SecondsSince(begin);
     }
     if (is_filmed()) MakePictures();
-    Report(plots);
+    WriteReport(plots);
   }
   times_.peak_memory_mb = PeakMemoryMb();
   run::WriteWholeFile(out_.timing(), run::TimingJson(times_, outcome_.robot));
@@ -311,7 +309,7 @@ void RunRecorder::MakePictures() {
                                               records_.plans(), records_.events());
   const render::FilmSettings settings = run::FilmOf(scenario().render);
   times_.video_s = run::RenderClip(render::FramesOf(film, settings),
-                                   {out_.video(), out_.contact_sheet()}, clock_, parts_.console)
+                                   {out_.video(), out_.contact_sheet()}, clock_, inputs_.console)
                        .seconds;
   Draw(film, settings);
 }
@@ -327,8 +325,8 @@ void RunRecorder::EvaluateDeviations() const {
                                               motions.size(), first.name);
   const std::string text =
       fmt::format("the arm was off its path: {}{} (max_deviation)", whose, first.Excess());
-  if (parts_.options.strict) throw RobotFault(text);
-  parts_.console.Warn(text);
+  if (inputs_.options.strict) throw RobotFault(text);
+  inputs_.console.Warn(text);
 }
 
 }  // namespace twin::application

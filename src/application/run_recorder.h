@@ -19,27 +19,18 @@
 
 namespace twin::application {
 
-/// What RecordRun() is given. All must outlive who refers to it.
-struct RunParts {
-  const scenario::Scenario& scenario;
-  const RunOptions& options;
-  const run::RunFiles& files;
-  const run::Catalogue& catalogue;
-  run::Console& console;
-};
-
-/// The recorder of a run: connects, runs, writes the results, tells the summary. What a motion and
-/// an application do differently, derived classes say.
+/// The recorder of a run: connects, runs, writes the results and prints the summary. Derived
+/// classes hold what differs between a motion and an application.
 ///
 /// Threads: one thread.
 class RunRecorder {
  public:
-  explicit RunRecorder(const RunParts& parts);
+  explicit RunRecorder(const RunInputs& inputs);
   virtual ~RunRecorder() = default;
   RunRecorder(const RunRecorder&) = delete;
   RunRecorder& operator=(const RunRecorder&) = delete;
 
-  /// Once. @param capture  is made when the options want one; must outlive this.
+  /// Once. @param capture  made when the options ask for one; must outlive this.
   /// @throws as RecordRun().
   void Execute(std::optional<fci::Capture>& capture);
   /// Whether the folder of results holds this run's summary.
@@ -51,13 +42,11 @@ class RunRecorder {
     const backend::Connection* connection = nullptr;
     const scenario::RobotData* robot = nullptr;
     std::function<bool(const run::TellCheck&)> check_start;
-    Duration longest{};             ///< what comes later is not filmed
-    bool evaluates_scenes = false;  ///< they are kept also when there is neither log nor video
+    Duration longest{};  ///< the video ends there
   };
-  /// What came of it.
   struct Outcome {
-    std::string failure{};  ///< empty: it went well
-    std::string cause{};    ///< what is told beside it
+    std::string failure{};  ///< empty: success
+    std::string cause{};    ///< follows the failure in the message
     Duration simulated{};
     std::vector<record::PlanRecord> plans{};
     std::vector<run::FollowedMotion> followed{};
@@ -65,14 +54,13 @@ class RunRecorder {
     backend::RobotTimings robot{};
   };
 
-  [[nodiscard]] const scenario::Scenario& scenario() const noexcept { return parts_.scenario; }
-  [[nodiscard]] bool is_interrupted() const { return parts_.console.interrupted(); }
-  /// Whether pictures can be made of it.
+  [[nodiscard]] const scenario::Scenario& scenario() const noexcept { return inputs_.scenario; }
+  [[nodiscard]] bool is_interrupted() const { return inputs_.console.interrupted(); }
   [[nodiscard]] bool is_filmed() const { return makes_video() && records_.was_filmed(); }
   [[nodiscard]] double SecondsSince(Time begin) const { return ToSeconds(clock_.Now() - begin); }
 
   const MonotonicClock clock_;
-  const RunParts parts_;
+  const RunInputs inputs_;
   run::ResultFolder out_;
   run::RunRecords records_;
   run::WallTimes times_;
@@ -81,29 +69,28 @@ class RunRecorder {
  private:
   [[nodiscard]] virtual Connected Connect(const run::RealtimeSettings& settings) = 0;
   [[nodiscard]] virtual Outcome Perform(const run::RunHooks& hooks) = 0;
-  /// With the whole log.
+  /// @pre the log is complete.
   virtual void Evaluate(Outcome& /*outcome*/) {}
   [[nodiscard]] virtual std::string SummaryOfFile() const = 0;
-  [[nodiscard]] virtual std::string SummaryForPeople() const = 0;
+  [[nodiscard]] virtual std::string SummaryOfTerminal() const = 0;
   virtual void Draw(const render::Film& film, const render::FilmSettings& settings) = 0;
   /// @param plots  of the whole run.
-  virtual void Report(const std::vector<std::filesystem::path>& /*plots*/) const {}
+  virtual void WriteReport(const std::vector<std::filesystem::path>& /*plots*/) const {}
 
   void Prepare(std::optional<fci::Capture>& capture);
   void OpenPage();
   void BeginRecords();
   void Perform();
-  /// Once, as soon as the log cannot be written any more.
+  /// Warns once, when the log can no longer be written.
   void WarnOfLostLog();
   void WriteResults();
   void MakePictures();
-  /// After a run that went well: says which of its motions were further off their targets than the
-  /// scenario's max_deviation. Warns; @throws RobotFault when that is a failure.
+  /// After a successful run: names motions that exceeded the scenario's max_deviation. Warns;
+  /// @throws RobotFault with strict.
   void EvaluateDeviations() const;
   [[nodiscard]] bool is_remote() const { return scenario().is_remote(); }
-  /// Not to make one is no part of the scenario: log and plots are the same with and without.
   [[nodiscard]] bool wants_video() const {
-    return scenario().render.enabled && parts_.options.makes_video;
+    return scenario().render.enabled && inputs_.options.makes_video;
   }
   [[nodiscard]] bool makes_video() const {
     return wants_video() && run_.connection->truth != nullptr;
@@ -112,12 +99,12 @@ class RunRecorder {
   run::RealtimeSettings settings_;
   Connected run_;
   Outcome outcome_;
-  bool told_of_log_ = false;
+  bool warned_of_log_ = false;
   bool has_summary_ = false;
 };
 
-/// Of the scenario's motion, and of its application.
-[[nodiscard]] std::unique_ptr<RunRecorder> MakeMotionRecorder(const RunParts& parts);
-[[nodiscard]] std::unique_ptr<RunRecorder> MakeApplicationRecorder(const RunParts& parts);
+/// For the scenario's motion, and for its application.
+[[nodiscard]] std::unique_ptr<RunRecorder> MakeMotionRecorder(const RunInputs& inputs);
+[[nodiscard]] std::unique_ptr<RunRecorder> MakeApplicationRecorder(const RunInputs& inputs);
 
 }  // namespace twin::application

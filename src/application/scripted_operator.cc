@@ -1,4 +1,4 @@
-#include "application/scripted_operator.h"
+#include "application/teleoperation.h"
 
 #include <algorithm>
 #include <cmath>

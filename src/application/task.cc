@@ -1,6 +1,8 @@
 #include "twin/application/task.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,33 +12,33 @@
 namespace twin::application {
 namespace {
 
-/// For each step where its failure leads; its own number of steps when nowhere.
+/// For each step the index at which the task goes on after a failure; steps.size(): it ends.
 std::vector<std::size_t> FallbacksOf(const std::vector<TaskStep>& steps) {
   std::vector<std::size_t> fallbacks(steps.size(), steps.size());
+  const auto find = [&steps](std::size_t count, const std::string& name) {
+    const auto some = std::span(steps).first(count);
+    return static_cast<std::size_t>(std::ranges::find(some, name, &TaskStep::name) - some.begin());
+  };
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i].attempts < 1) {
-      throw InputError(fmt::format("step {}: {} attempts; it takes at least 1", steps[i].name,
-                                   steps[i].attempts));
-    }
-    for (std::size_t j = 0; j < i; ++j) {
-      if (steps[j].name != steps[i].name) continue;
-      throw InputError(fmt::format("step {} stands twice in a task", steps[i].name));
-    }
-    if (steps[i].after_failure.empty()) continue;
-    for (std::size_t j = 0; j <= i; ++j) {
-      if (steps[j].name == steps[i].after_failure) fallbacks[i] = j;
-    }
-    if (fallbacks[i] == steps.size()) {
+    const TaskStep& step = steps[i];
+    if (step.attempts < 1) {
       throw InputError(
-          fmt::format("step {}: after a failure it goes on at {}, which is no step at "
-                      "or before it",
-                      steps[i].name, steps[i].after_failure));
+          fmt::format("step {}: {} attempts; it takes at least 1", step.name, step.attempts));
     }
+    if (find(i, step.name) < i) {
+      throw InputError(fmt::format("step {} stands twice in a task", step.name));
+    }
+    if (step.after_failure.empty()) continue;
+    fallbacks[i] = find(i + 1, step.after_failure);
+    if (fallbacks[i] <= i) continue;
+    throw InputError(
+        fmt::format("step {}: after a failure it goes on at {}, which is no step at or before it",
+                    step.name, step.after_failure));
   }
   return fallbacks;
 }
 
-/// One attempt. @param is_lost  set when the robot is gone or has refused.
+/// One attempt. @param is_lost  set when the step threw RobotFault.
 StepEnd Try(const TaskStep& step, bool& is_lost) {
   try {
     return step.act();
@@ -49,7 +51,7 @@ StepEnd Try(const TaskStep& step, bool& is_lost) {
 }  // namespace
 
 TaskReport Carry(const std::vector<TaskStep>& steps, const std::function<Time()>& now,
-                 const std::function<void(const StepReport&)>& told,
+                 const std::function<void(const StepReport&)>& on_attempt,
                  const std::function<bool()>& interrupted) {
   const std::vector<std::size_t> fallbacks = FallbacksOf(steps);
   std::vector<int> failures(steps.size(), 0);
@@ -67,7 +69,7 @@ TaskReport Carry(const std::vector<TaskStep>& steps, const std::function<Time()>
     attempt.succeeded = end.succeeded;
     attempt.text = std::move(end.text);
     report.steps.push_back(attempt);
-    if (told) told(attempt);
+    if (on_attempt) on_attempt(attempt);
     if (attempt.succeeded) {
       ++i;
       continue;

@@ -1,5 +1,3 @@
-#include "application/teleoperation.h"
-
 #include <algorithm>
 #include <chrono>
 #include <numbers>
@@ -9,9 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "application/scripted_operator.h"
-#include "application/teleoperation_evaluation.h"
-#include "twin/application/stage.h"
+#include "application/applications.h"
+#include "application/teleoperation.h"
 #include "twin/backend/hand.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -28,19 +25,19 @@ using std::chrono::seconds;
 using teleop::Teleoperator;
 using teleop::TeleoperatorStatus;
 
-constexpr const char* kPerson = "person";
+constexpr const char* kScriptedDevice = "person";
 constexpr Duration kAttend = milliseconds(10);
 constexpr int kAttendsPerSample = 5;
 /// Moments that are shown are at least so long.
 constexpr Duration kShortest = seconds(2);
 /// How long it may take, unless said: a scripted person, and one who is not.
-constexpr Duration kPersonTakes = seconds(240);
+constexpr Duration kScriptedTakes = seconds(240);
 constexpr Duration kAnyoneTakes = seconds(1800);
 constexpr double kHalfTurn = std::numbers::pi;
-constexpr double kFar = 100;  // m
+constexpr double kFarTarget = 100;  // m
 
 /// The paper's gains of teleoperation, unless the scenario says otherwise.
-control::Parameters Gains(control::Parameters given) {
+control::Parameters WithPaperGains(control::Parameters given) {
   const control::Parameters otherwise{{.key = "stiffness.translation", .values = {"900 N/m"}},
                                       {.key = "stiffness.rotation", .values = {"90 Nm/rad"}},
                                       {.key = "damping.translation", .values = {"100 Ns/m"}},
@@ -58,7 +55,7 @@ control::Parameters Gains(control::Parameters given) {
 }
 
 /// What the hand does at the operator's presses.
-struct Grip {
+struct HandConfig {
   double width = 0.04;  ///< m, of what is grasped, +- tolerance
   double tolerance = 0.04;
   double force = 30;    ///< N
@@ -70,11 +67,11 @@ class Teleoperation final : public Application {
   explicit Teleoperation(control::ParameterReader& p)
       : object_(p.Text("object", "")),
         from_yaw_(p.Quantity("from.heading", Dimension::kAngle, 0, -kHalfTurn, kHalfTurn)),
-        to_(p.Vector("to.position", Dimension::kLength, {}, -kFar, kFar)),
+        to_(p.Vector("to.position", Dimension::kLength, {}, -kFarTarget, kFarTarget)),
         to_yaw_(p.Quantity("to.heading", Dimension::kAngle, 0, -kHalfTurn, kHalfTurn)),
         reach_(p.Quantity("reach", Dimension::kLength, FetchTask().reach, 0.3, 0.7)),
-        controller_(Gains(p.Below("controller"))) {
-    const Duration longest = p.Time("longest", kPersonTakes, seconds(1), std::chrono::hours(1));
+        controller_(WithPaperGains(p.Below("controller"))) {
+    const Duration longest = p.Time("longest", kScriptedTakes, seconds(1), std::chrono::hours(1));
     if (p.Has("longest")) longest_ = longest;
     grip_.force = p.Quantity("grasp.force", Dimension::kForce, grip_.force, 1, 140);
     grip_.speed = p.Quantity("grasp.speed", Dimension::kVelocity, grip_.speed, 0.001, 0.1);
@@ -111,7 +108,7 @@ class Teleoperation final : public Application {
   Time Attend(Time now);
   void TendHand(std::uint32_t presses);
   void Note(const TeleoperatorStatus& status, Time now);
-  void BeginMoment(teleop::Mode mode, Time now);
+  void BeginPlan(teleop::Mode mode, Time now);
 
   const std::string object_;
   const double from_yaw_;
@@ -120,7 +117,7 @@ class Teleoperation final : public Application {
   const double reach_;
   std::optional<Duration> longest_;
   const control::Parameters controller_;
-  Grip grip_;
+  HandConfig grip_;
   ScriptedOperatorConfig operator_;
 
   const MonotonicClock clock_;  ///< of devices' own threads
@@ -140,7 +137,7 @@ void Teleoperation::Require(const scenario::Scenario& scenario) const {
     throw InputError(
         "application teleoperation: nobody leads; say who, as operator: {device: person}");
   }
-  const bool is_scripted = scenario.operator_section->device == kPerson;
+  const bool is_scripted = scenario.operator_section->device == kScriptedDevice;
   if (is_scripted || !object_.empty()) static_cast<void>(TaskOf(scenario));
   if (!is_scripted) return;
   control::ParameterReader(scenario.operator_section->parameters, "operator.parameters")
@@ -158,8 +155,8 @@ void Teleoperation::Require(const scenario::Scenario& scenario) const {
 }
 
 Duration Teleoperation::LastsFor(const scenario::Scenario& scenario) const {
-  const bool is_scripted = scenario.operator_section->device == kPerson;
-  return longest_.value_or(is_scripted ? kPersonTakes : kAnyoneTakes);
+  const bool is_scripted = scenario.operator_section->device == kScriptedDevice;
+  return longest_.value_or(is_scripted ? kScriptedTakes : kAnyoneTakes);
 }
 
 FetchTask Teleoperation::TaskOf(const scenario::Scenario& scenario) const {
@@ -185,45 +182,44 @@ FetchTask Teleoperation::TaskOf(const scenario::Scenario& scenario) const {
 }
 
 std::unique_ptr<teleop::Device> Teleoperation::MakeDevice(const Stage& stage) {
-  const scenario::OperatorSection& section = *stage.scenario().operator_section;
-  if (section.device == kPerson) {
-    const plant::TruthProbe* truth = stage.session().connection().truth;
+  const scenario::OperatorSection& section = *stage.scenario.operator_section;
+  if (section.device == kScriptedDevice) {
+    const plant::TruthProbe* truth = stage.session.connection().truth;
     if (truth == nullptr) {
       throw InputError(
           "operator: the scripted person sees nothing of this plant; say plant: "
           "{kind: mujoco}");
     }
-    auto person = std::make_unique<ScriptedOperator>(*truth, record_.task, operator_,
-                                                     record_.config, stage.scenario().seed);
-    scripted_ = person.get();
-    return person;
+    auto scripted = std::make_unique<ScriptedOperator>(*truth, record_.task, operator_,
+                                                       record_.config, stage.scenario.seed);
+    scripted_ = scripted.get();
+    return scripted;
   }
-  if (stage.devices() == nullptr) {
+  if (stage.devices == nullptr) {
     throw InputError(fmt::format("operator.device: \"{}\" is unknown here; there is: {}",
-                                 section.device, kPerson));
+                                 section.device, kScriptedDevice));
   }
   control::ParameterReader reader(section.parameters, "operator.parameters");
-  auto device =
-      stage.devices()->Find(section.device)({.parameters = reader,
-                                             .folder = stage.scenario().places.folder,
-                                             .clock = clock_,
-                                             .is_lockstep = stage.scenario().is_lockstep(),
-                                             .seed = stage.scenario().seed});
+  auto device = stage.devices->Find(section.device)({.parameters = reader,
+                                                     .folder = stage.scenario.places.folder,
+                                                     .clock = clock_,
+                                                     .is_lockstep = stage.scenario.is_lockstep(),
+                                                     .seed = stage.scenario.seed});
   reader.RefuseUnread();
   return device;
 }
 
 TaskResult Teleoperation::Perform(Stage& stage) {
   stage_ = &stage;
-  const scenario::OperatorSection& section = *stage.scenario().operator_section;
+  const scenario::OperatorSection& section = *stage.scenario.operator_section;
   record_.config = MakeTeleoperator(section);
-  if (!object_.empty()) record_.task = TaskOf(stage.scenario());
+  if (!object_.empty()) record_.task = TaskOf(stage.scenario);
   device_ = MakeDevice(stage);
   teleoperator_.emplace(
       Teleoperator::Parts{
-          .device = *device_, .base = stage.session().base(), .limits = stage.robot().limits},
-      record_.config, MakeWire(section), stage.scenario().seed);
-  stage.Tell(fmt::format("led by {}", device_->Describe()));
+          .device = *device_, .base = stage.session.base(), .limits = stage.session.robot().limits},
+      record_.config, MakeWire(section), stage.scenario.seed);
+  if (stage.tell) stage.tell(fmt::format("led by {}", device_->Describe()));
   task_result_.task = stage.Carry({{.name = "teleoperation", .act = [this] { return Lead(); }}});
   // What holds on to the session ends with it.
   teleoperator_.reset();
@@ -234,21 +230,21 @@ TaskResult Teleoperation::Perform(Stage& stage) {
 }
 
 StepEnd Teleoperation::Lead() {
-  run::Session& session = stage_->session();
+  run::Session& session = stage_->session;
   run::Motion motion =
-      stage_->NewMotion("teleoperation", control::CommandInterface::kTorque,
-                        run::StandingFor(session.ReadState().q, LastsFor(stage_->scenario()),
-                                         stage_->robot().limits));
+      run::MotionOn(stage_->scenario, "teleoperation", control::CommandInterface::kTorque,
+                    run::StandingFor(session.ReadState().q, LastsFor(stage_->scenario),
+                                     stage_->session.robot().limits));
   motion.controller.type = "compliance";
   motion.controller.parameters = controller_;
   // Who feels his way touches things, and a contact steps the damping's torque.
   motion.tick.limiter = true;
   motion.live = &*teleoperator_;
   motion.attend = [this](Time now) { return Attend(now); };
-  BeginMoment(teleop::Mode::kArm, session.Now());
+  BeginPlan(teleop::Mode::kArm, session.Now());
   const run::MotionResult result = session.Move(motion);
   Note(teleoperator_->TakeStatus(), session.Now());
-  task_result_.snapshots.back().done = session.Now();
+  task_result_.plans.back().until = session.Now();
   if (result.report.errors.any()) record_.robot_errors.push_back(result.report.failure);
   if (!result.report.succeeded()) return {false, result.report.failure};
   if (scripted_ == nullptr) return {};
@@ -263,15 +259,15 @@ Time Teleoperation::Attend(Time now) {
   const TeleoperatorStatus& status = teleoperator_->TakeStatus();
   if (status.mode != last_.mode) {
     ++record_.switches;
-    stage_->session().Tell("operator",
-                           status.mode == teleop::Mode::kBase ? "leads the base" : "leads the arm");
-    BeginMoment(status.mode, now);
+    stage_->session.Tell("operator",
+                         status.mode == teleop::Mode::kBase ? "leads the base" : "leads the arm");
+    BeginPlan(status.mode, now);
   }
   if (status.stopped != last_.stopped) {
-    stage_->session().Tell("operator", status.stopped ? "emergency stop" : "stop released");
+    stage_->session.Tell("operator", status.stopped ? "emergency stop" : "stop released");
   }
   if (status.holding != last_.holding) {
-    stage_->session().Tell("operator", status.holding ? "nobody leads" : "somebody leads");
+    stage_->session.Tell("operator", status.holding ? "nobody leads" : "somebody leads");
   }
   last_ = status;
   if (attends_++ % kAttendsPerSample == 0) record_.trace.push_back(status);
@@ -285,7 +281,7 @@ void Teleoperation::Note(const TeleoperatorStatus& status, Time now) {
 
 void Teleoperation::TendHand(std::uint32_t presses) {
   const std::uint32_t since = presses - std::exchange(presses_, presses);
-  backend::Hand* hand = stage_->session().connection().hand;
+  backend::Hand* hand = stage_->session.connection().hand;
   if (since % 2 == 0 || hand == nullptr) return;
   const bool closes = presses % 2 == 1;
   const HandCommand command =
@@ -297,28 +293,27 @@ void Teleoperation::TendHand(std::uint32_t presses) {
              : HandCommand(hand::Move{.width = kHandStroke, .speed = grip_.speed});
   try {
     static_cast<void>(hand->Start(command));
-    stage_->session().Tell("operator", closes ? "closes the hand" : "opens the hand");
-    BeginMoment(last_.mode, stage_->session().Now());
+    stage_->session.Tell("operator", closes ? "closes the hand" : "opens the hand");
+    BeginPlan(last_.mode, stage_->session.Now());
   } catch (const Error& error) {
-    stage_->session().Tell("operator", error.what());
+    stage_->session.Tell("operator", error.what());
   }
 }
 
-void Teleoperation::BeginMoment(teleop::Mode mode, Time now) {
-  std::vector<Snapshot>& snapshots = task_result_.snapshots;
-  if (!snapshots.empty()) snapshots.back().done = now;
+void Teleoperation::BeginPlan(teleop::Mode mode, Time now) {
+  std::vector<record::PlanRecord>& plans = task_result_.plans;
+  if (!plans.empty()) plans.back().until = now;
   // What was hardly begun is nothing to show.
-  if (!snapshots.empty() && now - snapshots.back().planned < kShortest) snapshots.pop_back();
+  if (!plans.empty() && now - plans.back().from < kShortest) plans.pop_back();
   const bool drives = mode == teleop::Mode::kBase;
   const bool holds = presses_ % 2 == 1;
-  snapshots.push_back(
-      {.id = fmt::format("{}_{}", drives ? "base" : "arm", snapshots.size() + 1),
-       .caption = fmt::format("{}; the hand is {}",
-                              drives ? "The base is led, the arm holds its pose on it"
-                                     : "The arm is led, the base stands",
-                              holds ? "closed" : "open"),
-       .planned = now,
-       .done = now});
+  plans.push_back({.id = fmt::format("{}_{}", drives ? "base" : "arm", plans.size() + 1),
+                   .caption = fmt::format("{}; the hand is {}",
+                                          drives ? "The base is led, the arm holds its pose on it"
+                                                 : "The arm is led, the base stands",
+                                          holds ? "closed" : "open"),
+                   .from = now,
+                   .until = now});
 }
 
 }  // namespace

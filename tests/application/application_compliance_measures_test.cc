@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "application/compliance_cases.h"
-#include "application/compliance_measures.h"
+#include "application/compliance.h"
 
 namespace twin::application::compliance {
 namespace {
@@ -97,7 +96,7 @@ TEST(ComplianceMeasuresTest, AMotionThatEndedUnderThePushHasNoResponse) {
 }
 
 TEST(ComplianceMeasuresTest, TheNullSpaceCountsOnceTheSoftStartIsOver) {
-  const Settings settings;
+  const Config config;
   Trace trace = TraceOf(
       8,
       [](double t) {
@@ -105,11 +104,11 @@ TEST(ComplianceMeasuresTest, TheNullSpaceCountsOnceTheSoftStartIsOver) {
       },
       [](double) { return Vector3{}; });
   for (Sample& sample : trace) sample.q[4] = 0.05 * sample.t();
-  const Wandering w = WanderingOf(trace, settings).value();
+  const Wandering w = WanderingOf(trace, config).value();
   EXPECT_NEAR(w.end_effector, 6e-3, 1e-5);
   EXPECT_NEAR(w.joints, 0.3, 1e-3);
   trace.resize(1999);
-  EXPECT_FALSE(WanderingOf(trace, settings));
+  EXPECT_FALSE(WanderingOf(trace, config));
 }
 
 TEST(ComplianceMeasuresTest, TrackingIsTheDistanceFromTheReference) {
@@ -140,7 +139,8 @@ Measures Good() {
 /// The demands that are missed, by the beginning of what they are about.
 std::vector<std::string> MissedOf(const Measures& m) {
   std::vector<std::string> missed;
-  for (const Finding& finding : FindingsOf(m)) {
+  const Evaluation evaluation = EvaluateCases(m);
+  for (const Finding& finding : evaluation.findings) {
     if (finding.met == false) missed.push_back(finding.quantity);
   }
   return missed;

@@ -48,7 +48,7 @@ TEST(ComplianceApplicationTest, GivesWayAsItsSpringsSay) {
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
   EXPECT_EQ(performance.task_result.task.steps.size(), 13U);
-  EXPECT_EQ(performance.task_result.snapshots.size(), 5U);
+  EXPECT_EQ(performance.task_result.plans.size(), 5U);
   EXPECT_EQ(performance.evaluation.figures.size(), 7U);
   EXPECT_EQ(performance.FiguresOnPage(), 7U);
   const report::Figure& friction = performance.evaluation.figures.back();

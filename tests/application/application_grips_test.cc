@@ -1,4 +1,4 @@
-#include "application/grips.h"
+#include "application/pick.h"
 
 #include <cmath>
 #include <string>

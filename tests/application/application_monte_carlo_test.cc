@@ -1,4 +1,4 @@
-#include "twin/application/monte_carlo.h"
+#include "application/monte_carlo.h"
 
 #include <string>
 #include <vector>

@@ -1,4 +1,3 @@
-#include "twin/application/page.h"
 
 #include <fstream>
 #include <string>
@@ -6,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "application/results.h"
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 
@@ -63,9 +63,9 @@ TEST(ApplicationPageTest, HasItsPicturesInIt) {
     std::ofstream(folder / name) << bytes;
   }
   TaskResult task_result = Done();
-  task_result.snapshots = {{.id = "a", .caption = "Reach"}, {.id = "b", .caption = "Grasp"}};
+  task_result.plans = {{.id = "a", .caption = "Reach"}, {.id = "b", .caption = "Grasp"}};
   PageFacts facts;
-  facts.snapshots = {{folder / "a.png", folder / "b.png"}, {folder / "c.png", {}}};
+  facts.pictures = {{folder / "a.png", folder / "b.png"}, {folder / "c.png", {}}};
   facts.has_video = true;
   facts.lines = {{"lab", "a & b"}};
   const std::string page = PageOf(Task(), task_result, {}, facts);
@@ -74,7 +74,7 @@ TEST(ApplicationPageTest, HasItsPicturesInIt) {
   EXPECT_THAT(page, HasSubstr("base64,TWFu\""));
   EXPECT_THAT(page, HasSubstr("<video"));
   EXPECT_THAT(page, HasSubstr("<td>lab</td><td class=\"word\">a &amp; b</td>"));
-  facts.snapshots[0].done = folder / "none.png";
+  facts.pictures[0].done = folder / "none.png";
   EXPECT_THROW((void)PageOf(Task(), task_result, {}, facts), EnvironmentError);
 }
 

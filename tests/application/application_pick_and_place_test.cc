@@ -49,16 +49,16 @@ TEST(PickAndPlaceTest, CarriesTheParcelUpAndTurnsIt) {
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
   EXPECT_EQ(performance.evaluation.figures.size(), 3U);
   EXPECT_EQ(performance.FiguresOnPage(), 3U);
-  ASSERT_EQ(performance.task_result.snapshots.size(), 6U);
-  const std::vector<Snapshot>& snapshots = performance.task_result.snapshots;
+  ASSERT_EQ(performance.task_result.plans.size(), 6U);
+  const std::vector<record::PlanRecord>& plans = performance.task_result.plans;
   for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_LT(snapshots[i].planned, snapshots[i].done) << snapshots[i].id;
-    EXPECT_GT(snapshots[i].way.size(), 2U);
-    EXPECT_EQ(snapshots[i].object, i >= 2 && i <= 4 ? "parcel" : "") << snapshots[i].id;
+    EXPECT_LT(plans[i].from, plans[i].until) << plans[i].id;
+    EXPECT_GT(plans[i].way.size(), 2U);
+    EXPECT_EQ(plans[i].object, i >= 2 && i <= 4 ? "parcel" : "") << plans[i].id;
   }
   // From lift to transfer: 0.2 m up, and a quarter of a turn, in the plan's own words.
-  const Transform& lifted = snapshots[2].O_T_object;
-  const Transform& above = snapshots[3].O_T_object;
+  const Transform& lifted = plans[2].O_T_object;
+  const Transform& above = plans[3].O_T_object;
   EXPECT_NEAR(above[14] - lifted[14], 0.2, 0.031);
   const double turned = std::atan2(above[1], above[0]) - std::atan2(lifted[1], lifted[0]);
   EXPECT_NEAR(std::remainder(turned, 2 * M_PI), M_PI / 2, 0.9) << "of this seed";
@@ -74,7 +74,7 @@ TEST(PickAndPlaceTest, TiltsTheParcelOntoASurfaceThatLeans) {
   test::Performance performance(Shipped("pick_and_place_tilted"));
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
-  const Transform& goal = performance.task_result.snapshots.at(4).O_T_object;
+  const Transform& goal = performance.task_result.plans.at(4).O_T_object;
   EXPECT_LT(goal[10], std::cos(0.25)) << "by 15 degrees at least";
 }
 

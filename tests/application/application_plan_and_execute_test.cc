@@ -32,10 +32,9 @@ TEST(PlanAndExecuteTest, GoesToGoalAfterGoalAndTouchesNothing) {
   performance.Perform();
   EXPECT_TRUE(performance.succeeded()) << performance.Story();
   ASSERT_EQ(performance.task_result.task.steps.size(), 4U);
-  ASSERT_EQ(performance.task_result.snapshots.size(), 2U);
-  EXPECT_NE(performance.task_result.snapshots[0].goal, performance.task_result.snapshots[1].goal);
-  EXPECT_GT(performance.task_result.snapshots[0].done,
-            performance.task_result.snapshots[0].planned);
+  ASSERT_EQ(performance.task_result.plans.size(), 2U);
+  EXPECT_NE(performance.task_result.plans[0].q, performance.task_result.plans[1].q);
+  EXPECT_GT(performance.task_result.plans[0].until, performance.task_result.plans[0].from);
   ASSERT_NE(performance.Find("cycles with contact of the arm"), nullptr);
   EXPECT_EQ(performance.Find("configurations in collision")->value, 0);
   EXPECT_LT(performance.Find("largest distance of a joint from the plan")->value, 50);

@@ -45,7 +45,7 @@ TEST(TeleoperationTest, FetchesTheCanAndSetsItDownOnTheMat) {
   EXPECT_EQ(performance.evaluation.figures.size(), 3U);
   EXPECT_EQ(performance.FiguresOnPage(), 3U);
   // To the can, down to it, up with it, to the mat, down to it, up again.
-  EXPECT_EQ(performance.task_result.snapshots.size(), 6U);
+  EXPECT_EQ(performance.task_result.plans.size(), 6U);
 }
 
 TEST(TeleoperationTest, RefusesAScenarioThatNobodyLeads) {

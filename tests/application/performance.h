@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "application/results.h"
 #include "controllers/registration.h"
 #include "plugins/emulated/mujoco_backend.h"
 #include "plugins/fci/fci_backend.h"
-#include "twin/application/application_run.h"
-#include "twin/application/page.h"
+#include "twin/application/application.h"
 #include "twin/core/clock.h"
 #include "twin/plant/contact_watch.h"
 #include "twin/record/recorder.h"
@@ -64,7 +64,6 @@ class Performance final : public rt::RecordSink {
     task_result = run_->Execute({}, [this](std::string_view line) { told.emplace_back(line); });
     if (log_) static_cast<void>(log_->Finish());
     evaluation = run_->Evaluate({.log = log_ ? LogPath() : std::filesystem::path(),
-                                 .truth = truth(),
                                  .contacts = contacts_ ? &*contacts_ : nullptr});
   }
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "application/monte_carlo.h"
 #include "application/performance.h"
-#include "twin/application/monte_carlo.h"
 
 namespace twin::application::test {
 

@@ -10,43 +10,48 @@
 #include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
-// A run from its scenario to its folder of results.
+// Runs of a scenario, from its file to its folder of results.
 namespace twin::application {
 
-/// How a scenario is run, beside what it says itself.
+/// How a scenario is run, beside its own settings.
 struct RunOptions {
   std::filesystem::path scenario;  ///< its file, for messages
   std::filesystem::path out;       ///< folder of results
-  std::string site;                ///< of the scenario, for people: "lab b"
-  bool makes_video = true;         ///< where the scenario wants one; the log is the same without
-  bool strict = false;             ///< an arm that was too far off its path is a failure
-  bool allow_hardware = false;     ///< a robot at the other end of a wire need not be a twin
-  std::optional<std::filesystem::path> capture{};  ///< backend fci: file of what goes over the wire
-  std::optional<page::PageSettings> page{};        ///< where the operator's page is served
+  std::string site;                ///< of the scenario, for the report: "lab b"
+  bool makes_video = true;      ///< when the scenario asks for one; the log does not depend on it
+  bool strict = false;          ///< a deviation above max_deviation is a failure
+  bool allow_hardware = false;  ///< a remote robot need not be a twin
+  std::optional<std::filesystem::path> capture{};  ///< backend fci: file of the wire's packets
+  std::optional<page::PageSettings> page{};        ///< address of the operator's page
   run::RealtimeSettings settings{};
 };
 
-/// Runs a scenario's motion or application and writes what came of it. Where that fails by the
-/// robot, or no plan is found, a summary is left, whenever it is; where the input is bad or the
-/// host lacks something, nothing is left that is not whole but the log, if that could not be
-/// written (a full disk): what is there can be read.
-/// @throws RobotFault when the run aborted, failed or was off its path (strict), twin::Error
-/// otherwise; run::Interrupted.
-void RecordRun(const scenario::Scenario& scenario, const RunOptions& options,
-               const run::RunFiles& files, const run::Catalogue& catalogue, run::Console& console);
-
-/// Which seeds, and what is demanded of them.
-struct SeedsOptions {
-  int seeds = 100;             ///< from the scenario's on
-  int threads = 2;             ///< so many at once
-  double least_percent = 100;  ///< that must succeed
+/// A run's inputs. All must outlive the run.
+struct RunInputs {
+  const scenario::Scenario& scenario;
+  const RunOptions& options;
+  const run::RunFiles& files;
+  const run::Catalogue& catalogue;
+  run::Console& console;
 };
 
-/// Carries an application out for many seeds, in lockstep, and writes a page, a table of all and a
-/// summary. @param options  of these, out and site. @throws as RecordRun(); RobotFault when fewer
-/// succeeded than wanted.
-void RecordSeeds(const scenario::Scenario& scenario, const RunOptions& options,
-                 const SeedsOptions& seeds, const run::RunFiles& files,
-                 const run::Catalogue& catalogue, run::Console& console);
+/// Runs a scenario's motion or application and writes its results. A failure by the robot, or a
+/// goal without a plan, leaves a summary. Invalid input or a missing resource of the host leaves
+/// nothing partial but the log, if it could not be written to its end (a full disk).
+/// @throws RobotFault when the run aborted, failed or left its path (strict), twin::Error
+/// otherwise; run::Interrupted.
+void RecordRun(const RunInputs& inputs);
+
+/// Which seeds, and the demand on them.
+struct SeedsOptions {
+  int seeds = 100;             ///< from the scenario's on, in [1, 100000]
+  int threads = 2;             ///< in [1, 64]
+  double least_percent = 100;  ///< of the seeds that must succeed
+};
+
+/// Carries an application out for many seeds, in lockstep, and writes a report, a table of all
+/// seeds and a summary. @param inputs  of the options only out and site count.
+/// @throws as RecordRun(); RobotFault when fewer seeds succeed than demanded.
+void RecordSeeds(const RunInputs& inputs, const SeedsOptions& options);
 
 }  // namespace twin::application

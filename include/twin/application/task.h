@@ -11,46 +11,46 @@ namespace twin::application {
 /// How one attempt at a step ended.
 struct StepEnd {
   bool succeeded = true;
-  std::string text{};  ///< why not, or what is worth telling
+  std::string text{};  ///< why not, or a remark for the report
 };
 
 /// A step of a task: a state of its machine.
 struct TaskStep {
-  std::string name;                ///< another one for every step
+  std::string name;                ///< unique within the task
   std::function<StepEnd()> act{};  ///< one attempt
-  /// Where a failure leads: this step or one before it. Empty: the task has failed.
+  /// Step at which the task goes on after a failure: this one or one before it. Empty: the failure
+  /// ends the task.
   std::string after_failure{};
-  int attempts = 1;  ///< in all, >= 1; the last one's failure is the task's
+  int attempts = 1;  ///< in all, >= 1; the failure of the last one ends the task
 };
 
-/// What became of a step, attempt by attempt.
+/// One attempt at a step.
 struct StepReport {
   std::string name;
-  int attempt = 1;  ///< which one it was, from 1
+  int attempt = 1;  ///< counted from 1
   Time begun{};
   Time ended{};
   bool succeeded = false;
   std::string text{};  ///< as StepEnd's
 };
 
-/// What became of a task.
 struct TaskReport {
-  std::vector<StepReport> steps;  ///< in the order in which they were done
-  std::string failure;            ///< which step failed and why; empty: the task succeeded
+  std::vector<StepReport> steps;  ///< all attempts, in order of execution
+  std::string failure;            ///< failed step and cause; empty: the task succeeded
 };
 
-/// Carries out steps, each after the one before it has succeeded. A failed attempt goes on at the
-/// step's `after_failure`, as long as the failed step has attempts left; attempts are counted over
-/// the whole task, so that it ends.
+/// Executes steps, each after the one before it has succeeded. A failed attempt goes on at the
+/// step's `after_failure` while the failed step has attempts left. Attempts are counted over the
+/// whole task, so it ends.
 ///
-/// A step that throws RobotFault has failed with that text, and is not tried again: the robot is
-/// gone or has refused. Other exceptions pass.
-/// @param now  the robot's time. @param told  gets each attempt as it ends; may be empty.
-/// @param interrupted  asked before each attempt; says that the task is to end; may be empty.
-/// @throws InputError when a name stands twice, attempts are below 1, or `after_failure` names no
-/// step at or before its own.
+/// A step that throws RobotFault has failed with that text and is not repeated: the robot refuses
+/// commands or does not answer. Other exceptions pass.
+/// @param now  the robot's time. @param on_attempt  receives each attempt as it ends; may be empty.
+/// @param interrupted  asked before each attempt; true ends the task; may be empty.
+/// @throws InputError when two steps have the same name, attempts are below 1, or `after_failure`
+/// names no step at or before its own.
 [[nodiscard]] TaskReport Carry(const std::vector<TaskStep>& steps, const std::function<Time()>& now,
-                               const std::function<void(const StepReport&)>& told = {},
+                               const std::function<void(const StepReport&)>& on_attempt = {},
                                const std::function<bool()>& interrupted = {});
 
 }  // namespace twin::application

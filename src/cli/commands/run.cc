@@ -150,9 +150,9 @@ int Run(const RunFlags& flags, const Program& program) {
   Terminal terminal(program.log, program.is_quiet());
   run::RunFiles files = FilesOf(flags.data, program);
   files.rebuild_cache = flags.rebuild_cache;
+  const application::RunInputs inputs{scenario, options, files, program.catalogue, terminal};
   if (flags.seeds) {
-    application::RecordSeeds(scenario, options, {*flags.seeds, flags.threads, flags.least_share},
-                             files, program.catalogue, terminal);
+    application::RecordSeeds(inputs, {*flags.seeds, flags.threads, flags.least_share});
     return kOk;
   }
   if (flags.max_speed) {
@@ -160,7 +160,7 @@ int Run(const RunFlags& flags, const Program& program) {
                   scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand),
                   *flags.max_speed);
   }
-  application::RecordRun(scenario, options, files, program.catalogue, terminal);
+  application::RecordRun(inputs);
   return kOk;
 }
 

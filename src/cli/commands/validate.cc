@@ -7,7 +7,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/shared_flags.h"
-#include "twin/application/application_run.h"
+#include "twin/application/application.h"
 #include "twin/control/controller_library.h"
 #include "twin/control/registry.h"
 #include "twin/core/clock.h"

@@ -1,5 +1,3 @@
-#include "application/compliance_figures.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,8 +7,60 @@
 
 #include <fmt/format.h>
 
+#include "application/compliance.h"
+
 namespace twin::application::compliance {
 namespace {
+
+/// Of the compliant case's deflection, below which the stiff one's must stay.
+constexpr double kStiffShare = 0.2;
+/// Of F / K, within which the steady deflection must lie.
+constexpr double kSteadyShare = 0.1;
+/// m.
+constexpr double kLargestTracking = 5e-3;
+/// m.
+constexpr double kLargestWandering = 2e-3;
+/// rad; less would demonstrate nothing.
+constexpr double kLeastWandering = 0.1;
+
+void AddResponse(const Case& one, const Response& r, Evaluation& evaluation) {
+  const auto named = [&one](std::string_view what) { return fmt::format("{}: {}", one.id, what); };
+  evaluation.Report(named("deflection along the push, largest"), 1e3 * r.peak, "mm");
+  evaluation.Demand(
+      named("deflection under the constant force"), 1e3 * r.steady, "mm",
+      fmt::format("F / K = {:.4g} mm within {:.0f} %", 1e3 * r.expected, 1e2 * kSteadyShare),
+      std::abs(r.steady - r.expected) <= kSteadyShare * std::abs(r.expected));
+  evaluation.Report(named("force of the push"), r.force, "N");
+  evaluation.Report(named("force of the push, estimated by the robot"), r.estimated_steady, "N");
+  if (r.settling) {
+    evaluation.Report(named("settling time to a tenth, after the end of the push"), *r.settling,
+                      "s");
+  } else {
+    evaluation.Report(named("not settled to a tenth by the end of the motion, after"),
+                      r.t.back() - r.t.front(), "s");
+  }
+}
+
+void AddComparison(const Case& stiff, const Case& compliant, const Response& a, const Response& b,
+                   Evaluation& evaluation) {
+  const double share = a.peak / b.peak;
+  evaluation.Demand(fmt::format("{}: largest deflection / that of {}", stiff.id, compliant.id),
+                    share, "", fmt::format("below {}", kStiffShare), share < kStiffShare);
+}
+
+void AddTracking(const Case& one, const Tracking& t, bool is_demanded, Evaluation& evaluation) {
+  const std::string largest = fmt::format("{}: tracking error, largest", one.id);
+  if (is_demanded) {
+    evaluation.Demand(largest, 1e3 * t.largest, "mm",
+                      fmt::format("at most {} mm", 1e3 * kLargestTracking),
+                      t.largest <= kLargestTracking);
+  } else {
+    evaluation.Report(largest, 1e3 * t.largest, "mm");
+  }
+  evaluation.Report(fmt::format("{}: tracking error, RMS", one.id), 1e3 * t.rms, "mm");
+  evaluation.Report(fmt::format("{}: orientation error, largest", one.id), 1e3 * t.largest_turned,
+                    "mrad");
+}
 
 constexpr std::uint64_t kEvery = 5;  ///< cycles between the points of a path
 
@@ -70,8 +120,8 @@ report::Figure TrackingFigure(const Log& log) {
   return figure;
 }
 
-report::Figure NullSpaceFigure(const Trace& trace, const Settings& settings) {
-  const double begin = WanderingBegin(settings);
+report::Figure NullSpaceFigure(const Trace& trace, const Config& config) {
+  const double begin = WanderingBegin(config);
   report::Figure figure{.id = "null_space", .columns = "t [s]", .values = {{"begin", begin}}};
   for (std::size_t j = 1; j <= kJoints; ++j) figure.columns += fmt::format(",joint {} [rad]", j);
   figure.columns += ",end effector [mm]";
@@ -86,10 +136,10 @@ report::Figure NullSpaceFigure(const Trace& trace, const Settings& settings) {
   return figure;
 }
 
-report::Figure FrictionFigure(const Settings& settings) {
+report::Figure FrictionFigure(const Config& config) {
   report::Figure figure{.id = "friction"};
-  if (settings.friction_compensation) {
-    figure.values["percent"] = std::round(1e2 * *settings.friction_compensation);
+  if (config.friction_compensation) {
+    figure.values["percent"] = std::round(1e2 * *config.friction_compensation);
   }
   return figure;
 }
@@ -110,7 +160,7 @@ report::Figure TorquesFigure(const Log& log) {
 
 }  // namespace
 
-std::vector<report::Figure> FiguresOf(const Log& log, const Measures& m, const Settings& settings) {
+std::vector<report::Figure> FiguresOf(const Log& log, const Measures& m, const Config& config) {
   std::vector<report::Figure> figures;
   if (m.responses[kA] && m.responses[kB]) {
     figures.push_back(PushedFigure("standstill", kA, kB, m));
@@ -120,10 +170,40 @@ std::vector<report::Figure> FiguresOf(const Log& log, const Measures& m, const S
     figures.push_back(TrajectoryFigure(log));
     figures.push_back(TrackingFigure(log));
   }
-  if (m.wandering) figures.push_back(NullSpaceFigure(log.traces[kN], settings));
+  if (m.wandering) figures.push_back(NullSpaceFigure(log.traces[kN], config));
   if (!log.traces[kA].empty()) figures.push_back(TorquesFigure(log));
-  if (m.responses[kB]) figures.push_back(FrictionFigure(settings));
+  if (m.responses[kB]) figures.push_back(FrictionFigure(config));
   return figures;
+}
+
+Evaluation EvaluateCases(const Measures& m) {
+  Evaluation evaluation;
+  for (const auto& [stiff, compliant] : {std::pair(kA, kB), {kC, kD}}) {
+    for (const CaseIndex index : {stiff, compliant}) {
+      if (m.responses[index]) AddResponse(kAllCases[index], *m.responses[index], evaluation);
+    }
+    if (!m.responses[stiff] || !m.responses[compliant]) continue;
+    AddComparison(kAllCases[stiff], kAllCases[compliant], *m.responses[stiff],
+                  *m.responses[compliant], evaluation);
+  }
+  for (const CaseIndex index : {kC0, kD0}) {
+    if (!m.trackings[index]) continue;
+    AddTracking(kAllCases[index], *m.trackings[index], index == kC0, evaluation);
+  }
+  if (m.wandering) {
+    evaluation.Demand("N: joint motion in the null space, largest", m.wandering->joints, "rad",
+                      fmt::format("at least {} rad", kLeastWandering),
+                      m.wandering->joints >= kLeastWandering);
+    evaluation.Demand("N: end effector motion meanwhile, largest", 1e3 * m.wandering->end_effector,
+                      "mm", fmt::format("at most {} mm", 1e3 * kLargestWandering),
+                      m.wandering->end_effector <= kLargestWandering);
+  }
+  evaluation.Demand("peak torque / limit, measured or commanded", 1e2 * m.torque, "%",
+                    "at most 100 %", m.torque <= 1);
+  evaluation.Demand("peak rate of the commanded torque / limit", 1e2 * m.rate, "%", "at most 100 %",
+                    m.rate <= 1);
+  evaluation.Demand("reflexes", static_cast<double>(m.reflexes), "", "none", m.reflexes == 0);
+  return evaluation;
 }
 
 }  // namespace twin::application::compliance

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "twin/application/application.h"
+
+// An application's runs with many seeds, and their statistics.
+namespace twin::application {
+
+struct MonteCarloOptions {
+  std::uint64_t first_seed = 1;
+  int seeds = 100;                             ///< in [1, 100000]; consecutive
+  int threads = 2;                             ///< in [1, 64]; the results do not depend on it
+  const volatile bool* interrupted = nullptr;  ///< set from a signal handler; may be null
+};
+
+/// The result of one seed.
+struct SeedOutcome {
+  std::uint64_t seed = 0;
+  bool succeeded = false;
+  std::string failure{};      ///< as FailureOf(), or the text of the exception that the run threw
+  std::string failed_step{};  ///< empty: all steps succeeded
+  int repeated = 0;           ///< failed attempts that were repeated
+  std::vector<Finding> findings{};
+  Duration duration{};  ///< robot's time
+  std::uint64_t states_hash = 0;
+
+  /// The finding with this quantity; null when the run has none.
+  [[nodiscard]] const Finding* Find(const std::string& quantity) const;
+};
+
+/// A finding over all runs that have it.
+struct FindingSpread {
+  std::string quantity;
+  std::string unit{};
+  std::string demand{};
+  double median = 0;
+  double largest = 0;
+  std::uint64_t largest_seed = 0;
+  int missed = 0;  ///< runs that missed the demand
+};
+
+struct MonteCarloResult {
+  std::vector<SeedOutcome> outcomes;  ///< in order of seeds; fewer after an interruption
+  int succeeded = 0;
+  double least_share = 0;  ///< of success, 95 % confidence interval
+  double most_share = 1;
+
+  [[nodiscard]] double share() const noexcept {
+    return outcomes.empty() ? 0 : succeeded / static_cast<double>(outcomes.size());
+  }
+  /// One entry per quantity, in the order of the first run that has it.
+  [[nodiscard]] std::vector<FindingSpread> Spreads() const;
+};
+
+/// 95 % confidence interval of a share of which `hits` of `trials` were seen (Wilson's score;
+/// Wilson 1927). @pre 0 <= hits <= trials, trials > 0.
+[[nodiscard]] std::pair<double, double> WilsonInterval(int hits, int trials) noexcept;
+
+/// Carries an application out once per seed, in lockstep and without logs. The scenario's own seed
+/// is ignored. All runs share one compiled model in files.cache.
+///
+/// @param clock  as ApplicationRun's. @param on_outcome  receives each outcome when its run ends,
+/// one at a time, on any of the threads; must not throw; may be empty.
+/// @throws InputError when an option is out of range, the scenario is not in lockstep, or the first
+/// run cannot be made; later runs that throw count as failed.
+[[nodiscard]] MonteCarloResult RunSeeds(
+    const scenario::Scenario& scenario, const run::Catalogue& catalogue, const run::RunFiles& files,
+    const Clock& clock, const MonteCarloOptions& options,
+    const std::function<void(const SeedOutcome&)>& on_outcome = {});
+
+}  // namespace twin::application

@@ -1,0 +1,208 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "twin/application/application.h"
+#include "twin/control/parameters.h"
+#include "twin/core/joint_vector.h"
+#include "twin/core/limits.h"
+#include "twin/core/time.h"
+#include "twin/planning/collision_world.h"
+#include "twin/planning/pose_following.h"
+#include "twin/plant/scene_object.h"
+#include "twin/reference/pose_trajectory.h"
+#include "twin/scenario/frame_pose.h"
+#include "twin/scenario/scenario.h"
+
+// The parts of the application `pick_and_place`: parameters, task, grips, planner, evaluation.
+namespace twin::application {
+
+/// An object and its goal. All poses in the base, which is the world.
+struct PickTask {
+  plant::SceneObject object;  ///< X_WB is its pose before the task
+  Transform O_T_goal = kIdentityTransform;
+  std::string from{};        ///< part on which it stands and which it may touch when lifted
+  std::string to{};          ///< part on which it is put
+  Vector3 from_up{0, 0, 1};  ///< normal of the face on which it stands
+  Vector3 to_up{0, 0, 1};
+};
+
+/// Distances and speeds of the transport.
+struct PickOptions {
+  double above = 0.08;      ///< m, length of the straight path to and from the object
+  double clearance = 0.01;  ///< m, from everything, on paths across
+  double near = 0.002;      ///< m, from everything, on the straight paths to object and goal
+  double gap = 5e-4;        ///< m, between object and surface at the release
+  double room = 0.016;      ///< m, by which the open hand is wider than the object
+  reference::Timing pace{.duration = {},
+                         .velocity_scale = 0.2,
+                         .acceleration_scale = 0.06,
+                         .jerk_scale = 0.02};  ///< of the end effector's limits
+  /// Of the paths that end at object and goal, where the lag after lost messages is a pose error.
+  reference::Timing down_pace{
+      .duration = {}, .velocity_scale = 0.04, .acceleration_scale = 0.02, .jerk_scale = 0.02};
+  planning::FollowOptions follow{};
+};
+
+/// The parameters of pick and place; in brackets their keys.
+struct PickParameters {
+  /// @throws InputError naming file, line and key.
+  explicit PickParameters(control::ParameterReader& parameters);
+
+  std::string object;  ///< of the scenario's objects [object]
+  std::string on;      ///< the object on which it is put [place.on]
+  /// Position and rpy on that object's top [place.position, place.rpy].
+  scenario::FramePose place;
+  scenario::FramePose spread;  ///< half widths of uniform ranges of these [place.spread]
+  double force = 0;            ///< of each finger, N [grasp.force]
+  double speed = 0;            ///< of the closing hand, m/s [grasp.speed]
+  double tolerance = 0;        ///< of the width of a held object, m [grasp.tolerance]
+  int tries = 0;               ///< grasps, in all [grasp.tries]
+  PickOptions options;
+  std::string object_key;  ///< "<file>:<line>: application.parameters.object: "
+  std::string on_key;      ///< the same of place.on
+};
+
+/// The task that the scenario's seed draws.
+/// @throws InputError when the scenario has no such objects, naming those it has; or when the
+/// object is fixed, or a ball, which rolls away.
+[[nodiscard]] PickTask TaskOf(const scenario::Scenario& scenario, const PickParameters& parameters);
+
+/// Mass in the scenario, kg, without its random spread: what the robot is told.
+[[nodiscard]] double NominalMass(const scenario::Scenario& scenario, const std::string& object);
+
+/// How the hand holds an object.
+struct Grip {
+  Transform B_T_NE = kIdentityTransform;  ///< between the fingertips, in the object's frame
+  Vector3 B_up{0, 0, 1};                  ///< direction from which the hand comes, object's axes
+  double width = 0;                       ///< of the object between the fingers, m
+};
+
+/// Distances that a grip keeps.
+struct GripRoom {
+  double palm = 0.01;     ///< m, between object and palm
+  double below = 0.005;   ///< m, between the fingertips and the surface below the object
+  double beside = 0.003;  ///< m, at each finger of the open hand
+};
+
+/// All grips from above, each both ways round: a box by either pair of its upright faces, an
+/// upright cylinder at eighths of its circumference, a lying one across its axis or by its ends.
+/// The grip is at half the object's height, or higher where the palm would touch the object.
+/// @param up  normal of the surface below the object, world.
+/// @returns none for an object that is too wide or too flat.
+[[nodiscard]] std::vector<Grip> GripsOf(const plant::SceneObject& object, const Vector3& up,
+                                        const GripRoom& room);
+
+/// The paths of a task, in their order.
+enum class Leg : std::uint8_t { kApproach, kGrasp, kLift, kTransfer, kPlace, kRetreat };
+inline constexpr std::array<std::string_view, 6> kLegNames{"approach", "grasp", "lift",
+                                                           "transfer", "place", "retreat"};
+inline constexpr std::size_t kLegs = kLegNames.size();
+
+/// A path of the end effector.
+struct LegPlan {
+  std::vector<Transform> poses{};  ///< from its start on; empty: the arm is there already
+  Duration duration{};
+  JointVector q_start{};  ///< rad
+  JointVector q_end{};
+  std::vector<Vector3> path{};  ///< of the end effector, base frame, m, 2 cm apart
+};
+
+struct PickPlan {
+  Grip grip;
+  std::array<LegPlan, kLegs> legs;  ///< those before the first that was asked for are empty
+  Duration duration{};              ///< of all legs
+};
+
+/// The path of a leg that has poses. @throws InputError as PoseTrajectory.
+[[nodiscard]] reference::PoseTrajectory PathOf(const LegPlan& leg, const CartesianLimits& limits);
+
+/// A planner's view of the robot. References must outlive it.
+struct PickRobot {
+  const JointLimits& limits;
+  const CartesianLimits& cartesian;
+  Transform F_T_NE;  ///< between the fingertips
+  Transform F_T_EE;
+};
+
+/// Plans the whole task before anything moves: a grip for which every path up to the retreat is
+/// free of collision, inside the joint limits and slow enough for the joints.
+///
+/// It tries all grips (GripsOf), and for each a few paths across: straight, and over points that
+/// are higher or nearer to the robot. Each path is followed as the controller will follow it
+/// (planning::Follow), in a world in which the object stands, is held, or is at its goal. The
+/// fastest plan wins.
+///
+/// Threads: the world's. Deterministic. Not for real-time code.
+class PickPlanner {
+ public:
+  /// @param world  must outlive the planner.
+  PickPlanner(planning::CollisionWorld& world, const PickRobot& robot, PickTask task,
+              const PickOptions& options);
+
+  /// All legs. @param q  the arm's position, rad, at rest.
+  /// @returns the plan, or why there is none: the leg that failed and the obstacle.
+  [[nodiscard]] std::variant<PickPlan, std::string> Plan(const JointVector& q);
+
+  /// The legs from `first` on, which begins at q. @param grip  as before.
+  [[nodiscard]] std::variant<PickPlan, std::string> PlanFrom(const JointVector& q, Leg first,
+                                                             const Grip& grip);
+
+  /// Straight away from the object with open fingers around it, before another attempt.
+  [[nodiscard]] std::variant<LegPlan, std::string> BackOff(const JointVector& q, const Grip& grip);
+
+  /// Width of the open hand around the object, m.
+  [[nodiscard]] double OpeningFor(const Grip& grip) const noexcept;
+
+ private:
+  using Route = std::vector<Transform>;
+
+  [[nodiscard]] std::vector<Route> RoutesOf(Leg leg, const Transform& here, const Grip& grip) const;
+  void SetWorld(Leg leg, const Grip& grip);
+  /// A leg and its joint positions, a few milliseconds apart.
+  struct FollowedLeg {
+    LegPlan leg;
+    std::vector<JointVector> q;
+  };
+  /// Timed within the joints' limits. @throws InputError as PoseTrajectory.
+  [[nodiscard]] std::variant<FollowedLeg, std::string> Follow(LegPlan leg, const JointVector& q,
+                                                              const reference::Timing& pace) const;
+  [[nodiscard]] std::variant<LegPlan, std::string> Try(const Route& route, const JointVector& q,
+                                                       const reference::Timing& pace,
+                                                       double clearance);
+  /// Depth first. @returns whether all legs from this one on are found.
+  bool Search(const JointVector& q, std::size_t leg, PickPlan& plan);
+  [[nodiscard]] Transform PoseAt(const JointVector& q) const noexcept;
+
+  planning::CollisionWorld& world_;
+  const PickRobot robot_;
+  const PickTask task_;
+  const PickOptions options_;
+  std::size_t furthest_ = 0;  ///< leg at which the best attempt failed
+  std::string failure_;       ///< of that
+};
+
+/// Data of a run for its evaluation, from the robot's reports.
+struct PickRecord {
+  PickTask task;
+  JointLimits limits;
+  std::vector<std::string> robot_errors{};  ///< that ended motions
+  double width_grasped = 0;                 ///< m
+  double width_placed = 0;                  ///< before the release, m
+  bool is_placed = false;
+  Transform O_T_EE_placed = kIdentityTransform;  ///< measured, before the release
+  Transform B_T_EE = kIdentityTransform;         ///< as planned
+  Duration moved{};                              ///< planned duration of all motions
+};
+
+/// The demands of pick and place, further quantities and figures.
+[[nodiscard]] Evaluation EvaluatePick(const PickRecord& record, const TaskResult& task_result,
+                                      const Evidence& evidence);
+
+}  // namespace twin::application
