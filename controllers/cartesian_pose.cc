@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/model/inverse_kinematics.h"
 
 namespace twin::controllers {

@@ -5,7 +5,7 @@
 
 #include "controllers/pose_reference.h"
 #include "twin/control/controller.h"
-#include "twin/control/controller_request.h"
+#include "twin/control/registry.h"
 
 namespace twin::controllers {
 

@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "twin/model/joint_friction.h"
+#include "twin/model/arm_model.h"
 
 namespace twin::controllers {
 namespace {

@@ -6,8 +6,8 @@
 #include "controllers/pose_reference.h"
 #include "controllers/soft_start.h"
 #include "twin/control/controller.h"
-#include "twin/control/controller_request.h"
-#include "twin/model/payload.h"
+#include "twin/control/registry.h"
+#include "twin/model/mass_properties.h"
 
 namespace twin::controllers {
 
@@ -41,7 +41,7 @@ struct ComplianceOptions {
 ///
 /// The robot adds gravity to every torque, and its own friction compensation
 /// (onboard.friction_compensation): f(dq) here is the remaining share of tau_f in
-/// model/joint_friction.h. The robot does not add C dq. Model and payload are the robot's (end
+/// model/arm_model.h. The robot does not add C dq. Model and payload are the robot's (end
 /// effector and load in its state).
 ///
 /// At standstill a constant force F deflects each axis by F / K_P, to first order, apart from dry

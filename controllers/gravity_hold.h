@@ -2,7 +2,7 @@
 
 #include "controllers/soft_start.h"
 #include "twin/control/controller.h"
-#include "twin/control/controller_request.h"
+#include "twin/control/registry.h"
 
 namespace twin::controllers {
 

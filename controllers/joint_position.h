@@ -1,7 +1,7 @@
 #pragma once
 
 #include "twin/control/controller.h"
-#include "twin/control/controller_request.h"
+#include "twin/control/registry.h"
 
 namespace twin::controllers {
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 
 namespace twin::controllers {
 namespace {

@@ -6,8 +6,8 @@
 #include <Eigen/Core>
 
 #include "twin/core/error.h"
-#include "twin/core/half_norm.h"
-#include "twin/model/rotation.h"
+#include "twin/core/joint_vector.h"
+#include "twin/model/transform.h"
 
 namespace twin::controllers {
 namespace {

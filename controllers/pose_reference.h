@@ -2,13 +2,13 @@
 
 #include <string_view>
 
-#include "twin/control/controller_request.h"
+#include "twin/control/registry.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 #include "twin/model/arm_model.h"
-#include "twin/reference/pose_target.h"
+#include "twin/reference/target.h"
 
 namespace twin::controllers {
 

@@ -10,7 +10,7 @@
 
 #include "twin/core/error.h"
 #include "twin/fci/sockets.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::devices {
 namespace {

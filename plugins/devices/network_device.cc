@@ -9,7 +9,6 @@
 
 #include "plugins/devices/lockstep_refusal.h"
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 #include "twin/core/secret.h"
 #include "twin/teleop/operator_ranges.h"
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 #include "twin/teleop/operator_ranges.h"
 #include "twin/teleop/operator_script.h"
 

@@ -1,19 +1,58 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
-#include "plugins/emulated/emulated_base.h"
-#include "plugins/emulated/emulated_hand.h"
 #include "twin/backend/backend.h"
+#include "twin/backend/hand.h"
+#include "twin/backend/mobile_base.h"
 #include "twin/backend/refusal.h"
 #include "twin/backend/registry.h"
 #include "twin/onboard/onboard_controller.h"
 #include "twin/plant/plant.h"
+#include "twin/robot/base_unit.h"
 #include "twin/robot/robot.h"
 
 namespace twin::plugins {
+
+/// The emulated hand behind the hand seam; independent of what advances its time.
+/// @tparam Robot  robot::Robot or robot::RealtimeRobot, with a hand mounted.
+template <typename Robot>
+class EmulatedHand final : public backend::Hand {
+ public:
+  /// @param robot  must outlive the hand.
+  explicit EmulatedHand(Robot& robot) noexcept : robot_(robot) {}
+
+  HandTicket Start(const HandCommand& command) override {
+    const HandStart start = robot_.StartHand(command);
+    backend::RequireStarted(start, command);
+    return start.ticket;
+  }
+  [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const override {
+    return robot_.HandOutcome(ticket);
+  }
+  [[nodiscard]] HandState ReadState() const override { return robot_.hand_state(); }
+
+ private:
+  Robot& robot_;
+};
+
+/// The emulated mobile base behind the base seam; independent of what advances its time.
+class EmulatedBase final : public backend::MobileBase {
+ public:
+  /// @param unit  must outlive the base; null without a mobile base, and then never used.
+  explicit EmulatedBase(robot::BaseUnit* unit) noexcept : unit_(unit) {}
+
+  void Drive(const BaseTwist& twist) noexcept override { unit_->Drive(twist); }
+  void EmergencyStop() noexcept override { unit_->EmergencyStop(); }
+  void Release() noexcept override { unit_->Release(); }
+  [[nodiscard]] BaseState ReadState() const noexcept override { return unit_->ReadState(); }
+
+ private:
+  robot::BaseUnit* unit_;
+};
 
 /// A plant and its description.
 struct NamedPlant {
@@ -80,5 +119,15 @@ class EmulatedBackend : public backend::Backend, public backend::Panel {
   EmulatedHand<Robot> hand_{robot_};
   EmulatedBase base_{robot_.base()};
 };
+
+/// Connects the emulated robot on the virtual clock: its cycles are events of the queue from now
+/// on. Sets backend and panel of the connection.
+void ConnectLockstep(const backend::Request& request, const backend::VirtualTime& time,
+                     NamedPlant plant, backend::Connection& connection);
+
+/// Connects the emulated robot on the wall clock, on its own thread, which runs between Begin() and
+/// End() of the connection's robot_time. Sets backend, panel, arrival and robot_time.
+void ConnectRealtime(const backend::Request& request, const backend::WallTime& time,
+                     NamedPlant plant, backend::Connection& connection);
 
 }  // namespace twin::plugins

@@ -1,4 +1,4 @@
-#include "plugins/emulated/lockstep_backend.h"
+#include "plugins/emulated/emulated_backend.h"
 
 #include <memory>
 #include <utility>

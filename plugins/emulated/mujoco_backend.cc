@@ -1,13 +1,11 @@
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 
 #include <utility>
 #include <variant>
 
 #include "plugins/emulated/emulated_backend.h"
-#include "plugins/emulated/lockstep_backend.h"
-#include "plugins/emulated/realtime_backend.h"
 #include "twin/core/error.h"
-#include "twin/robot/make_plant.h"
+#include "twin/robot/robot_config.h"
 
 namespace twin::plugins {
 namespace {

@@ -1,4 +1,4 @@
-#include "plugins/emulated/realtime_backend.h"
+#include "plugins/emulated/emulated_backend.h"
 
 #include <memory>
 #include <utility>

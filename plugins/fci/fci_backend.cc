@@ -1,4 +1,4 @@
-#include "plugins/fci/fci_backend.h"
+#include "plugins/backends.h"
 
 #include <atomic>
 #include <memory>
@@ -187,14 +187,14 @@ void FciBackend::Start(const MotionModes& modes) {
 backend::ReadResult FciBackend::Read(backend::ReadRule rule, RobotState& state,
                                      Time& arrival) noexcept {
   Time at{};
-  const fci::Reception reception = client_.Receive(read_, at);
-  if (reception == fci::Reception::kLost) return backend::ReadResult::kLost;
+  const fci::ReceiveResult result = client_.Receive(read_, at);
+  if (result == fci::ReceiveResult::kLost) return backend::ReadResult::kLost;
   const bool may_be_queued = rule == backend::ReadRule::kFresh && !found_none_;
-  if (reception == fci::Reception::kState) {
+  if (result == fci::ReceiveResult::kState) {
     mode_.store(read_.robot_mode, std::memory_order_relaxed);
     motion_.Observe(read_);
   }
-  if (reception == fci::Reception::kPending || may_be_queued) {
+  if (result == fci::ReceiveResult::kPending || may_be_queued) {
     found_none_ = true;  // also after discarding a queued state: the queue is empty
     return backend::ReadResult::kPending;
   }

@@ -168,8 +168,8 @@ std::vector<Vector3> EndEffectorPath(const reference::Trajectory& trajectory,
 }
 
 ApplicationRun::ApplicationRun(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
-                               const run::RunFiles& files, rt::RecordSink* sink, const Clock& clock,
-                               const run::RealtimeSettings& settings)
+                               const run::RunFiles& files, record::RecordSink* sink,
+                               const Clock& clock, const run::RealtimeSettings& settings)
     : scenario_(WithApplication(scenario)),
       files_(files),
       clock_(clock),

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 
 namespace twin::application::compliance {
 namespace {

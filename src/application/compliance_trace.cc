@@ -4,7 +4,7 @@
 #include <cmath>
 #include <variant>
 
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/core/modes.h"
 #include "twin/model/inverse_kinematics.h"
 #include "twin/record/log_reader.h"
@@ -23,7 +23,7 @@ class TraceCollector {
                  Log& log)
       : spans_(spans), limits_(limits), log_(log) {}
 
-  void Add(const rt::CycleRecord& cycle) {
+  void Add(const record::CycleRecord& cycle) {
     const RobotState& state = cycle.state;
     const bool is_reflex = state.robot_mode == RobotMode::kReflex;
     log_.reflexes += is_reflex && !was_reflex_ ? 1 : 0;
@@ -33,8 +33,8 @@ class TraceCollector {
     last_tau_J_d_ = state.tau_J_d;
   }
 
-  void Add(const rt::TickRecord& tick) {
-    if (tick.action != rt::TickAction::kFinished) return;
+  void Add(const record::TickRecord& tick) {
+    if (tick.action != record::TickAction::kFinished) return;
     for (std::size_t i = 0; i < kCases; ++i) {
       if (!IsIn(tick.read, spans_[i]) || finished_[i]) continue;
       finished_[i] = tick.message_id;
@@ -59,7 +59,7 @@ class TraceCollector {
     return span && at >= span->begun && at <= span->ended;
   }
 
-  void AddMoving(const rt::CycleRecord& cycle) {
+  void AddMoving(const record::CycleRecord& cycle) {
     for (std::size_t i = 0; i < kCases; ++i) {
       if (!IsIn(cycle.at, spans_[i])) continue;
       if (log_.traces[i].empty()) {
@@ -72,7 +72,7 @@ class TraceCollector {
     }
   }
 
-  [[nodiscard]] Sample SampleOf(const rt::CycleRecord& cycle, const Span& span,
+  [[nodiscard]] Sample SampleOf(const record::CycleRecord& cycle, const Span& span,
                                 std::uint64_t first_id) const {
     const RobotState& state = cycle.state;
     Sample sample{.cycle = state.message_id - first_id,

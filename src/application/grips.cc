@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "twin/core/hand_command.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::application {
 namespace {

@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "twin/core/error.h"
-#include "twin/core/require.h"
-#include "twin/rt/cycle_record.h"
+#include "twin/core/text.h"
+#include "twin/record/cycle_record.h"
 #include "twin/run/run_records.h"
 
 namespace twin::application {

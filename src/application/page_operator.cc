@@ -12,7 +12,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/page/page_device.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 #include "twin/run/operator_page.h"
 #include "twin/run/session.h"
 #include "twin/teleop/device_registry.h"

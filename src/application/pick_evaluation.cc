@@ -11,7 +11,6 @@
 
 #include "application/pick.h"
 #include "twin/core/modes.h"
-#include "twin/model/rotation.h"
 #include "twin/model/transform.h"
 #include "twin/record/log_reader.h"
 
@@ -139,7 +138,7 @@ class PickFigures {
  public:
   explicit PickFigures(const JointLimits& limits) : limits_(limits) {}
 
-  void operator()(const rt::CycleRecord& cycle) {
+  void operator()(const record::CycleRecord& cycle) {
     const RobotState& state = cycle.state;
     if (state.robot_mode == RobotMode::kMove) {
       for (std::size_t i = 0; i < kJoints; ++i) {

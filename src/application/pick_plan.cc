@@ -11,7 +11,6 @@
 #include "twin/core/error.h"
 #include "twin/core/hand_command.h"
 #include "twin/model/arm_model.h"
-#include "twin/model/rotation.h"
 #include "twin/model/transform.h"
 
 namespace twin::application {

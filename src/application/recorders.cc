@@ -6,7 +6,7 @@
 
 #include "application/results.h"
 #include "application/run_recorder.h"
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 #include "twin/render/renderer.h"
 #include "twin/replay/plan_pictures.h"
 

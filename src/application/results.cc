@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/core/fingerprint.h"
+#include "twin/core/hash.h"
 #include "twin/report/page.h"
 #include "twin/report/plot.h"
 

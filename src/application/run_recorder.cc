@@ -9,7 +9,7 @@
 
 #include "twin/core/error.h"
 #include "twin/render/clip.h"
-#include "twin/replay/run_film.h"
+#include "twin/replay/recording.h"
 #include "twin/report/plots.h"
 #include "twin/run/film.h"
 #include "twin/run/remote.h"

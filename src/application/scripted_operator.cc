@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::application {
 namespace {

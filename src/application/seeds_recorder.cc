@@ -12,7 +12,8 @@
 #include "twin/application/record_run.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
-#include "twin/core/fingerprint.h"
+#include "twin/core/hash.h"
+#include "twin/core/text.h"
 #include "twin/report/page.h"
 #include "twin/report/plot.h"
 #include "twin/run/result_folder.h"
@@ -133,16 +134,6 @@ std::string SeedsPage(const scenario::Scenario& scenario, const MonteCarloResult
                                                   {"findings", findings},
                                                   {"histograms", HistogramsOf(result, spreads)},
                                                   {"facts", report::FactsOf(facts)}});
-}
-
-std::string CsvField(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + "\"";
 }
 
 /// A row per seed with a column per finding. RFC 4180, with a header.

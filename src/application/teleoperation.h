@@ -13,7 +13,7 @@
 #include "twin/core/mobile_base.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
-#include "twin/plant/body_view.h"
+#include "twin/plant/observers.h"
 #include "twin/teleop/device.h"
 #include "twin/teleop/teleoperator.h"
 #include "twin/teleop/teleoperator_config.h"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "application/teleoperation.h"
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 
 namespace twin::application {
 namespace {

@@ -8,9 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/check.h"
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 
 namespace twin::backend {
 namespace {
@@ -42,9 +40,9 @@ void ValidateSchedule(std::string_view field, const FaultSchedule& schedule) {
 
 /// Refuses a schedule that can never strike because command_loss loses its messages.
 void RequireNotAlwaysLost(std::string_view field, const FaultSchedule& schedule,
-                          const rt::LossModel& loss) {
-  const auto* independent = std::get_if<rt::IndependentLoss>(&loss.parameters());
-  const auto* chain = std::get_if<rt::GilbertElliottLoss>(&loss.parameters());
+                          const faults::LossModel& loss) {
+  const auto* independent = std::get_if<faults::IndependentLoss>(&loss.parameters());
+  const auto* chain = std::get_if<faults::GilbertElliottLoss>(&loss.parameters());
   const bool all = (independent != nullptr && independent->probability == 1) ||
                    (chain != nullptr && chain->loss_good == 1 && chain->loss_bad == 1);
   if (all && CanStrike(schedule)) {
@@ -52,8 +50,8 @@ void RequireNotAlwaysLost(std::string_view field, const FaultSchedule& schedule,
         "faults.{} can never strike: faults.command_loss loses every command; remove one of them",
         field));
   }
-  if (!std::holds_alternative<rt::ScriptedLoss>(loss.parameters())) return;
-  rt::LossProcess process(loss, 0, RandomStream::kFault, RandomStream::kFault);
+  if (!std::holds_alternative<faults::ScriptedLoss>(loss.parameters())) return;
+  faults::LossProcess process(loss, 0, RandomStream::kFault, RandomStream::kFault);
   for (const std::uint64_t message : schedule.messages) {
     if (!process.Loses(message)) continue;
     throw InputError(fmt::format(

@@ -9,9 +9,8 @@
 
 #include "cli/command.h"
 #include "controllers/registration.h"
+#include "plugins/backends.h"
 #include "plugins/devices/registration.h"
-#include "plugins/emulated/mujoco_backend.h"
-#include "plugins/fci/fci_backend.h"
 #include "twin/backend/registry.h"
 #include "twin/control/registry.h"
 #include "twin/teleop/device_registry.h"

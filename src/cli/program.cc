@@ -16,7 +16,7 @@
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
 #include "twin/core/error.h"
-#include "twin/core/nearest_word.h"
+#include "twin/core/text.h"
 
 namespace twin::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/plant/model_cache_repair.h"
+#include "twin/plant/model_cache.h"
 
 namespace twin::cli {
 namespace {

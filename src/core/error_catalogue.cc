@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/error_entries.h"
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/core/fingerprint.h"
+#include "twin/core/hash.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::experiment {

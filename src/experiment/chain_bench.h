@@ -43,7 +43,7 @@ class ChainBench {
   [[nodiscard]] double jerk() const noexcept { return reference_.dddq_d[0]; }
   /// Largest share of joint 1's limits of velocity, acceleration and jerk.
   [[nodiscard]] double LargestShare(const JointLimits& limits) const noexcept;
-  /// rt::TickRecord::margin of the last state, and whether the filter changed joint 1.
+  /// record::TickRecord::margin of the last state, and whether the filter changed joint 1.
   [[nodiscard]] std::optional<double> margin() const noexcept { return chain_.margin(); }
   [[nodiscard]] bool kept_back() const noexcept { return (chain_.changed_joints() & 1U) != 0; }
 

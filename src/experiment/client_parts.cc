@@ -11,7 +11,6 @@
 
 #include "experiment/client_parts.h"
 #include "twin/core/error.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 #include "twin/fci/datagrams.h"
@@ -96,8 +95,8 @@ MotionTally::MotionTally() {
   lost_in_row_.reserve(kCycles);
 }
 
-void MotionTally::Put(const rt::CycleRecord& record) noexcept {
-  if (record.fate == rt::CommandFate::kNone) {
+void MotionTally::Put(const record::CycleRecord& record) noexcept {
+  if (record.fate == record::CommandFate::kNone) {
     if (in_motion_ && record.state.robot_mode == RobotMode::kReflex) {
       motions_.back().errors = record.state.reflex_reason;
     }

@@ -9,7 +9,7 @@
 #include <sys/types.h>
 
 #include "twin/core/robot_errors.h"
-#include "twin/rt/cycle_record.h"
+#include "twin/record/cycle_record.h"
 #include "twin/run/run.h"
 
 namespace twin::experiment {
@@ -29,15 +29,15 @@ struct TalliedMotion {
 ///
 /// Threads: cycles from one; the rest after the robot's end. Real-time: Put() allocates nothing;
 /// when full it drops cycles and sets is_full().
-class MotionTally final : public rt::RecordSink {
+class MotionTally final : public record::RecordSink {
  public:
   /// Number of successive cycles without a command that ends a motion.
   [[nodiscard]] static std::uint32_t EndsTheMotion() noexcept;
 
   MotionTally();
 
-  void Put(const rt::CycleRecord& record) noexcept override;
-  void Put(const rt::TickRecord& /*record*/) noexcept override {}
+  void Put(const record::CycleRecord& record) noexcept override;
+  void Put(const record::TickRecord& /*record*/) noexcept override {}
 
   [[nodiscard]] const std::vector<TalliedMotion>& motions() const noexcept { return motions_; }
   /// Successive cycles without a command up to each cycle of all motions.

@@ -146,7 +146,7 @@ FeedForwardRuns RunFeedForward(const Config& config, const reference::Trajectory
     Stream stream = StreamWith(velocity);
     stream.jitter_s = jitter_s;
     stream.clock_ppm = ppm;
-    if (ppm > 0) stream.phase = CrossingPhase(plan, ppm, ChoiceOfRun(config, run));
+    if (ppm > 0) stream.phase = PhaseOfOvertaking(plan, ppm, ChoiceOfRun(config, run));
     stream.seed = SeedOfRun(config, run);
     const StreamResult result = RunStream(plan, limits, stream, false);
     all.aborted += result.aborted ? 1 : 0;

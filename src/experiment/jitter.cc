@@ -64,9 +64,9 @@ int JitterAbortsThroughStack(const Config& config, loop::Generator generator, in
       [&](scenario::Scenario& scenario) {
         scenario.link.state = {};
         scenario.link.command = {};
-        scenario.link.state.delay.law = rt::ConstantDelay{microseconds(80)};
-        scenario.controller.cost.law = rt::ConstantDelay{microseconds(60)};
-        scenario.controller.wake_delay.law = rt::NormalDelay{microseconds(20), microseconds(4)};
+        scenario.link.state.delay.law = faults::ConstantDelay{microseconds(80)};
+        scenario.controller.cost.law = faults::ConstantDelay{microseconds(60)};
+        scenario.controller.wake_delay.law = faults::NormalDelay{microseconds(20), microseconds(4)};
         scenario.tick.limiter = false;
         scenario.tick.generator = generator;
       },
@@ -129,12 +129,12 @@ void CompareEnd(const std::vector<PaceResult>& paces, Findings& findings) {
 }
 
 /// Collects the source times of the consumed deposits.
-class DepositTimes final : public rt::RecordSink {
+class DepositTimes final : public record::RecordSink {
  public:
   DepositTimes() { times_.reserve(32768); }
-  void Put(const rt::CycleRecord& /*record*/) noexcept override {}
-  void Put(const rt::TickRecord& record) noexcept override {
-    if (record.action != rt::TickAction::kWritten) return;
+  void Put(const record::CycleRecord& /*record*/) noexcept override {}
+  void Put(const record::TickRecord& record) noexcept override {
+    if (record.action != record::TickAction::kWritten) return;
     if (times_.empty() || times_.back() != record.deposit_time) {
       times_.push_back(record.deposit_time);
     }

@@ -167,7 +167,7 @@ std::vector<PaceResult> MeasurePaces(const Config& config, const StreamInputs& i
     stream.jitter_s = kPaperJitter;
     stream.clock_ppm = kFreeRunningPpm;
     stream.seed = SeedOfRun(config, number);
-    stream.phase = CrossingPhase(plan, kFreeRunningPpm, ChoiceOfRun(config, number));
+    stream.phase = PhaseOfOvertaking(plan, kFreeRunningPpm, ChoiceOfRun(config, number));
     return RunStream(plan, limits, stream, false);
   };
   const std::vector<StreamResult> results =

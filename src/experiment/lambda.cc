@@ -12,9 +12,9 @@
 #include "experiment/runs.h"
 #include "experiment/statistics.h"
 #include "experiment/studies.h"
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/model/inverse_kinematics.h"
-#include "twin/reference/cartesian_reference_generator.h"
+#include "twin/reference/reference_generator.h"
 
 namespace twin::experiment {
 namespace {

@@ -15,18 +15,19 @@ namespace twin::experiment {
 namespace {
 
 /// Collects the times of the ticks.
-class TickTimes final : public rt::RecordSink {
+class TickTimes final : public record::RecordSink {
  public:
   TickTimes() {
     // On the wall clock a run allocates nothing: half a minute fits.
     sample.interval_us.reserve(kTicks);
     sample.d_EXT_us.reserve(kTicks);
   }
-  void Put(const rt::CycleRecord& /*record*/) noexcept override {}
-  void Put(const rt::TickRecord& record) noexcept override {
+  void Put(const record::CycleRecord& /*record*/) noexcept override {}
+  void Put(const record::TickRecord& record) noexcept override {
     if (last_read_) sample.interval_us.push_back(1e6 * ToSeconds(record.read - *last_read_));
     last_read_ = record.read;
-    if (record.action == rt::TickAction::kWritten || record.action == rt::TickAction::kFinished) {
+    if (record.action == record::TickAction::kWritten ||
+        record.action == record::TickAction::kFinished) {
       sample.d_EXT_us.push_back(1e6 * ToSeconds(record.written - record.read));
     }
   }
@@ -97,16 +98,16 @@ scenario::Delay Scaled(const scenario::Delay& delay, double factor) {
   const auto scale = [factor](auto&... durations) {
     ((durations = Duration(std::llround(factor * static_cast<double>(durations.count())))), ...);
   };
-  if (auto* constant = std::get_if<rt::ConstantDelay>(&scaled.law)) {
+  if (auto* constant = std::get_if<faults::ConstantDelay>(&scaled.law)) {
     scale(constant->value);
-  } else if (auto* log_normal = std::get_if<rt::LogNormalDelay>(&scaled.law)) {
+  } else if (auto* log_normal = std::get_if<faults::LogNormalDelay>(&scaled.law)) {
     scale(log_normal->median, log_normal->offset);
-  } else if (auto* normal = std::get_if<rt::NormalDelay>(&scaled.law)) {
+  } else if (auto* normal = std::get_if<faults::NormalDelay>(&scaled.law)) {
     scale(normal->mean, normal->sigma);
-  } else if (auto* gamma = std::get_if<rt::GammaDelay>(&scaled.law)) {
+  } else if (auto* gamma = std::get_if<faults::GammaDelay>(&scaled.law)) {
     scale(gamma->scale, gamma->offset);
   } else {
-    for (Duration& edge : std::get<rt::EmpiricalDelay>(scaled.law).edges) scale(edge);
+    for (Duration& edge : std::get<faults::EmpiricalDelay>(scaled.law).edges) scale(edge);
   }
   return scaled;
 }

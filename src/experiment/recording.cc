@@ -14,8 +14,8 @@ Duration PlannedAt(std::size_t cycle, double delay_s) {
 
 }  // namespace
 
-void Recording::Put(const rt::CycleRecord& record) noexcept {
-  if (record.fate == rt::CommandFate::kNone) return;
+void Recording::Put(const record::CycleRecord& record) noexcept {
+  if (record.fate == record::CommandFate::kNone) return;
   cycles_.push_back({.message_id = record.state.message_id,
                      .q = record.state.q,
                      .dq = record.state.dq,
@@ -26,8 +26,8 @@ void Recording::Put(const rt::CycleRecord& record) noexcept {
                      .fate = record.fate});
 }
 
-void Recording::Put(const rt::TickRecord& record) noexcept {
-  if (record.action != rt::TickAction::kWritten) return;
+void Recording::Put(const record::TickRecord& record) noexcept {
+  if (record.action != record::TickAction::kWritten) return;
   ticks_.push_back({.message_id = record.message_id,
                     .q_ext = record.q_ext,
                     .dq_ext = record.dq_ext,

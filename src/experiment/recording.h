@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "twin/core/joint_vector.h"
-#include "twin/core/robot_command.h"
+#include "twin/core/robot_state.h"
 #include "twin/core/time.h"
+#include "twin/record/cycle_record.h"
 #include "twin/reference/trajectory.h"
-#include "twin/rt/cycle_record.h"
 
 namespace twin::experiment {
 
@@ -23,7 +23,7 @@ struct CycleSample {
   JointVector dq_d{};
   JointVector dddq_d{};
   JointVector tau_J_d{};
-  rt::CommandFate fate = rt::CommandFate::kNone;
+  record::CommandFate fate = record::CommandFate::kNone;
 };
 
 /// The part of a tick that wrote a command; names as in TickRecord and RobotCommand.
@@ -40,7 +40,7 @@ struct TickSample {
 /// Keeps a run's curves in memory: every cycle in motion, and every tick that wrote.
 ///
 /// Threads: cycles from one, ticks from one; the rest after the run.
-class Recording final : public rt::RecordSink {
+class Recording final : public record::RecordSink {
  public:
   /// @param cycles  initial capacity: on the wall clock a run must not allocate. The default holds
   /// more than any motion of the experiments.
@@ -49,8 +49,8 @@ class Recording final : public rt::RecordSink {
     ticks_.reserve(cycles);
   }
 
-  void Put(const rt::CycleRecord& record) noexcept override;
-  void Put(const rt::TickRecord& record) noexcept override;
+  void Put(const record::CycleRecord& record) noexcept override;
+  void Put(const record::TickRecord& record) noexcept override;
 
   [[nodiscard]] const std::vector<CycleSample>& cycles() const noexcept { return cycles_; }
   [[nodiscard]] const std::vector<TickSample>& ticks() const noexcept { return ticks_; }

@@ -21,7 +21,7 @@ int Threads(const Config& config, int count) {
 }
 
 scenario::Delay ConstantDelay(int us) {
-  return {rt::ConstantDelay{std::chrono::microseconds(us)}};
+  return {faults::ConstantDelay{std::chrono::microseconds(us)}};
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ scenario::Loss LossOf(const Config& config, const Bursts& bursts, double seconds
 }
 
 run::RunResult RunScenario(const Config& config, const scenario::Scenario& scenario,
-                           rt::RecordSink* sink) {
+                           record::RecordSink* sink) {
   ThrowIfInterrupted(config);
   run::RunResult result;
   if (scenario.is_remote()) {

@@ -9,8 +9,8 @@
 
 #include "twin/core/random.h"
 #include "twin/experiment/experiment.h"
+#include "twin/record/cycle_record.h"
 #include "twin/reference/trajectory.h"
-#include "twin/rt/cycle_record.h"
 #include "twin/run/run.h"
 #include "twin/scenario/link_section.h"
 #include "twin/scenario/robot_data.h"
@@ -79,7 +79,7 @@ struct Bursts {
 /// Runs a scenario, in lockstep or as RunOverWire. @param sink  may be null. @returns how it ended.
 /// @throws as run::Run; RobotFault when Config::interrupted is set.
 run::RunResult RunScenario(const Config& config, const scenario::Scenario& scenario,
-                           rt::RecordSink* sink);
+                           record::RecordSink* sink);
 
 /// Runs a scenario's loop on the wall clock, over UDP on this machine, against a robot of its own,
 /// served as `panda-twin serve` does. Plant, sensors and start are the scenario's; delays and costs
@@ -88,7 +88,7 @@ run::RunResult RunScenario(const Config& config, const scenario::Scenario& scena
 /// communication's; may be null.
 /// @returns counts by the robot. @throws as RunScenario.
 [[nodiscard]] run::RunResult RunOverWire(const Config& config, const scenario::Scenario& scenario,
-                                         rt::RecordSink* sink);
+                                         record::RecordSink* sink);
 
 /// Calls job(0) ... job(count - 1) on the host's processors, on the wall clock one by one. When
 /// jobs throw, the first exception in their order is thrown, once all are done. Reports progress

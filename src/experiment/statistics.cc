@@ -7,7 +7,7 @@
 #include <Eigen/Dense>
 #include <unsupported/Eigen/FFT>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::experiment {
 namespace {

@@ -215,7 +215,7 @@ reference::Trajectory SecondOfMotion(const JointVector& displacement, const Join
           limits};
 }
 
-Duration CrossingPhase(const reference::Trajectory& plan, double ppm, double choice) {
+Duration PhaseOfOvertaking(const reference::Trajectory& plan, double ppm, double choice) {
   const double slid = ppm * 1e-6 * ToSeconds(plan.duration());
   return FromSeconds(std::min(slid, kCycleSeconds) * choice);
 }

@@ -11,7 +11,7 @@
 #include "twin/experiment/experiment.h"
 #include "twin/loop/loop_config.h"
 #include "twin/onboard/joint_reference.h"
-#include "twin/reference/joint_target.h"
+#include "twin/reference/target.h"
 #include "twin/reference/trajectory.h"
 #include "twin/scenario/robot_data.h"
 
@@ -107,7 +107,8 @@ enum class Remedy : std::uint8_t {
 
 /// The phase with which a source that is `ppm` fast crosses the robot's cycles at a random time
 /// within the plan. @param ppm  > 0. @param choice  uniform in [0, 1).
-[[nodiscard]] Duration CrossingPhase(const reference::Trajectory& plan, double ppm, double choice);
+[[nodiscard]] Duration PhaseOfOvertaking(const reference::Trajectory& plan, double ppm,
+                                         double choice);
 
 /// @returns the stages of `tick` with libfranka's rate limiter behind them.
 [[nodiscard]] loop::TickConfig WithLimiter(loop::TickConfig tick, const scenario::RobotData& robot);

@@ -8,7 +8,7 @@
 
 #include "experiment/loop_runs.h"
 #include "experiment/runs.h"
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 #include "twin/core/time.h"
 
 namespace twin::experiment {
@@ -60,17 +60,17 @@ std::vector<double> RunSweep(const Config& config, const Sweep& sweep, double fr
 /// A panel of the late states: their weight or their place.
 struct LateStates {
   std::vector<double> values;
-  void (*set)(rt::EmpiricalDelay& law, double value);
+  void (*set)(faults::EmpiricalDelay& law, double value);
 };
 
 std::vector<LateStates> LateStatesPanels() {
   return {{{0, 0.09, 0.18, 0.36, 0.54},
-           [](rt::EmpiricalDelay& law, double percent) {
+           [](faults::EmpiricalDelay& law, double percent) {
              double others = 0;
              for (std::size_t i = 0; i + 1 < law.weights.size(); ++i) others += law.weights[i];
              law.weights.back() = others * percent / (100 - percent);
            }},
-          {{250, 400, 550, 700, 850}, [](rt::EmpiricalDelay& law, double begin_us) {
+          {{250, 400, 550, 700, 850}, [](faults::EmpiricalDelay& law, double begin_us) {
              Duration& begin = law.edges[law.edges.size() - 2];
              law.edges.back() += FromSeconds(1e-6 * begin_us) - begin;
              begin = FromSeconds(1e-6 * begin_us);
@@ -83,7 +83,7 @@ double UnservedOf(const Config& config, std::size_t loop, const LateStates& what
   double sum = 0;
   for (int run = 0; run < runs; ++run) {
     scenario::Scenario scenario = LoopScenario(config, loop, run);
-    auto* law = std::get_if<rt::EmpiricalDelay>(&scenario.link.state.delay.law);
+    auto* law = std::get_if<faults::EmpiricalDelay>(&scenario.link.state.delay.law);
     TWIN_CHECK(law != nullptr);
     what.set(*law, value);
     sum += SampleLoop(config, scenario).unserved_percent;

@@ -34,7 +34,7 @@ scenario::Scenario TrackingScenario(const Config& config, Setup setup, int run,
   scenario.tick.finish_tolerance = 1e-2;  // behind the low-pass the end takes long
   if (levels.arrival_spread) {
     scenario.link.state.delay = {
-        rt::NormalDelay{std::chrono::microseconds(120), *levels.arrival_spread}};
+        faults::NormalDelay{std::chrono::microseconds(120), *levels.arrival_spread}};
   }
   if (!levels.has_beat) {
     scenario.controller.clock_drift_ppm = 0;

@@ -63,7 +63,7 @@ void SetSourceFaults(scenario::Scenario& scenario) {
   scenario.link.state.loss = {};
   scenario.link.command.loss = {};
   scenario.controller.wake_delay.law =
-      rt::NormalDelay{std::chrono::microseconds(30), std::chrono::microseconds(4)};
+      faults::NormalDelay{std::chrono::microseconds(30), std::chrono::microseconds(4)};
   scenario.controller.clock_drift_ppm = 50;
 }
 

@@ -1,5 +1,5 @@
 #include "experiment/runs.h"
-#include "twin/robot/make_plant.h"
+#include "twin/robot/robot_config.h"
 #include "twin/run/remote.h"
 #include "twin/server/served_robot.h"
 
@@ -7,41 +7,41 @@ namespace twin::experiment {
 namespace {
 
 /// Passes the robot's cycles on and counts them.
-class RobotSink final : public rt::RecordSink {
+class RobotSink final : public record::RecordSink {
  public:
-  explicit RobotSink(rt::RecordSink* next) : next_(next) {}
+  explicit RobotSink(record::RecordSink* next) : next_(next) {}
 
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     counts_.Add(record);
     if (next_ != nullptr) next_->Put(record);
   }
-  void Put(const rt::TickRecord& /*record*/) noexcept override {}
+  void Put(const record::TickRecord& /*record*/) noexcept override {}
 
   [[nodiscard]] const run::CycleCounts& counts() const noexcept { return counts_; }
 
  private:
-  rt::RecordSink* next_;
+  record::RecordSink* next_;
   run::CycleCounts counts_;
 };
 
 /// Passes the workstation's ticks on, and drops its view of the cycles.
-class WorkstationSink final : public rt::RecordSink {
+class WorkstationSink final : public record::RecordSink {
  public:
-  explicit WorkstationSink(rt::RecordSink* next) : next_(next) {}
+  explicit WorkstationSink(record::RecordSink* next) : next_(next) {}
 
-  void Put(const rt::CycleRecord& /*record*/) noexcept override {}
-  void Put(const rt::TickRecord& record) noexcept override {
+  void Put(const record::CycleRecord& /*record*/) noexcept override {}
+  void Put(const record::TickRecord& record) noexcept override {
     if (next_ != nullptr) next_->Put(record);
   }
 
  private:
-  rt::RecordSink* next_;
+  record::RecordSink* next_;
 };
 
 }  // namespace
 
 run::RunResult RunOverWire(const Config& config, const scenario::Scenario& scenario,
-                           rt::RecordSink* sink) {
+                           record::RecordSink* sink) {
   scenario::Scenario served = scenario;
   served.robot.clock_drift_ppm -= scenario.controller.clock_drift_ppm;
   RobotSink robot_sink(sink);

@@ -165,8 +165,8 @@ bool ArmClient::SaysItIsATwin() {
   }
 }
 
-Reception ArmClient::Receive(RobotState& state, Time& at) noexcept {
-  if (channel_->lost() || has_ended()) return Reception::kLost;
+ReceiveResult ArmClient::Receive(RobotState& state, Time& at) noexcept {
+  if (channel_->lost() || has_ended()) return ReceiveResult::kLost;
   bool found = false;
   for (int i = 0; i < kMostAtOnce; ++i) {
     const std::optional<Datagram> datagram = udp_->Receive(state_bytes_);
@@ -181,11 +181,11 @@ Reception ArmClient::Receive(RobotState& state, Time& at) noexcept {
     state = received_;
     found = true;
   }
-  if (has_ended()) return Reception::kLost;
+  if (has_ended()) return ReceiveResult::kLost;
   if (!found) return FoundNone();
   pending_since_.reset();
   at = clock_.Now();
-  return Reception::kState;
+  return ReceiveResult::kState;
 }
 
 bool ArmClient::Accept(const Datagram& datagram) noexcept {
@@ -227,16 +227,16 @@ std::uint64_t ArmClient::MostAhead() const noexcept {
   return kMostAhead + kMostAheadPerMs * static_cast<std::uint64_t>(since / kCycle);
 }
 
-Reception ArmClient::FoundNone() noexcept {
+ReceiveResult ArmClient::FoundNone() noexcept {
   const Time now = clock_.Now();
   // The clock may have been restarted.
   if (!pending_since_ || *pending_since_ > now) pending_since_ = now;
-  if (now - *pending_since_ <= timeout_.state) return Reception::kPending;
-  const ReceptionCounts now_found = counts();
+  if (now - *pending_since_ <= timeout_.state) return ReceiveResult::kPending;
+  const RejectedDatagrams now_found = counts();
   instead_ = {now_found.old - before_.old, now_found.ahead - before_.ahead,
               now_found.foreign - before_.foreign, now_found.bad - before_.bad};
   silent_.store(true, std::memory_order_release);
-  return Reception::kLost;
+  return ReceiveResult::kLost;
 }
 
 void ArmClient::Send(const RobotCommand& command) noexcept {
@@ -267,14 +267,14 @@ std::string ArmClient::WhyLost() const {
   if (!silent_.load(std::memory_order_acquire)) return {};
   const std::string silence =
       fmt::format("no state of {} has come for {} s", NameOf(robot_), ToSeconds(timeout_.state));
-  if (instead_ == ReceptionCounts()) return silence + "; does a firewall stop UDP?";
+  if (instead_ == RejectedDatagrams()) return silence + "; does a firewall stop UDP?";
   return fmt::format(
       "{}; what came instead: {} datagrams from elsewhere, {} that are no states, {} no newer than "
       "one that had come, {} too far ahead of it; does another program send in the robot's name?",
       silence, instead_.foreign, instead_.bad, instead_.old, instead_.ahead);
 }
 
-ReceptionCounts ArmClient::counts() const noexcept {
+RejectedDatagrams ArmClient::counts() const noexcept {
   return {old_.load(std::memory_order_relaxed), ahead_.load(std::memory_order_relaxed),
           foreign_.load(std::memory_order_relaxed), bad_.load(std::memory_order_relaxed)};
 }

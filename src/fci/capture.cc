@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::fci {
 namespace {

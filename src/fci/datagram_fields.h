@@ -6,7 +6,6 @@
 
 #include "fci/wire.h"
 #include "twin/core/hand_command.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/fci/protocol.h"
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "fci/frame_bytes.h"
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::fci {
 

@@ -1,4 +1,4 @@
-#include "fci/message_text.h"
+#include "twin/fci/transcript.h"
 
 #include <array>
 #include <cstddef>

@@ -12,7 +12,6 @@
 
 #include <fmt/format.h>
 
-#include "fci/message_text.h"
 #include "twin/fci/datagrams.h"
 #include "twin/fci/frame_reader.h"
 #include "twin/fci/sockets.h"

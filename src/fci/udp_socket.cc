@@ -12,7 +12,7 @@
 
 #include "fci/socket_address.h"
 #include "twin/fci/sockets.h"
-#include "twin/rt/kernel_stamp.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::fci {
 namespace {

@@ -1,9 +1,16 @@
 #include "twin/golden/approval.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <system_error>
 #include <utility>
 
-#include "twin/core/check.h"
+#include <fmt/format.h>
+
 #include "twin/core/error.h"
 
 namespace twin::golden {
@@ -85,6 +92,22 @@ Approved Approve(const std::optional<Golden>& old, const Evidence& evidence,
   }
   approved.golden.approvals.push_back({reason, changed, version});
   return approved;
+}
+
+GoldensLock::GoldensLock(const std::filesystem::path& goldens)
+    : descriptor_(::open(goldens.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_ < 0) {
+    throw EnvironmentError(fmt::format("{}: cannot be opened ({})", goldens.string(),
+                                       std::generic_category().message(errno)));
+  }
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(descriptor_);
+  throw EnvironmentError(fmt::format(
+      "another approval writes into {}; wait for it, and approve then", goldens.string()));
+}
+
+GoldensLock::~GoldensLock() {
+  ::close(descriptor_);
 }
 
 }  // namespace twin::golden

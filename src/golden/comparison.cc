@@ -6,11 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include "golden/grey_png.h"
-#include "twin/core/check.h"
+#include "golden/golden_files.h"
 #include "twin/core/error.h"
 #include "twin/golden/signature.h"
-#include "twin/render/ssim.h"
+#include "twin/render/image_operations.h"
 
 namespace twin::golden {
 namespace {

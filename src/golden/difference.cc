@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::golden {
 namespace {

@@ -1,4 +1,4 @@
-#include "golden/exchange.h"
+#include "golden/golden_files.h"
 
 #include <fcntl.h>
 #include <stdio.h>

@@ -10,12 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "golden/exchange.h"
-#include "golden/golden_text.h"
-#include "golden/grey_png.h"
+#include "golden/golden_files.h"
 #include "twin/core/error.h"
 #include "twin/golden/signature.h"
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 
 namespace twin::golden {
 namespace {

@@ -1,4 +1,4 @@
-#include "golden/golden_text.h"
+#include "golden/golden_files.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,21 +14,12 @@
 
 #include "twin/core/error.h"
 #include "twin/core/quantity.h"
+#include "twin/core/text.h"
 
 namespace twin::golden {
 namespace {
 
 constexpr int kFormat = 1;
-
-/// Double-quoted for YAML.
-std::string Quoted(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return quoted + '"';
-}
 
 /// Hashes as one string, because YAML parses long lists slowly.
 std::string HashesText(const std::vector<std::uint64_t>& hashes) {
@@ -37,7 +28,7 @@ std::string HashesText(const std::vector<std::uint64_t>& hashes) {
     if (!text.empty()) text += ' ';
     text += fmt::format("{:016x}", hash);
   }
-  return Quoted(text);
+  return YamlQuoted(text);
 }
 
 std::vector<std::uint64_t> HashesOf(const std::string& text) {
@@ -137,14 +128,14 @@ std::string TextOf(const Golden& golden) {
       "# Written by panda-twin video approve.\nformat: {}\nframes: {}\n"
       "interval_s: {}\nbodies:\n",
       kFormat, pictures.frames, FormatNumber(pictures.interval_s));
-  for (const std::string& body : pictures.bodies) text += fmt::format("  - {}\n", Quoted(body));
+  for (const std::string& body : pictures.bodies) text += fmt::format("  - {}\n", YamlQuoted(body));
   text += "views:\n";
   for (const ViewPictures& view : pictures.views) {
     std::vector<std::size_t> keys;
     keys.reserve(view.keys.size());
     for (const KeyPicture& key : view.keys) keys.push_back(key.frame);
-    text += fmt::format("  - {{name: {}, width: {}, height: {}, keys: [{}]}}\n", Quoted(view.name),
-                        view.width, view.height, fmt::join(keys, ", "));
+    text += fmt::format("  - {{name: {}, width: {}, height: {}, keys: [{}]}}\n",
+                        YamlQuoted(view.name), view.width, view.height, fmt::join(keys, ", "));
   }
   text += fmt::format("states: {}\nrenderings:\n", HashesText(golden.states));
   for (const Rendering& rendering : golden.renderings) {
@@ -156,9 +147,9 @@ std::string TextOf(const Golden& golden) {
   }
   text += "approvals:\n";
   for (const Approval& approval : golden.approvals) {
-    text +=
-        fmt::format("  - reason: {}\n    changed: {}\n    version: {}\n", Quoted(approval.reason),
-                    Quoted(approval.changed), Quoted(approval.version));
+    text += fmt::format("  - reason: {}\n    changed: {}\n    version: {}\n",
+                        YamlQuoted(approval.reason), YamlQuoted(approval.changed),
+                        YamlQuoted(approval.version));
   }
   return text;
 }

@@ -1,4 +1,4 @@
-#include "golden/grey_png.h"
+#include "golden/golden_files.h"
 
 #include <fmt/format.h>
 #include <png.h>
@@ -9,7 +9,6 @@
 #include <cstring>
 #include <vector>
 
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 
 namespace twin::golden {

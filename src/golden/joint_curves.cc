@@ -1,4 +1,4 @@
-#include "twin/golden/joint_curves.h"
+#include "twin/golden/page.h"
 
 #include <cstdint>
 #include <variant>
@@ -31,7 +31,7 @@ JointCurves ReadJointCurves(const std::filesystem::path& log) {
   std::uint64_t cycles = 0;
   record::LogEntry entry;
   while (reader.Next(entry)) {
-    const auto* cycle = std::get_if<rt::CycleRecord>(&entry);
+    const auto* cycle = std::get_if<record::CycleRecord>(&entry);
     if (cycle == nullptr || cycles++ % every != 0) continue;
     curves.t.push_back(ToSeconds(cycle->at.time_since_epoch()));
     for (std::size_t joint = 0; joint < kJoints; ++joint) {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "twin/golden/signature.h"
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 #include "twin/report/page.h"
 #include "twin/report/plot.h"
 

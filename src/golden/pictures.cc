@@ -4,12 +4,11 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 #include "twin/golden/signature.h"
-#include "twin/render/body_names.h"
-#include "twin/render/contact_sheet.h"
 #include "twin/render/frame_painter.h"
+#include "twin/render/image_operations.h"
+#include "twin/render/renderer.h"
 
 namespace twin::golden {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::golden {
 namespace {

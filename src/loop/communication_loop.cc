@@ -27,7 +27,7 @@ void CommunicationLoop::Write() noexcept {
 }
 
 Time CommunicationLoop::OnDone(Time now) noexcept {
-  rt::TickRecord& record = tick_.record();
+  record::TickRecord& record = tick_.record();
   if (command_ != nullptr) record.written = now;
   Count(record);
   if (InMotion()) deviation_.Measure(state_, record.read);
@@ -50,20 +50,20 @@ void CommunicationLoop::PutState(Time read) noexcept {
   sink_->Put(cycle_);
 }
 
-void CommunicationLoop::Count(const rt::TickRecord& record) noexcept {
+void CommunicationLoop::Count(const record::TickRecord& record) noexcept {
   if (ticks_ > 0) timings_.period.Add(record.read - last_read_);
   last_read_ = record.read;
   timings_.skipped_states += record.skipped_states;
-  timings_.anomalous += record.action == rt::TickAction::kSkipped ? 1 : 0;
+  timings_.anomalous += record.action == record::TickAction::kSkipped ? 1 : 0;
   timings_.stalled += record.stalled ? 1 : 0;
   if (command_ == nullptr) return;
   ++timings_.written;
   timings_.d_EXT.Add(record.written - record.read);
 }
 
-std::vector<rt::TickRecord> CommunicationLoop::LastTicks() const {
+std::vector<record::TickRecord> CommunicationLoop::LastTicks() const {
   const std::size_t count = std::min(ticks_, kKept);
-  std::vector<rt::TickRecord> last(count);
+  std::vector<record::TickRecord> last(count);
   for (std::size_t i = 0; i < count; ++i) last[i] = kept_[(ticks_ - count + i) % kKept];
   return last;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::loop {
 namespace {
@@ -70,7 +70,7 @@ void CommunicationThread::Communicate(const std::stop_token& stop) {
     next = loop_.OnDone(clock_.Now());
     states_.Publish(loop_.state());
     if (watch_.Observe(loop_.InMotion(), clock_.Now())) moving_.Notify();
-    const bool invalid = loop_.record().action == rt::TickAction::kInvalid;
+    const bool invalid = loop_.record().action == record::TickAction::kInvalid;
     if (invalid && watch_.failure() == LoopFailure::kNone) {
       StopMotion(LoopFailure::kInvalidCommand);
     }

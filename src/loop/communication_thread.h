@@ -9,7 +9,6 @@
 #include "twin/backend/backend.h"
 #include "twin/core/clock.h"
 #include "twin/loop/communication_loop.h"
-#include "twin/rt/arrival.h"
 #include "twin/rt/call_mailbox.h"
 #include "twin/rt/latest_value.h"
 #include "twin/rt/signal.h"

@@ -42,7 +42,7 @@ void ControlTick::Publish(const RobotState& state, Time read) noexcept {
   record_.message_id = state.message_id;
   record_.read = read;
   record_.written = read;
-  record_.action = rt::TickAction::kPublished;
+  record_.action = record::TickAction::kPublished;
   record_.command = RobotCommand();
   record_.margin.reset();
   record_.kept_back = 0;
@@ -58,15 +58,15 @@ const RobotCommand* ControlTick::Answer(const RobotState& state) noexcept {
   fresh_ = exchange_.deposits.Refresh() || fresh_;
   if (!InMotion(state) || !PassesGate(state)) return nullptr;
   if (anomalous_) {
-    record_.action = rt::TickAction::kSkipped;
+    record_.action = record::TickAction::kSkipped;
     return nullptr;
   }
   Generate(state);
   if (exchange_.deposits.value().failed || !IsValid(record_.command, interface_)) {
-    record_.action = rt::TickAction::kInvalid;
+    record_.action = record::TickAction::kInvalid;
     return nullptr;
   }
-  record_.action = finishing_ ? rt::TickAction::kFinished : rt::TickAction::kWritten;
+  record_.action = finishing_ ? record::TickAction::kFinished : record::TickAction::kWritten;
   return &record_.command;
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::loop {
 namespace {

@@ -15,9 +15,9 @@
 #include <fmt/format.h>
 
 #include "twin/core/clock.h"
+#include "twin/rt/host_time.h"
 #include "twin/rt/latest_value.h"
 #include "twin/rt/signal.h"
-#include "twin/rt/sleep.h"
 #include "twin/rt/thread_setup.h"
 
 namespace twin::loop {

@@ -2,7 +2,7 @@
 
 namespace twin::loop {
 
-InlineLoop::InlineLoop(ControlTick& tick, backend::Backend& backend, rt::RecordSink* sink,
+InlineLoop::InlineLoop(ControlTick& tick, backend::Backend& backend, record::RecordSink* sink,
                        backend::ReadRule rule, control::Controller& controller, Exchange& exchange,
                        const TickConfig& tick_config, const ControllerLoopConfig& config,
                        std::uint64_t seed)

@@ -101,7 +101,7 @@ void LockstepRunner::Look(Time now) noexcept {
 void LockstepRunner::OnTickDone(Time now) noexcept {
   loop_->Write();
   const Time next = loop_->OnDone(now);
-  if (loop_->record().action == rt::TickAction::kInvalid) {
+  if (loop_->record().action == record::TickAction::kInvalid) {
     watch_.Fail(LoopFailure::kInvalidCommand);
   }
   if (next <= now) {
@@ -134,7 +134,7 @@ void LockstepRunner::Begin() {
 class LockstepDrive final : public Drive, private rt::EventHandler {
  public:
   LockstepDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
-                rt::RecordSink* sink)
+                record::RecordSink* sink)
       : connection_(connect({robot, backend::VirtualTime{events_, *this}, sink})) {}
 
   [[nodiscard]] const backend::Connection& connection() const noexcept override {
@@ -179,7 +179,8 @@ class LockstepDrive final : public Drive, private rt::EventHandler {
 }  // namespace
 
 std::unique_ptr<Drive> MakeLockstepDrive(const backend::Factory& connect,
-                                         const robot::RobotConfig& robot, rt::RecordSink* sink) {
+                                         const robot::RobotConfig& robot,
+                                         record::RecordSink* sink) {
   return std::make_unique<LockstepDrive>(connect, robot, sink);
 }
 

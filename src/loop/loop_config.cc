@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 
 namespace twin::loop {
 namespace {

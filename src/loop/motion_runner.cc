@@ -49,9 +49,9 @@ const char* Text(LoopFailure failure) {
 }  // namespace
 
 MotionRun WithoutModels(MotionRun run) {
-  run.tick.cost = rt::DelayModel();
-  run.controller_loop.cost = rt::DelayModel();
-  run.controller_loop.wake_delay = rt::DelayModel();
+  run.tick.cost = faults::DelayModel();
+  run.controller_loop.cost = faults::DelayModel();
+  run.controller_loop.wake_delay = faults::DelayModel();
   return run;
 }
 

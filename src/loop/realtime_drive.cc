@@ -4,10 +4,9 @@
 #include "loop/communication_thread.h"
 #include "loop/controller_thread.h"
 #include "loop/motion_runner.h"
-#include "loop/state_time_drive.h"
 #include "twin/core/error.h"
 #include "twin/loop/drive.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::loop {
 namespace {
@@ -94,11 +93,11 @@ class RealtimeRunner final : public MotionRunner {
 class RealtimeDrive final : public Drive {
  public:
   RealtimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
-                rt::RecordSink* sink, const DriveThreads& threads)
+                record::RecordSink* sink, const DriveThreads& threads)
       : threads_(threads),
         connection_(connect({robot, backend::WallTime{clock_, threads.robot}, sink})) {}
   RealtimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
-                rt::RecordSink* sink, const backend::RobotAddress& address,
+                record::RecordSink* sink, const backend::RobotAddress& address,
                 const DriveThreads& threads)
       : threads_(threads),
         connection_(connect({robot, backend::RemoteRobot{clock_, address}, sink})) {}
@@ -142,13 +141,13 @@ class RealtimeDrive final : public Drive {
 }  // namespace
 
 std::unique_ptr<Drive> MakeRealtimeDrive(const backend::Factory& connect,
-                                         const robot::RobotConfig& robot, rt::RecordSink* sink,
+                                         const robot::RobotConfig& robot, record::RecordSink* sink,
                                          const DriveThreads& threads) {
   return std::make_unique<RealtimeDrive>(connect, robot, sink, threads);
 }
 
 std::unique_ptr<Drive> MakeRemoteDrive(const backend::Factory& connect,
-                                       const robot::RobotConfig& robot, rt::RecordSink* sink,
+                                       const robot::RobotConfig& robot, record::RecordSink* sink,
                                        const backend::RobotAddress& address,
                                        const DriveThreads& threads) {
   if (address.time == backend::RobotTime::kStates) {

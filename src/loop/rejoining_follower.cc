@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::loop {
 namespace {

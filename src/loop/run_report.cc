@@ -6,7 +6,7 @@
 
 namespace twin::loop {
 
-std::string DescribeTick(const rt::TickRecord& tick) {
+std::string DescribeTick(const record::TickRecord& tick) {
   constexpr std::array kDone{"published, not answered", "answered", "answered: finish",
                              "came out of time, not answered", "not answered: invalid command"};
   std::string text = fmt::format("state {} read at {:.6f} s: {}", tick.message_id,

@@ -1,4 +1,4 @@
-#include "loop/state_time_drive.h"
+#include "twin/loop/drive.h"
 
 #include <utility>
 
@@ -70,7 +70,7 @@ class StateTimeRunner final : public MotionRunner {
     loop_->Write();
     static_cast<void>(loop_->OnDone(Now()));
     static_cast<void>(watch_.Observe(loop_->InMotion(), Now()));
-    if (loop_->record().action == rt::TickAction::kInvalid) {
+    if (loop_->record().action == record::TickAction::kInvalid) {
       watch_.Fail(LoopFailure::kInvalidCommand);
     }
   }
@@ -85,7 +85,7 @@ class StateTimeRunner final : public MotionRunner {
 class StateTimeDrive final : public Drive {
  public:
   StateTimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
-                 rt::RecordSink* sink, const backend::RobotAddress& address)
+                 record::RecordSink* sink, const backend::RobotAddress& address)
       : connection_(connect({robot, backend::RemoteRobot{clock_, address}, sink})) {}
 
   [[nodiscard]] const backend::Connection& connection() const noexcept override {
@@ -119,7 +119,7 @@ class StateTimeDrive final : public Drive {
 }  // namespace
 
 std::unique_ptr<Drive> MakeStateTimeDrive(const backend::Factory& connect,
-                                          const robot::RobotConfig& robot, rt::RecordSink* sink,
+                                          const robot::RobotConfig& robot, record::RecordSink* sink,
                                           const backend::RobotAddress& address) {
   return std::make_unique<StateTimeDrive>(connect, robot, sink, address);
 }

@@ -3,7 +3,6 @@
 #include "model/joint_chain.h"
 #include "model/vector3.h"
 #include "twin/model/mass_properties.h"
-#include "twin/model/payload.h"
 
 // Sums and frame changes of mass moments.
 namespace twin::model::internal {

@@ -41,9 +41,7 @@ double Right(const std::array<double, 4>& wheels) noexcept {
 void BaseConfig::Validate() const {
   RequirePositive("wheel_radius", wheel_radius);
   RequirePositive("track", track);
-  if (!(track_factor >= 1 && track_factor <= 10)) {
-    throw InputError(fmt::format("base: track_factor is {}; it must lie in [1, 10]", track_factor));
-  }
+  RequireInRange("base: track_factor", track_factor, 1, 10);
   RequirePositive("most.v", most.v);
   RequirePositive("most.w", most.w);
   RequirePositive("ordinary.dv", ordinary.dv);

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "onboard/task_inertia.h"
-#include "twin/model/rotation.h"
 #include "twin/model/transform.h"
 
 namespace twin::onboard {
@@ -35,7 +34,7 @@ Task TaskForce(const TaskInertia& inertia, const Task& diagonal, const JointColu
 
 /// Rotation vector of R by sine and cosine, for angles below a quarter turn; costs half as much as
 /// by a quaternion.
-Eigen::Vector3d TurnOf(const Eigen::Matrix3d& R) noexcept {
+Eigen::Vector3d RotationVector(const Eigen::Matrix3d& R) noexcept {
   const double cosine = 0.5 * (R.trace() - 1);
   if (!(cosine > 0)) return model::Log(Eigen::Quaterniond(R));
   const Eigen::Vector3d axis =
@@ -65,7 +64,8 @@ Task Error(const Transform& X, const Transform& X_d) noexcept {
   const Transform X_XXd = model::Multiply(model::Inverse(X), X_d);
   Task e;
   e.head<3>() = model::Position(X_XXd);
-  e.tail<3>() = TurnOf(Eigen::Map<const Eigen::Matrix4d>(X_XXd.data()).topLeftCorner<3, 3>());
+  e.tail<3>() =
+      RotationVector(Eigen::Map<const Eigen::Matrix4d>(X_XXd.data()).topLeftCorner<3, 3>());
   return e;
 }
 

@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "onboard/bounds.h"
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/core/setting.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::onboard {
 namespace {

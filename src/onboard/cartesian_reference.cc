@@ -4,7 +4,7 @@
 
 #include "twin/core/time.h"
 #include "twin/model/arm_model.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::onboard {
 namespace {

@@ -1,7 +1,7 @@
 #include "twin/onboard/guiding.h"
 
 #include "onboard/task_inertia.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::onboard {
 namespace {

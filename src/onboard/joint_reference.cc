@@ -1,6 +1,7 @@
 #include "twin/onboard/joint_reference.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "twin/core/time.h"
 
@@ -58,6 +59,46 @@ JointReference JointReference::Rest(const JointVector& q) noexcept {
   JointReference reference;
   reference.q_d = q;
   return reference;
+}
+
+namespace {
+
+/// Velocity that rounding may leave at the end of a stop: below one ulp of any joint position per
+/// cycle, so setting it to zero does not move the arm.
+constexpr double kRestVelocity = 1e-12;
+
+/// The x >= 0 with S(x) = sum, S(x) = (m + 1) x - d m (m + 1)/2 for m d <= x <= (m + 1) d. Above
+/// x_max any value will do.
+double InverseRampSum(double sum, double d, double x_max) noexcept {
+  double m = 0;
+  while (sum > d * (m + 1) * (m + 2) / 2 && m * d < x_max) m += 1;
+  return sum / (m + 1) + d * m / 2;
+}
+
+/// Acceleration of the next cycle for one joint.
+double StopAcceleration(double dq, double ddq, double a_max, double d) noexcept {
+  if (std::abs(dq) <= kRestVelocity && std::abs(ddq) <= d) return 0;
+  const double against = dq > 0 ? -1.0 : 1.0;
+  const double x = std::min(InverseRampSum(std::abs(dq) / kT, d, a_max), a_max);
+  return std::clamp(against * x, ddq - d, ddq + d);
+}
+
+}  // namespace
+
+JointReference StopStep(const JointReference& reference, const JointLimits& limits) noexcept {
+  JointVector ddq{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    ddq[i] = StopAcceleration(reference.dq_d[i], reference.ddq_d[i], limits.ddq_max[i],
+                              limits.dddq_max[i] * kT);
+  }
+  JointReference next = reference.AfterAcceleration(ddq);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (ddq[i] == 0 && std::abs(next.dq_d[i]) <= kRestVelocity) {
+      next.dq_d[i] = 0;
+      next.q_d[i] = reference.q_d[i];
+    }
+  }
+  return next;
 }
 
 }  // namespace twin::onboard

@@ -1,7 +1,7 @@
 #include "twin/onboard/measured_monitor.h"
 
 #include "onboard/bounds.h"
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 
 namespace twin::onboard {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "onboard/bounds.h"
 #include "twin/onboard/cartesian_monitor.h"
+#include "twin/onboard/joint_reference.h"
 #include "twin/onboard/limit_monitor.h"
-#include "twin/onboard/stop_profile.h"
 
 namespace twin::onboard {
 

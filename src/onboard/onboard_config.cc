@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/core/inertia.h"
-#include "twin/core/require.h"
+#include "twin/core/setting.h"
 
 namespace twin::onboard {
 namespace {

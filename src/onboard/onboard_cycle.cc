@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "twin/core/error_catalogue.h"
-#include "twin/core/finite.h"
+#include "twin/core/robot_state.h"
 #include "twin/onboard/limit_monitor.h"
 #include "twin/onboard/onboard_controller.h"
 
@@ -11,7 +11,7 @@
 namespace twin::onboard {
 const JointDrive& OnboardController::Cycle(const RobotCommand* command,
                                            const JointSensors& measured) noexcept {
-  fate_ = rt::CommandFate::kNone;
+  fate_ = record::CommandFate::kNone;
   violations_ = Violations();
   const JointSensors& sensors = Sound(measured);
   if (message_id_ == 0) sensing_.Reset(sensors, setup_);  // no sensor values yet
@@ -92,7 +92,7 @@ void OnboardController::Take(const RobotCommand& command, bool is_first) noexcep
     torque = CheckTorqueRate(tau_J_d, tau_J_d_, config_.limits, message_id_ + 1);
   }
   violations_ = TryStep(command, is_first, torque);
-  fate_ = rt::CommandFate::kServed;
+  fate_ = record::CommandFate::kServed;
   losses_.CountServed();
   if (!violations_.empty()) return;
   if (is_external) {
@@ -117,7 +117,7 @@ Violations OnboardController::TryStep(const RobotCommand& command, bool is_first
 }
 
 void OnboardController::Hold() noexcept {
-  fate_ = rt::CommandFate::kHeld;
+  fate_ = record::CommandFate::kHeld;
   losses_.CountLost();
   if (losses_.lost_in_row() >= config_.abort_after_lost) {
     violations_.Add({RobotError::kCommunicationConstraintsViolation, -1,

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "twin/core/finite.h"
+#include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 #include "twin/onboard/onboard_controller.h"
 

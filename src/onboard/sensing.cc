@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/require.h"
+#include "twin/core/error.h"
 
 namespace twin::onboard {
 

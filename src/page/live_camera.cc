@@ -5,12 +5,11 @@
 #include <utility>
 
 #include "page/jpeg.h"
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 #include "twin/render/film.h"
 #include "twin/render/frame_painter.h"
 #include "twin/render/snapshots.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 #include "twin/rt/thread_setup.h"
 
 namespace twin::page {
@@ -32,17 +31,17 @@ render::FilmSettings SettingsOf(const render::View& view) {
 /// Draws one view of the newest scene.
 class LivePainter {
  public:
-  LivePainter(const mjModel_& model, const rt::SceneRecord& scene, const render::View& view)
+  LivePainter(const mjModel_& model, const record::SceneRecord& scene, const render::View& view)
       : snapshots_(OneScene(scene)),
         painter_({.model = &model, .snapshots = &snapshots_}, SettingsOf(view)) {}
 
-  [[nodiscard]] render::Image Paint(const rt::SceneRecord& scene) {
+  [[nodiscard]] render::Image Paint(const record::SceneRecord& scene) {
     snapshots_ = OneScene(scene);
     return painter_.Paint(0);
   }
 
  private:
-  static render::Snapshots OneScene(const rt::SceneRecord& scene) {
+  static render::Snapshots OneScene(const record::SceneRecord& scene) {
     render::Snapshots snapshots(kMostRate_hz, scene.positions);
     snapshots.Append(scene);
     return snapshots;
@@ -54,7 +53,7 @@ class LivePainter {
 
 }  // namespace
 
-LiveCamera::LiveCamera(const mjModel_& model, rt::LatestValue<rt::SceneRecord>& scenes,
+LiveCamera::LiveCamera(const mjModel_& model, rt::LatestValue<record::SceneRecord>& scenes,
                        std::vector<NamedView> views, Calls calls)
     : model_(model), scenes_(scenes), views_(std::move(views)), calls_(std::move(calls)) {
   TWIN_CHECK(!views_.empty());

@@ -10,8 +10,8 @@
 
 #include "twin/core/clock.h"
 #include "twin/page/live_page.h"
+#include "twin/record/scene_record.h"
 #include "twin/rt/latest_value.h"
-#include "twin/rt/scene_record.h"
 
 struct mjModel_;
 
@@ -33,7 +33,7 @@ class LiveCamera {
 
   /// @param model, scenes  must outlive this object. The camera is the scenes' only consumer.
   /// @pre views is not empty.
-  LiveCamera(const mjModel_& model, rt::LatestValue<rt::SceneRecord>& scenes,
+  LiveCamera(const mjModel_& model, rt::LatestValue<record::SceneRecord>& scenes,
              std::vector<NamedView> views, Calls calls);
 
   /// @param view  index in the list; other values have no effect.
@@ -49,7 +49,7 @@ class LiveCamera {
   void Draw(const std::stop_token& stop);
 
   const mjModel_& model_;
-  rt::LatestValue<rt::SceneRecord>& scenes_;
+  rt::LatestValue<record::SceneRecord>& scenes_;
   const std::vector<NamedView> views_;
   const Calls calls_;
   const MonotonicClock clock_;

@@ -2,8 +2,8 @@
 
 #include <chrono>
 
-#include "twin/plant/scene_capture.h"
-#include "twin/rt/sleep.h"
+#include "twin/plant/observers.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::page {
 namespace {
@@ -12,7 +12,8 @@ constexpr Duration kViewPeriod = std::chrono::milliseconds(17);
 /// Largest lag that a run makes up for after the machine was busy.
 constexpr Duration kMostHurry = std::chrono::milliseconds(100);
 
-void Fill(const rt::CycleRecord& record, std::uint64_t served, std::uint64_t held, ArmView& view) {
+void Fill(const record::CycleRecord& record, std::uint64_t served, std::uint64_t held,
+          ArmView& view) {
   const RobotState& state = record.state;
   view.at = record.at;
   view.q = state.q;
@@ -34,22 +35,22 @@ void Fill(const rt::CycleRecord& record, std::uint64_t served, std::uint64_t hel
 
 }  // namespace
 
-void LiveFeed::Put(const rt::CycleRecord& record) noexcept {
+void LiveFeed::Put(const record::CycleRecord& record) noexcept {
   if (next_ != nullptr) next_->Put(record);
-  served_ += record.fate == rt::CommandFate::kServed ? 1 : 0;
-  held_ += record.fate == rt::CommandFate::kHeld ? 1 : 0;
+  served_ += record.fate == record::CommandFate::kServed ? 1 : 0;
+  held_ += record.fate == record::CommandFate::kHeld ? 1 : 0;
   if (record.at >= next_view_) {
     next_view_ = record.at + kViewPeriod;
     arm_.PublishWith([&](ArmView& view) { Fill(record, served_, held_, view); });
     if (truth_ != nullptr) {
       scene_.PublishWith(
-          [&](rt::SceneRecord& scene) { plant::CaptureScene(record.at, *truth_, scene); });
+          [&](record::SceneRecord& scene) { plant::CaptureScene(record.at, *truth_, scene); });
     }
   }
   if (wall_ != nullptr) Wait(record.at);
 }
 
-void LiveFeed::Put(const rt::TickRecord& record) noexcept {
+void LiveFeed::Put(const record::TickRecord& record) noexcept {
   if (next_ != nullptr) next_->Put(record);
 }
 

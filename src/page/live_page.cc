@@ -19,7 +19,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/secret.h"
 #include "twin/plant/truth_probe.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 #include "twin/rt/thread_setup.h"
 
 namespace twin::page {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::planning {
 namespace {

@@ -13,7 +13,6 @@
 #include "planning/shortcuts.h"
 #include "planning/tree_search.h"
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 #include "twin/planning/pose_goal.h"
 
 namespace twin::planning {

@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 
 #include "planning/joint_space.h"
-#include "twin/core/half_norm.h"
-#include "twin/core/require.h"
+#include "twin/core/error.h"
+#include "twin/core/joint_vector.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/inverse_kinematics.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::planning {
 namespace {

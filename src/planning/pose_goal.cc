@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "planning/joint_space.h"
-#include "twin/core/require.h"
+#include "twin/core/error.h"
 #include "twin/planning/arm_solutions.h"
 
 namespace twin::planning {

@@ -5,7 +5,6 @@
 #include "planning/joint_space.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
-#include "twin/core/require.h"
 
 namespace twin::planning {
 

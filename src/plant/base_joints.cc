@@ -12,7 +12,6 @@
 
 #include "plant/model_builder.h"
 #include "plant/part_names.h"
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 
 namespace twin::plant {

@@ -7,7 +7,7 @@
 #include "plant/robot_description.h"
 #include "plant/tyre.h"
 #include "twin/core/realtime.h"
-#include "twin/plant/base_body.h"
+#include "twin/plant/plant.h"
 
 namespace twin::plant {
 

@@ -1,4 +1,4 @@
-#include "plant/base_sources.h"
+#include "plant/model_sources.h"
 
 #include <algorithm>
 #include <string>

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "plant/model_loader.h"
+#include "plant/model_builder.h"
 #include "twin/core/error.h"
 #include "twin/plant/engine.h"
 

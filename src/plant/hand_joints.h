@@ -6,7 +6,7 @@
 
 #include "plant/robot_description.h"
 #include "twin/core/realtime.h"
-#include "twin/plant/hand_body.h"
+#include "twin/plant/plant.h"
 
 namespace twin::plant {
 

@@ -1,8 +1,26 @@
 #include "twin/plant/ideal_plant.h"
 
+#include <algorithm>
+
+#include "twin/core/hand_command.h"
+#include "twin/core/time.h"
 #include "twin/model/arm_model.h"
 
 namespace twin::plant {
+
+void IdealHand::Reset() noexcept {
+  sensors_ = {.width = kHandStroke, .dwidth = 0, .force = 0};
+  drive_ = {.force = 0, .width_d = kHandStroke};
+}
+
+void IdealHand::Step() noexcept {
+  const double width = std::clamp(drive_.width_d, 0.0, kHandStroke);
+  const bool at_stop =
+      (width == 0 && drive_.force < 0) || (width == kHandStroke && drive_.force > 0);
+  sensors_.dwidth = (width - sensors_.width) / kCycleSeconds;
+  sensors_.width = width;
+  sensors_.force = at_stop ? drive_.force : 0;
+}
 
 IdealPlant::IdealPlant(const model::Payload& payload, HandKind hand) : payload_(payload) {
   if (hand == HandKind::kFrankaHand) hand_.emplace();

@@ -1,4 +1,4 @@
-#include "plant/mesh_decimation.h"
+#include "plant/meshes.h"
 
 #include <array>
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 #include <meshoptimizer.h>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::plant {
 namespace {

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "plant/base_joints.h"
-#include "plant/friction.h"
 #include "plant/hand_joints.h"
+#include "plant/joint_parameters.h"
 
 namespace twin::plant {
 namespace {

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <mujoco/mujoco.h>
+
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <mujoco/mujoco.h>
-
 #include "plant/model_sources.h"
+#include "twin/plant/mujoco_plant.h"
 
 namespace twin::plant {
 
@@ -37,5 +38,14 @@ struct BuiltModel {
 /// @param bytes  unchanged from SerializeModel().
 /// @throws EnvironmentError if the engine nevertheless cannot load them.
 [[nodiscard]] ModelPointer DeserializeModel(const std::string& bytes);
+
+/// Installs the error handlers, and checks that MuJoCo's version is that of the build.
+/// @throws EnvironmentError if it differs.
+void PrepareEngine();
+
+/// Loads the model from the cache in `options`, or builds and stores it.
+/// @pre PrepareEngine(). @throws as BuildModel() and ModelCache.
+[[nodiscard]] BuiltModel LoadOrBuild(const MujocoPlantOptions& options,
+                                     const ModelSources& sources);
 
 }  // namespace twin::plant

@@ -1,4 +1,4 @@
-#include "plant/model_cache.h"
+#include "twin/plant/model_cache.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -16,7 +16,6 @@
 
 #include "plant/file_bytes.h"
 #include "twin/core/error.h"
-#include "twin/plant/model_cache_repair.h"
 
 namespace twin::plant {
 namespace {

@@ -13,9 +13,8 @@
 #include <Eigen/Eigenvalues>
 
 #include "plant/base_joints.h"
-#include "plant/base_sources.h"
 #include "plant/file_bytes.h"
-#include "plant/primitive_shapes.h"
+#include "plant/robot_description.h"
 #include "plant/scene_objects.h"
 #include "twin/core/error.h"
 

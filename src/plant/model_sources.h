@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "plant/file_bytes.h"
 #include "plant/robot_description.h"
 #include "twin/plant/mujoco_plant.h"
 
@@ -35,5 +36,10 @@ struct ModelSources {
 /// `primitives.yaml`, beside each URDF.
 /// @throws InputError naming file and element for anything unreadable, unsupported or missing.
 [[nodiscard]] ModelSources ReadModelSources(const MujocoPlantOptions& options);
+
+/// Reads and hashes a mobile base's URDF, with primitive shapes only. Its root gets a free joint,
+/// at the height above the floor that its wheels define.
+/// @throws InputError naming file and element if it violates BaseOptions.
+[[nodiscard]] RobotDescription ReadBase(const std::filesystem::path& urdf, ContentHash& hash);
 
 }  // namespace twin::plant

@@ -5,9 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "plant/minimum_jerk.h"
+#include "plant/perturber.h"
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 
 namespace twin::plant {
 namespace {

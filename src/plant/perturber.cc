@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "plant/minimum_jerk.h"
 #include "twin/core/error.h"
 
 namespace twin::plant {

@@ -1,4 +1,4 @@
-#include "plant/primitive_shapes.h"
+#include "plant/robot_description.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,9 +10,7 @@
 #include <fmt/format.h>
 
 #include "plant/model_builder.h"
-#include "twin/core/check.h"
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 #include "twin/core/setting.h"
 
 namespace twin::plant {

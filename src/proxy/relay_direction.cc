@@ -24,8 +24,8 @@ RelayCounts& operator+=(RelayCounts& sum, const RelayCounts& one) noexcept {
   return sum;
 }
 
-RelayDirection::RelayDirection(const rt::DirectionConfig& config, std::uint64_t seed,
-                               const rt::FateStreams& streams, rt::EventQueue& events,
+RelayDirection::RelayDirection(const faults::DirectionConfig& config, std::uint64_t seed,
+                               const faults::FateStreams& streams, rt::EventQueue& events,
                                rt::EventOrder order, Output& exit)
     : channel_(config, seed, streams, events, order), exit_(exit) {}
 
@@ -36,7 +36,7 @@ void RelayDirection::Take(std::span<const std::byte> bytes) noexcept {
   } else {
     std::ranges::copy(bytes, incoming_.bytes.begin());
     incoming_.size = bytes.size();
-    const rt::Fate fate = channel_.Send(incoming_, *this);
+    const faults::Fate fate = channel_.Send(incoming_, *this);
     counts_.lost += fate.lost ? 1 : 0;
     counts_.delayed += fate.delay > Duration::zero() ? 1 : 0;
     counts_.duplicated += fate.duplicated ? 1 : 0;

@@ -6,10 +6,10 @@
 #include <span>
 
 #include "twin/core/realtime.h"
+#include "twin/faults/message_fate.h"
 #include "twin/proxy/counts.h"
 #include "twin/robot/channel.h"
 #include "twin/rt/event_queue.h"
-#include "twin/rt/message_fate.h"
 
 namespace twin::proxy {
 
@@ -39,8 +39,8 @@ class RelayDirection final : private rt::EventHandler {
  public:
   /// @param events  times the sending; needs room for twice Channel's capacity.
   /// @param exit    destination; both must outlive the direction.
-  RelayDirection(const rt::DirectionConfig& config, std::uint64_t seed,
-                 const rt::FateStreams& streams, rt::EventQueue& events, rt::EventOrder order,
+  RelayDirection(const faults::DirectionConfig& config, std::uint64_t seed,
+                 const faults::FateStreams& streams, rt::EventQueue& events, rt::EventOrder order,
                  Output& exit);
 
   /// Takes a datagram at the queue's current time. @param bytes  dropped if longer than

@@ -94,7 +94,7 @@ std::vector<std::byte> RelayRequestHandler::Passed(const fci::Frame& frame) {
 }
 
 std::uint16_t RelayRequestHandler::Cross(std::uint16_t client_port) {
-  EndCrossing();
+  EndRelay();
   const Endpoints endpoints{.client = {client_->peer().address, client_port},
                             .client_side = client_->local().address,
                             .robot = settings_.robot.address,
@@ -134,14 +134,14 @@ void RelayRequestHandler::CountAnswers() {
   }
 }
 
-void RelayRequestHandler::EndCrossing() {
+void RelayRequestHandler::EndRelay() {
   if (!relay_) return;
   counts_ += relay_->End();
   relay_.reset();
 }
 
 void RelayRequestHandler::OnDisconnect() {
-  EndCrossing();
+  EndRelay();
   if (robot_) client_->is_broken() ? robot_->ResetConnection() : robot_->Close();
   robot_.reset();
   answers_.reset();

@@ -63,7 +63,7 @@ class RelayRequestHandler final : public server::RequestHandler {
   /// then on.
   [[nodiscard]] std::vector<std::byte> Passed(const fci::Frame& frame);
   [[nodiscard]] std::uint16_t Cross(std::uint16_t client_port);
-  void EndCrossing();
+  void EndRelay();
   /// Counts the answers in the robot's bytes.
   void CountAnswers();
 

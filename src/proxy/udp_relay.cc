@@ -31,9 +31,9 @@ UdpRelay::UdpRelay(const MonotonicClock& clock, const Endpoints& endpoints, cons
       robot_side_(clock, {endpoints.robot_side, 0}),
       to_client_(client_side_, endpoints.client),
       to_robot_(robot_side_, {endpoints.robot, 0}),
-      states_(faults.state, faults.seed, rt::kStateStreams, events_, rt::EventOrder::kStateArrival,
-              to_client_),
-      commands_(faults.command, faults.seed, rt::kCommandStreams, events_,
+      states_(faults.state, faults.seed, faults::kStateStreams, events_,
+              rt::EventOrder::kStateArrival, to_client_),
+      commands_(faults.command, faults.seed, faults::kCommandStreams, events_,
                 rt::EventOrder::kCommandArrival, to_robot_) {
   client_side_.ListenOnlyTo(endpoints.client);
   rt::StartedThread started =

@@ -10,10 +10,10 @@
 
 #include "proxy/relay_direction.h"
 #include "twin/core/clock.h"
+#include "twin/faults/message_fate.h"
 #include "twin/fci/sockets.h"
 #include "twin/proxy/counts.h"
 #include "twin/rt/event_queue.h"
-#include "twin/rt/message_fate.h"
 #include "twin/rt/thread_setup.h"
 #include "twin/server/wake_event.h"
 
@@ -21,8 +21,8 @@ namespace twin::proxy {
 
 /// Faults of both directions.
 struct Faults {
-  rt::DirectionConfig state;
-  rt::DirectionConfig command;
+  faults::DirectionConfig state;
+  faults::DirectionConfig command;
   std::uint64_t seed = 1;
 };
 

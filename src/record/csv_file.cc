@@ -1,5 +1,7 @@
 #include "record/csv_file.h"
 
+#include "twin/core/text.h"
+
 namespace twin::record {
 namespace {
 
@@ -14,16 +16,7 @@ CsvFile::CsvFile(const std::filesystem::path& path) : file_(path, PartialFile::L
 
 void CsvFile::Add(std::string_view text) {
   Separate();
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
-    buffer_.append(text);
-    return;
-  }
-  buffer_.push_back('"');
-  for (const char c : text) {
-    if (c == '"') buffer_.push_back('"');
-    buffer_.push_back(c);
-  }
-  buffer_.push_back('"');
+  buffer_ += CsvField(text);
 }
 
 void CsvFile::AddNames(std::string_view name, std::size_t size) {

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "record/csv_file.h"
-#include "record/log_config.h"
 #include "record/log_fields.h"
 #include "twin/core/error.h"
 #include "twin/core/modes.h"
@@ -19,22 +18,22 @@
 namespace twin::record {
 namespace {
 
-std::string_view Name(rt::CommandFate fate) {
+std::string_view Name(CommandFate fate) {
   switch (fate) {
-    case rt::CommandFate::kNone: return "none";
-    case rt::CommandFate::kServed: return "served";
-    case rt::CommandFate::kHeld: return "held";
+    case CommandFate::kNone: return "none";
+    case CommandFate::kServed: return "served";
+    case CommandFate::kHeld: return "held";
   }
   return "unknown";
 }
 
-std::string_view Name(rt::TickAction action) {
+std::string_view Name(TickAction action) {
   switch (action) {
-    case rt::TickAction::kPublished: return "published";
-    case rt::TickAction::kWritten: return "written";
-    case rt::TickAction::kFinished: return "finished";
-    case rt::TickAction::kSkipped: return "skipped";
-    case rt::TickAction::kInvalid: return "invalid";
+    case TickAction::kPublished: return "published";
+    case TickAction::kWritten: return "written";
+    case TickAction::kFinished: return "finished";
+    case TickAction::kSkipped: return "skipped";
+    case TickAction::kInvalid: return "invalid";
   }
   return "unknown";
 }
@@ -85,7 +84,7 @@ class CsvFiles {
     AddHeadings();
   }
 
-  void operator()(const rt::CycleRecord& record) {
+  void operator()(const CycleRecord& record) {
     if (!config_ || !SameConfig(*config_, record.state)) AddConfig(record);
     const RobotState& state = record.state;
     cycles_.Add(Nanoseconds(record.at));
@@ -106,7 +105,7 @@ class CsvFiles {
     ++written_.cycles;
   }
 
-  void operator()(const rt::TickRecord& record) {
+  void operator()(const TickRecord& record) {
     ticks_.Add(Nanoseconds(record.read));
     ticks_.Add(Nanoseconds(record.written));
     ticks_.Add(record.message_id);
@@ -133,7 +132,7 @@ class CsvFiles {
     ++written_.events;
   }
 
-  void operator()(const rt::SceneRecord& /*scene*/) {}
+  void operator()(const SceneRecord& /*scene*/) {}
   void operator()(const PlanRecord& /*plan*/) {}
 
   CsvExport Commit() {
@@ -151,20 +150,20 @@ class CsvFiles {
     AddTexts(cycles_, {"at_ns", "message_id", "fate", "lost_in_row", "dropped", "robot_mode",
                        "motion_generator_mode", "controller_mode", "errors", "reflex_reason",
                        "control_command_success_rate", "violation"});
-    AddVectorNames<rt::CycleRecord>(cycles_, kCycleFields);
+    AddVectorNames<CycleRecord>(cycles_, kCycleFields);
     AddTexts(configs_, {"at_ns", "m_ee", "m_load"});
     AddVectorNames<RobotState>(configs_, kConfigFields);
     AddTexts(ticks_,
              {"read_ns", "written_ns", "message_id", "action", "skipped_states", "deposit_time_ns",
               "command_message_id", "valid_elbow", "motion_generation_finished"});
-    AddVectorNames<rt::TickRecord>(ticks_, kTickFields);
+    AddVectorNames<TickRecord>(ticks_, kTickFields);
     AddVectorNames<RobotCommand>(ticks_, kCommandFields);
     AddTexts(ticks_, {"kept_back", "margin", "stalled"});
     AddTexts(events_, {"at_ns", "kind", "text"});
     for (CsvFile* file : {&cycles_, &configs_, &ticks_, &events_}) file->EndRow();
   }
 
-  void AddConfig(const rt::CycleRecord& record) {
+  void AddConfig(const CycleRecord& record) {
     config_ = record.state;
     configs_.Add(Nanoseconds(record.at));
     configs_.Add(record.state.m_ee);

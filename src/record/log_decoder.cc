@@ -63,9 +63,9 @@ std::uint8_t DecodeJoints(std::string_view name, std::uint32_t bits) {
 }
 
 void DecodeForces(const google::protobuf::RepeatedPtrField<pb::PointForce>& from,
-                  std::span<rt::PointForce> to) {
+                  std::span<PointForce> to) {
   for (int i = 0; i < from.size(); ++i) {
-    rt::PointForce& force = to[static_cast<std::size_t>(i)];
+    PointForce& force = to[static_cast<std::size_t>(i)];
     DecodeVector("p_W", from[i].p_w(), force.p_W);
     DecodeVector("force_W", from[i].force_w(), force.force_W);
   }
@@ -139,7 +139,7 @@ void LogDecoder::TakeConfig(std::span<const std::byte> data) {
   DecodeVectors(kConfigFields, config_message_, config_);
 }
 
-void LogDecoder::Decode(std::span<const std::byte> data, rt::CycleRecord& record) {
+void LogDecoder::Decode(std::span<const std::byte> data, CycleRecord& record) {
   Parse(data, cycle_);
   record = {};
   RobotState& state = record.state;
@@ -147,7 +147,7 @@ void LogDecoder::Decode(std::span<const std::byte> data, rt::CycleRecord& record
   record.at = ToTime(cycle_.at_ns());
   state.message_id = cycle_.message_id();
   record.fate =
-      DecodeEnum<rt::CommandFate>("fate", cycle_.fate(), pb::CommandFate_IsValid(cycle_.fate()));
+      DecodeEnum<CommandFate>("fate", cycle_.fate(), pb::CommandFate_IsValid(cycle_.fate()));
   record.lost_in_row = cycle_.lost_in_row();
   record.dropped = cycle_.dropped();
   state.robot_mode = DecodeEnum<RobotMode>("robot_mode", cycle_.robot_mode(),
@@ -167,14 +167,14 @@ void LogDecoder::Decode(std::span<const std::byte> data, rt::CycleRecord& record
   DecodeVectors(kCycleFields, cycle_, record);
 }
 
-void LogDecoder::Decode(std::span<const std::byte> data, rt::TickRecord& record) {
+void LogDecoder::Decode(std::span<const std::byte> data, TickRecord& record) {
   Parse(data, tick_);
   record = {};
   record.read = ToTime(tick_.read_ns());
   record.written = ToTime(tick_.written_ns());
   record.message_id = tick_.message_id();
   record.action =
-      DecodeEnum<rt::TickAction>("action", tick_.action(), pb::TickAction_IsValid(tick_.action()));
+      DecodeEnum<TickAction>("action", tick_.action(), pb::TickAction_IsValid(tick_.action()));
   record.skipped_states = tick_.skipped_states();
   record.deposit_time = ToTime(tick_.deposit_time_ns());
   if (tick_.has_margin()) record.margin = tick_.margin();
@@ -193,7 +193,7 @@ void LogDecoder::Decode(std::span<const std::byte> data, EventRecord& record) {
   record = {.at = ToTime(event_.at_ns()), .kind = event_.kind(), .text = event_.text()};
 }
 
-void LogDecoder::Decode(std::span<const std::byte> data, rt::SceneRecord& record) {
+void LogDecoder::Decode(std::span<const std::byte> data, SceneRecord& record) {
   Parse(data, scene_);
   record = {};
   record.at = ToTime(scene_.at_ns());

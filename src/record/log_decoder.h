@@ -7,9 +7,9 @@
 
 #include "record/log_fields.h"
 #include "twin/core/robot_state.h"
+#include "twin/record/cycle_record.h"
 #include "twin/record/log_records.h"
-#include "twin/rt/cycle_record.h"
-#include "twin/rt/scene_record.h"
+#include "twin/record/scene_record.h"
 
 namespace twin::record {
 
@@ -21,10 +21,10 @@ class LogDecoder {
  public:
   /// Stores the configuration for the states of the following cycles.
   void TakeConfig(std::span<const std::byte> data);
-  void Decode(std::span<const std::byte> data, rt::CycleRecord& record);
-  void Decode(std::span<const std::byte> data, rt::TickRecord& record);
+  void Decode(std::span<const std::byte> data, CycleRecord& record);
+  void Decode(std::span<const std::byte> data, TickRecord& record);
   void Decode(std::span<const std::byte> data, EventRecord& record);
-  void Decode(std::span<const std::byte> data, rt::SceneRecord& record);
+  void Decode(std::span<const std::byte> data, SceneRecord& record);
   void Decode(std::span<const std::byte> data, PlanRecord& record);
 
  private:

@@ -8,10 +8,9 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
 
-#include "record/log_config.h"
-#include "record/log_limits.h"
-#include "record/utf8.h"
-#include "twin/core/check.h"
+#include "record/log_fields.h"
+#include "record/log_text.h"
+#include "twin/core/error.h"
 
 namespace twin::record {
 namespace {
@@ -60,7 +59,7 @@ void Encode(const BaseState& base, pb::Base& message) {
   message.mutable_dq_wheels()->Add(base.dq_wheels.begin(), base.dq_wheels.end());
 }
 
-void Encode(const rt::PointForce& force, pb::PointForce& message) {
+void Encode(const PointForce& force, pb::PointForce& message) {
   message.mutable_p_w()->Add(force.p_W.begin(), force.p_W.end());
   message.mutable_force_w()->Add(force.force_W.begin(), force.force_W.end());
 }
@@ -110,7 +109,7 @@ LogEncoder::LogEncoder(McapWriter& writer, const RunInfo& run) : writer_(writer)
   plan_channel_ = AddChannel<pb::Plan>(writer_, kPlanTopic);
 }
 
-void LogEncoder::Add(const rt::CycleRecord& record) {
+void LogEncoder::Add(const CycleRecord& record) {
   if (!has_config_ || !SameConfig(config_, record.state)) AddConfig(record.at, record.state);
   const RobotState& state = record.state;
   cycle_.Clear();
@@ -135,7 +134,7 @@ void LogEncoder::Add(const rt::CycleRecord& record) {
   if (frames != nullptr) Write(frames_channel_, record.at, *frames);
 }
 
-void LogEncoder::Add(const rt::TickRecord& record) {
+void LogEncoder::Add(const TickRecord& record) {
   tick_.Clear();
   tick_.set_read_ns(record.read.time_since_epoch().count());
   tick_.set_written_ns(record.written.time_since_epoch().count());
@@ -159,13 +158,13 @@ void LogEncoder::Add(Time at, std::string_view kind, std::string_view text) {
   Write(event_channel_, at, event_);
 }
 
-void LogEncoder::Add(const rt::SceneRecord& record) {
+void LogEncoder::Add(const SceneRecord& record) {
   scene_.Clear();
   scene_.set_at_ns(record.at.time_since_epoch().count());
   const std::span<const double> qpos = record.Positions();
   scene_.mutable_qpos()->Add(qpos.begin(), qpos.end());
-  for (const rt::PointForce& contact : record.Contacts()) Encode(contact, *scene_.add_contacts());
-  for (const rt::PointForce& push : record.Pushes()) Encode(push, *scene_.add_pushes());
+  for (const PointForce& contact : record.Contacts()) Encode(contact, *scene_.add_contacts());
+  for (const PointForce& push : record.Pushes()) Encode(push, *scene_.add_pushes());
   Write(scene_channel_, record.at, scene_);
 }
 

@@ -6,10 +6,10 @@
 #include "record/arm_frames.h"
 #include "record/log_fields.h"
 #include "twin/core/robot_state.h"
+#include "twin/record/cycle_record.h"
 #include "twin/record/log_records.h"
 #include "twin/record/mcap_writer.h"
-#include "twin/rt/cycle_record.h"
-#include "twin/rt/scene_record.h"
+#include "twin/record/scene_record.h"
 
 namespace twin::record {
 
@@ -23,11 +23,11 @@ class LogEncoder {
   LogEncoder(McapWriter& writer, const RunInfo& run);
 
   /// Adds the cycle, preceded by a changed configuration and followed by the arm's frames if due.
-  void Add(const rt::CycleRecord& record);
-  void Add(const rt::TickRecord& record);
+  void Add(const CycleRecord& record);
+  void Add(const TickRecord& record);
   /// Bytes that are not UTF-8 become '?'.
   void Add(Time at, std::string_view kind, std::string_view text);
-  void Add(const rt::SceneRecord& record);
+  void Add(const SceneRecord& record);
   /// Texts as in events. @pre at most PlanRecord::kMostPoints points.
   void Add(const PlanRecord& record);
 

@@ -1,15 +1,17 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
 #include <span>
 #include <string_view>
 
 #include <google/protobuf/repeated_field.h>
 
 #include "record/log.pb.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
-#include "twin/rt/cycle_record.h"
+#include "twin/record/cycle_record.h"
 
 namespace twin::record {
 
@@ -48,7 +50,7 @@ constexpr VectorField<Record, Message> Pair(std::string_view name) {
 
 template <auto Member, auto Mutable>
 constexpr auto CycleField(std::string_view name) {
-  return Pair<rt::CycleRecord, pb::Cycle, Member, Mutable>(name);
+  return Pair<CycleRecord, pb::Cycle, Member, Mutable>(name);
 }
 template <auto Member, auto Mutable>
 constexpr auto ConfigField(std::string_view name) {
@@ -56,7 +58,7 @@ constexpr auto ConfigField(std::string_view name) {
 }
 template <auto Member, auto Mutable>
 constexpr auto TickField(std::string_view name) {
-  return Pair<rt::TickRecord, pb::Tick, Member, Mutable>(name);
+  return Pair<TickRecord, pb::Tick, Member, Mutable>(name);
 }
 template <auto Member, auto Mutable>
 constexpr auto CommandField(std::string_view name) {
@@ -71,7 +73,7 @@ inline constexpr std::array kCycleFields = {
     CycleField<&RobotState::dq, &pb::Cycle::mutable_dq>("dq"),
     CycleField<&RobotState::dq_d, &pb::Cycle::mutable_dq_d>("dq_d"),
     CycleField<&RobotState::ddq_d, &pb::Cycle::mutable_ddq_d>("ddq_d"),
-    CycleField<&rt::CycleRecord::dddq_d, &pb::Cycle::mutable_dddq_d>("dddq_d"),
+    CycleField<&CycleRecord::dddq_d, &pb::Cycle::mutable_dddq_d>("dddq_d"),
     CycleField<&RobotState::theta, &pb::Cycle::mutable_theta>("theta"),
     CycleField<&RobotState::dtheta, &pb::Cycle::mutable_dtheta>("dtheta"),
     CycleField<&RobotState::tau_J, &pb::Cycle::mutable_tau_j>("tau_J"),
@@ -116,8 +118,8 @@ inline constexpr std::array kConfigFields = {
 
 /// Vectors of topic /ext/tick, without the command's.
 inline constexpr std::array kTickFields = {
-    TickField<&rt::TickRecord::q_ext, &pb::Tick::mutable_q_ext>("q_ext"),
-    TickField<&rt::TickRecord::dq_ext, &pb::Tick::mutable_dq_ext>("dq_ext"),
+    TickField<&TickRecord::q_ext, &pb::Tick::mutable_q_ext>("q_ext"),
+    TickField<&TickRecord::dq_ext, &pb::Tick::mutable_dq_ext>("dq_ext"),
 };
 
 /// Vectors of the command in a tick.
@@ -149,5 +151,15 @@ inline constexpr const char* kSeedKey = "seed";
 inline constexpr const char* kVersionKey = "version";
 inline constexpr const char* kDriveKey = "drive";
 inline constexpr const char* kScenarioAttachment = "scenario.yaml";
+
+/// True if two states agree bit by bit in the fields of topic /robot/config.
+[[nodiscard]] inline bool SameConfig(const RobotState& a, const RobotState& b) {
+  for (const auto& field : kConfigFields) {
+    const auto values = field.values(a);
+    if (std::memcmp(values.data(), field.values(b).data(), values.size_bytes()) != 0) return false;
+  }
+  return std::bit_cast<std::uint64_t>(a.m_ee) == std::bit_cast<std::uint64_t>(b.m_ee) &&
+         std::bit_cast<std::uint64_t>(a.m_load) == std::bit_cast<std::uint64_t>(b.m_load);
+}
 
 }  // namespace twin::record

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "record/log_decoder.h"
-#include "record/log_limits.h"
+#include "record/log_text.h"
 #include "twin/core/error.h"
 #include "twin/record/mcap_reader.h"
 
@@ -45,10 +45,10 @@ class LogReader::Impl {
       decoder_.TakeConfig(message.data);
       return false;
     }
-    if (topic == kCycleTopic) return DecodeAs<pb::Cycle, rt::CycleRecord>(message, entry);
-    if (topic == kTickTopic) return DecodeAs<pb::Tick, rt::TickRecord>(message, entry);
+    if (topic == kCycleTopic) return DecodeAs<pb::Cycle, CycleRecord>(message, entry);
+    if (topic == kTickTopic) return DecodeAs<pb::Tick, TickRecord>(message, entry);
     if (topic == kEventTopic) return DecodeAs<pb::Event, EventRecord>(message, entry);
-    if (topic == kSceneTopic) return DecodeAs<pb::Scene, rt::SceneRecord>(message, entry);
+    if (topic == kSceneTopic) return DecodeAs<pb::Scene, SceneRecord>(message, entry);
     if (topic == kPlanTopic) return DecodeAs<pb::Plan, PlanRecord>(message, entry);
     return false;
   }

@@ -11,7 +11,6 @@
 #include "record/mcap_cursor.h"
 #include "record/mcap_format.h"
 #include "record/mcap_source.h"
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 
 namespace twin::record {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "record/pcapng_format.h"
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 #include "twin/record/partial_file.h"
 
 namespace twin::record {

@@ -11,7 +11,7 @@
 
 #include "record/log_encoder.h"
 #include "twin/record/mcap_writer.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 #include "twin/rt/spsc_ring.h"
 
 namespace twin::record {
@@ -49,7 +49,7 @@ struct EventItem {
   BoundedText<2000> text;
 };
 
-using Item = std::variant<rt::CycleRecord, rt::TickRecord, EventItem, rt::SceneRecord>;
+using Item = std::variant<CycleRecord, TickRecord, EventItem, SceneRecord>;
 static_assert(std::is_trivially_copyable_v<Item>);
 
 }  // namespace
@@ -64,9 +64,9 @@ class Recorder::Writer {
       : mcap_(path, {.library = "panda-twin " + run.version, .chunk_bytes = chunk_bytes}),
         encoder_(mcap_, run) {}
 
-  void operator()(const rt::CycleRecord& record) { encoder_.Add(record); }
-  void operator()(const rt::TickRecord& record) { encoder_.Add(record); }
-  void operator()(const rt::SceneRecord& record) { encoder_.Add(record); }
+  void operator()(const CycleRecord& record) { encoder_.Add(record); }
+  void operator()(const TickRecord& record) { encoder_.Add(record); }
+  void operator()(const SceneRecord& record) { encoder_.Add(record); }
   void operator()(const PlanRecord& record) { encoder_.Add(record); }
   void operator()(const EventItem& event) {
     encoder_.Add(event.at, event.kind.Get(), event.text.Get());
@@ -99,16 +99,16 @@ Recorder::~Recorder() {
   }
 }
 
-void Recorder::Put(const rt::CycleRecord& record) noexcept {
-  Push(cycles_, [&record](Item& slot) { slot.emplace<rt::CycleRecord>(record); });
+void Recorder::Put(const CycleRecord& record) noexcept {
+  Push(cycles_, [&record](Item& slot) { slot.emplace<CycleRecord>(record); });
 }
 
-void Recorder::Put(const rt::TickRecord& record) noexcept {
-  Push(ticks_, [&record](Item& slot) { slot.emplace<rt::TickRecord>(record); });
+void Recorder::Put(const TickRecord& record) noexcept {
+  Push(ticks_, [&record](Item& slot) { slot.emplace<TickRecord>(record); });
 }
 
-void Recorder::Put(const rt::SceneRecord& record) noexcept {
-  Push(cycles_, [&record](Item& slot) { slot.emplace<rt::SceneRecord>(record); });
+void Recorder::Put(const SceneRecord& record) noexcept {
+  Push(cycles_, [&record](Item& slot) { slot.emplace<SceneRecord>(record); });
 }
 
 void Recorder::Event(Time at, std::string_view kind, std::string_view text) noexcept {

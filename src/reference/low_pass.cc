@@ -2,9 +2,9 @@
 
 #include <numbers>
 
-#include "twin/core/require.h"
+#include "twin/core/error.h"
 #include "twin/core/time.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::reference {
 namespace {

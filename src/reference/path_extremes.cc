@@ -1,4 +1,4 @@
-#include "reference/path_extremes.h"
+#include "reference/quintic_path.h"
 
 #include <cmath>
 

@@ -8,7 +8,6 @@
 #include "twin/core/time.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/inverse_kinematics.h"
-#include "twin/model/rotation.h"
 #include "twin/model/transform.h"
 
 namespace twin::reference {

@@ -1,6 +1,6 @@
-#include "reference/quintic_spline.h"
+#include "reference/quintic_path.h"
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::reference::internal {
 namespace {

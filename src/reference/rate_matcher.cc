@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::reference {
 namespace {

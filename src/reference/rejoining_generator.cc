@@ -4,7 +4,7 @@
 
 #include "reference/saturated_correction.h"
 #include "twin/core/time.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::reference {
 namespace {

@@ -8,8 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "reference/path_extremes.h"
-#include "reference/quintic_spline.h"
+#include "reference/quintic_path.h"
 #include "twin/core/error.h"
 
 namespace twin::reference {

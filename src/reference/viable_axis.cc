@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "reference/viability_bounds.h"
 #include "twin/core/error.h"
 #include "twin/core/time.h"
 
@@ -220,6 +219,19 @@ double ViableAxis::Margin(const AxisState& x) const noexcept {
   return std::min({(kept_.q_max - x.q - up.q) / range, (x.q - down.q - kept_.q_min) / range,
                    (kept_.dq_max - up.dq) / kept_.dq_max, (kept_.dq_max - down.dq) / kept_.dq_max,
                    (kept_.ddq_max - std::abs(x.ddq)) / kept_.ddq_max});
+}
+
+void RequireMagnitude(std::string_view name, std::string_view field, double value) {
+  if (std::isfinite(value) && value > 0) return;
+  throw InputError(
+      fmt::format("viability filter: {}: {} is {}; it must be positive", name, field, value));
+}
+
+void RequireLost(int lost) {
+  if (lost >= 0 && lost <= ViableAxis::kMostLost) return;
+  throw InputError(
+      fmt::format("viability filter: {} commands lost in a row; the number must be in [0, {}]",
+                  lost, ViableAxis::kMostLost));
 }
 
 }  // namespace twin::reference

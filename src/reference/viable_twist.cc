@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "reference/viability_bounds.h"
 #include "twin/core/error.h"
 #include "twin/core/time.h"
+#include "twin/reference/viable_axis.h"
 
 namespace twin::reference {
 namespace {

@@ -1,4 +1,4 @@
-#include "render/camera_rig.h"
+#include "render/frame_parts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "render/frame_worker.h"
-#include "twin/core/check.h"
-#include "twin/core/require.h"
+#include "twin/core/error.h"
 #include "twin/render/frame_painter.h"
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 #include "twin/render/video_writer.h"
 
 namespace twin::render {

@@ -1,8 +1,8 @@
-#include "twin/render/contact_sheet.h"
+#include "twin/render/image_operations.h"
 
 #include <algorithm>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::render {
 namespace {

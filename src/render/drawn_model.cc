@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 
 namespace twin::render {

@@ -7,12 +7,26 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "twin/core/error.h"
 #include "twin/core/joint_vector.h"
+#include "twin/plant/engine.h"
 #include "twin/render/renderer.h"
 
 namespace twin::render {
+
+/// Runs `call`; a MuJoCo error becomes an EnvironmentError that begins with `what`.
+template <typename Call>
+decltype(auto) MujocoCall(const char* what, Call&& call) {
+  plant::InstallEngineHandlers();
+  try {
+    return std::forward<Call>(call)();
+  } catch (const plant::EngineFault& fault) {
+    throw EnvironmentError(std::string(what) + ": MuJoCo says \"" + fault.what() + "\"");
+  }
+}
 
 /// A model's copy for rendering, and its positions.
 ///

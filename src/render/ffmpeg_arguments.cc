@@ -1,4 +1,4 @@
-#include "render/ffmpeg_arguments.h"
+#include "render/ffmpeg.h"
 
 #include <fmt/format.h>
 

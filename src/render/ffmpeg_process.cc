@@ -1,4 +1,4 @@
-#include "render/ffmpeg_process.h"
+#include "render/ffmpeg.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -11,7 +11,6 @@
 #include <cstring>
 #include <system_error>
 
-#include "twin/core/check.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 

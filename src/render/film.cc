@@ -4,7 +4,6 @@
 #include <cstddef>
 
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 
 namespace twin::render {
 

@@ -11,14 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "render/camera_rig.h"
 #include "render/drawn_model.h"
-#include "render/joint_bars.h"
-#include "render/marks.h"
-#include "render/mujoco_call.h"
+#include "render/frame_parts.h"
 #include "render/scene_renderer.h"
-#include "render/tool_trace.h"
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::render {
 namespace {
@@ -120,7 +116,7 @@ class FramePainter::Impl {
 
   [[nodiscard]] std::vector<mjvGeom> MarksOf(std::size_t frame, const PlannedGoal* goal) const {
     const Overlays& wanted = settings_.overlays;
-    const rt::SceneRecord& scene = film_.snapshots->scene(frame);
+    const record::SceneRecord& scene = film_.snapshots->scene(frame);
     std::vector<mjvGeom> marks;
     if (goal != nullptr) {
       const Ghost style;
@@ -130,15 +126,15 @@ class FramePainter::Impl {
     }
     if (wanted.trace) trace_.Append(frame, settings_.trace_s, kTraceColour, marks);
     if (wanted.contacts) {
-      for (const rt::PointForce& contact : scene.Contacts()) {
+      for (const record::PointForce& contact : scene.Contacts()) {
         marks.push_back(Ball(contact.p_W, 0.006, kContactColour));
       }
     }
     if (wanted.forces) {
-      for (const rt::PointForce& contact : scene.Contacts()) {
+      for (const record::PointForce& contact : scene.Contacts()) {
         marks.push_back(ForceArrow(contact, settings_.newton_m, kContactForceColour));
       }
-      for (const rt::PointForce& push : scene.Pushes()) {
+      for (const record::PointForce& push : scene.Pushes()) {
         marks.push_back(ForceArrow(push, settings_.newton_m, kPushColour));
       }
     }

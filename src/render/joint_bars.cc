@@ -1,9 +1,7 @@
-#include "render/joint_bars.h"
+#include "render/frame_parts.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include "render/marks.h"
 
 namespace twin::render {
 namespace {

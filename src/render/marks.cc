@@ -1,4 +1,4 @@
-#include "render/marks.h"
+#include "render/frame_parts.h"
 
 namespace twin::render {
 namespace {
@@ -28,7 +28,7 @@ mjvGeom Rod(const Vector3& from_W, const Vector3& to_W, double radius, const Col
   return Between(mjGEOM_CAPSULE, from_W, to_W, radius, colour);
 }
 
-mjvGeom ForceArrow(const rt::PointForce& force, double newton_m, const Colour& colour) {
+mjvGeom ForceArrow(const record::PointForce& force, double newton_m, const Colour& colour) {
   constexpr double kWidth = 0.008;  // m
   Vector3 tail{};
   for (std::size_t i = 0; i < 3; ++i) tail[i] = force.p_W[i] - newton_m * force.force_W[i];

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "twin/core/require.h"
+#include "twin/core/error.h"
 
 namespace twin::render {
 namespace {

@@ -1,4 +1,4 @@
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 
 #include <fmt/format.h>
 #include <png.h>
@@ -7,7 +7,6 @@
 #include <cstring>
 #include <fstream>
 
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 #include "twin/record/partial_output.h"
 

@@ -1,19 +1,17 @@
 #include "twin/render/renderer.h"
 
-#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "render/drawn_model.h"
-#include "render/marks.h"
-#include "render/mujoco_call.h"
+#include "render/frame_parts.h"
 #include "render/scene_renderer.h"
-#include "twin/core/check.h"
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 
 namespace twin::render {
 namespace {
@@ -170,6 +168,15 @@ std::size_t Renderer::qpos_size() const noexcept {
 
 const RenderSettings& Renderer::settings() const noexcept {
   return impl_->settings();
+}
+
+std::vector<std::string> BodyNames(const mjModel_& model) {
+  std::vector<std::string> names;
+  for (int body = 0; body < model.nbody; ++body) {
+    const char* name = mj_id2name(&model, mjOBJ_BODY, body);
+    names.push_back(name == nullptr || *name == 0 ? fmt::format("body {}", body) : name);
+  }
+  return names;
 }
 
 }  // namespace twin::render

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::render {
 namespace {

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/check.h"
 #include "twin/core/error.h"
-#include "twin/plant/scene_capture.h"
+#include "twin/plant/observers.h"
 
 namespace twin::render {
 namespace {
@@ -12,24 +11,22 @@ namespace {
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 Snapshots MakeSnapshots(Duration duration, int fps, std::size_t qpos_size) {
-  if (fps < 1 || fps > 1000) {
-    throw InputError(fmt::format("video: fps is {}; it must be in [1, 1000]", fps));
-  }
+  RequireInRange("video: fps", fps, 1, 1000);
   if (duration < Duration::zero()) {
     throw InputError(
         fmt::format("video: the run's duration is {} ns; it must be >= 0", duration.count()));
   }
-  if (qpos_size > rt::SceneRecord::kMostPositions) {
+  if (qpos_size > record::SceneRecord::kMostPositions) {
     throw InputError(fmt::format(
         "video: the scene has {} positions; a picture takes {} at most. Leave objects out of it",
-        qpos_size, rt::SceneRecord::kMostPositions));
+        qpos_size, record::SceneRecord::kMostPositions));
   }
   return Snapshots(fps, qpos_size);
 }
 
 }  // namespace
 
-void Snapshots::Append(const rt::SceneRecord& scene) {
+void Snapshots::Append(const record::SceneRecord& scene) {
   TWIN_CHECK(scene.positions == qpos_size_);
   scenes_.push_back(scene);
 }

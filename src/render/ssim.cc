@@ -1,4 +1,4 @@
-#include "twin/render/ssim.h"
+#include "twin/render/image_operations.h"
 
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -10,8 +10,7 @@
 #include <string>
 #include <system_error>
 
-#include "render/ffmpeg_process.h"
-#include "twin/core/check.h"
+#include "render/ffmpeg.h"
 #include "twin/core/error.h"
 #include "twin/core/quantity.h"
 

@@ -1,4 +1,4 @@
-#include "render/tool_trace.h"
+#include "render/frame_parts.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "render/video_target.h"
+#include "render/ffmpeg.h"
 
 #include <fmt/format.h>
 

@@ -5,12 +5,8 @@
 #include <system_error>
 #include <utility>
 
-#include "render/ffmpeg_arguments.h"
-#include "render/ffmpeg_process.h"
-#include "render/video_target.h"
-#include "twin/core/check.h"
+#include "render/ffmpeg.h"
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 
 namespace twin::render {
 void VideoSettings::Validate(VideoFormat format) const {

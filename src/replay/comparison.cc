@@ -85,9 +85,7 @@ class Comparison::Impl {
         left_(first, times_, settings, "A: " + labels[0]),
         right_(second, Shifted(times_, FirstOf(second) - FirstOf(first)), settings,
                "B: " + labels[1]) {
-    if (settings_.tolerance < 0 || settings_.tolerance > 254) {
-      throw InputError(fmt::format("tolerance is {}; it must be in [0, 254]", settings_.tolerance));
-    }
+    RequireInRange("tolerance", settings_.tolerance, 0, 254);
     if (settings_.kind == ComparisonKind::kGhost && second.scenario().base) {
       throw InputError(
           "a ghost stands where the first run's robot does, and the second run's drives about; "

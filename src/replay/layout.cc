@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "twin/core/error.h"
-#include "twin/render/contact_sheet.h"
+#include "twin/render/image_operations.h"
 #include "twin/replay/plan_pictures.h"
 
 namespace twin::replay {

@@ -12,7 +12,6 @@
 #include "twin/model/transform.h"
 #include "twin/plant/compiled_model.h"
 #include "twin/record/log_reader.h"
-#include "twin/replay/run_film.h"
 
 namespace twin::replay {
 namespace {
@@ -27,7 +26,7 @@ struct ArmSample {
   std::optional<BasePose> odometry;  ///< of a mobile base
 };
 
-ArmSample SampleOf(const rt::CycleRecord& cycle) {
+ArmSample SampleOf(const record::CycleRecord& cycle) {
   ArmSample sample{cycle.at, cycle.state.q, {}};
   if (cycle.base) sample.odometry = cycle.base->odometry;
   return sample;
@@ -41,12 +40,12 @@ class Contents {
   Contents(int fps, render::Snapshots& scenes, const std::filesystem::path& log)
       : fps_(fps), scenes_(scenes), log_(log) {}
 
-  void operator()(const rt::CycleRecord& cycle) {
+  void operator()(const record::CycleRecord& cycle) {
     while (arm.empty() || cycle.at >= Due()) arm.push_back(SampleOf(cycle));
   }
-  void operator()(const rt::TickRecord& /*tick*/) {}
+  void operator()(const record::TickRecord& /*tick*/) {}
   void operator()(const record::EventRecord& event) { events.push_back(event); }
-  void operator()(const rt::SceneRecord& scene) {
+  void operator()(const record::SceneRecord& scene) {
     if (scene.positions != scenes_.qpos_size()) {
       throw InputError(fmt::format(
           "{}: a scene in the log has {} positions, and the model made of its scenario has {}: "
@@ -131,7 +130,7 @@ class Recording::Impl {
           "began",
           log.string()));
     }
-    rt::SceneRecord scene;
+    record::SceneRecord scene;
     if (snapshots->qpos_size() > scene.qpos.size()) {
       throw InputError(fmt::format("{}: its scene has {} positions; a picture takes {} at most",
                                    log.string(), snapshots->qpos_size(), scene.qpos.size()));

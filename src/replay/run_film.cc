@@ -1,4 +1,4 @@
-#include "twin/replay/run_film.h"
+#include "twin/replay/recording.h"
 
 #include <fmt/format.h>
 

@@ -28,12 +28,8 @@ Duration Since(std::size_t frame, const TimeLine& line) {
 }  // namespace
 
 void TimeLine::Validate() const {
-  if (!(speed >= 0.01 && speed <= 100)) {
-    throw InputError(fmt::format("speed is {}; it must be in [0.01, 100]", speed));
-  }
-  if (fps < 1 || fps > 240) {
-    throw InputError(fmt::format("fps is {}; it must be in [1, 240]", fps));
-  }
+  RequireInRange("speed", speed, 0.01, 100);
+  RequireInRange("fps", fps, 1, 240);
   if (from && until && *until < *from) {
     throw InputError(fmt::format("the film would end at {} s, before it begins at {} s",
                                  Seconds(*until), Seconds(*from)));

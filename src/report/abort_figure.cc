@@ -92,10 +92,11 @@ void AddPanel(Script& script, const RunEnd& end, const EndPanel& panel) {
 void AddFates(Script& script, const RunEnd& end) {
   script.Line("$fates << EOD");
   for (std::size_t i = 0; i < end.cycles.size(); ++i) {
-    const rt::CycleRecord& cycle = end.cycles[i].cycle;
-    script.Line("{} {} {} {} {}", Offset(end, i), cycle.fate == rt::CommandFate::kServed ? 1 : 0,
-                cycle.fate == rt::CommandFate::kHeld ? 1 : 0,
-                cycle.fate == rt::CommandFate::kNone ? 1 : 0, cycle.dropped);
+    const record::CycleRecord& cycle = end.cycles[i].cycle;
+    script.Line("{} {} {} {} {}", Offset(end, i),
+                cycle.fate == record::CommandFate::kServed ? 1 : 0,
+                cycle.fate == record::CommandFate::kHeld ? 1 : 0,
+                cycle.fate == record::CommandFate::kNone ? 1 : 0, cycle.dropped);
   }
   script.Line("EOD");
   script.Line("set title 'what became of each command' offset 0,-0.6");
@@ -126,7 +127,7 @@ std::string EndScript(const RunEnd& end) {
   script.Line("set key at screen 0.805,graph 0.98 left top Left reverse samplen 2 spacing 1.2");
   script.Line("set format y '%.6g'; set format x ''");
   for (std::size_t i = 0; i < end.cycles.size(); ++i) {
-    if (end.cycles[i].cycle.fate != rt::CommandFate::kHeld) continue;
+    if (end.cycles[i].cycle.fate != record::CommandFate::kHeld) continue;
     const int x = Offset(end, i);
     script.Line(
         "set object rectangle from first {},graph 0 to first {},graph 1 fc rgb '{}' fs solid "

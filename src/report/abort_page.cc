@@ -17,11 +17,11 @@ namespace {
 
 using nlohmann::json;
 
-std::string_view NameOf(const RunEnd& end, rt::CommandFate fate) {
+std::string_view NameOf(const RunEnd& end, record::CommandFate fate) {
   switch (fate) {
-    case rt::CommandFate::kServed: return "served";
-    case rt::CommandFate::kHeld: return "held";
-    case rt::CommandFate::kNone: break;
+    case record::CommandFate::kServed: return "served";
+    case record::CommandFate::kHeld: return "held";
+    case record::CommandFate::kNone: break;
   }
   return end.fates_unknown() ? "not known" : "none due";
 }
@@ -39,7 +39,7 @@ json ParagraphsOf(const std::vector<Paragraph>& paragraphs) {
 json RowsOf(const RunEnd& end, const std::vector<EndPanel>& panels) {
   json rows = json::array();
   for (std::size_t i = 0; i < end.cycles.size(); ++i) {
-    const rt::CycleRecord& cycle = end.cycles[i].cycle;
+    const record::CycleRecord& cycle = end.cycles[i].cycle;
     json values = json::array();
     for (const EndPanel& panel : panels) {
       for (const EndCurve& curve : panel.curves) {
@@ -47,7 +47,7 @@ json RowsOf(const RunEnd& end, const std::vector<EndPanel>& panels) {
         values.push_back(std::isfinite(value) ? fmt::format("{:.7g}", value) : std::string());
       }
     }
-    rows.push_back({{"held", cycle.fate == rt::CommandFate::kHeld},
+    rows.push_back({{"held", cycle.fate == record::CommandFate::kHeld},
                     {"state", cycle.state.message_id},
                     {"command", NameOf(end, cycle.fate)},
                     {"values", std::move(values)}});

@@ -9,11 +9,11 @@
 
 #include "report/script.h"
 #include "twin/core/error_catalogue.h"
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
 #include "twin/model/arm_model.h"
-#include "twin/model/rotation.h"
 #include "twin/model/self_collision.h"
+#include "twin/model/transform.h"
 
 namespace twin::report {
 namespace {
@@ -152,7 +152,7 @@ void Panels::AddReference(std::size_t joint) {
             RobotError::kCartesianMotionGeneratorJointVelocityDiscontinuity},
            true);
   Add(name + "jerk of the reference", "rad/s³");
-  AddCurve("dddq_d", kReferenceColour, Of<&rt::CycleRecord::dddq_d>(joint));
+  AddCurve("dddq_d", kReferenceColour, Of<&record::CycleRecord::dddq_d>(joint));
   if (limits) SetLimits({-limits->joints.dddq_max[joint], limits->joints.dddq_max[joint]});
   OffendIf({RobotError::kJointMotionGeneratorAccelerationDiscontinuity,
             RobotError::kCartesianMotionGeneratorJointAccelerationDiscontinuity},
@@ -312,15 +312,15 @@ void Panels::AddTimes() {
   // A motion without a first command counts no losses.
   if (violation_ && violation_->axis < 0) Offend(false);
   Add("when the workstation was done, after the cycle whose state it answers", "µs");
-  const auto after = [](Time rt::TickRecord::*when) {
+  const auto after = [](Time record::TickRecord::*when) {
     return [when](const EndCycle& c) {
-      if (!c.answer || (when == &rt::TickRecord::written && !c.written())) return kNone;
+      if (!c.answer || (when == &record::TickRecord::written && !c.written())) return kNone;
       // The state went out a cycle before this one.
       return ToSeconds((*c.answer).*when - (c.cycle.at - kCycle)) * 1e6;
     };
   };
-  AddCurve("state read", kMeasuredColour, after(&rt::TickRecord::read));
-  AddPoints("command written", after(&rt::TickRecord::written));
+  AddCurve("state read", kMeasuredColour, after(&record::TickRecord::read));
+  AddPoints("command written", after(&record::TickRecord::written));
   SetLimits({1000});
   panels_.back().limits_in_view = true;
 }

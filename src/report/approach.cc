@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
 
 namespace twin::report {
@@ -34,7 +34,7 @@ constexpr Wording kWordings[] = {
 
 }  // namespace
 
-void ApproachTracker::Add(const rt::CycleRecord& cycle) {
+void ApproachTracker::Add(const record::CycleRecord& cycle) {
   const RobotState& state = cycle.state;
   longest_loss_ = std::max(longest_loss_, cycle.lost_in_row);
   peak_force_ = std::max(peak_force_, HalfNorm(state.O_F_ext_hat_K, 0));
@@ -48,7 +48,7 @@ void ApproachTracker::Add(const rt::CycleRecord& cycle) {
   AddJoints(kMeasuredVelocity, state.dq, joints.dq_max, time);
   AddJoints(kMeasuredTorque, state.tau_J, joints.tau_max, time);
   // What the robot does by itself, such as coming to rest, is not what was commanded.
-  const bool commanded = cycle.fate != rt::CommandFate::kNone;
+  const bool commanded = cycle.fate != record::CommandFate::kNone;
   if (commanded) {
     AddPositions(kPosition, state.q_d, time);
     AddJoints(kVelocity, state.dq_d, joints.dq_max, time);

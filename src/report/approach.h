@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "twin/core/joint_vector.h"
+#include "twin/record/cycle_record.h"
 #include "twin/record/log_records.h"
-#include "twin/rt/cycle_record.h"
 
 namespace twin::report {
 
@@ -36,7 +36,7 @@ class ApproachTracker {
   explicit ApproachTracker(const record::RunLimits& limits) : limits_(limits) {}
 
   /// @param cycle  the next one.
-  void Add(const rt::CycleRecord& cycle);
+  void Add(const record::CycleRecord& cycle);
 
   /// Of each quantity that was not zero, in a fixed order. Empty without limits.
   [[nodiscard]] std::vector<Approach> Closest() const;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::report {
 

@@ -25,7 +25,7 @@ struct Story {
 };
 
 /// The error to explain: the one whose value is known, else the first.
-Violation ErrorOf(const rt::CycleRecord& cycle) {
+Violation ErrorOf(const record::CycleRecord& cycle) {
   if (cycle.violated) return cycle.violation;
   std::size_t first = 0;
   while (!cycle.state.errors[first]) ++first;
@@ -69,7 +69,7 @@ std::string WhereText(const RunEnd& end, const Violation& v) {
                             ToSeconds(end.last().at.time_since_epoch()));
 }
 
-std::vector<std::string> OtherErrors(const rt::CycleRecord& cycle, RobotError told) {
+std::vector<std::string> OtherErrors(const record::CycleRecord& cycle, RobotError told) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
     const auto error = static_cast<RobotError>(i);
@@ -95,7 +95,7 @@ void AddNotes(Story& story, const RunEnd& end) {
 }
 
 Story TellAbort(const RunEnd& end) {
-  const rt::CycleRecord& last = end.last();
+  const record::CycleRecord& last = end.last();
   const Violation v = ErrorOf(last);
   const ErrorEntry& entry = EntryOf(v);
   Story story;

@@ -31,7 +31,7 @@ bool ComesFromAGap(RobotError error) {
 }
 
 bool IsHeld(const EndCycle& cycle) {
-  return cycle.cycle.fate == rt::CommandFate::kHeld;
+  return cycle.cycle.fate == record::CommandFate::kHeld;
 }
 
 /// Index of the first cycle that counts as shown.
@@ -99,11 +99,11 @@ std::vector<std::string> CausesOfHeld(const RunEnd& end, bool any_dropped) {
 
 std::string JudgeLosses(const RunEnd& end) {
   if (end.fates_unknown()) return "";
-  const rt::CycleRecord& last = end.last();
+  const record::CycleRecord& last = end.last();
   const bool is_loss =
       last.violated && last.violation.error == RobotError::kCommunicationConstraintsViolation;
   if (is_loss) return "";  // the error tells it itself
-  if (last.fate == rt::CommandFate::kHeld) {
+  if (last.fate == record::CommandFate::kHeld) {
     return fmt::format(
         "Yes: this cycle had no command, the {}th in a row. The robot went on by the acceleration "
         "of the last one, and that led over the limit.",
@@ -138,9 +138,9 @@ std::string CountFates(const RunEnd& end) {
   std::uint64_t served = 0, held = 0, none = 0, dropped = 0;
   for (std::size_t i = FirstShown(end); i < end.cycles.size(); ++i) {
     const EndCycle& cycle = end.cycles[i];
-    served += cycle.cycle.fate == rt::CommandFate::kServed;
+    served += cycle.cycle.fate == record::CommandFate::kServed;
     held += IsHeld(cycle);
-    none += cycle.cycle.fate == rt::CommandFate::kNone;
+    none += cycle.cycle.fate == record::CommandFate::kNone;
     dropped += cycle.cycle.dropped;
   }
   std::string text =
@@ -162,10 +162,10 @@ std::string CountTicks(const RunEnd& end) {
   std::optional<Time> deposit;
   for (const EndCycle& cycle : end.cycles) {
     if (!cycle.answer) continue;
-    const rt::TickRecord& tick = *cycle.answer;
-    skipped += tick.action == rt::TickAction::kSkipped;
-    invalid += tick.action == rt::TickAction::kInvalid;
-    if (tick.action != rt::TickAction::kWritten) continue;
+    const record::TickRecord& tick = *cycle.answer;
+    skipped += tick.action == record::TickAction::kSkipped;
+    invalid += tick.action == record::TickAction::kInvalid;
+    if (tick.action != record::TickAction::kWritten) continue;
     ++written;
     reused += deposit == tick.deposit_time;
     deposit = tick.deposit_time;

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/templates.h"
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::report {
 namespace {

@@ -11,7 +11,7 @@
 #include "report/gnuplot.h"
 #include "report/script.h"
 #include "report/templates.h"
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::report {
 namespace {

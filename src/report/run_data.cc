@@ -22,11 +22,11 @@ double Seconds(Time time) {
   return ToSeconds(time.time_since_epoch());
 }
 
-FateCounts CountsOf(const rt::CycleRecord& cycle) {
+FateCounts CountsOf(const record::CycleRecord& cycle) {
   return {.begin = Seconds(cycle.at),
-          .served = cycle.fate == rt::CommandFate::kServed ? 1U : 0U,
-          .held = cycle.fate == rt::CommandFate::kHeld ? 1U : 0U,
-          .none = cycle.fate == rt::CommandFate::kNone ? 1U : 0U,
+          .served = cycle.fate == record::CommandFate::kServed ? 1U : 0U,
+          .held = cycle.fate == record::CommandFate::kHeld ? 1U : 0U,
+          .none = cycle.fate == record::CommandFate::kNone ? 1U : 0U,
           .dropped = cycle.dropped};
 }
 
@@ -38,7 +38,7 @@ void UpdatePeaks(JointVector& peaks, const JointVector& values) {
 }
 
 /// Names the error of a state that has one: the one its cycle explains, else the first.
-std::string NameOf(const rt::CycleRecord& cycle) {
+std::string NameOf(const record::CycleRecord& cycle) {
   const RobotErrors& errors = cycle.state.errors;
   std::size_t first = 0;
   while (!errors[first]) ++first;
@@ -53,7 +53,7 @@ class Collector {
  public:
   explicit Collector(RunData& run) : run_(run) {}
 
-  void operator()(const rt::CycleRecord& cycle) {
+  void operator()(const record::CycleRecord& cycle) {
     const double time = Seconds(cycle.at);
     if (run_.total.cycles() == 0) run_.begin = time;
     run_.end = time;
@@ -85,7 +85,7 @@ class Collector {
     }
   }
 
-  void operator()(const rt::TickRecord& tick) {
+  void operator()(const record::TickRecord& tick) {
     AddError(tracking_.Add(tick));
     if (std::ranges::any_of(tick.q_ext, [](double x) { return x != 0; })) {
       run_.q_ext.Add(Seconds(tick.read), tick.q_ext);
@@ -100,7 +100,7 @@ class Collector {
   void operator()(const Other& /*record*/) {}
 
  private:
-  void AddFiltered(const rt::TickRecord& tick) {
+  void AddFiltered(const record::TickRecord& tick) {
     run_.filter.Add(tick);
     if (!tick.margin) return;
     run_.margin.Add(Seconds(tick.read), std::array{*tick.margin});
@@ -135,7 +135,7 @@ void FateCounts::Add(const FateCounts& other) {
   dropped += other.dropped;
 }
 
-void FateHistory::Add(const rt::CycleRecord& cycle) {
+void FateHistory::Add(const record::CycleRecord& cycle) {
   const FateCounts counts = CountsOf(cycle);
   if (!spans_.empty() && spans_.back().cycles() < cycles_per_span_) {
     spans_.back().Add(counts);

@@ -10,8 +10,8 @@
 
 #include "report/envelope.h"
 #include "twin/core/joint_vector.h"
+#include "twin/record/cycle_record.h"
 #include "twin/record/log_reader.h"
-#include "twin/rt/filter_counts.h"
 
 namespace twin::report {
 
@@ -31,7 +31,7 @@ struct FateCounts {
 /// many.
 class FateHistory {
  public:
-  void Add(const rt::CycleRecord& cycle);
+  void Add(const record::CycleRecord& cycle);
 
   /// All spans but the last hold the same number of cycles.
   [[nodiscard]] const std::vector<FateCounts>& spans() const { return spans_; }
@@ -82,7 +82,7 @@ struct RunData {
   Envelope error{kJoints, kBins};       ///< TrackingError, mrad
   Envelope success_rate{1, 2 * kBins};  ///< while a motion runs
   Envelope d_EXT{1, 2 * kBins};         ///< us, of ticks that wrote a command
-  rt::FilterCounts filter;              ///< of a viability filter; no commands without one
+  record::FilterCounts filter;          ///< of a viability filter; no commands without one
   Envelope margin{1, 2 * kBins};        ///< TickRecord::margin
   Envelope kept_back{kJoints, kBins};   ///< joint i, from 0, was kept back: i + 1
   FateHistory fates;

@@ -21,11 +21,11 @@ class Collector {
  public:
   explicit Collector(RunEnd& end) : end_(end), ticks_(kTicks) {}
 
-  void operator()(const rt::CycleRecord& cycle) {
+  void operator()(const record::CycleRecord& cycle) {
     any_ = true;
     end_.end = ToSeconds(cycle.at.time_since_epoch());
     end_.moved = end_.moved || cycle.state.motion_generator_mode != MotionGeneratorMode::kIdle;
-    end_.fates_told = end_.fates_told || cycle.fate != rt::CommandFate::kNone;
+    end_.fates_told = end_.fates_told || cycle.fate != record::CommandFate::kNone;
     const bool running = end_.last_word.starts_with("started");
     if (running && !end_.user_stopped && cycle.state.robot_mode == RobotMode::kUserStopped) {
       end_.user_stopped = end_.end;
@@ -43,7 +43,7 @@ class Collector {
     }
   }
 
-  void operator()(const rt::TickRecord& tick) {
+  void operator()(const record::TickRecord& tick) {
     end_.has_ticks = true;
     if (WroteCommand(tick)) {
       any_command_ = true;
@@ -58,7 +58,7 @@ class Collector {
     if (event.kind == "session" && !abort_id_) end_.motion = event.text;
   }
 
-  void operator()(const rt::SceneRecord& /*scene*/) {}
+  void operator()(const record::SceneRecord& /*scene*/) {}
   void operator()(const record::PlanRecord& /*plan*/) {}
 
   [[nodiscard]] bool any() const { return any_; }
@@ -68,7 +68,7 @@ class Collector {
     // On the robot's time an answer takes none; a clock always sees some pass.
     end_.on_robot_time = end_.is_remote() && any_command_ && !any_cost_;
     if (!abort_id_) return;
-    for (rt::CycleRecord& cycle : cycles_) {
+    for (record::CycleRecord& cycle : cycles_) {
       const std::uint64_t answered = cycle.state.message_id - 1;
       const auto& tick = ticks_[answered % kTicks];
       const bool known = tick && tick->message_id == answered;
@@ -78,8 +78,8 @@ class Collector {
 
  private:
   RunEnd& end_;
-  std::vector<std::optional<rt::TickRecord>> ticks_;  ///< slot = message_id modulo size
-  std::deque<rt::CycleRecord> cycles_;
+  std::vector<std::optional<record::TickRecord>> ticks_;  ///< slot = message_id modulo size
+  std::deque<record::CycleRecord> cycles_;
   std::optional<std::uint64_t> abort_id_;
   bool had_error_ = false;
   bool any_ = false;

@@ -8,20 +8,21 @@
 #include <vector>
 
 #include "report/approach.h"
+#include "twin/record/cycle_record.h"
 #include "twin/record/log_records.h"
-#include "twin/rt/cycle_record.h"
 
 namespace twin::report {
 
 /// Whether the workstation wrote a command in this tick.
-[[nodiscard]] inline bool WroteCommand(const rt::TickRecord& tick) {
-  return tick.action == rt::TickAction::kWritten || tick.action == rt::TickAction::kFinished;
+[[nodiscard]] inline bool WroteCommand(const record::TickRecord& tick) {
+  return tick.action == record::TickAction::kWritten ||
+         tick.action == record::TickAction::kFinished;
 }
 
 /// A cycle of the robot beside what the workstation had answered to the state before it.
 struct EndCycle {
-  rt::CycleRecord cycle;
-  std::optional<rt::TickRecord> answer;  ///< to state message_id - 1, written or not
+  record::CycleRecord cycle;
+  std::optional<record::TickRecord> answer;  ///< to state message_id - 1, written or not
 
   /// Whether the workstation wrote a command that could count for the cycle.
   [[nodiscard]] bool written() const { return answer && WroteCommand(*answer); }
@@ -55,8 +56,8 @@ struct RunEnd {
   /// Whether the robot was at the other end of a wire, which carries no figures of errors.
   [[nodiscard]] bool is_remote() const { return run.drive == "remote"; }
   /// The cycle that the error ended, and the one before it. @pre aborted().
-  [[nodiscard]] const rt::CycleRecord& last() const { return cycles.back().cycle; }
-  [[nodiscard]] const rt::CycleRecord& before() const {
+  [[nodiscard]] const record::CycleRecord& last() const { return cycles.back().cycle; }
+  [[nodiscard]] const record::CycleRecord& before() const {
     return cycles[cycles.size() < 2 ? 0 : cycles.size() - 2].cycle;
   }
 };

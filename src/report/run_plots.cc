@@ -203,7 +203,8 @@ Figure ServedFigure(const RunData& run) {
 }
 
 Figure ViabilityFigure(const RunData& run) {
-  const rt::FilterCounts::Nearest least = run.filter.nearest.value_or(rt::FilterCounts::Nearest());
+  const record::FilterCounts::Nearest least =
+      run.filter.nearest.value_or(record::FilterCounts::Nearest());
   Figure figure = FigureOf(run, "viability", "viability filter");
   figure.tables = {{"margin", TableOf(run.margin, 1)}, {"kept_back", TableOf(run.kept_back)}};
   figure.values.merge(

@@ -4,7 +4,7 @@
 
 namespace twin::report {
 
-std::optional<TargetMatch::Pair> TargetMatch::Add(const rt::CycleRecord& cycle) {
+std::optional<TargetMatch::Pair> TargetMatch::Add(const record::CycleRecord& cycle) {
   const std::uint64_t id = cycle.state.message_id;
   measured_[id % kKept] = {id, cycle.at, cycle.state.q};
   const Entry& target = targets_[id % kKept];
@@ -12,7 +12,7 @@ std::optional<TargetMatch::Pair> TargetMatch::Add(const rt::CycleRecord& cycle) 
   return Pair{cycle.at, cycle.state.q, target.q};
 }
 
-std::optional<TargetMatch::Pair> TargetMatch::Add(const rt::TickRecord& tick) {
+std::optional<TargetMatch::Pair> TargetMatch::Add(const record::TickRecord& tick) {
   if (std::ranges::all_of(tick.q_ext, [](double x) { return x == 0; })) return std::nullopt;
   const std::uint64_t id = tick.message_id + 1;
   targets_[id % kKept] = {id, {}, tick.q_ext};

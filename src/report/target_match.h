@@ -7,7 +7,7 @@
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
-#include "twin/rt/cycle_record.h"
+#include "twin/record/cycle_record.h"
 
 namespace twin::report {
 
@@ -28,8 +28,8 @@ class TargetMatch {
   TargetMatch() : targets_(kKept), measured_(kKept) {}
 
   /// @returns a pair that is now complete; their times rise.
-  std::optional<Pair> Add(const rt::CycleRecord& cycle);
-  std::optional<Pair> Add(const rt::TickRecord& tick);
+  std::optional<Pair> Add(const record::CycleRecord& cycle);
+  std::optional<Pair> Add(const record::TickRecord& tick);
 
  private:
   static constexpr std::size_t kKept = 4096;

@@ -16,7 +16,7 @@ std::optional<TrackingError::Value> ErrorOf(const std::optional<TargetMatch::Pai
 
 }  // namespace
 
-std::optional<TrackingError::Value> TrackingError::Add(const rt::CycleRecord& cycle) {
+std::optional<TrackingError::Value> TrackingError::Add(const record::CycleRecord& cycle) {
   const RobotState& state = cycle.state;
   if (state.controller_mode != ControllerMode::kOther) {
     by_reference_ = state.controller_mode != ControllerMode::kExternalController;
@@ -27,7 +27,7 @@ std::optional<TrackingError::Value> TrackingError::Add(const rt::CycleRecord& cy
   return ErrorOf(match_.Add(cycle));
 }
 
-std::optional<TrackingError::Value> TrackingError::Add(const rt::TickRecord& tick) {
+std::optional<TrackingError::Value> TrackingError::Add(const record::TickRecord& tick) {
   return ErrorOf(match_.Add(tick));
 }
 

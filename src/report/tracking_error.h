@@ -5,7 +5,7 @@
 #include "report/target_match.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
-#include "twin/rt/cycle_record.h"
+#include "twin/record/cycle_record.h"
 
 namespace twin::report {
 
@@ -23,8 +23,8 @@ class TrackingError {
   };
 
   /// @returns an error that is now known; their times rise.
-  std::optional<Value> Add(const rt::CycleRecord& cycle);
-  std::optional<Value> Add(const rt::TickRecord& tick);
+  std::optional<Value> Add(const record::CycleRecord& cycle);
+  std::optional<Value> Add(const record::TickRecord& tick);
 
   /// Whether any cycle so far was one under torques.
   [[nodiscard]] bool by_torque() const { return by_torque_; }

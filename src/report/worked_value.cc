@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "twin/core/time.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::report {
 namespace {
@@ -233,7 +233,7 @@ std::vector<std::string> WorkOut(const RunEnd& end) {
   const EndCycle& last = end.cycles.back();
   if (end.cycles.size() < 2) return {};
   Inputs in{end.before().state, std::nullopt, last.cycle.violation};
-  if (last.cycle.fate != rt::CommandFate::kHeld) {
+  if (last.cycle.fate != record::CommandFate::kHeld) {
     if (!last.written()) return {};
     in.command = last.answer->command;
   }

@@ -24,7 +24,7 @@ constexpr int kMostLost = 64;
 AnswerPacedRobot::AnswerPacedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                                    WorkstationPort& port, rt::Arrival& commands,
                                    const MonotonicClock& clock, rt::ThreadSettings thread,
-                                   rt::RecordSink* sink, const LockstepOptions& options)
+                                   record::RecordSink* sink, const LockstepOptions& options)
     : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink),
       commands_(commands),
       options_(options) {}

@@ -4,7 +4,7 @@ namespace twin::robot {
 
 StateLink::StateLink(const LinkConfig& config, std::uint64_t seed, rt::EventQueue& events,
                      rt::EventHandler& state_ready)
-    : channel_(config.state, seed, rt::kStateStreams, events, rt::EventOrder::kStateArrival),
+    : channel_(config.state, seed, faults::kStateStreams, events, rt::EventOrder::kStateArrival),
       state_ready_(state_ready) {}
 
 void StateLink::Send(const RobotState& state) noexcept {
@@ -22,7 +22,8 @@ void StateLink::OnEvent(Time now, std::uint64_t token) noexcept {
 
 CommandLink::CommandLink(const LinkConfig& config, std::uint64_t seed, rt::EventQueue& events,
                          onboard::CommandInbox& inbox)
-    : channel_(config.command, seed, rt::kCommandStreams, events, rt::EventOrder::kCommandArrival),
+    : channel_(config.command, seed, faults::kCommandStreams, events,
+               rt::EventOrder::kCommandArrival),
       inbox_(inbox) {}
 
 void CommandLink::Send(const RobotCommand& command) noexcept {

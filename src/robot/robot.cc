@@ -16,7 +16,7 @@ RobotConfig Validated(const RobotConfig& config) {
 }  // namespace
 
 Robot::Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt::EventQueue& events,
-             rt::EventHandler& state_ready, rt::RecordSink* sink)
+             rt::EventHandler& state_ready, record::RecordSink* sink)
     : plant_(std::move(plant)),
       onboard_(Validated(config).onboard, config.q_start),
       events_(events),
@@ -97,7 +97,7 @@ void Robot::Cycle(Time now) noexcept {
   const bool in_motion = onboard_.robot_mode() == RobotMode::kMove;
   const RobotCommand* command = inbox_.Select(onboard_.message_id(), now - d_INT_);
   RobotCommand kept;
-  const bool begun_before = onboard_.fate() != rt::CommandFate::kNone;
+  const bool begun_before = onboard_.fate() != record::CommandFate::kNone;
   if (keeper_ && command != nullptr && begun_before) {
     kept = keeper_->Keep(record_.state, *command);
     command = &kept;

@@ -1,13 +1,36 @@
 #include "twin/robot/robot_config.h"
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/core/require.h"
+#include "twin/model/mass_properties.h"
+#include "twin/plant/ideal_plant.h"
 
 namespace twin::robot {
+namespace {
+
+void ValidateDirection(const DirectionConfig& direction, std::string_view where) {
+  direction.Validate(where);
+  if (direction.reorder_by <= kLongestOnTheWay) return;
+  throw InputError(fmt::format(
+      "{}.reorder_by is {} ms; it must lie in [0, {}] ms: what takes longer on the way is lost",
+      where, ToSeconds(direction.reorder_by) * 1e3, ToSeconds(kLongestOnTheWay) * 1e3));
+}
+
+}  // namespace
+
+void LinkConfig::Validate() const {
+  ValidateDirection(state, "link.state");
+  ValidateDirection(command, "link.command");
+  if (d_INT < Duration::zero() || d_INT >= kCycle) {
+    throw InputError(
+        fmt::format("link.d_INT is {} us; it must lie in [0, 1000) us", ToSeconds(d_INT) * 1e6));
+  }
+}
 
 void RobotConfig::Validate() const {
   onboard.Validate();
@@ -29,6 +52,19 @@ void RobotConfig::Validate() const {
   if (!std::ranges::is_sorted(panel, earlier)) {
     throw InputError("robot.panel: its events must be in order of time");
   }
+}
+
+MadePlant MakePlant(const RobotConfig& config) {
+  if (config.plant_kind == PlantKind::kIdeal) {
+    const setting::Load& load = config.plant.load;
+    const model::Payload there =
+        model::Combine(config.onboard.end_effector, {load.m_load, load.F_x_Cload, load.I_load});
+    return {std::make_unique<plant::IdealPlant>(there, config.plant.hand), nullptr,
+            "ideal plant (q = q_d)"};
+  }
+  std::unique_ptr<plant::MujocoPlant> plant = plant::MujocoPlant::Create(config.plant);
+  plant::MujocoPlant* engine = plant.get();
+  return {std::move(plant), engine, "MuJoCo plant"};
 }
 
 }  // namespace twin::robot

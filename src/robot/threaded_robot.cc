@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 
 namespace twin::robot {
@@ -15,7 +14,7 @@ constexpr Duration kTimeout = std::chrono::seconds(1);
 
 ThreadedRobot::ThreadedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                              WorkstationPort& port, const MonotonicClock& clock,
-                             rt::ThreadSettings thread, rt::RecordSink* sink)
+                             rt::ThreadSettings thread, record::RecordSink* sink)
     : clock_(clock),
       thread_settings_(std::move(thread)),
       port_(port),

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::robot {
 namespace {
@@ -23,7 +23,7 @@ constexpr int kCommandsAtOnce = 64;
 
 WallClockRobot::WallClockRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                                WorkstationPort& port, const MonotonicClock& clock,
-                               rt::ThreadSettings thread, rt::RecordSink* sink)
+                               rt::ThreadSettings thread, record::RecordSink* sink)
     : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink) {}
 
 void WallClockRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcept {

@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/clock.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::rt {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 
 namespace twin::rt {
 

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <ctime>
 
-#include "rt/absolute_time.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::rt {
 namespace {

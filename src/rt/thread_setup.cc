@@ -17,7 +17,6 @@
 
 #include <fmt/format.h>
 
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 
 namespace twin::rt {

@@ -12,9 +12,9 @@ double CycleCounts::unserved_percent() const noexcept {
   return all > 0 ? 100 * static_cast<double>(held) / all : 0;
 }
 
-void CycleCounts::Add(const rt::CycleRecord& record) noexcept {
-  if (record.fate == rt::CommandFate::kServed) ++served;
-  if (record.fate == rt::CommandFate::kHeld) ++held;
+void CycleCounts::Add(const record::CycleRecord& record) noexcept {
+  if (record.fate == record::CommandFate::kServed) ++served;
+  if (record.fate == record::CommandFate::kHeld) ++held;
   dropped += record.dropped;
   longest_loss = std::max<std::uint64_t>(longest_loss, record.lost_in_row);
 }
@@ -44,7 +44,7 @@ void CycleSummary::AddBase(const BaseState& base) noexcept {
   hash_.AddNumbers(base.dq_wheels.data(), base.dq_wheels.size());
 }
 
-void CycleSummary::CountMotion(const rt::CycleRecord& record) noexcept {
+void CycleSummary::CountMotion(const record::CycleRecord& record) noexcept {
   const bool moves = record.state.robot_mode == RobotMode::kMove;
   if (moves && !moving_) tally_ = {.motion = {}, .motions = tally_.motions + 1};
   moving_ = moves;
@@ -52,7 +52,7 @@ void CycleSummary::CountMotion(const rt::CycleRecord& record) noexcept {
   shown_.Publish(tally_);
 }
 
-void CycleSummary::Put(const rt::CycleRecord& record) noexcept {
+void CycleSummary::Put(const record::CycleRecord& record) noexcept {
   AddState(record.state);
   if (record.base) AddBase(*record.base);
   counts_.Add(record);
@@ -60,7 +60,7 @@ void CycleSummary::Put(const rt::CycleRecord& record) noexcept {
   if (next_ != nullptr) next_->Put(record);
 }
 
-void CycleSummary::Put(const rt::TickRecord& record) noexcept {
+void CycleSummary::Put(const record::TickRecord& record) noexcept {
   viability_.Add(record);
   if (next_ != nullptr) next_->Put(record);
 }
@@ -70,7 +70,7 @@ std::uint64_t StatesHashOf(const std::filesystem::path& log) {
   CycleSummary summary(nullptr);
   record::LogEntry entry;
   while (reader.Next(entry)) {
-    if (const auto* cycle = std::get_if<rt::CycleRecord>(&entry)) summary.Put(*cycle);
+    if (const auto* cycle = std::get_if<record::CycleRecord>(&entry)) summary.Put(*cycle);
   }
   return summary.states_hash();
 }

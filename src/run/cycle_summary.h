@@ -2,9 +2,8 @@
 
 #include <cstdint>
 
-#include "twin/core/word_hash.h"
-#include "twin/rt/cycle_record.h"
-#include "twin/rt/filter_counts.h"
+#include "twin/core/hash.h"
+#include "twin/record/cycle_record.h"
 #include "twin/rt/latest_value.h"
 #include "twin/run/run.h"
 
@@ -18,15 +17,15 @@ struct CycleTally {
 
 /// Counts and fingerprints the cycles that pass through on their way to another sink.
 ///
-/// Threads and real-time: as rt::RecordSink; Tally() from one thread at any time; the rest while
-/// nothing is put.
-class CycleSummary final : public rt::RecordSink {
+/// Threads and real-time: as record::RecordSink; Tally() from one thread at any time; the rest
+/// while nothing is put.
+class CycleSummary final : public record::RecordSink {
  public:
   /// @param next  may be null; must outlive this.
-  explicit CycleSummary(rt::RecordSink* next) : next_(next) {}
+  explicit CycleSummary(record::RecordSink* next) : next_(next) {}
 
-  void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
-  void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const record::TickRecord& record) noexcept TWIN_REALTIME override;
 
   /// As of the last cycle put. Valid until the next call.
   [[nodiscard]] const CycleTally& Tally() noexcept {
@@ -34,17 +33,17 @@ class CycleSummary final : public rt::RecordSink {
     return shown_.value();
   }
   [[nodiscard]] const CycleCounts& counts() const noexcept { return counts_; }
-  [[nodiscard]] const rt::FilterCounts& viability() const noexcept { return viability_; }
+  [[nodiscard]] const record::FilterCounts& viability() const noexcept { return viability_; }
   [[nodiscard]] std::uint64_t states_hash() const noexcept { return hash_.value(); }
 
  private:
   void AddState(const RobotState& state) noexcept;
   void AddBase(const BaseState& base) noexcept;
-  void CountMotion(const rt::CycleRecord& record) noexcept;
+  void CountMotion(const record::CycleRecord& record) noexcept;
 
-  rt::RecordSink* next_;
+  record::RecordSink* next_;
   CycleCounts counts_;
-  rt::FilterCounts viability_;  ///< written by the ticks' thread, all else by the cycles'
+  record::FilterCounts viability_;  ///< written by the ticks' thread, all else by the cycles'
   WordHash hash_;
   bool moving_ = false;
   CycleTally tally_;

@@ -129,7 +129,7 @@ std::string OperatorPage::Recording::End() {
   return fmt::format("recorded: {}; device script runs it again", path_.string());
 }
 
-OperatorPage::OperatorPage(std::optional<page::PageSettings> at, rt::RecordSink* records,
+OperatorPage::OperatorPage(std::optional<page::PageSettings> at, record::RecordSink* records,
                            std::filesystem::path folder, std::function<void(std::string_view)> note)
     : settings_(std::move(at)),
       records_(records),

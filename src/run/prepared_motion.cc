@@ -7,7 +7,7 @@
 #include "twin/control/controller_library.h"
 #include "twin/control/parameters.h"
 #include "twin/core/error.h"
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/inverse_kinematics.h"
 #include "twin/scenario/names.h"

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 #include "twin/fci/capture.h"
 #include "twin/run/run.h"
 

@@ -10,7 +10,7 @@
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
-#include "twin/reference/client_limits.h"
+#include "twin/reference/rate_limiter.h"
 #include "twin/scenario/link_section.h"
 #include "twin/scenario/scenario.h"
 

@@ -59,7 +59,7 @@ class EndGuard {
 }  // namespace
 
 Run::Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-         rt::RecordSink* sink, const RealtimeSettings& settings)
+         record::RecordSink* sink, const RealtimeSettings& settings)
     : scenario_(scenario) {
   Plan plan = MakePlan(scenario, catalogue, files);
   // Before the robot is connected: what is wrong with the motion is known then.

@@ -20,7 +20,7 @@ void RunRecords::WatchContacts(const plant::TruthProbe& truth) {
   contacts_.emplace(truth);
 }
 
-void RunRecords::Put(const rt::CycleRecord& record) noexcept {
+void RunRecords::Put(const record::CycleRecord& record) noexcept {
   if (contacts_) contacts_->Look(record.at);
   if (log_) log_->Put(record);
   if (camera_) TakeScenes(record.at);
@@ -32,7 +32,7 @@ void RunRecords::TakeScenes(Time now) noexcept {
   for (std::size_t i = 0; i < captured; ++i) log_->Put(camera_->last());
 }
 
-void RunRecords::Put(const rt::TickRecord& record) noexcept {
+void RunRecords::Put(const record::TickRecord& record) noexcept {
   if (log_) log_->Put(record);
 }
 

@@ -12,7 +12,6 @@
 #include "run/resolve.h"
 #include "run/scripts.h"
 #include "run/start_check.h"
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 #include "twin/loop/drive.h"
@@ -57,7 +56,7 @@ bool IsSlow(const RobotState& state) {
 /// @returns the drive that the scenario asks for, connected to its robot.
 std::unique_ptr<loop::Drive> MakeDrive(const scenario::Scenario& scenario,
                                        const robot::RobotConfig& config,
-                                       const backend::Registry& backends, rt::RecordSink* sink,
+                                       const backend::Registry& backends, record::RecordSink* sink,
                                        const RealtimeSettings& settings) {
   const backend::Factory& connect = backends.Find(scenario.backend);
   if (scenario.is_remote()) {
@@ -70,12 +69,12 @@ std::unique_ptr<loop::Drive> MakeDrive(const scenario::Scenario& scenario,
 }  // namespace
 
 Session::Session(const scenario::Scenario& scenario, const Catalogue& catalogue,
-                 const RunFiles& files, rt::RecordSink* sink, const RealtimeSettings& settings)
+                 const RunFiles& files, record::RecordSink* sink, const RealtimeSettings& settings)
     : Session(Standing(scenario), MakeRobotPlan(Standing(scenario), catalogue, files), catalogue,
               sink, settings) {}
 
 Session::Session(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
-                 rt::RecordSink* sink, const RealtimeSettings& settings)
+                 record::RecordSink* sink, const RealtimeSettings& settings)
     : scenario_(scenario),
       robot_(std::make_unique<RobotPlan>(std::move(robot))),
       settings_(settings),
@@ -169,7 +168,7 @@ MotionResult Session::Move(PreparedMotion& motion, const std::function<Time(Time
   result.report = drive_->Run(run);
   const std::string lost = drive_->connection().why_lost ? drive_->connection().why_lost() : "";
   if (!lost.empty() && !result.report.failure.empty()) result.report.failure += "; " + lost;
-  for (const rt::TickRecord& tick : result.report.evidence) {
+  for (const record::TickRecord& tick : result.report.evidence) {
     if (hooks_.event) hooks_.event(tick.read, "evidence", loop::DescribeTick(tick));
   }
   followed_.push_back(

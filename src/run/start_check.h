@@ -9,7 +9,7 @@
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
 #include "twin/loop/robot_listener.h"
-#include "twin/rt/arrival.h"
+#include "twin/rt/signal.h"
 #include "twin/run/remote.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"

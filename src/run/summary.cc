@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "twin/core/error_catalogue.h"
-#include "twin/core/fingerprint.h"
+#include "twin/core/hash.h"
 
 namespace twin::run {
 namespace {
@@ -202,7 +202,7 @@ nlohmann::ordered_json ContactsJson(const std::optional<plant::ContactWatch>& co
   return {{"cycles", contacts->cycles()}, {"pairs", pairs}};
 }
 
-nlohmann::ordered_json ViabilityJson(const std::optional<rt::FilterCounts>& counts) {
+nlohmann::ordered_json ViabilityJson(const std::optional<record::FilterCounts>& counts) {
   if (!counts) return {};
   const auto& nearest = counts->nearest;
   return {{"commands", counts->commands},
@@ -212,7 +212,7 @@ nlohmann::ordered_json ViabilityJson(const std::optional<rt::FilterCounts>& coun
           {"least_margin_s", nearest ? Json(ToSeconds(nearest->at.time_since_epoch())) : Json()}};
 }
 
-std::string ViabilityText(const rt::FilterCounts& counts) {
+std::string ViabilityText(const record::FilterCounts& counts) {
   std::string text = fmt::format("{} of {} commands ({:.2f} %)", counts.kept_back, counts.commands,
                                  counts.kept_back_percent());
   std::string_view separator = ": ";

@@ -24,33 +24,33 @@ Value Share(double& percent) {
   return Quantity(percent, kPercent, 0, 100);
 }
 
-auto ParametersOf(const rt::ConstantDelay& law) {
+auto ParametersOf(const faults::ConstantDelay& law) {
   return std::tie(law.value);
 }
-auto ParametersOf(const rt::LogNormalDelay& law) {
+auto ParametersOf(const faults::LogNormalDelay& law) {
   return std::tie(law.median, law.sigma, law.offset);
 }
-auto ParametersOf(const rt::NormalDelay& law) {
+auto ParametersOf(const faults::NormalDelay& law) {
   return std::tie(law.mean, law.sigma);
 }
-auto ParametersOf(const rt::GammaDelay& law) {
+auto ParametersOf(const faults::GammaDelay& law) {
   return std::tie(law.shape, law.scale, law.offset);
 }
-auto ParametersOf(const rt::EmpiricalDelay& law) {
+auto ParametersOf(const faults::EmpiricalDelay& law) {
   return std::tie(law.edges, law.weights);
 }
 
-rt::LossModel Make(const IndependentLoss& loss) {
-  return rt::LossModel(rt::IndependentLoss{loss.percent / 100});
+faults::LossModel Make(const IndependentLoss& loss) {
+  return faults::LossModel(faults::IndependentLoss{loss.percent / 100});
 }
 
-rt::LossModel Make(const GilbertElliottLoss& loss) {
-  return rt::LossModel(rt::GilbertElliottLoss{loss.good_to_bad / 100, loss.bad_to_good / 100,
-                                              loss.loss_good / 100, loss.loss_bad / 100});
+faults::LossModel Make(const GilbertElliottLoss& loss) {
+  return faults::LossModel(faults::GilbertElliottLoss{
+      loss.good_to_bad / 100, loss.bad_to_good / 100, loss.loss_good / 100, loss.loss_bad / 100});
 }
 
-rt::LossModel Make(const ScriptedLoss& loss) {
-  rt::ScriptedLoss script;
+faults::LossModel Make(const ScriptedLoss& loss) {
+  faults::ScriptedLoss script;
   for (const ScriptedLoss::Burst& burst : loss.bursts) {
     if (burst.at < Duration::zero() || burst.at % kCycle != Duration::zero()) {
       throw InputError(fmt::format(
@@ -59,7 +59,7 @@ rt::LossModel Make(const ScriptedLoss& loss) {
     }
     script.runs.push_back({static_cast<std::uint64_t>(burst.at / kCycle), burst.count});
   }
-  return rt::LossModel(std::move(script));
+  return faults::LossModel(std::move(script));
 }
 
 /// One alternative of a law.
@@ -70,25 +70,25 @@ void AddLaw(Map& map, std::string key, Law& law, std::string_view meaning) {
 
 }  // namespace
 
-static void Describe(Map& map, rt::NormalDelay& law) {
+static void Describe(Map& map, faults::NormalDelay& law) {
   map.Require("mean", Part(law.mean), "Mean before the part below 0 is cut off.");
   map.Require("sigma", Part(law.sigma), "Standard deviation before that.");
 }
 
-static void Describe(Map& map, rt::LogNormalDelay& law) {
+static void Describe(Map& map, faults::LogNormalDelay& law) {
   map.Require("median", TimeSpan(law.median, Duration(1), kLongest),
               "Median of the log-normal part.");
   map.Require("sigma", Number(law.sigma, 0, 5), "Standard deviation of its logarithm.");
   map.Add("offset", Part(law.offset), "Least delay.");
 }
 
-static void Describe(Map& map, rt::GammaDelay& law) {
+static void Describe(Map& map, faults::GammaDelay& law) {
   map.Require("shape", Number(law.shape, 0.01, 1e6), "1 gives the exponential distribution.");
   map.Require("scale", TimeSpan(law.scale, Duration(1), kLongest), "Mean over shape.");
   map.Add("offset", Part(law.offset), "Least delay.");
 }
 
-static void Describe(Map& map, rt::EmpiricalDelay& law) {
+static void Describe(Map& map, faults::EmpiricalDelay& law) {
   map.Require("edges", List(law.edges, Part), "Edges of the bins, rising.");
   map.Require("weights", List(law.weights, [](double& weight) { return Number(weight, 0, 1e12); }),
               "Weight of each bin; the delay is uniform within a bin.");
@@ -125,19 +125,20 @@ static void Describe(Map& map, Reordering& reordering) {
 }
 
 Value DelayOf(Delay& delay) {
-  const Value constant =
-      Alternative<rt::ConstantDelay>(delay.law, [](rt::ConstantDelay& d) { return Part(d.value); });
+  const Value constant = Alternative<faults::ConstantDelay>(
+      delay.law, [](faults::ConstantDelay& d) { return Part(d.value); });
   const auto describe = [&law = delay.law, constant](Map& map) {
     map.Add("constant", constant, "Always the same.");
-    AddLaw<rt::NormalDelay>(map, "normal", law, "Normal, without its part below 0.");
-    AddLaw<rt::LogNormalDelay>(map, "log_normal", law,
-                               "Offset and a log-normal part, as scheduling and queues look like.");
-    AddLaw<rt::GammaDelay>(map, "gamma", law, "Offset and a gamma-distributed part.");
-    AddLaw<rt::EmpiricalDelay>(map, "histogram", law, "What was measured.");
+    AddLaw<faults::NormalDelay>(map, "normal", law, "Normal, without its part below 0.");
+    AddLaw<faults::LogNormalDelay>(
+        map, "log_normal", law,
+        "Offset and a log-normal part, as scheduling and queues look like.");
+    AddLaw<faults::GammaDelay>(map, "gamma", law, "Offset and a gamma-distributed part.");
+    AddLaw<faults::EmpiricalDelay>(map, "histogram", law, "What was measured.");
     map.ExactlyOne();
   };
   const auto is_constant = [&delay] {
-    return std::holds_alternative<rt::ConstantDelay>(delay.law);
+    return std::holds_alternative<faults::ConstantDelay>(delay.law);
   };
   return Defined("delay", "Drawn anew for every message, wake-up or computation.",
                  Validated(Either(constant, Section(describe), is_constant),
@@ -198,8 +199,8 @@ void Describe(Map& map, OperatorSection& section, Place& place) {
   DescribeDirection(map, "from_robot", section.from_robot);
 }
 
-rt::DelayModel Delay::Model() const {
-  return std::visit([](const auto& parameters) { return rt::DelayModel(parameters); }, law);
+faults::DelayModel Delay::Model() const {
+  return std::visit([](const auto& parameters) { return faults::DelayModel(parameters); }, law);
 }
 
 bool Delay::operator==(const Delay& other) const {
@@ -211,7 +212,7 @@ bool Delay::operator==(const Delay& other) const {
       law);
 }
 
-rt::LossModel Loss::Model() const {
+faults::LossModel Loss::Model() const {
   return std::visit([](const auto& parameters) { return Make(parameters); }, law);
 }
 

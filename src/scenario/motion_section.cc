@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "scenario/sections.h"
-#include "twin/reference/trajectory_file.h"
+#include "twin/reference/trajectory.h"
 
 // The sections motion and max_deviation.
 namespace twin::scenario {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scenario/schema.h"
+#include "twin/core/text.h"
 
 namespace twin::scenario {
 namespace {
@@ -41,10 +42,10 @@ void Flatten(const YamlNode& node, const std::string& key, std::size_t depth,
 }
 
 std::string ValueText(const control::Parameter& parameter) {
-  if (!parameter.is_list) return Quoted(parameter.values.front());
+  if (!parameter.is_list) return YamlQuoted(parameter.values.front());
   std::string list;
   for (const std::string& value : parameter.values) {
-    list += (list.empty() ? "" : ", ") + Quoted(value);
+    list += (list.empty() ? "" : ", ") + YamlQuoted(value);
   }
   return "[" + list + "]";
 }

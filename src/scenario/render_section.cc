@@ -8,6 +8,7 @@
 
 #include "scenario/sections.h"
 #include "twin/core/error.h"
+#include "twin/core/text.h"
 
 namespace twin::scenario {
 
@@ -25,7 +26,8 @@ Value CameraOf(CameraSection& camera) {
     if (camera.kind == CameraKind::kGripper) camera.name.clear();
   });
   name.write = [&camera](int /*indent*/) {
-    return camera.kind == CameraKind::kScene ? Quoted(camera.name) : std::string(kGripperCamera);
+    return camera.kind == CameraKind::kScene ? YamlQuoted(camera.name)
+                                             : std::string(kGripperCamera);
   };
   return Defined(
       "camera", "View of a run: a camera that looks at a point or follows a body, or a name.",

@@ -3,6 +3,7 @@
 
 #include "scenario/sections.h"
 #include "twin/core/error.h"
+#include "twin/core/text.h"
 
 // The sections robot, base, plant and onboard.
 namespace twin::scenario {
@@ -86,7 +87,7 @@ static void Describe(Map& map, setting::GuidingMode& mode) {
   }
   const auto axis = [](std::size_t& index) {
     Value value = Choice(index, kAxes);
-    value.write = [&index](int /*indent*/) { return Quoted(kAxes[index].first); };
+    value.write = [&index](int /*indent*/) { return YamlQuoted(kAxes[index].first); };
     return value;
   };
   map.Add("axes",

@@ -290,7 +290,4 @@ template <typename Enum, std::size_t N>
       });
 }
 
-/// A YAML double-quoted scalar.
-[[nodiscard]] std::string Quoted(std::string_view text);
-
 }  // namespace twin::scenario

@@ -8,6 +8,7 @@
 
 #include "scenario/schema.h"
 #include "twin/core/error.h"
+#include "twin/core/text.h"
 
 // The single values of files: reading, writing, range and schema of each.
 namespace twin::scenario {
@@ -85,31 +86,13 @@ Json QuantitySchema(Dimension dimension, bool can_be_negative) {
 
 }  // namespace
 
-std::string Quoted(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      quoted += '\\';
-      quoted += c;
-    } else if (c == '\n') {
-      quoted += "\\n";
-    } else if (byte < 0x20 || byte == 0x7f) {
-      quoted += fmt::format("\\x{:02x}", byte);
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + '"';
-}
-
 bool IsNameLetter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
          c == '-';
 }
 
 Value Text(std::string& text) {
-  return Single(text, Fixed("text", "string"), std::mem_fn(&YamlNode::Text), Quoted);
+  return Single(text, Fixed("text", "string"), std::mem_fn(&YamlNode::Text), YamlQuoted);
 }
 
 Value Identifier(std::string& name) {

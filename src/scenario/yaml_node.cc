@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "twin/core/error.h"
-#include "twin/core/nearest_word.h"
+#include "twin/core/text.h"
 
 namespace twin::scenario {
 namespace {

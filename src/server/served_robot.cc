@@ -5,10 +5,9 @@
 #include <thread>
 #include <utility>
 
-#include "twin/core/check.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
-#include "twin/core/panel.h"
+#include "twin/core/modes.h"
 #include "twin/robot/wall_clock_robot.h"
 #include "twin/server/udp_port.h"
 #include "twin/server/wake_event.h"

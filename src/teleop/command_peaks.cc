@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::teleop {
 namespace {

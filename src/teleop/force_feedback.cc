@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 
 namespace twin::teleop {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::teleop {
 namespace {

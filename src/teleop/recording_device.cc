@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 #include "twin/teleop/operator_ranges.h"
 #include "twin/teleop/operator_script.h"
 

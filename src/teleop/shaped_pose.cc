@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 #include "twin/reference/closing_speed.h"
 
 namespace twin::teleop {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "twin/core/half_norm.h"
-#include "twin/model/rotation.h"
+#include "twin/core/joint_vector.h"
+#include "twin/model/transform.h"
 
 namespace twin::teleop {
 namespace {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 
 namespace twin::teleop {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "application/monte_carlo.h"
 #include "application/performance.h"
 #include "application/seeds.h"
-#include "twin/application/monte_carlo.h"
 #include "twin/scenario/lab.h"
 
 namespace twin::application {

@@ -22,7 +22,7 @@ TEST(TeleoperationSeedsTest, AllWhenTheWireIsLateAndLoses) {
   scenario::Scenario scenario = Shipped();
   for (scenario::DirectionSection* direction :
        {&scenario.operator_section->to_robot, &scenario.operator_section->from_robot}) {
-    direction->delay.law = rt::ConstantDelay{milliseconds(300)};
+    direction->delay.law = faults::ConstantDelay{milliseconds(300)};
     direction->loss.law = scenario::IndependentLoss{10};
   }
   EXPECT_EQ(Draw(scenario, "300 ms and 10 % lost each way", 10).succeeded, 10);

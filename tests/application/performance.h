@@ -7,8 +7,7 @@
 
 #include "application/results.h"
 #include "controllers/registration.h"
-#include "plugins/emulated/mujoco_backend.h"
-#include "plugins/fci/fci_backend.h"
+#include "plugins/backends.h"
 #include "twin/application/application.h"
 #include "twin/core/clock.h"
 #include "twin/plant/contact_watch.h"
@@ -29,7 +28,7 @@ inline std::filesystem::path FileOf(const std::string& name) {
 }
 
 /// An application carried out in this process, with a log and somebody who watches for contacts.
-class Performance final : public rt::RecordSink {
+class Performance final : public record::RecordSink {
  public:
   /// @param folder  for the log; empty: none is written. @param devices  of operators; may be null.
   explicit Performance(const scenario::Scenario& scenario, std::filesystem::path folder = {},
@@ -51,11 +50,11 @@ class Performance final : public rt::RecordSink {
     if (truth() != nullptr) contacts_.emplace(*truth());
   }
 
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     if (contacts_) contacts_->Look(record.at);
     if (log_) log_->Put(record);
   }
-  void Put(const rt::TickRecord& record) noexcept override {
+  void Put(const record::TickRecord& record) noexcept override {
     if (log_) log_->Put(record);
   }
 

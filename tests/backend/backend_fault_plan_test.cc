@@ -53,8 +53,9 @@ TEST(FaultPlanTest, RefusesAProbabilityOutsideItsRangeByName) {
 }
 
 TEST(FaultPlanTest, RefusesAFaultOfCommandsThatAreAllLost) {
-  for (const rt::LossModel& all : {rt::LossModel(rt::IndependentLoss{1}),
-                                   rt::LossModel(rt::GilbertElliottLoss{0.1, 0.1, 1, 1})}) {
+  for (const faults::LossModel& all :
+       {faults::LossModel(faults::IndependentLoss{1}),
+        faults::LossModel(faults::GilbertElliottLoss{0.1, 0.1, 1, 1})}) {
     for (const auto fault : kSchedules) {
       FaultPlan plan = PlanOf(fault, {.probability = 0.1});
       plan.command_loss = all;
@@ -67,9 +68,9 @@ TEST(FaultPlanTest, RefusesAFaultOfCommandsThatAreAllLost) {
 TEST(FaultPlanTest, RefusesAListedFaultOfACommandThatTheScriptLoses) {
   for (const auto fault : kSchedules) {
     FaultPlan plan = PlanOf(fault, {.messages = {2, 12}});
-    plan.command_loss = rt::LossModel(rt::ScriptedLoss{{{10, 5}}});
+    plan.command_loss = faults::LossModel(faults::ScriptedLoss{{{10, 5}}});
     EXPECT_THAT(RefusalOf(plan), HasSubstr("messages has 12"));
-    plan.command_loss = rt::LossModel(rt::ScriptedLoss{{{13, 5}}});
+    plan.command_loss = faults::LossModel(faults::ScriptedLoss{{{13, 5}}});
     EXPECT_EQ(RefusalOf(plan), "");
   }
 }

@@ -148,7 +148,7 @@ TEST_F(FaultyBackendTest, SaysThatItInjectsFaults) {
 }
 
 TEST_F(FaultyBackendTest, ALostStateIsPendingAndLeavesTheReadersOwn) {
-  Make({.state_loss = rt::LossModel(rt::ScriptedLoss{{{3, 2}}})});
+  Make({.state_loss = faults::LossModel(faults::ScriptedLoss{{{3, 2}}})});
   EXPECT_EQ(ReadAll(2), UpTo(2));
   EXPECT_EQ(Read(), ReadResult::kPending);
   EXPECT_EQ(Read(), ReadResult::kPending);
@@ -160,7 +160,7 @@ TEST_F(FaultyBackendTest, ALostStateIsPendingAndLeavesTheReadersOwn) {
 }
 
 TEST_F(FaultyBackendTest, IdsOfStatesRiseUnderRandomLoss) {
-  Make({.state_loss = rt::LossModel(rt::GilbertElliottLoss{0.05, 0.2, 0.01, 0.9})});
+  Make({.state_loss = faults::LossModel(faults::GilbertElliottLoss{0.05, 0.2, 0.01, 0.9})});
   const Ids ids = ReadAll(2000);
   EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end(), std::less_equal<>()));
   EXPECT_EQ(ids.size() + faulty_->counts().states_lost, 2000u);
@@ -168,7 +168,7 @@ TEST_F(FaultyBackendTest, IdsOfStatesRiseUnderRandomLoss) {
 }
 
 TEST_F(FaultyBackendTest, LosesTheCommandsOfAScript) {
-  Make({.command_loss = rt::LossModel(rt::ScriptedLoss{{{2, 1}, {4, 3}}})});
+  Make({.command_loss = faults::LossModel(faults::ScriptedLoss{{{2, 1}, {4, 3}}})});
   EXPECT_THAT(WriteAll(8), ElementsAre(1, 3, 7, 8));
   EXPECT_EQ(faulty_->counts(), FaultCounts{.commands_lost = 4});
 }
@@ -207,7 +207,7 @@ TEST_F(FaultyBackendTest, SwapsPairsWhenEveryCommandWouldBeSwapped) {
 
 TEST_F(FaultyBackendTest, ASwappedCommandArrivesEvenWhenTheNextIsLost) {
   FaultPlan plan = PlanOf(&FaultPlan::command_swapped, {.messages = {2}});
-  plan.command_loss = rt::LossModel(rt::ScriptedLoss{{{3, 1}}});
+  plan.command_loss = faults::LossModel(faults::ScriptedLoss{{{3, 1}}});
   Make(plan);
   EXPECT_THAT(WriteAll(4), ElementsAre(1, 2, 4));
 }
@@ -345,8 +345,8 @@ TEST_F(FaultyBackendTest, EveryFaultRepeatsWithTheSeedAndChangesWithIt) {
 
 TEST_F(FaultyBackendTest, DrawsApartFromTheLinkWithTheSameSeed) {
   constexpr std::uint64_t kSeed = 5;
-  const rt::LossModel half(rt::IndependentLoss{0.5});
-  rt::LossProcess link(half, kSeed, RandomStream::kCommandLoss, RandomStream::kCommandBurst);
+  const faults::LossModel half(faults::IndependentLoss{0.5});
+  faults::LossProcess link(half, kSeed, RandomStream::kCommandLoss, RandomStream::kCommandBurst);
   Make({.seed = kSeed, .command_loss = half});
   const Ids written = WriteAll(1000);
   int same = 0;
@@ -358,7 +358,7 @@ TEST_F(FaultyBackendTest, DrawsApartFromTheLinkWithTheSameSeed) {
 }
 
 TEST_F(FaultyBackendTest, StatesAndCommandsAreLostIndependently) {
-  const rt::LossModel half(rt::IndependentLoss{0.5});
+  const faults::LossModel half(faults::IndependentLoss{0.5});
   Make({.seed = 5, .state_loss = half, .command_loss = half});
   const Ids read = ReadAll(1000);
   const Ids written = WriteAll(1000);
@@ -370,8 +370,8 @@ TEST_F(FaultyBackendTest, StatesAndCommandsAreLostIndependently) {
 
 TEST_F(FaultyBackendTest, ReadsAndWritesWithoutAllocation) {
   FaultPlan plan;
-  plan.state_loss = rt::LossModel(rt::GilbertElliottLoss{0.05, 0.2, 0.01, 0.9});
-  plan.command_loss = rt::LossModel(rt::ScriptedLoss{{{3, 2}, {500, 10}}});
+  plan.state_loss = faults::LossModel(faults::GilbertElliottLoss{0.05, 0.2, 0.01, 0.9});
+  plan.command_loss = faults::LossModel(faults::ScriptedLoss{{{3, 2}, {500, 10}}});
   for (const auto fault : kSchedules) plan.*fault = {.probability = 0.1, .messages = {7, 70}};
   plan.command_delayed.messages = {20};
   plan.command_swapped.messages = {10};

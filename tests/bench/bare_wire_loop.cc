@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/fci/datagrams.h"
 #include "twin/fci/requests.h"

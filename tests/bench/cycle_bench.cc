@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "support/panda_limits.h"
 #include "twin/loop/drive.h"
 #include "twin/onboard/onboard_controller.h"
@@ -48,9 +48,9 @@ robot::RobotConfig Robot() {
   config.plant.urdf = TWIN_SOURCE_DIR "/models/robots/panda/panda.urdf";
   config.plant.hand = plant::HandKind::kNone;
   config.link.state.delay =
-      rt::DelayModel(rt::LogNormalDelay{std::chrono::microseconds(80), 0.3, {}});
+      faults::DelayModel(faults::LogNormalDelay{std::chrono::microseconds(80), 0.3, {}});
   config.link.command.delay =
-      rt::DelayModel(rt::LogNormalDelay{std::chrono::microseconds(80), 0.3, {}});
+      faults::DelayModel(faults::LogNormalDelay{std::chrono::microseconds(80), 0.3, {}});
   config.q_start = kReady;
   return config;
 }

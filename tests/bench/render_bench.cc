@@ -76,7 +76,7 @@ class Stage {
     for (std::size_t i = 0; i < frames; ++i) {
       const double s = 0.3 * std::sin(0.1 * static_cast<double>(i));
       plant_->Reset({s, -M_PI / 4 + s, 0, -3 * M_PI / 4, s, M_PI / 2, M_PI / 4});
-      rt::SceneRecord scene;
+      record::SceneRecord scene;
       scene.at = Time(std::chrono::milliseconds(40 * i));
       scene.positions = plant_->qpos_size();
       plant_->CopyQpos(std::span(scene.qpos).first(scene.positions));

@@ -31,8 +31,8 @@
 #include "contract/backend_harness.h"
 #include "contract/served_harness.h"
 #include "support/undisturbed.h"
+#include "twin/faults/loss_model.h"
 #include "twin/fci/datagrams.h"
-#include "twin/rt/loss_model.h"
 
 namespace twin::test {
 namespace {
@@ -144,8 +144,8 @@ ErrorRow LostByTheLink(ErrorRow row) {
   // answers the second's state is the motion's first.
   constexpr std::uint64_t kFirst = 2;
   row.prepare = [](robot::RobotConfig& robot, double x) {
-    const rt::ScriptedLoss::Run lost{kFirst + 1, static_cast<std::uint64_t>(x)};
-    robot.link.command.loss = rt::LossModel(rt::ScriptedLoss{{lost}});
+    const faults::ScriptedLoss::Run lost{kFirst + 1, static_cast<std::uint64_t>(x)};
+    robot.link.command.loss = faults::LossModel(faults::ScriptedLoss{{lost}});
   };
   row.stream = [](Trial& trial, double x) {
     const auto path = [](const RobotState& start) { return JointPath(start, 1); };

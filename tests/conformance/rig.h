@@ -6,7 +6,7 @@
 
 #include "conformance/state_checker.h"
 #include "contract/backend_harness.h"
-#include "twin/core/panel.h"
+#include "twin/core/modes.h"
 #include "twin/core/setting.h"
 #include "twin/robot/robot_config.h"
 

@@ -11,7 +11,6 @@
 #include "conformance/reference_rules.h"
 #include "conformance/step_oracle.h"
 #include "twin/backend/backend.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
 

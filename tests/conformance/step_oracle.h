@@ -5,7 +5,6 @@
 #include "conformance/verdict.h"
 #include "twin/core/limits.h"
 #include "twin/core/modes.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
 

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "twin/core/modes.h"
-#include "twin/core/panel.h"
 #include "twin/core/setting.h"
 #include "twin/robot/robot_config.h"
 

@@ -4,7 +4,6 @@
 
 #include "conformance/dice.h"
 #include "conformance/stream_plan.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 
 namespace twin::test {

@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "contract/backend_harness.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "twin/backend/registry.h"
 #include "twin/rt/event_queue.h"
 
@@ -13,8 +13,10 @@ namespace {
 class LockstepHarness final : public BackendHarness, private rt::EventHandler {
  public:
   explicit LockstepHarness(const robot::RobotConfig& robot) : config_(robot) {
-    config_.link.state.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::microseconds(80)});
-    config_.link.command.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::microseconds(80)});
+    config_.link.state.delay =
+        faults::DelayModel(faults::ConstantDelay{std::chrono::microseconds(80)});
+    config_.link.command.delay =
+        faults::DelayModel(faults::ConstantDelay{std::chrono::microseconds(80)});
     backend::Registry registry;
     plugins::RegisterMujoco(registry);
     connection_ = registry.Find("mujoco")({config_, backend::VirtualTime{events_, *this}});

@@ -7,7 +7,7 @@
 
 #include "contract/backend_harness.h"
 #include "contract/urgent.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "twin/backend/registry.h"
 #include "twin/core/clock.h"
 
@@ -18,12 +18,12 @@ namespace {
 constexpr Duration kLong = std::chrono::seconds(30);
 
 /// Notes whether a command came for a cycle that had passed.
-class LateCommands final : public rt::RecordSink {
+class LateCommands final : public record::RecordSink {
  public:
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     if (record.dropped > 0) any_ = true;
   }
-  void Put(const rt::TickRecord&) noexcept override {}
+  void Put(const record::TickRecord&) noexcept override {}
   [[nodiscard]] bool any() const { return any_; }
   void Forget() { any_ = false; }
 

@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "contract/urgent.h"
-#include "plugins/fci/fci_backend.h"
+#include "plugins/backends.h"
 #include "twin/core/clock.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 #include "twin/server/served_robot.h"
 
 namespace twin::test {
@@ -22,13 +22,13 @@ constexpr Duration kLong = std::chrono::seconds(30);
 constexpr Duration kAnswerTimeout = std::chrono::seconds(3);
 
 /// What the robot itself saw.
-class Witness final : public rt::RecordSink {
+class Witness final : public record::RecordSink {
  public:
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     if (record.dropped > 0) late_commands_ = true;
     ++cycles_;
   }
-  void Put(const rt::TickRecord&) noexcept override {}
+  void Put(const record::TickRecord&) noexcept override {}
 
   [[nodiscard]] std::uint64_t cycles() const { return cycles_; }
   /// Whether a command came for a cycle that had passed.
@@ -40,7 +40,8 @@ class Witness final : public rt::RecordSink {
   std::atomic<bool> late_commands_ = false;
 };
 
-server::ServedRobotSettings SettingsOf(backend::RobotTime time, bool freeze, rt::RecordSink& sink) {
+server::ServedRobotSettings SettingsOf(backend::RobotTime time, bool freeze,
+                                       record::RecordSink& sink) {
   server::ServedRobotSettings settings{.takes_free_ports = true, .sink = &sink};
   const bool waits = time == backend::RobotTime::kStates;
   settings.thread = Urgent("robot", waits ? 0 : 85);

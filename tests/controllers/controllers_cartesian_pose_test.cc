@@ -12,7 +12,7 @@
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/core/random.h"
 #include "twin/model/inverse_kinematics.h"
 

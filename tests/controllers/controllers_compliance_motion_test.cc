@@ -10,7 +10,7 @@
 #include "controllers/compliance.h"
 #include "controllers/gravity_hold.h"
 #include "controllers/torque_rig.h"
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 
 namespace twin::controllers {
 namespace {

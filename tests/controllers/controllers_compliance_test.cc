@@ -14,7 +14,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
-#include "twin/model/joint_friction.h"
+#include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
 
 namespace twin::controllers {

@@ -10,7 +10,7 @@
 #include "plugins/devices/script_device.h"
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 #include "twin/teleop/recording_device.h"
 
 namespace twin::devices {

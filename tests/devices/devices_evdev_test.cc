@@ -10,7 +10,7 @@
 #include "devices/pipe_source.h"
 #include "plugins/devices/evdev_device.h"
 #include "twin/core/error.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::devices {
 namespace {

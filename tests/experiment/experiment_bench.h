@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "support/temporary_folder.h"
 #include "twin/experiment/experiment.h"
 #include "twin/experiment/page.h"

@@ -16,10 +16,12 @@ using std::chrono::microseconds;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
-rt::CycleRecord Cycle(std::uint64_t id, rt::CommandFate fate, std::uint32_t lost_in_row = 0) {
-  rt::CycleRecord record;
+record::CycleRecord Cycle(std::uint64_t id, record::CommandFate fate,
+                          std::uint32_t lost_in_row = 0) {
+  record::CycleRecord record;
   record.state.message_id = id;
-  record.state.robot_mode = fate == rt::CommandFate::kNone ? RobotMode::kIdle : RobotMode::kMove;
+  record.state.robot_mode =
+      fate == record::CommandFate::kNone ? RobotMode::kIdle : RobotMode::kMove;
   record.fate = fate;
   record.lost_in_row = lost_in_row;
   return record;
@@ -27,14 +29,14 @@ rt::CycleRecord Cycle(std::uint64_t id, rt::CommandFate fate, std::uint32_t lost
 
 TEST(MotionTallyTest, TellsMotionsApartAndCountsEach) {
   MotionTally tally;
-  tally.Put(Cycle(1, rt::CommandFate::kNone));
-  tally.Put(Cycle(2, rt::CommandFate::kServed));
-  tally.Put(Cycle(3, rt::CommandFate::kHeld, 1));
-  tally.Put(Cycle(4, rt::CommandFate::kHeld, 2));
-  tally.Put(Cycle(5, rt::CommandFate::kServed));
-  tally.Put(Cycle(6, rt::CommandFate::kNone));
-  tally.Put(Cycle(7, rt::CommandFate::kServed));
-  rt::CycleRecord reflex = Cycle(8, rt::CommandFate::kNone);
+  tally.Put(Cycle(1, record::CommandFate::kNone));
+  tally.Put(Cycle(2, record::CommandFate::kServed));
+  tally.Put(Cycle(3, record::CommandFate::kHeld, 1));
+  tally.Put(Cycle(4, record::CommandFate::kHeld, 2));
+  tally.Put(Cycle(5, record::CommandFate::kServed));
+  tally.Put(Cycle(6, record::CommandFate::kNone));
+  tally.Put(Cycle(7, record::CommandFate::kServed));
+  record::CycleRecord reflex = Cycle(8, record::CommandFate::kNone);
   reflex.state.robot_mode = RobotMode::kReflex;
   reflex.state.reflex_reason.set(static_cast<std::size_t>(RobotError::kCartesianReflex));
   tally.Put(reflex);
@@ -52,8 +54,8 @@ TEST(MotionTallyTest, TellsMotionsApartAndCountsEach) {
 
 TEST(MotionTallyTest, ACommandBelongsToTheMotionWhoseNextCycleTakesIt) {
   MotionTally tally;
-  tally.Put(Cycle(10, rt::CommandFate::kServed));
-  tally.Put(Cycle(11, rt::CommandFate::kServed));
+  tally.Put(Cycle(10, record::CommandFate::kServed));
+  tally.Put(Cycle(11, record::CommandFate::kServed));
   EXPECT_FALSE(tally.IsInMotion(8));
   EXPECT_TRUE(tally.IsInMotion(9));
   EXPECT_TRUE(tally.IsInMotion(10));

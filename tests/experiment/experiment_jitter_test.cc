@@ -83,7 +83,8 @@ TEST_F(JitterTest, TheRawCanonicalStreamAbortsAndTheGeneratorsDoesNot) {
       Stream stream = StreamBehind(remedy, streams_.robot);
       stream.jitter_s = 4e-6;
       stream.clock_ppm = 50;
-      stream.phase = CrossingPhase(streams_.canonical, 50, 0.1 + 0.2 * static_cast<double>(seed));
+      stream.phase =
+          PhaseOfOvertaking(streams_.canonical, 50, 0.1 + 0.2 * static_cast<double>(seed));
       stream.seed = seed;
       const StreamResult result = RunStream(streams_.canonical, limits_, stream, true);
       EXPECT_EQ(result.aborted.has_value(), remedy == Remedy::kNone) << "seed " << seed;

@@ -36,13 +36,13 @@ std::vector<CycleSample> Follow(const reference::Trajectory& plan, double delay_
 
 TEST(RecordingTest, KeepsCyclesInMotionAndTicksThatWrote) {
   Recording recording;
-  recording.Put(rt::CycleRecord{});
-  rt::CycleRecord served;
-  served.fate = rt::CommandFate::kServed;
+  recording.Put(record::CycleRecord{});
+  record::CycleRecord served;
+  served.fate = record::CommandFate::kServed;
   served.state.dq_d[1] = 0.5;
   recording.Put(served);
-  rt::TickRecord skipped;
-  skipped.action = rt::TickAction::kSkipped;
+  record::TickRecord skipped;
+  skipped.action = record::TickAction::kSkipped;
   recording.Put(skipped);
   ASSERT_EQ(recording.cycles().size(), 1U);
   EXPECT_EQ(recording.cycles()[0].dq_d[1], 0.5);

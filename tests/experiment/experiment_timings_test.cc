@@ -124,7 +124,7 @@ TEST(CalibrationTest, LawsOfTheLoopsAreFittedToMedianAndP99Alone) {
     const auto scenario = LoadScenario(bench.config(), CalibratedLoops()[i].file);
     const bool in_tick = scenario.loop == loop::LoopKind::kAsynchronous;
     const scenario::Delay& cost = in_tick ? scenario.tick.cost : scenario.controller.cost;
-    const auto* law = std::get_if<rt::LogNormalDelay>(&cost.law);
+    const auto* law = std::get_if<faults::LogNormalDelay>(&cost.law);
     ASSERT_NE(law, nullptr) << CalibratedLoops()[i].name;
     const double median_ms = 1e3 * ToSeconds(law->median);
     EXPECT_EQ(law->offset, Duration{});
@@ -139,7 +139,7 @@ TEST(CalibrationTest, LawsOfTheLoopsAreFittedToMedianAndP99Alone) {
 TEST(CalibrationTest, TheLateBinsWeightIsTheBareLoopsUnservedShare) {
   const ExperimentBench bench;
   const auto link = LoadScenario(bench.config(), "bare").link;
-  const auto* law = std::get_if<rt::EmpiricalDelay>(&link.state.delay.law);
+  const auto* law = std::get_if<faults::EmpiricalDelay>(&link.state.delay.law);
   ASSERT_NE(law, nullptr);
   const double sum = std::accumulate(law->weights.begin(), law->weights.end(), 0.0);
   EXPECT_NEAR(100 * law->weights.back() / sum, kTableOne[kUnserved].paper[0], 1e-9);
@@ -183,11 +183,11 @@ double LargestDifference(const scenario::Delay& delay, double factor) {
 
 TEST(ScaledDelayTest, TakesSoManyTimesAsLongInEveryDraw) {
   const std::vector<scenario::Delay> delays{
-      {rt::ConstantDelay{microseconds(7)}},
-      {rt::LogNormalDelay{microseconds(20), 0.5, microseconds(10)}},
-      {rt::NormalDelay{microseconds(30), microseconds(8)}},
-      {rt::GammaDelay{2, microseconds(10), microseconds(5)}},
-      {rt::EmpiricalDelay{{microseconds(0), microseconds(10), microseconds(100)}, {3, 1}}}};
+      {faults::ConstantDelay{microseconds(7)}},
+      {faults::LogNormalDelay{microseconds(20), 0.5, microseconds(10)}},
+      {faults::NormalDelay{microseconds(30), microseconds(8)}},
+      {faults::GammaDelay{2, microseconds(10), microseconds(5)}},
+      {faults::EmpiricalDelay{{microseconds(0), microseconds(10), microseconds(100)}, {3, 1}}}};
   for (const scenario::Delay& delay : delays) {
     EXPECT_LT(LargestDifference(delay, 2.5), 10) << "ns, of law " << delay.law.index();
   }

@@ -19,7 +19,7 @@
 #include "twin/fci/frame_reader.h"
 #include "twin/fci/requests.h"
 #include "twin/fci/sockets.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::test {
 

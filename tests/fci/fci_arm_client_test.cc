@@ -75,9 +75,9 @@ class ArmClientTest : public ::testing::Test {
     const Time limit = clock_.Now() + std::chrono::seconds(10);
     while (clock_.Now() < limit) {
       switch (client().Receive(state, at)) {
-        case Reception::kState: return state;
-        case Reception::kLost: return {};
-        case Reception::kPending: break;
+        case ReceiveResult::kState: return state;
+        case ReceiveResult::kLost: return {};
+        case ReceiveResult::kPending: break;
       }
       static_cast<void>(client().arrival().AwaitUntil(limit));
     }
@@ -194,7 +194,7 @@ TEST_F(ArmClientTest, AConnectionThatIsClosedEndsTheWaitForAnAnswer) {
               AllOf(HasSubstr("Stop Move"), HasSubstr("closed the connection")));
   RobotState state;
   Time at{};
-  EXPECT_EQ(client().Receive(state, at), Reception::kLost);
+  EXPECT_EQ(client().Receive(state, at), ReceiveResult::kLost);
   EXPECT_THAT(client().WhyLost(), HasSubstr("closed the connection"));
   EXPECT_THAT(FaultOf([&] { static_cast<void>(client().Recover()); }),
               HasSubstr("closed the connection"));
@@ -313,7 +313,7 @@ TEST_F(ArmClientTest, OfQueuedStatesTheNewestCountsWhateverTheirOrder) {
   RobotState state;
   Time at{};
   // Each datagram is there when its sender returns; all four may need several looks all the same.
-  while (client().Receive(state, at) == Reception::kState) {
+  while (client().Receive(state, at) == ReceiveResult::kState) {
     EXPECT_GT(state.message_id, newest);
     newest = state.message_id;
   }
@@ -356,7 +356,7 @@ TEST_F(ArmClientTest, LeavesTheCallersStateAloneWhenNoneComes) {
   RobotState state;
   state.message_id = 42;
   Time at{};
-  EXPECT_EQ(client().Receive(state, at), Reception::kPending);
+  EXPECT_EQ(client().Receive(state, at), ReceiveResult::kPending);
   EXPECT_EQ(state.message_id, 42);
 }
 
@@ -380,7 +380,7 @@ TEST_F(ArmClientTest, AFloodOfStrangersHoldsNoStateBack) {
   ASSERT_TRUE(client().arrival().AwaitUntil(clock_.Now() + std::chrono::seconds(10)));
   RobotState state;
   Time at{};
-  ASSERT_EQ(client().Receive(state, at), Reception::kState) << "in one look";
+  ASSERT_EQ(client().Receive(state, at), ReceiveResult::kState) << "in one look";
   EXPECT_EQ(state.message_id, 6);
 }
 
@@ -423,7 +423,7 @@ TEST_F(ArmClientTest, SendsCommandsToWhereTheFirstStateCameFrom) {
   command.q_c[3] = -1.5;
   RobotState state;
   Time at{};
-  EXPECT_EQ(client().Receive(state, at), Reception::kPending);
+  EXPECT_EQ(client().Receive(state, at), ReceiveResult::kPending);
   client().Send(command);
   const auto received = robot().AwaitCommand();
   ASSERT_TRUE(received.has_value());
@@ -439,7 +439,7 @@ TEST_F(ArmClientTest, SaysWhatCameInPlaceOfStates) {
   ASSERT_EQ(Await()->message_id, 5);
   RobotState state;
   Time at{};
-  while (client().Receive(state, at) == Reception::kPending) {
+  while (client().Receive(state, at) == ReceiveResult::kPending) {
     robot().SendStateId(4);
     robot().SendStateId(std::numeric_limits<std::uint64_t>::max());
     rt::Pause(std::chrono::milliseconds(1));
@@ -474,13 +474,13 @@ TEST_F(ArmClientTest, IsLostWhenNoStateComesForAsLongAsItsTimeout) {
   RobotState state;
   Time at{};
   const Time begin = clock_.Now();
-  while (client().Receive(state, at) == Reception::kPending) {
+  while (client().Receive(state, at) == ReceiveResult::kPending) {
     static_cast<void>(client().arrival().AwaitUntil(clock_.Now() + std::chrono::milliseconds(10)));
   }
   EXPECT_GT(clock_.Now() - begin, timeout.state);
   EXPECT_THAT(client().WhyLost(), AllOf(HasSubstr("no state"), HasSubstr("0.05 s")));
   robot().SendStateId(5);
-  EXPECT_EQ(client().Receive(state, at), Reception::kLost) << "gone for good";
+  EXPECT_EQ(client().Receive(state, at), ReceiveResult::kLost) << "gone for good";
 }
 
 TEST_F(ArmClientTest, DoesNotCountAsSilenceWhatNobodyListenedTo) {
@@ -490,7 +490,7 @@ TEST_F(ArmClientTest, DoesNotCountAsSilenceWhatNobodyListenedTo) {
   rt::Pause(4 * timeout.state);
   RobotState state;
   Time at{};
-  EXPECT_EQ(client().Receive(state, at), Reception::kPending);
+  EXPECT_EQ(client().Receive(state, at), ReceiveResult::kPending);
 }
 
 TEST_F(ArmClientTest, BearsARestartOfItsClock) {
@@ -498,9 +498,9 @@ TEST_F(ArmClientTest, BearsARestartOfItsClock) {
   RobotState state;
   Time at{};
   rt::Pause(std::chrono::milliseconds(5));
-  EXPECT_EQ(client().Receive(state, at), Reception::kPending);
+  EXPECT_EQ(client().Receive(state, at), ReceiveResult::kPending);
   clock_.Restart();
-  EXPECT_EQ(client().Receive(state, at), Reception::kPending);
+  EXPECT_EQ(client().Receive(state, at), ReceiveResult::kPending);
   robot().SendStateId(5);
   EXPECT_EQ(Await()->message_id, 5);
 }
@@ -515,7 +515,7 @@ TEST_F(ArmClientTest, AllocatesAndLocksNothingWhenItReceivesAndSends) {
   for (std::uint64_t id = 1; id <= 1000; ++id) {
     sent.message_id = id;
     robot().SendState(sent);
-    while (client().Receive(state, at) == Reception::kPending) {
+    while (client().Receive(state, at) == ReceiveResult::kPending) {
       static_cast<void>(client().arrival().AwaitUntil(clock_.Now() + std::chrono::seconds(1)));
     }
     command.message_id = state.message_id;

@@ -45,7 +45,7 @@ class ClientCaptureTest : public ::testing::Test {
   }
   static void AwaitState(ArmClient& client, const MonotonicClock& clock, RobotState& state) {
     Time at{};
-    while (client.Receive(state, at) == Reception::kPending) {
+    while (client.Receive(state, at) == ReceiveResult::kPending) {
       static_cast<void>(client.arrival().AwaitUntil(clock.Now() + std::chrono::seconds(1)));
     }
   }

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "fci/peer_process.h"
-#include "plugins/fci/fci_backend.h"
+#include "plugins/backends.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 

@@ -12,7 +12,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 #include "twin/fci/sockets.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::fci {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "twin/core/hand_command.h"
 #include "twin/core/random.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 
 namespace twin::fci {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "plugins/devices/operator_message.h"
-#include "twin/core/check.h"
 #include "twin/core/error.h"
 #include "twin/teleop/operator_ranges.h"
 #include "twin/teleop/operator_script.h"

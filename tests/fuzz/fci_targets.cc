@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 #include "twin/fci/datagrams.h"
 #include "twin/fci/frame_reader.h"
 #include "twin/fci/requests.h"

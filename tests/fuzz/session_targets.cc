@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 #include "twin/fci/arm_session.h"
 #include "twin/fci/frame_reader.h"
 #include "twin/fci/hand_session.h"

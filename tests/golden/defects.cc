@@ -54,7 +54,7 @@ void TurnCameras(FaultyFilm& faulty) {
 /// What is in the frame `from(i)` is put in the place of frame i.
 template <typename From>
 void Rearrange(FaultyFilm& faulty, const From& from) {
-  const std::vector<rt::SceneRecord> whole = faulty.scenes();
+  const std::vector<record::SceneRecord> whole = faulty.scenes();
   for (std::size_t i = 0; i < whole.size(); ++i) {
     const Time at = whole[i].at;
     faulty.scenes()[i] = whole[std::min(from(i), whole.size() - 1)];
@@ -74,7 +74,7 @@ void ShiftByOneFrame(FaultyFilm& faulty) {
 void SinkObject(FaultyFilm& faulty) {
   const auto z =
       static_cast<std::size_t>(faulty.model().jnt_qposadr[FreeJoint(faulty.model())]) + 2;
-  for (rt::SceneRecord& scene : faulty.scenes()) scene.qpos[z] -= kTwoMillimetres;
+  for (record::SceneRecord& scene : faulty.scenes()) scene.qpos[z] -= kTwoMillimetres;
 }
 
 void HideGoals(FaultyFilm& faulty) {
@@ -84,7 +84,7 @@ void HideGoals(FaultyFilm& faulty) {
 /// The arm where it was 20 ms ago, between two frames on a straight line.
 void TrailArm(FaultyFilm& faulty) {
   constexpr double kLag = 0.02;
-  const std::vector<rt::SceneRecord> whole = faulty.scenes();
+  const std::vector<record::SceneRecord> whole = faulty.scenes();
   for (int joint = 1; joint <= 7; ++joint) {
     const std::size_t q = faulty.AddressOf(("panda_joint" + std::to_string(joint)).c_str());
     for (std::size_t i = 1; i < whole.size(); ++i) {
@@ -144,7 +144,7 @@ std::size_t FaultyFilm::AddressOf(const char* joint) const {
 
 Pictures FaultyFilm::Take(const std::vector<std::size_t>& keys) {
   render::Snapshots snapshots(fps_, static_cast<std::size_t>(model_->nq));
-  for (const rt::SceneRecord& scene : scenes_) snapshots.Append(scene);
+  for (const record::SceneRecord& scene : scenes_) snapshots.Append(scene);
   film_.snapshots = &snapshots;
   return TakePictures(film_, plan_, keys);
 }

@@ -25,7 +25,7 @@ class FaultyFilm {
   [[nodiscard]] PicturePlan& plan() { return plan_; }
   /// The frames, to be changed. The instants belong to the places: a frame that is put elsewhere
   /// is drawn with the time of where it is, so that no text gives it away.
-  [[nodiscard]] std::vector<rt::SceneRecord>& scenes() { return scenes_; }
+  [[nodiscard]] std::vector<record::SceneRecord>& scenes() { return scenes_; }
 
   /// The address of a joint's positions. @throws std::runtime_error when there is none.
   [[nodiscard]] std::size_t AddressOf(const char* joint) const;
@@ -40,7 +40,7 @@ class FaultyFilm {
   render::Film film_;
   PicturePlan plan_;
   int fps_;
-  std::vector<rt::SceneRecord> scenes_;
+  std::vector<record::SceneRecord> scenes_;
 };
 
 struct Defect {

@@ -1,4 +1,4 @@
-#include "golden/grey_png.h"
+#include "golden/golden_files.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 
 namespace twin::golden {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "twin/backend/backend.h"
 #include "twin/backend/registry.h"
-#include "twin/rt/arrival.h"
+#include "twin/rt/signal.h"
 
 namespace twin::test {
 

@@ -56,7 +56,7 @@ TEST_F(ControlTickTest, PublishesEveryState) {
   ASSERT_TRUE(exchange_.states.Refresh());
   EXPECT_EQ(exchange_.states.value().state.message_id, 1u);
   EXPECT_EQ(exchange_.states.value().read, Time(kCycle));
-  EXPECT_EQ(tick.record().action, rt::TickAction::kPublished);
+  EXPECT_EQ(tick.record().action, record::TickAction::kPublished);
 }
 
 TEST_F(ControlTickTest, AStaleDepositNeverPassesTheGate) {
@@ -78,7 +78,7 @@ TEST_F(ControlTickTest, OpensOnceTheControllerHasSeenAStateOfTheMotion) {
   ASSERT_NE(command, nullptr);
   EXPECT_EQ(command->message_id, id_);
   EXPECT_EQ(command->q_c, q_d_);
-  EXPECT_EQ(tick.record().action, rt::TickAction::kWritten);
+  EXPECT_EQ(tick.record().action, record::TickAction::kWritten);
 }
 
 TEST_F(ControlTickTest, NeverAnswersTheFirstStateOfAMotion) {
@@ -142,7 +142,7 @@ TEST_F(ControlTickTest, FinishesOnlyWhenTheReferenceHasArrived) {
   // The error halves each cycle: 1e-3 / 2^4 is the first below the tolerance of 1e-4, seen one
   // later.
   EXPECT_EQ(commands, 5);
-  EXPECT_EQ(tick.record().action, rt::TickAction::kFinished);
+  EXPECT_EQ(tick.record().action, record::TickAction::kFinished);
 }
 
 TEST_F(ControlTickTest, RateMatchingKeepsItsPaceOverLostStates) {
@@ -176,9 +176,9 @@ TEST_F(ControlTickTest, AStateOutOfTimeSkipsExactlyTwoWrites) {
   ASSERT_NE(Step(tick, true), nullptr);
   // 1.3 ms after the last; the next is back on the grid, 0.7 ms after it.
   EXPECT_EQ(Step(tick, true, std::chrono::microseconds(300)), nullptr);
-  EXPECT_EQ(tick.record().action, rt::TickAction::kSkipped);
+  EXPECT_EQ(tick.record().action, record::TickAction::kSkipped);
   EXPECT_EQ(Step(tick, true), nullptr);
-  EXPECT_EQ(tick.record().action, rt::TickAction::kSkipped);
+  EXPECT_EQ(tick.record().action, record::TickAction::kSkipped);
   for (int i = 0; i < 10; ++i) EXPECT_NE(Step(tick, true), nullptr);
 }
 
@@ -210,7 +210,7 @@ TEST_F(ControlTickTest, AStaleDepositATenthOfARadianOffTransmitsNothing) {
   tick.Activate(kPosition);
   for (int i = 0; i < 1000; ++i) {
     ASSERT_EQ(Step(tick, true), nullptr);
-    ASSERT_EQ(tick.record().action, rt::TickAction::kPublished);
+    ASSERT_EQ(tick.record().action, record::TickAction::kPublished);
   }
 }
 
@@ -222,7 +222,7 @@ TEST_F(ControlTickTest, ATargetThatIsNoNumberIsNeverSent) {
   target[3] = std::nan("");
   Put(target, id_);
   EXPECT_EQ(Step(tick, true), nullptr);
-  EXPECT_EQ(tick.record().action, rt::TickAction::kInvalid);
+  EXPECT_EQ(tick.record().action, record::TickAction::kInvalid);
 }
 
 TEST_F(ControlTickTest, WhatAControllerGivesAsItGivesUpIsNeverSent) {
@@ -237,7 +237,7 @@ TEST_F(ControlTickTest, WhatAControllerGivesAsItGivesUpIsNeverSent) {
   deposit.failed = true;
   exchange_.deposits.Publish(deposit);
   EXPECT_EQ(Step(tick, true), nullptr);
-  EXPECT_EQ(tick.record().action, rt::TickAction::kInvalid);
+  EXPECT_EQ(tick.record().action, record::TickAction::kInvalid);
 }
 
 TEST_F(ControlTickTest, CountsStatesThatNeverCame) {

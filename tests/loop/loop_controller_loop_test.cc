@@ -68,7 +68,7 @@ TEST_F(ControllerLoopTest, AFastClockShortensItsPeriodAndSeesItsOwnTime) {
 }
 
 TEST_F(ControllerLoopTest, AnOverrunSkipsToTheGrid) {
-  config_.cost = rt::DelayModel(rt::ConstantDelay{microseconds(2500)});
+  config_.cost = faults::DelayModel(faults::ConstantDelay{microseconds(2500)});
   ControllerLoop loop(config_, ramp_, exchange_, 1);
   const std::vector<Time> wakes = Run(loop, 3);
   EXPECT_EQ(wakes[1] - wakes[0], milliseconds(3));
@@ -77,7 +77,7 @@ TEST_F(ControllerLoopTest, AnOverrunSkipsToTheGrid) {
 }
 
 TEST_F(ControllerLoopTest, FormsTheVelocityAtTheDepositOverItsOwnElapsedTime) {
-  config_.wake_delay = rt::DelayModel(rt::LogNormalDelay{microseconds(50), 0.8, {}});
+  config_.wake_delay = faults::DelayModel(faults::LogNormalDelay{microseconds(50), 0.8, {}});
   ControllerLoop loop(config_, ramp_, exchange_, 5);
   Run(loop, 20);
   ASSERT_TRUE(exchange_.deposits.Refresh());

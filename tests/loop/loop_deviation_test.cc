@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/realtime_guard.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::loop {
 namespace {

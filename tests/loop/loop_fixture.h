@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "support/panda_limits.h"
 #include "twin/backend/registry.h"
 #include "twin/core/error.h"
@@ -51,18 +51,18 @@ class Swing final : public control::Controller {
 };
 
 /// Keeps every record, so that runs can be compared to the bit.
-class Keeper final : public rt::RecordSink {
+class Keeper final : public record::RecordSink {
  public:
-  void Put(const rt::CycleRecord& record) noexcept override { cycles.push_back(record); }
-  void Put(const rt::TickRecord& record) noexcept override { ticks.push_back(record); }
+  void Put(const record::CycleRecord& record) noexcept override { cycles.push_back(record); }
+  void Put(const record::TickRecord& record) noexcept override { ticks.push_back(record); }
 
-  [[nodiscard]] std::size_t Count(rt::CommandFate fate) const {
+  [[nodiscard]] std::size_t Count(record::CommandFate fate) const {
     return static_cast<std::size_t>(
-        std::ranges::count(cycles, fate, [](const rt::CycleRecord& r) { return r.fate; }));
+        std::ranges::count(cycles, fate, [](const record::CycleRecord& r) { return r.fate; }));
   }
 
-  std::vector<rt::CycleRecord> cycles;
-  std::vector<rt::TickRecord> ticks;
+  std::vector<record::CycleRecord> cycles;
+  std::vector<record::TickRecord> ticks;
 };
 
 /// A Panda on the ideal plant over a link with a little jitter.
@@ -72,8 +72,8 @@ class Keeper final : public rt::RecordSink {
   config.onboard.limits = PandaLimits();
   config.onboard.cartesian = PandaCartesianLimits();
   config.plant_kind = robot::PlantKind::kIdeal;
-  config.link.state.delay = rt::DelayModel(rt::LogNormalDelay{microseconds(60), 0.3, {}});
-  config.link.command.delay = rt::DelayModel(rt::LogNormalDelay{microseconds(60), 0.3, {}});
+  config.link.state.delay = faults::DelayModel(faults::LogNormalDelay{microseconds(60), 0.3, {}});
+  config.link.command.delay = faults::DelayModel(faults::LogNormalDelay{microseconds(60), 0.3, {}});
   config.q_start = {0, -0.785398163397, 0, -2.356194490192, 0, 1.570796326795, 0.785398163397};
   return config;
 }
@@ -91,7 +91,7 @@ struct LockstepMotion {
 
   /// @param sink  of cycles and ticks; may be null.
   [[nodiscard]] loop::RunReport Run(control::Controller& controller, std::uint64_t seed = 1,
-                                    rt::RecordSink* sink = nullptr) {
+                                    record::RecordSink* sink = nullptr) {
     robot.seed = seed;
     backend::Registry registry;
     plugins::RegisterMujoco(registry);

@@ -15,8 +15,8 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using test::Keeper;
 
-rt::DelayModel Constant(Duration value) {
-  return rt::DelayModel(rt::ConstantDelay{value});
+faults::DelayModel Constant(Duration value) {
+  return faults::DelayModel(faults::ConstantDelay{value});
 }
 
 /// One whole beat of a workstation's timer against a robot 54.6 ppm faster.
@@ -42,11 +42,11 @@ struct Losses {
 
 Losses LossesOf(const Keeper& keeper) {
   Losses losses;
-  for (const rt::CycleRecord& cycle : keeper.cycles) {
+  for (const record::CycleRecord& cycle : keeper.cycles) {
     losses.longest = std::max(losses.longest, cycle.lost_in_row);
   }
-  const double served = static_cast<double>(keeper.Count(rt::CommandFate::kServed));
-  const double held = static_cast<double>(keeper.Count(rt::CommandFate::kHeld));
+  const double served = static_cast<double>(keeper.Count(record::CommandFate::kServed));
+  const double held = static_cast<double>(keeper.Count(record::CommandFate::kHeld));
   losses.share = held / (served + held);
   return losses;
 }
@@ -125,7 +125,7 @@ TEST(BareLoopTest, ServesEveryCycleAndSamplesWithTheRobotsTime) {
   Keeper keeper;
   const RunReport report = motion.Run(swing, 1, &keeper);
   EXPECT_TRUE(report.succeeded()) << report.failure;
-  EXPECT_EQ(keeper.Count(rt::CommandFate::kHeld), 0u);
+  EXPECT_EQ(keeper.Count(record::CommandFate::kHeld), 0u);
 }
 
 TEST(BareLoopTest, ACostAboveTheCycleAnswersTheNewestStateQueued) {
@@ -148,7 +148,8 @@ TEST(InlineLoopsTest, RepeatToTheBitWithTheSeed) {
     test::LockstepMotion motion;
     motion.kind = kind;
     motion.controller_loop.phase = microseconds(400);
-    motion.controller_loop.cost = rt::DelayModel(rt::LogNormalDelay{microseconds(50), 0.4, {}});
+    motion.controller_loop.cost =
+        faults::DelayModel(faults::LogNormalDelay{microseconds(50), 0.4, {}});
     test::Swing swing;
     Keeper first, second;
     static_cast<void>(motion.Run(swing, 7, &first));

@@ -21,8 +21,8 @@ using test::Keeper;
 class LockstepDriveTest : public ::testing::Test {
  protected:
   LockstepDriveTest() {
-    motion_.tick.cost = rt::DelayModel(rt::LogNormalDelay{microseconds(13), 0.4, {}});
-    motion_.controller_loop.cost = rt::DelayModel(rt::ConstantDelay{microseconds(200)});
+    motion_.tick.cost = faults::DelayModel(faults::LogNormalDelay{microseconds(13), 0.4, {}});
+    motion_.controller_loop.cost = faults::DelayModel(faults::ConstantDelay{microseconds(200)});
     motion_.controller_loop.clock_ppm = 50;
   }
 
@@ -68,20 +68,20 @@ TEST_F(LockstepDriveTest, SameSeedGivesTheSameRecordsAndAnotherSeedOthers) {
 TEST_F(LockstepDriveTest, OnceRunningEveryCycleIsServed) {
   Keeper keeper;
   static_cast<void>(Run(1, &keeper));
-  EXPECT_GT(keeper.Count(rt::CommandFate::kServed), 1000u);
-  EXPECT_EQ(keeper.Count(rt::CommandFate::kHeld), 0u);
+  EXPECT_GT(keeper.Count(record::CommandFate::kServed), 1000u);
+  EXPECT_EQ(keeper.Count(record::CommandFate::kHeld), 0u);
 }
 
 TEST_F(LockstepDriveTest, SurvivesLossInBothDirections) {
-  motion_.robot.link.command.loss = rt::LossModel(rt::IndependentLoss{0.02});
-  motion_.robot.link.state.loss = rt::LossModel(rt::IndependentLoss{0.02});
+  motion_.robot.link.command.loss = faults::LossModel(faults::IndependentLoss{0.02});
+  motion_.robot.link.state.loss = faults::LossModel(faults::IndependentLoss{0.02});
   const RunReport report = Run(3);
   EXPECT_EQ(report.end, backend::MotionEnd::kSuccess) << report.failure;
   EXPECT_GT(report.timings.skipped_states, 0u);
 }
 
 TEST_F(LockstepDriveTest, ALinkThatAlwaysMissesTheDeadlineNeverGetsACommandThrough) {
-  motion_.robot.link.command.delay = rt::DelayModel(rt::ConstantDelay{microseconds(950)});
+  motion_.robot.link.command.delay = faults::DelayModel(faults::ConstantDelay{microseconds(950)});
   const RunReport report = Run();
   EXPECT_EQ(report.end, backend::MotionEnd::kAborted);
   EXPECT_TRUE(
@@ -124,14 +124,14 @@ TEST_F(LockstepDriveTest, AControllerThatRefusesToStartStartsNoMotion) {
   swing_.refuses = true;
   Keeper keeper;
   EXPECT_THROW(static_cast<void>(Run(1, &keeper)), InputError);
-  for (const rt::CycleRecord& cycle : keeper.cycles) {
+  for (const record::CycleRecord& cycle : keeper.cycles) {
     EXPECT_EQ(cycle.state.robot_mode, RobotMode::kIdle);
   }
 }
 
 TEST_F(LockstepDriveTest, AnEndThatNoStateTellsOfIsNoticed) {
   // Hardly a state comes through: the robot aborts for want of commands, and nobody tells.
-  motion_.robot.link.state.loss = rt::LossModel(rt::IndependentLoss{0.999});
+  motion_.robot.link.state.loss = faults::LossModel(faults::IndependentLoss{0.999});
   bool aborted = false;
   for (std::uint64_t seed = 1; seed <= 20 && !aborted; ++seed) {
     try {
@@ -150,22 +150,22 @@ TEST_F(LockstepDriveTest, AnEndThatNoStateTellsOfIsNoticed) {
 }
 
 TEST_F(LockstepDriveTest, ALinkThatLosesEveryStateIsReported) {
-  motion_.robot.link.state.loss = rt::LossModel(rt::IndependentLoss{1});
+  motion_.robot.link.state.loss = faults::LossModel(faults::IndependentLoss{1});
   EXPECT_THROW(static_cast<void>(Run()), RobotFault);
 }
 
 /// Counts what the thread allocates and locks over 10 000 cycles of a running motion.
-class GuardedSink final : public rt::RecordSink {
+class GuardedSink final : public record::RecordSink {
  public:
   static constexpr int kFirst = 100;
   static constexpr int kCycles = 10000;
 
-  void Put(const rt::CycleRecord&) noexcept override {
+  void Put(const record::CycleRecord&) noexcept override {
     ++cycles_;
     if (cycles_ == kFirst) start_ = guard_.counts();
     if (cycles_ == kFirst + kCycles) end_ = guard_.counts();
   }
-  void Put(const rt::TickRecord&) noexcept override {}
+  void Put(const record::TickRecord&) noexcept override {}
 
   test::RealtimeGuard guard_;
   int cycles_ = 0;

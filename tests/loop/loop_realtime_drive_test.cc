@@ -20,7 +20,7 @@
 #include "support/effort.h"
 #include "support/realtime_guard.h"
 #include "support/undisturbed.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::loop {
 namespace {
@@ -30,13 +30,13 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 /// Counts what a thread's records say, without keeping them.
-class Counter final : public rt::RecordSink {
+class Counter final : public record::RecordSink {
  public:
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     ++cycles;
     if (record.violated) ++violations;
   }
-  void Put(const rt::TickRecord&) noexcept override {}
+  void Put(const record::TickRecord&) noexcept override {}
 
   std::uint64_t cycles = 0;
   std::uint64_t violations = 0;
@@ -59,7 +59,7 @@ class RealtimeDriveTest : public ::testing::Test {
  protected:
   RealtimeDriveTest() { plugins::RegisterMujoco(registry_); }
 
-  RunReport Run(control::Controller& controller, rt::RecordSink* sink = nullptr) {
+  RunReport Run(control::Controller& controller, record::RecordSink* sink = nullptr) {
     const auto drive = MakeRealtimeDrive(registry_.Find("mujoco"), robot_, sink, {});
     drive->Begin();
     RunReport report = drive->Run({.backend = *drive->connection().backend,
@@ -234,7 +234,7 @@ TEST_F(RealtimeDriveTest, AnInterruptStopsTheArm) {
 }
 
 TEST_F(RealtimeDriveTest, ALinkThatLosesEveryStateIsReported) {
-  robot_.link.state.loss = rt::LossModel(rt::IndependentLoss{1});
+  robot_.link.state.loss = faults::LossModel(faults::IndependentLoss{1});
   Nuisance nuisance;
   EXPECT_THROW(static_cast<void>(Run(nuisance)), RobotFault);
 }
@@ -243,7 +243,7 @@ TEST_F(RealtimeDriveTest, ALinkThatLosesEveryStateIsReported) {
 constexpr int kGuardedTicks = test::Repetitions(10'000);
 
 /// Counts on the communication's thread and on the robot's.
-class GuardedSink final : public rt::RecordSink {
+class GuardedSink final : public record::RecordSink {
  public:
   /// Counted is what happens behind the first ticks.
   static constexpr int kFirst = 200;
@@ -277,11 +277,11 @@ class GuardedSink final : public rt::RecordSink {
     }
   };
 
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     counter.Put(record);
     if (robot.Count()) ++sides_done;
   }
-  void Put(const rt::TickRecord&) noexcept override {
+  void Put(const record::TickRecord&) noexcept override {
     if (communication.Count()) ++sides_done;
   }
 

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "twin/core/clock.h"
-#include "twin/rt/arrival.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
+#include "twin/rt/signal.h"
 
 namespace twin::loop {
 namespace {

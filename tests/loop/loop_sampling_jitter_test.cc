@@ -61,7 +61,7 @@ TEST(SamplingJitterTest, OneSample4MicrosecondsLateAtOneRadianPerSecondIsTwelveT
   static_cast<void>(motion.Run(controller, 1, &keeper));
   double largest = 0;
   std::vector<double> pattern;
-  for (const rt::CycleRecord& cycle : keeper.cycles) {
+  for (const record::CycleRecord& cycle : keeper.cycles) {
     if (cycle.state.message_id > 1900) break;  // from there on the drive stops the motion
     largest = std::max(largest, std::abs(cycle.dddq_d[0]));
     if (std::abs(cycle.dddq_d[0]) > 1000) pattern.push_back(cycle.dddq_d[0]);

@@ -1,4 +1,4 @@
-#include "loop/state_time_drive.h"
+#include "twin/loop/drive.h"
 
 #include <chrono>
 #include <cmath>
@@ -130,7 +130,7 @@ TEST_F(StateTimeDriveTest, ItsTimesAreTheRobots) {
   test::AnswerPacedBackend robot(50);
   test::Swing swing;
   ASSERT_TRUE(Run(robot, swing).succeeded());
-  for (const rt::TickRecord& tick : records_.ticks) {
+  for (const record::TickRecord& tick : records_.ticks) {
     EXPECT_EQ(tick.read, Time(kCycle * static_cast<std::int64_t>(tick.message_id - 50)));
     EXPECT_EQ(tick.written, tick.read);
   }
@@ -143,11 +143,11 @@ TEST_F(StateTimeDriveTest, RecordsEveryStateAndTheJerkOfItsReference) {
   ASSERT_TRUE(Run(robot, swing).succeeded());
   ASSERT_EQ(records_.cycles.size(), records_.ticks.size());
   for (std::size_t i = 1; i < records_.cycles.size(); ++i) {
-    const rt::CycleRecord& last = records_.cycles[i - 1];
-    const rt::CycleRecord& cycle = records_.cycles[i];
+    const record::CycleRecord& last = records_.cycles[i - 1];
+    const record::CycleRecord& cycle = records_.cycles[i];
     EXPECT_EQ(cycle.state.message_id, records_.ticks[i].message_id);
     EXPECT_EQ(cycle.at, records_.ticks[i].read);
-    EXPECT_EQ(cycle.fate, rt::CommandFate::kNone);
+    EXPECT_EQ(cycle.fate, record::CommandFate::kNone);
     const bool follows = cycle.state.message_id == last.state.message_id + 1;
     const double jerk = (cycle.state.ddq_d[6] - last.state.ddq_d[6]) * 1000;
     EXPECT_DOUBLE_EQ(cycle.dddq_d[6], follows ? jerk : 0);

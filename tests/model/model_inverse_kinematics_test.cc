@@ -8,7 +8,7 @@
 #include "model/model_samples.h"
 #include "support/dense.h"
 #include "support/realtime_guard.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::model {
 namespace {

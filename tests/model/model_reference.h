@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "twin/model/payload.h"
+#include "twin/model/mass_properties.h"
 
 namespace twin::model {
 

@@ -1,4 +1,4 @@
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 #include <cmath>
 #include <numbers>

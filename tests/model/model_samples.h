@@ -4,7 +4,7 @@
 
 #include "support/panda_limits.h"
 #include "twin/core/random.h"
-#include "twin/model/payload.h"
+#include "twin/model/mass_properties.h"
 #include "twin/model/transform.h"
 
 namespace twin::model {

@@ -1,4 +1,4 @@
-#include "twin/model/payload.h"
+#include "twin/model/mass_properties.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

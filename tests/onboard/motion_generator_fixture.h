@@ -7,7 +7,7 @@
 
 #include "model/model_samples.h"
 #include "support/panda_limits.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 #include "twin/onboard/motion_generator.h"
 
 // Streams of commands for a MotionGenerator at the ready pose with a hand.

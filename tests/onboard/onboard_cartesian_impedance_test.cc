@@ -10,7 +10,7 @@
 #include "onboard/rigid_arm.h"
 #include "support/dense.h"
 #include "support/realtime_guard.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::onboard {
 namespace {

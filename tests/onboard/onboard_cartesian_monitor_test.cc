@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "support/panda_limits.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::onboard {
 namespace {

@@ -100,9 +100,9 @@ TEST_F(OnboardControllerTest, CountsNoLossBeforeTheFirstCommand) {
   StartMotion(kPosition);
   for (int i = 0; i < 100; ++i) Cycle();
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
-  EXPECT_EQ(onboard_.fate(), rt::CommandFate::kNone);
+  EXPECT_EQ(onboard_.fate(), record::CommandFate::kNone);
   SendPosition(kReady);
-  EXPECT_EQ(onboard_.fate(), rt::CommandFate::kServed);
+  EXPECT_EQ(onboard_.fate(), record::CommandFate::kServed);
   EXPECT_EQ(state_.control_command_success_rate, 1);
 }
 
@@ -121,7 +121,7 @@ TEST_F(OnboardControllerTest, NineteenLostCommandsAreBridgedWithTheHeldAccelerat
   ASSERT_NEAR(ddq, 5.0, 1e-9);
   for (int n = 1; n <= 19; ++n) {
     Cycle();
-    EXPECT_EQ(onboard_.fate(), rt::CommandFate::kHeld);
+    EXPECT_EQ(onboard_.fate(), record::CommandFate::kHeld);
     EXPECT_NEAR(state_.dq_d[0], dq + n * kT * ddq, 1e-12);
     EXPECT_NEAR(state_.q_d[0], q + n * kT * dq + kT * kT * ddq * n * (n + 1) / 2, 1e-12);
   }

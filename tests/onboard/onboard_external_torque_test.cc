@@ -196,7 +196,7 @@ TEST_F(HeldArmTest, AppliesTheCommandAndTheGravityOfArmAndHand) {
   StartMotion();
   const JointVector command{0.5, -0.4, 0.3, -0.2, 0.1, 0, 0.6};
   SendTorque(command);
-  EXPECT_EQ(onboard_->fate(), rt::CommandFate::kServed);
+  EXPECT_EQ(onboard_->fate(), record::CommandFate::kServed);
   EXPECT_EQ(state_.tau_J_d, command);
   const JointVector g = model::ArmModel::Panda().Gravity(sensors_.q, kHand);
   for (std::size_t i = 0; i < kJoints; ++i) EXPECT_NEAR(drive_.tau[i] - command[i], g[i], 1e-12);
@@ -226,7 +226,7 @@ TEST_F(HeldArmTest, HoldsTheLastTorqueBitForBitThroughNineteenLosses) {
     const JointVector tau = drive_.tau;
     for (int n = 1; n <= losses; ++n) {
       Cycle();
-      EXPECT_EQ(onboard_->fate(), rt::CommandFate::kHeld);
+      EXPECT_EQ(onboard_->fate(), record::CommandFate::kHeld);
       EXPECT_EQ(state_.tau_J_d, command);
       EXPECT_EQ(drive_.tau, tau);
     }
@@ -486,7 +486,7 @@ TEST_F(ExternalTorqueTest, AnAbortComesToRestFromWhereTheArmIsAndTheNextMotionRu
   StartMotion();
   SendTorque(state_.tau_J_d);
   EXPECT_EQ(state_.robot_mode, RobotMode::kMove);
-  EXPECT_EQ(onboard_->fate(), rt::CommandFate::kServed);
+  EXPECT_EQ(onboard_->fate(), record::CommandFate::kServed);
 }
 
 TEST_F(ExternalTorqueTest, TwentyLossesInMotionComeToRestFromWhereTheArmIs) {

@@ -14,7 +14,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/random.h"
 #include "twin/model/inverse_kinematics.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::onboard {
 namespace {

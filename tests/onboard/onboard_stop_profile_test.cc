@@ -1,4 +1,4 @@
-#include "twin/onboard/stop_profile.h"
+#include "twin/onboard/joint_reference.h"
 
 #include <cmath>
 

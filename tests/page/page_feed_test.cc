@@ -12,21 +12,21 @@ namespace {
 
 using std::chrono::milliseconds;
 
-struct Keeper final : rt::RecordSink {
-  void Put(const rt::CycleRecord& record) noexcept override {
+struct Keeper final : record::RecordSink {
+  void Put(const record::CycleRecord& record) noexcept override {
     last = record.at;
     ++cycles;
   }
-  void Put(const rt::TickRecord& /*record*/) noexcept override { ++ticks; }
+  void Put(const record::TickRecord& /*record*/) noexcept override { ++ticks; }
   Time last{};
   int cycles = 0;
   int ticks = 0;
 };
 
-rt::CycleRecord CycleAt(Duration at) {
-  rt::CycleRecord record;
+record::CycleRecord CycleAt(Duration at) {
+  record::CycleRecord record;
   record.at = Time(at);
-  record.fate = rt::CommandFate::kServed;
+  record.fate = record::CommandFate::kServed;
   return record;
 }
 
@@ -34,7 +34,7 @@ TEST(LiveFeedTest, PassesEveryRecordOn) {
   Keeper keeper;
   LiveFeed feed(&keeper);
   for (int i = 0; i < 100; ++i) feed.Put(CycleAt(milliseconds(i)));
-  feed.Put(rt::TickRecord{});
+  feed.Put(record::TickRecord{});
   EXPECT_EQ(keeper.cycles, 100);
   EXPECT_EQ(keeper.ticks, 1);
 }
@@ -51,8 +51,8 @@ TEST(LiveFeedTest, ShowsSomeSixtyASecond) {
 
 TEST(LiveFeedTest, CountsCyclesWithAndWithoutACommand) {
   LiveFeed feed(nullptr);
-  rt::CycleRecord held = CycleAt(milliseconds(0));
-  held.fate = rt::CommandFate::kHeld;
+  record::CycleRecord held = CycleAt(milliseconds(0));
+  held.fate = record::CommandFate::kHeld;
   feed.Put(CycleAt(milliseconds(0)));
   feed.Put(held);
   feed.Put(held);
@@ -64,9 +64,9 @@ TEST(LiveFeedTest, CountsCyclesWithAndWithoutACommand) {
 
 TEST(LiveFeedTest, AllocatesAndLocksNothing) {
   LiveFeed feed(nullptr);
-  const rt::CycleRecord record = CycleAt(milliseconds(0));
+  const record::CycleRecord record = CycleAt(milliseconds(0));
   const test::RealtimeGuard guard;
-  rt::CycleRecord next = record;
+  record::CycleRecord next = record;
   for (int i = 0; i < 1000; ++i) {
     next.at = Time(milliseconds(i));
     feed.Put(next);

@@ -14,7 +14,6 @@
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
-#include "twin/model/rotation.h"
 #include "twin/model/transform.h"
 
 namespace twin::planning {

@@ -8,10 +8,9 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include "plant/model_cache.h"
 #include "plant/plant_fixture.h"
 #include "twin/core/error.h"
-#include "twin/plant/model_cache_repair.h"
+#include "twin/plant/model_cache.h"
 
 namespace twin::plant {
 namespace {

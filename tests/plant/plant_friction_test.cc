@@ -1,4 +1,4 @@
-#include "plant/friction.h"
+#include "plant/joint_parameters.h"
 
 #include <gtest/gtest.h>
 

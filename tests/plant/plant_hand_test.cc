@@ -13,7 +13,6 @@
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 #include "twin/model/arm_model.h"
-#include "twin/plant/ideal_hand.h"
 #include "twin/plant/ideal_plant.h"
 
 namespace twin::plant {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include "plant/joint_elasticity.h"
+#include "plant/joint_parameters.h"
 #include "plant/plant_fixture.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"

@@ -1,4 +1,4 @@
-#include "plant/mesh_decimation.h"
+#include "plant/meshes.h"
 
 #include <array>
 #include <cmath>

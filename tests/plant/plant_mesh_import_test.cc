@@ -1,4 +1,4 @@
-#include "plant/mesh_import.h"
+#include "plant/meshes.h"
 
 #include <cmath>
 #include <cstring>

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include "plant/friction.h"
+#include "plant/joint_parameters.h"
 #include "plant/plant_fixture.h"
 
 namespace twin::plant {

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "plant/plant_fixture.h"
-#include "plant/primitive_shapes.h"
 #include "twin/core/error.h"
 
 namespace twin::plant {

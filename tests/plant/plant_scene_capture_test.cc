@@ -1,4 +1,4 @@
-#include "twin/plant/scene_capture.h"
+#include "twin/plant/observers.h"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -19,7 +19,7 @@ constexpr std::string_view kBallOnFloor = R"(<mujoco><worldbody>
 TEST(SceneCaptureTest, AThingThatLiesOnTheFloorIsBorneByItsWeight) {
   TestModel model(kBallOnFloor);
   for (int i = 0; i < 3000; ++i) model.Step();
-  rt::SceneRecord scene;
+  record::SceneRecord scene;
   CaptureScene(Time(std::chrono::seconds(3)), model, scene);
   EXPECT_EQ(scene.at, Time(std::chrono::seconds(3)));
   ASSERT_EQ(scene.contacts, 1U);
@@ -35,7 +35,7 @@ TEST(SceneCaptureTest, APushIsWhereItsForceActs) {
   TestModel model(kBallOnFloor);
   // 10 N along x at a point 3 cm above the centre of mass: M = r x F = (0, 0.3, 0) Nm.
   model.Push(1, {10, 0, 0, 0, 0.3, 0});
-  rt::SceneRecord scene;
+  record::SceneRecord scene;
   CaptureScene(Time(), model, scene);
   ASSERT_EQ(scene.pushes, 1U);
   EXPECT_EQ(scene.push[0].force_W, (Vector3{10, 0, 0}));
@@ -46,7 +46,7 @@ TEST(SceneCaptureTest, APushIsWhereItsForceActs) {
 TEST(SceneCaptureTest, ATorqueAloneIsNoPush) {
   TestModel model(kBallOnFloor);
   model.Push(1, {0, 0, 0, 0, 0.3, 0});
-  rt::SceneRecord scene;
+  record::SceneRecord scene;
   CaptureScene(Time(), model, scene);
   EXPECT_EQ(scene.pushes, 0U);
 }
@@ -54,7 +54,7 @@ TEST(SceneCaptureTest, ATorqueAloneIsNoPush) {
 TEST(SceneCaptureTest, AllocatesNothing) {
   TestModel model(kBallOnFloor);
   for (int i = 0; i < 100; ++i) model.Step();
-  rt::SceneRecord scene;
+  record::SceneRecord scene;
   const test::RealtimeGuard guard;
   for (int i = 0; i < 1000; ++i) CaptureScene(Time(), model, scene);
   EXPECT_EQ(guard.counts(), test::RealtimeGuard::Counts{});

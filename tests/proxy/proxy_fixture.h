@@ -21,7 +21,7 @@
 #include "twin/fci/requests.h"
 #include "twin/fci/sockets.h"
 #include "twin/proxy/proxy.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::proxy {
 

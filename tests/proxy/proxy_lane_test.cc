@@ -40,17 +40,17 @@ class Record final : public Output {
 class LaneTest : public ::testing::Test {
  protected:
   LaneTest() {
-    faults_.delay = rt::DelayModel(rt::GammaDelay{2, milliseconds(1), microseconds(50)});
-    faults_.loss = rt::LossModel(rt::GilbertElliottLoss{0.05, 0.2, 0.02, 0.9});
+    faults_.delay = faults::DelayModel(faults::GammaDelay{2, milliseconds(1), microseconds(50)});
+    faults_.loss = faults::LossModel(faults::GilbertElliottLoss{0.05, 0.2, 0.02, 0.9});
     faults_.duplication = 0.2;
-    faults_.duplicate_delay = rt::DelayModel(rt::ConstantDelay{microseconds(1700)});
+    faults_.duplicate_delay = faults::DelayModel(faults::ConstantDelay{microseconds(1700)});
     faults_.reordering = 0.1;
     faults_.reorder_by = microseconds(2500);
   }
 
   RelayDirection Make(std::uint64_t seed = 7) {
-    return RelayDirection(faults_, seed, rt::kStateStreams, events_, rt::EventOrder::kStateArrival,
-                          exit_);
+    return RelayDirection(faults_, seed, faults::kStateStreams, events_,
+                          rt::EventOrder::kStateArrival, exit_);
   }
   /// `count` datagrams, 1 ms apart, whose content is their number; then all that is on the way.
   void Relay(RelayDirection& direction, std::uint64_t count) {
@@ -68,7 +68,7 @@ class LaneTest : public ::testing::Test {
     events_.AdvanceTo(now);
   }
 
-  rt::DirectionConfig faults_;
+  faults::DirectionConfig faults_;
   rt::EventQueue events_;
   Record exit_{events_};
 };
@@ -76,10 +76,10 @@ class LaneTest : public ::testing::Test {
 TEST_F(LaneTest, EachDatagramHasTheFateOfItsNumber) {
   RelayDirection direction = Make();
   Relay(direction, 1000);
-  rt::MessageFate fates(faults_, 7, rt::kStateStreams);
+  faults::MessageFate fates(faults_, 7, faults::kStateStreams);
   std::vector<std::pair<std::uint64_t, Duration>> expected;
   for (std::uint64_t k = 0; k < 1000; ++k) {
-    const rt::Fate fate = fates.Of(k);
+    const faults::Fate fate = fates.Of(k);
     if (fate.lost) continue;
     expected.emplace_back(k, milliseconds(k) + fate.delay);
     if (fate.duplicated) expected.emplace_back(k, milliseconds(k) + fate.duplicate_delay);
@@ -93,12 +93,12 @@ TEST_F(LaneTest, EachDatagramHasTheFateOfItsNumber) {
 TEST_F(LaneTest, CountsWhatBecameOfEach) {
   RelayDirection direction = Make();
   Relay(direction, 1000);
-  rt::MessageFate fates(faults_, 7, rt::kStateStreams);
+  faults::MessageFate fates(faults_, 7, faults::kStateStreams);
   DirectionCounts expected;
   expected.came = 1000;
   expected.relayed = exit_.gone_.size();
   for (std::uint64_t k = 0; k < 1000; ++k) {
-    const rt::Fate fate = fates.Of(k);
+    const faults::Fate fate = fates.Of(k);
     expected.lost += fate.lost ? 1 : 0;
     expected.delayed += fate.delay > Duration::zero() ? 1 : 0;
     expected.duplicated += fate.duplicated ? 1 : 0;
@@ -115,7 +115,7 @@ TEST_F(LaneTest, CountsWhatBecameOfEach) {
 
 TEST_F(LaneTest, AnotherSeedGivesOtherFates) {
   faults_ = {};
-  faults_.loss = rt::LossModel(rt::IndependentLoss{0.5});
+  faults_.loss = faults::LossModel(faults::IndependentLoss{0.5});
   const auto gone = [this](std::uint64_t seed) {
     RelayDirection direction = Make(seed);
     exit_.gone_.clear();
@@ -146,7 +146,7 @@ TEST_F(LaneTest, WithoutFaultsAllGoOnAtOnceAndInOrder) {
 
 TEST_F(LaneTest, ADatagramThatIsTooLongIsDroppedAndHasItsNumberAllTheSame) {
   faults_ = {};
-  faults_.loss = rt::LossModel(rt::ScriptedLoss{{{1, 1}}});
+  faults_.loss = faults::LossModel(faults::ScriptedLoss{{{1, 1}}});
   RelayDirection direction = Make();
   const std::array<std::byte, kLongestPacket + 1> long_one{};
   direction.Take(long_one);
@@ -161,7 +161,7 @@ TEST_F(LaneTest, ADatagramThatIsTooLongIsDroppedAndHasItsNumberAllTheSame) {
 
 TEST_F(LaneTest, AFloodFillsItsRoomAndNoMore) {
   faults_ = {};
-  faults_.delay = rt::DelayModel(rt::ConstantDelay{milliseconds(100)});
+  faults_.delay = faults::DelayModel(faults::ConstantDelay{milliseconds(100)});
   faults_.duplication = 1;
   RelayDirection direction = Make();
   constexpr std::size_t kRoom = robot::Channel<Packet>::kCapacity;

@@ -88,12 +88,12 @@ TEST_F(ProxyUdpTest, StrangersAreNotListenedTo) {
 TEST_F(ProxyUdpTest, TheSameSeedDoesTheSameInEverySession) {
   constexpr std::uint64_t kCount = 60;
   config_.seed = 11;
-  config_.state.loss = rt::LossModel(rt::IndependentLoss{0.3});
+  config_.state.loss = faults::LossModel(faults::IndependentLoss{0.3});
   config_.state.duplication = 0.3;
-  rt::MessageFate fates(config_.state, config_.seed, rt::kStateStreams);
+  faults::MessageFate fates(config_.state, config_.seed, faults::kStateStreams);
   std::vector<std::uint64_t> expected;
   for (std::uint64_t k = 0; k < kCount; ++k) {
-    const rt::Fate fate = fates.Of(k);
+    const faults::Fate fate = fates.Of(k);
     if (!fate.lost) expected.push_back(k);
     if (fate.duplicated) expected.push_back(k);
   }
@@ -114,7 +114,7 @@ TEST_F(ProxyUdpTest, TheSameSeedDoesTheSameInEverySession) {
 }
 
 TEST_F(ProxyUdpTest, EachDirectionHasItsOwnFaults) {
-  config_.command.loss = rt::LossModel(rt::ScriptedLoss{{{1, 3}}});
+  config_.command.loss = faults::LossModel(faults::ScriptedLoss{{{1, 3}}});
   Start();
   const Session session = OnConnect();
   const fci::Endpoint client_side = ClientSide(session);
@@ -127,7 +127,7 @@ TEST_F(ProxyUdpTest, EachDirectionHasItsOwnFaults) {
 }
 
 TEST_F(ProxyUdpTest, ADelayIsWaitedFor) {
-  config_.state.delay = rt::DelayModel(rt::ConstantDelay{milliseconds(30)});
+  config_.state.delay = faults::DelayModel(faults::ConstantDelay{milliseconds(30)});
   Start();
   const Session session = OnConnect();
   const Time sent = clock_.Now();
@@ -139,10 +139,11 @@ TEST_F(ProxyUdpTest, ADelayIsWaitedFor) {
 
 TEST_F(ProxyUdpTest, TheHandsDatagramsAreLostApartFromTheArms) {
   constexpr std::uint64_t kCount = 60;
-  config_.state.loss = rt::LossModel(rt::IndependentLoss{0.5});
+  config_.state.loss = faults::LossModel(faults::IndependentLoss{0.5});
   const auto bits = Random(config_.seed, RandomStream::kHandSeed).Bits(0);
-  rt::MessageFate of_hand(config_.state, std::uint64_t{bits[1]} << 32 | bits[0], rt::kStateStreams);
-  rt::MessageFate of_arm(config_.state, config_.seed, rt::kStateStreams);
+  faults::MessageFate of_hand(config_.state, std::uint64_t{bits[1]} << 32 | bits[0],
+                              faults::kStateStreams);
+  faults::MessageFate of_arm(config_.state, config_.seed, faults::kStateStreams);
   std::vector<std::uint64_t> expected;
   bool differ = false;
   for (std::uint64_t k = 0; k < kCount; ++k) {

@@ -71,7 +71,7 @@ TEST(ExportCsvTest, NumbersReadBackBitByBit) {
   ASSERT_EQ(cycles.size(), 5U);
   ASSERT_EQ(ticks.size(), 5U);
   for (std::size_t k = 0; k < 5; ++k) {
-    const rt::CycleRecord cycle = SampleCycle(k);
+    const record::CycleRecord cycle = SampleCycle(k);
     EXPECT_EQ(cycles[k].at("at_ns"), std::to_string(k * 1'000'000));
     EXPECT_EQ(Bits(cycles[k].at("q[0]")), Bits(cycle.state.q[0]));
     EXPECT_EQ(Bits(cycles[k].at("dddq_d[6]")), Bits(cycle.dddq_d[6]));

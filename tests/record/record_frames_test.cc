@@ -57,7 +57,7 @@ foxglove::FrameTransforms FramesAt(const JointVector& q) {
 
 /// Frames of a sample cycle.
 foxglove::FrameTransforms FramesOfCycle(std::uint64_t k) {
-  const rt::CycleRecord cycle = SampleCycle(k);
+  const record::CycleRecord cycle = SampleCycle(k);
   ArmFrames frames;
   return *frames.Next(cycle.at, cycle.state.q);
 }
@@ -179,7 +179,7 @@ TEST(LogReaderTest, PassesOverTheFrames) {
   LogReader reader(folder / "a.mcap");
   LogEntry entry;
   std::uint64_t cycles = 0;
-  while (reader.Next(entry)) cycles += std::holds_alternative<rt::CycleRecord>(entry) ? 1 : 0;
+  while (reader.Next(entry)) cycles += std::holds_alternative<record::CycleRecord>(entry) ? 1 : 0;
   EXPECT_EQ(cycles, 100U);
   EXPECT_EQ(reader.message_count(), 100U + 1 + SampleFrames(100));
 }

@@ -14,10 +14,9 @@
 #include <vector>
 
 #include "record/log_fields.h"
-#include "record/log_limits.h"
+#include "record/log_text.h"
 #include "record/sample_records.h"
 #include "record/temporary_folder.h"
-#include "record/utf8.h"
 #include "support/panda_limits.h"
 #include "twin/core/error.h"
 #include "twin/record/log_reader.h"
@@ -40,7 +39,7 @@ std::vector<LogEntry> Entries(const std::filesystem::path& path) {
 
 /// Compares bit by bit. The numbers of a robot state stand side by side without a gap, so that a
 /// quantity which the log forgets is found without naming it here.
-void ExpectSame(const rt::CycleRecord& a, const rt::CycleRecord& b) {
+void ExpectSame(const record::CycleRecord& a, const record::CycleRecord& b) {
   constexpr std::size_t kBegin = offsetof(RobotState, O_T_EE);
   constexpr std::size_t kEnd = offsetof(RobotState, dtheta) + sizeof(JointVector);
   const auto bytes = [](const RobotState& state) {
@@ -69,7 +68,7 @@ void ExpectSame(const rt::CycleRecord& a, const rt::CycleRecord& b) {
   EXPECT_EQ(a.base, b.base);
 }
 
-void ExpectSame(const rt::TickRecord& a, const rt::TickRecord& b) {
+void ExpectSame(const record::TickRecord& a, const record::TickRecord& b) {
   EXPECT_EQ(a.message_id, b.message_id);
   EXPECT_EQ(a.read, b.read);
   EXPECT_EQ(a.written, b.written);
@@ -92,7 +91,7 @@ void ExpectSame(const rt::TickRecord& a, const rt::TickRecord& b) {
   EXPECT_EQ(a.command.tau_J_d, b.command.tau_J_d);
 }
 
-void ExpectSame(std::span<const rt::PointForce> a, std::span<const rt::PointForce> b) {
+void ExpectSame(std::span<const record::PointForce> a, std::span<const record::PointForce> b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].p_W, b[i].p_W);
@@ -100,7 +99,7 @@ void ExpectSame(std::span<const rt::PointForce> a, std::span<const rt::PointForc
   }
 }
 
-void ExpectSame(const rt::SceneRecord& a, const rt::SceneRecord& b) {
+void ExpectSame(const record::SceneRecord& a, const record::SceneRecord& b) {
   EXPECT_EQ(a.at, b.at);
   EXPECT_TRUE(std::ranges::equal(a.Positions(), b.Positions()));
   ExpectSame(a.Contacts(), b.Contacts());
@@ -119,12 +118,12 @@ void ExpectSame(const PlanRecord& a, const PlanRecord& b) {
 }
 
 /// Records one cycle and reads it back.
-rt::CycleRecord ThereAndBack(const rt::CycleRecord& cycle) {
+record::CycleRecord ThereAndBack(const record::CycleRecord& cycle) {
   const TemporaryFolder folder;
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
   recorder.Put(cycle);
   recorder.Finish();
-  return std::get<rt::CycleRecord>(Entries(folder / "a.mcap").at(0));
+  return std::get<record::CycleRecord>(Entries(folder / "a.mcap").at(0));
 }
 
 TEST(LogReaderTest, GivesBackEveryRecordBitByBitInOrder) {
@@ -141,8 +140,8 @@ TEST(LogReaderTest, GivesBackEveryRecordBitByBitInOrder) {
   const auto entries = Entries(folder / "a.mcap");
   ASSERT_EQ(entries.size(), 2U * kCycles);
   for (std::size_t k = 0; k < kCycles; ++k) {
-    ExpectSame(std::get<rt::CycleRecord>(entries[2 * k]), SampleCycle(k));
-    ExpectSame(std::get<rt::TickRecord>(entries[2 * k + 1]), SampleTick(k));
+    ExpectSame(std::get<record::CycleRecord>(entries[2 * k]), SampleCycle(k));
+    ExpectSame(std::get<record::TickRecord>(entries[2 * k + 1]), SampleTick(k));
     ASSERT_FALSE(HasFailure()) << "cycle " << k;
   }
 }
@@ -161,15 +160,15 @@ TEST(LogReaderTest, GivesBackScenesBitByBitAmongTheCycles) {
   const auto entries = Entries(folder / "a.mcap");
   ASSERT_EQ(entries.size(), 2 * kScenes);
   for (std::size_t k = 0; k < kScenes; ++k) {
-    ExpectSame(std::get<rt::SceneRecord>(entries[2 * k + 1]), SampleScene(k));
+    ExpectSame(std::get<record::SceneRecord>(entries[2 * k + 1]), SampleScene(k));
   }
 }
 
 TEST(LogReaderTest, GivesBackTheFullestScene) {
-  rt::SceneRecord scene;
-  scene.positions = rt::SceneRecord::kMostPositions;
-  scene.contacts = rt::SceneRecord::kMostContacts;
-  scene.pushes = rt::SceneRecord::kMostPushes;
+  record::SceneRecord scene;
+  scene.positions = record::SceneRecord::kMostPositions;
+  scene.contacts = record::SceneRecord::kMostContacts;
+  scene.pushes = record::SceneRecord::kMostPushes;
   scene.qpos.back() = -0.0;
   scene.contact.back() = {{1, 2, 3}, {4, 5, 6}};
   scene.push.back() = {{0, 0, 0}, {0, 0, -9}};
@@ -177,7 +176,7 @@ TEST(LogReaderTest, GivesBackTheFullestScene) {
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
   recorder.Put(scene);
   recorder.Finish();
-  ExpectSame(std::get<rt::SceneRecord>(Entries(folder / "a.mcap").at(0)), scene);
+  ExpectSame(std::get<record::SceneRecord>(Entries(folder / "a.mcap").at(0)), scene);
 }
 
 TEST(LogReaderTest, GivesBackPlansAfterAllElse) {
@@ -198,7 +197,7 @@ TEST(LogReaderTest, GivesBackPlansAfterAllElse) {
 }
 
 TEST(LogReaderTest, GivesBackDefaultsAndZerosWithTheirSign) {
-  rt::CycleRecord cycle;
+  record::CycleRecord cycle;
   cycle.state.q[0] = -0.0;
   cycle.state.m_ee = -0.0;
   cycle.state.O_T_EE_c = {};
@@ -207,7 +206,7 @@ TEST(LogReaderTest, GivesBackDefaultsAndZerosWithTheirSign) {
 }
 
 TEST(LogReaderTest, GivesBackWhatIsNotANumberWithItsBits) {
-  rt::CycleRecord cycle;
+  record::CycleRecord cycle;
   cycle.state.q.fill(std::numeric_limits<double>::quiet_NaN());
   cycle.dddq_d[6] = -std::numeric_limits<double>::infinity();
   ExpectSame(ThereAndBack(cycle), cycle);
@@ -395,8 +394,8 @@ TEST(LogSchemaTest, NumbersErrorsAsTheRobotDoes) {
 }
 
 TEST(LogSchemaTest, NumbersModesAndFatesAsCoreAndRtDo) {
-  EXPECT_EQ(pb::COMMAND_FATE_HELD, static_cast<int>(rt::CommandFate::kHeld));
-  EXPECT_EQ(pb::TICK_ACTION_SKIPPED, static_cast<int>(rt::TickAction::kSkipped));
+  EXPECT_EQ(pb::COMMAND_FATE_HELD, static_cast<int>(record::CommandFate::kHeld));
+  EXPECT_EQ(pb::TICK_ACTION_SKIPPED, static_cast<int>(record::TickAction::kSkipped));
   EXPECT_EQ(pb::ROBOT_MODE_AUTOMATIC_ERROR_RECOVERY,
             static_cast<int>(RobotMode::kAutomaticErrorRecovery));
   EXPECT_EQ(pb::MOTION_GENERATOR_MODE_CARTESIAN_VELOCITY,

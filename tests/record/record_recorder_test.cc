@@ -20,7 +20,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 #include "twin/record/log_reader.h"
-#include "twin/rt/pause.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::record {
 namespace {
@@ -41,9 +41,9 @@ std::uint64_t CountInOrder(LogReader& reader) {
   for (; reader.Next(entry); ++count) {
     const std::uint64_t k = count / 2;
     if (count % 2 == 0) {
-      EXPECT_EQ(std::get<rt::CycleRecord>(entry).state.q, SampleCycle(k).state.q);
+      EXPECT_EQ(std::get<record::CycleRecord>(entry).state.q, SampleCycle(k).state.q);
     } else {
-      EXPECT_EQ(std::get<rt::TickRecord>(entry).q_ext, SampleTick(k).q_ext);
+      EXPECT_EQ(std::get<record::TickRecord>(entry).q_ext, SampleTick(k).q_ext);
     }
   }
   return count;
@@ -86,7 +86,7 @@ TEST(RecorderTest, WithoutFinishKeepsScenesAndNoPlans) {
   LogReader reader(folder / "a.mcap.partial");
   LogEntry entry;
   ASSERT_TRUE(reader.Next(entry));
-  EXPECT_TRUE(std::holds_alternative<rt::SceneRecord>(entry));
+  EXPECT_TRUE(std::holds_alternative<record::SceneRecord>(entry));
   EXPECT_FALSE(reader.Next(entry));
   EXPECT_TRUE(reader.truncated());
 }
@@ -100,8 +100,8 @@ TEST(RecorderTest, ASceneTakesAtMostAKilobyte) {
 }
 
 /// A cycle of a joint motion with sensor noise: nothing Cartesian is commanded, nothing touches.
-rt::CycleRecord JointMotionCycle(std::uint64_t k) {
-  rt::CycleRecord cycle = SampleCycle(k);
+record::CycleRecord JointMotionCycle(std::uint64_t k) {
+  record::CycleRecord cycle = SampleCycle(k);
   RobotState& s = cycle.state;
   const RobotState still;
   s.O_T_EE_c = still.O_T_EE_c;
@@ -117,7 +117,7 @@ TEST(RecorderTest, TheCanonicalRunTakesAtMostThirtyMegabytes) {
   constexpr std::uint64_t kCycles = test::Repetitions(18'320);
   for (std::uint64_t k = 0; k < kCycles; ++k) {
     recorder.Put(JointMotionCycle(k));
-    rt::TickRecord tick = SampleTick(k);
+    record::TickRecord tick = SampleTick(k);
     tick.command.O_T_EE_c = {};
     tick.command.O_dP_EE_c = {};
     tick.command.elbow_c = {};
@@ -152,9 +152,9 @@ TEST(RecorderTest, WithoutFinishLeavesAllThatWasPutInThePartialFile) {
 TEST(RecorderTest, AllocatesNothingAndLocksNothingInPut) {
   const TemporaryFolder folder;
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
-  const rt::CycleRecord cycle = SampleCycle(0);
-  const rt::TickRecord tick = SampleTick(0);
-  const rt::SceneRecord scene = SampleScene(0);
+  const record::CycleRecord cycle = SampleCycle(0);
+  const record::TickRecord tick = SampleTick(0);
+  const record::SceneRecord scene = SampleScene(0);
   const test::RealtimeGuard guard;
   for (int k = 0; k < 2000; ++k) {
     recorder.Put(cycle);
@@ -238,14 +238,14 @@ KindCounts CountKindsInOrder(const std::filesystem::path& path) {
   LogReader reader(path);
   LogEntry entry;
   while (reader.Next(entry)) {
-    if (const auto* record = std::get_if<rt::CycleRecord>(&entry)) {
+    if (const auto* record = std::get_if<record::CycleRecord>(&entry)) {
       ++counts.cycles;
       rises(cycle, record->at);
       // The content is of the same call, not torn between two.
       const auto k = static_cast<std::uint64_t>(record->at.time_since_epoch() / kCycle);
       EXPECT_EQ(record->state.message_id, k + 1000);
       EXPECT_EQ(record->dddq_d[6], static_cast<double>(k));
-    } else if (const auto* answer = std::get_if<rt::TickRecord>(&entry)) {
+    } else if (const auto* answer = std::get_if<record::TickRecord>(&entry)) {
       ++counts.ticks;
       rises(tick, answer->read);
       EXPECT_EQ(answer->dq_ext[6], static_cast<double>(answer->message_id));
@@ -272,7 +272,7 @@ TEST(RecorderTest, InRealtimeThreeThreadsPutWithoutHoldingUpEachOther) {
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kDrop);
   {
     const std::jthread robot([&recorder] {
-      rt::CycleRecord cycle;
+      record::CycleRecord cycle;
       for (int k = 0; k < kRecords; ++k) {
         cycle.at = Time(k * kCycle);
         cycle.state.message_id = static_cast<std::uint64_t>(k) + 1000;
@@ -282,7 +282,7 @@ TEST(RecorderTest, InRealtimeThreeThreadsPutWithoutHoldingUpEachOther) {
       }
     });
     const std::jthread communication([&recorder] {
-      rt::TickRecord tick;
+      record::TickRecord tick;
       for (int k = 0; k < kRecords; ++k) {
         tick.read = tick.written = Time(k * kCycle);
         tick.message_id = static_cast<std::uint64_t>(k);
@@ -309,7 +309,7 @@ TEST(RecorderTest, InRealtimeAFloodOfOneKindCostsTheOthersNothing) {
   const TemporaryFolder folder;
   StuckFile file(folder / "a.mcap.partial");
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kDrop);
-  const rt::CycleRecord cycle = SampleCycle(0);
+  const record::CycleRecord cycle = SampleCycle(0);
   for (int k = 0; k < 4000; ++k) recorder.Put(cycle);
   for (std::uint64_t k = 0; k < 1000; ++k) recorder.Put(SampleTick(k));
   for (int k = 0; k < 60; ++k) recorder.Event(Time(), "mode", "Idle");

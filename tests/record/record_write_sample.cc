@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
                                     twin::record::FullRing::kWait);
     const std::uint64_t cycles = std::strtoull(argv[2], nullptr, 10);
     for (std::uint64_t k = 0; k < cycles; ++k) {
-      twin::rt::CycleRecord cycle = twin::record::SampleCycle(k);
+      twin::record::CycleRecord cycle = twin::record::SampleCycle(k);
       // Numbers that the other side can compute too.
       for (std::size_t i = 0; i < twin::kJoints; ++i) {
         cycle.state.q[i] = 0.5 * static_cast<double>(k) + 0.125 * static_cast<double>(i);

@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "twin/core/random.h"
+#include "twin/record/cycle_record.h"
 #include "twin/record/log_records.h"
-#include "twin/rt/cycle_record.h"
-#include "twin/rt/scene_record.h"
+#include "twin/record/scene_record.h"
 
 namespace twin::record {
 
@@ -46,8 +46,8 @@ inline std::uint64_t SampleFrames(std::uint64_t cycles) {
 /// A cycle in which every number of the robot state differs from every other: the worst case for
 /// compression. The configuration changes every 500 cycles; cycle 3 holds, cycle 5 is violated, in
 /// cycle 7 there is a mobile base.
-inline rt::CycleRecord SampleCycle(std::uint64_t k) {
-  rt::CycleRecord record;
+inline record::CycleRecord SampleCycle(std::uint64_t k) {
+  record::CycleRecord record;
   RobotState& s = record.state;
   SampleNumbers numbers(1, k);
   SampleNumbers config(2, k / 500);
@@ -76,7 +76,7 @@ inline rt::CycleRecord SampleCycle(std::uint64_t k) {
   s.controller_mode = ControllerMode::kJointImpedance;
   s.robot_mode = RobotMode::kMove;
   s.control_command_success_rate = 0.99;
-  record.fate = k == 3 ? rt::CommandFate::kHeld : rt::CommandFate::kServed;
+  record.fate = k == 3 ? record::CommandFate::kHeld : record::CommandFate::kServed;
   record.lost_in_row = k == 3 ? 1 : 0;
   record.dropped = k == 3 ? 2 : 0;
   if (k == 5) {
@@ -102,15 +102,15 @@ inline rt::CycleRecord SampleCycle(std::uint64_t k) {
 }
 
 /// The tick that answers SampleCycle(k).
-inline rt::TickRecord SampleTick(std::uint64_t k) {
-  rt::TickRecord record;
+inline record::TickRecord SampleTick(std::uint64_t k) {
+  record::TickRecord record;
   SampleNumbers numbers(3, k);
   record.message_id = k + 1000;
   record.read = Time(static_cast<std::int64_t>(k) * kCycle + std::chrono::microseconds(200));
   record.written = record.read + Duration(20'000 + static_cast<std::int64_t>(k % 7));
-  record.action = k == 3   ? rt::TickAction::kSkipped
-                  : k == 4 ? rt::TickAction::kInvalid
-                           : rt::TickAction::kWritten;
+  record.action = k == 3   ? record::TickAction::kSkipped
+                  : k == 4 ? record::TickAction::kInvalid
+                           : record::TickAction::kWritten;
   record.skipped_states = k == 3 ? 1 : 0;
   record.deposit_time = record.read - std::chrono::milliseconds(10);
   numbers(record.q_ext);
@@ -136,8 +136,8 @@ inline rt::TickRecord SampleTick(std::uint64_t k) {
 
 /// The scene of a frame at SampleCycle(k): an arm with its fingers and an object, k % 4 contacts
 /// and k % 2 pushes.
-inline rt::SceneRecord SampleScene(std::uint64_t k) {
-  rt::SceneRecord scene;
+inline record::SceneRecord SampleScene(std::uint64_t k) {
+  record::SceneRecord scene;
   SampleNumbers numbers(4, k);
   scene.at = Time(static_cast<std::int64_t>(k) * kCycle);
   scene.positions = 16;

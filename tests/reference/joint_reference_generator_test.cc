@@ -1,4 +1,4 @@
-#include "twin/reference/joint_reference_generator.h"
+#include "twin/reference/reference_generator.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "reference/quintic_spline.h"
+#include "reference/quintic_path.h"
 
 #include <algorithm>
 #include <cmath>

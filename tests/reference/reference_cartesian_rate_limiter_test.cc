@@ -40,7 +40,7 @@ struct RobotPose {
 
   void TakePose(const Transform& next) {
     translation.Take((PositionOf(next) - PositionOf(O_T_EE_c)) / kT);
-    rotation.Take(TurnOf(O_T_EE_c, next) / kT);
+    rotation.Take(RotationVector(O_T_EE_c, next) / kT);
     O_T_EE_c = next;
   }
   void TakeTwist(const Vector6& twist) {

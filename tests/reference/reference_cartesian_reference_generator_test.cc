@@ -1,4 +1,4 @@
-#include "twin/reference/cartesian_reference_generator.h"
+#include "twin/reference/reference_generator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "reference/reference_samples.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
-#include "twin/reference/pose_feed_forward.h"
+#include "twin/reference/feed_forward.h"
 
 namespace twin::reference {
 namespace {
@@ -40,13 +40,13 @@ TEST(CartesianReferenceGeneratorTest, DecaysToAStalledPoseByOneMinusLambdaPerCyc
     const CartesianReferenceGenerator generator(lambda);
     const PoseTarget target{.O_T_EE = PoseOf({0.3, -1.9, 1.2}, {0.4, 0.1, 0.6})};
     const Transform start = PoseOf({-0.2, 0.4, 0.1}, {0.3, -0.3, 0.2});
-    const Vector3d turn = TurnOf(start, target.O_T_EE);
+    const Vector3d turn = RotationVector(start, target.O_T_EE);
     const Vector3d way = PositionOf(target.O_T_EE) - PositionOf(start);
     Transform X = start;
     for (int k = 1; k <= 5000; ++k) {
       X = generator.Next(X, target);
       const double left = std::pow(1 - lambda, k);
-      ASSERT_LT((TurnOf(X, target.O_T_EE) - left * turn).norm(), 1e-12) << "cycle " << k;
+      ASSERT_LT((RotationVector(X, target.O_T_EE) - left * turn).norm(), 1e-12) << "cycle " << k;
       ASSERT_LT((PositionOf(target.O_T_EE) - PositionOf(X) - left * way).norm(), 1e-12)
           << "cycle " << k;
     }
@@ -117,7 +117,7 @@ TEST(CartesianReferenceGeneratorTest, ComesToRestExactly) {
       const auto cycles = static_cast<int>(60 / lambda);
       for (int k = 0; k < cycles; ++k) X = generator.Next(X, target);
       EXPECT_EQ(generator.Next(X, target), X) << "lambda " << lambda;
-      EXPECT_LT(TurnOf(X, target.O_T_EE).norm(), 1e-14 / lambda + 1e-15);
+      EXPECT_LT(RotationVector(X, target.O_T_EE).norm(), 1e-14 / lambda + 1e-15);
       EXPECT_LT((PositionOf(X) - PositionOf(target.O_T_EE)).norm(), 1e-15 / lambda + 1e-15);
     }
   }
@@ -133,7 +133,7 @@ struct PoseJerk {
 
   void Take(const Transform& X, bool counts) {
     const Vector3d v_next = (PositionOf(X) - PositionOf(last)) / kT;
-    const Vector3d w_next = TurnOf(last, X) / kT;
+    const Vector3d w_next = RotationVector(last, X) / kT;
     const Vector3d a_next = (v_next - v) / kT;
     const Vector3d alpha_next = (w_next - w) / kT;
     if (counts) {

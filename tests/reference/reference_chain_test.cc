@@ -12,9 +12,9 @@
 #include "support/realtime_guard.h"
 #include "twin/core/time.h"
 #include "twin/reference/feed_forward.h"
-#include "twin/reference/joint_reference_generator.h"
 #include "twin/reference/low_pass.h"
 #include "twin/reference/rate_matcher.h"
+#include "twin/reference/reference_generator.h"
 
 namespace twin::reference {
 namespace {

@@ -1,4 +1,4 @@
-#include "twin/reference/client_limits.h"
+#include "twin/reference/rate_limiter.h"
 
 #include <cmath>
 #include <limits>

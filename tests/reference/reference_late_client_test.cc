@@ -100,13 +100,13 @@ class LateClient final : public rt::EventHandler {
   std::vector<InFlight> since_;
 };
 
-class Tally final : public rt::RecordSink {
+class Tally final : public record::RecordSink {
  public:
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     violations += record.violated ? 1 : 0;
-    served += record.fate == rt::CommandFate::kServed ? 1 : 0;
+    served += record.fate == record::CommandFate::kServed ? 1 : 0;
   }
-  void Put(const rt::TickRecord&) noexcept override {}
+  void Put(const record::TickRecord&) noexcept override {}
   int violations = 0;
   int served = 0;
 };
@@ -116,11 +116,11 @@ class LateClientTest : public ::testing::TestWithParam<std::tuple<int, bool, Wis
   [[nodiscard]] static Tally Run(bool regards) {
     const auto [in_flight, velocities, wish] = GetParam();
     robot::RobotConfig config = test::PandaRobot();
-    rt::ScriptedLoss dead;
+    faults::ScriptedLoss dead;
     for (std::uint64_t k = 1; k < 20; ++k) {
       dead.runs.push_back({97 * k, static_cast<std::uint32_t>(19 - 2 * in_flight)});
     }
-    config.link.command.loss = rt::LossModel(dead);
+    config.link.command.loss = faults::LossModel(dead);
     rt::EventQueue events;
     LateClient client(in_flight, velocities, wish, regards);
     Tally tally;

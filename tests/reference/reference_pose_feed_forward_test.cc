@@ -1,4 +1,4 @@
-#include "twin/reference/pose_feed_forward.h"
+#include "twin/reference/feed_forward.h"
 
 #include <algorithm>
 #include <chrono>

@@ -41,7 +41,7 @@ TEST(PoseRateMatcherTest, HasTheWindowAndTheRangeOfAnyRateMatcher) {
 
 TEST(PoseRateMatcherTest, StartsAtTheIdentityWithoutAReset) {
   const PoseTarget y = PoseRateMatcher(500).Next(TurnedBy(0.1));
-  EXPECT_LT((TurnOf(kIdentityTransform, y.O_T_EE) - 0.05 * kAxis).norm(), 1e-15);
+  EXPECT_LT((RotationVector(kIdentityTransform, y.O_T_EE) - 0.05 * kAxis).norm(), 1e-15);
 }
 
 TEST(PoseRateMatcherTest, PassesEverythingThroughAtTheCycleRate) {
@@ -81,7 +81,7 @@ double WorstIncrementError(double h) {
   for (int k = 0; k < cycles; ++k) {
     const int deposits = 1 + k / 8;
     const Transform y = matcher.Next(TurnedBy(h * deposits)).O_T_EE;
-    worst = std::max(worst, (TurnOf(last, y) - h / 8 * kAxis).norm());
+    worst = std::max(worst, (RotationVector(last, y) - h / 8 * kAxis).norm());
     last = y;
   }
   return worst;
@@ -107,7 +107,7 @@ TEST(PoseRateMatcherTest, DelaysASteadyTurnByHalfTheWindow) {
       const Transform y = matcher.Next(TurnedBy(2e-3 * k)).O_T_EE;
       if (k < n) continue;
       const Transform expected = TurnedBy(2e-3 * (k - (n - 1) / 2)).O_T_EE;
-      ASSERT_LT(TurnOf(y, expected).norm(), 1e-12) << "cycle " << k;
+      ASSERT_LT(RotationVector(y, expected).norm(), 1e-12) << "cycle " << k;
     }
   }
 }
@@ -154,7 +154,8 @@ TEST(PoseRateMatcherTest, HalfATurnInOneStepIsAveragedToSomewhereBetween) {
   const double wish = std::numbers::pi * (1 - 1e-9);
   double last = 0;
   for (int k = 0; k < 8; ++k) {
-    const double angle = TurnOf(kIdentityTransform, matcher.Next(TurnedBy(wish)).O_T_EE).norm();
+    const double angle =
+        RotationVector(kIdentityTransform, matcher.Next(TurnedBy(wish)).O_T_EE).norm();
     EXPECT_GT(angle, last + 0.1);
     last = angle;
   }

@@ -39,13 +39,13 @@ std::string Complaint(const std::vector<PoseWaypoint>& waypoints, const Timing& 
 TEST(PoseTrajectoryTest, GoesAlongALineAndAboutOneAxisByMinimumJerk) {
   const PoseTrajectory path = Path({{.O_T_EE = kA, .at = 0s}, {.O_T_EE = kB, .at = 2s}});
   const Eigen::Vector3d way = test::PositionOf(kB) - test::PositionOf(kA);
-  const Eigen::Vector3d turn = test::TurnOf(kA, kB);
+  const Eigen::Vector3d turn = test::RotationVector(kA, kB);
   for (Duration t = 0s; t <= 2s; t += 100ms) {
     const double x = ToSeconds(t) / 2;
     const double s = 10 * std::pow(x, 3) - 15 * std::pow(x, 4) + 6 * std::pow(x, 5);
     const PoseTarget target = path.Sample(t);
     EXPECT_LT((test::PositionOf(target.O_T_EE) - test::PositionOf(kA) - s * way).norm(), 1e-14);
-    EXPECT_LT((test::TurnOf(kA, target.O_T_EE) - s * turn).norm(), 1e-12);
+    EXPECT_LT((test::RotationVector(kA, target.O_T_EE) - s * turn).norm(), 1e-12);
     EXPECT_LT(test::Obliqueness(target.O_T_EE), 1e-14);
   }
 }
@@ -58,7 +58,7 @@ TEST(PoseTrajectoryTest, GivesTheTwistThatItsPosesHave) {
     const Transform after = path.Sample(t + 10us).O_T_EE;
     const Vector6 twist = path.Sample(t).O_dP_EE;
     const Eigen::Vector3d v = (test::PositionOf(after) - test::PositionOf(before)) / 20e-6;
-    const Eigen::Vector3d w = test::TurnOf(before, after) / 20e-6;
+    const Eigen::Vector3d w = test::RotationVector(before, after) / 20e-6;
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_NEAR(twist[i], v[static_cast<Eigen::Index>(i)], 1e-8);
       EXPECT_NEAR(twist[3 + i], w[static_cast<Eigen::Index>(i)], 1e-8);

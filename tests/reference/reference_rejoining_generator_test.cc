@@ -8,7 +8,7 @@
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/time.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 #include "twin/reference/viable_axis.h"
 
 namespace twin::reference {

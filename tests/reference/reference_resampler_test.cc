@@ -9,8 +9,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
-#include "twin/model/rotation.h"
-#include "twin/reference/pose_resampler.h"
+#include "twin/model/transform.h"
 
 namespace twin::reference {
 namespace {

@@ -4,7 +4,7 @@
 #include "support/pose_samples.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
-#include "twin/reference/client_limits.h"
+#include "twin/reference/rate_limiter.h"
 
 namespace twin::reference {
 
@@ -18,7 +18,7 @@ using test::PositionOf;
 using test::RandomPose;
 using test::RandomVector;
 using test::RotationOf;
-using test::TurnOf;
+using test::RotationVector;
 
 inline JointVector Filled(double value) {
   JointVector v;

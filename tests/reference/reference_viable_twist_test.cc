@@ -14,7 +14,7 @@
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 #include "twin/onboard/cartesian_reference.h"
 #include "twin/onboard/kinematic_completion.h"
 #include "twin/reference/pose_viability_filter.h"

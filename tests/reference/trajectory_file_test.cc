@@ -1,4 +1,4 @@
-#include "twin/reference/trajectory_file.h"
+#include "twin/reference/trajectory.h"
 
 #include <cmath>
 #include <fstream>

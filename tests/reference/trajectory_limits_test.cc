@@ -6,8 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "reference/path_extremes.h"
-#include "reference/quintic_spline.h"
+#include "reference/quintic_path.h"
 #include "support/panda_limits.h"
 #include "twin/core/random.h"
 #include "twin/reference/trajectory.h"

@@ -9,7 +9,7 @@
 #include "support/peak_memory.h"
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 
 namespace twin::render {
 namespace {

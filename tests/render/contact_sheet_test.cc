@@ -1,4 +1,4 @@
-#include "twin/render/contact_sheet.h"
+#include "twin/render/image_operations.h"
 
 #include <gtest/gtest.h>
 

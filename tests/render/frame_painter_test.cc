@@ -51,7 +51,7 @@ class FramePainterTest : public testing::Test {
                             .elevation_deg = 0,
                             .distance_m = 1.5,
                             .lookat_m = {0, 0, 0.5}};  // looks along +x
-    rt::SceneRecord scene;
+    record::SceneRecord scene;
     scene.positions = static_cast<std::uint32_t>(model_.qpos_size());
     const std::vector<double> qpos = model_.Qpos();
     std::copy(qpos.begin(), qpos.end(), scene.qpos.begin());
@@ -65,7 +65,7 @@ class FramePainterTest : public testing::Test {
   Image Paint(std::size_t frame = 0) { return FramePainter(film_, settings_).Paint(frame); }
 
   /// Replaces the last frame's record.
-  void Last(const rt::SceneRecord& scene) {
+  void Last(const record::SceneRecord& scene) {
     Snapshots changed(snapshots_.fps(), snapshots_.qpos_size());
     for (std::size_t i = 0; i + 1 < snapshots_.size(); ++i) changed.Append(snapshots_.scene(i));
     changed.Append(scene);
@@ -157,7 +157,7 @@ TEST_F(FramePainterTest, RefusesTwoInsetsInOneCorner) {
 TEST_F(FramePainterTest, TheGrippersCameraHasTheToolInTheMiddle) {
   settings_.view.kind = ViewKind::kGripper;
   for (const double turn : {0.0, 1.0}) {
-    rt::SceneRecord scene = snapshots_.scene(0);
+    record::SceneRecord scene = snapshots_.scene(0);
     scene.qpos[6] = turn;
     Last(scene);
     const SegmentationImage bodies = FramePainter(film_, settings_).Segment(snapshots_.size() - 1);
@@ -193,7 +193,7 @@ TEST_F(FramePainterTest, ACameraThatTurnsAlongSeesItsBodyAsBefore) {
   settings_.view.orbit.lookat_m = {0.05, 0.02, 0};
   settings_.view.orbit.azimuth_deg = 20;
   settings_.view.orbit.distance_m = 0.4;
-  rt::SceneRecord scene = snapshots_.scene(4);
+  record::SceneRecord scene = snapshots_.scene(4);
   scene.qpos[10] = std::cos(0.35);  // the parcel's quaternion: turned by 0.7 rad about z
   scene.qpos[13] = std::sin(0.35);
   snapshots_.Append(scene);
@@ -220,7 +220,7 @@ TEST_F(FramePainterTest, AnOrbitTurnsByTheRunsTime) {
 
 TEST_F(FramePainterTest, AForcesTipIsWhereItActs) {
   settings_.overlays.forces = true;
-  rt::SceneRecord scene = snapshots_.scene(4);
+  record::SceneRecord scene = snapshots_.scene(4);
   scene.contacts = 1;
   scene.contact[0] = {.p_W = {-0.2, -0.3, 0.6}, .force_W = {0, 0, 25}};
   Last(scene);
@@ -233,7 +233,7 @@ TEST_F(FramePainterTest, AForcesTipIsWhereItActs) {
 
 TEST_F(FramePainterTest, APushIsNoContact) {
   settings_.overlays.contacts = true;
-  rt::SceneRecord scene = snapshots_.scene(4);
+  record::SceneRecord scene = snapshots_.scene(4);
   scene.pushes = 1;
   scene.push[0] = {.p_W = {-0.2, -0.3, 0.6}, .force_W = {0, 0, 25}};
   Last(scene);
@@ -275,7 +275,7 @@ TEST_F(FramePainterTest, AGoalCanBeGivenWhateverItsTime) {
 TEST_F(FramePainterTest, TheTraceIsWhereTheToolWas) {
   settings_.overlays.trace = true;
   settings_.view.orbit.lookat_m = {0, 0, 0.9};
-  rt::SceneRecord scene = snapshots_.scene(4);
+  record::SceneRecord scene = snapshots_.scene(4);
   scene.at = Time(milliseconds(10000));
   Last(scene);
   const Image still = Paint(4);
@@ -286,7 +286,7 @@ TEST_F(FramePainterTest, TheTraceIsWhereTheToolWas) {
 TEST_F(FramePainterTest, ASliderStandsWhereTheJointIsBetweenItsLimits) {
   const Image without = Paint(4);
   settings_.overlays.limits = true;
-  rt::SceneRecord scene = snapshots_.scene(4);
+  record::SceneRecord scene = snapshots_.scene(4);
   scene.qpos[0] = -2;
   scene.qpos[1] = 2;
   Last(scene);

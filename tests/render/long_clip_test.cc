@@ -26,7 +26,7 @@ Snapshots TenMinutes(plant::MujocoPlant& plant) {
   for (std::size_t i = 0; i < kFrames; ++i) {
     const double s = 0.5 * std::sin(0.05 * static_cast<double>(i));
     plant.Reset({s, -M_PI / 4 + s, 0, -3 * M_PI / 4, s, M_PI / 2, M_PI / 4});
-    rt::SceneRecord scene;
+    record::SceneRecord scene;
     scene.at = Time(std::chrono::milliseconds(40 * i));
     scene.positions = static_cast<std::uint32_t>(plant.qpos_size());
     plant.CopyQpos(std::span(scene.qpos).first(scene.positions));

@@ -1,4 +1,4 @@
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "twin/render/ssim.h"
+#include "twin/render/image_operations.h"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@
 
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 #include "twin/render/video_writer.h"
 
 namespace twin::render {

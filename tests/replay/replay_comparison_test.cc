@@ -68,7 +68,7 @@ class ComparisonTest : public testing::Test {
     std::filesystem::path path = folder_ / (name + ".mcap");
     record::Recorder recorder(path, test::InfoOf(test::Sample()), record::FullRing::kWait);
     for (std::uint64_t k = 0; k < cycles; ++k) {
-      rt::CycleRecord cycle = test::CycleAt(k);
+      record::CycleRecord cycle = test::CycleAt(k);
       cycle.state.q = test::ArmAt(cycle.at + std::chrono::seconds(later));
       recorder.Put(cycle);
     }

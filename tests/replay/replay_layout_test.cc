@@ -10,7 +10,7 @@
 #include "replay/sample_log.h"
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
-#include "twin/render/contact_sheet.h"
+#include "twin/render/image_operations.h"
 #include "twin/replay/plan_pictures.h"
 
 namespace twin::replay {

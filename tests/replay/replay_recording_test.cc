@@ -51,7 +51,7 @@ std::vector<double> Positions(std::span<const double> qpos) {
 TEST(RecordingTest, GivesTheScenesAsTheyWereRecorded) {
   const twin::test::TemporaryFolder folder;
   const plant::CompiledModel model = test::ModelOf(test::Sample());
-  rt::SceneRecord touched = test::SceneAt(Time(milliseconds(80)), model);
+  record::SceneRecord touched = test::SceneAt(Time(milliseconds(80)), model);
   touched.contacts = 1;
   touched.contact[0] = {{1, 2, 3}, {4, 5, 6}};
   const auto log = WriteLog(folder, test::Sample(), 100, [&](record::Recorder& recorder) {

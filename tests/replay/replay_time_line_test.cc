@@ -24,7 +24,7 @@ Time At(int milliseconds) {
 /// Scenes at these milliseconds, each with its number as its only position.
 render::Snapshots Scenes(const std::vector<int>& milliseconds, int fps) {
   render::Snapshots scenes(fps, 1);
-  rt::SceneRecord scene;
+  record::SceneRecord scene;
   scene.positions = 1;
   for (std::size_t i = 0; i < milliseconds.size(); ++i) {
     scene.at = At(milliseconds[i]);

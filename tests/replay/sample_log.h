@@ -54,8 +54,8 @@ inline JointVector ArmAt(Time at) {
 }
 
 /// The cycle of the sample arm at k milliseconds.
-inline rt::CycleRecord CycleAt(std::uint64_t k) {
-  rt::CycleRecord cycle;
+inline record::CycleRecord CycleAt(std::uint64_t k) {
+  record::CycleRecord cycle;
   cycle.at = Time(static_cast<std::int64_t>(k) * kCycle);
   cycle.state.message_id = k + 1;
   cycle.state.q = ArmAt(cycle.at);
@@ -63,8 +63,8 @@ inline rt::CycleRecord CycleAt(std::uint64_t k) {
 }
 
 /// The scene of the sample arm; nothing else moves.
-inline rt::SceneRecord SceneAt(Time at, const plant::CompiledModel& model) {
-  rt::SceneRecord scene;
+inline record::SceneRecord SceneAt(Time at, const plant::CompiledModel& model) {
+  record::SceneRecord scene;
   scene.at = at;
   const std::vector<double> qpos = plant::PositionsAt(model, ArmAt(at));
   scene.positions = static_cast<std::uint32_t>(qpos.size());

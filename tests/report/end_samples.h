@@ -9,8 +9,8 @@
 
 #include "support/panda_limits.h"
 #include "twin/core/time.h"
+#include "twin/record/cycle_record.h"
 #include "twin/record/recorder.h"
-#include "twin/rt/cycle_record.h"
 
 namespace twin::report {
 
@@ -51,7 +51,7 @@ class SampleMotion {
       ++k_;
       Answer(Planned(k_));
       Accept(Planned(k_));
-      PutCycle(rt::CommandFate::kServed);
+      PutCycle(record::CommandFate::kServed);
     }
     return *this;
   }
@@ -66,7 +66,7 @@ class SampleMotion {
       state_.q_d[kJoint] += kCycleSeconds * state_.dq_d[kJoint];
       dddq_ = 0;
       ++lost_;
-      PutCycle(rt::CommandFate::kHeld);
+      PutCycle(record::CommandFate::kHeld);
     }
     return *this;
   }
@@ -74,13 +74,13 @@ class SampleMotion {
   /// A cycle in which the robot moves by itself, as the state says.
   SampleMotion& PassBy() {
     ++k_;
-    PutCycle(rt::CommandFate::kNone);
+    PutCycle(record::CommandFate::kNone);
     return *this;
   }
 
   /// The workstation answers the state of the last cycle so, whatever becomes of it.
-  SampleMotion& AnswerWith(const rt::TickRecord& tick) {
-    rt::TickRecord answer = tick;
+  SampleMotion& AnswerWith(const record::TickRecord& tick) {
+    record::TickRecord answer = tick;
     answer.message_id = state_.message_id;
     recorder_->Put(answer);
     return *this;
@@ -91,7 +91,7 @@ class SampleMotion {
   void SetLost(std::uint32_t lost) { lost_ = lost; }
 
   /// A cycle that an error ends. @param told  with its violation; else the state's error alone.
-  SampleMotion& Abort(const Violation& violation, rt::CommandFate fate, bool told = true) {
+  SampleMotion& Abort(const Violation& violation, record::CommandFate fate, bool told = true) {
     ++k_;
     state_.robot_mode = RobotMode::kReflex;
     state_.motion_generator_mode = MotionGeneratorMode::kIdle;
@@ -128,8 +128,8 @@ class SampleMotion {
 
  private:
   void Answer(double q_c) {
-    rt::TickRecord tick;
-    tick.action = rt::TickAction::kWritten;
+    record::TickRecord tick;
+    tick.action = record::TickAction::kWritten;
     tick.read = Time(static_cast<std::int64_t>(k_ - 1) * kCycle + Duration(100'000));
     tick.written = tick.read + Duration(20'000);
     tick.deposit_time = tick.read;
@@ -149,14 +149,14 @@ class SampleMotion {
     lost_ = 0;
   }
 
-  void PutCycle(rt::CommandFate fate) {
+  void PutCycle(record::CommandFate fate) {
     ++state_.message_id;
-    rt::CycleRecord cycle;
+    record::CycleRecord cycle;
     cycle.at = Time(static_cast<std::int64_t>(k_) * kCycle);
     cycle.state = state_;
     cycle.dddq_d[kJoint] = dddq_;
     cycle.fate = fate;
-    cycle.lost_in_row = fate == rt::CommandFate::kServed ? 0 : lost_;
+    cycle.lost_in_row = fate == record::CommandFate::kServed ? 0 : lost_;
     cycle.violated = told_;
     if (told_) {
       cycle.violation = violation_;

@@ -51,10 +51,10 @@ TEST(EnvelopeTest, LeavesOutWhatIsNotFinite) {
 
 TEST(FateHistoryTest, LosesNoCycleWhenSpansAreMerged) {
   FateHistory history;
-  rt::CycleRecord cycle;
+  record::CycleRecord cycle;
   for (int k = 0; k < 50'001; ++k) {
     cycle.at = Time(k * kCycle);
-    cycle.fate = static_cast<rt::CommandFate>(k % 3);
+    cycle.fate = static_cast<record::CommandFate>(k % 3);
     cycle.dropped = k % 5 == 0 ? 1 : 0;
     history.Add(cycle);
   }

@@ -40,8 +40,8 @@ record::RunInfo Remote() {
 /// and no fate known.
 void StreamOverWire(SampleMotion& motion, Duration cost) {
   for (int i = 0; i < 60; ++i) {
-    rt::TickRecord tick;
-    tick.action = rt::TickAction::kWritten;
+    record::TickRecord tick;
+    tick.action = record::TickAction::kWritten;
     tick.read = Time(static_cast<std::int64_t>(motion.k()) * kCycle);
     tick.written = tick.read + cost;
     motion.AnswerWith(tick).PassBy();
@@ -66,7 +66,7 @@ class ExplainTest : public ::testing::Test {
 TEST_F(ExplainTest, TellsInWhichMotionOfASessionTheErrorCame) {
   SampleMotion motion(log());
   motion.Event("session", "motion 1: approach").Serve(50);
-  motion.Event("session", "motion 2: place").Serve(50).Abort(kJerk, rt::CommandFate::kServed);
+  motion.Event("session", "motion 2: place").Serve(50).Abort(kJerk, record::CommandFate::kServed);
   motion.Event("session", "motion 3: retreat");
   EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
               AllOf(HasSubstr("in motion 2: place; cycle of state"), Not(HasSubstr("approach")),
@@ -75,7 +75,7 @@ TEST_F(ExplainTest, TellsInWhichMotionOfASessionTheErrorCame) {
 
 TEST_F(ExplainTest, TellsErrorCycleJointValueLimitCauseAndCure) {
   SampleMotion motion(log());
-  motion.Serve(100).Abort(kJerk, rt::CommandFate::kServed);
+  motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);
   const Explanation told = Explain(motion.Finish());
   EXPECT_TRUE(told.aborted);
   const ErrorEntry& entry = EntryOf(kJerk);
@@ -95,7 +95,7 @@ TEST_F(ExplainTest, TellsErrorCycleJointValueLimitCauseAndCure) {
 
 TEST_F(ExplainTest, PageNeedsNoOtherFileAndNoNetwork) {
   SampleMotion motion(log());
-  motion.Serve(100).Abort(kJerk, rt::CommandFate::kServed);
+  motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);
   const std::string page = Explain(motion.Finish()).page;
   EXPECT_EQ(page.find("<!DOCTYPE html>"), 0U);
   EXPECT_THAT(page, AllOf(HasSubstr("<svg"), HasSubstr("</html>"), Not(HasSubstr("<?xml"))));
@@ -106,7 +106,7 @@ TEST_F(ExplainTest, PageNeedsNoOtherFileAndNoNetwork) {
 
 TEST_F(ExplainTest, SameLogGivesTheSameBytes) {
   SampleMotion motion(log());
-  motion.Serve(100).Abort(kJerk, rt::CommandFate::kServed);
+  motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);
   motion.Finish();
   const Explanation first = Explain(log());
   const Explanation second = Explain(log());
@@ -116,14 +116,14 @@ TEST_F(ExplainTest, SameLogGivesTheSameBytes) {
 
 TEST_F(ExplainTest, LinesFitATerminal) {
   SampleMotion motion(log());
-  motion.Serve(30).Lose(7, true).Abort(kJerk, rt::CommandFate::kServed);
+  motion.Serve(30).Lose(7, true).Abort(kJerk, record::CommandFate::kServed);
   std::istringstream lines(Explain(motion.Finish()).text);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100U) << line;
 }
 
 TEST_F(ExplainTest, ShowsTheLastFiftyCyclesWhereTheRunHasThem) {
   SampleMotion motion(log());
-  motion.Serve(200).Abort(kJerk, rt::CommandFate::kServed);
+  motion.Serve(200).Abort(kJerk, record::CommandFate::kServed);
   const std::string page = Explain(motion.Finish()).page;
   EXPECT_THAT(page, AllOf(HasSubstr("The last 50 cycles"), HasSubstr("<td>1152</td>"),
                           HasSubstr("<td>1201</td>"), Not(HasSubstr("<td>1150</td>"))));
@@ -132,7 +132,7 @@ TEST_F(ExplainTest, ShowsTheLastFiftyCyclesWhereTheRunHasThem) {
 TEST_F(ExplainTest, ExplainsARunThatAbortsInItsFirstCycles) {
   for (const int before : {0, 1, 2}) {
     SampleMotion motion(log());
-    motion.Serve(before).Abort(kJerk, rt::CommandFate::kNone);
+    motion.Serve(before).Abort(kJerk, record::CommandFate::kNone);
     EXPECT_TRUE(Explain(motion.Finish()).aborted) << before;
   }
 }
@@ -141,14 +141,14 @@ TEST_F(ExplainTest, NamesWhatElseWasRaisedInTheCycle) {
   SampleMotion motion(log());
   motion.Serve(60);
   motion.state().errors.set(static_cast<std::size_t>(RobotError::kTauJRangeViolation));
-  motion.Abort(kJerk, rt::CommandFate::kServed);
+  motion.Abort(kJerk, record::CommandFate::kServed);
   EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
               HasSubstr("In the same cycle: tau_J_range_violation."));
 }
 
 TEST_F(ExplainTest, ExplainsAnErrorWhoseValueTheLogDoesNotHold) {
   SampleMotion motion(log());
-  motion.Serve(60).Abort(kJerk, rt::CommandFate::kServed, false);
+  motion.Serve(60).Abort(kJerk, record::CommandFate::kServed, false);
   const Explanation told = Explain(motion.Finish());
   EXPECT_THAT(OneLine(told.text),
               AllOf(HasSubstr("aborted at 0.061 s by joint_motion_generator_acceleration"),
@@ -157,9 +157,9 @@ TEST_F(ExplainTest, ExplainsAnErrorWhoseValueTheLogDoesNotHold) {
 
 TEST_F(ExplainTest, ExplainsTheFirstOfSeveral) {
   SampleMotion motion(log());
-  motion.Serve(60).Abort(kJerk, rt::CommandFate::kServed).Recover().Serve(10);
+  motion.Serve(60).Abort(kJerk, record::CommandFate::kServed).Recover().Serve(10);
   motion.Abort({.error = RobotError::kJointReflex, .axis = 0, .value = 30, .limit = 20},
-               rt::CommandFate::kNone);
+               record::CommandFate::kNone);
   EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
               AllOf(HasSubstr("aborted at 0.061 s"), HasSubstr("ended 2 motions of this log"),
                     Not(HasSubstr("joint_reflex"))));
@@ -171,7 +171,7 @@ TEST_F(ExplainTest, AMissingFirstCommandIsNotALoss) {
                 .axis = 0,
                 .value = 1000,
                 .limit = 1000},
-               rt::CommandFate::kNone);
+               record::CommandFate::kNone);
   EXPECT_THAT(
       OneLine(Explain(motion.Finish()).text),
       AllOf(HasSubstr("The motion's first command did not come"), Not(HasSubstr("in a row"))));
@@ -185,7 +185,7 @@ TEST_F(ExplainTest, ARunInRealTimeIsToldWhatHelpsThere) {
   motion.Describe(info).Serve(30).Lose(20, false);
   motion.SetLost(20);
   motion.Abort({.error = RobotError::kCommunicationConstraintsViolation, .value = 20, .limit = 20},
-               rt::CommandFate::kHeld);
+               record::CommandFate::kHeld);
   EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
               AllOf(HasSubstr("panda-twin check"), HasSubstr("it may be at most 19")));
 }
@@ -194,7 +194,7 @@ TEST_F(ExplainTest, AtTheEndOfAWireTheFateOfCommandsIsNotKnown) {
   SampleMotion motion(log());
   motion.Describe(Remote());
   StreamOverWire(motion, Duration(20'000));
-  const Explanation told = Explain(motion.Abort(kLost, rt::CommandFate::kNone, false).Finish());
+  const Explanation told = Explain(motion.Abort(kLost, record::CommandFate::kNone, false).Finish());
   for (const std::string& text : {OneLine(told.text), told.page}) {
     EXPECT_THAT(
         text,
@@ -211,7 +211,7 @@ TEST_F(ExplainTest, OnTheRobotsTimeNoThreadIsBlamed) {
   motion.Describe(Remote());
   StreamOverWire(motion, Duration::zero());
   EXPECT_THAT(
-      OneLine(Explain(motion.Abort(kLost, rt::CommandFate::kNone, false).Finish()).text),
+      OneLine(Explain(motion.Abort(kLost, record::CommandFate::kNone, false).Finish()).text),
       AllOf(HasSubstr("not known at this end of the wire"), Not(HasSubstr("panda-twin check"))));
 }
 
@@ -227,7 +227,7 @@ TEST_F(ExplainTest, ASuccessOverAWireDoesNotClaimThatNothingWasLost) {
 TEST_F(ExplainTest, AtTheRobotsEndOfAWireItIsNotKnownWhatTheClientDid) {
   SampleMotion motion(log());
   motion.Lose(20, false);
-  EXPECT_THAT(OneLine(Explain(motion.Abort(kLost, rt::CommandFate::kHeld).Finish()).text),
+  EXPECT_THAT(OneLine(Explain(motion.Abort(kLost, record::CommandFate::kHeld).Finish()).text),
               AllOf(HasSubstr("0 cycles served, 21 held"), HasSubstr("is not in this log"),
                     Not(HasSubstr("did not run"))));
 }
@@ -237,15 +237,16 @@ TEST_F(ExplainTest, OverAWireWithoutAMotionNoCommandWasDue) {
   motion.Describe(Remote());
   motion.state().motion_generator_mode = MotionGeneratorMode::kIdle;
   for (int i = 0; i < 60; ++i) motion.PassBy();
-  EXPECT_THAT(OneLine(Explain(motion.Abort(kLost, rt::CommandFate::kNone, false).Finish()).text),
-              AllOf(HasSubstr("none was due"), Not(HasSubstr("this end of the wire"))));
+  EXPECT_THAT(
+      OneLine(Explain(motion.Abort(kLost, record::CommandFate::kNone, false).Finish()).text),
+      AllOf(HasSubstr("none was due"), Not(HasSubstr("this end of the wire"))));
 }
 
 TEST_F(ExplainTest, PageShowsWhatTheRunIsCalledAndNotWhatItMeansToABrowser) {
   SampleMotion motion(log());
   record::RunInfo info;
   info.scenario = "a<b> & \"c\"";
-  motion.Describe(info).Serve(60).Abort(kJerk, rt::CommandFate::kServed);
+  motion.Describe(info).Serve(60).Abort(kJerk, record::CommandFate::kServed);
   const std::string page = Explain(motion.Finish()).page;
   EXPECT_THAT(page, AllOf(HasSubstr("a&lt;b&gt; &amp; &quot;c&quot;"), Not(HasSubstr("a<b>"))));
 }
@@ -258,7 +259,7 @@ TEST_F(ExplainTest, NumbersThatAreNoneAreNoReasonToFail) {
     motion.state().q[SampleMotion::kJoint] = motion.state().ddq_d[SampleMotion::kJoint] = odd;
     Violation violation = kJerk;
     violation.value = odd;
-    motion.Abort(violation, rt::CommandFate::kServed);
+    motion.Abort(violation, record::CommandFate::kServed);
     EXPECT_TRUE(Explain(motion.Finish()).aborted) << odd;
   }
 }
@@ -302,13 +303,13 @@ TEST_F(ExplainTest, ALogWithoutLimitsSaysSo) {
   motion.Describe({}).Serve(10);
   EXPECT_THAT(Explain(motion.Finish()).text, HasSubstr("does not hold the robot's limits"));
   SampleMotion aborted(log());
-  aborted.Describe({}).Serve(10).Abort(kJerk, rt::CommandFate::kServed);
+  aborted.Describe({}).Serve(10).Abort(kJerk, record::CommandFate::kServed);
   EXPECT_THAT(Explain(aborted.Finish()).page, Not(HasSubstr("How close")));
 }
 
 TEST_F(ExplainTest, AKilledRunIsExplainedWhenItsErrorIsInTheLog) {
   SampleMotion motion(log());
-  motion.Serve(60).Abort(kJerk, rt::CommandFate::kServed);
+  motion.Serve(60).Abort(kJerk, record::CommandFate::kServed);
   motion.Finish();
   std::filesystem::resize_file(log(), std::filesystem::file_size(log()) - 1);
   EXPECT_THAT(Explain(log()).text, HasSubstr("The run was killed later on"));

@@ -43,8 +43,8 @@ void Record(const std::filesystem::path& path, int cycles, double odd_value = 0)
                              .scenario_yaml = ""},
                             record::FullRing::kWait);
   const Random random(1, RandomStream::kTest);
-  rt::CycleRecord cycle;
-  rt::TickRecord tick;
+  record::CycleRecord cycle;
+  record::TickRecord tick;
   for (int k = 0; k < cycles; ++k) {
     cycle.at = Time(k * kCycle);
     for (std::uint32_t i = 0; i < kJoints; ++i) {
@@ -53,7 +53,7 @@ void Record(const std::filesystem::path& path, int cycles, double odd_value = 0)
       cycle.state.dq[i] = cycle.state.dq_d[i] = cycle.dddq_d[i] = value;
     }
     if (k == 3) cycle.dddq_d[0] = cycle.state.q[1] = odd_value;
-    cycle.fate = k % 50 == 0 ? rt::CommandFate::kHeld : rt::CommandFate::kServed;
+    cycle.fate = k % 50 == 0 ? record::CommandFate::kHeld : record::CommandFate::kServed;
     cycle.state.robot_mode = RobotMode::kMove;
     cycle.state.control_command_success_rate = 0.98;
     recorder.Put(cycle);
@@ -88,12 +88,12 @@ TEST(WritePlotsTest, DrawsItsFilesInBoundedSize) {
 void RecordFiltered(const std::filesystem::path& path) {
   record::Recorder recorder(path, {}, record::FullRing::kWait);
   for (int k = 0; k < 100; ++k) {
-    rt::CycleRecord cycle;
+    record::CycleRecord cycle;
     cycle.at = Time(k * kCycle);
     cycle.state.robot_mode = RobotMode::kMove;
     recorder.Put(cycle);
-    rt::TickRecord tick;
-    tick.action = rt::TickAction::kWritten;
+    record::TickRecord tick;
+    tick.action = record::TickAction::kWritten;
     tick.read = cycle.at;
     tick.written = cycle.at + Duration(20'000);
     tick.margin = k == 40 ? 0.25 : 0.5;
@@ -131,7 +131,7 @@ void RecordAbort(const std::filesystem::path& path, int aborted, bool explained,
   info.scenario = "outage";
   record::Recorder recorder(path, info, record::FullRing::kWait);
   for (int k = 0; k < 100; ++k) {
-    rt::CycleRecord cycle;
+    record::CycleRecord cycle;
     cycle.at = Time(k * kCycle);
     if (k < aborted) cycle.state.controller_mode = ControllerMode::kJointImpedance;
     for (std::size_t i = 0; i < kJoints; ++i) {
@@ -176,7 +176,7 @@ TEST(RunDataTest, NamesTheErrorThatEndedTheMotion) {
 void RecordMotions(const std::filesystem::path& path, int motions) {
   record::Recorder recorder(path, {}, record::FullRing::kWait);
   for (int k = 0; k < 30 * motions; ++k) {
-    rt::CycleRecord cycle;
+    record::CycleRecord cycle;
     cycle.at = Time(k * kCycle);
     cycle.state.robot_mode = k % 30 < 20 ? RobotMode::kMove : RobotMode::kIdle;
     recorder.Put(cycle);
@@ -212,14 +212,14 @@ TEST(RunDataTest, MeasuresHowFarTheArmIsBehind) {
 void RecordTorques(const std::filesystem::path& path) {
   record::Recorder recorder(path, record::RunInfo(), record::FullRing::kWait);
   for (std::uint64_t k = 1; k <= 50; ++k) {
-    rt::CycleRecord cycle;
+    record::CycleRecord cycle;
     cycle.state.message_id = k;
     cycle.state.controller_mode = ControllerMode::kExternalController;
     cycle.state.q.fill(0.25);
     cycle.state.tau_J.fill(-8);
     cycle.state.tau_J_d.fill(2);
     recorder.Put(cycle);
-    rt::TickRecord tick;
+    record::TickRecord tick;
     tick.message_id = k;
     tick.q_ext.fill(0.255);
     tick.dq_ext.fill(0.125);

@@ -38,13 +38,13 @@ class RunEndTest : public ::testing::Test {
   /// The motion, answered with q_c `step` off the plan, and refused with `error` and `value`.
   RunEnd Refuse(SampleMotion& motion, double step, RobotError error, double value) {
     motion.AnswerWith(Command(SampleMotion::Planned(motion.k() + 1) + step));
-    motion.Abort(Of(error, value, 1), rt::CommandFate::kServed);
+    motion.Abort(Of(error, value, 1), record::CommandFate::kServed);
     return ReadEnd(motion.Finish());
   }
 
-  [[nodiscard]] static rt::TickRecord Command(double q_c) {
-    rt::TickRecord tick;
-    tick.action = rt::TickAction::kWritten;
+  [[nodiscard]] static record::TickRecord Command(double q_c) {
+    record::TickRecord tick;
+    tick.action = record::TickAction::kWritten;
     tick.command.q_c[kJoint] = q_c;
     return tick;
   }
@@ -54,7 +54,7 @@ class RunEndTest : public ::testing::Test {
 };
 
 TEST_F(RunEndTest, BringsEveryCycleTogetherWithTheAnswerToTheStateBefore) {
-  motion_.Serve(80).Abort(Of(RobotError::kJointReflex, 30, 20), rt::CommandFate::kNone);
+  motion_.Serve(80).Abort(Of(RobotError::kJointReflex, 30, 20), record::CommandFate::kNone);
   const RunEnd end = ReadEnd(motion_.Finish());
   ASSERT_EQ(end.cycles.size(), RunEnd::kShown + 1);
   for (std::size_t i = 0; i + 1 < end.cycles.size(); ++i) {
@@ -106,7 +106,7 @@ TEST_F(RunEndTest, WorksOutWhatAHeldCycleCameTo) {
   const RobotState& s = motion_.state();
   const double dq = s.dq_d[kJoint] + 1e-3 * s.ddq_d[kJoint];
   motion_.Abort(Of(RobotError::kJointMotionGeneratorVelocityLimitsViolation, dq, 1),
-                rt::CommandFate::kHeld);
+                record::CommandFate::kHeld);
   EXPECT_THAT(WorkOut(ReadEnd(motion_.Finish())),
               ::testing::ElementsAre(StartsWith("dq = dq_d + T ddq_d, held = ")));
 }
@@ -121,12 +121,12 @@ TEST_F(RunEndTest, ClaimsNothingWhereItsResultIsAnother) {
 
 TEST_F(RunEndTest, SaysThatAMotionMustNotEndWhileItMoves) {
   motion_.Serve(300);
-  rt::TickRecord tick = Command(SampleMotion::Planned(301));
-  tick.action = rt::TickAction::kFinished;
+  record::TickRecord tick = Command(SampleMotion::Planned(301));
+  tick.action = record::TickAction::kFinished;
   tick.command.motion_generation_finished = true;
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kJointMotionGeneratorVelocityDiscontinuity, -400, -7.5),
-                rt::CommandFate::kServed);
+                record::CommandFate::kServed);
   EXPECT_THAT(WorkOut(ReadEnd(motion_.Finish())),
               ::testing::ElementsAre(HasSubstr("asks to end the motion")));
 }
@@ -135,11 +135,11 @@ TEST_F(RunEndTest, WorksOutATorqueRate) {
   motion_.Serve(60);
   motion_.state().tau_J_d[kJoint] = 3;
   motion_.Serve(1);
-  rt::TickRecord tick = Command(0);
+  record::TickRecord tick = Command(0);
   tick.command.tau_J_d[kJoint] = 5;
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kControllerTorqueDiscontinuity, 2000, 1000),
-                rt::CommandFate::kServed);
+                record::CommandFate::kServed);
   EXPECT_THAT(WorkOut(ReadEnd(motion_.Finish())),
               ::testing::ElementsAre(HasSubstr("= (5 - 3) / 0.001 = 2000 Nm/s")));
 }
@@ -150,13 +150,13 @@ TEST_F(RunEndTest, WorksOutTheJerkOfAPose) {
   motion_.state().O_dP_EE_c = {0.1, 0, 0, 0, 0, 0};
   motion_.state().O_ddP_EE_c = {1, 0, 0, 0, 0, 0};
   motion_.Serve(60);
-  rt::TickRecord tick;
-  tick.action = rt::TickAction::kWritten;
+  record::TickRecord tick;
+  tick.action = record::TickAction::kWritten;
   tick.command.O_T_EE_c = kIdentityTransform;
   tick.command.O_T_EE_c[12] = 0.4 + 1.11e-4;  // dp 0.111, ddp 11, dddp 10000
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity, 1e4, 6500, 0),
-                rt::CommandFate::kServed);
+                record::CommandFate::kServed);
   const auto lines = WorkOut(ReadEnd(motion_.Finish()));
   ASSERT_EQ(lines.size(), 3U);
   EXPECT_THAT(lines[2], HasSubstr("|dddp| = 10000 m/s^3"));
@@ -167,20 +167,20 @@ TEST_F(RunEndTest, WorksOutTheAccelerationOfAnElbow) {
   motion_.state().elbow_c = {0.1, -1};
   motion_.state().delbow_c = {0.5, 0};
   motion_.Serve(60);
-  rt::TickRecord tick;
-  tick.action = rt::TickAction::kWritten;
+  record::TickRecord tick;
+  tick.action = record::TickAction::kWritten;
   tick.command.valid_elbow = true;
   tick.command.elbow_c = {0.1 + 0.52e-3, -1};
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kCartesianMotionGeneratorVelocityDiscontinuity, 20, 10, 2),
-                rt::CommandFate::kServed);
+                record::CommandFate::kServed);
   EXPECT_THAT(WorkOut(ReadEnd(motion_.Finish())).back(), HasSubstr("= 20 rad/s^2"));
 }
 
 TEST_F(RunEndTest, BlamesTheLossRightBeforeACommandThatJumps) {
   motion_.Serve(60).Lose(3, true);
   motion_.Abort(Of(RobotError::kJointMotionGeneratorAccelerationDiscontinuity, 5000, 3750),
-                rt::CommandFate::kServed);
+                record::CommandFate::kServed);
   EXPECT_THAT(
       JudgeLosses(ReadEnd(motion_.Finish())),
       AllOf(StartsWith("Likely"), HasSubstr("after 3 in a row"), HasSubstr("10 times the jerk")));
@@ -190,7 +190,7 @@ TEST_F(RunEndTest, ALossSomeCyclesBeforeIsPossibleOrUnlikely) {
   const auto judged = [&](int served_after, RobotError error) {
     SampleMotion motion(folder_ / "b.mcap");
     motion.Serve(60).Lose(3, true).Serve(served_after);
-    motion.Abort(Of(error, 5000, 3750), rt::CommandFate::kServed);
+    motion.Abort(Of(error, 5000, 3750), record::CommandFate::kServed);
     return JudgeLosses(ReadEnd(motion.Finish()));
   };
   const auto jerk = RobotError::kJointMotionGeneratorAccelerationDiscontinuity;
@@ -204,18 +204,18 @@ TEST_F(RunEndTest, ACycleThatItselfHadNoCommandIsTheLoss) {
   motion_.Serve(60).Lose(3, true);
   motion_.SetLost(4);
   motion_.Abort(Of(RobotError::kJointMotionGeneratorPositionLimitsViolation, 2, 1.7),
-                rt::CommandFate::kHeld);
+                record::CommandFate::kHeld);
   EXPECT_THAT(JudgeLosses(ReadEnd(motion_.Finish())), StartsWith("Yes: this cycle had no command"));
 }
 
 TEST_F(RunEndTest, SaysWhereTheCommandsOfHeldCyclesWent) {
   motion_.Serve(40).Lose(5, true).Lose(3, false);
-  rt::TickRecord silent;
-  silent.action = rt::TickAction::kSkipped;
+  record::TickRecord silent;
+  silent.action = record::TickAction::kSkipped;
   motion_.AnswerWith(silent).Lose(1, false);
   motion_.SetLost(10);
   motion_.Abort(Of(RobotError::kCommunicationConstraintsViolation, 20, 20, -1),
-                rt::CommandFate::kHeld);
+                record::CommandFate::kHeld);
   const RunEnd end = ReadEnd(motion_.Finish());
   EXPECT_THAT(CountFates(end),
               AllOf(StartsWith("40 cycles served, 10 held, 0 in which"),
@@ -228,16 +228,16 @@ TEST_F(RunEndTest, SaysWhereTheCommandsOfHeldCyclesWent) {
 
 TEST_F(RunEndTest, CountsTargetsThatWereUsedTwice) {
   motion_.Serve(60);
-  rt::TickRecord tick = Command(SampleMotion::Planned(61));
+  record::TickRecord tick = Command(SampleMotion::Planned(61));
   tick.deposit_time = Time(59 * kCycle + Duration(100'000));  // that of the answer before
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kJointMotionGeneratorAccelerationDiscontinuity, 5000, 3750),
-                rt::CommandFate::kServed);
+                record::CommandFate::kServed);
   EXPECT_THAT(CountTicks(ReadEnd(motion_.Finish())), HasSubstr("formed 1 of 51 commands"));
 }
 
 TEST_F(RunEndTest, AnUneventfulWorkstationIsWorthNoWord) {
-  motion_.Serve(60).Abort(Of(RobotError::kJointReflex, 30, 20), rt::CommandFate::kNone);
+  motion_.Serve(60).Abort(Of(RobotError::kJointReflex, 30, 20), record::CommandFate::kNone);
   EXPECT_EQ(CountTicks(ReadEnd(motion_.Finish())), "");
 }
 
@@ -247,7 +247,7 @@ TEST_F(RunEndTest, EveryErrorHasPanelsWithOneValuePerCycle) {
     for (const std::int8_t axis : {-1, 0, 1, 2, 5, 6}) {
       SampleMotion motion(folder_ / "b.mcap");
       motion.Serve(10);
-      motion.Abort(Of(static_cast<RobotError>(i), 7, 5, axis), rt::CommandFate::kServed);
+      motion.Abort(Of(static_cast<RobotError>(i), 7, 5, axis), record::CommandFate::kServed);
       const RunEnd end = ReadEnd(motion.Finish());
       const auto panels = EndPanels(end);
       ASSERT_FALSE(panels.empty()) << i << " axis " << int{axis};
@@ -293,7 +293,7 @@ TEST_F(RunEndTest, WhatBrokeItsLimitComesFirstWithValueAndLimit) {
         Case{RobotError::kTauJRangeViolation, 4, "joint 5: measured torque, gravity included"}}) {
     SampleMotion motion(folder_ / "b.mcap");
     motion.Serve(10);
-    motion.Abort(Of(c.error, -7, -5, c.axis), rt::CommandFate::kServed);
+    motion.Abort(Of(c.error, -7, -5, c.axis), record::CommandFate::kServed);
     const auto panels = EndPanels(ReadEnd(motion.Finish()));
     EXPECT_EQ(panels.front().title, c.title);
     EXPECT_EQ(panels.front().offender, -7) << c.title;
@@ -303,7 +303,7 @@ TEST_F(RunEndTest, WhatBrokeItsLimitComesFirstWithValueAndLimit) {
 
 TEST_F(RunEndTest, HeldCyclesAreShadedInTheFigure) {
   motion_.Serve(10).Lose(2, true);
-  motion_.Abort(Of(RobotError::kJointReflex, 30, 20), rt::CommandFate::kNone);
+  motion_.Abort(Of(RobotError::kJointReflex, 30, 20), record::CommandFate::kNone);
   const std::string script = EndScript(ReadEnd(motion_.Finish()));
   EXPECT_THAT(script, AllOf(HasSubstr("rectangle from first -2.5,graph 0 to first -1.5"),
                             HasSubstr("rectangle from first -1.5,graph 0 to first -0.5"),
@@ -311,7 +311,7 @@ TEST_F(RunEndTest, HeldCyclesAreShadedInTheFigure) {
 }
 
 TEST_F(RunEndTest, FindsTheClosestApproach) {
-  motion_.Serve(1000).Abort(Of(RobotError::kJointReflex, 30, 20), rt::CommandFate::kNone);
+  motion_.Serve(1000).Abort(Of(RobotError::kJointReflex, 30, 20), record::CommandFate::kNone);
   const RunEnd end = ReadEnd(motion_.Finish());
   double share = 0;
   for (const Approach& approach : end.approach.Closest()) {

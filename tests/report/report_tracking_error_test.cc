@@ -8,8 +8,8 @@ namespace twin::report {
 namespace {
 
 /// State k is measured at 0.1 k at joint 3.
-rt::CycleRecord Cycle(std::uint64_t k, ControllerMode mode) {
-  rt::CycleRecord cycle;
+record::CycleRecord Cycle(std::uint64_t k, ControllerMode mode) {
+  record::CycleRecord cycle;
   cycle.at = Time(kCycle * static_cast<std::int64_t>(k));
   cycle.state.message_id = k;
   cycle.state.controller_mode = mode;
@@ -19,14 +19,14 @@ rt::CycleRecord Cycle(std::uint64_t k, ControllerMode mode) {
 }
 
 /// The answer to state k wants 0.1 (k + 1) + 0.003 at joint 3.
-rt::TickRecord Tick(std::uint64_t k) {
-  rt::TickRecord tick;
+record::TickRecord Tick(std::uint64_t k) {
+  record::TickRecord tick;
   tick.message_id = k;
   tick.q_ext[2] = 0.1 * static_cast<double>(k + 1) + 0.003;
   return tick;
 }
 
-rt::CycleRecord TorqueCycle(std::uint64_t k) {
+record::CycleRecord TorqueCycle(std::uint64_t k) {
   return Cycle(k, ControllerMode::kExternalController);
 }
 
@@ -84,7 +84,7 @@ TEST(TrackingErrorTest, LeavesOutWhatHasNoPartner) {
   EXPECT_FALSE(tracking.Add(Tick(1)));
   EXPECT_FALSE(tracking.Add(TorqueCycle(3))) << "the answer to state 1 acts in cycle 2";
   EXPECT_FALSE(tracking.Add(TorqueCycle(2 + 4096))) << "another cycle in the same slot";
-  rt::TickRecord silent;
+  record::TickRecord silent;
   silent.message_id = 2;
   EXPECT_FALSE(tracking.Add(silent)) << "no target";
 }

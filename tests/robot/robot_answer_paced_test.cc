@@ -22,7 +22,7 @@
 
 #include "robot/robot_fixture.h"
 #include "twin/fci/datagrams.h"
-#include "twin/robot/make_plant.h"
+#include "twin/robot/robot_config.h"
 
 namespace twin::robot {
 namespace {
@@ -265,9 +265,9 @@ TEST_F(AnswerPacedRobotTest, AMotionThatWaitsForAnAnswerCanBeStopped) {
 
 TEST_F(AnswerPacedRobotTest, AStateTheLinkLosesIsNotWaitedFor) {
   RobotConfig config = Ideal();
-  rt::ScriptedLoss script;
+  faults::ScriptedLoss script;
   for (std::uint64_t first = 10; first < 100000; first += 10) script.runs.push_back({first, 2});
-  config.link.state.loss = rt::LossModel(script);
+  config.link.state.loss = faults::LossModel(script);
   Make(config, kFreeze);
   const std::vector<RobotState> states = Drive(Start());
   int gaps = 0;
@@ -353,7 +353,7 @@ class FrozenSessionTest : public AnswerPacedRobotTest {
     const auto rest = [&] { std::this_thread::sleep_for(pause); };
     RobotConfig config = test::PandaRobot();  // MuJoCo, with noise
     config.link = {};
-    config.link.command.loss = rt::LossModel(rt::IndependentLoss{0.05});
+    config.link.command.loss = faults::LossModel(faults::IndependentLoss{0.05});
     config.plant.noise.q_rad = 1e-6;
     config.seed = 7;
     Make(config, kFreeze);

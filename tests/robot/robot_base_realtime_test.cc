@@ -13,7 +13,7 @@
 #include "robot/robot_fixture.h"
 #include "support/husky.h"
 #include "twin/robot/realtime_robot.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::robot {
 namespace {

@@ -23,7 +23,7 @@ using std::chrono::seconds;
 constexpr double kDegree = std::numbers::pi / 180;
 
 /// A drive of a quarter of a minute at most: the robot, where its base really is, and its records.
-class Ride : public rt::RecordSink {
+class Ride : public record::RecordSink {
  public:
   explicit Ride(const BasePose& start = {}) {
     RobotConfig config = test::PandaRobot();
@@ -74,7 +74,7 @@ class Ride : public rt::RecordSink {
  private:
   [[nodiscard]] const double* velocity() const { return plant_->data().qvel; }
 
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     states.push_back(*record.base);
     if (!first_) first_ = record.state.O_T_EE;
     double square = 0;
@@ -85,7 +85,7 @@ class Ride : public rt::RecordSink {
     top_speed = std::max(top_speed, Speed());
     violated = violated || record.violated;
   }
-  void Put(const rt::TickRecord&) noexcept override {}
+  void Put(const record::TickRecord&) noexcept override {}
 
   rt::EventQueue events_;
   test::Deaf deaf_;

@@ -48,13 +48,13 @@ class WildClient final : public rt::EventHandler {
   std::uint64_t answered_ = 0;
 };
 
-class Tally final : public rt::RecordSink {
+class Tally final : public record::RecordSink {
  public:
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     if (record.violated && violations++ == 0) first = record.violation;
-    served += record.fate == rt::CommandFate::kServed ? 1 : 0;
+    served += record.fate == record::CommandFate::kServed ? 1 : 0;
   }
-  void Put(const rt::TickRecord&) noexcept override {}
+  void Put(const record::TickRecord&) noexcept override {}
   int violations = 0;
   int served = 0;
   Violation first;
@@ -65,9 +65,9 @@ class CommandKeeperTest : public ::testing::TestWithParam<MotionGeneratorMode> {
   [[nodiscard]] static Tally Run(std::optional<int> viability) {
     RobotConfig config = test::PandaRobot();
     config.viability = viability;
-    rt::ScriptedLoss bursts;
+    faults::ScriptedLoss bursts;
     for (std::uint64_t k = 1; k < 20; ++k) bursts.runs.push_back({97 * k, 19});
-    config.link.command.loss = rt::LossModel(bursts);
+    config.link.command.loss = faults::LossModel(bursts);
     rt::EventQueue events;
     WildClient client;
     Tally tally;

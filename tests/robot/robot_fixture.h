@@ -23,8 +23,10 @@ inline robot::RobotConfig PandaRobot() {
                                   0.205544064, 0.205544064, 0.205544064};
   config.plant.urdf = TWIN_SOURCE_DIR "/models/robots/panda/panda.urdf";
   config.plant.hand = plant::HandKind::kNone;
-  config.link.state.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::microseconds(80)});
-  config.link.command.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::microseconds(80)});
+  config.link.state.delay =
+      faults::DelayModel(faults::ConstantDelay{std::chrono::microseconds(80)});
+  config.link.command.delay =
+      faults::DelayModel(faults::ConstantDelay{std::chrono::microseconds(80)});
   config.q_start = kReady;
   return config;
 }

@@ -56,7 +56,7 @@ TEST(StateLinkTest, DeliversAfterTheDelay) {
   rt::EventQueue events;
   Listener listener;
   LinkConfig config;
-  config.state.delay = rt::DelayModel(rt::ConstantDelay{microseconds(250)});
+  config.state.delay = faults::DelayModel(faults::ConstantDelay{microseconds(250)});
   StateLink link(config, 1, events, listener);
   link.Send(State(1));
   EXPECT_FALSE(link.has_new());
@@ -71,7 +71,7 @@ TEST(StateLinkTest, ANewerStateWinsOverOneThatItOvertook) {
   rt::EventQueue events;
   Listener listener;
   LinkConfig config;
-  config.state.delay = rt::DelayModel(rt::LogNormalDelay{milliseconds(2), 1.5, {}});
+  config.state.delay = faults::DelayModel(faults::LogNormalDelay{milliseconds(2), 1.5, {}});
   StateLink link(config, 3, events, listener);
   for (std::uint64_t id = 1; id <= 200; ++id) link.Send(State(id));
   while (events.RunNext()) {
@@ -89,7 +89,7 @@ TEST(StateLinkTest, LosesTheConfiguredShareAndTheSameMessagesForTheSameSeed) {
     rt::EventQueue events;
     Listener listener;
     LinkConfig config;
-    config.state.loss = rt::LossModel(rt::IndependentLoss{0.1});
+    config.state.loss = faults::LossModel(faults::IndependentLoss{0.1});
     StateLink link(config, seed, events, listener);
     for (std::uint64_t id = 1; id <= 10000; ++id) {
       link.Send(State(id));
@@ -108,7 +108,7 @@ TEST(StateLinkTest, AStateThatWouldTakeLongerThanAnyUseOfItIsLost) {
   rt::EventQueue events;
   Listener listener;
   LinkConfig config;
-  config.state.delay = rt::DelayModel(rt::ConstantDelay{std::chrono::seconds(1)});
+  config.state.delay = faults::DelayModel(faults::ConstantDelay{std::chrono::seconds(1)});
   StateLink link(config, 1, events, listener);
   link.Send(State(1));
   EXPECT_FALSE(events.RunNext());
@@ -118,7 +118,7 @@ TEST(CommandLinkTest, PutsCommandsIntoTheInboxWithTheirArrival) {
   rt::EventQueue events;
   onboard::CommandInbox inbox;
   LinkConfig config;
-  config.command.delay = rt::DelayModel(rt::ConstantDelay{microseconds(300)});
+  config.command.delay = faults::DelayModel(faults::ConstantDelay{microseconds(300)});
   CommandLink link(config, 1, events, inbox);
   RobotCommand command;
   command.message_id = 9;
@@ -132,8 +132,9 @@ TEST(StateLinkTest, DelayAndIndependentLossAreTheDrawsForItsId) {
   rt::EventQueue events;
   Listener listener;
   LinkConfig config;
-  config.state.delay = rt::DelayModel(rt::LogNormalDelay{microseconds(50), 0.5, microseconds(30)});
-  config.state.loss = rt::LossModel(rt::IndependentLoss{0.2});
+  config.state.delay =
+      faults::DelayModel(faults::LogNormalDelay{microseconds(50), 0.5, microseconds(30)});
+  config.state.loss = faults::LossModel(faults::IndependentLoss{0.2});
   StateLink link(config, 17, events, listener);
   std::vector<std::uint64_t> ids;
   std::vector<Time> times;
@@ -157,7 +158,7 @@ TEST(StateLinkTest, TellsOfADuplicatedStateOnce) {
   Listener listener;
   LinkConfig config;
   config.state.duplication = 1;
-  config.state.duplicate_delay = rt::DelayModel(rt::ConstantDelay{microseconds(200)});
+  config.state.duplicate_delay = faults::DelayModel(faults::ConstantDelay{microseconds(200)});
   StateLink link(config, 1, events, listener);
   link.Send(State(1));
   EXPECT_EQ(events.pending(), 2u);
@@ -196,7 +197,7 @@ TEST(StateLinkTest, LosesTheStatesOfAScript) {
   rt::EventQueue events;
   Listener listener;
   LinkConfig config;
-  config.state.loss = rt::LossModel(rt::ScriptedLoss{{{2, 1}, {4, 2}}});
+  config.state.loss = faults::LossModel(faults::ScriptedLoss{{{2, 1}, {4, 2}}});
   StateLink link(config, 1, events, listener);
   for (std::uint64_t id = 1; id <= 7; ++id) link.Send(State(id));
   while (events.RunNext()) {
@@ -222,7 +223,7 @@ TEST(CommandLinkTest, PutsBothCopiesOfADuplicatedCommandIntoTheInbox) {
   onboard::CommandInbox inbox;
   LinkConfig config;
   config.command.duplication = 1;
-  config.command.duplicate_delay = rt::DelayModel(rt::ConstantDelay{microseconds(200)});
+  config.command.duplicate_delay = faults::DelayModel(faults::ConstantDelay{microseconds(200)});
   CommandLink link(config, 1, events, inbox);
   link.Send(Command(9, 0.5));
   while (events.RunNext()) {
@@ -238,7 +239,8 @@ TEST(CommandLinkTest, ACopyThatWouldTakeTooLongDoesNotTakeTheFirstWithIt) {
   onboard::CommandInbox inbox;
   LinkConfig config;
   config.command.duplication = 1;
-  config.command.duplicate_delay = rt::DelayModel(rt::ConstantDelay{std::chrono::seconds(1)});
+  config.command.duplicate_delay =
+      faults::DelayModel(faults::ConstantDelay{std::chrono::seconds(1)});
   CommandLink link(config, 1, events, inbox);
   link.Send(Command(9));
   EXPECT_EQ(events.pending(), 1u);
@@ -267,8 +269,8 @@ TEST(CommandLinkTest, ACommandHeldBackArrivesAfterItsSuccessor) {
 
 TEST(CommandLinkTest, ASecondAnswerToAStateIsLostOrNotOnItsOwn) {
   LinkConfig config;
-  config.command.loss = rt::LossModel(rt::IndependentLoss{0.5});
-  config.command.delay = rt::DelayModel(rt::LogNormalDelay{microseconds(50), 1, {}});
+  config.command.loss = faults::LossModel(faults::IndependentLoss{0.5});
+  config.command.delay = faults::DelayModel(faults::LogNormalDelay{microseconds(50), 1, {}});
   const auto arrivals = [&] {
     rt::EventQueue events;
     onboard::CommandInbox inbox;
@@ -299,7 +301,7 @@ TEST(CommandLinkTest, ASecondAnswerToAStateIsLostOrNotOnItsOwn) {
 
 TEST(CommandLinkTest, WhatHappensToACommandDoesNotDependOnThoseBefore) {
   LinkConfig config;
-  config.command.loss = rt::LossModel(rt::GilbertElliottLoss{0.05, 0.3, 0.01, 0.9});
+  config.command.loss = faults::LossModel(faults::GilbertElliottLoss{0.05, 0.3, 0.01, 0.9});
   const auto lost = [&](std::uint64_t step) {
     rt::EventQueue events;
     onboard::CommandInbox inbox;
@@ -321,7 +323,7 @@ TEST(CommandLinkTest, LosesWhatExceedsItsRoomAndTakesMoreOnceSomeHasArrived) {
   rt::EventQueue events;
   onboard::CommandInbox inbox;
   LinkConfig config;
-  config.command.delay = rt::DelayModel(rt::ConstantDelay{milliseconds(200)});
+  config.command.delay = faults::DelayModel(faults::ConstantDelay{milliseconds(200)});
   CommandLink link(config, 1, events, inbox);
   for (std::size_t i = 0; i < kCapacity + 10; ++i) link.Send(Command(i));
   EXPECT_EQ(events.pending(), kCapacity);
@@ -339,10 +341,10 @@ TEST(LinkTest, SendsAndDeliversWithoutAllocation) {
   } nobody;
   LinkConfig config;
   for (DirectionConfig* direction : {&config.state, &config.command}) {
-    direction->delay = rt::DelayModel(rt::GammaDelay{2, milliseconds(1), microseconds(50)});
-    direction->loss = rt::LossModel(rt::GilbertElliottLoss{0.02, 0.2, 0.01, 0.9});
+    direction->delay = faults::DelayModel(faults::GammaDelay{2, milliseconds(1), microseconds(50)});
+    direction->loss = faults::LossModel(faults::GilbertElliottLoss{0.02, 0.2, 0.01, 0.9});
     direction->duplication = 0.3;
-    direction->duplicate_delay = rt::DelayModel(rt::ConstantDelay{milliseconds(2)});
+    direction->duplicate_delay = faults::DelayModel(faults::ConstantDelay{milliseconds(2)});
     direction->reordering = 0.2;
     direction->reorder_by = milliseconds(3);
   }

@@ -24,7 +24,7 @@
 #include "support/undisturbed.h"
 #include "twin/core/error.h"
 #include "twin/robot/realtime_robot.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::robot {
 namespace {
@@ -59,20 +59,20 @@ struct Cycle {
   std::uint64_t id = 0;
   Time at{};
   Time put{};  ///< wall time of the record
-  rt::CommandFate fate{};
+  record::CommandFate fate{};
 };
 
 /// Keeps the cycles, without allocating.
-class Cycles final : public rt::RecordSink {
+class Cycles final : public record::RecordSink {
  public:
   explicit Cycles(const MonotonicClock& clock) : clock_(clock) { kept_.reserve(kMost); }
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     if (kept_.size() < kMost) {
       kept_.push_back({record.state.message_id, record.at, clock_.Now(), record.fate});
     }
     count_.store(record.state.message_id, std::memory_order_release);
   }
-  void Put(const rt::TickRecord&) noexcept override {}
+  void Put(const record::TickRecord&) noexcept override {}
   /// While no robot runs.
   void Clear() {
     kept_.clear();
@@ -197,7 +197,7 @@ TEST_F(RealtimeRobotTest, ARobotThatNeverKeepsUpCountsWhatItSkipsAndStillAnswers
 
 TEST_F(RealtimeRobotTest, AStateArrivesOnlyAfterItsDelay) {
   RobotConfig config = test::PandaRobot();
-  config.link.state.delay = rt::DelayModel(rt::ConstantDelay{microseconds(2300)});
+  config.link.state.delay = faults::DelayModel(faults::ConstantDelay{microseconds(2300)});
   Make(config);
   std::vector<std::pair<std::uint64_t, Time>> arrivals;
   robot_->Begin();
@@ -226,11 +226,11 @@ int CountServed(const std::vector<Cycle>& cycles, const std::vector<WriteTime>& 
   int served = 0;
   bool running = false;
   for (const Cycle& cycle : cycles) {
-    const bool in_motion = cycle.fate != rt::CommandFate::kNone;
+    const bool in_motion = cycle.fate != record::CommandFate::kNone;
     if (running && !in_motion) break;  // ended, by too many losses in a row
     running = in_motion;
     const auto& [earliest, latest] = writes.at(cycle.id - 1);
-    if (cycle.fate == rt::CommandFate::kServed) {
+    if (cycle.fate == record::CommandFate::kServed) {
       ++served;
       EXPECT_LE(earliest, cycle.at - way) << "cycle " << cycle.id << " took a late command";
     } else if (running) {
@@ -243,7 +243,7 @@ int CountServed(const std::vector<Cycle>& cycles, const std::vector<WriteTime>& 
 TEST_F(RealtimeRobotTest, ServesExactlyTheCyclesWhoseCommandArrivedInTime) {
   RobotConfig config = test::PandaRobot();
   const Duration delay = microseconds(120);
-  config.link.command.delay = rt::DelayModel(rt::ConstantDelay{delay});
+  config.link.command.delay = faults::DelayModel(faults::ConstantDelay{delay});
   config.link.d_INT = microseconds(150);
   Make(config);
   ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
@@ -368,7 +368,7 @@ TEST_F(RealtimeRobotTest, CommandsBeyondTheRingAreLostAndCounted) {
 
 TEST_F(RealtimeRobotTest, ACommandWrittenBeforeTheBeginIsLost) {
   RobotConfig config = test::PandaRobot();
-  config.link.command.delay = rt::DelayModel();
+  config.link.command.delay = faults::DelayModel();
   Make(config);
   ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
   for (std::uint64_t id = 0; id < 20; ++id) {
@@ -380,7 +380,7 @@ TEST_F(RealtimeRobotTest, ACommandWrittenBeforeTheBeginIsLost) {
   robot_->Begin();
   AwaitCycle(20);
   robot_->End();
-  for (const Cycle& cycle : cycles_.kept()) EXPECT_EQ(cycle.fate, rt::CommandFate::kNone);
+  for (const Cycle& cycle : cycles_.kept()) EXPECT_EQ(cycle.fate, record::CommandFate::kNone);
 }
 
 TEST_F(RealtimeRobotTest, NothingHappensAfterItsEnd) {

@@ -44,11 +44,11 @@ class Workstation final : public rt::EventHandler {
 };
 
 /// Keeps the last cycle.
-class LastCycle final : public rt::RecordSink {
+class LastCycle final : public record::RecordSink {
  public:
-  void Put(const rt::CycleRecord& record) noexcept override { last = record; }
-  void Put(const rt::TickRecord&) noexcept override {}
-  rt::CycleRecord last;
+  void Put(const record::CycleRecord& record) noexcept override { last = record; }
+  void Put(const record::TickRecord&) noexcept override {}
+  record::CycleRecord last;
 };
 
 /// Keeps the steps before which it was told of a motion.
@@ -106,7 +106,8 @@ TEST_F(RobotTest, TakesACommandThatArrivesExactlyAtTheDeadlineAndDropsALaterOne)
     Make(config, std::make_unique<plant::IdealPlant>());
     ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
     RunFor(milliseconds(20));
-    EXPECT_EQ(cycle_.last.fate, late_ns == 0 ? rt::CommandFate::kServed : rt::CommandFate::kNone);
+    EXPECT_EQ(cycle_.last.fate,
+              late_ns == 0 ? record::CommandFate::kServed : record::CommandFate::kNone);
     EXPECT_EQ(cycle_.last.dropped, late_ns == 0 ? 0u : 1u);
   }
 }
@@ -128,7 +129,7 @@ TEST_F(RobotTest, TellsThePlantOfEachMotionInTheCycleThatTakesItsFirstCommand) {
     ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
     do {
       RunFor(milliseconds(1));
-    } while (cycle_.last.fate != rt::CommandFate::kServed && in_motion());
+    } while (cycle_.last.fate != record::CommandFate::kServed && in_motion());
     first_served.push_back(cycle_.last.state.message_id);
     RunFor(milliseconds(30));
     robot_->StopMove();
@@ -196,7 +197,7 @@ TEST_F(RobotTest, APostponedCycleTakesTheCommandThatArrivedMeanwhile) {
   while (events_.Now() < Time(milliseconds(9))) ASSERT_TRUE(events_.RunNext());
   EXPECT_EQ(cycle_.last.at, Time(milliseconds(9)));
   EXPECT_EQ(cycle_.last.state.message_id, 6u);
-  EXPECT_EQ(cycle_.last.fate, rt::CommandFate::kServed);
+  EXPECT_EQ(cycle_.last.fate, record::CommandFate::kServed);
 }
 
 TEST_F(RobotTest, HoldsStillAtRestForTenSeconds) {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "support/realtime_guard.h"
-#include "twin/rt/kernel_stamp.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::rt {
 namespace {

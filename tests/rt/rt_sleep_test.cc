@@ -1,4 +1,4 @@
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 #include <gtest/gtest.h>
 #include <pthread.h>

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "controllers/registration.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "twin/model/arm_model.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 #include "twin/run/run.h"
 #include "twin/scenario/robot_data.h"
 
@@ -47,20 +47,20 @@ struct Outcome {
 };
 
 /// Compares each cycle with the plan at the same time.
-class PlanWatch final : public rt::RecordSink {
+class PlanWatch final : public record::RecordSink {
  public:
   PlanWatch(const reference::Trajectory& plan, const scenario::ControllerSection& source,
             bool as_pose)
       : plan_(plan), clock_rate_(1 + 1e-6 * source.clock_drift_ppm), as_pose_(as_pose) {}
 
-  void Put(const rt::CycleRecord& cycle) noexcept override {
-    if (!begin_ || cycle.fate == rt::CommandFate::kNone) return;
+  void Put(const record::CycleRecord& cycle) noexcept override {
+    if (!begin_ || cycle.fate == record::CommandFate::kNone) return;
     const Duration since = cycle.at - *begin_;
     const auto t = Duration(std::llround(clock_rate_ * static_cast<double>(since.count())));
     last_ = Distance(cycle.state, plan_.Sample(t).q);
     largest_ = std::max(largest_, last_);
   }
-  void Put(const rt::TickRecord& tick) noexcept override {
+  void Put(const record::TickRecord& tick) noexcept override {
     if (!begin_ && tick.deposit_time != Time()) begin_ = tick.deposit_time;
   }
   [[nodiscard]] double largest() const { return largest_; }
@@ -100,7 +100,7 @@ class Bench {
     scenario::Scenario scenario = scenario::Load(models_ / "scenarios" / "brisk.yaml");
     const bool by_torque = interface == CommandInterface::kTorque;
     scenario.tick = by_torque ? scenario::TorqueTick() : scenario::TickSection();
-    scenario.tick.cost = {rt::ConstantDelay{std::chrono::microseconds(13)}};
+    scenario.tick.cost = {faults::ConstantDelay{std::chrono::microseconds(13)}};
     scenario.record = false;
     if (!by_torque) scenario.plant.kind = robot::PlantKind::kIdeal;
     if (by_torque) {
@@ -153,8 +153,8 @@ inline scenario::Loss BurstsOf(std::uint64_t length) {
 
 /// `share` of the wake-ups late, by up to `most`, evenly.
 inline scenario::Delay LateWakes(double share, Duration most) {
-  return {rt::EmpiricalDelay{{Duration::zero(), std::chrono::microseconds(20), most},
-                             {1 - share, share}}};
+  return {faults::EmpiricalDelay{{Duration::zero(), std::chrono::microseconds(20), most},
+                                 {1 - share, share}}};
 }
 
 }  // namespace chain_runs

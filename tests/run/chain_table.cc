@@ -53,7 +53,7 @@ std::vector<Fault> Faults() {
   }
   faults.push_back(
       {"4 us of jitter, 50 ppm of drift", [](scenario::Scenario& s) {
-         s.controller.wake_delay = {rt::NormalDelay{microseconds(20), microseconds(4)}};
+         s.controller.wake_delay = {faults::NormalDelay{microseconds(20), microseconds(4)}};
          s.controller.clock_drift_ppm = 50;
          s.controller.phase = microseconds(920);
        }});
@@ -62,7 +62,7 @@ std::vector<Fault> Faults() {
                     }});
   for (const int ms : {2, 5, 10, 20, 50, 100, 200, 500}) {
     faults.push_back({fmt::format("0.2 % of wake-ups {} ms late", ms), [ms](scenario::Scenario& s) {
-                        s.controller.wake_delay = {rt::EmpiricalDelay{
+                        s.controller.wake_delay = {faults::EmpiricalDelay{
                             {Duration::zero(), microseconds(20), milliseconds(ms),
                              milliseconds(ms) + microseconds(1)},
                             {998, 0, 2}}};

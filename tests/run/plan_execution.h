@@ -8,7 +8,7 @@
 #include <string>
 
 #include "controllers/registration.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "support/panda_limits.h"
 #include "twin/planning/random_goal.h"
 #include "twin/plant/contact_watch.h"
@@ -18,15 +18,15 @@ namespace twin::run::test {
 
 /// What a run was seen to do, from outside: what the arm touched, by ground truth, and how far it
 /// was from where it was to be.
-class Watcher final : public rt::RecordSink {
+class Watcher final : public record::RecordSink {
  public:
   void Watch(const plant::TruthProbe& truth) { contacts_.emplace(truth); }
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     contacts_->Look(record.at);
     q_ = record.state.q;
   }
-  void Put(const rt::TickRecord& record) noexcept override {
-    if (record.action != rt::TickAction::kWritten) return;
+  void Put(const record::TickRecord& record) noexcept override {
+    if (record.action != record::TickAction::kWritten) return;
     for (std::size_t i = 0; i < kJoints; ++i) {
       off_ = std::max(off_, std::abs(record.q_ext[i] - q_[i]));
     }

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "controllers/registration.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "twin/core/error.h"
 #include "twin/run/run.h"
 #include "twin/run/session.h"
@@ -63,9 +63,9 @@ motion:
 }
 
 /// What the base was, cycle by cycle, and how far the arm went from where it began.
-class Watch final : public rt::RecordSink {
+class Watch final : public record::RecordSink {
  public:
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     if (record.base) states.push_back(*record.base);
     if (!first_) first_ = record.state.O_T_EE;
     double square = 0;
@@ -74,7 +74,7 @@ class Watch final : public rt::RecordSink {
     }
     arm_way = std::max(arm_way, std::sqrt(square));
   }
-  void Put(const rt::TickRecord& /*record*/) noexcept override {}
+  void Put(const record::TickRecord& /*record*/) noexcept override {}
 
   std::vector<BaseState> states;
   double arm_way = 0;  ///< in O, m
@@ -90,7 +90,7 @@ class BaseRunTest : public ::testing::Test {
     controllers::RegisterControllers(controllers_);
   }
   [[nodiscard]] RunResult Execute(const scenario::Scenario& scenario,
-                                  rt::RecordSink* sink = nullptr) const {
+                                  record::RecordSink* sink = nullptr) const {
     run::Run run(scenario, {backends_, controllers_}, files_, sink);
     return run.Execute();
   }

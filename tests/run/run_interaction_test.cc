@@ -10,7 +10,7 @@
 #include <mujoco/mujoco.h>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
 #include "twin/plant/truth_probe.h"
@@ -22,10 +22,10 @@ namespace {
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 300ms
 
 /// Keeps all states of a run.
-class States final : public rt::RecordSink {
+class States final : public record::RecordSink {
  public:
-  void Put(const rt::CycleRecord& record) noexcept override { states.push_back(record.state); }
-  void Put(const rt::TickRecord& /*record*/) noexcept override {}
+  void Put(const record::CycleRecord& record) noexcept override { states.push_back(record.state); }
+  void Put(const record::TickRecord& /*record*/) noexcept override {}
 
   /// State k is of k ms.
   [[nodiscard]] const RobotState& At(Duration t) const {

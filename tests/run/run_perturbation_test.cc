@@ -26,19 +26,19 @@ constexpr Duration kPushDuration = 400ms;
 enum class Place : std::uint8_t { kLockstep, kServedInLockstep, kRealtime };
 
 /// Keeps what the robot measured, and the cycles that took a motion's first command.
-class Cycles final : public rt::RecordSink {
+class Cycles final : public record::RecordSink {
  public:
   Cycles() { measured.reserve(100'000); }
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     if (measured.size() == measured.capacity()) return;
-    const bool in_motion = record.fate != rt::CommandFate::kNone;
+    const bool in_motion = record.fate != record::CommandFate::kNone;
     if (in_motion && !was_in_motion_ && motions < begins.size()) {
       begins[motions++] = measured.size();
     }
     was_in_motion_ = in_motion;
     measured.push_back(record.state);
   }
-  void Put(const rt::TickRecord& /*record*/) noexcept override {}
+  void Put(const record::TickRecord& /*record*/) noexcept override {}
 
   /// Of the `motion`-th motion, from its first cycle to the next one's, or to the end.
   [[nodiscard]] std::vector<RobotState> Of(std::size_t motion) const {

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "plugins/fci/fci_backend.h"
+#include "plugins/backends.h"
 #include "run/plan_execution.h"
 #include "support/undisturbed.h"
 #include "twin/server/served_robot.h"

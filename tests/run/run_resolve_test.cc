@@ -110,8 +110,8 @@ TEST_F(PlanTest, TellsTheLinkAllTheScenarioSays) {
   EXPECT_EQ(link.state.reorder_by, 1500us);
   EXPECT_DOUBLE_EQ(link.command.reordering, 0.002);
   EXPECT_EQ(link.command.reorder_by, 2500us);
-  EXPECT_EQ(std::get<rt::IndependentLoss>(link.state.loss.parameters()).probability, 0.001);
-  EXPECT_EQ(std::get<rt::GilbertElliottLoss>(link.command.loss.parameters()).bad_to_good, 0.25);
+  EXPECT_EQ(std::get<faults::IndependentLoss>(link.state.loss.parameters()).probability, 0.001);
+  EXPECT_EQ(std::get<faults::GilbertElliottLoss>(link.command.loss.parameters()).bad_to_good, 0.25);
   // The two directions' delays are told apart by what they draw.
   const Random random(1, RandomStream::kTest);
   EXPECT_EQ(link.command.delay.Draw(random, 1), 95'500ns);

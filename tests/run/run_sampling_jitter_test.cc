@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "twin/run/run.h"
 
 namespace twin::run {
@@ -45,9 +45,9 @@ class ScenarioSamplingJitterTest : public ::testing::TestWithParam<std::uint64_t
     scenario.tick.viability.reset();
     scenario.link.state = {};
     scenario.link.command = {};
-    scenario.link.state.delay.law = rt::ConstantDelay{microseconds(80)};
-    scenario.controller.cost.law = rt::ConstantDelay{microseconds(60)};
-    scenario.controller.wake_delay.law = rt::NormalDelay{microseconds(20), microseconds(4)};
+    scenario.link.state.delay.law = faults::ConstantDelay{microseconds(80)};
+    scenario.controller.cost.law = faults::ConstantDelay{microseconds(60)};
+    scenario.controller.wake_delay.law = faults::NormalDelay{microseconds(20), microseconds(4)};
     scenario.controller.clock_drift_ppm = way.clock_drift_ppm;
     if (way.phase) scenario.controller.phase = *way.phase;
     run::Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, nullptr);

@@ -12,7 +12,7 @@
 
 #include "twin/core/error.h"
 #include "twin/reference/trajectory.h"
-#include "twin/rt/arrival.h"
+#include "twin/rt/signal.h"
 
 namespace twin::run {
 namespace {

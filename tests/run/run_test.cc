@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "scenario/scenario_examples.h"
 #include "twin/core/error.h"
 
@@ -89,7 +89,7 @@ TEST_F(AssemblyTest, RunsTheVelocityInterface) {
 
 TEST_F(AssemblyTest, ReportsAMotionThatLosesAllItsCommands) {
   scenario::Scenario scenario = ShortScenario();
-  scenario.link.command.delay = {rt::ConstantDelay{std::chrono::milliseconds(2)}};
+  scenario.link.command.delay = {faults::ConstantDelay{std::chrono::milliseconds(2)}};
   const RunResult result = Execute(scenario);
   EXPECT_NE(result.report.end, backend::MotionEnd::kSuccess);
   EXPECT_FALSE(result.report.failure.empty());
@@ -135,7 +135,7 @@ TEST_F(AssemblyTest, NamesWhatThereIsForAnUnknownBackendOrController) {
   scenario::Scenario scenario = ShortScenario();
   scenario.backend = "gazebo";
   EXPECT_THAT([&] { (void)Execute(scenario); },
-              ThrowsMessage<InputError>(HasSubstr("there is: mujoco")));
+              ThrowsMessage<InputError>(HasSubstr("there are: mujoco")));
   scenario = ShortScenario();
   scenario.controller.type = "pid";
   EXPECT_THAT([&] { (void)Execute(scenario); },

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/emulated/mujoco_backend.h"
+#include "plugins/backends.h"
 #include "twin/run/run.h"
 
 namespace twin::run {
@@ -38,8 +38,8 @@ class ScenarioViabilityTest : public ::testing::TestWithParam<std::uint64_t> {
     scenario.plant.kind = robot::PlantKind::kIdeal;
     scenario.motion.interface = control::CommandInterface::kJointPosition;
     scenario.tick.generator = loop::Generator::kJoint;
-    scenario.link.state.delay.law = rt::ConstantDelay{microseconds(80)};
-    scenario.controller.wake_delay.law = rt::NormalDelay{microseconds(20), microseconds(4)};
+    scenario.link.state.delay.law = faults::ConstantDelay{microseconds(80)};
+    scenario.controller.wake_delay.law = faults::NormalDelay{microseconds(20), microseconds(4)};
     return scenario;
   }
   /// Runs of lost commands, `longest` of them in a row, every 211 ms.
@@ -166,7 +166,7 @@ TEST_P(ScenarioViabilityTest, AdmissibleVelocitiesPassBitByBit) {
   scenario::Scenario scenario = Brisk();
   scenario.motion.interface = control::CommandInterface::kJointVelocity;
   scenario.tick.generator = loop::Generator::kNone;
-  scenario.controller.wake_delay.law = rt::ConstantDelay{microseconds(20)};
+  scenario.controller.wake_delay.law = faults::ConstantDelay{microseconds(20)};
   const RunResult without = Run(scenario);
   scenario.tick.viability = 19;
   const RunResult with = Run(scenario);

@@ -13,8 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "controllers/joint_trajectory.h"
-#include "plugins/emulated/mujoco_backend.h"
-#include "plugins/fci/fci_backend.h"
+#include "plugins/backends.h"
 #include "twin/run/session.h"
 #include "twin/server/served_robot.h"
 
@@ -64,18 +63,18 @@ class Jumper final : public control::Controller {
 };
 
 /// Keeps the records that tell two runs apart.
-class Log final : public rt::RecordSink {
+class Log final : public record::RecordSink {
  public:
   Log() {
     cycles.reserve(100'000);
     targets.reserve(100'000);
   }
-  void Put(const rt::CycleRecord& record) noexcept override {
+  void Put(const record::CycleRecord& record) noexcept override {
     if (cycles.size() < cycles.capacity()) cycles.push_back(record.state);
   }
-  void Put(const rt::TickRecord& record) noexcept override {
+  void Put(const record::TickRecord& record) noexcept override {
     ++ticks;
-    const bool written = record.action == rt::TickAction::kWritten;
+    const bool written = record.action == record::TickAction::kWritten;
     if (written && targets.size() < targets.capacity()) targets.push_back(record.q_ext[0]);
   }
 
@@ -101,16 +100,16 @@ class SessionFixture : public ::testing::Test {
   }
 
   [[nodiscard]] std::unique_ptr<run::Session> Open(
-      const scenario::Scenario& scenario, rt::RecordSink* sink = nullptr,
+      const scenario::Scenario& scenario, record::RecordSink* sink = nullptr,
       const run::RealtimeSettings& settings = {}) const {
     return std::make_unique<run::Session>(scenario, run::Catalogue{backends_, controllers_}, files_,
                                           sink, settings);
   }
 
   /// A robot in this process, served at free ports; frozen when idle where states keep its time.
-  [[nodiscard]] std::unique_ptr<server::ServedRobot> Serve(const scenario::Scenario& scenario,
-                                                           backend::RobotTime time,
-                                                           rt::RecordSink* sink = nullptr) const {
+  [[nodiscard]] std::unique_ptr<server::ServedRobot> Serve(
+      const scenario::Scenario& scenario, backend::RobotTime time,
+      record::RecordSink* sink = nullptr) const {
     server::ServedRobotSettings settings{.takes_free_ports = true, .sink = sink};
     if (time == backend::RobotTime::kStates) settings.lockstep = {.freeze_when_idle = true};
     const robot::RobotConfig config = run::MakeServedConfig(scenario, files_);

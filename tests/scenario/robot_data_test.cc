@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "plant/file_bytes.h"
-#include "plant/friction.h"
+#include "plant/joint_parameters.h"
 #include "plant/robot_description.h"
 #include "twin/core/error.h"
-#include "twin/model/payload.h"
+#include "twin/model/mass_properties.h"
 
 namespace twin::scenario {
 namespace {

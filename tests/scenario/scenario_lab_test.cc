@@ -67,8 +67,8 @@ controller: {cost: 20 us}
   expected.plant.base_tilt.roll = 1 * 3.14159265358979323846 / 180;
   expected.plant.friction = plant::FrictionProfile::kBreakaway;
   expected.link.command.loss = {IndependentLoss{0.5}};
-  expected.link.state.delay = {rt::ConstantDelay{std::chrono::microseconds(80)}};
-  expected.controller.cost = {rt::ConstantDelay{std::chrono::microseconds(20)}};
+  expected.link.state.delay = {faults::ConstantDelay{std::chrono::microseconds(80)}};
+  expected.controller.cost = {faults::ConstantDelay{std::chrono::microseconds(20)}};
   EXPECT_DOUBLE_EQ(there.plant.base_tilt.roll, expected.plant.base_tilt.roll);
   expected.plant.base_tilt = there.plant.base_tilt;
   EXPECT_EQ(there, expected);

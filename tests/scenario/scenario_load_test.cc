@@ -6,7 +6,7 @@
 
 #include "twin/core/random.h"
 #include "twin/model/arm_model.h"
-#include "twin/model/payload.h"
+#include "twin/model/mass_properties.h"
 #include "twin/onboard/onboard_controller.h"
 #include "twin/run/run.h"
 

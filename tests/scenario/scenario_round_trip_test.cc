@@ -34,12 +34,12 @@ TEST(ScenarioTest, ReadsEveryKey) {
   EXPECT_EQ(s.plant.friction, plant::FrictionProfile::kBreakaway);
   EXPECT_FALSE(s.plant.armature);
   EXPECT_EQ(s.plant.noise_tau_J, 0.3);
-  EXPECT_EQ(s.link.state.delay, (Delay{rt::LogNormalDelay{80us, 0.3, 20us}}));
-  EXPECT_EQ(s.link.command.delay, (Delay{rt::ConstantDelay{95'500ns}}));
+  EXPECT_EQ(s.link.state.delay, (Delay{faults::LogNormalDelay{80us, 0.3, 20us}}));
+  EXPECT_EQ(s.link.command.delay, (Delay{faults::ConstantDelay{95'500ns}}));
   EXPECT_EQ(s.link.state.loss, Loss{IndependentLoss{0.1}});
   EXPECT_EQ(s.link.command.loss, (Loss{GilbertElliottLoss{0.1, 25, 0.01, 90}}));
-  EXPECT_EQ(s.link.state.duplication, (Duplication{1, {rt::GammaDelay{2, 30us, 20us}}}));
-  EXPECT_EQ(s.link.command.duplication, (Duplication{0.5, {rt::ConstantDelay{200us}}}));
+  EXPECT_EQ(s.link.state.duplication, (Duplication{1, {faults::GammaDelay{2, 30us, 20us}}}));
+  EXPECT_EQ(s.link.command.duplication, (Duplication{0.5, {faults::ConstantDelay{200us}}}));
   EXPECT_EQ(s.link.state.reordering, (Reordering{0.3, 1500us}));
   EXPECT_EQ(s.link.command.reordering, (Reordering{0.2, 2500us}));
   EXPECT_EQ(s.onboard.abort_after_lost, 19u);
@@ -76,8 +76,8 @@ TEST(ScenarioTest, ReadsTheOtherChoices) {
   EXPECT_EQ(s.loop, loop::LoopKind::kSynchronous);
   EXPECT_EQ(s.tick.stall_time, std::chrono::milliseconds(35));
   EXPECT_EQ(s.motion.interface, control::CommandInterface::kTorque);
-  EXPECT_EQ(s.link.state.delay, (Delay{rt::NormalDelay{80us, 4us}}));
-  EXPECT_EQ(s.link.command.delay, (Delay{rt::EmpiricalDelay{{0us, 50us, 100us}, {3, 0.5}}}));
+  EXPECT_EQ(s.link.state.delay, (Delay{faults::NormalDelay{80us, 4us}}));
+  EXPECT_EQ(s.link.command.delay, (Delay{faults::EmpiricalDelay{{0us, 50us, 100us}, {3, 0.5}}}));
   EXPECT_EQ(s.link.state.loss, (Loss{ScriptedLoss{{{0s, 1}, {2s, 20}}}}));
   EXPECT_EQ(s.tick.low_pass_hz, loop::TickConfig().low_pass_hz);
   EXPECT_EQ(s.controller.target_noise, 0.2);
@@ -195,15 +195,15 @@ TEST(ScenarioTest, TakesOffForThresholdsOutOfReach) {
 TEST(ScenarioTest, SaysToTheLinkWhatWasRead) {
   const Scenario s = Parse(test::OtherText(), "s.yaml");
   const auto model = s.link.state.loss.Model();
-  const auto& script = std::get<rt::ScriptedLoss>(model.parameters());
+  const auto& script = std::get<faults::ScriptedLoss>(model.parameters());
   ASSERT_EQ(script.runs.size(), 2u);
   EXPECT_EQ(script.runs[0].first, 0u);
   EXPECT_EQ(script.runs[1].first, 2000u) << "a message a millisecond";
   EXPECT_EQ(script.runs[1].count, 20u);
   const auto independent = s.link.command.loss.Model();
-  EXPECT_EQ(std::get<rt::IndependentLoss>(independent.parameters()).probability, 0.02);
+  EXPECT_EQ(std::get<faults::IndependentLoss>(independent.parameters()).probability, 0.02);
   const auto bursts = Parse(test::FullText(), "s.yaml").link.command.loss.Model();
-  const auto& chain = std::get<rt::GilbertElliottLoss>(bursts.parameters());
+  const auto& chain = std::get<faults::GilbertElliottLoss>(bursts.parameters());
   EXPECT_DOUBLE_EQ(chain.good_to_bad, 0.001);
   EXPECT_DOUBLE_EQ(chain.bad_to_good, 0.25);
   EXPECT_DOUBLE_EQ(chain.loss_good, 0.0001);
@@ -221,16 +221,16 @@ TEST(ScenarioTest, SurvivesBeingWrittenAndRead) {
 
 TEST(ScenarioTest, TellsScenariosApartThatDifferInOneDelay) {
   const Scenario scenario = Parse(test::OtherText(), "s.yaml");
-  const Delay::Law laws[] = {rt::ConstantDelay{1us},
-                             rt::ConstantDelay{2us},
-                             rt::NormalDelay{1us, 2us},
-                             rt::NormalDelay{1us, 3us},
-                             rt::LogNormalDelay{1us, 0.1, {}},
-                             rt::LogNormalDelay{1us, 0.2, {}},
-                             rt::GammaDelay{1, 1us, {}},
-                             rt::GammaDelay{2, 1us, {}},
-                             rt::EmpiricalDelay{{0s, 1us}, {1}},
-                             rt::EmpiricalDelay{{0s, 2us}, {1}}};
+  const Delay::Law laws[] = {faults::ConstantDelay{1us},
+                             faults::ConstantDelay{2us},
+                             faults::NormalDelay{1us, 2us},
+                             faults::NormalDelay{1us, 3us},
+                             faults::LogNormalDelay{1us, 0.1, {}},
+                             faults::LogNormalDelay{1us, 0.2, {}},
+                             faults::GammaDelay{1, 1us, {}},
+                             faults::GammaDelay{2, 1us, {}},
+                             faults::EmpiricalDelay{{0s, 1us}, {1}},
+                             faults::EmpiricalDelay{{0s, 2us}, {1}}};
   for (const Delay::Law& a : laws) {
     for (const Delay::Law& b : laws) {
       Scenario first = scenario;

@@ -97,7 +97,7 @@ TEST(ScenarioTest, ChecksScenariosThatNoFileGave) {
   refuses("onboard.K_x.rotation[2]", [](Scenario& s) { s.onboard.K_x[4] = 0; });
   refuses("onboard.load", [](Scenario& s) { s.onboard.load.I_load[0] = 1; });
   refuses("link.state_delay",
-          [](Scenario& s) { s.link.state.delay.law = rt::ConstantDelay{Duration(-1)}; });
+          [](Scenario& s) { s.link.state.delay.law = faults::ConstantDelay{Duration(-1)}; });
   refuses("perturbations[1].push", [](Scenario& s) {
     std::get<plant::Push>(s.perturbations[0]).rise = std::chrono::hours(1);
   });

@@ -23,7 +23,7 @@
 #include "twin/fci/requests.h"
 #include "twin/fci/twin_sign.h"
 #include "twin/robot/answer_paced_robot.h"
-#include "twin/robot/make_plant.h"
+#include "twin/robot/robot_config.h"
 #include "twin/robot/wall_clock_robot.h"
 
 namespace twin::server {

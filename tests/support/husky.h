@@ -1,7 +1,7 @@
 #pragma once
 
 #include "twin/onboard/base_controller.h"
-#include "twin/plant/base_body.h"
+#include "twin/plant/plant.h"
 
 namespace twin::test {
 

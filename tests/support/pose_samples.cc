@@ -25,7 +25,7 @@ Eigen::Vector3d PositionOf(const Transform& X) {
   return Eigen::Vector3d(X[12], X[13], X[14]);
 }
 
-Eigen::Vector3d TurnOf(const Transform& from, const Transform& to) {
+Eigen::Vector3d RotationVector(const Transform& from, const Transform& to) {
   const Eigen::AngleAxisd turn(RotationOf(to) * RotationOf(from).transpose());
   return turn.angle() * turn.axis();
 }

@@ -17,7 +17,7 @@ Eigen::Matrix3d RotationOf(const Transform& X);
 Eigen::Vector3d PositionOf(const Transform& X);
 
 /// log(R_to R_from^T), rad.
-Eigen::Vector3d TurnOf(const Transform& from, const Transform& to);
+Eigen::Vector3d RotationVector(const Transform& from, const Transform& to);
 
 /// How far the rotation is from orthonormal: largest element of R R^T - 1.
 double Obliqueness(const Transform& X);

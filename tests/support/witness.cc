@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stop_token>
 
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::test {
 namespace {

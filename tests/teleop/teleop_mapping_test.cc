@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Core>
 
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 
 namespace twin::teleop {
 namespace {

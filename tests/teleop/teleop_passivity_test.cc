@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
 #include "twin/teleop/force_feedback.h"

@@ -5,10 +5,10 @@
 #include <Eigen/Core>
 
 #include "teleop/teleop_fixture.h"
-#include "twin/core/half_norm.h"
+#include "twin/core/joint_vector.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
-#include "twin/model/rotation.h"
+#include "twin/model/transform.h"
 #include "twin/teleop/shaped_pose.h"
 #include "twin/teleop/shaped_velocity.h"
 

@@ -19,9 +19,9 @@ using test::Rig;
 
 WireConfig BadWire() {
   WireConfig wire;
-  for (rt::DirectionConfig* direction : {&wire.to_robot, &wire.from_robot}) {
-    direction->delay = rt::DelayModel(rt::ConstantDelay{milliseconds(300)});
-    direction->loss = rt::LossModel(rt::IndependentLoss{0.1});
+  for (faults::DirectionConfig* direction : {&wire.to_robot, &wire.from_robot}) {
+    direction->delay = faults::DelayModel(faults::ConstantDelay{milliseconds(300)});
+    direction->loss = faults::LossModel(faults::IndependentLoss{0.1});
   }
   return wire;
 }

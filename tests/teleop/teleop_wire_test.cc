@@ -13,12 +13,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
-rt::DirectionConfig Delayed(Duration delay) {
-  return {.delay = rt::DelayModel(rt::ConstantDelay{delay}), .loss = {}, .duplicate_delay = {}};
+faults::DirectionConfig Delayed(Duration delay) {
+  return {
+      .delay = faults::DelayModel(faults::ConstantDelay{delay}), .loss = {}, .duplicate_delay = {}};
 }
 
 /// Sequences that are taken when one is sent every millisecond.
-std::vector<std::uint64_t> Taken(const rt::DirectionConfig& config, int count,
+std::vector<std::uint64_t> Taken(const faults::DirectionConfig& config, int count,
                                  std::uint64_t seed = 1) {
   Wire<OperatorSample> wire(config, seed, kToRobotStreams);
   std::vector<std::uint64_t> taken;
@@ -49,31 +50,31 @@ TEST(WireTest, GivesTheNewestOfThoseThatArrivedTogether) {
 }
 
 TEST(WireTest, NeverGivesAnOlderOneAfterANewerOne) {
-  rt::DirectionConfig config = Delayed(milliseconds(20));
+  faults::DirectionConfig config = Delayed(milliseconds(20));
   config.reordering = 0.3;
   config.reorder_by = milliseconds(40);
   config.duplication = 0.2;
-  config.duplicate_delay = rt::DelayModel(rt::ConstantDelay{milliseconds(30)});
+  config.duplicate_delay = faults::DelayModel(faults::ConstantDelay{milliseconds(30)});
   const auto taken = Taken(config, 2000);
   for (std::size_t i = 1; i < taken.size(); ++i) EXPECT_LT(taken[i - 1], taken[i]);
 }
 
 TEST(WireTest, LosesTheShareItIsToldTo) {
-  rt::DirectionConfig config;
-  config.loss = rt::LossModel(rt::IndependentLoss{0.1});
+  faults::DirectionConfig config;
+  config.loss = faults::LossModel(faults::IndependentLoss{0.1});
   const auto arrived = static_cast<double>(Taken(config, 20'000).size());
   EXPECT_NEAR(arrived / 20'000, 0.9, 4 * 0.0021);  // four standard deviations
 }
 
 TEST(WireTest, RepeatsWithItsSeed) {
-  rt::DirectionConfig config;
-  config.loss = rt::LossModel(rt::IndependentLoss{0.5});
+  faults::DirectionConfig config;
+  config.loss = faults::LossModel(faults::IndependentLoss{0.5});
   EXPECT_EQ(Taken(config, 500, 3), Taken(config, 500, 3));
   EXPECT_NE(Taken(config, 500, 3), Taken(config, 500, 4));
 }
 
 TEST(WireTest, RefusesAShareThatIsNone) {
-  rt::DirectionConfig config;
+  faults::DirectionConfig config;
   config.duplication = 2;
   EXPECT_THROW(Wire<OperatorSample>(config, 1, kToRobotStreams), InputError);
 }

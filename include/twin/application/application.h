@@ -102,7 +102,7 @@ class ApplicationRun {
   /// All references must outlive this.
   /// @throws InputError for a scenario without an application, and as Make() and run::Session.
   ApplicationRun(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
-                 const run::RunFiles& files, rt::RecordSink* sink, const Clock& clock,
+                 const run::RunFiles& files, record::RecordSink* sink, const Clock& clock,
                  const run::RealtimeSettings& settings = {});
 
   [[nodiscard]] const backend::Connection& connection() const { return session_.connection(); }

@@ -6,7 +6,6 @@
 
 #include "twin/core/modes.h"
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
 #include "twin/core/time.h"

@@ -8,7 +8,7 @@
 
 #include "twin/backend/backend.h"
 #include "twin/core/random.h"
-#include "twin/rt/loss_model.h"
+#include "twin/faults/loss_model.h"
 
 namespace twin::backend {
 
@@ -24,8 +24,9 @@ struct FaultSchedule {
 struct FaultPlan {
   std::uint64_t seed = 0;
 
-  rt::LossModel state_loss{};    ///< states that are never read
-  rt::LossModel command_loss{};  ///< commands that are never written; no other fault affects them
+  faults::LossModel state_loss{};  ///< states that are never read
+  faults::LossModel
+      command_loss{};  ///< commands that are never written; no other fault affects them
 
   FaultSchedule command_duplicated{};  ///< written twice
   /// Written after the next command. command_delayed skips both commands of a swap, and
@@ -95,8 +96,8 @@ class FaultyBackend final : public Backend {
   std::unique_ptr<Backend> inner_;
   FaultPlan plan_;
   std::uint64_t seed_;  ///< derived from the plan's seed
-  rt::LossProcess state_loss_;
-  rt::LossProcess command_loss_;
+  faults::LossProcess state_loss_;
+  faults::LossProcess command_loss_;
 
   RobotState read_;  ///< a copy, so that the caller's state is written only for kState
   MotionGeneratorMode generator_ = MotionGeneratorMode::kIdle;  ///< as in the last returned state

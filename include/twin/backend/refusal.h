@@ -3,7 +3,6 @@
 #include "twin/backend/backend.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/modes.h"
-#include "twin/core/panel.h"
 #include "twin/core/request_status.h"
 #include "twin/core/setting.h"
 

@@ -13,12 +13,13 @@
 #include "twin/backend/hand.h"
 #include "twin/backend/mobile_base.h"
 #include "twin/core/clock.h"
-#include "twin/core/panel.h"
+#include "twin/core/modes.h"
+#include "twin/core/registry.h"
+#include "twin/record/cycle_record.h"
 #include "twin/robot/robot_config.h"
-#include "twin/rt/arrival.h"
-#include "twin/rt/cycle_record.h"
 #include "twin/rt/duration_histogram.h"
 #include "twin/rt/event_queue.h"
+#include "twin/rt/signal.h"
 #include "twin/rt/thread_setup.h"
 
 namespace twin::plant {
@@ -68,7 +69,8 @@ struct RemoteRobot {
 struct Request {
   const robot::RobotConfig& robot;
   std::variant<VirtualTime, WallTime, RemoteRobot> time;
-  rt::RecordSink* sink = nullptr;  ///< INT's cycle records, if the backend knows them; may be null
+  record::RecordSink* sink =
+      nullptr;  ///< INT's cycle records, if the backend knows them; may be null
 };
 
 /// Timing of a simulated robot in real time.
@@ -125,18 +127,9 @@ struct Connection {
 using Factory = std::function<Connection(const Request&)>;
 
 /// The program's backends by name. The program's main fills it from an explicit list.
-class Registry {
+class Registry : public twin::Registry<Factory> {
  public:
-  /// @pre no backend of this name was added.
-  void Add(std::string name, Factory factory);
-
-  /// @throws InputError listing the known names if the name is unknown.
-  [[nodiscard]] const Factory& Find(std::string_view name) const;
-
-  [[nodiscard]] std::vector<std::string> Names() const;
-
- private:
-  std::vector<std::pair<std::string, Factory>> entries_;
+  Registry() : twin::Registry<Factory>("backend") {}
 };
 
 }  // namespace twin::backend

@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "twin/control/controller.h"
-#include "twin/control/controller_request.h"
+#include "twin/control/registry.h"
 
 // Users' controllers in shared libraries, loaded by path. A library lists its controllers with one
 // line in one of its sources:

@@ -4,7 +4,7 @@
 #include "twin/core/realtime.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
-#include "twin/reference/pose_target.h"
+#include "twin/reference/target.h"
 
 namespace twin::control {
 

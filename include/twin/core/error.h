@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace twin {
 
@@ -27,4 +28,18 @@ class RobotFault : public Error {
   using Error::Error;
 };
 
+/// @param what  area and field as the user knows them: "tick: lambda".
+/// @throws InputError naming `what`, the value and the range, unless value is in [low, high]; NaN
+/// always throws.
+void RequireInRange(std::string_view what, double value, double low, double high);
+
+namespace internal {
+[[noreturn]] void CheckFailed(const char* condition, const char* file, int line);
+}  // namespace internal
+
 }  // namespace twin
+
+/// Aborts the program when `condition` is false: a bug of ours. Always on. Never used in a tick.
+#define TWIN_CHECK(condition)         \
+  ((condition) ? static_cast<void>(0) \
+               : ::twin::internal::CheckFailed(#condition, __FILE__, __LINE__))

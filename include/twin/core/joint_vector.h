@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace twin {
@@ -33,5 +34,13 @@ using Elbow = std::array<double, 2>;
 
 /// The identity transform.
 inline constexpr Transform kIdentityTransform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+/// Euclidean norm of one half of a twist or wrench, in its unit: of the translation or force (first
+/// = 0), of the rotation or torque (first = 3).
+///
+/// Threads: any. Real-time: noexcept, allocates nothing.
+[[nodiscard]] inline double HalfNorm(const Vector6& x, std::size_t first) noexcept {
+  return std::sqrt(x[first] * x[first] + x[first + 1] * x[first + 1] + x[first + 2] * x[first + 2]);
+}
 
 }  // namespace twin

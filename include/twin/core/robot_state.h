@@ -1,7 +1,12 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 
+#include "twin/core/body_interface.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/modes.h"
 #include "twin/core/robot_errors.h"
@@ -72,5 +77,30 @@ struct RobotState {
   double control_command_success_rate =
       0;  ///< share of the last 100 commands received; 0 when no motion runs
 };
+
+/// The workstation's answer to one robot state. Fields that the motion does not use are zero.
+/// Source: FCI protocol 5, robot command.
+struct RobotCommand {
+  std::uint64_t message_id = 0;  ///< id of the robot state that it answers
+  JointVector q_c{};             ///< joint position generator, rad
+  JointVector dq_c{};            ///< joint velocity generator, rad/s
+  Transform O_T_EE_c{};          ///< Cartesian pose generator, EE in O
+  Vector6 O_dP_EE_c{};           ///< Cartesian velocity generator, base axes, at the EE origin
+  Elbow elbow_c{};               ///< Cartesian generators, when valid_elbow
+  bool valid_elbow = false;
+  bool motion_generation_finished = false;  ///< requests the end of the motion
+  JointVector tau_J_d{};  ///< external controller, Nm, without gravity and friction
+};
+
+/// Whether all values are finite.
+///
+/// Threads: any. Real-time: noexcept, allocates nothing; so are the overloads.
+template <std::size_t N>
+[[nodiscard]] bool IsFinite(const std::array<double, N>& values) noexcept {
+  return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+}
+
+[[nodiscard]] bool IsFinite(const JointSensors& sensors) noexcept;
+[[nodiscard]] bool IsFinite(const RobotState& state) noexcept;
 
 }  // namespace twin

@@ -64,7 +64,7 @@ struct EndEffectorFrame {
 struct Load {
   double m_load = 0;    ///< kg, >= 0
   Vector3 F_x_Cload{};  ///< centre of mass in the flange frame, m
-  Matrix3 I_load{};     ///< about it, flange axes, kg m^2; valid for a body (inertia.h)
+  Matrix3 I_load{};     ///< about it, flange axes, kg m^2; IsInertiaOfBody()
   bool operator==(const Load&) const = default;
 };
 
@@ -109,5 +109,14 @@ struct BadValue {
 
 /// Whether X is rigid within 1e-5: rotation orthonormal and right-handed, last row (0, 0, 0, 1).
 [[nodiscard]] bool IsRigid(const Transform& X) noexcept;
+
+/// Whether a body can have this inertia, about its centre of mass: symmetric, and
+///   Sigma = tr(I)/2 1 - I >= 0,
+/// i.e. no principal moment is negative or exceeds the sum of the other two. Rods and points, with
+/// zero moments, are limit cases and allowed. Tolerance: 1e-6 of the trace, for rounding in
+/// rotation and output.
+///
+/// Threads: any. Real-time: noexcept, allocates nothing.
+[[nodiscard]] bool IsInertiaOfBody(const Matrix3& I) noexcept;
 
 }  // namespace twin

@@ -13,22 +13,21 @@
 #include "twin/core/clock.h"
 #include "twin/core/realtime.h"
 #include "twin/core/request_status.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
 #include "twin/fci/capture.h"
-#include "twin/fci/client_timeout.h"
 #include "twin/fci/datagrams.h"
+#include "twin/fci/protocol.h"
 #include "twin/fci/requests.h"
 #include "twin/fci/sockets.h"
-#include "twin/rt/arrival.h"
+#include "twin/rt/signal.h"
 
 namespace twin::fci {
 
 class RequestChannel;
 
 /// Outcome of a non-blocking receive.
-enum class Reception : std::uint8_t {
+enum class ReceiveResult : std::uint8_t {
   kState,    ///< a state was received
   kPending,  ///< no state yet
   /// TCP has ended, the timeout for a state has passed, or a state contains NaN or infinity.
@@ -36,14 +35,14 @@ enum class Reception : std::uint8_t {
 };
 
 /// Datagrams rejected at the state socket.
-struct ReceptionCounts {
+struct RejectedDatagrams {
   std::uint64_t old = 0;    ///< not newer than the last accepted state: late or duplicated
   std::uint64_t ahead = 0;  ///< an id that the robot cannot have reached yet
   /// Not from the robot's address, or not from the port of the first state; counts only those that
   /// the kernel let in (UdpSocket::ListenOnlyTo).
   std::uint64_t foreign = 0;
   std::uint64_t bad = 0;  ///< too short, or with an unknown mode or flag
-  bool operator==(const ReceptionCounts&) const = default;
+  bool operator==(const RejectedDatagrams&) const = default;
 };
 
 /// A session with an arm that speaks the Franka Control Interface: requests over TCP, states and
@@ -101,7 +100,7 @@ class ArmClient {
   [[nodiscard]] bool SaysItIsATwin();
 
   /// Never waits. @param state  written only for kState. @param at  arrival time at this side.
-  [[nodiscard]] Reception Receive(RobotState& state, Time& at) noexcept TWIN_REALTIME;
+  [[nodiscard]] ReceiveResult Receive(RobotState& state, Time& at) noexcept TWIN_REALTIME;
   /// A command that the kernel does not take is lost, as on the wire; so is one before the first
   /// state.
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
@@ -113,7 +112,7 @@ class ArmClient {
   /// Reason for the loss of the connection, for users; empty while it is up.
   [[nodiscard]] std::string WhyLost() const;
   /// Threads: any; each count is read separately.
-  [[nodiscard]] ReceptionCounts counts() const noexcept;
+  [[nodiscard]] RejectedDatagrams counts() const noexcept;
 
  private:
   struct Asked;
@@ -129,7 +128,7 @@ class ArmClient {
   }
   [[nodiscard]] bool IsFromRobot(const Endpoint& from) const noexcept;
   [[nodiscard]] std::uint64_t MostAhead() const noexcept;
-  [[nodiscard]] Reception FoundNone() noexcept;
+  [[nodiscard]] ReceiveResult FoundNone() noexcept;
   void Keep(Time at, const Endpoint& from, const Endpoint& to,
             std::span<const std::byte> bytes) noexcept TWIN_REALTIME;
 
@@ -159,8 +158,8 @@ class ArmClient {
   Time sent_after_{};
   std::optional<Time> pending_since_;  ///< time of the first Receive() since the last state
 
-  ReceptionCounts before_;   ///< up to the last accepted state
-  ReceptionCounts instead_;  ///< rejected instead of a state, when silent_
+  RejectedDatagrams before_;   ///< up to the last accepted state
+  RejectedDatagrams instead_;  ///< rejected instead of a state, when silent_
 
   // Counters: relaxed. silent_ (release, after instead_) and no_number_ are set once, by the tick.
   std::atomic<std::uint64_t> old_ = 0;

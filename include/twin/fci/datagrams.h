@@ -8,7 +8,6 @@
 
 #include "twin/core/hand_command.h"
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/fci/protocol.h"
 

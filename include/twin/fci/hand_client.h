@@ -10,7 +10,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/hand_command.h"
 #include "twin/fci/capture.h"
-#include "twin/fci/client_timeout.h"
+#include "twin/fci/protocol.h"
 #include "twin/fci/sockets.h"
 
 namespace twin::fci {

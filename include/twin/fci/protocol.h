@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "twin/core/time.h"
+
 // Constants of the Franka Control Interface, protocol 5. All wire data is packed and little-endian.
 // Source: FCI protocol 5, transport, framing, commands.
 namespace twin::fci {
@@ -70,5 +72,13 @@ enum class OperatingSystem : std::uint8_t { kLinux = 0, kWindows = 1 };
 [[nodiscard]] std::string_view Name(ArmCommand command) noexcept;
 /// "Connect", "Homing", "Grasp", "Move", "Stop".
 [[nodiscard]] std::string_view Name(HandCommandId command) noexcept;
+
+/// Timeouts of a client. All are finite: a silent robot causes an error message, not a hang.
+struct ClientTimeout {
+  Duration connect = std::chrono::seconds(3);  ///< for the connection and the answer to Connect
+  /// For the answer to a request; StopMove and recovery answer once the arm is at rest.
+  Duration answer = std::chrono::seconds(10);
+  Duration state = std::chrono::seconds(1);  ///< between states; as in libfranka
+};
 
 }  // namespace twin::fci

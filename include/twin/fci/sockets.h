@@ -10,7 +10,7 @@
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
 #include "twin/record/packet.h"
-#include "twin/rt/arrival.h"
+#include "twin/rt/signal.h"
 
 // IPv4 sockets for the Franka Control Interface. No call blocks unless its comment says so. Errors:
 // EnvironmentError or InputError with address, reason and cure.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -22,5 +23,19 @@ struct Approved {
 /// @throws InputError if the reason is blank; EnvironmentError as Compare.
 [[nodiscard]] Approved Approve(const std::optional<Golden>& old, const Evidence& evidence,
                                const std::string& reason, const std::string& version);
+
+/// Excludes other approvals into a folder of cases for its lifetime, from other processes and other
+/// locks. No effect on file systems without locks.
+class GoldensLock {
+ public:
+  /// @throws EnvironmentError naming the folder if it is locked or cannot be opened.
+  explicit GoldensLock(const std::filesystem::path& goldens);
+  ~GoldensLock();
+  GoldensLock(const GoldensLock&) = delete;
+  GoldensLock& operator=(const GoldensLock&) = delete;
+
+ private:
+  int descriptor_;
+};
 
 }  // namespace twin::golden

@@ -6,7 +6,7 @@
 
 #include "twin/golden/comparison.h"
 #include "twin/golden/golden.h"
-#include "twin/golden/joint_curves.h"
+#include "twin/golden/page.h"
 #include "twin/golden/pictures.h"
 #include "twin/record/log_reader.h"
 #include "twin/replay/recording.h"

@@ -10,8 +10,8 @@ namespace twin::loop {
 class AsynchronousLoop final : public CommunicationLoop {
  public:
   /// @param cost, seed  lockstep: of the time from read to write.
-  AsynchronousLoop(ControlTick& tick, backend::Backend& backend, const rt::DelayModel& cost,
-                   std::uint64_t seed, rt::RecordSink* sink)
+  AsynchronousLoop(ControlTick& tick, backend::Backend& backend, const faults::DelayModel& cost,
+                   std::uint64_t seed, record::RecordSink* sink)
       : CommunicationLoop(tick, backend, sink, backend::ReadRule::kFresh),
         cost_model_(cost),
         random_(seed, RandomStream::kTickCost) {}
@@ -25,7 +25,7 @@ class AsynchronousLoop final : public CommunicationLoop {
     return tick_.Tick(state, read);
   }
 
-  rt::DelayModel cost_model_;
+  faults::DelayModel cost_model_;
   Random random_;
 };
 

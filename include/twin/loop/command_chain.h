@@ -1,39 +1,39 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "twin/control/controller.h"
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/loop/loop_config.h"
 #include "twin/loop/rejoining_follower.h"
-#include "twin/reference/cartesian_reference_generator.h"
-#include "twin/reference/joint_reference_generator.h"
-#include "twin/reference/low_pass.h"
-#include "twin/reference/pose_viability_filter.h"
-#include "twin/reference/rate_matcher.h"
 #include "twin/reference/stall_decay.h"
 #include "twin/reference/target.h"
-#include "twin/reference/viability_filter.h"
 
 namespace twin::loop {
+
+class InterfaceStages;
 
 /// From the deposited target to the command that answers a state:
 ///   rate matcher -> [stall decay] -> the paper's reference generator, or none
 ///   or: resampler -> saturated correction (Generator::kRejoining)
 ///   -> [low-pass] -> [rate limiter] -> [viability filter].
-/// Those in brackets are off unless configured, or act on stalled sources only; low-pass and
-/// limiter are libfranka's client-side stages, in its order. Everything but matcher, resampler and
-/// decay is a function of the state: it continues from what the robot really took. A raw position
-/// stream (no generator) of a source that stalls stops dead, and the robot aborts.
+/// Stages in brackets are off unless configured, or act on stalled sources only; low-pass and
+/// limiter are libfranka's client-side stages, in its order. The constructor chooses the stages of
+/// the interface. All but matcher, resampler and decay are functions of the state: they continue
+/// from the reference that the robot accepted. A raw position stream (no generator) stops abruptly
+/// when its source stalls, and the robot aborts.
 ///
 /// Threads: one. Real-time: Reset() and Next() are noexcept and allocate nothing.
 class CommandChain {
  public:
   /// @throws InputError as TickConfig::Validate.
   CommandChain(const TickConfig& config, control::CommandInterface interface);
+  CommandChain(CommandChain&&) noexcept;
+  ~CommandChain();
 
   /// A motion begins: the chain starts from where `state` says the reference is.
   void Reset(const RobotState& state) noexcept TWIN_REALTIME;
@@ -66,26 +66,14 @@ class CommandChain {
 
  private:
   void MatchAndDecay(const reference::Target& target, std::uint64_t cycles) noexcept;
-  void Match(const reference::Target& target) noexcept;
-  void Generate(const RobotState& state, RobotCommand& command) const noexcept;
-  void Filter(const RobotState& state, RobotCommand& command) const noexcept;
-  void Limit(const RobotState& state, RobotCommand& command) const noexcept;
-  void KeepViable(const RobotState& state, RobotCommand& command) noexcept;
 
   TickConfig config_;
-  control::CommandInterface interface_;
+  std::unique_ptr<InterfaceStages> stages_;
+  std::size_t window_;  ///< of the rate matcher, cycles
   std::uint64_t stall_cycles_;
   std::uint64_t waited_ = 0;  ///< cycles since the last deposit
-  reference::RateMatcher joint_matcher_;
-  reference::TorqueRateMatcher torque_matcher_;
-  reference::PoseRateMatcher pose_matcher_;
   reference::StallDecay stall_decay_;
-  reference::JointReferenceGenerator joint_generator_;
-  reference::CartesianReferenceGenerator cartesian_generator_;
-  reference::LowPass low_pass_;
   std::optional<RejoiningFollower> rejoining_;
-  std::optional<reference::ViabilityFilter> viability_;
-  std::optional<reference::PoseViabilityFilter> pose_viability_;  ///< the same, of poses
   std::optional<double> margin_;
   std::uint8_t changed_joints_ = 0;
   std::uint64_t kept_back_ = 0;

@@ -8,10 +8,10 @@
 #include "twin/backend/backend.h"
 #include "twin/core/random.h"
 #include "twin/core/realtime.h"
+#include "twin/faults/delay_model.h"
 #include "twin/loop/control_tick.h"
 #include "twin/loop/deviation.h"
-#include "twin/rt/cycle_record.h"
-#include "twin/rt/delay_model.h"
+#include "twin/record/cycle_record.h"
 #include "twin/rt/duration_histogram.h"
 
 namespace twin::loop {
@@ -78,17 +78,17 @@ class CommunicationLoop {
   /// Whether that state belongs to the running motion.
   [[nodiscard]] bool InMotion() const noexcept { return tick_.InMotion(state_); }
   /// What the last tick did.
-  [[nodiscard]] const rt::TickRecord& record() noexcept { return tick_.record(); }
+  [[nodiscard]] const record::TickRecord& record() noexcept { return tick_.record(); }
   [[nodiscard]] const LoopTimings& timings() const noexcept { return timings_; }
   /// Of the arm from what its commands were made for, so far.
   [[nodiscard]] Deviation deviation() const noexcept { return deviation_.Result(); }
 
   /// The last ticks, oldest first: the evidence when something failed. Not on the tick's path.
-  [[nodiscard]] std::vector<rt::TickRecord> LastTicks() const;
+  [[nodiscard]] std::vector<record::TickRecord> LastTicks() const;
 
  protected:
   /// @param sink  of the tick records; may be null.
-  CommunicationLoop(ControlTick& tick, backend::Backend& backend, rt::RecordSink* sink,
+  CommunicationLoop(ControlTick& tick, backend::Backend& backend, record::RecordSink* sink,
                     backend::ReadRule rule)
       : tick_(tick), backend_(backend), sink_(sink), rule_(rule), deviation_(tick.interface()) {}
 
@@ -109,22 +109,22 @@ class CommunicationLoop {
  private:
   static constexpr std::size_t kKept = 32;
 
-  void Count(const rt::TickRecord& record) noexcept;
+  void Count(const record::TickRecord& record) noexcept;
   void PutState(Time read) noexcept;
 
   backend::Backend& backend_;
-  rt::RecordSink* sink_;
+  record::RecordSink* sink_;
   backend::ReadRule rule_;
   bool records_states_ = false;
 
   RobotState state_;
-  rt::CycleRecord cycle_;  ///< the state put last
+  record::CycleRecord cycle_;  ///< the state put last
   const RobotCommand* command_ = nullptr;
   Duration cost_{};
   Time last_read_{};
   LoopTimings timings_;
   DeviationMeter deviation_;
-  std::array<rt::TickRecord, kKept> kept_{};
+  std::array<record::TickRecord, kKept> kept_{};
   std::size_t ticks_ = 0;
 };
 

@@ -5,13 +5,12 @@
 #include "twin/control/controller.h"
 #include "twin/core/modes.h"
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 #include "twin/loop/command_chain.h"
 #include "twin/loop/exchange.h"
 #include "twin/loop/loop_config.h"
-#include "twin/rt/cycle_record.h"
+#include "twin/record/cycle_record.h"
 
 namespace twin::loop {
 
@@ -56,7 +55,7 @@ class ControlTick {
   [[nodiscard]] const RobotCommand* Answer(const RobotState& state) noexcept TWIN_REALTIME;
 
   /// What the last tick did; the caller fills in `written`.
-  [[nodiscard]] rt::TickRecord& record() noexcept { return record_; }
+  [[nodiscard]] record::TickRecord& record() noexcept { return record_; }
 
   /// Target of the last command generated, rate-matched.
   [[nodiscard]] const reference::Target& target() const noexcept { return chain_.matched(); }
@@ -82,7 +81,7 @@ class ControlTick {
   bool anomalous_ = false;
   std::uint64_t cycles_ = 0;  ///< of the robot since the last command was generated
   bool fresh_ = false;        ///< a deposit has come since then
-  rt::TickRecord record_;
+  record::TickRecord record_;
 };
 
 }  // namespace twin::loop

@@ -48,7 +48,7 @@ class ControllerLoop {
   Exchange& exchange_;
   Depositor depositor_;
   WakeGrid grid_;
-  rt::DelayModel cost_;
+  faults::DelayModel cost_;
   Random cost_random_;
 
   Duration current_cost_{};

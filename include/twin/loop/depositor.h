@@ -8,7 +8,6 @@
 #include "twin/loop/exchange.h"
 #include "twin/loop/loop_config.h"
 #include "twin/reference/feed_forward.h"
-#include "twin/reference/pose_feed_forward.h"
 
 namespace twin::loop {
 

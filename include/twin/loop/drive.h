@@ -10,8 +10,8 @@
 #include "twin/core/time.h"
 #include "twin/loop/motion_run.h"
 #include "twin/loop/run_report.h"
+#include "twin/record/cycle_record.h"
 #include "twin/robot/robot_config.h"
-#include "twin/rt/cycle_record.h"
 #include "twin/rt/thread_setup.h"
 
 namespace twin::loop {
@@ -86,16 +86,28 @@ struct DriveThreads {
 /// @throws as `connect`.
 [[nodiscard]] std::unique_ptr<Drive> MakeLockstepDrive(const backend::Factory& connect,
                                                        const robot::RobotConfig& robot,
-                                                       rt::RecordSink* sink);
+                                                       record::RecordSink* sink);
 [[nodiscard]] std::unique_ptr<Drive> MakeRealtimeDrive(const backend::Factory& connect,
                                                        const robot::RobotConfig& robot,
-                                                       rt::RecordSink* sink,
+                                                       record::RecordSink* sink,
                                                        const DriveThreads& threads);
 /// Realtime or state time, as `address.time` says. The sink also gets the states that are read.
 [[nodiscard]] std::unique_ptr<Drive> MakeRemoteDrive(const backend::Factory& connect,
                                                      const robot::RobotConfig& robot,
-                                                     rt::RecordSink* sink,
+                                                     record::RecordSink* sink,
                                                      const backend::RobotAddress& address,
                                                      const DriveThreads& threads);
+
+/// As MakeRemoteDrive, of a robot whose states are its time. One thread, the caller's, reads,
+/// computes and writes; it waits for states as long as the robot waits for commands, and no time
+/// passes meanwhile. A motion that starts at a given state repeats, whatever the machine does: it
+/// gives the same commands, and the same log except for how many states came before it.
+///
+/// Run() refuses the synchronous loop with an InputError: it sleeps on a clock of its own. Every
+/// state is answered, whatever TickConfig::period_tolerance says: the robot would wait otherwise.
+[[nodiscard]] std::unique_ptr<Drive> MakeStateTimeDrive(const backend::Factory& connect,
+                                                        const robot::RobotConfig& robot,
+                                                        record::RecordSink* sink,
+                                                        const backend::RobotAddress& address);
 
 }  // namespace twin::loop

@@ -16,7 +16,7 @@ class InlineLoop : public CommunicationLoop {
   void StopController() noexcept override { stopped_ = true; }
 
  protected:
-  InlineLoop(ControlTick& tick, backend::Backend& backend, rt::RecordSink* sink,
+  InlineLoop(ControlTick& tick, backend::Backend& backend, record::RecordSink* sink,
              backend::ReadRule rule, control::Controller& controller, Exchange& exchange,
              const TickConfig& tick_config, const ControllerLoopConfig& config, std::uint64_t seed);
 
@@ -29,8 +29,8 @@ class InlineLoop : public CommunicationLoop {
 
   control::Controller& controller_;
   Depositor depositor_;
-  rt::DelayModel tick_cost_;
-  rt::DelayModel controller_cost_;
+  faults::DelayModel tick_cost_;
+  faults::DelayModel controller_cost_;
   Random tick_random_;
   Random controller_random_;
   control::ControllerOutput output_;
@@ -44,7 +44,7 @@ class InlineLoop : public CommunicationLoop {
 /// synchronous loop fails.
 class SynchronousLoop final : public InlineLoop {
  public:
-  SynchronousLoop(ControlTick& tick, backend::Backend& backend, rt::RecordSink* sink,
+  SynchronousLoop(ControlTick& tick, backend::Backend& backend, record::RecordSink* sink,
                   control::Controller& controller, Exchange& exchange,
                   const TickConfig& tick_config, const ControllerLoopConfig& config,
                   std::uint64_t seed)
@@ -72,7 +72,7 @@ class SynchronousLoop final : public InlineLoop {
 /// message_id: no sampling jitter, but a loop at exactly the robot's rate.
 class BareLoop final : public InlineLoop {
  public:
-  BareLoop(ControlTick& tick, backend::Backend& backend, rt::RecordSink* sink,
+  BareLoop(ControlTick& tick, backend::Backend& backend, record::RecordSink* sink,
            control::Controller& controller, Exchange& exchange, const TickConfig& tick_config,
            const ControllerLoopConfig& config, std::uint64_t seed)
       : InlineLoop(tick, backend, sink, backend::ReadRule::kNewest, controller, exchange,

@@ -7,10 +7,10 @@
 #include "twin/control/controller.h"
 #include "twin/core/limits.h"
 #include "twin/core/time.h"
-#include "twin/reference/client_limits.h"
+#include "twin/faults/delay_model.h"
 #include "twin/reference/feed_forward.h"
+#include "twin/reference/rate_limiter.h"
 #include "twin/reference/viability_filter.h"
-#include "twin/rt/delay_model.h"
 
 namespace twin::loop {
 
@@ -66,7 +66,8 @@ struct TickConfig {
   JointLimits limits{};
   /// Of its end effector, likewise.
   CartesianLimits cartesian{};
-  rt::DelayModel cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
+  faults::DelayModel
+      cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
 
   /// @param interface  what the controller commands.
   /// @throws InputError naming field, value and range, or a generator or filter that does not go
@@ -76,11 +77,11 @@ struct TickConfig {
 
 /// The periodic loop that runs the user's controller, on its own clock.
 struct ControllerLoopConfig {
-  double rate_hz = 1000;      ///< in [1, 1000]
-  double clock_ppm = 0;       ///< how much faster this clock runs than the run's, in [-1000, 1000]
-  Duration phase{};           ///< of its first wake-up against INT's grid, >= 0
-  rt::DelayModel wake_delay;  ///< lockstep: how late it wakes after its deadline
-  rt::DelayModel cost;        ///< lockstep: time from wake-up to deposit
+  double rate_hz = 1000;  ///< in [1, 1000]
+  double clock_ppm = 0;   ///< how much faster this clock runs than the run's, in [-1000, 1000]
+  Duration phase{};       ///< of its first wake-up against INT's grid, >= 0
+  faults::DelayModel wake_delay;  ///< lockstep: how late it wakes after its deadline
+  faults::DelayModel cost;        ///< lockstep: time from wake-up to deposit
   /// Which elapsed time forms the feed-forward velocity at the deposit.
   reference::FeedForwardTime feed_forward = reference::FeedForwardTime::kSource;
   /// Uniform noise added to every deposited value, in its unit: [-x, x]. What an unfiltered source

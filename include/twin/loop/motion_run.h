@@ -9,7 +9,7 @@
 #include "twin/core/modes.h"
 #include "twin/core/time.h"
 #include "twin/loop/loop_config.h"
-#include "twin/rt/cycle_record.h"
+#include "twin/record/cycle_record.h"
 
 namespace twin::loop {
 
@@ -21,9 +21,9 @@ struct MotionRun {
   LoopKind kind = LoopKind::kAsynchronous;
   TickConfig tick;
   ControllerLoopConfig controller_loop;
-  std::uint64_t seed = 0;          ///< of computation times, wake-ups and target noise
-  Duration time_limit{};           ///< the run is stopped and reported as failed after this
-  rt::RecordSink* sink = nullptr;  ///< tick records; may be null
+  std::uint64_t seed = 0;              ///< of computation times, wake-ups and target noise
+  Duration time_limit{};               ///< the run is stopped and reported as failed after this
+  record::RecordSink* sink = nullptr;  ///< tick records; may be null
   /// Called outside the tick about every 100 ms of the run's time; may be empty.
   std::function<void(Time)> progress;
   /// Called at changes worth a line in the log: (time, kind, text). May be empty.

@@ -8,8 +8,8 @@
 #include "twin/core/clock.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
-#include "twin/rt/arrival.h"
 #include "twin/rt/duration_histogram.h"
+#include "twin/rt/signal.h"
 #include "twin/rt/thread_setup.h"
 
 namespace twin::loop {

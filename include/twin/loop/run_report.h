@@ -26,7 +26,7 @@ struct RunReport {
   std::uint64_t controller_overruns = 0;  ///< wake-ups of the controller's loop that were skipped
   backend::RobotTimings robot_timings;    ///< real time: of the simulated robot
   std::vector<std::string> notices;       ///< real time: what the threads were not permitted
-  std::vector<rt::TickRecord> evidence;   ///< the last ticks, when the workstation's side failed
+  std::vector<record::TickRecord> evidence;  ///< the last ticks, when the workstation's side failed
 
   /// The motion ended as it should, and nothing else went wrong.
   [[nodiscard]] bool succeeded() const noexcept {
@@ -35,6 +35,6 @@ struct RunReport {
 };
 
 /// One line about a tick, for people: what the evidence of a failure reads like.
-[[nodiscard]] std::string DescribeTick(const rt::TickRecord& tick);
+[[nodiscard]] std::string DescribeTick(const record::TickRecord& tick);
 
 }  // namespace twin::loop

@@ -26,7 +26,7 @@ class StateTimeLoop final : public CommunicationLoop {
   /// @param controller  with its delay models at zero.
   /// @param first_id, now  of the state at time zero, and of the one read last; 0: the first that
   ///              is read is at time zero.
-  StateTimeLoop(ControlTick& tick, backend::Backend& backend, rt::RecordSink* sink,
+  StateTimeLoop(ControlTick& tick, backend::Backend& backend, record::RecordSink* sink,
                 ControllerLoop& controller, std::uint64_t first_id = 0, Time now = {})
       : CommunicationLoop(tick, backend, sink, backend::ReadRule::kNewest),
         controller_(controller),

@@ -37,7 +37,7 @@ class WakeGrid {
   double rate_hz_;
   double speed_;  ///< of this clock
   Duration phase_;
-  rt::DelayModel delay_;
+  faults::DelayModel delay_;
   Random random_;
   Time start_{};
   std::uint64_t wake_ = 0;

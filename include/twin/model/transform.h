@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
 
@@ -17,5 +19,32 @@ namespace twin::model {
 /// Threads: any. Real-time: noexcept, allocates nothing.
 /// @pre the rotation block of X_AB is orthonormal; it is transposed, not inverted.
 [[nodiscard]] Transform Inverse(const Transform& X_AB) noexcept TWIN_REALTIME;
+
+// Rotations of poses: between matrix, unit quaternion and rotation vector (axis times angle).
+// All functions: any thread, real-time, no allocation.
+
+/// Unit quaternion of the rotation block, which is orthonormalised if slightly oblique from
+/// rounding.
+[[nodiscard]] Eigen::Quaterniond Orientation(const Transform& X) noexcept;
+
+[[nodiscard]] Eigen::Vector3d Position(const Transform& X) noexcept;
+
+/// Pose from orientation and position, with the last row (0, 0, 0, 1).
+[[nodiscard]] Transform Pose(const Eigen::Quaterniond& orientation,
+                             const Eigen::Vector3d& position) noexcept;
+
+/// Rotation vector, rad; its length is in [0, pi].
+[[nodiscard]] Eigen::Vector3d Log(const Eigen::Quaterniond& rotation) noexcept;
+
+/// Inverse of Log().
+[[nodiscard]] Eigen::Quaterniond Exp(const Eigen::Vector3d& phi) noexcept;
+
+/// Rotation vector from the orientation of `from` to that of `to`, base axes: log(R_to R_from^T).
+[[nodiscard]] Eigen::Vector3d TurnBetween(const Transform& from, const Transform& to) noexcept;
+
+/// X rotated by phi (base axes) and moved to `position`. A rotation below the resolution of the
+/// matrix leaves it unchanged bit for bit, so a reference at rest stays at rest.
+[[nodiscard]] Transform Turned(const Transform& X, const Eigen::Vector3d& phi,
+                               const Eigen::Vector3d& position) noexcept;
 
 }  // namespace twin::model

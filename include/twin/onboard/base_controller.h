@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "twin/core/base_interface.h"
+#include "twin/core/body_interface.h"
 #include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
+#include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 
 namespace twin::onboard {

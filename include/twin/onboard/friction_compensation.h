@@ -2,13 +2,13 @@
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
-#include "twin/model/joint_friction.h"
+#include "twin/model/arm_model.h"
 
 namespace twin::onboard {
 
 /// INT's compensation of joint friction, the last term of the applied torque in every mode:
 ///   tau = tau_J_d + share tau_f(dq) + g(q),
-/// with tau_f the residual friction of model/joint_friction.h and dq the measured velocity. The
+/// with tau_f the residual friction of model/arm_model.h and dq the measured velocity. The
 /// reported tau_J_d does not contain it.
 ///
 /// The real robot compensates the friction of motor and gear by a law that is not public. tau_f was

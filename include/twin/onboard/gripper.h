@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "twin/core/body_interface.h"
 #include "twin/core/hand_command.h"
-#include "twin/core/hand_interface.h"
 #include "twin/core/realtime.h"
 
 namespace twin::onboard {

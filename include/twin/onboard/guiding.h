@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "twin/core/joint_interface.h"
+#include "twin/core/body_interface.h"
 #include "twin/core/realtime.h"
 #include "twin/core/setting.h"
 #include "twin/model/arm_model.h"

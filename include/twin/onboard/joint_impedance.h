@@ -1,6 +1,6 @@
 #pragma once
 
-#include "twin/core/joint_interface.h"
+#include "twin/core/body_interface.h"
 #include "twin/core/realtime.h"
 #include "twin/model/arm_model.h"
 #include "twin/onboard/joint_reference.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "twin/core/joint_interface.h"
+#include "twin/core/body_interface.h"
 #include "twin/core/limits.h"
 #include "twin/core/realtime.h"
 #include "twin/onboard/violations.h"

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "twin/core/modes.h"
-#include "twin/core/panel.h"
 #include "twin/core/setting.h"
 
 namespace twin::onboard {

@@ -6,7 +6,7 @@
 #include "twin/core/limits.h"
 #include "twin/core/modes.h"
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
+#include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
 #include "twin/model/arm_model.h"
 #include "twin/onboard/cartesian_reference.h"

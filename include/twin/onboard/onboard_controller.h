@@ -2,13 +2,11 @@
 
 #include <cstdint>
 
-#include "twin/core/joint_interface.h"
+#include "twin/core/body_interface.h"
 #include "twin/core/modes.h"
-#include "twin/core/panel.h"
 #include "twin/core/realtime.h"
 #include "twin/core/request_status.h"
 #include "twin/core/rest.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
 #include "twin/onboard/cartesian_impedance.h"
@@ -20,8 +18,8 @@
 #include "twin/onboard/motion_generator.h"
 #include "twin/onboard/onboard_config.h"
 #include "twin/onboard/sensing.h"
+#include "twin/record/cycle_record.h"
 #include "twin/reference/low_pass.h"
-#include "twin/rt/cycle_record.h"
 
 namespace twin::onboard {
 
@@ -122,7 +120,7 @@ class OnboardController {
   /// Id of the last state filled; 0 before the first.
   [[nodiscard]] std::uint64_t message_id() const noexcept { return message_id_; }
   /// Fate of the command of the last Cycle().
-  [[nodiscard]] rt::CommandFate fate() const noexcept { return fate_; }
+  [[nodiscard]] record::CommandFate fate() const noexcept { return fate_; }
   [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return losses_.lost_in_row(); }
   [[nodiscard]] const JointReference& reference() const noexcept { return generator_.joints(); }
   [[nodiscard]] RobotMode robot_mode() const noexcept { return robot_mode_; }
@@ -209,7 +207,7 @@ class OnboardController {
   RestWatch rest_;
   JointSensors sound_;  ///< the last measurement that gave a valid state
 
-  rt::CommandFate fate_ = rt::CommandFate::kNone;
+  record::CommandFate fate_ = record::CommandFate::kNone;
   Violations violations_;
   RobotErrors errors_;
   RobotErrors reflex_reason_;

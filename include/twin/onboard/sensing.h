@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "twin/core/joint_interface.h"
+#include "twin/core/body_interface.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
 #include "twin/core/realtime.h"

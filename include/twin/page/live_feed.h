@@ -10,9 +10,9 @@
 #include "twin/core/realtime.h"
 #include "twin/core/robot_errors.h"
 #include "twin/core/time.h"
-#include "twin/rt/cycle_record.h"
+#include "twin/record/cycle_record.h"
+#include "twin/record/scene_record.h"
 #include "twin/rt/latest_value.h"
-#include "twin/rt/scene_record.h"
 
 namespace twin::plant {
 class TruthProbe;
@@ -49,29 +49,29 @@ struct ArmView {
 ///
 /// Threads: Put() as RecordSink's; Show() and KeepPace() before the first Put(); arm() and scene()
 /// one consumer each. Real-time: Put() as the next sink's plus one copy; waits only to keep pace.
-class LiveFeed final : public rt::RecordSink {
+class LiveFeed final : public record::RecordSink {
  public:
   /// @param next  may be null; must outlive this.
-  explicit LiveFeed(rt::RecordSink* next) noexcept : next_(next) {}
+  explicit LiveFeed(record::RecordSink* next) noexcept : next_(next) {}
 
   /// Also publishes scenes. @param truth  must outlive the run.
-  /// @pre truth.qpos_size() <= rt::SceneRecord::kMostPositions.
+  /// @pre truth.qpos_size() <= record::SceneRecord::kMostPositions.
   void Show(const plant::TruthProbe& truth) noexcept { truth_ = &truth; }
 
   /// Slows a run on a virtual clock to wall-clock speed at most, without effect on its results.
   /// @param wall  must outlive the run.
   void KeepPace(const MonotonicClock& wall) noexcept { wall_ = &wall; }
 
-  void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
-  void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const record::TickRecord& record) noexcept TWIN_REALTIME override;
 
   [[nodiscard]] rt::LatestValue<ArmView>& arm() noexcept { return arm_; }
-  [[nodiscard]] rt::LatestValue<rt::SceneRecord>& scene() noexcept { return scene_; }
+  [[nodiscard]] rt::LatestValue<record::SceneRecord>& scene() noexcept { return scene_; }
 
  private:
   void Wait(Time now) noexcept;
 
-  rt::RecordSink* const next_;
+  record::RecordSink* const next_;
   const plant::TruthProbe* truth_ = nullptr;
   const MonotonicClock* wall_ = nullptr;
   std::optional<Duration> behind_;  ///< lag of the run's time behind the wall clock
@@ -79,7 +79,7 @@ class LiveFeed final : public rt::RecordSink {
   std::uint64_t served_ = 0;
   std::uint64_t held_ = 0;
   rt::LatestValue<ArmView> arm_;
-  rt::LatestValue<rt::SceneRecord> scene_;
+  rt::LatestValue<record::SceneRecord> scene_;
 };
 
 }  // namespace twin::page

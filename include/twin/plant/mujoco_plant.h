@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "twin/core/setting.h"
-#include "twin/plant/base_body.h"
 #include "twin/plant/perturbation.h"
 #include "twin/plant/plant.h"
 #include "twin/plant/scene_object.h"
@@ -16,8 +15,8 @@
 
 namespace twin::plant {
 
-/// Friction of the joints. Values and sources: twin/model/joint_friction.h
-/// and src/plant/friction.h.
+/// Friction of the joints. Values and sources: twin/model/arm_model.h
+/// and src/plant/joint_parameters.h.
 enum class FrictionProfile : std::uint8_t {
   kNone,      ///< frictionless
   kResidual,  ///< residual link-side friction after the robot's own compensation (sigmoid of Gaz et
@@ -26,7 +25,7 @@ enum class FrictionProfile : std::uint8_t {
                ///< viscous friction
 };
 
-/// Relation of motor and link positions. Value and reason: src/plant/joint_elasticity.h.
+/// Relation of motor and link positions. Value and reason: src/plant/joint_parameters.h.
 enum class ElasticityProfile : std::uint8_t {
   kRigid,   ///< theta = q, dtheta = dq
   kStatic,  ///< massless spring of gear and torque sensor:

@@ -7,10 +7,10 @@
 
 #include "twin/core/clock.h"
 #include "twin/core/time.h"
+#include "twin/faults/message_fate.h"
 #include "twin/fci/protocol.h"
 #include "twin/fci/sockets.h"
 #include "twin/proxy/counts.h"
-#include "twin/rt/message_fate.h"
 #include "twin/rt/thread_setup.h"
 #include "twin/server/request_handler.h"
 
@@ -23,13 +23,13 @@ struct ProxyConfig {
   std::uint16_t hand_port = fci::kHandPort;  ///< as arm_port
   /// Network that may connect, besides this machine; absent: this machine only.
   std::optional<fci::Network> allow;
-  fci::Endpoint robot_arm;      ///< TCP address of the robot's arm
-  fci::Endpoint robot_hand;     ///< TCP address of its hand; may be unreachable
-  rt::DirectionConfig state;    ///< faults of datagrams from the robot
-  rt::DirectionConfig command;  ///< faults of datagrams to the robot
-  std::uint64_t seed = 1;       ///< of the faults
-  int fifo_priority = 99;       ///< of the UDP threads: nothing delays relaying; 0: normal
-  std::optional<int> cpu;       ///< of the UDP threads
+  fci::Endpoint robot_arm;          ///< TCP address of the robot's arm
+  fci::Endpoint robot_hand;         ///< TCP address of its hand; may be unreachable
+  faults::DirectionConfig state;    ///< faults of datagrams from the robot
+  faults::DirectionConfig command;  ///< faults of datagrams to the robot
+  std::uint64_t seed = 1;           ///< of the faults
+  int fifo_priority = 99;           ///< of the UDP threads: nothing delays relaying; 0: normal
+  std::optional<int> cpu;           ///< of the UDP threads
   Duration connect_timeout = std::chrono::seconds(10);  ///< for a client's Connect
   Duration reach_timeout = std::chrono::seconds(3);     ///< for the connection to the robot
 
@@ -47,7 +47,7 @@ struct ProxyCounts {
 /// client and any server of the Franka Control Interface.
 ///
 ///     client <--TCP--> Run()'s thread, frame by frame -------------------------<--TCP--> robot
-///     client <--UDP--> a real-time thread per session: rt::MessageFate, queue <--UDP--> robot
+///     client <--UDP--> a real-time thread per session: faults::MessageFate, queue <--UDP--> robot
 ///
 /// TCP passes unchanged, except for the UDP port in a Connect: the robot gets the proxy's port, so
 /// that its datagrams come here. States go on to the client from the address to which it connected;

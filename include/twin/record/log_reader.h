@@ -8,15 +8,14 @@
 #include <string>
 #include <variant>
 
+#include "twin/record/cycle_record.h"
 #include "twin/record/log_records.h"
-#include "twin/rt/cycle_record.h"
-#include "twin/rt/scene_record.h"
+#include "twin/record/scene_record.h"
 
 namespace twin::record {
 
 /// One entry of a log.
-using LogEntry =
-    std::variant<rt::CycleRecord, rt::TickRecord, EventRecord, rt::SceneRecord, PlanRecord>;
+using LogEntry = std::variant<CycleRecord, TickRecord, EventRecord, SceneRecord, PlanRecord>;
 
 /// Reads a log of Recorder, complete or from a killed run. Returns records bit by bit as they were
 /// put, in the same order. Data that a log omits returns as default, such as the violation of a
@@ -24,7 +23,7 @@ using LogEntry =
 ///
 ///     LogReader log(path);
 ///     LogEntry entry;
-///     while (log.Next(entry)) { if (const auto* cycle = std::get_if<rt::CycleRecord>(&entry)) ...
+///     while (log.Next(entry)) { if (const auto* cycle = std::get_if<CycleRecord>(&entry)) ...
 ///     }
 ///
 /// Threads: one thread. Real-time: no. Errors: InputError with file, offset and cause for any bytes

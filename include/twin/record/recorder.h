@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "twin/core/time.h"
+#include "twin/record/cycle_record.h"
 #include "twin/record/log_records.h"
+#include "twin/record/scene_record.h"
 #include "twin/record/write_failure.h"
-#include "twin/rt/cycle_record.h"
-#include "twin/rt/scene_record.h"
 
 namespace twin::record {
 
@@ -62,7 +62,7 @@ struct RecordingSummary {
 /// one for events. Add() and Finish() after the producers have ended. Real-time: Put() and Event()
 /// only copy the record into the ring; with kWait they may sleep. After a writer failure, records
 /// are discarded and Finish() throws the failure: no producer is blocked.
-class Recorder final : public rt::RecordSink {
+class Recorder final : public RecordSink {
  public:
   /// Uncompressed size limit of a chunk.
   static constexpr std::size_t kChunkBytes = std::size_t{512} * 1024;
@@ -75,11 +75,11 @@ class Recorder final : public rt::RecordSink {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
-  void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const TickRecord& record) noexcept TWIN_REALTIME override;
 
   /// As Put() of a cycle.
-  void Put(const rt::SceneRecord& record) noexcept TWIN_REALTIME;
+  void Put(const SceneRecord& record) noexcept TWIN_REALTIME;
 
   /// Records an event. @param kind  one word, cut at 31 bytes. @param text  cut at 2000 bytes.
   void Event(Time at, std::string_view kind, std::string_view text) noexcept TWIN_REALTIME;

@@ -8,7 +8,7 @@
 #include "twin/core/limits.h"
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
-#include "twin/reference/pose_target.h"
+#include "twin/reference/target.h"
 #include "twin/reference/trajectory.h"
 
 namespace twin::reference {

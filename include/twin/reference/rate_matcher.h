@@ -4,9 +4,8 @@
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
-#include "twin/reference/joint_target.h"
 #include "twin/reference/moving_average.h"
-#include "twin/reference/pose_target.h"
+#include "twin/reference/target.h"
 
 // Rate matching spreads the updates of a slow command source evenly over the 1 ms cycles between
 // them. One class per kind of target; each is a moving average over the last N cycles,

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,7 +10,7 @@
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
 #include "twin/core/time.h"
-#include "twin/reference/joint_target.h"
+#include "twin/reference/target.h"
 
 namespace twin::reference {
 
@@ -112,5 +114,21 @@ class Trajectory {
   JointVector start_{};
   JointVector goal_{};
 };
+
+/// Largest accepted trajectory file, bytes.
+inline constexpr std::uintmax_t kMaxTrajectoryFileBytes = std::uintmax_t{64} << 20;
+
+/// Reads timed waypoints from a CSV file: the header line `time,q1,q2,q3,q4,q5,q6,q7`, then one
+/// point per line, time in seconds from the start (rounded to nanoseconds, the first 0, strictly
+/// increasing) and joint positions in rad. Numbers use a decimal point in any locale. Blanks around
+/// a field, CRLF line ends, a byte order mark and empty lines at the end are accepted.
+///
+/// Each waypoint's `where` is file name and line.
+///
+/// @throws InputError naming file, line, column, the text found and the expected format, when: the
+/// file is not regular, not readable or larger than kMaxTrajectoryFileBytes; the header differs; a
+/// line has a wrong number of fields; a field is not a finite number; times do not increase from 0
+/// or exceed a day; an empty line stands between points; there is no point.
+[[nodiscard]] std::vector<Waypoint> ReadWaypointsCsv(const std::filesystem::path& path);
 
 }  // namespace twin::reference

@@ -5,9 +5,9 @@
 #include <functional>
 
 #include "twin/core/clock.h"
-#include "twin/render/contact_sheet.h"
 #include "twin/render/film.h"
 #include "twin/render/image.h"
+#include "twin/render/image_operations.h"
 
 namespace twin::render {
 

@@ -8,7 +8,7 @@
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
 #include "twin/plant/truth_probe.h"
-#include "twin/rt/scene_record.h"
+#include "twin/record/scene_record.h"
 
 namespace twin::render {
 
@@ -21,7 +21,7 @@ class Snapshots {
   /// Reserves memory for this number of scenes.
   void Reserve(std::size_t scenes) { scenes_.reserve(scenes); }
   /// @pre scene.positions == qpos_size().
-  void Append(const rt::SceneRecord& scene);
+  void Append(const record::SceneRecord& scene);
 
   [[nodiscard]] int fps() const noexcept { return fps_; }
   [[nodiscard]] std::size_t qpos_size() const noexcept { return qpos_size_; }
@@ -30,14 +30,14 @@ class Snapshots {
   [[nodiscard]] Time time(std::size_t i) const { return scenes_[i].at; }
   /// @returns the positions in frame `i`.
   [[nodiscard]] std::span<const double> qpos(std::size_t i) const { return scenes_[i].Positions(); }
-  [[nodiscard]] const rt::SceneRecord& scene(std::size_t i) const { return scenes_[i]; }
+  [[nodiscard]] const record::SceneRecord& scene(std::size_t i) const { return scenes_[i]; }
 
  private:
   friend class SnapshotRecorder;
 
   int fps_;
   std::size_t qpos_size_;
-  std::vector<rt::SceneRecord> scenes_;
+  std::vector<record::SceneRecord> scenes_;
 };
 
 /// Captures snapshots during a run into storage allocated at construction: 1.6 kB per frame; all of
@@ -62,7 +62,7 @@ class SnapshotRecorder {
   std::size_t Capture(Time now, const plant::TruthProbe& probe) noexcept TWIN_REALTIME;
 
   /// The last captured scene. @pre there is one.
-  [[nodiscard]] const rt::SceneRecord& last() const noexcept { return last_; }
+  [[nodiscard]] const record::SceneRecord& last() const noexcept { return last_; }
   /// All captured scenes; none with Keep::kLast.
   [[nodiscard]] const Snapshots& snapshots() const noexcept { return snapshots_; }
 
@@ -73,7 +73,7 @@ class SnapshotRecorder {
   Keep keep_;
   std::size_t max_frames_;
   std::size_t frames_ = 0;  ///< captured so far
-  rt::SceneRecord last_;
+  record::SceneRecord last_;
   Time start_{};
   Time next_due_{};
 };

@@ -6,7 +6,7 @@
 #include <stop_token>
 
 #include "twin/robot/threaded_robot.h"
-#include "twin/rt/arrival.h"
+#include "twin/rt/signal.h"
 
 namespace twin::robot {
 
@@ -56,7 +56,8 @@ class AnswerPacedRobot final : public ThreadedRobot {
   /// the robot.
   AnswerPacedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                    WorkstationPort& port, rt::Arrival& commands, const MonotonicClock& clock,
-                   rt::ThreadSettings thread, rt::RecordSink* sink, const LockstepOptions& options);
+                   rt::ThreadSettings thread, record::RecordSink* sink,
+                   const LockstepOptions& options);
   ~AnswerPacedRobot() override { End(); }
 
   /// Number of motions stopped for want of an answer. Any thread.

@@ -6,7 +6,7 @@
 #include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 #include "twin/onboard/base_controller.h"
-#include "twin/plant/base_body.h"
+#include "twin/plant/plant.h"
 #include "twin/rt/broadcast.h"
 #include "twin/rt/latest_value.h"
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "twin/core/realtime.h"
-#include "twin/robot/link_config.h"
+#include "twin/faults/message_fate.h"
+#include "twin/robot/robot_config.h"
 #include "twin/rt/event_queue.h"
-#include "twin/rt/message_fate.h"
 
 namespace twin::robot {
 
@@ -22,14 +22,14 @@ class Channel {
   static constexpr std::size_t kCapacity = 2 * (kLongestOnTheWay / kCycle + 1);
 
   /// @throws InputError naming the field of `config` that is out of range.
-  Channel(const DirectionConfig& config, std::uint64_t seed, const rt::FateStreams& streams,
+  Channel(const DirectionConfig& config, std::uint64_t seed, const faults::FateStreams& streams,
           rt::EventQueue& events, rt::EventOrder order);
 
   /// @param arrived  handles an event per arriving copy, with the token for Receive().
-  /// @param repeat  counts messages of the same message_id; see rt::MessageFate.
+  /// @param repeat  counts messages of the same message_id; see faults::MessageFate.
   /// @returns the fate; also lost if the delay is too long or the channel is full.
-  rt::Fate Send(const Message& message, rt::EventHandler& arrived,
-                std::uint32_t repeat = 0) noexcept TWIN_REALTIME;
+  faults::Fate Send(const Message& message, rt::EventHandler& arrived,
+                    std::uint32_t repeat = 0) noexcept TWIN_REALTIME;
 
   /// @pre called once per event. @returns the message, valid until the next Send().
   [[nodiscard]] const Message& Receive(std::uint64_t token) noexcept TWIN_REALTIME;
@@ -40,7 +40,7 @@ class Channel {
     int copies = 0;  ///< in flight
   };
 
-  rt::MessageFate fate_;
+  faults::MessageFate fate_;
   rt::EventQueue& events_;
   rt::EventOrder order_;
   std::vector<Slot> slots_;
@@ -49,7 +49,7 @@ class Channel {
 
 template <typename Message>
 Channel<Message>::Channel(const DirectionConfig& config, std::uint64_t seed,
-                          const rt::FateStreams& streams, rt::EventQueue& events,
+                          const faults::FateStreams& streams, rt::EventQueue& events,
                           rt::EventOrder order)
     : fate_(config, seed, streams), events_(events), order_(order), slots_(kCapacity) {
   free_.reserve(kCapacity);
@@ -57,9 +57,9 @@ Channel<Message>::Channel(const DirectionConfig& config, std::uint64_t seed,
 }
 
 template <typename Message>
-rt::Fate Channel<Message>::Send(const Message& message, rt::EventHandler& arrived,
-                                std::uint32_t repeat) noexcept {
-  rt::Fate fate = fate_.Of(message.message_id, repeat);
+faults::Fate Channel<Message>::Send(const Message& message, rt::EventHandler& arrived,
+                                    std::uint32_t repeat) noexcept {
+  faults::Fate fate = fate_.Of(message.message_id, repeat);
   if (fate.lost || fate.delay > kLongestOnTheWay || free_.empty()) return {.lost = true};
   const std::size_t index = free_.back();
   free_.pop_back();

@@ -2,7 +2,6 @@
 
 #include "twin/core/limits.h"
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/reference/pose_viability_filter.h"
 #include "twin/reference/viability_filter.h"

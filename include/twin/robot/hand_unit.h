@@ -5,7 +5,7 @@
 #include "twin/core/hand_command.h"
 #include "twin/core/realtime.h"
 #include "twin/onboard/gripper.h"
-#include "twin/plant/hand_body.h"
+#include "twin/plant/plant.h"
 
 namespace twin::robot {
 

@@ -4,11 +4,10 @@
 #include <optional>
 
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/onboard/command_inbox.h"
 #include "twin/robot/channel.h"
-#include "twin/robot/link_config.h"
+#include "twin/robot/robot_config.h"
 #include "twin/rt/event_queue.h"
 
 namespace twin::robot {

@@ -6,19 +6,18 @@
 #include <vector>
 
 #include "twin/core/hand_command.h"
-#include "twin/core/panel.h"
+#include "twin/core/modes.h"
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
 #include "twin/onboard/onboard_controller.h"
 #include "twin/plant/plant.h"
+#include "twin/record/cycle_record.h"
 #include "twin/robot/base_unit.h"
 #include "twin/robot/command_keeper.h"
 #include "twin/robot/hand_unit.h"
 #include "twin/robot/link.h"
 #include "twin/robot/robot_config.h"
-#include "twin/rt/cycle_record.h"
 #include "twin/rt/event_queue.h"
 
 namespace twin::robot {
@@ -50,7 +49,7 @@ class Robot final : private rt::EventHandler {
   /// @param state_ready, sink  see backend::Request; sink may be null.
   /// @throws InputError naming the field that is out of range.
   Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt::EventQueue& events,
-        rt::EventHandler& state_ready, rt::RecordSink* sink);
+        rt::EventHandler& state_ready, record::RecordSink* sink);
 
   /// Starts the cycles at the queue's present time; the first is due one period later. Once.
   void Begin() noexcept;
@@ -118,7 +117,7 @@ class Robot final : private rt::EventHandler {
   onboard::OnboardController onboard_;
   onboard::CommandInbox inbox_;
   rt::EventQueue& events_;
-  rt::RecordSink* sink_;
+  record::RecordSink* sink_;
   StateLink states_;
   CommandLink commands_;
   Duration d_INT_;
@@ -132,7 +131,7 @@ class Robot final : private rt::EventHandler {
   Time next_cycle_{};
   onboard::Violations last_violations_;
   onboard::Violations last_found_;
-  rt::CycleRecord record_;
+  record::CycleRecord record_;
 };
 
 }  // namespace twin::robot

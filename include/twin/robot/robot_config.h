@@ -1,18 +1,39 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "twin/core/joint_vector.h"
-#include "twin/core/panel.h"
+#include "twin/core/modes.h"
 #include "twin/core/time.h"
+#include "twin/faults/message_fate.h"
 #include "twin/onboard/base_controller.h"
 #include "twin/onboard/onboard_config.h"
 #include "twin/plant/mujoco_plant.h"
-#include "twin/robot/link_config.h"
+#include "twin/plant/plant.h"
 
 namespace twin::robot {
+
+/// Faults of one direction of the link.
+using DirectionConfig = faults::DirectionConfig;
+
+/// Longest delay of a message; longer ones count as lost, since a successor would overtake them and
+/// they would be dropped on arrival.
+inline constexpr Duration kLongestOnTheWay = 255 * kCycle;
+
+/// The link between the robot and the workstation.
+struct LinkConfig {
+  DirectionConfig state;    ///< robot -> workstation
+  DirectionConfig command;  ///< workstation -> robot
+  /// INT's own processing: a command counts for cycle k only if it arrived by t_k - d_INT.
+  Duration d_INT = std::chrono::microseconds(100);
+
+  /// @throws InputError naming field, value and range.
+  void Validate() const;
+};
 
 /// Kind of plant that INT moves.
 enum class PlantKind : std::uint8_t {
@@ -45,5 +66,17 @@ struct RobotConfig {
   /// @throws InputError naming field, value and range.
   void Validate() const;
 };
+
+/// The plant of a robot's configuration.
+struct MadePlant {
+  std::unique_ptr<plant::Plant> plant;
+  plant::MujocoPlant* engine = nullptr;  ///< the MuJoCo plant; null for the ideal one
+  std::string name;                      ///< for messages
+};
+
+/// Creates the MuJoCo or the ideal plant. It carries the configured bodies on the flange,
+/// independent of those set in INT.
+/// @throws InputError, EnvironmentError as plant::MujocoPlant::Create.
+[[nodiscard]] MadePlant MakePlant(const RobotConfig& config);
 
 }  // namespace twin::robot

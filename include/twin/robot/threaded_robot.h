@@ -82,7 +82,7 @@ class ThreadedRobot : protected rt::EventHandler {
   /// @throws InputError as Robot.
   ThreadedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                 WorkstationPort& port, const MonotonicClock& clock, rt::ThreadSettings thread,
-                rt::RecordSink* sink);
+                record::RecordSink* sink);
   /// Body of the robot's thread, until `stop` is requested.
   virtual void Run(const std::stop_token& stop) noexcept = 0;
   /// INT has granted a request; called before the reply. On the robot's thread, or while it does

@@ -29,7 +29,7 @@ class WallClockRobot : public ThreadedRobot {
   /// As ThreadedRobot. @throws InputError as Robot.
   WallClockRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                  WorkstationPort& port, const MonotonicClock& clock, rt::ThreadSettings thread,
-                 rt::RecordSink* sink);
+                 record::RecordSink* sink);
   ~WallClockRobot() override { End(); }
 
   /// Lateness of a cycle's start, including the periods by which it was postponed.

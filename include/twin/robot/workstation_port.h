@@ -1,7 +1,6 @@
 #pragma once
 
 #include "twin/core/realtime.h"
-#include "twin/core/robot_command.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 

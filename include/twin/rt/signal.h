@@ -4,9 +4,23 @@
 #include <cstdint>
 
 #include "twin/core/clock.h"
-#include "twin/rt/arrival.h"
+#include "twin/core/realtime.h"
+#include "twin/core/time.h"
 
 namespace twin::rt {
+
+/// Lets one thread wait for data: a state from another thread, or a packet at a socket. The
+/// communication thread waits nowhere else.
+///
+/// Threads: one waits. Real-time: bounded by the deadline; allocates nothing, takes no lock.
+class Arrival {
+ public:
+  virtual ~Arrival() = default;
+
+  /// Waits until something arrives that no earlier call has reported, or until `deadline`.
+  /// @returns whether something has arrived.
+  [[nodiscard]] virtual bool AwaitUntil(Time deadline) noexcept TWIN_REALTIME = 0;
+};
 
 /// Wakes one waiting thread from others: a counter to sleep on (futex) with an absolute deadline,
 /// which neither a condition variable without a lock nor std::atomic::wait offers.

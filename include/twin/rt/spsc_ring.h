@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "twin/core/check.h"
+#include "twin/core/error.h"
 #include "twin/core/realtime.h"
 
 namespace twin::rt {

@@ -13,7 +13,7 @@
 #include "twin/page/live_feed.h"
 #include "twin/page/live_page.h"
 #include "twin/page/operator_channel.h"
-#include "twin/rt/cycle_record.h"
+#include "twin/record/cycle_record.h"
 #include "twin/run/catalogue.h"
 #include "twin/scenario/scenario.h"
 #include "twin/teleop/device_registry.h"
@@ -35,7 +35,7 @@ class OperatorPage {
   /// @param folder  of the operator's recordings, operator_1.csv, operator_2.csv, ..., which device
   /// `script` replays. Created with the first recording.
   /// @param note  receives a line when a recording is incomplete or other machines reach the page.
-  OperatorPage(std::optional<page::PageSettings> at, rt::RecordSink* records,
+  OperatorPage(std::optional<page::PageSettings> at, record::RecordSink* records,
                std::filesystem::path folder, std::function<void(std::string_view)> note);
   ~OperatorPage();
   OperatorPage(const OperatorPage&) = delete;
@@ -43,7 +43,7 @@ class OperatorPage {
 
   [[nodiscard]] bool is_wanted() const noexcept { return settings_.has_value(); }
   /// Where the robot must send its records.
-  [[nodiscard]] rt::RecordSink* sink() noexcept { return is_wanted() ? &feed_ : records_; }
+  [[nodiscard]] record::RecordSink* sink() noexcept { return is_wanted() ? &feed_ : records_; }
   [[nodiscard]] page::OperatorChannel& channel() noexcept { return channel_; }
 
   /// The catalogue's devices and kPageDevice, the operator's input on the page. Refers to this.
@@ -74,7 +74,7 @@ class OperatorPage {
   class Recording;
 
   const std::optional<page::PageSettings> settings_;
-  rt::RecordSink* records_;
+  record::RecordSink* records_;
   const std::function<void(std::string_view)> note_;
   const MonotonicClock wall_;
   page::LiveFeed feed_;

@@ -16,8 +16,7 @@
 #include "twin/core/time.h"
 #include "twin/loop/deviation.h"
 #include "twin/loop/run_report.h"
-#include "twin/rt/cycle_record.h"
-#include "twin/rt/filter_counts.h"
+#include "twin/record/cycle_record.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::run {
@@ -63,7 +62,7 @@ struct CycleCounts {
   [[nodiscard]] double unserved_percent() const noexcept;
 
   /// One cycle more. Real-time: noexcept, allocates nothing.
-  void Add(const rt::CycleRecord& record) noexcept TWIN_REALTIME;
+  void Add(const record::CycleRecord& record) noexcept TWIN_REALTIME;
 };
 
 /// Result of a command to the hand.
@@ -107,10 +106,10 @@ struct RunResult {
   std::optional<PoseError> final_pose_error;
   CycleCounts counts;
   FollowedMotion followed;
-  std::optional<rt::FilterCounts> viability;  ///< of a scenario with tick.viability
-  std::optional<HandReport> hand;             ///< of a scenario with commands to it
-  std::optional<BaseState> base;              ///< at the end; of a robot on a mobile base
-  std::optional<PlanReport> plan;             ///< of a planned motion
+  std::optional<record::FilterCounts> viability;  ///< of a scenario with tick.viability
+  std::optional<HandReport> hand;                 ///< of a scenario with commands to it
+  std::optional<BaseState> base;                  ///< at the end; of a robot on a mobile base
+  std::optional<PlanReport> plan;                 ///< of a planned motion
   /// Fingerprint of all states INT sent, in order: the physics, without the log's format.
   std::uint64_t states_hash = 0;
 };

@@ -10,9 +10,9 @@
 #include "twin/core/time.h"
 #include "twin/loop/drive.h"
 #include "twin/planning/planner.h"
+#include "twin/record/cycle_record.h"
 #include "twin/reference/pose_trajectory.h"
 #include "twin/reference/trajectory.h"
-#include "twin/rt/cycle_record.h"
 #include "twin/rt/thread_setup.h"
 #include "twin/run/catalogue.h"
 #include "twin/run/remote.h"
@@ -81,7 +81,7 @@ class Run {
   /// what the backend's factory finds wrong; EnvironmentError and RobotFault from the latter;
   /// NoPlanError when no plan was found within its budget.
   Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-      rt::RecordSink* sink, const RealtimeSettings& settings = {});
+      record::RecordSink* sink, const RealtimeSettings& settings = {});
   ~Run();
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;

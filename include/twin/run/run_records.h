@@ -11,10 +11,10 @@
 #include "twin/core/time.h"
 #include "twin/plant/contact_watch.h"
 #include "twin/plant/truth_probe.h"
+#include "twin/record/cycle_record.h"
 #include "twin/record/recorder.h"
+#include "twin/record/scene_record.h"
 #include "twin/render/snapshots.h"
-#include "twin/rt/cycle_record.h"
-#include "twin/rt/scene_record.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 
@@ -24,7 +24,7 @@ namespace twin::run {
 /// the robot's first cycle.
 ///
 /// Threads: Put() as RecordSink's; the others from the run's thread while no motion runs.
-class RunRecords final : public rt::RecordSink {
+class RunRecords final : public record::RecordSink {
  public:
   /// @throws EnvironmentError as record::Recorder.
   void Log(const std::filesystem::path& path, const record::RunInfo& run,
@@ -36,12 +36,12 @@ class RunRecords final : public rt::RecordSink {
             render::SnapshotRecorder::Keep keep = render::SnapshotRecorder::Keep::kAll);
   /// Whether a scene record holds all positions.
   [[nodiscard]] static bool CanFilm(const plant::TruthProbe& truth) noexcept {
-    return truth.qpos_size() <= rt::SceneRecord::kMostPositions;
+    return truth.qpos_size() <= record::SceneRecord::kMostPositions;
   }
   void WatchContacts(const plant::TruthProbe& truth);
 
-  void Put(const rt::CycleRecord& record) noexcept TWIN_REALTIME override;
-  void Put(const rt::TickRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const record::TickRecord& record) noexcept TWIN_REALTIME override;
 
   /// For RunHooks::event: events for log and film; empty without both.
   [[nodiscard]] std::function<void(Time, std::string_view, std::string_view)> Events();

@@ -18,9 +18,9 @@
 #include "twin/core/time.h"
 #include "twin/loop/loop_config.h"
 #include "twin/loop/run_report.h"
+#include "twin/record/cycle_record.h"
 #include "twin/reference/pose_trajectory.h"
 #include "twin/reference/trajectory.h"
-#include "twin/rt/filter_counts.h"
 #include "twin/run/run.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
@@ -72,13 +72,13 @@ struct MotionResult {
 
 /// Result of a session.
 struct SessionResult {
-  std::uint64_t motions = 0;                  ///< number of motions that were run
-  CycleCounts counts;                         ///< of all its cycles
-  std::optional<rt::FilterCounts> viability;  ///< of a scenario with tick.viability
-  std::vector<FollowedMotion> followed;       ///< the motions that were run
-  std::uint64_t states_hash = 0;              ///< as RunResult
-  backend::RobotTimings robot_timings;        ///< real time: of the simulated robot
-  std::string unsound;                        ///< warnings of the simulation; empty: none
+  std::uint64_t motions = 0;                      ///< number of motions that were run
+  CycleCounts counts;                             ///< of all its cycles
+  std::optional<record::FilterCounts> viability;  ///< of a scenario with tick.viability
+  std::vector<FollowedMotion> followed;           ///< the motions that were run
+  std::uint64_t states_hash = 0;                  ///< as RunResult
+  backend::RobotTimings robot_timings;            ///< real time: of the simulated robot
+  std::string unsound;                            ///< warnings of the simulation; empty: none
 };
 
 /// How a wait ended.
@@ -114,10 +114,10 @@ class Session {
   /// the two must be given.
   /// @param sink, settings  as Run's. @throws as Run's constructor.
   Session(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-          rt::RecordSink* sink, const RealtimeSettings& settings = {});
+          record::RecordSink* sink, const RealtimeSettings& settings = {});
   /// As above, with a robot that is resolved already.
   Session(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
-          rt::RecordSink* sink, const RealtimeSettings& settings);
+          record::RecordSink* sink, const RealtimeSettings& settings);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;

@@ -9,7 +9,7 @@
 #include "twin/backend/registry.h"
 #include "twin/core/time.h"
 #include "twin/plant/contact_watch.h"
-#include "twin/rt/filter_counts.h"
+#include "twin/record/cycle_record.h"
 #include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
@@ -51,10 +51,11 @@ struct WallTimes {
     const std::optional<plant::ContactWatch>& contacts);
 
 /// Counts of the viability filter; null without one.
-[[nodiscard]] nlohmann::ordered_json ViabilityJson(const std::optional<rt::FilterCounts>& counts);
+[[nodiscard]] nlohmann::ordered_json ViabilityJson(
+    const std::optional<record::FilterCounts>& counts);
 
 /// As one line of text.
-[[nodiscard]] std::string ViabilityText(const rt::FilterCounts& counts);
+[[nodiscard]] std::string ViabilityText(const record::FilterCounts& counts);
 
 /// timing.json. @param robot  timing of a robot in real time.
 [[nodiscard]] std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot);

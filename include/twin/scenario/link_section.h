@@ -7,22 +7,22 @@
 #include <vector>
 
 #include "twin/core/time.h"
-#include "twin/robot/link_config.h"
-#include "twin/rt/delay_model.h"
-#include "twin/rt/loss_model.h"
+#include "twin/faults/delay_model.h"
+#include "twin/faults/loss_model.h"
+#include "twin/robot/robot_config.h"
 
 // The section `link`, also by itself, and the laws of delays and losses.
 namespace twin::scenario {
 
-/// A law of delays: the parameters of an rt::DelayModel, as a value that can be compared and
+/// A law of delays: the parameters of an faults::DelayModel, as a value that can be compared and
 /// written to a file.
 struct Delay {
-  using Law = std::variant<rt::ConstantDelay, rt::LogNormalDelay, rt::NormalDelay, rt::GammaDelay,
-                           rt::EmpiricalDelay>;
+  using Law = std::variant<faults::ConstantDelay, faults::LogNormalDelay, faults::NormalDelay,
+                           faults::GammaDelay, faults::EmpiricalDelay>;
   Law law;
 
   /// @throws InputError when a parameter is outside its range.
-  [[nodiscard]] rt::DelayModel Model() const;
+  [[nodiscard]] faults::DelayModel Model() const;
   bool operator==(const Delay& other) const;
 };
 
@@ -53,13 +53,13 @@ struct ScriptedLoss {
   bool operator==(const ScriptedLoss&) const = default;
 };
 
-/// A law of losses: the parameters of an rt::LossModel as a scenario writes them.
+/// A law of losses: the parameters of an faults::LossModel as a scenario writes them.
 struct Loss {
   using Law = std::variant<IndependentLoss, GilbertElliottLoss, ScriptedLoss>;
   Law law;
 
   /// @throws InputError when a parameter is outside its range.
-  [[nodiscard]] rt::LossModel Model() const;
+  [[nodiscard]] faults::LossModel Model() const;
   bool operator==(const Loss&) const = default;
 };
 

@@ -8,10 +8,9 @@
 #include <vector>
 
 #include "twin/fci/sockets.h"
+#include "twin/record/cycle_record.h"
 #include "twin/robot/answer_paced_robot.h"
-#include "twin/robot/make_plant.h"
 #include "twin/robot/robot_config.h"
-#include "twin/rt/cycle_record.h"
 #include "twin/rt/duration_histogram.h"
 #include "twin/rt/thread_setup.h"
 #include "twin/server/request_handler.h"
@@ -34,8 +33,9 @@ struct ServedRobotSettings {
   std::optional<robot::LockstepOptions> lockstep{};
   /// The robot's thread. Absent: real-time priority on the wall clock, normal priority in lockstep.
   std::optional<rt::ThreadSettings> thread{};
-  rt::RecordSink* sink = nullptr;  ///< gets INT's cycle records on the robot's thread; may be null
-  TellPeople tell{};               ///< may be empty
+  record::RecordSink* sink =
+      nullptr;        ///< gets INT's cycle records on the robot's thread; may be null
+  TellPeople tell{};  ///< may be empty
 };
 
 /// An emulated robot and its server on this machine: plant, robot, UDP port and connections.

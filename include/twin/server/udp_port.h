@@ -14,7 +14,7 @@
 #include "twin/fci/protocol.h"
 #include "twin/fci/sockets.h"
 #include "twin/robot/workstation_port.h"
-#include "twin/rt/arrival.h"
+#include "twin/rt/signal.h"
 #include "twin/server/wake_event.h"
 
 namespace twin::server {

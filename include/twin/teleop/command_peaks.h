@@ -7,7 +7,7 @@
 #include "twin/core/joint_vector.h"
 #include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
-#include "twin/reference/pose_target.h"
+#include "twin/reference/target.h"
 
 namespace twin::teleop {
 

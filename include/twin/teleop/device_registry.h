@@ -11,6 +11,7 @@
 
 #include "twin/control/parameters.h"
 #include "twin/core/clock.h"
+#include "twin/core/registry.h"
 #include "twin/teleop/device.h"
 
 namespace twin::teleop {
@@ -33,19 +34,9 @@ using DeviceFactory = std::function<std::unique_ptr<Device>(const DeviceRequest&
 /// The program's devices by name. The program's main fills it from an explicit list.
 ///
 /// Threads: one thread.
-class DeviceRegistry {
+class DeviceRegistry : public Registry<DeviceFactory> {
  public:
-  /// @pre no device of this name was added.
-  void Add(std::string name, DeviceFactory factory);
-
-  /// @throws InputError listing the known names if the name is unknown.
-  [[nodiscard]] const DeviceFactory& Find(std::string_view name) const;
-
-  /// In order of addition.
-  [[nodiscard]] std::vector<std::string> Names() const;
-
- private:
-  std::vector<std::pair<std::string, DeviceFactory>> entries_;
+  DeviceRegistry() : Registry("device") {}
 };
 
 }  // namespace twin::teleop

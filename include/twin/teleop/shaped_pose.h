@@ -2,7 +2,7 @@
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
-#include "twin/reference/pose_target.h"
+#include "twin/reference/target.h"
 #include "twin/teleop/shaped_velocity.h"
 #include "twin/teleop/teleoperator_config.h"
 

@@ -3,7 +3,7 @@
 #include "twin/control/parameters.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
-#include "twin/rt/message_fate.h"
+#include "twin/faults/message_fate.h"
 #include "twin/teleop/shaped_velocity.h"
 
 namespace twin::teleop {
@@ -69,8 +69,8 @@ struct TeleoperatorConfig {
 
 /// Faults of the messages between operator and robot.
 struct WireConfig {
-  rt::DirectionConfig to_robot{};
-  rt::DirectionConfig from_robot{};
+  faults::DirectionConfig to_robot{};
+  faults::DirectionConfig from_robot{};
 };
 
 /// Reads a configuration from a scenario's parameters. Keys are the dotted field names; the bounds

@@ -7,21 +7,22 @@
 
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
-#include "twin/rt/message_fate.h"
+#include "twin/faults/message_fate.h"
 
 namespace twin::teleop {
 
 /// Random streams of the two directions.
-inline constexpr rt::FateStreams kToRobotStreams{.delay = RandomStream::kOperatorDelay,
-                                                 .loss = RandomStream::kOperatorLoss,
-                                                 .burst = RandomStream::kOperatorBurst,
-                                                 .duplicate = RandomStream::kOperatorDuplicate,
-                                                 .reorder = RandomStream::kOperatorReorder};
-inline constexpr rt::FateStreams kFromRobotStreams{.delay = RandomStream::kFeedbackDelay,
-                                                   .loss = RandomStream::kFeedbackLoss,
-                                                   .burst = RandomStream::kFeedbackBurst,
-                                                   .duplicate = RandomStream::kFeedbackDuplicate,
-                                                   .reorder = RandomStream::kFeedbackReorder};
+inline constexpr faults::FateStreams kToRobotStreams{.delay = RandomStream::kOperatorDelay,
+                                                     .loss = RandomStream::kOperatorLoss,
+                                                     .burst = RandomStream::kOperatorBurst,
+                                                     .duplicate = RandomStream::kOperatorDuplicate,
+                                                     .reorder = RandomStream::kOperatorReorder};
+inline constexpr faults::FateStreams kFromRobotStreams{
+    .delay = RandomStream::kFeedbackDelay,
+    .loss = RandomStream::kFeedbackLoss,
+    .burst = RandomStream::kFeedbackBurst,
+    .duplicate = RandomStream::kFeedbackDuplicate,
+    .reorder = RandomStream::kFeedbackReorder};
 
 /// One direction between operator and robot; delays and loses messages by the run's seed. A
 /// message's fate is a function of its sequence; a message that arrives after a newer one is
@@ -36,14 +37,15 @@ class Wire {
   static constexpr std::size_t kMostOnTheWay = 4096;  ///< messages beyond it are lost
 
   /// @throws InputError naming the field of `config` that is out of range.
-  Wire(const rt::DirectionConfig& config, std::uint64_t seed, const rt::FateStreams& streams)
+  Wire(const faults::DirectionConfig& config, std::uint64_t seed,
+       const faults::FateStreams& streams)
       : fate_(config, seed, streams) {
     on_the_way_.reserve(kMostOnTheWay);
   }
 
   void Send(Time now, const Message& message) noexcept TWIN_REALTIME {
     ++sent_;
-    const rt::Fate fate = fate_.Of(message.sequence);
+    const faults::Fate fate = fate_.Of(message.sequence);
     if (fate.lost) return;
     Put(now + fate.delay, message);
     if (fate.duplicated) Put(now + fate.duplicate_delay, message);
@@ -80,7 +82,7 @@ class Wire {
     if (on_the_way_.size() < kMostOnTheWay) on_the_way_.push_back({at, message});
   }
 
-  rt::MessageFate fate_;
+  faults::MessageFate fate_;
   std::vector<Copy> on_the_way_;
   std::uint64_t taken_ = 0;  ///< highest taken sequence
   std::uint64_t sent_ = 0;

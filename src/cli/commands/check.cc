@@ -9,7 +9,6 @@
 #include "cli/commands/commands.h"
 #include "cli/shared_flags.h"
 #include "twin/core/error.h"
-#include "twin/core/require.h"
 #include "twin/loop/host_timing.h"
 
 namespace twin::cli {

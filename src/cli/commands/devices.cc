@@ -17,8 +17,7 @@
 #include "plugins/devices/event_source.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
-#include "twin/core/require.h"
-#include "twin/rt/sleep.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::cli {
 namespace {

@@ -15,7 +15,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/render/clip.h"
-#include "twin/render/png.h"
+#include "twin/render/image.h"
 #include "twin/render/video_writer.h"
 #include "twin/replay/comparison.h"
 #include "twin/replay/layout.h"

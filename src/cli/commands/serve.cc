@@ -17,7 +17,7 @@
 #include "twin/model/model_library.h"
 #include "twin/record/recorder.h"
 #include "twin/reference/viable_axis.h"
-#include "twin/robot/make_plant.h"
+#include "twin/robot/robot_config.h"
 #include "twin/run/operator_page.h"
 #include "twin/run/remote.h"
 #include "twin/run/run.h"

@@ -19,7 +19,6 @@
 #include "twin/golden/approval.h"
 #include "twin/golden/case_run.h"
 #include "twin/golden/comparison.h"
-#include "twin/golden/goldens_lock.h"
 #include "twin/golden/page.h"
 #include "twin/record/log_reader.h"
 #include "twin/run/result_folder.h"

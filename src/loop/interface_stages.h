@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "twin/control/controller.h"
+#include "twin/core/realtime.h"
+#include "twin/core/robot_state.h"
+#include "twin/loop/loop_config.h"
+#include "twin/reference/target.h"
+
+namespace twin::loop {
+
+/// Result of the viability filter: as TickRecord::margin and TickRecord::kept_back.
+struct Viable {
+  double margin = 0;
+  std::uint8_t changed_joints = 0;
+};
+
+/// The stages of a CommandChain for one command interface. They use this interface's fields of
+/// targets and commands only.
+///
+/// Threads: one. Real-time: all but construction; noexcept, no allocation.
+class InterfaceStages {
+ public:
+  virtual ~InterfaceStages() = default;
+
+  /// A motion starts at the reference in `state`: it fills the rate matcher's window.
+  virtual void Reset(const RobotState& state) noexcept TWIN_REALTIME = 0;
+  /// One cycle of rate matching.
+  virtual void Match(const reference::Target& target,
+                     reference::Target& matched) noexcept TWIN_REALTIME = 0;
+  /// The paper's reference generator if configured, else the target itself.
+  virtual void Generate(const RobotState& state, const reference::Target& matched,
+                        RobotCommand& command) const noexcept TWIN_REALTIME = 0;
+  /// libfranka's low-pass and rate limiter, each if configured.
+  virtual void Smooth(const RobotState& state,
+                      RobotCommand& command) const noexcept TWIN_REALTIME = 0;
+  /// @pre TickConfig::viability.
+  virtual Viable KeepViable(const RobotState& state,
+                            RobotCommand& command) const noexcept TWIN_REALTIME = 0;
+  /// Whether the target is at rest, and the robot's reference within the finish tolerance of it.
+  [[nodiscard]] virtual bool Arrived(
+      const RobotState& state, const reference::Target& matched) const noexcept TWIN_REALTIME = 0;
+};
+
+/// Rate whose updates the matcher spreads over the cycles; without rate matching that of the
+/// cycles.
+[[nodiscard]] double MatchedRate(const TickConfig& config) noexcept;
+
+/// @param config  validated for `interface`.
+[[nodiscard]] std::unique_ptr<InterfaceStages> MakeStages(const TickConfig& config,
+                                                          control::CommandInterface interface);
+
+}  // namespace twin::loop

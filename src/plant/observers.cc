@@ -1,0 +1,85 @@
+#include "twin/plant/observers.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+
+namespace twin::plant {
+
+BodyView::BodyView(const TruthProbe& truth, const std::string& body)
+    : truth_(truth), body_(mj_name2id(&truth.model(), mjOBJ_BODY, body.c_str())) {
+  if (body_ < 0) {
+    throw InputError(fmt::format("no body of robot and scene is named \"{}\"; name one", body));
+  }
+}
+
+Transform BodyView::Pose() const noexcept {
+  const mjData& data = truth_.data();
+  Transform X = kIdentityTransform;
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 3; ++c) X[4 * c + r] = data.xmat[9 * body_ + 3 * r + c];
+    X[12 + r] = data.xpos[3 * body_ + r];
+  }
+  return X;
+}
+
+namespace {
+
+/// Force of a contact on its second geom's body, world axes.
+Vector3 ForceOf(const mjModel& model, const mjData& data, int contact) noexcept {
+  mjtNum wrench[6];
+  mj_contactForce(&model, &data, contact, wrench);
+  Vector3 force{};
+  mju_mulMatTVec(force.data(), data.contact[contact].frame, wrench, 3, 3);
+  return force;
+}
+
+void CaptureContacts(const mjModel& model, const mjData& data,
+                     record::SceneRecord& scene) noexcept {
+  scene.contacts = 0;
+  for (int i = 0; i < data.ncon && scene.contacts < record::SceneRecord::kMostContacts; ++i) {
+    const mjContact& contact = data.contact[i];
+    if (contact.exclude != 0 || contact.efc_address < 0) continue;
+    record::PointForce& mark = scene.contact[scene.contacts];
+    std::copy_n(contact.pos, 3, mark.p_W.begin());
+    mark.force_W = ForceOf(model, data, i);
+    if (model.geom_bodyid[contact.geom1] > model.geom_bodyid[contact.geom2]) {
+      mju_scl3(mark.force_W.data(), mark.force_W.data(), -1);
+    }
+    ++scene.contacts;
+  }
+}
+
+/// The point p = c + (f x m) / f^2 on the force's line, nearest to the centre of mass c.
+void CapturePushes(const mjModel& model, const mjData& data, record::SceneRecord& scene) noexcept {
+  constexpr mjtNum kLeast = 1e-6;  // N
+  scene.pushes = 0;
+  for (int body = 1; body < model.nbody && scene.pushes < record::SceneRecord::kMostPushes;
+       ++body) {
+    const mjtNum* const force = data.xfrc_applied + std::ptrdiff_t{6} * body;
+    const mjtNum square = mju_dot3(force, force);
+    if (square < kLeast * kLeast) continue;
+    record::PointForce& mark = scene.push[scene.pushes++];
+    std::copy_n(force, 3, mark.force_W.begin());
+    mju_cross(mark.p_W.data(), force, force + 3);
+    mju_scl3(mark.p_W.data(), mark.p_W.data(), 1 / square);
+    mju_addTo3(mark.p_W.data(), data.xipos + std::ptrdiff_t{3} * body);
+  }
+}
+
+}  // namespace
+
+void CaptureScene(Time now, const TruthProbe& truth, record::SceneRecord& scene) noexcept {
+  scene.at = now;
+  scene.positions = static_cast<std::uint32_t>(truth.qpos_size());
+  truth.CopyQpos(std::span(scene.qpos).first(scene.positions));
+  CaptureContacts(truth.model(), truth.data(), scene);
+  CapturePushes(truth.model(), truth.data(), scene);
+}
+
+}  // namespace twin::plant
