@@ -1,5 +1,7 @@
-# A test program: twin_add_test(rt_event_queue_test LABELS unit LINK twin::rt). Source: <name>.cc beside the CMakeLists, or SOURCES.
-# Every test is named here, never globbed. A program in which no test would run fails (tests/support/test_main.cc).
+# A test: twin_add_test(rt_event_queue_test LABELS unit LINK twin::rt). Source: <name>.cc beside the CMakeLists, or SOURCES. All tests
+# of a folder are one program, rt_tests; `rt_tests rt_event_queue_test` runs the cases of that source. ALONE makes a program of its own.
+# Every test is named here, never globbed. A program in which no test would run fails (tests/support/test_main.cc). The
+# namespace of each source ends with the source's name, because several are compiled as one (TwinUnity.cmake).
 #
 # A test that is a Python script: twin_add_script_test(name SCRIPT check.py ARGS ... LABELS unit NEEDS panda-twin).
 #
@@ -42,17 +44,31 @@ set(TWIN_MEMORY_FOLDERS support core rt record fci onboard plant robot server pr
     contract devices fuzz)
 
 function(twin_add_test name)
-  cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LABELS;LINK" ${ARGN})
+  cmake_parse_arguments(TEST "ALONE" "TIMEOUT" "SOURCES;LABELS;LINK" ${ARGN})
   if(NOT TEST_SOURCES)
     set(TEST_SOURCES ${name}.cc)
   endif()
-  add_executable(${name} ${TEST_SOURCES})
-  twin_compile_as_test(${name})
-  target_link_libraries(${name} PRIVATE ${TEST_LINK} twin_test_main)
-  if(TWIN_LLD)
-    target_link_options(${name} PRIVATE -fuse-ld=lld)
+  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
+  if(TEST_ALONE)
+    set(program ${name})
+    set(cases "")
+  else()
+    set(program ${folder}_tests)
+    list(GET TEST_SOURCES 0 source)
+    cmake_path(GET source STEM cases)
   endif()
-  twin_register_test(${name} COMMAND ${name} LABELS "${TEST_LABELS}" TIMEOUT "${TEST_TIMEOUT}" NEEDS ${name})
+  if(NOT TARGET ${program})
+    add_executable(${program})
+    twin_compile_as_test(${program})
+    twin_unity(${program})
+    target_link_libraries(${program} PRIVATE twin_test_main)
+    if(TWIN_LLD)
+      target_link_options(${program} PRIVATE -fuse-ld=lld)
+    endif()
+  endif()
+  target_sources(${program} PRIVATE ${TEST_SOURCES})
+  target_link_libraries(${program} PRIVATE ${TEST_LINK})
+  twin_register_test(${name} COMMAND ${program} ${cases} LABELS "${TEST_LABELS}" TIMEOUT "${TEST_TIMEOUT}" NEEDS ${program})
 endfunction()
 
 # Also for an object library of tests that several programs take: SOURCES $<TARGET_OBJECTS:name>.

@@ -14,15 +14,15 @@ namespace twin::application {
 namespace {
 
 constexpr double kFullTurn = 2 * std::numbers::pi;
-constexpr double kFarthest = 2;  // m: beyond any reach
+constexpr double kFarthestGrasp = 2;  // m: beyond any reach
 
 /// Name of the ground plane in the scenes.
 constexpr const char* kFloor = "floor";
 
 scenario::FramePose ReadPlace(control::ParameterReader& p, const std::string& key, double least) {
-  return {
-      .position = p.Vector(key + "position", Dimension::kLength, {}, least * kFarthest, kFarthest),
-      .rpy = p.Vector(key + "rpy", Dimension::kAngle, {}, least * kFullTurn, kFullTurn)};
+  return {.position = p.Vector(key + "position", Dimension::kLength, {}, least * kFarthestGrasp,
+                               kFarthestGrasp),
+          .rpy = p.Vector(key + "rpy", Dimension::kAngle, {}, least * kFullTurn, kFullTurn)};
 }
 
 void ReadPace(control::ParameterReader& p, const std::string& key, reference::Timing& pace) {

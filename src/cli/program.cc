@@ -21,7 +21,7 @@
 namespace twin::cli {
 namespace {
 
-constexpr const char* kFooter = R"(Start here:
+constexpr const char* kProgramFooter = R"(Start here:
   panda-twin check                                       does this host have all it takes, and keep 1 kHz?
   panda-twin run models/scenarios/canonical.yaml         the main example; results in out/canonical
   panda-twin run SCENARIO.yaml --seed 7 --out /tmp/a     other random numbers, another folder
@@ -83,7 +83,7 @@ int Guarded(const Log& log, Command command) {
 }
 
 /// What is wrong with a command line. CLI11 does not say which word is no command.
-std::string Describe(const CLI::App& app, const CLI::ParseError& error) {
+std::string DescribeError(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   const std::vector<std::string> unread = command->remaining();
@@ -142,7 +142,7 @@ int RunProgram(int argc, const char* const* argv, Program& program) {
   app.set_version_flag("--version", &VersionText, "Show the version and exit");
   app.require_subcommand(1);
   for (const auto add : kCommands) add(app, program);
-  app.footer(kFooter);  // after its commands, which else would repeat it
+  app.footer(kProgramFooter);  // after its commands, which else would repeat it
   return Guarded(program.log, [&] {
     try {
       app.parse(argc, argv);  // and runs the command
@@ -152,7 +152,7 @@ int RunProgram(int argc, const char* const* argv, Program& program) {
       FinishOutput();
       return code;
     } catch (const CLI::ParseError& error) {
-      program.log->error("{}; see panda-twin --help", Describe(app, error));
+      program.log->error("{}; see panda-twin --help", DescribeError(app, error));
       return static_cast<int>(kUsage);
     }
   });

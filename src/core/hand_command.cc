@@ -50,7 +50,7 @@ Finding Find(const hand::Grasp& grasp, double max_width) noexcept {
   return Require(good(grasp.epsilon_outer), "epsilon_outer", grasp.epsilon_outer, kEpsilon);
 }
 
-struct Namer {
+struct CommandNamer {
   std::string_view operator()(const hand::Homing&) { return "Homing"; }
   std::string_view operator()(const hand::Move&) { return "Move"; }
   std::string_view operator()(const hand::Grasp&) { return "Grasp"; }
@@ -64,7 +64,7 @@ std::optional<BadValue> FindBadValue(const HandCommand& command, double max_widt
 }
 
 std::string_view Name(const HandCommand& command) noexcept {
-  return std::visit(Namer(), command);
+  return std::visit(CommandNamer(), command);
 }
 
 std::string_view Name(HandResult result) noexcept {

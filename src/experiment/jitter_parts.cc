@@ -10,7 +10,6 @@
 namespace twin::experiment {
 namespace {
 
-constexpr double kT = kCycleSeconds;
 constexpr double kFreeRunningPpm = 50;
 constexpr double kSpeed = 1;  // of the jitter figure, rad/s
 

@@ -22,7 +22,7 @@ constexpr std::uint64_t kMostAheadPerMs = 2;
 
 /// Largest answer: GetCartesianLimit's. Model libraries are never requested: this program has its
 /// own model and runs no code from a robot.
-constexpr std::size_t kLargestAnswer = 166;
+constexpr std::size_t kLargestArmAnswer = 166;
 
 std::string NameOf(const Endpoint& robot) {
   return fmt::format("the robot {}", ToString(robot));
@@ -44,7 +44,7 @@ ArmClient::ArmClient(const MonotonicClock& clock, const std::string& host, std::
   // States go to the address of this connection, so listen only there.
   udp_ = std::make_unique<UdpSocket>(clock, Endpoint{stream.local().address, 0});
   channel_ = std::make_unique<RequestChannel>(HeadKind::kArm, std::move(stream), NameOf(robot_),
-                                              kLargestAnswer, timeout.answer, capture);
+                                              kLargestArmAnswer, timeout.answer, capture);
   Negotiate();
 }
 

@@ -9,10 +9,10 @@
 namespace twin::fci {
 namespace {
 
-using Parsed = std::variant<ArmRequest, BadFrame>;
+using ParsedArmRequest = std::variant<ArmRequest, BadFrame>;
 
 template <typename Message>
-Parsed Parse(const Frame& frame) {
+ParsedArmRequest ParseArm(const Frame& frame) {
   Message message;
   const std::string_view name = Name(static_cast<ArmCommand>(frame.head.command));
   if (auto bad = wire::ReadRequest(name, frame.payload, message)) return *std::move(bad);
@@ -24,7 +24,7 @@ Parsed Parse(const Frame& frame) {
 }
 
 /// Maps each message to its command.
-struct Commander {
+struct ArmCommander {
   ArmCommand operator()(const Connect&) { return ArmCommand::kConnect; }
   ArmCommand operator()(const Move&) { return ArmCommand::kMove; }
   ArmCommand operator()(const StopMove&) { return ArmCommand::kStopMove; }
@@ -49,46 +49,46 @@ struct Commander {
 };
 
 template <typename Message>
-std::vector<std::byte> EncodeMessage(std::uint32_t command_id, const Message& message) {
-  NewFrame frame(Commander()(message), command_id, wire::kPayload<Message>);
+std::vector<std::byte> EncodeArmMessage(std::uint32_t command_id, const Message& message) {
+  NewFrame frame(ArmCommander()(message), command_id, wire::kPayload<Message>);
   wire::PutFields(frame.payload(), message);
   return std::move(frame).Release();
 }
 
-std::vector<std::byte> EncodeMessage(std::uint32_t command_id, const Setting& setting) {
-  return std::visit([command_id](const auto& one) { return EncodeMessage(command_id, one); },
+std::vector<std::byte> EncodeArmMessage(std::uint32_t command_id, const Setting& setting) {
+  return std::visit([command_id](const auto& one) { return EncodeArmMessage(command_id, one); },
                     setting);
 }
 
 }  // namespace
 
-Parsed ParseArmRequest(const Frame& frame) {
+ParsedArmRequest ParseArmRequest(const Frame& frame) {
   switch (static_cast<ArmCommand>(frame.head.command)) {
-    case ArmCommand::kConnect: return Parse<Connect>(frame);
-    case ArmCommand::kMove: return Parse<Move>(frame);
-    case ArmCommand::kStopMove: return Parse<StopMove>(frame);
-    case ArmCommand::kGetCartesianLimit: return Parse<GetCartesianLimit>(frame);
-    case ArmCommand::kSetCollisionBehavior: return Parse<setting::CollisionBehavior>(frame);
-    case ArmCommand::kSetJointImpedance: return Parse<setting::JointImpedance>(frame);
-    case ArmCommand::kSetCartesianImpedance: return Parse<setting::CartesianImpedance>(frame);
-    case ArmCommand::kSetGuidingMode: return Parse<setting::GuidingMode>(frame);
-    case ArmCommand::kSetEEToK: return Parse<setting::StiffnessFrame>(frame);
-    case ArmCommand::kSetNEToEE: return Parse<setting::EndEffectorFrame>(frame);
-    case ArmCommand::kSetLoad: return Parse<setting::Load>(frame);
-    case ArmCommand::kSetFilters: return Parse<setting::Filters>(frame);
-    case ArmCommand::kAutomaticErrorRecovery: return Parse<AutomaticErrorRecovery>(frame);
-    case ArmCommand::kLoadModelLibrary: return Parse<LoadModelLibrary>(frame);
+    case ArmCommand::kConnect: return ParseArm<Connect>(frame);
+    case ArmCommand::kMove: return ParseArm<Move>(frame);
+    case ArmCommand::kStopMove: return ParseArm<StopMove>(frame);
+    case ArmCommand::kGetCartesianLimit: return ParseArm<GetCartesianLimit>(frame);
+    case ArmCommand::kSetCollisionBehavior: return ParseArm<setting::CollisionBehavior>(frame);
+    case ArmCommand::kSetJointImpedance: return ParseArm<setting::JointImpedance>(frame);
+    case ArmCommand::kSetCartesianImpedance: return ParseArm<setting::CartesianImpedance>(frame);
+    case ArmCommand::kSetGuidingMode: return ParseArm<setting::GuidingMode>(frame);
+    case ArmCommand::kSetEEToK: return ParseArm<setting::StiffnessFrame>(frame);
+    case ArmCommand::kSetNEToEE: return ParseArm<setting::EndEffectorFrame>(frame);
+    case ArmCommand::kSetLoad: return ParseArm<setting::Load>(frame);
+    case ArmCommand::kSetFilters: return ParseArm<setting::Filters>(frame);
+    case ArmCommand::kAutomaticErrorRecovery: return ParseArm<AutomaticErrorRecovery>(frame);
+    case ArmCommand::kLoadModelLibrary: return ParseArm<LoadModelLibrary>(frame);
   }
   return BadFrame{fmt::format("command {} is none of the arm's, which are 0 to {}",
                               frame.head.command, kArmCommands - 1)};
 }
 
 ArmCommand CommandOf(const ArmRequest& request) noexcept {
-  return std::visit(Commander(), request);
+  return std::visit(ArmCommander(), request);
 }
 
 std::vector<std::byte> EncodeRequest(std::uint32_t command_id, const ArmRequest& request) {
-  return std::visit([command_id](const auto& one) { return EncodeMessage(command_id, one); },
+  return std::visit([command_id](const auto& one) { return EncodeArmMessage(command_id, one); },
                     request);
 }
 

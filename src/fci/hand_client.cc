@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kRemembered = 8;
 /// Longest frame of an answer, bytes: Connect's.
-constexpr std::size_t kLargestAnswer = 14;
+constexpr std::size_t kLargestHandAnswer = 14;
 /// Time for the answers to an aborted command and to Stop.
 constexpr Duration kAtOnce = std::chrono::seconds(1);
 constexpr Duration kNextState = std::chrono::milliseconds(100);
@@ -93,7 +93,7 @@ HandClient::HandClient(const std::string& host, std::uint16_t port, const Client
   TcpStream stream = TcpStream::Connect(hand, timeout.connect);
   states_ = std::make_unique<Mailbox>(hand.address, Endpoint{stream.local().address, 0}, capture);
   channel_ = std::make_unique<RequestChannel>(
-      HeadKind::kHand, std::move(stream), name_, kLargestAnswer, timeout.answer, capture,
+      HeadKind::kHand, std::move(stream), name_, kLargestHandAnswer, timeout.answer, capture,
       SideSocket{states_->fd(), [this] { states_->Drain(); }});
   Negotiate(states_->port());
 }

@@ -7,10 +7,10 @@
 namespace twin::fci {
 namespace {
 
-using Parsed = std::variant<HandRequest, BadFrame>;
+using ParsedHandRequest = std::variant<HandRequest, BadFrame>;
 
 template <typename Message>
-Parsed Parse(const Frame& frame) {
+ParsedHandRequest ParseHand(const Frame& frame) {
   Message message;
   const std::string_view name = Name(static_cast<HandCommandId>(frame.head.command));
   if (auto bad = wire::ReadRequest(name, frame.payload, message)) return *std::move(bad);
@@ -22,7 +22,7 @@ Parsed Parse(const Frame& frame) {
 }
 
 /// Maps each message to its command.
-struct Commander {
+struct HandCommander {
   HandCommandId operator()(const Connect&) { return HandCommandId::kConnect; }
   HandCommandId operator()(const hand::Homing&) { return HandCommandId::kHoming; }
   HandCommandId operator()(const hand::Grasp&) { return HandCommandId::kGrasp; }
@@ -31,27 +31,27 @@ struct Commander {
 };
 
 template <typename Message>
-std::vector<std::byte> EncodeMessage(std::uint32_t command_id, const Message& message) {
-  NewFrame frame(Commander()(message), command_id, wire::kPayload<Message>);
+std::vector<std::byte> EncodeHandMessage(std::uint32_t command_id, const Message& message) {
+  NewFrame frame(HandCommander()(message), command_id, wire::kPayload<Message>);
   wire::PutFields(frame.payload(), message);
   return std::move(frame).Release();
 }
 
-std::vector<std::byte> EncodeMessage(std::uint32_t command_id, const HandCommand& command) {
-  return std::visit([command_id](const auto& one) { return EncodeMessage(command_id, one); },
+std::vector<std::byte> EncodeHandMessage(std::uint32_t command_id, const HandCommand& command) {
+  return std::visit([command_id](const auto& one) { return EncodeHandMessage(command_id, one); },
                     command);
 }
 
 }  // namespace
 
-Parsed ParseHandRequest(const Frame& frame) {
+ParsedHandRequest ParseHandRequest(const Frame& frame) {
   // The hand's head has a 16-bit command; a larger one cannot come from a stream.
   switch (frame.head.command) {
-    case static_cast<std::uint32_t>(HandCommandId::kConnect): return Parse<Connect>(frame);
-    case static_cast<std::uint32_t>(HandCommandId::kHoming): return Parse<hand::Homing>(frame);
-    case static_cast<std::uint32_t>(HandCommandId::kGrasp): return Parse<hand::Grasp>(frame);
-    case static_cast<std::uint32_t>(HandCommandId::kMove): return Parse<hand::Move>(frame);
-    case static_cast<std::uint32_t>(HandCommandId::kStop): return Parse<hand::Stop>(frame);
+    case static_cast<std::uint32_t>(HandCommandId::kConnect): return ParseHand<Connect>(frame);
+    case static_cast<std::uint32_t>(HandCommandId::kHoming): return ParseHand<hand::Homing>(frame);
+    case static_cast<std::uint32_t>(HandCommandId::kGrasp): return ParseHand<hand::Grasp>(frame);
+    case static_cast<std::uint32_t>(HandCommandId::kMove): return ParseHand<hand::Move>(frame);
+    case static_cast<std::uint32_t>(HandCommandId::kStop): return ParseHand<hand::Stop>(frame);
     default: break;
   }
   return BadFrame{fmt::format("command {} is none of the hand's, which are 0 to {}",
@@ -59,7 +59,7 @@ Parsed ParseHandRequest(const Frame& frame) {
 }
 
 std::vector<std::byte> EncodeRequest(std::uint32_t command_id, const HandRequest& request) {
-  return std::visit([command_id](const auto& one) { return EncodeMessage(command_id, one); },
+  return std::visit([command_id](const auto& one) { return EncodeHandMessage(command_id, one); },
                     request);
 }
 

@@ -45,7 +45,7 @@ json SideOf(const ViewPictures& view, const ViewPictures* other) {
           {"keys", std::move(keys)}};
 }
 
-json ViewOf(const ViewPictures& expected, const ViewPictures& actual) {
+json JsonOf(const ViewPictures& expected, const ViewPictures& actual) {
   json same = json::array();
   for (const KeyPicture& key : actual.keys) {
     if (IsSame(key, expected)) same.push_back(key.frame);
@@ -79,7 +79,7 @@ json ViewerOf(const CaseResult& result) {
   }
   json views = json::array();
   for (std::size_t i = 0; i < actual.size(); ++i) {
-    views.push_back(ViewOf(result.golden.pictures.views[i], actual[i]));
+    views.push_back(JsonOf(result.golden.pictures.views[i], actual[i]));
   }
   return {{"views", std::move(views)},
           {"small", {kStripColumns, kSignatureWidth, kSignatureHeight}},

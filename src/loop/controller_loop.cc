@@ -3,7 +3,7 @@
 namespace twin::loop {
 namespace {
 
-const ControllerLoopConfig& Validated(const ControllerLoopConfig& config) {
+const ControllerLoopConfig& ValidatedLoop(const ControllerLoopConfig& config) {
   config.Validate();
   return config;
 }
@@ -14,7 +14,7 @@ ControllerLoop::ControllerLoop(const ControllerLoopConfig& config, control::Cont
                                Exchange& exchange, std::uint64_t seed)
     : controller_(controller),
       exchange_(exchange),
-      depositor_(Validated(config), controller.command_interface(), exchange, seed),
+      depositor_(ValidatedLoop(config), controller.command_interface(), exchange, seed),
       grid_(config, seed),
       cost_(config.cost),
       cost_random_(seed, RandomStream::kControllerCost) {}

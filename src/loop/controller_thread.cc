@@ -5,7 +5,7 @@
 namespace twin::loop {
 namespace {
 
-constexpr Duration kLook = std::chrono::milliseconds(50);
+constexpr Duration kWakePoll = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void ControllerThread::Stop() {
 void ControllerThread::Run(const std::stop_token& stop) noexcept {
   while (!watch_.moving()) {
     if (stop.stop_requested()) return;
-    static_cast<void>(wake_.AwaitUntil(clock_.Now() + kLook));
+    static_cast<void>(wake_.AwaitUntil(clock_.Now() + kWakePoll));
   }
   Time at = loop_.Start(clock_.Now());
   while (!stop.stop_requested() && !watch_.ended()) {

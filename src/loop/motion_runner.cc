@@ -22,7 +22,7 @@ constexpr Duration kUntilRest = kRestTimeout + std::chrono::milliseconds(300);
 /// asks for, which has longer to look.
 constexpr Duration kStill = kRestTime / 2;
 /// Longest wait for a first state, and for a stopped arm to come to rest.
-constexpr Duration kTimeout = std::chrono::seconds(3);
+constexpr Duration kMotionTimeout = std::chrono::seconds(3);
 constexpr const char* kInterrupted = "interrupted";
 /// Without a state for so long, the backend is asked whether the motion has ended ...
 constexpr Duration kSilence = std::chrono::milliseconds(500);
@@ -87,7 +87,7 @@ RunReport MotionRunner::Run() {
 RunReport MotionRunner::RunToEnd() {
   RunReport report;
   const Time begin = Now();
-  if (!Pass(begin + kTimeout, [&] { return watch_.has_state(); })) {
+  if (!Pass(begin + kMotionTimeout, [&] { return watch_.has_state(); })) {
     if (Interrupted()) {
       report.failure = kInterrupted;
       return report;
@@ -180,7 +180,7 @@ void MotionRunner::StopEarly(RunReport& report, std::string why) {
   }
   Tell("stop", report.failure);
   if (failure == LoopFailure::kConnectionLost || failure == LoopFailure::kException) return;
-  if (!Pass(Now() + kTimeout, [&] { return watch_.ended(); })) {
+  if (!Pass(Now() + kMotionTimeout, [&] { return watch_.ended(); })) {
     report.failure += "; no state has come through that shows the arm at rest";
   }
 }

@@ -12,7 +12,7 @@ namespace twin::loop {
 namespace {
 
 /// How often the onlooker looks.
-constexpr Duration kLook = std::chrono::milliseconds(5);
+constexpr Duration kPollPeriod = std::chrono::milliseconds(5);
 
 /// What both threads were refused is told once.
 void AddNew(const std::vector<std::string>& notices, std::vector<std::string>& all) {
@@ -51,7 +51,7 @@ class RealtimeRunner final : public MotionRunner {
   [[nodiscard]] bool PassUntil(Time limit, const std::function<bool()>& done) override {
     while (!done()) {
       if (clock_.Now() >= limit) return false;
-      rt::SleepUntil(clock_, clock_.Now() + kLook);
+      rt::SleepUntil(clock_, clock_.Now() + kPollPeriod);
     }
     return true;
   }
@@ -129,7 +129,7 @@ class RealtimeDrive final : public Drive {
 
  private:
   void Wait(Time limit) override {
-    static_cast<void>(connection_.arrival->AwaitUntil(std::min(limit, clock_.Now() + kLook)));
+    static_cast<void>(connection_.arrival->AwaitUntil(std::min(limit, clock_.Now() + kPollPeriod)));
   }
 
   MonotonicClock clock_;

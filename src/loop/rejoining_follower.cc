@@ -12,8 +12,6 @@ namespace {
 using control::CommandInterface;
 using reference::Played;
 
-constexpr double kT = kCycleSeconds;
-
 /// a + share * b.
 JointVector Sum(const JointVector& a, double share, const JointVector& b) noexcept {
   JointVector sum{};

@@ -6,7 +6,7 @@
 namespace twin::loop {
 namespace {
 
-constexpr Duration kTimeout = std::chrono::seconds(1);
+constexpr Duration kSilenceTimeout = std::chrono::seconds(1);
 
 /// Reads on the thread, and counts.
 class Listener {
@@ -16,7 +16,7 @@ class Listener {
       : clock_(clock), backend_(backend), arrival_(arrival), settings_(settings), report_(report) {}
 
   void Run() noexcept {
-    Time limit = clock_.Now() + kTimeout;
+    Time limit = clock_.Now() + kSilenceTimeout;
     Time read{};
     for (Time now = clock_.Now(); now < limit; now = clock_.Now()) {
       switch (backend_.Read(
@@ -27,7 +27,7 @@ class Listener {
         case backend::ReadResult::kState: Count(read); break;
       }
       if (read - first_read_ >= settings_.span) break;
-      limit = read + kTimeout;
+      limit = read + kSilenceTimeout;
     }
     if (report_.last.message_id > first_id_) {
       report_.rate_hz = static_cast<double>(report_.last.message_id - first_id_) /

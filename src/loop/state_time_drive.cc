@@ -10,7 +10,7 @@ namespace twin::loop {
 namespace {
 
 /// Longest wait for a state without a look at what the caller wants.
-constexpr Duration kLook = std::chrono::milliseconds(50);
+constexpr Duration kStatePoll = std::chrono::milliseconds(50);
 
 /// What costs and tolerances mean on a clock has no meaning on states.
 MotionRun OnStates(const MotionRun& run) {
@@ -59,7 +59,7 @@ class StateTimeRunner final : public MotionRunner {
   void Step() {
     switch (loop_->OnState()) {
       case CommunicationLoop::Outcome::kPending:
-        static_cast<void>(arrival_.AwaitUntil(clock_.Now() + kLook));
+        static_cast<void>(arrival_.AwaitUntil(clock_.Now() + kStatePoll));
         return;
       case CommunicationLoop::Outcome::kLost:
         lost_ = true;

@@ -70,14 +70,14 @@ constexpr std::array<Capsule, kParts> kCapsules{{
 constexpr JointVector kReach{1.2, 1.2, 0.9, 0.9, 0.4, 0.4, 0.25};
 
 /// The capsules' axes in the base.
-struct Axes {
+struct CapsuleAxes {
   std::array<Vector3, kParts> a;
   std::array<Vector3, kParts> b;
 };
 
 /// Transforms every point from its link to the base, joint by joint.
-Axes Carry(const Configuration& q, std::size_t parts) noexcept {
-  Axes axes;
+CapsuleAxes Carry(const Configuration& q, std::size_t parts) noexcept {
+  CapsuleAxes axes;
   std::size_t first = parts;  // of the points in progress
   TipToBase([&]<std::size_t i>() {
     while (first > 0 && kCapsules[first - 1].link == i + 1) {
@@ -119,7 +119,7 @@ double SquaredDistance(const Vector3& d, const Vector3& e, const Vector3& r) noe
 }
 
 /// Compares one pair, unless its bounding spheres suffice.
-void Compare(const Axes& axes, std::size_t k, std::size_t l, double& nearest) noexcept {
+void Compare(const CapsuleAxes& axes, std::size_t k, std::size_t l, double& nearest) noexcept {
   const Vector3 d = axes.b[k] - axes.a[k];
   const Vector3 e = axes.b[l] - axes.a[l];
   const Vector3 r = axes.a[k] - axes.a[l];
@@ -134,7 +134,7 @@ void Compare(const Axes& axes, std::size_t k, std::size_t l, double& nearest) no
 
 double SelfDistance(const Configuration& q, bool with_hand, double horizon) noexcept {
   const std::size_t parts = with_hand ? kParts : kHand;
-  const Axes axes = Carry(q, parts);
+  const CapsuleAxes axes = Carry(q, parts);
   double nearest = horizon;
   for (std::size_t k = kForearmTaper; k < parts; ++k) {
     for (std::size_t l = kBase; l <= kUpperArm; ++l) Compare(axes, k, l, nearest);

@@ -9,8 +9,6 @@
 namespace twin::onboard {
 namespace {
 
-constexpr double kT = kCycleSeconds;
-
 Vector6 Rate(const Vector6& now, const Vector6& before) noexcept {
   Vector6 rate;
   for (std::size_t i = 0; i < 6; ++i) rate[i] = (now[i] - before[i]) / kT;

@@ -9,17 +9,19 @@ namespace {
 using internal::Column;
 using internal::JointColumn;
 using internal::JointSquare;
-using TaskInertia = internal::TaskInertia<7>;
-using Task = TaskInertia::Task;
+using GuidingInertia = internal::TaskInertia<7>;
+using GuidingTask = GuidingInertia::Task;
 using Jacobian = Eigen::Matrix<double, 6, kJoints>;
 
 constexpr int kNullAxis = 6;
 
-const Task kStiffness = (Task() << 40000, 40000, 40000, 2000, 2000, 2000, 1000).finished();
-const Task kHeaviestDamped = (Task() << 50, 50, 50, 5, 5, 5, 5).finished();
-const Task kRegularisation = (Task() << 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-3).finished();
+const GuidingTask kStiffness =
+    (GuidingTask() << 40000, 40000, 40000, 2000, 2000, 2000, 1000).finished();
+const GuidingTask kHeaviestGuided = (GuidingTask() << 50, 50, 50, 5, 5, 5, 5).finished();
+const GuidingTask kGuidingRegularisation =
+    (GuidingTask() << 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-3).finished();
 /// Of free axes, Ns/m and Nms/rad.
-const Task kLightDamping = (Task() << 30, 30, 30, 3, 3, 3, 3).finished();
+const GuidingTask kLightDamping = (GuidingTask() << 30, 30, 30, 3, 3, 3, 3).finished();
 constexpr double kJointDamping = 0.3;  // Nms/rad
 
 /// Unit vector of the joint motion that leaves EE in place, with the sign of `last`.
@@ -67,22 +69,23 @@ ImpedanceTorque Guiding::Torque(const JointSensors& sensors, const MeasuredArm& 
   null_vector_ = NullVector(J, null_vector_);
   null_error_ -= null_vector_.dot(Column(sensors.q) - Column(last_q_));
   last_q_ = sensors.q;
-  const Task e = Follow(measured.EE.O_T_frame);
+  const GuidingTask e = Follow(measured.EE.O_T_frame);
 
-  TaskInertia::TaskJacobian all;
+  GuidingInertia::TaskJacobian all;
   all << J, null_vector_.transpose();
-  TaskInertia::TaskJacobian locked = all;
+  GuidingInertia::TaskJacobian locked = all;
   for (int axis = 0; axis <= kNullAxis; ++axis) {
     if (!IsLocked(axis)) locked.row(axis).setZero();
   }
   const JointSquare M = internal::InertiaWithRotors(arm, measured.q, setup.payload, rotor_inertia_);
-  const Task inertia = TaskInertia(M, locked, kRegularisation).Diagonal().cwiseMin(kHeaviestDamped);
-  Task D = 2 * kStiffness.cwiseProduct(inertia).cwiseSqrt();
+  const GuidingTask inertia =
+      GuidingInertia(M, locked, kGuidingRegularisation).Diagonal().cwiseMin(kHeaviestGuided);
+  GuidingTask D = 2 * kStiffness.cwiseProduct(inertia).cwiseSqrt();
   for (int axis = 0; axis <= kNullAxis; ++axis) {
     if (!IsLocked(axis)) D[axis] = kLightDamping[axis];
   }
   const JointColumn dq = Column(sensors.dq);
-  const Task F = kStiffness.cwiseProduct(e) - D.cwiseProduct(all * dq);
+  const GuidingTask F = kStiffness.cwiseProduct(e) - D.cwiseProduct(all * dq);
   const JointColumn held = all.transpose() * F - kJointDamping * dq;
 
   const JointVector c = arm.Coriolis(measured.q, sensors.dq, setup.payload);

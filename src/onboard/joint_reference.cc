@@ -6,11 +6,6 @@
 #include "twin/core/time.h"
 
 namespace twin::onboard {
-namespace {
-
-constexpr double kT = kCycleSeconds;
-
-}  // namespace
 
 JointReference JointReference::AfterPosition(const JointVector& q_c) const noexcept {
   JointReference next;

@@ -14,7 +14,6 @@ using model::Configuration;
 using model::Frame;
 using model::InverseKinematics;
 
-constexpr double kT = kCycleSeconds;
 constexpr std::size_t kElbowJoint = 2;    // joint 3
 constexpr std::size_t kStretchJoint = 3;  // joint 4
 

@@ -6,12 +6,12 @@ namespace twin::record {
 namespace {
 
 /// Buffer size between two writes.
-constexpr std::size_t kBufferBytes = 1 << 18;
+constexpr std::size_t kCsvBufferBytes = 1 << 18;
 
 }  // namespace
 
 CsvFile::CsvFile(const std::filesystem::path& path) : file_(path, PartialFile::Leftover::kRemove) {
-  buffer_.reserve(kBufferBytes);
+  buffer_.reserve(kCsvBufferBytes);
 }
 
 void CsvFile::Add(std::string_view text) {
@@ -33,7 +33,7 @@ void CsvFile::AddValues(std::span<const double> values) {
 void CsvFile::EndRow() {
   buffer_.push_back('\n');
   row_begun_ = false;
-  if (buffer_.size() < kBufferBytes) return;
+  if (buffer_.size() < kCsvBufferBytes) return;
   file_.Write(std::as_bytes(std::span(buffer_.data(), buffer_.size())));
   buffer_.clear();
 }

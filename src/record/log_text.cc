@@ -36,7 +36,7 @@ void ForEachField(Limits& limits, Field&& field) {
 }
 
 /// Parses exactly as many numbers as `numbers` holds, separated by single spaces. @returns success.
-bool Parse(std::string_view text, std::span<double> numbers) {
+bool ParseNumbers(std::string_view text, std::span<double> numbers) {
   const char* at = text.data();
   const char* const end = at + text.size();
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -65,7 +65,7 @@ RunLimits LimitsFromMetadata(const Metadata& entries) {
     if (entry == entries.end()) {
       throw InputError(fmt::format("limit {} is missing in the metadata", key));
     }
-    if (!Parse(entry->second, numbers)) {
+    if (!ParseNumbers(entry->second, numbers)) {
       throw InputError(fmt::format("limit {} in the metadata is '{}'; it must be {} numbers", key,
                                    entry->second, numbers.size()));
     }

@@ -26,7 +26,7 @@ std::string Explain(const std::filesystem::path& path, const std::string& cause)
                      path.string(), cause);
 }
 
-[[noreturn]] void Fail(const std::filesystem::path& path, const std::string& cause) {
+[[noreturn]] void FailToRead(const std::filesystem::path& path, const std::string& cause) {
   throw EnvironmentError(Explain(path, cause));
 }
 
@@ -41,7 +41,7 @@ class FileSource final : public Source {
     descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor_ < 0) {
       if (NamesNoFile(errno)) throw InputError(Explain(path_, LastError()));
-      Fail(path_, LastError());
+      FailToRead(path_, LastError());
     }
     struct stat status {};
     const bool known = ::fstat(descriptor_, &status) == 0;
@@ -52,7 +52,7 @@ class FileSource final : public Source {
     const std::string cause = known ? "it is not a file" : LastError();
     ::close(descriptor_);
     if (known) throw InputError(Explain(path_, cause));
-    Fail(path_, cause);
+    FailToRead(path_, cause);
   }
   ~FileSource() override { ::close(descriptor_); }
   FileSource(const FileSource&) = delete;
@@ -66,7 +66,7 @@ class FileSource final : public Source {
       const ssize_t got = ::pread(descriptor_, out.data() + done, out.size() - done,
                                   static_cast<off_t>(offset + done));
       if (got < 0 && errno == EINTR) continue;
-      if (got < 0) Fail(path_, LastError());
+      if (got < 0) FailToRead(path_, LastError());
       if (got == 0) break;
       done += static_cast<std::size_t>(got);
     }

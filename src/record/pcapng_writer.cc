@@ -25,7 +25,7 @@ constexpr std::size_t kBufferBytes = std::size_t{256} * 1024;
 /// Largest datagram in IPv4, bytes.
 constexpr std::size_t kLargestDatagram = 65507;
 
-class Bytes {
+class BlockBytes {
  public:
   /// Blocks are in the byte order of the magic: little-endian.
   void Little16(std::uint16_t x) { Put(x, 2, false); }
@@ -124,7 +124,7 @@ class PcapngWriter::Impl {
 
  private:
   void Begin(std::uint32_t kind) {
-    block_ = Bytes();
+    block_ = BlockBytes();
     std::swap(block_, out_);
     kind_ = kind;
   }
@@ -210,8 +210,8 @@ class PcapngWriter::Impl {
   }
 
   PartialFile file_;
-  Bytes out_;
-  Bytes block_;
+  BlockBytes out_;
+  BlockBytes block_;
   std::uint32_t kind_ = 0;
   std::uint16_t identification_ = 0;
   std::map<std::pair<PacketEnd, PacketEnd>, std::uint32_t> sent_;

@@ -18,7 +18,7 @@
 namespace twin::reference {
 namespace {
 
-constexpr Duration kLongest = std::chrono::hours(24);
+constexpr Duration kLongestPoses = std::chrono::hours(24);
 
 /// Peaks of the minimum-jerk profile of length 1 and duration 1.
 constexpr double kPeakVelocity = 1.875;
@@ -26,12 +26,12 @@ const double kPeakAcceleration = 10 / std::numbers::sqrt3;
 constexpr double kPeakJerk = 60;
 
 /// Least distance of neighbours on an untimed path, m or rad.
-constexpr double kLeastDistance = 1e-6;
+constexpr double kLeastPoseDistance = 1e-6;
 /// A rotation this near to half a turn has no shortest direction, rad.
 constexpr double kAmbiguous = 1e-3;
 
 template <class... Args>
-[[noreturn]] void Refuse(fmt::format_string<Args...> text, Args&&... args) {
+[[noreturn]] void RefusePoses(fmt::format_string<Args...> text, Args&&... args) {
   throw InputError("poses: " + fmt::format(text, std::forward<Args>(args)...));
 }
 
@@ -59,20 +59,20 @@ Vector6 WayBetween(const Transform& from, const Transform& to) {
 
 std::vector<Vector6> Ways(const std::vector<PoseWaypoint>& waypoints) {
   if (waypoints.size() < 2 || waypoints.size() > kMaxWaypoints) {
-    Refuse("{} given; at least two are needed, at most {} possible", waypoints.size(),
-           kMaxWaypoints);
+    RefusePoses("{} given; at least two are needed, at most {} possible", waypoints.size(),
+                kMaxWaypoints);
   }
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     if (IsPose(waypoints[i].O_T_EE)) continue;
-    Refuse("{} is no pose: its numbers must be finite, its rotation orthonormal within 1e-5",
-           PoseName(waypoints, i));
+    RefusePoses("{} is no pose: its numbers must be finite, its rotation orthonormal within 1e-5",
+                PoseName(waypoints, i));
   }
   std::vector<Vector6> ways;
   ways.reserve(waypoints.size() - 1);
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
     ways.push_back(WayBetween(waypoints[i - 1].O_T_EE, waypoints[i].O_T_EE));
     if (HalfNorm(ways.back(), 3) <= std::numbers::pi - kAmbiguous) continue;
-    Refuse(
+    RefusePoses(
         "from {} to {} it turns by {:.4f} rad, half a revolution: either way is as short; give a "
         "pose between them",
         PoseName(waypoints, i - 1), PoseName(waypoints, i), HalfNorm(ways.back(), 3));
@@ -98,11 +98,12 @@ void CheckTiming(const Timing& timing) {
                                     std::pair("acceleration", timing.acceleration_scale),
                                     std::pair("jerk", timing.jerk_scale)}) {
     if (share > 0 && share <= 1) continue;
-    Refuse("the {} share of the limits is {}; it must lie in (0, 1]", name, share);
+    RefusePoses("the {} share of the limits is {}; it must lie in (0, 1]", name, share);
   }
-  if (timing.duration && (*timing.duration <= Duration::zero() || *timing.duration > kLongest)) {
-    Refuse("the duration is {} s; it must be above 0 and at most {} s", ToSeconds(*timing.duration),
-           ToSeconds(kLongest));
+  if (timing.duration &&
+      (*timing.duration <= Duration::zero() || *timing.duration > kLongestPoses)) {
+    RefusePoses("the duration is {} s; it must be above 0 and at most {} s",
+                ToSeconds(*timing.duration), ToSeconds(kLongestPoses));
   }
 }
 
@@ -112,20 +113,20 @@ std::vector<Duration> GivenTimes(const std::vector<PoseWaypoint>& waypoints, con
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const auto& at = waypoints[i].at;
     if (!at)
-      Refuse("{} has no time but pose 1 has one; give `at` to all or to none",
-             PoseName(waypoints, i));
+      RefusePoses("{} has no time but pose 1 has one; give `at` to all or to none",
+                  PoseName(waypoints, i));
     if (i == 0 && *at != Duration::zero()) {
-      Refuse("{}: its time is {} s; the first one's must be 0 s", PoseName(waypoints, 0),
-             ToSeconds(*at));
+      RefusePoses("{}: its time is {} s; the first one's must be 0 s", PoseName(waypoints, 0),
+                  ToSeconds(*at));
     }
     if (i > 0 && *at <= knots.back()) {
-      Refuse("{}: its time {} s is not after the {} s of the one before; times must rise",
-             PoseName(waypoints, i), ToSeconds(*at), ToSeconds(knots.back()));
+      RefusePoses("{}: its time {} s is not after the {} s of the one before; times must rise",
+                  PoseName(waypoints, i), ToSeconds(*at), ToSeconds(knots.back()));
     }
     knots.push_back(*at);
   }
   if (timing.duration && *timing.duration != knots.back()) {
-    Refuse(
+    RefusePoses(
         "the duration is {} s but the last pose's time is {} s; leave one out or make them equal",
         ToSeconds(*timing.duration), ToSeconds(knots.back()));
   }
@@ -139,19 +140,19 @@ std::vector<Duration> PacedTimes(const std::vector<PoseWaypoint>& waypoints,
   times_s.reserve(waypoints.size());
   for (std::size_t i = 0; i < ways.size(); ++i) {
     if (waypoints[i + 1].at) {
-      Refuse("{} has a time but pose 1 has none; give `at` to all or to none",
-             PoseName(waypoints, i + 1));
+      RefusePoses("{} has a time but pose 1 has none; give `at` to all or to none",
+                  PoseName(waypoints, i + 1));
     }
-    if (std::max(HalfNorm(ways[i], 0), HalfNorm(ways[i], 3)) < kLeastDistance) {
-      Refuse("{} and {} coincide; remove one, or give all poses times", PoseName(waypoints, i),
-             PoseName(waypoints, i + 1));
+    if (std::max(HalfNorm(ways[i], 0), HalfNorm(ways[i], 3)) < kLeastPoseDistance) {
+      RefusePoses("{} and {} coincide; remove one, or give all poses times", PoseName(waypoints, i),
+                  PoseName(waypoints, i + 1));
     }
     times_s.push_back(times_s.back() + ShortestTime(ways[i], limits, timing));
   }
   const double factor = timing.duration ? ToSeconds(*timing.duration) / times_s.back() : 1;
-  if (!(times_s.back() * factor <= ToSeconds(kLongest))) {
-    Refuse("take {:.6g} s at the wanted pace; at most {} s are possible", times_s.back() * factor,
-           ToSeconds(kLongest));
+  if (!(times_s.back() * factor <= ToSeconds(kLongestPoses))) {
+    RefusePoses("take {:.6g} s at the wanted pace; at most {} s are possible",
+                times_s.back() * factor, ToSeconds(kLongestPoses));
   }
   std::vector<Duration> knots;
   knots.reserve(times_s.size());
@@ -165,7 +166,7 @@ std::vector<Duration> PacedTimes(const std::vector<PoseWaypoint>& waypoints,
 void CheckLimit(std::string_view what, std::string_view unit, double value, double limit,
                 const std::string& place, double shortest_s) {
   if (value <= kAdmissibleShare * limit) return;
-  Refuse(
+  RefusePoses(
       "{}: the {} of the end effector reaches {:.6g} {}, its limit is {:.6g}; give this piece at "
       "least {:.4f} s",
       place, what, value, unit, limit, shortest_s);
@@ -203,9 +204,9 @@ PoseTrajectory::PoseTrajectory(const std::vector<PoseWaypoint>& waypoints, const
   const std::vector<Duration> knots = waypoints.front().at
                                           ? GivenTimes(waypoints, timing)
                                           : PacedTimes(waypoints, ways, timing, limits);
-  if (knots.back() > kLongest) {
-    Refuse("the last pose's time is {} s; at most {} s are possible", ToSeconds(knots.back()),
-           ToSeconds(kLongest));
+  if (knots.back() > kLongestPoses) {
+    RefusePoses("the last pose's time is {} s; at most {} s are possible", ToSeconds(knots.back()),
+                ToSeconds(kLongestPoses));
   }
   segments_.reserve(ways.size());
   for (std::size_t i = 0; i < ways.size(); ++i) {

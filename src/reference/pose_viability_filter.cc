@@ -15,9 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kT = kCycleSeconds;
-constexpr int kHalvings = 16;    // between a motion that the joints can keep and the command
-constexpr int kCorrections = 2;  // of the joints, after the first step; each squares the error
+constexpr int kPoseHalvings = 16;  // between a motion that the joints can keep and the command
+constexpr int kCorrections = 2;    // of the joints, after the first step; each squares the error
 
 /// Twice the extra stopping distance of a pose, which brakes more gently than a joint.
 constexpr double kShyOfTheEnds = 2e-3;  // rad
@@ -159,7 +158,7 @@ PoseViabilityFilter::Twist PoseViabilityFilter::Towards(const RobotState& state,
   Twist best = base.twist;
   double good = 0;
   double bad = 1;
-  for (int i = 0; i < kHalvings; ++i) {
+  for (int i = 0; i < kPoseHalvings; ++i) {
     const double middle = (good + bad) / 2;
     const Option between = Between(base, wish, middle);
     const bool kept = Allows(from, between.twist) && JointsCanKeep(state, between.q);

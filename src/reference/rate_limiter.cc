@@ -65,8 +65,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kT = kCycleSeconds;
-
 /// Share of the rotation's limits that a pose may use, since the robot derives the velocity from
 /// matrices slightly differently.
 constexpr double kPoseRotationShare = 0.99;
@@ -117,14 +115,6 @@ Vector3d LimitVelocity(const Vector3d& v_c, const Vector3d& v, const Vector3d& a
   return v + u * (std::min(a_norm, std::clamp(safe, -bound.ddp_max, bound.ddp_max)) * kT);
 }
 
-Vector3d Linear(const Vector6& twist) noexcept {
-  return Vector3d(twist[0], twist[1], twist[2]);
-}
-
-Vector3d Angular(const Vector6& twist) noexcept {
-  return Vector3d(twist[3], twist[4], twist[5]);
-}
-
 CartesianBound Scaled(const CartesianBound& bound, double share) noexcept {
   return {share * bound.dp_max, share * bound.ddp_max, share * bound.dddp_max};
 }
@@ -167,21 +157,21 @@ Transform LimitCartesianPose(const Transform& O_T_EE_c, const Transform& last,
                              const ClientLimits& limits) noexcept {
   if (!AllFinite(O_T_EE_c)) return O_T_EE_c;
   const Vector3d p = model::Position(last);
-  const Vector3d v = LimitVelocity((model::Position(O_T_EE_c) - p) / kT, Linear(O_dP_EE_c),
-                                   Linear(O_ddP_EE_c), limits.translation);
+  const Vector3d v = LimitVelocity((model::Position(O_T_EE_c) - p) / kT, model::Linear(O_dP_EE_c),
+                                   model::Linear(O_ddP_EE_c), limits.translation);
   const Vector3d w =
-      LimitVelocity(model::TurnBetween(last, O_T_EE_c) / kT, Angular(O_dP_EE_c),
-                    Angular(O_ddP_EE_c), Scaled(limits.rotation, kPoseRotationShare));
+      LimitVelocity(model::TurnBetween(last, O_T_EE_c) / kT, model::Angular(O_dP_EE_c),
+                    model::Angular(O_ddP_EE_c), Scaled(limits.rotation, kPoseRotationShare));
   return model::Turned(last, w * kT, p + v * kT);
 }
 
 Vector6 LimitCartesianVelocity(const Vector6& O_dP_EE_c, const Vector6& last,
                                const Vector6& O_ddP_EE_c, const ClientLimits& limits) noexcept {
   if (!AllFinite(O_dP_EE_c)) return O_dP_EE_c;
-  const Vector3d v =
-      LimitVelocity(Linear(O_dP_EE_c), Linear(last), Linear(O_ddP_EE_c), limits.translation);
-  const Vector3d w =
-      LimitVelocity(Angular(O_dP_EE_c), Angular(last), Angular(O_ddP_EE_c), limits.rotation);
+  const Vector3d v = LimitVelocity(model::Linear(O_dP_EE_c), model::Linear(last),
+                                   model::Linear(O_ddP_EE_c), limits.translation);
+  const Vector3d w = LimitVelocity(model::Angular(O_dP_EE_c), model::Angular(last),
+                                   model::Angular(O_ddP_EE_c), limits.rotation);
   return {v[0], v[1], v[2], w[0], w[1], w[2]};
 }
 

@@ -11,8 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kT = kCycleSeconds;
-
 /// Velocity, base axes, from one pose to the next in a cycle.
 struct Twist {
   Vector3d v;
@@ -20,13 +18,6 @@ struct Twist {
 };
 Twist TwistBetween(const Transform& from, const Transform& to) noexcept {
   return {(model::Position(to) - model::Position(from)) / kT, model::TurnBetween(from, to) / kT};
-}
-
-Vector3d Linear(const Vector6& x) noexcept {
-  return Vector3d(x.data());
-}
-Vector3d Angular(const Vector6& x) noexcept {
-  return Vector3d(x.data() + 3);
 }
 
 }  // namespace
@@ -67,14 +58,14 @@ Transform RejoiningPoseGenerator::Next(const Played<Transform>& r,
   const Vector3d dv = (now.v - last.v) / kT;
   const Vector3d dw = (now.w - last.w) / kT;
   const Transform& X = state.O_T_EE_c;
-  const Vector3d v =
-      next.v + CorrectingVelocity<3>(model::Position(X) - model::Position(r[1]),
-                                     Linear(state.O_dP_EE_c) - now.v, Linear(state.O_ddP_EE_c) - dv,
-                                     now.v.norm(), dv.norm(), limits_.translation);
-  const Vector3d w =
-      next.w + CorrectingVelocity<3>(model::TurnBetween(r[1], X), Angular(state.O_dP_EE_c) - now.w,
-                                     Angular(state.O_ddP_EE_c) - dw, now.w.norm(), dw.norm(),
-                                     limits_.rotation);
+  const Vector3d v = next.v + CorrectingVelocity<3>(model::Position(X) - model::Position(r[1]),
+                                                    model::Linear(state.O_dP_EE_c) - now.v,
+                                                    model::Linear(state.O_ddP_EE_c) - dv,
+                                                    now.v.norm(), dv.norm(), limits_.translation);
+  const Vector3d w = next.w + CorrectingVelocity<3>(model::TurnBetween(r[1], X),
+                                                    model::Angular(state.O_dP_EE_c) - now.w,
+                                                    model::Angular(state.O_ddP_EE_c) - dw,
+                                                    now.w.norm(), dw.norm(), limits_.rotation);
   return model::Turned(X, kT * w, model::Position(X) + kT * v);
 }
 

@@ -9,8 +9,6 @@
 namespace twin::reference {
 namespace {
 
-constexpr double kT = kCycleSeconds;
-
 /// Lag behind the newest deposit, in periods of the source.
 constexpr double kLagPeriods = 2.25;
 

@@ -37,7 +37,6 @@ template <int D>
   constexpr double kOmega3 = 400;
   constexpr double kShare = RejoiningGenerator::kShare;
   constexpr double kMostShare = RejoiningGenerator::kMostShare;
-  constexpr double kT = kCycleSeconds;
   const auto saturated = [](const Vector& x, double most) -> Vector {
     const double norm = x.norm();
     return norm > most ? Vector(x * (most / norm)) : x;

@@ -8,7 +8,6 @@
 namespace twin::reference {
 namespace {
 
-constexpr double kT = kCycleSeconds;
 constexpr double kTorqueDecay = 10;  // 1/s
 
 /// Velocities below this count as zero; dropping one is a jerk of 0.1 rad/s^3.

@@ -11,8 +11,6 @@
 namespace twin::reference {
 namespace {
 
-constexpr double kT = kCycleSeconds;
-
 /// Distance of the enforced bounds from the given ones: shares, and rad at the range's ends.
 constexpr double kInside = 1e-6;
 

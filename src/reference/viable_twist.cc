@@ -14,11 +14,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kT = kCycleSeconds;
-constexpr double kInside = 1e-6;  ///< share by which enforced bounds are inside the given ones
-constexpr int kHalvings = 30;
+constexpr double kTwistInside = 1e-6;  ///< share by which enforced bounds are inside the given ones
+constexpr int kTwistHalvings = 30;
 
-void RequireSound(const CartesianBound& bound, int lost, std::string_view name) {
+void RequireSoundTwist(const CartesianBound& bound, int lost, std::string_view name) {
   RequireMagnitude(name, "dp_max", bound.dp_max);
   RequireMagnitude(name, "ddp_max", bound.ddp_max);
   RequireMagnitude(name, "dddp_max", bound.dddp_max);
@@ -42,9 +41,9 @@ Vector3d IntoBall(const Vector3d& x, const Vector3d& centre, double radius) noex
 }  // namespace
 
 ViableTwist::ViableTwist(const CartesianBound& bound, int lost, std::string_view name)
-    : lost_((RequireSound(bound, lost, name), lost)),
-      kept_{bound.dp_max * (1 - kInside), bound.ddp_max * (1 - kInside),
-            bound.dddp_max * (1 - kInside)} {
+    : lost_((RequireSoundTwist(bound, lost, name), lost)),
+      kept_{bound.dp_max * (1 - kTwistInside), bound.ddp_max * (1 - kTwistInside),
+            bound.dddp_max * (1 - kTwistInside)} {
   const double gathered = Gathered(kept_.ddp_max);
   if (kept_.dp_max >= gathered) return;
   throw InputError(fmt::format(
@@ -93,7 +92,7 @@ Vector3d ViableTwist::Nearest(const Vector3d& v, const Vector3d& a,
   const Vector3d way = v + kT * a_wish - braked;
   double keeps = 0;
   double breaks = 1;
-  for (int i = 0; i < kHalvings; ++i) {
+  for (int i = 0; i < kTwistHalvings; ++i) {
     const double middle = (keeps + breaks) / 2;
     (Allows(v, a, braked + middle * way) ? keeps : breaks) = middle;
   }

@@ -14,7 +14,7 @@
 namespace twin::replay {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, ComparisonKind>, 3> kNames = {
+constexpr std::array<std::pair<std::string_view, ComparisonKind>, 3> kComparisonNames = {
     {{"split", ComparisonKind::kSplit},
      {"ghost", ComparisonKind::kGhost},
      {"difference", ComparisonKind::kDifference}}};
@@ -68,7 +68,7 @@ render::FilmSettings Plain(render::FilmSettings settings) {
 }  // namespace
 
 ComparisonKind ComparisonFromName(std::string_view name) {
-  for (const auto& [known, kind] : kNames) {
+  for (const auto& [known, kind] : kComparisonNames) {
     if (known == name) return kind;
   }
   throw InputError(fmt::format("there is no {}; choose one of split, ghost, difference", name));

@@ -17,7 +17,7 @@
 namespace twin::replay {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Layout>, 3> kNames = {
+constexpr std::array<std::pair<std::string_view, Layout>, 3> kLayoutNames = {
     {{"grid", Layout::kGrid}, {"strip", Layout::kStrip}, {"triple", Layout::kTriple}}};
 
 constexpr std::size_t kStripPlans = 6;
@@ -141,7 +141,7 @@ render::Image DrawTriple(const Recording& recording, const Page& page) {
 }  // namespace
 
 Layout LayoutFromName(std::string_view name) {
-  for (const auto& [known, layout] : kNames) {
+  for (const auto& [known, layout] : kLayoutNames) {
     if (known == name) return layout;
   }
   throw InputError(fmt::format("there is no {}; choose one of grid, strip, triple", name));

@@ -17,7 +17,6 @@ namespace twin::replay {
 namespace {
 
 constexpr int kMostFps = 1000;
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 /// The arm at an instant.
 struct ArmSample {
@@ -62,8 +61,7 @@ class Contents {
 
  private:
   [[nodiscard]] Time Due() const {
-    return arm.front().at +
-           Duration(static_cast<std::int64_t>(arm.size()) * kNanosecondsPerSecond / fps_);
+    return arm.front().at + Duration(static_cast<std::int64_t>(arm.size()) * std::nano::den / fps_);
   }
 
   int fps_;

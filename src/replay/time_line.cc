@@ -12,15 +12,13 @@
 namespace twin::replay {
 namespace {
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
 double Seconds(Time time) {
   return ToSeconds(time.time_since_epoch());
 }
 
 /// Integer nanoseconds as in the run's camera, so that at speed 1 the instants are the same.
 Duration Since(std::size_t frame, const TimeLine& line) {
-  const std::int64_t film_ns = static_cast<std::int64_t>(frame) * kNanosecondsPerSecond / line.fps;
+  const std::int64_t film_ns = static_cast<std::int64_t>(frame) * std::nano::den / line.fps;
   if (line.speed == 1) return Duration(film_ns);
   return Duration(std::llround(static_cast<double>(film_ns) * line.speed));
 }

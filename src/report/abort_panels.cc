@@ -18,7 +18,7 @@
 namespace twin::report {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoLimit = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kCommandColour = "#1b7f5c";  ///< green: what the workstation sent
 
 using Value = std::function<double(const EndCycle&)>;
@@ -34,7 +34,7 @@ std::vector<double> Rates(std::vector<double> values) {
   for (std::size_t i = values.size(); i-- > 1;) {
     values[i] = (values[i] - values[i - 1]) / kCycleSeconds;
   }
-  values.front() = kNone;
+  values.front() = kNoLimit;
   return values;
 }
 
@@ -54,7 +54,7 @@ Value Of(std::size_t index) {
 template <auto Member>
 Value Commanded(std::size_t index) {
   return [index](const EndCycle& c) {
-    return c.written() ? (c.answer->command.*Member)[index] : kNone;
+    return c.written() ? (c.answer->command.*Member)[index] : kNoLimit;
   };
 }
 
@@ -249,7 +249,7 @@ void Panels::AddCartesian(std::size_t axis) {
         step[k] -= end_.cycles[i - 1].cycle.state.O_ddP_EE_c[k];
       }
     }
-    jerk.push_back(i > 0 ? HalfNorm(step, first) / kCycleSeconds : kNone);
+    jerk.push_back(i > 0 ? HalfNorm(step, first) / kCycleSeconds : kNoLimit);
   }
   panels_.back().curves.push_back({"|difference of O_ddP_EE_c| / T", kReferenceColour, jerk});
   OffendIf({RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity}, false);
@@ -314,7 +314,7 @@ void Panels::AddTimes() {
   Add("when the workstation was done, after the cycle whose state it answers", "µs");
   const auto after = [](Time record::TickRecord::*when) {
     return [when](const EndCycle& c) {
-      if (!c.answer || (when == &record::TickRecord::written && !c.written())) return kNone;
+      if (!c.answer || (when == &record::TickRecord::written && !c.written())) return kNoLimit;
       // The state went out a cycle before this one.
       return ToSeconds((*c.answer).*when - (c.cycle.at - kCycle)) * 1e6;
     };

@@ -38,7 +38,7 @@ void UpdatePeaks(JointVector& peaks, const JointVector& values) {
 }
 
 /// Names the error of a state that has one: the one its cycle explains, else the first.
-std::string NameOf(const record::CycleRecord& cycle) {
+std::string ErrorName(const record::CycleRecord& cycle) {
   const RobotErrors& errors = cycle.state.errors;
   std::size_t first = 0;
   while (!errors[first]) ++first;
@@ -49,16 +49,16 @@ std::string NameOf(const record::CycleRecord& cycle) {
 }
 
 /// Takes the records of a log as std::visit gives them.
-class Collector {
+class DataCollector {
  public:
-  explicit Collector(RunData& run) : run_(run) {}
+  explicit DataCollector(RunData& run) : run_(run) {}
 
   void operator()(const record::CycleRecord& cycle) {
     const double time = Seconds(cycle.at);
     if (run_.total.cycles() == 0) run_.begin = time;
     run_.end = time;
     run_.total.Add(CountsOf(cycle));
-    if (!run_.abort && cycle.state.errors.any()) run_.abort = Abort{time, NameOf(cycle)};
+    if (!run_.abort && cycle.state.errors.any()) run_.abort = Abort{time, ErrorName(cycle)};
     const bool moves = cycle.state.robot_mode == RobotMode::kMove;
     if (moves && !moved_ && run_.motions.size() < RunData::kMostMotions) {
       run_.motions.push_back(time);
@@ -155,7 +155,7 @@ void FateHistory::Add(const record::CycleRecord& cycle) {
 RunData ReadRun(const std::filesystem::path& log) {
   record::LogReader reader(log);
   RunData run;
-  Collector collector(run);
+  DataCollector collector(run);
   record::LogEntry entry;
   while (reader.Next(entry)) std::visit(collector, entry);
   if (run.total.cycles() == 0) {

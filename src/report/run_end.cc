@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t kTicks = 4096;
 
 /// Takes the records of a log as std::visit gives them.
-class Collector {
+class EndCollector {
  public:
-  explicit Collector(RunEnd& end) : end_(end), ticks_(kTicks) {}
+  explicit EndCollector(RunEnd& end) : end_(end), ticks_(kTicks) {}
 
   void operator()(const record::CycleRecord& cycle) {
     any_ = true;
@@ -94,7 +94,7 @@ RunEnd ReadEnd(const std::filesystem::path& log) {
   RunEnd end;
   end.run = reader.run();
   if (end.run.limits) end.approach = ApproachTracker(*end.run.limits);
-  Collector collector(end);
+  EndCollector collector(end);
   record::LogEntry entry;
   while (reader.Next(entry)) std::visit(collector, entry);
   if (!collector.any()) {

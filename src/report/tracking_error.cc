@@ -9,7 +9,7 @@ JointVector Difference(const JointVector& wanted, const JointVector& measured) {
   return error;
 }
 
-std::optional<TrackingError::Value> ErrorOf(const std::optional<TargetMatch::Pair>& pair) {
+std::optional<TrackingError::Value> ErrorOfPair(const std::optional<TargetMatch::Pair>& pair) {
   if (!pair) return std::nullopt;
   return TrackingError::Value{pair->at, Difference(pair->q_ext, pair->q)};
 }
@@ -24,11 +24,11 @@ std::optional<TrackingError::Value> TrackingError::Add(const record::CycleRecord
   if (by_reference_) return Value{cycle.at, Difference(state.q_d, state.q)};
   if (state.controller_mode == ControllerMode::kOther) return std::nullopt;
   by_torque_ = true;
-  return ErrorOf(match_.Add(cycle));
+  return ErrorOfPair(match_.Add(cycle));
 }
 
 std::optional<TrackingError::Value> TrackingError::Add(const record::TickRecord& tick) {
-  return ErrorOf(match_.Add(tick));
+  return ErrorOfPair(match_.Add(tick));
 }
 
 }  // namespace twin::report

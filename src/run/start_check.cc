@@ -17,10 +17,6 @@ constexpr double kTorqueStartTolerance = 0.02;
 /// Settings have been taken by then.
 constexpr Duration kShortly = std::chrono::milliseconds(20);
 
-double Microseconds(Duration duration) {
-  return ToSeconds(duration) * 1e6;
-}
-
 std::string_view WayOutOf(RobotMode mode) {
   switch (mode) {
     case RobotMode::kOther: return "open the brakes in Desk, and activate FCI";
@@ -167,8 +163,8 @@ CheckLine CheckCommunication(const loop::ListenReport& heard, const loop::Listen
   const std::string found = fmt::format(
       "success rate {:.3f}; states off their millisecond by {:.0f} / {:.0f} / {:.0f} us (median, "
       "p99, max)",
-      heard.success_rate(), Microseconds(heard.deviation.Percentile(0.5)),
-      Microseconds(heard.deviation.Percentile(0.99)), Microseconds(heard.deviation.max()));
+      heard.success_rate(), ToMicroseconds(heard.deviation.Percentile(0.5)),
+      ToMicroseconds(heard.deviation.Percentile(0.99)), ToMicroseconds(heard.deviation.max()));
   // A robot that waits for its answers has no cycle to miss.
   if (time == backend::RobotTime::kStates || heard.success_rate() >= kLeastSuccessRate) {
     return {"communication", true, found};
@@ -177,7 +173,7 @@ CheckLine CheckCommunication(const loop::ListenReport& heard, const loop::Listen
           fmt::format("{}; at least {} must come within {:.0f} us: connect the robot by its own "
                       "cable, give the thread a processor of its own (--ext-cpu), and see "
                       "panda-twin check",
-                      found, kLeastSuccessRate, Microseconds(settings.tolerance))};
+                      found, kLeastSuccessRate, ToMicroseconds(settings.tolerance))};
 }
 
 CheckLine CheckScheduler(const std::vector<std::string>& notices, backend::RobotTime time) {

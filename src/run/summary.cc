@@ -16,22 +16,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double Microseconds(Duration duration) {
-  return ToSeconds(duration) * 1e6;
-}
-
 Json PercentilesUs(const rt::DurationHistogram& histogram) {
   return {{"count", histogram.count()},
-          {"p50", Microseconds(histogram.Percentile(0.5))},
-          {"p99", Microseconds(histogram.Percentile(0.99))},
-          {"p99.9", Microseconds(histogram.Percentile(0.999))},
-          {"max", Microseconds(histogram.max())}};
+          {"p50", ToMicroseconds(histogram.Percentile(0.5))},
+          {"p99", ToMicroseconds(histogram.Percentile(0.99))},
+          {"p99.9", ToMicroseconds(histogram.Percentile(0.999))},
+          {"max", ToMicroseconds(histogram.max())}};
 }
 
 std::string PercentilesText(const rt::DurationHistogram& histogram) {
   return fmt::format("{:.1f} / {:.1f} / {:.1f} us (median, p99, max)",
-                     Microseconds(histogram.Percentile(0.5)),
-                     Microseconds(histogram.Percentile(0.99)), Microseconds(histogram.max()));
+                     ToMicroseconds(histogram.Percentile(0.5)),
+                     ToMicroseconds(histogram.Percentile(0.99)), ToMicroseconds(histogram.max()));
 }
 
 /// What helps against the errors that ended the run, each text once.

@@ -1,5 +1,4 @@
 #include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -15,8 +14,6 @@ namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 constexpr MaxDeviation kOff{kUnlimited, kUnlimited, kUnlimited};
-constexpr double kFarthest = 10;  // m: beyond any reach
-constexpr double kTurn = 2 * std::numbers::pi;
 
 /// What the end effector may do is more than most configurations of the arm can: so that joints
 /// stay well inside their own limits, and bear two clocks that drift.

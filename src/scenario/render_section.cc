@@ -16,8 +16,6 @@ using enum Dimension;
 
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
 /// "gripper", the name of one of the scene's cameras, or a camera that orbits.
 Value CameraOf(CameraSection& camera) {
   Value name = Word("a camera of the scene, or gripper", ".", [&camera](const YamlNode& node) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <numbers>
 
 #include "scenario/sections.h"
 #include "twin/core/error.h"
@@ -12,7 +11,6 @@ using enum Dimension;
 
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kMostThreshold = 1e6;  // N or Nm
 constexpr double kMostLength = 10;      // m
 constexpr double kMostInertia = 100;    // kg m^2

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,10 @@ namespace twin::scenario {
 
 /// The latest time that a scenario may name.
 inline constexpr Duration kDay = std::chrono::hours(24);
+/// Largest angle, rad.
+inline constexpr double kTurn = 2 * std::numbers::pi;
+/// Largest distance, m: beyond any reach.
+inline constexpr double kFarthest = 10;
 
 [[nodiscard]] Value DelayOf(Delay& delay);
 [[nodiscard]] Value LossOf(Loss& loss);

@@ -1,4 +1,3 @@
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -12,10 +11,8 @@ using enum Dimension;
 
 namespace {
 
-constexpr double kFarthest = 10;   // m
 constexpr double kHeaviest = 100;  // kg
 constexpr double kRoughest = 10;
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kMostForce = 1e4;     // N or Nm
 constexpr double kFarthestPush = 100;  // m
 constexpr double kAnyHand = 1e6;       // FindBadValue() has the hand's own ranges

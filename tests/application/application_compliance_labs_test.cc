@@ -10,7 +10,7 @@
 #include "application/performance.h"
 #include "support/temporary_folder.h"
 
-namespace twin::application {
+namespace twin::application::application_compliance_labs_test {
 namespace {
 
 class ComplianceLabsTest : public ::testing::TestWithParam<std::tuple<std::string, std::uint64_t>> {
@@ -34,4 +34,4 @@ INSTANTIATE_TEST_SUITE_P(LabsAndSeeds, ComplianceLabsTest,
                                             ::testing::Values(1U, 2U, 3U)));
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_compliance_labs_test

@@ -8,7 +8,7 @@
 
 #include "application/compliance.h"
 
-namespace twin::application::compliance {
+namespace twin::application::compliance::application_compliance_measures_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -175,4 +175,4 @@ TEST(ComplianceMeasuresTest, EveryDemandCanBeMissed) {
 }
 
 }  // namespace
-}  // namespace twin::application::compliance
+}  // namespace twin::application::compliance::application_compliance_measures_test

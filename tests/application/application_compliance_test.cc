@@ -13,7 +13,7 @@
 #include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::application {
+namespace twin::application::application_compliance_test {
 namespace {
 
 using testing::HasSubstr;
@@ -128,4 +128,4 @@ TEST(ComplianceApplicationTest, RefusesPushesThatCannotBeCompared) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_compliance_test

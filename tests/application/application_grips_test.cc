@@ -9,7 +9,7 @@
 #include "twin/core/hand_command.h"
 #include "twin/core/setting.h"
 
-namespace twin::application {
+namespace twin::application::application_grips_test {
 namespace {
 
 using plant::ObjectShape;
@@ -83,4 +83,4 @@ TEST(GripsTest, TakeACanThatLiesAcrossOrByItsEnds) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_grips_test

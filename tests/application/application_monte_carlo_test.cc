@@ -10,7 +10,7 @@
 #include "application/seeds.h"
 #include "twin/core/error.h"
 
-namespace twin::application {
+namespace twin::application::application_monte_carlo_test {
 namespace {
 
 using testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST(MonteCarloTest, TakesLockstepAndSomeSeeds) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_monte_carlo_test

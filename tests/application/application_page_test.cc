@@ -9,7 +9,7 @@
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 
-namespace twin::application {
+namespace twin::application::application_page_test {
 namespace {
 
 using testing::HasSubstr;
@@ -79,4 +79,4 @@ TEST(ApplicationPageTest, HasItsPicturesInIt) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_page_test

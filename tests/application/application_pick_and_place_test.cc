@@ -11,7 +11,7 @@
 #include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::application {
+namespace twin::application::application_pick_and_place_test {
 namespace {
 
 using testing::HasSubstr;
@@ -163,4 +163,4 @@ TEST(PickAndPlaceTest, RefusesParametersByPlace) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_pick_and_place_test

@@ -9,7 +9,7 @@
 #include "application/seeds.h"
 #include "twin/scenario/lab.h"
 
-namespace twin::application {
+namespace twin::application::application_pick_seeds_test {
 namespace {
 
 using test::Draw;
@@ -45,4 +45,4 @@ TEST(PickSeedsTest, InEveryVariant) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_pick_seeds_test

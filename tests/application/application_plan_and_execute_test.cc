@@ -9,7 +9,7 @@
 #include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::application {
+namespace twin::application::application_plan_and_execute_test {
 namespace {
 
 using testing::HasSubstr;
@@ -84,4 +84,4 @@ TEST(ApplicationTest, AnUnknownOneIsRefusedByPlaceAndThoseThereAreNamed) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_plan_and_execute_test

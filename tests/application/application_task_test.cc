@@ -9,7 +9,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::application {
+namespace twin::application::application_task_test {
 namespace {
 
 using std::chrono::seconds;
@@ -113,4 +113,4 @@ TEST_F(TaskTest, RefusesTasksThatAreNone) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_task_test

@@ -4,7 +4,7 @@
 #include "application/seeds.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::application {
+namespace twin::application::application_teleoperation_seeds_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -29,4 +29,4 @@ TEST(TeleoperationSeedsTest, AllWhenTheWireIsLateAndLoses) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_teleoperation_seeds_test

@@ -16,7 +16,7 @@
 #include "twin/teleop/device_registry.h"
 #include "twin/teleop/teleoperator_config.h"
 
-namespace twin::application {
+namespace twin::application::application_teleoperation_test {
 namespace {
 
 using testing::HasSubstr;
@@ -208,4 +208,4 @@ TEST(TeleoperationContactTest, WithoutThePassivePortTheHandIsDriven) {
 }
 
 }  // namespace
-}  // namespace twin::application
+}  // namespace twin::application::application_teleoperation_test

@@ -9,7 +9,7 @@
 #include "twin/backend/faulty_backend.h"
 #include "twin/core/error.h"
 
-namespace twin::backend {
+namespace twin::backend::backend_fault_plan_test {
 namespace {
 
 using ::testing::AllOf;
@@ -91,4 +91,4 @@ TEST(FaultPlanTest, RefusesWhatASwapLeavesNoRoomFor) {
 }
 
 }  // namespace
-}  // namespace twin::backend
+}  // namespace twin::backend::backend_fault_plan_test

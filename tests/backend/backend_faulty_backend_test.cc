@@ -16,7 +16,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::backend {
+namespace twin::backend::backend_faulty_backend_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -402,4 +402,4 @@ TEST_F(FaultyBackendTest, RefusesAPlanThatIsNotValid) {
 }
 
 }  // namespace
-}  // namespace twin::backend
+}  // namespace twin::backend::backend_faulty_backend_test

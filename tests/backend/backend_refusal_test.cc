@@ -8,7 +8,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::backend {
+namespace twin::backend::backend_refusal_test {
 namespace {
 
 using ::testing::AllOf;
@@ -86,4 +86,4 @@ TEST(RefusalTest, KnowsHowEveryMotionEnded) {
 }
 
 }  // namespace
-}  // namespace twin::backend
+}  // namespace twin::backend::backend_refusal_test

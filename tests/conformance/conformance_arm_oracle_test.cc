@@ -10,7 +10,7 @@
 #include "support/panda_limits.h"
 #include "twin/model/self_collision.h"
 
-namespace twin::test {
+namespace twin::test::conformance_arm_oracle_test {
 namespace {
 
 JointVector Anywhere(Dice& dice) {
@@ -81,4 +81,4 @@ TEST(ArmOracleTest, IntKnowsTheSameDistances) {
 }
 
 }  // namespace
-}  // namespace twin::test
+}  // namespace twin::test::conformance_arm_oracle_test

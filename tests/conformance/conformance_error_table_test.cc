@@ -7,7 +7,7 @@
 
 #include "conformance/error_table.h"
 
-namespace twin::test {
+namespace twin::test::conformance_error_table_test {
 namespace {
 
 struct Case {
@@ -54,4 +54,4 @@ TEST(ErrorTableCoverageTest, HasARowForEveryErrorAMotionCanRaise) {
 }
 
 }  // namespace
-}  // namespace twin::test
+}  // namespace twin::test::conformance_error_table_test

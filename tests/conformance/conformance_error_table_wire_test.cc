@@ -34,7 +34,7 @@
 #include "twin/faults/loss_model.h"
 #include "twin/fci/datagrams.h"
 
-namespace twin::test {
+namespace twin::test::conformance_error_table_wire_test {
 namespace {
 
 /// How a row gets over the wire.
@@ -266,4 +266,4 @@ TEST(WireErrorTableCoverageTest, LeavesOutNoRow) {
 }
 
 }  // namespace
-}  // namespace twin::test
+}  // namespace twin::test::conformance_error_table_wire_test

@@ -12,7 +12,7 @@
 #include "conformance/trial.h"
 #include "twin/onboard/mode_table.h"
 
-namespace twin::test {
+namespace twin::test::conformance_modes_test {
 namespace {
 
 constexpr MotionModes kMotion{ControllerMode::kJointImpedance, MotionGeneratorMode::kJointVelocity};
@@ -232,4 +232,4 @@ TEST(ModesCoverageTest, EveryModeIsAScene) {
 }
 
 }  // namespace
-}  // namespace twin::test
+}  // namespace twin::test::conformance_modes_test

@@ -17,7 +17,7 @@
 #include "twin/core/error.h"
 #include "twin/core/robot_errors.h"
 
-namespace twin::backend {
+namespace twin::backend::backend_contract_test {
 namespace {
 
 constexpr MotionModes kPosition{ControllerMode::kJointImpedance,
@@ -427,4 +427,4 @@ INSTANTIATE_TEST_SUITE_P(Mujoco, BackendContractTest, ::testing::ValuesIn(test::
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace twin::backend
+}  // namespace twin::backend::backend_contract_test

@@ -13,7 +13,7 @@
 #include "support/undisturbed.h"
 #include "twin/core/error.h"
 
-namespace twin::test {
+namespace twin::test::hand_contract_test {
 namespace {
 
 class HandContractTest : public testing::TestWithParam<HarnessCase> {
@@ -130,4 +130,4 @@ INSTANTIATE_TEST_SUITE_P(Hands, HandContractTest, testing::ValuesIn(Harnesses())
                          [](const auto& harness) { return harness.param.name; });
 
 }  // namespace
-}  // namespace twin::test
+}  // namespace twin::test::hand_contract_test

@@ -13,7 +13,7 @@
 #include "twin/control/parameters.h"
 #include "twin/core/error.h"
 
-namespace twin::control {
+namespace twin::control::control_controller_library_test {
 namespace {
 
 using ::testing::AllOf;
@@ -148,4 +148,4 @@ TEST_F(ControllerLibraryTest, SaysWhichCallThrew) {
 }
 
 }  // namespace
-}  // namespace twin::control
+}  // namespace twin::control::control_controller_library_test

@@ -9,7 +9,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::control {
+namespace twin::control::control_parameters_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -159,4 +159,4 @@ TEST(ParameterReaderTest, RefusesWhatNobodyAskedFor) {
 }
 
 }  // namespace
-}  // namespace twin::control
+}  // namespace twin::control::control_parameters_test

@@ -16,7 +16,7 @@
 #include "twin/core/random.h"
 #include "twin/model/inverse_kinematics.h"
 
-namespace twin::controllers {
+namespace twin::controllers::controllers_cartesian_pose_test {
 namespace {
 
 using control::ControllerOutput;
@@ -48,15 +48,16 @@ struct Bench {
                  const JointVector& q = kReady)
       : poses(waypoints,
               {.duration = {}, .velocity_scale = 0.3, .acceleration_scale = 0.1, .jerk_scale = 0.1},
-              test::PandaCartesianLimits()),
-        stand({{.q = q, .at = 0s}, {.q = q, .at = poses.duration()}}, {}, test::PandaLimits()) {
+              twin::test::PandaCartesianLimits()),
+        stand({{.q = q, .at = 0s}, {.q = q, .at = poses.duration()}}, {},
+              twin::test::PandaLimits()) {
     state.q = state.q_d = q;
   }
   [[nodiscard]] ControllerRequest request() const {
     return {.trajectory = stand,
             .poses = &poses,
-            .limits = test::PandaLimits(),
-            .cartesian = test::PandaCartesianLimits()};
+            .limits = twin::test::PandaLimits(),
+            .cartesian = twin::test::PandaCartesianLimits()};
   }
 
   PoseTrajectory poses;
@@ -84,7 +85,7 @@ TEST(DampedLeastSquaresTest, IsTheFormulaWithSevenBySevenMatrices) {
       for (std::uint32_t k = 0; k < 6; ++k) v[k] = 2 * random.Uniform(i, 100 + k) - 1;
       const Eigen::Map<const Matrix67> jacobian(J.data());
       const Matrix7 A = jacobian.transpose() * jacobian + alpha * Matrix7::Identity();
-      const Eigen::VectorXd expected = test::Solve(
+      const Eigen::VectorXd expected = twin::test::Solve(
           A, jacobian.transpose() * Eigen::Map<const Eigen::Matrix<double, 6, 1>>(v.data()));
       const JointVector dq = model::DampedLeastSquares(J, v, alpha);
       for (std::size_t j = 0; j < kJoints; ++j) {
@@ -142,7 +143,7 @@ TEST(CartesianPoseTest, AnErrorOfTheStartDecaysByItsGain) {
   const Transform start = PoseAt(kReady);
   const Transform off = Moved(start, 0.004, 0, 0);
   const PoseTrajectory poses({{.O_T_EE = off, .at = 0s}, {.O_T_EE = off, .at = 1s}}, {},
-                             test::PandaCartesianLimits());
+                             twin::test::PandaCartesianLimits());
   Bench bench = Box();
   ControllerRequest request = bench.request();
   request.poses = &poses;
@@ -214,10 +215,11 @@ TEST(CartesianPoseTest, FollowsTheEndEffectorOfAPathThroughJointSpace) {
   JointVector q = kReady;
   q[0] += 0.3;
   q[3] += 0.2;
-  const Trajectory trajectory({{.q = kReady}, {.q = q}}, {.duration = 3s}, test::PandaLimits());
+  const Trajectory trajectory({{.q = kReady}, {.q = q}}, {.duration = 3s},
+                              twin::test::PandaLimits());
   CartesianPoseController controller({.trajectory = trajectory,
-                                      .limits = test::PandaLimits(),
-                                      .cartesian = test::PandaCartesianLimits()});
+                                      .limits = twin::test::PandaLimits(),
+                                      .cartesian = twin::test::PandaCartesianLimits()});
   RobotState state;
   state.q = state.q_d = kReady;
   state.F_T_EE[14] = 0.1034;
@@ -278,14 +280,14 @@ TEST(CartesianPoseTest, UpdatesWithoutAllocating) {
   CartesianPoseController controller(bench.request());
   controller.Activate(bench.state, Time());
   ControllerOutput output;
-  const test::RealtimeGuard guard;
+  const twin::test::RealtimeGuard guard;
   Duration t{};
   for (; t < 60s && !output.finished; t += 1ms) controller.Update(bench.state, Time(t), output);
   const auto counts = guard.counts();
-  EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
+  EXPECT_EQ(counts, twin::test::RealtimeGuard::Counts{});
   EXPECT_TRUE(output.finished);
   EXPECT_GT(t, 1s);
 }
 
 }  // namespace
-}  // namespace twin::controllers
+}  // namespace twin::controllers::controllers_cartesian_pose_test

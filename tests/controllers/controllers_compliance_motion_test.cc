@@ -12,7 +12,7 @@
 #include "controllers/torque_rig.h"
 #include "twin/core/joint_vector.h"
 
-namespace twin::controllers {
+namespace twin::controllers::controllers_compliance_motion_test {
 namespace {
 
 using control::ControllerOutput;
@@ -160,4 +160,4 @@ TEST(GravityHoldMotionTest, ThePushedArmFloatsAwayAndTheUntouchedOneStays) {
 }
 
 }  // namespace
-}  // namespace twin::controllers
+}  // namespace twin::controllers::controllers_compliance_motion_test

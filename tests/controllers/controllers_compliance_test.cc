@@ -17,7 +17,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
 
-namespace twin::controllers {
+namespace twin::controllers::controllers_compliance_test {
 namespace {
 
 using control::ControllerOutput;
@@ -36,14 +36,14 @@ const JointVector kReady{0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854};
 const Transform kHand{0.8, -0.6, 0, 0, 0.6, 0.8, 0, 0, 0, 0, 1, 0, 0.01, 0, 0.1034, 1};
 
 Trajectory Standing(const JointVector& q, Duration length = 2s) {
-  return Trajectory({{.q = q, .at = 0s}, {.q = q, .at = length}}, {}, test::PandaLimits());
+  return Trajectory({{.q = q, .at = 0s}, {.q = q, .at = length}}, {}, twin::test::PandaLimits());
 }
 
 ControllerRequest RequestOf(const Trajectory& trajectory) {
   return {.trajectory = trajectory,
           .interface = control::CommandInterface::kTorque,
-          .limits = test::PandaLimits(),
-          .cartesian = test::PandaCartesianLimits()};
+          .limits = twin::test::PandaLimits(),
+          .cartesian = twin::test::PandaCartesianLimits()};
 }
 
 /// Without a soft start, so that the law stands alone.
@@ -99,7 +99,7 @@ Vector7 PapersLaw(const RobotState& state, const Transform& O_T_d, const Complia
   const JointVector g = arm.Gravity(state.q, payload);
   const JointVector tau_f = model::ResidualFriction(state.dq);
   Vector7 tau =
-      J.transpose() * F + tau_0 - J.transpose() * test::LeastSquares(J.transpose(), tau_0);
+      J.transpose() * F + tau_0 - J.transpose() * twin::test::LeastSquares(J.transpose(), tau_0);
   for (int j = 0; j < 7; ++j) {
     const auto i = static_cast<std::size_t>(j);
     tau[j] += with_g[i] - g[i] + friction * tau_f[i];
@@ -142,7 +142,7 @@ TEST(ComplianceTest, IsASpringAtStandstill) {
   Transform moved = here;
   moved[13] += 0.004;
   const reference::PoseTrajectory poses({{.O_T_EE = here}, {.O_T_EE = moved}}, {.duration = 1s},
-                                        test::PandaCartesianLimits());
+                                        twin::test::PandaCartesianLimits());
   ControllerRequest request = RequestOf(trajectory);
   request.poses = &poses;
   ComplianceController controller(request, options);
@@ -316,12 +316,12 @@ TEST(ComplianceTest, UpdatesWithoutAllocating) {
   ComplianceController controller(RequestOf(trajectory));
   controller.Activate(start, Time());
   ControllerOutput output;
-  const test::RealtimeGuard guard;
+  const twin::test::RealtimeGuard guard;
   for (int i = 0; i <= 1500; ++i) controller.Update(state, Time(kCycle * i), output);
   const auto counts = guard.counts();
-  EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
+  EXPECT_EQ(counts, twin::test::RealtimeGuard::Counts{});
   EXPECT_TRUE(output.finished);
 }
 
 }  // namespace
-}  // namespace twin::controllers
+}  // namespace twin::controllers::controllers_compliance_test

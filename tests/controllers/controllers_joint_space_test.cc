@@ -14,7 +14,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::controllers {
+namespace twin::controllers::controllers_joint_space_test {
 namespace {
 
 using control::ControllerOutput;
@@ -31,8 +31,8 @@ class JointSpaceTest : public ::testing::Test {
  protected:
   [[nodiscard]] ControllerRequest Request() const {
     return {.trajectory = trajectory_,
-            .limits = test::PandaLimits(),
-            .cartesian = test::PandaCartesianLimits()};
+            .limits = twin::test::PandaLimits(),
+            .cartesian = twin::test::PandaCartesianLimits()};
   }
   template <typename Controller>
   std::string Complaint(const control::Parameters& parameters) const {
@@ -50,18 +50,18 @@ class JointSpaceTest : public ::testing::Test {
   void RunGuarded(control::Controller& controller) {
     controller.Activate(state_, Time());
     ControllerOutput output;
-    const test::RealtimeGuard guard;
+    const twin::test::RealtimeGuard guard;
     for (int i = 0; i <= 4000; ++i) {
       controller.Update(state_, Time(kCycle * i), output);
       if (i == 2000) state_.q_d = kLast;
     }
     const auto counts = guard.counts();
-    EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
+    EXPECT_EQ(counts, twin::test::RealtimeGuard::Counts{});
     EXPECT_TRUE(output.finished);
   }
 
   const Trajectory trajectory_{
-      {{.q = kFirst}, {.q = kLast}}, {.duration = 2s}, test::PandaLimits()};
+      {{.q = kFirst}, {.q = kLast}}, {.duration = 2s}, twin::test::PandaLimits()};
   RobotState state_ = [] {
     RobotState state;
     state.q = state.q_d = kFirst;
@@ -103,7 +103,7 @@ TEST_F(JointSpaceTest, JointVelocityTakesInAnOffsetByItsGain) {
   // Standing: the reference integrates what is commanded, and once the correction has been let in
   // an offset decays by 1 - K T in each period.
   const Trajectory stand({{.q = kFirst, .at = 0s}, {.q = kFirst, .at = 9s}}, {},
-                         test::PandaLimits());
+                         twin::test::PandaLimits());
   ControllerRequest request{.trajectory = stand, .limits = {}, .cartesian = {}};
   state_.q_d[1] += 0.015;
   JointVelocityController controller(request, {.K = 2});
@@ -220,4 +220,4 @@ TEST_F(JointSpaceTest, GravityHoldUpdatesWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace twin::controllers
+}  // namespace twin::controllers::controllers_joint_space_test

@@ -17,7 +17,7 @@
 #include "twin/onboard/onboard_controller.h"
 #include "twin/plant/mujoco_plant.h"
 
-namespace twin::controllers {
+namespace twin::controllers::controllers_joint_trajectory_effort_motion_test {
 namespace {
 
 using plant::FrictionProfile;
@@ -33,7 +33,7 @@ Trajectory Canonical(double offset = 0) {
                          .at = FromSeconds(std::stod(point["at"].as<std::string>()))});
     waypoints.back().q[0] += offset;
   }
-  return Trajectory(waypoints, {}, test::PandaLimits());
+  return Trajectory(waypoints, {}, twin::test::PandaLimits());
 }
 
 /// What a motion came to.
@@ -58,8 +58,8 @@ class Arm {
     plant_ = plant::MujocoPlant::Create(options);
     plant_->Reset(q);
     onboard::OnboardConfig config;
-    config.limits = test::PandaLimits();
-    config.cartesian = test::PandaCartesianLimits();
+    config.limits = twin::test::PandaLimits();
+    config.cartesian = twin::test::PandaCartesianLimits();
     config.rotor_inertia = {0.605721456, 0.605721456, 0.462474144, 0.462474144,
                             0.205544064, 0.205544064, 0.205544064};
     // Dry friction looks like a collision to a robot that does not expect it.
@@ -182,4 +182,4 @@ INSTANTIATE_TEST_SUITE_P(EveryFriction, JointTrajectoryEffortFrictionTest,
                                          FrictionProfile::kBreakaway));
 
 }  // namespace
-}  // namespace twin::controllers
+}  // namespace twin::controllers::controllers_joint_trajectory_effort_motion_test

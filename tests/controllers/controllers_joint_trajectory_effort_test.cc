@@ -10,7 +10,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::controllers {
+namespace twin::controllers::controllers_joint_trajectory_effort_test {
 namespace {
 
 using control::CommandInterface;
@@ -27,7 +27,7 @@ constexpr JointVector kLast{0.5, -0.4, 0.3, -2.2, -0.3, 1.9, 0};
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Trajectory TestTrajectory() {
-  return Trajectory({{.q = kFirst}, {.q = kLast}}, {.duration = 2s}, test::PandaLimits());
+  return Trajectory({{.q = kFirst}, {.q = kLast}}, {.duration = 2s}, twin::test::PandaLimits());
 }
 
 RobotState StateAt(const JointVector& q, const JointVector& dq = {},
@@ -353,12 +353,12 @@ TEST(JointTrajectoryEffortControllerTest, UpdatesWithoutAllocating) {
   const RobotState state = StateAt(kFirst);
   controller.Activate(state, Time(0s));
   ControllerOutput output;
-  const test::RealtimeGuard guard;
+  const twin::test::RealtimeGuard guard;
   for (Duration t{}; t < 4s; t += 1ms) controller.Update(state, Time(t), output);
   const auto counts = guard.counts();
-  EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
+  EXPECT_EQ(counts, twin::test::RealtimeGuard::Counts{});
   EXPECT_TRUE(output.finished);
 }
 
 }  // namespace
-}  // namespace twin::controllers
+}  // namespace twin::controllers::controllers_joint_trajectory_effort_test

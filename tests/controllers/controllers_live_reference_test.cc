@@ -9,7 +9,7 @@
 #include "twin/control/live_reference.h"
 #include "twin/core/error.h"
 
-namespace twin::controllers {
+namespace twin::controllers::controllers_live_reference_test {
 namespace {
 
 using control::ControllerOutput;
@@ -52,7 +52,7 @@ class LiveReferenceTest : public testing::Test {
   }
 
   const reference::Trajectory standing_{
-      {{.q = kReady, .at = 0s}, {.q = kReady, .at = 60s}}, {}, test::PandaLimits()};
+      {{.q = kReady, .at = 0s}, {.q = kReady, .at = 60s}}, {}, twin::test::PandaLimits()};
   const Parameters parameters_{{.key = "reference", .values = {"live"}}};
   Leader leader_;
   RobotState state_ = [] {
@@ -63,8 +63,8 @@ class LiveReferenceTest : public testing::Test {
   ComplianceController controller_{{.trajectory = standing_,
                                     .interface = control::CommandInterface::kTorque,
                                     .live = &leader_,
-                                    .limits = test::PandaLimits(),
-                                    .cartesian = test::PandaCartesianLimits()}};
+                                    .limits = twin::test::PandaLimits(),
+                                    .cartesian = twin::test::PandaCartesianLimits()}};
 };
 
 TEST_F(LiveReferenceTest, BeginsWhereTheEndEffectorIs) {
@@ -97,7 +97,7 @@ TEST_F(LiveReferenceTest, IsFinishedARestAfterItIsEnded) {
 TEST_F(LiveReferenceTest, RefusesToBeLedByNobody) {
   ComplianceController controller({.trajectory = standing_,
                                    .interface = control::CommandInterface::kTorque,
-                                   .limits = test::PandaLimits()});
+                                   .limits = twin::test::PandaLimits()});
   control::ParameterReader reader(parameters_);
   try {
     controller.Configure(reader);
@@ -108,4 +108,4 @@ TEST_F(LiveReferenceTest, RefusesToBeLedByNobody) {
 }
 
 }  // namespace
-}  // namespace twin::controllers
+}  // namespace twin::controllers::controllers_live_reference_test

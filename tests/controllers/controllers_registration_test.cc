@@ -8,7 +8,7 @@
 #include "support/panda_limits.h"
 #include "twin/core/error.h"
 
-namespace twin::controllers {
+namespace twin::controllers::controllers_registration_test {
 namespace {
 
 using control::CommandInterface;
@@ -40,9 +40,9 @@ class RegistrationTest : public ::testing::Test {
 
   control::ControllerRegistry registry_;
   const reference::Trajectory trajectory_{
-      {{.q = kReady, .at = 0s}, {.q = kReady, .at = 1s}}, {}, test::PandaLimits()};
+      {{.q = kReady, .at = 0s}, {.q = kReady, .at = 1s}}, {}, twin::test::PandaLimits()};
   const reference::PoseTrajectory poses_{
-      {{.at = 0s}, {.at = 1s}}, {}, test::PandaCartesianLimits()};
+      {{.at = 0s}, {.at = 1s}}, {}, twin::test::PandaCartesianLimits()};
 };
 
 TEST_F(RegistrationTest, EachControllerIsMadeForItsOwnInterfacesOnly) {
@@ -77,4 +77,4 @@ TEST_F(RegistrationTest, WhoFollowsJointsRefusesPoses) {
 }
 
 }  // namespace
-}  // namespace twin::controllers
+}  // namespace twin::controllers::controllers_registration_test

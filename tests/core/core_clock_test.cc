@@ -9,7 +9,7 @@
 
 #include "twin/core/time.h"
 
-namespace twin {
+namespace twin::core_clock_test {
 namespace {
 
 TEST(MonotonicClockTest, StartsAtZeroAndNeverGoesBack) {
@@ -58,4 +58,4 @@ TEST(TimeTest, SecondsAndBackKeepEveryNanosecondOfAnHour) {
 }
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_clock_test

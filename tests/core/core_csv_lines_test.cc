@@ -7,7 +7,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin {
+namespace twin::core_csv_lines_test {
 namespace {
 
 using testing::HasSubstr;
@@ -62,4 +62,4 @@ TEST(CsvLinesTest, NamesTheColumnOfWhatIsNoNumber) {
 }
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_csv_lines_test

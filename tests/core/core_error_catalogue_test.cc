@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace twin {
+namespace twin::core_error_catalogue_test {
 namespace {
 
 using ::testing::AllOf;
@@ -148,4 +148,4 @@ TEST(ErrorCatalogueTest, NoTwoErrorsOfTheSameCauseReadTheSame) {
 }
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_error_catalogue_test

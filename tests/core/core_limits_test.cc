@@ -9,7 +9,7 @@
 #include "support/panda_limits.h"
 #include "twin/core/error.h"
 
-namespace twin {
+namespace twin::core_limits_test {
 namespace {
 
 using ::testing::AllOf;
@@ -74,4 +74,4 @@ INSTANTIATE_TEST_SUITE_P(AllFields, JointLimitsMagnitudeTest,
                          [](const auto& info) { return std::string(info.param.field); });
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_limits_test

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-namespace twin {
+namespace twin::core_modes_test {
 namespace {
 
 // Values and names as clients of the real robot have them (libfranka 0.9.2, RobotMode and its
@@ -59,4 +59,4 @@ TEST(ModeNameTest, EveryModeHasANameOfItsOwnAndNoOtherValueHasOne) {
 }
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_modes_test

@@ -8,7 +8,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin {
+namespace twin::core_quantity_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -96,4 +96,4 @@ TEST(QuantityTest, WritesNumbersWithoutLoss) {
 }
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_quantity_test

@@ -10,7 +10,7 @@
 
 #include "support/realtime_guard.h"
 
-namespace twin {
+namespace twin::core_random_test {
 namespace {
 
 using Words = std::array<std::uint32_t, 4>;
@@ -146,4 +146,4 @@ TEST(RandomTest, DrawsWithoutAllocation) {
 }
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_random_test

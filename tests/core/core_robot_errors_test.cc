@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-namespace twin {
+namespace twin::core_robot_errors_test {
 namespace {
 
 using ::testing::AllOf;
@@ -144,4 +144,4 @@ TEST(DescribeTest, NamesTheAxisOfTheStiffnessFrame) {
 }
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_robot_errors_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin {
+namespace twin::core_secret_test {
 namespace {
 
 TEST(SecretTest, IsOfHexadecimalLettersAndNeverTheSame) {
@@ -28,4 +28,4 @@ TEST(SecretTest, IsTheSameOnlyInFull) {
 }
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_secret_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin {
+namespace twin::core_setting_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -173,4 +173,4 @@ TEST(SettingTest, WhatIsWrongIsSaidInWords) {
 }
 
 }  // namespace
-}  // namespace twin
+}  // namespace twin::core_setting_test

@@ -8,7 +8,7 @@
 #include "devices/device_rig.h"
 #include "support/realtime_guard.h"
 
-namespace twin::devices {
+namespace twin::devices::devices_contract_test {
 namespace {
 
 struct Case {
@@ -102,4 +102,4 @@ INSTANTIATE_TEST_SUITE_P(Devices, DeviceContractTest,
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
-}  // namespace twin::devices
+}  // namespace twin::devices::devices_contract_test

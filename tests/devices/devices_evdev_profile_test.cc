@@ -8,7 +8,7 @@
 #include "plugins/devices/evdev_sampler.h"
 #include "twin/core/error.h"
 
-namespace twin::devices {
+namespace twin::devices::devices_evdev_profile_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -229,4 +229,4 @@ TEST(EvdevParametersTest, RefuseWhatTheDeviceDoesNotHave) {
 }
 
 }  // namespace
-}  // namespace twin::devices
+}  // namespace twin::devices::devices_evdev_profile_test

@@ -12,7 +12,7 @@
 #include "twin/core/error.h"
 #include "twin/rt/host_time.h"
 
-namespace twin::devices {
+namespace twin::devices::devices_evdev_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -156,4 +156,4 @@ TEST(MakeEvdevDeviceTest, RefusesLockstep) {
 }
 
 }  // namespace
-}  // namespace twin::devices
+}  // namespace twin::devices::devices_evdev_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::devices {
+namespace twin::devices::devices_message_test {
 namespace {
 
 using Bytes = std::array<std::byte, kSampleBytes>;
@@ -163,4 +163,4 @@ TEST(TokenTest, IsOneToSixteenPrintableCharacters) {
 }
 
 }  // namespace
-}  // namespace twin::devices
+}  // namespace twin::devices::devices_message_test

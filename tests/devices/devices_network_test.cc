@@ -10,7 +10,7 @@
 #include "plugins/devices/network_device.h"
 #include "twin/core/error.h"
 
-namespace twin::devices {
+namespace twin::devices::devices_network_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -250,4 +250,4 @@ TEST(MakeNetworkDeviceTest, NamesTheParameterThatIsWrong) {
 }
 
 }  // namespace
-}  // namespace twin::devices
+}  // namespace twin::devices::devices_network_test

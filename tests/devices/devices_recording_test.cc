@@ -13,7 +13,7 @@
 #include "twin/teleop/operator_script.h"
 #include "twin/teleop/recording_device.h"
 
-namespace twin::devices {
+namespace twin::devices::devices_recording_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -181,4 +181,4 @@ TEST_F(RecordingDeviceTest, RefusesAFolderThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace twin::devices
+}  // namespace twin::devices::devices_recording_test

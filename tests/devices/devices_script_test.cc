@@ -12,7 +12,7 @@
 #include "twin/teleop/operator_ranges.h"
 #include "twin/teleop/operator_script.h"
 
-namespace twin::devices {
+namespace twin::devices::devices_script_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -294,4 +294,4 @@ TEST(MakeScriptDeviceTest, AsksForItsFile) {
 }
 
 }  // namespace
-}  // namespace twin::devices
+}  // namespace twin::devices::devices_script_test

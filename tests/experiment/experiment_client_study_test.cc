@@ -9,7 +9,7 @@
 #include "twin/fci/datagrams.h"
 #include "twin/record/pcapng_writer.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_client_study_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -116,4 +116,4 @@ TEST(ClientProcessTest, IsEndedWithItsOwner) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_client_study_test

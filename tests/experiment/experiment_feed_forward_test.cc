@@ -10,7 +10,7 @@
 
 #include "experiment/experiment_bench.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_feed_forward_test {
 namespace {
 
 using test::ExperimentBench;
@@ -66,4 +66,4 @@ TEST_F(FeedForwardStudyTest, MeetsWhatItDemandsAndDrawsATableAndACrossing) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_feed_forward_test

@@ -10,7 +10,7 @@
 #include "experiment/experiment_bench.h"
 #include "experiment/stream_studies.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_jitter_test {
 namespace {
 
 using control::CommandInterface;
@@ -145,4 +145,4 @@ TEST_F(JitterTest, TheSameSettingGivesTheSameFindings) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_jitter_test

@@ -8,7 +8,7 @@
 #include "experiment/experiment_bench.h"
 #include "support/panda_limits.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_lambda_test {
 namespace {
 
 TEST(ChainBenchTest, AnOffsetDecaysByLambdaACycle) {
@@ -53,4 +53,4 @@ TEST(LambdaTest, ConvergenceKeepsToItsFormulaForJointsAndPoses) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_lambda_test

@@ -9,7 +9,7 @@
 
 #include "experiment/experiment_bench.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_losses_test {
 namespace {
 
 const Comparison& Named(const Findings& findings, std::string_view begin, std::string_view part) {
@@ -53,4 +53,4 @@ TEST(LossesTest, APaceThatCompletesNoMotionIsDrawn) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_losses_test

@@ -8,7 +8,7 @@
 
 #include "experiment/experiment_bench.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_noise_test {
 namespace {
 
 using test::ExperimentBench;
@@ -80,4 +80,4 @@ TEST(HalfAbortedTest, IsInterpolatedOnALogarithmicScale) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_noise_test

@@ -9,7 +9,7 @@
 
 #include "twin/experiment/experiment.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_page_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -163,4 +163,4 @@ TEST(ExperimentsTest, HaveNamesThatFilesCanHave) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_page_test

@@ -8,7 +8,7 @@
 #include "experiment/experiment_bench.h"
 #include "experiment/wave_source.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_rate_matching_test {
 namespace {
 
 using control::CommandInterface;
@@ -58,4 +58,4 @@ TEST(RateMatchingTest, TheStageDelaysByHalfAWindowAtEveryRate) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_rate_matching_test

@@ -7,7 +7,7 @@
 
 #include "twin/scenario/robot_data.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_recording_test {
 namespace {
 
 reference::Trajectory Plan() {
@@ -70,4 +70,4 @@ TEST(RecordingTest, TheRegressionSlopeIsTheShareThatIsFollowed) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_recording_test

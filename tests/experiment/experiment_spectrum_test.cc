@@ -9,7 +9,7 @@
 
 #include "twin/core/random.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_spectrum_test {
 namespace {
 
 constexpr double kRateHz = 1000;
@@ -70,4 +70,4 @@ TEST(SineAmplitudeTest, FindsAmplitudeAndPhaseBesideAStraightLine) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_spectrum_test

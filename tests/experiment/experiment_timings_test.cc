@@ -21,7 +21,7 @@
 #include "twin/experiment/calibration.h"
 #include "twin/experiment/page.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_timings_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -249,4 +249,4 @@ TEST(RunScenarioTest, AnInterruptEndsAnExperiment) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_timings_test

@@ -8,7 +8,7 @@
 #include "experiment/experiment_bench.h"
 #include "experiment/tracking.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_tracking_test {
 namespace {
 
 constexpr double kGain = 0.385870;  // of 100 Hz at 1 kHz
@@ -60,4 +60,4 @@ TEST(TrackingTest, TheSynchronousLoopsTimingShakesTheArm) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_tracking_test

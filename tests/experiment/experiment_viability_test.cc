@@ -15,7 +15,7 @@
 #include "twin/core/time.h"
 #include "twin/reference/viability_filter.h"
 
-namespace twin::experiment {
+namespace twin::experiment::experiment_viability_test {
 namespace {
 
 constexpr double kT = kCycleSeconds;
@@ -114,4 +114,4 @@ TEST_F(ViabilityStudyTest, MeetsWhatItDemandsAndDraws) {
 }
 
 }  // namespace
-}  // namespace twin::experiment
+}  // namespace twin::experiment::experiment_viability_test

@@ -17,7 +17,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::faults {
+namespace twin::faults::faults_delay_model_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -368,4 +368,4 @@ TEST(DelayModelTest, DrawsWithoutAllocation) {
 }
 
 }  // namespace
-}  // namespace twin::faults
+}  // namespace twin::faults::faults_delay_model_test

@@ -12,7 +12,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::faults {
+namespace twin::faults::faults_loss_model_test {
 namespace {
 
 using ::testing::AllOf;
@@ -279,4 +279,4 @@ TEST(LossModelTest, GivesItsParametersBack) {
 }
 
 }  // namespace
-}  // namespace twin::faults
+}  // namespace twin::faults::faults_loss_model_test

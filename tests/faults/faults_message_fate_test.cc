@@ -12,7 +12,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::faults {
+namespace twin::faults::faults_message_fate_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -190,4 +190,4 @@ TEST(MessageFateTest, RefusesADirectionThatIsNotValid) {
 }
 
 }  // namespace
-}  // namespace twin::faults
+}  // namespace twin::faults::faults_message_fate_test

@@ -9,7 +9,7 @@
 #include "twin/core/error.h"
 #include "twin/fci/sockets.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_addresses_test {
 namespace {
 
 using testing::HasSubstr;
@@ -133,4 +133,4 @@ TEST(FileDescriptorTest, LetsGoOfWhatItReleases) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_addresses_test

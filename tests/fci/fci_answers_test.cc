@@ -7,7 +7,7 @@
 #include "fci/random_messages.h"
 #include "twin/fci/requests.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_answers_test {
 namespace {
 
 using testing::HasSubstr;
@@ -193,4 +193,4 @@ TEST(HandAnswerTest, IsRefusedWhenAnyByteIsMissingAndTakenWithMore) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_answers_test

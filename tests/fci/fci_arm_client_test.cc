@@ -17,7 +17,7 @@
 #include "twin/core/error.h"
 #include "twin/fci/twin_sign.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_arm_client_test {
 namespace {
 
 using test::FakeRobot;
@@ -530,4 +530,4 @@ TEST_F(ArmClientTest, AllocatesAndLocksNothingWhenItReceivesAndSends) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_arm_client_test

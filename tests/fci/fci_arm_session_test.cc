@@ -16,7 +16,7 @@
 
 #include "twin/fci/frame_reader.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_arm_session_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -460,4 +460,4 @@ TEST_F(ArmSessionTest, AnEndFromBeforeTheMotionIsNotItsEnd) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_arm_session_test

@@ -19,7 +19,7 @@
 #include "twin/fci/hand_client.h"
 #include "twin/record/pcapng_reader.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_client_capture_test {
 namespace {
 
 using test::FakeRobot;
@@ -177,4 +177,4 @@ TEST_F(ClientCaptureTest, AllocatesAndLocksNothingInTheTick) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_client_capture_test

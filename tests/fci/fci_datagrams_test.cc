@@ -12,7 +12,7 @@
 #include "support/realtime_guard.h"
 #include "twin/fci/datagrams.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_datagrams_test {
 namespace {
 
 constexpr std::uint64_t kSeeds = 200;
@@ -296,4 +296,4 @@ TEST(DatagramFaultTest, HasNames) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_datagrams_test

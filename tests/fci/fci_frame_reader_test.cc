@@ -10,7 +10,7 @@
 #include "twin/core/random.h"
 #include "twin/fci/frame_reader.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_frame_reader_test {
 namespace {
 
 using testing::HasSubstr;
@@ -235,4 +235,4 @@ TEST_P(FrameReaderTest, SurvivesAnyBytes) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_frame_reader_test

@@ -11,7 +11,7 @@
 #include "twin/fci/datagrams.h"
 #include "twin/fci/requests.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_fuzz_test {
 namespace {
 
 constexpr std::uint64_t kRounds = 20'000;
@@ -120,4 +120,4 @@ TEST(FciFuzzTest, NothingIsSurvivedToo) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_fuzz_test

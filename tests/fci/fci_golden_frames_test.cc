@@ -5,7 +5,7 @@
 #include "twin/fci/requests.h"
 
 // Frames as a client of the real robot and a server for it were seen to exchange.
-namespace twin::fci {
+namespace twin::fci::fci_golden_frames_test {
 namespace {
 
 const Bytes kMoveFrame =
@@ -94,4 +94,4 @@ TEST(GoldenFrameTest, IsHomingAndItsAnswer) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_golden_frames_test

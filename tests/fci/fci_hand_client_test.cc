@@ -14,7 +14,7 @@
 #include "fci/fake_robot.h"
 #include "twin/core/error.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_hand_client_test {
 namespace {
 
 using test::FakeRobot;
@@ -165,4 +165,4 @@ TEST_F(HandClientTest, AConnectionThatIsClosedIsAFault) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_hand_client_test

@@ -16,7 +16,7 @@
 
 #include "twin/fci/frame_reader.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_hand_session_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -183,4 +183,4 @@ TEST_F(HandSessionTest, FiguresReachTheHand) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_hand_session_test

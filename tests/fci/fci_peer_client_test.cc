@@ -16,7 +16,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 
-namespace twin::test {
+namespace twin::test::fci_peer_client_test {
 namespace {
 
 using backend::MotionEnd;
@@ -252,4 +252,4 @@ TEST_F(PeerClientTest, CommandsThePeersHand) {
 }
 
 }  // namespace
-}  // namespace twin::test
+}  // namespace twin::test::fci_peer_client_test

@@ -10,7 +10,7 @@
 #include "twin/fci/frame_reader.h"
 #include "twin/fci/requests.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_requests_test {
 namespace {
 
 using testing::HasSubstr;
@@ -326,4 +326,4 @@ TEST(RequestNameTest, IsWhatClientsPrint) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_requests_test

@@ -15,7 +15,7 @@
 #include "twin/core/error.h"
 #include "twin/fci/sockets.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_tcp_stream_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -281,4 +281,4 @@ TEST(TcpListenerTest, OutlivesAClientThatIsGoneBeforeItIsAccepted) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_tcp_stream_test

@@ -16,7 +16,7 @@
 #include "twin/fci/requests.h"
 #include "twin/record/pcapng_reader.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_transcript_test {
 namespace {
 
 using ::testing::EndsWith;
@@ -184,4 +184,4 @@ TEST(CaptureTest, KeepsDatagramsAndStreamsInOrderOfTheirTime) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_transcript_test

@@ -14,7 +14,7 @@
 #include "twin/fci/sockets.h"
 #include "twin/rt/host_time.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_udp_socket_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -210,4 +210,4 @@ TEST_F(UdpSocketTest, IsForRealTime) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_udp_socket_test

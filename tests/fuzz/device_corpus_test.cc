@@ -13,7 +13,7 @@
 #include "twin/core/error.h"
 #include "twin/teleop/operator_script.h"
 
-namespace twin::devices {
+namespace twin::devices::device_corpus_test {
 namespace {
 
 constexpr std::uint64_t kRounds = 20'000;
@@ -54,4 +54,4 @@ TEST(DeviceCorpusTest, ScriptsAreReadAsTheyWereMeant) {
 }
 
 }  // namespace
-}  // namespace twin::devices
+}  // namespace twin::devices::device_corpus_test

@@ -14,7 +14,7 @@
 #include "fuzz/seeds.h"
 #include "fuzz/session_targets.h"
 
-namespace twin::fci {
+namespace twin::fci::fci_corpus_test {
 namespace {
 
 using test::Seeds;
@@ -90,4 +90,4 @@ TEST(FciCorpusSessionTest, HandSessionsAreAnsweredAsTheyWereMeant) {
 }
 
 }  // namespace
-}  // namespace twin::fci
+}  // namespace twin::fci::fci_corpus_test

@@ -6,7 +6,7 @@
 #include "golden/made_up_golden.h"
 #include "twin/core/error.h"
 
-namespace twin::golden {
+namespace twin::golden::golden_approval_test {
 namespace {
 
 class ApprovalTest : public testing::Test {
@@ -75,4 +75,4 @@ TEST_F(ApprovalTest, NeedsAReason) {
 }
 
 }  // namespace
-}  // namespace twin::golden
+}  // namespace twin::golden::golden_approval_test

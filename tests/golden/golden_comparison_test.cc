@@ -8,7 +8,7 @@
 #include "golden/made_up_golden.h"
 #include "twin/core/error.h"
 
-namespace twin::golden {
+namespace twin::golden::golden_comparison_test {
 namespace {
 
 using testing::HasSubstr;
@@ -180,4 +180,4 @@ TEST_F(ComparisonTest, RefusesOtherViewsSizesAndIntervals) {
 }
 
 }  // namespace
-}  // namespace twin::golden
+}  // namespace twin::golden::golden_comparison_test

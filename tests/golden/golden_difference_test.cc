@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-namespace twin::golden {
+namespace twin::golden::golden_difference_test {
 namespace {
 
 /// A mask out of lines of '.' and '#'.
@@ -105,4 +105,4 @@ TEST(BodyUnderTest, IsTheWorldOrTheBackgroundOnlyWhereNothingElseIs) {
 }
 
 }  // namespace
-}  // namespace twin::golden
+}  // namespace twin::golden::golden_difference_test

@@ -20,7 +20,7 @@
 #include "twin/golden/approval.h"
 #include "twin/render/image.h"
 
-namespace twin::golden {
+namespace twin::golden::golden_golden_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -244,4 +244,4 @@ TEST_F(GoldenTest, RefusesATextThatIsNoGolden) {
 }
 
 }  // namespace
-}  // namespace twin::golden
+}  // namespace twin::golden::golden_golden_test

@@ -8,7 +8,7 @@
 #include "twin/core/error.h"
 #include "twin/render/image.h"
 
-namespace twin::golden {
+namespace twin::golden::golden_grey_png_test {
 namespace {
 
 class GreyPngTest : public testing::Test {
@@ -66,4 +66,4 @@ TEST_F(GreyPngTest, AFolderThatIsNotThereIsTold) {
 }
 
 }  // namespace
-}  // namespace twin::golden
+}  // namespace twin::golden::golden_grey_png_test

@@ -8,7 +8,7 @@
 #include "golden/made_up_golden.h"
 #include "support/temporary_folder.h"
 
-namespace twin::golden {
+namespace twin::golden::golden_page_test {
 namespace {
 
 using testing::HasSubstr;
@@ -89,4 +89,4 @@ TEST(JUnitTest, CountsAndTellsFailures) {
 }
 
 }  // namespace
-}  // namespace twin::golden
+}  // namespace twin::golden::golden_page_test

@@ -7,7 +7,7 @@
 #include "twin/golden/comparison.h"
 #include "twin/render/frame_painter.h"
 
-namespace twin::golden {
+namespace twin::golden::golden_pictures_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -95,4 +95,4 @@ TEST(RelabelTest, TellsBodiesByAnotherListAndAppendsWhatItLacks) {
 }
 
 }  // namespace
-}  // namespace twin::golden
+}  // namespace twin::golden::golden_pictures_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::golden {
+namespace twin::golden::golden_signature_test {
 namespace {
 
 TEST(SignatureTest, IsTheRoundedMeanOfEachBox) {
@@ -51,4 +51,4 @@ TEST(SignatureTest, StripsOfAnotherSizeGiveNothing) {
 }
 
 }  // namespace
-}  // namespace twin::golden
+}  // namespace twin::golden::golden_signature_test

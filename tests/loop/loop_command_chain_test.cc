@@ -12,7 +12,7 @@
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_command_chain_test {
 namespace {
 
 using control::CommandInterface;
@@ -328,4 +328,4 @@ TEST(CommandChainTest, AllocatesNothingOnAnyInterface) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_command_chain_test

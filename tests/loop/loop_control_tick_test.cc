@@ -8,7 +8,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_control_tick_test {
 namespace {
 
 constexpr MotionModes kPosition{ControllerMode::kJointImpedance,
@@ -292,4 +292,4 @@ TEST_F(ControlTickTest, AllocatesAndLocksNothingInTenThousandTicks) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_control_tick_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::loop {
+namespace twin::loop::loop_controller_loop_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -96,4 +96,4 @@ TEST_F(ControllerLoopTest, DoesNothingBeforeAStateWasPublished) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_controller_loop_test

@@ -9,7 +9,7 @@
 #include "support/realtime_guard.h"
 #include "twin/model/transform.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_deviation_test {
 namespace {
 
 constexpr std::size_t kJoint = 2;
@@ -106,4 +106,4 @@ TEST(DeviationMeterTest, PosesAreOffByDistanceAndTurn) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_deviation_test

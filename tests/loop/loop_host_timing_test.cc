@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace twin::loop {
+namespace twin::loop::loop_host_timing_test {
 namespace {
 
 using ::testing::Contains;
@@ -93,4 +93,4 @@ TEST(MeasureJitterTest, CountsEveryMillisecondOnceWhateverTheMachineDoes) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_host_timing_test

@@ -8,7 +8,7 @@
 
 #include "loop/loop_fixture.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_inline_loops_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -175,4 +175,4 @@ TEST(InlineLoopsTest, TheAsynchronousLoopServesWhatTheSynchronousOneMisses) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_inline_loops_test

@@ -9,7 +9,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_lockstep_drive_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -189,4 +189,4 @@ TEST_F(LockstepDriveTest, AllocatesAndLocksNothingInTenThousandCyclesOfTheWholeC
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_lockstep_drive_test

@@ -22,7 +22,7 @@
 #include "support/undisturbed.h"
 #include "twin/rt/host_time.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_realtime_drive_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -329,4 +329,4 @@ TEST_F(RealtimeDriveTest, NoAllocationLockOrPageFaultInThousandsOfTicksOfEitherT
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_realtime_drive_test

@@ -9,7 +9,7 @@
 #include "twin/rt/host_time.h"
 #include "twin/rt/signal.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_robot_listener_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -102,4 +102,4 @@ TEST_F(RobotListenerTest, GivesUpAConnectionThatIsGone) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_robot_listener_test

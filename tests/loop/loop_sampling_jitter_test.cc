@@ -7,7 +7,7 @@
 
 #include "loop/loop_fixture.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_sampling_jitter_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -122,4 +122,4 @@ TEST(SamplingJitterTest, BehindTheGeneratorNoiseOnPositionIsScaledByLambdaAlone)
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_sampling_jitter_test

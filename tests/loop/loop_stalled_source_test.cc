@@ -7,7 +7,7 @@
 #include "support/panda_limits.h"
 #include "twin/loop/command_chain.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_stalled_source_test {
 namespace {
 
 using control::CommandInterface;
@@ -173,4 +173,4 @@ TEST(StalledSourceTest, ATorqueDecaysBelowTheRobotsTorqueRate) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_stalled_source_test

@@ -13,7 +13,7 @@
 #include "loop/loop_fixture.h"
 #include "twin/core/error.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_state_time_drive_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -223,4 +223,4 @@ TEST_F(StateTimeDriveTest, StopsTheMotionOfAControllerThatGivesNoNumber) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_state_time_drive_test

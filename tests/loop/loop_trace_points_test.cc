@@ -9,7 +9,7 @@
 
 #include "support/realtime_guard.h"
 
-namespace twin::loop {
+namespace twin::loop::loop_trace_points_test {
 namespace {
 
 void TraceCycle(std::uint64_t message_id) {
@@ -32,4 +32,4 @@ TEST(TracePointsTest, AfterTheFirstEventNoneAllocatesFreesOrLocks) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::loop_trace_points_test

@@ -10,7 +10,7 @@
 #include "support/realtime_guard.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::model {
+namespace twin::model::arm_model_dynamics_test {
 namespace {
 
 using testing::DoubleNear;
@@ -205,4 +205,4 @@ TEST(ArmModelDynamicsTest, TakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::arm_model_dynamics_test

@@ -7,7 +7,7 @@
 #include "support/realtime_guard.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::model {
+namespace twin::model::arm_model_kinematics_test {
 namespace {
 
 using testing::DoubleNear;
@@ -214,4 +214,4 @@ TEST(ElbowOfTest, FlipsWhereTheArmIsLongest) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::arm_model_kinematics_test

@@ -8,7 +8,7 @@
 #include "twin/model/arm_model.h"
 
 // Against values of a second implementation, see tests/data/README.md.
-namespace twin::model {
+namespace twin::model::arm_model_reference_test {
 namespace {
 
 using testing::DoubleNear;
@@ -87,4 +87,4 @@ TEST_F(ArmModelReferenceTest, ReadyPoseHasThePublishedFigures) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::arm_model_reference_test

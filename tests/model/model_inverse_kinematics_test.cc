@@ -10,7 +10,7 @@
 #include "support/realtime_guard.h"
 #include "twin/model/transform.h"
 
-namespace twin::model {
+namespace twin::model::model_inverse_kinematics_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -194,4 +194,4 @@ INSTANTIATE_TEST_SUITE_P(Elbow, InverseKinematicsTest, ::testing::Bool(), [](con
 });
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::model_inverse_kinematics_test

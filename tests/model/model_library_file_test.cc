@@ -17,7 +17,7 @@
 #include "twin/model/model_library.h"
 
 // The library as a file that is found, sent and loaded.
-namespace twin::model {
+namespace twin::model::model_library_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -196,4 +196,4 @@ TEST_F(ModelLibraryFileTest, TakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::model_library_file_test

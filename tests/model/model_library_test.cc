@@ -12,7 +12,7 @@
 
 // What the library's functions answer when a client calls them. What the file is like, and that a
 // foreign process can load it, is check_model_library.py's.
-namespace twin::model {
+namespace twin::model::model_library_test {
 namespace {
 
 using testing::DoubleNear;
@@ -260,4 +260,4 @@ TEST_F(ModelLibraryTest, WhatIsNotFiniteComesBackSo) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::model_library_test

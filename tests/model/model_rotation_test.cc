@@ -7,7 +7,7 @@
 
 #include "support/pose_samples.h"
 
-namespace twin::model {
+namespace twin::model::model_rotation_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -82,4 +82,4 @@ TEST(RotationTest, ATurnBelowResolutionLeavesTheRotationBitForBit) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::model_rotation_test

@@ -11,7 +11,7 @@
 #include "plant/plant_fixture.h"
 #include "twin/model/self_collision.h"
 
-namespace twin::model {
+namespace twin::model::model_self_collision_contacts_test {
 namespace {
 
 using ModelCopy = std::unique_ptr<mjModel, decltype(&mj_deleteModel)>;
@@ -103,4 +103,4 @@ TEST(SelfCollisionContactsTest, WhatIsSeenIsNearForTheBodyToo) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::model_self_collision_contacts_test

@@ -12,7 +12,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/random.h"
 
-namespace twin::model {
+namespace twin::model::model_self_collision_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -188,4 +188,4 @@ TEST(SelfDistanceWatchTest, TakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::model_self_collision_test

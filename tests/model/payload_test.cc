@@ -5,7 +5,7 @@
 
 #include "model_samples.h"
 
-namespace twin::model {
+namespace twin::model::payload_test {
 namespace {
 
 using testing::DoubleNear;
@@ -57,4 +57,4 @@ TEST(CombineTest, WithoutAnyMassAllIsZero) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::payload_test

@@ -10,7 +10,7 @@
 #include "model_samples.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::model {
+namespace twin::model::plant_parameters_test {
 namespace {
 
 constexpr std::uint64_t kSamples = 400;
@@ -107,4 +107,4 @@ TEST_F(PlantParametersTest, MassMatrixIsThatOfTheServedModelWithinItsKnownBias) 
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::plant_parameters_test

@@ -5,7 +5,7 @@
 
 #include <Eigen/Dense>
 
-namespace twin::model {
+namespace twin::model::transform_test {
 namespace {
 
 using testing::DoubleNear;
@@ -42,4 +42,4 @@ TEST(TransformTest, InverseUndoes) {
 }
 
 }  // namespace
-}  // namespace twin::model
+}  // namespace twin::model::transform_test

@@ -12,7 +12,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_base_controller_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -199,4 +199,4 @@ TEST(BaseConfigTest, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_base_controller_test

@@ -12,7 +12,7 @@
 #include "support/realtime_guard.h"
 #include "twin/model/transform.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_cartesian_impedance_test {
 namespace {
 
 constexpr Vector6 kStiff{3000, 3000, 3000, 300, 300, 300};
@@ -264,4 +264,4 @@ TEST(CartesianImpedanceTest, ACycleTakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_cartesian_impedance_test

@@ -11,7 +11,7 @@
 #include "support/panda_limits.h"
 #include "twin/model/transform.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_cartesian_monitor_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -238,4 +238,4 @@ TEST(CartesianMonitorTest, TheElbowsSignIsTheArms) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_cartesian_monitor_test

@@ -8,7 +8,7 @@
 
 #include "twin/model/transform.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_cartesian_reference_test {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -136,4 +136,4 @@ TEST(CartesianReferenceTest, RepeatingAPoseRestsExactly) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_cartesian_reference_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_command_inbox_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -69,4 +69,4 @@ TEST(CommandInboxTest, AFloodPushesOutTheOldest) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_command_inbox_test

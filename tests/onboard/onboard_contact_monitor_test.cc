@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_contact_monitor_test {
 namespace {
 
 /// Every threshold is another.
@@ -195,4 +195,4 @@ TEST(ContactMonitorThresholdsTest, ZeroThresholdsReportAnythingButZero) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_contact_monitor_test

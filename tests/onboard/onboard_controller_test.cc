@@ -10,7 +10,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_controller_test {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -336,4 +336,4 @@ TEST_F(OnboardControllerTest, AllocatesAndLocksNothing) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_controller_test

@@ -11,7 +11,7 @@
 #include "support/realtime_guard.h"
 #include "twin/onboard/joint_impedance.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_external_torque_observer_test {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -189,4 +189,4 @@ TEST_F(ExternalTorqueObserverTest, TakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_external_torque_observer_test

@@ -13,7 +13,7 @@
 #include "twin/core/error.h"
 #include "twin/onboard/onboard_controller.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_external_torque_test {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -567,4 +567,4 @@ TEST_F(ExternalTorqueTest, AllocatesAndLocksNothing) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_external_torque_test

@@ -8,7 +8,7 @@
 #include "support/dense.h"
 #include "support/realtime_guard.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_external_wrench_test {
 namespace {
 
 constexpr double kGainMax = 30;
@@ -115,4 +115,4 @@ TEST(ExternalWrenchTest, TakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_external_wrench_test

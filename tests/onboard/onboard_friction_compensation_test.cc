@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_friction_compensation_test {
 namespace {
 
 constexpr JointVector kTau{1, -2, 3, -4, 5, -6, 7};
@@ -56,4 +56,4 @@ TEST(FrictionCompensationTest, IsSmoothThroughRest) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_friction_compensation_test

@@ -9,7 +9,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/time.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_gripper_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -77,7 +77,7 @@ class GripperTest : public testing::Test {
       if (const auto result = gripper_.Outcome(ticket)) return *result;
       Cycle();
     }
-    ADD_FAILURE() << Name(command) << " does not end";
+    ADD_FAILURE() << twin::Name(command) << " does not end";
     return HandResult::kFail;
   }
 
@@ -344,4 +344,4 @@ TEST_F(GripperTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_gripper_test

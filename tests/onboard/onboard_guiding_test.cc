@@ -12,7 +12,7 @@
 #include "support/realtime_guard.h"
 #include "twin/model/transform.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_guiding_test {
 namespace {
 
 const model::ArmModel& kArm = model::ArmModel::Panda();
@@ -247,4 +247,4 @@ TEST(GuidingTest, ACycleTakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_guiding_test

@@ -11,7 +11,7 @@
 #include "twin/core/random.h"
 #include "twin/onboard/onboard_controller.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_halt_test {
 namespace {
 
 constexpr JointVector kReady{
@@ -24,7 +24,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr auto kInstability = static_cast<std::size_t>(RobotError::kInstabilityDetected);
 
 /// Every double of the state: they lie one after the other, but for the last.
-bool IsFinite(const RobotState& state) {
+bool IsFiniteState(const RobotState& state) {
   constexpr std::size_t kBegin = offsetof(RobotState, O_T_EE);
   constexpr std::size_t kEnd = offsetof(RobotState, motion_generator_mode);
   for (std::size_t at = kBegin; at + sizeof(double) <= kEnd; at += sizeof(double)) {
@@ -108,7 +108,7 @@ TEST_F(OnboardHaltTest, AMeasurementThatIsNoNumberEndsTheMotionInItsOwnState) {
     const JointSensors good = sensors_;
     (*values)[2] = kNaN;
     onboard_.FillState(sensors_, state_);
-    EXPECT_TRUE(IsFinite(state_));
+    EXPECT_TRUE(IsFiniteState(state_));
     EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
     EXPECT_EQ(state_.reflex_reason.to_ullong(), 1ULL << kInstability);
     EXPECT_EQ(state_.q, good.q) << "the last that was measured";
@@ -136,7 +136,7 @@ TEST_F(OnboardHaltTest, ATorqueThatIsNoNumberReachesNoJoint) {
   EXPECT_TRUE(drive_.brakes);
   onboard_.FillState(sensors_, state_);
   EXPECT_TRUE(IsHalted());
-  EXPECT_TRUE(IsFinite(state_));
+  EXPECT_TRUE(IsFiniteState(state_));
 }
 
 TEST_F(OnboardHaltTest, WhateverIsMeasuredEveryStateIsFinite) {
@@ -158,7 +158,7 @@ TEST_F(OnboardHaltTest, WhateverIsMeasuredEveryStateIsFinite) {
     }
     drive_ = onboard_.Cycle(nullptr, measured);
     onboard_.FillState(measured, state_);
-    ASSERT_TRUE(IsFinite(state_)) << k;
+    ASSERT_TRUE(IsFiniteState(state_)) << k;
     for (const double tau : drive_.tau) ASSERT_TRUE(std::isfinite(tau)) << k;
     static_cast<void>(onboard_.AutomaticErrorRecovery());
     static_cast<void>(onboard_.Move(k % 2 == 0 ? kVelocity : kTorque));
@@ -231,4 +231,4 @@ TEST_F(OnboardHaltTest, PeopleCanLeadAnArmThatWasHalted) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_halt_test

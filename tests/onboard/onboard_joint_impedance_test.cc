@@ -6,7 +6,7 @@
 
 #include "onboard/control_torque.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_joint_impedance_test {
 namespace {
 
 constexpr JointVector kReady{
@@ -69,4 +69,4 @@ TEST(JointImpedanceTest, DampsCritically) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_joint_impedance_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_joint_reference_test {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -69,4 +69,4 @@ TEST(JointReferenceTest, IsAtRestOnlyWithoutVelocityAndAcceleration) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_joint_reference_test

@@ -16,7 +16,7 @@
 #include "twin/model/inverse_kinematics.h"
 #include "twin/model/transform.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_kinematic_completion_test {
 namespace {
 
 using model::kHandPose;
@@ -387,4 +387,4 @@ TEST(KinematicCompletionTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_kinematic_completion_test

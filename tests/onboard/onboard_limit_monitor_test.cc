@@ -9,7 +9,7 @@
 
 #include "support/panda_limits.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_limit_monitor_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -162,4 +162,4 @@ TEST(LimitMonitorTest, ATorqueThatIsNoNumberIsADiscontinuity) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_limit_monitor_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_loss_monitor_test {
 namespace {
 
 TEST(LossMonitorTest, StartsWithoutARate) {
@@ -34,4 +34,4 @@ TEST(LossMonitorTest, CountsLossesWithoutABreak) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_loss_monitor_test

@@ -8,7 +8,7 @@
 
 #include "support/panda_limits.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_measured_monitor_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -218,4 +218,4 @@ TEST_F(MeasuredMonitorTest, WhatIsNoNumberIsBeyondItsLimit) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_measured_monitor_test

@@ -7,7 +7,7 @@
 #include "support/panda_limits.h"
 #include "twin/onboard/onboard_controller.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_modes_test {
 namespace {
 
 constexpr JointVector kReady{
@@ -319,4 +319,4 @@ TEST_F(OnboardModesTest, AMotionStartsAtRestAsItsClientReadsIt) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_modes_test

@@ -11,7 +11,7 @@
 #include "twin/onboard/motion_generator.h"
 
 // What a MotionGenerator refuses, and what just passes.
-namespace twin::onboard {
+namespace twin::onboard::onboard_motion_checks_test {
 namespace {
 
 using ::testing::Contains;
@@ -380,4 +380,4 @@ TEST(MotionGeneratorPrecedenceTest, AStepWithAViolationIsNotTaken) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_motion_checks_test

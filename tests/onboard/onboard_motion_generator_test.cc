@@ -13,7 +13,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/random.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_motion_generator_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -393,4 +393,4 @@ TEST(MotionGeneratorTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_motion_generator_test

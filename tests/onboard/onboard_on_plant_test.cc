@@ -19,7 +19,7 @@
 #include "twin/onboard/joint_impedance.h"
 #include "twin/reference/trajectory.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_on_plant_test {
 namespace {
 
 using Column = Eigen::Matrix<double, kJoints, 1>;
@@ -293,4 +293,4 @@ TEST_F(OnPlantTest, GuidingHoldsTheLockedAxesAndGivesWayAlongTheFreeOne) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_on_plant_test

@@ -11,7 +11,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_sensing_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -263,4 +263,4 @@ TEST(SensingConfigTest, NamesTheFieldThatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_sensing_test

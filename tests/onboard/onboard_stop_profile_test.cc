@@ -7,7 +7,7 @@
 #include "support/panda_limits.h"
 #include "twin/core/random.h"
 
-namespace twin::onboard {
+namespace twin::onboard::onboard_stop_profile_test {
 namespace {
 
 constexpr double kTolerance = 1 + 1e-9;
@@ -76,4 +76,4 @@ TEST(StopProfileTest, NeverTurnsBackWhenItStartsWithoutAcceleration) {
 }
 
 }  // namespace
-}  // namespace twin::onboard
+}  // namespace twin::onboard::onboard_stop_profile_test

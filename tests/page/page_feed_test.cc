@@ -7,7 +7,7 @@
 #include "twin/core/clock.h"
 #include "twin/page/live_feed.h"
 
-namespace twin::page {
+namespace twin::page::page_feed_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -86,4 +86,4 @@ TEST(LiveFeedTest, HoldsAVirtualClockBackToTheWalls) {
 }
 
 }  // namespace
-}  // namespace twin::page
+}  // namespace twin::page::page_feed_test

@@ -10,7 +10,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
-namespace twin::page {
+namespace twin::page::page_fuzz_test {
 namespace {
 
 void Feed(std::span<const std::byte> bytes) {
@@ -37,4 +37,4 @@ TEST(MessageFuzzTest, WhateverABrowserSaysIsAMessageOrNone) {
 }
 
 }  // namespace
-}  // namespace twin::page
+}  // namespace twin::page::page_fuzz_test

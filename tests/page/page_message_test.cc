@@ -6,7 +6,7 @@
 
 #include "page/message.h"
 
-namespace twin::page {
+namespace twin::page::page_message_test {
 namespace {
 
 template <typename Kind>
@@ -100,4 +100,4 @@ TEST(MessageTest, QuotedTextIsJsonWhateverItHolds) {
 }
 
 }  // namespace
-}  // namespace twin::page
+}  // namespace twin::page::page_message_test

@@ -12,7 +12,7 @@
 #include "page/operator_server.h"
 #include "twin/page/page_device.h"
 
-namespace twin::page {
+namespace twin::page::page_operator_server_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -333,4 +333,4 @@ TEST_F(OperatorServerTest, TheEndIsToldAndNobodyStays) {
 }
 
 }  // namespace
-}  // namespace twin::page
+}  // namespace twin::page::page_operator_server_test

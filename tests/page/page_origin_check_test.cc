@@ -5,7 +5,7 @@
 #include "page/origin_check.h"
 #include "twin/fci/sockets.h"
 
-namespace twin::page {
+namespace twin::page::page_origin_check_test {
 namespace {
 
 constexpr fci::Endpoint kHere{.address = 0x7f000001, .port = 8080};
@@ -42,4 +42,4 @@ TEST(OriginCheckTest, OriginIsOurOwnPage) {
 }
 
 }  // namespace
-}  // namespace twin::page
+}  // namespace twin::page::page_origin_check_test

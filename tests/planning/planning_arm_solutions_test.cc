@@ -9,7 +9,7 @@
 #include "planning/planning_fixture.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::planning {
+namespace twin::planning::planning_arm_solutions_test {
 namespace {
 
 Transform FlangeAt(const JointVector& q) {
@@ -84,4 +84,4 @@ TEST(ArmSolutionsTest, OutOfReachThereIsNone) {
 }
 
 }  // namespace
-}  // namespace twin::planning
+}  // namespace twin::planning::planning_arm_solutions_test

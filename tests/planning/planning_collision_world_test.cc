@@ -20,7 +20,7 @@
 #include "twin/model/transform.h"
 #include "twin/onboard/measured_monitor.h"
 
-namespace twin::planning {
+namespace twin::planning::planning_collision_world_test {
 namespace {
 
 using NamePairs = std::set<std::pair<std::string, std::string>>;
@@ -281,4 +281,4 @@ TEST(CollisionWorldTest, RefusesWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace twin::planning
+}  // namespace twin::planning::planning_collision_world_test

@@ -11,7 +11,7 @@
 #include "planning/tree_search.h"
 #include "twin/planning/random_goal.h"
 
-namespace twin::planning {
+namespace twin::planning::planning_path_test {
 namespace {
 
 constexpr double kClearance = 0.01;
@@ -161,4 +161,4 @@ TEST_F(PathTest, RunThroughTellsThatASplineLeavesTheLimits) {
 }
 
 }  // namespace
-}  // namespace twin::planning
+}  // namespace twin::planning::planning_path_test

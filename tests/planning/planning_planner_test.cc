@@ -16,7 +16,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
 
-namespace twin::planning {
+namespace twin::planning::planning_planner_test {
 namespace {
 
 using testing::HasSubstr;
@@ -289,4 +289,4 @@ TEST_F(PlannerTest, RefusesBadQuestions) {
 }
 
 }  // namespace
-}  // namespace twin::planning
+}  // namespace twin::planning::planning_planner_test

@@ -13,7 +13,7 @@
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::planning {
+namespace twin::planning::planning_pose_following_test {
 namespace {
 
 using testing::HasSubstr;
@@ -129,4 +129,4 @@ TEST(PoseFollowingTest, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace twin::planning
+}  // namespace twin::planning::planning_pose_following_test

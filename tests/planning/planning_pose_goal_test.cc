@@ -10,7 +10,7 @@
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::planning {
+namespace twin::planning::planning_pose_goal_test {
 namespace {
 
 using testing::HasSubstr;
@@ -146,4 +146,4 @@ TEST_F(PoseGoalTest, RefusesAnOptionOutOfRange) {
 }
 
 }  // namespace
-}  // namespace twin::planning
+}  // namespace twin::planning::planning_pose_goal_test

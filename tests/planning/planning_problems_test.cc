@@ -10,7 +10,7 @@
 #include "planning/problem_set.h"
 #include "twin/core/clock.h"
 
-namespace twin::planning {
+namespace twin::planning::planning_problems_test {
 namespace {
 
 /// The value below which a share of the values lies.
@@ -72,4 +72,4 @@ TEST(PlanningProblemsTest, NearlyAllAreSolvedWithoutContactOfMeshes) {
 }
 
 }  // namespace
-}  // namespace twin::planning
+}  // namespace twin::planning::planning_problems_test

@@ -8,7 +8,7 @@
 #include "planning/planning_fixture.h"
 #include "twin/core/error.h"
 
-namespace twin::planning {
+namespace twin::planning::planning_random_goal_test {
 namespace {
 
 using testing::HasSubstr;
@@ -53,4 +53,4 @@ TEST(RandomGoalTest, SaysWhenThereIsNone) {
 }
 
 }  // namespace
-}  // namespace twin::planning
+}  // namespace twin::planning::planning_random_goal_test

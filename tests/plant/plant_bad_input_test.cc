@@ -4,7 +4,7 @@
 #include "plant/plant_fixture.h"
 #include "twin/core/error.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_bad_input_test {
 namespace {
 
 using testing::HasSubstr;
@@ -119,4 +119,4 @@ TEST(BadInputTest, NothingWritesTheEnginesLog) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_bad_input_test

@@ -14,7 +14,7 @@
 #include "twin/core/time.h"
 #include "twin/plant/contact_watch.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_base_test {
 namespace {
 
 using ::testing::AllOf;
@@ -236,4 +236,4 @@ TEST(PlantBaseTest, RefusesWheelsOnTheArm) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_base_test

@@ -9,7 +9,7 @@
 #include "plant/plant_fixture.h"
 #include "support/realtime_guard.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_brakes_test {
 namespace {
 
 constexpr JointVector kAway{0.5, 0.6, -0.4, -1.2, 0.3, 1.9, 0.2};  // gravity pulls at every joint
@@ -118,4 +118,4 @@ TEST(BrakesTest, CloseAndOpenWithoutAllocationOrLock) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_brakes_test

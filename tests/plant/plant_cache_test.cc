@@ -12,7 +12,7 @@
 #include "twin/core/error.h"
 #include "twin/plant/model_cache.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_cache_test {
 namespace {
 
 std::vector<std::filesystem::path> Entries(const std::filesystem::path& folder) {
@@ -171,4 +171,4 @@ TEST_F(CorruptCacheTest, RebuildReplacesIt) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_cache_test

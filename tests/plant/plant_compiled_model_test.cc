@@ -12,7 +12,7 @@
 #include "support/husky.h"
 #include "twin/core/error.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_compiled_model_test {
 namespace {
 
 TEST(CompiledModelTest, IsWhatThePlantSimulates) {
@@ -89,4 +89,4 @@ TEST(CompiledModelTest, NamesAMissingScene) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_compiled_model_test

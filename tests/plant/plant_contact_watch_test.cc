@@ -10,7 +10,7 @@
 #include "support/realtime_guard.h"
 #include "twin/plant/mujoco_plant.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_contact_watch_test {
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 1ms
@@ -75,4 +75,4 @@ TEST(ContactWatchTest, LooksInRealTime) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_contact_watch_test

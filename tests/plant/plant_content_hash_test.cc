@@ -2,7 +2,7 @@
 
 #include "plant/file_bytes.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_content_hash_test {
 namespace {
 
 std::string HashOf(std::initializer_list<std::string_view> strings) {
@@ -31,4 +31,4 @@ TEST(ContentHashTest, SeesASingleBit) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_content_hash_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::plant {
+namespace twin::plant::plant_friction_test {
 namespace {
 
 JointVector All(double value) {
@@ -37,4 +37,4 @@ TEST(ResidualFrictionTest, SpansPhi1) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_friction_test

@@ -15,7 +15,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/plant/ideal_plant.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_hand_test {
 namespace {
 
 constexpr std::array<const char*, 3> kHandBodies{"panda_hand", "panda_leftfinger",
@@ -302,4 +302,4 @@ TEST(IdealHandTest, MovesWithItsPlant) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_hand_test

@@ -4,7 +4,7 @@
 
 #include "twin/model/arm_model.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_ideal_plant_test {
 namespace {
 
 constexpr model::Payload kHand{.m = 0.73, .F_x_C = {-0.01, 0, 0.03}, .I = {}};
@@ -56,4 +56,4 @@ TEST(IdealPlantTest, BrakesHoldItWhereItIs) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_ideal_plant_test

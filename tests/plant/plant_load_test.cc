@@ -11,7 +11,7 @@
 #include "twin/core/random.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_load_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -132,4 +132,4 @@ TEST(PlantElasticityTest, ChangesNothingOfTheMotion) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_load_test

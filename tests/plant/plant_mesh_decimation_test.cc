@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::plant {
+namespace twin::plant::plant_mesh_decimation_test {
 namespace {
 
 constexpr double kRadius = 0.1;
@@ -149,4 +149,4 @@ TEST(MeshDecimationTest, LeavesASpeckAsItIs) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_mesh_decimation_test

@@ -9,7 +9,7 @@
 #include "plant/plant_fixture.h"
 #include "twin/core/error.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_mesh_import_test {
 namespace {
 
 /// A tetrahedron with corners at the origin and the unit vectors, and a second one lifted by 2 in
@@ -115,4 +115,4 @@ TEST(MeshImportTest, NamesAFileItCannotRead) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_mesh_import_test

@@ -12,7 +12,7 @@
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_model_test {
 namespace {
 
 using DataCopy = std::unique_ptr<mjData, decltype(&mj_deleteData)>;
@@ -220,4 +220,4 @@ TEST(PlantModelTest, EveryLinkIsABodyAndTheSceneHasItsCamera) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_model_test

@@ -9,7 +9,7 @@
 #include "plant/joint_parameters.h"
 #include "plant/plant_fixture.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_motion_test {
 namespace {
 
 using DataCopy = std::unique_ptr<mjData, decltype(&mj_deleteData)>;
@@ -243,4 +243,4 @@ TEST(PlantMotionTest, InstabilityHaltsTheArmAndIsCounted) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_motion_test

@@ -5,7 +5,7 @@
 
 #include "plant/plant_fixture.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_noise_test {
 namespace {
 
 constexpr int kSteps = 2000;
@@ -92,4 +92,4 @@ TEST(SensorNoiseTest, OnlyTouchesWhatItIsOf) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_noise_test

@@ -8,7 +8,7 @@
 #include "plant/plant_fixture.h"
 #include "twin/plant/contact_watch.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_object_watch_test {
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 1ms
@@ -98,4 +98,4 @@ TEST(ObjectWatchTest, IsLookedAtWithTheContacts) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_object_watch_test

@@ -13,7 +13,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_perturbation_test {
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 300ms
@@ -397,4 +397,4 @@ TEST_F(PerturbationTest, RefusesValuesOutOfRange) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_perturbation_test

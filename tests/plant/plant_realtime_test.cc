@@ -3,7 +3,7 @@
 #include "plant/plant_fixture.h"
 #include "support/realtime_guard.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_realtime_test {
 namespace {
 
 TEST(PlantRealtimeTest, StepsWithoutAllocationOrLock) {
@@ -29,4 +29,4 @@ TEST(PlantRealtimeTest, StepsWithoutAllocationOrLock) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_realtime_test

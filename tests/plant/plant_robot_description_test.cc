@@ -8,7 +8,7 @@
 #include "plant/plant_fixture.h"
 #include "twin/core/error.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_robot_description_test {
 namespace {
 
 constexpr const char* kTwoLinks = R"(<robot name="r">
@@ -159,4 +159,4 @@ TEST(PrimitiveShapesTest, NamesFileLineAndKey) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_robot_description_test

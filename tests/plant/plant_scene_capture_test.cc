@@ -6,7 +6,7 @@
 #include "render/test_model.h"
 #include "support/realtime_guard.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_scene_capture_test {
 namespace {
 
 using render::TestModel;
@@ -61,4 +61,4 @@ TEST(SceneCaptureTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_scene_capture_test

@@ -14,7 +14,7 @@
 #include "twin/plant/compiled_model.h"
 #include "twin/plant/scene_object.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_scene_objects_test {
 namespace {
 
 using testing::HasSubstr;
@@ -209,4 +209,4 @@ TEST(SceneObjectsTest, AreRefusedWithTheirName) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_scene_objects_test

@@ -6,7 +6,7 @@
 
 #include "twin/core/time.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_tyre_test {
 namespace {
 
 constexpr double kLoad = 200;  // N
@@ -75,4 +75,4 @@ TEST(TyreTest, PushesAlongTheGroundOnly) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_tyre_test

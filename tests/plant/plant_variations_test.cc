@@ -8,7 +8,7 @@
 #include "twin/core/random.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::plant {
+namespace twin::plant::plant_variations_test {
 namespace {
 
 using MassMatrix = std::array<mjtNum, kJoints * kJoints>;
@@ -79,4 +79,4 @@ TEST(PlantVariationsTest, ALeaningBaseBearsItsShareOfGravity) {
 }
 
 }  // namespace
-}  // namespace twin::plant
+}  // namespace twin::plant::plant_variations_test

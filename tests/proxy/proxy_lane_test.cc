@@ -12,7 +12,7 @@
 
 #include "support/realtime_guard.h"
 
-namespace twin::proxy {
+namespace twin::proxy::proxy_lane_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -191,4 +191,4 @@ TEST_F(LaneTest, RelaysWithoutAllocationAndLocks) {
 }
 
 }  // namespace
-}  // namespace twin::proxy
+}  // namespace twin::proxy::proxy_lane_test

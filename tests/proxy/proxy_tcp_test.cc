@@ -5,7 +5,7 @@
 #include "proxy/proxy_fixture.h"
 #include "twin/core/error.h"
 
-namespace twin::proxy {
+namespace twin::proxy::proxy_tcp_test {
 namespace {
 
 constexpr auto kSuccess = static_cast<std::uint8_t>(MoveStatus::kSuccess);
@@ -283,4 +283,4 @@ TEST_F(ProxyTcpTest, FaultsOutOfRangeAreNamed) {
 }
 
 }  // namespace
-}  // namespace twin::proxy
+}  // namespace twin::proxy::proxy_tcp_test

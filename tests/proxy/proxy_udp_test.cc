@@ -6,7 +6,7 @@
 #include "proxy/proxy_fixture.h"
 #include "twin/core/random.h"
 
-namespace twin::proxy {
+namespace twin::proxy::proxy_udp_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -180,4 +180,4 @@ TEST_F(ProxyUdpTest, NothingPassesOnceTheSessionHasEnded) {
 }
 
 }  // namespace
-}  // namespace twin::proxy
+}  // namespace twin::proxy::proxy_udp_test

@@ -16,7 +16,7 @@
 #include "twin/record/export_csv.h"
 #include "twin/record/recorder.h"
 
-namespace twin::record {
+namespace twin::record::record_csv_test {
 namespace {
 
 using Row = std::map<std::string, std::string>;
@@ -160,4 +160,4 @@ TEST(CsvFileTest, QuotesTextThatNeedsIt) {
 }
 
 }  // namespace
-}  // namespace twin::record
+}  // namespace twin::record::record_csv_test

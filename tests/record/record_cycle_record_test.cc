@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-namespace twin::record {
+namespace twin::record::record_cycle_record_test {
 namespace {
 
 // Records, states and commands cross rings and thread exchanges by copy of their bytes.
@@ -25,4 +25,4 @@ TEST(RobotStateTest, StartsAtRestWithGravityDownAndUnitPoses) {
 }
 
 }  // namespace
-}  // namespace twin::record
+}  // namespace twin::record::record_cycle_record_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::record {
+namespace twin::record::record_filter_counts_test {
 namespace {
 
 TickRecord Tick(std::optional<double> margin, std::uint8_t kept_back, int at_ms) {
@@ -54,4 +54,4 @@ TEST(FilterCountsTest, LeavesOutTicksWithoutAFilterOrACommand) {
 }
 
 }  // namespace
-}  // namespace twin::record
+}  // namespace twin::record::record_filter_counts_test

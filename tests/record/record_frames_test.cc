@@ -19,7 +19,7 @@
 #include "twin/record/mcap_reader.h"
 #include "twin/record/recorder.h"
 
-namespace twin::record {
+namespace twin::record::record_frames_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -185,4 +185,4 @@ TEST(LogReaderTest, PassesOverTheFrames) {
 }
 
 }  // namespace
-}  // namespace twin::record
+}  // namespace twin::record::record_frames_test

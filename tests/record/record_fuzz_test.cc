@@ -14,7 +14,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
-namespace twin::record {
+namespace twin::record::record_fuzz_test {
 namespace {
 
 using mcap::Opcode;
@@ -130,4 +130,4 @@ TEST(LogFuzzTest, ReadsTheBareLogThatItMutates) {
 }
 
 }  // namespace
-}  // namespace twin::record
+}  // namespace twin::record::record_fuzz_test

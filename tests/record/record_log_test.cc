@@ -23,7 +23,7 @@
 #include "twin/record/mcap_writer.h"
 #include "twin/record/recorder.h"
 
-namespace twin::record {
+namespace twin::record::record_log_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -414,4 +414,4 @@ TEST(Utf8Test, KeepsWellFormedTextAndReplacesTheRest) {
 }
 
 }  // namespace
-}  // namespace twin::record
+}  // namespace twin::record::record_log_test

@@ -12,7 +12,7 @@
 #include "twin/record/mcap_reader.h"
 #include "twin/record/mcap_writer.h"
 
-namespace twin::record {
+namespace twin::record::record_mcap_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -228,4 +228,4 @@ TEST(McapFormatTest, CrcIsTheOneOfZipFiles) {
 }
 
 }  // namespace
-}  // namespace twin::record
+}  // namespace twin::record::record_mcap_test

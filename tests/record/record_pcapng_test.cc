@@ -15,7 +15,7 @@
 #include "twin/record/pcapng_reader.h"
 #include "twin/record/pcapng_writer.h"
 
-namespace twin::record {
+namespace twin::record::record_pcapng_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -318,4 +318,4 @@ TEST_F(PcapngTest, DamagedFilesEndInAnErrorAndNeverInACrash) {
 }
 
 }  // namespace
-}  // namespace twin::record
+}  // namespace twin::record::record_pcapng_test

@@ -22,7 +22,7 @@
 #include "twin/record/log_reader.h"
 #include "twin/rt/host_time.h"
 
-namespace twin::record {
+namespace twin::record::record_recorder_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -389,4 +389,4 @@ TEST(RecorderTest, KilledWhileRecordingKeepsAllButTheOpenChunk) {
 }
 
 }  // namespace
-}  // namespace twin::record
+}  // namespace twin::record::record_recorder_test

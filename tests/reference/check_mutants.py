@@ -15,11 +15,11 @@ import mutants  # noqa: E402
 
 # Program and arguments, cheapest first.
 CATCHERS = [
-    ("reference_viability_in_flight_test", []),
-    ("reference_viable_twist_test", []),
-    ("reference_viable_axis_test", []),
-    ("reference_polytope_test", []),
-    ("reference_fixed_point_test", []),
+    ("reference_tests", ["reference_viability_in_flight_test"]),
+    ("reference_tests", ["reference_viable_twist_test"]),
+    ("reference_tests", ["reference_viable_axis_test"]),
+    ("reference_tests", ["polytope_test"]),
+    ("reference_tests", ["fixed_point_test"]),
 ]
 
 AXIS = "src/reference/viable_axis.cc"

@@ -9,7 +9,7 @@
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 
-namespace twin::reference {
+namespace twin::reference::feed_forward_test {
 namespace {
 
 using testing::HasSubstr;
@@ -95,4 +95,4 @@ TEST(FeedForwardTest, NominalTimePassesTheJitterThrough) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::feed_forward_test

@@ -10,7 +10,7 @@
 #include "twin/core/random.h"
 #include "twin/core/time.h"
 
-namespace twin::reference {
+namespace twin::reference::joint_reference_generator_test {
 namespace {
 
 using testing::HasSubstr;
@@ -96,4 +96,4 @@ TEST(JointReferenceGeneratorTest, JitterOfTheTargetReachesTheJerkOnlyTimesLambda
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::joint_reference_generator_test

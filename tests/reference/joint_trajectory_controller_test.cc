@@ -9,7 +9,7 @@
 #include "twin/core/error.h"
 #include "twin/model/arm_model.h"
 
-namespace twin::controllers {
+namespace twin::controllers::joint_trajectory_controller_test {
 namespace {
 
 using control::CommandInterface;
@@ -150,4 +150,4 @@ TEST(JointTrajectoryControllerTest, UpdatesWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace twin::controllers
+}  // namespace twin::controllers::joint_trajectory_controller_test

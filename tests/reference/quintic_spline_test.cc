@@ -9,7 +9,7 @@
 #include "support/dense.h"
 #include "twin/core/random.h"
 
-namespace twin::reference::internal {
+namespace twin::reference::internal::quintic_spline_test {
 namespace {
 
 using Derivatives = std::array<double, 6>;  // value and derivatives 1 to 5 of one joint
@@ -202,4 +202,4 @@ TEST(FitSplineTest, ReproducesASineFromTwentyThousandPointsOneMillisecondApart) 
 }
 
 }  // namespace
-}  // namespace twin::reference::internal
+}  // namespace twin::reference::internal::quintic_spline_test

@@ -11,7 +11,7 @@
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 
-namespace twin::reference {
+namespace twin::reference::rate_matcher_test {
 namespace {
 
 using testing::HasSubstr;
@@ -172,4 +172,4 @@ TEST(RateMatcherTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::rate_matcher_test

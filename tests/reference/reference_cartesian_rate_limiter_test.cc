@@ -10,7 +10,7 @@
 #include "support/realtime_guard.h"
 #include "twin/reference/rate_limiter.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_cartesian_rate_limiter_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -279,4 +279,4 @@ TEST(CartesianRateLimiterTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_cartesian_rate_limiter_test

@@ -10,7 +10,7 @@
 #include "twin/core/error.h"
 #include "twin/reference/feed_forward.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_cartesian_reference_generator_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -186,4 +186,4 @@ TEST(CartesianReferenceGeneratorTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_cartesian_reference_generator_test

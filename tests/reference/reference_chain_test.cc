@@ -16,7 +16,7 @@
 #include "twin/reference/rate_matcher.h"
 #include "twin/reference/reference_generator.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_chain_test {
 namespace {
 
 constexpr double kT = kCycleSeconds;
@@ -356,4 +356,4 @@ TEST(ReferenceChainTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_chain_test

@@ -9,7 +9,7 @@
 #include "support/panda_limits.h"
 #include "twin/core/error.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_client_limits_test {
 namespace {
 
 using testing::AllOf;
@@ -101,4 +101,4 @@ TEST(ClientLimitsTest, RefusesWhatIsNoFiniteNumber) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_client_limits_test

@@ -16,7 +16,7 @@
 #include "twin/plant/ideal_plant.h"
 #include "twin/reference/viability_in_flight.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_late_client_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -170,4 +170,4 @@ INSTANTIATE_TEST_SUITE_P(
     NameOf);
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_late_client_test

@@ -10,7 +10,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_pose_feed_forward_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -128,4 +128,4 @@ TEST(PoseFeedForwardTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_pose_feed_forward_test

@@ -10,7 +10,7 @@
 #include "twin/core/error.h"
 #include "twin/reference/rate_matcher.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_pose_rate_matcher_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -207,4 +207,4 @@ TEST(PoseRateMatcherTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_pose_rate_matcher_test

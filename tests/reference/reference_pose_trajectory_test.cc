@@ -13,7 +13,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_pose_trajectory_test {
 namespace {
 
 using ::testing::AllOf;
@@ -168,4 +168,4 @@ TEST(PoseTrajectoryTest, SamplesWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_pose_trajectory_test

@@ -10,7 +10,7 @@
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_rate_limiter_test {
 namespace {
 
 constexpr double kT = 1e-3;
@@ -290,4 +290,4 @@ TEST(RateLimiterTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_rate_limiter_test

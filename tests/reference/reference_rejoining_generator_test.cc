@@ -11,7 +11,7 @@
 #include "twin/model/transform.h"
 #include "twin/reference/viable_axis.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_rejoining_generator_test {
 namespace {
 
 constexpr double kT = kCycleSeconds;
@@ -235,4 +235,4 @@ TEST(RejoiningGeneratorTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_rejoining_generator_test

@@ -11,7 +11,7 @@
 #include "twin/core/random.h"
 #include "twin/model/transform.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_resampler_test {
 namespace {
 
 constexpr double kT = kCycleSeconds;
@@ -258,4 +258,4 @@ TEST(ResamplerTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_resampler_test

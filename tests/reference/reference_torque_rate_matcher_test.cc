@@ -8,7 +8,7 @@
 #include "twin/core/time.h"
 #include "twin/reference/rate_matcher.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_torque_rate_matcher_test {
 namespace {
 
 using testing::HasSubstr;
@@ -81,4 +81,4 @@ TEST(TorqueRateMatcherTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_torque_rate_matcher_test

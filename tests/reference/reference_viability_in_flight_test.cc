@@ -15,7 +15,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_viability_in_flight_test {
 namespace {
 
 constexpr double kT = kCycleSeconds;
@@ -237,4 +237,4 @@ TEST(ViabilityInFlightTest, NextAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_viability_in_flight_test

@@ -19,7 +19,7 @@
 #include "twin/core/time.h"
 #include "twin/reference/viability_filter.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_viable_axis_test {
 namespace {
 
 constexpr double kT = kCycleSeconds;
@@ -315,4 +315,4 @@ TEST(ViabilityFilterTest, TheRefusalNamesTheJoint) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_viable_axis_test

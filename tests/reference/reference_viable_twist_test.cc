@@ -19,7 +19,7 @@
 #include "twin/onboard/kinematic_completion.h"
 #include "twin/reference/pose_viability_filter.h"
 
-namespace twin::reference {
+namespace twin::reference::reference_viable_twist_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -255,4 +255,4 @@ TEST(PoseViabilityFilterTest, AnAdmissiblePosePassesBitForBit) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::reference_viable_twist_test

@@ -9,7 +9,7 @@
 #include "support/panda_limits.h"
 #include "twin/reference/trajectory.h"
 
-namespace twin::reference {
+namespace twin::reference::standard_trajectories_test {
 namespace {
 
 using test::PandaLimits;
@@ -96,4 +96,4 @@ TEST(BriskTrajectoryTest, ComesCloseToSixTenthsOfTheAccelerationLimits) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::standard_trajectories_test

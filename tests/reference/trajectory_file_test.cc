@@ -11,7 +11,7 @@
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 
-namespace twin::reference {
+namespace twin::reference::trajectory_file_test {
 namespace {
 
 using testing::AllOf;
@@ -217,4 +217,4 @@ TEST_F(ReadWaypointsCsvTest, TwentyThousandRowsBecomeATrajectoryThroughThemAll) 
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::trajectory_file_test

@@ -11,7 +11,7 @@
 #include "twin/core/random.h"
 #include "twin/reference/trajectory.h"
 
-namespace twin::reference {
+namespace twin::reference::trajectory_limits_test {
 namespace {
 
 using test::PandaLimits;
@@ -184,4 +184,4 @@ TEST(FindExtremesTest, AgreesWithDenseSampling) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::trajectory_limits_test

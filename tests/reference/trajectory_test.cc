@@ -10,7 +10,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::reference {
+namespace twin::reference::trajectory_test {
 namespace {
 
 using test::PandaLimits;
@@ -257,4 +257,4 @@ TEST(TrajectoryTest, SamplingAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::trajectory_test

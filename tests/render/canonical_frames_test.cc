@@ -13,7 +13,7 @@
 #include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::render {
+namespace twin::render::canonical_frames_test {
 namespace {
 
 constexpr double kMaxDistancePx = 2;
@@ -55,4 +55,4 @@ TEST(CanonicalFramesTest, EveryLinkIsDrawnWhereTheModelComputesIt) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::canonical_frames_test

@@ -11,7 +11,7 @@
 #include "twin/core/error.h"
 #include "twin/render/image.h"
 
-namespace twin::render {
+namespace twin::render::clip_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -155,4 +155,4 @@ TEST_F(ClipTest, RefusesSettingsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::clip_test

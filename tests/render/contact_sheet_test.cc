@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace twin::render {
+namespace twin::render::contact_sheet_test {
 namespace {
 
 constexpr Rgb kRed{200, 10, 10};
@@ -55,4 +55,4 @@ TEST(SpreadFramesTest, TakesFirstAndLastAndSpreadsTheOthers) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::contact_sheet_test

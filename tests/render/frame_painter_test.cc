@@ -12,7 +12,7 @@
 #include "twin/core/error.h"
 #include "twin/render/pinhole_camera.h"
 
-namespace twin::render {
+namespace twin::render::frame_painter_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -319,4 +319,4 @@ TEST_F(FramePainterTest, RefusesABodyThatTheModelDoesNotHave) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::frame_painter_test

@@ -8,7 +8,7 @@
 
 #include "render/test_model.h"
 
-namespace twin::render {
+namespace twin::render::link_mask_test {
 namespace {
 
 constexpr std::array<int, 1> kBody{3};
@@ -86,4 +86,4 @@ TEST(CheckLinkMasksTest, TellsWhenAPointIsBehindTheCamera) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::link_mask_test

@@ -14,7 +14,7 @@
 #include "twin/plant/mujoco_plant.h"
 #include "twin/render/clip.h"
 
-namespace twin::render {
+namespace twin::render::long_clip_test {
 namespace {
 
 constexpr std::size_t kFrames = 15'000;
@@ -68,4 +68,4 @@ TEST(LongClipTest, OfTenMinutesStaysBelow300Megabytes) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::long_clip_test

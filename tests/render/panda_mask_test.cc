@@ -12,7 +12,7 @@
 #include "twin/plant/mujoco_plant.h"
 #include "twin/render/link_mask.h"
 
-namespace twin::render {
+namespace twin::render::panda_mask_test {
 namespace {
 
 constexpr double kMaxDistancePx = 2;
@@ -92,4 +92,4 @@ TEST(PandaMaskTest, EveryMeshLinkContainsItsFrameOrigin) {
 #endif
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::panda_mask_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace twin::render {
+namespace twin::render::pinhole_camera_test {
 namespace {
 
 // 90 degrees from bottom to top: the focal length is half the height.
@@ -65,4 +65,4 @@ TEST(PinholeCameraTest, FreeCameraAxesAreOrthonormalAndRightHanded) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::pinhole_camera_test

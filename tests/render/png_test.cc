@@ -11,7 +11,7 @@
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 
-namespace twin::render {
+namespace twin::render::png_test {
 namespace {
 
 /// Every value of every channel, in no order.
@@ -90,4 +90,4 @@ TEST(PngTest, RefusesWhatIsNoWholePng) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::png_test

@@ -14,7 +14,7 @@
 #include "render/test_model.h"
 #include "twin/core/error.h"
 
-namespace twin::render {
+namespace twin::render::renderer_test {
 namespace {
 
 RenderSettings SmallSettings(const std::string& camera = "side") {
@@ -366,4 +366,4 @@ TEST(RendererTest, RefusesSettingsOutOfRangeNamingTheField) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::renderer_test

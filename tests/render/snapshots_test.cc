@@ -6,7 +6,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::render {
+namespace twin::render::snapshots_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -111,4 +111,4 @@ TEST(SnapshotRecorderTest, RefusesFrameRatesAndDurationsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::snapshots_test

@@ -4,7 +4,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::render {
+namespace twin::render::ssim_test {
 namespace {
 
 /// Stripes of `width_px`, as far right as `shift_px`.
@@ -40,4 +40,4 @@ TEST(SsimTest, TellsWhenFfmpegIsNotThereOrFails) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::ssim_test

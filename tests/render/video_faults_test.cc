@@ -17,7 +17,7 @@
 #include "twin/core/error.h"
 #include "twin/render/video_writer.h"
 
-namespace twin::render {
+namespace twin::render::video_faults_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ TEST(VideoFaultsTest, AFileInTheFoldersPlaceIsNamed) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::video_faults_test

@@ -17,7 +17,7 @@
 #include "twin/render/image.h"
 #include "twin/render/video_writer.h"
 
-namespace twin::render {
+namespace twin::render::video_formats_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -198,4 +198,4 @@ TEST(VideoFormatTest, PutsNoFileInPlaceOfAFolder) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::video_formats_test

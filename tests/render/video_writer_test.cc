@@ -14,7 +14,7 @@
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 
-namespace twin::render {
+namespace twin::render::video_writer_test {
 namespace {
 
 constexpr int kFrames = 60;
@@ -215,4 +215,4 @@ TEST(VideoWriterTest, RefusesSettingsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace twin::render
+}  // namespace twin::render::video_writer_test

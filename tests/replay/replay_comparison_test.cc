@@ -12,7 +12,7 @@
 #include "twin/core/error.h"
 #include "twin/render/frame_painter.h"
 
-namespace twin::replay {
+namespace twin::replay::replay_comparison_test {
 namespace {
 
 using render::Image;
@@ -150,4 +150,4 @@ TEST(ComparisonFromNameTest, NamesThoseThereAre) {
 }
 
 }  // namespace
-}  // namespace twin::replay
+}  // namespace twin::replay::replay_comparison_test

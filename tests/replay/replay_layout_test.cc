@@ -13,7 +13,7 @@
 #include "twin/render/image_operations.h"
 #include "twin/replay/plan_pictures.h"
 
-namespace twin::replay {
+namespace twin::replay::replay_layout_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -123,4 +123,4 @@ TEST(LayoutFromNameTest, NamesThoseThereAre) {
 }
 
 }  // namespace
-}  // namespace twin::replay
+}  // namespace twin::replay::replay_layout_test

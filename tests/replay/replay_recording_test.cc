@@ -13,7 +13,7 @@
 #include "twin/core/error.h"
 #include "twin/plant/mujoco_plant.h"
 
-namespace twin::replay {
+namespace twin::replay::replay_recording_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -174,4 +174,4 @@ TEST(RecordingTest, SaysWhenTheScenesAreOfAnotherModel) {
 }
 
 }  // namespace
-}  // namespace twin::replay
+}  // namespace twin::replay::replay_recording_test

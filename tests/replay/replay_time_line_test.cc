@@ -10,7 +10,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::replay {
+namespace twin::replay::replay_time_line_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -116,4 +116,4 @@ TEST(SnapshotsBeforeTest, AreThoseOfTheTimeBeforeAnInstant) {
 }
 
 }  // namespace
-}  // namespace twin::replay
+}  // namespace twin::replay::replay_time_line_test

@@ -9,7 +9,7 @@
 
 #include "report/run_data.h"
 
-namespace twin::report {
+namespace twin::report::report_envelope_test {
 namespace {
 
 TEST(EnvelopeTest, KeepsEverySampleWhileThereIsRoom) {
@@ -73,4 +73,4 @@ TEST(FateHistoryTest, LosesNoCycleWhenSpansAreMerged) {
 }
 
 }  // namespace
-}  // namespace twin::report
+}  // namespace twin::report::report_envelope_test

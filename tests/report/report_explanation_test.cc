@@ -12,7 +12,7 @@
 #include "twin/core/error.h"
 #include "twin/core/error_catalogue.h"
 
-namespace twin::report {
+namespace twin::report::report_explanation_test {
 namespace {
 
 using record::TemporaryFolder;
@@ -331,4 +331,4 @@ TEST_F(ExplainTest, ALogWithoutCyclesIsRefused) {
 }
 
 }  // namespace
-}  // namespace twin::report
+}  // namespace twin::report::report_explanation_test

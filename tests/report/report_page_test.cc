@@ -9,7 +9,7 @@
 
 #include "report/templates.h"
 
-namespace twin::report {
+namespace twin::report::report_page_test {
 namespace {
 
 using nlohmann::json;
@@ -77,4 +77,4 @@ TEST(Base64Test, PadsToFourLetters) {
 }
 
 }  // namespace
-}  // namespace twin::report
+}  // namespace twin::report::report_page_test

@@ -12,7 +12,7 @@
 #include "report/templates.h"
 #include "twin/core/error.h"
 
-namespace twin::report {
+namespace twin::report::report_plot_test {
 namespace {
 
 using ::testing::Contains;
@@ -154,4 +154,4 @@ TEST(TemplatesTest, PlotsHaveNoApostropheBeforeAShortName) {
 }
 
 }  // namespace
-}  // namespace twin::report
+}  // namespace twin::report::report_plot_test

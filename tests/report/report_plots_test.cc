@@ -20,7 +20,7 @@
 #include "twin/core/random.h"
 #include "twin/record/recorder.h"
 
-namespace twin::report {
+namespace twin::report::report_plots_test {
 namespace {
 
 using record::ReadText;
@@ -384,4 +384,4 @@ TEST(ScriptTest, QuotesForGnuplot) {
 }
 
 }  // namespace
-}  // namespace twin::report
+}  // namespace twin::report::report_plots_test

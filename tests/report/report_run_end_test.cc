@@ -16,7 +16,7 @@
 #include "report/worked_value.h"
 #include "twin/core/error_catalogue.h"
 
-namespace twin::report {
+namespace twin::report::report_run_end_test {
 namespace {
 
 using record::TemporaryFolder;
@@ -338,4 +338,4 @@ TEST_F(RunEndTest, WhatTheRobotDoesByItselfIsNoApproach) {
 }
 
 }  // namespace
-}  // namespace twin::report
+}  // namespace twin::report::report_run_end_test

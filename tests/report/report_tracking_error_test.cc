@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace twin::report {
+namespace twin::report::report_tracking_error_test {
 namespace {
 
 /// State k is measured at 0.1 k at joint 3.
@@ -90,4 +90,4 @@ TEST(TrackingErrorTest, LeavesOutWhatHasNoPartner) {
 }
 
 }  // namespace
-}  // namespace twin::report
+}  // namespace twin::report::report_tracking_error_test

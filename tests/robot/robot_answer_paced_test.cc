@@ -24,7 +24,7 @@
 #include "twin/fci/datagrams.h"
 #include "twin/robot/robot_config.h"
 
-namespace twin::robot {
+namespace twin::robot::robot_answer_paced_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -411,4 +411,4 @@ TEST_F(FrozenSessionTest, RepeatsFromEachMotionsFirstCycleOnWhateverPassesBetwee
 }
 
 }  // namespace
-}  // namespace twin::robot
+}  // namespace twin::robot::robot_answer_paced_test

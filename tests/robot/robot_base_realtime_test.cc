@@ -15,7 +15,7 @@
 #include "twin/robot/realtime_robot.h"
 #include "twin/rt/host_time.h"
 
-namespace twin::robot {
+namespace twin::robot::robot_base_realtime_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -130,4 +130,4 @@ TEST_F(RobotBaseRealtimeTest, AnyThreadMayStopAndAnySees) {
 }
 
 }  // namespace
-}  // namespace twin::robot
+}  // namespace twin::robot::robot_base_realtime_test

@@ -14,7 +14,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::robot {
+namespace twin::robot::robot_base_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -244,4 +244,4 @@ TEST(RobotBaseTest, TheIdealPlantCarriesNone) {
 }
 
 }  // namespace
-}  // namespace twin::robot
+}  // namespace twin::robot::robot_base_test

@@ -13,7 +13,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/plant/ideal_plant.h"
 
-namespace twin::robot {
+namespace twin::robot::robot_command_keeper_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -159,4 +159,4 @@ TEST(CommandKeeperTest, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace twin::robot
+}  // namespace twin::robot::robot_command_keeper_test

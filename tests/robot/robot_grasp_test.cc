@@ -6,7 +6,7 @@
 
 #include "robot/grasp_rig.h"
 
-namespace twin::robot {
+namespace twin::robot::robot_grasp_test {
 namespace {
 
 using test::GraspRig;
@@ -103,4 +103,4 @@ INSTANTIATE_TEST_SUITE_P(Objects, RobotGraspTest,
                          [](const auto& object) { return object.param.body; });
 
 }  // namespace
-}  // namespace twin::robot
+}  // namespace twin::robot::robot_grasp_test

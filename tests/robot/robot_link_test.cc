@@ -14,7 +14,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 
-namespace twin::robot {
+namespace twin::robot::robot_link_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -398,4 +398,4 @@ TEST(LinkConfigTest, NamesTheFieldThatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace twin::robot
+}  // namespace twin::robot::robot_link_test

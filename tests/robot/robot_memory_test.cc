@@ -9,7 +9,7 @@
 #include "robot/robot_fixture.h"
 #include "support/effort.h"
 
-namespace twin::robot {
+namespace twin::robot::robot_memory_test {
 namespace {
 
 /// Resident memory of this process, bytes.
@@ -42,4 +42,4 @@ TEST(RobotMemoryTest, StaysFlatOverTenSimulatedMinutes) {
 }
 
 }  // namespace
-}  // namespace twin::robot
+}  // namespace twin::robot::robot_memory_test

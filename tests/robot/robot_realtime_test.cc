@@ -26,7 +26,7 @@
 #include "twin/robot/realtime_robot.h"
 #include "twin/rt/host_time.h"
 
-namespace twin::robot {
+namespace twin::robot::robot_realtime_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -461,4 +461,4 @@ TEST_F(RealtimeRobotTest, ReadsAndWritesAllocateAndLockNothing) {
 }
 
 }  // namespace
-}  // namespace twin::robot
+}  // namespace twin::robot::robot_realtime_test

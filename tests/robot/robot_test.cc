@@ -11,7 +11,7 @@
 #include "robot/robot_fixture.h"
 #include "twin/core/error.h"
 
-namespace twin::robot {
+namespace twin::robot::robot_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -255,4 +255,4 @@ TEST_F(RobotTest, RefusesAClockThatIsTooFarOff) {
 }
 
 }  // namespace
-}  // namespace twin::robot
+}  // namespace twin::robot::robot_test

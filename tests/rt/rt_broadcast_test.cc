@@ -10,7 +10,7 @@
 
 #include "support/realtime_guard.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_broadcast_test {
 namespace {
 
 /// Several words that belong together.
@@ -81,4 +81,4 @@ TEST(BroadcastTest, ManyReadersSeeWholeValuesThatNeverGoBack) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_broadcast_test

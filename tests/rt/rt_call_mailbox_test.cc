@@ -8,7 +8,7 @@
 
 #include "support/realtime_guard.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_call_mailbox_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -138,4 +138,4 @@ TEST(CallMailboxTest, RunsWithoutAllocationOrLock) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_call_mailbox_test

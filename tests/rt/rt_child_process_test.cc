@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace twin::rt {
+namespace twin::rt::rt_child_process_test {
 namespace {
 
 using std::chrono::hours;
@@ -91,4 +91,4 @@ TEST(ChildProcessTest, NobodyIsWaitedForOnceTheUserWantsToEnd) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_child_process_test

@@ -11,7 +11,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/random.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_duration_histogram_test {
 namespace {
 
 using std::chrono::hours;
@@ -107,4 +107,4 @@ TEST(DurationHistogramTest, AddsWithoutAllocation) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_duration_histogram_test

@@ -11,7 +11,7 @@
 #include "support/realtime_guard.h"
 #include "twin/core/random.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_event_queue_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -228,4 +228,4 @@ TEST(EventQueueTest, AdvancesForwardButNeverBeyondTheNextEventAndNeverBack) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_event_queue_test

@@ -6,7 +6,7 @@
 #include "support/realtime_guard.h"
 #include "twin/rt/host_time.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_kernel_stamp_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -81,4 +81,4 @@ TEST(KernelStampTest, IsForRealTime) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_kernel_stamp_test

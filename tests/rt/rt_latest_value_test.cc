@@ -10,7 +10,7 @@
 #include "support/effort.h"
 #include "support/realtime_guard.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_latest_value_test {
 namespace {
 
 TEST(LatestValueTest, IsTheDefaultValueBeforeTheFirstPublish) {
@@ -109,4 +109,4 @@ TEST(LatestValueStressTest, TwoThreadsSeeWholeValuesInOrderAndTheLastOne) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_latest_value_test

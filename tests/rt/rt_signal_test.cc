@@ -11,7 +11,7 @@
 
 #include "support/realtime_guard.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_signal_test {
 namespace {
 
 using std::chrono::hours;
@@ -107,4 +107,4 @@ TEST(SignalTest, NotifiesAndAwaitsWithoutAllocationOrLock) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_signal_test

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <thread>
 
-namespace twin::rt {
+namespace twin::rt::rt_sleep_test {
 namespace {
 
 using std::chrono::hours;
@@ -61,4 +61,4 @@ TEST(SleepTest, SleepsOnWhenASignalHandlerInterruptsIt) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_sleep_test

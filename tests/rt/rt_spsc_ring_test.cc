@@ -9,7 +9,7 @@
 #include "support/effort.h"
 #include "support/realtime_guard.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_spsc_ring_test {
 namespace {
 
 /// The oldest value, or -1.
@@ -104,4 +104,4 @@ TEST(SpscRingStressTest, TwoThreadsLoseDoubleAndTearNothing) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_spsc_ring_test

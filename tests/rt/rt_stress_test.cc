@@ -15,7 +15,7 @@
 #include "twin/rt/signal.h"
 #include "twin/rt/spsc_ring.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_stress_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -191,4 +191,4 @@ TEST(RtStressTest, StatesThroughLatestValueAndCommandsThroughTheRingKeepTheirOrd
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_stress_test

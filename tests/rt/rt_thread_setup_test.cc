@@ -16,7 +16,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::rt {
+namespace twin::rt::rt_thread_setup_test {
 namespace {
 
 using ::testing::AllOf;
@@ -180,4 +180,4 @@ TEST(ThreadSetupTest, TheTouchedStackCostsNoPageFaultLater) {
 }
 
 }  // namespace
-}  // namespace twin::rt
+}  // namespace twin::rt::rt_thread_setup_test

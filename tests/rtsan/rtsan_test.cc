@@ -17,7 +17,7 @@ void __rtsan_realtime_enter();  // NOLINT(bugprone-reserved-identifier)
 void __rtsan_realtime_exit();   // NOLINT(bugprone-reserved-identifier)
 }
 
-namespace twin::loop {
+namespace twin::loop::rtsan_test {
 namespace {
 
 /// While it lives, the thread is in real time.
@@ -112,4 +112,4 @@ TEST(RtsanTest, TenThousandCyclesOfTheRobot) {
 }
 
 }  // namespace
-}  // namespace twin::loop
+}  // namespace twin::loop::rtsan_test

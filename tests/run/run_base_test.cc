@@ -14,7 +14,7 @@
 #include "twin/run/run.h"
 #include "twin/run/session.h"
 
-namespace twin::run {
+namespace twin::run::run_base_test {
 namespace {
 
 /// The arm held for four seconds on a base that drives 0.4 m ahead and turns a little.
@@ -169,4 +169,4 @@ TEST_F(BaseRunTest, WithoutABaseThereIsNone) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_base_test

@@ -15,7 +15,7 @@
 #include "twin/model/transform.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::run {
+namespace twin::run::run_controller_test {
 namespace {
 
 using ::testing::AllOf;
@@ -161,4 +161,4 @@ TEST_F(PosesPlanTest, SlowsDownPosesToo) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_controller_test

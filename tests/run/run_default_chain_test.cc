@@ -6,7 +6,7 @@
 
 #include "run/chain_runs.h"
 
-namespace twin::run::test::chain_runs {
+namespace twin::run::test::chain_runs::run_default_chain_test {
 namespace {
 
 /// Most that bursts may add to the deviation of the run without losses: 2 mrad, or 2 mm.
@@ -64,4 +64,4 @@ TEST(DefaultChainUnderLateWakesTest, FollowsCanonicalWithin10Milliradians) {
 }
 
 }  // namespace
-}  // namespace twin::run::test::chain_runs
+}  // namespace twin::run::test::chain_runs::run_default_chain_test

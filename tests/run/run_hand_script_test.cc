@@ -10,7 +10,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::run {
+namespace twin::run::run_hand_script_test {
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 10ms
@@ -140,4 +140,4 @@ TEST_F(HandScriptTest, AHandThatDoesNotAnswerHasFailedAndTheRunGoesOn) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_hand_script_test

@@ -16,7 +16,7 @@
 #include "twin/plant/truth_probe.h"
 #include "twin/run/run.h"
 
-namespace twin::run {
+namespace twin::run::run_interaction_test {
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 300ms
@@ -309,4 +309,4 @@ TEST_F(InteractionTest, AWrongBodyIsAnsweredWithTheNamesOfAll) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_interaction_test

@@ -15,7 +15,7 @@
 #include "run/session_fixture.h"
 #include "support/undisturbed.h"
 
-namespace twin::run {
+namespace twin::run::run_perturbation_test {
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 300ms
@@ -166,4 +166,4 @@ TEST_F(SessionPerturbationTest, ActsInItsMotionOnTheWallClock) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_perturbation_test

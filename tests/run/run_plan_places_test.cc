@@ -15,7 +15,7 @@
 #include "support/undisturbed.h"
 #include "twin/server/served_robot.h"
 
-namespace twin::run {
+namespace twin::run::run_plan_places_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -190,4 +190,4 @@ TEST_F(PlanPlacesTest, RefusesARobotThatStandsElsewhere) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_plan_places_test

@@ -10,7 +10,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
 
-namespace twin::run {
+namespace twin::run::run_plan_test {
 namespace {
 
 using ::testing::AllOf;
@@ -132,4 +132,4 @@ TEST_F(PlanRunTest, HasNoTrajectoryBeforeItIsPlanned) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_plan_test

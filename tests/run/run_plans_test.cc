@@ -9,7 +9,7 @@
 
 #include "run/plan_execution.h"
 
-namespace twin::run {
+namespace twin::run::run_plans_test {
 namespace {
 
 void Show(const char* what, const char* unit, std::vector<double> values) {
@@ -59,4 +59,4 @@ TEST(PlanRunsTest, NearlyAllAreSolvedAndNoneTouchesAnything) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_plans_test

@@ -11,7 +11,7 @@
 #include "twin/core/error.h"
 #include "twin/run/run.h"
 
-namespace twin::run {
+namespace twin::run::run_remote_test {
 namespace {
 
 using ::testing::Contains;
@@ -132,4 +132,4 @@ TEST(RemoteTest, TakesNoSpeedAboveTheScenariosAndNoneThatIsNone) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_remote_test

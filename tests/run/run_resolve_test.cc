@@ -11,7 +11,7 @@
 #include "scenario/scenario_examples.h"
 #include "twin/core/error.h"
 
-namespace twin::run {
+namespace twin::run::run_resolve_test {
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 300us
@@ -199,4 +199,4 @@ TEST_F(PlanTest, NamesNoLineForANameThatIsNotFromTheFile) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_resolve_test

@@ -11,7 +11,7 @@
 #include "plugins/backends.h"
 #include "twin/run/run.h"
 
-namespace twin::run {
+namespace twin::run::run_sampling_jitter_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -91,4 +91,4 @@ TEST_P(ScenarioSamplingJitterTest, TheGeneratorsPromiseEndsOnABriskTrajectory) {
 INSTANTIATE_TEST_SUITE_P(Seeds, ScenarioSamplingJitterTest, ::testing::Range<std::uint64_t>(1, 6));
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_sampling_jitter_test

@@ -9,7 +9,7 @@
 #include "run/session_fixture.h"
 #include "support/undisturbed.h"
 
-namespace twin::run {
+namespace twin::run::run_session_realtime_test {
 namespace {
 
 enum class Place : std::uint8_t { kInProcess, kServedOnTheWallClock, kServedInLockstep };
@@ -84,4 +84,4 @@ INSTANTIATE_TEST_SUITE_P(All, SessionRealtimeTest,
                          });
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_session_realtime_test

@@ -13,7 +13,7 @@
 #include "run/session_fixture.h"
 #include "twin/core/error.h"
 
-namespace twin::run {
+namespace twin::run::run_session_test {
 namespace {
 
 using ::testing::Contains;
@@ -184,4 +184,4 @@ TEST_F(SessionTest, NeedsNoMotionOfTheScenariosButAPlaceToRest) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_session_test

@@ -14,7 +14,7 @@
 #include "twin/reference/trajectory.h"
 #include "twin/rt/signal.h"
 
-namespace twin::run {
+namespace twin::run::run_start_check_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -274,4 +274,4 @@ TEST_F(RunStartCheckTest, GoesOnAfterSettingsThatWereRefused) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_start_check_test

@@ -12,7 +12,7 @@
 #include "scenario/scenario_examples.h"
 #include "twin/core/error.h"
 
-namespace twin::run {
+namespace twin::run::run_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -154,4 +154,4 @@ TEST_F(AssemblyTest, ChecksWithoutRunning) {
 }
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_test

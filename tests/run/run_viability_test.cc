@@ -12,7 +12,7 @@
 #include "plugins/backends.h"
 #include "twin/run/run.h"
 
-namespace twin::run {
+namespace twin::run::run_viability_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -189,4 +189,4 @@ TEST_P(ScenarioViabilityTest, ASlowSourceIsPlayedEvenlyByTheRejoiningGenerator) 
 INSTANTIATE_TEST_SUITE_P(Seeds, ScenarioViabilityTest, ::testing::Range<std::uint64_t>(1, 4));
 
 }  // namespace
-}  // namespace twin::run
+}  // namespace twin::run::run_viability_test

@@ -8,7 +8,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::scenario {
+namespace twin::scenario::data_directory_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ TEST_F(DataDirectoryTest, RefusesAFolderThatHoldsNoData) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::data_directory_test

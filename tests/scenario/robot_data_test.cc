@@ -14,7 +14,7 @@
 #include "twin/core/error.h"
 #include "twin/model/mass_properties.h"
 
-namespace twin::scenario {
+namespace twin::scenario::robot_data_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -172,4 +172,4 @@ TEST(RobotDataTest, RefusesARangeThatIsUpsideDown) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::robot_data_test

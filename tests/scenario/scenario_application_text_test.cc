@@ -9,7 +9,7 @@
 #include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_application_text_test {
 namespace {
 
 using testing::HasSubstr;
@@ -73,4 +73,4 @@ TEST(ScenarioApplicationTextTest, MustSayWhereTheArmRests) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_application_text_test

@@ -13,7 +13,7 @@
 #include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_base_test {
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 10ms
@@ -111,7 +111,7 @@ TEST(ScenarioBaseTest, RefusesDrivesThatOverlap) {
 
 TEST(ScenarioBaseTest, KnowsTheHusky) {
   const BaseData husky = LoadBaseData(kModels, "husky");
-  const onboard::BaseConfig expected = test::HuskyConfig();
+  const onboard::BaseConfig expected = twin::test::HuskyConfig();
   EXPECT_EQ(husky.config.wheel_radius, expected.wheel_radius);
   EXPECT_EQ(husky.config.track, expected.track);
   EXPECT_EQ(husky.config.track_factor, expected.track_factor);
@@ -174,4 +174,4 @@ TEST(DriveScriptTest, AsksForItsDrivesAtTheirTimesAndForZeroBetweenThem) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_base_test

@@ -9,7 +9,7 @@
 #include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_errors_test {
 namespace {
 
 using ::testing::AllOf;
@@ -329,4 +329,4 @@ TEST(ScenarioFileTest, RefusesATrajectoryFileOfAnotherKind) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_errors_test

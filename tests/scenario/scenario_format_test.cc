@@ -9,7 +9,7 @@
 
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_format_test {
 namespace {
 
 /// The default of each key, in the words of the table, is what a scenario without the key has.
@@ -47,4 +47,4 @@ TEST(ScenarioFormatTest, TheTableSaysWhatEachKeyMeans) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_format_test

@@ -9,7 +9,7 @@
 #include "twin/core/random.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_fuzz_test {
 namespace {
 
 /// Seeded mutations of a text: the same case number gives the same text.
@@ -74,4 +74,4 @@ TEST(ScenarioFuzzTest, AnyTextIsReadOrRefusedWithOneError) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_fuzz_test

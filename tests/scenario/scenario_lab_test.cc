@@ -10,7 +10,7 @@
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_lab_test {
 namespace {
 
 using ::testing::AllOf;
@@ -127,4 +127,4 @@ TEST_F(LabTest, TheTwoThatComeWithItDiffer) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_lab_test

@@ -10,7 +10,7 @@
 #include "twin/onboard/onboard_controller.h"
 #include "twin/run/run.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_load_test {
 namespace {
 
 constexpr setting::Load kKilogram{.m_load = 1, .F_x_Cload = {0.02, -0.01, 0.1}};
@@ -144,4 +144,4 @@ TEST(ScenarioLoadTest, TheWeightThatIsNotToldLooksLikeAForceFromOutside) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_load_test

@@ -8,7 +8,7 @@
 #include "twin/run/result.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_max_deviation_test {
 namespace {
 
 using Interface = control::CommandInterface;
@@ -80,4 +80,4 @@ TEST(MaxDeviationTest, OnlyAMotionThatEndedWellIsJudged) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_max_deviation_test

@@ -13,7 +13,7 @@
 #include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_objects_test {
 namespace {
 
 using testing::HasSubstr;
@@ -135,4 +135,4 @@ TEST(ScenarioObjectsTest, AreRefusedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_objects_test

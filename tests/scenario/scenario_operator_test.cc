@@ -10,7 +10,7 @@
 #include "twin/scenario/operator.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_operator_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -86,4 +86,4 @@ TEST(ScenarioOperatorTest, LeadsNothingButAnApplication) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_operator_test

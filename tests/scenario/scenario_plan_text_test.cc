@@ -12,7 +12,7 @@
 #include "twin/run/remote.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_plan_text_test {
 namespace {
 
 using ::testing::AllOf;
@@ -91,4 +91,4 @@ TEST(ScenarioPlanTextTest, NeedsItsSceneOnARobotToo) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_plan_text_test

@@ -15,7 +15,7 @@
 #include "scenario/scenario_examples.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_round_trip_test {
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 80us
@@ -325,4 +325,4 @@ TEST(ScenarioTest, EveryExampleLoadsAndSurvivesTheRoundTrip) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_round_trip_test

@@ -12,7 +12,7 @@
 #include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
-namespace twin::scenario {
+namespace twin::scenario::scenario_schema_test {
 
 struct Inner {
   double share = 0.5;
@@ -105,4 +105,4 @@ TEST(ScenarioTest, ChecksScenariosThatNoFileGave) {
 }
 
 }  // namespace
-}  // namespace twin::scenario
+}  // namespace twin::scenario::scenario_schema_test

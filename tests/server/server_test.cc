@@ -26,7 +26,7 @@
 #include "twin/robot/robot_config.h"
 #include "twin/robot/wall_clock_robot.h"
 
-namespace twin::server {
+namespace twin::server::server_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -236,4 +236,4 @@ TEST_F(ServerTest, TheRobotsThreadAllocatesAndLocksNothingWhileItIsServed) {
 }
 
 }  // namespace
-}  // namespace twin::server
+}  // namespace twin::server::server_test

@@ -12,7 +12,7 @@
 
 #include "support/realtime_guard.h"
 
-namespace twin::server {
+namespace twin::server::server_udp_port_test {
 namespace {
 
 constexpr std::uint32_t kLoopback = 0x7f000001;
@@ -220,4 +220,4 @@ TEST_F(UdpPortTest, ItsRobotsEndAllocatesAndLocksNothing) {
 }
 
 }  // namespace
-}  // namespace twin::server
+}  // namespace twin::server::server_udp_port_test

@@ -34,13 +34,28 @@ class Build:
             raise RuntimeError(f"{command[:200]} ...\n{done.stderr[-3000:]}")
         return done.stdout
 
+    def compiled_in(self, file):
+        """What the build compiles for a source: itself, or the unity source that includes it."""
+        source = str(self.source / file)
+        if source in self.commands:
+            return pathlib.Path(source)
+        for unity in self.commands:
+            if "/Unity/" in unity and f'#include "{source}"\n' in pathlib.Path(unity).read_text():
+                return pathlib.Path(unity)
+        raise RuntimeError(f"the build compiles no {file}")
+
     def compile(self, file, text, scratch):
         """The object of a changed source."""
         changed = scratch / pathlib.Path(file).name
         changed.write_text(text)
-        words = shlex.split(self.commands[str(self.source / file)])
+        compiled = self.compiled_in(file)
+        unit = changed
+        if compiled != self.source / file:
+            unit = scratch / "unity.cc"
+            unit.write_text(compiled.read_text().replace(str(self.source / file), str(changed)))
+        words = shlex.split(self.commands[str(compiled)])
         words[words.index("-o") + 1] = str(scratch / "mutant.o")
-        words[words.index("-c") + 1] = str(changed)
+        words[words.index("-c") + 1] = str(unit)
         kept = [word for word in words if not word.endswith("ccache")]
         self.run(shlex.join(kept + ["-O1", "-Wno-error"]))  # a mutant may leave something unused
         return scratch / "mutant.o"
@@ -48,7 +63,7 @@ class Build:
     def link(self, program, file, mutant, scratch):
         """The program with the mutant of a source in front of the libraries; None when the source is no part of it."""
         commands = self.run(f"ninja -t commands {program}").strip().splitlines()
-        if not any(command.endswith(f" -c {self.source / file}") for command in commands):
+        if not any(command.endswith(f" -c {self.compiled_in(file)}") for command in commands):
             return None
         last = commands[-1]
         word = f" -o {self.folder}/{program} "
@@ -86,11 +101,11 @@ def catch(build, catchers, mutant, all_of_them):
     with tempfile.TemporaryDirectory() as folder:
         scratch = pathlib.Path(folder)
         changed = build.compile(file, text, scratch)
+        linked = {program: build.link(program, file, changed, scratch) for program in {program for program, _ in catchers}}
         for program, arguments in catchers:
-            linked = build.link(program, file, changed, scratch)
-            failure = run(linked, arguments) if linked else None
+            failure = run(linked[program], arguments) if linked[program] else None
             if failure is not None:
-                caught.append(program + failure)
+                caught.append(" ".join([program, *arguments]) + failure)
                 if not all_of_them:
                     break
     return "; ".join(caught) or None

@@ -6,7 +6,7 @@
 
 #include "twin/scenario/robot_data.h"
 
-namespace twin::test {
+namespace twin::test::panda_limits_test {
 namespace {
 
 const std::filesystem::path kFile =
@@ -39,4 +39,4 @@ TEST(PandaLimitsTest, AreThoseOfTheLimitsFile) {
 }
 
 }  // namespace
-}  // namespace twin::test
+}  // namespace twin::test::panda_limits_test

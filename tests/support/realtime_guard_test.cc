@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace twin::test {
+namespace twin::test::realtime_guard_test {
 namespace {
 
 using Counts = RealtimeGuard::Counts;
@@ -141,4 +141,4 @@ TEST(RealtimeGuardTest, GuardsCountFromTheirOwnStart) {
 }
 
 }  // namespace
-}  // namespace twin::test
+}  // namespace twin::test::realtime_guard_test

@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-namespace twin::test {
+namespace twin::test::undisturbed_test {
 namespace {
 
 int attempts = 0;
@@ -114,4 +114,4 @@ TEST(WitnessTest, SeesNothingOfARunThatIsOverAtOnce) {
 }
 
 }  // namespace
-}  // namespace twin::test
+}  // namespace twin::test::undisturbed_test

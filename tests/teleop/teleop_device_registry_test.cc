@@ -9,7 +9,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::teleop {
+namespace twin::teleop::teleop_device_registry_test {
 namespace {
 
 std::unique_ptr<Device> MakeNone(const DeviceRequest& /*request*/) {
@@ -35,4 +35,4 @@ TEST(DeviceRegistryTest, RefusesAnUnknownNameAndListsThoseThereAre) {
 }
 
 }  // namespace
-}  // namespace twin::teleop
+}  // namespace twin::teleop::teleop_device_registry_test

@@ -7,7 +7,7 @@
 
 #include "twin/model/transform.h"
 
-namespace twin::teleop {
+namespace twin::teleop::teleop_mapping_test {
 namespace {
 
 constexpr Mapping::Speeds kFull{.along = 0.2, .about = 0.5, .ahead = 0.6, .turning = 0.8};
@@ -198,4 +198,4 @@ TEST_F(MappingTest, DoesNotMoveAHandlesArmByASwitchOfScale) {
 }
 
 }  // namespace
-}  // namespace twin::teleop
+}  // namespace twin::teleop::teleop_mapping_test

@@ -10,7 +10,7 @@
 #include "twin/core/time.h"
 #include "twin/teleop/force_feedback.h"
 
-namespace twin::teleop {
+namespace twin::teleop::teleop_passivity_test {
 namespace {
 
 constexpr double kT = kCycleSeconds;
@@ -147,4 +147,4 @@ TEST(PassivePortTest, PaysADebtBackByDamping) {
 }
 
 }  // namespace
-}  // namespace twin::teleop
+}  // namespace twin::teleop::teleop_passivity_test

@@ -12,7 +12,7 @@
 #include "twin/teleop/shaped_pose.h"
 #include "twin/teleop/shaped_velocity.h"
 
-namespace twin::teleop {
+namespace twin::teleop::teleop_shaping_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -226,4 +226,4 @@ TEST(PostureGuardTest, HoldsAJointAtTheEndOfItsRange) {
 }
 
 }  // namespace
-}  // namespace twin::teleop
+}  // namespace twin::teleop::teleop_shaping_test

@@ -11,7 +11,7 @@
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 
-namespace twin::teleop {
+namespace twin::teleop::teleop_teleoperator_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -342,4 +342,4 @@ TEST(TeleoperatorConfigTest, ReadsWhatAScenarioGives) {
 }
 
 }  // namespace
-}  // namespace twin::teleop
+}  // namespace twin::teleop::teleop_teleoperator_test

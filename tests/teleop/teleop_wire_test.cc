@@ -8,7 +8,7 @@
 #include "twin/core/error.h"
 #include "twin/teleop/operator_sample.h"
 
-namespace twin::teleop {
+namespace twin::teleop::teleop_wire_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -80,4 +80,4 @@ TEST(WireTest, RefusesAShareThatIsNone) {
 }
 
 }  // namespace
-}  // namespace twin::teleop
+}  // namespace twin::teleop::teleop_wire_test

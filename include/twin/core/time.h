@@ -26,10 +26,15 @@ inline constexpr Duration kCycle = std::chrono::milliseconds(1);
 
 /// The same cycle in seconds, for difference quotients.
 inline constexpr double kCycleSeconds = 1e-3;
+/// The same, by its symbol in formulas.
+inline constexpr double kT = kCycleSeconds;
 
 /// Seconds as a double, for arithmetic on quantities; never for keeping time.
 constexpr double ToSeconds(Duration d) {
   return std::chrono::duration<double>(d).count();
+}
+constexpr double ToMicroseconds(Duration d) {
+  return ToSeconds(d) * 1e6;
 }
 
 /// Nearest nanosecond to `seconds`, ties away from zero; larger values and NaN give a hundred

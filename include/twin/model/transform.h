@@ -47,4 +47,12 @@ namespace twin::model {
 [[nodiscard]] Transform Turned(const Transform& X, const Eigen::Vector3d& phi,
                                const Eigen::Vector3d& position) noexcept;
 
+/// First and last three components of a twist: m/s and rad/s in its axes.
+[[nodiscard]] inline Eigen::Vector3d Linear(const Vector6& twist) noexcept {
+  return Eigen::Vector3d(twist.data());
+}
+[[nodiscard]] inline Eigen::Vector3d Angular(const Vector6& twist) noexcept {
+  return Eigen::Vector3d(twist.data() + 3);
+}
+
 }  // namespace twin::model

@@ -14,7 +14,7 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct CheckFlags {
   double seconds = 2;  ///< of each measurement, in [0.5, 60]
   DataFlags data;
 };
@@ -27,7 +27,7 @@ enum class Verdict {
 };
 
 /// Prints findings and remembers whether one of them is a failure.
-class Findings {
+class CheckFindings {
  public:
   void Add(Verdict verdict, std::string_view subject, const std::string& text) {
     constexpr std::array kMarks{"ok", "note", "FAIL"};
@@ -41,7 +41,7 @@ class Findings {
   bool failed_ = false;
 };
 
-void CheckComputer(Findings& findings, const loop::HostFacts& facts) {
+void CheckComputer(CheckFindings& findings, const loop::HostFacts& facts) {
   findings.Add(Verdict::kGood, "processor",
                fmt::format("{}, {} in use{}", facts.processor, facts.processors,
                            facts.virtual_machine ? ", of a virtual machine" : ""));
@@ -51,7 +51,7 @@ void CheckComputer(Findings& findings, const loop::HostFacts& facts) {
                                                  : ", not a real-time kernel (none is needed)"));
 }
 
-void CheckPermissions(Findings& findings, const loop::HostFacts& facts) {
+void CheckPermissions(CheckFindings& findings, const loop::HostFacts& facts) {
   if (facts.may_use_fifo) {
     findings.Add(Verdict::kGood, "scheduler", "SCHED_FIFO 99 is allowed");
   } else {
@@ -84,7 +84,7 @@ std::string Spread(const rt::DurationHistogram& histogram) {
 }
 
 /// Last, because it takes its time and locks the program's memory.
-void CheckJitter(Findings& findings, const loop::HostFacts& facts, double seconds) {
+void CheckJitter(CheckFindings& findings, const loop::HostFacts& facts, double seconds) {
   std::fflush(stdout);  // what has been found so far can be read meanwhile
   const loop::JitterFigures figures = loop::MeasureJitter(FromSeconds(seconds));
   findings.Add(Verdict::kGood, "wake-ups",
@@ -102,7 +102,7 @@ void CheckJitter(Findings& findings, const loop::HostFacts& facts, double second
     findings.Add(Verdict::kAdvice, "cure", cure);
 }
 
-void CheckProgram(Findings& findings, const Host& host, const char* name, const char* purpose,
+void CheckProgram(CheckFindings& findings, const Host& host, const char* name, const char* purpose,
                   const char* package) {
   const auto file = FindProgram(name, host.path);
   if (!file.empty()) {
@@ -113,7 +113,7 @@ void CheckProgram(Findings& findings, const Host& host, const char* name, const 
                fmt::format("not installed; {} need it: apt-get install {}", purpose, package));
 }
 
-void CheckRenderer(Findings& findings) {
+void CheckRenderer(CheckFindings& findings) {
   const OSMesaContext context = OSMesaCreateContext(OSMESA_RGBA, nullptr);
   if (context == nullptr) {
     findings.Add(Verdict::kMissing, "OSMesa",
@@ -125,7 +125,7 @@ void CheckRenderer(Findings& findings) {
   findings.Add(Verdict::kGood, "OSMesa", "draws without a graphics card");
 }
 
-void CheckData(Findings& findings, const DataFlags& flags, const Host& host) {
+void CheckData(CheckFindings& findings, const DataFlags& flags, const Host& host) {
   try {
     const auto data = DataOf(flags, host);
     findings.Add(Verdict::kGood, "models", data.models.string());
@@ -147,10 +147,10 @@ void CheckData(Findings& findings, const DataFlags& flags, const Host& host) {
   }
 }
 
-int Check(const Flags& flags, const Program& program) {
+int RunChecks(const CheckFlags& flags, const Program& program) {
   RequireInRange("--seconds", flags.seconds, 0.5, 60);
   const loop::HostFacts facts = loop::ReadHostFacts();
-  Findings findings;
+  CheckFindings findings;
   CheckComputer(findings, facts);
   CheckPermissions(findings, facts);
   CheckProgram(findings, program.host, "ffmpeg", "videos", "ffmpeg");
@@ -167,7 +167,7 @@ int Check(const Flags& flags, const Program& program) {
 
 void AddCheck(CLI::App& app, Program& program) {
   CLI::App* check = app.add_subcommand("check", "Say what this host offers, and what is missing");
-  Flags& flags = SetAction(*check, program, &Check);
+  CheckFlags& flags = SetAction(*check, program, &RunChecks);
   check
       ->add_option("--seconds", flags.seconds, "Length of each of the two measurements (0.5 to 60)")
       ->capture_default_str()

@@ -13,7 +13,7 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct CompletionFlags {
   std::string format;
   const CLI::App* app = nullptr;
 };
@@ -174,7 +174,7 @@ std::string Zsh(const std::vector<Command>& commands) {
 
 std::string Fish(const std::vector<Command>& commands) {
   const auto quoted = [](const std::string& text) {
-    return "'" + Replaced(Replaced(text, "\\", "\\\\"), "'", "\\'") + "'";
+    return fmt::format("'{}'", Replaced(Replaced(text, "\\", "\\\\"), "'", "\\'"));
   };
   std::string text = "complete -c panda-twin -n __fish_use_subcommand -f\n";
   for (const Command& command : commands) {
@@ -242,7 +242,7 @@ std::string Man(const std::vector<Command>& commands) {
   return text;
 }
 
-int Complete(const Flags& flags, const Program& /*program*/) {
+int Complete(const CompletionFlags& flags, const Program& /*program*/) {
   std::vector<Command> commands;
   Collect(*flags.app, "", commands);
   if (flags.format == "bash") {
@@ -261,7 +261,7 @@ int Complete(const Flags& flags, const Program& /*program*/) {
   return kOk;
 }
 
-constexpr const char* kFooter =
+constexpr const char* kCompletionFooter =
     R"(Where the package is installed, the shells find it by themselves. Else, in the shell's own start file:
   bash   source <(panda-twin completion bash)
   zsh    panda-twin completion zsh > FOLDER/_panda-twin, where FOLDER is in fpath
@@ -272,12 +272,12 @@ constexpr const char* kFooter =
 void AddCompletion(CLI::App& app, Program& program) {
   CLI::App* completion = app.add_subcommand(
       "completion", "Print what makes a shell complete these commands, or the manual page");
-  Flags& flags = SetAction(*completion, program, &Complete);
+  CompletionFlags& flags = SetAction(*completion, program, &Complete);
   flags.app = &app;
   completion->add_option("format", flags.format, "For which shell; man: the manual page (roff)")
       ->required()
       ->type_name("bash|zsh|fish|man");
-  completion->footer(kFooter);
+  completion->footer(kCompletionFooter);
 }
 
 }  // namespace twin::cli

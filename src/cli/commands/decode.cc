@@ -12,14 +12,14 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct DecodeFlags {
   std::filesystem::path capture;
   bool brief = false;
   std::uint16_t arm_port = fci::kArmPort;
   std::uint16_t hand_port = fci::kHandPort;
 };
 
-int Decode(const Flags& flags, const Program& program) {
+int Decode(const DecodeFlags& flags, const Program& program) {
   record::PcapngReader reader(flags.capture);
   fci::Transcript transcript(
       {.fields = !flags.brief, .arm_port = flags.arm_port, .hand_port = flags.hand_port});
@@ -49,7 +49,7 @@ int Decode(const Flags& flags, const Program& program) {
 
 void AddDecode(CLI::App& app, Program& program) {
   CLI::App* decode = app.add_subcommand("decode", "Print a capture of the wire, field by field");
-  Flags& flags = SetAction(*decode, program, &Decode);
+  DecodeFlags& flags = SetAction(*decode, program, &Decode);
   decode
       ->add_option("capture", flags.capture,
                    "What --capture or Wireshark wrote (pcapng); what tcpdump -w wrote, after "

@@ -22,14 +22,14 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct DevicesFlags {
   std::string device;                 ///< which to show; empty: only list them
   std::vector<std::string> settings;  ///< its parameters, KEY=VALUE
   double seconds = 10;                ///< how long it is shown
   std::optional<std::string> record;  ///< file its samples go into
 };
 
-constexpr const char* kFooter =
+constexpr const char* kDevicesFooter =
     R"(DEVICE is evdev, network or script, as scenarios name them; the path of an input device; or part of its name:
   panda-twin devices                                      what is plugged in
   panda-twin devices spacemouse                           its axes and buttons, live
@@ -53,7 +53,7 @@ std::string LineOf(const devices::FoundDevice& device) {
                      has.name, has.abs.size() + has.rel.size(), has.keys.size());
 }
 
-void List(const teleop::DeviceRegistry& devices) {
+void ListDevices(const teleop::DeviceRegistry& devices) {
   std::string text = "input devices:\n";
   const auto found = devices::FindEventDevices();
   std::size_t closed = 0;
@@ -74,7 +74,7 @@ void List(const teleop::DeviceRegistry& devices) {
 }
 
 /// What of the command line a factory gets.
-control::Parameters ParametersOf(const Flags& flags) {
+control::Parameters ParametersOf(const DevicesFlags& flags) {
   control::Parameters parameters;
   const auto add = [&](std::string key, std::string value) {
     if (std::ranges::find(parameters, key, &control::Parameter::key) != parameters.end()) {
@@ -94,7 +94,8 @@ control::Parameters ParametersOf(const Flags& flags) {
 }
 
 /// The device that is meant: one of the registry, or an input device by its path or name.
-std::unique_ptr<teleop::Device> Make(const Flags& flags, const teleop::DeviceRegistry& devices,
+std::unique_ptr<teleop::Device> Make(const DevicesFlags& flags,
+                                     const teleop::DeviceRegistry& devices,
                                      const MonotonicClock& clock) {
   control::Parameters parameters = ParametersOf(flags);
   std::string name = flags.device;
@@ -180,10 +181,10 @@ class Show {
   Time due_{};   ///< when a line may be printed again
 };
 
-int ShowDevices(const Flags& flags, const Program& program) {
+int ShowDevices(const DevicesFlags& flags, const Program& program) {
   RequireInRange("--for (s)", flags.seconds, 0.1, 3600);
   if (flags.device.empty()) {
-    List(*program.catalogue.devices);
+    ListDevices(*program.catalogue.devices);
     FinishOutput();
     return kOk;
   }
@@ -210,7 +211,7 @@ int ShowDevices(const Flags& flags, const Program& program) {
 void AddDevices(CLI::App& app, Program& program) {
   CLI::App* devices = app.add_subcommand(
       "devices", "List what an operator can lead with, or show what one device tells");
-  Flags& flags = SetAction(*devices, program, &ShowDevices);
+  DevicesFlags& flags = SetAction(*devices, program, &ShowDevices);
   CLI::Option* device = devices->add_option("device", flags.device, "Which to show");
   device->type_name("DEVICE");
   devices->add_option("--for", flags.seconds, "Show it for so long (0.1 to 3600)")
@@ -224,7 +225,7 @@ void AddDevices(CLI::App& app, Program& program) {
   devices->add_option("--record", flags.record, "Keep its samples, as a script (CSV)")
       ->type_name("FILE")
       ->needs(device);
-  devices->footer(kFooter);
+  devices->footer(kDevicesFooter);
 }
 
 }  // namespace twin::cli

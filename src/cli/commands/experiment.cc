@@ -31,7 +31,7 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct ExperimentFlags {
   std::vector<std::string> ids;  ///< or all
   std::optional<std::uint64_t> seed;
   std::string drive = "lockstep";  ///< or realtime
@@ -92,7 +92,7 @@ std::vector<Experiment> Chosen(const std::vector<std::string>& ids, bool on_wall
   return chosen;
 }
 
-bool IsOnWallClock(const Flags& flags) {
+bool IsOnWallClock(const ExperimentFlags& flags) {
   if (flags.client) return true;  // whose clock is this machine's, too
   if (flags.drive == "lockstep") return false;
   if (flags.drive == "realtime") return true;
@@ -100,7 +100,7 @@ bool IsOnWallClock(const Flags& flags) {
 }
 
 /// @returns how many runs. @throws InputError when they are too many or none.
-int SeedsOf(const Flags& flags) {
+int SeedsOf(const ExperimentFlags& flags) {
   constexpr int kDefault = 20;
   constexpr int kDefaultOnWallClock = 5;
   constexpr int kMost = 1000;
@@ -140,7 +140,7 @@ std::string LeftOutText() {
       ids);
 }
 
-experiment::ClientProgram ClientOf(const Flags& flags, const Host& host) {
+experiment::ClientProgram ClientOf(const ExperimentFlags& flags, const Host& host) {
   experiment::ClientProgram program{
       .command = *flags.client, .arm_port = flags.port, .model_library = {}};
   if (flags.seconds) program.most = FromSeconds(*flags.seconds);
@@ -154,7 +154,7 @@ experiment::ClientProgram ClientOf(const Flags& flags, const Host& host) {
 }
 
 /// @returns the flags. @throws InputError when a client was given beside other experiments.
-const Flags& RequireClientAlone(const Flags& flags) {
+const ExperimentFlags& RequireClientAlone(const ExperimentFlags& flags) {
   if (!flags.client) return flags;
   if (flags.client->empty()) throw InputError("--client: give the program's command line");
   if (flags.ids == std::vector<std::string>{"timings"}) return flags;
@@ -189,7 +189,7 @@ class ScratchFolder {
 /// One report from its flags to its files.
 class ExperimentSession {
  public:
-  ExperimentSession(const Flags& flags, const Program& program)
+  ExperimentSession(const ExperimentFlags& flags, const Program& program)
       : flags_(flags),
         program_(program),
         on_wall_clock_(IsOnWallClock(RequireClientAlone(flags))),
@@ -221,7 +221,7 @@ class ExperimentSession {
   [[nodiscard]] fs::path tables() const { return out_.folder() / "csv"; }
 
   const MonotonicClock clock_;
-  const Flags& flags_;
+  const ExperimentFlags& flags_;
   const Program& program_;
   const bool on_wall_clock_;
   const int seeds_;
@@ -340,7 +340,7 @@ int ExperimentSession::Execute() {
   return TellFailures() ? kOk : kFailed;
 }
 
-int List() {
+int ListExperiments() {
   for (const Experiment& one : experiment::Experiments()) {
     Say(stdout, fmt::format("{:<14}{}\n", one.id, one.title));
   }
@@ -348,9 +348,9 @@ int List() {
   return kOk;
 }
 
-int RunExperiments(const Flags& flags, const Program& program) {
+int RunExperiments(const ExperimentFlags& flags, const Program& program) {
   if (flags.ids.empty() && !flags.list) throw CLI::RequiredError("experiments or --list");
-  if (flags.list) return List();
+  if (flags.list) return ListExperiments();
   return ExperimentSession(flags, program).Execute();
 }
 
@@ -359,7 +359,7 @@ int RunExperiments(const Flags& flags, const Program& program) {
 void AddExperiment(CLI::App& app, Program& program) {
   CLI::App* experiment =
       app.add_subcommand("experiment", "Reproduce the paper's tables and figures, as a report");
-  Flags& flags = SetAction(*experiment, program, &RunExperiments);
+  ExperimentFlags& flags = SetAction(*experiment, program, &RunExperiments);
   CLI::Option* ids = experiment->add_option("experiments", flags.ids, "Which (see --list), or all");
   ids->type_name("ID...");
   experiment->add_flag("--list", flags.list, "Say which there are")->excludes(ids);

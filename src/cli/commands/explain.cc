@@ -15,7 +15,7 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct ExplainFlags {
   std::filesystem::path log;  ///< or a run's folder; empty with errors or modes
   std::filesystem::path out;  ///< of the page; empty: beside the log
   bool errors = false;        ///< the catalogue of errors instead
@@ -29,7 +29,7 @@ one page with the last 50 cycles plotted. Of any other run: how close it came to
 
 namespace fs = std::filesystem;
 
-fs::path FolderOf(const Flags& flags, const fs::path& log) {
+fs::path FolderOf(const ExplainFlags& flags, const fs::path& log) {
   if (flags.out.empty()) return log.has_parent_path() ? log.parent_path() : fs::path(".");
   std::error_code error;
   fs::create_directories(flags.out, error);
@@ -49,7 +49,7 @@ report::Explanation Explained(const fs::path& log) {
   }
 }
 
-int Explain(const Flags& flags, const Program& /*program*/) {
+int Explain(const ExplainFlags& flags, const Program& /*program*/) {
   if (flags.log.empty() && !flags.errors && !flags.modes) {
     throw CLI::RequiredError("log, --errors or --modes");
   }
@@ -75,7 +75,7 @@ int Explain(const Flags& flags, const Program& /*program*/) {
 
 void AddExplain(CLI::App& app, Program& program) {
   CLI::App* explain = app.add_subcommand("explain", "Say how a run ended, and why");
-  Flags& flags = SetAction(*explain, program, &Explain);
+  ExplainFlags& flags = SetAction(*explain, program, &Explain);
   CLI::Option* log =
       explain->add_option("log", flags.log, "Log of a run, or its folder of results");
   log->type_name("FILE|DIR");

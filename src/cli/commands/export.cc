@@ -8,12 +8,12 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct ExportFlags {
   std::filesystem::path log;
   std::filesystem::path out;  ///< empty: csv beside the log
 };
 
-int Export(const Flags& flags, const Program& /*program*/) {
+int Export(const ExportFlags& flags, const Program& /*program*/) {
   const std::filesystem::path out = flags.out.empty() ? flags.log.parent_path() / "csv" : flags.out;
   const record::CsvExport exported = record::ExportCsv(flags.log, out);
   Say(stdout, fmt::format("{}: {} cycles, {} ticks, {} events\n", out.string(), exported.cycles,
@@ -29,7 +29,7 @@ int Export(const Flags& flags, const Program& /*program*/) {
 
 void AddExport(CLI::App& app, Program& program) {
   CLI::App* exported = app.add_subcommand("export", "Write a log as CSV tables");
-  Flags& flags = SetAction(*exported, program, &Export);
+  ExportFlags& flags = SetAction(*exported, program, &Export);
   exported->add_option("log", flags.log, "Log of a run (run.mcap)")->required()->type_name("FILE");
   exported->add_option("--out", flags.out, "Folder of the tables (default: csv beside the log)")
       ->type_name("DIR");

@@ -20,7 +20,7 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct ProxyFlags {
   std::string robot;  ///< HOST[:PORT]
   NetworkFlags network;
   std::filesystem::path link;                                    ///< file of faults; empty: none
@@ -37,7 +37,7 @@ other flags take is what a scenario's section link takes (models/scenarios/READM
 d_INT is the robot's, and has no effect here. The first datagram of a session has number 0 in its direction; its fate
 follows from the faults, the seed and that number. At the end: how many came, went on, were delayed, and so on.)";
 
-robot::LinkConfig LinkOf(const Flags& flags) {
+robot::LinkConfig LinkOf(const ProxyFlags& flags) {
   if (!flags.link.empty() && !flags.faults.empty()) {
     throw InputError(
         "--link and flags of single faults do not go together; put all of them into the file, or "
@@ -50,7 +50,7 @@ robot::LinkConfig LinkOf(const Flags& flags) {
   return scenario::MakeLink(scenario::ParseLink(text, "flags"));
 }
 
-proxy::ProxyConfig ProxyConfigOf(const Flags& flags) {
+proxy::ProxyConfig ProxyConfigOf(const ProxyFlags& flags) {
   proxy::ProxyConfig config;
   Listen(flags.network, config);
   const backend::RobotAddress robot = run::ParseRemote(flags.robot, "wall");
@@ -86,7 +86,7 @@ std::string Introduction(const proxy::Proxy& proxy, const proxy::ProxyConfig& co
                      fci::ToString(proxy.hand()), DescribeAccess(network));
 }
 
-int RunProxy(const Flags& flags, const Program& program) {
+int RunProxy(const ProxyFlags& flags, const Program& program) {
   RequireDuration(flags.seconds);
   const proxy::ProxyConfig config = ProxyConfigOf(flags);
   const MonotonicClock clock;
@@ -124,7 +124,7 @@ constexpr FaultFlag kFaultFlags[] = {
 void AddProxy(CLI::App& app, Program& program) {
   CLI::App* proxy =
       app.add_subcommand("proxy", "Pass a robot's wire on, with delays and losses by a seed");
-  Flags& flags = SetAction(*proxy, program, &RunProxy);
+  ProxyFlags& flags = SetAction(*proxy, program, &RunProxy);
   proxy->add_option("--robot", flags.robot, "The robot, or the twin that is served")
       ->required()
       ->type_name("HOST[:PORT]");

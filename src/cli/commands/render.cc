@@ -27,7 +27,7 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct RenderFlags {
   std::filesystem::path log;                    ///< or a run's folder
   std::optional<std::filesystem::path> second;  ///< of another run, to compare with
   std::filesystem::path out;
@@ -67,7 +67,7 @@ std::string NameOf(const std::filesystem::path& log) {
 }
 
 /// One picture, or a film.
-bool IsPicture(const Flags& flags) {
+bool IsPicture(const RenderFlags& flags) {
   const bool wanted = flags.at || flags.layout;
   const bool named = flags.out.extension() == ".png";
   if (wanted == named) return wanted;
@@ -76,7 +76,7 @@ bool IsPicture(const Flags& flags) {
                          : "--out: --at and --layout make one picture, so name a .png");
 }
 
-void RefuseWhatDoesNotGoTogether(const Flags& flags) {
+void RefuseWhatDoesNotGoTogether(const RenderFlags& flags) {
   RefuseIf(flags.at && (flags.from || flags.until || flags.layout),
            "--at shows one instant; leave --from, --to and --layout out");
   RefuseIf((flags.at || flags.layout) && (flags.fps || flags.speed != 1),
@@ -104,7 +104,7 @@ void RequirePlace(const std::filesystem::path& out, bool picture) {
 /// One rendering, from its flags to its file.
 class Rendering {
  public:
-  Rendering(const Flags& flags, const Program& program)
+  Rendering(const RenderFlags& flags, const Program& program)
       : terminal_(program.log, program.is_quiet()),
         flags_(flags),
         picture_(IsPicture(flags)),
@@ -202,7 +202,7 @@ class Rendering {
 
   const MonotonicClock clock_;
   Terminal terminal_;
-  const Flags& flags_;
+  const RenderFlags& flags_;
   const bool picture_;
   const run::RunFiles files_;
   std::optional<replay::Recording> first_;  ///< always there after construction
@@ -210,7 +210,7 @@ class Rendering {
   render::FilmSettings settings_;
 };
 
-int Render(const Flags& flags, const Program& program) {
+int Render(const RenderFlags& flags, const Program& program) {
   Rendering(flags, program).Execute();
   if (!program.is_quiet()) Say(stdout, fmt::format("{}\n", flags.out.string()));
   return kOk;
@@ -287,7 +287,7 @@ void AddPicture(CLI::App& app, run::FilmChoice& flags) {
 
 void AddRender(CLI::App& app, Program& program) {
   CLI::App* render = app.add_subcommand("render", "Draw a recorded run, or two beside each other");
-  Flags& flags = SetAction(*render, program, &Render);
+  RenderFlags& flags = SetAction(*render, program, &Render);
   render->add_option("log", flags.log, "Log of a run, or its folder of results")
       ->required()
       ->type_name("FILE|DIR");

@@ -4,11 +4,11 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct SchemaFlags {
   bool keys = false;  ///< the table of keys instead
 };
 
-int Schema(const Flags& flags, const Program& /*program*/) {
+int Schema(const SchemaFlags& flags, const Program& /*program*/) {
   Say(stdout, flags.keys ? scenario::KeyTable() : scenario::JsonSchema());
   FinishOutput();
   return kOk;
@@ -20,7 +20,7 @@ void AddSchema(CLI::App& app, Program& program) {
   CLI::App* schema = app.add_subcommand(
       "schema",
       "Print the JSON Schema of scenario files, by which editors complete and check them");
-  Flags& flags = SetAction(*schema, program, &Schema);
+  SchemaFlags& flags = SetAction(*schema, program, &Schema);
   schema->add_flag("--keys", flags.keys, "Print the table of all keys instead (Markdown)");
 }
 

@@ -30,7 +30,7 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct ServeFlags {
   std::filesystem::path scenario;              ///< robot, scene, start; empty: the ready pose
   std::optional<std::string> lab;              ///< as run's
   std::optional<std::filesystem::path> scene;  ///< instead of the scenario's
@@ -58,7 +58,7 @@ either is; --idle freeze: physics stands still between motions, too.
 be written any more, a warning says so at once, the robot is served on, and the exit code is 4.
 Exit codes: 0 after --for, 130 when interrupted, others as ever.)";
 
-scenario::Scenario LoadWithFlags(const Flags& flags, const std::filesystem::path& models) {
+scenario::Scenario LoadWithFlags(const ServeFlags& flags, const std::filesystem::path& models) {
   scenario::Scenario scenario =
       flags.scenario.empty() ? run::DefaultServed() : scenario::Load(flags.scenario);
   if (flags.lab) scenario::ApplyLab(scenario::FindLab(*flags.lab, models), scenario);
@@ -70,7 +70,7 @@ scenario::Scenario LoadWithFlags(const Flags& flags, const std::filesystem::path
   return scenario;
 }
 
-bool FreezesWhenIdle(const Flags& flags) {
+bool FreezesWhenIdle(const ServeFlags& flags) {
   if (flags.idle == "run") return false;
   if (flags.idle == "freeze") return true;
   throw InputError(fmt::format("--idle: \"{}\" is neither run nor freeze", flags.idle));
@@ -81,7 +81,7 @@ bool IsSameFile(const std::filesystem::path& a, const std::filesystem::path& b) 
   return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
 }
 
-void RequireAgreement(const Flags& flags) {
+void RequireServeAgreement(const ServeFlags& flags) {
   RequirePageFlags(flags.page);
   const bool is_lockstep = scenario::DriveFromName(flags.drive) == scenario::Drive::kLockstep;
   RefuseIf(FreezesWhenIdle(flags) && !is_lockstep,
@@ -99,7 +99,7 @@ void RequireAgreement(const Flags& flags) {
   RequireDuration(flags.seconds);
 }
 
-server::ServerConfig ServerConfigOf(const Flags& flags, const Program& program) {
+server::ServerConfig ServerConfigOf(const ServeFlags& flags, const Program& program) {
   server::ServerConfig config;
   Listen(flags.network, config);
   try {
@@ -114,7 +114,7 @@ server::ServerConfig ServerConfigOf(const Flags& flags, const Program& program) 
 /// A served robot, from flags to the end.
 class Service {
  public:
-  Service(const Flags& flags, const Program& program)
+  Service(const ServeFlags& flags, const Program& program)
       : flags_(flags),
         program_(program),
         files_(FilesOf(flags.data, program)),
@@ -160,7 +160,7 @@ class Service {
   [[nodiscard]] bool is_lockstep() const { return scenario_.is_lockstep(); }
 
   const MonotonicClock clock_;
-  const Flags& flags_;
+  const ServeFlags& flags_;
   const Program& program_;
   const run::RunFiles files_;
   const scenario::Scenario scenario_;
@@ -291,8 +291,8 @@ int Service::Run() {
   return interrupt_.interrupted() ? kInterrupted : kOk;
 }
 
-int Serve(const Flags& flags, const Program& program) {
-  RequireAgreement(flags);
+int Serve(const ServeFlags& flags, const Program& program) {
+  RequireServeAgreement(flags);
   return Service(flags, program).Run();
 }
 
@@ -301,7 +301,7 @@ int Serve(const Flags& flags, const Program& program) {
 void AddServe(CLI::App& app, Program& program) {
   CLI::App* serve =
       app.add_subcommand("serve", "Serve a robot to programs made for it (FCI protocol 5)");
-  Flags& flags = SetAction(*serve, program, &Serve);
+  ServeFlags& flags = SetAction(*serve, program, &Serve);
   serve->add_option("scenario", flags.scenario, "Scenario file (default: the ready pose, no scene)")
       ->type_name("FILE");
   AddLab(*serve, flags.lab);

@@ -20,7 +20,7 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct ValidateFlags {
   std::filesystem::path scenario;
   bool load = false;  ///< also code of controller.library
   DataFlags data;
@@ -121,7 +121,7 @@ std::string CheckApplication(const scenario::Scenario& scenario, const std::file
 
 // Prepares all that a run prepares, so that what validate passes run does not refuse; but runs no
 // code that a scenario names unless asked.
-int Validate(const Flags& flags, const Program& program) {
+int Validate(const ValidateFlags& flags, const Program& program) {
   const scenario::Scenario scenario = scenario::Load(flags.scenario);
   const run::RunFiles files = FilesOf(flags.data, program);
   const auto check = scenario.application                                ? &CheckApplication
@@ -137,7 +137,7 @@ int Validate(const Flags& flags, const Program& program) {
 
 void AddValidate(CLI::App& app, Program& program) {
   CLI::App* validate = app.add_subcommand("validate", "Check a scenario without running it");
-  Flags& flags = SetAction(*validate, program, &Validate);
+  ValidateFlags& flags = SetAction(*validate, program, &Validate);
   validate->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
   validate->add_flag("--load", flags.load,
                      "Load the scenario's controller.library too, which runs code of it");

@@ -27,7 +27,7 @@
 namespace twin::cli {
 namespace {
 
-struct Flags {
+struct VideoFlags {
   std::vector<std::string> cases;  ///< empty: all there are; to approve, at least one
   std::filesystem::path goldens = "tests/golden/cases";
   std::filesystem::path out = "out/video";     ///< of runs and the page
@@ -85,7 +85,7 @@ std::vector<std::string> CasesIn(const fs::path& goldens) {
   return names;
 }
 
-std::vector<scenario::VideoCase> Wanted(const Flags& flags) {
+std::vector<scenario::VideoCase> Wanted(const VideoFlags& flags) {
   const std::vector<std::string> all = CasesIn(flags.goldens);
   for (const std::string& name : flags.cases) {
     if (std::find(all.begin(), all.end(), name) != all.end()) continue;
@@ -102,7 +102,7 @@ std::vector<scenario::VideoCase> Wanted(const Flags& flags) {
   return cases;
 }
 
-std::string RunText(const scenario::VideoCase& wanted, const Flags& flags) {
+std::string RunText(const scenario::VideoCase& wanted, const VideoFlags& flags) {
   if (flags.log) return flags.log->string();
   std::string text = wanted.scenario.string();
   if (wanted.lab) text += fmt::format(", lab {}", *wanted.lab);
@@ -110,9 +110,9 @@ std::string RunText(const scenario::VideoCase& wanted, const Flags& flags) {
   return text;
 }
 
-std::string ApproveCommand(const scenario::VideoCase& wanted, const Flags& flags) {
+std::string ApproveCommand(const scenario::VideoCase& wanted, const VideoFlags& flags) {
   std::string command = fmt::format("panda-twin video approve {}", wanted.name);
-  if (flags.goldens != Flags().goldens) command += " --goldens " + flags.goldens.string();
+  if (flags.goldens != VideoFlags().goldens) command += " --goldens " + flags.goldens.string();
   if (flags.log) command += " --log " + flags.log->string();
   return command + " --reason \"why they are right\"";
 }
@@ -133,7 +133,7 @@ void RequireRunOf(const scenario::VideoCase& wanted, const scenario::Scenario& s
 /// A command while it goes on.
 class VideoSession {
  public:
-  VideoSession(const Flags& flags, const Program& program) : flags_(flags), program_(program) {
+  VideoSession(const VideoFlags& flags, const Program& program) : flags_(flags), program_(program) {
     RequireProgram("ffmpeg", program.host.path, "apt-get install ffmpeg");
   }
 
@@ -146,7 +146,7 @@ class VideoSession {
     for (const scenario::VideoCase& wanted : cases) goldens.push_back(ReadGoldenOf(wanted));
     std::vector<golden::CaseResult> results;
     for (std::size_t i = 0; i < cases.size(); ++i) {
-      results.push_back(Check(cases[i], std::move(goldens[i])));
+      results.push_back(CheckVideo(cases[i], std::move(goldens[i])));
       Tell(fmt::format("{:<24} {:<6} {}\n", cases[i].name,
                        results.back().comparison.passed() ? "ok" : "FAILED",
                        Describe(results.back().comparison, results.back().pictures)));
@@ -217,7 +217,7 @@ class VideoSession {
                                  FolderOf(wanted).string(), ApproveCommand(wanted, flags_)));
   }
 
-  golden::CaseResult Check(const scenario::VideoCase& wanted, golden::Golden golden) const {
+  golden::CaseResult CheckVideo(const scenario::VideoCase& wanted, golden::Golden golden) const {
     golden::CaseRun run = RunOf(wanted, false);
     run.Take(&golden, [this] { interrupt_.ThrowIfInterrupted(); });
     golden::CaseResult result{wanted.name, RunText(wanted, flags_), ApproveCommand(wanted, flags_)};
@@ -269,25 +269,25 @@ class VideoSession {
     std::fflush(stdout);
   }
 
-  const Flags& flags_;
+  const VideoFlags& flags_;
   const Program& program_;
   const InterruptGuard interrupt_;
 };
 
-int Check(const Flags& flags, const Program& program) {
+int CheckVideo(const VideoFlags& flags, const Program& program) {
   return VideoSession(flags, program).Compare(false);
 }
 
-int Report(const Flags& flags, const Program& program) {
+int Report(const VideoFlags& flags, const Program& program) {
   return VideoSession(flags, program).Compare(true);
 }
 
-int Approve(const Flags& flags, const Program& program) {
+int Approve(const VideoFlags& flags, const Program& program) {
   return VideoSession(flags, program).Approve();
 }
 
 /// The options that all three have. @returns the flags.
-Flags& AddCases(CLI::App& command, Flags& flags) {
+VideoFlags& AddCases(CLI::App& command, VideoFlags& flags) {
   command.add_option("cases", flags.cases, "Which (default: all there are)")->type_name("CASE...");
   command.add_option("--goldens", flags.goldens, "Folder of cases and of what was approved")
       ->type_name("DIR")
@@ -301,7 +301,7 @@ Flags& AddCases(CLI::App& command, Flags& flags) {
   return flags;
 }
 
-void AddJunit(CLI::App& command, Flags& flags) {
+void AddJunit(CLI::App& command, VideoFlags& flags) {
   command.add_option("--junit", flags.junit, "Write what came of the cases for machines, as XML")
       ->type_name("FILE");
 }
@@ -318,9 +318,9 @@ void AddVideo(CLI::App& app, Program& program) {
       video->add_subcommand("approve", "Keep what the cases look like now as right");
   CLI::App* report =
       video->add_subcommand("report", "Compare, and write the page whatever comes of it");
-  AddJunit(*check, AddCases(*check, SetAction(*check, program, &Check)));
+  AddJunit(*check, AddCases(*check, SetAction(*check, program, &CheckVideo)));
   AddJunit(*report, AddCases(*report, SetAction(*report, program, &Report)));
-  Flags& flags = AddCases(*approve, SetAction(*approve, program, &Approve));
+  VideoFlags& flags = AddCases(*approve, SetAction(*approve, program, &Approve));
   approve->get_option("cases")->required()->description("Which");
   approve->add_option("--reason", flags.reason, "Why they are right; it is kept")
       ->type_name("TEXT")

@@ -6,7 +6,7 @@
 #include "twin/core/time.h"
 #include "twin/reference/viability_filter.h"
 
-namespace twin::reference {
+namespace twin::reference::fixed_point_test {
 namespace {
 
 constexpr double kT = kCycleSeconds;
@@ -93,4 +93,4 @@ TEST(FixedPointTest, NoSmallerRangeIsEnough) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::fixed_point_test

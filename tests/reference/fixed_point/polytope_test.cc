@@ -8,7 +8,7 @@
 
 #include "twin/core/random.h"
 
-namespace twin::reference {
+namespace twin::reference::polytope_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -136,4 +136,4 @@ TEST(PolytopeTest, BeforeIsWhatACommandLeadsIntoTheSetFrom) {
 }
 
 }  // namespace
-}  // namespace twin::reference
+}  // namespace twin::reference::polytope_test
