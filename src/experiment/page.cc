@@ -179,8 +179,14 @@ std::string Outcome(const Findings& findings) {
   const std::ptrdiff_t met = Count(findings, Verdict::kPredicted);
   const std::ptrdiff_t missed = Count(findings, Verdict::kNotReproduced);
   const std::ptrdiff_t calibrated = Count(findings, Verdict::kCalibrated);
-  std::string outcome = met + missed == 0 ? "nothing demanded"
-                                          : fmt::format("{} of {} demands met", met, met + missed);
+  const std::ptrdiff_t of_the_paper =
+      std::ranges::count_if(findings.comparisons, [](const Comparison& comparison) {
+        return comparison.verdict == Verdict::kPredicted && comparison.paper.has_value();
+      });
+  std::string outcome =
+      met + missed == 0 ? "nothing demanded"
+                        : fmt::format("{} of {} demands met, {} of them on figures of the paper",
+                                      met, met + missed, of_the_paper);
   if (missed > 0) outcome += fmt::format("; {} not reproduced", missed);
   if (calibrated > 0) outcome += fmt::format("; {} calibrated", calibrated);
   return outcome;

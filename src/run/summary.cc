@@ -331,7 +331,7 @@ std::string SummaryText(const scenario::Scenario& scenario, const RunResult& res
   line("cycles", is_remote ? RemoteCyclesText(result.report.timings) : CyclesText(result.counts));
   if (const std::uint64_t stalled = result.report.timings.stalled; stalled > 0) {
     line("stalled", fmt::format("the controller gave no new target in {} cycles beyond "
-                                "tick.stall_time; the arm was led to the last one",
+                                "tick.stall_time",
                                 stalled));
   }
   if (result.viability) line("kept back", ViabilityText(*result.viability));

@@ -70,9 +70,11 @@ TEST(OutcomeTest, CountsPredictionsAlone) {
   EXPECT_EQ(Outcome(Found({calibrated, Compared(Verdict::kReported)})),
             "nothing demanded; 1 calibrated");
   EXPECT_EQ(Outcome(Found({predicted, calibrated, Compared(Verdict::kReported)})),
-            "1 of 1 demands met; 1 calibrated");
-  EXPECT_EQ(Outcome(Found({predicted, Compared(Verdict::kNotReproduced)})),
-            "1 of 2 demands met; 1 not reproduced");
+            "1 of 1 demands met, 1 of them on figures of the paper; 1 calibrated");
+  Comparison own = predicted;
+  own.paper.reset();
+  EXPECT_EQ(Outcome(Found({predicted, own, Compared(Verdict::kNotReproduced)})),
+            "2 of 3 demands met, 1 of them on figures of the paper; 1 not reproduced");
 }
 
 TEST(MissedLinesTest, NameEachDemandThatIsMissedForNoKnownReason) {

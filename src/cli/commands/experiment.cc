@@ -48,8 +48,9 @@ struct ExperimentFlags {
 constexpr const char* kExperimentFooter =
     R"(In lockstep the same seed gives the same report, byte by byte; in realtime it tells what this machine makes of
 the loops, and takes about 7 minutes. Writes report.html, one page that needs no other file, findings.json, every
-figure with its verdict (predicted, calibrated, not reproduced), and csv/*.csv, the points of every curve. The delays of the three loops are in bare.yaml, synchronous.yaml and asynchronous.yaml of
-models/experiments; --calibration takes a folder with yours.
+figure with its verdict (predicted, calibrated, not reproduced, reported), and csv/*.csv, the points of every curve.
+The delays of the three loops are in bare.yaml, synchronous.yaml and asynchronous.yaml of models/experiments;
+--calibration takes a folder with yours. If one names a controller.library, its code runs, with your rights.
 `timings --client CMD` serves a robot on the wall clock, runs any program made for it until it ends, and tells its
 d_EXT on the wire, unserved cycles, losses in a row and how far they are from the 20 that end a motion (of one that
 does not end by itself after --for S), so
