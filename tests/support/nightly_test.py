@@ -47,6 +47,12 @@ class NightlyTest(unittest.TestCase):
         self.assertEqual(self.nightly().returncode, 1)
         self.assertCountEqual(self.runs(), ["good", "skips", "bad"])
 
+    def test_a_name_that_matches_no_item_is_an_error(self):
+        for options in ([], ["--list"]):
+            done = self.nightly(*options, only="^nothing$")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("^nothing$", done.stderr)
+
     def test_what_has_ended_is_not_repeated(self):
         self.nightly(only="^good$")
         self.assertEqual(self.runs(), ["good"])
