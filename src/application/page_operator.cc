@@ -44,7 +44,9 @@ scenario::Scenario LedFromThePage(scenario::Scenario served) {
 
 run::RealtimeSettings ServedAt(const fci::Endpoint& arm) {
   run::RealtimeSettings settings;
-  settings.remote.host = "127.0.0.1";
+  // Where this server listens: at the same port of another address another robot may answer.
+  const std::string served = fci::ToString(arm);
+  settings.remote.host = arm.address == 0 ? "127.0.0.1" : served.substr(0, served.rfind(':'));
   settings.remote.arm_port = arm.port;
   settings.checks_start = false;
   return settings;

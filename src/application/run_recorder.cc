@@ -188,6 +188,7 @@ void RunRecorder::Execute(std::optional<fci::Capture>& capture) {
 }
 
 void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
+  out_.RequireOther(inputs_.options.scenario);
   const auto connect = [this]() -> const backend::Connection& {
     run_ = Connect(settings_);
     return *run_.connection;

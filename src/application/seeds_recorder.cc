@@ -186,6 +186,7 @@ MonteCarloResult RunAllSeeds(const RunInputs& inputs, const SeedsOptions& option
 void RecordSeeds(const RunInputs& inputs, const SeedsOptions& options) {
   const scenario::Scenario& scenario = inputs.scenario;
   run::ResultFolder out(inputs.options.out);
+  out.RequireOther(inputs.options.scenario);
   out.Prepare();
   out.Clear();
   const MonteCarloResult result = RunAllSeeds(inputs, options);

@@ -103,6 +103,13 @@ bool ResultFolder::Holds(const fs::path& file) const {
   });
 }
 
+void ResultFolder::RequireOther(const fs::path& input) const {
+  if (!Holds(input)) return;
+  throw InputError(fmt::format(
+      "{} is a result of an earlier run, which this run would replace; choose another --out",
+      input.string()));
+}
+
 void ResultFolder::Clear() const {
   RemovePartial();
   for (const fs::path& file : Files()) {

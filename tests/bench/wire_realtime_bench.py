@@ -20,7 +20,7 @@ import time
 HOGS = 2
 ATTEMPTS = 5
 HOME = "0, -0.7853981633974483, 0, -2.356194490192345, 0, 1.5707963267948966"
-SERVED = "name: served\nint: {abort_after_lost: 1000000}\nmotion: {trajectory: {unit: rad, waypoints: [{q: [HOME, 0.7854]}, " \
+SERVED = "name: served\nonboard: {abort_after_lost: 1000000}\nmotion: {trajectory: {unit: rad, waypoints: [{q: [HOME, 0.7854]}, " \
          "{q: [HOME, 0.7855]}]}}\n".replace("HOME", HOME)
 # Not quite still: a trajectory goes somewhere.
 HOLD = f"""\

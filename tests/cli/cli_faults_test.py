@@ -41,6 +41,14 @@ class BadScenario(CliTest):
                 self.assertEqual({name: (self.out / name).read_bytes() for name in self.files()}, before)
 
 
+    def test_a_run_does_not_replace_the_scenario_that_it_runs(self):
+        self.assertEqual(self.run_scenario().returncode, 0)
+        before = (self.out / "scenario.yaml").read_bytes()
+        done = subprocess.run([cli_test.PROGRAM, "run", self.out / "scenario.yaml", "--out", self.out], capture_output=True, text=True)
+        self.assert_error(done, 3, "which this run would replace; choose another --out")
+        self.assertEqual((self.out / "scenario.yaml").read_bytes(), before)
+
+
 class BadEnvironment(CliTest):
     def test_a_file_that_may_not_grow_leaves_a_log_that_can_be_read(self):
         limit = 300_000  # less than the log of 20 s

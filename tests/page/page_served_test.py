@@ -75,10 +75,12 @@ class PersistentOperator(Operator):
 
 
 class PageServedTest(unittest.TestCase):
+    bind = ()
+
     def setUp(self):
         arm = two_free_ports()
         self.process = subprocess.Popen(
-            [PROGRAM, "serve", "--page=0", "--port", str(arm), "--hand-port", str(arm + 1), "--data", SOURCE / "models"],
+            [PROGRAM, "serve", *self.bind, "--page=0", "--port", str(arm), "--hand-port", str(arm + 1), "--data", SOURCE / "models"],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(self.end)
         for line in self.process.stdout:
@@ -109,6 +111,11 @@ class PageServedTest(unittest.TestCase):
         operator.client.say("give_back")
         stopped = operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["p"]
         operator.lead_arm([0, 0, -1, 0, 0, 0], lambda arm: arm["p"][2] < stopped[2] - 0.02)
+
+
+class PageServedAtAnotherAddressTest(PageServedTest):
+    """The page leads the robot of its own server, not one that answers at the same port of 127.0.0.1."""
+    bind = ("--bind", "127.0.0.5")
 
 
 class PageElsewhereTest(unittest.TestCase):

@@ -29,6 +29,8 @@ class ResultFolder {
 
   /// Whether a run writes this file, or its incomplete form.
   [[nodiscard]] bool Holds(const std::filesystem::path& file) const;
+  /// @throws InputError if Holds(input): the run would replace its own input.
+  void RequireOther(const std::filesystem::path& input) const;
 
   [[nodiscard]] const std::filesystem::path& folder() const noexcept { return folder_; }
   [[nodiscard]] std::filesystem::path log() const { return folder_ / "run.mcap"; }
