@@ -45,8 +45,7 @@ scenario::Scenario LedFromThePage(scenario::Scenario served) {
 run::RealtimeSettings ServedAt(const fci::Endpoint& arm) {
   run::RealtimeSettings settings;
   // Where this server listens: at the same port of another address another robot may answer.
-  const std::string served = fci::ToString(arm);
-  settings.remote.host = arm.address == 0 ? "127.0.0.1" : served.substr(0, served.rfind(':'));
+  settings.remote.host = arm.address == 0 ? "127.0.0.1" : fci::AddressText(arm.address);
   settings.remote.arm_port = arm.port;
   settings.checks_start = false;
   return settings;

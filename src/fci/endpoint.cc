@@ -18,11 +18,6 @@ namespace {
 
 constexpr int kAddressBits = 32;
 
-std::string AddressText(std::uint32_t address) {
-  return fmt::format("{}.{}.{}.{}", address >> 24, (address >> 16) & 0xFF, (address >> 8) & 0xFF,
-                     address & 0xFF);
-}
-
 [[noreturn]] void RefuseNetwork(const std::string& text, std::string_view why) {
   throw InputError(fmt::format(
       "\"{}\" is no network: {}; write ADDRESS/BITS, like 192.168.1.0/24 or 192.168.1.7/32", text,
@@ -53,6 +48,11 @@ int FileDescriptor::Release() noexcept {
 
 void FileDescriptor::Reset() noexcept {
   if (valid()) close(Release());
+}
+
+std::string AddressText(std::uint32_t address) {
+  return fmt::format("{}.{}.{}.{}", address >> 24, (address >> 16) & 0xFF, (address >> 8) & 0xFF,
+                     address & 0xFF);
 }
 
 std::string ToString(const Endpoint& endpoint) {

@@ -17,10 +17,10 @@
 
 namespace twin::application {
 
-/// Does on a served robot what the operator at its page wants: as a client like any other, over the
-/// Franka Control Interface on the loopback network, by backend fci and the application
-/// teleoperation. Connects when somebody takes control, and is gone when nobody has it; while
-/// another client is connected, it is refused as any second one.
+/// Moves a served robot as the operator at its page commands: a client like any other, by backend
+/// fci at the address where the robot is served, and the application teleoperation. It connects
+/// when an operator takes control and disconnects when the operator gives control back. While
+/// another client is connected, the server refuses it as any second one.
 ///
 /// Threads: Operate() from any; the client is on a thread of its own.
 class PageOperator {

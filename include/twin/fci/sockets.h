@@ -43,6 +43,8 @@ using Endpoint = record::PacketEnd;
   return address >> 24 == 127;
 }
 
+/// "127.0.0.1".
+[[nodiscard]] std::string AddressText(std::uint32_t address);
 /// "127.0.0.1:1337".
 [[nodiscard]] std::string ToString(const Endpoint& endpoint);
 /// @param host  an IPv4 address or a name. May block in the resolver. @throws InputError naming it.
