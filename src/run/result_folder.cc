@@ -28,6 +28,13 @@ namespace fs = std::filesystem;
       path.string(), why));
 }
 
+/// Without links where they can be read: a folder without permission is reported on writing.
+fs::path Resolved(const fs::path& file) {
+  std::error_code error;
+  fs::path resolved = fs::weakly_canonical(file, error);
+  return error ? fs::absolute(file).lexically_normal() : resolved;
+}
+
 std::string LastError() {
   return std::generic_category().message(errno);
 }
@@ -96,9 +103,9 @@ std::vector<fs::path> ResultFolder::Files() const {
 }
 
 bool ResultFolder::Holds(const fs::path& file) const {
-  const fs::path there = fs::weakly_canonical(file);
+  const fs::path there = Resolved(file);
   return std::ranges::any_of(Files(), [&](const fs::path& own) {
-    const fs::path ours = fs::weakly_canonical(own);
+    const fs::path ours = Resolved(own);
     return there == ours || there == PartialOf(ours);
   });
 }
