@@ -36,8 +36,8 @@ bool IsTransform(const Transform& T) noexcept {
   return true;
 }
 
-/// Slow enough for the robot to be told that the motion is over: it stops within its limits at
-/// once.
+/// True when the reference is slow enough to finish the motion: the robot then stops at once within
+/// its limits.
 bool Rests(const RobotState& state) noexcept {
   constexpr double kSlow = 1e-3;  // rad/s; m/s for a pose
   constexpr double kEven = 1;     // rad/s^2; m/s^2
@@ -93,7 +93,7 @@ void CommandChain::Next(const RobotState& state, const reference::Target& target
 }
 
 void CommandChain::MatchAndDecay(const reference::Target& target, std::uint64_t cycles) noexcept {
-  // More than a window of cycles fills it with the same target as a window does.
+  // One window of cycles fills the matcher with the target; more have no further effect.
   const std::uint64_t steps = std::min<std::uint64_t>(cycles, window_ + 1);
   for (std::uint64_t i = 0; i < steps; ++i) stages_->Match(target, matched_);
   if (stalled()) {
@@ -105,8 +105,8 @@ void CommandChain::MatchAndDecay(const reference::Target& target, std::uint64_t 
 }
 
 bool CommandChain::Arrived(const RobotState& state) const noexcept {
-  // A requested command is not always the one sent: where the filter brakes, the reference may pass
-  // its target at speed.
+  // The sent command may differ from the requested one: while the filter brakes, the reference may
+  // pass its target at speed.
   if ((rejoining_ || config_.viability) && !Rests(state)) return false;
   if (rejoining_) return rejoining_->Arrived(state, config_.finish_tolerance_rad);
   return stages_->Arrived(state, matched_);

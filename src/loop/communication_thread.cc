@@ -8,7 +8,7 @@
 namespace twin::loop {
 namespace {
 
-/// Longest sleep without a look at whether the thread is to stop.
+/// Longest sleep between two checks for a stop request.
 constexpr Duration kLook = std::chrono::milliseconds(50);
 constexpr Duration kCallTimeout = std::chrono::seconds(1);
 
@@ -45,7 +45,7 @@ void CommunicationThread::Run(const std::stop_token& stop) noexcept {
   try {
     Communicate(stop);
   } catch (...) {
-    // Nothing on the tick's path throws; should it, the arm must stop all the same.
+    // Ticks do not throw. If one does nevertheless, the arm must stop.
     StopMotion(LoopFailure::kException);
   }
 }

@@ -16,21 +16,21 @@
 
 namespace twin::loop {
 
-/// The paper's asynchronous thread: runs a communication loop, and nothing else, at real-time
-/// priority, until it is stopped. It waits for robot states only (and, in a synchronous loop, for
-/// its own grid); what others want of it are calls between two ticks.
+/// The paper's asynchronous thread: runs a communication loop at real-time priority until Stop().
+/// It waits for robot states only (and, in a synchronous loop, for its grid). It executes the calls
+/// of other threads between two ticks.
 ///
-/// When it fails (a command that must not be sent, connection gone, an exception) it first stops
-/// the motion, then tells the watch; the connection permitting, it goes on reading, so that the
-/// arm's stop is seen.
+/// On a failure (invalid command, lost connection, exception) it first stops the motion, then
+/// reports to the watch. If the connection still works, it continues to read, to observe the arm's
+/// stop.
 ///
-/// Threads: constructed and destroyed by the onlooker. Real-time: between its first and its last
-/// tick it allocates nothing, takes no lock, writes no log and throws nothing.
+/// Threads: constructed and destroyed by the supervisor. Real-time: between its first and its last
+/// tick it does not allocate, lock, log or throw.
 class CommunicationThread {
  public:
-  /// Starts the thread, and returns when it is set up. Everything must outlive it.
+  /// Starts the thread and returns once it is set up. All arguments must outlive it.
   /// @param moving  notified at the first state of a motion.
-  /// @throws InputError as rt::SetUpThisThread.
+  /// @throws InputError as rt::SetUpThisThread().
   CommunicationThread(const MonotonicClock& clock, CommunicationLoop& loop,
                       backend::Backend& backend, rt::Arrival& arrival, MotionWatch& watch,
                       rt::Signal& moving, const rt::ThreadSettings& settings);
@@ -38,16 +38,16 @@ class CommunicationThread {
   /// Runs `call` on the thread. @returns false when the thread does not answer.
   [[nodiscard]] bool Execute(rt::Call& call);
 
-  /// Onlooker. The newest state that was read. @pre the watch has one.
+  /// The newest state read. Threads: the supervisor's. @pre the watch has a state.
   [[nodiscard]] const RobotState& State() noexcept {
     states_.Refresh();
     return states_.value();
   }
 
-  /// What the thread was not permitted.
+  /// Thread settings that the system did not permit.
   [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
 
-  /// Ends the thread; the loop is the caller's again.
+  /// Ends the thread; the caller may then use the loop again.
   void Stop();
 
  private:

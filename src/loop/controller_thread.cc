@@ -33,7 +33,7 @@ void ControllerThread::Run(const std::stop_token& stop) noexcept {
   }
   Time at = loop_.Start(clock_.Now());
   while (!stop.stop_requested() && !watch_.ended()) {
-    if (wake_.AwaitUntil(at)) continue;  // told to stop
+    if (wake_.AwaitUntil(at)) continue;  // stop requested
     const Time now = clock_.Now();
     at = loop_.OnWake(now) ? loop_.OnDone(clock_.Now()) : loop_.NextWake(now);
   }

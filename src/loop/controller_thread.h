@@ -14,20 +14,20 @@
 namespace twin::loop {
 
 /// Runs the controller beside the communication thread, on the controller's own grid, from the
-/// first state of the motion until it is stopped.
+/// first state of the motion until Stop().
 ///
-/// Threads: constructed, stopped and destroyed by the onlooker.
+/// Threads: constructed, stopped and destroyed by the supervisor.
 class ControllerThread {
  public:
-  /// Starts the thread, and returns when it is set up. @throws InputError as rt::SetUpThisThread.
+  /// Starts the thread and returns once it is set up. @throws InputError as rt::SetUpThisThread().
   /// @param moving  notified at the first state of the motion; this thread waits on it.
   ControllerThread(const MonotonicClock& clock, ControllerLoop& loop, const MotionWatch& watch,
                    rt::Signal& moving, const rt::ThreadSettings& settings);
 
-  /// What the thread was not permitted.
+  /// Thread settings that the system did not permit.
   [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
 
-  /// No update is running, and none begins, after it returns.
+  /// Ends the thread; after return no update runs or begins.
   void Stop();
 
  private:

@@ -8,7 +8,7 @@
 namespace twin::loop {
 namespace {
 
-/// @returns whether `value` is a new largest one; what is no number counts as infinite.
+/// @returns true if `value` is a new maximum. A value that is not finite counts as infinite.
 bool Raise(double& largest, double value) noexcept {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   if (value <= largest || largest == kInfinite) return false;

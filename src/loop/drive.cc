@@ -5,7 +5,7 @@
 namespace twin::loop {
 namespace {
 
-/// A robot without a state for this long counts as gone.
+/// A robot that sends no state for this long counts as disconnected.
 constexpr Duration kTimeout = std::chrono::seconds(1);
 
 }  // namespace
@@ -15,7 +15,7 @@ bool Drive::PassUntil(Time limit, const std::function<bool(const RobotState*)>& 
   const auto now = [this] { return wall_clock() != nullptr ? wall_clock()->Now() : Now(); };
   Time heard = now();
   Time arrival{};
-  // States in the queue are old.
+  // Discards the old states in the queue.
   static_cast<void>(backend.Read(backend::ReadRule::kNewest, state_, arrival));
   while (true) {
     const RobotState* read = nullptr;

@@ -54,7 +54,7 @@ void ReadKernel(HostFacts& facts) {
                           std::string_view(names.version).find("PREEMPT_RT") != std::string::npos;
 }
 
-/// Tried on a thread of its own.
+/// Tries it on a separate thread.
 bool MayUseFifo() {
   bool allowed = false;
   std::thread([&allowed] {
@@ -65,18 +65,19 @@ bool MayUseFifo() {
   return allowed;
 }
 
-/// Shares of unserved cycles: the paper's stack does well at 0.4 %; libfranka's communication_test
-/// complains beyond 5 %. Beyond so many in a row the robot ends the motion.
+/// Bounds on the share of unserved cycles: the paper's stack works well at 0.4 %; libfranka's
+/// communication_test warns above 5 %. After more than kEndsMotion in a row, the robot ends the
+/// motion.
 constexpr double kGoodShare = 0.005;
 constexpr double kUsableShare = 0.05;
 constexpr std::uint64_t kEndsMotion = 20;
 
-/// Instants 1 ms apart; those that have passed are skipped and counted.
+/// Instants 1 ms apart; skips and counts those that have passed.
 class Grid {
  public:
   explicit Grid(Time now) : due_(now + kCycle) {}
   [[nodiscard]] Time due() const noexcept { return due_; }
-  /// @returns how many instants were skipped.
+  /// @returns the number of skipped instants.
   std::uint64_t Advance(Time now) noexcept {
     due_ += kCycle;
     const auto passed = std::max<Duration::rep>(0, (now - due_) / kCycle);
@@ -101,7 +102,7 @@ class RoundTrips {
   RoundTrips(const MonotonicClock& clock, JitterFigures& figures)
       : clock_(clock), figures_(figures), arrived_(clock) {}
 
-  /// On the communication thread.
+  /// Threads: the communication thread.
   void Answer(const std::stop_token& stop) noexcept {
     while (!stop.stop_requested()) {
       if (!arrived_.AwaitUntil(clock_.Now() + 50 * kCycle) || !states_.Refresh()) continue;
@@ -112,7 +113,7 @@ class RoundTrips {
     }
   }
 
-  /// On the robot's thread.
+  /// Threads: the robot's.
   void Send(Time end) noexcept {
     Grid grid(clock_.Now());
     std::uint64_t skipped = 0;
@@ -133,7 +134,7 @@ class RoundTrips {
     Duration took{};
   };
 
-  /// Whether state `id` has been answered in time.
+  /// True if state `id` was answered in time.
   void Count(std::uint64_t id) noexcept {
     answers_.Refresh();
     const Message& answer = answers_.value();

@@ -32,8 +32,8 @@ bool AllZero(const std::array<double, N>& values) noexcept {
   return std::ranges::all_of(values, [](double x) { return x == 0; });
 }
 
-/// Largest difference of two values: of two poses in m, or of a rotation matrix's element (rad,
-/// when small).
+/// Largest difference of two elements. For poses: m, or an element of the rotation matrix (rad, if
+/// small).
 template <std::size_t N>
 double LargestDifference(const std::array<double, N>& a, const std::array<double, N>& b) noexcept {
   double largest = 0;

@@ -39,13 +39,12 @@ class InterfaceStages {
   /// @pre TickConfig::viability.
   virtual Viable KeepViable(const RobotState& state,
                             RobotCommand& command) const noexcept TWIN_REALTIME = 0;
-  /// Whether the target is at rest, and the robot's reference within the finish tolerance of it.
+  /// True when the target is at rest and the robot's reference within the finish tolerance of it.
   [[nodiscard]] virtual bool Arrived(
       const RobotState& state, const reference::Target& matched) const noexcept TWIN_REALTIME = 0;
 };
 
-/// Rate whose updates the matcher spreads over the cycles; without rate matching that of the
-/// cycles.
+/// Source rate for the rate matcher, Hz; without rate matching, the rate of the cycles.
 [[nodiscard]] double MatchedRate(const TickConfig& config) noexcept;
 
 /// @param config  validated for `interface`.

@@ -9,8 +9,8 @@ namespace {
 
 class LockstepRunner;
 
-/// Hands the queue's events to the motion they were scheduled for. It outlives the motions: an
-/// event that is still pending when its motion is over reaches nobody.
+/// Forwards the queue's events to the motion that they were scheduled for. It outlives the motions:
+/// an event that is still pending when its motion has ended is ignored.
 class Port final : public rt::EventHandler {
  public:
   using Step = void (LockstepRunner::*)(Time) noexcept;
@@ -171,7 +171,7 @@ class LockstepDrive final : public Drive, private rt::EventHandler {
   LockstepRunner* runner_ = nullptr;
   Ports ports_{Port(&LockstepRunner::OnReadBegin), Port(&LockstepRunner::OnTickDone),
                Port(&LockstepRunner::OnControllerWake), Port(&LockstepRunner::OnControllerDone)};
-  // The backend's robot is on the queue and tells the drive: the queue must outlive it.
+  // The backend's robot uses the queue and notifies the drive, so the queue must outlive it.
   rt::EventQueue events_;
   backend::Connection connection_;
 };

@@ -16,17 +16,17 @@
 
 namespace twin::loop {
 
-/// @returns `run` without its models of delay and cost: on a clock, they are what passes.
+/// @returns `run` without its delay and cost models: on a clock, actual time passes.
 [[nodiscard]] MotionRun WithoutModels(MotionRun run);
 
-/// @returns the communication loop that `run` asks for, around `tick`.
+/// @returns the communication loop of the kind that `run` selects, with `tick`.
 [[nodiscard]] std::unique_ptr<CommunicationLoop> MakeLoop(const MotionRun& run, ControlTick& tick,
                                                           Exchange& exchange);
 
-/// Runs one motion: first state, activation, start, motion, end, rest. The drives derive from it
-/// and add how time passes and where the communication loop runs.
+/// Runs one motion: first state, activation, start, motion, end, rest. Each drive derives from it
+/// and implements the passage of time and the thread of the communication loop.
 ///
-/// Threads: the caller's. The watch is what it knows of the others.
+/// Threads: the caller's, called the supervisor. It observes the others through the watch only.
 class MotionRunner {
  public:
   virtual ~MotionRunner() = default;
@@ -37,19 +37,20 @@ class MotionRunner {
   [[nodiscard]] RunReport Run();
 
  protected:
-  /// A derived class makes loop_. @param run  must outlive the runner.
+  /// The derived class must create loop_. @param run  must outlive the runner.
   explicit MotionRunner(const MotionRun& run);
 
   [[nodiscard]] virtual Time Now() const = 0;
-  /// Lets time pass until `done()`, which is asked often. @returns false when `limit` came first.
+  /// Lets time pass until `done()`, called often, returns true. @returns false when `limit` has
+  /// passed first.
   [[nodiscard]] virtual bool PassUntil(Time limit, const std::function<bool()>& done) = 0;
-  /// The newest state that was read. @pre the watch has one.
+  /// The newest state read. @pre the watch has a state.
   [[nodiscard]] virtual const RobotState& State() { return loop_->state(); }
-  /// Tells the communication loop that a motion is about to start.
+  /// Prepares the communication loop for a motion.
   virtual void Activate(const MotionModes& modes) { loop_->Activate(modes); }
   /// Ends the controller's updates.
   virtual void StopController() = 0;
-  /// Ends the motion's threads, after which its loops are the caller's.
+  /// Ends the motion's threads; the caller may then use the loops.
   virtual void EndThreads() {}
 
   const MotionRun& run_;
@@ -79,12 +80,12 @@ class MotionRunner {
   }
 
   RestWatch rest_;
-  std::uint64_t newest_ = 0;  ///< id of the newest state that was looked at; 0: none yet
+  std::uint64_t newest_ = 0;  ///< message_id of the newest state examined; 0: none yet
   bool stopping_ = false;
-  bool deaf_ = false;  ///< no state comes any more
+  bool deaf_ = false;  ///< states have stopped arriving
   Time next_look_{};
   Time next_attendance_{};
-  Time silent_since_{};  ///< at the earliest
+  Time silent_since_{};  ///< earliest start of a silence
 };
 
 }  // namespace twin::loop

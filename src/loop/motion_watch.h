@@ -9,26 +9,26 @@
 
 namespace twin::loop {
 
-/// Why the workstation's side gave up.
+/// Failure of the workstation's side.
 enum class LoopFailure : std::uint8_t {
   kNone,
-  kInvalidCommand,  ///< the controller's target made a command that must not be sent
-  kConnectionLost,  ///< the backend says the connection is gone
-  kException,       ///< the communication thread met an exception
+  kInvalidCommand,  ///< the controller's target gave a command that must not be sent
+  kConnectionLost,  ///< the backend reports that the connection is lost
+  kException,       ///< the communication thread caught an exception
 };
 
-/// What the communication side has seen of a motion, for whoever looks on.
+/// Progress of a motion as observed by the communication side, for other threads.
 ///
-///     communication side: Observe() --atomics--> onlooker, controller thread
+///     communication side: Observe() --atomics--> supervisor, controller thread
 ///
-/// Each member is a single fact that only rises, stored with release after what led to it and read
-/// with acquire.
+/// Each member is a single fact that never falls back. It is stored with release after its cause
+/// and read with acquire.
 ///
-/// Threads: Observe() and Fail() from the communication side, Expect() and End() from the onlooker,
-/// the rest from any. Real-time: noexcept, wait-free.
+/// Threads: Observe() and Fail() from the communication side, Expect() and End() from the
+/// supervisor (MotionRunner), the rest from any. Real-time: noexcept, wait-free.
 class MotionWatch {
  public:
-  /// A motion has been asked for.
+  /// A motion has been requested.
   void Expect() noexcept { expected_.store(true, std::memory_order_release); }
 
   /// A state was read. @returns true when it is the first of the motion.
@@ -41,10 +41,10 @@ class MotionWatch {
   }
 
   void Fail(LoopFailure failure) noexcept TWIN_REALTIME {
-    LoopFailure none = LoopFailure::kNone;  // the first failure stays
+    LoopFailure none = LoopFailure::kNone;  // keeps the first failure
     failure_.compare_exchange_strong(none, failure, std::memory_order_acq_rel);
   }
-  /// The motion is over though no state has shown it.
+  /// The motion has ended, though no state has shown its end.
   void End() noexcept { ended_.store(true, std::memory_order_release); }
 
   [[nodiscard]] bool has_state() const noexcept {

@@ -11,10 +11,10 @@
 namespace twin::loop {
 namespace {
 
-/// How often the onlooker looks.
+/// Poll period of the supervisor.
 constexpr Duration kPollPeriod = std::chrono::milliseconds(5);
 
-/// What both threads were refused is told once.
+/// Reports a setting once if it was refused to both threads.
 void AddNew(const std::vector<std::string>& notices, std::vector<std::string>& all) {
   for (const std::string& notice : notices) {
     if (std::ranges::find(all, notice) == all.end()) all.push_back(notice);
@@ -27,7 +27,7 @@ class RealtimeRunner final : public MotionRunner {
                  const MotionRun& run, const DriveThreads& threads)
       : MotionRunner(run), clock_(clock), moving_(clock) {
     loop_ = MakeLoop(run, tick_, exchange_);
-    // A simulated robot puts its own cycles.
+    // A simulated robot puts its cycle records itself.
     loop_->RecordStates(connection.robot_time == nullptr);
     communication_.emplace(clock, *loop_, run.backend, *connection.arrival, watch_, moving_,
                            threads.communication);
@@ -39,7 +39,7 @@ class RealtimeRunner final : public MotionRunner {
   RealtimeRunner(const RealtimeRunner&) = delete;
   RealtimeRunner& operator=(const RealtimeRunner&) = delete;
 
-  /// What the threads were not permitted. @pre the motion is over.
+  /// Thread settings that the system did not permit. @pre the motion has ended.
   [[nodiscard]] std::vector<std::string> Notices() const {
     std::vector<std::string> notices = communication_->notices();
     if (controller_) AddNew(controller_->notices(), notices);
@@ -78,7 +78,7 @@ class RealtimeRunner final : public MotionRunner {
         "panda-twin check)");
   }
 
-  /// Ends both threads; afterwards nothing puts ticks or calls the controller.
+  /// Ends both threads; after return no thread puts ticks or calls the controller.
   void StopThreads() {
     if (controller_) controller_->Stop();
     if (communication_) communication_->Stop();
@@ -86,8 +86,8 @@ class RealtimeRunner final : public MotionRunner {
 
   const MonotonicClock& clock_;
   rt::Signal moving_;
-  std::optional<CommunicationThread> communication_;  ///< there from the constructor on
-  std::optional<ControllerThread> controller_;        ///< of the asynchronous loop
+  std::optional<CommunicationThread> communication_;  ///< set by the constructor
+  std::optional<ControllerThread> controller_;        ///< asynchronous loop only
 };
 
 class RealtimeDrive final : public Drive {

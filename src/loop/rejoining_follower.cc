@@ -57,7 +57,7 @@ void RejoiningFollower::Observe(const RobotState& state, const reference::Target
                                 bool stalled) noexcept {
   constexpr std::uint64_t kMostCycles = 64;  // the robot ends a motion after 20 without a command
   const bool by_velocity = interface_ == CommandInterface::kJointVelocity;
-  // A deposit's lag is measured against the cycle in which it is taken.
+  // The resampler measures a deposit's lag against the cycle that takes the deposit.
   for (std::uint64_t i = 1; i < std::min(cycles, kMostCycles); ++i) Advance();
   if (fresh && interface_ == CommandInterface::kCartesianPose) {
     poses_.Deposit(source_time, target.pose.O_T_EE);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr Duration kSilenceTimeout = std::chrono::seconds(1);
 
-/// Reads on the thread, and counts.
+/// Reads and counts states on the listening thread.
 class Listener {
  public:
   Listener(const MonotonicClock& clock, backend::Backend& backend, rt::Arrival& arrival,

@@ -9,10 +9,10 @@
 namespace twin::loop {
 namespace {
 
-/// Longest wait for a state without a look at what the caller wants.
+/// Longest wait for a state between two checks of the caller's condition.
 constexpr Duration kStatePoll = std::chrono::milliseconds(50);
 
-/// What costs and tolerances mean on a clock has no meaning on states.
+/// Removes costs and tolerances, which have no meaning where states are the time.
 MotionRun OnStates(const MotionRun& run) {
   if (run.kind == LoopKind::kSynchronous) {
     throw InputError(
@@ -24,10 +24,10 @@ MotionRun OnStates(const MotionRun& run) {
   return on_states;
 }
 
-/// How far the robot's states have come, over several motions.
+/// Progress of the robot's states over several motions.
 struct StateTimeline {
-  std::uint64_t first_id = 0;  ///< of the state at time zero; 0: of the next that is read
-  Time now{};                  ///< of the state read last
+  std::uint64_t first_id = 0;  ///< message_id of the state at time zero; 0: the next state read
+  Time now{};                  ///< time of the state read last
 };
 
 class StateTimeRunner final : public MotionRunner {
@@ -55,7 +55,7 @@ class StateTimeRunner final : public MotionRunner {
   }
   void StopController() override { loop_->StopController(); }
 
-  /// One state, if one comes in time.
+  /// Handles one state, if one arrives in time.
   void Step() {
     switch (loop_->OnState()) {
       case CommunicationLoop::Outcome::kPending:

@@ -5,10 +5,11 @@
 namespace twin::loop {
 namespace {
 
-/// Without a state, after which the controller's wake-ups are skipped: a cycle's work is bounded.
+/// Longest time between two states for which the controller's wake-ups are made up for; bounds the
+/// work of a cycle.
 constexpr Duration kLongestGap = std::chrono::milliseconds(64);
 
-/// Of the robot's time between two states.
+/// Robot time between two states.
 Duration Between(std::uint64_t first_id, std::uint64_t id) noexcept {
   return kCycle * static_cast<std::int64_t>(id - first_id);
 }

@@ -1,7 +1,7 @@
 #include "loop/trace_points.h"
 
-// The program has the points, a library of its own what records them (trace_provider.cc): a program
-// that is not traced neither needs LTTng nor has its threads.
+// The program contains the tracepoints; a separate library records them (trace_provider.cc). An
+// untraced program therefore neither needs LTTng nor runs its threads.
 #define LTTNG_UST_TRACEPOINT_DEFINE
 #define LTTNG_UST_TRACEPOINT_PROBE_DYNAMIC_LINKAGE
 #include "loop/trace_events.def"

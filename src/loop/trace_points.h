@@ -6,15 +6,15 @@
 
 /// LTTng's tracepoints around a state's read and its command's write, as the paper measured d_EXT.
 ///
-/// Only in builds with -DTWIN_LTTNG=ON; in others nothing is left of them. The events, and what
-/// each means, are in trace_events.def. They reach a trace when the program runs under
-/// scripts/trace, which loads what records them (trace_provider.cc) into the program.
+/// Only in builds with -DTWIN_LTTNG=ON; other builds contain no tracepoint. trace_events.def lists
+/// the events and their meaning. They reach a trace when the program runs under scripts/trace,
+/// which loads the recording library (trace_provider.cc) into the program.
 ///
-/// Threads: any. Real-time: a load and a branch as long as nobody records. While LTTng records, a
-/// thread's first event registers the thread with LTTng, which locks a mutex;
-/// the communication has its first event before a motion begins, when it looks for the first state.
-/// Later events neither lock nor allocate, and make no system call: scripts/trace lets a timer of
-/// the reader's fetch them.
+/// Threads: any. Real-time: a load and a branch while LTTng does not record. While it records, a
+/// thread's first event registers the thread with LTTng, which locks a mutex; the communication
+/// thread has its first event before a motion begins, at the read of the first state. Later events
+/// do not lock, allocate or make a system call: with scripts/trace, a timer of the reader fetches
+/// them.
 namespace twin::loop {
 
 #ifdef TWIN_LTTNG

@@ -5,11 +5,11 @@
 namespace twin::loop {
 
 /// The paper's asynchronous loop: block on a fresh state -> publish -> fetch the newest deposit ->
-/// transmit, and nothing else in it. Controllers run beside it, in a ControllerLoop of their own.
+/// transmit. Controllers run beside it, in a ControllerLoop.
 /// Source: the paper's section on the asynchronous thread.
 class AsynchronousLoop final : public CommunicationLoop {
  public:
-  /// @param cost, seed  lockstep: of the time from read to write.
+  /// @param cost, seed  lockstep: model and seed of the time from read to write.
   AsynchronousLoop(ControlTick& tick, backend::Backend& backend, const faults::DelayModel& cost,
                    std::uint64_t seed, record::RecordSink* sink)
       : CommunicationLoop(tick, backend, sink, backend::ReadRule::kFresh),

@@ -21,47 +21,48 @@ class InterfaceStages;
 ///   rate matcher -> [stall decay] -> the paper's reference generator, or none
 ///   or: resampler -> saturated correction (Generator::kRejoining)
 ///   -> [low-pass] -> [rate limiter] -> [viability filter].
-/// Stages in brackets are off unless configured, or act on stalled sources only; low-pass and
-/// limiter are libfranka's client-side stages, in its order. The constructor chooses the stages of
-/// the interface. All but matcher, resampler and decay are functions of the state: they continue
+/// Stages in brackets are off unless configured; the decay acts on stalled sources only. Low-pass
+/// and limiter are libfranka's client-side stages, in its order. The constructor chooses the stages
+/// of the interface. All but matcher, resampler and decay are functions of the state: they continue
 /// from the reference that the robot accepted. A raw position stream (no generator) stops abruptly
 /// when its source stalls, and the robot aborts.
 ///
 /// Threads: one. Real-time: Reset() and Next() are noexcept and allocate nothing.
 class CommandChain {
  public:
-  /// @throws InputError as TickConfig::Validate.
+  /// @throws InputError as TickConfig::Validate().
   CommandChain(const TickConfig& config, control::CommandInterface interface);
   CommandChain(CommandChain&&) noexcept;
   ~CommandChain();
 
-  /// A motion begins: the chain starts from where `state` says the reference is.
+  /// Starts a motion from the reference in `state`.
   void Reset(const RobotState& state) noexcept TWIN_REALTIME;
 
   /// Fills the fields of `command` that its interface uses.
-  /// @param fresh   the target was deposited since the last call.
-  /// @param cycles  of the robot since the last call, at least 1: the matcher's window is of
-  /// cycles, those that could not be answered included.
-  /// @param source_time  of the target, on the source's own clock.
+  /// @param fresh   true if the target was deposited since the last call.
+  /// @param cycles  robot cycles since the last call, >= 1. The matcher's window counts cycles,
+  /// including those without an answer.
+  /// @param source_time  time of the target on the source's clock.
   void Next(const RobotState& state, const reference::Target& target, bool fresh,
             std::uint64_t cycles, Time source_time, RobotCommand& command) noexcept TWIN_REALTIME;
 
-  /// Target of the last Next(): after rate matching, or as the resampler has the source now.
+  /// Target of the last Next(): rate-matched, or resampled at the present time.
   [[nodiscard]] const reference::Target& matched() const noexcept { return matched_; }
 
-  /// Whether the source counts as stalled: TickConfig::stall_time went without a deposit.
+  /// True when TickConfig::stall_time has passed without a deposit.
   [[nodiscard]] bool stalled() const noexcept { return waited_ > stall_cycles_; }
 
-  /// Of the last Next(), behind a viability filter: as TickRecord::margin and
-  /// TickRecord::kept_back.
+  /// The viability filter's results of the last Next(), as TickRecord::margin and
+  /// TickRecord::kept_back; margin() is nullopt without a filter.
   [[nodiscard]] std::optional<double> margin() const noexcept { return margin_; }
   [[nodiscard]] std::uint8_t changed_joints() const noexcept { return changed_joints_; }
 
   /// Commands since Reset() that the viability filter changed.
   [[nodiscard]] std::uint64_t kept_back() const noexcept { return kept_back_; }
 
-  /// The matched target is at rest, and the robot's reference is within the finish tolerance of it;
-  /// behind a viability filter or saturated correction also nearly at rest.
+  /// True when the matched target is at rest and the robot's reference is within the finish
+  /// tolerance of this target; with a viability filter or saturated correction, the reference must
+  /// also be nearly at rest.
   [[nodiscard]] bool Arrived(const RobotState& state) const noexcept TWIN_REALTIME;
 
  private:
@@ -69,7 +70,7 @@ class CommandChain {
 
   TickConfig config_;
   std::unique_ptr<InterfaceStages> stages_;
-  std::size_t window_;  ///< of the rate matcher, cycles
+  std::size_t window_;  ///< rate matcher's window, cycles
   std::uint64_t stall_cycles_;
   std::uint64_t waited_ = 0;  ///< cycles since the last deposit
   reference::StallDecay stall_decay_;
@@ -80,8 +81,8 @@ class CommandChain {
   reference::Target matched_;
 };
 
-/// Whether the fields of `interface` can be sent: all finite; a pose's last row exact, its rotation
-/// orthonormal within 1e-5. Source: FCI protocol 5, validity checks before sending.
+/// True when the fields of `interface` are valid to send: all finite; a pose's last row exact, its
+/// rotation orthonormal within 1e-5. Source: FCI protocol 5, validity checks before sending.
 [[nodiscard]] bool IsValid(const RobotCommand& command,
                            control::CommandInterface interface) noexcept TWIN_REALTIME;
 

@@ -12,33 +12,32 @@
 
 namespace twin::loop {
 
-/// The periodic loop of a user's controller as a state machine that any drive can run: wake on the
-/// loop's own grid -> update from the newest published state -> after its cost the target is
-/// deposited.
+/// The periodic loop of a user's controller as a state machine that every drive can run: wake on
+/// the loop's own grid -> update from the newest published state -> deposit after cost().
 ///
 ///     waiting --OnWake--> computing --OnDone--> waiting
 ///
-/// The wake-ups are a WakeGrid's; the controller sees its time, jitter of the wake-up included, as
-/// `now`.
+/// A WakeGrid determines the wake-ups. The controller's `now` is the grid's time, including the
+/// jitter of the wake-up.
 ///
 /// Threads: the controller's. Real-time: noexcept, allocates nothing.
 class ControllerLoop {
  public:
-  /// @throws InputError as ControllerLoopConfig::Validate.
+  /// @throws InputError as ControllerLoopConfig::Validate().
   ControllerLoop(const ControllerLoopConfig& config, control::Controller& controller,
                  Exchange& exchange, std::uint64_t seed);
 
-  /// A motion has started: the grid begins at `now` + phase. @returns the first wake-up.
+  /// Starts a motion: the grid begins at `now` + phase. @returns the first wake-up.
   [[nodiscard]] Time Start(Time now) noexcept TWIN_REALTIME;
 
   /// @returns true when OnDone is due after cost(); false when no state has been published yet.
   [[nodiscard]] bool OnWake(Time now) noexcept TWIN_REALTIME;
 
-  /// Deposits. @returns when to wake next.
+  /// Deposits the target. @returns the next wake-up.
   [[nodiscard]] Time OnDone(Time now) noexcept TWIN_REALTIME;
 
   [[nodiscard]] Duration cost() const noexcept { return current_cost_; }
-  /// When to wake next if OnWake returned false.
+  /// The next wake-up after OnWake() has returned false.
   [[nodiscard]] Time NextWake(Time now) noexcept TWIN_REALTIME { return grid_.Next(now); }
   /// Wake-ups skipped because a computation outlasted its period.
   [[nodiscard]] std::uint64_t overruns() const noexcept { return grid_.overruns(); }

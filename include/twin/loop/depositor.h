@@ -11,22 +11,22 @@
 
 namespace twin::loop {
 
-/// Puts a controller's outputs into the command buffer. Here, where commands are deposited, a
-/// position or pose without a velocity gets one, over the source's own elapsed time; and here the
-/// noise of a scenario's imperfect source is added.
+/// Deposits a controller's outputs into the command buffer. Adds the feed-forward velocity to a
+/// position or pose without one, over the source's own elapsed time, and the noise of a scenario's
+/// imperfect source.
 ///
 /// Threads: the controller's. Real-time: noexcept, allocates nothing.
 class Depositor {
  public:
-  /// @param config  validated. @param seed  of the noise.
+  /// @param config  validated. @param seed  seed of the noise.
   Depositor(const ControllerLoopConfig& config, control::CommandInterface interface,
             Exchange& exchange, std::uint64_t seed);
 
-  /// Forgets the last deposit: a motion starts.
+  /// Discards the last deposit, at a motion's start.
   void Reset() noexcept;
 
-  /// @param source_time  when the source sampled its target, on its own clock.
-  /// @param based_on     message_id of the state the controller had consumed.
+  /// @param source_time  time at which the source sampled its target, on its own clock.
+  /// @param based_on     message_id of the state that the controller used.
   void Put(const control::ControllerOutput& output, Time source_time,
            std::uint64_t based_on) noexcept TWIN_REALTIME;
 

@@ -16,17 +16,15 @@
 
 namespace twin::loop {
 
-/// Advances time for a connected robot, and runs motions in it.
+/// Advances the time of a connected robot and runs motions.
 ///
 ///     Begin() -> { Run() | PassUntil() } ... -> End()
 ///
 /// - Lockstep: an event queue on a virtual clock, one thread. Inputs and seed determine the
-/// records.
-///   Time stands still between two calls.
-/// - Realtime: the wall clock. The communication loop and the controller have threads of their own.
-///   A simulated robot has one too, whose cycles run from Begin() to End(); a robot at the other
-///   end of a wire keeps its own time.
-/// - State time: a robot that is served in lockstep. Each of its states is 1 ms.
+///   records. Time does not advance between calls.
+/// - Realtime: the wall clock. Communication loop and controller run on threads of their own. So
+///   does a simulated robot, from Begin() to End(); a remote robot has its own clock.
+/// - State time: a robot served in lockstep. Each state advances time by 1 ms per message_id.
 ///
 /// Threads: one, the caller's.
 class Drive {
@@ -40,39 +38,40 @@ class Drive {
   /// The wall clock of realtime and state time; null in lockstep.
   [[nodiscard]] virtual const MonotonicClock* wall_clock() const noexcept { return nullptr; }
 
-  /// Starts the time, once.
+  /// Starts time. Call once.
   virtual void Begin() {}
 
   /// Runs a motion from start to end; `run.backend` is the connection's.
-  /// @throws InputError from the controller's activation, or for a loop that the drive has not;
-  /// RobotFault when the robot refuses the motion; EnvironmentError when a thread cannot be set up.
-  /// A motion that starts and then fails throws nothing: the report says how it ended.
+  /// @throws InputError from the controller's activation, or for a loop that the drive does not
+  /// support; RobotFault when the robot refuses the motion; EnvironmentError when a thread cannot
+  /// be set up. The failure of a motion that has started is reported, not thrown.
   [[nodiscard]] virtual RunReport Run(const MotionRun& run) = 0;
 
-  /// Stops the time: the sink gets no record after it returns. May be called again.
+  /// Stops time; after return the sink receives no record. Idempotent.
   virtual backend::RobotTimings End() { return {}; }
 
   /// Time since Begin().
   [[nodiscard]] virtual Time Now() const = 0;
 
-  /// Lets time pass without a motion, and reads the states that come.
-  /// @param done  asked often; its argument is the state read since the last call, or null.
-  /// @returns false when `limit` came first. @throws RobotFault when the connection is gone, or no
-  /// state comes for 1 s.
+  /// Lets time pass without a motion and reads arriving states.
+  /// @param done  called often, with the state read since the last call, or null; true ends the
+  /// wait.
+  /// @returns false when `limit` has passed first. @throws RobotFault when the connection is lost,
+  /// or no state arrives for 1 s.
   [[nodiscard]] bool PassUntil(Time limit, const std::function<bool(const RobotState*)>& done);
 
  private:
-  /// Waits until a state may have come, at most until `limit`.
+  /// Waits until a state may have arrived, at most until `limit`.
   virtual void Wait(Time limit) = 0;
-  /// PassUntil() has read a state.
+  /// Called by PassUntil() after each read of a state.
   virtual void Observe(const RobotState& /*state*/) {}
 
   RobotState state_;
 };
 
-/// The threads of realtime.
+/// Threads of the realtime drive.
 struct DriveThreads {
-  /// The simulated robot's.
+  /// Runs the simulated robot.
   rt::ThreadSettings robot{.name = "twin-int", .fifo_priority = 98};
   /// Reads states and writes commands; with the inline loops it also runs the controller.
   rt::ThreadSettings communication{.name = "twin-ext", .fifo_priority = 99};
@@ -80,9 +79,9 @@ struct DriveThreads {
   rt::ThreadSettings controller{.name = "twin-control"};
 };
 
-/// @param connect  makes the backend, from `robot`. @param sink  gets the records of cycles and
-/// ticks; may be null; must outlive the drive. In lockstep all records come from the calling
-/// thread; in real time cycles come from the robot's thread, ticks from the communication's.
+/// @param connect  makes the backend, from `robot`. @param sink  receives the records of cycles and
+/// ticks; may be null; must outlive the drive. In lockstep, the calling thread puts all records; in
+/// real time, the robot's thread puts cycles and the communication thread puts ticks.
 /// @throws as `connect`.
 [[nodiscard]] std::unique_ptr<Drive> MakeLockstepDrive(const backend::Factory& connect,
                                                        const robot::RobotConfig& robot,
@@ -91,20 +90,21 @@ struct DriveThreads {
                                                        const robot::RobotConfig& robot,
                                                        record::RecordSink* sink,
                                                        const DriveThreads& threads);
-/// Realtime or state time, as `address.time` says. The sink also gets the states that are read.
+/// Makes a realtime or state time drive, as `address.time` selects. The sink also receives the
+/// states that are read.
 [[nodiscard]] std::unique_ptr<Drive> MakeRemoteDrive(const backend::Factory& connect,
                                                      const robot::RobotConfig& robot,
                                                      record::RecordSink* sink,
                                                      const backend::RobotAddress& address,
                                                      const DriveThreads& threads);
 
-/// As MakeRemoteDrive, of a robot whose states are its time. One thread, the caller's, reads,
-/// computes and writes; it waits for states as long as the robot waits for commands, and no time
-/// passes meanwhile. A motion that starts at a given state repeats, whatever the machine does: it
-/// gives the same commands, and the same log except for how many states came before it.
+/// As MakeRemoteDrive(), for a robot whose states are its time. The caller's thread reads, computes
+/// and writes. It waits for states without limit, as the robot waits for commands; meanwhile no
+/// time passes. A motion from the same state gives the same commands on any machine, and the same
+/// log except for the number of states before the motion.
 ///
-/// Run() refuses the synchronous loop with an InputError: it sleeps on a clock of its own. Every
-/// state is answered, whatever TickConfig::period_tolerance says: the robot would wait otherwise.
+/// Run() throws InputError for the synchronous loop, which sleeps on a clock of its own. The drive
+/// answers every state, regardless of TickConfig::period_tolerance; the robot would wait otherwise.
 [[nodiscard]] std::unique_ptr<Drive> MakeStateTimeDrive(const backend::Factory& connect,
                                                         const robot::RobotConfig& robot,
                                                         record::RecordSink* sink,

@@ -9,27 +9,26 @@
 
 namespace twin::loop {
 
-/// What the tick shows the controller side: the newest state and when it was read.
+/// Data from the tick to the controller side: the newest state and the end of its read.
 struct PublishedState {
   RobotState state;
   Time read{};
 };
 
-/// What the controller side hands to the tick.
+/// Data from the controller side to the tick.
 struct Deposit {
-  reference::Target target;    ///< with the feed-forward velocity formed
-  Time source_time{};          ///< the source's own time of the target
-  std::uint64_t based_on = 0;  ///< message_id of the state the controller had consumed
+  reference::Target target;    ///< with its feed-forward velocity
+  Time source_time{};          ///< time of the target on the source's clock
+  std::uint64_t based_on = 0;  ///< message_id of the state that the controller used
   bool finished = false;       ///< the target is the end of the task
-  bool failed = false;         ///< the controller gave up
+  bool failed = false;         ///< the controller has given up
 };
 
-/// The two buffers between the communication side (the tick) and the controller side. Each side
-/// only copies from and to them; neither ever waits for the other. Source: the paper's section on
-/// the asynchronous thread.
+/// The two buffers between the communication side (the tick) and the controller side. Both sides
+/// only copy to and from them and never wait for each other. Source: the paper's section on the
+/// asynchronous thread.
 ///
-/// Threads: the tick's thread produces states and consumes deposits, the controller's the other
-/// way.
+/// Threads: the tick's produces states and consumes deposits; the controller's does the reverse.
 struct Exchange {
   rt::LatestValue<PublishedState> states;
   rt::LatestValue<Deposit> deposits;

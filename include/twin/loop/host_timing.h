@@ -8,48 +8,49 @@
 #include "twin/core/time.h"
 #include "twin/rt/duration_histogram.h"
 
-// How well a host keeps a 1 kHz loop, and what may make it better.
+// Timing of a 1 kHz loop on this host, and advice to improve it.
 namespace twin::loop {
 
-/// What a host is, as far as it bears on keeping time.
+/// Properties of a host that affect its timing.
 struct HostFacts {
   std::string processor = "unknown processor";  ///< its name
   unsigned processors = 1;                      ///< in use
   bool virtual_machine = false;
-  std::string governor;          ///< of the first processor's frequency; empty: none
+  std::string governor;          ///< frequency governor of the first processor; empty: none
   std::string kernel;            ///< "Linux 6.1.0 x86_64"
   std::string kernel_release;    ///< "6.1.0"
   bool realtime_kernel = false;  ///< PREEMPT_RT
   double load = 0;               ///< mean number of runnable threads in the last minute
-  bool may_use_fifo = false;     ///< SCHED_FIFO 99 is allowed
+  bool may_use_fifo = false;     ///< SCHED_FIFO 99 is permitted
 };
 
 [[nodiscard]] HostFacts ReadHostFacts();
 
-/// What may make 1 kHz loops keep time better here, the most effective first; one line each.
+/// Measures that may reduce the jitter of 1 kHz loops on this host, most effective first; one line
+/// each.
 [[nodiscard]] std::vector<std::string> JitterCures(const HostFacts& facts);
 
-/// An answer that takes longer counts as lost: what the robot's documentation recommends for d_EXT.
+/// Longest answer that is not counted as lost: the robot documentation's recommendation for d_EXT.
 inline constexpr Duration kAnswerInTime = std::chrono::microseconds(500);
 
-/// How well this host keeps a 1 kHz loop, with threads set up like those of a run in real time.
+/// Measured timing of a 1 kHz loop on this host, with threads set up as in a real-time run.
 struct JitterFigures {
-  rt::DurationHistogram wake_up;   ///< how late an absolute wake-up every 1 ms was
-  rt::DurationHistogram answer;    ///< from a state's sending to the end of its answer's writing
-  std::uint64_t cycles = 0;        ///< states sent, and those that could not be
-  std::uint64_t unserved = 0;      ///< of them without an answer within kAnswerInTime
-  std::uint64_t longest_loss = 0;  ///< most of those in a row
+  rt::DurationHistogram wake_up;   ///< lateness of an absolute wake-up every 1 ms
+  rt::DurationHistogram answer;    ///< from the send of a state to the end of its answer's write
+  std::uint64_t cycles = 0;        ///< states sent, and states skipped because of a late wake-up
+  std::uint64_t unserved = 0;      ///< cycles without an answer within kAnswerInTime
+  std::uint64_t longest_loss = 0;  ///< most unserved cycles in a row
 };
 
-/// Measures for twice `duration`: first the wake-ups of one thread, then the answers that a
-/// communication thread gives to a robot's thread. Both only sleep and wake; nothing spins. What
-/// the threads are not permitted is left out. Locks the program's memory, where permitted.
+/// Measures for twice `duration`: first the wake-ups of one thread, then the answers of a
+/// communication thread to a robot's thread. The threads sleep and wake; none spins. Thread
+/// settings that the system does not permit are left out. Locks the process memory, if permitted.
 [[nodiscard]] JitterFigures MeasureJitter(Duration duration);
 
-/// What that means for a 1 kHz loop.
+/// Assessment of the figures for a 1 kHz loop.
 struct JitterVerdict {
-  bool good = false;  ///< nothing is to be done
-  std::string text;   ///< for people, one line
+  bool good = false;  ///< no action is needed
+  std::string text;   ///< for users, one line
 };
 [[nodiscard]] JitterVerdict Evaluate(const JitterFigures& figures);
 

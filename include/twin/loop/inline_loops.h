@@ -7,9 +7,9 @@
 
 namespace twin::loop {
 
-/// A loop with the controller inside: read -> publish -> controller -> tick -> write, one after the
-/// other. What both baselines of the paper have in common. The controller is updated with states of
-/// the running motion only.
+/// A loop that runs the controller inside, one step after the other: read -> publish -> controller
+/// -> tick -> write. Base class of the paper's two baselines. The controller is updated only with
+/// states of the running motion.
 class InlineLoop : public CommunicationLoop {
  public:
   void Activate(const MotionModes& modes) noexcept override;
@@ -37,11 +37,11 @@ class InlineLoop : public CommunicationLoop {
   bool stopped_ = false;
 };
 
-/// The paper's synchronous loop (RS), as the official ROS 2 stack has it: a periodic timer of the
-/// workstation's own clock starts a cycle = wait for a fresh state -> controllers -> write ->
-/// sleep. Two clocks pace one loop; where their phases meet, cycles overrun and go unserved. An
-/// overrun skips to the next instant of the grid. Source: the paper's section on why the
-/// synchronous loop fails.
+/// The paper's synchronous loop (RS), as in the official ROS 2 stack: a periodic timer on the
+/// workstation's clock starts a cycle = wait for a fresh state -> controllers -> write -> sleep.
+/// Two clocks pace one loop; when their phases meet, cycles overrun and remain unserved. An overrun
+/// skips to the next instant of the grid. Source: the paper's section on why the synchronous loop
+/// fails.
 class SynchronousLoop final : public InlineLoop {
  public:
   SynchronousLoop(ControlTick& tick, backend::Backend& backend, record::RecordSink* sink,
@@ -67,9 +67,9 @@ class SynchronousLoop final : public InlineLoop {
   WakeGrid grid_;
 };
 
-/// The paper's bare loop (LF), as a libfranka callback: paced by the robot, the controller inside,
-/// on the newest state there is. Its controllers sample with the robot's own time, 1 ms per
-/// message_id: no sampling jitter, but a loop at exactly the robot's rate.
+/// The paper's bare loop (LF), as a libfranka callback: paced by the robot, with the controller
+/// inside, on the newest state. The controller's time is the robot's, 1 ms per message_id: no
+/// sampling jitter, but the loop runs at exactly the robot's rate.
 class BareLoop final : public InlineLoop {
  public:
   BareLoop(ControlTick& tick, backend::Backend& backend, record::RecordSink* sink,

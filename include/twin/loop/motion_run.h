@@ -13,7 +13,7 @@
 
 namespace twin::loop {
 
-/// One motion, whoever advances time. The references must outlive the run.
+/// Inputs of one motion, for every drive. The references must outlive the run.
 struct MotionRun {
   backend::Backend& backend;
   control::Controller& controller;
@@ -21,18 +21,17 @@ struct MotionRun {
   LoopKind kind = LoopKind::kAsynchronous;
   TickConfig tick;
   ControllerLoopConfig controller_loop;
-  std::uint64_t seed = 0;              ///< of computation times, wake-ups and target noise
-  Duration time_limit{};               ///< the run is stopped and reported as failed after this
-  record::RecordSink* sink = nullptr;  ///< tick records; may be null
+  std::uint64_t seed = 0;              ///< seed of computation times, wake-ups and target noise
+  Duration time_limit{};               ///< after this time, the run is stopped and has failed
+  record::RecordSink* sink = nullptr;  ///< receives tick records; may be null
   /// Called outside the tick about every 100 ms of the run's time; may be empty.
   std::function<void(Time)> progress;
-  /// Called at changes worth a line in the log: (time, kind, text). May be empty.
+  /// Receives events for the log: (time, kind, text). May be empty.
   std::function<void(Time, std::string_view, std::string_view)> event;
-  /// Set from a signal handler: the motion is stopped, the run ends. May be null.
+  /// A signal handler sets it to stop the motion and end the run. May be null.
   const volatile bool* interrupted = nullptr;
-  /// What is done beside the motion, the hand's commands: called outside the tick as the run
-  /// begins, and again as soon as its time has come to what was returned. In real time its thread
-  /// may wait. May be empty.
+  /// Work beside the motion, such as hand commands. Called outside the tick at the run's start, and
+  /// again at the time that it has returned. In real time it may block. May be empty.
   std::function<Time(Time now)> attend{};
 };
 

@@ -13,40 +13,43 @@
 
 namespace twin::loop {
 
-/// Generator::kRejoining on one interface: deposits through a resampler, what losses leave taken
-/// away by the saturated correction.
+/// Generator::kRejoining on one interface: resamples deposits; a saturated correction then removes
+/// the error that losses cause.
 ///   joint positions   r = the resampled positions;
-///   joint velocities  r = the integral of the resampled velocities from where the motion began, so
-///                     that lost commands lose no way; the command is (q_c - q_d) / T;
+///   joint velocities  r = the resampled velocities, integrated from the motion's start, so that
+///                     lost commands cost no displacement; the command is (q_c - q_d) / T;
 ///   poses             the same law for translation and rotation.
-/// A stalled source stands at its last position or pose, which the correction leads to within its
-/// bounds; its velocity is zero, and no way is made up for.
+/// The reference of a stalled source is its last position or pose, to which the correction leads
+/// within its bounds. A stalled velocity source has velocity zero; missed displacement is not
+/// recovered.
 ///
 /// Threads: one. Real-time: noexcept, allocates nothing.
 class RejoiningFollower {
  public:
-  /// @pre interface is one of motions. @throws InputError as Resampler.
+  /// @pre interface is not torque. @throws InputError as Resampler.
   RejoiningFollower(control::CommandInterface interface, double source_rate_hz,
                     const JointLimits& joints, const CartesianLimits& cartesian);
 
-  /// A motion begins where `state` says the reference is.
+  /// Starts a motion from the reference in `state`.
   void Reset(const RobotState& state) noexcept TWIN_REALTIME;
 
-  /// The source as it is in the cycle to be commanded.
-  /// @param fresh   `target` was deposited since the last call, at `source_time` of its clock.
-  /// @param cycles  of the robot since the last call. @param stalled  as the source counts.
+  /// Updates the source for the cycle to be commanded.
+  /// @param fresh   true if `target` was deposited since the last call.
+  /// @param cycles  robot cycles since the last call. @param source_time  as CommandChain::Next().
+  /// @param stalled  as CommandChain::stalled().
   void Observe(const RobotState& state, const reference::Target& target, bool fresh,
                std::uint64_t cycles, Time source_time, bool stalled) noexcept TWIN_REALTIME;
 
   /// Fills the field of `command` that the interface uses.
   void Command(const RobotState& state, RobotCommand& command) const noexcept TWIN_REALTIME;
 
-  /// Whether the source is at rest, and q_d (or the pose) within `tolerance`, rad (or m), of it.
+  /// True when the source is at rest and q_d (or the pose) is within `tolerance` of it, rad (or m
+  /// and rad).
   [[nodiscard]] bool Arrived(const RobotState& state,
                              double tolerance) const noexcept TWIN_REALTIME;
 
-  /// Where the source is when the command acts, for the record: positions with their velocity, or
-  /// the pose; what else the newest deposit has is passed on.
+  /// The source at the time when the command acts, for the record: positions with their velocity,
+  /// or the pose. Other fields are those of the newest deposit.
   [[nodiscard]] const reference::Target& source() const noexcept { return source_; }
 
  private:
@@ -60,7 +63,7 @@ class RejoiningFollower {
   reference::RejoiningGenerator joint_generator_;
   reference::RejoiningPoseGenerator pose_generator_;
   bool stalled_ = false;
-  JointVector way_{};  ///< r(k+1) on the interface of velocities, rad
+  JointVector way_{};  ///< r(k+1) of a velocity source, rad
   reference::Target source_;
 };
 

@@ -12,29 +12,29 @@
 
 namespace twin::loop {
 
-/// What a run came to.
+/// Result of a run.
 struct RunReport {
   backend::MotionEnd end = backend::MotionEnd::kNone;
-  RobotErrors errors;                 ///< that ended it
+  RobotErrors errors;                 ///< errors that ended the motion
   std::vector<Violation> violations;  ///< their details, where known
-  std::string failure;                ///< what went wrong, for people; empty when nothing did
+  std::string failure;                ///< cause of a failure, for users; empty: none
   Duration simulated{};               ///< run time at the end
   JointVector q_final{};              ///< measured, last state
 
   Deviation deviation;                    ///< of the arm from its targets
   LoopTimings timings;                    ///< of the communication
-  std::uint64_t controller_overruns = 0;  ///< wake-ups of the controller's loop that were skipped
+  std::uint64_t controller_overruns = 0;  ///< skipped wake-ups of the controller's loop
   backend::RobotTimings robot_timings;    ///< real time: of the simulated robot
-  std::vector<std::string> notices;       ///< real time: what the threads were not permitted
+  std::vector<std::string> notices;  ///< real time: thread settings that the system did not permit
   std::vector<record::TickRecord> evidence;  ///< the last ticks, when the workstation's side failed
 
-  /// The motion ended as it should, and nothing else went wrong.
+  /// True when the motion ended successfully and no failure occurred.
   [[nodiscard]] bool succeeded() const noexcept {
     return end == backend::MotionEnd::kSuccess && failure.empty();
   }
 };
 
-/// One line about a tick, for people: what the evidence of a failure reads like.
+/// One line of text about a tick, for a failure's evidence.
 [[nodiscard]] std::string DescribeTick(const record::TickRecord& tick);
 
 }  // namespace twin::loop

@@ -7,25 +7,25 @@
 
 namespace twin::loop {
 
-/// The loop with a robot whose time is its states: each is sent when the one before has been
-/// answered, and is 1 ms of its time, however long that took.
+/// The loop for a robot whose states are its time. The robot sends a state when the previous one
+/// has been answered. Time advances by 1 ms per message_id, regardless of the wall clock:
 ///
 ///   T_hat = (message_id(i) - message_id(i-1)) 1 ms
 ///
-/// Read a state -> every wake-up of the controller that was due before the state's time, with the
-/// state before it -> publish -> one that is due at it -> tick -> write, one after the other:
-/// nothing depends on how fast anything is, and the same motion gives the same commands. The
-/// controller has its own rate, as in the asynchronous loop, and wakes in lost cycles as it does
-/// there; its time counts from the motion's first state.
+/// A cycle runs in sequence: read a state -> the controller's wake-ups that were due before the
+/// state's time, with the previous state -> publish -> the wake-up due at this time -> tick ->
+/// write. No result depends on the speed of the machine: the same motion gives the same commands.
+/// As in the asynchronous loop, the controller has its own rate and also wakes in lost cycles. Its
+/// time counts from the motion's first state.
 ///
 /// Threads: one. Real-time: as CommunicationLoop.
 class StateTimeLoop final : public CommunicationLoop {
  public:
-  /// @param tick  that answers every state: what is not answered, such a robot waits for. Its
-  ///              period_tolerance is 0.
-  /// @param controller  with its delay models at zero.
-  /// @param first_id, now  of the state at time zero, and of the one read last; 0: the first that
-  ///              is read is at time zero.
+  /// @param tick  must answer every state, because the robot waits for the answer:
+  ///              period_tolerance 0.
+  /// @param controller  with delay models of zero.
+  /// @param first_id  message_id of the state at time zero; 0: the first state read.
+  /// @param now  time of the state read last.
   StateTimeLoop(ControlTick& tick, backend::Backend& backend, record::RecordSink* sink,
                 ControllerLoop& controller, std::uint64_t first_id = 0, Time now = {})
       : CommunicationLoop(tick, backend, sink, backend::ReadRule::kNewest),
@@ -41,9 +41,9 @@ class StateTimeLoop final : public CommunicationLoop {
   }
   void StopController() noexcept override { stopped_ = true; }
 
-  /// Of the state read last, since the one at time zero.
+  /// Time of the state read last, since the state at time zero.
   [[nodiscard]] Time now() const noexcept { return now_; }
-  /// Of the state at time zero; 0: none was read.
+  /// message_id of the state at time zero; 0: none was read.
   [[nodiscard]] std::uint64_t first_id() const noexcept { return first_id_; }
 
  private:
@@ -51,16 +51,16 @@ class StateTimeLoop final : public CommunicationLoop {
   [[nodiscard]] const RobotCommand* Compute(const RobotState& state, Time read,
                                             Duration& cost) noexcept TWIN_REALTIME override;
   void Begin(const RobotState& state) noexcept TWIN_REALTIME;
-  /// @returns of a state, since the motion's first one.
+  /// @returns time of a state since the motion's first state.
   [[nodiscard]] Time TimeOf(const RobotState& state) const noexcept TWIN_REALTIME;
-  /// All of the controller's wake-ups that are due by then, each at its own time.
+  /// Runs all of the controller's wake-ups due until `end`, each at its own time.
   void WakeUntil(Time end) noexcept TWIN_REALTIME;
 
   ControllerLoop& controller_;
-  std::uint64_t first_id_;       ///< of all; 0 before
-  std::uint64_t motion_id_ = 0;  ///< first of the motion
+  std::uint64_t first_id_;       ///< message_id of the state at time zero; 0 before
+  std::uint64_t motion_id_ = 0;  ///< message_id of the motion's first state
   Time now_;
-  Time wake_{};  ///< the controller's next, since the motion's first state
+  Time wake_{};  ///< the controller's next wake-up, since the motion's first state
   bool moving_ = false;
   bool stopped_ = false;
 };

@@ -9,15 +9,15 @@
 
 namespace twin::loop {
 
-/// The instants at which a periodic loop of the workstation wakes, on its own clock:
-///   t_n = start + phase + (n / rate) / (1 + clock_ppm 1e-6), late by the wake delay.
-/// A computation that outlasts its period skips to the next instant of the grid and is counted:
-/// never a burst.
+/// Wake-up times of a periodic loop of the workstation, on its own clock:
+///   t_n = start + phase + (n / rate) / (1 + clock_ppm 1e-6) + wake delay.
+/// After a computation that outlasts its period, the loop skips to the next instant of the grid and
+/// counts an overrun; wake-ups are never made up for in a burst.
 ///
 /// Threads: the loop's. Real-time: noexcept, allocates nothing.
 class WakeGrid {
  public:
-  /// @param config  validated. @param seed  lockstep: of the wake delays.
+  /// @param config  validated. @param seed  lockstep: seed of the wake delays.
   WakeGrid(const ControllerLoopConfig& config, std::uint64_t seed) noexcept;
 
   /// The grid begins at `now` + phase. @returns the first wake-up.
@@ -25,9 +25,9 @@ class WakeGrid {
   /// @returns the next wake-up whose instant is not before `now`.
   [[nodiscard]] Time Next(Time now) noexcept TWIN_REALTIME;
 
-  /// `now` as this loop's own clock shows it.
+  /// `now` on this loop's own clock.
   [[nodiscard]] Time OwnTime(Time now) const noexcept TWIN_REALTIME;
-  /// Number of the wake-up that is due, from 0.
+  /// Index of the next wake-up, from 0.
   [[nodiscard]] std::uint64_t wake() const noexcept { return wake_; }
   [[nodiscard]] std::uint64_t overruns() const noexcept { return overruns_; }
 
@@ -35,7 +35,7 @@ class WakeGrid {
   [[nodiscard]] Time Due(std::uint64_t wake) const noexcept;
 
   double rate_hz_;
-  double speed_;  ///< of this clock
+  double speed_;  ///< rate of this clock relative to the run's
   Duration phase_;
   faults::DelayModel delay_;
   Random random_;
