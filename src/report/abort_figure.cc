@@ -14,17 +14,17 @@ constexpr int kWidth = 1040;
 constexpr int kPanelHeight = 170;
 constexpr std::string_view kHeldShade = "#fbe3e5";
 
-/// Cycles from the last one: 0, before it negative.
+/// Index relative to the last cycle: 0 for the last, negative before.
 int Offset(const RunEnd& end, std::size_t index) {
   return static_cast<int>(index) - static_cast<int>(end.cycles.size()) + 1;
 }
 
-/// What gnuplot can take as a number of a curve.
+/// True if gnuplot accepts the number in a curve.
 bool CanBeDrawn(double value) {
   return std::abs(value) < 1e100;
 }
 
-/// Lowest and highest value of a panel, with some room; never empty.
+/// Lowest and highest value of a panel, with a margin; never an empty range.
 std::pair<double, double> RangeOf(const EndPanel& panel) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -47,7 +47,7 @@ void AddData(Script& script, const RunEnd& end, std::string_view name,
   script.Line("${} << EOD", name);
   bool any = false;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    // A gap in the data ends a line, a missing point does not.
+    // An empty line interrupts the curve; a missing point would not.
     if (!CanBeDrawn(values[i])) {
       script.Line("");
       continue;
@@ -88,7 +88,7 @@ void AddPanel(Script& script, const RunEnd& end, const EndPanel& panel) {
   script.Line("{}", plot);
 }
 
-/// Served, held or nothing due (or nothing known), cycle by cycle, and commands that were dropped.
+/// Adds the fate of each cycle's command (served, held, none due or unknown) and dropped commands.
 void AddFates(Script& script, const RunEnd& end) {
   script.Line("$fates << EOD");
   for (std::size_t i = 0; i < end.cycles.size(); ++i) {
@@ -123,7 +123,7 @@ std::string EndScript(const RunEnd& end) {
   Script script(kWidth, kPanelHeight * rows, "", rows, 1);
   script.Line("set xrange [{}:0.7]", Offset(end, 0) - 0.7);
   script.Line("set lmargin 13; set rmargin 26; set tmargin 2; set bmargin 1.5");
-  // Right of the panel, where it covers nothing.
+  // To the right of the panel, where it hides nothing.
   script.Line("set key at screen 0.805,graph 0.98 left top Left reverse samplen 2 spacing 1.2");
   script.Line("set format y '%.6g'; set format x ''");
   for (std::size_t i = 0; i < end.cycles.size(); ++i) {

@@ -6,8 +6,8 @@
 
 namespace twin::report {
 
-/// Script of the figure about the end of a run: EndPanels one below the other over the last cycles,
-/// and what became of each cycle's command. Cycles that held are shaded in all panels.
+/// gnuplot script for the end of a run: the EndPanels, one below the other, over the last cycles,
+/// and the fate of each cycle's command. Held cycles are shaded in all panels.
 /// @pre end.aborted().
 [[nodiscard]] std::string EndScript(const RunEnd& end);
 

@@ -35,7 +35,7 @@ json ParagraphsOf(const std::vector<Paragraph>& paragraphs) {
   return list;
 }
 
-/// All that the figure shows, in numbers: a row for each cycle.
+/// The figure's data in numbers: one row per cycle.
 json RowsOf(const RunEnd& end, const std::vector<EndPanel>& panels) {
   json rows = json::array();
   for (std::size_t i = 0; i < end.cycles.size(); ++i) {

@@ -9,9 +9,8 @@
 
 namespace twin::report {
 
-/// The page about an aborted run: one HTML file that needs no other and no network. Draws with
-/// gnuplot. @param headline  what happened, in one line. @pre end.aborted().
-/// @throws EnvironmentError as SvgOf.
+/// The self-contained HTML page about an aborted run. Draws with gnuplot.
+/// @param headline  the error in one line. @pre end.aborted(). @throws EnvironmentError as SvgOf().
 [[nodiscard]] std::string AbortPage(const RunEnd& end, std::string_view headline,
                                     const std::vector<Paragraph>& paragraphs);
 

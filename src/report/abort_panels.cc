@@ -19,7 +19,7 @@ namespace twin::report {
 namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::quiet_NaN();
-constexpr std::string_view kCommandColour = "#1b7f5c";  ///< green: what the workstation sent
+constexpr std::string_view kCommandColour = "#1b7f5c";  ///< green: the workstation's commands
 
 using Value = std::function<double(const EndCycle&)>;
 
@@ -29,7 +29,7 @@ std::vector<double> Values(const RunEnd& end, const Value& value) {
   return values;
 }
 
-/// Backward differences over one cycle; of the first cycle none.
+/// Backward differences over one cycle; none for the first cycle.
 std::vector<double> Rates(std::vector<double> values) {
   for (std::size_t i = values.size(); i-- > 1;) {
     values[i] = (values[i] - values[i - 1]) / kCycleSeconds;
@@ -58,11 +58,11 @@ Value Commanded(std::size_t index) {
   };
 }
 
-/// Collects panels; the one that the error is about comes first.
+/// Collects panels; that of the error comes first.
 class Panels {
  public:
   explicit Panels(const RunEnd& end) : end_(end) {
-    // Not every controller of a log explains itself.
+    // Some logs have no details of their violations.
     if (end.last().violated) violation_ = end.last().violation;
   }
 
@@ -80,7 +80,7 @@ class Panels {
     panels_.back().curves.push_back({std::move(name), kCommandColour, Values(end_, value), true});
   }
   void SetLimits(std::vector<double> limits) { panels_.back().limits = std::move(limits); }
-  /// The last panel is what the error is about: to the front, with the limit in view.
+  /// Marks the last panel as that of the error: moves it to the front, with the limit in view.
   void Offend(bool both_signs);
   void OffendIf(std::initializer_list<RobotError> errors, bool both_signs);
 
@@ -273,7 +273,7 @@ void Panels::AddElbow() {
 }
 
 void Panels::AddAllJoints() {
-  // Dark to light: seven that stay apart.
+  // Seven distinguishable colours, dark to light.
   constexpr std::string_view kColours[] = {"#0b3c6f", "#1b7f5c", "#7a2a90", "#c0272d",
                                            "#f0a030", "#5b8fd0", "#888888"};
   Add("velocities of the joints, measured", "rad/s");
@@ -309,13 +309,13 @@ void Panels::AddTimes() {
   Add("cycles in a row without a command", "cycles");
   AddCurve("lost in a row", kHeldColour,
            [](const EndCycle& c) { return static_cast<double>(c.cycle.lost_in_row); });
-  // A motion without a first command counts no losses.
+  // Before a motion's first command, losses are not counted.
   if (violation_ && violation_->axis < 0) Offend(false);
   Add("when the workstation was done, after the cycle whose state it answers", "µs");
   const auto after = [](Time record::TickRecord::*when) {
     return [when](const EndCycle& c) {
       if (!c.answer || (when == &record::TickRecord::written && !c.written())) return kNoLimit;
-      // The state went out a cycle before this one.
+      // The state was sent one cycle before this one.
       return ToSeconds((*c.answer).*when - (c.cycle.at - kCycle)) * 1e6;
     };
   };

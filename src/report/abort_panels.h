@@ -10,8 +10,8 @@
 
 namespace twin::report {
 
-/// A curve over the last cycles: one value per cycle of RunEnd::cycles; what is not finite is not
-/// drawn.
+/// A curve over the last cycles: one value per cycle of RunEnd::cycles; values that are not finite
+/// are not drawn.
 struct EndCurve {
   std::string name;
   std::string_view colour;
@@ -24,13 +24,13 @@ struct EndPanel {
   std::string title;
   std::string unit;
   std::vector<EndCurve> curves{};
-  std::vector<double> limits{};      ///< drawn where they are in view
-  bool limits_in_view = false;       ///< the range is made to hold them
+  std::vector<double> limits{};      ///< drawn if within the range
+  bool limits_in_view = false;       ///< extend the range to the limits
   std::optional<double> offender{};  ///< the value that ended the run, at the last cycle
 };
 
-/// What shows how the run came to its end: first what broke the limit, against it, then what is
-/// around it of the same joint or axis. @pre end.aborted().
+/// Panels that show the cause of a run's end: first the quantity that violated a limit, with this
+/// limit, then related quantities of the same joint or axis. @pre end.aborted().
 [[nodiscard]] std::vector<EndPanel> EndPanels(const RunEnd& end);
 
 }  // namespace twin::report

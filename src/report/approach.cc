@@ -47,7 +47,7 @@ void ApproachTracker::Add(const record::CycleRecord& cycle) {
   AddPositions(kMeasuredPosition, state.q, time);
   AddJoints(kMeasuredVelocity, state.dq, joints.dq_max, time);
   AddJoints(kMeasuredTorque, state.tau_J, joints.tau_max, time);
-  // What the robot does by itself, such as coming to rest, is not what was commanded.
+  // Motions of the robot's own, such as stopping, are not commanded.
   const bool commanded = cycle.fate != record::CommandFate::kNone;
   if (commanded) {
     AddPositions(kPosition, state.q_d, time);

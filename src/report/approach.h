@@ -13,32 +13,32 @@
 
 namespace twin::report {
 
-/// How close a run came to one limit, over all its joints or axes.
+/// Closest approach of a run to one limit, over all joints or axes.
 struct Approach {
   std::string_view what{};  ///< "ddq_d, its acceleration"
   std::string_view unit{};
   int axis = -1;     ///< joint 0..6; -1: the quantity has no axes
-  double value = 0;  ///< at the closest
-  double limit = 0;  ///< of it, signed like the value
-  double share = 0;  ///< of the limit, 1: reached; of positions, of half the range
+  double value = 0;  ///< at the closest approach
+  double limit = 0;  ///< of this joint or axis, signed like the value
+  double share = 0;  ///< share of the limit (1: reached); for positions, of half the range
   double time = 0;   ///< s
 };
 
-/// Finds out how close the cycles of a run came to the robot's limits: in cycles of a motion what
-/// was commanded (joints; end effector and elbow while a Cartesian motion runs; torques), in all
-/// cycles what was measured.
+/// Finds the closest approach of a run's cycles to the robot's limits: of commanded quantities in
+/// the cycles of motions (joints; end effector and elbow during Cartesian motions; torques), and of
+/// measured ones in all cycles.
 ///
 /// Threads: one thread. Real-time: no.
 class ApproachTracker {
  public:
-  /// Without limits: only losses and external forces are told.
+  /// Without limits: tracks only losses and external forces.
   ApproachTracker() = default;
   explicit ApproachTracker(const record::RunLimits& limits) : limits_(limits) {}
 
-  /// @param cycle  the next one.
+  /// @param cycle  the next cycle of the log.
   void Add(const record::CycleRecord& cycle);
 
-  /// Of each quantity that was not zero, in a fixed order. Empty without limits.
+  /// One entry per quantity that was not always zero, in a fixed order. Empty without limits.
   [[nodiscard]] std::vector<Approach> Closest() const;
 
   [[nodiscard]] std::uint32_t longest_loss() const { return longest_loss_; }

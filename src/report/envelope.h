@@ -12,20 +12,20 @@ struct Sample {
   double value = 0;
 };
 
-/// Curves of any length, kept in bounded memory for drawing: consecutive samples share a bin, of
-/// which the lowest and the highest are kept with their times. When the bins run out, neighbours
-/// are merged; so the number of samples need not be known.
+/// Curves of any length in bounded memory, for drawing: consecutive samples share a bin, which
+/// keeps the lowest and the highest with their times. When no bin is free, neighbours are merged,
+/// so the number of samples need not be known in advance.
 ///
-/// Samples that are not finite are left out. Threads: one thread. Real-time: no.
+/// Samples that are not finite are ignored. Threads: one thread. Not real-time.
 class Envelope {
  public:
-  /// @param curves  how many are sampled together. @param max_bins  even, at least 2.
+  /// @param curves  number of curves sampled together. @param max_bins  even, >= 2.
   Envelope(std::size_t curves, std::size_t max_bins);
 
-  /// Adds one sample of each curve. @param time  s, not below that of the sample before.
+  /// Adds one sample of each curve. @param time  s, not before the previous sample.
   void Add(double time, std::span<const double> values);
 
-  /// What is to be drawn of a curve, in order of time: at most two points per bin.
+  /// The points of a curve to draw, in order of time: at most two per bin.
   [[nodiscard]] std::vector<Sample> Curve(std::size_t curve) const;
 
  private:

@@ -18,13 +18,13 @@
 namespace twin::report {
 namespace {
 
-/// What a run is told about.
+/// Content of an explanation.
 struct Story {
   std::string headline;
   std::vector<Paragraph> paragraphs;
 };
 
-/// The error to explain: the one whose value is known, else the first.
+/// The error to explain: that with a known value, else the first.
 Violation ErrorOf(const record::CycleRecord& cycle) {
   if (cycle.violated) return cycle.violation;
   std::size_t first = 0;
@@ -32,13 +32,13 @@ Violation ErrorOf(const record::CycleRecord& cycle) {
   return {.error = static_cast<RobotError>(first)};
 }
 
-/// On the robot's time no thread can run late: what was lost, the robot's own clock or link lost.
+/// On the robot's time no thread can be late: the robot's own clock or link caused the losses.
 TimeKeeper KeeperOf(const RunEnd& end) {
   const bool is_virtual = end.run.drive == "lockstep" || end.on_robot_time;
   return is_virtual ? TimeKeeper::kVirtualClock : TimeKeeper::kWallClock;
 }
 
-/// "joint 2, acceleration ..." in numbers; how far beyond the limit.
+/// Value and limit of a violation, and by how much the value exceeds the limit.
 std::string ValueText(const Violation& v, const ErrorEntry& entry) {
   if (v.error == RobotError::kCommunicationConstraintsViolation) {
     return fmt::format("{:.6g} {}; it may be at most {:.6g}", v.value, entry.quantity, v.limit - 1);

@@ -22,7 +22,7 @@
 namespace twin::report {
 namespace {
 
-/// For one picture; ordinary ones take a tenth of a second.
+/// Timeout for one picture, which usually takes 0.1 s.
 constexpr Duration kTimeout = std::chrono::seconds(60);
 
 std::string Message(int error) {
@@ -32,7 +32,7 @@ std::string Message(int error) {
 /// An open file.
 class Descriptor {
  public:
-  /// @param number  what open() returned; taken over.
+  /// @param number  result of open(); this object takes ownership.
   Descriptor(int number, const std::string& name) : number_(number) {
     if (number_ < 0) {
       throw EnvironmentError(
@@ -51,13 +51,13 @@ class Descriptor {
   int number_;
 };
 
-/// A file in memory; gnuplot reads its script from one and writes its complaints into another, so
-/// that no pipe can fill up and no file stays behind.
+/// A file in memory. gnuplot reads its script from one and writes its messages to another, so that
+/// no pipe can fill up and no file remains.
 Descriptor MemoryFile(const char* name) {
   return {::memfd_create(name, MFD_CLOEXEC), name};
 }
 
-/// @param what  that failed when this fails, for the error's text.
+/// @param what  the failed action, for the error's text.
 void WriteAll(const Descriptor& file, std::string_view text, std::string_view what) {
   while (!text.empty()) {
     const ssize_t written = ::write(file.number(), text.data(), text.size());
@@ -67,7 +67,7 @@ void WriteAll(const Descriptor& file, std::string_view text, std::string_view wh
   }
 }
 
-/// The first `most` bytes of `file`, or all it has.
+/// The first `most` bytes of `file`, or all if it is shorter.
 std::string ReadAll(const Descriptor& file, std::size_t most) {
   std::string text(std::min(most, static_cast<std::size_t>(::lseek(file.number(), 0, SEEK_END))),
                    '\0');

@@ -6,16 +6,15 @@
 
 namespace twin::report {
 
-/// Runs gnuplot from PATH on `script`. Nothing passes through a shell, and no settings of the user
-/// are read.
+/// Runs gnuplot from PATH on `script`, without a shell and without the user's settings.
 ///
-/// Threads: any thread. Real-time: no; waits for gnuplot to end, a minute at most.
-/// @returns what it draws, an SVG file.
-/// @throws EnvironmentError when gnuplot is not there or fails, or draws nothing whole.
+/// Threads: any. Not real-time: waits for gnuplot's end, at most a minute.
+/// @returns the SVG document that gnuplot draws.
+/// @throws EnvironmentError if gnuplot is missing or fails, or the document is incomplete.
 [[nodiscard]] std::string SvgOf(std::string_view script);
 
-/// Writes a picture into the file `path`, which is `.partial` until it is whole.
-/// @throws EnvironmentError when it cannot be written.
+/// Writes a picture to the file `path`, which is `.partial` until it is complete.
+/// @throws EnvironmentError if it cannot be written.
 void WriteSvg(std::string_view svg, const std::filesystem::path& path);
 
 }  // namespace twin::report

@@ -13,7 +13,7 @@ std::string Count(std::uint64_t count, std::string_view one) {
   return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
 
-/// Errors that a command raises which has to close the gap that lost ones left.
+/// True for errors that a command raises when it must close the gap left by lost commands.
 bool ComesFromAGap(RobotError error) {
   switch (error) {
     case RobotError::kJointMotionGeneratorVelocityLimitsViolation:
@@ -34,7 +34,7 @@ bool IsHeld(const EndCycle& cycle) {
   return cycle.cycle.fate == record::CommandFate::kHeld;
 }
 
-/// Index of the first cycle that counts as shown.
+/// Index of the first shown cycle.
 std::size_t FirstShown(const RunEnd& end) {
   return end.cycles.size() > RunEnd::kShown ? 1 : 0;
 }
@@ -44,7 +44,7 @@ std::size_t HeldShown(const RunEnd& end) {
       end.cycles.begin() + static_cast<std::ptrdiff_t>(FirstShown(end)), end.cycles.end(), IsHeld));
 }
 
-/// After a loss right before a command that was refused.
+/// Text for a loss immediately before a refused command.
 std::string JudgeResume(const RunEnd& end, std::uint32_t lost) {
   if (end.last().violation.error == RobotError::kControllerTorqueDiscontinuity) {
     return fmt::format(
@@ -61,7 +61,7 @@ std::string JudgeResume(const RunEnd& end, std::uint32_t lost) {
       lost, factor, lost);
 }
 
-/// The last loss before the last cycle: how long, and how long ago it ended. 0, 0: none.
+/// Length of the last loss before the last cycle, and the cycles since its end; {0, 0}: no loss.
 std::pair<std::uint32_t, std::size_t> LastLoss(const RunEnd& end) {
   for (std::size_t ago = 1; ago < end.cycles.size(); ++ago) {
     const EndCycle& cycle = end.cycles[end.cycles.size() - 1 - ago];
@@ -70,7 +70,7 @@ std::pair<std::uint32_t, std::size_t> LastLoss(const RunEnd& end) {
   return {0, 0};
 }
 
-/// Where the commands of the shown held cycles went, counted. @pre end.has_ticks.
+/// Reasons of the shown held cycles, with their numbers. @pre end.has_ticks.
 std::vector<std::string> CausesOfHeld(const RunEnd& end, bool any_dropped) {
   std::uint64_t silent = 0, unwritten = 0, late = 0;
   for (std::size_t i = FirstShown(end); i < end.cycles.size(); ++i) {
@@ -102,7 +102,7 @@ std::string JudgeLosses(const RunEnd& end) {
   const record::CycleRecord& last = end.last();
   const bool is_loss =
       last.violated && last.violation.error == RobotError::kCommunicationConstraintsViolation;
-  if (is_loss) return "";  // the error tells it itself
+  if (is_loss) return "";  // the error itself says so
   if (last.fate == record::CommandFate::kHeld) {
     return fmt::format(
         "Yes: this cycle had no command, the {}th in a row. The robot went on by the acceleration "
@@ -116,7 +116,7 @@ std::string JudgeLosses(const RunEnd& end) {
   }
   const bool from_gap = last.violated && ComesFromAGap(last.violation.error);
   if (from_gap && ago == 1) return JudgeResume(end, lost);
-  // A source that answers to the state (a controller, a filter) settles after a gap.
+  // A source with feedback from the state (a controller, a filter) settles after a gap.
   constexpr std::size_t kSettling = 10;
   if (from_gap && ago <= kSettling) {
     return fmt::format(

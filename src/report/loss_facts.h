@@ -6,18 +6,18 @@
 
 namespace twin::report {
 
-// What the commands of the last cycles have to do with the error. Each text is whole sentences.
-// @pre end.aborted().
+// Relation between the commands of the last cycles and the error. Each text consists of whole
+// sentences. @pre end.aborted().
 
-/// Whether commands that were lost before can be what led to the error; empty when the error says
-/// so itself, or when it is not known what became of commands.
+/// States whether earlier command losses may have led to the error. Empty if the error itself says
+/// so, or the log has no fates of commands.
 [[nodiscard]] std::string JudgeLosses(const RunEnd& end);
 
-/// How many of the shown cycles were served and held, and where the commands of the held ones went:
-/// no state, no command, or a command that came too late; or that this log cannot tell.
+/// Counts the served and held cycles among those shown, and the reasons of the held ones: no state,
+/// no command, or a late command; or says that this log has no such data.
 [[nodiscard]] std::string CountFates(const RunEnd& end);
 
-/// What the workstation did in these cycles, as far as it is worth a word; empty when it is not.
+/// Describes notable actions of the workstation in these cycles; empty without any.
 [[nodiscard]] std::string CountTicks(const RunEnd& end);
 
 }  // namespace twin::report

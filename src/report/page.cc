@@ -18,7 +18,7 @@ namespace {
 using kainjow::mustache::data;
 using nlohmann::json;
 
-/// As the templates know it; what a section leaves out becomes false.
+/// Converts JSON for the templates; values for which a section is omitted become false.
 data ToData(const json& value) {
   switch (value.type()) {
     case json::value_t::object: {
@@ -70,12 +70,12 @@ std::string Escape(std::string_view text) {
 }
 
 std::string InlineSvg(std::string_view svg, std::string_view name) {
-  // Where gnuplot names something, and where it refers to it.
+  // gnuplot's definitions of ids and references to them.
   constexpr std::array<std::string_view, 4> kNames{" id='", " id=\"", "href='#", "url(#"};
   const std::size_t begin = svg.find("<svg");
   if (begin == std::string_view::npos) return {};
   std::string text(svg.substr(begin));
-  // Which browsers show over the picture; gnuplot's tell nothing.
+  // Browsers show titles as tooltips, and gnuplot's have no meaning for readers.
   for (std::size_t at = text.find("<title>"); at != std::string::npos; at = text.find("<title>")) {
     constexpr std::string_view kEnd = "</title>";
     const std::size_t end = text.find(kEnd, at);

@@ -10,14 +10,14 @@ namespace {
 constexpr std::size_t kColumns = 100;
 constexpr std::size_t kIndent = 15;
 
-/// Characters that a text takes on a terminal: bytes that do not go on with one in UTF-8.
+/// Width of a text on a terminal, characters: bytes except UTF-8's continuation bytes.
 std::size_t Width(std::string_view text) {
   std::size_t width = 0;
   for (const char c : text) width += (static_cast<unsigned char>(c) & 0xC0U) != 0x80U ? 1 : 0;
   return width;
 }
 
-/// Adds a line, broken between words where it would become too long.
+/// Adds a line, wrapped between words.
 void AddWrapped(std::string& text, std::string_view line) {
   std::size_t column = kIndent;
   bool first = true;

@@ -5,13 +5,13 @@
 
 namespace twin::report {
 
-/// Something told under a label; its lines are kept apart.
+/// Text under a label; its lines stay separate.
 struct Paragraph {
   std::string label;
   std::vector<std::string> lines;
 };
 
-/// For a terminal: the label left, its lines beside it, wrapped at 100 columns.
+/// Formats paragraphs for a terminal: label on the left, lines beside it, wrapped at 100 columns.
 [[nodiscard]] std::string ToText(const std::vector<Paragraph>& paragraphs);
 
 }  // namespace twin::report

@@ -16,7 +16,7 @@
 namespace twin::report {
 namespace {
 
-/// A table as `$name`. gnuplot takes what is not a number as a gap.
+/// Adds a table as the data block `$name`. gnuplot draws NaN as a gap.
 void AddTable(std::string& script, std::string_view name, std::string_view columns,
               const std::vector<std::vector<double>>& rows) {
   const auto width = static_cast<std::size_t>(1 + std::ranges::count(columns, ','));
@@ -24,13 +24,13 @@ void AddTable(std::string& script, std::string_view name, std::string_view colum
   for (const std::vector<double>& row : rows) {
     TWIN_CHECK(row.size() == width);
     for (std::size_t i = 0; i < width; ++i) {
-      // Beyond that gnuplot fails.
+      // gnuplot fails on larger numbers.
       const bool can_be_drawn = std::abs(row[i]) < 1e100;
       script += can_be_drawn ? fmt::format("{:.9g}", row[i]) : std::string("NaN");
       script += i + 1 < width ? ',' : '\n';
     }
   }
-  if (rows.empty()) {  // gnuplot takes no empty table
+  if (rows.empty()) {  // gnuplot refuses an empty table
     for (std::size_t i = 0; i < width; ++i) script += i + 1 < width ? "NaN," : "NaN\n";
   }
   script += "EOD\n";
@@ -40,7 +40,7 @@ std::string ScriptOf(std::string_view prefix, const Figure& figure) {
   std::string script(TemplateText("style.gp"));
   if (!figure.columns.empty()) AddTable(script, "data", figure.columns, figure.rows);
   for (const auto& [key, table] : figure.tables) AddTable(script, key, table.columns, table.rows);
-  // Without a point gnuplot finds no range, and fails: such a figure shows empty axes.
+  // gnuplot fails without a point, because it finds no range: such a figure shows empty axes.
   if (figure.rows.empty() && figure.tables.empty()) {
     script += "panel = panel . \"; set xrange [0.1:1]; set yrange [0.1:1]\"\n";
   }
@@ -75,7 +75,7 @@ std::optional<PathPoint> PointOf(std::string_view word) {
   return y.ec == std::errc() ? std::optional(point) : std::nullopt;
 }
 
-/// Keeps points of a line that fall into the same half of a pixel: first, lowest, highest, last.
+/// Thins a line: of its points in the same half of a pixel, keeps first, lowest, highest and last.
 class Thinning {
  public:
   explicit Thinning(std::string& out) : out_(out) {}

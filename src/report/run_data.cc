@@ -15,7 +15,7 @@
 namespace twin::report {
 namespace {
 
-/// Spans that fit side by side into a panel.
+/// Largest number of spans side by side in a panel.
 constexpr std::size_t kMaxSpans = 300;
 
 double Seconds(Time time) {
@@ -30,14 +30,14 @@ FateCounts CountsOf(const record::CycleRecord& cycle) {
           .dropped = cycle.dropped};
 }
 
-/// Raises `peaks` to the magnitudes of `values`; those that are not finite do not count.
+/// Raises `peaks` to the magnitudes of `values`; ignores values that are not finite.
 void UpdatePeaks(JointVector& peaks, const JointVector& values) {
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (std::isfinite(values[i])) peaks[i] = std::max(peaks[i], std::abs(values[i]));
   }
 }
 
-/// Names the error of a state that has one: the one its cycle explains, else the first.
+/// Name of a state's error: that with details in the cycle, else the first. @pre it has an error.
 std::string ErrorName(const record::CycleRecord& cycle) {
   const RobotErrors& errors = cycle.state.errors;
   std::size_t first = 0;
@@ -48,7 +48,7 @@ std::string ErrorName(const record::CycleRecord& cycle) {
                      others > 0 ? fmt::format(" and {} more", others) : "");
 }
 
-/// Takes the records of a log as std::visit gives them.
+/// Visitor of a log's records.
 class DataCollector {
  public:
   explicit DataCollector(RunData& run) : run_(run) {}
@@ -122,7 +122,7 @@ class DataCollector {
   }
 
   RunData& run_;
-  bool moved_ = false;  ///< in the cycle before
+  bool moved_ = false;  ///< in the previous cycle
   TrackingError tracking_;
 };
 

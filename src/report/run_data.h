@@ -27,8 +27,8 @@ struct FateCounts {
   void Add(const FateCounts& other);
 };
 
-/// Counts of a run over time, in bounded memory: like Envelope, spans are merged when they are too
-/// many.
+/// Counts of a run over time, in bounded memory: as in Envelope, neighbouring spans are merged when
+/// there are too many.
 class FateHistory {
  public:
   void Add(const record::CycleRecord& cycle);
@@ -45,24 +45,24 @@ class FateHistory {
 /// The error that ended a motion.
 struct Abort {
   double time = 0;   ///< s
-  std::string name;  ///< of the error; with how many others, if there are
+  std::string name;  ///< of the error, with the number of further errors, if any
 };
 
-/// What the plots of a run need of its log.
+/// Data from a run's log for its plots.
 struct RunData {
   /// Bins of an envelope: about the pixels of a panel.
   static constexpr std::size_t kBins = 400;
-  /// Later ones are not told apart.
+  /// Later motions are not marked.
   static constexpr std::size_t kMostMotions = 100;
 
   std::string scenario;
   bool truncated = false;
-  bool by_torque = false;  ///< torques were commanded: the error is of q_ext, not q_d
+  bool by_torque = false;  ///< torques were commanded: errors refer to q_ext, not q_d
   double begin = 0;        ///< s
   double end = 0;          ///< s
   FateCounts total;
   std::optional<Abort> abort;      ///< the first
-  std::vector<double> motions;     ///< when they began, s; at most kMostMotions
+  std::vector<double> motions;     ///< start times, s; at most kMostMotions
   std::uint32_t longest_loss = 0;  ///< most cycles held in a row
   JointVector peak_dq{};           ///< magnitude, rad/s
   JointVector peak_dq_d{};         ///< magnitude, rad/s
@@ -77,19 +77,19 @@ struct RunData {
   Envelope dddq_d{kJoints, kBins};
   Envelope tau_J{kJoints, kBins};
   Envelope tau_J_d{kJoints, kBins};
-  Envelope q_ext{kJoints, kBins};       ///< of ticks that had a target
-  Envelope dq_ext{kJoints, kBins};      ///< of the same
+  Envelope q_ext{kJoints, kBins};       ///< of ticks with a target
+  Envelope dq_ext{kJoints, kBins};      ///< likewise
   Envelope error{kJoints, kBins};       ///< TrackingError, mrad
   Envelope success_rate{1, 2 * kBins};  ///< while a motion runs
   Envelope d_EXT{1, 2 * kBins};         ///< us, of ticks that wrote a command
-  record::FilterCounts filter;          ///< of a viability filter; no commands without one
+  record::FilterCounts filter;          ///< of the viability filter; zero commands without one
   Envelope margin{1, 2 * kBins};        ///< TickRecord::margin
-  Envelope kept_back{kJoints, kBins};   ///< joint i, from 0, was kept back: i + 1
+  Envelope kept_back{kJoints, kBins};   ///< i + 1 when the filter changed joint i (from 0)
   FateHistory fates;
 };
 
-/// Reads a log in one pass. @throws InputError when it is damaged or holds no cycle;
-/// EnvironmentError when it cannot be read.
+/// Reads a log in one pass. @throws InputError if it is damaged or has no cycle; EnvironmentError
+/// if it cannot be read.
 [[nodiscard]] RunData ReadRun(const std::filesystem::path& log);
 
 }  // namespace twin::report

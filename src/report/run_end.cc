@@ -13,10 +13,10 @@
 namespace twin::report {
 namespace {
 
-/// How far ticks may be away from their cycles in a log with a ring for each.
+/// Largest distance between ticks and their cycles in a log with a ring for each.
 constexpr std::size_t kTicks = 4096;
 
-/// Takes the records of a log as std::visit gives them.
+/// Visitor of a log's records.
 class EndCollector {
  public:
   explicit EndCollector(RunEnd& end) : end_(end), ticks_(kTicks) {}
@@ -63,9 +63,9 @@ class EndCollector {
 
   [[nodiscard]] bool any() const { return any_; }
 
-  /// Brings cycles and answers together.
+  /// Combines cycles and answers.
   void Finish() {
-    // On the robot's time an answer takes none; a clock always sees some pass.
+    // On the robot's time answers take no time; on a clock, each takes some.
     end_.on_robot_time = end_.is_remote() && any_command_ && !any_cost_;
     if (!abort_id_) return;
     for (record::CycleRecord& cycle : cycles_) {
@@ -83,8 +83,8 @@ class EndCollector {
   std::optional<std::uint64_t> abort_id_;
   bool had_error_ = false;
   bool any_ = false;
-  bool any_command_ = false;  ///< a tick wrote one
-  bool any_cost_ = false;     ///< one of them took time
+  bool any_command_ = false;  ///< a tick wrote a command
+  bool any_cost_ = false;     ///< such a tick took time
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ namespace {
 constexpr const char* kTableColumns = "joint,t [s],value";
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// What the figures of a run have in common.
+/// Common part of all figures of a run.
 Figure FigureOf(const RunData& run, std::string id, std::string_view what) {
   Figure figure{.id = std::move(id),
                 .values = {{"begin", run.begin},
@@ -36,7 +36,7 @@ Figure FigureOf(const RunData& run, std::string id, std::string_view what) {
   return figure;
 }
 
-/// A curve of each joint, or one.
+/// The curves of an envelope as a table.
 Table TableOf(const Envelope& envelope, std::size_t curves = kJoints) {
   Table table{.columns = kTableColumns};
   for (std::size_t i = 0; i < curves; ++i) {
@@ -47,7 +47,7 @@ Table TableOf(const Envelope& envelope, std::size_t curves = kJoints) {
   return table;
 }
 
-/// A curve of the joints and its name in the legend.
+/// The joints' curves of one quantity, and its name in the legend.
 struct Curve {
   const Envelope* envelope = nullptr;
   std::string name{};
@@ -78,12 +78,12 @@ void AddPanel(Figure& figure, std::string title, std::pair<double, double> limit
   figure.values[fmt::format("y_max_{}", joint)] = range.second;
 }
 
-/// Around 0.
+/// Range around 0.
 std::pair<double, double> PlusMinus(double value) {
   return {-value, value};
 }
 
-/// To a peak with some room, where there is one.
+/// Range that contains a peak, with a margin; +- 1 without a peak.
 std::pair<double, double> RangeTo(double peak) {
   return PlusMinus(peak > 0 ? 1.15 * peak : 1);
 }
@@ -152,7 +152,7 @@ Figure TorquesFigure(const RunData& run, const JointLimits& limits) {
 }
 
 Figure JerkFigure(const RunData& run, const JointLimits& limits) {
-  // Below this share of the limit the curve would be a line on the axis.
+  // Below this share of the limit, the curve would coincide with the axis.
   constexpr double kZoomBelow = 0.1;
   const auto zooms = [&](std::size_t i) {
     return run.peak_dddq_d[i] > 0 && run.peak_dddq_d[i] < kZoomBelow * limits.dddq_max[i];
@@ -180,7 +180,7 @@ Figure ServedFigure(const RunData& run) {
                            static_cast<double>(span.dropped)});
   };
   for (const FateCounts& span : run.fates.spans()) add(span.begin, span);
-  // The steps are drawn up to the next time: the last span needs one.
+  // gnuplot draws a step up to the next time, so the last span needs one.
   add(run.end + 1e-3, run.fates.spans().back());
   figure.tables = {{"delay", TableOf(run.d_EXT, 1)}, {"rate", TableOf(run.success_rate, 1)}};
   std::uint64_t most = 1;
@@ -226,7 +226,7 @@ std::vector<std::filesystem::path> WritePlots(const std::filesystem::path& log,
     throw EnvironmentError(fmt::format("cannot create folder {}: {}; choose another one",
                                        folder.string(), error.message()));
   }
-  // Under torques the robot's reference stands still, or copies the target: no jerk of its own.
+  // Under torques, the robot's reference is constant or copies the target; its jerk means nothing.
   std::vector<Figure> figures{
       JointsFigure(run, limits), TrackingFigure(run), VelocitiesFigure(run, limits),
       run.by_torque ? TorquesFigure(run, limits) : JerkFigure(run, limits), ServedFigure(run)};

@@ -6,7 +6,7 @@
 
 namespace twin::report {
 
-// The figures of a run; their files in src/report/templates/run say what each shows.
+// The figures of a run; their files in src/report/templates/run describe them.
 [[nodiscard]] Figure JointsFigure(const RunData& run, const JointLimits& limits);
 [[nodiscard]] Figure VelocitiesFigure(const RunData& run, const JointLimits& limits);
 [[nodiscard]] Figure TrackingFigure(const RunData& run);

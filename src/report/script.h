@@ -9,16 +9,16 @@
 
 namespace twin::report {
 
-// Colours that stay apart for colour-blind readers and in grey.
+// Colours that differ for colour-blind readers and in greyscale.
 inline constexpr std::string_view kReferenceColour = "#0b3c6f";  ///< dark blue: q_d and the like
-inline constexpr std::string_view kMeasuredColour = "#f0a030";   ///< amber: what was measured
+inline constexpr std::string_view kMeasuredColour = "#f0a030";   ///< amber: measured quantities
 inline constexpr std::string_view kLimitColour = "#c0272d";      ///< red, dashed
 inline constexpr std::string_view kServedColour = "#9cc3e6";     ///< light blue
 inline constexpr std::string_view kHeldColour = "#d1495b";       ///< red
 inline constexpr std::string_view kQuietColour = "#e3e3e3";      ///< grey: no motion
-inline constexpr std::string_view kAbortColour = "#7a2a90";      ///< violet: the end by an error
+inline constexpr std::string_view kAbortColour = "#7a2a90";      ///< violet: the error's cycle
 
-/// A gnuplot script in the making.
+/// Builds a gnuplot script.
 class Script {
  public:
   /// Begins an SVG of `columns` by `rows` panels under one title.
@@ -38,11 +38,11 @@ class Script {
   std::string text_;
 };
 
-/// `text` as a string of gnuplot's: quoted, without control characters.
+/// `text` as a gnuplot string: quoted, without control characters.
 [[nodiscard]] std::string Quote(std::string_view text);
 
-/// "name of the scenario: what", which error ended the motion, and that the log is cut short where
-/// it is.
+/// "name of the scenario: what", with the error that ended the motion and a note if the log is
+/// truncated.
 [[nodiscard]] std::string Title(const RunData& run, std::string_view what);
 
 }  // namespace twin::report

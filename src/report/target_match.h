@@ -11,12 +11,11 @@
 
 namespace twin::report {
 
-/// Brings together where the arm was measured and where the workstation's target wanted it: of the
-/// target that came with the answer to state k, and cycle k + 1, in which that acts. Cycles and
-/// ticks may come in either order, one side at most 4096 records ahead, as in a log with a ring for
-/// each. A tick without q_ext gives nothing.
+/// Pairs the measured arm with the workstation's target: the target of the answer to state k with
+/// cycle k + 1, in which it acts. Cycles and ticks may come in either order, one side at most 4096
+/// records ahead, as in a log with a ring for each. Ticks without q_ext are ignored.
 ///
-/// Threads: one thread. Real-time: no.
+/// Threads: one thread. Not real-time.
 class TargetMatch {
  public:
   struct Pair {
@@ -27,7 +26,7 @@ class TargetMatch {
 
   TargetMatch() : targets_(kKept), measured_(kKept) {}
 
-  /// @returns a pair that is now complete; their times rise.
+  /// @returns a pair completed by this record, else nullopt; times rise.
   std::optional<Pair> Add(const record::CycleRecord& cycle);
   std::optional<Pair> Add(const record::TickRecord& tick);
 
@@ -41,7 +40,7 @@ class TargetMatch {
   };
 
   std::vector<Entry> targets_;   ///< slot = message_id modulo size
-  std::vector<Entry> measured_;  ///< the same
+  std::vector<Entry> measured_;  ///< likewise
 };
 
 }  // namespace twin::report

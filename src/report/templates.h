@@ -5,16 +5,16 @@
 
 namespace twin::report {
 
-/// A file of src/report/templates, as part of the program.
+/// A file of src/report/templates, compiled into the program.
 struct TemplateFile {
-  std::string_view name;  ///< path there: "style.gp", "experiment/noise.html"
+  std::string_view name;  ///< path in this folder: "style.gp", "experiment/noise.html"
   std::string_view text;
 };
 
-/// All of them.
+/// All files.
 [[nodiscard]] std::span<const TemplateFile> TemplateFiles() noexcept;
 
-/// The text of one. @pre there is one of this name.
+/// The text of a file. @pre the file exists.
 [[nodiscard]] std::string_view TemplateText(std::string_view name);
 
 }  // namespace twin::report

@@ -9,12 +9,12 @@
 
 namespace twin::report {
 
-/// How far the measured arm is from where it is wanted, out of a run's records:
-///   error = q_d - q          of one cycle, while the robot follows a reference, and after that
-///                            while it comes to rest;
-///   error = q_ext - q        under torques, where q_d stands still: of TargetMatch.
+/// Tracking error of the measured arm, from a run's records:
+///   error = q_d - q          in a cycle in which the robot follows a reference, and afterwards
+///                            until it is at rest;
+///   error = q_ext - q        under torques, where q_d is constant: by TargetMatch.
 ///
-/// Threads: one thread. Real-time: no.
+/// Threads: one thread. Not real-time.
 class TrackingError {
  public:
   struct Value {
@@ -22,16 +22,16 @@ class TrackingError {
     JointVector error{};  ///< rad
   };
 
-  /// @returns an error that is now known; their times rise.
+  /// @returns the error completed by this record, else nullopt; times rise.
   std::optional<Value> Add(const record::CycleRecord& cycle);
   std::optional<Value> Add(const record::TickRecord& tick);
 
-  /// Whether any cycle so far was one under torques.
+  /// True if any cycle so far was under torques.
   [[nodiscard]] bool by_torque() const { return by_torque_; }
 
  private:
   TargetMatch match_;
-  bool by_reference_ = false;  ///< the last motion is, or was, of a reference
+  bool by_reference_ = false;  ///< the current or last motion has a reference
   bool by_torque_ = false;
 };
 

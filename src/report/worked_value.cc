@@ -14,18 +14,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Steps of a calculation, and what it came to.
+/// Steps and result of a calculation.
 struct Working {
   std::vector<std::string> lines;
   double value = 0;
 };
 
-/// How far a calculation may be off, relative to the value: rounding, but no filter.
+/// Largest relative difference of a calculation: permits rounding, but no filter.
 constexpr double kSame = 1e-6;
 
-/// The last cycle, as the calculations need it.
+/// Data of the last cycle.
 struct Inputs {
-  RobotState before;                    ///< what the command builds on
+  RobotState before;                    ///< the state that the command answers
   std::optional<RobotCommand> command;  ///< absent: the cycle held
   Violation violation;
 
@@ -39,12 +39,12 @@ void Add(Working& working, std::string_view name, std::string_view formula,
   working.value = value;
 }
 
-/// (now - before) / T in numbers.
+/// (now - before) / T with the numbers inserted.
 std::string Quotient(double now, double before) {
   return fmt::format("({:.10g} - {:.10g}) / 0.001", now, before);
 }
 
-/// Position of a joint, or its derivatives up to the one that the error is about.
+/// Position of a joint, or its derivatives up to that of the error.
 class JointChain {
  public:
   explicit JointChain(const Inputs& in) : in_(in), joint_(in.axis()) {}
@@ -128,7 +128,7 @@ void AddNorm(Working& working, std::string_view name, std::string_view formula, 
                                       Text(v), working.value, unit));
 }
 
-/// Derivatives of the end effector's motion: of its position, or of its rotation.
+/// Derivatives of the end effector's position or rotation.
 Working CartesianChain(const Inputs& in, int order) {
   const RobotState& s = in.before;
   const bool turns = in.axis() == 1;

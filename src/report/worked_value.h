@@ -7,11 +7,11 @@
 
 namespace twin::report {
 
-/// Works out once more, from the numbers in the log, the value that broke a limit: one line per
-/// step. For the errors of joint and Cartesian motion generators, but those behind the inverse
-/// kinematics, and of commanded torques. Where the result is not the one the controller found
-/// (its filters were on, the command is not in the log), nothing is claimed: the lines are then
-/// empty, or say what the command asked for beside the motion.
+/// Recomputes the value that violated a limit from the numbers in the log, one line per step. For
+/// errors of joint and Cartesian motion generators, except those of the inverse kinematics, and of
+/// commanded torques. If the result differs from the controller's (its filters were on, or the log
+/// lacks the command), the lines are empty. If such a command ends the motion, they say that the
+/// stop after it violates the limit.
 ///
 /// @pre end.aborted() and end.last().violated.
 [[nodiscard]] std::vector<std::string> WorkOut(const RunEnd& end);

@@ -14,9 +14,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using ConstJacobian = Eigen::Map<const Eigen::Matrix<double, 6, 7>>;
 
 constexpr double kAhead = 0.25;         // s
-constexpr double kFarthestAhead = 0.1;  // rad: near a singular posture a way is soon beyond it
+constexpr double kFarthestAhead = 0.1;  // rad: bounds the prediction near a singular posture
 constexpr double kDamping = 1e-4;       // m^2, rad^2
-constexpr double kWorthIt = 1e-6;       // of a twist: less is rest
+constexpr double kWorthIt = 1e-6;       // norm of a twist; smaller twists count as rest
 
 /// sqrt(det(J J^T)).
 double Manipulability(const ConstJacobian& J) {

@@ -13,8 +13,8 @@ namespace {
 using Eigen::Vector3d;
 using reference::ClosingSpeed;
 
-const Vector3d kShoulder(0, 0, 0.333);    // m, where the axes of joints 1 to 3 meet
-constexpr double kOfAcceleration = 0.25;  // left for borders, which may come several at once
+const Vector3d kShoulder(0, 0, 0.333);    // m, intersection of the axes of joints 1 to 3
+constexpr double kOfAcceleration = 0.25;  // share for one bound, because several may act at once
 constexpr double kNothing = 1e-9;         // m, rad
 
 /// Largest speed towards a bound, from the distance left.

@@ -19,24 +19,24 @@ namespace twin::golden {
 /// The pictures of a case.
 [[nodiscard]] PicturePlan PlanOf(const scenario::VideoCase& wanted);
 
-/// @param scenario  the case's, with its lab and seed. @throws InputError when `log`, read by
-/// `reader`, is of another run: which difference comes first. From where it was filmed does not
-/// count.
+/// Requires that `log`, read by `reader`, is a run of the case. Ignores the scenario's camera.
+/// @param scenario  the case's, with its lab and seed. @throws InputError naming the first
+/// difference.
 void RequireRunOf(const scenario::VideoCase& wanted, const scenario::Scenario& scenario,
                   const record::LogReader& reader, const std::filesystem::path& log);
 
-/// A recorded run of a case: all that can be compared of it.
+/// The comparable data of a case's recorded run.
 ///
 /// Threads: one thread.
 class CaseRun {
  public:
-  /// @param file  of the case, for messages. @throws as replay::Recording.
+  /// @param file  the case's file, for messages. @throws as replay::Recording.
   CaseRun(const scenario::VideoCase& wanted, std::filesystem::path file, std::filesystem::path log,
           const run::RunFiles& files);
 
-  /// Takes the pictures. @param golden  whose key frames are taken; null: by the case.
-  /// @param between  called between pictures; what it throws ends this. @throws InputError naming
-  /// the case's file when a view's body or camera is not in the model.
+  /// Takes the pictures. @param golden  its key frames are taken; null: those of the case.
+  /// @param between  called between pictures; its exceptions propagate. @throws InputError naming
+  /// the case's file if the model lacks a view's body or camera.
   void Take(const Golden* golden, const std::function<void()>& between);
 
   /// @pre Take(). Refers to this.

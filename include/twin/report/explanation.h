@@ -5,28 +5,27 @@
 
 namespace twin::report {
 
-/// What a log tells about how its run ended.
+/// Explanation of a run's end.
 struct Explanation {
   bool aborted = false;  ///< an error ended a motion
-  /// For a terminal: what happened, where, value and limit and how the value came about, what
-  /// became of the last commands and whether lost ones can be the reason (a log from the
-  /// workstation's end of a wire knows neither this nor the value, and says so), the usual cause,
-  /// the cure; of a run without an error, how close it came to each limit. Lines of at most 100
-  /// columns.
+  /// Text for a terminal, in lines of at most 100 columns: the error and its place; value, limit
+  /// and derivation of the value; fate of the last commands, and whether losses may have caused the
+  /// error; usual cause and cure. A log from the workstation's end of a wire has neither the fates
+  /// nor the value; the text then says so. For a run without an error: how close the run came to
+  /// each limit.
   std::string text;
-  /// The same as one HTML page with the last 50 cycles plotted and in numbers; it needs no other
-  /// file and no network. Empty unless aborted.
+  /// The same as a self-contained HTML page, with plots and numbers of the last 50 cycles. Empty
+  /// unless aborted.
   std::string page;
 };
 
-/// Explains the first error of a log; of a killed run's log as far as it goes. The same log gives
-/// the same bytes, with the same version of gnuplot.
+/// Explains the first error of a log, which may be that of a killed run. The same log gives the
+/// same bytes, with the same version of gnuplot.
 ///
-/// Threads: one thread. Real-time: no; of an aborted run it runs gnuplot from PATH and waits for
-/// it.
-/// @param log  as record::Recorder wrote it.
-/// @throws InputError when the log is damaged, holds no cycle, or ends with its run killed and no
-/// error before; EnvironmentError when it cannot be read, or gnuplot is missing or fails.
+/// Threads: one thread. Not real-time: for an aborted run it runs gnuplot from PATH and waits.
+/// @param log  written by record::Recorder.
+/// @throws InputError if the log is damaged, has no cycle, or is that of a run killed before any
+/// error; EnvironmentError if it cannot be read, or gnuplot is missing or fails.
 [[nodiscard]] Explanation Explain(const std::filesystem::path& log);
 
 }  // namespace twin::report

@@ -9,31 +9,31 @@
 
 namespace twin::report {
 
-/// Makes an HTML page, or a part of one, from a template and its data. All pages that panda-twin
-/// writes are made here; a page needs no other file and no network.
+/// Makes an HTML page, or a part of a page, from a template and its data. All pages that panda-twin
+/// writes are made here; each is self-contained.
 ///
-/// Templates are Mustache files in src/report/templates and part of the program. `{{> name}}` takes
-/// in the template `name`. Strings are escaped, `{{{name}}}` is put in as it is. Numbers are shown
-/// with four significant digits, what is not finite as "none". A section `{{#name}}` is left out
-/// when its value is missing, null, false, an empty string or an empty list.
+/// Templates are the Mustache files in src/report/templates, compiled into the program.
+/// `{{> name}}` includes the template `name`. `{{name}}` inserts a string escaped, `{{{name}}}`
+/// unescaped. Numbers have four significant digits; one that is not finite becomes "none". A
+/// section `{{#name}}` is omitted if its value is missing, null, false, or an empty string or list.
 ///
-/// Threads: any thread. The same template and data give the same bytes.
-/// @param name  its path there without ".html": "experiment/report".
-/// @param data  an object. @pre there is such a template; no datum has the name of one.
+/// Threads: any. The same template and data give the same bytes.
+/// @param name  the template's path without ".html": "experiment/report".
+/// @param data  a JSON object. @pre the template exists; no key of the data names a template.
 [[nodiscard]] std::string RenderPage(std::string_view name, const nlohmann::json& data);
 
-/// How a page was made, for the template "made", which calls it `facts`: names and texts.
+/// Data for the template "made", which shows them as `facts`: names and texts.
 [[nodiscard]] nlohmann::json FactsOf(const std::vector<std::pair<std::string, std::string>>& facts);
 
-/// `text` as HTML shows it; control characters but line feeds become spaces.
+/// Escapes a text for HTML; control characters except line feeds become spaces.
 [[nodiscard]] std::string Escape(std::string_view text);
 
-/// A picture as a part of a page: without what makes it a file of its own, and with names that no
-/// other picture of the page has. @param svg  as DrawPlot gives it. @param name  letters, digits
-/// and '_', another one for every picture.
+/// Converts an SVG document to an element of a page: drops the document's prologue and makes its
+/// ids unique. @param svg  from DrawPlot(). @param name  letters, digits and '_'; unique within the
+/// page.
 [[nodiscard]] std::string InlineSvg(std::string_view svg, std::string_view name);
 
-/// Bytes as letters, for the address of a picture within a page: "data:image/png;base64,...".
+/// Bytes in Base64, for a picture's data URL: "data:image/png;base64,...".
 [[nodiscard]] std::string Base64(std::string_view bytes);
 
 }  // namespace twin::report

@@ -9,33 +9,33 @@ namespace twin::report {
 
 /// Numbers in columns.
 struct Table {
-  std::string columns{};                    ///< head of its CSV: "name [unit],..."
-  std::vector<std::vector<double>> rows{};  ///< a value for each column; not finite: there is none
+  std::string columns{};                    ///< header of the CSV: "name [unit],..."
+  std::vector<std::vector<double>> rows{};  ///< one value per column; not finite: no value
 };
 
-/// What a plot shows; src/report/templates has how, as a gnuplot file.
+/// Data of a plot; a gnuplot file in src/report/templates draws it.
 struct Figure {
   std::string id{};       ///< letters, digits and '_'
-  std::string plot{};     ///< its file, where several figures share one; else id
-  std::string columns{};  ///< of its table, `$data` in the file: as Table
+  std::string plot{};     ///< name of its gnuplot file, if several figures share one; empty: id
+  std::string columns{};  ///< header of its table, `$data` in the gnuplot file; as in Table
   std::vector<std::vector<double>> rows{};
-  std::map<std::string, Table> tables{};   ///< further ones, under their names
-  std::map<std::string, double> values{};  ///< further numbers, under their names
+  std::map<std::string, Table> tables{};   ///< further tables, by name
+  std::map<std::string, double> values{};  ///< further numbers, by name
   std::vector<std::string> names{};        ///< texts: names[1], names[2], ...
 };
 
-/// The table as CSV: its columns, then a line for each row. What is not finite is left empty.
+/// The table as CSV: header, then one line per row. Values that are not finite are left empty.
 [[nodiscard]] std::string Csv(const Figure& figure);
 
-/// Draws a figure with gnuplot, after style.gp, which says what the file can use. Lines keep, in
-/// each column of pixels, their first, lowest, highest and last point, so that a picture of any
-/// number of points stays small and no peak is lost. The same figure gives the same bytes, with the
-/// same version of gnuplot.
+/// Draws a figure with gnuplot. Runs style.gp, which documents the available variables, then the
+/// figure's file. In each column of pixels, a line keeps its first, lowest, highest and last point:
+/// the picture stays small for any number of points, and no peak is lost. The same figure gives the
+/// same bytes, with the same version of gnuplot.
 ///
-/// Threads: any thread. Real-time: no; runs gnuplot from PATH and waits for it.
-/// @param prefix  of the file in src/report/templates, which goes on with the figure's name and
-/// ".gp": "experiment/noise_". @pre there is such a file; each row has a value for each column.
-/// @returns an SVG document. @throws EnvironmentError when gnuplot is missing or fails.
+/// Threads: any. Not real-time: runs gnuplot from PATH and waits.
+/// @param prefix  start of the file's path in src/report/templates, as "experiment/noise_"; the
+/// figure's name and ".gp" follow. @pre the file exists; each row has a value for each column.
+/// @returns an SVG document. @throws EnvironmentError if gnuplot is missing or fails.
 [[nodiscard]] std::string DrawPlot(std::string_view prefix, const Figure& figure);
 
 }  // namespace twin::report

@@ -23,7 +23,7 @@ struct MotionBounds {
 ///   w2 = min(J / 2A, 0.1 / T):
 /// It is as fast as the jerk permits without overshoot, and well below the call rate.
 ///
-/// a| <= A and |a+ - a| <= T J always; |v| <= 1.02 V for any command.
+/// |a| <= A and |a+ - a| <= T J always; |v| <= 1.02 V for any command.
 ///
 /// Threads: one. Real-time: noexcept, does not allocate, O(1).
 template <int N>
