@@ -14,7 +14,7 @@ namespace twin::application {
 namespace compliance {
 namespace {
 
-/// Points in a picture for each part of the trajectory.
+/// Points of each part of the trajectory in a picture.
 constexpr int kWayPoints = 24;
 
 class Compliance final : public Application {
@@ -45,7 +45,7 @@ class Compliance final : public Application {
 
 Duration Compliance::longest(const scenario::Scenario& /*scenario*/) const {
   Duration all{};
-  // The way back and settling take less.
+  // The motion back and settling take less than the added time.
   for (const Case& one : kAllCases) all += LengthOf(one, config_) + std::chrono::seconds(5);
   return all;
 }

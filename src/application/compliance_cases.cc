@@ -19,12 +19,12 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// For the way back.
+/// Duration of the motion back.
 constexpr Duration kBack = seconds(2);
-/// Of the joints in q0, rad, as the controller has it.
+/// Largest joint position in q0, rad, as in the controller.
 constexpr double kFarthest = 10;
 
-/// Two of three axes each. The ranges are those of the controller.
+/// Reads two parameters of three axes each. The ranges are the controller's.
 Vector6 ReadAxes(control::ParameterReader& p, const std::string& key, Dimension translation,
                  Dimension rotation, const Vector6& otherwise, double most_along,
                  double most_about) {
@@ -50,7 +50,7 @@ std::vector<std::string> Texts(const double* values, std::size_t count, std::str
   return texts;
 }
 
-/// As the controller reads them.
+/// The gains as parameters of the controller.
 control::Parameters ParametersOf(const Gains& gains, const JointVector& q_0, const Config& config,
                                  std::string_view reference) {
   const auto list = [](std::string key, std::vector<std::string> values) {
@@ -90,7 +90,7 @@ reference::PoseTrajectory PathFrom(const Transform& O_T_EE, const Config& config
                                    {}, limits);
 }
 
-/// The only push of a motion.
+/// The push of a case. @throws InputError if it has none or several.
 const plant::Push& PushOf(const Case& one, const scenario::Scenario& scenario) {
   const plant::Push* found = nullptr;
   for (const plant::Perturbation& perturbation : scenario.perturbations) {
@@ -109,7 +109,7 @@ const plant::Push& PushOf(const Case& one, const scenario::Scenario& scenario) {
                   one.id, one.what, one.motion));
 }
 
-/// Nothing else pushes.
+/// Refuses perturbations other than the pushes of cases.
 void RefuseOthers(const scenario::Scenario& scenario) {
   for (const plant::Perturbation& perturbation : scenario.perturbations) {
     const auto* push = std::get_if<plant::Push>(&perturbation);

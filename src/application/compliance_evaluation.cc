@@ -12,15 +12,15 @@
 namespace twin::application::compliance {
 namespace {
 
-/// Of the compliant case's deflection, below which the stiff one's must stay.
+/// Upper bound of the stiff case's deflection, as a share of the compliant one's.
 constexpr double kStiffShare = 0.2;
-/// Of F / K, within which the steady deflection must lie.
+/// Largest relative deviation of the steady deflection from F / K.
 constexpr double kSteadyShare = 0.1;
-/// m.
+/// Largest tracking error, m.
 constexpr double kLargestTracking = 5e-3;
-/// m.
+/// Largest displacement of the end effector by the null space, m.
 constexpr double kLargestWandering = 2e-3;
-/// rad; less would demonstrate nothing.
+/// Smallest null-space motion of a joint that demonstrates the effect, rad.
 constexpr double kLeastWandering = 0.1;
 
 void AddResponse(const Case& one, const Response& r, Evaluation& evaluation) {
@@ -84,7 +84,7 @@ report::Figure PushedFigure(std::string id, CaseIndex stiff, CaseIndex compliant
   return figure;
 }
 
-/// Positions and reference of the end effector, from where it stood.
+/// Position and reference of the end effector, relative to its start.
 report::Figure TrajectoryFigure(const Log& log) {
   report::Figure figure{.id = "trajectory",
                         .columns = "case,t [s],x [mm],y [mm],z [mm],x_d [mm],y_d [mm],z_d [mm]"};

@@ -8,7 +8,7 @@
 namespace twin::application::compliance {
 namespace {
 
-/// Of the steady deflection, within which the arm has settled.
+/// Share of the steady deflection within which the arm has settled.
 constexpr double kSettled = 0.1;
 
 double Dot(const Vector3& a, const Vector3& b) noexcept {
@@ -23,13 +23,13 @@ Vector3 Minus(const Vector3& a, const Vector3& b) noexcept {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-/// What a sample is compared with.
+/// Values subtracted from a sample.
 struct Base {
   Vector3 off{};
   Vector3 force{};
 };
 
-/// The means over the time before the push.
+/// Means over kBefore before the push.
 Base MeanBefore(const Trace& trace, const plant::Push& push) {
   const double begin = ToSeconds(push.begin);
   Base mean;
@@ -49,8 +49,8 @@ Base MeanBefore(const Trace& trace, const plant::Push& push) {
   return mean;
 }
 
-/// Gives the untouched motion's sample of the same time, or the last one before it where a state
-/// was lost. Times must rise.
+/// Finds the unpushed motion's sample at the same time, or the previous one if a state was lost.
+/// Times must rise.
 class Untouched {
  public:
   explicit Untouched(const Trace& trace) : trace_(trace) {}

@@ -16,7 +16,7 @@ Vector3 PositionOf(const Transform& X) noexcept {
   return {X[12], X[13], X[14]};
 }
 
-/// Takes the states of a log one after the other.
+/// Collects the traces from a log's records.
 class TraceCollector {
  public:
   TraceCollector(const std::array<std::optional<Span>, kCases>& spans, const JointLimits& limits,
@@ -44,7 +44,7 @@ class TraceCollector {
   template <class Other>
   void Add(const Other& /*record*/) {}
 
-  /// From the command on that ends a motion, the robot stops the arm by itself.
+  /// Removes the samples after a motion's finished command, when the robot stops the arm itself.
   void LeaveOutStops() {
     for (std::size_t i = 0; i < kCases; ++i) {
       if (!finished_[i]) continue;

@@ -15,12 +15,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Of the Franka Hand, from the middle between its fingertips: models/robots/hand/hand.urdf.
+// Dimensions of the Franka Hand from the midpoint of its fingertips: models/robots/hand/hand.urdf.
 constexpr double kPalm = 0.0374;      // m, up to the palm
 constexpr double kTip = 0.0088;       // m, down to the tips
-constexpr double kLeastHold = 0.004;  // m of the object above that middle, at least
+constexpr double kLeastHold = 0.004;  // m, least height of the object above this midpoint
 
-/// A cylinder stands when its axis is nearer to the vertical than this, cos.
+/// A cylinder stands if the cosine of its axis's angle from the vertical is larger.
 constexpr double kStands = 0.7;
 
 /// An axis along which the fingers close, and the object's width between them.

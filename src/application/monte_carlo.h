@@ -57,17 +57,17 @@ struct MonteCarloResult {
   [[nodiscard]] std::vector<FindingSpread> Spreads() const;
 };
 
-/// 95 % confidence interval of a share of which `hits` of `trials` were seen (Wilson's score;
-/// Wilson 1927). @pre 0 <= hits <= trials, trials > 0.
+/// 95 % confidence interval of a probability, from `hits` in `trials` (Wilson's score; Wilson
+/// 1927). @pre 0 <= hits <= trials, trials > 0.
 [[nodiscard]] std::pair<double, double> WilsonInterval(int hits, int trials) noexcept;
 
-/// Carries an application out once per seed, in lockstep and without logs. The scenario's own seed
-/// is ignored. All runs share one compiled model in files.cache.
+/// Runs an application once per seed, in lockstep and without logs. Ignores the scenario's own
+/// seed. All runs share one compiled model in files.cache.
 ///
 /// @param clock  as ApplicationRun's. @param on_outcome  receives each outcome when its run ends,
 /// one at a time, on any of the threads; must not throw; may be empty.
-/// @throws InputError when an option is out of range, the scenario is not in lockstep, or the first
-/// run cannot be made; later runs that throw count as failed.
+/// @throws InputError if an option is out of range, the scenario is not in lockstep, or the first
+/// run cannot start. Later runs that throw count as failed.
 [[nodiscard]] MonteCarloResult RunSeeds(
     const scenario::Scenario& scenario, const run::Catalogue& catalogue, const run::RunFiles& files,
     const Clock& clock, const MonteCarloOptions& options,

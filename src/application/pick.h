@@ -20,43 +20,43 @@
 #include "twin/scenario/frame_pose.h"
 #include "twin/scenario/scenario.h"
 
-// The parts of the application `pick_and_place`: parameters, task, grips, planner, evaluation.
+// Parts of the application `pick_and_place`: parameters, task, grips, planner, evaluation.
 namespace twin::application {
 
 /// An object and its goal. All poses in the base, which is the world.
 struct PickTask {
   plant::SceneObject object;  ///< X_WB is its pose before the task
   Transform O_T_goal = kIdentityTransform;
-  std::string from{};        ///< part on which it stands and which it may touch when lifted
-  std::string to{};          ///< part on which it is put
-  Vector3 from_up{0, 0, 1};  ///< normal of the face on which it stands
+  std::string from{};        ///< part that supports it, and that it may touch when lifted
+  std::string to{};          ///< part that supports it at the goal
+  Vector3 from_up{0, 0, 1};  ///< normal of the supporting face
   Vector3 to_up{0, 0, 1};
 };
 
 /// Distances and speeds of the transport.
 struct PickOptions {
   double above = 0.08;      ///< m, length of the straight path to and from the object
-  double clearance = 0.01;  ///< m, from everything, on paths across
-  double near = 0.002;      ///< m, from everything, on the straight paths to object and goal
+  double clearance = 0.01;  ///< m, from all parts, on the transfer paths
+  double near = 0.002;      ///< m, from all parts, on the straight paths to object and goal
   double gap = 5e-4;        ///< m, between object and surface at the release
-  double room = 0.016;      ///< m, by which the open hand is wider than the object
+  double room = 0.016;      ///< m, width of the open hand minus that of the object
   reference::Timing pace{.duration = {},
                          .velocity_scale = 0.2,
                          .acceleration_scale = 0.06,
                          .jerk_scale = 0.02};  ///< of the end effector's limits
-  /// Of the paths that end at object and goal, where the lag after lost messages is a pose error.
+  /// Pace of the paths that end at object or goal, where a lag after lost messages is a pose error.
   reference::Timing down_pace{
       .duration = {}, .velocity_scale = 0.04, .acceleration_scale = 0.02, .jerk_scale = 0.02};
   planning::FollowOptions follow{};
 };
 
-/// The parameters of pick and place; in brackets their keys.
+/// The parameters of pick and place, with their keys in brackets.
 struct PickParameters {
   /// @throws InputError naming file, line and key.
   explicit PickParameters(control::ParameterReader& parameters);
 
-  std::string object;  ///< of the scenario's objects [object]
-  std::string on;      ///< the object on which it is put [place.on]
+  std::string object;  ///< object of the scenario [object]
+  std::string on;      ///< supporting object at the goal [place.on]
   /// Position and rpy on that object's top [place.position, place.rpy].
   scenario::FramePose place;
   scenario::FramePose spread;  ///< half widths of uniform ranges of these [place.spread]
@@ -66,36 +66,36 @@ struct PickParameters {
   int tries = 0;               ///< grasps, in all [grasp.tries]
   PickOptions options;
   std::string object_key;  ///< "<file>:<line>: application.parameters.object: "
-  std::string on_key;      ///< the same of place.on
+  std::string on_key;      ///< likewise for place.on
 };
 
-/// The task that the scenario's seed draws.
-/// @throws InputError when the scenario has no such objects, naming those it has; or when the
-/// object is fixed, or a ball, which rolls away.
+/// The task drawn by the scenario's seed.
+/// @throws InputError if the scenario lacks one of the objects (lists those it has), or the object
+/// is fixed, or a ball, which would roll away.
 [[nodiscard]] PickTask TaskOf(const scenario::Scenario& scenario, const PickParameters& parameters);
 
-/// Mass in the scenario, kg, without its random spread: what the robot is told.
+/// Mass in the scenario, kg, without its random spread: the robot's load.
 [[nodiscard]] double NominalMass(const scenario::Scenario& scenario, const std::string& object);
 
-/// How the hand holds an object.
+/// Grasp pose of the hand on an object.
 struct Grip {
   Transform B_T_NE = kIdentityTransform;  ///< between the fingertips, in the object's frame
   Vector3 B_up{0, 0, 1};                  ///< direction from which the hand comes, object's axes
   double width = 0;                       ///< of the object between the fingers, m
 };
 
-/// Distances that a grip keeps.
+/// Clearances of a grip.
 struct GripRoom {
   double palm = 0.01;     ///< m, between object and palm
   double below = 0.005;   ///< m, between the fingertips and the surface below the object
   double beside = 0.003;  ///< m, at each finger of the open hand
 };
 
-/// All grips from above, each both ways round: a box by either pair of its upright faces, an
-/// upright cylinder at eighths of its circumference, a lying one across its axis or by its ends.
+/// All grips from above, each in two orientations: on a box at either pair of upright faces, on an
+/// upright cylinder at eighths of its circumference, on a lying one across its axis or at its ends.
 /// The grip is at half the object's height, or higher where the palm would touch the object.
 /// @param up  normal of the surface below the object, world.
-/// @returns none for an object that is too wide or too flat.
+/// @returns an empty list for an object that is too wide or too flat.
 [[nodiscard]] std::vector<Grip> GripsOf(const plant::SceneObject& object, const Vector3& up,
                                         const GripRoom& room);
 
@@ -107,7 +107,7 @@ inline constexpr std::size_t kLegs = kLegNames.size();
 
 /// A path of the end effector.
 struct LegPlan {
-  std::vector<Transform> poses{};  ///< from its start on; empty: the arm is there already
+  std::vector<Transform> poses{};  ///< from its start on; empty: the arm is already at its end
   Duration duration{};
   JointVector q_start{};  ///< rad
   JointVector q_end{};
@@ -116,11 +116,11 @@ struct LegPlan {
 
 struct PickPlan {
   Grip grip;
-  std::array<LegPlan, kLegs> legs;  ///< those before the first that was asked for are empty
+  std::array<LegPlan, kLegs> legs;  ///< legs before the first requested one are empty
   Duration duration{};              ///< of all legs
 };
 
-/// The path of a leg that has poses. @throws InputError as PoseTrajectory.
+/// The path of a leg. @pre it has poses. @throws InputError as PoseTrajectory.
 [[nodiscard]] reference::PoseTrajectory PathOf(const LegPlan& leg, const CartesianLimits& limits);
 
 /// A planner's view of the robot. References must outlive it.
@@ -131,13 +131,12 @@ struct PickRobot {
   Transform F_T_EE;
 };
 
-/// Plans the whole task before anything moves: a grip for which every path up to the retreat is
-/// free of collision, inside the joint limits and slow enough for the joints.
+/// Plans the whole task before the first motion: a grip for which all paths up to the retreat are
+/// free of collision and within the joints' position and velocity limits.
 ///
-/// It tries all grips (GripsOf), and for each a few paths across: straight, and over points that
-/// are higher or nearer to the robot. Each path is followed as the controller will follow it
-/// (planning::Follow), in a world in which the object stands, is held, or is at its goal. The
-/// fastest plan wins.
+/// Tries all grips (GripsOf()), and for each several transfer paths: straight, and over points that
+/// are higher or nearer to the robot. Simulates the controller on each path (planning::Follow), in
+/// a world in which the object stands, is held, or is at its goal. Returns the fastest plan.
 ///
 /// Threads: the world's. Deterministic. Not for real-time code.
 class PickPlanner {
@@ -146,15 +145,15 @@ class PickPlanner {
   PickPlanner(planning::CollisionWorld& world, const PickRobot& robot, PickTask task,
               const PickOptions& options);
 
-  /// All legs. @param q  the arm's position, rad, at rest.
-  /// @returns the plan, or why there is none: the leg that failed and the obstacle.
+  /// Plans all legs. @param q  the arm's position, rad, at rest.
+  /// @returns the plan, or the reason of the failure: leg and obstacle.
   [[nodiscard]] std::variant<PickPlan, std::string> Plan(const JointVector& q);
 
-  /// The legs from `first` on, which begins at q. @param grip  as before.
+  /// Plans the legs from `first` on, which begins at q. @param grip  of the first plan.
   [[nodiscard]] std::variant<PickPlan, std::string> PlanFrom(const JointVector& q, Leg first,
                                                              const Grip& grip);
 
-  /// Straight away from the object with open fingers around it, before another attempt.
+  /// Plans a straight path away from the object, with open fingers, before another attempt.
   [[nodiscard]] std::variant<LegPlan, std::string> BackOff(const JointVector& q, const Grip& grip);
 
   /// Width of the open hand around the object, m.
@@ -170,13 +169,13 @@ class PickPlanner {
     LegPlan leg;
     std::vector<JointVector> q;
   };
-  /// Timed within the joints' limits. @throws InputError as PoseTrajectory.
+  /// Times and follows a leg within the joint limits. @throws InputError as PoseTrajectory.
   [[nodiscard]] std::variant<FollowedLeg, std::string> Follow(LegPlan leg, const JointVector& q,
                                                               const reference::Timing& pace) const;
   [[nodiscard]] std::variant<LegPlan, std::string> Try(const Route& route, const JointVector& q,
                                                        const reference::Timing& pace,
                                                        double clearance);
-  /// Depth first. @returns whether all legs from this one on are found.
+  /// Depth-first search. @returns true if it found all legs from this one on.
   bool Search(const JointVector& q, std::size_t leg, PickPlan& plan);
   [[nodiscard]] Transform PoseAt(const JointVector& q) const noexcept;
 
@@ -185,14 +184,14 @@ class PickPlanner {
   const PickTask task_;
   const PickOptions options_;
   std::size_t furthest_ = 0;  ///< leg at which the best attempt failed
-  std::string failure_;       ///< of that
+  std::string failure_;       ///< reason of this failure
 };
 
 /// Data of a run for its evaluation, from the robot's reports.
 struct PickRecord {
   PickTask task;
   JointLimits limits;
-  std::vector<std::string> robot_errors{};  ///< that ended motions
+  std::vector<std::string> robot_errors{};  ///< errors that ended motions
   double width_grasped = 0;                 ///< m
   double width_placed = 0;                  ///< before the release, m
   bool is_placed = false;

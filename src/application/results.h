@@ -11,7 +11,7 @@
 #include "twin/application/application.h"
 #include "twin/run/summary.h"
 
-// What an application's run leaves: summary.json, the summary on the terminal, report.html.
+// Results of an application's run: summary.json, summary on the terminal, report.html.
 namespace twin::application {
 
 struct ApplicationResult {
@@ -44,8 +44,8 @@ struct PageFacts {
   bool has_video = false;                                    ///< video.mp4 lies beside the page
 };
 
-/// The report: outcome, demands, steps, pairs of pictures, figures, plots. One HTML file that holds
-/// everything but the video. @throws EnvironmentError when a picture or plot cannot be read.
+/// The report: outcome, demands, steps, pairs of pictures, figures, plots. One HTML file with
+/// everything except the video. @throws EnvironmentError if a picture or plot cannot be read.
 [[nodiscard]] std::string PageOf(const scenario::Scenario& scenario, const TaskResult& task_result,
                                  const Evaluation& evaluation, const PageFacts& facts);
 

@@ -17,7 +17,7 @@
 namespace twin::application {
 namespace {
 
-/// Whether time passes by itself.
+/// True if the run's time is the wall clock.
 bool IsOnWallClock(const scenario::Scenario& scenario, const run::RealtimeSettings& settings) {
   if (scenario.is_remote()) {
     return settings.remote.time == backend::RobotTime::kWall;

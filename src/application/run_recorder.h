@@ -19,8 +19,8 @@
 
 namespace twin::application {
 
-/// The recorder of a run: connects, runs, writes the results and prints the summary. Derived
-/// classes hold what differs between a motion and an application.
+/// Records a run: connects, runs, writes the results and prints the summary. Derived classes
+/// implement the differences between a motion and an application.
 ///
 /// Threads: one thread.
 class RunRecorder {
@@ -30,19 +30,19 @@ class RunRecorder {
   RunRecorder(const RunRecorder&) = delete;
   RunRecorder& operator=(const RunRecorder&) = delete;
 
-  /// Once. @param capture  made when the options ask for one; must outlive this.
+  /// Runs; call once. @param capture  set if the options request one; must outlive this.
   /// @throws as RecordRun().
   void Execute(std::optional<fci::Capture>& capture);
-  /// Whether the folder of results holds this run's summary.
+  /// True if the folder of results has this run's summary.
   [[nodiscard]] bool has_summary() const noexcept { return has_summary_; }
 
  protected:
-  /// A run that is connected to its robot.
+  /// A run connected to its robot.
   struct Connected {
     const backend::Connection* connection = nullptr;
     const scenario::RobotData* robot = nullptr;
     std::function<bool(const run::TellCheck&)> check_start;
-    Duration longest{};  ///< the video ends there
+    Duration longest{};  ///< end of the video
   };
   struct Outcome {
     std::string failure{};  ///< empty: success

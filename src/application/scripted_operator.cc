@@ -29,10 +29,10 @@ constexpr double kNear = 0.004;
 constexpr double kLoose = 0.03;
 constexpr double kThere = 0.03;          // m, of driving
 constexpr double kTurned = 0.03;         // rad
-constexpr double kBehind = 2.1;          // rad: what is behind is reached backwards
+constexpr double kBehind = 2.1;          // rad: goals beyond this heading are reached backwards
 const Vector3d kCarried(0.42, 0, 0.42);  // m, of the fingertips in O
 
-/// Peak of a motion of minimum jerk, against its mean.
+/// Ratio of peak and mean velocity of a minimum-jerk motion.
 constexpr double kPeak = 1.875;
 
 double Wrapped(double angle) {
@@ -244,7 +244,7 @@ bool ScriptedOperator::Drive(const BasePose& goal, const Sight& sight, Time now)
   const double ahead = c * dx + s * dy;
   const double left = -s * dx + c * dy;
   const double turn = Wrapped(goal.yaw - sight.base.yaw);
-  // What is not ahead is reached by turning towards it first, unless it is near by.
+  // Turns towards a goal that is not ahead before driving, unless the goal is near.
   const bool is_far = std::hypot(ahead, left) > 4 * kThere;
   const double direct = std::atan2(left, ahead);
   const double bearing = std::abs(direct) > kBehind ? std::atan2(-left, -ahead) : direct;
@@ -275,7 +275,7 @@ void ScriptedOperator::Begin(const Axes& way, double duration, Time now) noexcep
 
 void ScriptedOperator::Wait(Duration least, Time now) noexcept {
   doing_ = Doing::kWaiting;
-  await_ = sample_.sequence + 1;  // the one that is about to be given
+  await_ = sample_.sequence + 1;  // the next sample
   wait_until_ = now + least;
 }
 

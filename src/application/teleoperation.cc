@@ -28,15 +28,15 @@ using teleop::TeleoperatorStatus;
 constexpr const char* kScriptedDevice = "person";
 constexpr Duration kAttend = milliseconds(10);
 constexpr int kAttendsPerSample = 5;
-/// Moments that are shown are at least so long.
+/// Shortest phase shown in the report.
 constexpr Duration kShortest = seconds(2);
-/// How long it may take, unless said: a scripted person, and one who is not.
+/// Default longest duration: of the scripted operator, and of others.
 constexpr Duration kScriptedTakes = seconds(240);
 constexpr Duration kAnyoneTakes = seconds(1800);
 constexpr double kHalfTurn = std::numbers::pi;
 constexpr double kFarTarget = 100;  // m
 
-/// The paper's gains of teleoperation, unless the scenario says otherwise.
+/// The scenario's parameters; missing ones get the paper's gains of teleoperation.
 control::Parameters WithPaperGains(control::Parameters given) {
   const control::Parameters otherwise{{.key = "stiffness.translation", .values = {"900 N/m"}},
                                       {.key = "stiffness.rotation", .values = {"90 Nm/rad"}},
@@ -54,9 +54,9 @@ control::Parameters WithPaperGains(control::Parameters given) {
   return given;
 }
 
-/// What the hand does at the operator's presses.
+/// Hand commands at the operator's presses.
 struct HandConfig {
-  double width = 0.04;  ///< m, of what is grasped, +- tolerance
+  double width = 0.04;  ///< m, of the grasped object, +- tolerance
   double tolerance = 0.04;
   double force = 30;    ///< N
   double speed = 0.05;  ///< m/s
@@ -104,7 +104,7 @@ class Teleoperation final : public Application {
   [[nodiscard]] FetchTask TaskOf(const scenario::Scenario& scenario) const;
   [[nodiscard]] std::unique_ptr<teleop::Device> MakeDevice(const Stage& stage);
   StepEnd Lead();
-  /// Beside the motion: the hand, snapshots, the trace.
+  /// Runs beside the motion: hand, snapshots, trace.
   Time Attend(Time now);
   void TendHand(std::uint32_t presses);
   void Note(const TeleoperatorStatus& status, Time now);
@@ -125,7 +125,7 @@ class Teleoperation final : public Application {
   std::unique_ptr<teleop::Device> device_;
   ScriptedOperator* scripted_ = nullptr;  ///< device_, if it is one
   std::optional<Teleoperator> teleoperator_;
-  std::uint32_t presses_ = 0;  ///< of the hand's button that were acted on
+  std::uint32_t presses_ = 0;  ///< executed presses of the hand's button
   int attends_ = 0;
   TeleoperatorStatus last_{};
   TeleoperationRecord record_;
@@ -221,7 +221,7 @@ TaskResult Teleoperation::Perform(Stage& stage) {
       record_.config, MakeWire(section), stage.scenario.seed);
   if (stage.tell) stage.tell(fmt::format("led by {}", device_->Describe()));
   task_result_.task = stage.Carry({{.name = "teleoperation", .act = [this] { return Lead(); }}});
-  // What holds on to the session ends with it.
+  // These refer to the session, so they end with it.
   teleoperator_.reset();
   scripted_ = nullptr;
   device_.reset();
@@ -237,7 +237,7 @@ StepEnd Teleoperation::Lead() {
                                      stage_->session.robot().limits));
   motion.controller.type = "compliance";
   motion.controller.parameters = controller_;
-  // Who feels his way touches things, and a contact steps the damping's torque.
+  // Operators touch objects, and a contact is a step in the damping's torque.
   motion.tick.limiter = true;
   motion.live = &*teleoperator_;
   motion.attend = [this](Time now) { return Attend(now); };
@@ -303,7 +303,7 @@ void Teleoperation::TendHand(std::uint32_t presses) {
 void Teleoperation::BeginPlan(teleop::Mode mode, Time now) {
   std::vector<record::PlanRecord>& plans = task_result_.plans;
   if (!plans.empty()) plans.back().until = now;
-  // What was hardly begun is nothing to show.
+  // Drops a phase that is too short to show.
   if (!plans.empty() && now - plans.back().from < kShortest) plans.pop_back();
   const bool drives = mode == teleop::Mode::kBase;
   const bool holds = presses_ % 2 == 1;

@@ -18,49 +18,49 @@
 #include "twin/teleop/teleoperator.h"
 #include "twin/teleop/teleoperator_config.h"
 
-// The parts of the application `teleoperation`: scripted operator and evaluation.
+// Parts of the application `teleoperation`: scripted operator and evaluation.
 namespace twin::application {
 
-/// Where what is to be carried, and how the base stands for it. World frame, m and rad.
+/// Object to transport, its target, and poses of the base. World frame, m and rad.
 struct FetchTask {
   std::string object;   ///< body
   double height = 0;    ///< of the object, m
-  Vector3 from{};       ///< about where it stands (its centre); the base goes by that
-  double from_yaw = 0;  ///< heading of the base there
-  Vector3 to{};         ///< where its centre is to be, standing
-  double to_yaw = 0;    ///< heading of the base there
+  Vector3 from{};       ///< approximate position of its centre, for positioning the base
+  double from_yaw = 0;  ///< heading of the base at the object
+  Vector3 to{};         ///< target position of its centre, standing
+  double to_yaw = 0;    ///< heading of the base at the target
   double reach = 0.55;  ///< from the arm's base to the object, along the heading
-  double mount = 0.22;  ///< of the arm's base before the middle of the mobile base
+  double mount = 0.22;  ///< of the arm's base, forward of the mobile base's centre
 };
 
-/// Skill of the person.
+/// Skill of the scripted operator.
 struct ScriptedOperatorConfig {
-  Duration reaction = std::chrono::milliseconds(250);  ///< from what is there to what is seen
-  double hand_noise = 0.06;   ///< share by which a motion is too long, standard deviation
-  double tremor = 0.01;       ///< of full deflection, standard deviation
-  double eye_noise = 0.0015;  ///< m, of what is seen of hand and object, standard deviation
-  double far_noise = 0.008;   ///< m and rad, of what is seen of the base's place
+  Duration reaction = std::chrono::milliseconds(250);  ///< delay of what the operator sees
+  double hand_noise = 0.06;   ///< relative error of a motion's length, standard deviation
+  double tremor = 0.01;       ///< share of full deflection, standard deviation
+  double eye_noise = 0.0015;  ///< m, perceived position of hand and object, standard deviation
+  double far_noise = 0.008;   ///< m and rad, perceived pose of the base, standard deviation
   double arm_speed = 0.16;    ///< peak of a motion, m/s
   double base_speed = 0.4;    ///< m/s
   double base_turn = 0.6;     ///< rad/s
 };
 
-/// A person at a stick, who fetches an object with a mobile manipulator by what the eyes see: for
-/// tests and the headless demo. A device, so that all that is done passes wire and mapping.
+/// A simulated human operator at a stick who fetches an object with a mobile manipulator by sight,
+/// for tests and the headless demo. It is a device, so all its input passes wire and mapping.
 ///
-/// It moves as people do over a slow wire, by move and wait (Ferrell 1965): it looks, makes one
-/// motion by what it saw, waits until that has had its effect, and looks again. A motion's velocity
-/// is that of minimum jerk (Flash, Hogan 1985), D/T 30 s^2 (1 - s)^2, s = t/T; its length misses by
-/// hand_noise, its direction by half of that, and hands tremble. It knows that a motion has had its
-/// effect when the echo of its last sample has come back and all it sees is still.
+/// It uses the move-and-wait strategy of people at a slow wire (Ferrell 1965): it looks, makes one
+/// motion based on what it saw, waits until the motion has taken effect, and looks again. A motion
+/// has the velocity profile of minimum jerk (Flash, Hogan 1985), D/T 30 s^2 (1 - s)^2, s = t/T; its
+/// length has an error of hand_noise, its direction of half as much, and tremor is added. A motion
+/// has taken effect once the echo of its last sample has returned and nothing seen moves.
 ///
-/// Its eyes are the plant's ground truth, with noise and a reaction's delay: what people see of the
-/// world. The robot knows nothing of it.
+/// It sees the plant's ground truth with noise and the reaction's delay. The robot does not get
+/// this data.
 ///
-/// Threads: the plant's; so it is for lockstep. Real-time: Read() and Feel() allocate nothing.
+/// Threads: the plant's, hence lockstep only. Real-time: Read() and Feel() do not allocate.
 class ScriptedOperator final : public teleop::Device {
  public:
-  /// @throws InputError when a body it looks at is not there.
+  /// @throws InputError if the plant lacks a body that it observes.
   ScriptedOperator(const plant::TruthProbe& truth, const FetchTask& task,
                    const ScriptedOperatorConfig& config, const teleop::TeleoperatorConfig& robot,
                    std::uint64_t seed);
@@ -70,13 +70,13 @@ class ScriptedOperator final : public teleop::Device {
   [[nodiscard]] bool lost() const noexcept override { return false; }
   [[nodiscard]] std::string Describe() const override { return "a scripted person at a stick"; }
 
-  /// Why it gave up; empty: it did not.
+  /// Reason for giving up; empty: it did not.
   [[nodiscard]] std::string failure() const;
-  /// Motions it made.
+  /// Number of motions made.
   [[nodiscard]] int motions() const noexcept { return motions_; }
 
  private:
-  /// What it means to do next.
+  /// The next action.
   enum class Intent : std::uint8_t {
     kLeadBase,
     kDriveToObject,
@@ -99,7 +99,7 @@ class ScriptedOperator final : public teleop::Device {
   enum class Doing : std::uint8_t { kDeciding, kMoving, kWaiting };
   using Axes = Eigen::Matrix<double, 6, 1>;
 
-  /// What is there at an instant.
+  /// The scene at an instant.
   struct Sight {
     Time at{};
     BasePose base;
@@ -110,14 +110,14 @@ class ScriptedOperator final : public teleop::Device {
   };
 
   void Look(Time now) noexcept;
-  /// The newest that is older than this; false: there is none yet.
+  /// Gets the newest sight older than `before`. @returns false if there is none.
   bool Seen(Time before, Sight& sight) const noexcept;
   [[nodiscard]] Sight Blurred(const Sight& sight) noexcept;
   [[nodiscard]] bool IsStill(Time now) const noexcept;
 
   void Act(Time now) noexcept;
   void Decide(Time now) noexcept;
-  /// Acts on the intent. @returns whether it is fulfilled.
+  /// Acts on the intent. @returns true if it is fulfilled.
   bool Pursue(const Sight& sight, Time now) noexcept;
   bool Press(std::uint32_t teleop::OperatorSample::*counter, bool is_so, Time now) noexcept;
   bool Reach(const Eigen::Vector3d& way, const Sight& sight, double tolerance, Time now) noexcept;
@@ -150,29 +150,29 @@ class ScriptedOperator final : public teleop::Device {
   teleop::OperatorFeedback felt_;
   Intent intent_ = Intent::kLeadBase;
   Doing doing_ = Doing::kWaiting;
-  Axes way_ = Axes::Zero();  ///< of the motion under way, m and rad
+  Axes way_ = Axes::Zero();  ///< displacement of the current motion, m and rad
   Time begun_{};
   double duration_ = 0;
   Time wait_until_{};
-  std::uint64_t await_ = 0;  ///< sample whose echo it waits for
+  std::uint64_t await_ = 0;  ///< sequence of the sample whose echo is awaited
   bool has_pressed_ = false;
   int motions_ = 0;
-  int tries_ = 0;           ///< of the intent
-  double lifted_from_ = 0;  ///< height of the object before, m
+  int tries_ = 0;           ///< for this intent
+  double lifted_from_ = 0;  ///< height of the object before lifting, m
   std::optional<Intent> gave_up_at_;
 };
 
-/// What a session of teleoperation noted of itself.
+/// Data of a teleoperation session for its evaluation.
 struct TeleoperationRecord {
   FetchTask task;
   teleop::TeleoperatorConfig config;
   std::vector<teleop::TeleoperatorStatus> trace{};  ///< every 50 ms
   std::vector<std::string> robot_errors{};
-  int switches = 0;  ///< of the mode
-  int motions = 0;   ///< of a scripted person
+  int switches = 0;  ///< mode switches
+  int motions = 0;   ///< of the scripted operator
 };
 
-/// The demands of teleoperation, and figures beside them.
+/// Demands and figures of teleoperation.
 [[nodiscard]] Evaluation EvaluateTeleoperation(const TeleoperationRecord& record,
                                                const Evidence& evidence);
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMostObjectError = 0.03;  // m, from the target
 constexpr double kMostArmError = 0.01;     // m, of the arm on a base that drives
-/// Rounding of third differences, and what a session's own clock drifts.
+/// Margin for rounding of third differences and drift of the session's clock.
 constexpr double kRounding = 1.02;
 constexpr double kOperatorSpeed = 0.2;  // m/s, of a quick hand
 constexpr double kMostTilt = 0.05;      // of the object's axis: 1 - cos, some 18 degrees
@@ -50,7 +50,7 @@ void EvaluateCommands(const TeleoperationRecord& record, Evaluation& evaluation)
                           kRounding * most.ahead.jerk);
   evaluation.Report("speed of the arm's reference, largest", end.peaks.along.speed, "m/s");
   evaluation.Report("speed of the base's command, largest", end.peaks.ahead.speed, "m/s");
-  // On top of the reserve comes what a hand gets that turns around within a period.
+  // A hand that reverses within one period gets more than the reserve (PassivePort).
   const double turned = most.feedback.most_force * kOperatorSpeed * kCycleSeconds;
   evaluation.DemandAtMost("energy out of the operator's port, largest of the axes",
                           1e3 * std::max(0.0, -end.least_energy), "mJ",

@@ -18,7 +18,7 @@
 namespace twin::golden {
 namespace {
 
-/// Where two texts differ first, in words. @pre they differ.
+/// Describes the first difference of two texts. @pre they differ.
 std::string FirstDifference(const std::string& theirs, const std::string& wanted) {
   std::istringstream left(theirs);
   std::istringstream right(wanted);
@@ -32,8 +32,8 @@ std::string FirstDifference(const std::string& theirs, const std::string& wanted
   return fmt::format("\"{}\", the case's \"{}\"", trim(a), trim(b));
 }
 
-/// @returns what a log's run has other than the case, in words; empty: nothing. From where it was
-/// filmed is no part of it.
+/// @returns a description of the first difference between a log's run and the case, ignoring the
+/// scenario's camera; empty: none.
 std::string DifferenceOf(scenario::Scenario theirs, scenario::Scenario wanted) {
   if (theirs.name != wanted.name) {
     return fmt::format("its scenario is {}, the case's {}", theirs.name, wanted.name);
@@ -63,7 +63,7 @@ PicturePlan PlanOf(const scenario::VideoCase& wanted) {
 void RequireRunOf(const scenario::VideoCase& wanted, const scenario::Scenario& scenario,
                   const record::LogReader& reader, const std::filesystem::path& log) {
   const std::string& text = reader.run().scenario_yaml;
-  if (text.empty()) return;  // nothing can be drawn of such a log: replay::Recording says so
+  if (text.empty()) return;  // replay::Recording refuses such a log
   const std::string difference =
       DifferenceOf(scenario::Parse(text, log.string() + ": scenario.yaml"), scenario);
   if (difference.empty()) return;
@@ -87,7 +87,7 @@ void CaseRun::Take(const Golden* golden, const std::function<void()>& between) {
   }
   try {
     pictures_ = TakePictures(recording_.Film(), plan_, keys, between);
-  } catch (const InputError& error) {  // a body or camera that the model lacks, say
+  } catch (const InputError& error) {  // for example, a body or camera that the model lacks
     throw InputError(fmt::format("{}: {}", file_.string(), error.what()));
   }
 }

@@ -29,10 +29,10 @@ struct TaskResult {
   Duration planning_time{};                 ///< on the wall clock, so it does not repeat
 };
 
-/// Whether the task was carried out and every demand is met.
+/// True if the task succeeded and every demand is met.
 [[nodiscard]] bool Succeeded(const TaskResult& task_result, const Evaluation& evaluation) noexcept;
 
-/// The step that failed, else the first demand that was missed; empty after a success.
+/// The failed step, else the first missed demand; empty after a success.
 [[nodiscard]] std::string FailureOf(const TaskResult& task_result, const Evaluation& evaluation);
 
 /// The robot and the world that an application works with. All references must outlive it.
@@ -50,11 +50,11 @@ struct Stage {
   [[nodiscard]] Transform F_T_EE() const;
   /// A world to plan in: the scenario's scene and robot. @throws as planning::CollisionWorld.
   [[nodiscard]] std::unique_ptr<planning::CollisionWorld> MakeWorld() const;
-  /// application::Carry on the session's time; each attempt is a log line and an event of the log.
+  /// Runs application::Carry() on the session's time; reports each attempt to `tell` and the log.
   [[nodiscard]] TaskReport Carry(const std::vector<TaskStep>& steps) const;
 };
 
-/// Performs a whole task by motions and hand commands, on any drive; then judges the result.
+/// Performs a whole task by motions and hand commands, on any drive, and evaluates the result.
 ///
 /// Threads: one thread. Not for real-time code.
 class Application {

@@ -39,16 +39,16 @@ struct TaskReport {
   std::string failure;            ///< failed step and cause; empty: the task succeeded
 };
 
-/// Executes steps, each after the one before it has succeeded. A failed attempt goes on at the
-/// step's `after_failure` while the failed step has attempts left. Attempts are counted over the
-/// whole task, so it ends.
+/// Executes steps, each after the success of the previous one. After a failed attempt, the task
+/// continues at the step's `after_failure` while the failed step has attempts left. Attempts are
+/// counted over the whole task, so the task ends.
 ///
-/// A step that throws RobotFault has failed with that text and is not repeated: the robot refuses
-/// commands or does not answer. Other exceptions pass.
-/// @param now  the robot's time. @param on_attempt  receives each attempt as it ends; may be empty.
-/// @param interrupted  asked before each attempt; true ends the task; may be empty.
-/// @throws InputError when two steps have the same name, attempts are below 1, or `after_failure`
-/// names no step at or before its own.
+/// A step that throws RobotFault has failed with its text and is not repeated, because the robot
+/// refuses commands or does not answer. Other exceptions propagate.
+/// @param now  the robot's time. @param on_attempt  receives each finished attempt; may be empty.
+/// @param interrupted  called before each attempt; true ends the task; may be empty.
+/// @throws InputError if two steps have the same name, attempts are below 1, or `after_failure` is
+/// neither the step itself nor an earlier one.
 [[nodiscard]] TaskReport Carry(const std::vector<TaskStep>& steps, const std::function<Time()>& now,
                                const std::function<void(const StepReport&)>& on_attempt = {},
                                const std::function<bool()>& interrupted = {});
