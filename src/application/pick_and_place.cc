@@ -71,7 +71,7 @@ class PickAndPlace final : public Application {
   StepEnd Release();
   StepEnd Retreat();
 
-  /// Executes a leg, planned anew when the arm is not at its start.
+  /// Executes a leg; plans it again if the arm is not at its start.
   StepEnd Go(Leg leg);
   StepEnd Follow(const std::string& name, const LegPlan& leg, const JointVector& q);
   /// The arm's position, at rest and ready to move.

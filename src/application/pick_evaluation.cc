@@ -113,7 +113,7 @@ void EvaluateTruth(const PickTask& task, const plant::ContactWatch& contacts,
   ReportSlip(track, task, evaluation);
 }
 
-/// The object's pose by the robot's joints. @param is_all  whether no ground truth is available.
+/// The object's pose by the robot's joints. @param is_all  true if there is no ground truth.
 void EvaluateReports(const PickRecord& record, bool is_all, Evaluation& evaluation) {
   if (!record.is_placed) return;
   const Transform O_T_object = model::Multiply(record.O_T_EE_placed, model::Inverse(record.B_T_EE));

@@ -36,12 +36,12 @@ struct PicturePair {
   std::filesystem::path done;
 };
 
-/// Contents of the page beside task_result and evaluation.
+/// Contents of the page in addition to task_result and evaluation.
 struct PageFacts {
   std::vector<std::pair<std::string, std::string>> lines{};  ///< "lab": "a"; as a table
   std::vector<PicturePair> pictures{};                       ///< one per plan of the task, or none
   std::vector<std::filesystem::path> plots{};                ///< SVG files of the whole run
-  bool has_video = false;                                    ///< video.mp4 lies beside the page
+  bool has_video = false;                                    ///< video.mp4 is in the page's folder
 };
 
 /// The report: outcome, demands, steps, pairs of pictures, figures, plots. One HTML file with

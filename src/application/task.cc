@@ -12,7 +12,7 @@
 namespace twin::application {
 namespace {
 
-/// For each step the index at which the task goes on after a failure; steps.size(): it ends.
+/// For each step, the index at which the task continues after a failure; steps.size(): it ends.
 std::vector<std::size_t> FallbacksOf(const std::vector<TaskStep>& steps) {
   std::vector<std::size_t> fallbacks(steps.size(), steps.size());
   const auto find = [&steps](std::size_t count, const std::string& name) {

@@ -41,7 +41,7 @@ struct Evaluation {
   void Demand(std::string quantity, double value, std::string unit, std::string demand, bool met);
   /// Demands value <= most; a `most` of 0 reads "none".
   void DemandAtMost(std::string quantity, double value, std::string unit, double most);
-  /// Demands an empty list; what it holds follows the quantity.
+  /// Demands an empty list; its elements are appended to the quantity.
   void DemandNone(std::string quantity, const std::vector<std::string>& list);
 };
 

@@ -13,7 +13,7 @@
 // Runs of a scenario, from its file to its folder of results.
 namespace twin::application {
 
-/// How a scenario is run, beside its own settings.
+/// Options of a run, in addition to the scenario's settings.
 struct RunOptions {
   std::filesystem::path scenario;  ///< its file, for messages
   std::filesystem::path out;       ///< folder of results

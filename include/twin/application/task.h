@@ -18,7 +18,7 @@ struct StepEnd {
 struct TaskStep {
   std::string name;                ///< unique within the task
   std::function<StepEnd()> act{};  ///< one attempt
-  /// Step at which the task goes on after a failure: this one or one before it. Empty: the failure
+  /// Step at which the task continues after a failure: this or an earlier one. Empty: the failure
   /// ends the task.
   std::string after_failure{};
   int attempts = 1;  ///< in all, >= 1; the failure of the last one ends the task

@@ -49,7 +49,7 @@ struct Plan {
   PlanStatistics statistics;
 };
 
-/// Why there is no plan.
+/// Reason for a failed plan.
 enum class PlanFailureReason : std::uint8_t {
   kStartInCollision,  ///< or too close to a part; move the arm away first
   kGoalInCollision,   ///< or too close to a part

@@ -136,8 +136,8 @@ class Teleoperator final : public control::LiveReference {
   ShapedVelocity<1> ahead_;
   ShapedVelocity<1> turning_;
   ReflectedWrench reflected_;
-  bool is_stopped_ = false;  ///< the base was told to stop
-  bool is_braking_ = false;  ///< it was, and has not yet been released and come to rest
+  bool is_stopped_ = false;  ///< the base has received an emergency stop
+  bool is_braking_ = false;  ///< from an emergency stop until the base is released and at rest
   bool guarded_ = false;     ///< the posture guard removed most of the last command
   std::uint64_t answers_ = 0;
   bool connected_ = false;

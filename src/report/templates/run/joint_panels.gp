@@ -1,5 +1,5 @@
-# names: title, unit, name of the reference, name of what was measured, title of each joint
-# Of each joint y_min_1, y_max_1: range; limit_min_1, limit_max_1. measured, limits: whether there are any, in view.
+# names: title, unit, name of the reference, name of the measurement, title of each joint
+# Per joint: y_min_1, y_max_1, the range; limit_min_1, limit_max_1. measured, limits: 1 if the plot has them.
 @canvas 1200,1120
 set multiplot layout 4,2 title names[1] @heading
 @run_marks
@@ -17,7 +17,7 @@ do for [j = 1:7] {
     $measured using (of("joint", j, "t [s]")):3 with lines lw 3.5 lc rgb MEASURED, \
     $reference using (of("joint", j, "t [s]")):3 with lines lw 1.2 lc rgb DESIRED
 }
-# The eighth place has the legend, which so covers no curve.
+# The eighth panel holds the legend, so that it hides no curve.
 unset title; unset xlabel; unset ylabel; unset tics; unset border; unset grid; unset arrow; unset label
 set key on center center vertical Left reverse font ',14' spacing 1.6 samplen 4
 set xrange [0:1]

@@ -6,7 +6,7 @@ set multiplot layout 4,1 title names[1] @heading
 set style fill solid noborder
 @run_marks
 @panel
-# Right of the panel, where it covers nothing.
+# To the right of the panel, where it hides nothing.
 set key at screen 0.86, graph 0.95 left top vertical Left reverse samplen 2 spacing 1.3
 set lmargin 11; set rmargin 22; set tmargin 3; set bmargin 3
 set xrange [begin:end]
@@ -27,6 +27,6 @@ plot $delay using 2:3 with lines lw 1.2 lc rgb DESIRED notitle
 set title 'control_command_success_rate: share of the last 100 commands received, while a motion runs'
 set xlabel 'time / s' offset 0,0.6
 set ylabel 'success rate'
-# A loss of one command in a hundred must be seen; so the axis begins near the lowest rate.
+# The axis begins near the lowest rate, so that a loss of one command in a hundred is visible.
 set yrange [(lowest_rate < 0.95 ? (lowest_rate > 0.05 ? lowest_rate - 0.05 : 0) : 0.9):1.02]
 plot $rate using 2:3 with lines lw 1.5 lc rgb DESIRED notitle
