@@ -78,7 +78,7 @@ struct TickConfig {
 /// The periodic loop that runs the user's controller, on its own clock.
 struct ControllerLoopConfig {
   double rate_hz = 1000;  ///< in [1, 1000]
-  double clock_ppm = 0;   ///< rate deviation of this clock from the run's clock, in [-1000, 1000]
+  double clock_ppm = 0;   ///< rate of this clock relative to the run's, minus 1; in [-1000, 1000]
   Duration phase{};       ///< of its first wake-up relative to INT's grid, >= 0
   faults::DelayModel wake_delay;  ///< lockstep: lateness of wake-ups
   faults::DelayModel cost;        ///< lockstep: time from wake-up to deposit
