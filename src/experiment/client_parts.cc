@@ -1,4 +1,3 @@
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,29 +19,13 @@
 
 namespace twin::experiment {
 
-ClientProcess::ClientProcess(const std::string& command) {
-  std::string shell = "/bin/sh";
-  std::string option = "-c";
-  std::string line = command;
-  char* const arguments[] = {shell.data(), option.data(), line.data(), nullptr};
-  // The client does not inherit this program's signal handling.
-  posix_spawnattr_t attributes;
-  ::posix_spawnattr_init(&attributes);
-  sigset_t signals;
-  ::sigemptyset(&signals);
-  for (const int signal : {SIGPIPE, SIGINT, SIGTERM}) ::sigaddset(&signals, signal);
-  ::posix_spawnattr_setsigdefault(&attributes, &signals);
-  ::posix_spawnattr_setpgroup(&attributes, 0);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  const int failed =
-      ::posix_spawn(&process_, shell.c_str(), nullptr, &attributes, arguments, environ);
-  ::posix_spawnattr_destroy(&attributes);
-  if (failed == 0) {
-    GiveTerminalTo(process_);
-    return;
-  }
-  throw EnvironmentError(fmt::format("cannot start /bin/sh for the client: {}",
-                                     std::generic_category().message(failed)));
+ClientProcess::ClientProcess(const std::string& command) try
+    : process_("/bin/sh", {"-c", command},
+               {.in = STDIN_FILENO, .out = STDOUT_FILENO, .error = STDERR_FILENO}) {
+  GiveTerminalTo(process_.pid());
+} catch (const std::system_error& error) {
+  throw EnvironmentError(
+      fmt::format("cannot start /bin/sh for the client: {}", error.code().message()));
 }
 
 ClientProcess::~ClientProcess() {
@@ -64,22 +47,23 @@ void ClientProcess::GiveTerminalTo(pid_t group) {
 void ClientProcess::End() {
   if (HasEnded()) return;
   constexpr int kLooks = 100;
-  ::kill(-process_, SIGTERM);
+  ::kill(-process_.pid(), SIGTERM);
   for (int look = 0; look < kLooks && !HasEnded(); ++look) ::usleep(10'000);
-  ::kill(-process_, SIGKILL);
+  if (HasEnded()) return;
+  ::kill(-process_.pid(), SIGKILL);
   while (!HasEnded()) ::usleep(1'000);
 }
 
 bool ClientProcess::HasEnded() {
-  if (has_ended_) return true;
-  has_ended_ = ::waitpid(process_, &status_, WNOHANG) == process_;
-  if (has_ended_) GiveTerminalTo(::getpgrp());
-  return has_ended_;
+  if (status_) return true;
+  status_ = process_.Poll();
+  if (status_) GiveTerminalTo(::getpgrp());
+  return status_.has_value();
 }
 
 std::string ClientProcess::HowItEnded() const {
-  if (WIFSIGNALED(status_)) return fmt::format("signal {}", WTERMSIG(status_));
-  return fmt::format("exit code {}", WEXITSTATUS(status_));
+  if (WIFSIGNALED(*status_)) return fmt::format("signal {}", WTERMSIG(*status_));
+  return fmt::format("exit code {}", WEXITSTATUS(*status_));
 }
 
 std::string TalliedMotion::HowItEnded() const {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "twin/core/robot_errors.h"
 #include "twin/record/cycle_record.h"
+#include "twin/rt/child_process.h"
 #include "twin/run/run.h"
 
 namespace twin::experiment {
@@ -97,9 +99,8 @@ class ClientProcess {
   /// Gives the terminal's foreground to a process group.
   static void GiveTerminalTo(pid_t group);
 
-  pid_t process_ = 0;
-  bool has_ended_ = false;
-  int status_ = 0;
+  rt::ChildProcess process_;
+  std::optional<int> status_;  ///< as wait() has it; absent: it runs
 };
 
 }  // namespace twin::experiment

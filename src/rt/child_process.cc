@@ -107,6 +107,13 @@ std::optional<int> ChildProcess::Wait(Duration limit) {
   return std::nullopt;
 }
 
+std::optional<int> ChildProcess::Poll() noexcept {
+  int status = 0;
+  if (pid_ < 0 || ::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  pid_ = -1;
+  return status;
+}
+
 void ChildProcess::Kill() noexcept {
   if (pid_ < 0) return;
   ::kill(-pid_, SIGKILL);

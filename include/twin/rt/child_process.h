@@ -37,8 +37,14 @@ class ChildProcess {
   /// kills it.
   [[nodiscard]] std::optional<int> Wait(Duration limit);
 
+  /// Its wait status, once, when it has ended; nullopt while it runs.
+  [[nodiscard]] std::optional<int> Poll() noexcept;
+
   /// Kills it and its group, if it still runs.
   void Kill() noexcept;
+
+  /// Its process and group; -1: it has ended.
+  [[nodiscard]] pid_t pid() const noexcept { return pid_; }
 
  private:
   pid_t pid_ = -1;  ///< -1: has ended
