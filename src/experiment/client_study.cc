@@ -1,4 +1,4 @@
-#include "twin/experiment/client_study.h"
+#include "twin/experiment/experiment.h"
 
 #include <algorithm>
 #include <chrono>
@@ -82,10 +82,8 @@ std::vector<double> LatenciesOf(const std::vector<Answer>& answers, const Motion
 }
 
 void AddAll(const MotionTally& tally, const std::vector<double>& latencies, Findings& findings) {
-  const LoopSample sample{.d_EXT_us = latencies,
-                          .interval_us = {},
-                          .unserved_percent = tally.counts().unserved_percent(),
-                          .longest_loss = tally.counts().longest_loss};
+  const run::CycleCounts& counts = tally.counts();
+  const LoopSample sample{.d_EXT_us = latencies, .interval_us = {}, .counts = counts};
   for (const TableRow& row : kTableOne) {
     if (&row == &kTableOne[kUnserved]) {
       findings.Add(row.name, row.unit, row.of(sample)).Paper(row.paper[kBare]);
@@ -95,13 +93,13 @@ void AddAll(const MotionTally& tally, const std::vector<double>& latencies, Find
   }
   findings.Add("commands that these are of", "", static_cast<double>(latencies.size()));
   findings.Add("states of a motion that were never answered", "",
-               static_cast<double>(tally.counts().cycles() - latencies.size()));
-  const auto longest = static_cast<double>(sample.longest_loss);
+               static_cast<double>(counts.cycles() - latencies.size()));
+  const auto longest = static_cast<double>(counts.longest_loss);
   findings.Add("most unserved in a row", "cycles", longest);
   findings.Add(fmt::format("margin to the {} that end a motion", MotionTally::EndsTheMotion()),
                "cycles", std::max(0.0, MotionTally::EndsTheMotion() - longest));
   findings.Add("commands that came late, twice or for no state", "",
-               static_cast<double>(tally.counts().dropped));
+               static_cast<double>(counts.dropped));
 }
 
 void AddEach(const MotionTally& tally, Findings& findings) {
@@ -140,17 +138,12 @@ std::map<std::string, std::string> ClientValues(const ClientProgram& program,
           {"full", seen.tally.is_full() ? "yes" : ""}};
 }
 
-/// Distribution of d_EXT on the wire. @param latencies_us  rising.
+/// Distribution of d_EXT on the wire.
 Figure ClientLatencyFigure(const std::vector<double>& latencies_us) {
   const std::vector<double> edges = LogEdges(4, 4000, 40);
-  std::vector<double> shares = Histogram(latencies_us, edges);
-  shares.push_back(0);
-  const std::vector<double> longer = Exceedance(latencies_us, edges);
-  Figure figure{.id = "wire", .columns = "d_EXT on the wire [us],in bin [%],longer [1]"};
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    figure.rows.push_back({edges[i], 100 * shares[i], longer[i]});
-  }
-  return figure;
+  return FigureOf("wire", {{"d_EXT on the wire [us]", edges},
+                           {"in bin [%]", Percent(Histogram(latencies_us, edges))},
+                           {"longer [1]", Exceedance(latencies_us, edges)}});
 }
 
 /// Successive unserved cycles over the motions' time, beside the number that ends a motion.

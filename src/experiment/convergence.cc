@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "experiment/chain_bench.h"
 #include "experiment/statistics.h"
 #include "experiment/stream.h"
 #include "experiment/viability.h"
@@ -193,21 +192,25 @@ Figure HostileFigure(const std::vector<HostileCycle>& cycles, const JointLimits&
 
 }  // namespace
 
+loop::TickConfig TickBehind(loop::Generator generator, const scenario::RobotData& robot,
+                            double lambda) {
+  loop::TickConfig tick;
+  tick.generator = generator;
+  tick.lambda = lambda;
+  tick.limits = robot.limits;
+  tick.cartesian = robot.cartesian;
+  if (generator == loop::Generator::kRejoining) {
+    tick.viability = reference::ViabilityFilter::kLostByDefault;
+  }
+  return tick;
+}
+
 std::vector<Chain> ComparedChains(const scenario::RobotData& robot) {
-  loop::TickConfig slow;
-  slow.lambda = 1e-3;
-  slow.limits = robot.limits;
-  loop::TickConfig fast = slow;
-  fast.lambda = 1e-2;
-  loop::TickConfig limited = slow;
-  limited.generator = loop::Generator::kNone;
-  loop::TickConfig ours = slow;
-  ours.generator = loop::Generator::kRejoining;
-  ours.viability = reference::ViabilityFilter::kLostByDefault;
-  return {{"saturated correction", ours},
-          {"lambda = 1e-3", slow},
-          {"lambda = 1e-2", fast},
-          {"stream, client's limiter", WithLimiter(limited, robot)}};
+  using enum loop::Generator;
+  return {{"saturated correction", TickBehind(kRejoining, robot)},
+          {"lambda = 1e-3", TickBehind(kJoint, robot)},
+          {"lambda = 1e-2", TickBehind(kJoint, robot, 1e-2)},
+          {"stream, client's limiter", WithLimiter(TickBehind(kNone, robot), robot)}};
 }
 
 Convergence MeasureConvergence(const loop::TickConfig& tick, const JointVector& rest, double offset,
@@ -223,7 +226,7 @@ Convergence MeasureConvergence(const loop::TickConfig& tick, const JointVector& 
     const double t = k * kCycleSeconds;
     bench.Step(source.q(t), source.deposited_dq(t), true);
     q_d.push_back(bench.q_d());
-    convergence.share = std::max(convergence.share, bench.LargestShare(tick.limits));
+    convergence.share = std::max(convergence.share, bench.LargestShare());
   }
   convergence.lag_s = LagOf(q_d, source);
   for (std::size_t k = 0; k < q_d.size(); ++k) {
@@ -261,9 +264,8 @@ void AddConvergence(const scenario::RobotData& robot, Findings& findings) {
   findings.figures.push_back(ErrorsFigure(chains, drawn));
 }
 
-std::vector<HostileCycle> RunHostileSource(const loop::TickConfig& tick,
-                                           const JointLimits& limits) {
-  ChainBench bench(tick, MiddleOf(limits));
+std::vector<HostileCycle> RunHostileSource(const loop::TickConfig& tick) {
+  ChainBench bench(tick, MiddleOf(tick.limits));
   std::vector<HostileCycle> cycles;
   cycles.reserve(kHostileCycles);
   for (int k = 0; k < kHostileCycles; ++k) {
@@ -271,12 +273,12 @@ std::vector<HostileCycle> RunHostileSource(const loop::TickConfig& tick,
     const double wished = WishedAt(t);
     const double dq = (wished - WishedAt(t - kCycleSeconds)) / kCycleSeconds;
     const bool is_lost = IsLost(k);
-    is_lost ? bench.StepLost(wished, dq, true) : bench.Step(wished, dq, true);
+    bench.Step(wished, dq, true, is_lost);
     cycles.push_back({.t = t,
                       .wished = wished,
                       .q_d = bench.q_d(),
                       .dq_d = bench.dq_d(),
-                      .share = bench.LargestShare(limits),
+                      .share = bench.LargestShare(),
                       .margin = bench.margin().value_or(0),
                       .kept_back = bench.kept_back(),
                       .is_lost = is_lost});
@@ -287,7 +289,7 @@ std::vector<HostileCycle> RunHostileSource(const loop::TickConfig& tick,
 void AddHostileSource(const scenario::RobotData& robot, Findings& findings) {
   const std::vector<Chain> chains = ComparedChains(robot);
   for (std::size_t c = 0; c < chains.size(); ++c) {
-    const std::vector<HostileCycle> cycles = RunHostileSource(chains[c].tick, robot.limits);
+    const std::vector<HostileCycle> cycles = RunHostileSource(chains[c].tick);
     const Breaches breaches = BreachesOf(cycles, robot.limits);
     const std::string name = fmt::format(
         "a source that asks for too much, 19 of 20 lost at times, {}: ", chains[c].name);

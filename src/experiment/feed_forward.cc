@@ -2,12 +2,13 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "experiment/runs.h"
-#include "experiment/stream_studies.h"
+#include "experiment/stream.h"
 #include "experiment/studies.h"
 
 namespace twin::experiment {
@@ -30,27 +31,19 @@ Stream StreamWith(VelocityFrom velocity) {
           .velocity = velocity};
 }
 
-/// The runs of each method and drift, method by method.
-class FeedForwardTable {
- public:
-  FeedForwardTable(const Config& config, const StreamInputs& inputs, double jitter_s, double from,
-                   double to)
-      : runs_(MapInParallel(
-            config, kMethods.size() * kDriftsPpm.size(),
-            [&](int i) {
-              return RunFeedForward(config, inputs.canonical, inputs.robot.limits,
-                                    kMethods[i / kDriftsPpm.size()].from, jitter_s,
-                                    kDriftsPpm[i % kDriftsPpm.size()], std::min(config.seeds, 5));
-            },
-            from, to)) {}
+/// The runs of each drift, method by method.
+using FeedForwardTable = Grid<StreamRuns>;
 
-  [[nodiscard]] const FeedForwardRuns& At(std::size_t method, std::size_t drift) const {
-    return runs_[method * kDriftsPpm.size() + drift];
-  }
-
- private:
-  std::vector<FeedForwardRuns> runs_;
-};
+FeedForwardTable MeasureFeedForward(const Config& config, const StreamInputs& inputs,
+                                    double jitter_s, double from, double to) {
+  return MapGrid(
+      config, kMethods.size(), kDriftsPpm.size(),
+      [&](std::size_t method, std::size_t drift) {
+        return RunFeedForward(config, inputs.canonical, inputs.robot.limits, kMethods[method].from,
+                              jitter_s, kDriftsPpm[drift], std::min(config.seeds, 5));
+      },
+      from, to);
+}
 
 Figure DriftFigure(const FeedForwardTable& jittered, const FeedForwardTable& exact) {
   Figure figure{.id = "drift",
@@ -60,7 +53,7 @@ Figure DriftFigure(const FeedForwardTable& jittered, const FeedForwardTable& exa
   for (const FeedForwardTable* table : {&jittered, &exact}) {
     for (std::size_t method = 0; method < kMethods.size(); ++method) {
       for (std::size_t i = 0; i < kDriftsPpm.size(); ++i) {
-        const FeedForwardRuns& runs = table->At(method, i);
+        const StreamRuns& runs = (*table)[method][i];
         figure.rows.push_back({table == &jittered ? kPaperJitter : 0, static_cast<double>(method),
                                kDriftsPpm[i], runs.jerk, runs.rms_jerk, runs.aborted});
       }
@@ -72,15 +65,14 @@ Figure DriftFigure(const FeedForwardTable& jittered, const FeedForwardTable& exa
 /// Velocity and jerk of joint 1 about the crossing of two loops without jitter.
 Figure CrossingFigure(const StreamInputs& inputs) {
   constexpr double kCrossing = 1.5;  // s
-  constexpr double kFastPpm = 50;
   Figure figure{.id = "crossing",
                 .columns =
                     "way (0: source's time; 1: nominal T; 2: consumption),t [s],"
                     "dq_d [rad/s],jerk / limit"};
   for (std::size_t method = 0; method < kMethods.size(); ++method) {
     Stream stream = StreamWith(kMethods[method].from);
-    stream.clock_ppm = kFastPpm;
-    stream.phase = FromSeconds(kCrossing * kFastPpm * 1e-6);
+    stream.clock_ppm = kFreeRunningPpm;
+    stream.phase = FromSeconds(kCrossing * kFreeRunningPpm * 1e-6);
     const auto keep = [&](const StreamCycle& cycle) {
       const double t = static_cast<double>(cycle.cycle) * kCycleSeconds;
       if (std::abs(t - kCrossing) > 0.03) return;
@@ -120,14 +112,14 @@ void CompareFeedForward(const FeedForwardTable& jittered, const FeedForwardTable
     const auto& [from, name] = kMethods[method];
     const bool is_source = from == VelocityFrom::kSourceTime;
     for (const std::size_t drift : {std::size_t{0}, kUsualDrift}) {
-      const FeedForwardRuns& runs = jittered.At(method, drift);
+      const StreamRuns& runs = jittered[method][drift];
       const std::string where = fmt::format("{}, 4 us, {:.0f} ppm: ", name, kDriftsPpm[drift]);
       findings.Add(where + "largest jerk / limit", "", runs.jerk)
           .Demand(is_source ? "at most 1" : "", runs.jerk <= 1);
       findings.Add(where + "runs aborted", "%", runs.aborted * 100)
           .Demand(is_source ? "none" : "all of them", runs.aborted == (is_source ? 0 : 1));
     }
-    const double aborted = exact.At(method, kUsualDrift).aborted;
+    const double aborted = exact[method][kUsualDrift].aborted;
     const bool is_consumption = from == VelocityFrom::kConsumption;
     findings
         .Add(fmt::format("{}, no jitter, {:.0f} ppm: runs aborted", name, kDriftsPpm[kUsualDrift]),
@@ -138,40 +130,35 @@ void CompareFeedForward(const FeedForwardTable& jittered, const FeedForwardTable
 
 }  // namespace
 
-FeedForwardRuns RunFeedForward(const Config& config, const reference::Trajectory& plan,
-                               const JointLimits& limits, VelocityFrom velocity, double jitter_s,
-                               double ppm, int runs) {
-  FeedForwardRuns all;
+StreamRuns RunFeedForward(const Config& config, const reference::Trajectory& plan,
+                          const JointLimits& limits, VelocityFrom velocity, double jitter_s,
+                          double ppm, int runs) {
+  std::vector<StreamResult> results;
   for (int run = 0; run < runs; ++run) {
     Stream stream = StreamWith(velocity);
     stream.jitter_s = jitter_s;
     stream.clock_ppm = ppm;
     if (ppm > 0) stream.phase = PhaseOfOvertaking(plan, ppm, ChoiceOfRun(config, run));
     stream.seed = SeedOfRun(config, run);
-    const StreamResult result = RunStream(plan, limits, stream, false);
-    all.aborted += result.aborted ? 1 : 0;
-    all.jerk = std::max(all.jerk, Largest(result.jerk));
-    all.rms_jerk += Largest(result.rms_jerk) / runs;
+    results.push_back(RunStream(plan, limits, stream, false));
   }
-  all.aborted /= runs;
-  return all;
+  return SummaryOf(results);
 }
 
 Findings RunFeedForwardStudy(const Config& config) {
   const StreamInputs inputs = LoadStreamInputs(config);
-  const FeedForwardTable jittered(config, inputs, kPaperJitter, 0, 0.5);
-  const FeedForwardTable exact(config, inputs, 0, 0.5, 0.9);
+  const FeedForwardTable jittered = MeasureFeedForward(config, inputs, kPaperJitter, 0, 0.5);
+  const FeedForwardTable exact = MeasureFeedForward(config, inputs, 0, 0.5, 0.9);
   Findings findings;
   CompareFeedForward(jittered, exact, findings);
   const double nominal = NominalOverRaw(inputs, config.seed);
   findings.Add("over the nominal T, 4 us: RMS jerk / that of the raw stream", "", nominal)
       .Demand("within 5 % of 1", std::abs(nominal - 1) <= 0.05);
-  for (const auto time :
-       {reference::FeedForwardTime::kSource, reference::FeedForwardTime::kNominal}) {
-    const bool is_source = time == reference::FeedForwardTime::kSource;
+  using enum reference::FeedForwardTime;
+  for (const auto& [time, method] : {std::pair(kSource, kMethods[0]), {kNominal, kMethods[1]}}) {
     findings.Add(fmt::format("{}, whole stack with the calibrated delays, limiter off: runs "
                              "aborted",
-                             kMethods[is_source ? 0 : 1].name),
+                             method.name),
                  "%", 100 * FeedForwardAbortsThroughStack(config, time));
   }
   findings.figures = {DriftFigure(jittered, exact), CrossingFigure(inputs)};

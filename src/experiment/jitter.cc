@@ -1,14 +1,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "experiment/runs.h"
 #include "experiment/statistics.h"
-#include "experiment/stream_studies.h"
+#include "experiment/stream.h"
 #include "experiment/studies.h"
 
 namespace twin::experiment {
@@ -16,7 +18,6 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr double kDriftPpm = 50;
 constexpr int kRunsPerSeed = 5;        // 100 runs with the usual 20 seeds
 constexpr int kMostWallClockRuns = 3;  // of each generator: 18 s a run
 
@@ -34,64 +35,53 @@ double JerkOfOneSample(double speed, double displacement_s) {
 }
 
 /// Runs of the canonical trajectory behind a remedy.
-struct CanonicalRuns {
-  int aborted = 0;
-  double largest_jerk = 0;  ///< of all runs, as a share of its limit
-};
-
-CanonicalRuns RunCanonicalStreams(const Config& config, const StreamInputs& inputs, Remedy remedy,
-                                  int runs, bool stops) {
-  const auto run_once = [&](int run) {
-    Stream stream = StreamBehind(remedy, inputs.robot);
-    stream.jitter_s = kPaperJitter;
-    stream.clock_ppm = run % 2 == 0 ? kDriftPpm : -kDriftPpm;
-    stream.phase = PhaseOfRun(config, run);
-    stream.seed = SeedOfRun(config, run);
-    return RunStream(inputs.canonical, inputs.robot.limits, stream, stops);
-  };
-  CanonicalRuns all;
-  for (const StreamResult& result : MapInParallel(config, runs, run_once, 0, 0.2)) {
-    all.aborted += result.aborted ? 1 : 0;
-    all.largest_jerk = std::max(all.largest_jerk, Largest(result.jerk));
-  }
-  return all;
+StreamRuns RunCanonicalStreams(const Config& config, const StreamInputs& inputs, Remedy remedy,
+                               int runs, bool stops) {
+  return SummaryOf(MapInParallel(
+      config, runs,
+      [&](int run) {
+        const double ppm = run % 2 == 0 ? kFreeRunningPpm : -kFreeRunningPpm;
+        return RunStream(inputs.canonical, inputs.robot.limits,
+                         StreamOfRun(config, remedy, inputs.robot, kPaperJitter, ppm, run), stops);
+      },
+      0, 0.2));
 }
 
-/// The same through the whole stack in lockstep. @returns how many of the runs aborted.
-int JitterAbortsThroughStack(const Config& config, loop::Generator generator, int runs) {
-  return CountFailures(
+/// The same through the whole stack in lockstep. @returns the share of aborted runs.
+double JitterAbortsThroughStack(const Config& config, loop::Generator generator, int runs) {
+  const int aborted = CountFailures(
       config, runs,
       [&](scenario::Scenario& scenario) {
         scenario.link.state = {};
         scenario.link.command = {};
-        scenario.link.state.delay.law = faults::ConstantDelay{microseconds(80)};
-        scenario.controller.cost.law = faults::ConstantDelay{microseconds(60)};
+        scenario.link.state.delay = ConstantDelay(80);
+        scenario.controller.cost = ConstantDelay(60);
         scenario.controller.wake_delay.law = faults::NormalDelay{microseconds(20), microseconds(4)};
         scenario.tick.limiter = false;
         scenario.tick.generator = generator;
       },
       0.2, 0.3);
+  return static_cast<double>(aborted) / runs;
 }
 
 void CompareCanonical(const Config& config, const StreamInputs& inputs, Findings& findings) {
-  const auto add = [&](std::string quantity, int aborted, int runs, bool all_abort) {
-    findings.Add(std::move(quantity), "%", 100.0 * aborted / runs)
+  const auto add = [&](std::string quantity, double aborted, bool all_abort) {
+    findings.Add(std::move(quantity), "%", 100 * aborted)
         .Paper(all_abort ? 100 : 0)
-        .Demand(all_abort ? "all of them" : "none", aborted == (all_abort ? runs : 0));
+        .Demand(all_abort ? "all of them" : "none", aborted == (all_abort ? 1 : 0));
   };
   const int runs = kRunsPerSeed * config.seeds;
   const std::string of = fmt::format("{} runs of the canonical trajectory, 4 us: ", runs);
-  const CanonicalRuns raw = RunCanonicalStreams(config, inputs, Remedy::kNone, runs, true);
-  add(of + "raw stream aborts", raw.aborted, runs, true);
-  const CanonicalRuns generator =
-      RunCanonicalStreams(config, inputs, Remedy::kGenerator, runs, false);
-  add(of + "reference generator aborts", generator.aborted, runs, false);
-  findings.Add(of + "largest jerk / limit, reference generator", "", generator.largest_jerk);
+  add(of + "raw stream aborts",
+      RunCanonicalStreams(config, inputs, Remedy::kNone, runs, true).aborted, true);
+  const StreamRuns generator = RunCanonicalStreams(config, inputs, Remedy::kGenerator, runs, false);
+  add(of + "reference generator aborts", generator.aborted, false);
+  findings.Add(of + "largest jerk / limit, reference generator", "", generator.jerk);
   const int whole = std::min(config.seeds, 4);
   add(fmt::format("the same through the whole stack, {} runs: raw stream aborts", whole),
-      JitterAbortsThroughStack(config, loop::Generator::kNone, whole), whole, true);
+      JitterAbortsThroughStack(config, loop::Generator::kNone, whole), true);
   add(fmt::format("the same, {} runs: reference generator aborts", whole),
-      JitterAbortsThroughStack(config, loop::Generator::kJoint, whole), whole, false);
+      JitterAbortsThroughStack(config, loop::Generator::kJoint, whole), false);
 }
 
 /// The share of the jerk of jitter that each remedy leaves, without a crossing of the clocks.
@@ -128,34 +118,19 @@ void CompareEnd(const std::vector<PaceResult>& paces, Findings& findings) {
                ShareAtLimit(paces));
 }
 
-/// Collects the source times of the consumed deposits.
-class DepositTimes final : public record::RecordSink {
- public:
-  DepositTimes() { times_.reserve(32768); }
-  void Put(const record::CycleRecord& /*record*/) noexcept override {}
-  void Put(const record::TickRecord& record) noexcept override {
-    if (record.action != record::TickAction::kWritten) return;
-    if (times_.empty() || times_.back() != record.deposit_time) {
-      times_.push_back(record.deposit_time);
-    }
+/// Difference of each interval between deposits from whole cycles, us, rising. Deposits that no
+/// tick consumed do not count.
+std::vector<double> OffCycle(const std::vector<TickSample>& ticks) {
+  std::vector<double> off;
+  for (std::size_t i = 1; i < ticks.size(); ++i) {
+    const double interval_us = 1e6 * ToSeconds(ticks[i].deposit_time - ticks[i - 1].deposit_time);
+    if (interval_us == 0) continue;
+    const double cycles = std::max(1.0, std::round(interval_us / 1e3));
+    off.push_back(std::abs(interval_us - 1e3 * cycles));
   }
-
-  /// Difference of each interval from whole cycles, us, rising. Deposits that no tick consumed do
-  /// not count.
-  [[nodiscard]] std::vector<double> OffCycle() const {
-    std::vector<double> off;
-    for (std::size_t i = 1; i < times_.size(); ++i) {
-      const double interval_us = 1e6 * ToSeconds(times_[i] - times_[i - 1]);
-      const double cycles = std::max(1.0, std::round(interval_us / 1e3));
-      off.push_back(std::abs(interval_us - 1e3 * cycles));
-    }
-    std::ranges::sort(off);
-    return off;
-  }
-
- private:
-  std::vector<Time> times_;
-};
+  std::ranges::sort(off);
+  return off;
+}
 
 /// Aborted runs, and the jitter of runs with deposits.
 struct JitteredRuns {
@@ -168,18 +143,128 @@ struct JitteredRuns {
 JitteredRuns RunJittered(const Config& config, loop::Generator generator) {
   JitteredRuns all{.runs = std::min(config.seeds, kMostWallClockRuns)};
   InParallel(config, all.runs, [&](int run) {
-    scenario::Scenario scenario = LoadScenario(config, "asynchronous");
-    scenario.seed = SeedOfRun(config, run);
+    scenario::Scenario scenario = LoadScenario(config, "asynchronous", run);
     scenario.tick.limiter = false;
     scenario.tick.generator = generator;
-    DepositTimes times;
-    if (!RunScenario(config, scenario, &times).report.succeeded()) ++all.aborted;
-    const std::vector<double> off = times.OffCycle();
+    Recording recording;
+    if (!RunScenario(config, scenario, &recording).report.succeeded()) ++all.aborted;
+    const std::vector<double> off = OffCycle(recording.ticks());
     if (off.empty()) return;
     all.median_us.push_back(Percentile(off, 0.5));
     all.p99_us.push_back(Percentile(off, 0.99));
   });
   return all;
+}
+
+constexpr double kSpeed = 1;  // of the figure of samples, rad/s
+
+/// A close-up of samples displaced, as planned and as filed. Its jitter is 40 times as large, to be
+/// visible.
+report::Table DisplacedSamples(const reference::Trajectory& plan, const JointLimits& limits,
+                               Stream stream) {
+  constexpr std::size_t kBegin = 494;
+  constexpr std::size_t kEnd = 507;
+  stream.jitter_s = 160e-6;
+  const std::vector<onboard::JointReference> raw = ReferencesOf(plan, limits, stream);
+  const double q0 = plan.Sample(FromSeconds(0.5)).q[0];
+  report::Table table{.columns = "filed at [ms],sampled at [ms],intended [mrad],sampled [mrad]"};
+  for (std::size_t i = kBegin; i < kEnd; ++i) {
+    const double t = static_cast<double>(i) * kT;
+    table.rows.push_back({t * 1e3, (t + ToSeconds(SamplingError(stream, i))) * 1e3,
+                          (plan.Sample(FromSeconds(t)).q[0] - q0) * 1e3,
+                          (raw[i].q_d[0] - q0) * 1e3});
+  }
+  return table;
+}
+
+/// One edge of the cone: the acceleration changes by `jerk` until its limit. @returns the
+/// increment, rad, of the n-th cycle after `from`.
+double ConeEdge(const onboard::JointReference& from, const JointLimits& limits, double jerk,
+                int n) {
+  double velocity = from.dq_d[0];
+  double acceleration = from.ddq_d[0];
+  for (int i = 0; i < n; ++i) {
+    acceleration = std::clamp(acceleration + jerk * kT, -limits.ddq_max[0], limits.ddq_max[0]);
+    velocity += acceleration * kT;
+  }
+  return velocity * kT;
+}
+
+/// One sample 4 us late in a motion at constant speed: the next increment leaves the cone of
+/// admissible ones.
+report::Table Cone(const JointLimits& limits) {
+  constexpr int kLate = 5;
+  constexpr double kIntended = kSpeed * kT;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  onboard::JointReference reference = onboard::JointReference::Rest({});
+  onboard::JointReference late;
+  reference.dq_d[0] = kSpeed;
+  report::Table table{.columns = "cycle,increment [urad],least [urad],most [urad],refused [urad]"};
+  for (int k = 1; k <= kLate + 2; ++k) {
+    const double t = k * kT + (k == kLate ? kPaperJitter : 0);
+    reference = reference.AfterPosition({kSpeed * t});
+    if (k == kLate) late = reference;
+    const auto edge = [&](double jerk) {
+      if (k < kLate) return kNone;
+      return (ConeEdge(late, limits, jerk, k - kLate) - kIntended) * 1e6;
+    };
+    const double increment = (reference.dq_d[0] * kT - kIntended) * 1e6;
+    table.rows.push_back({static_cast<double>(k), increment, edge(-limits.dddq_max[0]),
+                          edge(limits.dddq_max[0]), k == kLate + 1 ? increment : kNone});
+  }
+  return table;
+}
+
+Figure SamplesFigure(const scenario::RobotData& robot, std::uint64_t seed) {
+  const reference::Trajectory plan = SecondOfMotion({kSpeed / kPeakOfSecond}, robot.limits);
+  Stream stream = StreamBehind(Remedy::kNone, robot);
+  stream.seed = seed;
+  stream.jitter_s = kPaperJitter;
+  const std::vector<onboard::JointReference> raw = ReferencesOf(plan, robot.limits, stream);
+  Figure figure{.id = "samples",
+                .columns =
+                    "t [s],sampling error [s],intended q [rad],reconstructed q [rad],"
+                    "reconstructed dq [rad/s],reconstructed ddq [rad/s^2]",
+                .tables = {{"displaced", DisplacedSamples(plan, robot.limits, stream)},
+                           {"cone", Cone(robot.limits)}}};
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    const double t = static_cast<double>(i) * kT;
+    figure.rows.push_back({t, ToSeconds(SamplingError(stream, i)), plan.Sample(FromSeconds(t)).q[0],
+                           raw[i].q_d[0], raw[i].dq_d[0], raw[i].ddq_d[0]});
+  }
+  return figure;
+}
+
+Figure JitterJerkFigure(const JitterJerk& position, const JitterJerk& velocity) {
+  return FigureOf("jerk", {{"t [s]", position.t},
+                           {"position measured [rad/s^3]", position.measured[0]},
+                           {"position formula [rad/s^3]", position.formula[0]},
+                           {"velocity measured [rad/s^3]", velocity.measured[0]},
+                           {"velocity formula [rad/s^3]", velocity.formula[0]}});
+}
+
+Figure AbortMapFigure(const AbortMap& map, const JointLimits& limits) {
+  Figure figure{
+      .id = "map",
+      .columns = fmt::format("jitter [us],peak speed [rad/s],{}", fmt::join(kRemedyNames, ",")),
+      .values = {{"runs", map.runs}, {"jerk_limit", limits.dddq_max[0]}},
+      .names = {kRemedyNames.begin(), kRemedyNames.end()}};
+  for (std::size_t i = 0; i < map.probability.size(); ++i) {
+    std::vector<double>& row = figure.rows.emplace_back(
+        std::vector{map.jitter_us[i % map.jitter_us.size()], map.speed[i / map.jitter_us.size()]});
+    row.insert(row.end(), map.probability[i].begin(), map.probability[i].end());
+  }
+  return figure;
+}
+
+Figure EndFigure(const std::vector<PaceResult>& paces, const JointLimits& limits) {
+  Figure figure{.id = "end",
+                .columns = "largest ddq / its limit,largest jerk / its limit,share of runs aborted",
+                .values = {{"limit_ratio", limits.ddq_max[0] / limits.dddq_max[0]}}};
+  for (const PaceResult& pace : paces) {
+    figure.rows.push_back({pace.acceleration, pace.jerk, pace.aborted});
+  }
+  return figure;
 }
 
 }  // namespace
@@ -206,8 +291,8 @@ Findings RunJitter(const Config& config) {
   using control::CommandInterface;
   const StreamInputs inputs = LoadStreamInputs(config);
   const JointLimits& limits = inputs.robot.limits;
-  Findings findings{
-      .values = {{"runs", fmt::format("{}", config.seeds)}, {"ppm", fmt::format("{}", kDriftPpm)}}};
+  Findings findings{.values = {{"runs", fmt::format("{}", config.seeds)},
+                               {"ppm", fmt::format("{}", kFreeRunningPpm)}}};
   findings
       .Add("one sample displaced by 4 us at 1 rad/s: jerk", "rad/s^3",
            JerkOfOneSample(1, kPaperJitter))

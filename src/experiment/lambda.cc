@@ -8,10 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "experiment/chain_bench.h"
 #include "experiment/runs.h"
 #include "experiment/statistics.h"
+#include "experiment/stream.h"
 #include "experiment/studies.h"
+#include "experiment/viability.h"
 #include "twin/core/joint_vector.h"
 #include "twin/model/inverse_kinematics.h"
 #include "twin/reference/reference_generator.h"
@@ -51,7 +52,9 @@ double TimeUntilDecayed(double lambda, Left left) {
 OffsetDecay MeasureDecay(double lambda) {
   constexpr double kOffset = 1e-3;  // rad, m
   OffsetDecay decay{.lambda = lambda, .formula_s = FormulaTime(lambda)};
-  ChainBench bench(lambda, 0);
+  loop::TickConfig tick;
+  tick.lambda = lambda;
+  ChainBench bench(tick, {});
   double jerk = 0;
   decay.joint_s = TimeUntilDecayed(lambda, [&] {
     bench.Step(kOffset, 0, true);
@@ -79,17 +82,13 @@ OffsetDecay MeasureDecay(double lambda) {
   return decay;
 }
 
-/// A command chain behind a source that stops for a while.
-struct StallChain {
-  std::string_view name;
-  loop::Generator generator;
-  bool limiter;
-};
-constexpr std::array kStallChains{
-    StallChain{"the paper's law", loop::Generator::kJoint, false},
-    StallChain{"the paper's law, client's limiter", loop::Generator::kJoint, true},
-    StallChain{"rejoining, viability", loop::Generator::kRejoining, false},
-};
+/// Chains behind a source that stops for a while.
+std::vector<Chain> StallChains(const scenario::RobotData& robot) {
+  using enum loop::Generator;
+  return {{"the paper's law", TickBehind(kJoint, robot)},
+          {"the paper's law, client's limiter", WithLimiter(TickBehind(kJoint, robot), robot)},
+          {"rejoining, viability", TickBehind(kRejoining, robot)}};
+}
 constexpr std::size_t kOurStallChain = 2;
 
 /// One cycle behind such a source.
@@ -107,19 +106,6 @@ struct Stall {
   double largest_error = 0;    ///< rad
   double recovered_s = 0;      ///< from the source's return until the error stays within 4 mrad
 };
-
-loop::TickConfig TickOf(const StallChain& chain, const scenario::RobotData& robot) {
-  loop::TickConfig tick;
-  tick.generator = chain.generator;
-  tick.lambda = kPaperLambda;
-  tick.limits = robot.limits;
-  tick.cartesian = robot.cartesian;
-  if (chain.limiter) tick.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
-  if (chain.generator == loop::Generator::kRejoining) {
-    tick.viability = reference::ViabilityFilter::kLostByDefault;
-  }
-  return tick;
-}
 
 /// Joint 1 swings by 0.8 rad with 1 rad/s at most; the source stops at full speed.
 Stall MeasureStall(const loop::TickConfig& tick, const JointVector& rest, int stall_ms) {
@@ -159,40 +145,27 @@ Stall MeasureStall(const loop::TickConfig& tick, const JointVector& rest, int st
 }
 
 /// By length of the stall, then by chain.
-using Stalls = std::array<std::array<Stall, kStallChains.size()>, kStallsMs.size()>;
-
-Stalls MeasureStalls(const scenario::RobotData& robot) {
-  Stalls stalls;
-  for (std::size_t i = 0; i < stalls.size(); ++i) {
-    for (std::size_t c = 0; c < kStallChains.size(); ++c) {
-      stalls[i][c] =
-          MeasureStall(TickOf(kStallChains[c], robot), MiddleOf(robot.limits), kStallsMs[i]);
-    }
-  }
-  return stalls;
-}
+using Stalls = std::array<std::vector<Stall>, kStallsMs.size()>;
 
 Figure DecayFigure(const std::vector<OffsetDecay>& all) {
-  Figure figure{.id = "convergence",
-                .columns =
-                    "lambda,formula [s],joint [s],translation [s],rotation [s],"
-                    "jerk per offset [1/s^3]"};
-  for (const OffsetDecay& c : all) {
-    figure.rows.push_back(
-        {c.lambda, c.formula_s, c.joint_s, c.translation_s, c.rotation_s, c.jerk_per_rad});
-  }
-  return figure;
+  return FigureOf("convergence",
+                  {{"lambda", ValuesOf(all, &OffsetDecay::lambda)},
+                   {"formula [s]", ValuesOf(all, &OffsetDecay::formula_s)},
+                   {"joint [s]", ValuesOf(all, &OffsetDecay::joint_s)},
+                   {"translation [s]", ValuesOf(all, &OffsetDecay::translation_s)},
+                   {"rotation [s]", ValuesOf(all, &OffsetDecay::rotation_s)},
+                   {"jerk per offset [1/s^3]", ValuesOf(all, &OffsetDecay::jerk_per_rad)}});
 }
 
-Figure StallsFigure(const Stalls& stalls, double jerk_limit) {
+Figure StallsFigure(const Stalls& stalls, const std::vector<Chain>& chains, double jerk_limit) {
   Figure figure{.id = "stalls",
                 .columns =
                     "stall [ms],chain [-],t [s],planned [rad/s],dq_d [rad/s],error [rad],"
                     "jerk [rad/s^3]",
                 .values = {{"jerk_limit", jerk_limit}}};
-  for (const StallChain& chain : kStallChains) figure.names.emplace_back(chain.name);
+  for (const Chain& chain : chains) figure.names.emplace_back(chain.name);
   for (std::size_t i = 0; i < stalls.size(); ++i) {
-    for (std::size_t c = 0; c < kStallChains.size(); ++c) {
+    for (std::size_t c = 0; c < chains.size(); ++c) {
       for (const StallRow& row : stalls[i][c].rows) {
         figure.rows.push_back({static_cast<double>(kStallsMs[i]), static_cast<double>(c), row.t,
                                row.planned, row.dq_d, row.error, row.jerk});
@@ -206,10 +179,9 @@ Figure StallsFigure(const Stalls& stalls, double jerk_limit) {
 /// loop. @returns whether it ended well.
 bool RunPoses(const Config& config) {
   scenario::Scenario scenario = LoadScenario(config, "asynchronous");
-  scenario.seed = SeedOfRun(config, 0);
   scenario.motion = scenario::Load(config.files.models / "scenarios" / "cartesian.yaml").motion;
   scenario.tick.generator = loop::Generator::kCartesian;
-  return RunScenario(config, scenario, nullptr).report.succeeded();
+  return RunScenario(config, scenario).report.succeeded();
 }
 
 void CompareDecay(const std::vector<OffsetDecay>& all, Findings& findings) {
@@ -230,12 +202,13 @@ void CompareDecay(const std::vector<OffsetDecay>& all, Findings& findings) {
                std::ranges::find(all, kPaperLambda, &OffsetDecay::lambda)->joint_s);
 }
 
-void CompareStalls(const Stalls& stalls, double jerk_limit, Findings& findings) {
+void CompareStalls(const Stalls& stalls, const std::vector<Chain>& chains, double jerk_limit,
+                   Findings& findings) {
   for (std::size_t i = 0; i < stalls.size(); ++i) {
-    for (std::size_t c = 0; c < kStallChains.size(); ++c) {
+    for (std::size_t c = 0; c < chains.size(); ++c) {
       const Stall& stall = stalls[i][c];
       const std::string name =
-          fmt::format("Stall of {} ms at 1 rad/s, {}", kStallsMs[i], kStallChains[c].name);
+          fmt::format("Stall of {} ms at 1 rad/s, {}", kStallsMs[i], chains[c].name);
       findings.Add(name + ": largest jerk over its limit", "", stall.largest_jerk / jerk_limit)
           .Demand(c == kOurStallChain ? "at most 1" : "", stall.largest_jerk <= jerk_limit);
       findings.Add(name + ": largest error from the plan", "mrad", 1e3 * stall.largest_error);
@@ -252,18 +225,24 @@ Findings RunLambda(const Config& config) {
   for (const double lambda : kLambdas) all.push_back(MeasureDecay(lambda));
   const scenario::RobotData robot = RobotOf(config, LoadScenario(config, "asynchronous"));
   const double jerk_limit = robot.limits.dddq_max[0];
-  const Stalls stalls = MeasureStalls(robot);
+  const std::vector<Chain> chains = StallChains(robot);
+  Stalls stalls;
+  for (std::size_t i = 0; i < stalls.size(); ++i) {
+    for (const Chain& chain : chains) {
+      stalls[i].push_back(MeasureStall(chain.tick, MiddleOf(robot.limits), kStallsMs[i]));
+    }
+  }
   if (config.progress) config.progress(0.3);
   const bool poses_end_well = RunPoses(config);
   Findings findings;
   CompareDecay(all, findings);
-  CompareStalls(stalls, jerk_limit, findings);
+  CompareStalls(stalls, chains, jerk_limit, findings);
   findings
       .Add("A motion of 8 s as poses behind the Cartesian generator: aborts", "",
            poses_end_well ? 0.0 : 1.0)
       .Paper(0)
       .Demand("none", poses_end_well);
-  findings.figures = {DecayFigure(all), StallsFigure(stalls, jerk_limit)};
+  findings.figures = {DecayFigure(all), StallsFigure(stalls, chains, jerk_limit)};
   if (config.progress) config.progress(1);
   return findings;
 }

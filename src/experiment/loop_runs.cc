@@ -14,41 +14,16 @@
 namespace twin::experiment {
 namespace {
 
-/// Collects the times of the ticks.
-class TickTimes final : public record::RecordSink {
- public:
-  TickTimes() {
-    // On the wall clock a run allocates nothing: half a minute fits.
-    sample.interval_us.reserve(kTicks);
-    sample.d_EXT_us.reserve(kTicks);
-  }
-  void Put(const record::CycleRecord& /*record*/) noexcept override {}
-  void Put(const record::TickRecord& record) noexcept override {
-    if (last_read_) sample.interval_us.push_back(1e6 * ToSeconds(record.read - *last_read_));
-    last_read_ = record.read;
-    if (record.action == record::TickAction::kWritten ||
-        record.action == record::TickAction::kFinished) {
-      sample.d_EXT_us.push_back(1e6 * ToSeconds(record.written - record.read));
-    }
-  }
-
-  LoopSample sample;
-
- private:
-  static constexpr std::size_t kTicks = 32768;
-
-  std::optional<Time> last_read_;
-};
-
 LoopSample RunLoop(const Config& config, const run::Catalogue& stack, std::size_t loop, int run) {
   const scenario::Scenario scenario = LoopScenario(config, loop, run);
   Config with_stack = config;
   if (scenario.loop != loop::LoopKind::kBare) with_stack.catalogue = stack;
   LoopSample sample = SampleLoop(with_stack, scenario);
-  if (!sample.d_EXT_us.empty() && !sample.interval_us.empty() && sample.cycles > 0) return sample;
+  if (!sample.d_EXT_us.empty() && !sample.interval_us.empty() && sample.counts.cycles() > 0)
+    return sample;
   throw InputError(fmt::format(
       "{}.yaml: in one of its runs the robot never had a command in time{}{}; {}",
-      CalibratedLoops()[loop].file, sample.failure.empty() ? "" : ": ", sample.failure,
+      kCalibratedLoops[loop].file, sample.failure.empty() ? "" : ": ", sample.failure,
       config.on_wall_clock ? "this machine gives its threads no time (see panda-twin check)"
                            : "its delays leave no cycle served"));
 }
@@ -56,25 +31,31 @@ LoopSample RunLoop(const Config& config, const run::Catalogue& stack, std::size_
 }  // namespace
 
 LoopSample SampleLoop(const Config& config, const scenario::Scenario& scenario) {
-  TickTimes times;
-  const run::RunResult result = RunScenario(config, scenario, &times);
-  LoopSample& sample = times.sample;
+  LoopSample sample;
+  sample.interval_us.reserve(kMostRecords);
+  sample.d_EXT_us.reserve(kMostRecords);
+  std::optional<Time> last_read;
+  SinkTo ticks([&](const record::TickRecord& tick) {
+    if (last_read) sample.interval_us.push_back(1e6 * ToSeconds(tick.read - *last_read));
+    last_read = tick.read;
+    if (tick.action == record::TickAction::kWritten ||
+        tick.action == record::TickAction::kFinished) {
+      sample.d_EXT_us.push_back(1e6 * ToSeconds(tick.written - tick.read));
+    }
+  });
+  const run::RunResult result = RunScenario(config, scenario, &ticks);
   std::ranges::sort(sample.d_EXT_us);
-  const auto& counts = result.counts;
-  sample.cycles = counts.cycles();
-  sample.unserved_percent = counts.unserved_percent();
-  sample.longest_loss = counts.longest_loss;
+  sample.counts = result.counts;
   sample.succeeded = result.report.succeeded();
   sample.failure = result.report.failure;
   const backend::RobotTimings& robot = result.report.robot_timings;
   sample.robot_late_p99_us = 1e6 * ToSeconds(robot.lateness.Percentile(0.99));
   sample.robot_overruns = robot.overruns;
-  return std::move(sample);
+  return sample;
 }
 
 scenario::Scenario LoopScenario(const Config& config, std::size_t loop, int run) {
-  scenario::Scenario scenario = LoadScenario(config, CalibratedLoops()[loop].file);
-  scenario.seed = SeedOfRun(config, run);
+  scenario::Scenario scenario = LoadScenario(config, kCalibratedLoops[loop].file, run);
   if (scenario.loop != loop::LoopKind::kBare) {  // which has no clock of its own
     scenario.controller.phase = PhaseOfRun(config, run, static_cast<std::uint32_t>(loop));
   }
@@ -82,13 +63,15 @@ scenario::Scenario LoopScenario(const Config& config, std::size_t loop, int run)
 }
 
 LoopRuns RunLoops(const Config& config, const run::Catalogue& stack, double share) {
-  constexpr int kLoops = std::tuple_size_v<LoopRuns>;
-  std::vector<LoopSample> samples = MapInParallel(
-      config, config.seeds * kLoops,
-      [&](int job) { return RunLoop(config, stack, job % kLoops, job / kLoops); }, 0, share);
+  Grid<LoopSample> samples = MapGrid(
+      config, config.seeds, std::tuple_size_v<LoopRuns>,
+      [&](std::size_t run, std::size_t loop) {
+        return RunLoop(config, stack, loop, static_cast<int>(run));
+      },
+      0, share);
   LoopRuns runs;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    runs[i % kLoops].push_back(std::move(samples[i]));
+  for (std::size_t i = 0; i < samples.all.size(); ++i) {
+    runs[i % runs.size()].push_back(std::move(samples.all[i]));
   }
   return runs;
 }

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "experiment/statistics.h"
-#include "twin/experiment/calibration.h"
 #include "twin/experiment/experiment.h"
 #include "twin/scenario/scenario.h"
 
@@ -17,9 +16,7 @@ namespace twin::experiment {
 struct LoopSample {
   std::vector<double> d_EXT_us;     ///< of each command, rising
   std::vector<double> interval_us;  ///< between the ends of two successive reads
-  double unserved_percent = 0;      ///< of the motion's cycles
-  std::uint64_t longest_loss = 0;   ///< most unserved cycles in a row
-  std::uint64_t cycles = 0;         ///< of the motion
+  run::CycleCounts counts{};        ///< of the motion
   bool succeeded = false;           ///< the motion reached its goal
   std::string failure{};            ///< why it did not
   // On the wall clock, of the robot's own thread:
@@ -33,7 +30,7 @@ struct LoopSample {
 /// The runs of LF, RS, RA: as many of each.
 using LoopRuns = std::array<std::vector<LoopSample>, 3>;
 
-/// The scenario of one of CalibratedLoops() for its `run`-th run, with its seed and start phase.
+/// The scenario of one of kCalibratedLoops for its `run`-th run, with its seed and start phase.
 /// @throws InputError as LoadScenario.
 [[nodiscard]] scenario::Scenario LoopScenario(const Config& config, std::size_t loop, int run);
 
@@ -48,7 +45,7 @@ using LoopRuns = std::array<std::vector<LoopSample>, 3>;
 struct TableRow {
   const char* name;
   const char* unit;
-  std::array<double, 3> paper;    ///< of LF, RS and RA, as in CalibratedLoops()
+  std::array<double, 3> paper;    ///< of LF, RS and RA, as in kCalibratedLoops
   std::array<bool, 3> is_fitted;  ///< whether models/experiments is calibrated on it
   double (*of)(const LoopSample& sample);
 };
@@ -71,7 +68,7 @@ inline constexpr std::array<TableRow, 4> kTableOne{
       {false, false, false},
       [](const LoopSample& s) { return 1e-3 * s.d_EXT_us.back(); }},
      {"unserved cycles", "%", {0.18, 5.91, 0.41}, {true, false, false}, [](const LoopSample& s) {
-        return s.unserved_percent;
+        return s.counts.unserved_percent();
       }}}};
 inline constexpr std::size_t kMedianLatency = 0;
 inline constexpr std::size_t kHighLatency = 1;  ///< p99

@@ -2,7 +2,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,28 +12,25 @@
 
 #include <fmt/format.h>
 
-#include "experiment/recording.h"
 #include "experiment/runs.h"
 #include "experiment/studies.h"
 
 namespace twin::experiment {
 namespace {
 
-/// A command chain behind the plan.
+/// A command chain behind the plan; the rejoining generator has the viability filter behind it.
 struct LossChain {
   std::string_view name;
   loop::Generator generator;
-  bool limiter;
-  bool low_pass;
-  bool filter;
+  bool limiter = false;
+  bool low_pass = false;
 };
 constexpr std::array kLossChains{
-    LossChain{"stream of positions", loop::Generator::kNone, false, false, false},
-    LossChain{"the paper's law", loop::Generator::kJoint, false, false, false},
-    LossChain{"the paper's law, limiter", loop::Generator::kJoint, true, false, false},
-    LossChain{"the paper's law, limiter, low-pass", loop::Generator::kJoint, true, true, false},
-    LossChain{"rejoining generator, viability filter", loop::Generator::kRejoining, false, false,
-              true},
+    LossChain{"stream of positions", loop::Generator::kNone},
+    LossChain{"the paper's law", loop::Generator::kJoint},
+    LossChain{"the paper's law, limiter", loop::Generator::kJoint, true},
+    LossChain{"the paper's law, limiter, low-pass", loop::Generator::kJoint, true, true},
+    LossChain{"rejoining generator, viability filter", loop::Generator::kRejoining},
 };
 constexpr std::size_t kOurLossChain = 4;
 
@@ -40,11 +39,9 @@ constexpr std::array<double, 5> kShares{0.1, 1, 5, 20, 50};       ///< of all co
 constexpr std::array<double, 4> kBurstsPerSecond{0.5, 2, 5, 10};  ///< of the map
 constexpr int kLongest = reference::ViabilityFilter::kLostByDefault;
 
-/// One chain at one pace under bursts of losses, or with each command lost on its own.
-struct LossCase {
-  std::size_t pace = 0;
-  std::size_t chain = 0;
-  Bursts bursts{};           ///< of length 0: independent losses
+/// Bursts of losses; of length 0: each command is lost on its own.
+struct Losses {
+  Bursts bursts{};
   double share_percent = 0;  ///< of independent losses
 };
 
@@ -61,27 +58,27 @@ struct LossOutcome {
   }
 };
 
-scenario::Scenario LossScenario(const Config& config, const LossCase& what) {
-  const LossChain& chain = kLossChains.at(what.chain);
+scenario::Scenario LossScenario(const Config& config, std::size_t pace, const LossChain& chain) {
   scenario::Scenario scenario = LoadScenario(config, "asynchronous");
   RemoveTimingFaults(scenario);  // losses alone
-  SetPace(config, kPaces.at(what.pace), scenario);
+  SetPace(config, kPaces.at(pace), scenario);
   scenario.tick.generator = chain.generator;
   scenario.tick.limiter = chain.limiter;
   if (chain.low_pass) scenario.tick.low_pass_hz = 100;  // the client library's default
-  if (chain.filter) scenario.tick.viability = kLongest;
+  if (chain.generator == loop::Generator::kRejoining) scenario.tick.viability = kLongest;
   return scenario;
 }
 
-LossOutcome MeasureLosses(const Config& config, const LossCase& what, int runs) {
-  scenario::Scenario scenario = LossScenario(config, what);
+LossOutcome MeasureLosses(const Config& config, std::size_t pace, std::size_t chain,
+                          const Losses& losses, int runs) {
+  scenario::Scenario scenario = LossScenario(config, pace, kLossChains.at(chain));
   const reference::Trajectory plan = PlanOf(config, scenario);
   LossOutcome outcome{.runs = runs};
   for (int run = 0; run < runs; ++run) {
     scenario.seed = SeedOfRun(config, run);
-    scenario.link.command.loss = what.bursts.length == 0
-                                     ? scenario::Loss{scenario::IndependentLoss{what.share_percent}}
-                                     : LossOf(config, what.bursts, ToSeconds(plan.duration()), run);
+    scenario.link.command.loss =
+        losses.bursts.length == 0 ? scenario::Loss{scenario::IndependentLoss{losses.share_percent}}
+                                  : LossOf(config, losses.bursts, plan.duration(), run);
     Recording recording;
     const run::RunResult result = RunScenario(config, scenario, &recording);
     if (result.report.end == backend::MotionEnd::kAborted) {
@@ -97,45 +94,19 @@ LossOutcome MeasureLosses(const Config& config, const LossCase& what, int runs) 
   return outcome;
 }
 
-/// Several cases, measured on all processors.
-struct LossStudy {
-  LossStudy(const Config& config, std::vector<LossCase> all, int runs, double from, double to)
-      : cases(std::move(all)),
-        outcomes(MapInParallel(
-            config, cases.size(), [&](int i) { return MeasureLosses(config, cases[i], runs); },
-            from, to)) {}
+/// Losses behind every chain at every pace: a row for each chain, pace by pace.
+using LossTable = Grid<LossOutcome>;
 
-  std::vector<LossCase> cases;
-  std::vector<LossOutcome> outcomes;  ///< of each case
-};
-
-/// The given losses behind every chain at every pace, in that order.
-class LossTable {
- public:
-  LossTable(const Config& config, const std::vector<LossCase>& losses, int runs, double from,
-            double to)
-      : losses_(losses.size()), study_(config, CasesOf(losses), runs, from, to) {}
-
-  [[nodiscard]] const LossOutcome* Of(std::size_t pace, std::size_t chain) const {
-    return &study_.outcomes[(pace * kLossChains.size() + chain) * losses_];
-  }
-
- private:
-  static std::vector<LossCase> CasesOf(const std::vector<LossCase>& losses) {
-    std::vector<LossCase> cases;
-    for (std::size_t pace = 0; pace < kPaces.size(); ++pace) {
-      for (std::size_t chain = 0; chain < kLossChains.size(); ++chain) {
-        for (const LossCase& loss : losses) {
-          cases.push_back({pace, chain, loss.bursts, loss.share_percent});
-        }
-      }
-    }
-    return cases;
-  }
-
-  std::size_t losses_;
-  LossStudy study_;
-};
+LossTable MeasureTable(const Config& config, const std::vector<Losses>& losses, int runs,
+                       double from, double to) {
+  return MapGrid(
+      config, kPaces.size() * kLossChains.size(), losses.size(),
+      [&](std::size_t row, std::size_t i) {
+        return MeasureLosses(config, row / kLossChains.size(), row % kLossChains.size(), losses[i],
+                             runs);
+      },
+      from, to);
+}
 
 std::vector<std::string> LossChainNames() {
   std::vector<std::string> names;
@@ -145,25 +116,28 @@ std::vector<std::string> LossChainNames() {
 
 /// Share of aborted runs over length and rate of the bursts, at the hard pace.
 Figure BurstMapFigure(const Config& config, int runs, double from, double to) {
-  std::vector<LossCase> cases;
-  for (std::size_t chain = 0; chain < kLossChains.size(); ++chain) {
-    for (const double per_second : kBurstsPerSecond) {
-      for (const int length : kBursts) {
-        cases.push_back({kPaces.size() - 1, chain, {length, per_second}});
-      }
-    }
+  std::vector<Bursts> bursts;
+  for (const double per_second : kBurstsPerSecond) {
+    for (const int length : kBursts) bursts.push_back({length, per_second});
   }
-  const LossStudy study(config, std::move(cases), runs, from, to);
+  const LossTable table = MapGrid(
+      config, kLossChains.size(), bursts.size(),
+      [&](std::size_t chain, std::size_t i) {
+        return MeasureLosses(config, kPaces.size() - 1, chain, {bursts[i]}, runs);
+      },
+      from, to);
   Figure figure{.id = "map",
                 .columns =
                     "way [-],bursts a second [-],commands lost in a row [-],aborted [%],"
                     "RMS error [mrad]",
                 .names = LossChainNames()};
-  for (std::size_t i = 0; i < study.cases.size(); ++i) {
-    const auto& [pace, chain, bursts, share] = study.cases[i];
-    figure.rows.push_back({static_cast<double>(chain), bursts.per_second,
-                           static_cast<double>(bursts.length), study.outcomes[i].aborted_percent(),
-                           study.outcomes[i].rms_mrad()});
+  for (std::size_t chain = 0; chain < kLossChains.size(); ++chain) {
+    for (std::size_t i = 0; i < bursts.size(); ++i) {
+      const LossOutcome& outcome = table[chain][i];
+      figure.rows.push_back({static_cast<double>(chain), bursts[i].per_second,
+                             static_cast<double>(bursts[i].length), outcome.aborted_percent(),
+                             outcome.rms_mrad()});
+    }
   }
   return figure;
 }
@@ -171,22 +145,22 @@ Figure BurstMapFigure(const Config& config, int runs, double from, double to) {
 /// Our chain under bursts of every length that the robot bridges.
 void CompareEveryLength(const Config& config, int runs, double from, double to,
                         Findings& findings) {
-  std::vector<LossCase> cases;
-  for (std::size_t pace = 0; pace < kPaces.size(); ++pace) {
-    for (int length = 1; length <= kLongest; ++length) {
-      cases.push_back({pace, kOurLossChain, {.length = length}});
-    }
-  }
-  const LossStudy study(config, std::move(cases), runs, from, to);
+  const LossTable table = MapGrid(
+      config, kPaces.size(), kLongest,
+      [&](std::size_t pace, std::size_t i) {
+        return MeasureLosses(config, pace, kOurLossChain, {{.length = static_cast<int>(i) + 1}},
+                             runs);
+      },
+      from, to);
   int aborted = 0;
   double largest = 0;
-  for (const LossOutcome& outcome : study.outcomes) {
+  for (const LossOutcome& outcome : table.all) {
     aborted += outcome.aborted;
     largest = std::fmax(largest, outcome.rms_mrad());
   }
   findings
       .Add(fmt::format("all tempos, every length of bursts from 1 to {}, ours: aborted of {} runs",
-                       kLongest, study.cases.size() * runs),
+                       kLongest, table.all.size() * runs),
            "", aborted)
       .Demand("none", aborted == 0);
   findings.Add("the same: largest RMS error without its delay", "mrad", largest);
@@ -205,7 +179,7 @@ Figure OutcomesFigure(std::string id, std::string title, const std::string& x_la
     double& completed = figure.values[fmt::format("completed_{}", pace)];
     for (std::size_t chain = 0; chain < kLossChains.size(); ++chain) {
       for (std::size_t i = 0; i < x.size(); ++i) {
-        const LossOutcome& outcome = table.Of(pace, chain)[i];
+        const LossOutcome& outcome = table[pace * kLossChains.size() + chain][i];
         completed += outcome.aborted < outcome.runs ? 1 : 0;
         figure.rows.push_back({x[i], static_cast<double>(pace), static_cast<double>(chain),
                                outcome.aborted_percent(), outcome.rms_mrad()});
@@ -215,47 +189,44 @@ Figure OutcomesFigure(std::string id, std::string title, const std::string& x_la
   return figure;
 }
 
-void CompareBursts(const LossTable& table, Findings& findings) {
-  for (std::size_t p = 0; p < kPaces.size(); ++p) {
-    const std::string_view pace = kPaces[p].name;
-    for (std::size_t c = 0; c < kLossChains.size(); ++c) {
-      int aborted = 0;
-      int runs = 0;
-      for (std::size_t i = 0; i < kBursts.size(); ++i) {
-        aborted += table.Of(p, c)[i].aborted;
-        runs += table.Of(p, c)[i].runs;
-      }
-      findings
-          .Add(fmt::format("{}, bursts of 1 to 19, {}: aborted, {} runs", pace, kLossChains[c].name,
-                           runs),
-               "%", 100.0 * aborted / runs)
-          .Demand(c == kOurLossChain ? "none" : "", aborted == 0);
-    }
-    for (std::size_t c = 0; c < kLossChains.size(); ++c) {
-      findings.Add(fmt::format("{}, bursts of 19, {}: RMS error without its delay", pace,
-                               kLossChains[c].name),
-                   "mrad", table.Of(p, c)[kBursts.size() - 1].rms_mrad());
-    }
-    for (std::size_t c = 0; c < kLossChains.size(); ++c) {
-      findings.Add(fmt::format("{}, one command lost at a time, {}: delay behind the plan", pace,
-                               kLossChains[c].name),
-                   "ms", 1e3 * table.Of(p, c)[0].delay_s);
-    }
+/// Adds a quantity of every chain at a pace. @param of  the chain's outcomes, burst by burst.
+void AddOfChains(const LossTable& table, std::size_t pace, std::string_view text, const char* unit,
+                 Findings& findings,
+                 const std::function<double(std::span<const LossOutcome>)>& of) {
+  for (std::size_t c = 0; c < kLossChains.size(); ++c) {
+    findings.Add(fmt::format(fmt::runtime(text), kPaces[pace].name, kLossChains[c].name), unit,
+                 of(table[pace * kLossChains.size() + c]));
+  }
+}
+
+void CompareBursts(const LossTable& table, int runs, Findings& findings) {
+  using Outcomes = std::span<const LossOutcome>;
+  for (std::size_t pace = 0; pace < kPaces.size(); ++pace) {
+    const std::string aborted =
+        fmt::format("{{}}, bursts of 1 to 19, {{}}: aborted, {} runs", kBursts.size() * runs);
+    AddOfChains(table, pace, aborted, "%", findings, [&](Outcomes outcomes) {
+      int all = 0;
+      for (const LossOutcome& outcome : outcomes) all += outcome.aborted;
+      return 100.0 * all / static_cast<double>(kBursts.size() * runs);
+    });
+    Comparison& ours = findings.comparisons.back();
+    ours.Demand("none", ours.ours == 0);
+    AddOfChains(table, pace, "{}, bursts of 19, {}: RMS error without its delay", "mrad", findings,
+                [](Outcomes outcomes) { return outcomes.back().rms_mrad(); });
+    AddOfChains(table, pace, "{}, one command lost at a time, {}: delay behind the plan", "ms",
+                findings, [](Outcomes outcomes) { return 1e3 * outcomes.front().delay_s; });
   }
 }
 
 /// The longest bursts that abort no run: where our chain makes no difference.
 void CompareSurvived(const LossTable& table, Findings& findings) {
-  for (std::size_t p = 0; p < kPaces.size(); ++p) {
-    for (std::size_t c = 0; c < kLossChains.size(); ++c) {
-      int survived = 0;
-      for (std::size_t i = 0; i < kBursts.size() && table.Of(p, c)[i].aborted == 0; ++i) {
-        survived = kBursts[i];
-      }
-      findings.Add(fmt::format("{}, {}: bursts up to this length abort nothing", kPaces[p].name,
-                               kLossChains[c].name),
-                   "commands", survived);
-    }
+  for (std::size_t pace = 0; pace < kPaces.size(); ++pace) {
+    AddOfChains(table, pace, "{}, {}: bursts up to this length abort nothing", "commands", findings,
+                [](std::span<const LossOutcome> outcomes) {
+                  const auto aborting = std::ranges::find_if(outcomes, &LossOutcome::aborted);
+                  return aborting == outcomes.begin() ? 0
+                                                      : kBursts[aborting - outcomes.begin() - 1];
+                });
   }
 }
 
@@ -263,15 +234,15 @@ void CompareSurvived(const LossTable& table, Findings& findings) {
 
 Findings RunLosses(const Config& config) {
   const int runs = std::min(config.seeds, 3);
-  std::vector<LossCase> bursts;
+  std::vector<Losses> bursts;
   for (const int length : kBursts) bursts.push_back({.bursts = {.length = length}});
-  std::vector<LossCase> shares;
+  std::vector<Losses> shares;
   for (const double share : kShares) shares.push_back({.share_percent = share});
-  const LossTable by_burst(config, bursts, runs, 0, 0.3);
-  const LossTable by_share(config, shares, runs, 0.3, 0.55);
+  const LossTable by_burst = MeasureTable(config, bursts, runs, 0, 0.3);
+  const LossTable by_share = MeasureTable(config, shares, runs, 0.3, 0.55);
   Findings findings{.values = {{"per_second", fmt::format("{}", Bursts().per_second)},
                                {"runs", fmt::format("{}", runs)}}};
-  CompareBursts(by_burst, findings);
+  CompareBursts(by_burst, runs, findings);
   CompareEveryLength(config, runs, 0.55, 0.8, findings);
   CompareSurvived(by_burst, findings);
   findings.figures = {OutcomesFigure("bursts", "Bursts of losses", "commands lost in a row",

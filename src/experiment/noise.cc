@@ -4,13 +4,14 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "experiment/runs.h"
 #include "experiment/statistics.h"
-#include "experiment/stream_studies.h"
+#include "experiment/stream.h"
 #include "experiment/studies.h"
 #include "twin/onboard/violations.h"
 
@@ -49,17 +50,13 @@ Figure NoiseJointsFigure(const NoiseOfStages& all) {
 }
 
 Figure NoiseJerkFigure(const NoiseOfStages& all) {
-  Figure figure{.id = "jerk", .columns = "amplitude [rad]"};
-  for (const NoiseStage& stage : kNoiseStages) {
-    std::string name(stage.name);
+  std::vector<Column> columns{{"amplitude [rad]", all[0].amplitude}};
+  for (std::size_t stage = 0; stage < all.size(); ++stage) {
+    std::string name(kNoiseStages[stage].name);
     std::ranges::replace(name, ',', ' ');
-    figure.columns += "," + name;
+    columns.push_back({std::move(name), all[stage].rms_jerk[0]});
   }
-  for (std::size_t i = 0; i < all[0].amplitude.size(); ++i) {
-    std::vector<double>& row = figure.rows.emplace_back(1, all[0].amplitude[i]);
-    for (const NoiseCurves& curves : all) row.push_back(curves.rms_jerk[0][i]);
-  }
-  return figure;
+  return FigureOf("jerk", columns);
 }
 
 void CompareNoise(const NoiseOfStages& all, Findings& findings) {
@@ -96,7 +93,7 @@ NoiseCurves MeasureNoise(const Config& config, const scenario::RobotData& robot,
     displacement[j] = kGentle * robot.limits.ddq_max[j] / kPeakAcceleration;
   }
   const reference::Trajectory plan = SecondOfMotion(displacement, robot.limits);
-  NoiseCurves curves{.amplitude = amplitude, .runs = runs, .aborted = {}, .rms_jerk = {}};
+  NoiseCurves curves{.amplitude = amplitude, .aborted = {}, .rms_jerk = {}};
   curves.aborted.fill(std::vector<double>(amplitude.size()));
   curves.rms_jerk = curves.aborted;
   const auto job = [&](int i) {

@@ -54,22 +54,28 @@ json NumberOrNull(const std::optional<double>& value) {
   return value ? json(*value) : json();
 }
 
+nlohmann::ordered_json JsonOf(const Comparison& comparison) {
+  return {{"quantity", comparison.quantity},
+          {"unit", comparison.unit},
+          {"paper", NumberOrNull(comparison.paper)},
+          {"ours", comparison.ours},
+          {"low", NumberOrNull(comparison.low)},
+          {"high", NumberOrNull(comparison.high)},
+          {"demand", comparison.demand},
+          {"verdict", Name(comparison.verdict)},
+          {"reason", comparison.reason}};
+}
+
 json ComparisonsOf(const Findings& findings) {
   json list = json::array();
   for (const Comparison& comparison : findings.comparisons) {
-    const bool has_reason =
-        comparison.verdict == Verdict::kNotReproduced && !comparison.reason.empty();
-    list.push_back(
-        {{"quantity", comparison.quantity},
-         {"unit", comparison.unit},
-         {"paper", NumberOrNull(comparison.paper)},
-         {"ours", comparison.ours},
-         {"ratio", NumberOrNull(comparison.ratio())},
-         {"spread", SpreadText(comparison)},
-         {"demand", has_reason ? fmt::format("{}; {}", comparison.demand, comparison.reason)
-                               : comparison.demand},
-         {"class", ClassOf(comparison.verdict)},
-         {"verdict", Name(comparison.verdict)}});
+    json& one = list.emplace_back(JsonOf(comparison));
+    one["ratio"] = NumberOrNull(comparison.ratio());
+    one["spread"] = SpreadText(comparison);
+    one["class"] = ClassOf(comparison.verdict);
+    if (comparison.verdict == Verdict::kNotReproduced && !comparison.reason.empty()) {
+      one["demand"] = fmt::format("{}; {}", comparison.demand, comparison.reason);
+    }
   }
   return list;
 }
@@ -150,17 +156,7 @@ std::string FindingsJson(std::span<const Findings> findings, int seeds,
   Json experiments = Json::array();
   for (const Findings& one : findings) {
     Json comparisons = Json::array();
-    for (const Comparison& comparison : one.comparisons) {
-      comparisons.push_back({{"quantity", comparison.quantity},
-                             {"unit", comparison.unit},
-                             {"paper", NumberOrNull(comparison.paper)},
-                             {"ours", comparison.ours},
-                             {"low", NumberOrNull(comparison.low)},
-                             {"high", NumberOrNull(comparison.high)},
-                             {"demand", comparison.demand},
-                             {"verdict", Name(comparison.verdict)},
-                             {"reason", comparison.reason}});
-    }
+    for (const Comparison& comparison : one.comparisons) comparisons.push_back(JsonOf(comparison));
     experiments.push_back({{"id", one.id},
                            {"outcome", Outcome(one)},
                            {"failure", one.failure},

@@ -1,15 +1,16 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/recording.h"
 #include "experiment/runs.h"
 #include "experiment/statistics.h"
 #include "experiment/studies.h"
@@ -58,7 +59,6 @@ double LargestAcceleration(double rate_hz) {
 scenario::Scenario RateScenario(const Config& config, CommandInterface interface, double rate_hz,
                                 bool stage) {
   scenario::Scenario scenario = LoadScenario(config, "asynchronous");
-  scenario.seed = SeedOfRun(config, 0);
   scenario.motion.interface = interface;
   scenario.tick.generator = interface == CommandInterface::kJointPosition ? loop::Generator::kJoint
                                                                           : loop::Generator::kNone;
@@ -66,7 +66,7 @@ scenario::Scenario RateScenario(const Config& config, CommandInterface interface
   scenario.tick.limiter = false;
   scenario.tick.finish_tolerance = 1e-2;
   scenario.controller.rate_hz = rate_hz;
-  SetConstantStateDelay(scenario);
+  scenario.link.state.delay = ConstantDelay(100);
   return scenario;
 }
 
@@ -143,21 +143,25 @@ double PaperRiserRatio(const StagePair& pair) {
 
 /// The paper's figure: commanded velocity of joint 1, and its increment per cycle.
 Figure UpdatesFigure(const StagePair& pair) {
-  Figure figure{
-      .id = "updates",
-      .columns = "t [s],off [rad/s],on [rad/s],increment off [rad/s],increment on [rad/s]"};
-  const std::vector<double> off = Commands(pair.off);
-  const std::vector<double> on = Commands(pair.on);
-  for (std::size_t k = 1; k < std::min(off.size(), on.size()); ++k) {
-    figure.rows.push_back({static_cast<double>(k) * kCycleSeconds, off[k], on[k],
-                           off[k] - off[k - 1], on[k] - on[k - 1]});
-  }
-  return figure;
+  std::vector<double> off = Commands(pair.off);
+  std::vector<double> on = Commands(pair.on);
+  off.resize(std::min(off.size(), on.size()));
+  const auto increments = [](std::vector<double> values) {
+    std::adjacent_difference(values.begin(), values.end(), values.begin());
+    return values;
+  };
+  return FigureOf("updates",
+                  {{"t [s]", Steps(off.size())},
+                   {"off [rad/s]", off},
+                   {"on [rad/s]", on},
+                   {"increment off [rad/s]", increments(off)},
+                   {"increment on [rad/s]", increments(on)}},
+                  1);
 }
 
 /// All rates on all interfaces.
 struct RateResults {
-  std::array<std::array<double, kInterfaces.size()>, kRatesHz.size()> delay_s{};
+  Grid<double> delay_s;  ///< of each interface, a row for each rate
   int failed_runs = 0;
   StagePair paper;  ///< the paper's: 125 Hz, velocity
 };
@@ -167,19 +171,17 @@ bool IsPapers(double rate_hz, const NamedInterface& interface) {
 }
 
 RateResults MeasureRates(const Config& config) {
-  constexpr std::size_t kColumns = kInterfaces.size();
   RateResults results;
-  std::array<bool, kRatesHz.size() * kColumns> ended_well{};
-  InParallel(config, static_cast<int>(ended_well.size()), [&](int i) {
-    const double rate_hz = kRatesHz[i / kColumns];
-    const NamedInterface& interface = kInterfaces[i % kColumns];
-    StagePair pair = MeasureStage(config, interface.interface, rate_hz);
-    results.delay_s[i / kColumns][i % kColumns] =
-        DelayOf(pair, interface, LargestAcceleration(rate_hz));
-    ended_well[i] = pair.ended_well;
-    if (IsPapers(rate_hz, interface)) results.paper = std::move(pair);
-  });
-  results.failed_runs = static_cast<int>(std::ranges::count(ended_well, false));
+  std::atomic<int> failed{0};
+  results.delay_s =
+      MapGrid(config, kRatesHz.size(), kInterfaces.size(), [&](std::size_t rate, std::size_t i) {
+        StagePair pair = MeasureStage(config, kInterfaces[i].interface, kRatesHz[rate]);
+        failed += pair.ended_well ? 0 : 1;
+        const double delay_s = DelayOf(pair, kInterfaces[i], LargestAcceleration(kRatesHz[rate]));
+        if (IsPapers(kRatesHz[rate], kInterfaces[i])) results.paper = std::move(pair);
+        return delay_s;
+      });
+  results.failed_runs = failed;
   return results;
 }
 
@@ -259,33 +261,24 @@ std::vector<double> VelocityOf(const Recording& recording, std::size_t joint) {
 }
 
 Figure EnvelopesFigure(const Recording& off, const Recording& on) {
-  constexpr std::size_t kEvery = 4;
-  Figure figure{.id = "envelopes", .columns = "t [s]"};
-  std::vector<std::vector<double>> columns;
+  const std::size_t cycles = std::min(off.cycles().size(), on.cycles().size());
+  std::vector<Column> columns{{"t [s]", Steps(cycles)}};
   for (std::size_t j = 0; j < kJoints; ++j) {
-    columns.push_back(VelocityOf(off, j));
-    columns.push_back(VelocityOf(on, j));
-    figure.columns += fmt::format(",off_{0} [rad/s],on_{0} [rad/s]", j + 1);
+    columns.push_back({fmt::format("off_{} [rad/s]", j + 1), VelocityOf(off, j)});
+    columns.push_back({fmt::format("on_{} [rad/s]", j + 1), VelocityOf(on, j)});
   }
-  const std::size_t cycles = std::ranges::min(columns, {}, &std::vector<double>::size).size();
-  for (std::size_t k = 0; k < cycles; k += kEvery) {
-    std::vector<double>& row = figure.rows.emplace_back(1, static_cast<double>(k) * kCycleSeconds);
-    for (const std::vector<double>& column : columns) row.push_back(column[k]);
-  }
-  return figure;
+  return FigureOf("envelopes", columns, 0, 4);
 }
 
 /// The canonical trajectory from a velocity source at 125 Hz, rate matching off and on, rate
 /// limiter on in both: whether the envelopes of the commands coincide, as in the paper's figure.
 void AddEnvelopes(const Config& config, Findings& findings) {
-  Recording off;
-  Recording on;
-  Recording unlimited;
+  std::array<Recording, 3> recordings;  // off, on, unlimited
   std::array<bool, 3> ended_well{};
   InParallel(config, 3, [&](int i) {
-    Recording& recording = i == 0 ? off : i == 1 ? on : unlimited;
-    ended_well[i] = RunCanonicalVelocities(config, i == 1, i != 2, recording);
+    ended_well[i] = RunCanonicalVelocities(config, i == 1, i != 2, recordings[i]);
   });
+  const auto& [off, on, unlimited] = recordings;
   double most = 0;
   for (std::size_t j = 0; j < kJoints; ++j) {
     most = std::max(

@@ -4,18 +4,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "twin/core/joint_vector.h"
 #include "twin/core/random.h"
+#include "twin/core/time.h"
 #include "twin/experiment/experiment.h"
 #include "twin/record/cycle_record.h"
 #include "twin/reference/trajectory.h"
 #include "twin/run/run.h"
-#include "twin/scenario/link_section.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 
+// Runs of scenarios: their seeds, their execution, and what they record.
 namespace twin::experiment {
 
 /// Random choices of the experiments: seeds and start phases. Apart from all streams of a run.
@@ -33,20 +39,22 @@ void ThrowIfInterrupted(const Config& config);
 /// The same of the first choice, within a cycle: the phase of a source.
 [[nodiscard]] Duration PhaseOfRun(const Config& config, int run, std::uint32_t what = 0) noexcept;
 
-/// `name`.yaml of the config's scenarios, without log and video. @throws InputError as Load.
-[[nodiscard]] scenario::Scenario LoadScenario(const Config& config, std::string_view name);
+/// `name`.yaml of the config's scenarios, without log and video, with the seed of a run.
+/// @throws InputError as Load.
+[[nodiscard]] scenario::Scenario LoadScenario(const Config& config, std::string_view name,
+                                              int run = 0);
 
 /// The robot of a scenario, and the trajectory that it plans. @throws InputError as LoadRobotData.
 [[nodiscard]] scenario::RobotData RobotOf(const Config& config, const scenario::Scenario& scenario);
 [[nodiscard]] reference::Trajectory PlanOf(const Config& config,
                                            const scenario::Scenario& scenario);
 
+/// A delay that is always the same.
+[[nodiscard]] scenario::Delay ConstantDelay(int us);
+
 /// Makes every delay a constant, without drift, the states half a period after the wake-ups; losses
 /// stay.
 void RemoveTimingFaults(scenario::Scenario& scenario);
-
-/// Every state takes 100 us: none comes late.
-void SetConstantStateDelay(scenario::Scenario& scenario);
 
 /// A pace of a motion, as shares of the limits of acceleration and speed.
 struct Pace {
@@ -71,15 +79,14 @@ struct Bursts {
   double per_second = 2;  ///< mean rate
 };
 
-/// Bursts at random instants, which depend on run and `per_second` alone.
-/// @param seconds  duration of the motion.
-[[nodiscard]] scenario::Loss LossOf(const Config& config, const Bursts& bursts, double seconds,
+/// Bursts at random instants within a motion, which depend on run and `per_second` alone.
+[[nodiscard]] scenario::Loss LossOf(const Config& config, const Bursts& bursts, Duration motion,
                                     int run);
 
 /// Runs a scenario, in lockstep or as RunOverWire. @param sink  may be null. @returns how it ended.
 /// @throws as run::Run; RobotFault when Config::interrupted is set.
 run::RunResult RunScenario(const Config& config, const scenario::Scenario& scenario,
-                           record::RecordSink* sink);
+                           record::RecordSink* sink = nullptr);
 
 /// Runs a scenario's loop on the wall clock, over UDP on this machine, against a robot of its own,
 /// served as `panda-twin serve` does. Plant, sensors and start are the scenario's; delays and costs
@@ -106,10 +113,115 @@ template <class Job>
   return results;
 }
 
+/// Results in rows.
+template <class Result>
+struct Grid {
+  std::size_t columns = 0;
+  std::vector<Result> all;  ///< row by row
+
+  [[nodiscard]] std::span<const Result> operator[](std::size_t row) const {
+    return std::span(all).subspan(row * columns, columns);
+  }
+};
+
+/// As MapInParallel, with job(row, column).
+template <class Job>
+[[nodiscard]] auto MapGrid(const Config& config, std::size_t rows, std::size_t columns,
+                           const Job& job, double from = 0, double to = 1) {
+  const auto at = [&](std::size_t i) { return job(i / columns, i % columns); };
+  return Grid<decltype(at(0))>{columns, MapInParallel(config, rows * columns, at, from, to)};
+}
+
 /// Runs the calibrated asynchronous loop `runs` times. @param change  made to each run's scenario,
 /// from several threads. @param from, to  as InParallel. @returns how many did not succeed.
 [[nodiscard]] int CountFailures(const Config& config, int runs,
                                 const std::function<void(scenario::Scenario&)>& change, double from,
                                 double to);
+
+/// Passes cycles, or ticks, to a function that takes such records, and drops the others.
+///
+/// Threads, real-time: as the function, which does not throw.
+template <class Function>
+class SinkTo final : public record::RecordSink {
+ public:
+  explicit SinkTo(Function function) : function_(std::move(function)) {}
+  void Put(const record::CycleRecord& record) noexcept override { Pass(record); }
+  void Put(const record::TickRecord& record) noexcept override { Pass(record); }
+
+ private:
+  template <class Record>
+  void Pass(const Record& record) noexcept {
+    if constexpr (std::is_invocable_v<Function&, const Record&>) function_(record);
+  }
+
+  Function function_;
+};
+
+/// Records for which a sink has room from the start: on the wall clock a run must not allocate.
+/// More than any motion of the experiments has cycles.
+inline constexpr std::size_t kMostRecords = 32768;
+
+/// The part of an INT cycle that curves show; names as in RobotState and CycleRecord.
+struct CycleSample {
+  std::uint64_t message_id = 0;
+  JointVector q{};
+  JointVector dq{};
+  JointVector q_d{};
+  JointVector dq_d{};
+  JointVector tau_J_d{};
+};
+
+/// The part of a tick that wrote a command; names as in TickRecord and RobotCommand.
+struct TickSample {
+  std::uint64_t message_id = 0;  ///< of the state it answers
+  Time deposit_time{};
+  JointVector dq_ext{};
+  JointVector dq_c{};
+  std::optional<double> margin{};
+  std::uint8_t kept_back = 0;
+};
+
+/// Keeps a run's curves in memory: every cycle in motion, and every tick that wrote.
+///
+/// Threads: cycles from one, ticks from one; the rest after the run.
+class Recording final : public record::RecordSink {
+ public:
+  Recording();
+
+  void Put(const record::CycleRecord& record) noexcept override;
+  void Put(const record::TickRecord& record) noexcept override;
+
+  [[nodiscard]] const std::vector<CycleSample>& cycles() const noexcept { return cycles_; }
+  [[nodiscard]] const std::vector<TickSample>& ticks() const noexcept { return ticks_; }
+
+ private:
+  std::vector<CycleSample> cycles_;
+  std::vector<TickSample> ticks_;
+};
+
+/// One joint of the cycles in [begin, end), as a signal of 1 kHz. @param end  at most the number of
+/// cycles counts.
+[[nodiscard]] std::vector<double> Signal(const std::vector<CycleSample>& cycles,
+                                         JointVector CycleSample::*field, std::size_t joint,
+                                         std::size_t begin = 0, std::size_t end = SIZE_MAX);
+
+/// Number of cycles in which the plan moves; the first is at the plan's time 0.
+[[nodiscard]] std::size_t PlannedCycles(const reference::Trajectory& plan,
+                                        const std::vector<CycleSample>& cycles);
+
+/// The delay of a position behind the plan by least squares over all joints, within 100 ms, s.
+/// @param field  the position.
+[[nodiscard]] double DelayBehind(const reference::Trajectory& plan,
+                                 const std::vector<CycleSample>& cycles,
+                                 JointVector CycleSample::*field);
+
+/// Root mean square of each joint's error from the plan so delayed, rad.
+[[nodiscard]] JointVector RmsError(const reference::Trajectory& plan,
+                                   const std::vector<CycleSample>& cycles,
+                                   JointVector CycleSample::*field, double delay_s);
+
+/// The plan's velocity at every cycle, joint by joint, rad/s.
+[[nodiscard]] std::array<std::vector<double>, kJoints> PlannedVelocities(
+    const reference::Trajectory& plan);
 
 }  // namespace twin::experiment

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <unsupported/Eigen/FFT>
@@ -33,6 +34,31 @@ Spread SpreadOf(std::span<const double> values) {
   return {Mean(values), low, high};
 }
 
+report::Table TableOf(const std::vector<Column>& columns, std::size_t first, std::size_t every) {
+  report::Table table;
+  for (const Column& column : columns) {
+    table.columns.append(table.columns.empty() ? "" : ",").append(column.name);
+  }
+  for (std::size_t i = first; i < columns.front().values.size(); i += every) {
+    table.rows.push_back(ValuesOf(columns, [i](const Column& column) {
+      return i < column.values.size() ? column.values[i] : 0;
+    }));
+  }
+  return table;
+}
+
+Figure FigureOf(std::string id, const std::vector<Column>& columns, std::size_t first,
+                std::size_t every) {
+  report::Table table = TableOf(columns, first, every);
+  return {.id = std::move(id), .columns = std::move(table.columns), .rows = std::move(table.rows)};
+}
+
+std::vector<double> Steps(std::size_t count, double step) {
+  std::vector<double> values(count);
+  for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<double>(i) * step;
+  return values;
+}
+
 double Percentile(std::span<const double> sorted, double share) {
   TWIN_CHECK(!sorted.empty());
   const double rank = std::ceil(share * static_cast<double>(sorted.size()));
@@ -57,6 +83,11 @@ std::vector<double> Histogram(std::span<const double> values, std::span<const do
   if (!values.empty()) {
     for (double& share : shares) share /= static_cast<double>(values.size());
   }
+  return shares;
+}
+
+std::vector<double> Percent(std::vector<double> shares) {
+  for (double& share : shares) share *= 100;
   return shares;
 }
 
@@ -124,7 +155,7 @@ Spectrum Welch(std::span<const double> signal, double rate_hz, std::size_t segme
 double BandPower(const Spectrum& spectrum, double from_hz, double to_hz) noexcept {
   double sum = 0;
   for (std::size_t i = 0; i < spectrum.density.size(); ++i) {
-    const double f = spectrum.frequency_hz(i);
+    const double f = static_cast<double>(i) * spectrum.step_hz;
     if (f >= from_hz && f <= to_hz) sum += spectrum.density[i];
   }
   return sum * spectrum.step_hz;

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "twin/experiment/findings.h"
+#include "twin/core/time.h"
+#include "twin/experiment/experiment.h"
 
 namespace twin::experiment {
 
@@ -21,6 +23,22 @@ template <class Items, class Of>
 
 [[nodiscard]] Spread SpreadOf(std::span<const double> values);
 
+/// A column of a figure's table.
+struct Column {
+  std::string name;  ///< "t [s]"
+  std::vector<double> values;
+};
+
+/// Columns side by side: a row for every `every`-th value of the first column, from `first` on. A
+/// shorter column is filled with zeros.
+[[nodiscard]] report::Table TableOf(const std::vector<Column>& columns, std::size_t first = 0,
+                                    std::size_t every = 1);
+/// The same as a figure.
+[[nodiscard]] Figure FigureOf(std::string id, const std::vector<Column>& columns,
+                              std::size_t first = 0, std::size_t every = 1);
+/// 0, step, 2 step, ... @returns `count` values.
+[[nodiscard]] std::vector<double> Steps(std::size_t count, double step = kCycleSeconds);
+
 /// The smallest value with at least `share` of all at or below it. @param sorted  rising, not
 /// empty. @param share  in [0, 1].
 [[nodiscard]] double Percentile(std::span<const double> sorted, double share);
@@ -32,6 +50,9 @@ template <class Items, class Of>
 /// @param edges  rising, at least two.
 [[nodiscard]] std::vector<double> Histogram(std::span<const double> values,
                                             std::span<const double> edges);
+
+/// 100 times each value.
+[[nodiscard]] std::vector<double> Percent(std::vector<double> shares);
 
 /// Shares of values above each edge, of all values; 0 without values.
 [[nodiscard]] std::vector<double> Exceedance(std::vector<double> values,
@@ -70,11 +91,10 @@ template <class Sums>
 struct Spectrum {
   double step_hz = 0;           ///< between two values; the first is at 0 Hz
   std::vector<double> density;  ///< unit^2/Hz
-
-  [[nodiscard]] double frequency_hz(std::size_t i) const noexcept {
-    return static_cast<double>(i) * step_hz;
-  }
 };
+
+/// Samples of a segment of the experiments' spectra: 0.98 Hz of resolution at 1 kHz.
+inline constexpr std::size_t kSpectrumSegment = 1024;
 
 /// Welch's estimate: the mean of the periodograms of segments of `segment` samples that overlap by
 /// half, each less its mean and weighed with Hann's window; the density is scaled so that its
@@ -84,7 +104,8 @@ struct Spectrum {
 /// Threads: any. Real-time: no.
 /// @param rate_hz  of the samples, > 0. @param segment  even, >= 2.
 /// @returns no density when the signal is shorter than a segment.
-[[nodiscard]] Spectrum Welch(std::span<const double> signal, double rate_hz, std::size_t segment);
+[[nodiscard]] Spectrum Welch(std::span<const double> signal, double rate_hz = 1 / kCycleSeconds,
+                             std::size_t segment = kSpectrumSegment);
 
 /// The paper's band, Hz.
 inline constexpr double kBandFromHz = 20;
@@ -96,9 +117,10 @@ inline constexpr double kBandToHz = 150;
                                double to_hz = kBandToHz) noexcept;
 
 /// The median of that power over successive segments, 0 without a whole segment.
-[[nodiscard]] double MedianBandPower(std::span<const double> signal, double rate_hz,
-                                     std::size_t segment, double from_hz = kBandFromHz,
-                                     double to_hz = kBandToHz);
+[[nodiscard]] double MedianBandPower(std::span<const double> signal,
+                                     double rate_hz = 1 / kCycleSeconds,
+                                     std::size_t segment = kSpectrumSegment,
+                                     double from_hz = kBandFromHz, double to_hz = kBandToHz);
 
 /// Amplitude and phase of the sine of `frequency_hz` that fits the signal best, together with a
 /// constant and a straight line: signal(i) ~ Re(A exp(j 2 pi f i / rate)) + c + d i. The ratio of

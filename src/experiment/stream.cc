@@ -90,67 +90,70 @@ class StreamSource {
   std::uint64_t count_ = 0;
 };
 
-/// The robot's side: chain, differences, checks.
-class StreamRobot {
- public:
-  StreamRobot(const JointVector& q0, const JointLimits& limits, const Stream& stream)
-      : limits_(limits),
-        stream_(stream),
-        chain_(stream.tick, stream.interface),
-        reference_(JointReference::Rest(q0)),
-        last_q_(q0) {
-    Show();
-    chain_.Reset(state_);
+/// Adds a cycle.
+void Take(const JointReference& next, const JointLimits& limits, StreamResult& result) {
+  ++result.cycles;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double jerk = std::abs(next.dddq_d[j]) / limits.dddq_max[j];
+    result.jerk[j] = std::max(result.jerk[j], jerk);
+    result.rms_jerk[j] += jerk * jerk;
+    result.share[j] = std::max({result.share[j], jerk, std::abs(next.ddq_d[j]) / limits.ddq_max[j],
+                                std::abs(next.dq_d[j]) / limits.dq_max[j]});
   }
-
-  /// @returns the reference after the command, which is not yet taken.
-  [[nodiscard]] JointReference Try(reference::JointTarget consumed, bool fresh, Time source_time) {
-    if (stream_.velocity == VelocityFrom::kConsumption) {
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        consumed.dq[j] = (consumed.q[j] - last_q_[j]) / kCycleSeconds;
-      }
-      last_q_ = consumed.q;
-    }
-    reference::Target target;
-    target.joint = consumed;
-    RobotCommand command;
-    chain_.Next(state_, target, fresh, 1, source_time, command);
-    return stream_.interface == CommandInterface::kJointVelocity
-               ? reference_.AfterVelocity(command.dq_c)
-               : reference_.AfterPosition(command.q_c);
-  }
-
-  void Take(const JointReference& next, StreamResult& result) {
-    reference_ = next;
-    Show();
-    ++result.cycles;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      const double jerk = std::abs(next.dddq_d[j]) / limits_.dddq_max[j];
-      result.jerk[j] = std::max(result.jerk[j], jerk);
-      result.rms_jerk[j] += jerk * jerk;
-      result.share[j] =
-          std::max({result.share[j], jerk, std::abs(next.ddq_d[j]) / limits_.ddq_max[j],
-                    std::abs(next.dq_d[j]) / limits_.dq_max[j]});
-    }
-  }
-
- private:
-  void Show() noexcept {
-    ++state_.message_id;
-    state_.q_d = reference_.q_d;
-    state_.dq_d = reference_.dq_d;
-    state_.ddq_d = reference_.ddq_d;
-  }
-
-  const JointLimits& limits_;
-  const Stream& stream_;
-  loop::CommandChain chain_;
-  JointReference reference_;
-  RobotState state_;
-  JointVector last_q_;
-};
+}
 
 }  // namespace
+
+JointVector MiddleOf(const JointLimits& limits) noexcept {
+  JointVector middle{};
+  for (std::size_t i = 0; i < kJoints; ++i) middle[i] = (limits.q_min[i] + limits.q_max[i]) / 2;
+  return middle;
+}
+
+ChainBench::ChainBench(const loop::TickConfig& config, const JointVector& q_d,
+                       CommandInterface interface)
+    : interface_(interface),
+      limits_(config.limits),
+      chain_(config, interface),
+      target_{.q = q_d},
+      reference_(JointReference::Rest(q_d)) {
+  Show();
+  chain_.Reset(state_);
+}
+
+void ChainBench::Show() noexcept {
+  ++state_.message_id;
+  state_.q_d = reference_.q_d;
+  state_.dq_d = reference_.dq_d;
+  state_.ddq_d = reference_.ddq_d;
+}
+
+const JointReference& ChainBench::Step(const reference::JointTarget& target, bool fresh,
+                                       Time source_time, bool is_lost) noexcept {
+  reference::Target deposit;
+  deposit.joint = target;
+  RobotCommand command;
+  chain_.Next(state_, deposit, fresh, 1, source_time, command);
+  reference_ = is_lost ? reference_.AfterLoss()
+               : interface_ == CommandInterface::kJointVelocity
+                   ? reference_.AfterVelocity(command.dq_c)
+                   : reference_.AfterPosition(command.q_c);
+  Show();
+  return reference_;
+}
+
+void ChainBench::Step(double q_ext, double dq_ext, bool fresh, bool is_lost) noexcept {
+  now_ += kCycle;
+  if (fresh) source_time_ = now_;
+  target_.q[0] = q_ext;
+  target_.dq[0] = dq_ext;
+  Step(target_, fresh, source_time_, is_lost);
+}
+
+double ChainBench::LargestShare() const noexcept {
+  return std::max({std::abs(dq_d()) / limits_.dq_max[0], std::abs(ddq_d()) / limits_.ddq_max[0],
+                   std::abs(jerk()) / limits_.dddq_max[0]});
+}
 
 Duration SamplingError(const Stream& stream, std::uint64_t deposit) noexcept {
   if (stream.jitter_s == 0) return {};
@@ -161,15 +164,23 @@ StreamResult RunStream(const reference::Trajectory& plan, const JointLimits& lim
                        const Stream& stream, bool stops,
                        const std::function<void(const StreamCycle&)>& tell) {
   StreamSource source(plan, stream);
-  StreamRobot robot(plan.start(), limits, stream);
+  ChainBench bench(stream.tick, plan.start(), stream.interface);
+  JointVector last_q = plan.start();
   StreamResult result;
   const auto last = static_cast<std::uint64_t>((plan.duration() + kAfterwards) / kCycle);
   for (std::uint64_t k = 0; k <= last; ++k) {
     const bool fresh = source.Advance(static_cast<std::int64_t>(k) * kCycle);
     if (!source.has_deposit()) continue;
-    const JointReference next = robot.Try(source.target(), fresh, source.source_time());
+    reference::JointTarget consumed = source.target();
+    if (stream.velocity == VelocityFrom::kConsumption) {
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        consumed.dq[j] = (consumed.q[j] - last_q[j]) / kCycleSeconds;
+      }
+      last_q = consumed.q;
+    }
+    const JointReference& next = bench.Step(consumed, fresh, source.source_time());
     if (!result.aborted && !onboard::CheckStep(next, limits, k).empty()) result.aborted = k;
-    robot.Take(next, result);
+    Take(next, limits, result);
     if (tell) tell({k, next, source.target()});
     if (stops && result.aborted) break;
   }
@@ -223,6 +234,28 @@ Duration PhaseOfOvertaking(const reference::Trajectory& plan, double ppm, double
 loop::TickConfig WithLimiter(loop::TickConfig tick, const scenario::RobotData& robot) {
   tick.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
   return tick;
+}
+
+Stream StreamOfRun(const Config& config, Remedy remedy, const scenario::RobotData& robot,
+                   double jitter_s, double ppm, int run) {
+  Stream stream = StreamBehind(remedy, robot);
+  stream.jitter_s = jitter_s;
+  stream.clock_ppm = ppm;
+  stream.phase = PhaseOfRun(config, run);
+  stream.seed = SeedOfRun(config, run);
+  return stream;
+}
+
+StreamRuns SummaryOf(std::span<const StreamResult> results) {
+  const auto runs = static_cast<double>(results.size());
+  StreamRuns all;
+  for (const StreamResult& result : results) {
+    all.aborted += result.aborted ? 1 : 0;
+    all.jerk = std::max(all.jerk, Largest(result.jerk));
+    all.rms_jerk += Largest(result.rms_jerk) / runs;
+  }
+  all.aborted /= runs;
+  return all;
 }
 
 double Largest(const JointVector& values) noexcept {

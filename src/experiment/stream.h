@@ -1,14 +1,20 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "twin/control/controller.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
+#include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 #include "twin/experiment/experiment.h"
+#include "twin/loop/command_chain.h"
 #include "twin/loop/loop_config.h"
 #include "twin/onboard/joint_reference.h"
 #include "twin/reference/target.h"
@@ -23,6 +29,52 @@ enum class VelocityFrom : std::uint8_t {
   kSourceTime,   ///< difference of two deposits over the source's own elapsed time
   kNominalTime,  ///< the same over the nominal period
   kConsumption,  ///< difference of two consumed positions over the robot's cycle
+};
+
+/// The middle of every joint's range.
+[[nodiscard]] JointVector MiddleOf(const JointLimits& limits) noexcept;
+
+/// The workstation's command chain and the robot controller's reference behind it, cycle by cycle,
+/// without a link between them: the robot takes every command in time.
+///
+/// Threads: one.
+class ChainBench {
+ public:
+  /// @param q_d  initial reference, 7, rad, at rest. @throws InputError as TickConfig::Validate.
+  ChainBench(const loop::TickConfig& config, const JointVector& q_d,
+             control::CommandInterface interface = control::CommandInterface::kJointPosition);
+
+  /// One cycle. @param target  newest deposit. @param fresh  it was deposited since the last cycle,
+  /// at source_time. @param is_lost  the command is lost: the robot holds its acceleration.
+  /// @returns INT's reference after it.
+  const onboard::JointReference& Step(const reference::JointTarget& target, bool fresh,
+                                      Time source_time, bool is_lost = false) noexcept;
+
+  /// The same, with a deposit of joint 1 alone, rad and rad/s; the other joints stay.
+  void Step(double q_ext, double dq_ext, bool fresh, bool is_lost = false) noexcept;
+
+  /// Of joint 1, after the last cycle.
+  [[nodiscard]] double q_d() const noexcept { return reference_.q_d[0]; }
+  [[nodiscard]] double dq_d() const noexcept { return reference_.dq_d[0]; }
+  [[nodiscard]] double ddq_d() const noexcept { return reference_.ddq_d[0]; }
+  [[nodiscard]] double jerk() const noexcept { return reference_.dddq_d[0]; }
+  /// Largest share of its limits (TickConfig::limits) of velocity, acceleration and jerk.
+  [[nodiscard]] double LargestShare() const noexcept;
+  /// record::TickRecord::margin of the last state, and whether the filter changed joint 1.
+  [[nodiscard]] std::optional<double> margin() const noexcept { return chain_.margin(); }
+  [[nodiscard]] bool kept_back() const noexcept { return (chain_.changed_joints() & 1U) != 0; }
+
+ private:
+  void Show() noexcept;
+
+  const control::CommandInterface interface_;
+  const JointLimits limits_;
+  loop::CommandChain chain_;
+  reference::JointTarget target_;  ///< of joint 1's steps
+  onboard::JointReference reference_;
+  RobotState state_;
+  Time now_{};
+  Time source_time_{};  ///< of the newest deposit of joint 1
 };
 
 /// A source that samples a planned trajectory with a clock of its own, and the stages between its
@@ -74,6 +126,11 @@ struct StreamResult {
                                      const Stream& stream, bool stops,
                                      const std::function<void(const StreamCycle&)>& tell = {});
 
+/// @returns INT's references behind a stream, cycle by cycle.
+[[nodiscard]] std::vector<onboard::JointReference> ReferencesOf(const reference::Trajectory& plan,
+                                                                const JointLimits& limits,
+                                                                const Stream& stream);
+
 /// The Panda, and the motion of the experiments on streams.
 struct StreamInputs {
   scenario::RobotData robot;
@@ -101,7 +158,9 @@ enum class Remedy : std::uint8_t {
                                             double share);
 
 /// From rest to rest in 1 s, out of the ready pose: q(s) = q0 + d (10 s^3 - 15 s^4 + 6 s^5); the
-/// speed has its peak 1.875 d / s in the middle, the acceleration 5.774 d / s^2 at 0.21 and 0.79 s.
+/// speed has its peak kPeakOfSecond d / s in the middle, the acceleration 5.774 d / s^2 at 0.21 and
+/// 0.79 s.
+inline constexpr double kPeakOfSecond = 1.875;
 [[nodiscard]] reference::Trajectory SecondOfMotion(const JointVector& displacement,
                                                    const JointLimits& limits);
 
@@ -115,5 +174,94 @@ enum class Remedy : std::uint8_t {
 
 /// Largest component.
 [[nodiscard]] double Largest(const JointVector& values) noexcept;
+
+/// The paper's jitter, s.
+inline constexpr double kPaperJitter = 4e-6;
+
+/// Drift of a source's own clock, ppm.
+inline constexpr double kFreeRunningPpm = 50;
+
+/// A stream behind a remedy, with seed and phase of a run. @param jitter_s, ppm  as
+/// Stream::jitter_s and clock_ppm.
+[[nodiscard]] Stream StreamOfRun(const Config& config, Remedy remedy,
+                                 const scenario::RobotData& robot, double jitter_s, double ppm,
+                                 int run);
+
+/// Several runs of a stream.
+struct StreamRuns {
+  double aborted = 0;   ///< share of runs
+  double jerk = 0;      ///< largest of all, as a share of its limit
+  double rms_jerk = 0;  ///< mean over the runs of the worst joint's, as a share of its limit
+};
+[[nodiscard]] StreamRuns SummaryOf(std::span<const StreamResult> results);
+
+/// Of the first remedies, which experiment jitter compares.
+inline constexpr std::array<std::string_view, 5> kRemedyNames{
+    "raw", "rate limiter", "low-pass 100 Hz", "INT timestamps", "reference generator"};
+
+/// Jerk caused by jitter, as INT reconstructs it and by formula. T the period of 1 ms,
+///   position: dq*((k - 1.5) T) D3 dt(k) / T^3,   velocity: ddq*((k - 1) T) D2 dt(k) / T^2,
+/// D2 and D3 the second and third backward difference, both derivatives in the middle of the
+/// samples that make the difference.
+struct JitterJerk {
+  std::vector<double> t{};                              ///< s
+  std::array<std::vector<double>, kJoints> measured{};  ///< of the jittered less the exact stream
+  std::array<std::vector<double>, kJoints> formula{};
+  double residual = 0;  ///< RMS of their difference over all joints and samples / that of formula
+  double ratio = 0;     ///< RMS of measured / RMS of formula
+};
+[[nodiscard]] JitterJerk JerkOfJitter(const reference::Trajectory& plan, const JointLimits& limits,
+                                      control::CommandInterface interface, double jitter_s,
+                                      std::uint64_t seed);
+
+/// Probability of an abort within 1 s of motion.
+struct AbortMap {
+  std::vector<double> jitter_us{};
+  std::vector<double> speed{};  ///< peak of joint 1, rad/s
+  int runs = 0;                 ///< of each place
+  /// [speed * jitter_us.size() + jitter], by Remedy.
+  std::vector<std::array<double, kRemedyNames.size()>> probability{};
+};
+/// @param runs  of each place, >= 1. Progress from 0.3 to 0.8.
+[[nodiscard]] AbortMap MapAborts(const Config& config, const scenario::RobotData& robot,
+                                 const std::vector<double>& jitter_us,
+                                 const std::vector<double>& speed, int runs);
+
+/// The reference generator's output at one pace of the brisk trajectory.
+struct PaceResult {
+  double acceleration = 0;  ///< largest, as a share of its limit
+  double jerk = 0;          ///< largest of all runs, as a share of its limit
+  double aborted = 0;       ///< share of runs
+};
+/// Progress from 0.8 to 1.
+[[nodiscard]] std::vector<PaceResult> MeasurePaces(const Config& config, const StreamInputs& inputs,
+                                                   const std::vector<double>& shares, int runs);
+
+/// The acceleration at which the line through the results first meets jerk 1; NaN if it does not.
+[[nodiscard]] double ShareAtLimit(const std::vector<PaceResult>& paces) noexcept;
+
+/// Effect of noise of several amplitudes in 1 s of motion.
+struct NoiseCurves {
+  std::vector<double> amplitude;  ///< rad, rising
+  /// Share of runs that the joint alone would have aborted, [joint][amplitude].
+  std::array<std::vector<double>, kJoints> aborted;
+  std::array<std::vector<double>, kJoints> rms_jerk;  ///< mean over the runs, of its limit
+};
+/// All joints move gently, at 2 % of their acceleration limits; each has its noise, and each is
+/// judged on its own. @param runs  of each amplitude, >= 1. Progress from `from` to `to`.
+[[nodiscard]] NoiseCurves MeasureNoise(const Config& config, const scenario::RobotData& robot,
+                                       Remedy remedy, const std::vector<double>& amplitude,
+                                       int runs, double from = 0, double to = 1);
+
+/// The amplitude at which half of the runs abort, between two amplitudes on a logarithmic scale;
+/// infinite without such an amplitude. @param joint  from 0.
+[[nodiscard]] double HalfAborted(const NoiseCurves& curves, std::size_t joint);
+
+/// Runs of the reference generator with dq_ext formed in one manner.
+/// @param jitter_s  of the sampling. @param ppm  >= 0, between the two clocks; 0: the phase of the
+/// two loops stays half a cycle. Otherwise every run meets a crossing. @param runs  >= 1.
+[[nodiscard]] StreamRuns RunFeedForward(const Config& config, const reference::Trajectory& plan,
+                                        const JointLimits& limits, VelocityFrom velocity,
+                                        double jitter_s, double ppm, int runs);
 
 }  // namespace twin::experiment

@@ -2,14 +2,19 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/busy_controller.h"
 #include "experiment/loop_runs.h"
 #include "experiment/studies.h"
+#include "twin/control/controller.h"
+#include "twin/control/registry.h"
+#include "twin/core/clock.h"
 
 namespace twin::experiment {
 namespace {
@@ -18,7 +23,7 @@ constexpr double kShareOfTable = 0.45;  ///< of the whole work
 constexpr double kUntilSensitivity = 0.7;
 
 /// The load of a ROS 2 stack's controllers. An input: Table 1's median d_EXT of RS less that of LF,
-/// so RS's d_EXT is no finding here.
+/// so RS's d_EXT is an input here, too.
 constexpr Duration kStackLoad = std::chrono::microseconds(65 - 12);
 
 /// How near a prediction of Table 1 must come, times the paper's figure.
@@ -31,13 +36,55 @@ constexpr Band kNear{0.8, 1.2, "within 20 % of the paper's"};
 constexpr Band kLargest{1 / 1.5, 1.5, "within a factor of 1.5 of the paper's"};
 constexpr const char* kNoSuchTail =
     "a law through median and p99 has no such tail: one command of 18 320 that something else of "
-    "the "
-    "computer held up, and one or two of the 1083 unserved cycles";
+    "the computer held up, and one or two of the 1083 unserved cycles";
+
+/// Wraps a controller and keeps the processor busy until every update has lasted `load`: the cost
+/// of a stack's other controllers. The commands are the wrapped controller's.
+///
+/// Threads and real-time: as the wrapped controller.
+class BusyController final : public control::Controller {
+ public:
+  BusyController(std::unique_ptr<control::Controller> inner, Duration load)
+      : inner_(std::move(inner)), load_(load) {}
+
+  [[nodiscard]] control::CommandInterface command_interface() const noexcept override {
+    return inner_->command_interface();
+  }
+  void Activate(const RobotState& state, Time now) override { inner_->Activate(state, now); }
+  void Update(const RobotState& state, Time now,
+              control::ControllerOutput& output) noexcept TWIN_REALTIME override {
+    const Time end = clock_.Now() + load_;
+    inner_->Update(state, now, output);
+    while (clock_.Now() < end) {
+    }
+  }
+  void Deactivate() noexcept override { inner_->Deactivate(); }
+  void Configure(control::ParameterReader& parameters) override { inner_->Configure(parameters); }
+  [[nodiscard]] bool follows_pose() const noexcept override { return inner_->follows_pose(); }
+  [[nodiscard]] std::string Explain() const override { return inner_->Explain(); }
+
+ private:
+  const MonotonicClock clock_;
+  std::unique_ptr<control::Controller> inner_;
+  Duration load_;
+};
+
+/// The same controllers with that load. @param registry  must outlive what is returned.
+control::ControllerRegistry Loaded(const control::ControllerRegistry& registry, Duration load) {
+  control::ControllerRegistry loaded;
+  for (const std::string& name : registry.Names()) {
+    loaded.Add(name,
+               [&factory = registry.Find(name), load](const control::ControllerRequest& request) {
+                 return std::make_unique<BusyController>(factory(request), load);
+               });
+  }
+  return loaded;
+}
 
 using OfSample = std::function<double(const LoopSample&)>;
 
 std::string QuantityOf(std::size_t loop, std::string_view what) {
-  return fmt::format("{}, {}", CalibratedLoops()[loop].name, what);
+  return fmt::format("{}, {}", kCalibratedLoops[loop].name, what);
 }
 
 /// Reported beside Table 1.
@@ -48,7 +95,7 @@ struct LoopQuantity {
 };
 constexpr LoopQuantity kLongestLoss{
     "most unserved in a row (20 end the motion)", "cycles",
-    [](const LoopSample& s) { return static_cast<double>(s.longest_loss); }};
+    [](const LoopSample& s) { return static_cast<double>(s.counts.longest_loss); }};
 constexpr LoopQuantity kReachedGoal{"motions that reached their goal", "%",
                                     [](const LoopSample& s) { return s.succeeded ? 100.0 : 0.0; }};
 constexpr LoopQuantity kRobotLate{"cycles the robot's own thread began late, p99", "us",
@@ -134,39 +181,33 @@ std::vector<double> Pooled(const std::vector<LoopSample>& runs,
 /// The distribution of d_EXT, all runs of a loop together.
 Figure LatencyFigure(const LoopRuns& runs) {
   const std::vector<double> edges = LogEdges(4, 3000, 40);
-  Figure figure{.id = "d_ext",
-                .columns =
-                    "d_EXT [us],LF in bin [%],LF above [1],RS in bin [%],RS above [1],RA in "
-                    "bin [%],RA above [1]"};
-  for (const double edge : edges) figure.rows.push_back({edge});
-  for (const std::vector<LoopSample>& loop : runs) {
-    const std::vector<double> values = Pooled(loop, &LoopSample::d_EXT_us);
-    std::vector<double> shares = Histogram(values, edges);
-    shares.push_back(0);
-    const std::vector<double> above = Exceedance(values, edges);
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-      figure.rows[i].insert(figure.rows[i].end(), {100 * shares[i], above[i]});
-    }
+  std::vector<Column> columns{{"d_EXT [us]", edges}};
+  for (std::size_t loop = 0; loop < runs.size(); ++loop) {
+    const std::vector<double> values = Pooled(runs[loop], &LoopSample::d_EXT_us);
+    const std::string name(kCalibratedLoops[loop].name);
+    columns.push_back({name + " in bin [%]", Percent(Histogram(values, edges))});
+    columns.push_back({name + " above [1]", Exceedance(values, edges)});
   }
-  return figure;
+  return FigureOf("d_ext", columns);
 }
 
 /// The distribution of the intervals between two reads, by the number of measurements.
 Figure IntervalFigure(const LoopRuns& runs) {
   constexpr double kWidth = 20;  // us
   constexpr std::size_t kBins = 220;
-  std::vector<double> edges(kBins + 1);
-  for (std::size_t i = 0; i <= kBins; ++i) edges[i] = kWidth * static_cast<double>(i);
-  Figure figure{.id = "intervals", .columns = "interval [us],RS [1],LF [1],RA [1]"};
-  for (std::size_t i = 0; i < kBins; ++i) figure.rows.push_back({edges[i] + kWidth / 2});
+  const std::vector<double> edges = Steps(kBins + 1, kWidth);
+  std::vector<Column> columns{{"interval [us]", Steps(kBins, kWidth)}};
+  for (double& middle : columns[0].values) middle += kWidth / 2;
+  std::map<std::string, double> ones;
   for (const std::size_t loop : {kSynchronous, kBare, kAsynchronous}) {
     const std::vector<double> values = Pooled(runs[loop], &LoopSample::interval_us);
-    const std::vector<double> shares = Histogram(values, edges);
-    for (std::size_t i = 0; i < kBins; ++i) figure.rows[i].push_back(shares[i]);
+    const std::string name(kCalibratedLoops[loop].name);
+    columns.push_back({name + " [1]", Histogram(values, edges)});
     // The share of a single interval: where the logarithmic axis begins.
-    figure.values["one_" + std::string(CalibratedLoops()[loop].name)] =
-        1 / static_cast<double>(values.size());
+    ones["one_" + name] = 1 / static_cast<double>(values.size());
   }
+  Figure figure = FigureOf("intervals", columns);
+  figure.values = std::move(ones);
   return figure;
 }
 
@@ -192,7 +233,7 @@ void CompareOnAnyMachine(const LoopRuns& runs, Findings& findings) {
   const double bare = MedianOf(runs[kBare], unserved).mean;
   const double asynchronous = MedianOf(runs[kAsynchronous], unserved).mean;
   // Without unserved cycles the ratio is that to one cycle of the run.
-  const double one = 100.0 / static_cast<double>(runs[kAsynchronous].front().cycles);
+  const double one = 100.0 / static_cast<double>(runs[kAsynchronous].front().counts.cycles());
   const double times = MedianOf(runs[kSynchronous], unserved).mean / std::max(asynchronous, one);
   Comparison& unserved_ratio =
       findings.Add("unserved cycles, RS to RA", "", times)

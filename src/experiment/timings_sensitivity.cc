@@ -26,14 +26,11 @@ struct Sweep {
 
 std::vector<Sweep> Sweeps(int seeds) {
   const int few = std::min(seeds, kMostSeeds);
-  constexpr int kPhases = 13;
-  std::vector<double> phases_us;
-  for (int i = 0; i < kPhases; ++i) phases_us.push_back(960.0 * i / (kPhases - 1));
   return {
       {{0, 5, 10, 20, 30, 40, 54.6, 70, 85, 100, 109.2},
        few,
        [](scenario::Scenario& s, double ppm) { s.controller.clock_drift_ppm = ppm; }},
-      {phases_us, 1,
+      {Steps(13, 80), 1,
        [](scenario::Scenario& s, double phase_us) {
          s.controller.clock_drift_ppm = kSlowDriftPpm;
          s.controller.phase = FromSeconds(1e-6 * phase_us);
@@ -43,18 +40,18 @@ std::vector<Sweep> Sweeps(int seeds) {
        }}};
 }
 
-/// Unserved share of each run in %, value by value.
-std::vector<double> RunSweep(const Config& config, const Sweep& sweep, double from, double to) {
-  const scenario::Scenario base = LoadScenario(config, "synchronous");
-  const auto unserved = [&](int job) {
-    const int run = job % sweep.seeds;
-    scenario::Scenario scenario = base;
-    scenario.seed = SeedOfRun(config, run);
-    scenario.controller.phase = PhaseOfRun(config, run);
-    sweep.set(scenario, sweep.values[job / sweep.seeds]);
-    return SampleLoop(config, scenario).unserved_percent;
-  };
-  return MapInParallel(config, sweep.values.size() * sweep.seeds, unserved, from, to);
+/// Unserved share of each run in %, a row for each value.
+Grid<double> RunSweep(const Config& config, const Sweep& sweep, double from, double to) {
+  return MapGrid(
+      config, sweep.values.size(), sweep.seeds,
+      [&](std::size_t value, std::size_t seed) {
+        const int run = static_cast<int>(seed);
+        scenario::Scenario scenario = LoadScenario(config, "synchronous", run);
+        scenario.controller.phase = PhaseOfRun(config, run);
+        sweep.set(scenario, sweep.values[value]);
+        return SampleLoop(config, scenario).counts.unserved_percent();
+      },
+      from, to);
 }
 
 /// A panel of the late states: their weight or their place.
@@ -86,7 +83,7 @@ double UnservedOf(const Config& config, std::size_t loop, const LateStates& what
     auto* law = std::get_if<faults::EmpiricalDelay>(&scenario.link.state.delay.law);
     TWIN_CHECK(law != nullptr);
     what.set(*law, value);
-    sum += SampleLoop(config, scenario).unserved_percent;
+    sum += SampleLoop(config, scenario).counts.unserved_percent();
   }
   return sum / runs;
 }
@@ -95,7 +92,6 @@ double UnservedOf(const Config& config, std::size_t loop, const LateStates& what
 
 Figure LateStatesFigure(const Config& config, double from, double to) {
   const std::vector<LateStates> panels = LateStatesPanels();
-  const std::size_t loops = CalibratedLoops().size();
   Figure figure{.id = "late_states",
                 .columns =
                     "varied: 0 weight [%]; 1 begin [us],value,LF unserved [%],RS unserved [%],RA "
@@ -105,16 +101,15 @@ Figure LateStatesFigure(const Config& config, double from, double to) {
       figure.rows.push_back({static_cast<double>(panel), value});
     }
   }
-  const std::vector<double> unserved = MapInParallel(
-      config, figure.rows.size() * loops,
-      [&](int job) {
-        const std::vector<double>& row = figure.rows[job / loops];
-        return UnservedOf(config, job % loops, panels[row[0] == 0 ? 0 : 1], row[1],
-                          std::min(config.seeds, 2));
+  const Grid<double> unserved = MapGrid(
+      config, figure.rows.size(), kCalibratedLoops.size(),
+      [&](std::size_t row, std::size_t loop) {
+        const LateStates& panel = panels[figure.rows[row][0] == 0 ? 0 : 1];
+        return UnservedOf(config, loop, panel, figure.rows[row][1], std::min(config.seeds, 2));
       },
       from, to);
-  for (std::size_t i = 0; i < unserved.size(); ++i) {
-    figure.rows[i / loops].push_back(unserved[i]);
+  for (std::size_t i = 0; i < figure.rows.size(); ++i) {
+    figure.rows[i].insert(figure.rows[i].end(), unserved[i].begin(), unserved[i].end());
   }
   return figure;
 }
@@ -130,10 +125,10 @@ Figure SensitivityFigure(const Config& config, double from) {
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
     const Sweep& sweep = sweeps[i];
     const auto varied = static_cast<double>(i);
-    const std::vector<double> unserved =
+    const Grid<double> unserved =
         RunSweep(config, sweep, from + share * varied, from + share * (varied + 1));
     for (std::size_t v = 0; v < sweep.values.size(); ++v) {
-      const std::span runs(&unserved[v * sweep.seeds], static_cast<std::size_t>(sweep.seeds));
+      const std::span<const double> runs = unserved[v];
       const Spread spread = SpreadOf(runs);
       figure.rows.push_back({varied, sweep.values[v], spread.mean, spread.low, spread.high});
       for (const double run : runs) {

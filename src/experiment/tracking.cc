@@ -4,13 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/recording.h"
 #include "experiment/runs.h"
 #include "experiment/studies.h"
 #include "twin/reference/low_pass.h"
@@ -159,13 +160,74 @@ TrackingOutcomes MeasureAllSetups(const Config& config, const reference::Traject
   return outcomes;
 }
 
-/// The first run of each setup, for the figures.
-TrackingRuns FirstRuns(const reference::Trajectory& plan, TrackingOutcomes& outcomes) {
-  TrackingRuns runs{.planned = PlannedVelocities(plan)};
-  for (std::size_t i = 0; i < kSetups; ++i) {
-    if (!outcomes[i].empty()) runs.curves[i] = std::move(outcomes[i].front().curves);
+/// Names of the setups in the tables; the last is shown among the spectra only.
+constexpr std::array<std::string_view, kSetups> kColumns{"rs", "ra", "ra_low_pass", "rs_quiet"};
+constexpr std::size_t kPaperSetups = 3;
+
+/// Columns of a joint, from the first run of each setup. @param name  of a column, with "{}" for
+/// the setup's.
+void AddSetups(const TrackingOutcomes& outcomes, std::size_t setups, std::string_view name,
+               const std::function<std::vector<double>(const TrackingOutcome&)>& values,
+               std::vector<Column>& columns) {
+  for (std::size_t s = 0; s < setups; ++s) {
+    columns.push_back({fmt::format(fmt::runtime(name), kColumns[s]),
+                       outcomes[s].empty() ? std::vector<double>() : values(outcomes[s].front())});
   }
-  return runs;
+}
+
+/// The frequencies of all spectra.
+Column Frequencies() {
+  return {"f [Hz]", Steps(kSpectrumSegment / 2 + 1, 1 / kCycleSeconds / kSpectrumSegment)};
+}
+
+/// The paper's figure, of joint 1: velocities above, their spectra below.
+Figure FirstJointFigure(const reference::Trajectory& plan, const TrackingOutcomes& outcomes) {
+  const std::vector<double> planned = PlannedVelocities(plan)[0];
+  std::vector<Column> velocities{{"t [s]", Steps(planned.size())}, {"planned [rad/s]", planned}};
+  AddSetups(
+      outcomes, kPaperSetups, "{} [rad/s]", [](const auto& run) { return run.dq[0]; }, velocities);
+  std::vector<Column> spectra{Frequencies()};
+  AddSetups(
+      outcomes, kSetups, "{}", [](const auto& run) { return run.spectrum[0].density; }, spectra);
+  Figure figure = FigureOf("joint_1", velocities);
+  figure.tables["spectrum"] = TableOf(spectra, 1);
+  return figure;
+}
+
+/// Velocities of all joints, every tenth cycle.
+Figure VelocitiesFigure(const reference::Trajectory& plan, const TrackingOutcomes& outcomes) {
+  const auto planned = PlannedVelocities(plan);
+  std::vector<Column> columns{{"t [s]", Steps(planned[0].size())}};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    columns.push_back({fmt::format("planned_{} [rad/s]", j + 1), planned[j]});
+    AddSetups(
+        outcomes, kPaperSetups, fmt::format("{{}}_{} [rad/s]", j + 1),
+        [j](const auto& run) { return run.dq[j]; }, columns);
+  }
+  return FigureOf("velocities", columns, 0, 10);
+}
+
+Figure SpectraFigure(const TrackingOutcomes& outcomes) {
+  std::vector<Column> columns{Frequencies()};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    AddSetups(
+        outcomes, kSetups, fmt::format("{{}}_{} [rad^2/s^2/Hz]", j + 1),
+        [j](const auto& run) { return run.spectrum[j].density; }, columns);
+  }
+  return FigureOf("spectra", columns);
+}
+
+/// The followed share over the frequency.
+Figure FollowedShareFigure(const FollowedShare& share, double gain, double lambda) {
+  Figure figure{.id = "low_pass_response",
+                .columns = "f [Hz],share,share by formula,phase [rad],phase by formula [rad]",
+                .values = {{"gain", gain}, {"lambda", lambda}}};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    figure.rows.push_back({share.frequency_hz[j], std::abs(share.measured[j]),
+                           std::abs(share.expected[j]), std::arg(share.measured[j]),
+                           std::arg(share.expected[j])});
+  }
+  return figure;
 }
 
 }  // namespace
@@ -193,8 +255,7 @@ Findings RunTrackingOnWallClock(const Config& config) {
     reached += Of(outcomes, setup).front().succeeded ? 1 : 0;
   }
   findings.Add("Runs of 3 that reached their goal", "", reached);
-  const TrackingRuns runs = FirstRuns(plan, outcomes);
-  findings.figures = {FirstJointFigure(runs), VelocitiesFigure(runs)};
+  findings.figures = {FirstJointFigure(plan, outcomes), VelocitiesFigure(plan, outcomes)};
   return findings;
 }
 
@@ -206,8 +267,8 @@ Findings RunTracking(const Config& config) {
   ComparePower(outcomes, findings);
   CompareFollowing(outcomes, share, findings);
   CompareTracking(outcomes, findings);
-  const TrackingRuns runs = FirstRuns(plan, outcomes);
-  findings.figures = {FirstJointFigure(runs), VelocitiesFigure(runs), SpectraFigure(runs)};
+  findings.figures = {FirstJointFigure(plan, outcomes), VelocitiesFigure(plan, outcomes),
+                      SpectraFigure(outcomes)};
   AddLevels(config, plan, kUntilLevels, findings);
   const double lambda = LoadScenario(config, "asynchronous").tick.lambda;
   findings.figures.push_back(

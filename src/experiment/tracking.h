@@ -15,9 +15,6 @@
 
 namespace twin::experiment {
 
-/// Samples of a segment of the spectra: 0.98 Hz of resolution at 1 kHz.
-inline constexpr std::size_t kTrackingSegment = 1024;
-
 /// A configuration of loop and command chain.
 enum class Setup : std::uint8_t {
   kSynchronous,  ///< the synchronous loop and the low-pass
@@ -39,22 +36,17 @@ struct TrackingLevels {
   bool has_beat = true;
 };
 
-/// The joints' measured motion in a run.
-struct TrackingCurves {
-  std::array<std::vector<double>, kJoints> dq;  ///< rad/s, at 1 kHz
-  std::array<Spectrum, kJoints> spectrum;       ///< of dq
-};
-
 /// One run.
 struct TrackingOutcome {
   bool succeeded = false;
   double delay_s = 0;
-  JointVector rms_delayed{};  ///< error of q less the delay, rad
-  JointVector rms{};          ///< the delay included, rad
-  JointVector band{};         ///< power of dq in the paper's band, (rad/s)^2
-  double median_band = 0;     ///< of joint 1, the median of the segments
-  JointVector slope{};        ///< regression of dq on the planned velocity
-  TrackingCurves curves;
+  JointVector rms_delayed{};                      ///< error of q less the delay, rad
+  JointVector rms{};                              ///< the delay included, rad
+  JointVector band{};                             ///< power of dq in the paper's band, (rad/s)^2
+  double median_band = 0;                         ///< of joint 1, the median of the segments
+  JointVector slope{};                            ///< regression of dq on the planned velocity
+  std::array<std::vector<double>, kJoints> dq{};  ///< measured, rad/s, at 1 kHz
+  std::array<Spectrum, kJoints> spectrum{};       ///< of dq
 };
 
 /// The canonical trajectory, as planned. @throws InputError as the scenario.
@@ -65,21 +57,6 @@ struct TrackingOutcome {
 [[nodiscard]] TrackingOutcome MeasureTracking(const Config& config,
                                               const reference::Trajectory& plan, Setup setup,
                                               int run, const TrackingLevels& levels = {});
-
-/// The runs that the figures show.
-struct TrackingRuns {
-  std::array<std::vector<double>, kJoints> planned;  ///< velocity, rad/s, at 1 kHz
-  std::array<TrackingCurves, kSetups> curves{};      ///< by Setup; empty without a run
-};
-
-/// The paper's figure, of joint 1: velocities above, their spectra below.
-[[nodiscard]] Figure FirstJointFigure(const TrackingRuns& runs);
-
-/// Velocities of all joints, every tenth cycle.
-[[nodiscard]] Figure VelocitiesFigure(const TrackingRuns& runs);
-
-/// Spectra of all joints.
-[[nodiscard]] Figure SpectraFigure(const TrackingRuns& runs);
 
 /// The share of a reference's velocity that the robot's reference follows, at one frequency per
 /// joint.
@@ -102,9 +79,6 @@ struct FollowedShare {
 /// to the velocity as deposited (dq_ext of the ticks) and to dq_d of the next cycle, once the start
 /// has faded.
 [[nodiscard]] FollowedShare MeasureFollowedShare(const Config& config, double low_pass_hz);
-
-/// The followed share over the frequency.
-[[nodiscard]] Figure FollowedShareFigure(const FollowedShare& share, double gain, double lambda);
 
 /// Adds the noise of the measured velocity, and the spread of the states' arrival at the
 /// synchronous loop, that give the paper's ratio of 10 (powers in 20 to 150 Hz, synchronous to

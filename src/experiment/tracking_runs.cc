@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/recording.h"
 #include "experiment/runs.h"
 #include "experiment/tracking.h"
 #include "twin/core/error.h"
@@ -23,8 +23,8 @@ bool IsSynchronous(Setup setup) {
 scenario::Scenario TrackingScenario(const Config& config, Setup setup, int run,
                                     const TrackingLevels& levels) {
   const bool synchronous = IsSynchronous(setup);
-  scenario::Scenario scenario = LoadScenario(config, synchronous ? "synchronous" : "asynchronous");
-  scenario.seed = SeedOfRun(config, run);
+  scenario::Scenario scenario =
+      LoadScenario(config, synchronous ? "synchronous" : "asynchronous", run);
   scenario.controller.phase = PhaseOfRun(config, run);
   scenario.plant.kind = robot::PlantKind::kMujoco;
   scenario.plant.noise_dq = levels.noise_dq;
@@ -84,6 +84,51 @@ std::vector<JointVector> VelocitiesInUse(const Recording& recording) {
   return values;
 }
 
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPaperRatio = 10;
+
+/// Ratios at the levels tried; NaN where a run did not reach its goal.
+struct LevelCurve {
+  std::vector<double> x;
+  std::vector<double> ratio;
+};
+
+/// Power of joint 1 in the band; NaN when the robot ended the motion.
+double PowerOf(const Config& config, const reference::Trajectory& plan, Setup setup,
+               const TrackingLevels& levels) {
+  try {
+    const TrackingOutcome outcome = MeasureTracking(config, plan, setup, 0, levels);
+    return outcome.succeeded ? outcome.band[0] : kNaN;
+  } catch (const RobotFault&) {
+    ThrowIfInterrupted(config);
+    return kNaN;
+  }
+}
+
+/// The level at which the ratio first is the paper's, interpolated by both logarithms.
+double FirstAtPapersRatio(const LevelCurve& curve) {
+  for (std::size_t i = 1; i < curve.x.size(); ++i) {
+    const double a = curve.ratio[i - 1];
+    const double b = curve.ratio[i];
+    if (!(std::min(a, b) < kPaperRatio && std::max(a, b) >= kPaperRatio)) continue;
+    const double share = std::log(kPaperRatio / a) / std::log(b / a);
+    return curve.x[i - 1] * std::pow(curve.x[i] / curve.x[i - 1], share);
+  }
+  return kNaN;
+}
+
+/// The same of noise, which both loops have: ratio - 1 goes with 1 / noise^2. From the last level
+/// at which both reached their goal.
+double NoiseAtPapersRatio(const LevelCurve& noise, double& last) {
+  double at = kNaN;
+  for (std::size_t i = 0; i < noise.x.size(); ++i) {
+    if (!std::isfinite(noise.ratio[i])) break;
+    last = noise.x[i];
+    at = last * std::sqrt((noise.ratio[i] - 1) / (kPaperRatio - 1));
+  }
+  return at;
+}
+
 }  // namespace
 
 reference::Trajectory TrackingPlan(const Config& config) {
@@ -95,10 +140,10 @@ TrackingOutcome MeasureTracking(const Config& config, const reference::Trajector
   Recording recording;
   const run::RunResult result =
       RunScenario(config, TrackingScenario(config, setup, run, levels), &recording);
-  TrackingOutcome outcome{.succeeded = result.report.succeeded(), .curves = {}};
+  TrackingOutcome outcome{.succeeded = result.report.succeeded()};
   const std::vector<CycleSample>& cycles = recording.cycles();
   const std::size_t end = PlannedCycles(plan, cycles);
-  if (end < 2 * kTrackingSegment) {
+  if (end < 2 * kSpectrumSegment) {
     throw RobotFault(
         fmt::format("a run of the {} loop ended after {} cycles ({}), too early for a comparison",
                     IsSynchronous(setup) ? "synchronous" : "asynchronous", end,
@@ -110,13 +155,13 @@ TrackingOutcome MeasureTracking(const Config& config, const reference::Trajector
   auto planned = PlannedVelocities(plan);
   for (std::size_t j = 0; j < kJoints; ++j) {
     std::vector<double> dq = Signal(cycles, &CycleSample::dq, j, 0, end);
-    outcome.curves.spectrum[j] = Welch(dq, 1 / kCycleSeconds, kTrackingSegment);
-    outcome.band[j] = BandPower(outcome.curves.spectrum[j]);
+    outcome.spectrum[j] = Welch(dq);
+    outcome.band[j] = BandPower(outcome.spectrum[j]);
     planned[j].resize(end);
     outcome.slope[j] = RegressionSlope(planned[j], dq);
-    outcome.curves.dq[j] = std::move(dq);
+    outcome.dq[j] = std::move(dq);
   }
-  outcome.median_band = MedianBandPower(outcome.curves.dq[0], 1 / kCycleSeconds, kTrackingSegment);
+  outcome.median_band = MedianBandPower(outcome.dq[0]);
   return outcome;
 }
 
@@ -136,7 +181,6 @@ std::complex<double> LowPassedResponse(double gain, double lambda, double freque
 
 FollowedShare MeasureFollowedShare(const Config& config, double low_pass_hz) {
   scenario::Scenario scenario = LoadScenario(config, "asynchronous");
-  scenario.seed = SeedOfRun(config, 0);
   scenario.tick.low_pass_hz = low_pass_hz;
   scenario.tick.finish_tolerance = 1e-2;
   scenario.motion.waypoints = Swings();
@@ -163,16 +207,56 @@ FollowedShare MeasureFollowedShare(const Config& config, double low_pass_hz) {
   return share;
 }
 
-Figure FollowedShareFigure(const FollowedShare& share, double gain, double lambda) {
-  Figure figure{.id = "low_pass_response",
-                .columns = "f [Hz],share,share by formula,phase [rad],phase by formula [rad]",
-                .values = {{"gain", gain}, {"lambda", lambda}}};
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    figure.rows.push_back({share.frequency_hz[j], std::abs(share.measured[j]),
-                           std::abs(share.expected[j]), std::arg(share.measured[j]),
-                           std::arg(share.expected[j])});
+void AddLevels(const Config& config, const reference::Trajectory& plan, double from,
+               Findings& findings) {
+  const std::vector<double> noises{1, 4, 8, 12};            // mrad/s
+  const std::vector<double> spreads{0.3, 1, 3, 6, 10, 30};  // us
+  struct Run {
+    Setup setup;
+    TrackingLevels levels;
+  };
+  std::vector<Run> runs;
+  for (const Setup setup : {Setup::kProposed, Setup::kSynchronous}) {
+    for (const double noise : noises) runs.push_back({setup, {.noise_dq = 1e-3 * noise}});
   }
-  return figure;
+  for (const bool has_beat : {true, false}) {
+    for (const double spread : spreads) {
+      runs.push_back({Setup::kSynchronous,
+                      {.arrival_spread = FromSeconds(1e-6 * spread), .has_beat = has_beat}});
+    }
+  }
+  const std::vector<double> powers = MapInParallel(
+      config, runs.size(),
+      [&](int i) { return PowerOf(config, plan, runs[i].setup, runs[i].levels); }, from, 1);
+  const auto proposed = powers.begin();
+  auto next = proposed + static_cast<std::ptrdiff_t>(noises.size());
+  LevelCurve noise{noises, {}};
+  for (std::size_t i = 0; i < noises.size(); ++i) noise.ratio.push_back(*next++ / proposed[i]);
+  LevelCurve beat{spreads, {}};
+  LevelCurve one_clock = beat;
+  for (LevelCurve* curve : {&beat, &one_clock}) {
+    for (std::size_t i = 0; i < spreads.size(); ++i) curve->ratio.push_back(*next++ / proposed[0]);
+  }
+  double most = 0;
+  const double at = NoiseAtPapersRatio(noise, most);
+  findings.Add("Noise of dq at which the ratio of joint 1 would be 10, by 1 / noise^2", "mrad/s",
+               at);
+  findings.Add("Largest noise of dq tried at which both loops reach the goal", "mrad/s", most);
+  findings.Add("Spread of the states' arrival at which the ratio would be 10, no beat", "us",
+               FirstAtPapersRatio(one_clock));
+  findings.Add("The same with the beat, where it jumps", "us", FirstAtPapersRatio(beat));
+  Figure figure{.id = "levels",
+                .columns =
+                    "varied: 0 noise [mrad/s]; 1 spread with a beat [us]; 2 spread without "
+                    "[us],value,ratio"};
+  double kind = 0;
+  for (const LevelCurve* curve : {&noise, &beat, &one_clock}) {
+    for (std::size_t i = 0; i < curve->x.size(); ++i) {
+      figure.rows.push_back({kind, curve->x[i], curve->ratio[i]});
+    }
+    ++kind;
+  }
+  findings.figures.push_back(std::move(figure));
 }
 
 }  // namespace twin::experiment

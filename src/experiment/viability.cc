@@ -13,12 +13,10 @@
 
 #include <fmt/format.h>
 
-#include "experiment/recording.h"
 #include "experiment/runs.h"
 #include "experiment/statistics.h"
 #include "experiment/stream.h"
 #include "experiment/studies.h"
-#include "experiment/tracking.h"
 #include "twin/reference/viability_filter.h"
 
 namespace twin::experiment {
@@ -70,9 +68,8 @@ void SetSourceFaults(scenario::Scenario& scenario) {
 scenario::Scenario ViabilityScenario(const Config& config, const Pace& pace,
                                      const Disturbance& disturbance, Generator generator, int run) {
   const bool is_ours = generator == Generator::kOurs;
-  scenario::Scenario scenario = LoadScenario(config, "asynchronous");
+  scenario::Scenario scenario = LoadScenario(config, "asynchronous", run);
   SetPace(config, pace, scenario);
-  scenario.seed = SeedOfRun(config, run);
   if (!disturbance.is_calibrated) SetSourceFaults(scenario);
   if (!disturbance.is_calibrated && !disturbance.has_bursts) {
     scenario.link.command.loss = {scenario::IndependentLoss{0.41}};
@@ -91,8 +88,7 @@ ViabilityRun MeasureViability(const Config& config, const Pace& pace,
   scenario::Scenario scenario = ViabilityScenario(config, pace, disturbance, generator, run);
   const reference::Trajectory plan = PlanOf(config, scenario);
   if (disturbance.has_bursts) {
-    scenario.link.command.loss =
-        LossOf(config, {.length = kLongestBurst}, ToSeconds(plan.duration()), run);
+    scenario.link.command.loss = LossOf(config, {.length = kLongestBurst}, plan.duration(), run);
   }
   Recording recording;
   const run::RunResult result = RunScenario(config, scenario, &recording);
@@ -107,8 +103,7 @@ ViabilityRun MeasureViability(const Config& config, const Pace& pace,
   outcome.delay_s = DelayBehind(plan, cycles, &CycleSample::q_d);
   outcome.rms = std::ranges::max(RmsError(plan, cycles, &CycleSample::q_d, outcome.delay_s));
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const Spectrum spectrum =
-        Welch(Signal(cycles, &CycleSample::dq_d, j, 0, end), 1 / kCycleSeconds, kTrackingSegment);
+    const Spectrum spectrum = Welch(Signal(cycles, &CycleSample::dq_d, j, 0, end));
     outcome.band[j] = BandPower(spectrum);
     if (j == 0) outcome.spectrum = spectrum;
   }
@@ -128,19 +123,16 @@ std::vector<GeneratorPair> RunPairs(const Config& config, int runs) {
   for (const Pace& pace : kPaces) {
     for (const Disturbance& disturbance : kDisturbances) pairs.push_back({pace, disturbance});
   }
-  const int per_pair = runs * static_cast<int>(kGenerators.size());
-  std::vector<ViabilityRun> all = MapInParallel(
-      config, pairs.size() * per_pair,
-      [&](int job) {
-        const GeneratorPair& pair = pairs[job / per_pair];
-        return MeasureViability(config, pair.pace, pair.disturbance,
-                                kGenerators[job % per_pair / runs], job % runs);
+  const Grid<ViabilityRun> all = MapGrid(
+      config, pairs.size(), runs * kGenerators.size(),
+      [&](std::size_t pair, std::size_t i) {
+        return MeasureViability(config, pairs[pair].pace, pairs[pair].disturbance,
+                                kGenerators[i / runs], static_cast<int>(i) % runs);
       },
       0.3, 1);
-  for (std::size_t job = 0; job < all.size(); ++job) {
-    GeneratorPair& pair = pairs[job / per_pair];
-    (job % per_pair < static_cast<std::size_t>(runs) ? pair.ours : pair.paper)
-        .push_back(std::move(all[job]));
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i].ours.assign(all[i].begin(), all[i].begin() + runs);
+    pairs[i].paper.assign(all[i].begin() + runs, all[i].end());
   }
   return pairs;
 }
@@ -218,14 +210,14 @@ Figure MarginFigure(const std::vector<GeneratorPair>& pairs) {
 }
 
 Figure SpectrumFigure(const GeneratorPair& pair) {
-  Figure figure{.id = "spectrum",
-                .columns = "f [Hz],ours [(rad/s)^2/Hz],the paper's generator [(rad/s)^2/Hz]"};
   const Spectrum& ours = pair.ours.front().spectrum;
   const Spectrum& paper = pair.paper.front().spectrum;
-  for (std::size_t i = 1; i < std::min(ours.density.size(), paper.density.size()); ++i) {
-    figure.rows.push_back({ours.frequency_hz(i), ours.density[i], paper.density[i]});
-  }
-  return figure;
+  return FigureOf(
+      "spectrum",
+      {{"f [Hz]", Steps(std::min(ours.density.size(), paper.density.size()), ours.step_hz)},
+       {"ours [(rad/s)^2/Hz]", ours.density},
+       {"the paper's generator [(rad/s)^2/Hz]", paper.density}},
+      1);
 }
 
 }  // namespace

@@ -3,8 +3,9 @@
 #include <string_view>
 #include <vector>
 
+#include "experiment/stream.h"
 #include "twin/core/joint_vector.h"
-#include "twin/experiment/findings.h"
+#include "twin/experiment/experiment.h"
 #include "twin/loop/loop_config.h"
 #include "twin/reference/viable_axis.h"
 #include "twin/scenario/robot_data.h"
@@ -36,6 +37,10 @@ struct Chain {
   std::string_view name;
   loop::TickConfig tick;
 };
+
+/// A generator for the limits of the Panda; the viability filter is behind the rejoining one.
+[[nodiscard]] loop::TickConfig TickBehind(loop::Generator generator,
+                                          const scenario::RobotData& robot, double lambda = 1e-3);
 
 /// Ours (the saturated correction behind the resampler, and the filter), the paper's generator with
 /// lambda = 1e-3 and 1e-2, and the client library's limiter on a stream of positions.
@@ -75,8 +80,7 @@ struct HostileCycle {
 /// Joint 1 behind a source that swings beyond both ends of its range, faster than its limit, and
 /// jumps; for a second of every three, 19 of 20 of its commands are lost. The robot takes each
 /// other command, whatever limit it breaks.
-[[nodiscard]] std::vector<HostileCycle> RunHostileSource(const loop::TickConfig& tick,
-                                                         const JointLimits& limits);
+[[nodiscard]] std::vector<HostileCycle> RunHostileSource(const loop::TickConfig& tick);
 
 /// Adds the hostile source behind every chain, with a figure of ours.
 void AddHostileSource(const scenario::RobotData& robot, Findings& findings);

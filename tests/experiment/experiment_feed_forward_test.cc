@@ -1,4 +1,4 @@
-#include "experiment/stream_studies.h"
+#include "experiment/stream.h"
 #include "experiment/studies.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using test::ExperimentBench;
 
 class FeedForwardStudyTest : public ::testing::Test {
  protected:
-  [[nodiscard]] FeedForwardRuns Run(VelocityFrom velocity, double jitter_s, double ppm) const {
+  [[nodiscard]] StreamRuns Run(VelocityFrom velocity, double jitter_s, double ppm) const {
     return RunFeedForward(bench_.config(), streams_.canonical, streams_.robot.limits, velocity,
                           jitter_s, ppm, 2);
   }
@@ -28,7 +28,7 @@ class FeedForwardStudyTest : public ::testing::Test {
 
 TEST_F(FeedForwardStudyTest, OverTheSourcesTimeNeitherJitterNorCrossingsAbort) {
   for (const double ppm : {0.0, 50.0}) {
-    const FeedForwardRuns runs = Run(VelocityFrom::kSourceTime, 4e-6, ppm);
+    const StreamRuns runs = Run(VelocityFrom::kSourceTime, 4e-6, ppm);
     EXPECT_EQ(runs.aborted, 0) << ppm << " ppm";
     EXPECT_LT(runs.jerk, 1) << ppm << " ppm";
   }

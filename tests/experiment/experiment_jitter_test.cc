@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "experiment/experiment_bench.h"
-#include "experiment/stream_studies.h"
+#include "experiment/stream.h"
 
 namespace twin::experiment::experiment_jitter_test {
 namespace {
@@ -95,7 +95,7 @@ TEST_F(JitterTest, TheRawCanonicalStreamAbortsAndTheGeneratorsDoesNot) {
 TEST_F(JitterTest, NeitherTheLimiterNorTimestampsAbortWhereTheRawStreamDoes) {
   const AbortMap map = MapAborts(bench_.config(), streams_.robot, {0.01, 16}, {1}, 3);
   const auto at = [&](Remedy remedy, std::size_t place) {
-    return map.probability[static_cast<std::size_t>(remedy)][place];
+    return map.probability[place][static_cast<std::size_t>(remedy)];
   };
   EXPECT_EQ(at(Remedy::kNone, 1), 1);
   EXPECT_EQ(at(Remedy::kLowPass, 1), 1);

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/chain_bench.h"
 #include "experiment/experiment_bench.h"
+#include "experiment/viability.h"
 #include "support/panda_limits.h"
 
 namespace twin::experiment::experiment_lambda_test {
@@ -13,13 +13,15 @@ namespace {
 
 TEST(ChainBenchTest, AnOffsetDecaysByLambdaACycle) {
   constexpr double kLambda = 5e-3;
-  ChainBench bench(kLambda, 0);
+  loop::TickConfig tick;
+  tick.lambda = kLambda;
+  ChainBench bench(tick, {});
   for (int k = 0; k < 400; ++k) bench.Step(1e-3, 0, true);
   EXPECT_NEAR((1e-3 - bench.q_d()) / 1e-3, std::pow(1 - kLambda, 400), 1e-9);
 }
 
 TEST(ChainBenchTest, ASourceInTimeIsFollowedWithItsVelocity) {
-  ChainBench bench(1e-3, 0);
+  ChainBench bench({}, {});
   for (int k = 1; k <= 12'000; ++k) bench.Step(0.2e-3 * k, 0.2, true);
   EXPECT_NEAR(bench.dq_d(), 0.2, 1e-7);
   EXPECT_NEAR(bench.jerk(), 0, 1e-3);

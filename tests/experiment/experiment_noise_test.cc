@@ -1,4 +1,4 @@
-#include "experiment/stream_studies.h"
+#include "experiment/stream.h"
 
 #include <cmath>
 #include <limits>
@@ -70,7 +70,7 @@ TEST_F(NoiseTest, RateMatchingAndLowPassBearMoreThanARawStream) {
 }
 
 TEST(HalfAbortedTest, IsInterpolatedOnALogarithmicScale) {
-  NoiseCurves curves{.amplitude = {1e-6, 1e-4}, .runs = 1, .aborted = {}, .rms_jerk = {}};
+  NoiseCurves curves{.amplitude = {1e-6, 1e-4}, .aborted = {}, .rms_jerk = {}};
   curves.aborted[0] = {0, 1};
   EXPECT_NEAR(HalfAborted(curves, 0), 1e-5, 1e-12);
   curves.aborted[0] = {1, 1};

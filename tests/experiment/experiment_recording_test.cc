@@ -1,4 +1,4 @@
-#include "experiment/recording.h"
+#include "experiment/runs.h"
 #include "experiment/statistics.h"
 
 #include <vector>

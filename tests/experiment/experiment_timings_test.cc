@@ -18,7 +18,7 @@
 #include "experiment/loop_runs.h"
 #include "experiment/runs.h"
 #include "twin/core/error.h"
-#include "twin/experiment/calibration.h"
+#include "twin/experiment/experiment.h"
 #include "twin/experiment/page.h"
 
 namespace twin::experiment::experiment_timings_test {
@@ -109,7 +109,7 @@ TEST(CalibrationTest, TheThreeLoopsHaveOneLinkAndOneMotion) {
   const ExperimentBench bench;
   const Config config = bench.config();
   const auto bare = LoadScenario(config, "bare");
-  for (const CalibratedLoop& loop : CalibratedLoops()) {
+  for (const CalibratedLoop& loop : kCalibratedLoops) {
     const auto scenario = LoadScenario(config, loop.file);
     EXPECT_EQ(scenario.link, bare.link) << loop.file;
     EXPECT_EQ(scenario.motion, bare.motion) << loop.file;
@@ -120,12 +120,12 @@ TEST(CalibrationTest, TheThreeLoopsHaveOneLinkAndOneMotion) {
 TEST(CalibrationTest, LawsOfTheLoopsAreFittedToMedianAndP99Alone) {
   constexpr double kZ99 = 2.3263478740;  // standard normal
   const ExperimentBench bench;
-  for (std::size_t i = 0; i < CalibratedLoops().size(); ++i) {
-    const auto scenario = LoadScenario(bench.config(), CalibratedLoops()[i].file);
+  for (std::size_t i = 0; i < kCalibratedLoops.size(); ++i) {
+    const auto scenario = LoadScenario(bench.config(), kCalibratedLoops[i].file);
     const bool in_tick = scenario.loop == loop::LoopKind::kAsynchronous;
     const scenario::Delay& cost = in_tick ? scenario.tick.cost : scenario.controller.cost;
     const auto* law = std::get_if<faults::LogNormalDelay>(&cost.law);
-    ASSERT_NE(law, nullptr) << CalibratedLoops()[i].name;
+    ASSERT_NE(law, nullptr) << kCalibratedLoops[i].name;
     const double median_ms = 1e3 * ToSeconds(law->median);
     EXPECT_EQ(law->offset, Duration{});
     EXPECT_NEAR(median_ms, kTableOne[kMedianLatency].paper[i], 1e-9);

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/chain_bench.h"
 #include "experiment/experiment_bench.h"
 #include "experiment/runs.h"
 #include "experiment/stream.h"
@@ -74,7 +73,7 @@ TEST_F(ViabilityStudyTest, ALimitedStreamSwingsAboutItsSource) {
 TEST_F(ViabilityStudyTest, AHostileSourceBreaksTheLimitsOfOthers) {
   const auto chains = ComparedChains(robot_);
   for (std::size_t chain = 0; chain < chains.size(); ++chain) {
-    const auto cycles = RunHostileSource(chains[chain].tick, robot_.limits);
+    const auto cycles = RunHostileSource(chains[chain].tick);
     const auto most = std::ranges::max(cycles, {}, &HostileCycle::share);
     const auto highest = std::ranges::max(cycles, {}, &HostileCycle::q_d);
     const bool keeps = most.share <= 1 + 1e-9 && highest.q_d <= robot_.limits.q_max[0];
@@ -83,17 +82,18 @@ TEST_F(ViabilityStudyTest, AHostileSourceBreaksTheLimitsOfOthers) {
 }
 
 TEST_F(ViabilityStudyTest, ALostCommandHoldsTheAcceleration) {
-  ChainBench bench(1e-3, 0);
+  ChainBench bench({}, {});
   bench.Step(0, 1, true);
   const double ddq_d = bench.ddq_d();
-  bench.StepLost(0, 1, true);
+  bench.Step(0, 1, true, true);
   EXPECT_EQ(bench.ddq_d(), ddq_d);
   EXPECT_NEAR(bench.dq_d(), 2 * kT * ddq_d, 1e-12);
 }
 
 TEST_F(ViabilityStudyTest, BurstsComeAsOftenAsSaidAndDoNotOverlap) {
   constexpr double kSeconds = 2000;
-  const scenario::Loss loss = LossOf(bench_.config(), {.length = 10, .per_second = 5}, kSeconds, 0);
+  const scenario::Loss loss =
+      LossOf(bench_.config(), {.length = 10, .per_second = 5}, FromSeconds(kSeconds), 0);
   const auto& bursts = std::get<scenario::ScriptedLoss>(loss.law).bursts;
   // 0.2 s in the mean from the end of one to the begin of the next.
   EXPECT_NEAR(static_cast<double>(bursts.size()), kSeconds / 0.21, 0.05 * kSeconds / 0.21);

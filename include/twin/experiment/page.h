@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "twin/experiment/findings.h"
+#include "twin/experiment/experiment.h"
 
 namespace twin::experiment {
 

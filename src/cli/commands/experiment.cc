@@ -18,8 +18,6 @@
 #include "cli/terminal.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
-#include "twin/experiment/calibration.h"
-#include "twin/experiment/client_study.h"
 #include "twin/experiment/experiment.h"
 #include "twin/experiment/page.h"
 #include "twin/loop/host_timing.h"
