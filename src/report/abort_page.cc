@@ -7,10 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "report/abort_figure.h"
 #include "report/abort_panels.h"
-#include "report/gnuplot.h"
 #include "twin/report/page.h"
+#include "twin/report/plot.h"
 
 namespace twin::report {
 namespace {
@@ -88,18 +87,19 @@ std::string PlaceOf(const Approach& approach) {
 std::string AbortPage(const RunEnd& end, std::string_view headline,
                       const std::vector<Paragraph>& paragraphs) {
   const std::vector<EndPanel> panels = EndPanels(end);
-  return RenderPage("abort", {{"title", headline},
-                              {"scenario", end.run.scenario},
-                              {"seed", end.run.seed},
-                              {"drive", end.run.drive},
-                              {"version", end.run.version},
-                              {"paragraphs", ParagraphsOf(paragraphs)},
-                              {"cycles", std::min(end.cycles.size(), RunEnd::kShown)},
-                              {"figure", InlineSvg(SvgOf(EndScript(end)), "end")},
-                              {"curves", CurvesOf(panels)},
-                              {"rows", RowsOf(end, panels)},
-                              {"limited", end.approach.has_limits()},
-                              {"approaches", ApproachesOf(end)}});
+  return RenderPage("abort",
+                    {{"title", headline},
+                     {"scenario", end.run.scenario},
+                     {"seed", end.run.seed},
+                     {"drive", end.run.drive},
+                     {"version", end.run.version},
+                     {"paragraphs", ParagraphsOf(paragraphs)},
+                     {"cycles", std::min(end.cycles.size(), RunEnd::kShown)},
+                     {"figure", InlineSvg(DrawPlot("run/", EndFigure(end, panels)), "end")},
+                     {"curves", CurvesOf(panels)},
+                     {"rows", RowsOf(end, panels)},
+                     {"limited", end.approach.has_limits()},
+                     {"approaches", ApproachesOf(end)}});
 }
 
 }  // namespace twin::report

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "report/run_end.h"
+#include "twin/report/plot.h"
 
 namespace twin::report {
 
@@ -32,5 +33,10 @@ struct EndPanel {
 /// Panels that show the cause of a run's end: first the quantity that violated a limit, with this
 /// limit, then related quantities of the same joint or axis. @pre end.aborted().
 [[nodiscard]] std::vector<EndPanel> EndPanels(const RunEnd& end);
+
+/// The figure about the end of a run, drawn by templates/run/end.gp: the panels one below the other
+/// over the last cycles, and what became of each cycle's command. Cycles that held are shaded in
+/// all panels. @pre end.aborted().
+[[nodiscard]] Figure EndFigure(const RunEnd& end, const std::vector<EndPanel>& panels);
 
 }  // namespace twin::report

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "record/temporary_folder.h"
-#include "report/abort_figure.h"
 #include "report/abort_panels.h"
 #include "report/end_samples.h"
 #include "report/loss_facts.h"
@@ -304,10 +303,18 @@ TEST_F(RunEndTest, WhatBrokeItsLimitComesFirstWithValueAndLimit) {
 TEST_F(RunEndTest, HeldCyclesAreShadedInTheFigure) {
   motion_.Serve(10).Lose(2, true);
   motion_.Abort(Of(RobotError::kJointReflex, 30, 20), record::CommandFate::kNone);
-  const std::string script = EndScript(ReadEnd(motion_.Finish()));
-  EXPECT_THAT(script, AllOf(HasSubstr("rectangle from first -2.5,graph 0 to first -1.5"),
-                            HasSubstr("rectangle from first -1.5,graph 0 to first -0.5"),
-                            Not(HasSubstr("first -3.5,graph 0"))));
+  const RunEnd end = ReadEnd(motion_.Finish());
+  const Figure figure = EndFigure(end, EndPanels(end));
+  EXPECT_EQ(figure.values.at("held"), 2);
+  EXPECT_EQ(figure.values.at("held_1"), -2);
+  EXPECT_EQ(figure.values.at("held_2"), -1);
+  const std::string shade = " fill = 'rgb(251, 227, 229)'";
+  const std::string svg = DrawPlot("run/", figure);
+  std::size_t shaded = 0;
+  for (std::size_t at = svg.find(shade); at != std::string::npos; at = svg.find(shade, at + 1)) {
+    ++shaded;
+  }
+  EXPECT_EQ(shaded, 2 * (EndPanels(end).size() + 1));
 }
 
 TEST_F(RunEndTest, FindsTheClosestApproach) {
