@@ -34,9 +34,9 @@ struct EndPanel {
 /// limit, then related quantities of the same joint or axis. @pre end.aborted().
 [[nodiscard]] std::vector<EndPanel> EndPanels(const RunEnd& end);
 
-/// The figure about the end of a run, drawn by templates/run/end.gp: the panels one below the other
-/// over the last cycles, and what became of each cycle's command. Cycles that held are shaded in
-/// all panels. @pre end.aborted().
+/// Figure of a run's end, drawn by templates/run/end.gp: the panels, one below the other, over the
+/// last cycles, and the fate of each cycle's command. Held cycles are shaded in all panels.
+/// @pre end.aborted().
 [[nodiscard]] Figure EndFigure(const RunEnd& end, const std::vector<EndPanel>& panels);
 
 }  // namespace twin::report
