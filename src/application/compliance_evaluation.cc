@@ -51,9 +51,7 @@ void AddComparison(const Case& stiff, const Case& compliant, const Response& a, 
 void AddTracking(const Case& one, const Tracking& t, bool is_demanded, Evaluation& evaluation) {
   const std::string largest = fmt::format("{}: tracking error, largest", one.id);
   if (is_demanded) {
-    evaluation.Demand(largest, 1e3 * t.largest, "mm",
-                      fmt::format("at most {} mm", 1e3 * kLargestTracking),
-                      t.largest <= kLargestTracking);
+    evaluation.DemandAtMost(largest, 1e3 * t.largest, "mm", 1e3 * kLargestTracking);
   } else {
     evaluation.Report(largest, 1e3 * t.largest, "mm");
   }
@@ -194,15 +192,12 @@ Evaluation EvaluateCases(const Measures& m) {
     evaluation.Demand("N: joint motion in the null space, largest", m.wandering->joints, "rad",
                       fmt::format("at least {} rad", kLeastWandering),
                       m.wandering->joints >= kLeastWandering);
-    evaluation.Demand("N: end effector motion meanwhile, largest", 1e3 * m.wandering->end_effector,
-                      "mm", fmt::format("at most {} mm", 1e3 * kLargestWandering),
-                      m.wandering->end_effector <= kLargestWandering);
+    evaluation.DemandAtMost("N: end effector motion meanwhile, largest",
+                            1e3 * m.wandering->end_effector, "mm", 1e3 * kLargestWandering);
   }
-  evaluation.Demand("peak torque / limit, measured or commanded", 1e2 * m.torque, "%",
-                    "at most 100 %", m.torque <= 1);
-  evaluation.Demand("peak rate of the commanded torque / limit", 1e2 * m.rate, "%", "at most 100 %",
-                    m.rate <= 1);
-  evaluation.Demand("reflexes", static_cast<double>(m.reflexes), "", "none", m.reflexes == 0);
+  evaluation.DemandAtMost("peak torque / limit, measured or commanded", 1e2 * m.torque, "%", 100);
+  evaluation.DemandAtMost("peak rate of the commanded torque / limit", 1e2 * m.rate, "%", 100);
+  evaluation.DemandAtMost("reflexes", static_cast<double>(m.reflexes), "", 0);
   return evaluation;
 }
 

@@ -65,12 +65,12 @@ struct HandConfig {
 class Teleoperation final : public Application {
  public:
   explicit Teleoperation(control::ParameterReader& p)
-      : object_(p.Text("object", "")),
-        from_yaw_(p.Quantity("from.heading", Dimension::kAngle, 0, -kHalfTurn, kHalfTurn)),
-        to_(p.Vector("to.position", Dimension::kLength, {}, -kFarTarget, kFarTarget)),
-        to_yaw_(p.Quantity("to.heading", Dimension::kAngle, 0, -kHalfTurn, kHalfTurn)),
-        reach_(p.Quantity("reach", Dimension::kLength, FetchTask().reach, 0.3, 0.7)),
-        controller_(WithPaperGains(p.Below("controller"))) {
+      : controller_(WithPaperGains(p.Below("controller"))) {
+    task_.object = p.Text("object", "");
+    task_.from_yaw = p.Quantity("from.heading", Dimension::kAngle, 0, -kHalfTurn, kHalfTurn);
+    task_.to = p.Vector("to.position", Dimension::kLength, {}, -kFarTarget, kFarTarget);
+    task_.to_yaw = p.Quantity("to.heading", Dimension::kAngle, 0, -kHalfTurn, kHalfTurn);
+    task_.reach = p.Quantity("reach", Dimension::kLength, task_.reach, 0.3, 0.7);
     const Duration longest = p.Time("longest", kScriptedTakes, seconds(1), std::chrono::hours(1));
     if (p.Has("longest")) longest_ = longest;
     grip_.force = p.Quantity("grasp.force", Dimension::kForce, grip_.force, 1, 140);
@@ -107,14 +107,9 @@ class Teleoperation final : public Application {
   /// Runs beside the motion: hand, snapshots, trace.
   Time Attend(Time now);
   void TendHand(std::uint32_t presses);
-  void Note(const TeleoperatorStatus& status, Time now);
   void BeginPlan(teleop::Mode mode, Time now);
 
-  const std::string object_;
-  const double from_yaw_;
-  const Vector3 to_;
-  const double to_yaw_;
-  const double reach_;
+  FetchTask task_;  ///< from the parameters, without size and place of the object
   std::optional<Duration> longest_;
   const control::Parameters controller_;
   HandConfig grip_;
@@ -138,7 +133,7 @@ void Teleoperation::Require(const scenario::Scenario& scenario) const {
         "application teleoperation: nobody leads; say who, as operator: {device: person}");
   }
   const bool is_scripted = scenario.operator_section->device == kScriptedDevice;
-  if (is_scripted || !object_.empty()) static_cast<void>(TaskOf(scenario));
+  if (is_scripted || !task_.object.empty()) static_cast<void>(TaskOf(scenario));
   if (!is_scripted) return;
   control::ParameterReader(scenario.operator_section->parameters, "operator.parameters")
       .RefuseUnread();
@@ -160,23 +155,20 @@ Duration Teleoperation::LastsFor(const scenario::Scenario& scenario) const {
 }
 
 FetchTask Teleoperation::TaskOf(const scenario::Scenario& scenario) const {
-  const auto named = std::ranges::find(scenario.objects, object_, &scenario::ObjectSection::name);
+  const auto named =
+      std::ranges::find(scenario.objects, task_.object, &scenario::ObjectSection::name);
   if (named == scenario.objects.end()) {
     throw InputError(fmt::format(
         "application.parameters.object: \"{}\" is none of the scenario's objects; name one that is "
         "to be fetched",
-        object_));
+        task_.object));
   }
   const auto drawn = ObjectsOf(scenario.objects, scenario.seed);
   const plant::SceneObject& object =
       drawn[static_cast<std::size_t>(named - scenario.objects.begin())];
-  FetchTask task{.object = object_,
-                 .height = object.size[2],
-                 .from = named->pose.position,
-                 .from_yaw = from_yaw_,
-                 .to = to_,
-                 .to_yaw = to_yaw_,
-                 .reach = reach_};
+  FetchTask task = task_;
+  task.height = object.size[2];
+  task.from = named->pose.position;
   task.to[2] += object.size[2] / 2;
   return task;
 }
@@ -213,7 +205,7 @@ TaskResult Teleoperation::Perform(Stage& stage) {
   stage_ = &stage;
   const scenario::OperatorSection& section = *stage.scenario.operator_section;
   record_.config = MakeTeleoperator(section);
-  if (!object_.empty()) record_.task = TaskOf(stage.scenario);
+  if (!task_.object.empty()) record_.task = TaskOf(stage.scenario);
   device_ = MakeDevice(stage);
   teleoperator_.emplace(
       Teleoperator::Parts{
@@ -243,7 +235,8 @@ StepEnd Teleoperation::Lead() {
   motion.attend = [this](Time now) { return Attend(now); };
   BeginPlan(teleop::Mode::kArm, session.Now());
   const run::MotionResult result = session.Move(motion);
-  Note(teleoperator_->TakeStatus(), session.Now());
+  record_.trace.push_back(teleoperator_->TakeStatus());
+  record_.trace.back().now = session.Now();
   task_result_.plans.back().until = session.Now();
   if (result.report.errors.any()) record_.robot_errors.push_back(result.report.failure);
   if (!result.report.succeeded()) return {false, result.report.failure};
@@ -272,11 +265,6 @@ Time Teleoperation::Attend(Time now) {
   last_ = status;
   if (attends_++ % kAttendsPerSample == 0) record_.trace.push_back(status);
   return now + kAttend;
-}
-
-void Teleoperation::Note(const TeleoperatorStatus& status, Time now) {
-  record_.trace.push_back(status);
-  record_.trace.back().now = now;
 }
 
 void Teleoperation::TendHand(std::uint32_t presses) {
