@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/client_parts.h"
+#include "experiment/client_study.h"
 #include "support/temporary_folder.h"
 #include "twin/fci/datagrams.h"
 #include "twin/record/pcapng_writer.h"
