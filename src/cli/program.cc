@@ -47,7 +47,7 @@ models/scenarios; every quantity in it carries its unit, and what is wrong is na
 
 A run writes run.mcap (every cycle; opens in Foxglove), scenario.yaml (the scenario, complete),
 plots/*.svg, video.mp4, contact_sheet.png, summary.json (in lockstep it repeats with the seed, byte by byte) and
-timing.json (wall-clock figures, which do not); an application also report.html and moments/*.png. Files are called *.partial until they are whole.
+timing.json (wall-clock figures, which do not); an application also report.html and snapshots/*.png. Files are called *.partial until they are whole.
 
 Exit codes:
   0 ok   1 the run aborted, a check failed (with --strict the deviation's too), or no plan was found   2 usage   3 bad input

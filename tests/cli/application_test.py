@@ -35,7 +35,7 @@ class ApplicationTest(unittest.TestCase):
         done = self.run_with(small)
         self.assertEqual(done.returncode, 0, done.stderr)
         for name in ("report.html", "run.mcap", "video.mp4", "contact_sheet.png", "summary.json", "timing.json",
-                     "scenario.yaml", "plots/tracking.svg", "moments/1_goal_1_plan.png", "moments/1_goal_1.png"):
+                     "scenario.yaml", "plots/tracking.svg", "snapshots/1_goal_1_plan.png", "snapshots/1_goal_1.png"):
             self.assertGreater((self.folder / "out" / name).stat().st_size, 0, name)
         page = (self.folder / "out/report.html").read_text()
         self.assertIn("succeeded", page)

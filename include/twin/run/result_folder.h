@@ -48,7 +48,7 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path report() const { return folder_ / "report.html"; }
   /// Of many seeds: a line each.
   [[nodiscard]] std::filesystem::path seeds() const { return folder_ / "seeds.csv"; }
-  [[nodiscard]] std::filesystem::path snapshots() const { return folder_ / "moments"; }
+  [[nodiscard]] std::filesystem::path snapshots() const { return folder_ / "snapshots"; }
   [[nodiscard]] std::filesystem::path summary() const { return folder_ / "summary.json"; }
   [[nodiscard]] std::filesystem::path timing() const { return folder_ / "timing.json"; }
   /// Written by the command explain; Clear() removes it too.
