@@ -63,7 +63,7 @@ void RequireNotAlwaysLost(std::string_view field, const FaultSchedule& schedule,
 
 /// Refuses schedules that can never strike because a swap already takes the message or the next
 /// one.
-void RequireRoomBesidesSwaps(const FaultSchedule& swapped, const FaultSchedule& delayed) {
+void RequireNoConflictWithSwaps(const FaultSchedule& swapped, const FaultSchedule& delayed) {
   for (const std::uint64_t message : swapped.messages) {
     if (Lists(swapped, message + 1)) {
       throw InputError(fmt::format(
@@ -126,7 +126,7 @@ void FaultPlan::Validate() const {
     ValidateSchedule(field, schedule);
     RequireNotAlwaysLost(field, schedule, command_loss);
   }
-  RequireRoomBesidesSwaps(command_swapped, command_delayed);
+  RequireNoConflictWithSwaps(command_swapped, command_delayed);
 }
 
 FaultyBackend::FaultyBackend(std::unique_ptr<Backend> inner, FaultPlan plan)

@@ -86,7 +86,7 @@ class LivePage::Impl {
     if (!thread_.joinable()) return;
     server_.Post([this, text = std::string(text)] { operator_server_.End(text); });
     const Time until = clock_.Now() + kFarewell;
-    while (VisitorsLeft() > 0 && clock_.Now() < until) {
+    while (ClientsLeft() > 0 && clock_.Now() < until) {
       rt::SleepUntil(clock_, clock_.Now() + std::chrono::milliseconds(20));
     }
     Stop();
@@ -128,7 +128,7 @@ class LivePage::Impl {
     });
   }
 
-  [[nodiscard]] std::size_t VisitorsLeft() {
+  [[nodiscard]] std::size_t ClientsLeft() {
     std::promise<std::size_t> left;
     std::future<std::size_t> answer = left.get_future();
     server_.Post([this, &left] { left.set_value(operator_server_.clients()); });

@@ -15,12 +15,12 @@ namespace {
 /// Queue length at which states and pictures are skipped for a connection.
 constexpr std::size_t kBehind = 4;
 
-SharedFrame TextParcel(std::string text) {
+SharedFrame TextFrame(std::string text) {
   return std::make_shared<const Frame>(Frame{std::move(text), true});
 }
 
 void Refuse(Connection& connection, std::string_view why) {
-  connection.Send(TextParcel(fmt::format(R"({{"type":"refused","text":{}}})", Quoted(why))));
+  connection.Send(TextFrame(fmt::format(R"({{"type":"refused","text":{}}})", Quoted(why))));
 }
 
 }  // namespace
@@ -113,10 +113,10 @@ void OperatorServer::Handle(Client& client, const message::Hello& hello) {
   client.is_authenticated = true;
   client.connection->Authenticate();
   client.awaits_picture = true;
-  client.connection->Send(TextParcel(fmt::format(
+  client.connection->Send(TextFrame(fmt::format(
       R"({{"type":"welcome","you":{},"watch_only":{},"may_record":{},{}}})", client.number,
       Quoted(config_.watch_only), static_cast<bool>(calls_.record), config_.welcome)));
-  for (const std::string& event : events_) client.connection->Send(TextParcel(event));
+  for (const std::string& event : events_) client.connection->Send(TextFrame(event));
 }
 
 void OperatorServer::Handle(Client& client, const message::TakeControl& /*take*/) {
@@ -184,7 +184,7 @@ void OperatorServer::Handle(Client& client, const message::PictureShown& /*shown
 
 void OperatorServer::Handle(Client& client, const message::Ping& ping) {
   client.connection->Send(
-      TextParcel(fmt::format(R"({{"type":"pong","sent_ms":{:.3f}}})", ping.sent_ms)));
+      TextFrame(fmt::format(R"({{"type":"pong","sent_ms":{:.3f}}})", ping.sent_ms)));
 }
 
 void OperatorServer::Handle(Client& client, const message::Record& record) {
@@ -220,7 +220,7 @@ void OperatorServer::Publish(const Vector6& axes, bool engaged, double sent_ms) 
 
 void OperatorServer::SendState() {
   if (clients_.empty()) return;
-  const SharedFrame state = TextParcel(StateText());
+  const SharedFrame state = TextFrame(StateText());
   for (const Client& client : clients_) {
     if (client.is_authenticated && client.connection->waiting() < kBehind)
       client.connection->Send(state);
@@ -228,7 +228,7 @@ void OperatorServer::SendState() {
 }
 
 void OperatorServer::Broadcast(std::string text) {
-  const SharedFrame frame = TextParcel(std::move(text));
+  const SharedFrame frame = TextFrame(std::move(text));
   for (const Client& client : clients_) {
     if (client.is_authenticated) client.connection->Send(frame);
   }

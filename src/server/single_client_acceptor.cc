@@ -12,7 +12,7 @@ namespace {
 
 /// Pending connections without a request; at the limit the oldest is reset, so that silent ones do
 /// not block new ones.
-constexpr std::size_t kMostVisitors = 16;
+constexpr std::size_t kMostPending = 16;
 /// Requests of one client handled before other connections get a turn.
 constexpr int kMostRequests = 64;
 
@@ -61,7 +61,7 @@ void SingleClientAcceptor::Accept(Time now) {
         stream->ResetConnection();
         continue;
       }
-      if (pending_.size() >= kMostVisitors) DropSilent();
+      if (pending_.size() >= kMostPending) DropSilent();
       pending_.push_back({std::make_unique<Connection>(std::move(*stream), settings_.kind,
                                                        settings_.largest, now, settings_.tap),
                           {}});
