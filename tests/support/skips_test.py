@@ -3,6 +3,7 @@
 
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -57,6 +58,19 @@ class RunTestsTest(unittest.TestCase):
     def test_what_is_missing_is_a_failure_where_skips_are_counted(self):
         self.assertEqual(self.run_tests([LACKS, PASSES]).returncode, 0)
         self.assertEqual(self.run_tests([LACKS, PASSES], "--skips", "9").returncode, 1)
+
+    def test_a_wrong_argument_is_refused_before_the_setup(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scripts = pathlib.Path(folder, "scripts")
+            scripts.mkdir()
+            for name in ("test", "run-tests"):
+                shutil.copy(SOURCE / "scripts" / name, scripts)
+            (scripts / "setup").write_text("#!/bin/sh\necho setup ran; exit 9\n")
+            (scripts / "setup").chmod(0o755)
+            done = subprocess.run([scripts / "test", "--skips", "few"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn("--skips: invalid int value: 'few'", done.stderr)
+            self.assertEqual(subprocess.run([scripts / "test", "--skips", "3"], capture_output=True).returncode, 9)
 
     def test_a_failure_beside_skips_is_a_failure(self):
         self.assertNotEqual(self.run_tests([SKIPS, FAILS], "--skips", "9").returncode, 0)
