@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <unordered_map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,7 +20,7 @@ std::string DidYouMean(std::string_view word, std::span<const std::string_view> 
   return nearest ? fmt::format("did you mean \"{}\"? ", *nearest) : std::string();
 }
 
-/// What a value is, for people.
+/// The kind of a value, for messages.
 std::string_view Kind(const YAML::Node& node) {
   switch (node.Type()) {
     case YAML::NodeType::Map: return "a map";
@@ -133,6 +134,7 @@ YamlNode::Members YamlNode::Map(std::span<const std::string_view> allowed) const
 
 YamlNode::Members YamlNode::MembersOf(std::span<const std::string_view> allowed) const {
   Members members;
+  std::unordered_map<std::string, int> first_lines;
   for (const auto& item : node_) {
     YamlNode entry = Entry(item.first, item.second);
     const std::string& key = item.first.Scalar();
@@ -141,9 +143,8 @@ YamlNode::Members YamlNode::MembersOf(std::span<const std::string_view> allowed)
           .Fail(fmt::format("unknown key \"{}\"; {}accepted: {}", Shown(key),
                             DidYouMean(key, allowed), fmt::join(allowed, ", ")));
     }
-    for (const auto& [other, node] : members) {
-      if (other == key) entry.Fail(fmt::format("given twice; first in line {}", node.line_));
-    }
+    const auto [first, is_new] = first_lines.emplace(key, entry.line_);
+    if (!is_new) entry.Fail(fmt::format("given twice; first in line {}", first->second));
     members.emplace_back(key, std::move(entry));
   }
   return members;

@@ -307,6 +307,17 @@ TEST(ScenarioErrorsTest, RefusesAClockForTheLoopThatHasNone) {
                 "s.yaml:1: ", "controller: the bare loop is paced by the robot, at 1000 Hz");
 }
 
+/// Comparing each key with all before it would take longer than a test may.
+TEST(ScenarioErrorsTest, RefusesManyParametersInLinearTime) {
+  std::string text = "name: a\ncontroller:\n  type: b\n  parameters:\n";
+  for (int i = 1; i <= 700'000; ++i) text += "    p" + std::to_string(i) + ": 1\n";
+  text +=
+      "motion:\n  trajectory: {unit: rad, waypoints: [{q: [0, 0, 0, -2, 0, 2, 0]}, "
+      "{q: [0, 0, 0, -2, 0, 2, 0.1]}]}\n";
+  EXPECT_EQ(MessageOf(text),
+            "s.yaml:1005: controller.parameters.p1001: more than 1000 parameters");
+}
+
 TEST(ScenarioFileTest, NamesAMissingFile) {
   EXPECT_THAT([] { (void)Load("/nonexistent/s.yaml"); },
               ::testing::ThrowsMessage<InputError>(
