@@ -64,8 +64,9 @@ void Print(run::Console& console, const run::CheckLine& line) {
 /// move.
 /// @throws InputError when the robot does not identify itself as a twin and hardware is not
 /// allowed.
-void Reach(const std::string& host, bool allow_hardware, run::Console& console,
+void Reach(const backend::RobotAddress& address, bool allow_hardware, run::Console& console,
            const std::function<const backend::Connection&()>& connect) {
+  const std::string robot = fmt::format("{}:{}", address.host, address.arm_port);
   console.Say("before the first motion; nothing of this moves the arm\n");
   bool is_twin = false;
   try {
@@ -74,7 +75,7 @@ void Reach(const std::string& host, bool allow_hardware, run::Console& console,
     is_twin = connection.is_twin;
   } catch (const RobotFault&) {
     Print(console,
-          {"reach", false, fmt::format("{} is no robot that can be driven; see below", host)});
+          {"reach", false, fmt::format("{} cannot be driven; see below", robot)});
     throw;
   }
   if (is_twin) return Print(console, {"hardware", true, "none: it says that it is a twin"});
@@ -86,7 +87,7 @@ void Reach(const std::string& host, bool allow_hardware, run::Console& console,
       fmt::format("--robot {}: what answers there does not say that it is a twin, so that a real "
                   "arm may move; clear its workspace, keep the user stop in your hand, and say "
                   "--allow-hardware",
-                  host));
+                  robot));
 }
 
 /// Prints the other checks. @throws RobotFault when one of them failed; nothing has moved.
@@ -202,7 +203,7 @@ void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
       }
       settings_.remote.capture = &capture.emplace(*file);
     }
-    Reach(settings_.remote.host, inputs_.options.allow_hardware, inputs_.console, connect);
+    Reach(settings_.remote, inputs_.options.allow_hardware, inputs_.console, connect);
   } else {
     connect();
   }

@@ -8,6 +8,7 @@
 
 #include "twin/core/error.h"
 #include "twin/fci/capture.h"
+#include "twin/fci/protocol.h"
 #include "twin/run/run.h"
 
 namespace twin::run {
@@ -53,8 +54,7 @@ bool HasOwnLaws(const scenario::OnboardSection& onboard) {
 }  // namespace
 
 backend::RobotAddress ParseRemote(std::string_view robot, std::string_view time) {
-  backend::RobotAddress settings;
-  settings.time = ParseTime(time);
+  backend::RobotAddress settings{.host = {}, .arm_port = fci::kArmPort, .time = ParseTime(time)};
   const std::size_t colon = robot.rfind(':');
   settings.host = std::string(robot.substr(0, colon));
   if (settings.host.empty()) {
@@ -80,8 +80,8 @@ std::vector<std::string> WithoutEffectThere(const scenario::Scenario& scenario) 
   add_if(TakesTime(scenario),
          "tick.cost, controller.cost, controller.wake_delay: what things cost "
          "is what passes");
-  add_if(!scenario.perturbations.empty(), "perturbations: nobody pushes the arm");
-  add_if(!scenario.panel.empty(), "panel: nobody presses the robot's buttons but you");
+  add_if(!scenario.perturbations.empty(), "perturbations: only a simulated arm is pushed");
+  add_if(!scenario.panel.empty(), "panel: only you press the robot's buttons");
   add_if(HasOwnLaws(scenario.onboard),
          "onboard.damping_ratio, onboard.abort_after_lost, onboard.friction_compensation: no "
          "request sets them");

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "twin/core/error.h"
+#include "twin/fci/protocol.h"
 #include "twin/run/run.h"
 
 namespace twin::run::run_remote_test {
@@ -61,7 +62,7 @@ std::string ErrorOf(const std::string& robot, const std::string& time) {
 
 TEST(RemoteTest, ReadsAnAddressWithAndWithoutAPort) {
   EXPECT_EQ(ParseRemote("172.16.0.2", "wall").host, "172.16.0.2");
-  EXPECT_EQ(ParseRemote("172.16.0.2", "wall").arm_port, 0);
+  EXPECT_EQ(ParseRemote("172.16.0.2", "wall").arm_port, fci::kArmPort);
   EXPECT_EQ(ParseRemote("panda.lab:1500", "states").host, "panda.lab");
   EXPECT_EQ(ParseRemote("panda.lab:1500", "states").arm_port, 1500);
   EXPECT_EQ(ParseRemote("a", "wall").time, backend::RobotTime::kWall);
