@@ -46,6 +46,16 @@ struct Program {
   [[nodiscard]] bool is_quiet() const noexcept { return log_flags->quiet; }
 };
 
+/// Adds an option that takes a value.
+/// @param form  name and type as help shows them: "--out DIR"; without dashes a positional.
+/// @param value  must outlive the command.
+template <typename T>
+CLI::Option* Add(CLI::App& command, const std::string& form, T& value, const char* text) {
+  const std::size_t space = form.find(' ');
+  CLI::Option* option = command.add_option(form.substr(0, space), value, text);
+  return space == std::string::npos ? option : option->type_name(form.substr(space + 1));
+}
+
 /// Adds -v, -q and --log-format, which every command has.
 void AddLog(CLI::App& command, LogFlags& flags);
 
@@ -59,6 +69,27 @@ Flags& SetAction(CLI::App& command, Program& program, int (*run)(const Flags&, c
   command.final_callback([flags, run, &program] { program.code = run(*flags, program); });
   AddLog(command, *program.log_flags);
   return *flags;
+}
+
+/// A command, and the flags that its options fill; the program owns both.
+template <typename Flags>
+struct AddedCommand {
+  CLI::App& app;
+  Flags& flags;
+};
+
+/// Adds a command with the flags of the log.
+/// @param run  what it does once its options are read. It may throw twin::Error, Interrupted, or a
+/// CLI::ParseError for options that do not go together.
+/// @param program  must outlive the command. @param footer  of its help; may be empty.
+template <typename Flags>
+AddedCommand<Flags> AddCommand(CLI::App& parent, Program& program, const char* name,
+                               const char* text, int (*run)(const Flags&, const Program&),
+                               const char* footer = "") {
+  CLI::App& command = *parent.add_subcommand(name, text);
+  Flags& flags = SetAction(command, program, run);
+  if (*footer != 0) command.footer(footer);
+  return {command, flags};
 }
 
 /// Reads the command line, runs the command, translates what it throws. Logs exactly one line

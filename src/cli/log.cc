@@ -82,7 +82,7 @@ class EventLog::Sink final : public spdlog::sinks::base_sink<std::mutex> {
   void sink_it_(const spdlog::details::log_msg& message) override {
     const std::size_t missing = dropped.load(std::memory_order_relaxed) - told_;
     if (missing > 0 &&
-        Write(fmt::format("{:10} lines were not printed: nobody read for too long\n", missing))) {
+        Write(fmt::format("{:10} lines were not printed: the reader was too slow\n", missing))) {
       told_ += missing;
     }
     const std::string_view text(message.payload.data(), message.payload.size());

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/model/model_library.h"
 #include "twin/plant/model_cache.h"
 
 namespace twin::cli {
@@ -38,10 +39,8 @@ void RefuseIf(bool wrong, const char* why) {
 }
 
 void AddData(CLI::App& app, DataFlags& flags) {
-  app.add_option("--data", flags.models, "Folder of models, if not beside the program")
-      ->type_name("DIR");
-  app.add_option("--meshes", flags.meshes, "Folder panda_description with the robot's meshes")
-      ->type_name("DIR");
+  Add(app, "--data DIR", flags.models, "Folder of models, if not beside the program");
+  Add(app, "--meshes DIR", flags.meshes, "Folder panda_description with the robot's meshes");
 }
 
 scenario::DataDirectory DataOf(const DataFlags& flags, const Host& host) {
@@ -56,13 +55,20 @@ run::RunFiles FilesOf(const DataFlags& flags, const Program& program) {
   return files;
 }
 
+std::vector<std::byte> ModelLibraryOf(const Program& program) {
+  try {
+    return model::ReadModelLibrary(model::FindModelLibrary(program.host.executable));
+  } catch (const EnvironmentError& error) {
+    program.log->info("clients get no model library: {}", error.what());
+    return {};
+  }
+}
+
 void AddNetwork(CLI::App& app, NetworkFlags& flags) {
-  app.add_option("--bind", flags.bind, "Address to listen at")->capture_default_str();
-  app.add_option("--allow", flags.allow, "Network that may connect, such as 192.168.1.0/24")
-      ->type_name("CIDR");
-  app.add_option("--port", flags.arm_port, "TCP port of the arm; 0: any")->capture_default_str();
-  app.add_option("--hand-port", flags.hand_port, "TCP port of the hand; 0: any")
-      ->capture_default_str();
+  Add(app, "--bind", flags.bind, "Address to listen at")->capture_default_str();
+  Add(app, "--allow CIDR", flags.allow, "Network that may connect, such as 192.168.1.0/24");
+  Add(app, "--port", flags.arm_port, "TCP port of the arm; 0: any")->capture_default_str();
+  Add(app, "--hand-port", flags.hand_port, "TCP port of the hand; 0: any")->capture_default_str();
 }
 
 Listening ListeningAt(const std::string& bind, const std::optional<std::string>& allow,
@@ -90,11 +96,10 @@ void AddPage(CLI::App& app, PageFlags& flags) {
                "Show it in a browser: --page, or --page=PORT (0: any free one); the address is "
                "printed")
       ->type_name("PORT");
-  app.add_option("--page-bind", flags.bind, "Address of this machine to serve the page at")
-      ->capture_default_str()
-      ->type_name("ADDRESS");
-  app.add_option("--page-allow", flags.allow, "Network that may open the page, beside this machine")
-      ->type_name("ADDRESS/BITS");
+  Add(app, "--page-bind ADDRESS", flags.bind, "Address of this machine to serve the page at")
+      ->capture_default_str();
+  Add(app, "--page-allow ADDRESS/BITS", flags.allow,
+      "Network that may open the page, beside this machine");
 }
 
 page::PageSettings PageAt(const PageFlags& flags) {
@@ -126,8 +131,7 @@ void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed, const char* what
 }
 
 void AddLab(CLI::App& app, std::optional<std::string>& lab) {
-  app.add_option("--lab", lab, "Site laid over the scenario: a, b (models/labs), or a file")
-      ->type_name("NAME|FILE");
+  Add(app, "--lab NAME|FILE", lab, "Site laid over the scenario: a, b (models/labs), or a file");
 }
 
 void RequireDuration(const std::optional<double>& seconds) {

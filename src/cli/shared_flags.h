@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cli/command.h"
 #include "twin/fci/protocol.h"
@@ -30,6 +32,9 @@ void AddData(CLI::App& app, DataFlags& flags);
 [[nodiscard]] scenario::DataDirectory DataOf(const DataFlags& flags, const Host& host);
 /// The same, for a run. Prints a note when compiled models cannot be kept.
 [[nodiscard]] run::RunFiles FilesOf(const DataFlags& flags, const Program& program);
+
+/// The library that a served robot sends to its clients; empty, with a note, when there is none.
+[[nodiscard]] std::vector<std::byte> ModelLibraryOf(const Program& program);
 
 struct Listening {
   std::uint32_t address = 0;

@@ -46,7 +46,8 @@ void MakeFolder(const fs::path& folder) {
   fs::create_directories(folder, error);
   if (error) {
     throw EnvironmentError(
-        fmt::format("{}: cannot be made ({})", folder.string(), error.message()));
+        fmt::format("{}: cannot be made ({}); choose a folder of your own with --out, or make room",
+                    folder.string(), error.message()));
   }
 }
 

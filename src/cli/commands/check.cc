@@ -71,16 +71,12 @@ void CheckPermissions(CheckFindings& findings, const loop::HostFacts& facts) {
   }
 }
 
-double Microseconds(Duration duration) {
-  return ToSeconds(duration) * 1e6;
-}
-
-/// Percentiles of what was measured, for people.
+/// Percentiles of a measurement, as text.
 std::string Spread(const rt::DurationHistogram& histogram) {
   return fmt::format("{:.0f} us p50, {:.0f} us p99, {:.0f} us p99.9, {:.0f} us at most",
-                     Microseconds(histogram.Percentile(0.5)),
-                     Microseconds(histogram.Percentile(0.99)),
-                     Microseconds(histogram.Percentile(0.999)), Microseconds(histogram.max()));
+                     ToMicroseconds(histogram.Percentile(0.5)),
+                     ToMicroseconds(histogram.Percentile(0.99)),
+                     ToMicroseconds(histogram.Percentile(0.999)), ToMicroseconds(histogram.max()));
 }
 
 /// Last, because it takes its time and locks the program's memory.
@@ -94,7 +90,7 @@ void CheckJitter(CheckFindings& findings, const loop::HostFacts& facts, double s
                fmt::format("at 1 kHz from thread to thread, after {} ({} samples, in time: {:.0f} "
                            "us)",
                            Spread(figures.answer), figures.answer.count(),
-                           Microseconds(loop::kAnswerInTime)));
+                           ToMicroseconds(loop::kAnswerInTime)));
   const loop::JitterVerdict verdict = loop::Evaluate(figures);
   findings.Add(verdict.good ? Verdict::kGood : Verdict::kAdvice, "1 kHz", verdict.text);
   if (verdict.good) return;
@@ -166,13 +162,11 @@ int RunChecks(const CheckFlags& flags, const Program& program) {
 }  // namespace
 
 void AddCheck(CLI::App& app, Program& program) {
-  CLI::App* check = app.add_subcommand("check", "Say what this host offers, and what is missing");
-  CheckFlags& flags = SetAction(*check, program, &RunChecks);
-  check
-      ->add_option("--seconds", flags.seconds, "Length of each of the two measurements (0.5 to 60)")
-      ->capture_default_str()
-      ->type_name("S");
-  AddData(*check, flags.data);
+  const auto [check, flags] = AddCommand(
+      app, program, "check", "Say what this host offers, and what is missing", &RunChecks);
+  Add(check, "--seconds S", flags.seconds, "Length of each of the two measurements (0.5 to 60)")
+      ->capture_default_str();
+  AddData(check, flags.data);
 }
 
 }  // namespace twin::cli

@@ -270,14 +270,14 @@ constexpr const char* kCompletionFooter =
 }  // namespace
 
 void AddCompletion(CLI::App& app, Program& program) {
-  CLI::App* completion = app.add_subcommand(
-      "completion", "Print what makes a shell complete these commands, or the manual page");
-  CompletionFlags& flags = SetAction(*completion, program, &Complete);
+  const auto [completion, flags] =
+      AddCommand(app, program, "completion",
+                 "Print what makes a shell complete these commands, or the manual page", &Complete,
+                 kCompletionFooter);
   flags.app = &app;
-  completion->add_option("format", flags.format, "For which shell; man: the manual page (roff)")
-      ->required()
-      ->type_name("bash|zsh|fish|man");
-  completion->footer(kCompletionFooter);
+  Add(completion, "format bash|zsh|fish|man", flags.format,
+      "For which shell; man: the manual page (roff)")
+      ->required();
 }
 
 }  // namespace twin::cli

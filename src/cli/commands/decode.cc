@@ -48,17 +48,15 @@ int Decode(const DecodeFlags& flags, const Program& program) {
 }  // namespace
 
 void AddDecode(CLI::App& app, Program& program) {
-  CLI::App* decode = app.add_subcommand("decode", "Print a capture of the wire, field by field");
-  DecodeFlags& flags = SetAction(*decode, program, &Decode);
-  decode
-      ->add_option("capture", flags.capture,
-                   "What --capture or Wireshark wrote (pcapng); what tcpdump -w wrote, after "
-                   "editcap -F pcapng IN OUT")
-      ->required()
-      ->type_name("FILE");
-  decode->add_flag("--brief", flags.brief, "A line for each message, no fields");
-  decode->add_option("--port", flags.arm_port, "TCP port of the arm")->capture_default_str();
-  decode->add_option("--hand-port", flags.hand_port, "TCP port of the hand")->capture_default_str();
+  const auto [decode, flags] =
+      AddCommand(app, program, "decode", "Print a capture of the wire, field by field", &Decode);
+  Add(decode, "capture FILE", flags.capture,
+      "What --capture or Wireshark wrote (pcapng); what tcpdump -w wrote, after "
+      "editcap -F pcapng IN OUT")
+      ->required();
+  decode.add_flag("--brief", flags.brief, "A line for each message, no fields");
+  Add(decode, "--port", flags.arm_port, "TCP port of the arm")->capture_default_str();
+  Add(decode, "--hand-port", flags.hand_port, "TCP port of the hand")->capture_default_str();
 }
 
 }  // namespace twin::cli

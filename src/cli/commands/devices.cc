@@ -209,23 +209,17 @@ int ShowDevices(const DevicesFlags& flags, const Program& program) {
 }  // namespace
 
 void AddDevices(CLI::App& app, Program& program) {
-  CLI::App* devices = app.add_subcommand(
-      "devices", "List what an operator can lead with, or show what one device tells");
-  DevicesFlags& flags = SetAction(*devices, program, &ShowDevices);
-  CLI::Option* device = devices->add_option("device", flags.device, "Which to show");
-  device->type_name("DEVICE");
-  devices->add_option("--for", flags.seconds, "Show it for so long (0.1 to 3600)")
+  const auto [devices, flags] = AddCommand(
+      app, program, "devices", "List what an operator can lead with, or show what one device tells",
+      &ShowDevices, kDevicesFooter);
+  CLI::Option* device = Add(devices, "device DEVICE", flags.device, "Which to show");
+  Add(devices, "--for S", flags.seconds, "Show it for so long (0.1 to 3600)")
       ->capture_default_str()
-      ->type_name("S")
       ->needs(device);
-  devices->add_option("--set", flags.settings, "A parameter of the device; may be repeated")
-      ->type_name("KEY=VALUE")
+  Add(devices, "--set KEY=VALUE", flags.settings, "A parameter of the device; may be repeated")
       ->allow_extra_args(false)
       ->needs(device);
-  devices->add_option("--record", flags.record, "Keep its samples, as a script (CSV)")
-      ->type_name("FILE")
-      ->needs(device);
-  devices->footer(kDevicesFooter);
+  Add(devices, "--record FILE", flags.record, "Keep its samples, as a script (CSV)")->needs(device);
 }
 
 }  // namespace twin::cli

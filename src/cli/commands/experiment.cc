@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
@@ -21,7 +23,6 @@
 #include "twin/experiment/experiment.h"
 #include "twin/experiment/page.h"
 #include "twin/loop/host_timing.h"
-#include "twin/model/model_library.h"
 #include "twin/report/plot.h"
 #include "twin/run/result_folder.h"
 #include "twin/scenario/data_directory.h"
@@ -59,12 +60,13 @@ namespace fs = std::filesystem;
 using experiment::Experiment;
 using experiment::Findings;
 
-std::string KnownIds() {
-  std::string ids;
+/// Ids of experiments. @param all  false: of those that run in lockstep only.
+std::string IdsOf(bool all) {
+  std::vector<std::string_view> ids;
   for (const Experiment& one : experiment::Experiments()) {
-    ids += fmt::format("{}{}", ids.empty() ? "" : ", ", one.id);
+    if (all || one.run_on_wall_clock == nullptr) ids.push_back(one.id);
   }
-  return ids;
+  return fmt::format("{}", fmt::join(ids, ", "));
 }
 
 /// Those that were asked for, in the order of the paper. @throws InputError for one there is not.
@@ -73,7 +75,7 @@ std::vector<Experiment> Chosen(const std::vector<std::string>& ids, bool on_wall
   for (const std::string& id : ids) {
     if (id == "all" || std::ranges::find(known, id, &Experiment::id) != known.end()) continue;
     throw InputError(fmt::format(
-        "experiment \"{}\": there is none of that name; there are {}, and all", id, KnownIds()));
+        "experiment \"{}\": there is none of that name; there are {}, and all", id, IdsOf(true)));
   }
   const bool all = std::ranges::find(ids, "all") != ids.end();
   std::vector<Experiment> chosen;
@@ -125,31 +127,11 @@ std::string MachineText() {
       host.may_use_fifo ? "threads at real-time priority" : "no real-time priority was permitted");
 }
 
-/// Those that are run in lockstep only.
-std::string LeftOutText() {
-  std::string ids;
-  for (const Experiment& one : experiment::Experiments()) {
-    if (one.run_on_wall_clock == nullptr)
-      ids += fmt::format("{}{}", ids.empty() ? "" : ", ", one.id);
-  }
-  return fmt::format(
-      "Left out: {}; nothing in them hangs on how a machine keeps time, and the report in lockstep "
-      "has "
-      "them.",
-      ids);
-}
-
-experiment::ClientProgram ClientOf(const ExperimentFlags& flags, const Host& host) {
-  experiment::ClientProgram program{
-      .command = *flags.client, .arm_port = flags.port, .model_library = {}};
-  if (flags.seconds) program.most = FromSeconds(*flags.seconds);
-  try {
-    program.model_library = model::ReadModelLibrary(model::FindModelLibrary(host.executable));
-  } catch (const EnvironmentError& error) {
-    Say(stderr,
-        fmt::format("panda-twin: note: the client gets no model library: {}\n", error.what()));
-  }
-  return program;
+experiment::ClientProgram ClientOf(const ExperimentFlags& flags, const Program& program) {
+  experiment::ClientProgram client{
+      .command = *flags.client, .arm_port = flags.port, .model_library = ModelLibraryOf(program)};
+  if (flags.seconds) client.most = FromSeconds(*flags.seconds);
+  return client;
 }
 
 /// @returns the flags. @throws InputError when a client was given beside other experiments.
@@ -163,15 +145,7 @@ const ExperimentFlags& RequireClientAlone(const ExperimentFlags& flags) {
 /// A folder that is there as long as this.
 class ScratchFolder {
  public:
-  explicit ScratchFolder(fs::path path) : path_(std::move(path)) {
-    std::error_code error;
-    fs::create_directories(path_, error);
-    if (error) {
-      throw EnvironmentError(fmt::format(
-          "{}: cannot be made ({}); choose a folder of your own with --out, or make room",
-          path_.string(), error.message()));
-    }
-  }
+  explicit ScratchFolder(fs::path path) : path_(std::move(path)) { run::MakeFolder(path_); }
   ~ScratchFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
@@ -253,11 +227,7 @@ void ExperimentSession::Clear() const {
     fs::remove(page(), error);
     fs::remove(json(), error);
   }
-  fs::create_directories(tables(), error);
-  if (error) {
-    throw EnvironmentError(fmt::format("{}: cannot be made ({}); choose another --out",
-                                       tables().string(), error.message()));
-  }
+  run::MakeFolder(tables());
 }
 
 Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
@@ -274,7 +244,7 @@ Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
       .progress = [&progress](double share) { progress.Show(share, ""); },
       .interrupted = interrupt_.flag()};
   try {
-    if (flags_.client) return experiment::RunClientStudy(config, ClientOf(flags_, program_.host));
+    if (flags_.client) return experiment::RunClientStudy(config, ClientOf(flags_, program_));
     return experiment::Run(one, config);
   } catch (const std::exception& failure) {
     interrupt_.ThrowIfInterrupted();
@@ -296,7 +266,12 @@ void ExperimentSession::WritePage() const {
                               .version = TWIN_VERSION};
   if (on_wall_clock_) {
     facts.machine = MachineText();
-    if (!flags_.client) facts.left_out = LeftOutText();
+    if (!flags_.client) {
+      facts.left_out = fmt::format(
+          "Left out: {}; nothing in them hangs on how a machine keeps time, and the report in "
+          "lockstep has them.",
+          IdsOf(false));
+    }
   }
   for (const std::string& yaml : calibration_.yaml) (facts.parameters += yaml) += '\n';
   run::WriteWholeFile(page(), experiment::Page(findings_, facts));
@@ -307,13 +282,11 @@ bool ExperimentSession::TellFailures() const {
   for (const Findings& findings : findings_) {
     if (findings.succeeded()) continue;
     is_well = false;
-    std::string lines;
-    if (!findings.failure.empty()) lines = fmt::format("failed: {}\n", findings.failure);
-    lines += experiment::MissedLines(findings);
-    while (!lines.empty()) {
-      const std::size_t end = lines.find('\n');
-      Say(stderr, fmt::format("panda-twin: {}: {}\n", findings.id, lines.substr(0, end)));
-      lines.erase(0, end + 1);
+    std::string text;
+    if (!findings.failure.empty()) text = fmt::format("failed: {}\n", findings.failure);
+    std::istringstream lines(text + experiment::MissedLines(findings));
+    for (std::string line; std::getline(lines, line);) {
+      Say(stderr, fmt::format("panda-twin: {}: {}\n", findings.id, line));
     }
   }
   return is_well;
@@ -356,44 +329,30 @@ int RunExperiments(const ExperimentFlags& flags, const Program& program) {
 }  // namespace
 
 void AddExperiment(CLI::App& app, Program& program) {
-  CLI::App* experiment =
-      app.add_subcommand("experiment", "Reproduce the paper's tables and figures, as a report");
-  ExperimentFlags& flags = SetAction(*experiment, program, &RunExperiments);
-  CLI::Option* ids = experiment->add_option("experiments", flags.ids, "Which (see --list), or all");
-  ids->type_name("ID...");
-  experiment->add_flag("--list", flags.list, "Say which there are")->excludes(ids);
-  AddSeed(*experiment, flags.seed, "Seed of all random numbers (default: 1)");
-  experiment
-      ->add_option("--seeds", flags.seeds, "Runs of what is averaged (default: 20; realtime: 5)")
-      ->type_name("N");
-  experiment
-      ->add_option("--drive", flags.drive,
-                   "lockstep, or realtime: on the wall clock, over UDP against a robot served here")
+  const auto [experiment, flags] = AddCommand(
+      app, program, "experiment", "Reproduce the paper's tables and figures, as a report",
+      &RunExperiments, kExperimentFooter);
+  CLI::Option* ids = Add(experiment, "experiments ID...", flags.ids, "Which (see --list), or all");
+  experiment.add_flag("--list", flags.list, "Say which there are")->excludes(ids);
+  AddSeed(experiment, flags.seed, "Seed of all random numbers (default: 1)");
+  Add(experiment, "--seeds N", flags.seeds, "Runs of what is averaged (default: 20; realtime: 5)");
+  Add(experiment, "--drive", flags.drive,
+      "lockstep, or realtime: on the wall clock, over UDP against a robot served here")
       ->capture_default_str();
-  experiment
-      ->add_option("--out", flags.out,
-                   "Folder of the report (default: out/experiments, or out/experiments_realtime)")
-      ->type_name("DIR");
-  experiment
-      ->add_option("--calibration", flags.calibration,
-                   "Folder of the experiments' scenarios, instead of models/experiments")
-      ->type_name("DIR");
-  CLI::Option* client =
-      experiment
-          ->add_option("--client", flags.client,
-                       "timings of a program of yours, which finds a robot at 127.0.0.1")
-          ->type_name("\"CMD\"");
-  experiment
-      ->add_option("--port", flags.port, "client: TCP port of the arm; the hand's is the next")
+  Add(experiment, "--out DIR", flags.out,
+      "Folder of the report (default: out/experiments, or out/experiments_realtime)");
+  Add(experiment, "--calibration DIR", flags.calibration,
+      "Folder of the experiments' scenarios, instead of models/experiments");
+  CLI::Option* client = Add(experiment, "--client \"CMD\"", flags.client,
+                            "timings of a program of yours, which finds a robot at 127.0.0.1");
+  Add(experiment, "--port", flags.port, "client: TCP port of the arm; the hand's is the next")
       ->capture_default_str()
       ->check(CLI::Range(1, 65534))
       ->needs(client);
-  experiment->add_option("--for", flags.seconds, "client: end it after so long, and report")
+  Add(experiment, "--for S", flags.seconds, "client: end it after so long, and report")
       ->check(CLI::Range(0.1, 3600.0))
-      ->type_name("S")
       ->needs(client);
-  AddData(*experiment, flags.data);
-  experiment->footer(kExperimentFooter);
+  AddData(experiment, flags.data);
 }
 
 }  // namespace twin::cli

@@ -1,6 +1,5 @@
 #include <filesystem>
 #include <string>
-#include <system_error>
 
 #include <fmt/format.h>
 
@@ -31,11 +30,8 @@ namespace fs = std::filesystem;
 
 fs::path FolderOf(const ExplainFlags& flags, const fs::path& log) {
   if (flags.out.empty()) return log.has_parent_path() ? log.parent_path() : fs::path(".");
-  std::error_code error;
-  fs::create_directories(flags.out, error);
-  if (!error) return flags.out;
-  throw EnvironmentError(fmt::format("cannot create folder {}: {}; choose another one",
-                                     flags.out.string(), error.message()));
+  run::MakeFolder(flags.out);
+  return flags.out;
 }
 
 /// Takes gnuplot along when the user wants to end.
@@ -74,20 +70,17 @@ int Explain(const ExplainFlags& flags, const Program& /*program*/) {
 }  // namespace
 
 void AddExplain(CLI::App& app, Program& program) {
-  CLI::App* explain = app.add_subcommand("explain", "Say how a run ended, and why");
-  ExplainFlags& flags = SetAction(*explain, program, &Explain);
+  const auto [explain, flags] =
+      AddCommand(app, program, "explain", "Say how a run ended, and why", &Explain, kExplainFooter);
   CLI::Option* log =
-      explain->add_option("log", flags.log, "Log of a run, or its folder of results");
-  log->type_name("FILE|DIR");
-  explain->add_option("--out", flags.out, "Folder of the page (default: beside the log)")
-      ->type_name("DIR");
-  CLI::Option* errors = explain->add_flag("--errors", flags.errors,
-                                          "Print all errors of the robot's controller (Markdown)");
+      Add(explain, "log FILE|DIR", flags.log, "Log of a run, or its folder of results");
+  Add(explain, "--out DIR", flags.out, "Folder of the page (default: beside the log)");
+  CLI::Option* errors = explain.add_flag("--errors", flags.errors,
+                                         "Print all errors of the robot's controller (Markdown)");
   errors->excludes(log);
-  explain->add_flag("--modes", flags.modes, "Print what the robot grants in which mode (Markdown)")
+  explain.add_flag("--modes", flags.modes, "Print what the robot grants in which mode (Markdown)")
       ->excludes(log)
       ->excludes(errors);
-  explain->footer(kExplainFooter);
 }
 
 }  // namespace twin::cli

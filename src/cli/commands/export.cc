@@ -28,11 +28,10 @@ int Export(const ExportFlags& flags, const Program& /*program*/) {
 }  // namespace
 
 void AddExport(CLI::App& app, Program& program) {
-  CLI::App* exported = app.add_subcommand("export", "Write a log as CSV tables");
-  ExportFlags& flags = SetAction(*exported, program, &Export);
-  exported->add_option("log", flags.log, "Log of a run (run.mcap)")->required()->type_name("FILE");
-  exported->add_option("--out", flags.out, "Folder of the tables (default: csv beside the log)")
-      ->type_name("DIR");
+  const auto [exported, flags] =
+      AddCommand(app, program, "export", "Write a log as CSV tables", &Export);
+  Add(exported, "log FILE", flags.log, "Log of a run (run.mcap)")->required();
+  Add(exported, "--out DIR", flags.out, "Folder of the tables (default: csv beside the log)");
 }
 
 }  // namespace twin::cli

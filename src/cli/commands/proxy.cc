@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -55,7 +56,7 @@ proxy::ProxyConfig ProxyConfigOf(const ProxyFlags& flags) {
   Listen(flags.network, config);
   const backend::RobotAddress robot = run::ParseRemote(flags.robot, "wall");
   const robot::LinkConfig link = LinkOf(flags);
-  config.robot_arm = fci::Resolve(robot.host, robot.arm_port == 0 ? fci::kArmPort : robot.arm_port);
+  config.robot_arm = fci::Resolve(robot.host, robot.arm_port);
   config.robot_hand = config.robot_arm;
   ++config.robot_hand.port;
   config.state = link.state;
@@ -103,51 +104,39 @@ int RunProxy(const ProxyFlags& flags, const Program& program) {
   return interrupt.interrupted() ? kInterrupted : kOk;
 }
 
-/// A key of a scenario's link, as a flag: state_delay, --state-delay.
-struct FaultFlag {
-  std::string_view key;
-  const char* flag;
-  const char* text;
-};
-constexpr FaultFlag kFaultFlags[] = {
-    {"state_delay", "--state-delay", "How long states take, such as \"200 us\""},
-    {"state_loss", "--state-loss", "Which states never arrive, such as \"0.1 %\""},
-    {"state_duplication", "--state-duplication", "States that arrive a second time"},
-    {"state_reordering", "--state-reordering", "States that are overtaken"},
-    {"command_delay", "--command-delay", "How long commands take"},
-    {"command_loss", "--command-loss", "Which commands never arrive"},
-    {"command_duplication", "--command-duplication", "Commands that arrive a second time"},
-    {"command_reordering", "--command-reordering", "Commands that are overtaken"}};
+/// Keys of a scenario's link that are flags, too (state_delay, --state-delay), and their help.
+constexpr std::pair<std::string_view, const char*> kFaultFlags[] = {
+    {"state_delay", "How long states take, such as \"200 us\""},
+    {"state_loss", "Which states never arrive, such as \"0.1 %\""},
+    {"state_duplication", "States that arrive a second time"},
+    {"state_reordering", "States that are overtaken"},
+    {"command_delay", "How long commands take"},
+    {"command_loss", "Which commands never arrive"},
+    {"command_duplication", "Commands that arrive a second time"},
+    {"command_reordering", "Commands that are overtaken"}};
 
 }  // namespace
 
 void AddProxy(CLI::App& app, Program& program) {
-  CLI::App* proxy =
-      app.add_subcommand("proxy", "Pass a robot's wire on, with delays and losses by a seed");
-  ProxyFlags& flags = SetAction(*proxy, program, &RunProxy);
-  proxy->add_option("--robot", flags.robot, "The robot, or the twin that is served")
-      ->required()
-      ->type_name("HOST[:PORT]");
-  AddNetwork(*proxy, flags.network);
-  proxy
-      ->add_option("--link", flags.link,
-                   "All faults: a scenario, or a file with its section link only")
-      ->type_name("FILE");
-  for (const FaultFlag& fault : kFaultFlags) {
-    proxy
-        ->add_option_function<std::string>(
-            fault.flag,
-            [&flags, key = fault.key](const std::string& value) {
-              flags.faults.emplace_back(key, value);
-            },
-            fault.text)
-        ->type_name("YAML");
+  const auto [proxy, flags] =
+      AddCommand(app, program, "proxy", "Pass a robot's wire on, with delays and losses by a seed",
+                 &RunProxy, kProxyFooter);
+  Add(proxy, "--robot HOST[:PORT]", flags.robot, "The robot, or the twin that is served")
+      ->required();
+  AddNetwork(proxy, flags.network);
+  Add(proxy, "--link FILE", flags.link,
+      "All faults: a scenario, or a file with its section link only");
+  for (const auto& [key, text] : kFaultFlags) {
+    std::string flag = fmt::format("--{}", key);
+    std::ranges::replace(flag, '_', '-');
+    const auto keep = [&faults = flags.faults, key = key](const std::string& value) {
+      faults.emplace_back(key, value);
+    };
+    proxy.add_option_function<std::string>(flag, keep, text)->type_name("YAML");
   }
-  AddSeed(*proxy, flags.seed, "Seed of the faults (default: 1)");
-  proxy->add_option("--cpu", flags.cpu, "Processor of the threads that relay datagrams")
-      ->type_name("N");
-  proxy->add_option("--for", flags.seconds, "End after so long")->type_name("S");
-  proxy->footer(kProxyFooter);
+  AddSeed(proxy, flags.seed, "Seed of the faults (default: 1)");
+  Add(proxy, "--cpu N", flags.cpu, "Processor of the threads that relay datagrams");
+  Add(proxy, "--for S", flags.seconds, "End after so long");
 }
 
 }  // namespace twin::cli

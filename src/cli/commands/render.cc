@@ -155,11 +155,10 @@ class Rendering {
   }
 
   [[nodiscard]] replay::TimeLine TimeLineOf() const {
-    replay::TimeLine line{.from = InstantOf(flags_.at ? flags_.at : flags_.from),
-                          .until = InstantOf(flags_.at ? flags_.at : flags_.until),
-                          .speed = flags_.speed,
-                          .fps = flags_.fps.value_or(first_->scenario().render.fps)};
-    return line;
+    return {.from = InstantOf(flags_.at ? flags_.at : flags_.from),
+            .until = InstantOf(flags_.at ? flags_.at : flags_.until),
+            .speed = flags_.speed,
+            .fps = flags_.fps.value_or(first_->scenario().render.fps)};
   }
 
   void DrawOne() {
@@ -248,94 +247,66 @@ CLI::Validator Instant() {
 }
 
 void AddPicture(CLI::App& app, run::FilmChoice& flags) {
-  app.add_option("--camera", flags.camera,
-                 "A camera of the scene by its name, orbit, track:BODY, or gripper")
-      ->type_name("CAMERA");
-  app.add_option("--azimuth", flags.azimuth_deg, "orbit, track: direction in which it looks")
-      ->type_name("DEG");
-  app.add_option("--elevation", flags.elevation_deg, "orbit, track: negative looks down")
-      ->type_name("DEG");
-  app.add_option("--distance", flags.distance, "orbit, track: from what it looks at")
-      ->type_name("M");
-  app.add_option("--lookat", flags.lookat, "orbit: point of the world; track: from the body")
-      ->expected(3)
-      ->type_name("X Y Z");
-  app.add_option("--turn", flags.turn_deg, "orbit, track: turns so fast, by the run's time")
-      ->type_name("DEG/S");
-  app.add_option("--inset", flags.insets,
-                 "A picture within the picture, such as gripper@bottom_left; may be repeated; none")
+  Add(app, "--camera CAMERA", flags.camera,
+      "A camera of the scene by its name, orbit, track:BODY, or gripper");
+  Add(app, "--azimuth DEG", flags.azimuth_deg, "orbit, track: direction in which it looks");
+  Add(app, "--elevation DEG", flags.elevation_deg, "orbit, track: negative looks down");
+  Add(app, "--distance M", flags.distance, "orbit, track: from what it looks at");
+  Add(app, "--lookat X Y Z", flags.lookat, "orbit: point of the world; track: from the body")
+      ->expected(3);
+  Add(app, "--turn DEG/S", flags.turn_deg, "orbit, track: turns so fast, by the run's time");
+  Add(app, "--inset CAMERA[@CORNER]", flags.insets,
+      "A picture within the picture, such as gripper@bottom_left; may be repeated; none")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->check(Readable([](const std::string& text) {
         if (text != "none") static_cast<void>(run::InsetFromText(text, {}));
-      }))
-      ->type_name("CAMERA[@CORNER]");
-  app.add_option("--overlays", flags.overlays,
-                 "What is drawn over it, of text, goal, trace, forces, contacts, limits; none")
-      ->check(
-          Readable([](const std::string& text) { static_cast<void>(run::OverlaysFromText(text)); }))
-      ->type_name("LIST");
-  app.add_option("--size", flags.size, "Of the picture, pixels, even")
+      }));
+  Add(app, "--overlays LIST", flags.overlays,
+      "What is drawn over it, of text, goal, trace, forces, contacts, limits; none")
+      ->check(Readable(
+          [](const std::string& text) { static_cast<void>(run::OverlaysFromText(text)); }));
+  Add(app, "--size WxH", flags.size, "Of the picture, pixels, even")
       ->check(Readable([](const std::string& text) {
         render::RenderSettings settings;
         run::SetSizeFromText(text, settings);
-      }))
-      ->type_name("WxH");
+      }));
 }
 
 }  // namespace
 
 void AddRender(CLI::App& app, Program& program) {
-  CLI::App* render = app.add_subcommand("render", "Draw a recorded run, or two beside each other");
-  RenderFlags& flags = SetAction(*render, program, &Render);
-  render->add_option("log", flags.log, "Log of a run, or its folder of results")
-      ->required()
-      ->type_name("FILE|DIR");
-  CLI::Option* second = render->add_option("second", flags.second, "Of another run, to compare");
-  second->type_name("FILE|DIR");
-  render
-      ->add_option("--out", flags.out,
-                   "Video (.mp4, or .mkv without loss), folder/ of pictures, or a .png with --at "
-                   "or --layout")
-      ->required()
-      ->type_name("FILE");
-  AddPicture(*render, flags.film);
-  render->add_option("--speed", flags.speed, "Seconds of the run in a second of the film")
+  const auto [render, flags] =
+      AddCommand(app, program, "render", "Draw a recorded run, or two beside each other", &Render,
+                 kRenderFooter);
+  Add(render, "log FILE|DIR", flags.log, "Log of a run, or its folder of results")->required();
+  CLI::Option* second = Add(render, "second FILE|DIR", flags.second, "Of another run, to compare");
+  Add(render, "--out FILE", flags.out,
+      "Video (.mp4, or .mkv without loss), folder/ of pictures, or a .png with --at "
+      "or --layout")
+      ->required();
+  AddPicture(render, flags.film);
+  Add(render, "--speed X", flags.speed, "Seconds of the run in a second of the film")
       ->check(Within(0.01, 100))
-      ->capture_default_str()
-      ->type_name("X");
-  render->add_option("--fps", flags.fps, "Frames per second of the film")
-      ->check(CLI::Range(1, 240))
-      ->type_name("N");
-  render->add_option("--from", flags.from, "Begin at this time of the run")
-      ->check(Instant())
-      ->type_name("S");
-  render->add_option("--to", flags.until, "End at this time of the run")
-      ->check(Instant())
-      ->type_name("S");
-  render->add_option("--at", flags.at, "One picture, of this time of the run")
-      ->check(Instant())
-      ->type_name("S");
-  render
-      ->add_option("--compare", flags.compare,
-                   "Two runs: split (side by side), ghost, or difference (red where they differ)")
+      ->capture_default_str();
+  Add(render, "--fps N", flags.fps, "Frames per second of the film")->check(CLI::Range(1, 240));
+  Add(render, "--from S", flags.from, "Begin at this time of the run")->check(Instant());
+  Add(render, "--to S", flags.until, "End at this time of the run")->check(Instant());
+  Add(render, "--at S", flags.at, "One picture, of this time of the run")->check(Instant());
+  Add(render, "--compare HOW", flags.compare,
+      "Two runs: split (side by side), ghost, or difference (red where they differ)")
       ->check(Readable(
           [](const std::string& text) { static_cast<void>(replay::ComparisonFromName(text)); }))
       ->capture_default_str()
-      ->needs(second)
-      ->type_name("HOW");
-  render
-      ->add_option("--tolerance", flags.tolerance,
-                   "difference: how far a channel may be off, of 255 (16)")
+      ->needs(second);
+  Add(render, "--tolerance N", flags.tolerance,
+      "difference: how far a channel may be off, of 255 (16)")
       ->check(CLI::Range(0, 254))
-      ->needs(second)
-      ->type_name("N");
-  render->add_option("--layout", flags.layout, "A page of pictures: grid, strip or triple")
+      ->needs(second);
+  Add(render, "--layout NAME", flags.layout, "A page of pictures: grid, strip or triple")
       ->check(Readable(
-          [](const std::string& text) { static_cast<void>(replay::LayoutFromName(text)); }))
-      ->type_name("NAME");
-  AddData(*render, flags.data);
-  render->footer(kRenderFooter);
+          [](const std::string& text) { static_cast<void>(replay::LayoutFromName(text)); }));
+  AddData(render, flags.data);
 }
 
 }  // namespace twin::cli

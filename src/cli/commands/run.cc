@@ -27,7 +27,7 @@ A scenario that names a controller.library executes its code, with your rights.)
 /// With the device's own defaults: the scenario's parameters are of another one.
 void ChooseDevice(const std::string& device, scenario::Scenario& scenario) {
   RefuseIf(!scenario.operator_section,
-           "--device goes with a scenario in which somebody leads: its section operator");
+           "--device goes with a scenario that has a section operator");
   if (scenario.operator_section->device == device) return;
   scenario.operator_section->device = device;
   scenario.operator_section->parameters.clear();
@@ -107,20 +107,16 @@ application::RunOptions OptionsOf(const RunFlags& flags, const scenario::Scenari
 
 /// The flags of a robot at the other end of a wire.
 void AddRemote(CLI::App& app, RunFlags& flags) {
-  app.add_option("--robot", flags.robot, "fci: the robot, or the twin that is served")
-      ->type_name("HOST[:PORT]");
-  app.add_option("--robot-time", flags.robot_time,
-                 "fci: wall (hardware, or a twin in real time; the default) or states (a twin "
-                 "served in lockstep)")
-      ->type_name("wall|states");
-  app.add_option("--capture", flags.capture,
-                 "fci: keep what goes over the wire (pcapng; see decode)")
-      ->type_name("FILE");
+  Add(app, "--robot HOST[:PORT]", flags.robot, "fci: the robot, or the twin that is served");
+  Add(app, "--robot-time wall|states", flags.robot_time,
+      "fci: wall (hardware, or a twin in real time; the default) or states (a twin "
+      "served in lockstep)");
+  Add(app, "--capture FILE", flags.capture,
+      "fci: keep what goes over the wire (pcapng; see decode)");
   app.add_flag("--allow-hardware", flags.allow_hardware,
                "fci: a real arm may move; needed wherever no twin says that it is one");
-  app.add_option("--max-speed", flags.max_speed,
-                 "Share of the scenario's speed, in (0, 1]: all times are divided by it")
-      ->type_name("F");
+  Add(app, "--max-speed F", flags.max_speed,
+      "Share of the scenario's speed, in (0, 1]: all times are divided by it");
 }
 
 }  // namespace
@@ -165,46 +161,35 @@ int Run(const RunFlags& flags, const Program& program) {
 }
 
 void AddRun(CLI::App& app, Program& program) {
-  CLI::App* run = app.add_subcommand("run", "Run a scenario and write log, plots and video");
-  RunFlags& flags = SetAction(*run, program, &Run);
-  run->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
-  AddSeed(*run, flags.seed);
-  AddLab(*run, flags.lab);
-  AddPage(*run, flags.page);
-  run->add_option("--out", flags.out, "Folder of results (default: out/<name of the scenario>)")
-      ->type_name("DIR");
-  run->add_option("--backend", flags.backend,
-                  "Backend, instead of the scenario's: mujoco, or fci (a robot on the network)");
-  run->add_option("--drive", flags.drive, "Who advances time: lockstep or realtime; not with fci");
-  run->add_option("--device", flags.device,
-                  "What the operator holds, instead of the scenario's: page, evdev, network, ...");
-  AddRemote(*run, flags);
-  run->add_option("--clock-ppm", flags.clock_ppm,
-                  "Drift of the robot's clock, instead of the scenario's")
-      ->type_name("PPM");
-  run->add_option("--ext-cpu", flags.ext_cpu,
-                  "realtime, fci: processor of the communication thread")
-      ->type_name("N");
-  run->add_option("--int-cpu", flags.int_cpu, "realtime: processor of the robot's thread")
-      ->type_name("N");
-  run->add_option(
-         "--seeds", flags.seeds,
-         "An application: carry it out for N seeds from --seed on, and tell how many succeed")
-      ->type_name("N");
-  run->add_option("--threads", flags.threads, "With --seeds: so many at once")
-      ->type_name("N")
+  const auto [run, flags] = AddCommand(
+      app, program, "run", "Run a scenario and write log, plots and video", &Run, kRunFooter);
+  Add(run, "scenario FILE", flags.scenario, "Scenario file")->required();
+  AddSeed(run, flags.seed);
+  AddLab(run, flags.lab);
+  AddPage(run, flags.page);
+  Add(run, "--out DIR", flags.out, "Folder of results (default: out/<name of the scenario>)");
+  Add(run, "--backend", flags.backend,
+      "Backend, instead of the scenario's: mujoco, or fci (a robot on the network)");
+  Add(run, "--drive", flags.drive, "Who advances time: lockstep or realtime; not with fci");
+  Add(run, "--device", flags.device,
+      "What the operator holds, instead of the scenario's: page, evdev, network, ...");
+  AddRemote(run, flags);
+  Add(run, "--clock-ppm PPM", flags.clock_ppm,
+      "Drift of the robot's clock, instead of the scenario's");
+  Add(run, "--ext-cpu N", flags.ext_cpu, "realtime, fci: processor of the communication thread");
+  Add(run, "--int-cpu N", flags.int_cpu, "realtime: processor of the robot's thread");
+  Add(run, "--seeds N", flags.seeds,
+      "An application: carry it out for N seeds from --seed on, and tell how many succeed");
+  Add(run, "--threads N", flags.threads, "With --seeds: so many at once")->capture_default_str();
+  Add(run, "--least-share PERCENT", flags.least_share,
+      "With --seeds: fail when fewer percent succeed")
       ->capture_default_str();
-  run->add_option("--least-share", flags.least_share,
-                  "With --seeds: fail when fewer percent succeed")
-      ->type_name("PERCENT")
-      ->capture_default_str();
-  run->add_flag("--strict", flags.strict,
-                "Exit code 1, not only a warning, when the arm was further off its path than "
-                "max_deviation");
-  run->add_flag("--no-video", flags.no_video, "Make no video and no contact sheet");
-  run->add_flag("--rebuild-cache", flags.rebuild_cache, "Compile the robot's model anew");
-  AddData(*run, flags.data);
-  run->footer(kRunFooter);
+  run.add_flag("--strict", flags.strict,
+               "Exit code 1, not only a warning, when the arm was further off its path than "
+               "max_deviation");
+  run.add_flag("--no-video", flags.no_video, "Make no video and no contact sheet");
+  run.add_flag("--rebuild-cache", flags.rebuild_cache, "Compile the robot's model anew");
+  AddData(run, flags.data);
 }
 
 }  // namespace twin::cli

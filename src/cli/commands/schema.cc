@@ -17,11 +17,10 @@ int Schema(const SchemaFlags& flags, const Program& /*program*/) {
 }  // namespace
 
 void AddSchema(CLI::App& app, Program& program) {
-  CLI::App* schema = app.add_subcommand(
-      "schema",
-      "Print the JSON Schema of scenario files, by which editors complete and check them");
-  SchemaFlags& flags = SetAction(*schema, program, &Schema);
-  schema->add_flag("--keys", flags.keys, "Print the table of all keys instead (Markdown)");
+  const auto [schema, flags] = AddCommand(
+      app, program, "schema",
+      "Print the JSON Schema of scenario files, by which editors complete and check them", &Schema);
+  schema.add_flag("--keys", flags.keys, "Print the table of all keys instead (Markdown)");
 }
 
 }  // namespace twin::cli

@@ -136,13 +136,12 @@ int Validate(const ValidateFlags& flags, const Program& program) {
 }  // namespace
 
 void AddValidate(CLI::App& app, Program& program) {
-  CLI::App* validate = app.add_subcommand("validate", "Check a scenario without running it");
-  ValidateFlags& flags = SetAction(*validate, program, &Validate);
-  validate->add_option("scenario", flags.scenario, "Scenario file")->required()->type_name("FILE");
-  validate->add_flag("--load", flags.load,
-                     "Load the scenario's controller.library too, which runs code of it");
-  AddData(*validate, flags.data);
-  validate->footer(kValidateFooter);
+  const auto [validate, flags] = AddCommand(
+      app, program, "validate", "Check a scenario without running it", &Validate, kValidateFooter);
+  Add(validate, "scenario FILE", flags.scenario, "Scenario file")->required();
+  validate.add_flag("--load", flags.load,
+                    "Load the scenario's controller.library too, which runs code of it");
+  AddData(validate, flags.data);
 }
 
 }  // namespace twin::cli

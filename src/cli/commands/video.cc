@@ -286,24 +286,17 @@ int Approve(const VideoFlags& flags, const Program& program) {
   return VideoSession(flags, program).Approve();
 }
 
-/// The options that all three have. @returns the flags.
-VideoFlags& AddCases(CLI::App& command, VideoFlags& flags) {
-  command.add_option("cases", flags.cases, "Which (default: all there are)")->type_name("CASE...");
-  command.add_option("--goldens", flags.goldens, "Folder of cases and of what was approved")
-      ->type_name("DIR")
+/// The options that all three have, and --junit.
+void AddCases(CLI::App& command, VideoFlags& flags, bool has_junit) {
+  Add(command, "cases CASE...", flags.cases, "Which (default: all there are)");
+  Add(command, "--goldens DIR", flags.goldens, "Folder of cases and of what was approved")
       ->capture_default_str();
-  command.add_option("--log", flags.log, "One case: a recorded run instead of a new one")
-      ->type_name("FILE|DIR");
-  command.add_option("--out", flags.out, "Folder of the runs' results and of report.html")
-      ->type_name("DIR")
+  Add(command, "--log FILE|DIR", flags.log, "One case: a recorded run instead of a new one");
+  Add(command, "--out DIR", flags.out, "Folder of the runs' results and of report.html")
       ->capture_default_str();
   AddData(command, flags.data);
-  return flags;
-}
-
-void AddJunit(CLI::App& command, VideoFlags& flags) {
-  command.add_option("--junit", flags.junit, "Write what came of the cases for machines, as XML")
-      ->type_name("FILE");
+  if (!has_junit) return;
+  Add(command, "--junit FILE", flags.junit, "Write what came of the cases for machines, as XML");
 }
 
 }  // namespace
@@ -312,19 +305,17 @@ void AddVideo(CLI::App& app, Program& program) {
   CLI::App* video =
       app.add_subcommand("video", "Compare the pictures of runs with those that were approved");
   video->require_subcommand(1);
-  CLI::App* check =
-      video->add_subcommand("check", "Compare, and fail when something looks different");
-  CLI::App* approve =
-      video->add_subcommand("approve", "Keep what the cases look like now as right");
-  CLI::App* report =
-      video->add_subcommand("report", "Compare, and write the page whatever comes of it");
-  AddJunit(*check, AddCases(*check, SetAction(*check, program, &CheckVideo)));
-  AddJunit(*report, AddCases(*report, SetAction(*report, program, &Report)));
-  VideoFlags& flags = AddCases(*approve, SetAction(*approve, program, &Approve));
-  approve->get_option("cases")->required()->description("Which");
-  approve->add_option("--reason", flags.reason, "Why they are right; it is kept")
-      ->type_name("TEXT")
-      ->required();
+  const auto [check, check_flags] = AddCommand(
+      *video, program, "check", "Compare, and fail when something looks different", &CheckVideo);
+  const auto [approve, flags] = AddCommand(*video, program, "approve",
+                                           "Keep what the cases look like now as right", &Approve);
+  const auto [report, report_flags] = AddCommand(
+      *video, program, "report", "Compare, and write the page whatever comes of it", &Report);
+  AddCases(check, check_flags, true);
+  AddCases(approve, flags, false);
+  AddCases(report, report_flags, true);
+  approve.get_option("cases")->required()->description("Which");
+  Add(approve, "--reason TEXT", flags.reason, "Why they are right; it is kept")->required();
   video->footer(kVideoFooter);  // after its commands, which else would repeat it
 }
 
