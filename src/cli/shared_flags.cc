@@ -10,6 +10,7 @@
 #include "twin/core/error.h"
 #include "twin/model/model_library.h"
 #include "twin/plant/model_cache.h"
+#include "twin/scenario/lab.h"
 
 namespace twin::cli {
 namespace {
@@ -132,6 +133,12 @@ void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed, const char* what
 
 void AddLab(CLI::App& app, std::optional<std::string>& lab) {
   Add(app, "--lab NAME|FILE", lab, "Site laid over the scenario: a, b (models/labs), or a file");
+}
+
+void ReplaceSite(const std::optional<std::string>& lab, const std::optional<std::uint64_t>& seed,
+                 const DataFlags& data, const Host& host, scenario::Scenario& scenario) {
+  if (lab) scenario::ApplyLab(scenario::FindLab(*lab, DataOf(data, host).models), scenario);
+  if (seed) scenario.seed = *seed;
 }
 
 void RequireDuration(const std::optional<double>& seconds) {

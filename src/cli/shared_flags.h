@@ -14,6 +14,7 @@
 #include "twin/page/live_page.h"
 #include "twin/run/catalogue.h"
 #include "twin/scenario/data_directory.h"
+#include "twin/scenario/scenario.h"
 
 // Flags that several commands have, how they are added, and what they mean. What Add... fills must
 // outlive the app.
@@ -85,6 +86,11 @@ void RequirePageFlags(const PageFlags& flags);
 void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed,
              const char* what = "Seed of all random numbers, instead of the scenario's");
 void AddLab(CLI::App& app, std::optional<std::string>& lab);
+
+/// Replaces a scenario's site and seed by those that are given.
+/// @throws as DataOf, scenario::FindLab and scenario::ApplyLab.
+void ReplaceSite(const std::optional<std::string>& lab, const std::optional<std::uint64_t>& seed,
+                 const DataFlags& data, const Host& host, scenario::Scenario& scenario);
 
 /// --for. @throws InputError unless it is above 0.
 void RequireDuration(const std::optional<double>& seconds);

@@ -6,16 +6,41 @@
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
-#include "cli/run_flags.h"
+#include "cli/shared_flags.h"
 #include "cli/terminal.h"
 #include "twin/application/record_run.h"
 #include "twin/core/error.h"
 #include "twin/run/remote.h"
-#include "twin/scenario/lab.h"
 #include "twin/scenario/robot_data.h"
 
 namespace twin::cli {
 namespace {
+
+struct RunFlags {
+  std::filesystem::path scenario;
+  std::optional<std::string> lab;  ///< laid over the scenario: a name in models/labs, or a file
+  std::optional<std::uint64_t> seed;
+  std::filesystem::path out;  ///< empty: out/<scenario's name>
+  std::optional<std::string> backend;
+  std::optional<std::string> drive;
+  std::optional<std::string> device;      ///< of the operator, in place of the scenario's
+  std::optional<std::string> robot;       ///< backend fci: HOST[:PORT]
+  std::optional<std::string> robot_time;  ///< backend fci: wall or states
+  bool allow_hardware = false;            ///< backend fci: the robot need not be a twin
+  std::optional<double> max_speed;        ///< share of the scenario's, in (0, 1]
+  std::optional<double> clock_ppm;        ///< of INT's clock
+  std::optional<int> ext_cpu;             ///< processor of the communication thread; real time
+  std::optional<int> int_cpu;             ///< processor of the robot's thread; real time
+  std::optional<std::filesystem::path> capture;  ///< backend fci
+  std::optional<int> seeds;  ///< of an application: so many, one run each, from the seed on
+  int threads = 2;           ///< with seeds
+  double least_share = 100;  ///< with seeds: percent that must succeed
+  bool strict = false;       ///< an arm that was too far off its path is a failure
+  bool no_video = false;
+  bool rebuild_cache = false;
+  PageFlags page;
+  DataFlags data;
+};
 
 constexpr const char* kRunFooter =
     R"(The folder of results is made when missing. Results of an earlier run in it are removed when the motion
@@ -26,8 +51,7 @@ A scenario that names a controller.library executes its code, with your rights.)
 
 /// With the device's own defaults: the scenario's parameters are of another one.
 void ChooseDevice(const std::string& device, scenario::Scenario& scenario) {
-  RefuseIf(!scenario.operator_section,
-           "--device goes with a scenario that has a section operator");
+  RefuseIf(!scenario.operator_section, "--device goes with a scenario that has a section operator");
   if (scenario.operator_section->device == device) return;
   scenario.operator_section->device = device;
   scenario.operator_section->parameters.clear();
@@ -119,14 +143,11 @@ void AddRemote(CLI::App& app, RunFlags& flags) {
       "Share of the scenario's speed, in (0, 1]: all times are divided by it");
 }
 
-}  // namespace
-
+/// The scenario with what the command line says in its place, validated.
+/// @throws InputError as scenario::Load, and for flags that do not go together.
 scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
   scenario::Scenario scenario = scenario::Load(flags.scenario);
-  if (flags.lab) {
-    scenario::ApplyLab(scenario::FindLab(*flags.lab, DataOf(flags.data, host).models), scenario);
-  }
-  if (flags.seed) scenario.seed = *flags.seed;
+  ReplaceSite(flags.lab, flags.seed, flags.data, host, scenario);
   if (flags.backend) scenario.backend = *flags.backend;
   if (flags.drive) scenario.drive = scenario::DriveFromName(*flags.drive);
   if (flags.device) ChooseDevice(*flags.device, scenario);
@@ -159,6 +180,8 @@ int Run(const RunFlags& flags, const Program& program) {
   application::RecordRun(inputs);
   return kOk;
 }
+
+}  // namespace
 
 void AddRun(CLI::App& app, Program& program) {
   const auto [run, flags] = AddCommand(

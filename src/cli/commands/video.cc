@@ -13,8 +13,9 @@
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
-#include "cli/run_flags.h"
 #include "cli/shared_flags.h"
+#include "cli/terminal.h"
+#include "twin/application/record_run.h"
 #include "twin/core/error.h"
 #include "twin/golden/approval.h"
 #include "twin/golden/case_run.h"
@@ -188,27 +189,29 @@ class VideoSession {
           "the robot's meshes were not found, and pictures that were approved show them; "
           "scripts/setup fetches them, or name them with --meshes");
     }
-    RunFlags run;
-    run.scenario = files.models / wanted.scenario;
-    run.lab = wanted.lab;
-    run.seed = wanted.seed;
-    run.out = flags_.out / wanted.name;
-    run.no_video = true;
-    run.data = flags_.data;
-    fs::path log = run.out / "run.mcap";
+    application::RunOptions options{
+        .scenario = files.models / wanted.scenario,
+        .out = flags_.out / wanted.name,
+        .site = wanted.lab ? "lab " + *wanted.lab : "the scenario's own",
+        .makes_video = false};
+    scenario::Scenario scenario = scenario::Load(options.scenario);
+    ReplaceSite(wanted.lab, wanted.seed, flags_.data, program_.host, scenario);
+    scenario.Validate();
     if (flags_.log) {
-      log = run::FindLog(*flags_.log);
-      RequireRunOf(wanted, LoadWithFlags(run, program_.host), log, whole, program_.log);
-    } else {
-      try {
-        Program quiet = program_;
-        quiet.log_flags = std::make_shared<LogFlags>(LogFlags{.quiet = true});
-        static_cast<void>(Run(run, quiet));
-      } catch (const RobotFault& fault) {
-        program_.log->info("{}: the run failed: {}", wanted.name, fault.what());
-      }
+      const fs::path log = run::FindLog(*flags_.log);
+      RequireRunOf(wanted, scenario, log, whole, program_.log);
+      return {wanted, flags_.goldens / (wanted.name + ".yaml"), log, files};
     }
-    return {wanted, flags_.goldens / (wanted.name + ".yaml"), log, files};
+    if (scenario.record) {
+      RequireProgram("gnuplot", program_.host.path, "apt-get install gnuplot-nox");
+    }
+    Terminal quiet(program_.log, true);
+    try {
+      application::RecordRun({scenario, options, files, program_.catalogue, quiet});
+    } catch (const RobotFault& fault) {
+      program_.log->info("{}: the run failed: {}", wanted.name, fault.what());
+    }
+    return {wanted, flags_.goldens / (wanted.name + ".yaml"), options.out / "run.mcap", files};
   }
 
   [[nodiscard]] golden::Golden ReadGoldenOf(const scenario::VideoCase& wanted) const {
