@@ -73,7 +73,7 @@ class OperatorPage::Recording {
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
 
-  /// Begins a recording, or ends it. @returns a line for people; also of what went wrong.
+  /// Begins or ends a recording. @returns one line on what happened, or on what went wrong.
   [[nodiscard]] std::string Switch(bool on);
   /// Keeps it, while a recording goes on.
   void Take(const teleop::OperatorSample& sample);

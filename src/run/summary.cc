@@ -112,11 +112,9 @@ std::string ContactsText(const plant::ContactWatch& contacts) {
 }
 
 std::string CyclesText(const CycleCounts& counts) {
-  const double all = static_cast<double>(counts.served + counts.held);
   return fmt::format("{} served, {} held ({:.2f} %, at most {} in a row); {} commands dropped",
-                     counts.served, counts.held,
-                     all > 0 ? 100 * static_cast<double>(counts.held) / all : 0,
-                     counts.longest_loss, counts.dropped);
+                     counts.served, counts.held, counts.unserved_percent(), counts.longest_loss,
+                     counts.dropped);
 }
 
 std::string DeviationText(const loop::Deviation& deviation) {
@@ -165,6 +163,13 @@ std::string HandText(const scenario::Scenario& scenario, const HandReport& hand)
   }
   return text + fmt::format("{:.1f} mm open at the end{}", 1e3 * hand.state.width,
                             hand.state.is_grasped ? ", something is grasped" : "");
+}
+
+/// The first keys of summary.json.
+Json HeadOf(const scenario::Scenario& scenario, std::string_view outcome,
+            const std::string& failure) {
+  return {{"scenario", scenario.name}, {"seed", scenario.seed}, {"drive", scenario.drive_name()},
+          {"version", TWIN_VERSION},   {"outcome", outcome},    {"failure", failure}};
 }
 
 }  // namespace
@@ -243,13 +248,8 @@ std::string SummaryJson(const scenario::Scenario& scenario, const RunResult& res
   const auto known = [&](std::uint64_t count) {
     return scenario.is_remote() ? Json() : Json(count);
   };
-  Json summary{
-      {"scenario", scenario.name},
-      {"seed", scenario.seed},
-      {"drive", scenario.drive_name()},
-      {"version", TWIN_VERSION},
-      {"outcome", OutcomeOf(result, interrupted)},
-      {"failure", result.report.failure},
+  Json summary = HeadOf(scenario, OutcomeOf(result, interrupted), result.report.failure);
+  summary.update(Json{
       {"violations", violations},
       {"simulated_s", ToSeconds(result.report.simulated)},
       {"final_error_rad", result.final_error},
@@ -275,18 +275,13 @@ std::string SummaryJson(const scenario::Scenario& scenario, const RunResult& res
       {"period_us", PercentilesUs(result.report.timings.period)},
       {"libm", FormatHash(LibmFingerprint())},
       {"states_hash", FormatHash(result.states_hash)},
-  };
+  });
   summary.update(DeviationJson(result.followed));
   return TextOf(summary);
 }
 
 std::string FailureJson(const scenario::Scenario& scenario, const std::string& failure) {
-  return TextOf(Json{{"scenario", scenario.name},
-                     {"seed", scenario.seed},
-                     {"drive", scenario.drive_name()},
-                     {"version", TWIN_VERSION},
-                     {"outcome", "failed"},
-                     {"failure", failure}});
+  return TextOf(HeadOf(scenario, "failed", failure));
 }
 
 std::string TimingJson(const WallTimes& times, const backend::RobotTimings& robot) {

@@ -72,11 +72,8 @@ void ApplyLab(const std::filesystem::path& file, Scenario& scenario) {
   DescribeLab(map, scenario, description);
   RequireKeysOfALab(root, map);
   map.Read(root);
-  try {
-    scenario.Validate();
-  } catch (const InputError& error) {
-    root.Fail(fmt::format("with scenario {}: {}", scenario.name, error.what()));
-  }
+  root.Checked([&scenario] { scenario.Validate(); },
+               fmt::format("with scenario {}: ", scenario.name));
 }
 
 }  // namespace twin::scenario

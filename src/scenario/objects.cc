@@ -76,16 +76,9 @@ SceneObject Drawn(const ObjectSection& section, const Draws& draws,
   return object;
 }
 
-/// Half widths below zero are none; and the diameters of what is round are one.
+/// Only what moves has a mass, and the diameters of what is round are one.
 void RequireSection(const ObjectSection& section) {
-  const ObjectSpread& spread = section.spread;
-  const auto is_positive = [](double value) { return value >= 0; };
-  const bool all = std::ranges::all_of(spread.size, is_positive) &&
-                   std::ranges::all_of(spread.position, is_positive) &&
-                   std::ranges::all_of(spread.rpy, is_positive) && is_positive(spread.mass) &&
-                   is_positive(spread.friction);
-  if (!all) throw InputError("spread: half widths of ranges; each must be 0 or more");
-  if (!section.mass && spread.mass > 0) {
+  if (!section.mass && section.spread.mass > 0) {
     throw InputError("spread.mass: it is fixed to the world, and has no mass; leave it out");
   }
   const bool is_round = section.shape != ObjectShape::kBox;

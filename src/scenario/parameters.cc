@@ -16,9 +16,7 @@ constexpr std::size_t kMostParameters = 1000;
 constexpr std::size_t kDeepest = 8;
 
 bool IsWord(std::string_view key) {
-  return !key.empty() && std::ranges::all_of(key, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-  });
+  return !key.empty() && key.find('-') == key.npos && std::ranges::all_of(key, IsNameLetter);
 }
 
 void Flatten(const YamlNode& node, const std::string& key, std::size_t depth,
@@ -43,11 +41,9 @@ void Flatten(const YamlNode& node, const std::string& key, std::size_t depth,
 
 std::string ValueText(const control::Parameter& parameter) {
   if (!parameter.is_list) return YamlQuoted(parameter.values.front());
-  std::string list;
-  for (const std::string& value : parameter.values) {
-    list += (list.empty() ? "" : ", ") + YamlQuoted(value);
-  }
-  return "[" + list + "]";
+  std::vector<std::string> items;
+  std::ranges::transform(parameter.values, std::back_inserter(items), YamlQuoted);
+  return ListText(items, -1);
 }
 
 /// Those that share their first `skip` letters, as a map: neighbours with the same next word

@@ -14,32 +14,34 @@ namespace {
 /// A threshold no force reaches: the largest that INT takes, N or Nm.
 constexpr double kUnreachable = 1e6;
 
+void RefuseIf(bool wrong, const char* why) {
+  if (wrong) throw InputError(why);
+}
+
 /// The synchronous loop sleeps on its own clock and the bare one is the robot's: they have no time
 /// by which a state could be out of order, and the bare loop has no clock at all.
 void ValidateLoop(const Scenario& scenario) {
   const ControllerSection& controller = scenario.controller;
-  if (scenario.loop == loop::LoopKind::kAsynchronous) return;
-  if (scenario.tick.period_tolerance != Duration::zero()) {
-    throw InputError(
-        "tick.period_tolerance: only the asynchronous loop has one; leave it out, or say loop: "
-        "asynchronous");
-  }
-  if (scenario.loop != loop::LoopKind::kBare) return;
-  if (controller.rate_hz == 1000 && controller.clock_drift_ppm == 0 &&
-      controller.phase == Duration::zero() && controller.wake_delay == Delay()) {
-    return;
-  }
-  throw InputError(
-      "controller: the bare loop is paced by the robot, at 1000 Hz; rate, clock_drift, phase and "
-      "wake_delay have no meaning in it: leave them out, or say loop: asynchronous");
+  RefuseIf(scenario.loop != loop::LoopKind::kAsynchronous &&
+               scenario.tick.period_tolerance != Duration::zero(),
+           "tick.period_tolerance: only the asynchronous loop has one; leave it out, or say loop: "
+           "asynchronous");
+  const bool has_clock = controller.rate_hz != 1000 || controller.clock_drift_ppm != 0 ||
+                         controller.phase != Duration::zero() || controller.wake_delay != Delay();
+  RefuseIf(scenario.loop == loop::LoopKind::kBare && has_clock,
+           "controller: the bare loop is paced by the robot, at 1000 Hz; rate, clock_drift, phase "
+           "and wake_delay have no meaning in it: leave them out, or say loop: asynchronous");
 }
 
-void ValidatePlant(const PlantSection& plant) {
+void ValidatePlant(const Scenario& scenario) {
+  const PlantSection& plant = scenario.plant;
   if (plant.kind != robot::PlantKind::kIdeal) return;
-  if (plant.mass_scale == 1 && plant.base_tilt == plant::BaseTilt()) return;
-  throw InputError(
-      "plant: the ideal plant does what INT wants, whatever it weighs and however it stands; leave "
-      "mass_scale and base_tilt out, or say kind: mujoco");
+  RefuseIf(plant.mass_scale != 1 || !(plant.base_tilt == plant::BaseTilt()),
+           "plant: the ideal plant does what INT wants, whatever it weighs and however it stands; "
+           "leave mass_scale and base_tilt out, or say kind: mujoco");
+  RefuseIf(!scenario.perturbations.empty(),
+           "perturbations: the ideal plant feels no forces; say plant: {kind: mujoco}, or leave "
+           "them out");
 }
 
 /// Its drives follow each other.
@@ -59,117 +61,68 @@ void ValidateDrives(const std::vector<DriveEvent>& drive) {
 void ValidateBase(const Scenario& scenario) {
   if (!scenario.base) return;
   ValidateDrives(scenario.base->drive);
-  const auto refuse = [](std::string_view why) {
-    throw InputError(fmt::format("base: {}, or leave base out", why));
-  };
-  if (scenario.is_remote()) {
-    refuse("a robot at the other end of a wire has none; say backend: mujoco");
-  }
-  if (scenario.plant.kind == robot::PlantKind::kIdeal) {
-    refuse("the ideal plant has no wheels; say plant: {kind: mujoco}");
-  }
-  if (!(scenario.plant.base_tilt == plant::BaseTilt())) {
-    refuse("it stands as its tyres let it; leave plant.base_tilt out");
-  }
-  if (scenario.motion.plan) {
-    refuse("a motion is planned for an arm that stands on the world; give a trajectory or poses");
-  }
-  if (scenario.application && !scenario.base->drive.empty()) {
-    throw InputError("base.drive: beside an application, which drives the base itself");
-  }
-}
-
-void ValidatePerturbations(const Scenario& scenario) {
-  if (scenario.perturbations.empty() || scenario.plant.kind != robot::PlantKind::kIdeal) return;
-  throw InputError(
-      "perturbations: the ideal plant feels no forces; say plant: {kind: mujoco}, or leave them "
-      "out");
-}
-
-/// Whether objects can be drawn depends on the seed too.
-void ValidateObjects(const Scenario& scenario) {
-  (void)ObjectsOf(scenario.objects, scenario.seed);
-}
-
-void ValidatePanel(const std::vector<robot::PanelEvent>& panel) {
-  const auto earlier = [](const auto& a, const auto& b) { return a.at < b.at; };
-  if (std::ranges::is_sorted(panel, earlier)) return;
-  throw InputError("panel: its events must be in order of time");
+  RefuseIf(scenario.is_remote(),
+           "base: a robot at the other end of a wire has none; say backend: mujoco, or leave base "
+           "out");
+  RefuseIf(scenario.plant.kind == robot::PlantKind::kIdeal,
+           "base: the ideal plant has no wheels; say plant: {kind: mujoco}, or leave base out");
+  RefuseIf(!(scenario.plant.base_tilt == plant::BaseTilt()),
+           "base: it stands as its tyres let it; leave plant.base_tilt out, or leave base out");
+  RefuseIf(scenario.motion.plan.has_value(),
+           "base: a motion is planned for an arm that stands on the world; give a trajectory or "
+           "poses, or leave base out");
+  RefuseIf(scenario.application && !scenario.base->drive.empty(),
+           "base.drive: beside an application, which drives the base itself");
 }
 
 void ValidateHand(const Scenario& scenario) {
-  const std::vector<HandEvent>& hand = scenario.hand;
-  if (hand.empty()) return;
-  if (scenario.robot.hand == plant::HandKind::kNone) {
-    throw InputError(
-        "hand: robot.hand is none, so there is nothing to command; say robot: {hand: franka_hand}, "
-        "or leave the commands out");
-  }
-  const auto earlier = [](const auto& a, const auto& b) { return a.at < b.at; };
-  if (!std::ranges::is_sorted(hand, earlier)) {
-    throw InputError("hand: its commands must be in order of time");
-  }
+  if (scenario.hand.empty()) return;
+  RefuseIf(scenario.robot.hand == plant::HandKind::kNone,
+           "hand: robot.hand is none, so there is nothing to command; say robot: {hand: "
+           "franka_hand}, or leave the commands out");
+  RefuseIf(scenario.application.has_value(),
+           "hand: beside an application, which commands the hand itself");
+  RefuseIf(scenario.motion.plan.has_value(),
+           "motion.plan: it takes the hand to stay as it is; leave the commands to the hand out");
 }
 
 /// What is planned has no points but its ends, and only shares of the limits for its pace.
 void ValidatePlan(const Scenario& scenario) {
   const MotionSection& motion = scenario.motion;
-  if (!motion.plan) return;
-  if (!motion.waypoints.empty() || !motion.poses.empty()) {
-    throw InputError(
-        "motion.plan: waypoints or poses beside it; a motion has one of trajectory, poses, plan");
-  }
-  if (!scenario.robot.q_start) {
-    throw InputError(
-        "motion.plan: it begins at robot.q_start, which is not given; give it, as robot: {q_start: "
-        "{unit: rad, values: [...]}}");
-  }
-  if (!scenario.hand.empty()) {
-    throw InputError(
-        "motion.plan: it takes the hand to stay as it is; leave the commands to the hand out");
-  }
-  if (motion.timing.duration) {
-    throw InputError(
-        "motion.plan: a duration cannot be asked for; give shares of the limits, or stretch");
-  }
+  RefuseIf(!motion.waypoints.empty() || !motion.poses.empty(),
+           "motion.plan: waypoints or poses beside it; a motion has one of trajectory, poses, "
+           "plan");
+  RefuseIf(!scenario.robot.q_start,
+           "motion.plan: it begins at robot.q_start, which is not given; give it, as robot: "
+           "{q_start: {unit: rad, values: [...]}}");
+  RefuseIf(motion.timing.duration.has_value(),
+           "motion.plan: a duration cannot be asked for; give shares of the limits, or stretch");
 }
 
-void ValidateMotion(const MotionSection& motion) {
-  if (!motion.poses.empty() && motion.waypoints.size() != 1) {
+void ValidateMotion(const Scenario& scenario) {
+  const MotionSection& motion = scenario.motion;
+  if (motion.plan) return ValidatePlan(scenario);
+  const std::size_t count = motion.waypoints.size();
+  if (!motion.poses.empty() && count != 1) {
     throw InputError(
         fmt::format("motion.poses: {} points through joint space beside them; give one, where the "
                     "arm begins",
-                    motion.waypoints.size()));
+                    count));
   }
-  if (motion.poses.empty() && !motion.plan && motion.waypoints.size() < 2) {
-    throw InputError(fmt::format("motion.trajectory: {} waypoints; a trajectory needs at least two",
-                                 motion.waypoints.size()));
+  if (motion.poses.empty() && count < 2) {
+    throw InputError(
+        fmt::format("motion.trajectory: {} waypoints; a trajectory needs at least two", count));
   }
 }
 
-/// It begins where the robot stands, and makes its motions and commands to the hand itself.
+/// It begins where the robot stands, and makes its motions itself.
 void ValidateApplication(const Scenario& scenario) {
   const MotionSection& motion = scenario.motion;
-  if (!motion.waypoints.empty() || !motion.poses.empty() || motion.plan) {
-    throw InputError("motion: beside an application, which makes its motions itself");
-  }
-  if (!scenario.robot.q_start) {
-    throw InputError(
-        "application: it begins at robot.q_start, which is not given; give it, as robot: {q_start: "
-        "{unit: rad, values: [...]}}");
-  }
-  if (!scenario.hand.empty()) {
-    throw InputError("hand: beside an application, which commands the hand itself");
-  }
-}
-
-void ValidateOperator(const Scenario& scenario) {
-  if (!scenario.application) {
-    throw InputError(
-        "operator: a motion has its path, and nobody leads it; leave it out, or say application: "
-        "{type: teleoperation}");
-  }
-  scenario.operator_section->Validate();
+  RefuseIf(!motion.waypoints.empty() || !motion.poses.empty() || motion.plan,
+           "motion: beside an application, which makes its motions itself");
+  RefuseIf(!scenario.robot.q_start,
+           "application: it begins at robot.q_start, which is not given; give it, as robot: "
+           "{q_start: {unit: rad, values: [...]}}");
 }
 
 bool SamePoint(const reference::Waypoint& a, const reference::Waypoint& b) {
@@ -204,22 +157,11 @@ Transform FramePose::Matrix() const noexcept {
   const double sp = std::sin(rpy[1]);
   const double cy = std::cos(rpy[2]);
   const double sy = std::sin(rpy[2]);
-  return {cy * cp,
-          sy * cp,
-          -sp,
-          0,
-          cy * sp * sr - sy * cr,
-          sy * sp * sr + cy * cr,
-          cp * sr,
-          0,
-          cy * sp * cr + sy * sr,
-          sy * sp * cr - cy * sr,
-          cp * cr,
-          0,
-          position[0],
-          position[1],
-          position[2],
-          1};
+  const Vector3 x{cy * cp, sy * cp, -sp};
+  const Vector3 y{cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr};
+  const Vector3 z{cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr};
+  const auto& [px, py, pz] = position;
+  return {x[0], x[1], x[2], 0, y[0], y[1], y[2], 0, z[0], z[1], z[2], 0, px, py, pz, 1};
 }
 
 setting::CollisionBehavior NoCollisionBehavior() noexcept {
@@ -259,19 +201,15 @@ void Scenario::Validate() const {
   Map map;
   Describe(map, copy);
   map.Check("");
-  ValidatePlant(plant);
+  ValidatePlant(*this);
   ValidateLoop(*this);
-  if (application) {
-    ValidateApplication(*this);
-  } else {
-    ValidateMotion(motion);
-    ValidatePlan(*this);
-  }
-  if (operator_section) ValidateOperator(*this);
-  ValidateObjects(*this);
-  ValidatePerturbations(*this);
+  application ? ValidateApplication(*this) : ValidateMotion(*this);
+  RefuseIf(operator_section && !application,
+           "operator: a motion follows its own path; leave the section out, or say "
+           "application: {type: teleoperation}");
+  if (operator_section) operator_section->Validate();
+  (void)ObjectsOf(objects, seed);  // whether they can be drawn depends on the seed, too
   ValidateBase(*this);
-  ValidatePanel(panel);
   ValidateHand(*this);
   render.Validate();
 }

@@ -39,11 +39,7 @@ void AddWhatIsRun(Map& map, Scenario& s) {
       .At(s.places.backend);
   Value drive = Choice(s.drive, kDriveNames);
   drive.read = [&s](const YamlNode& node) {
-    try {
-      s.drive = DriveFromName(node.Text());
-    } catch (const InputError& error) {
-      node.Fail(error.what());
-    }
+    s.drive = node.Checked([name = node.Text()] { return DriveFromName(name); });
   };
   map.Add("drive", drive, "The virtual clock, or the wall clock; leave it out with backend fci.")
       .OmitIf(s.is_remote())
@@ -122,11 +118,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
   Map map;
   Describe(map, scenario);
   map.Read(root);
-  try {
-    scenario.Validate();
-  } catch (const InputError& error) {
-    root.Fail(error.what());
-  }
+  root.Checked([&scenario] { scenario.Validate(); });
   return scenario;
 }
 

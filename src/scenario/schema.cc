@@ -182,11 +182,7 @@ Value Defined(std::string name, std::string_view meaning, Value value) {
 Value Validated(Value value, std::function<void()> validate) {
   value.read = [read = value.read, validate](const YamlNode& node) {
     read(node);
-    try {
-      validate();
-    } catch (const InputError& error) {
-      node.Fail(error.what());
-    }
+    node.Checked(validate);
   };
   value.check = [check = value.check, validate](const std::string& key) {
     check(key);

@@ -43,7 +43,7 @@ struct Value {
   std::function<std::string(int indent)> write = [](int /*indent*/) { return std::string(); };
   /// @param key  from the root, dotted. @throws InputError when the variable is out of range.
   std::function<void(const std::string& key)> check = [](const std::string& /*key*/) {};
-  /// As JSON Schema; its `title` says kind and range for people. @param definitions  `$defs`.
+  /// As JSON Schema; its `title` says kind and range in words. @param definitions  `$defs`.
   std::function<void(Json& schema, Json& definitions)> schema = [](Json&, Json&) {};
 };
 
@@ -69,7 +69,7 @@ class Map {
     Entry& At(Place& place);
   };
 
-  /// @param meaning  one sentence for people; must outlive the map: a literal.
+  /// @param meaning  one sentence for the documentation; must outlive the map: a literal.
   Entry& Add(std::string key, Value value, std::string_view meaning = {});
   /// Adds a key that a file must give.
   Entry& Require(std::string key, Value value, std::string_view meaning = {});

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scenario/schema.h"
+#include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
 // The keys of a scenario's sections. A Describe() adds them to a map and binds them to a section.
@@ -29,6 +30,17 @@ void DescribeDirection(Map& map, const std::string& name, DirectionSection& dire
 [[nodiscard]] Value LoadOf(setting::Load& load);
 /// Adds the shares of the limits that set the pace of a motion. @param least  lower bound of each.
 void DescribeShares(Map& map, reference::Timing& timing, double least);
+
+/// The time of an event of a list. @param end  of an event; none may come before that of the event
+/// above it. @param wrong  the message otherwise.
+template <typename Event, typename End>
+[[nodiscard]] Value TimeInOrder(std::vector<Event>& events, Event& event, End end,
+                                const char* wrong) {
+  return Validated(TimeSpan(event.at, Duration::zero(), kDay), [&events, &event, end, wrong] {
+    const bool is_first = &event == events.data();
+    if (!is_first && event.at < end(*(&event - 1))) throw InputError(wrong);
+  });
+}
 
 void Describe(Map& map, BaseSection& base, Place& place);
 void Describe(Map& map, CameraSection& camera);

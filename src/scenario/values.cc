@@ -25,7 +25,7 @@ Value Single(T& value, Describe describe, Read read, Write write) {
           .schema = [describe](Json& schema, Json& /*definitions*/) { schema = describe(); }};
 }
 
-/// The same within a range. @param range  for people: "[0, 1] rad". @param quote  around a text in
+/// The same within a range. @param range  in words: "[0, 1] rad". @param quote  around a text in
 /// a message.
 template <typename T, typename Describe, typename Range, typename Read, typename Write>
 Value Ranged(T& value, T least, T most, Describe describe, Range range, const char* quote,
@@ -60,11 +60,7 @@ auto Fixed(const char* title, const char* type) {
 template <typename Parse>
 auto Parsed(const YamlNode& node, std::string_view wanted, Parse parse) {
   const std::string text = Shown(node.Scalar(wanted));
-  try {
-    return parse(text);
-  } catch (const InputError& error) {
-    node.Fail(error.what());
-  }
+  return node.Checked([&] { return parse(text); });
 }
 
 std::string QuantityText(double value, Dimension dimension) {

@@ -21,11 +21,7 @@ VideoView ReadView(const std::string& name, const YamlNode& node) {
   view.render.width = kWidth;
   view.render.height = kHeight;
   SectionOf(view.render).read(node);
-  try {
-    view.render.Validate();
-  } catch (const InputError& error) {
-    node.Fail(error.what());
-  }
+  node.Checked([&view] { view.render.Validate(); });
   return view;
 }
 

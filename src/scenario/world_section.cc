@@ -1,5 +1,4 @@
-
-#include <fmt/format.h>
+#include <functional>
 
 #include "scenario/sections.h"
 #include "twin/core/error.h"
@@ -59,13 +58,6 @@ Value CommandOf(HandCommand& command) {
   });
 }
 
-template <typename Event>
-void RequireOrder(const std::vector<Event>& events, const YamlNode& at, std::string_view what) {
-  const std::size_t count = events.size();
-  if (count < 2 || events[count - 1].at >= events[count - 2].at) return;
-  at.Fail(fmt::format("comes before the {} above it; give them in order of time", what));
-}
-
 const std::array<Spelling<PanelAction>, kPanelActions>& PanelActionNames() {
   static const auto names = [] {
     std::array<Spelling<PanelAction>, kPanelActions> all;
@@ -87,7 +79,7 @@ static void Describe(Map& map, ObjectSpread& spread) {
   map.Add("rpy", Vector(spread.rpy, kAngle, 0, kTurn), "Spread of the turn.");
   map.Add("friction", Number(spread.friction, 0, kRoughest), "Spread of the friction.");
   map.Add("mass", Quantity(spread.mass, kMass, 0, kHeaviest), "Spread of the mass.")
-      .OmitIf(spread.mass <= 0);
+      .OmitIf(spread.mass == 0);
 }
 
 void Describe(Map& map, ObjectSection& object) {
@@ -159,8 +151,10 @@ void Describe(Map& map, plant::Perturbation& perturbation) {
 Value Panel(std::vector<robot::PanelEvent>& panel) {
   const auto event = [&panel](robot::PanelEvent& one) {
     return Section([&panel, &one](Map& map) {
-      map.Require("at", TimeSpan(one.at, Duration::zero(), kDay), "Time of the robot's clock.")
-          .Then([&panel](const YamlNode& at) { RequireOrder(panel, at, "event"); });
+      map.Require("at",
+                  TimeInOrder(panel, one, std::mem_fn(&robot::PanelEvent::at),
+                              "comes before the event above it; give them in order of time"),
+                  "Time of the robot's clock.");
       map.Require("action", Choice(one.action, PanelActionNames()), "Action at the robot.");
     });
   };
@@ -184,8 +178,10 @@ static void Describe(Map& map, hand::Grasp& grasp) {
 Value Hand(std::vector<HandEvent>& hand) {
   const auto event = [&hand](HandEvent& one) {
     return Section([&hand, &one](Map& map) {
-      map.Require("at", TimeSpan(one.at, Duration::zero(), kDay), "Time since the run began.")
-          .Then([&hand](const YamlNode& at) { RequireOrder(hand, at, "command"); });
+      map.Require("at",
+                  TimeInOrder(hand, one, std::mem_fn(&HandEvent::at),
+                              "comes before the command above it; give them in order of time"),
+                  "Time since the run began.");
       map.Add("homing", CommandOf<hand::Homing>(one.command),
               "Moves the fingers to both ends; the hand learns its largest opening.");
       map.Add("move", CommandOf<hand::Move>(one.command), "Moves the fingers to an opening.");

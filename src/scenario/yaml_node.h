@@ -10,6 +10,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "twin/core/error.h"
+
 namespace twin::scenario {
 
 /// A value in a YAML file that knows where it stands. A thin reader over YAML::Node: every reading
@@ -51,6 +53,15 @@ class YamlNode {
   [[nodiscard]] std::string Where() const;
   /// Throws InputError with file, line and key in front of `what`.
   [[noreturn]] void Fail(std::string_view what) const;
+  /// @returns what `check` returns; an InputError of it fails with its text behind `prefix`.
+  template <typename Check>
+  auto Checked(Check check, std::string_view prefix = {}) const {
+    try {
+      return check();
+    } catch (const InputError& error) {
+      Fail(std::string(prefix) + error.what());
+    }
+  }
 
  private:
   YamlNode(const YAML::Node& node, std::shared_ptr<const std::string> file, std::string key,

@@ -82,7 +82,7 @@ TEST(ScenarioOperatorTest, LeadsNothingButAnApplication) {
                       "motion:\n  trajectory:\n    unit: deg\n    waypoints:\n"
                       "      - {q: [0, -45, 0, -135, 0, 90, 45]}\n"
                       "      - {q: [0, -45, 0, -135, 0, 90, 40]}\n"),
-              HasSubstr("operator: a motion has its path"));
+              HasSubstr("operator: a motion follows its own path"));
 }
 
 }  // namespace
