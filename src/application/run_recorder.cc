@@ -74,8 +74,7 @@ void Reach(const backend::RobotAddress& address, bool allow_hardware, run::Conso
     Print(console, {"reach", true, connection.backend->Describe().robot});
     is_twin = connection.is_twin;
   } catch (const RobotFault&) {
-    Print(console,
-          {"reach", false, fmt::format("{} cannot be driven; see below", robot)});
+    Print(console, {"reach", false, fmt::format("{} cannot be driven; see below", robot)});
     throw;
   }
   if (is_twin) return Print(console, {"hardware", true, "none: it says that it is a twin"});
