@@ -13,7 +13,7 @@
 namespace twin::robot {
 namespace {
 
-void ValidateDirection(const DirectionConfig& direction, std::string_view where) {
+void ValidateDirection(const faults::DirectionConfig& direction, std::string_view where) {
   direction.Validate(where);
   if (direction.reorder_by <= kLongestOnTheWay) return;
   throw InputError(fmt::format(
@@ -42,6 +42,10 @@ void RobotConfig::Validate() const {
     }
   }
   RequireInRange("robot.clock_ppm", clock_ppm, -1000, 1000);
+  if (catch_up < Duration::zero() || catch_up > kLongestCatchUp) {
+    throw InputError(fmt::format("robot.catch_up is {} ms; it must lie in [0, {}] ms",
+                                 ToSeconds(catch_up) * 1e3, kLongestCatchUp / kCycle));
+  }
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (q_start[i] >= onboard.limits.q_min[i] && q_start[i] <= onboard.limits.q_max[i]) continue;
     throw InputError(fmt::format("robot.q_start: joint {} is at {} rad; it must lie in [{}, {}]",

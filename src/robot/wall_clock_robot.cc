@@ -24,10 +24,14 @@ constexpr int kCommandsAtOnce = 64;
 WallClockRobot::WallClockRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                                WorkstationPort& port, const MonotonicClock& clock,
                                rt::ThreadSettings thread, record::RecordSink* sink)
-    : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink) {}
+    : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink),
+      catch_up_(config.catch_up) {}
 
 void WallClockRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcept {
-  port().Deliver(robot().states().Take());
+  const RobotState& state = robot().states().Take();
+  // While it makes up for cycles, the workstation gets the last state only: it could not answer
+  // the others in time, and would take each for a cycle of its own clock.
+  if (robot().next_cycle() > clock().Now()) port().Deliver(state);
 }
 
 void WallClockRobot::Run(const std::stop_token& stop) noexcept {
@@ -72,7 +76,7 @@ void WallClockRobot::RunEventsUntil(Time until) noexcept {
 }
 
 void WallClockRobot::PostponeIfStalled(Time now) noexcept {
-  const Duration late = now - robot().next_cycle();
+  const Duration late = now - robot().next_cycle() - catch_up_;
   if (late <= kTolerated) return;
   robot().Postpone(late);
   postponed_ += late;

@@ -207,6 +207,7 @@ robot::RobotConfig MakeRobotConfig(const scenario::Scenario& scenario,
       scenario.robot.q_start ? *scenario.robot.q_start : scenario.motion.waypoints.front().q;
   config.panel = scenario.panel;
   config.clock_ppm = scenario.robot.clock_drift_ppm;
+  config.catch_up = scenario.robot.catch_up;
   config.seed = scenario.seed;
   config.Validate();
   return config;
@@ -216,6 +217,7 @@ robot::RobotConfig MakeServedConfig(const scenario::Scenario& scenario, const Ru
   const scenario::RobotData robot =
       scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
   robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
+  config.catch_up = {};
   robot::LinkConfig link;
   link.state.loss = config.link.state.loss;
   link.command.loss = config.link.command.loss;

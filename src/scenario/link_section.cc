@@ -216,8 +216,8 @@ faults::LossModel Loss::Model() const {
   return std::visit([](const auto& parameters) { return Make(parameters); }, law);
 }
 
-robot::DirectionConfig MakeDirection(const DirectionSection& section) {
-  robot::DirectionConfig config;
+faults::DirectionConfig MakeDirection(const DirectionSection& section) {
+  faults::DirectionConfig config;
   config.delay = section.delay.Model();
   config.loss = section.loss.Model();
   config.duplication = section.duplication.share_percent / 100;

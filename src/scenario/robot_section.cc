@@ -168,6 +168,9 @@ void DescribeRobot(Map& map, Scenario& scenario) {
           "Where the arm starts; absent: at the first waypoint.");
   map.Add("clock_drift", Drift(robot.clock_drift_ppm),
           "How much faster the robot's clock runs than the run's.");
+  map.Add("catch_up", TimeSpan(robot.catch_up, Duration::zero(), robot::kLongestCatchUp),
+          "drive: realtime: for how long the host may stop the robot's thread so that INT makes up "
+          "for the cycles, without commands; longer stops lengthen the run.");
   map.Add("load", LoadOf(robot.load),
           "A body that hangs on the flange; onboard.load is what the robot believes.");
 }

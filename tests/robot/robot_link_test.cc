@@ -340,7 +340,7 @@ TEST(LinkTest, SendsAndDeliversWithoutAllocation) {
     void OnEvent(Time, std::uint64_t) noexcept override {}
   } nobody;
   LinkConfig config;
-  for (DirectionConfig* direction : {&config.state, &config.command}) {
+  for (faults::DirectionConfig* direction : {&config.state, &config.command}) {
     direction->delay = faults::DelayModel(faults::GammaDelay{2, milliseconds(1), microseconds(50)});
     direction->loss = faults::LossModel(faults::GilbertElliottLoss{0.02, 0.2, 0.01, 0.9});
     direction->duplication = 0.3;

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -180,6 +181,33 @@ TEST_F(RealtimeRobotTest, AStalledCycleIsFollowedByTheNextOnTheGridAndNotByABurs
   EXPECT_GE(cycles[kStalled].at - cycles[kStalled - 1].at, milliseconds(5));
   EXPECT_GE(robot_->overruns(), 4u);
   EXPECT_GE(robot_->lateness().max(), milliseconds(4));
+}
+
+TEST_F(RealtimeRobotTest, MakesUpForAStallWithinCatchUpAndPostponesTheRestOfALongerOne) {
+  constexpr int kShortStall = 20;
+  constexpr int kLongStall = 40;
+  RobotConfig config = test::PandaRobot();
+  config.catch_up = milliseconds(10);
+  test::Undisturbed(
+      [&] {
+        Make(config, [this](int step) {
+          if (step == kShortStall) rt::SleepUntil(clock_, clock_.Now() + milliseconds(5));
+          if (step == kLongStall) rt::SleepUntil(clock_, clock_.Now() + milliseconds(30));
+        });
+        robot_->Begin();
+        std::set<std::uint64_t> received;
+        while (cycles_.count() < 100) received.insert(AwaitState()->message_id);
+        robot_->End();
+        for (int late = 1; late < 4; ++late) EXPECT_FALSE(received.contains(kShortStall + late));
+        const auto& cycles = cycles_.kept();
+        ExpectSoundGrid(cycles, robot_->overruns());
+        EXPECT_EQ(cycles[kShortStall].at - cycles[kShortStall - 1].at, kCycle);
+        const Duration step = cycles[kLongStall].at - cycles[kLongStall - 1].at;
+        EXPECT_GE(step, milliseconds(20));
+        EXPECT_LT(step, milliseconds(30)) << "10 ms of 30 are made up for";
+        EXPECT_GE(robot_->lateness().max(), milliseconds(29));
+      },
+      [] { return std::int64_t{5}; });
 }
 
 TEST_F(RealtimeRobotTest, ARobotThatNeverKeepsUpCountsWhatItSkipsAndStillAnswers) {

@@ -93,6 +93,15 @@ TEST(ScenarioTest, ReadsWhatTheRobotCarriesAndIsToldOf) {
   EXPECT_EQ(s.plant.elasticity, plant::ElasticityProfile::kStatic);
 }
 
+TEST(ScenarioTest, ReadsAndWritesForHowLongTheRobotMakesUp) {
+  EXPECT_EQ(Parse(test::FullText(), "s.yaml").robot.catch_up, 10ms) << "the default";
+  const Scenario s = Parse(test::Replaced(test::FullText(), "  clock_drift: 5 ppm",
+                                          "  clock_drift: 5 ppm\n  catch_up: 19 ms"),
+                           "s.yaml");
+  EXPECT_EQ(s.robot.catch_up, 19ms);
+  EXPECT_EQ(Parse(ToYaml(s), "s.yaml").robot.catch_up, 19ms);
+}
+
 TEST(ScenarioTest, ReadsTheSettingsOfTheRobot) {
   const OnboardSection onboard = Parse(test::TouchedText(), "s.yaml").onboard;
   EXPECT_EQ(onboard.K_x, (Vector6{200, 200, 200, 10, 20, 30}));

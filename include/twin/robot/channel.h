@@ -22,8 +22,8 @@ class Channel {
   static constexpr std::size_t kCapacity = 2 * (kLongestOnTheWay / kCycle + 1);
 
   /// @throws InputError naming the field of `config` that is out of range.
-  Channel(const DirectionConfig& config, std::uint64_t seed, const faults::FateStreams& streams,
-          rt::EventQueue& events, rt::EventOrder order);
+  Channel(const faults::DirectionConfig& config, std::uint64_t seed,
+          const faults::FateStreams& streams, rt::EventQueue& events, rt::EventOrder order);
 
   /// @param arrived  handles an event per arriving copy, with the token for Receive().
   /// @param repeat  counts messages of the same message_id; see faults::MessageFate.
@@ -48,7 +48,7 @@ class Channel {
 };
 
 template <typename Message>
-Channel<Message>::Channel(const DirectionConfig& config, std::uint64_t seed,
+Channel<Message>::Channel(const faults::DirectionConfig& config, std::uint64_t seed,
                           const faults::FateStreams& streams, rt::EventQueue& events,
                           rt::EventOrder order)
     : fate_(config, seed, streams), events_(events), order_(order), slots_(kCapacity) {

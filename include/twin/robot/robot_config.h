@@ -17,23 +17,23 @@
 
 namespace twin::robot {
 
-/// Faults of one direction of the link.
-using DirectionConfig = faults::DirectionConfig;
-
 /// Longest delay of a message; longer ones count as lost, since a successor would overtake them and
 /// they would be dropped on arrival.
 inline constexpr Duration kLongestOnTheWay = 255 * kCycle;
 
 /// The link between the robot and the workstation.
 struct LinkConfig {
-  DirectionConfig state;    ///< robot -> workstation
-  DirectionConfig command;  ///< workstation -> robot
+  faults::DirectionConfig state;    ///< robot -> workstation
+  faults::DirectionConfig command;  ///< workstation -> robot
   /// INT's own processing: a command counts for cycle k only if it arrived by t_k - d_INT.
   Duration d_INT = std::chrono::microseconds(100);
 
   /// @throws InputError naming field, value and range.
   void Validate() const;
 };
+
+/// INT ends a motion after 20 commands lost in a row.
+inline constexpr Duration kLongestCatchUp = 19 * kCycle;
 
 /// Kind of plant that INT moves.
 enum class PlantKind : std::uint8_t {
@@ -58,6 +58,9 @@ struct RobotConfig {
   JointVector q_start{};          ///< initial position, at rest, rad
   std::vector<PanelEvent> panel;  ///< sorted by time
   double clock_ppm = 0;           ///< drift of INT's clock against the run's, in [-1000, 1000]
+  /// On the wall clock: cycles that the host made late by at most this are executed at once,
+  /// without commands, as WallClockRobot says; [0, 19 ms].
+  Duration catch_up{};
   /// Consecutive losses under which the robot itself makes commands keep the limits
   /// (CommandKeeper), in [0, 100]; absent, as on every real robot: commands are not changed.
   std::optional<int> viability{};

@@ -18,8 +18,10 @@ namespace twin::robot {
 ///     states   <--- WorkstationPort <--- StateLink   <-----+
 ///
 /// Events run in the order of their times: a command enters the link at its arrival time, after all
-/// events due earlier. A cycle more than 0.25 ms late is postponed by its lateness, and so are all
-/// later ones: cycles are never much closer than a period and never caught up. Skipped whole
+/// events due earlier. When the host stopped the thread, the robot makes up for cycles of at most
+/// RobotConfig::catch_up, one right after the other. No command arrives in them, and INT holds the
+/// acceleration, as if only the workstation had stopped; of their states it sends the last. What is
+/// later than that, by more than 0.25 ms, postpones its cycle and all later ones; skipped whole
 /// periods are counted.
 ///
 /// Threads: as ThreadedRobot; statistics from the thread that calls End(). Real-time: the robot's
@@ -45,6 +47,7 @@ class WallClockRobot : public ThreadedRobot {
   void RunEventsUntil(Time until) noexcept TWIN_REALTIME;
   void PostponeIfStalled(Time now) noexcept TWIN_REALTIME;
 
+  const Duration catch_up_;
   ReceivedCommand received_;
   rt::DurationHistogram lateness_;
   std::uint64_t overruns_ = 0;

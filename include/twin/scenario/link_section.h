@@ -96,7 +96,7 @@ struct LinkSection {
 [[nodiscard]] robot::LinkConfig MakeLink(const LinkSection& link);
 
 /// The configuration of one direction. @throws InputError as MakeLink.
-[[nodiscard]] robot::DirectionConfig MakeDirection(const DirectionSection& direction);
+[[nodiscard]] faults::DirectionConfig MakeDirection(const DirectionSection& direction);
 
 /// @param path  a scenario, whose section `link` counts; or a file with that section only.
 /// @throws InputError naming file, line and key.

@@ -54,6 +54,7 @@ struct RobotSection {
   plant::HandKind hand = plant::HandKind::kFrankaHand;
   std::optional<JointVector> q_start;  ///< rad; absent: the first waypoint; a plan needs it
   double clock_drift_ppm = 0;          ///< of INT's clock against the run's, in [-1000, 1000]
+  Duration catch_up = 10 * kCycle;     ///< robot::RobotConfig::catch_up
   setting::Load load;  ///< really there; what INT is told of is the onboard section's
   bool operator==(const RobotSection&) const = default;
 };
