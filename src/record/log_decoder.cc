@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "record/log_text.h"
 #include "twin/core/error.h"
 
 namespace twin::record {
@@ -126,7 +127,13 @@ BaseState DecodeBase(const pb::Base& message) {
   return base;
 }
 
+/// Of a run, whose first cycle is at 0. Sums of two such times do not overflow.
 Time ToTime(std::int64_t ns) {
+  constexpr std::int64_t kMost = 1'000'000'000'000'000'000;
+  if (ns < -kMost || ns > kMost) {
+    throw InputError(
+        fmt::format("a time of {} ns; at most {}, which is 31 years, is accepted", ns, kMost));
+  }
   return Time(Duration(ns));
 }
 
@@ -190,7 +197,9 @@ void LogDecoder::Decode(std::span<const std::byte> data, TickRecord& record) {
 
 void LogDecoder::Decode(std::span<const std::byte> data, EventRecord& record) {
   Parse(data, event_);
-  record = {.at = ToTime(event_.at_ns()), .kind = event_.kind(), .text = event_.text()};
+  record = {.at = ToTime(event_.at_ns()),
+            .kind = ToPrintable(event_.kind()),
+            .text = ToPrintable(event_.text())};
 }
 
 void LogDecoder::Decode(std::span<const std::byte> data, SceneRecord& record) {
@@ -207,12 +216,12 @@ void LogDecoder::Decode(std::span<const std::byte> data, SceneRecord& record) {
 
 void LogDecoder::Decode(std::span<const std::byte> data, PlanRecord& record) {
   Parse(data, plan_);
-  record = {.id = plan_.id(),
-            .caption = plan_.caption(),
+  record = {.id = ToPrintable(plan_.id()),
+            .caption = ToPrintable(plan_.caption()),
             .from = ToTime(plan_.from_ns()),
             .until = ToTime(plan_.until_ns()),
             .way = DecodePoints(plan_.way()),
-            .object = plan_.object()};
+            .object = ToPrintable(plan_.object())};
   if (!plan_.q().empty()) DecodeVector("q", plan_.q(), record.q.emplace());
   if (!plan_.o_t_object().empty()) {
     DecodeVector("O_T_object", plan_.o_t_object(), record.O_T_object);

@@ -81,7 +81,7 @@ class LogReader::Impl {
     }
     const auto value = [&found](const char* key) {
       const auto entry = found->second.find(key);
-      return entry == found->second.end() ? std::string() : entry->second;
+      return entry == found->second.end() ? std::string() : ToPrintable(entry->second);
     };
     run_.scenario = value(kScenarioKey);
     run_.version = value(kVersionKey);

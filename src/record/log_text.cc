@@ -108,4 +108,19 @@ std::string ToUtf8(std::string_view text) {
   return result;
 }
 
+std::string ToPrintable(std::string_view text) {
+  constexpr unsigned char kC1Lead = 0xC2;  // U+0080 to U+009F are C2 80 to C2 9F
+  constexpr unsigned char kC1End = 0xA0;
+  std::string result = ToUtf8(text);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(result[i]);
+    const bool is_control = byte == 0x7F || (byte < 0x20 && byte != '\n' && byte != '\t');
+    if (is_control) result[i] = '?';
+    if (byte == kC1Lead && static_cast<unsigned char>(result[i + 1]) < kC1End) {
+      result[i] = result[i + 1] = '?';
+    }
+  }
+  return result;
+}
+
 }  // namespace twin::record

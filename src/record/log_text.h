@@ -23,4 +23,8 @@ using Metadata = std::map<std::string, std::string>;
 /// of an MCAP file and of protobuf strings must be UTF-8. Source: RFC 3629.
 [[nodiscard]] std::string ToUtf8(std::string_view text);
 
+/// @returns ToUtf8(text) with every control character but line break and tab replaced by '?': a
+/// log's texts go to terminals, which obey escape sequences.
+[[nodiscard]] std::string ToPrintable(std::string_view text);
+
 }  // namespace twin::record

@@ -12,6 +12,7 @@
 #include "twin/model/transform.h"
 #include "twin/plant/compiled_model.h"
 #include "twin/record/log_reader.h"
+#include "twin/replay/time_line.h"
 
 namespace twin::replay {
 namespace {
@@ -40,7 +41,14 @@ class Contents {
       : fps_(fps), scenes_(scenes), log_(log) {}
 
   void operator()(const record::CycleRecord& cycle) {
-    while (arm.empty() || cycle.at >= Due()) arm.push_back(SampleOf(cycle));
+    while (arm.empty() || cycle.at >= Due()) {
+      if (arm.size() == kMostFrames) {
+        throw InputError(fmt::format(
+            "{}: its cycles span {:.0f} s, too long for {} frames a second; is it damaged?",
+            log_.string(), ToSeconds(cycle.at - arm.front().at), fps_));
+      }
+      arm.push_back(SampleOf(cycle));
+    }
   }
   void operator()(const record::TickRecord& /*tick*/) {}
   void operator()(const record::EventRecord& event) { events.push_back(event); }

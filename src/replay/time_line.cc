@@ -43,6 +43,13 @@ std::vector<Time> FrameTimes(Time first, Time last, const TimeLine& time_line) {
         "nothing was recorded between {} and {} s; the log holds {} to {} s", Seconds(from),
         Seconds(time_line.until.value_or(last)), Seconds(first), Seconds(last)));
   }
+  const double film = Seconds(until) - Seconds(from);
+  if (film / time_line.speed * time_line.fps > kMostFrames) {
+    throw InputError(fmt::format(
+        "the film of {} to {} s would have more than {} frames; show a part of the run (--from, "
+        "--until), or fewer frames a second",
+        Seconds(from), Seconds(until), kMostFrames));
+  }
   std::vector<Time> times{from};
   for (Time t = from + Since(1, time_line); t <= until; t = from + Since(times.size(), time_line)) {
     times.push_back(t);

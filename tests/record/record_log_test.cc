@@ -266,6 +266,7 @@ TEST(LogReaderTest, TellsWhatWasRun) {
   const TemporaryFolder folder;
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait);
   recorder.Event(Time(Duration(5)), "mode", "Idle -> Move");
+  recorder.Event(Time(Duration(6)), "\x1b[2Jmode", "\x1b]0;title\a");
   recorder.Finish();
   const LogReader reader(folder / "a.mcap");
   EXPECT_EQ(reader.run().scenario, "sample");
@@ -277,6 +278,9 @@ TEST(LogReaderTest, TellsWhatWasRun) {
   EXPECT_EQ(event.at, Time(Duration(5)));
   EXPECT_EQ(event.kind, "mode");
   EXPECT_EQ(event.text, "Idle -> Move");
+  const auto escapes = std::get<EventRecord>(Entries(folder / "a.mcap").at(1));
+  EXPECT_EQ(escapes.kind, "?[2Jmode");
+  EXPECT_EQ(escapes.text, "?]0;title?");
 }
 
 /// A file with one message of the given bytes.
@@ -315,6 +319,10 @@ TEST(LogReaderTest, NamesTheFieldOfAMessageThatIsNotAcceptable) {
   cycle.mutable_violation()->set_axis(7);
   EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", cycle.SerializeAsString()),
               HasSubstr("axis of a violation is 7; it must be in [-1, 6]"));
+  cycle.Clear();
+  cycle.set_at_ns(std::numeric_limits<std::int64_t>::max());
+  EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", cycle.SerializeAsString()),
+              HasSubstr("a time of 9223372036854775807 ns"));
   EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Cycle", "\xff\xff"),
               HasSubstr("not a message of type panda_twin.Cycle"));
   EXPECT_THAT(FailureOf(kCycleTopic, "panda_twin.Tick", ""), HasSubstr("panda_twin.Tick"));
@@ -411,6 +419,15 @@ TEST(Utf8Test, KeepsWellFormedTextAndReplacesTheRest) {
   EXPECT_EQ(ToUtf8("overlong \xc0\xaf \xe0\x80\x80"), "overlong ?? ???");
   EXPECT_EQ(ToUtf8("surrogate \xed\xa0\x80"), "surrogate ???");
   EXPECT_EQ(ToUtf8("too high \xf4\x90\x80\x80"), "too high ????");
+}
+
+TEST(PrintableTest, ReplacesWhatATerminalObeys) {
+  EXPECT_EQ(ToPrintable("a\n\tb \xc3\xbc"), "a\n\tb \xc3\xbc");
+  EXPECT_EQ(ToPrintable("\x1b[2J \x7f \r"), "?[2J ? ?");
+  EXPECT_EQ(ToPrintable("\xc2\x9b"
+                        "2J \xc2\xa0"),
+            "??2J \xc2\xa0")
+      << "U+009B begins an escape sequence, U+00A0 is a space";
 }
 
 }  // namespace

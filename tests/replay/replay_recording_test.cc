@@ -103,6 +103,14 @@ TEST(RecordingTest, SamplesAsOftenAsIsAskedForWhereThereAreNoScenes) {
   EXPECT_EQ(recording.snapshots().size(), 21U);
 }
 
+TEST(RecordingTest, RefusesATimeThatWouldFillTheMemory) {
+  const twin::test::TemporaryFolder folder;
+  const auto log = WriteLog(folder, test::Sample(), 10, [](record::Recorder& recorder) {
+    recorder.Put(test::CycleAt(100'000'000'000));
+  });
+  EXPECT_THAT(FailureOf(log), HasSubstr("its cycles span 100000000 s"));
+}
+
 TEST(RecordingTest, FilmsPlansAsGoalsAndSaysWhatHappened) {
   const twin::test::TemporaryFolder folder;
   const record::PlanRecord plan{.id = "goal",

@@ -81,6 +81,12 @@ TEST(FrameTimesTest, RefusesWhatShowsNothingAndSaysWhatThereIs) {
   EXPECT_THAT(FailureOf({.from = At(2500), .until = At(2000)}), HasSubstr("before it begins"));
 }
 
+TEST(FrameTimesTest, RefusesMoreFramesThanMemoryHolds) {
+  EXPECT_NO_THROW(static_cast<void>(FrameTimes(Time(), Time(std::chrono::hours(1)), {})));
+  EXPECT_THROW(static_cast<void>(FrameTimes(Time(), Time(std::chrono::hours(100'000)), {})),
+               InputError);
+}
+
 TEST(FrameTimesTest, RefusesSpeedsAndRatesOutOfRange) {
   for (const double speed : {0.0, 0.001, 101.0, -1.0}) {
     EXPECT_THAT(FailureOf({.speed = speed}), HasSubstr("speed is")) << speed;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -8,6 +9,9 @@
 #include "twin/render/snapshots.h"
 
 namespace twin::replay {
+
+/// Of one film: 22 h at 25 frames a second. More are a damaged log, and would fill the memory.
+inline constexpr std::size_t kMostFrames = 2'000'000;
 
 /// Part of a run that a film shows, and its speed.
 struct TimeLine {
@@ -23,8 +27,8 @@ struct TimeLine {
 /// Instants of a film's frames:
 ///   t_k = from + speed k / fps,   k = 0, 1, ... while t_k <= until.
 /// @param first, last  of the run's records.
-/// @returns at least one. @throws InputError if the time line is invalid or lies outside the run
-/// (gives the run's range).
+/// @returns from 1 to kMostFrames. @throws InputError if the time line is invalid, lies outside the
+/// run (gives the run's range) or has too many frames.
 [[nodiscard]] std::vector<Time> FrameTimes(Time first, Time last, const TimeLine& time_line);
 
 /// The recorded scenes at these instants: for each the first scene at or after it, without
