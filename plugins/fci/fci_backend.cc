@@ -99,8 +99,10 @@ class FciBackend final : public backend::Backend {
         client_(clock, address.host, port_, TimeoutFor(address.time), address.capture),
         is_twin_(client_.SaysItIsATwin()) {
     if (request.robot.plant.hand == plant::HandKind::kNone) return;
-    const auto next = static_cast<std::uint16_t>(port_ + 1);
-    hand_.emplace(address.host, next, address.capture);
+    hand_.emplace(
+        address.host,
+        address.hand_port == 0 ? static_cast<std::uint16_t>(port_ + 1) : address.hand_port,
+        address.capture);
   }
 
   [[nodiscard]] rt::Arrival& arrival() noexcept { return client_.arrival(); }

@@ -42,11 +42,12 @@ scenario::Scenario LedFromThePage(scenario::Scenario served) {
   return served;
 }
 
-run::RealtimeSettings ServedAt(const fci::Endpoint& arm) {
+run::RealtimeSettings ServedAt(const fci::Endpoint& arm, const std::optional<fci::Endpoint>& hand) {
   run::RealtimeSettings settings;
   // Where this server listens: at the same port of another address another robot may answer.
   settings.remote.host = arm.address == 0 ? "127.0.0.1" : fci::AddressText(arm.address);
   settings.remote.arm_port = arm.port;
+  if (hand) settings.remote.hand_port = hand->port;
   settings.checks_start = false;
   return settings;
 }
@@ -54,10 +55,11 @@ run::RealtimeSettings ServedAt(const fci::Endpoint& arm) {
 }  // namespace
 
 PageOperator::PageOperator(const Parts& parts, const scenario::Scenario& served,
-                           const fci::Endpoint& arm, Tell tell)
+                           const fci::Endpoint& arm, const std::optional<fci::Endpoint>& hand,
+                           Tell tell)
     : parts_(parts),
       scenario_(LedFromThePage(served)),
-      settings_(ServedAt(arm)),
+      settings_(ServedAt(arm, hand)),
       tell_(std::move(tell)),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 

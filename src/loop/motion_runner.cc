@@ -195,8 +195,10 @@ void MotionRunner::JudgeRest(RunReport& report) {
     report.errors |= state.errors;
   } else if (rest_.Still() < kStill && !deaf_ && watch_.failure() == LoopFailure::kNone) {
     const std::size_t joint = FastestJoint(state.dq);
-    why = fmt::format("the arm did not come to rest: joint {} still moves at {:.3g} rad/s",
-                      joint + 1, state.dq[joint]);
+    why = Now() - watch_.last_state() < kDeaf
+              ? fmt::format("the arm did not come to rest: joint {} still moves at {:.3g} rad/s",
+                            joint + 1, state.dq[joint])
+              : "the robot's states have stopped: nothing shows whether the arm came to rest";
   } else {
     return;
   }

@@ -149,6 +149,15 @@ TEST_F(LockstepDriveTest, AnEndThatNoStateTellsOfIsNoticed) {
   EXPECT_TRUE(aborted);
 }
 
+TEST_F(LockstepDriveTest, StatesThatStopSayNothingOfTheArmsRest) {
+  motion_.robot.link.state.loss = faults::LossModel(faults::ScriptedLoss{{{700, 100'000}}});
+  const RunReport report = Run();
+  EXPECT_EQ(report.end, backend::MotionEnd::kAborted);
+  EXPECT_NE(report.failure.find("the robot's states have stopped"), std::string::npos)
+      << report.failure;
+  EXPECT_EQ(report.failure.find("still moves"), std::string::npos) << report.failure;
+}
+
 TEST_F(LockstepDriveTest, ALinkThatLosesEveryStateIsReported) {
   motion_.robot.link.state.loss = faults::LossModel(faults::IndependentLoss{1});
   EXPECT_THROW(static_cast<void>(Run()), RobotFault);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string_view>
 #include <thread>
@@ -34,9 +35,9 @@ class PageOperator {
     page::OperatorChannel& channel;
   };
 
-  /// @param served  the robot's scenario. @param arm  where it is served.
+  /// @param served  the robot's scenario. @param arm, hand  where they are served.
   PageOperator(const Parts& parts, const scenario::Scenario& served, const fci::Endpoint& arm,
-               Tell tell);
+               const std::optional<fci::Endpoint>& hand, Tell tell);
 
   /// Somebody has taken control; or nobody has it any more, and the session's end will be pressed.
   void Operate(bool wanted) noexcept {

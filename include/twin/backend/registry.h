@@ -53,8 +53,9 @@ enum class RobotTime : std::uint8_t {
 
 /// A robot at the other end of a wire.
 struct RobotAddress {
-  std::string host;            ///< IPv4 address, or name
-  std::uint16_t arm_port = 0;  ///< TCP; 0: the interface's default
+  std::string host;             ///< IPv4 address, or name
+  std::uint16_t arm_port = 0;   ///< TCP; 0: the interface's default
+  std::uint16_t hand_port = 0;  ///< TCP; 0: the port after the arm's
   RobotTime time = RobotTime::kWall;
   fci::Capture* capture = nullptr;  ///< records the traffic on the wire; may be null
 };

@@ -245,7 +245,8 @@ void Service::OpenPage() {
     settings.control = [this](bool wanted) { operator_->Operate(wanted); };
     operator_ = std::make_unique<application::PageOperator>(
         application::PageOperator::Parts{program_.catalogue, files_, page_->channel()}, scenario_,
-        robot_->arm(), [this](Time at, std::string_view kind, std::string_view text) {
+        robot_->arm(), robot_->hand(),
+        [this](Time at, std::string_view kind, std::string_view text) {
           page_->Tell(at, kind, text);
         });
   }
