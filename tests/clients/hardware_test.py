@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""A real arm is moved by who says so, wherever it seems to listen: hardware_test.py PROGRAM SOURCE_TREE [unittest options].
+"""Only --allow-hardware moves a real arm, at whatever address it listens: hardware_test.py PROGRAM SOURCE_TREE [unittest options].
 
-The independent peer stands for a robot: like one it knows nothing of twins. Nothing here moves an arm, but for the twin's.
+The independent peer stands for a robot: like one it knows nothing of twins, and tells which requests came.
 """
 
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -19,11 +20,11 @@ FLAG = "--allow-hardware"
 
 
 class Robot:
-    """with Robot() as robot: robot.address"""
+    """with Robot() as robot: robot.address; afterwards robot.requests, the names of those it got"""
 
     def __enter__(self):
         self.address = own_address()
-        self.process = subprocess.Popen([sys.executable, pathlib.Path(__file__).with_name("fci_peer.py"), "--host", self.address],
+        self.process = subprocess.Popen([sys.executable, pathlib.Path(__file__).with_name("fci_peer.py"), "--host", self.address, "-v"],
                                         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         if "listening" not in self.process.stdout.readline():
             raise RuntimeError("no peer")
@@ -31,7 +32,7 @@ class Robot:
 
     def __exit__(self, *_):
         self.process.kill()
-        self.process.communicate()
+        self.requests = re.findall(r"(?m)^<- ([A-Z]\w+)", self.process.communicate()[0])
 
 
 class HardwareTest(unittest.TestCase):
@@ -58,14 +59,21 @@ class HardwareTest(unittest.TestCase):
         self.assertIn("does not say that it is a twin", done.stderr)
         self.assertNotIn("settings", done.stdout)  # nothing was asked of it
 
+    def check_got_no_request_that_acts(self, robot):
+        """GetCartesianLimit changes nothing: it asks for the twin's sign."""
+        self.assertIn("Connect", robot.requests)
+        self.assertLessEqual(set(robot.requests), {"Connect", "GetCartesianLimit"})
+
     def test_a_robot_is_asked_for_at_the_loopback_too(self):
         with Robot() as robot:
             self.check_is_refused(robot.address)
             self.check_is_refused(robot.address, "--page=0")
+        self.check_got_no_request_that_acts(robot)
 
     def test_a_proxy_speaks_for_the_robot_behind_it(self):
         with Robot() as robot, proxy_test.Proxy(robot.address) as proxy:
             self.check_is_refused(proxy.address)
+        self.check_got_no_request_that_acts(robot)
 
     def test_a_robot_that_was_allowed_is_driven(self):
         with Robot() as robot:
@@ -73,6 +81,7 @@ class HardwareTest(unittest.TestCase):
         self.assertNotIn(FLAG, done.stderr)
         self.assertRegex(done.stdout + done.stderr, r"(?m)^ok +hardware +a real arm may move")
         self.assertRegex(done.stdout, r"(?m) states ")  # its checks go on
+        self.assertTrue([name for name in robot.requests if name.startswith("Set")], robot.requests)
 
     def test_a_twin_is_not_asked_for(self):
         with TwinServer(PROGRAM, SOURCE, "lockstep") as server, proxy_test.Proxy(server.address) as proxy:

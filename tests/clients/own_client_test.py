@@ -102,9 +102,12 @@ class OwnClientTest(unittest.TestCase):
         self.assertGreater(json.loads((out / "summary.json").read_text())["simulated_s"], 4)
 
     def test_an_arm_that_is_elsewhere_is_not_moved(self):
-        with TwinServer(PROGRAM, SOURCE, DRIVE) as server:
+        log = self.tmp / "served.mcap"
+        with TwinServer(PROGRAM, SOURCE, DRIVE, "--log", log) as server:
             done = self.run_there(server, self.scenario(start="0.9"), self.tmp / "out")
         self.assertEqual(done.returncode, 1)
+        subprocess.run([PROGRAM, "export", log, "--out", self.tmp / "csv"], check=True, capture_output=True)
+        self.assertEqual({row["robot_mode"] for row in rows(self.tmp, "cycles.csv")}, {"Idle"})
         self.assertRegex(done.stdout, r"(?m)^FAILED start +joint 7 is 0.1146 rad")
         self.assertIn("the arm was not moved", done.stderr)
         self.assertFalse((self.tmp / "out" / "run.mcap").exists())
