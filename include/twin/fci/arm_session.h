@@ -19,12 +19,12 @@ namespace twin::fci {
 struct ArmProgress {
   RobotMode mode = RobotMode::kOther;
   bool in_motion = false;  ///< the modes of the state are not idle
-  /// End of the last motion; kMotionStarted while one runs, or before the first.
+  /// Status of the last motion's Move: kMotionStarted while it runs and before the first motion.
   MoveStatus last_end = MoveStatus::kMotionStarted;
   bool operator==(const ArmProgress&) const = default;
 };
 
-/// The robot as seen by a session. The answers are INT's.
+/// What a session asks of the robot. A session answers with the returned status.
 class ArmService {
  public:
   virtual ~ArmService() = default;
@@ -33,6 +33,7 @@ class ArmService {
   [[nodiscard]] virtual SetterStatus Configure(const Setting& setting) = 0;
   /// kSuccess: recovery has begun, or was not needed. Refused in Reflex while the arm still moves.
   [[nodiscard]] virtual RecoveryStatus Recover() = 0;
+  /// @param limit  receives the virtual wall `id`.
   [[nodiscard]] virtual SetterStatus CartesianLimitOf(std::int32_t id, CartesianLimit& limit) = 0;
   /// Bytes of the model library for this machine; empty if unavailable.
   [[nodiscard]] virtual std::span<const std::byte> ModelLibrary(
@@ -48,13 +49,14 @@ using Answers = std::function<void(std::span<const std::byte>)>;
 ///     Connect -> (states flow) -> Move -> MotionStarted ... motion ends -> Move's second answer
 ///                                 StopMove -> answered when the arm rests, just before Move's
 ///
-/// Every request gets one answer, an accepted Move two. The second answer to Move, StopMove of a
-/// running motion and recovery are answered later, when OnProgress() shows the event. StopMove
-/// without a motion succeeds at once, because clients send it after every failure and some exit
-/// when it fails. It also succeeds if the motion ends otherwise while it stops (a decision). A
-/// recovery requested before the arm is at rest after a reflex begins once it rests: programs
-/// request it as soon as they see the reflex, and the real robot allows it (a decision; INT itself
-/// refuses). Source: FCI protocol 5, session and motion semantics.
+/// Every request gets one answer, an accepted Move two. Three answers wait for the robot, until
+/// OnProgress() shows the event: the second one to Move, that to StopMove of a running motion, and
+/// that to recovery. Source: FCI protocol 5, session and motion semantics. Decisions:
+/// - StopMove without a motion succeeds at once: clients send it after every failure, and some exit
+///   when it fails.
+/// - StopMove succeeds, too, if the motion ends otherwise while it stops.
+/// - A recovery requested before the arm rests after a reflex begins once it rests, although INT
+///   refuses it: programs request it as soon as they see the reflex, and the real robot allows it.
 ///
 /// Threads: one.
 class ArmSession {
@@ -79,7 +81,7 @@ class ArmSession {
   [[nodiscard]] bool has_pending() const noexcept;
 
  private:
-  using Outcome = std::optional<std::string>;
+  using Outcome = std::optional<std::string>;  ///< as of OnFrame()
 
   Outcome Take(const Connect& connect);
   Outcome Take(const Move& move);

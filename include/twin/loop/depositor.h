@@ -11,14 +11,15 @@
 
 namespace twin::loop {
 
-/// Deposits a controller's outputs into the command buffer. Adds the feed-forward velocity to a
-/// position or pose without one, over the source's own elapsed time, and the noise of a scenario's
-/// imperfect source.
+/// Deposits a controller's outputs into the command buffer. First adds the noise of a scenario's
+/// imperfect source, uniform in +-target_noise. Then gives a position or pose without a velocity
+///   dq_ext = (q_ext(i) - q_ext(i-1)) / (t(i) - t(i-1)),
+/// t on the source's clock, zero before the second deposit (reference/feed_forward.h).
 ///
 /// Threads: the controller's. Real-time: noexcept, allocates nothing.
 class Depositor {
  public:
-  /// @param config  validated. @param seed  seed of the noise.
+  /// @param config  validated. @param exchange  must outlive the object. @param seed  of the noise.
   Depositor(const ControllerLoopConfig& config, control::CommandInterface interface,
             Exchange& exchange, std::uint64_t seed);
 

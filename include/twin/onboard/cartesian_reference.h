@@ -22,12 +22,15 @@ struct CartesianReference {
   double ddelbow_c = 0;   ///< rad/s^2
   double dddelbow_c = 0;  ///< rad/s^3
 
-  /// After a commanded pose. @pre rigid. WithElbow or WithElbowOf sets the elbow.
+  /// Returns the reference one cycle later with O_T_EE commanded; twist, acceleration and jerk are
+  /// differences over T. The elbow is not advanced: call WithElbow or WithElbowOf next.
+  /// @pre O_T_EE is rigid.
   [[nodiscard]] CartesianReference AfterPose(const Transform& O_T_EE) const noexcept TWIN_REALTIME;
-  /// After a commanded twist: integrates the pose, the rotation by exp(w T) from the left. The
-  /// elbow as in AfterPose.
+  /// Returns the reference one cycle later with a twist commanded: integrates the pose, the
+  /// rotation by exp(w T) from the left. The elbow as in AfterPose.
   [[nodiscard]] CartesianReference AfterTwist(const Vector6& O_dP_EE) const noexcept TWIN_REALTIME;
-  /// Without a command: holds the acceleration of pose and elbow; the jerks are zero.
+  /// Returns the reference one cycle later without a command: holds the acceleration of pose and
+  /// elbow; the jerks are zero.
   [[nodiscard]] CartesianReference AfterLoss() const noexcept TWIN_REALTIME;
 
   /// The same with a commanded elbow angle, after AfterPose or AfterTwist.
@@ -38,7 +41,7 @@ struct CartesianReference {
   [[nodiscard]] CartesianReference WithElbowOf(const JointReference& joints) const noexcept
       TWIN_REALTIME;
 
-  /// Whether velocity and acceleration are zero.
+  /// Whether velocity and acceleration of pose and elbow are exactly zero.
   [[nodiscard]] bool AtRest() const noexcept;
   [[nodiscard]] static CartesianReference Rest(const Transform& O_T_EE,
                                                const Elbow& elbow) noexcept;

@@ -10,13 +10,12 @@
 
 namespace twin::onboard {
 
-/// Decides which arrived command counts for a cycle.
+/// Selects the command that INT executes in a cycle: in the cycle after state k, the newest arrival
+/// with message_id = k and arrival <= deadline.
 ///
-/// In the cycle after state k, a command counts if its message_id is k and it arrived by the
-/// deadline; the newest of several counts. An older id is late, a newer one invalid: both are
-/// dropped. The robot's exact comparison is not public; ours follows the public timing rule (a
-/// command that misses its cycle is dropped). Source: FCI protocol 5, "When a command counts as
-/// lost".
+/// An older id is late, a newer one invalid: both are dropped. The robot's exact comparison is not
+/// public; ours follows the public timing rule (a command that misses its cycle is dropped).
+/// Source: FCI protocol 5, "When a command counts as lost".
 ///
 /// Threads: one. Real-time: noexcept, allocates nothing. Holds at most kCapacity commands; a new
 /// one replaces the oldest.
@@ -30,11 +29,12 @@ class CommandInbox {
   /// Takes everything that arrived by `deadline`; commands that arrived later stay for the next
   /// call.
   /// @param answered_id  id of the last state sent.
-  /// @returns the command that counts, valid until the next Push, or null.
+  /// @returns the selected command, valid until the next Push, or null.
   [[nodiscard]] const RobotCommand* Select(std::uint64_t answered_id,
                                            Time deadline) noexcept TWIN_REALTIME;
 
-  /// Commands dropped by the last Select(), and by overflow since the Select() before it.
+  /// Commands dropped between the last two calls of Select(): late, invalid, superseded and
+  /// overflown ones together.
   [[nodiscard]] std::uint32_t dropped() const noexcept { return dropped_; }
 
  private:

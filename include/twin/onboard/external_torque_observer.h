@@ -6,13 +6,15 @@
 
 namespace twin::onboard {
 
-/// Estimates the external joint torques with an observer of the generalised momentum p = M(q) dq,
-///   r(k) = r(k-1) + (1 - e^(-K T)) (tau_J - (p(k) - p(k-1)) / T + C^T dq - g - r(k-1)).
-/// With C^T dq = dM/dt dq - C dq, and dM/dt taken over the cycle like p, the change of M cancels,
-/// which leaves the first-order low-pass
+/// Estimates the joint torques between robot and environment, from which INT tells contacts:
 ///   r(k) = r(k-1) + (1 - e^(-K T)) (tau_J - M (dq(k) - dq(k-1)) / T - C dq - g - r(k-1)),
-/// with M, C dq and g at q(k-1), dq(k-1), and tau_J of the cycle that began there. It takes one
-/// recursion per cycle and has no integral that could drift.
+/// where r is tau_ext_hat, K the gain, T = 1 ms, M the mass matrix, C dq the Coriolis torque and g
+/// the gravity torque of the model at q(k-1), dq(k-1), and tau_J the measured torque of the cycle
+/// that began there. One recursion per cycle, without an integral that could drift.
+///
+/// This equals the observer of the generalised momentum p = M(q) dq,
+///   r(k) = r(k-1) + (1 - e^(-K T)) (tau_J - (p(k) - p(k-1)) / T + C^T dq - g - r(k-1)),
+/// if C^T dq = dM/dt dq - C dq takes dM/dt over the cycle, as p is: the change of M cancels.
 ///
 /// Positive when the robot pushes on its environment: M ddq + C dq + g = tau_J - tau_ext_hat. tau_J
 /// is measured behind the gear, so it contains no rotor inertia. It contains the friction of the
@@ -21,7 +23,8 @@ namespace twin::onboard {
 /// reaction with the DLR-III lightweight manipulator arm", IROS 2006; of the sign: FCI protocol 5,
 /// robot state.
 ///
-/// Zero from Reset() until the first Update(). Skips cycles with sensors that are not finite.
+/// Zero from Reset() until the first Update(). A cycle with a NaN or infinity among the sensors
+/// leaves the estimate unchanged.
 /// Threads: one. Real-time: noexcept, allocates nothing.
 class ExternalTorqueObserver {
  public:

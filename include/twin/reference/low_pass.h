@@ -22,7 +22,7 @@ class LowPass {
   /// @throws InputError naming the value and the range.
   explicit LowPass(double cutoff_hz);
 
-  /// @param x  commanded value. @param last  y(k-1), same unit.
+  /// @param x  commanded value. @param last  y(k-1), same unit. A NaN passes through.
   [[nodiscard]] double Filter(double x, double last) const noexcept TWIN_REALTIME {
     return is_on() ? last + gain_ * (x - last) : x;
   }
@@ -37,8 +37,8 @@ class LowPass {
     return y;
   }
 
-  /// Translation as above; the rotation covers the share `gain` of the shortest rotation from last
-  /// to x (spherical interpolation) and is orthonormal up to rounding.
+  /// Filters the translation as above. Turns the rotation of `last` towards that of O_T_EE_c by the
+  /// fraction gain() of the angle between them (slerp); orthonormal up to rounding.
   /// @param O_T_EE_c  commanded pose. @param last  O_T_EE_c of the state.
   [[nodiscard]] Transform FilterPose(const Transform& O_T_EE_c,
                                      const Transform& last) const noexcept TWIN_REALTIME;

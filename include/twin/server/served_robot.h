@@ -22,20 +22,21 @@ class TruthProbe;
 
 namespace twin::server {
 
-/// Configuration of a served robot. All pointers must outlive it.
+/// Configuration of a served robot. Every pointer must outlive the ServedRobot that gets it.
 struct ServedRobotSettings {
   /// Addresses, permitted clients and capture. The capture records datagrams as well as TCP.
   ServerConfig server{};
-  /// Ignore the server's ports and take two free consecutive ones: clients that know the arm's port
-  /// expect the hand at the next.
+  /// Whether the arm listens at a free port and the hand at the next one, where clients that know
+  /// only the arm's port look for it; `server`'s ports are then ignored.
   bool takes_free_ports = false;
   /// Lockstep with the client; absent: the wall clock.
   std::optional<robot::LockstepOptions> lockstep{};
   /// The robot's thread. Absent: real-time priority on the wall clock, normal priority in lockstep.
   std::optional<rt::ThreadSettings> thread{};
-  record::RecordSink* sink =
-      nullptr;        ///< gets INT's cycle records on the robot's thread; may be null
-  TellPeople tell{};  ///< may be empty
+  /// Receives INT's cycle records on the robot's thread; may be null.
+  record::RecordSink* sink = nullptr;
+  /// Receives a line per connection, motion and refusal (request_handler.h); may be empty.
+  TellPeople tell{};
 };
 
 /// An emulated robot and its server on this machine: plant, robot, UDP port and connections.
