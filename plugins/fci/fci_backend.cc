@@ -35,7 +35,7 @@ fci::ClientTimeout TimeoutFor(backend::RobotTime time) {
 ///
 /// Threads: Ask(), Grant() and Refuse() from the starting thread, Observe() from the tick, the rest
 /// from any.
-class MotionAsShown {
+class ObservedMotion {
  public:
   void Ask(const MotionModes& modes) noexcept {
     before_ = phase_.load(std::memory_order_acquire);
@@ -140,7 +140,7 @@ class FciBackend final : public backend::Backend {
   const bool is_twin_;
   std::optional<FciHand> hand_;
 
-  MotionAsShown motion_;
+  ObservedMotion motion_;
   std::mutex starting_;                              ///< serialises starting motions
   std::atomic<RobotMode> mode_ = RobotMode::kOther;  ///< for messages only: relaxed
 

@@ -98,7 +98,7 @@ void Compliance::AddPlan(const Case& one, const run::Motion& motion, const Trans
                              one.is_pushed ? "while it is pushed" : "at its end"),
       .from = begun,
       .until = ended,
-      .way = {point(O_T_EE)}};
+      .path = {point(O_T_EE)}};
   if (one.is_pushed) {
     const plant::Push& push = one.kind == Kind::kStandstill ? pushes_->standing : pushes_->moving;
     plan.until = begun + push.begin + push.duration - push.rise;
@@ -106,7 +106,7 @@ void Compliance::AddPlan(const Case& one, const run::Motion& motion, const Trans
   if (motion.poses) {
     const Duration step = config_.leg / kWayPoints;
     for (int i = 1; i < 3 * kWayPoints; ++i) {
-      plan.way.push_back(point(motion.poses->Sample(i * step).O_T_EE));
+      plan.path.push_back(point(motion.poses->Sample(i * step).O_T_EE));
     }
   }
   plans_.push_back(std::move(plan));

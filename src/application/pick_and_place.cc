@@ -179,7 +179,7 @@ StepEnd PickAndPlace::Go(Leg leg) {
   record.caption = CaptionOf(leg, record_.task);
   record.from = session().Now();
   record.q = plan.q_end;
-  record.way = plan.path;
+  record.path = plan.path;
   if (leg == Leg::kLift || leg == Leg::kTransfer || leg == Leg::kPlace) {
     record.object = record_.task.object.name;
     record.O_T_object = model::Multiply(

@@ -96,7 +96,7 @@ StepEnd PlanAndExecute::Plan(const Stage& stage, planning::CollisionWorld& world
        .from = begun,
        .until = begun,
        .q = q_goal,
-       .way = EndEffectorPath(plan_->trajectory, stage.F_T_EE())});
+       .path = EndEffectorPath(plan_->trajectory, stage.F_T_EE())});
   return {true, fmt::format("{:.2f} s through {} points, {} collision checks",
                             ToSeconds(plan_->trajectory.duration()), plan_->statistics.waypoints,
                             plan_->statistics.checks)};

@@ -79,7 +79,7 @@ RunRecorder::Outcome MotionRecorder::Perform(const run::RunHooks& hooks) {
                       .caption = "Around what stands there to the goal",
                       .until = Time(report.simulated),
                       .q = run_->trajectory().goal(),
-                      .way = EndEffectorPath(run_->trajectory(), F_T_EE)}};
+                      .path = EndEffectorPath(run_->trajectory(), F_T_EE)}};
   }
   if (report.succeeded()) return outcome;
   outcome.failure = report.failure;

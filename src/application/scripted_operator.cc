@@ -51,7 +51,7 @@ ScriptedOperator::ScriptedOperator(const plant::TruthProbe& truth, const FetchTa
     : task_(task),
       config_(config),
       robot_(robot),
-      random_(seed, RandomStream::kPerson),
+      random_(seed, RandomStream::kOperator),
       base_(truth, "husky_base_link"),
       arm_(truth, "panda_link0"),
       hand_(truth, "panda_hand"),
@@ -223,11 +223,11 @@ bool ScriptedOperator::Press(std::uint32_t OperatorSample::*counter, bool is_so,
   return false;
 }
 
-bool ScriptedOperator::Reach(const Vector3d& way, const Sight& sight, double tolerance,
+bool ScriptedOperator::Reach(const Vector3d& path, const Sight& sight, double tolerance,
                              Time now) noexcept {
-  if (way.norm() <= tolerance) return true;
-  Vector3d missed = way * (1 + Noise(config_.hand_noise));
-  for (Eigen::Index i = 0; i < 3; ++i) missed[i] += way.norm() * Noise(config_.hand_noise / 2);
+  if (path.norm() <= tolerance) return true;
+  Vector3d missed = path * (1 + Noise(config_.hand_noise));
+  for (Eigen::Index i = 0; i < 3; ++i) missed[i] += path.norm() * Noise(config_.hand_noise / 2);
   Axes axes = Axes::Zero();
   axes.head<3>() = sight.R_WO.transpose() * missed;
   const bool is_careful = intent_ == Intent::kAtObject || intent_ == Intent::kAtTarget;
@@ -248,26 +248,26 @@ bool ScriptedOperator::Drive(const BasePose& goal, const Sight& sight, Time now)
   const bool is_far = std::hypot(ahead, left) > 4 * kThere;
   const double direct = std::atan2(left, ahead);
   const double bearing = std::abs(direct) > kBehind ? std::atan2(-left, -ahead) : direct;
-  Axes way = Axes::Zero();
+  Axes path = Axes::Zero();
   if (is_far && std::abs(bearing) > 2 * kTurned) {
-    way[5] = bearing;
+    path[5] = bearing;
   } else if (is_far || std::abs(ahead) > kThere) {
-    way[0] = ahead;
+    path[0] = ahead;
   } else if (std::abs(turn) > kTurned) {
-    way[5] = turn;
+    path[5] = turn;
   } else {
     return true;
   }
-  way *= 1 + Noise(config_.hand_noise);
-  const double duration = std::max({1.6, kPeak * std::abs(way[0]) / config_.base_speed,
-                                    kPeak * std::abs(way[5]) / config_.base_turn});
-  Begin(way, duration, now);
+  path *= 1 + Noise(config_.hand_noise);
+  const double duration = std::max({1.6, kPeak * std::abs(path[0]) / config_.base_speed,
+                                    kPeak * std::abs(path[5]) / config_.base_turn});
+  Begin(path, duration, now);
   return false;
 }
 
-void ScriptedOperator::Begin(const Axes& way, double duration, Time now) noexcept {
+void ScriptedOperator::Begin(const Axes& path, double duration, Time now) noexcept {
   doing_ = Doing::kMoving;
-  way_ = way;
+  path_ = path;
   duration_ = duration;
   begun_ = now;
   ++motions_;
@@ -286,13 +286,13 @@ void ScriptedOperator::Move(Time now) noexcept {
     Wait(config_.reaction, now);
     return;
   }
-  const Axes velocity = way_ * (30 * s * s * (1 - s) * (1 - s) / duration_);
+  const Axes velocity = path_ * (30 * s * s * (1 - s) * (1 - s) / duration_);
   const bool drives = felt_.mode == teleop::Mode::kBase;
-  const double full_way = drives ? robot_.ahead.speed : robot_.along.speed;
+  const double full_speed = drives ? robot_.ahead.speed : robot_.along.speed;
   const double full_turn = drives ? robot_.turning.speed : robot_.about.speed;
   for (std::size_t i = 0; i < sample_.axes.size(); ++i) {
     sample_.axes[i] =
-        Deflection(velocity[static_cast<Eigen::Index>(i)], i < 3 ? full_way : full_turn);
+        Deflection(velocity[static_cast<Eigen::Index>(i)], i < 3 ? full_speed : full_turn);
     if (sample_.axes[i] != 0) sample_.axes[i] += Noise(config_.tremor);
   }
 }

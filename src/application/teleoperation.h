@@ -120,9 +120,9 @@ class ScriptedOperator final : public teleop::Device {
   /// Acts on the intent. @returns true if it is fulfilled.
   bool Pursue(const Sight& sight, Time now) noexcept;
   bool Press(std::uint32_t teleop::OperatorSample::*counter, bool is_so, Time now) noexcept;
-  bool Reach(const Eigen::Vector3d& way, const Sight& sight, double tolerance, Time now) noexcept;
+  bool Reach(const Eigen::Vector3d& path, const Sight& sight, double tolerance, Time now) noexcept;
   bool Drive(const BasePose& goal, const Sight& sight, Time now) noexcept;
-  void Begin(const Axes& way, double duration, Time now) noexcept;
+  void Begin(const Axes& path, double duration, Time now) noexcept;
   void Wait(Duration least, Time now) noexcept;
   void GiveUp() noexcept;
   [[nodiscard]] BasePose StandFor(const Vector3& place, double yaw) const noexcept;
@@ -150,7 +150,7 @@ class ScriptedOperator final : public teleop::Device {
   teleop::OperatorFeedback felt_;
   Intent intent_ = Intent::kLeadBase;
   Doing doing_ = Doing::kWaiting;
-  Axes way_ = Axes::Zero();  ///< displacement of the current motion, m and rad
+  Axes path_ = Axes::Zero();  ///< displacement of the current motion, m and rad
   Time begun_{};
   double duration_ = 0;
   Time wait_until_{};

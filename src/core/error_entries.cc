@@ -44,7 +44,7 @@ constexpr std::string_view kStableInRun =
     "onboard.K_theta, onboard.K_x and onboard.damping_ratio are the controller's, onboard.load "
     "what it believes it "
     "carries; plant.armature and plant.mass_scale make the arm another than the one it is made for";
-constexpr std::string_view kDeskMotion =
+constexpr std::string_view kOwnMotion =
     "it belongs to the robot's own motions, which its Desk interface plans and runs; motions over "
     "FCI stream their commands, and the robot plans nothing";
 
@@ -149,7 +149,7 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
      .cause = "a streamed motion has no path that the robot knows of; clients send deviations that "
               "allow everything, and libfranka offers no others"},
     // 10 cartesian_velocity_profile_safety_violation
-    {.meaning = "The velocity profile of a motion was exceeded", .cause = kDeskMotion},
+    {.meaning = "The velocity profile of a motion was exceeded", .cause = kOwnMotion},
     // 11 joint_position_motion_generator_start_pose_invalid
     {.raised = true,
      .axis = AxisKind::kJoint,
@@ -296,7 +296,7 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
          "it belongs to the force controllers behind the robot's Desk interface; over FCI, forces "
          "are controlled by torques of the client's"},
     // 24 start_elbow_sign_inconsistent
-    {.meaning = "A motion started with an elbow of the wrong sign", .cause = kDeskMotion},
+    {.meaning = "A motion started with an elbow of the wrong sign", .cause = kOwnMotion},
     // 25 communication_constraints_violation, commands lost in a row
     {.raised = true,
      .axis = AxisKind::kNone,
@@ -398,7 +398,7 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
      .in_scenario = "tick.limiter true limits it",
      .in_realtime = "tick.limiter true limits it"},
     // 33 joint_p2p_insufficient_torque_for_planning
-    {.meaning = "A planned motion would overload a joint", .cause = kDeskMotion},
+    {.meaning = "A planned motion would overload a joint", .cause = kOwnMotion},
     // 34 tau_J_range_violation
     {.raised = true,
      .axis = AxisKind::kJoint,
@@ -429,9 +429,9 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
      .cause = "it is raised while people lead the arm back from beyond a joint's limit, never by a "
               "motion"},
     // 37 cartesian_spline_motion_generator_violation
-    {.meaning = "A planned Cartesian motion would violate a joint's limit", .cause = kDeskMotion},
+    {.meaning = "A planned Cartesian motion would violate a joint's limit", .cause = kOwnMotion},
     // 38 joint_via_motion_generator_planning_joint_limit_violation
-    {.meaning = "A planned joint motion would violate a joint's limit", .cause = kDeskMotion},
+    {.meaning = "A planned joint motion would violate a joint's limit", .cause = kOwnMotion},
     // 39 base_acceleration_initialization_timeout
     {.meaning = "The robot could not measure in time how its base is mounted",
      .cause =

@@ -220,7 +220,7 @@ void LogDecoder::Decode(std::span<const std::byte> data, PlanRecord& record) {
             .caption = ToPrintable(plan_.caption()),
             .from = ToTime(plan_.from_ns()),
             .until = ToTime(plan_.until_ns()),
-            .way = DecodePoints(plan_.way()),
+            .path = DecodePoints(plan_.way()),
             .object = ToPrintable(plan_.object())};
   if (!plan_.q().empty()) DecodeVector("q", plan_.q(), record.q.emplace());
   if (!plan_.o_t_object().empty()) {

@@ -169,14 +169,14 @@ void LogEncoder::Add(const SceneRecord& record) {
 }
 
 void LogEncoder::Add(const PlanRecord& record) {
-  TWIN_CHECK(record.way.size() <= PlanRecord::kMostPoints);
+  TWIN_CHECK(record.path.size() <= PlanRecord::kMostPoints);
   plan_.Clear();
   plan_.set_id(ToUtf8(record.id));
   plan_.set_caption(ToUtf8(record.caption));
   plan_.set_from_ns(record.from.time_since_epoch().count());
   plan_.set_until_ns(record.until.time_since_epoch().count());
   if (record.q) plan_.mutable_q()->Add(record.q->begin(), record.q->end());
-  for (const Vector3& point : record.way) plan_.mutable_way()->Add(point.begin(), point.end());
+  for (const Vector3& point : record.path) plan_.mutable_way()->Add(point.begin(), point.end());
   plan_.set_object(ToUtf8(record.object));
   if (!record.object.empty()) {
     plan_.mutable_o_t_object()->Add(record.O_T_object.begin(), record.O_T_object.end());

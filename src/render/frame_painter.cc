@@ -120,7 +120,7 @@ class FramePainter::Impl {
     std::vector<mjvGeom> marks;
     if (goal != nullptr) {
       const Ghost style;
-      for (const Vector3& point : goal->way) {
+      for (const Vector3& point : goal->path) {
         marks.push_back(Ball(point, style.radius, style.line_colour));
       }
     }

@@ -81,11 +81,11 @@ std::pair<std::size_t, double> Furthest(const Recording& recording,
                                         const record::PlanRecord& plan) {
   const std::size_t first = FrameAt(recording.snapshots(), plan.from);
   const std::size_t last = FrameAt(recording.snapshots(), plan.until);
-  const std::vector<Vector3> way =
-      plan.way.empty() ? std::vector<Vector3>{recording.ToolAt(first)} : plan.way;
+  const std::vector<Vector3> path =
+      plan.path.empty() ? std::vector<Vector3>{recording.ToolAt(first)} : plan.path;
   std::pair<std::size_t, double> furthest{first, 0};
   for (std::size_t frame = first; frame <= last; ++frame) {
-    const double distance = DistanceFromWay(recording.ToolAt(frame), way);
+    const double distance = DistanceFromPath(recording.ToolAt(frame), path);
     if (distance > furthest.second) furthest = {frame, distance};
   }
   return furthest;
@@ -103,7 +103,7 @@ render::Image DrawGrid(const Recording& recording, Page page) {
     const std::string what = plan->caption.substr(0, plan->caption.find(';'));
     render::PlannedGoal shown;
     shown.from = recording.snapshots().time(frame);
-    shown.way = plan->way;
+    shown.path = plan->path;
     pictures.push_back(
         page.Titled(fmt::format("{}\n{:.1f} mm off", what, 1e3 * distance)).Planned(shown));
   }
@@ -147,10 +147,10 @@ Layout LayoutFromName(std::string_view name) {
   throw InputError(fmt::format("there is no {}; choose one of grid, strip, triple", name));
 }
 
-double DistanceFromWay(const Vector3& point, std::span<const Vector3> way) {
-  double least = DistanceFromSegment(point, way.front(), way.front());
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    least = std::min(least, DistanceFromSegment(point, way[i - 1], way[i]));
+double DistanceFromPath(const Vector3& point, std::span<const Vector3> path) {
+  double least = DistanceFromSegment(point, path.front(), path.front());
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    least = std::min(least, DistanceFromSegment(point, path[i - 1], path[i]));
   }
   return least;
 }

@@ -78,7 +78,7 @@ render::Film FilmOfRun(const mjModel_& model, const render::Snapshots& snapshots
     film.goals.push_back({.from = plan.from,
                           .until = plan.until,
                           .q = plan.q,
-                          .way = plan.way,
+                          .path = plan.path,
                           .object = plan.object,
                           .O_T_object = plan.O_T_object});
     // The caption's part after a semicolon refers to a report's pair of pictures.

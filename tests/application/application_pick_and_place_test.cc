@@ -53,7 +53,7 @@ TEST(PickAndPlaceTest, CarriesTheParcelUpAndTurnsIt) {
   const std::vector<record::PlanRecord>& plans = performance.task_result.plans;
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_LT(plans[i].from, plans[i].until) << plans[i].id;
-    EXPECT_GT(plans[i].way.size(), 2U);
+    EXPECT_GT(plans[i].path.size(), 2U);
     EXPECT_EQ(plans[i].object, i >= 2 && i <= 4 ? "parcel" : "") << plans[i].id;
   }
   // From lift to transfer: 0.2 m up, and a quarter of a turn, in the plan's own words.

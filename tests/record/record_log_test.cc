@@ -112,7 +112,7 @@ void ExpectSame(const PlanRecord& a, const PlanRecord& b) {
   EXPECT_EQ(a.from, b.from);
   EXPECT_EQ(a.until, b.until);
   EXPECT_EQ(a.q, b.q);
-  EXPECT_EQ(a.way, b.way);
+  EXPECT_EQ(a.path, b.path);
   EXPECT_EQ(a.object, b.object);
   EXPECT_EQ(a.O_T_object, b.O_T_object);
 }

@@ -162,7 +162,7 @@ inline PlanRecord SamplePlan() {
                   .from = Time(std::chrono::milliseconds(20)),
                   .until = Time(std::chrono::milliseconds(900)),
                   .q = JointVector{0, 0.5, 0, -1.5, 0, 2, 0.25},
-                  .way = {{0.5, 0, 0.25}, {0.5, 0.125, 0.5}},
+                  .path = {{0.5, 0, 0.25}, {0.5, 0.125, 0.5}},
                   .object = "block",
                   .O_T_object = kIdentityTransform};
   plan.O_T_object[14] = 0.75;

@@ -267,7 +267,7 @@ TEST_F(FramePainterTest, DrawsAGoalOnlyInItsTimeAndWhereItIs) {
 TEST_F(FramePainterTest, AGoalCanBeGivenWhateverItsTime) {
   PlannedGoal goal;
   goal.q = JointVector{1, 0, 0, 0, 0, 0, 0};
-  goal.way = {{-0.3, 0.3, 0.7}};
+  goal.path = {{-0.3, 0.3, 0.7}};
   const Image image = FramePainter(film_, settings_).Paint(0, goal);
   EXPECT_TRUE(IsReddish(PixelAt(image, {-0.3, 0.3, 0.7})));
 }

@@ -19,17 +19,17 @@ namespace {
 using std::chrono::milliseconds;
 using ::testing::HasSubstr;
 
-TEST(DistanceFromWayTest, IsThatFromTheNearestLine) {
-  const std::vector<Vector3> way{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
-  EXPECT_NEAR(DistanceFromWay({0.5, 0, 0.2}, way), 0.2, 1e-15) << "above a line";
-  EXPECT_NEAR(DistanceFromWay({1.3, 0.5, 0.4}, way), 0.5, 1e-15) << "beside the second";
-  EXPECT_NEAR(DistanceFromWay({-3, 0, 4}, way), 5, 1e-15) << "before its beginning";
-  EXPECT_NEAR(DistanceFromWay({1, 3, 0}, way), 2, 1e-15) << "after its end";
+TEST(DistanceFromPathTest, IsThatFromTheNearestLine) {
+  const std::vector<Vector3> path{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  EXPECT_NEAR(DistanceFromPath({0.5, 0, 0.2}, path), 0.2, 1e-15) << "above a line";
+  EXPECT_NEAR(DistanceFromPath({1.3, 0.5, 0.4}, path), 0.5, 1e-15) << "beside the second";
+  EXPECT_NEAR(DistanceFromPath({-3, 0, 4}, path), 5, 1e-15) << "before its beginning";
+  EXPECT_NEAR(DistanceFromPath({1, 3, 0}, path), 2, 1e-15) << "after its end";
 }
 
-TEST(DistanceFromWayTest, OfOnePointIsThatFromThePoint) {
-  const std::vector<Vector3> way{{1, 2, 3}};
-  EXPECT_NEAR(DistanceFromWay({1, 2, 3.5}, way), 0.5, 1e-15);
+TEST(DistanceFromPathTest, OfOnePointIsThatFromThePoint) {
+  const std::vector<Vector3> path{{1, 2, 3}};
+  EXPECT_NEAR(DistanceFromPath({1, 2, 3.5}, path), 0.5, 1e-15);
 }
 
 /// A log of the sample arm with plans of these names, each 20 ms after the other.

@@ -118,7 +118,7 @@ TEST(RecordingTest, FilmsPlansAsGoalsAndSaysWhatHappened) {
                                 .from = Time(milliseconds(20)),
                                 .until = Time(milliseconds(70)),
                                 .q = JointVector{1, 2, 3},
-                                .way = {{0.1, 0.2, 0.3}}};
+                                .path = {{0.1, 0.2, 0.3}}};
   const auto log = WriteLog(folder, test::Sample(), 100, [&](record::Recorder& recorder) {
     recorder.Event(Time(milliseconds(10)), "session", "motion 1: goal");
     recorder.Event(Time(milliseconds(30)), "step", "grasp: done, 3 N, \xc2\xb1 1 N");
@@ -135,7 +135,7 @@ TEST(RecordingTest, FilmsPlansAsGoalsAndSaysWhatHappened) {
   EXPECT_EQ(film.goals[0].from, plan.from);
   EXPECT_EQ(film.goals[0].until, plan.until);
   EXPECT_EQ(film.goals[0].q, plan.q);
-  EXPECT_EQ(film.goals[0].way, plan.way);
+  EXPECT_EQ(film.goals[0].path, plan.path);
   ASSERT_THAT(film.notes, SizeIs(4));
   EXPECT_EQ(film.notes[0].text, "Round the box");
   EXPECT_EQ(film.notes[1].text, "step: grasp: done");

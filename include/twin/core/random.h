@@ -42,7 +42,7 @@ enum class RandomStream : std::uint32_t {
   kFeedbackBurst = 39,
   kFeedbackDuplicate = 40,
   kFeedbackReorder = 41,
-  kPerson = 42,  ///< motor and visual noise of a scripted operator
+  kOperator = 42,  ///< motor and visual noise of a scripted operator
   kTest = 1000,
 };
 

@@ -44,7 +44,7 @@ struct PlanRecord {
   Time from{};                                ///< time of planning
   Time until{};                               ///< end of execution
   std::optional<JointVector> q{};             ///< the arm's goal, rad; nullopt: it stays
-  std::vector<Vector3> way{};                 ///< path of the end effector, base frame, m
+  std::vector<Vector3> path{};                ///< path of the end effector, base frame, m
   std::string object{};                       ///< body that the arm carries; empty: none
   Transform O_T_object = kIdentityTransform;  ///< the object's goal; only with an object
 };

@@ -19,8 +19,8 @@ struct PlannedGoal {
   Time from{};
   Time until{};                    ///< hidden from this instant on
   std::optional<JointVector> q{};  ///< of the arm, rad; nullopt: its current position
-  std::vector<Vector3> way{};  ///< path of the end effector, world, m; at most Ghost::kMostPoints
-  std::string object{};        ///< free body that is moved there; empty: none
+  std::vector<Vector3> path{};  ///< path of the end effector, world, m; at most Ghost::kMostPoints
+  std::string object{};         ///< free body that is moved there; empty: none
   Transform O_T_object = kIdentityTransform;
 };
 

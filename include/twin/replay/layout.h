@@ -37,6 +37,6 @@ enum class Layout : std::uint8_t {
 
 /// Distance of a point from a polyline, m.
 /// @pre at least one point.
-[[nodiscard]] double DistanceFromWay(const Vector3& point, std::span<const Vector3> way);
+[[nodiscard]] double DistanceFromPath(const Vector3& point, std::span<const Vector3> path);
 
 }  // namespace twin::replay
