@@ -92,27 +92,15 @@ void RequireStart(const JointVector& q_start, const reference::Trajectory& traje
   }
 }
 
-/// A command at the motion's end or later would never be given.
-void RequireTimeForTheHand(const std::vector<scenario::HandEvent>& hand, Duration motion) {
-  for (std::size_t i = 0; i < hand.size(); ++i) {
-    if (hand[i].at < motion) continue;
+/// An event at the motion's end or later would never happen.
+template <typename Event>
+void RequireBeforeEnd(Duration end, std::string_view key, const std::vector<Event>& events) {
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if (events[i].at < end) continue;
     throw InputError(
-        fmt::format("hand[{}].at: {} s is not before the end of the motion, {} s; give an earlier "
+        fmt::format("{}[{}].at: {} s is not before the end of the motion, {} s; give an earlier "
                     "time, or a longer motion",
-                    i + 1, ToSeconds(hand[i].at), ToSeconds(motion)));
-  }
-}
-
-/// What begins at the motion's end or later would never be asked for.
-void RequireTimeForTheBase(const scenario::Scenario& scenario, Duration motion) {
-  if (!scenario.base) return;
-  const std::vector<scenario::DriveEvent>& drive = scenario.base->drive;
-  for (std::size_t i = 0; i < drive.size(); ++i) {
-    if (drive[i].at < motion) continue;
-    throw InputError(
-        fmt::format("base.drive[{}].at: {} s is not before the end of the motion, {} s; give an "
-                    "earlier time, or a longer motion",
-                    i + 1, ToSeconds(drive[i].at), ToSeconds(motion)));
+                    key, i + 1, ToSeconds(events[i].at), ToSeconds(end)));
   }
 }
 
@@ -262,6 +250,18 @@ reference::Trajectory MakeTrajectory(const scenario::Scenario& scenario,
   return reference::Trajectory(scenario.motion.waypoints, scenario.motion.timing, robot.limits);
 }
 
+Motion MotionOf(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                reference::Trajectory trajectory) {
+  return {.name = {},
+          .interface = scenario.motion.interface,
+          .impedance = scenario.motion.controller,
+          .trajectory = std::move(trajectory),
+          .poses = MakePoses(scenario, robot),
+          .controller = scenario.controller,
+          .tick = scenario.tick,
+          .loop = scenario.loop};
+}
+
 reference::Trajectory PlanFrom(const JointVector& start, const scenario::Scenario& scenario,
                                const scenario::RobotData& robot, const RunFiles& files,
                                planning::PlanStatistics& statistics) {
@@ -290,24 +290,15 @@ Plan MakePlan(const scenario::Scenario& scenario, const Catalogue& catalogue,
           : MakeTrajectory(scenario, robot);
   robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
   RequireStart(config.q_start, trajectory);
-  RequireTimeForTheHand(scenario.hand, trajectory.duration());
-  RequireTimeForTheBase(scenario, trajectory.duration());
-  const loop::TickConfig tick = MakeTick(scenario, robot);
-  const loop::ControllerLoopConfig controller_loop = MakeControllerLoop(scenario.controller);
-  std::optional<reference::PoseTrajectory> poses = MakePoses(scenario, robot);
+  RequireBeforeEnd(trajectory.duration(), "hand", scenario.hand);
+  if (scenario.base) {
+    RequireBeforeEnd(trajectory.duration(), "base.drive", scenario.base->drive);
+  }
+  Motion motion = MotionOf(scenario, robot, std::move(trajectory));
   return {.robot = std::move(robot),
-          .trajectory = std::move(trajectory),
-          .poses = std::move(poses),
-          .planning = planning,
           .config = std::move(config),
-          .modes = ModesOf(scenario.motion),
-          .loop = scenario.loop,
-          .tick = tick,
-          .controller_loop = controller_loop};
-}
-
-void Check(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files) {
-  (void)MakePlan(scenario, catalogue, files);
+          .motion = std::move(motion),
+          .planning = planning};
 }
 
 }  // namespace twin::run

@@ -6,10 +6,10 @@
 #include "twin/loop/loop_config.h"
 #include "twin/planning/planner.h"
 #include "twin/plant/mujoco_plant.h"
-#include "twin/reference/pose_trajectory.h"
 #include "twin/reference/trajectory.h"
 #include "twin/robot/robot_config.h"
 #include "twin/run/run.h"
+#include "twin/run/session.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 
@@ -24,14 +24,9 @@ struct RobotPlan {
 /// What a scenario comes to, short of a compiled model: each part made once and checked.
 struct Plan {
   scenario::RobotData robot;
-  reference::Trajectory trajectory;
-  std::optional<reference::PoseTrajectory> poses;    ///< of a motion of poses
-  std::optional<planning::PlanStatistics> planning;  ///< of a planned motion
   robot::RobotConfig config;
-  MotionModes modes;
-  loop::LoopKind loop = loop::LoopKind::kAsynchronous;
-  loop::TickConfig tick;
-  loop::ControllerLoopConfig controller_loop;
+  Motion motion;
+  std::optional<planning::PlanStatistics> planning;  ///< of a planned motion
 };
 
 /// @throws NoPlanError when no motion was found within the plan's budget; InputError naming what
@@ -65,6 +60,10 @@ struct Plan {
                                                planning::PlanStatistics& statistics);
 
 // Parts of a plan.
+
+/// The scenario's own motion along its trajectory. @throws InputError as MakePoses.
+[[nodiscard]] Motion MotionOf(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                              reference::Trajectory trajectory);
 
 /// Torques go with the joint velocity generator, whose commands stay 0. Source: FCI protocol 5,
 /// what a client library does for a torque loop.

@@ -17,19 +17,6 @@
 namespace twin::run {
 namespace {
 
-/// The scenario's own motion.
-Motion MotionOf(const scenario::Scenario& scenario, const reference::Trajectory& trajectory,
-                std::optional<reference::PoseTrajectory> poses) {
-  return {.name = {},
-          .interface = scenario.motion.interface,
-          .impedance = scenario.motion.controller,
-          .trajectory = trajectory,
-          .poses = std::move(poses),
-          .controller = scenario.controller,
-          .tick = scenario.tick,
-          .loop = scenario.loop};
-}
-
 /// Whether a motion may be planned from `q` instead of from `q_start`.
 bool IsNear(const JointVector& q, const JointVector& q_start) {
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -44,18 +31,6 @@ std::function<void(Time, std::string_view)> EventsOf(const RunHooks& hooks, std:
   return [&hooks, kind](Time now, std::string_view text) { hooks.event(now, kind, text); };
 }
 
-/// Ends a session whatever happens: no record is put after the run is over.
-class EndGuard {
- public:
-  explicit EndGuard(Session& session) noexcept : session_(session) {}
-  ~EndGuard() { static_cast<void>(session_.End()); }
-  EndGuard(const EndGuard&) = delete;
-  EndGuard& operator=(const EndGuard&) = delete;
-
- private:
-  Session& session_;
-};
-
 }  // namespace
 
 Run::Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
@@ -63,8 +38,8 @@ Run::Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const R
     : scenario_(scenario) {
   Plan plan = MakePlan(scenario, catalogue, files);
   // Before the robot is connected: what is wrong with the motion is known then.
-  motion_ = std::make_unique<PreparedMotion>(
-      scenario, plan.robot, MotionOf(scenario, plan.trajectory, plan.poses), catalogue.controllers);
+  motion_ = std::make_unique<PreparedMotion>(scenario, plan.robot, std::move(plan.motion),
+                                             catalogue.controllers);
   session_ =
       std::make_unique<Session>(scenario, RobotPlan{std::move(plan.robot), std::move(plan.config)},
                                 catalogue, sink, settings);
@@ -88,9 +63,10 @@ void Run::PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& fi
   const std::optional<JointVector> q = session_->ReadCurrentPosition();
   if (!q || *q == trajectory().start() || !IsNear(*q, trajectory().start())) return;
   planning::PlanStatistics planning;
-  const reference::Trajectory planned = PlanFrom(*q, scenario_, robot(), files, planning);
   motion_ = std::make_unique<PreparedMotion>(
-      scenario_, robot(), MotionOf(scenario_, planned, std::nullopt), catalogue.controllers);
+      scenario_, robot(),
+      MotionOf(scenario_, robot(), PlanFrom(*q, scenario_, robot(), files, planning)),
+      catalogue.controllers);
   Planned(planning);
 }
 
@@ -129,20 +105,18 @@ RunResult Run::Execute(const RunHooks& hooks) {
     };
   }
   session_->Begin(hooks);
-  const EndGuard end_guard(*session_);
-  MotionResult motion = session_->Move(*motion_, attend);
+  // No record is put after the run, even if it throws.
+  const auto end = [](Session* session) { static_cast<void>(session->End()); };
+  const std::unique_ptr<Session, decltype(end)> end_guard(session_.get(), end);
   RunResult result;
+  static_cast<MotionResult&>(result) = session_->Move(*motion_, attend);
   if (hand) result.hand = hand->Report();
   if (const backend::MobileBase* base = session_->base()) result.base = base->ReadState();
   const SessionResult session = session_->End();
-  result.report = std::move(motion.report);
   result.report.robot_timings = session.robot_timings;
   if (!session.unsound.empty()) {
     result.report.failure = "the simulation itself became unsound: " + session.unsound;
   }
-  result.goal = motion.goal;
-  result.final_error = motion.final_error;
-  result.final_pose_error = motion.final_pose_error;
   result.counts = session.counts;
   result.followed = session.followed.front();
   result.followed.succeeded = result.report.succeeded();

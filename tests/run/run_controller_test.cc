@@ -115,22 +115,22 @@ class PosesPlanTest : public ::testing::Test {
 
 TEST_F(PosesPlanTest, MakesEachPoseOfTheOneBefore) {
   const Plan plan = PlanOf(scenario::test::PosesText());
-  ASSERT_TRUE(plan.poses.has_value());
+  ASSERT_TRUE(plan.motion.poses.has_value());
   const Transform F_T_EE = model::Multiply(plan.config.onboard.F_T_NE, kIdentityTransform);
   const Transform start =
       model::ArmModel::Panda().Pose(model::Frame::kEndEffector, plan.config.q_start, F_T_EE);
-  EXPECT_EQ(plan.poses->start(), start);
-  EXPECT_EQ(plan.poses->duration(), 5s);
-  const Transform first = plan.poses->Sample(2s).O_T_EE;
+  EXPECT_EQ(plan.motion.poses->start(), start);
+  EXPECT_EQ(plan.motion.poses->duration(), 5s);
+  const Transform first = plan.motion.poses->Sample(2s).O_T_EE;
   EXPECT_NEAR(first[13], start[13] + 0.1, 1e-12);
   EXPECT_NEAR(first[0], start[0], 1e-12) << "not turned";
-  const Transform second = plan.poses->Sample(4s).O_T_EE;
+  const Transform second = plan.motion.poses->Sample(4s).O_T_EE;
   EXPECT_NEAR(second[12], 0.4, 1e-12);
   // Turned by 45 degrees about the base's z: the x axis of EE by its projection.
   const double c = std::numbers::sqrt2 / 2;
   EXPECT_NEAR(second[0], c * start[0] - c * start[1], 1e-12);
   EXPECT_NEAR(second[1], c * start[0] + c * start[1], 1e-12);
-  const Transform goal = plan.poses->goal();
+  const Transform goal = plan.motion.poses->goal();
   EXPECT_NEAR(goal[0], 1, 1e-12);
   EXPECT_NEAR(goal[5], -1, 1e-12);
   EXPECT_NEAR(goal[12], 0.4, 1e-12);
@@ -138,9 +138,9 @@ TEST_F(PosesPlanTest, MakesEachPoseOfTheOneBefore) {
 
 TEST_F(PosesPlanTest, LetsTheJointPathStandMeanwhile) {
   const Plan plan = PlanOf(scenario::test::PosesText());
-  EXPECT_EQ(plan.trajectory.duration(), 5s);
-  EXPECT_EQ(plan.trajectory.start(), plan.trajectory.goal());
-  EXPECT_EQ(plan.trajectory.Sample(3s).q, plan.config.q_start);
+  EXPECT_EQ(plan.motion.trajectory.duration(), 5s);
+  EXPECT_EQ(plan.motion.trajectory.start(), plan.motion.trajectory.goal());
+  EXPECT_EQ(plan.motion.trajectory.Sample(3s).q, plan.config.q_start);
 }
 
 TEST_F(PosesPlanTest, NamesTheLineOfAPoseThatIsTooFast) {

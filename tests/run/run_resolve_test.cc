@@ -94,7 +94,7 @@ TEST_F(PlanTest, TellsTheRobotWhatItIsSetToAndWhatTouchesIt) {
 
 TEST_F(PlanTest, RefusesCommandsToTheHandAfterTheMotion) {
   scenario::Scenario scenario = scenario::Parse(scenario::test::TouchedText(), "s.yaml");
-  scenario.hand.back().at = PlanOf(scenario).trajectory.duration();
+  scenario.hand.back().at = PlanOf(scenario).motion.trajectory.duration();
   EXPECT_THAT(MessageOf(scenario), StartsWith("hand[4].at: "));
   EXPECT_THAT(MessageOf(scenario), HasSubstr("is not before the end of the motion"));
   scenario.hand.back().at -= 1ns;
@@ -122,23 +122,24 @@ TEST_F(PlanTest, TellsTheLinkAllTheScenarioSays) {
 
 TEST_F(PlanTest, TellsTheTickAllTheScenarioSays) {
   const Plan plan = PlanOf(Full());
-  EXPECT_EQ(plan.loop, loop::LoopKind::kAsynchronous);
-  EXPECT_EQ(plan.tick.generator, loop::Generator::kNone);
-  EXPECT_EQ(plan.tick.lambda, 0.01);
-  EXPECT_FALSE(plan.tick.rate_matching);
-  EXPECT_EQ(plan.tick.source_rate_hz, 125);
-  EXPECT_EQ(plan.tick.finish_tolerance_rad, 0.0002);
-  EXPECT_EQ(plan.tick.period_tolerance, 300us);
-  EXPECT_EQ(plan.tick.low_pass_hz, 100);
-  ASSERT_TRUE(plan.tick.limiter);
+  const loop::TickConfig tick = MakeTick(Full(), plan.robot);
+  EXPECT_EQ(plan.motion.loop, loop::LoopKind::kAsynchronous);
+  EXPECT_EQ(tick.generator, loop::Generator::kNone);
+  EXPECT_EQ(tick.lambda, 0.01);
+  EXPECT_FALSE(tick.rate_matching);
+  EXPECT_EQ(tick.source_rate_hz, 125);
+  EXPECT_EQ(tick.finish_tolerance_rad, 0.0002);
+  EXPECT_EQ(tick.period_tolerance, 300us);
+  EXPECT_EQ(tick.low_pass_hz, 100);
+  ASSERT_TRUE(tick.limiter);
   const auto limits = reference::ClientLimits::Of(plan.robot.limits, plan.robot.cartesian);
-  EXPECT_EQ(plan.tick.limiter->dq_max, limits.dq_max);
-  EXPECT_EQ(plan.tick.limiter->rotation.dp_max, limits.rotation.dp_max);
-  EXPECT_EQ(plan.tick.cost.Draw(Random(1, RandomStream::kTest), 1), 13us);
+  EXPECT_EQ(tick.limiter->dq_max, limits.dq_max);
+  EXPECT_EQ(tick.limiter->rotation.dp_max, limits.rotation.dp_max);
+  EXPECT_EQ(tick.cost.Draw(Random(1, RandomStream::kTest), 1), 13us);
 }
 
 TEST_F(PlanTest, TellsTheControllersLoopAllTheScenarioSays) {
-  const loop::ControllerLoopConfig config = PlanOf(Full()).controller_loop;
+  const loop::ControllerLoopConfig config = MakeControllerLoop(PlanOf(Full()).motion.controller);
   EXPECT_EQ(config.rate_hz, 125);
   EXPECT_EQ(config.clock_ppm, -20);
   EXPECT_EQ(config.phase, 250us);
@@ -148,11 +149,13 @@ TEST_F(PlanTest, TellsTheControllersLoopAllTheScenarioSays) {
 }
 
 TEST_F(PlanTest, LimitsTorquesAndLeavesTheLowPassOffUnlessAskedFor) {
-  const Plan plan = PlanOf(scenario::test::OtherText());
-  EXPECT_EQ(plan.loop, loop::LoopKind::kSynchronous);
-  EXPECT_TRUE(plan.tick.limiter);
-  EXPECT_EQ(plan.tick.low_pass_hz, loop::TickConfig().low_pass_hz);
-  EXPECT_EQ(plan.tick.period_tolerance, 0s);
+  const scenario::Scenario scenario = scenario::Parse(scenario::test::OtherText(), "s.yaml");
+  const Plan plan = PlanOf(scenario);
+  const loop::TickConfig tick = MakeTick(scenario, plan.robot);
+  EXPECT_EQ(plan.motion.loop, loop::LoopKind::kSynchronous);
+  EXPECT_TRUE(tick.limiter);
+  EXPECT_EQ(tick.low_pass_hz, loop::TickConfig().low_pass_hz);
+  EXPECT_EQ(tick.period_tolerance, 0s);
 }
 
 TEST_F(PlanTest, StartsTheMotionThatGoesWithTheInterface) {
@@ -170,9 +173,9 @@ TEST_F(PlanTest, StartsTheMotionThatGoesWithTheInterface) {
          MotionGeneratorMode::kJointVelocity}}) {
     scenario.motion.interface = interface;
     if (controller != ControllerMode::kExternalController) scenario.motion.controller = controller;
-    const Plan plan = PlanOf(scenario);
-    EXPECT_EQ(plan.modes.controller, controller);
-    EXPECT_EQ(plan.modes.generator, generator);
+    EXPECT_EQ(PlanOf(scenario).motion.interface, interface);
+    EXPECT_EQ(ModesOf(scenario.motion).controller, controller);
+    EXPECT_EQ(ModesOf(scenario.motion).generator, generator);
   }
 }
 

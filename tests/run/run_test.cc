@@ -142,15 +142,11 @@ TEST_F(AssemblyTest, NamesWhatThereIsForAnUnknownBackendOrController) {
               ThrowsMessage<InputError>(HasSubstr("there are: joint_trajectory")));
 }
 
-TEST_F(AssemblyTest, ChecksWithoutRunning) {
+TEST_F(AssemblyTest, NamesASceneThatIsNotThere) {
   scenario::Scenario scenario = ShortScenario();
-  EXPECT_NO_THROW(Check(scenario, {backends_, controllers_}, files_));
   scenario.scene = "scenes/nowhere.xml";
-  EXPECT_THAT(
-      [&] {
-        Check(scenario, {backends_, controllers_}, files_);
-      },
-      ThrowsMessage<InputError>(HasSubstr("nowhere.xml")));
+  EXPECT_THAT([&] { (void)Execute(scenario); },
+              ThrowsMessage<InputError>(HasSubstr("nowhere.xml")));
 }
 
 }  // namespace

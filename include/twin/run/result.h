@@ -96,15 +96,22 @@ struct PlanReport {
   Duration duration{};        ///< of the motion
 };
 
-/// Result of a run. In lockstep all of it repeats with the scenario, bit by bit.
-struct RunResult {
+/// Result of a motion.
+struct MotionResult {
+  std::string name;
+  Time begun{};  ///< of the session
   loop::RunReport report;
   JointVector goal{};      ///< last waypoint, or where the plan ends, rad
   double final_error = 0;  ///< largest distance of a joint from it at the end, rad
   /// Of a motion of poses, and of a controller that follows one: of the end effector, measured,
   /// from where the last waypoint has it.
   std::optional<PoseError> final_pose_error;
-  CycleCounts counts;
+  CycleCounts counts;  ///< from its first cycle to where it was concluded; zero on remote robots
+};
+
+/// Result of a run, and of its motion. In lockstep all of it repeats with the scenario, bit by bit.
+/// The counts are of all cycles of the run.
+struct RunResult : MotionResult {
   FollowedMotion followed;
   std::optional<record::FilterCounts> viability;  ///< of a scenario with tick.viability
   std::optional<HandReport> hand;                 ///< of a scenario with commands to it

@@ -58,12 +58,6 @@ class NoPlanError : public Error {
 [[nodiscard]] std::optional<reference::PoseTrajectory> MakePoses(const scenario::Scenario& scenario,
                                                                  const scenario::RobotData& robot);
 
-/// Checks all of a scenario short of compiling the robot's model and running it: names, robot,
-/// trajectory, start, tick, scene file. A motion that is to be planned is planned, on a model
-/// compiled for that.
-/// @throws InputError as Run does.
-void Check(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files);
-
 class PreparedMotion;
 class Session;
 

@@ -29,7 +29,7 @@ namespace twin::run {
 
 /// One motion of a session: path, controller and tick.
 struct Motion {
-  std::string name;  ///< for people: "approach"; empty: it is the run's only one
+  std::string name;  ///< for messages: "approach"; empty: the run's only motion
   control::CommandInterface interface = control::CommandInterface::kJointPosition;
   /// INT's own controller, as MotionSection::controller.
   ControllerMode impedance = ControllerMode::kJointImpedance;
@@ -58,17 +58,6 @@ struct Motion {
 [[nodiscard]] Motion MotionOn(const scenario::Scenario& scenario, std::string name,
                               control::CommandInterface interface,
                               reference::Trajectory trajectory);
-
-/// Result of a motion.
-struct MotionResult {
-  std::string name;
-  Time begun{};  ///< of the session
-  loop::RunReport report;
-  JointVector goal{};                         ///< last point of the trajectory, rad
-  double final_error = 0;                     ///< as RunResult
-  std::optional<PoseError> final_pose_error;  ///< as RunResult
-  CycleCounts counts;  ///< from its first cycle to where it was concluded; zero on remote robots
-};
 
 /// Result of a session.
 struct SessionResult {
