@@ -59,18 +59,6 @@ CLI::Option* Add(CLI::App& command, const std::string& form, T& value, const cha
 /// Adds -v, -q and --log-format, which every command has.
 void AddLog(CLI::App& command, LogFlags& flags);
 
-/// Makes `run` what `command` does once its options are read, and adds the flags of the log.
-/// `run` may throw twin::Error, Interrupted, or a CLI::ParseError for options that do not do.
-/// @param program  must outlive the command. @returns the flags that the options fill; the command
-/// owns them.
-template <typename Flags>
-Flags& SetAction(CLI::App& command, Program& program, int (*run)(const Flags&, const Program&)) {
-  auto flags = std::make_shared<Flags>();
-  command.final_callback([flags, run, &program] { program.code = run(*flags, program); });
-  AddLog(command, *program.log_flags);
-  return *flags;
-}
-
 /// A command, and the flags that its options fill; the program owns both.
 template <typename Flags>
 struct AddedCommand {
@@ -87,9 +75,11 @@ AddedCommand<Flags> AddCommand(CLI::App& parent, Program& program, const char* n
                                const char* text, int (*run)(const Flags&, const Program&),
                                const char* footer = "") {
   CLI::App& command = *parent.add_subcommand(name, text);
-  Flags& flags = SetAction(command, program, run);
+  auto flags = std::make_shared<Flags>();
+  command.final_callback([flags, run, &program] { program.code = run(*flags, program); });
+  AddLog(command, *program.log_flags);
   if (*footer != 0) command.footer(footer);
-  return {command, flags};
+  return {command, *flags};
 }
 
 /// Reads the command line, runs the command, translates what it throws. Logs exactly one line

@@ -14,7 +14,6 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/fci/capture.h"
-#include "twin/model/model_library.h"
 #include "twin/record/recorder.h"
 #include "twin/reference/viable_axis.h"
 #include "twin/robot/robot_config.h"
@@ -22,7 +21,6 @@
 #include "twin/run/remote.h"
 #include "twin/run/run.h"
 #include "twin/run/run_records.h"
-#include "twin/scenario/lab.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 #include "twin/server/served_robot.h"
@@ -58,12 +56,11 @@ either is; --idle freeze: physics stands still between motions, too.
 be written any more, a warning says so at once, the robot is served on, and the exit code is 4.
 Exit codes: 0 after --for, 130 when interrupted, others as ever.)";
 
-scenario::Scenario LoadWithFlags(const ServeFlags& flags, const std::filesystem::path& models) {
+scenario::Scenario LoadWithFlags(const ServeFlags& flags, const Host& host) {
   scenario::Scenario scenario =
       flags.scenario.empty() ? run::DefaultServed() : scenario::Load(flags.scenario);
-  if (flags.lab) scenario::ApplyLab(scenario::FindLab(*flags.lab, models), scenario);
+  ReplaceSite(flags.lab, flags.seed, flags.data, host, scenario);
   if (flags.scene) scenario.scene = *flags.scene;
-  if (flags.seed) scenario.seed = *flags.seed;
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
   scenario.backend = scenario::Scenario().backend;  // the served robot is simulated
   scenario.drive = scenario::DriveFromName(flags.drive);
@@ -99,18 +96,6 @@ void RequireServeAgreement(const ServeFlags& flags) {
   RequireDuration(flags.seconds);
 }
 
-server::ServerConfig ServerConfigOf(const ServeFlags& flags, const Program& program) {
-  server::ServerConfig config;
-  Listen(flags.network, config);
-  try {
-    config.model_library =
-        model::ReadModelLibrary(model::FindModelLibrary(program.host.executable));
-  } catch (const EnvironmentError& error) {
-    program.log->info("clients get no model library: {}", error.what());
-  }
-  return config;
-}
-
 /// A served robot, from flags to the end.
 class Service {
  public:
@@ -118,7 +103,7 @@ class Service {
       : flags_(flags),
         program_(program),
         files_(FilesOf(flags.data, program)),
-        scenario_(LoadWithFlags(flags, files_.models)) {
+        scenario_(LoadWithFlags(flags, program.host)) {
     robot::RobotConfig robot = run::MakeServedConfig(scenario_, files_);
     robot.viability = flags_.viability;
     server::ServedRobotSettings settings = MakeSettings();
@@ -191,7 +176,8 @@ void Service::MakeLog() {
 
 server::ServedRobotSettings Service::MakeSettings() {
   server::ServedRobotSettings settings;
-  settings.server = ServerConfigOf(flags_, program_);
+  Listen(flags_.network, settings.server);
+  settings.server.model_library = ModelLibraryOf(program_);
   if (is_lockstep()) {
     settings.lockstep = {.answer_timeout = FromSeconds(flags_.session_timeout),
                          .freeze_when_idle = FreezesWhenIdle(flags_)};
@@ -300,41 +286,31 @@ int Serve(const ServeFlags& flags, const Program& program) {
 }  // namespace
 
 void AddServe(CLI::App& app, Program& program) {
-  CLI::App* serve =
-      app.add_subcommand("serve", "Serve a robot to programs made for it (FCI protocol 5)");
-  ServeFlags& flags = SetAction(*serve, program, &Serve);
-  serve->add_option("scenario", flags.scenario, "Scenario file (default: the ready pose, no scene)")
-      ->type_name("FILE");
-  AddLab(*serve, flags.lab);
-  serve->add_option("--scene", flags.scene, "World around the robot (MJCF in the models folder)")
-      ->type_name("FILE");
-  AddNetwork(*serve, flags.network);
-  serve->add_option("--drive", flags.drive, "Who advances time: realtime or lockstep")
+  const auto [serve, flags] =
+      AddCommand(app, program, "serve", "Serve a robot to programs made for it (FCI protocol 5)",
+                 &Serve, kServeFooter);
+  Add(serve, "scenario FILE", flags.scenario, "Scenario file (default: the ready pose, no scene)");
+  AddLab(serve, flags.lab);
+  Add(serve, "--scene FILE", flags.scene, "World around the robot (MJCF in the models folder)");
+  AddNetwork(serve, flags.network);
+  Add(serve, "--drive", flags.drive, "Who advances time: realtime or lockstep")
       ->capture_default_str();
-  serve->add_option("--idle", flags.idle, "lockstep: time between motions: run or freeze")
+  Add(serve, "--idle", flags.idle, "lockstep: time between motions: run or freeze")
       ->capture_default_str();
-  serve->add_option("--clock-ppm", flags.clock_ppm, "realtime: drift of the robot's clock")
-      ->type_name("PPM");
-  serve
-      ->add_option("--session-timeout", flags.session_timeout,
-                   "lockstep: a motion that is not answered for so long is stopped")
-      ->capture_default_str()
-      ->type_name("S");
-  serve
-      ->add_option(
-          "--viability", flags.viability,
-          "Keep the clients' motions within the limits, whatever up to N commands in a row "
-          "are lost; 19 bridges all that no robot aborts for")
-      ->type_name("N")
+  Add(serve, "--clock-ppm PPM", flags.clock_ppm, "realtime: drift of the robot's clock");
+  Add(serve, "--session-timeout S", flags.session_timeout,
+      "lockstep: a motion that is not answered for so long is stopped")
+      ->capture_default_str();
+  Add(serve, "--viability N", flags.viability,
+      "Keep the clients' motions within the limits, whatever up to N commands in a row "
+      "are lost; 19 bridges all that no robot aborts for")
       ->check(CLI::Range(0, reference::ViableAxis::kMostLost));
-  AddSeed(*serve, flags.seed);
-  serve->add_option("--log", flags.log, "Write every cycle (MCAP)")->type_name("FILE");
-  serve->add_option("--capture", flags.capture, "Keep what goes over the wire (pcapng; see decode)")
-      ->type_name("FILE");
-  AddPage(*serve, flags.page);
-  serve->add_option("--for", flags.seconds, "End after so long")->type_name("S");
-  AddData(*serve, flags.data);
-  serve->footer(kServeFooter);
+  AddSeed(serve, flags.seed);
+  Add(serve, "--log FILE", flags.log, "Write every cycle (MCAP)");
+  Add(serve, "--capture FILE", flags.capture, "Keep what goes over the wire (pcapng; see decode)");
+  AddPage(serve, flags.page);
+  Add(serve, "--for S", flags.seconds, "End after so long");
+  AddData(serve, flags.data);
 }
 
 }  // namespace twin::cli
