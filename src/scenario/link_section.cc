@@ -1,6 +1,5 @@
 #include "twin/scenario/link_section.h"
 
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,22 +23,6 @@ Value Share(double& percent) {
   return Quantity(percent, kPercent, 0, 100);
 }
 
-auto ParametersOf(const faults::ConstantDelay& law) {
-  return std::tie(law.value);
-}
-auto ParametersOf(const faults::LogNormalDelay& law) {
-  return std::tie(law.median, law.sigma, law.offset);
-}
-auto ParametersOf(const faults::NormalDelay& law) {
-  return std::tie(law.mean, law.sigma);
-}
-auto ParametersOf(const faults::GammaDelay& law) {
-  return std::tie(law.shape, law.scale, law.offset);
-}
-auto ParametersOf(const faults::EmpiricalDelay& law) {
-  return std::tie(law.edges, law.weights);
-}
-
 faults::LossModel Make(const IndependentLoss& loss) {
   return faults::LossModel(faults::IndependentLoss{loss.percent / 100});
 }
@@ -60,12 +43,6 @@ faults::LossModel Make(const ScriptedLoss& loss) {
     script.runs.push_back({static_cast<std::uint64_t>(burst.at / kCycle), burst.count});
   }
   return faults::LossModel(std::move(script));
-}
-
-/// One alternative of a law.
-template <typename T, typename Law>
-void AddLaw(Map& map, std::string key, Law& law, std::string_view meaning) {
-  map.Add(std::move(key), Alternative<T>(law, [](T& one) { return SectionOf(one); }), meaning);
 }
 
 }  // namespace
@@ -129,12 +106,11 @@ Value DelayOf(Delay& delay) {
       delay.law, [](faults::ConstantDelay& d) { return Part(d.value); });
   const auto describe = [&law = delay.law, constant](Map& map) {
     map.Add("constant", constant, "Always the same.");
-    AddLaw<faults::NormalDelay>(map, "normal", law, "Normal, without its part below 0.");
-    AddLaw<faults::LogNormalDelay>(
-        map, "log_normal", law,
-        "Offset and a log-normal part, as scheduling and queues look like.");
-    AddLaw<faults::GammaDelay>(map, "gamma", law, "Offset and a gamma-distributed part.");
-    AddLaw<faults::EmpiricalDelay>(map, "histogram", law, "What was measured.");
+    map.Add("normal", Alternative<faults::NormalDelay>(law), "Normal, without its part below 0.");
+    map.Add("log_normal", Alternative<faults::LogNormalDelay>(law),
+            "Offset and a log-normal part, as scheduling and queues look like.");
+    map.Add("gamma", Alternative<faults::GammaDelay>(law), "Offset and a gamma-distributed part.");
+    map.Add("histogram", Alternative<faults::EmpiricalDelay>(law), "What was measured.");
     map.ExactlyOne();
   };
   const auto is_constant = [&delay] {
@@ -149,8 +125,8 @@ Value LossOf(Loss& loss) {
   const Value independent = Alternative<IndependentLoss>(
       loss.law, [](IndependentLoss& one) { return Share(one.percent); });
   const auto describe = [&law = loss.law](Map& map) {
-    AddLaw<GilbertElliottLoss>(map, "gilbert_elliott", law,
-                               "Bursts: a good and a bad state, drawn anew per message.");
+    map.Add("gilbert_elliott", Alternative<GilbertElliottLoss>(law),
+            "Bursts: a good and a bad state, drawn anew per message.");
     map.Add("scripted",
             Alternative<ScriptedLoss>(law,
                                       [](ScriptedLoss& script) {
@@ -203,13 +179,11 @@ faults::DelayModel Delay::Model() const {
   return std::visit([](const auto& parameters) { return faults::DelayModel(parameters); }, law);
 }
 
+/// Equal delays are written alike.
 bool Delay::operator==(const Delay& other) const {
-  if (law.index() != other.law.index()) return false;
-  return std::visit(
-      [&other]<typename T>(const T& mine) {
-        return ParametersOf(mine) == ParametersOf(std::get<T>(other.law));
-      },
-      law);
+  Delay a = *this;
+  Delay b = other;
+  return law.index() == other.law.index() && DelayOf(a).write(-1) == DelayOf(b).write(-1);
 }
 
 faults::LossModel Loss::Model() const {

@@ -180,13 +180,12 @@ void Describe(Map& map, BaseSection& base, Place& place) {
   map.Add("start", SectionOf(base.start), "Where the middle of the base starts on the floor.");
   const auto event = [&base](DriveEvent& drive) {
     return Section([&base, &drive](Map& item) {
-      item.Require("at", TimeSpan(drive.at, Duration::zero(), kDay), "Time since the run began.")
-          .Then([&](const YamlNode& at) {
-            if (base.drive.size() < 2) return;
-            const DriveEvent& previous = base.drive[base.drive.size() - 2];
-            if (drive.at >= previous.at + previous.span) return;
-            at.Fail("comes before the end of the drive above it; give them one after the other");
-          });
+      const auto end = [](const DriveEvent& one) { return one.at + one.span; };
+      item.Require("at",
+                   TimeInOrder(base.drive, drive, end,
+                               "comes before the end of the drive above it; give them one after "
+                               "the other"),
+                   "Time since the run began.");
       item.Require("for", TimeSpan(drive.span, kCycle, kDay), "Duration.");
       item.Add("v", Quantity(drive.twist.v, kVelocity, -kMostSpeed, kMostSpeed),
                "Velocity ahead; the base saturates it at its own limit.");

@@ -44,23 +44,9 @@ void ValidatePlant(const Scenario& scenario) {
            "them out");
 }
 
-/// Its drives follow each other.
-void ValidateDrives(const std::vector<DriveEvent>& drive) {
-  Duration end{};
-  for (std::size_t i = 0; i < drive.size(); ++i) {
-    if (drive[i].at < end) {
-      throw InputError(
-          fmt::format("base.drive[{}].at: {} s is before the end of the drive before it, {} s",
-                      i + 1, ToSeconds(drive[i].at), ToSeconds(end)));
-    }
-    end = drive[i].at + drive[i].span;
-  }
-}
-
 /// A mobile base rolls in the engine, and only a run's own motion may stand on one.
 void ValidateBase(const Scenario& scenario) {
   if (!scenario.base) return;
-  ValidateDrives(scenario.base->drive);
   RefuseIf(scenario.is_remote(),
            "base: a robot at the other end of a wire has none; say backend: mujoco, or leave base "
            "out");
