@@ -57,6 +57,7 @@ class HardwareTest(unittest.TestCase):
         self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
         self.assertIn(FLAG, done.stderr)
         self.assertIn("does not say that it is a twin", done.stderr)
+        self.assertIn(f"--robot {address if ':' in address else address + ':1337'}:", done.stderr)  # which port would have moved
         self.assertNotIn("settings", done.stdout)  # nothing was asked of it
 
     def check_got_no_request_that_acts(self, robot):
