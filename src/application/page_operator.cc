@@ -21,10 +21,10 @@ namespace twin::application {
 namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds(50);
-/// As long as one session of the application may be.
+/// Longest session that the application permits.
 constexpr const char* kLongest = "3600 s";
 
-/// The robot's own scenario from the other end of the wire, led by the page.
+/// The served robot's scenario for a remote client, with the page as the operator's device.
 scenario::Scenario LedFromThePage(scenario::Scenario served) {
   served.backend = scenario::kRemoteBackend;
   served.robot.clock_drift_ppm = 0;
@@ -33,7 +33,7 @@ scenario::Scenario LedFromThePage(scenario::Scenario served) {
     served.robot.q_start = served.motion.waypoints.front().q;
   }
   served.motion = {};
-  served.base.reset();  // the interface knows of none
+  served.base.reset();  // the interface has no mobile base
   served.application = scenario::ApplicationSection{
       .type = "teleoperation", .parameters = {{.key = "longest", .values = {kLongest}}}};
   if (!served.operator_section) served.operator_section.emplace();
@@ -44,7 +44,7 @@ scenario::Scenario LedFromThePage(scenario::Scenario served) {
 
 run::RealtimeSettings ServedAt(const fci::Endpoint& arm, const std::optional<fci::Endpoint>& hand) {
   run::RealtimeSettings settings;
-  // Where this server listens: at the same port of another address another robot may answer.
+  // The address at which this server listens; at another, another robot may use the same port.
   settings.remote.host = arm.address == 0 ? "127.0.0.1" : fci::AddressText(arm.address);
   settings.remote.arm_port = arm.port;
   if (hand) settings.remote.hand_port = hand->port;
@@ -70,9 +70,9 @@ void PageOperator::Run(const std::stop_token& stop) {
   for (; !stop.stop_requested(); rt::SleepUntil(clock, clock.Now() + kLook)) {
     if (!wanted_.load(std::memory_order_acquire)) continue;
     const std::uint64_t take = takes_.load(std::memory_order_relaxed);
-    if (take == served) continue;  // that one's session has ended, and control was not given back
+    if (take == served) continue;  // its session has ended, but control was not returned
     auto device = std::make_unique<page::PageDevice>(parts_.channel, "this server");
-    // Whoever gives control back from now on presses an end that this device is told.
+    // From here on, the device receives the end that is pressed when control is returned.
     if (!wanted_.load(std::memory_order_acquire)) continue;
     served = take;
     try {
@@ -89,7 +89,7 @@ void PageOperator::Session(std::unique_ptr<teleop::Device> device) {
   hooks.interrupted = &interrupted_;
   hooks.event = tell_;
   {
-    // What a stop or a reflex has left.
+    // Recovers from a stop or a reflex.
     run::Session session(scenario_, parts_.catalogue, parts_.files, nullptr, settings_);
     session.Begin(hooks);
     session.Recover();

@@ -12,21 +12,21 @@
 namespace twin::loop {
 namespace {
 
-/// Run on after the motion, so that the log shows the robot idle (or in Reflex, coming to rest).
+/// Time of the run after the motion, so that the log shows the robot idle (or in Reflex, stopping).
 constexpr Duration kAfterMotion = std::chrono::milliseconds(500);
 constexpr Duration kAfterSuccess = std::chrono::milliseconds(20);
-/// Longest wait for an arm that still moves then: the robot's own timeout, and what its brakes
-/// take.
+/// Longest wait for an arm that still moves after that: the robot's own timeout plus the time of
+/// its brakes.
 constexpr Duration kUntilRest = kRestTimeout + std::chrono::milliseconds(300);
-/// A run may end when its arm has been slower than kRestSpeed for so long: half of what the robot
-/// asks for, which has longer to look.
+/// Time below kRestSpeed after which a run may end: half of the robot's kRestTime, because the
+/// robot observes for longer.
 constexpr Duration kStill = kRestTime / 2;
 /// Longest wait for a first state, and for a stopped arm to come to rest.
 constexpr Duration kMotionTimeout = std::chrono::seconds(3);
 constexpr const char* kInterrupted = "interrupted";
-/// Without a state for so long, the backend is asked whether the motion has ended ...
+/// Time without a state after which the runner asks the backend whether the motion has ended.
 constexpr Duration kSilence = std::chrono::milliseconds(500);
-/// ... and after so long, libfranka's timeout, the robot is given up.
+/// Time without a state after which the connection counts as lost: libfranka's timeout.
 constexpr Duration kDeaf = std::chrono::seconds(1);
 constexpr Duration kLookPeriod = std::chrono::milliseconds(100);
 
@@ -137,7 +137,7 @@ void MotionRunner::WatchRest() {
 void MotionRunner::LookOn() {
   const Time now = Now();
   if (now < next_look_) return;
-  // Who has not looked for long was stopped itself, and cannot say that the others were silent.
+  // If this thread has not run for long, it cannot conclude that the others were silent.
   if (now > next_look_ + kSilence) silent_since_ = now;
   next_look_ = now + kLookPeriod;
   if (watch_.expected() && !watch_.ended()) NoticeSilence();
@@ -146,7 +146,7 @@ void MotionRunner::LookOn() {
 }
 
 void MotionRunner::NoticeUnseenEnd() {
-  // A motion that ended in the cycle it began in shows in no state.
+  // A motion that ended in its first cycle does not appear in any state.
   if (run_.backend.Describe().last_end != backend::MotionEnd::kNone) watch_.End();
 }
 
@@ -173,7 +173,7 @@ void MotionRunner::StopEarly(RunReport& report, std::string why) {
   run_.backend.Stop();
   const LoopFailure failure = watch_.failure();
   if (failure == LoopFailure::kInvalidCommand) {
-    // Nobody else asks the controller anything from here on.
+    // From here on, no other thread calls the controller.
     StopController();
     const std::string reason = run_.controller.Explain();
     if (!reason.empty()) report.failure = reason + "; the motion was stopped";
@@ -189,7 +189,7 @@ void MotionRunner::JudgeRest(RunReport& report) {
   constexpr auto kInstability = static_cast<std::size_t>(RobotError::kInstabilityDetected);
   const RobotState& state = State();
   std::string why;
-  if (report.errors.test(kInstability)) return;  // it ended the motion, and has been told
+  if (report.errors.test(kInstability)) return;  // it ended the motion and is reported already
   if (state.errors.test(kInstability)) {
     why = "the arm did not come to rest; the robot closed its brakes: instability_detected";
     report.errors |= state.errors;

@@ -314,8 +314,7 @@ TEST(ScenarioErrorsTest, RefusesManyParametersInLinearTime) {
   text +=
       "motion:\n  trajectory: {unit: rad, waypoints: [{q: [0, 0, 0, -2, 0, 2, 0]}, "
       "{q: [0, 0, 0, -2, 0, 2, 0.1]}]}\n";
-  EXPECT_EQ(MessageOf(text),
-            "s.yaml:1005: controller.parameters.p1001: more than 1000 parameters");
+  EXPECT_EQ(MessageOf(text), "s.yaml:1005: controller.parameters.p1001: more than 1000 parameters");
 }
 
 TEST(ScenarioFileTest, NamesAMissingFile) {

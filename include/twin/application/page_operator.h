@@ -18,17 +18,17 @@
 
 namespace twin::application {
 
-/// Moves a served robot as the operator at its page commands: a client like any other, by backend
-/// fci at the address where the robot is served, and the application teleoperation. It connects
-/// when an operator takes control and disconnects when the operator gives control back. While
-/// another client is connected, the server refuses it as any second one.
+/// Moves a served robot by the commands of the operator at its page: an ordinary client, by backend
+/// fci at the address of the served robot, with the application teleoperation. It connects when an
+/// operator takes control and disconnects when the operator returns control. While another client
+/// is connected, the server refuses it as any second client.
 ///
 /// Threads: Operate() from any; the client is on a thread of its own.
 class PageOperator {
  public:
   using Tell = std::function<void(Time, std::string_view kind, std::string_view text)>;
 
-  /// What it works with; all must outlive it.
+  /// Connected components; all must outlive this object.
   struct Parts {
     const run::Catalogue& catalogue;
     run::RunFiles files;
@@ -39,7 +39,8 @@ class PageOperator {
   PageOperator(const Parts& parts, const scenario::Scenario& served, const fci::Endpoint& arm,
                const std::optional<fci::Endpoint>& hand, Tell tell);
 
-  /// Somebody has taken control; or nobody has it any more, and the session's end will be pressed.
+  /// @param wanted  true: an operator has taken control; false: control has ended, and the
+  /// session's end will be pressed.
   void Operate(bool wanted) noexcept {
     if (wanted) takes_.fetch_add(1, std::memory_order_relaxed);
     wanted_.store(wanted, std::memory_order_release);
@@ -47,7 +48,7 @@ class PageOperator {
 
  private:
   void Run(const std::stop_token& stop);
-  /// From connecting to the end of the motion.
+  /// Runs a session, from connecting to the end of the motion.
   void Session(std::unique_ptr<teleop::Device> device);
 
   const Parts parts_;
@@ -56,7 +57,7 @@ class PageOperator {
   const Tell tell_;
   std::atomic<bool> wanted_{false};  ///< release, acquire: takes_ is counted before
   std::atomic<std::uint64_t> takes_{0};
-  volatile bool interrupted_ = false;  ///< read by the session: the program ends
+  volatile bool interrupted_ = false;  ///< read by the session; true: the program ends
   std::jthread thread_;
 };
 
