@@ -1,5 +1,6 @@
 #include "twin/robot/wall_clock_robot.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "twin/rt/host_time.h"
@@ -76,7 +77,8 @@ void WallClockRobot::RunEventsUntil(Time until) noexcept {
 }
 
 void WallClockRobot::PostponeIfStalled(Time now) noexcept {
-  const Duration late = now - robot().next_cycle() - catch_up_;
+  const Duration borne = catch_up_ - robot().lost_in_row() * robot().period();
+  const Duration late = now - robot().next_cycle() - std::max(borne, Duration::zero());
   if (late <= kTolerated) return;
   robot().Postpone(late);
   postponed_ += late;

@@ -210,6 +210,29 @@ TEST_F(RealtimeRobotTest, MakesUpForAStallWithinCatchUpAndPostponesTheRestOfALon
       [] { return std::int64_t{5}; });
 }
 
+TEST_F(RealtimeRobotTest, PostponesAStallWhenAsManyCommandsAreLostAlready) {
+  constexpr int kStalled = 60;
+  RobotConfig config = test::PandaRobot();
+  config.catch_up = milliseconds(10);
+  config.onboard.abort_after_lost = 100'000;
+  Make(config, [this](int step) {
+    if (step == kStalled) rt::SleepUntil(clock_, clock_.Now() + milliseconds(5));
+  });
+  ASSERT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
+  robot_->Begin();
+  for (int i = 0; i < 20; ++i) {  // INT waits for the first; none comes after these
+    RobotCommand command;
+    command.message_id = AwaitState()->message_id;
+    command.q_c = test::kReady;
+    robot_->Write(command);
+  }
+  AwaitCycle(100);
+  robot_->End();
+  const auto& cycles = cycles_.kept();
+  ExpectSoundGrid(cycles, robot_->overruns());
+  EXPECT_GE(cycles[kStalled].at - cycles[kStalled - 1].at, milliseconds(5));
+}
+
 TEST_F(RealtimeRobotTest, ARobotThatNeverKeepsUpCountsWhatItSkipsAndStillAnswers) {
   test::Undisturbed([this] {
     Make(test::PandaRobot(),

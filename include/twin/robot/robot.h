@@ -100,6 +100,8 @@ class Robot final : private rt::EventHandler {
   }
   /// Violations of the last cycle that had any, with or without a motion; empty before the first.
   [[nodiscard]] const onboard::Violations& last_found() const noexcept { return last_found_; }
+  /// Cycles of the running motion without a command, up to the last one.
+  [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return onboard_.lost_in_row(); }
   /// Whether, in the last cycle, INT's reference was at rest and every measured joint velocity
   /// below kRestSpeed.
   [[nodiscard]] bool AtRest() const noexcept;

@@ -19,10 +19,10 @@ namespace twin::robot {
 ///
 /// Events run in the order of their times: a command enters the link at its arrival time, after all
 /// events due earlier. When the host stopped the thread, the robot makes up for cycles of at most
-/// RobotConfig::catch_up, one right after the other. No command arrives in them, and INT holds the
-/// acceleration, as if only the workstation had stopped; of their states it sends the last. What is
-/// later than that, by more than 0.25 ms, postpones its cycle and all later ones; skipped whole
-/// periods are counted.
+/// RobotConfig::catch_up less those just lost, one right after the other. No command arrives in
+/// them, and INT holds the acceleration, as if only the workstation had stopped; of their states it
+/// sends the last. What is later than that, by more than 0.25 ms, postpones its cycle and all later
+/// ones; skipped whole periods are counted.
 ///
 /// Threads: as ThreadedRobot; statistics from the thread that calls End(). Real-time: the robot's
 /// thread allocates and locks nothing between Begin() and End().
