@@ -32,7 +32,8 @@ void WallClockRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcep
   const RobotState& state = robot().states().Take();
   // While it makes up for cycles, the workstation gets the last state only: it could not answer
   // the others in time, and would take each for a cycle of its own clock.
-  if (robot().next_cycle() > clock().Now()) port().Deliver(state);
+  const bool is_made_up_for = Borne() > Duration::zero() && robot().next_cycle() <= clock().Now();
+  if (!is_made_up_for) port().Deliver(state);
 }
 
 void WallClockRobot::Run(const std::stop_token& stop) noexcept {
@@ -76,9 +77,12 @@ void WallClockRobot::RunEventsUntil(Time until) noexcept {
   }
 }
 
+Duration WallClockRobot::Borne() noexcept {
+  return std::max(catch_up_ - robot().lost_in_row() * robot().period(), Duration::zero());
+}
+
 void WallClockRobot::PostponeIfStalled(Time now) noexcept {
-  const Duration borne = catch_up_ - robot().lost_in_row() * robot().period();
-  const Duration late = now - robot().next_cycle() - std::max(borne, Duration::zero());
+  const Duration late = now - robot().next_cycle() - Borne();
   if (late <= kTolerated) return;
   robot().Postpone(late);
   postponed_ += late;

@@ -45,6 +45,8 @@ class WallClockRobot : public ThreadedRobot {
   void Run(const std::stop_token& stop) noexcept final;
   void WorkOff(Time now) noexcept TWIN_REALTIME;
   void RunEventsUntil(Time until) noexcept TWIN_REALTIME;
+  /// Lateness of the next cycle that postpones nothing.
+  [[nodiscard]] Duration Borne() noexcept TWIN_REALTIME;
   void PostponeIfStalled(Time now) noexcept TWIN_REALTIME;
 
   const Duration catch_up_;
