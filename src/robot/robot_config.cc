@@ -42,10 +42,7 @@ void RobotConfig::Validate() const {
     }
   }
   RequireInRange("robot.clock_ppm", clock_ppm, -1000, 1000);
-  if (catch_up < Duration::zero() || catch_up > kLongestCatchUp) {
-    throw InputError(fmt::format("robot.catch_up is {} ms; it must lie in [0, {}] ms",
-                                 ToSeconds(catch_up) * 1e3, kLongestCatchUp / kCycle));
-  }
+  RequireInRange("robot.catch_up (s)", ToSeconds(catch_up), 0, ToSeconds(kLongestCatchUp));
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (q_start[i] >= onboard.limits.q_min[i] && q_start[i] <= onboard.limits.q_max[i]) continue;
     throw InputError(fmt::format("robot.q_start: joint {} is at {} rad; it must lie in [{}, {}]",

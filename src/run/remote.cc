@@ -74,8 +74,9 @@ std::vector<std::string> WithoutEffectThere(const scenario::Scenario& scenario) 
   add_if(!(scenario.plant == scenario::PlantSection()) ||
              (!scenario.scene.empty() && !scenario.motion.plan),
          "plant, scene: the robot and its surroundings are what they are");
-  add_if(!(scenario.robot.load == setting::Load()) || scenario.robot.clock_drift_ppm != 0,
-         "robot.load, robot.clock_drift: they describe a simulated robot");
+  add_if(!(scenario.robot.load == setting::Load()) || scenario.robot.clock_drift_ppm != 0 ||
+             scenario.robot.catch_up != scenario::RobotSection().catch_up,
+         "robot.load, robot.clock_drift, robot.catch_up: they describe a simulated robot");
   add_if(!IsIdeal(scenario.link), "link: the network between is what it is");
   add_if(TakesTime(scenario),
          "tick.cost, controller.cost, controller.wake_delay: what things cost "
