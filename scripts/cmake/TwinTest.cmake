@@ -91,6 +91,11 @@ function(twin_add_script_test name)
                      LABELS "${TEST_LABELS}" TIMEOUT "${TEST_TIMEOUT}" NEEDS ${TEST_NEEDS})
 endfunction()
 
+# The longest tests, begun first: a build that has not run them yet would else wait for one of them at the end.
+set(TWIN_LONG_TESTS panda_python_realtime_test experiment_predictions_test video_test applications_lockstep_test render_test cli_test
+    experiment_test conformance_error_table_wire_test run_plan_places_test examples_test conformance_random_streams trace_test
+    video_defects_test own_client_realtime_test)
+
 # What both have in common: label (unit unless told), time limit in seconds (300 unless told: for what hangs, not for what a busy machine
 # holds up), part in unit_tests.
 function(twin_register_test name)
@@ -110,6 +115,9 @@ function(twin_register_test name)
   set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT}
     SKIP_RETURN_CODE ${TWIN_SKIPPED} SKIP_REGULAR_EXPRESSION "${TWIN_UNITTEST_SKIPPED}"
     ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.supp:print_suppressions=0")
+  if(name IN_LIST TWIN_LONG_TESTS)
+    set_tests_properties(${name} PROPERTIES COST 1)
+  endif()
   foreach(label unit stress memory)
     if(TEST_NEEDS AND "${label}" IN_LIST TEST_LABELS)
       add_dependencies(${label}_tests ${TEST_NEEDS})
