@@ -25,8 +25,8 @@ void PoseReference::Configure(control::ParameterReader& parameters, bool may_be_
   is_live_ = kind == "live";
   if (!is_live_ || request_.live != nullptr) return;
   parameters.Refuse("reference",
-                    "live needs somebody who leads the arm, and there is nobody: use the "
-                    "application teleoperation");
+                    "live needs an operator, and this run has none: use the application "
+                    "teleoperation");
 }
 
 void PoseReference::Begin(const JointVector& q, const Transform& F_T_EE, Time now,

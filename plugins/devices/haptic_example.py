@@ -18,5 +18,5 @@ for sequence in range(1, 1001):                        # ten seconds, a hundred 
             if sequence % 20 == 0:
                 print(f"{'base' if mode else 'arm'} force {wrench[0]:+.1f} {wrench[1]:+.1f} {wrench[2]:+.1f} N", flush=True)
     except (BlockingIOError, ConnectionRefusedError):
-        pass                                           # nothing came, or nobody listens (yet)
+        pass                                           # nothing came, or no program listens (yet)
     time.sleep(0.01)

@@ -1,4 +1,4 @@
-"""A command under an LTTng session of its own: its daemon, in folders nobody else sees, is gone when the command is."""
+"""A command under an LTTng session of its own: its daemon, in folders no other process sees, is gone when the command is."""
 
 import os
 import pathlib
@@ -71,7 +71,7 @@ def find_provider(program, build):
 def hide_roots_daemon(arguments):
     """For root alone: runs `arguments` in place of this process, where ROOTS_FOLDER is an empty one of its own.
 
-    Returns when there is nothing to hide, or when hiding is not permitted (a container) and nobody uses the folder.
+    Returns when there is nothing to hide, or when hiding is not permitted (a container) and no process uses the folder.
     """
     if os.geteuid() != 0 or os.environ.get(IS_PRIVATE):
         return
@@ -168,7 +168,7 @@ class Session:
         self._lttng("destroy", "--no-wait", "twin")  # what was recorded is on the disk since the stop
 
     def _lttng(self, *arguments):
-        # A group that nobody is in: members of "tracing" would be sent to a daemon of root's.
+        # A group without members: members of "tracing" would be sent to a daemon of root's.
         done = subprocess.run(["lttng", "--group=root", "--no-sessiond", *arguments], env=self._environment,
                               capture_output=True, text=True)
         if done.returncode != 0:

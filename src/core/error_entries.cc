@@ -418,7 +418,7 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
                  "fast in every 0.1 s of the last second",
      .cause = "the controller that holds the arm is not stable on it: a stiffness too high or a "
               "damping too low for the arm there is, a load that the robot is told of wrongly; or "
-              "somebody moves an arm that is held softly",
+              "a person moves an arm that is held softly",
      .cure =
          "lower the stiffness (SetJointImpedance, SetCartesianImpedance), and tell the robot its "
          "load (SetLoad); the recovery opens the brakes",

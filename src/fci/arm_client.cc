@@ -56,10 +56,8 @@ void ArmClient::Negotiate() {
   version_ = answer.version;
   if (answer.status == static_cast<std::uint8_t>(ConnectStatus::kSuccess)) return;
   if (answer.status != static_cast<std::uint8_t>(ConnectStatus::kIncompatibleLibraryVersion)) {
-    throw RobotFault(
-        fmt::format("Connect: {} refuses with status {}, which nobody knows; is it a "
-                    "Panda?",
-                    NameOf(robot_), answer.status));
+    throw RobotFault(fmt::format("Connect: {} refuses with the unknown status {}; is it a Panda?",
+                                 NameOf(robot_), answer.status));
   }
   throw RobotFault(fmt::format(
       "Connect: {} speaks version {} of the Franka Control Interface, this program version {}; {}",

@@ -55,7 +55,7 @@ class LivePage::Impl {
           LiveCamera::Calls{.picture = [this](std::string bytes) { Show(std::move(bytes)); },
                             .failure = [this](std::string why) { TellNoPicture(std::move(why)); }});
     } else {
-      status_.SetNoPicture("nobody here sees this robot: there are no pictures");
+      status_.SetNoPicture("this process has no model of the robot: there are no pictures");
     }
     thread_ = std::jthread([this] {
       static_cast<void>(rt::SetUpThisThread({.name = "twin-page", .lock_memory = false}));

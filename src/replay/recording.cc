@@ -80,7 +80,7 @@ class Contents {
 scenario::Scenario ScenarioOf(const std::filesystem::path& log, const record::RunInfo& run) {
   if (run.scenario_yaml.empty()) {
     throw InputError(fmt::format(
-        "{}: the log tells no scenario, so nobody knows what to draw; name the log of a run, of "
+        "{}: the log holds no scenario, so there is nothing to draw; name the log of a run, of "
         "which more than the beginning was written",
         log.string()));
   }

@@ -127,7 +127,7 @@ Story TellAbort(const RunEnd& end) {
 
 std::string HowItEnded(const RunEnd& end) {
   if (end.user_stopped) {
-    return fmt::format("somebody pressed the user stop at {:.3f} s", *end.user_stopped);
+    return fmt::format("the user stop was pressed at {:.3f} s", *end.user_stopped);
   }
   if (!end.moved) return "no motion ran";
   if (end.last_word.empty() || end.last_word == "finished") return "no error";

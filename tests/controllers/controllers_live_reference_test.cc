@@ -1,4 +1,4 @@
-// The compliance controller led by somebody.
+// The compliance controller led by an operator.
 #include <string>
 
 #include <gmock/gmock.h>
@@ -103,7 +103,7 @@ TEST_F(LiveReferenceTest, RefusesToBeLedByNobody) {
     controller.Configure(reader);
     FAIL() << "it was taken";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("there is nobody"));
+    EXPECT_THAT(error.what(), HasSubstr("this run has none"));
   }
 }
 

@@ -13,7 +13,7 @@ enum class ModelFigures : std::uint8_t {
   kPlant,  ///< ArmModel::PandaPlant(): those of the twin's plant, for a client without model error
 };
 
-/// Some clients cannot load a larger file: libfranka-rs 0.9.0 blocks for ever on a reply of about
+/// Some clients cannot load a larger file: libfranka-rs 0.9.0 blocks forever on a reply of about
 /// 300 KiB. Ours stay below this.
 inline constexpr std::size_t kLargestModelLibrary = std::size_t{64} << 10;
 

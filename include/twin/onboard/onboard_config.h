@@ -43,7 +43,7 @@ struct OnboardConfig {
   /// Consecutive lost commands that end the motion.
   std::uint32_t abort_after_lost = 20;
   /// Cycles within which a motion's first command must arrive. Not public; chosen so that a client
-  /// that dies between Move and its first command does not block the robot for ever.
+  /// that dies between Move and its first command does not block the robot forever.
   std::uint32_t first_command_timeout_cycles = 1000;
   /// Largest distances between a motion's first command and the reference. Not public; the values
   /// of a simulator of the robot's successor.

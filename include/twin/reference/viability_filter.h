@@ -13,8 +13,8 @@
 namespace twin::reference {
 
 /// The last stage before the wire: passes only commands after which the joints' limits of position,
-/// velocity, acceleration and jerk can be kept for ever, even if up to n consecutive commands are
-/// lost. Admissible commands pass bit by bit; otherwise each joint gets the nearest admissible
+/// velocity, acceleration and jerk can be kept at all times, even if up to n consecutive commands
+/// are lost. Admissible commands pass bit by bit; otherwise each joint gets the nearest admissible
 /// jerk. No less restrictive filter exists: src/reference/VIABILITY.md.
 ///
 /// The guarantee holds for a robot that aborts after n + 1 consecutive losses, or never has more

@@ -25,9 +25,9 @@ struct InFlight {
 /// The filter sends the command nearest to the requested one that is within the limits and leads
 /// into the viable set from all possible states. If none exists, it sends nothing in this cycle,
 /// which the robot counts as a loss; after d silent cycles the state is certain, and a command
-/// exists. So all limits are kept for ever as long as at most n consecutive cycles pass without an
-/// arriving command, silent cycles included; it suffices that at most most_lost() consecutive sent
-/// commands are lost. Lemmas and proofs: src/reference/VIABILITY.md.
+/// exists. So all limits are kept at all times as long as at most n consecutive cycles pass without
+/// an arriving command, silent cycles included; it suffices that at most most_lost() consecutive
+/// sent commands are lost. Lemmas and proofs: src/reference/VIABILITY.md.
 ///
 /// The set of commands is not the largest possible. A client that is never silent can keep the
 /// limits with positions only at jerks close to zero. Jerks below a quarter of the limit with d =

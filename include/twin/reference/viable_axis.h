@@ -37,8 +37,8 @@ struct JerkRange {
   [[nodiscard]] bool empty() const noexcept { return !(lowest <= highest); }
 };
 
-/// The states of one joint from which its bounds can be kept for ever, whichever commands are lost,
-/// as long as at most n consecutive ones are: the largest such set, in closed form.
+/// The states of one joint from which its bounds can be kept at all times, whichever commands are
+/// lost, as long as at most n consecutive ones are: the largest such set, in closed form.
 ///
 /// An arriving command changes the acceleration by T j and integrates (backward differences, T = 1
 /// ms); a lost one keeps the acceleration, like a command with j = 0:

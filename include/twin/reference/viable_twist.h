@@ -10,8 +10,8 @@
 namespace twin::reference {
 
 /// Velocities of a point, or of a rotation, whose speed, acceleration and jerk (Euclidean norms)
-/// can be kept for ever, whichever commands are lost, as long as at most n consecutive ones are.
-/// The counterpart of ViableAxis without a range of positions:
+/// can be kept at all times, whichever commands are lost, as long as at most n consecutive ones
+/// are. The counterpart of ViableAxis without a range of positions:
 ///   a command arrives: a+ = a + T j,  v+ = v + T a+,   |j| <= J;    one is lost: j = 0.
 ///
 /// Braking reduces the acceleration along its own direction, a+ = (|a| - min(T J, |a|)) a/|a|. If n

@@ -8,7 +8,7 @@
 
 namespace twin::robot {
 
-/// Replaces each command of a running motion by the nearest one that keeps the limits for ever,
+/// Replaces each command of a running motion by the nearest one that keeps the limits at all times,
 /// even if up to n consecutive commands are lost. A client library could do this for its users;
 /// here the robot does it, to test the benefit for an unmodified program. A real robot has no such
 /// filter.

@@ -242,7 +242,7 @@ $("stop").addEventListener("keydown", (event) => { if (event.code === "Enter") s
 $("clutch").addEventListener("pointerdown", (event) => { $("clutch").setPointerCapture(event.pointerId); clutch(true); });
 for (const kind of ["pointerup", "pointercancel"]) $("clutch").addEventListener(kind, () => clutch(false));
 
-// Keys control the robot whatever has the focus, except in text fields.
+// Keys control the robot whichever element has the focus, except text fields.
 const writes = (event) => event.target.closest("#ask");
 for (const id of ["cameras", "speed"]) $(id).addEventListener("change", () => $(id).blur());
 
