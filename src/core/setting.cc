@@ -127,19 +127,6 @@ Finding Find(const setting::Filters& f) noexcept {
                Check("controller_filter_frequency", f.controller_hz, kCutoff));
 }
 
-struct Namer {
-  std::string_view operator()(const setting::JointImpedance&) { return "Set Joint Impedance"; }
-  std::string_view operator()(const setting::CartesianImpedance&) {
-    return "Set Cartesian Impedance";
-  }
-  std::string_view operator()(const CollisionBehavior&) { return "Set Collision Behavior"; }
-  std::string_view operator()(const setting::GuidingMode&) { return "Set Guiding Mode"; }
-  std::string_view operator()(const setting::StiffnessFrame&) { return "Set EE to K"; }
-  std::string_view operator()(const setting::EndEffectorFrame&) { return "Set NE to EE"; }
-  std::string_view operator()(const setting::Load&) { return "Set Load"; }
-  std::string_view operator()(const setting::Filters&) { return "Set Filters"; }
-};
-
 }  // namespace
 
 std::optional<BadValue> FindBadValue(const Setting& setting) noexcept {
@@ -154,7 +141,7 @@ std::string Describe(const BadValue& bad) {
 }
 
 std::string_view Name(const Setting& setting) noexcept {
-  return std::visit(Namer(), setting);
+  return std::visit([](const auto& one) { return one.kName; }, setting);
 }
 
 bool IsRigid(const Transform& X) noexcept {

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -14,8 +16,7 @@ using ParsedArmRequest = std::variant<ArmRequest, BadFrame>;
 template <typename Message>
 ParsedArmRequest ParseArm(const Frame& frame) {
   Message message;
-  const std::string_view name = Name(static_cast<ArmCommand>(frame.head.command));
-  if (auto bad = wire::ReadRequest(name, frame.payload, message)) return *std::move(bad);
+  if (auto bad = wire::ReadRequest(Message::kName, frame.payload, message)) return *std::move(bad);
   if constexpr (std::is_constructible_v<Setting, Message>) {
     return ArmRequest(Setting(message));
   } else {
@@ -23,73 +24,66 @@ ParsedArmRequest ParseArm(const Frame& frame) {
   }
 }
 
-/// Maps each message to its command.
-struct ArmCommander {
-  ArmCommand operator()(const Connect&) { return ArmCommand::kConnect; }
-  ArmCommand operator()(const Move&) { return ArmCommand::kMove; }
-  ArmCommand operator()(const StopMove&) { return ArmCommand::kStopMove; }
-  ArmCommand operator()(const GetCartesianLimit&) { return ArmCommand::kGetCartesianLimit; }
-  ArmCommand operator()(const AutomaticErrorRecovery&) {
-    return ArmCommand::kAutomaticErrorRecovery;
+/// The arm's messages. The index is the command's number on the wire.
+template <typename... Message>
+struct List {
+  static constexpr std::array kNames{Message::kName...};
+  static constexpr std::array kParsers{&ParseArm<Message>...};
+
+  template <typename Wanted>
+  static constexpr ArmCommand CommandOf() {
+    constexpr std::array kIsWanted{std::is_same_v<Wanted, Message>...};
+    return static_cast<ArmCommand>(std::ranges::find(kIsWanted, true) - kIsWanted.begin());
   }
-  ArmCommand operator()(const LoadModelLibrary&) { return ArmCommand::kLoadModelLibrary; }
-  ArmCommand operator()(const setting::CollisionBehavior&) {
-    return ArmCommand::kSetCollisionBehavior;
-  }
-  ArmCommand operator()(const setting::JointImpedance&) { return ArmCommand::kSetJointImpedance; }
-  ArmCommand operator()(const setting::CartesianImpedance&) {
-    return ArmCommand::kSetCartesianImpedance;
-  }
-  ArmCommand operator()(const setting::GuidingMode&) { return ArmCommand::kSetGuidingMode; }
-  ArmCommand operator()(const setting::StiffnessFrame&) { return ArmCommand::kSetEEToK; }
-  ArmCommand operator()(const setting::EndEffectorFrame&) { return ArmCommand::kSetNEToEE; }
-  ArmCommand operator()(const setting::Load&) { return ArmCommand::kSetLoad; }
-  ArmCommand operator()(const setting::Filters&) { return ArmCommand::kSetFilters; }
-  ArmCommand operator()(const Setting& setting) { return std::visit(*this, setting); }
 };
+using ArmMessages = List<Connect, Move, StopMove, GetCartesianLimit, setting::CollisionBehavior,
+                         setting::JointImpedance, setting::CartesianImpedance, setting::GuidingMode,
+                         setting::StiffnessFrame, setting::EndEffectorFrame, setting::Load,
+                         setting::Filters, AutomaticErrorRecovery, LoadModelLibrary>;
+static_assert(ArmMessages::kNames.size() == kArmCommands);
 
-template <typename Message>
-std::vector<std::byte> EncodeArmMessage(std::uint32_t command_id, const Message& message) {
-  NewFrame frame(ArmCommander()(message), command_id, wire::kPayload<Message>);
-  wire::PutFields(frame.payload(), message);
-  return std::move(frame).Release();
-}
-
-std::vector<std::byte> EncodeArmMessage(std::uint32_t command_id, const Setting& setting) {
-  return std::visit([command_id](const auto& one) { return EncodeArmMessage(command_id, one); },
-                    setting);
+/// Calls `take` with the message of the request.
+template <typename Take>
+auto Visit(const Take& take, const ArmRequest& request) {
+  return std::visit(
+      [&take]<typename One>(const One& one) {
+        if constexpr (std::is_same_v<One, Setting>) {
+          return std::visit(take, one);
+        } else {
+          return take(one);
+        }
+      },
+      request);
 }
 
 }  // namespace
 
 ParsedArmRequest ParseArmRequest(const Frame& frame) {
-  switch (static_cast<ArmCommand>(frame.head.command)) {
-    case ArmCommand::kConnect: return ParseArm<Connect>(frame);
-    case ArmCommand::kMove: return ParseArm<Move>(frame);
-    case ArmCommand::kStopMove: return ParseArm<StopMove>(frame);
-    case ArmCommand::kGetCartesianLimit: return ParseArm<GetCartesianLimit>(frame);
-    case ArmCommand::kSetCollisionBehavior: return ParseArm<setting::CollisionBehavior>(frame);
-    case ArmCommand::kSetJointImpedance: return ParseArm<setting::JointImpedance>(frame);
-    case ArmCommand::kSetCartesianImpedance: return ParseArm<setting::CartesianImpedance>(frame);
-    case ArmCommand::kSetGuidingMode: return ParseArm<setting::GuidingMode>(frame);
-    case ArmCommand::kSetEEToK: return ParseArm<setting::StiffnessFrame>(frame);
-    case ArmCommand::kSetNEToEE: return ParseArm<setting::EndEffectorFrame>(frame);
-    case ArmCommand::kSetLoad: return ParseArm<setting::Load>(frame);
-    case ArmCommand::kSetFilters: return ParseArm<setting::Filters>(frame);
-    case ArmCommand::kAutomaticErrorRecovery: return ParseArm<AutomaticErrorRecovery>(frame);
-    case ArmCommand::kLoadModelLibrary: return ParseArm<LoadModelLibrary>(frame);
-  }
-  return BadFrame{fmt::format("command {} is none of the arm's, which are 0 to {}",
-                              frame.head.command, kArmCommands - 1)};
+  const std::uint32_t command = frame.head.command;
+  if (command < kArmCommands) return ArmMessages::kParsers[command](frame);
+  return BadFrame{
+      fmt::format("command {} is none of the arm's, which are 0 to {}", command, kArmCommands - 1)};
 }
 
 ArmCommand CommandOf(const ArmRequest& request) noexcept {
-  return std::visit(ArmCommander(), request);
+  return Visit(
+      []<typename Message>(const Message& /*unused*/) { return ArmMessages::CommandOf<Message>(); },
+      request);
+}
+
+std::string_view Name(ArmCommand command) noexcept {
+  const auto index = static_cast<std::size_t>(command);
+  return index < kArmCommands ? ArmMessages::kNames[index] : "unknown";
 }
 
 std::vector<std::byte> EncodeRequest(std::uint32_t command_id, const ArmRequest& request) {
-  return std::visit([command_id](const auto& one) { return EncodeArmMessage(command_id, one); },
-                    request);
+  return Visit(
+      [command_id]<typename Message>(const Message& message) {
+        NewFrame frame(ArmMessages::CommandOf<Message>(), command_id, wire::kPayload<Message>);
+        wire::PutFields(frame.payload(), message);
+        return std::move(frame).Release();
+      },
+      request);
 }
 
 }  // namespace twin::fci

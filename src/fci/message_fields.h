@@ -17,68 +17,91 @@
 // commands.
 namespace twin::fci::wire {
 
-/// Pointers to the members of a T; none for an empty payload.
+/// One field of a message.
+template <typename Struct, typename Value>
+struct Field {
+  std::string_view name;  ///< in transcripts
+  Value Struct::*member;
+};
+template <typename Struct, typename Value>
+Field(std::string_view, Value Struct::*) -> Field<Struct, Value>;
+
+/// The fields of a T; none for an empty payload.
 template <typename T>
 inline constexpr std::tuple<> kFields{};
 template <>
-inline constexpr std::tuple kFields<Connect>{&Connect::version, &Connect::udp_port};
+inline constexpr std::tuple kFields<Connect>{Field{"version", &Connect::version},
+                                             Field{"udp_port", &Connect::udp_port}};
 template <>
-inline constexpr std::tuple kFields<Move>{&Move::modes, &Move::maximum_path_deviation,
-                                          &Move::maximum_goal_pose_deviation};
+inline constexpr std::tuple kFields<Move>{
+    Field{"modes", &Move::modes}, Field{"maximum_path_deviation", &Move::maximum_path_deviation},
+    Field{"maximum_goal_pose_deviation", &Move::maximum_goal_pose_deviation}};
 template <>
-inline constexpr std::tuple kFields<GetCartesianLimit>{&GetCartesianLimit::id};
+inline constexpr std::tuple kFields<GetCartesianLimit>{Field{"id", &GetCartesianLimit::id}};
 template <>
-inline constexpr std::tuple kFields<LoadModelLibrary>{&LoadModelLibrary::architecture,
-                                                      &LoadModelLibrary::system};
+inline constexpr std::tuple kFields<LoadModelLibrary>{
+    Field{"architecture", &LoadModelLibrary::architecture},
+    Field{"system", &LoadModelLibrary::system}};
 template <>
 inline constexpr std::tuple kFields<setting::CollisionBehavior>{
-    &setting::CollisionBehavior::lower_torque_acc,
-    &setting::CollisionBehavior::upper_torque_acc,
-    &setting::CollisionBehavior::lower_torque_nominal,
-    &setting::CollisionBehavior::upper_torque_nominal,
-    &setting::CollisionBehavior::lower_force_acc,
-    &setting::CollisionBehavior::upper_force_acc,
-    &setting::CollisionBehavior::lower_force_nominal,
-    &setting::CollisionBehavior::upper_force_nominal};
+    Field{"lower_torque_acc", &setting::CollisionBehavior::lower_torque_acc},
+    Field{"upper_torque_acc", &setting::CollisionBehavior::upper_torque_acc},
+    Field{"lower_torque_nominal", &setting::CollisionBehavior::lower_torque_nominal},
+    Field{"upper_torque_nominal", &setting::CollisionBehavior::upper_torque_nominal},
+    Field{"lower_force_acc", &setting::CollisionBehavior::lower_force_acc},
+    Field{"upper_force_acc", &setting::CollisionBehavior::upper_force_acc},
+    Field{"lower_force_nominal", &setting::CollisionBehavior::lower_force_nominal},
+    Field{"upper_force_nominal", &setting::CollisionBehavior::upper_force_nominal}};
 template <>
-inline constexpr std::tuple kFields<setting::JointImpedance>{&setting::JointImpedance::K_theta};
+inline constexpr std::tuple kFields<setting::JointImpedance>{
+    Field{"K_theta", &setting::JointImpedance::K_theta}};
 template <>
-inline constexpr std::tuple kFields<setting::CartesianImpedance>{&setting::CartesianImpedance::K_x};
+inline constexpr std::tuple kFields<setting::CartesianImpedance>{
+    Field{"K_x", &setting::CartesianImpedance::K_x}};
 template <>
-inline constexpr std::tuple kFields<setting::GuidingMode>{&setting::GuidingMode::axes,
-                                                          &setting::GuidingMode::elbow};
+inline constexpr std::tuple kFields<setting::GuidingMode>{
+    Field{"guiding_mode", &setting::GuidingMode::axes},
+    Field{"nullspace", &setting::GuidingMode::elbow}};
 template <>
-inline constexpr std::tuple kFields<setting::StiffnessFrame>{&setting::StiffnessFrame::EE_T_K};
+inline constexpr std::tuple kFields<setting::StiffnessFrame>{
+    Field{"EE_T_K", &setting::StiffnessFrame::EE_T_K}};
 template <>
-inline constexpr std::tuple kFields<setting::EndEffectorFrame>{&setting::EndEffectorFrame::NE_T_EE};
+inline constexpr std::tuple kFields<setting::EndEffectorFrame>{
+    Field{"NE_T_EE", &setting::EndEffectorFrame::NE_T_EE}};
 template <>
-inline constexpr std::tuple kFields<setting::Load>{
-    &setting::Load::m_load, &setting::Load::F_x_Cload, &setting::Load::I_load};
+inline constexpr std::tuple kFields<setting::Load>{Field{"m_load", &setting::Load::m_load},
+                                                   Field{"F_x_Cload", &setting::Load::F_x_Cload},
+                                                   Field{"I_load", &setting::Load::I_load}};
 template <>
 inline constexpr std::tuple kFields<setting::Filters>{
-    &setting::Filters::joint_position_hz, &setting::Filters::joint_velocity_hz,
-    &setting::Filters::cartesian_position_hz, &setting::Filters::cartesian_velocity_hz,
-    &setting::Filters::controller_hz};
+    Field{"joint_position_hz", &setting::Filters::joint_position_hz},
+    Field{"joint_velocity_hz", &setting::Filters::joint_velocity_hz},
+    Field{"cartesian_position_hz", &setting::Filters::cartesian_position_hz},
+    Field{"cartesian_velocity_hz", &setting::Filters::cartesian_velocity_hz},
+    Field{"controller_hz", &setting::Filters::controller_hz}};
 template <>
-inline constexpr std::tuple kFields<hand::Grasp>{&hand::Grasp::width, &hand::Grasp::epsilon_inner,
-                                                 &hand::Grasp::epsilon_outer, &hand::Grasp::speed,
-                                                 &hand::Grasp::force};
+inline constexpr std::tuple kFields<hand::Grasp>{
+    Field{"width", &hand::Grasp::width}, Field{"epsilon_inner", &hand::Grasp::epsilon_inner},
+    Field{"epsilon_outer", &hand::Grasp::epsilon_outer}, Field{"speed", &hand::Grasp::speed},
+    Field{"force", &hand::Grasp::force}};
 template <>
-inline constexpr std::tuple kFields<hand::Move>{&hand::Move::width, &hand::Move::speed};
+inline constexpr std::tuple kFields<hand::Move>{Field{"width", &hand::Move::width},
+                                                Field{"speed", &hand::Move::speed}};
 template <>
-inline constexpr std::tuple kFields<CartesianLimit>{&CartesianLimit::object_world_size,
-                                                    &CartesianLimit::object_frame,
-                                                    &CartesianLimit::object_activation};
+inline constexpr std::tuple kFields<CartesianLimit>{
+    Field{"object_world_size", &CartesianLimit::object_world_size},
+    Field{"object_frame", &CartesianLimit::object_frame},
+    Field{"object_activation", &CartesianLimit::object_activation}};
 
 template <typename T, typename Value>
-[[nodiscard]] constexpr std::size_t BytesOf(Value T::* /*member*/) {
+[[nodiscard]] constexpr std::size_t BytesOf(const Field<T, Value>& /*field*/) {
   return kBytes<Value>;
 }
 
 /// Bytes of T's payload.
 template <typename T>
 inline constexpr std::size_t kPayload =
-    std::apply([](auto... member) { return (std::size_t{0} + ... + BytesOf(member)); }, kFields<T>);
+    std::apply([](auto... field) { return (std::size_t{0} + ... + BytesOf(field)); }, kFields<T>);
 
 static_assert(kPayload<Connect> == 4);
 static_assert(kPayload<Move> == 56);
@@ -109,7 +132,7 @@ void PutFields(std::byte* at, const T& message) noexcept {
     Put(at, value);
     at += kBytes<std::remove_cvref_t<decltype(value)>>;
   };
-  std::apply([&](auto... member) { (put(message.*member), ...); }, kFields<T>);
+  std::apply([&](auto... field) { (put(message.*(field.member)), ...); }, kFields<T>);
 }
 
 /// @param at  kPayload<T> bytes are read from there.
@@ -125,7 +148,8 @@ template <typename T>
     at += kBytes<Value>;
     return true;
   };
-  return std::apply([&](auto... member) { return (take(message.*member) && ...); }, kFields<T>);
+  return std::apply([&](auto... field) { return (take(message.*(field.member)) && ...); },
+                    kFields<T>);
 }
 
 /// The error for a payload with a flag other than 0 or 1.

@@ -14,47 +14,6 @@
 namespace twin::fci {
 namespace {
 
-/// Field names, in the order of wire::kFields.
-template <typename T>
-constexpr std::array<std::string_view, 0> kNames{};
-template <>
-constexpr std::array<std::string_view, 2> kNames<Connect>{"version", "udp_port"};
-template <>
-constexpr std::array<std::string_view, 3> kNames<Move>{"modes", "maximum_path_deviation",
-                                                       "maximum_goal_pose_deviation"};
-template <>
-constexpr std::array<std::string_view, 1> kNames<GetCartesianLimit>{"id"};
-template <>
-constexpr std::array<std::string_view, 2> kNames<LoadModelLibrary>{"architecture", "system"};
-template <>
-constexpr std::array<std::string_view, 8> kNames<setting::CollisionBehavior>{
-    "lower_torque_acc", "upper_torque_acc", "lower_torque_nominal", "upper_torque_nominal",
-    "lower_force_acc",  "upper_force_acc",  "lower_force_nominal",  "upper_force_nominal"};
-template <>
-constexpr std::array<std::string_view, 1> kNames<setting::JointImpedance>{"K_theta"};
-template <>
-constexpr std::array<std::string_view, 1> kNames<setting::CartesianImpedance>{"K_x"};
-template <>
-constexpr std::array<std::string_view, 2> kNames<setting::GuidingMode>{"guiding_mode", "nullspace"};
-template <>
-constexpr std::array<std::string_view, 1> kNames<setting::StiffnessFrame>{"EE_T_K"};
-template <>
-constexpr std::array<std::string_view, 1> kNames<setting::EndEffectorFrame>{"NE_T_EE"};
-template <>
-constexpr std::array<std::string_view, 3> kNames<setting::Load>{"m_load", "F_x_Cload", "I_load"};
-template <>
-constexpr std::array<std::string_view, 5> kNames<setting::Filters>{
-    "joint_position_hz", "joint_velocity_hz", "cartesian_position_hz", "cartesian_velocity_hz",
-    "controller_hz"};
-template <>
-constexpr std::array<std::string_view, 5> kNames<hand::Grasp>{"width", "epsilon_inner",
-                                                              "epsilon_outer", "speed", "force"};
-template <>
-constexpr std::array<std::string_view, 2> kNames<hand::Move>{"width", "speed"};
-template <>
-constexpr std::array<std::string_view, 3> kNames<CartesianLimit>{
-    "object_world_size", "object_frame", "object_activation"};
-
 class Lines {
  public:
   template <typename Value>
@@ -113,10 +72,7 @@ std::string DatagramText(const Struct& message, const Fields& fields) {
 
 template <typename T>
 void AddFields(Lines& lines, const T& message) {
-  static_assert(std::tuple_size_v<std::remove_cvref_t<decltype(wire::kFields<T>)>> ==
-                kNames<T>.size());
-  std::size_t i = 0;
-  std::apply([&](auto... member) { (lines.Add(kNames<T>[i++], message.*member), ...); },
+  std::apply([&](const auto&... field) { (lines.Add(field.name, message.*(field.member)), ...); },
              wire::kFields<T>);
 }
 

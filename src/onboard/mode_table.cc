@@ -9,14 +9,7 @@ constexpr std::array<std::string_view, kRequests> kRequestNames{
     "Move",
     "Stop Move",
     "Get Cartesian Limit",
-    "Set Collision Behavior",
-    "Set Joint Impedance",
-    "Set Cartesian Impedance",
-    "Set Guiding Mode",
-    "Set EE to K",
-    "Set NE to EE",
-    "Set Load",
-    "Set Filters",
+    "setters",
     "Automatic Error Recovery",
     "Load Model Library",
     "press_user_stop",
@@ -27,22 +20,7 @@ constexpr std::array<std::string_view, kRequests> kRequestNames{
     "release_guiding_button",
 };
 
-struct Requester {
-  Request operator()(const setting::JointImpedance&) { return Request::kSetJointImpedance; }
-  Request operator()(const setting::CartesianImpedance&) { return Request::kSetCartesianImpedance; }
-  Request operator()(const setting::CollisionBehavior&) { return Request::kSetCollisionBehavior; }
-  Request operator()(const setting::GuidingMode&) { return Request::kSetGuidingMode; }
-  Request operator()(const setting::StiffnessFrame&) { return Request::kSetEEToK; }
-  Request operator()(const setting::EndEffectorFrame&) { return Request::kSetNEToEE; }
-  Request operator()(const setting::Load&) { return Request::kSetLoad; }
-  Request operator()(const setting::Filters&) { return Request::kSetFilters; }
-};
-
 }  // namespace
-
-Request RequestOf(const Setting& setting) noexcept {
-  return std::visit(Requester(), setting);
-}
 
 std::string ModeTable() {
   std::string text = "| request |";

@@ -121,7 +121,7 @@ RecoveryStatus OnboardController::AutomaticErrorRecovery() noexcept {
 }
 
 SetterStatus OnboardController::Configure(const Setting& setting) noexcept {
-  if (!Grants(RequestOf(setting))) return SetterStatus::kCommandNotPossibleRejected;
+  if (!Grants(Request::kSet)) return SetterStatus::kCommandNotPossibleRejected;
   if (FindBadValue(setting)) return SetterStatus::kInvalidArgumentRejected;
   std::visit([this](const auto& one) { Set(one); }, setting);
   return SetterStatus::kSuccess;

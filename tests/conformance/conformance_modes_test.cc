@@ -4,12 +4,18 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "conformance/mode_rules.h"
 #include "conformance/rig.h"
 #include "conformance/trial.h"
+#include "twin/core/setting.h"
 #include "twin/onboard/mode_table.h"
 
 namespace twin::test::conformance_modes_test {
@@ -92,19 +98,23 @@ std::vector<Scene> Scenes() {
   };
 }
 
+struct Case {
+  Scene scene;
+  Ask ask;
+  Setting setting;  ///< of kSet
+  HarnessCase harness;
+
+  [[nodiscard]] std::string_view Request() const {
+    return ask == Ask::kSet ? twin::Name(setting) : Name(ask);
+  }
+};
+
 /// Makes the request. @returns whether it was accepted.
-bool Make(Rig& rig, Ask ask) {
-  switch (ask) {
+bool Make(Rig& rig, const Case& test_case) {
+  switch (test_case.ask) {
     case Ask::kMove: return rig.Start(kMotion);
     case Ask::kStopMove: rig.Stop(); return true;
-    case Ask::kSetCollisionBehavior: return rig.Configure(setting::CollisionBehavior());
-    case Ask::kSetJointImpedance: return rig.Configure(setting::JointImpedance());
-    case Ask::kSetCartesianImpedance: return rig.Configure(setting::CartesianImpedance());
-    case Ask::kSetGuidingMode: return rig.Configure(setting::GuidingMode());
-    case Ask::kSetEEToK: return rig.Configure(setting::StiffnessFrame());
-    case Ask::kSetNEToEE: return rig.Configure(setting::EndEffectorFrame());
-    case Ask::kSetLoad: return rig.Configure(setting::Load());
-    case Ask::kSetFilters: return rig.Configure(setting::Filters());
+    case Ask::kSet: return rig.Configure(test_case.setting);
     case Ask::kAutomaticErrorRecovery: return rig.Recover();
     case Ask::kPressUserStop: return rig.Operate(PanelAction::kPressUserStop);
     case Ask::kReleaseUserStop: return rig.Operate(PanelAction::kReleaseUserStop);
@@ -116,23 +126,28 @@ bool Make(Rig& rig, Ask ask) {
   return false;
 }
 
-struct Case {
-  Scene scene;
-  Ask ask;
-  HarnessCase harness;
-};
-
 void PrintTo(const Case& test_case, std::ostream* out) {
-  *out << Name(test_case.ask) << " in " << test_case.scene.name;
+  *out << test_case.Request() << " in " << test_case.scene.name;
+}
+
+/// Each setting with its defaults.
+template <std::size_t... kIndex>
+std::vector<Setting> Settings(std::index_sequence<kIndex...> /*all*/) {
+  return {Setting(std::in_place_index<kIndex>)...};
 }
 
 std::vector<Case> Cases() {
+  const auto settings = Settings(std::make_index_sequence<std::variant_size_v<Setting>>());
   std::vector<Case> cases;
   for (const HarnessCase& harness : Harnesses()) {
     if (harness.plant_kind != robot::PlantKind::kIdeal) continue;
     for (const Scene& scene : Scenes()) {
-      for (std::size_t ask = 0; ask < kAsks; ++ask) {
-        cases.push_back({scene, static_cast<Ask>(ask), harness});
+      for (std::size_t i = 0; i < kAsks; ++i) {
+        const auto ask = static_cast<Ask>(i);
+        const auto count = ask == Ask::kSet ? settings.size() : 1;
+        for (const Setting& setting : std::span(settings).first(count)) {
+          cases.push_back({scene, ask, setting, harness});
+        }
       }
     }
   }
@@ -157,7 +172,7 @@ TEST_P(ModesTest, TheRequestComesToWhatTheTableSays) {
   ASSERT_EQ(rig_->state().errors.any(), situation().has_errors);
   const Outcome expected = Expect(situation(), GetParam().ask);
   const RobotState before = rig_->state();
-  EXPECT_EQ(Make(*rig_, GetParam().ask), expected.accepted) << rig_->refusal();
+  EXPECT_EQ(Make(*rig_, GetParam()), expected.accepted) << rig_->refusal();
   rig_->Cycle();
   EXPECT_EQ(rig_->state().robot_mode, expected.mode) << Name(rig_->state().robot_mode);
   EXPECT_EQ(rig_->state().motion_generator_mode != MotionGeneratorMode::kIdle,
@@ -169,22 +184,22 @@ TEST_P(ModesTest, TheRequestComesToWhatTheTableSays) {
 }
 
 TEST_P(ModesTest, ARecoveryThatSucceedsLeavesNoErrors) {
-  if (GetParam().ask != Ask::kAutomaticErrorRecovery || !Make(*rig_, GetParam().ask)) return;
+  if (GetParam().ask != Ask::kAutomaticErrorRecovery || !Make(*rig_, GetParam())) return;
   rig_->Cycle();
   EXPECT_TRUE(rig_->state().errors.none()) << FormatErrors(rig_->state().errors);
 }
 
 TEST_P(ModesTest, ARefusalNamesRequestAndMode) {
   if (Expect(situation(), GetParam().ask).accepted) return;
-  ASSERT_FALSE(Make(*rig_, GetParam().ask));
-  EXPECT_NE(rig_->refusal().find(Name(GetParam().ask)), std::string::npos) << rig_->refusal();
+  ASSERT_FALSE(Make(*rig_, GetParam()));
+  EXPECT_NE(rig_->refusal().find(GetParam().Request()), std::string::npos) << rig_->refusal();
   EXPECT_NE(rig_->refusal().find(Name(situation().mode)), std::string::npos) << rig_->refusal();
 }
 
 TEST_P(ModesTest, IntsOwnTableTellsTheSame) {
   // Ask leaves out the two requests that are answered in every mode.
   const std::size_t ask = static_cast<std::size_t>(GetParam().ask);
-  const std::size_t limit = ask >= static_cast<std::size_t>(Ask::kSetCollisionBehavior) ? 1 : 0;
+  const std::size_t limit = ask >= static_cast<std::size_t>(Ask::kSet) ? 1 : 0;
   const std::size_t model = ask >= static_cast<std::size_t>(Ask::kPressUserStop) ? 1 : 0;
   const auto request = static_cast<onboard::Request>(ask + limit + model);
   ASSERT_EQ(onboard::Name(request), Name(GetParam().ask));
@@ -197,7 +212,7 @@ TEST_P(ModesTest, IntsOwnTableTellsTheSame) {
 }
 
 std::string CaseName(const ::testing::TestParamInfo<Case>& info) {
-  std::string name = std::string(Name(info.param.ask)) + " in " + info.param.scene.name;
+  std::string name = std::string(info.param.Request()) + " in " + info.param.scene.name;
   std::replace_if(
       name.begin(), name.end(), [](char c) { return c == ' ' || c == ','; }, '_');
   return name;

@@ -6,14 +6,7 @@ namespace {
 constexpr std::array<std::string_view, kAsks> kNames{
     "Move",
     "Stop Move",
-    "Set Collision Behavior",
-    "Set Joint Impedance",
-    "Set Cartesian Impedance",
-    "Set Guiding Mode",
-    "Set EE to K",
-    "Set NE to EE",
-    "Set Load",
-    "Set Filters",
+    "setters",
     "Automatic Error Recovery",
     "press_user_stop",
     "release_user_stop",
@@ -111,20 +104,6 @@ std::string_view Name(Ask ask) {
   return kNames[static_cast<std::size_t>(ask)];
 }
 
-Ask AskOf(const Setting& setting) {
-  struct Visitor {
-    Ask operator()(const setting::JointImpedance&) const { return Ask::kSetJointImpedance; }
-    Ask operator()(const setting::CartesianImpedance&) const { return Ask::kSetCartesianImpedance; }
-    Ask operator()(const setting::CollisionBehavior&) const { return Ask::kSetCollisionBehavior; }
-    Ask operator()(const setting::GuidingMode&) const { return Ask::kSetGuidingMode; }
-    Ask operator()(const setting::StiffnessFrame&) const { return Ask::kSetEEToK; }
-    Ask operator()(const setting::EndEffectorFrame&) const { return Ask::kSetNEToEE; }
-    Ask operator()(const setting::Load&) const { return Ask::kSetLoad; }
-    Ask operator()(const setting::Filters&) const { return Ask::kSetFilters; }
-  };
-  return std::visit(Visitor(), setting);
-}
-
 Ask AskOf(PanelAction action) {
   switch (action) {
     case PanelAction::kPressUserStop: return Ask::kPressUserStop;
@@ -141,14 +120,7 @@ Outcome Expect(const Situation& situation, Ask ask) {
   switch (ask) {
     case Ask::kMove: return OnMove(situation);
     case Ask::kStopMove: return OnStopMove(situation);
-    case Ask::kSetCollisionBehavior:
-    case Ask::kSetJointImpedance:
-    case Ask::kSetCartesianImpedance:
-    case Ask::kSetGuidingMode:
-    case Ask::kSetEEToK:
-    case Ask::kSetNEToEE:
-    case Ask::kSetLoad:
-    case Ask::kSetFilters: return OnSetter(situation);
+    case Ask::kSet: return OnSetter(situation);
     case Ask::kAutomaticErrorRecovery: return OnRecovery(situation);
     case Ask::kPressUserStop: return OnPressUserStop(situation);
     case Ask::kReleaseUserStop: return OnReleaseUserStop(situation);

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "twin/core/modes.h"
-#include "twin/core/setting.h"
 
 namespace twin::test {
 
@@ -13,14 +12,7 @@ namespace twin::test {
 enum class Ask : std::uint8_t {
   kMove,
   kStopMove,
-  kSetCollisionBehavior,
-  kSetJointImpedance,
-  kSetCartesianImpedance,
-  kSetGuidingMode,
-  kSetEEToK,
-  kSetNEToEE,
-  kSetLoad,
-  kSetFilters,
+  kSet,
   kAutomaticErrorRecovery,
   kPressUserStop,
   kReleaseUserStop,
@@ -30,13 +22,12 @@ enum class Ask : std::uint8_t {
   kReleaseGuidingButton,
 };
 
-inline constexpr std::size_t kAsks = 17;
+inline constexpr std::size_t kAsks = 10;
 inline constexpr std::size_t kModes = 7;
 
-/// In words: "Move", "Set Load", "press_user_stop", ...
+/// In words: "Move", "setters", "press_user_stop", ...
 [[nodiscard]] std::string_view Name(Ask ask);
 
-[[nodiscard]] Ask AskOf(const Setting& setting);
 [[nodiscard]] Ask AskOf(PanelAction action);
 
 /// A situation requests can come in: the robot's mode, whether its reference rests, and what is

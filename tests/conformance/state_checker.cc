@@ -118,7 +118,7 @@ void StateChecker::OnSetting(const Setting& setting, bool accepted) {
     if (accepted) Note(fmt::format("{} accepted a bad value", twin::Name(setting)));
     return;
   }
-  CheckRequest(AskOf(setting), accepted);
+  CheckRequest(Ask::kSet, accepted);
   if (!accepted) return;
   if (const auto* filters = std::get_if<setting::Filters>(&setting)) robot_.filters = *filters;
   if (const auto* behavior = std::get_if<setting::CollisionBehavior>(&setting)) {

@@ -209,10 +209,10 @@ TEST(ArmRequestTest, IsRefusedWithAnySizeButItsOwn) {
 }
 
 TEST(ArmRequestTest, IsRefusedWithACommandThatDoesNotExist) {
-  for (const std::uint32_t command : {14U, 15U, 255U, 256U, 65536U, 0xFFFFFFFFU}) {
+  for (const std::uint32_t command : {kArmCommands, kArmCommands + 1, 255U, 256U, 65536U, 0xFFFFFFFFU}) {
     const std::string what = WhatIsBad(ParseArmRequest(BareFrame(command, {})));
     EXPECT_THAT(what, HasSubstr("command " + std::to_string(command)));
-    EXPECT_THAT(what, HasSubstr("0 to 13"));
+    EXPECT_THAT(what, HasSubstr("0 to " + std::to_string(kArmCommands - 1)));
   }
 }
 
@@ -321,8 +321,8 @@ TEST(RequestNameTest, IsWhatClientsPrint) {
     const auto command = FrameOf(HeadKind::kHand, one.frame).head.command;
     EXPECT_EQ(Name(static_cast<HandCommandId>(command)), one.name);
   }
-  EXPECT_EQ(Name(static_cast<ArmCommand>(14)), "unknown");
-  EXPECT_EQ(Name(static_cast<HandCommandId>(5)), "unknown");
+  EXPECT_EQ(Name(static_cast<ArmCommand>(kArmCommands)), "unknown");
+  EXPECT_EQ(Name(static_cast<HandCommandId>(kHandCommands)), "unknown");
 }
 
 }  // namespace

@@ -8,18 +8,21 @@
 
 #include "twin/core/joint_vector.h"
 
-// Settings of the robot that change while no motion runs, one struct per FCI request. Defaults are
-// the robot's after start, where known. Source: FCI protocol 5, commands and defaults.
+// Settings of the robot that change while no motion runs, one struct per FCI request. kName is the
+// request as clients of the real robot print it. Defaults are the robot's after start, where known.
+// Source: FCI protocol 5, commands and defaults.
 namespace twin::setting {
 
 /// Stiffness of the internal joint impedance controller.
 struct JointImpedance {
+  static constexpr std::string_view kName = "Set Joint Impedance";
   JointVector K_theta{3000, 3000, 3000, 2500, 2500, 2000, 2000};  ///< Nm/rad, each in [0, 14250]
   bool operator==(const JointImpedance&) const = default;
 };
 
 /// Stiffness of the internal Cartesian impedance controller, along and about the axes of K.
 struct CartesianImpedance {
+  static constexpr std::string_view kName = "Set Cartesian Impedance";
   /// x y z in [10, 3000] N/m; R P Y in [1, 300] Nm/rad.
   Vector6 K_x{3000, 3000, 3000, 300, 300, 300};
   bool operator==(const CartesianImpedance&) const = default;
@@ -30,6 +33,7 @@ struct CartesianImpedance {
 /// lower <= upper. The factory's values are not public; these are set by the vendor's ROS package
 /// and motion examples.
 struct CollisionBehavior {
+  static constexpr std::string_view kName = "Set Collision Behavior";
   JointVector lower_torque_acc{20, 20, 18, 18, 16, 14, 12};  ///< Nm
   JointVector upper_torque_acc = lower_torque_acc;
   JointVector lower_torque_nominal = lower_torque_acc;
@@ -43,6 +47,7 @@ struct CollisionBehavior {
 
 /// Axes of the base along and about which people can lead the arm in guiding mode.
 struct GuidingMode {
+  static constexpr std::string_view kName = "Set Guiding Mode";
   std::array<bool, 6> axes{true, true, true, true, true, true};  ///< x y z R P Y; true: free
   bool elbow = true;                                             ///< the null space is free
   bool operator==(const GuidingMode&) const = default;
@@ -50,18 +55,21 @@ struct GuidingMode {
 
 /// The stiffness frame K in EE.
 struct StiffnessFrame {
+  static constexpr std::string_view kName = "Set EE to K";
   Transform EE_T_K = kIdentityTransform;
   bool operator==(const StiffnessFrame&) const = default;
 };
 
 /// The end effector EE in the nominal end effector NE.
 struct EndEffectorFrame {
+  static constexpr std::string_view kName = "Set NE to EE";
   Transform NE_T_EE = kIdentityTransform;
   bool operator==(const EndEffectorFrame&) const = default;
 };
 
 /// Load beyond the end effector, as configured.
 struct Load {
+  static constexpr std::string_view kName = "Set Load";
   double m_load = 0;    ///< kg, >= 0
   Vector3 F_x_Cload{};  ///< centre of mass in the flange frame, m
   Matrix3 I_load{};     ///< about it, flange axes, kg m^2; IsInertiaOfBody()
@@ -70,6 +78,7 @@ struct Load {
 
 /// Cut-off frequencies of the robot's low-passes on commands, Hz, each in [1, 1000]; 1000: off.
 struct Filters {
+  static constexpr std::string_view kName = "Set Filters";
   double joint_position_hz = 1000;
   double joint_velocity_hz = 1000;
   double cartesian_position_hz = 1000;
@@ -104,7 +113,7 @@ struct BadValue {
 /// Threads: any. Real-time: noexcept, allocates nothing.
 [[nodiscard]] std::optional<BadValue> FindBadValue(const Setting& setting) noexcept;
 
-/// The request, as clients of the real robot print it: "Set Joint Impedance", ...
+/// The setting's kName: "Set Joint Impedance", ...
 [[nodiscard]] std::string_view Name(const Setting& setting) noexcept;
 
 /// Whether X is rigid within 1e-5: rotation orthonormal and right-handed, last row (0, 0, 0, 1).

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -19,8 +20,11 @@
 // and hand. Source: FCI protocol 5, TCP commands, gripper.
 namespace twin::fci {
 
+// A message's kName is its name as clients of the real robot print it.
+
 /// Opens a session with the arm or the hand.
 struct Connect {
+  static constexpr std::string_view kName = "Connect";
   std::uint16_t version = 0;
   std::uint16_t udp_port = 0;  ///< port on which the client receives states
   bool operator==(const Connect&) const = default;
@@ -36,20 +40,27 @@ struct Deviation {
 
 /// Requests a motion. The defaults are libfranka's and mean no limit.
 struct Move {
+  static constexpr std::string_view kName = "Move";
   MotionModes modes;
   Deviation maximum_path_deviation;
   Deviation maximum_goal_pose_deviation;
 };
 
-struct StopMove {};
-struct AutomaticErrorRecovery {};
+struct StopMove {
+  static constexpr std::string_view kName = "Stop Move";
+};
+struct AutomaticErrorRecovery {
+  static constexpr std::string_view kName = "Automatic Error Recovery";
+};
 
 /// Requests a virtual wall.
 struct GetCartesianLimit {
+  static constexpr std::string_view kName = "Get Cartesian Limit";
   std::int32_t id = 0;
 };
 
 struct LoadModelLibrary {
+  static constexpr std::string_view kName = "Load Model Library";
   Architecture architecture = Architecture::kX64;
   OperatingSystem system = OperatingSystem::kLinux;
 };

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "twin/core/modes.h"
-#include "twin/core/setting.h"
 
 namespace twin::onboard {
 
@@ -16,14 +15,7 @@ enum class Request : std::uint8_t {
   kMove,
   kStopMove,
   kGetCartesianLimit,
-  kSetCollisionBehavior,
-  kSetJointImpedance,
-  kSetCartesianImpedance,
-  kSetGuidingMode,
-  kSetEEToK,
-  kSetNEToEE,
-  kSetLoad,
-  kSetFilters,
+  kSet,  ///< every Setting
   kAutomaticErrorRecovery,
   kLoadModelLibrary,
   kPressUserStop,
@@ -34,7 +26,7 @@ enum class Request : std::uint8_t {
   kReleaseGuidingButton,
 };
 
-inline constexpr std::size_t kRequests = 19;
+inline constexpr std::size_t kRequests = 12;
 inline constexpr std::size_t kRobotModes = 7;
 
 /// INT's answer as far as its mode decides it. A granted request can still fail for its arguments.
@@ -76,15 +68,15 @@ inline constexpr std::array<std::array<Verdict, kRequests>, kRobotModes> kModeTa
   constexpr Verdict o = Verdict::kNothingToDo;
   constexpr Verdict e = Verdict::kNothingUnlessError;
   constexpr Verdict n = Verdict::kRefused;
-  // Move Stop Lim | Col Jnt Car Gui EtK NtE Load Filt | Rec Lib | US+ US- Br+ Br- Gd+ Gd-
+  // Move Stop Lim Set Rec Lib | US+ US- Br+ Br- Gd+ Gd-
   return std::array<std::array<Verdict, kRequests>, kRobotModes>{{
-      {n, o, x, x, x, x, x, x, x, x, x, e, x, x, o, o, x, n, o},  // Other
-      {r, o, x, x, x, x, x, x, x, x, x, o, x, x, o, r, o, r, o},  // Idle
-      {n, x, x, n, n, n, n, n, n, n, n, n, x, x, o, n, o, n, o},  // Move
-      {n, o, x, x, x, x, x, x, x, x, x, e, x, x, o, n, o, o, x},  // Guiding
-      {n, o, x, n, n, n, n, n, n, n, n, r, x, x, o, r, o, r, o},  // Reflex
-      {n, o, x, x, x, x, x, x, x, x, x, n, x, o, r, n, n, n, o},  // UserStopped
-      {n, o, x, n, n, n, n, n, n, n, n, n, x, x, o, n, o, n, o},  // AutomaticErrorRecovery
+      {n, o, x, x, e, x, x, o, o, x, n, o},  // Other
+      {r, o, x, x, o, x, x, o, r, o, r, o},  // Idle
+      {n, x, x, n, n, x, x, o, n, o, n, o},  // Move
+      {n, o, x, x, e, x, x, o, n, o, o, x},  // Guiding
+      {n, o, x, n, r, x, x, o, r, o, r, o},  // Reflex
+      {n, o, x, x, n, x, o, r, n, n, n, o},  // UserStopped
+      {n, o, x, n, n, x, x, o, n, o, n, o},  // AutomaticErrorRecovery
   }};
 }();
 
@@ -93,8 +85,6 @@ inline constexpr std::array<std::array<Verdict, kRequests>, kRobotModes> kModeTa
   return kModeTable[static_cast<std::size_t>(mode)][static_cast<std::size_t>(request)];
 }
 
-/// The request for a setter.
-[[nodiscard]] Request RequestOf(const Setting& setting) noexcept;
 [[nodiscard]] constexpr Request RequestOf(PanelAction action) noexcept {
   return static_cast<Request>(static_cast<int>(Request::kPressUserStop) + static_cast<int>(action));
 }
@@ -102,7 +92,7 @@ inline constexpr std::array<std::array<Verdict, kRequests>, kRobotModes> kModeTa
 /// The whole table as Markdown: a row per request, a column per mode.
 [[nodiscard]] std::string ModeTable();
 
-/// The table's name: "Move", "Set Load", "press_user_stop", ...
+/// The table's name: "Move", "setters", "press_user_stop", ...
 [[nodiscard]] std::string_view Name(Request request) noexcept;
 /// "granted", "granted at rest", "nothing to do", "nothing to do; refused with an error",
 /// "refused".
