@@ -25,7 +25,7 @@ class Taker(threading.Thread):
 
     def __init__(self, served):
         super().__init__(daemon=True)
-        self.visitor = served.visit()
+        self.visitor = served.connect()
         self.on = threading.Event()
         self.taken = 0
 
@@ -78,7 +78,7 @@ def main():
 
 
 def measure(served, args):
-    watcher = served.visit()
+    watcher = served.connect()
     watcher.hear(lambda message: message["type"] == "state" and message["arm"] and message["arm"]["mode"] == "Move")
     taker = Taker(served)
     taker.start()

@@ -62,7 +62,7 @@ class LibfrankaRsTest(unittest.TestCase):
             return said
         if DRIVE == "lockstep":
             return attempt()
-        return witness.undisturbed(lambda: witness.Witness(PROGRAM), attempt, witness.ENDS_A_MOTION, attempts=3)
+        return witness.undisturbed(lambda: witness.Witness(PROGRAM), attempt, witness.ENDS_A_MOTION | witness.JUMPS, attempts=3)
 
     def test_echo_robot_state(self):
         said = self.complete("echo_robot_state")
