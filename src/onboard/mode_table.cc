@@ -9,7 +9,7 @@ constexpr std::array<std::string_view, kRequests> kRequestNames{
     "Move",
     "Stop Move",
     "Get Cartesian Limit",
-    "setters",
+    "Set requests",
     "Automatic Error Recovery",
     "Load Model Library",
     "press_user_stop",

@@ -344,7 +344,7 @@ class BadUsage(CliTest):
         rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in done.stdout.splitlines()]
         self.assertEqual(rows[0][1:], ["Other", "Idle", "Move", "Guiding", "Reflex", "User stopped",
                                        "Automatic error recovery"])
-        self.assertEqual(len(rows), 2 + 19)
+        self.assertEqual(len(rows), 2 + 12)
         move = next(row for row in rows if row[0] == "Move")
         self.assertEqual([cell for cell in move[1:] if cell != "refused"], ["granted at rest"])
 

@@ -6,7 +6,7 @@ namespace {
 constexpr std::array<std::string_view, kAsks> kNames{
     "Move",
     "Stop Move",
-    "setters",
+    "Set requests",
     "Automatic Error Recovery",
     "press_user_stop",
     "release_user_stop",

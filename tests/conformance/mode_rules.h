@@ -25,7 +25,7 @@ enum class Ask : std::uint8_t {
 inline constexpr std::size_t kAsks = 10;
 inline constexpr std::size_t kModes = 7;
 
-/// In words: "Move", "setters", "press_user_stop", ...
+/// In words: "Move", "Set requests", "press_user_stop", ...
 [[nodiscard]] std::string_view Name(Ask ask);
 
 [[nodiscard]] Ask AskOf(PanelAction action);

@@ -92,7 +92,7 @@ inline constexpr std::array<std::array<Verdict, kRequests>, kRobotModes> kModeTa
 /// The whole table as Markdown: a row per request, a column per mode.
 [[nodiscard]] std::string ModeTable();
 
-/// The table's name: "Move", "setters", "press_user_stop", ...
+/// The table's name: "Move", "Set requests", "press_user_stop", ...
 [[nodiscard]] std::string_view Name(Request request) noexcept;
 /// "granted", "granted at rest", "nothing to do", "nothing to do; refused with an error",
 /// "refused".
