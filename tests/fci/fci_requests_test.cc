@@ -209,7 +209,8 @@ TEST(ArmRequestTest, IsRefusedWithAnySizeButItsOwn) {
 }
 
 TEST(ArmRequestTest, IsRefusedWithACommandThatDoesNotExist) {
-  for (const std::uint32_t command : {kArmCommands, kArmCommands + 1, 255U, 256U, 65536U, 0xFFFFFFFFU}) {
+  for (const std::uint32_t command :
+       {kArmCommands, kArmCommands + 1, 255U, 256U, 65536U, 0xFFFFFFFFU}) {
     const std::string what = WhatIsBad(ParseArmRequest(BareFrame(command, {})));
     EXPECT_THAT(what, HasSubstr("command " + std::to_string(command)));
     EXPECT_THAT(what, HasSubstr("0 to " + std::to_string(kArmCommands - 1)));
