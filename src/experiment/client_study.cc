@@ -3,16 +3,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <filesystem>
-#include <map>
-#include <optional>
-#include <string>
 #include <system_error>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -21,8 +14,6 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/core/robot_state.h"
-#include "twin/core/time.h"
-#include "twin/experiment/experiment.h"
 #include "twin/fci/capture.h"
 #include "twin/fci/datagrams.h"
 #include "twin/fci/protocol.h"
@@ -31,7 +22,6 @@
 #include "twin/robot/robot_config.h"
 #include "twin/rt/host_time.h"
 #include "twin/run/remote.h"
-#include "twin/run/run.h"
 #include "twin/server/served_robot.h"
 
 namespace twin::experiment {
@@ -103,15 +93,14 @@ void AddAll(const MotionTally& tally, const std::vector<double>& latencies, Find
       findings.Add(fmt::format("{}, on the wire", row.name), row.unit, row.of(sample));
     }
   }
-  findings.Add("commands that these are of", "", static_cast<double>(latencies.size()));
+  findings.Add("commands that these are of", "", latencies.size());
   findings.Add("states of a motion that were never answered", "",
-               static_cast<double>(counts.cycles() - latencies.size()));
+               counts.cycles() - latencies.size());
   const auto longest = static_cast<double>(counts.longest_loss);
   findings.Add("most unserved in a row", "cycles", longest);
   findings.Add(fmt::format("margin to the {} that end a motion", MotionTally::EndsTheMotion()),
                "cycles", std::max(0.0, MotionTally::EndsTheMotion() - longest));
-  findings.Add("commands that came late, twice or for no state", "",
-               static_cast<double>(counts.dropped));
+  findings.Add("commands that came late, twice or for no state", "", counts.dropped);
 }
 
 void AddEach(const MotionTally& tally, Findings& findings) {
@@ -123,7 +112,7 @@ void AddEach(const MotionTally& tally, Findings& findings) {
                              motion.HowItEnded()),
                  "%", motion.counts.unserved_percent());
     findings.Add(fmt::format("motion {}: most unserved in a row", number), "cycles",
-                 static_cast<double>(motion.counts.longest_loss));
+                 motion.counts.longest_loss);
   }
 }
 
@@ -131,7 +120,7 @@ void AddEach(const MotionTally& tally, Findings& findings) {
 void AddEnd(const Observation& seen, Findings& findings) {
   const auto aborted = std::ranges::count_if(
       seen.tally.motions(), [](const TalliedMotion& motion) { return motion.errors.any(); });
-  findings.Add("motions that an error of the robot ended", "", static_cast<double>(aborted))
+  findings.Add("motions that an error of the robot ended", "", aborted)
       .Demand("none", aborted == 0);
   if (seen.was_ended) return;
   const bool well = seen.how_it_ended == "exit code 0";

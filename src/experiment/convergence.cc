@@ -1,17 +1,10 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <limits>
-#include <string>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "experiment/statistics.h"
-#include "experiment/stream.h"
 #include "experiment/viability.h"
-#include "twin/core/time.h"
 #include "twin/reference/resampler.h"
 #include "twin/reference/viability_filter.h"
 
@@ -121,23 +114,6 @@ void CompareLags(const std::vector<Chain>& chains, const std::vector<Convergence
   }
 }
 
-Figure ErrorsFigure(const std::vector<Chain>& chains,
-                    const std::array<std::vector<Convergence>, 2>& all) {
-  constexpr std::size_t kEvery = 10;
-  Figure figure{.id = "convergence", .columns = "source moves [-],way [-],t [s],error [rad]"};
-  for (const Chain& chain : chains) figure.names.emplace_back(chain.name);
-  for (std::size_t moves = 0; moves < all.size(); ++moves) {
-    for (std::size_t c = 0; c < chains.size(); ++c) {
-      const std::vector<double>& errors = all.at(moves)[c].errors;
-      for (std::size_t k = 0; k < errors.size() / 2; k += kEvery) {
-        figure.rows.push_back({static_cast<double>(moves), static_cast<double>(c),
-                               static_cast<double>(k) * kCycleSeconds, errors[k]});
-      }
-    }
-  }
-  return figure;
-}
-
 /// The source's position. Beyond the range of +-2.9 rad, at up to 2.7 rad/s.
 double WishedAt(double t) {
   constexpr double kAmplitude = 3.2;  // rad
@@ -151,43 +127,6 @@ double WishedAt(double t) {
 bool IsLost(int cycle) {
   constexpr int kOneOf = reference::ViabilityFilter::kLostByDefault + 1;
   return cycle % 3000 >= 2000 && cycle % kOneOf != 0;
-}
-
-/// Broken limits over all cycles.
-struct Breaches {
-  int cycles = 0;
-  double largest_share = 0;
-  double beyond_range = 0;  ///< rad; <= 0: within
-};
-
-Breaches BreachesOf(const std::vector<HostileCycle>& cycles, const JointLimits& limits) {
-  // Tolerance of the robot's own checks.
-  constexpr double kRounding = 1e-9;
-  Breaches breaches{.beyond_range = -std::numeric_limits<double>::infinity()};
-  for (const HostileCycle& cycle : cycles) {
-    const double beyond = std::max(limits.q_min[0] - cycle.q_d, cycle.q_d - limits.q_max[0]);
-    breaches.beyond_range = std::max(breaches.beyond_range, beyond);
-    breaches.largest_share = std::max(breaches.largest_share, cycle.share);
-    breaches.cycles += cycle.share > 1 + kRounding || beyond > 0 ? 1 : 0;
-  }
-  return breaches;
-}
-
-Figure HostileFigure(const std::vector<HostileCycle>& cycles, const JointLimits& limits) {
-  constexpr std::size_t kEvery = 4;
-  Figure figure{
-      .id = "hostile",
-      .columns =
-          "t [s],wished [rad],q_d [rad],dq_d [rad/s],share [-],margin [-],kept "
-          "back [-],lost [-]",
-      .values = {
-          {"q_min", limits.q_min[0]}, {"q_max", limits.q_max[0]}, {"dq_max", limits.dq_max[0]}}};
-  for (std::size_t k = 0; k < cycles.size(); k += kEvery) {
-    const HostileCycle& c = cycles[k];
-    figure.rows.push_back({c.t, c.wished, c.q_d, c.dq_d, c.share, c.margin, c.kept_back ? 1.0 : 0.0,
-                           c.is_lost ? 1.0 : 0.0});
-  }
-  return figure;
 }
 
 }  // namespace
@@ -243,11 +182,14 @@ Convergence MeasureConvergence(const loop::TickConfig& tick, const JointVector& 
 }
 
 void AddConvergence(const scenario::RobotData& robot, Findings& findings) {
+  constexpr std::size_t kEvery = 10;
   const std::vector<Chain> chains = ComparedChains(robot);
   JointVector rest = MiddleOf(robot.limits);
-  constexpr double kMiddle = 0.3;  // rad: off the middle of the range
-  rest[0] = kMiddle;
-  std::array<std::vector<Convergence>, 2> drawn;
+  rest[0] = 0.3;  // rad: off the middle of the range
+  Figure figure{.id = "convergence",
+                .columns = "source moves [-],way [-],t [s],error [rad]",
+                .names = NamesOf(chains)};
+  std::vector<Convergence> moving;
   for (const bool moves : {false, true}) {
     for (const double offset : kOffsets) {
       std::vector<Convergence> all;
@@ -257,11 +199,18 @@ void AddConvergence(const scenario::RobotData& robot, Findings& findings) {
       }
       CompareConvergence(chains, all, offset, moves, findings);
       if (!moves) CompareWithFastest(all[kOurChain], robot.limits, offset, findings);
-      if (offset == kDrawnOffset) drawn.at(moves ? 1 : 0) = std::move(all);
+      if (offset != kDrawnOffset) continue;
+      if (moves) moving = all;
+      for (std::size_t c = 0; c < chains.size(); ++c) {
+        for (std::size_t k = 0; k < all[c].errors.size() / 2; k += kEvery) {
+          figure.rows.push_back(
+              Row(moves, c, static_cast<double>(k) * kCycleSeconds, all[c].errors[k]));
+        }
+      }
     }
   }
-  CompareLags(chains, drawn[1], findings);
-  findings.figures.push_back(ErrorsFigure(chains, drawn));
+  CompareLags(chains, moving, findings);
+  findings.figures.push_back(std::move(figure));
 }
 
 std::vector<HostileCycle> RunHostileSource(const loop::TickConfig& tick) {
@@ -287,18 +236,39 @@ std::vector<HostileCycle> RunHostileSource(const loop::TickConfig& tick) {
 }
 
 void AddHostileSource(const scenario::RobotData& robot, Findings& findings) {
+  constexpr std::size_t kEvery = 4;
+  constexpr double kMostShare = 1 + 1e-9;  // the tolerance of the robot's own checks
   const std::vector<Chain> chains = ComparedChains(robot);
+  const auto beyond_range = [&](const HostileCycle& cycle) {
+    return std::max(robot.limits.q_min[0] - cycle.q_d, cycle.q_d - robot.limits.q_max[0]);
+  };
   for (std::size_t c = 0; c < chains.size(); ++c) {
     const std::vector<HostileCycle> cycles = RunHostileSource(chains[c].tick);
-    const Breaches breaches = BreachesOf(cycles, robot.limits);
+    const auto breaches = std::ranges::count_if(cycles, [&](const HostileCycle& cycle) {
+      return cycle.share > kMostShare || beyond_range(cycle) > 0;
+    });
     const std::string name = fmt::format(
         "a source that asks for too much, 19 of 20 lost at times, {}: ", chains[c].name);
     const bool is_ours = c == kOurChain;
-    findings.Add(name + "cycles beyond a limit", "", breaches.cycles)
-        .Demand(is_ours ? "none" : "", breaches.cycles == 0);
-    findings.Add(name + "largest share of a limit", "", breaches.largest_share);
-    findings.Add(name + "beyond the range by at most", "rad", std::max(0.0, breaches.beyond_range));
-    if (is_ours) findings.figures.push_back(HostileFigure(cycles, robot.limits));
+    findings.Add(name + "cycles beyond a limit", "", breaches)
+        .Demand(is_ours ? "none" : "", breaches == 0);
+    findings.Add(name + "largest share of a limit", "",
+                 std::ranges::max(ValuesOf(cycles, &HostileCycle::share)));
+    findings.Add(name + "beyond the range by at most", "rad",
+                 std::max(0.0, std::ranges::max(ValuesOf(cycles, beyond_range))));
+    if (!is_ours) continue;
+    Figure& figure = findings.figures.emplace_back(
+        Figure{.id = "hostile",
+               .columns = "t [s],wished [rad],q_d [rad],dq_d [rad/s],share [-],margin [-],kept "
+                          "back [-],lost [-]",
+               .values = {{"q_min", robot.limits.q_min[0]},
+                          {"q_max", robot.limits.q_max[0]},
+                          {"dq_max", robot.limits.dq_max[0]}}});
+    for (std::size_t k = 0; k < cycles.size(); k += kEvery) {
+      const HostileCycle& cycle = cycles[k];
+      figure.rows.push_back(Row(cycle.t, cycle.wished, cycle.q_d, cycle.dq_d, cycle.share,
+                                cycle.margin, cycle.kept_back, cycle.is_lost));
+    }
   }
 }
 

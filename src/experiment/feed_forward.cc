@@ -1,13 +1,7 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/runs.h"
 #include "experiment/stream.h"
 #include "experiment/studies.h"
 
@@ -35,14 +29,12 @@ Stream StreamWith(VelocityFrom velocity) {
 using FeedForwardTable = Grid<StreamRuns>;
 
 FeedForwardTable MeasureFeedForward(const Config& config, const StreamInputs& inputs,
-                                    double jitter_s, double from, double to) {
+                                    double jitter_s) {
   return MapGrid(
-      config, kMethods.size(), kDriftsPpm.size(),
-      [&](std::size_t method, std::size_t drift) {
+      config, kMethods.size(), kDriftsPpm.size(), [&](std::size_t method, std::size_t drift) {
         return RunFeedForward(config, inputs.canonical, inputs.robot.limits, kMethods[method].from,
                               jitter_s, kDriftsPpm[drift], std::min(config.seeds, 5));
-      },
-      from, to);
+      });
 }
 
 Figure DriftFigure(const FeedForwardTable& jittered, const FeedForwardTable& exact) {
@@ -54,8 +46,8 @@ Figure DriftFigure(const FeedForwardTable& jittered, const FeedForwardTable& exa
     for (std::size_t method = 0; method < kMethods.size(); ++method) {
       for (std::size_t i = 0; i < kDriftsPpm.size(); ++i) {
         const StreamRuns& runs = (*table)[method][i];
-        figure.rows.push_back({table == &jittered ? kPaperJitter : 0, static_cast<double>(method),
-                               kDriftsPpm[i], runs.jerk, runs.rms_jerk, runs.aborted});
+        figure.rows.push_back(Row(table == &jittered ? kPaperJitter : 0, method, kDriftsPpm[i],
+                                  runs.jerk, runs.rms_jerk, runs.aborted));
       }
     }
   }
@@ -73,11 +65,11 @@ Figure CrossingFigure(const StreamInputs& inputs) {
     Stream stream = StreamWith(kMethods[method].from);
     stream.clock_ppm = kFreeRunningPpm;
     stream.phase = FromSeconds(kCrossing * kFreeRunningPpm * 1e-6);
-    const auto keep = [&](const StreamCycle& cycle) {
-      const double t = static_cast<double>(cycle.cycle) * kCycleSeconds;
+    const auto keep = [&](std::uint64_t k, const onboard::JointReference& next) {
+      const double t = static_cast<double>(k) * kCycleSeconds;
       if (std::abs(t - kCrossing) > 0.03) return;
-      figure.rows.push_back({static_cast<double>(method), t, cycle.next.dq_d[0],
-                             cycle.next.dddq_d[0] / inputs.robot.limits.dddq_max[0]});
+      figure.rows.push_back(
+          Row(method, t, next.dq_d[0], next.dddq_d[0] / inputs.robot.limits.dddq_max[0]));
     };
     static_cast<void>(RunStream(inputs.canonical, inputs.robot.limits, stream, false, keep));
   }
@@ -94,16 +86,6 @@ double NominalOverRaw(const StreamInputs& inputs, std::uint64_t seed) {
     return Largest(RunStream(inputs.canonical, inputs.robot.limits, stream, false).rms_jerk);
   };
   return rms_jerk(loop::Generator::kJoint) / rms_jerk(loop::Generator::kNone);
-}
-
-/// Share of runs that abort through the whole stack, in the calibrated asynchronous loop.
-double FeedForwardAbortsThroughStack(const Config& config, reference::FeedForwardTime time) {
-  const int runs = std::min(config.seeds, 4);
-  const auto change = [&](scenario::Scenario& scenario) {
-    scenario.tick.limiter = false;
-    scenario.controller.feed_forward = time;
-  };
-  return static_cast<double>(CountFailures(config, runs, change, 0.9, 1)) / runs;
 }
 
 void CompareFeedForward(const FeedForwardTable& jittered, const FeedForwardTable& exact,
@@ -147,8 +129,9 @@ StreamRuns RunFeedForward(const Config& config, const reference::Trajectory& pla
 
 Findings RunFeedForwardStudy(const Config& config) {
   const StreamInputs inputs = LoadStreamInputs(config);
-  const FeedForwardTable jittered = MeasureFeedForward(config, inputs, kPaperJitter, 0, 0.5);
-  const FeedForwardTable exact = MeasureFeedForward(config, inputs, 0, 0.5, 0.9);
+  const FeedForwardTable jittered =
+      MeasureFeedForward(PartOf(config, 0, 0.5), inputs, kPaperJitter);
+  const FeedForwardTable exact = MeasureFeedForward(PartOf(config, 0.5, 0.9), inputs, 0);
   Findings findings;
   CompareFeedForward(jittered, exact, findings);
   const double nominal = NominalOverRaw(inputs, config.seed);
@@ -156,10 +139,15 @@ Findings RunFeedForwardStudy(const Config& config) {
       .Demand("within 5 % of 1", std::abs(nominal - 1) <= 0.05);
   using enum reference::FeedForwardTime;
   for (const auto& [time, method] : {std::pair(kSource, kMethods[0]), {kNominal, kMethods[1]}}) {
+    const double aborted = FailedShare(PartOf(config, 0.9, 1), std::min(config.seeds, 4),
+                                       [time = time](scenario::Scenario& scenario) {
+                                         scenario.tick.limiter = false;
+                                         scenario.controller.feed_forward = time;
+                                       });
     findings.Add(fmt::format("{}, whole stack with the calibrated delays, limiter off: runs "
                              "aborted",
                              method.name),
-                 "%", 100 * FeedForwardAbortsThroughStack(config, time));
+                 "%", 100 * aborted);
   }
   findings.figures = {DriftFigure(jittered, exact), CrossingFigure(inputs)};
   return findings;

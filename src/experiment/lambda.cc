@@ -1,19 +1,9 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/runs.h"
-#include "experiment/statistics.h"
-#include "experiment/stream.h"
 #include "experiment/studies.h"
 #include "experiment/viability.h"
-#include "twin/core/joint_vector.h"
 #include "twin/model/inverse_kinematics.h"
 #include "twin/reference/reference_generator.h"
 
@@ -28,7 +18,6 @@ constexpr double kLeft = 0.05;  ///< share of an offset that counts as decayed
 
 /// The decay of an offset at one lambda.
 struct OffsetDecay {
-  double lambda = 0;
   double formula_s = 0;      ///< until 5 % are left: ln(0.05) / ln(1 - lambda) cycles
   double joint_s = 0;        ///< measured, joint position
   double translation_s = 0;  ///< measured, pose
@@ -51,7 +40,7 @@ double TimeUntilDecayed(double lambda, Left left) {
 
 OffsetDecay MeasureDecay(double lambda) {
   constexpr double kOffset = 1e-3;  // rad, m
-  OffsetDecay decay{.lambda = lambda, .formula_s = FormulaTime(lambda)};
+  OffsetDecay decay{.formula_s = FormulaTime(lambda)};
   loop::TickConfig tick;
   tick.lambda = lambda;
   ChainBench bench(tick, {});
@@ -91,20 +80,13 @@ std::vector<Chain> StallChains(const scenario::RobotData& robot) {
 }
 constexpr std::size_t kOurStallChain = 2;
 
-/// One cycle behind such a source.
-struct StallRow {
-  double t = 0;        ///< since the source stopped, s
-  double planned = 0;  ///< velocity, rad/s
-  double dq_d = 0;     ///< of the robot's reference, rad/s
-  double error = 0;    ///< of its position from the plan, rad
-  double jerk = 0;     ///< rad/s^3
-};
-
 struct Stall {
-  std::vector<StallRow> rows;  ///< from 0.1 s before the source stops to 9 s after
-  double largest_jerk = 0;     ///< rad/s^3
-  double largest_error = 0;    ///< rad
-  double recovered_s = 0;      ///< from the source's return until the error stays within 4 mrad
+  /// From 0.1 s before the source stopped to 9 s after: time since then, s; planned velocity and
+  /// the reference's, rad/s; error of its position from the plan, rad; its jerk, rad/s^3.
+  std::vector<std::array<double, 5>> rows;
+  double largest_jerk = 0;   ///< rad/s^3
+  double largest_error = 0;  ///< rad
+  double recovered_s = 0;    ///< from the source's return until the error stays within 4 mrad
 };
 
 /// Joint 1 swings by 0.8 rad with 1 rad/s at most; the source stops at full speed.
@@ -144,35 +126,31 @@ Stall MeasureStall(const loop::TickConfig& tick, const JointVector& rest, int st
   return stall;
 }
 
-/// By length of the stall, then by chain.
-using Stalls = std::array<std::vector<Stall>, kStallsMs.size()>;
-
-Figure DecayFigure(const std::vector<OffsetDecay>& all) {
-  return FigureOf("convergence",
-                  {{"lambda", ValuesOf(all, &OffsetDecay::lambda)},
-                   {"formula [s]", ValuesOf(all, &OffsetDecay::formula_s)},
-                   {"joint [s]", ValuesOf(all, &OffsetDecay::joint_s)},
-                   {"translation [s]", ValuesOf(all, &OffsetDecay::translation_s)},
-                   {"rotation [s]", ValuesOf(all, &OffsetDecay::rotation_s)},
-                   {"jerk per offset [1/s^3]", ValuesOf(all, &OffsetDecay::jerk_per_rad)}});
-}
-
-Figure StallsFigure(const Stalls& stalls, const std::vector<Chain>& chains, double jerk_limit) {
+/// Adds the stalls of each length behind each chain, and their figure.
+void AddStalls(const scenario::RobotData& robot, Findings& findings) {
+  const std::vector<Chain> chains = StallChains(robot);
+  const double jerk_limit = robot.limits.dddq_max[0];
   Figure figure{.id = "stalls",
                 .columns =
                     "stall [ms],chain [-],t [s],planned [rad/s],dq_d [rad/s],error [rad],"
                     "jerk [rad/s^3]",
-                .values = {{"jerk_limit", jerk_limit}}};
-  for (const Chain& chain : chains) figure.names.emplace_back(chain.name);
-  for (std::size_t i = 0; i < stalls.size(); ++i) {
+                .values = {{"jerk_limit", jerk_limit}},
+                .names = NamesOf(chains)};
+  for (const int stall_ms : kStallsMs) {
     for (std::size_t c = 0; c < chains.size(); ++c) {
-      for (const StallRow& row : stalls[i][c].rows) {
-        figure.rows.push_back({static_cast<double>(kStallsMs[i]), static_cast<double>(c), row.t,
-                               row.planned, row.dq_d, row.error, row.jerk});
+      const Stall stall = MeasureStall(chains[c].tick, MiddleOf(robot.limits), stall_ms);
+      const std::string name =
+          fmt::format("Stall of {} ms at 1 rad/s, {}", stall_ms, chains[c].name);
+      findings.Add(name + ": largest jerk over its limit", "", stall.largest_jerk / jerk_limit)
+          .Demand(c == kOurStallChain ? "at most 1" : "", stall.largest_jerk <= jerk_limit);
+      findings.Add(name + ": largest error from the plan", "mrad", 1e3 * stall.largest_error);
+      findings.Add(name + ": time until the error is within 4 mrad again", "s", stall.recovered_s);
+      for (const auto& row : stall.rows) {
+        figure.rows.push_back(Row(stall_ms, c, row[0], row[1], row[2], row[3], row[4]));
       }
     }
   }
-  return figure;
+  findings.figures.push_back(std::move(figure));
 }
 
 /// A motion of 8 s commanded as poses, that of models/scenarios/cartesian.yaml, by the calibrated
@@ -184,10 +162,19 @@ bool RunPoses(const Config& config) {
   return RunScenario(config, scenario).report.succeeded();
 }
 
-void CompareDecay(const std::vector<OffsetDecay>& all, Findings& findings) {
+void AddDecay(Findings& findings) {
+  Figure figure{.id = "convergence",
+                .columns =
+                    "lambda,formula [s],joint [s],translation [s],rotation [s],"
+                    "jerk per offset [1/s^3]"};
   double joint = 0;
   double pose = 0;
-  for (const OffsetDecay& c : all) {
+  double papers_s = 0;
+  for (const double lambda : kLambdas) {
+    const OffsetDecay c = MeasureDecay(lambda);
+    figure.rows.push_back(
+        {lambda, c.formula_s, c.joint_s, c.translation_s, c.rotation_s, c.jerk_per_rad});
+    if (lambda == kPaperLambda) papers_s = c.joint_s;
     // A cycle is the resolution of the measurement.
     const double grain = kCycleSeconds / c.formula_s;
     joint = std::max(joint, std::abs(c.joint_s / c.formula_s - 1) - grain);
@@ -198,51 +185,23 @@ void CompareDecay(const std::vector<OffsetDecay>& all, Findings& findings) {
   findings.Add("Convergence time off its formula beyond one cycle, joints, largest", "%",
                100 * std::max(joint, 0.0));
   findings.Add("The same, poses", "%", 100 * std::max(pose, 0.0));
-  findings.Add("Time until 5 % of an offset are left, lambda = 1e-3", "s",
-               std::ranges::find(all, kPaperLambda, &OffsetDecay::lambda)->joint_s);
-}
-
-void CompareStalls(const Stalls& stalls, const std::vector<Chain>& chains, double jerk_limit,
-                   Findings& findings) {
-  for (std::size_t i = 0; i < stalls.size(); ++i) {
-    for (std::size_t c = 0; c < chains.size(); ++c) {
-      const Stall& stall = stalls[i][c];
-      const std::string name =
-          fmt::format("Stall of {} ms at 1 rad/s, {}", kStallsMs[i], chains[c].name);
-      findings.Add(name + ": largest jerk over its limit", "", stall.largest_jerk / jerk_limit)
-          .Demand(c == kOurStallChain ? "at most 1" : "", stall.largest_jerk <= jerk_limit);
-      findings.Add(name + ": largest error from the plan", "mrad", 1e3 * stall.largest_error);
-      findings.Add(name + ": time until the error is within 4 mrad again", "s", stall.recovered_s);
-    }
-  }
+  findings.Add("Time until 5 % of an offset are left, lambda = 1e-3", "s", papers_s);
+  findings.figures.push_back(std::move(figure));
 }
 
 }  // namespace
 
 Findings RunLambda(const Config& config) {
-  std::vector<OffsetDecay> all;
-  all.reserve(kLambdas.size());
-  for (const double lambda : kLambdas) all.push_back(MeasureDecay(lambda));
-  const scenario::RobotData robot = RobotOf(config, LoadScenario(config, "asynchronous"));
-  const double jerk_limit = robot.limits.dddq_max[0];
-  const std::vector<Chain> chains = StallChains(robot);
-  Stalls stalls;
-  for (std::size_t i = 0; i < stalls.size(); ++i) {
-    for (const Chain& chain : chains) {
-      stalls[i].push_back(MeasureStall(chain.tick, MiddleOf(robot.limits), kStallsMs[i]));
-    }
-  }
+  Findings findings;
+  AddDecay(findings);
+  AddStalls(RobotOf(config, LoadScenario(config, "asynchronous")), findings);
   if (config.progress) config.progress(0.3);
   const bool poses_end_well = RunPoses(config);
-  Findings findings;
-  CompareDecay(all, findings);
-  CompareStalls(stalls, chains, jerk_limit, findings);
   findings
       .Add("A motion of 8 s as poses behind the Cartesian generator: aborts", "",
            poses_end_well ? 0.0 : 1.0)
       .Paper(0)
       .Demand("none", poses_end_well);
-  findings.figures = {DecayFigure(all), StallsFigure(stalls, chains, jerk_limit)};
   if (config.progress) config.progress(1);
   return findings;
 }

@@ -1,13 +1,6 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "experiment/statistics.h"
-#include "twin/experiment/experiment.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::experiment {
@@ -35,11 +28,9 @@ using LoopRuns = std::array<std::vector<LoopSample>, 3>;
 [[nodiscard]] scenario::Scenario LoopScenario(const Config& config, std::size_t loop, int run);
 
 /// Runs each calibrated loop Config::seeds times as LoopScenario has it (the bare loop has no
-/// phase), one loop after the other.
-/// @param stack  catalogue of RS and RA; LF has the config's own. @param share  of the work, for
-/// the progress.
+/// phase), one loop after the other. @param stack  catalogue of RS and RA; LF has the config's own.
 /// @throws as RunScenario; InputError when a run wrote no command at all.
-[[nodiscard]] LoopRuns RunLoops(const Config& config, const run::Catalogue& stack, double share);
+[[nodiscard]] LoopRuns RunLoops(const Config& config, const run::Catalogue& stack);
 
 /// A row of the paper's Table 1.
 struct TableRow {
@@ -76,13 +67,11 @@ inline constexpr std::size_t kLargestLatency = 2;
 inline constexpr std::size_t kUnserved = 3;
 
 /// The unserved shares of all three loops over weight and place of the link's late bin, the last
-/// one; runs them with few seeds. @pre the link's law is a histogram, as ours is. Progress from
-/// `from` to `to`.
-[[nodiscard]] Figure LateStatesFigure(const Config& config, double from, double to);
+/// one; runs them with few seeds. @pre the link's law is a histogram, as ours is.
+[[nodiscard]] Figure LateStatesFigure(const Config& config);
 
-/// The unserved share of the synchronous loop over drift, start phase and load; runs it with few
-/// seeds. Progress from `from` to 1.
-[[nodiscard]] Figure SensitivityFigure(const Config& config, double from);
+/// The unserved share of the synchronous loop over drift, start phase and load; with few seeds.
+[[nodiscard]] Figure SensitivityFigure(const Config& config);
 
 /// The same law of a computation that takes `factor` times as long. @param factor  > 0.
 [[nodiscard]] scenario::Delay Scaled(const scenario::Delay& delay, double factor);

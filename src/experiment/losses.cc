@@ -1,14 +1,5 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <functional>
 #include <limits>
-#include <span>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -97,61 +88,46 @@ LossOutcome MeasureLosses(const Config& config, std::size_t pace, std::size_t ch
 /// Losses behind every chain at every pace: a row for each chain, pace by pace.
 using LossTable = Grid<LossOutcome>;
 
-LossTable MeasureTable(const Config& config, const std::vector<Losses>& losses, int runs,
-                       double from, double to) {
-  return MapGrid(
-      config, kPaces.size() * kLossChains.size(), losses.size(),
-      [&](std::size_t row, std::size_t i) {
-        return MeasureLosses(config, row / kLossChains.size(), row % kLossChains.size(), losses[i],
-                             runs);
-      },
-      from, to);
-}
-
-std::vector<std::string> LossChainNames() {
-  std::vector<std::string> names;
-  for (const LossChain& chain : kLossChains) names.emplace_back(chain.name);
-  return names;
+LossTable MeasureTable(const Config& config, const std::vector<Losses>& losses, int runs) {
+  return MapGrid(config, kPaces.size() * kLossChains.size(), losses.size(),
+                 [&](std::size_t row, std::size_t i) {
+                   return MeasureLosses(config, row / kLossChains.size(), row % kLossChains.size(),
+                                        losses[i], runs);
+                 });
 }
 
 /// Share of aborted runs over length and rate of the bursts, at the hard pace.
-Figure BurstMapFigure(const Config& config, int runs, double from, double to) {
+Figure BurstMapFigure(const Config& config, int runs) {
   std::vector<Bursts> bursts;
   for (const double per_second : kBurstsPerSecond) {
     for (const int length : kBursts) bursts.push_back({length, per_second});
   }
-  const LossTable table = MapGrid(
-      config, kLossChains.size(), bursts.size(),
-      [&](std::size_t chain, std::size_t i) {
+  const LossTable table =
+      MapGrid(config, kLossChains.size(), bursts.size(), [&](std::size_t chain, std::size_t i) {
         return MeasureLosses(config, kPaces.size() - 1, chain, {bursts[i]}, runs);
-      },
-      from, to);
+      });
   Figure figure{.id = "map",
                 .columns =
                     "way [-],bursts a second [-],commands lost in a row [-],aborted [%],"
                     "RMS error [mrad]",
-                .names = LossChainNames()};
+                .names = NamesOf(kLossChains)};
   for (std::size_t chain = 0; chain < kLossChains.size(); ++chain) {
     for (std::size_t i = 0; i < bursts.size(); ++i) {
       const LossOutcome& outcome = table[chain][i];
-      figure.rows.push_back({static_cast<double>(chain), bursts[i].per_second,
-                             static_cast<double>(bursts[i].length), outcome.aborted_percent(),
-                             outcome.rms_mrad()});
+      figure.rows.push_back(Row(chain, bursts[i].per_second, bursts[i].length,
+                                outcome.aborted_percent(), outcome.rms_mrad()));
     }
   }
   return figure;
 }
 
 /// Our chain under bursts of every length that the robot bridges.
-void CompareEveryLength(const Config& config, int runs, double from, double to,
-                        Findings& findings) {
-  const LossTable table = MapGrid(
-      config, kPaces.size(), kLongest,
-      [&](std::size_t pace, std::size_t i) {
+void CompareEveryLength(const Config& config, int runs, Findings& findings) {
+  const LossTable table =
+      MapGrid(config, kPaces.size(), kLongest, [&](std::size_t pace, std::size_t i) {
         return MeasureLosses(config, pace, kOurLossChain, {{.length = static_cast<int>(i) + 1}},
                              runs);
-      },
-      from, to);
+      });
   int aborted = 0;
   double largest = 0;
   for (const LossOutcome& outcome : table.all) {
@@ -172,7 +148,7 @@ Figure OutcomesFigure(std::string id, std::string title, const std::string& x_la
   Figure figure{.id = std::move(id),
                 .plot = "outcomes",
                 .columns = x_label + ",tempo [-],way [-],aborted [%],RMS error [mrad]",
-                .names = LossChainNames()};
+                .names = NamesOf(kLossChains)};
   figure.names.push_back(x_label);
   figure.names.push_back(std::move(title));
   for (std::size_t pace = 0; pace < kPaces.size(); ++pace) {
@@ -181,8 +157,8 @@ Figure OutcomesFigure(std::string id, std::string title, const std::string& x_la
       for (std::size_t i = 0; i < x.size(); ++i) {
         const LossOutcome& outcome = table[pace * kLossChains.size() + chain][i];
         completed += outcome.aborted < outcome.runs ? 1 : 0;
-        figure.rows.push_back({x[i], static_cast<double>(pace), static_cast<double>(chain),
-                               outcome.aborted_percent(), outcome.rms_mrad()});
+        figure.rows.push_back(
+            Row(x[i], pace, chain, outcome.aborted_percent(), outcome.rms_mrad()));
       }
     }
   }
@@ -238,18 +214,18 @@ Findings RunLosses(const Config& config) {
   for (const int length : kBursts) bursts.push_back({.bursts = {.length = length}});
   std::vector<Losses> shares;
   for (const double share : kShares) shares.push_back({.share_percent = share});
-  const LossTable by_burst = MeasureTable(config, bursts, runs, 0, 0.3);
-  const LossTable by_share = MeasureTable(config, shares, runs, 0.3, 0.55);
+  const LossTable by_burst = MeasureTable(PartOf(config, 0, 0.3), bursts, runs);
+  const LossTable by_share = MeasureTable(PartOf(config, 0.3, 0.55), shares, runs);
   Findings findings{.values = {{"per_second", fmt::format("{}", Bursts().per_second)},
                                {"runs", fmt::format("{}", runs)}}};
   CompareBursts(by_burst, runs, findings);
-  CompareEveryLength(config, runs, 0.55, 0.8, findings);
+  CompareEveryLength(PartOf(config, 0.55, 0.8), runs, findings);
   CompareSurvived(by_burst, findings);
   findings.figures = {OutcomesFigure("bursts", "Bursts of losses", "commands lost in a row",
                                      {kBursts.begin(), kBursts.end()}, by_burst),
                       OutcomesFigure("shares", "Independent losses", "lost commands [%]",
                                      {kShares.begin(), kShares.end()}, by_share),
-                      BurstMapFigure(config, runs, 0.8, 1)};
+                      BurstMapFigure(PartOf(config, 0.8, 1), runs)};
   return findings;
 }
 

@@ -1,16 +1,9 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/runs.h"
-#include "experiment/statistics.h"
 #include "experiment/stream.h"
 #include "experiment/studies.h"
 #include "twin/onboard/violations.h"
@@ -36,13 +29,11 @@ constexpr std::array kNoiseStages{
 using NoiseOfStages = std::array<NoiseCurves, kNoiseStages.size()>;
 
 Figure NoiseJointsFigure(const NoiseOfStages& all) {
-  Figure figure{.id = "joints", .columns = "stage,amplitude [rad]"};
-  for (const NoiseStage& stage : kNoiseStages) figure.names.emplace_back(stage.name);
+  Figure figure{.id = "joints", .columns = "stage,amplitude [rad]", .names = NamesOf(kNoiseStages)};
   for (std::size_t j = 1; j <= kJoints; ++j) figure.columns += fmt::format(",joint {} aborted", j);
   for (std::size_t stage = 0; stage < all.size(); ++stage) {
     for (std::size_t i = 0; i < all[stage].amplitude.size(); ++i) {
-      std::vector<double>& row = figure.rows.emplace_back(
-          std::vector{static_cast<double>(stage), all[stage].amplitude[i]});
+      std::vector<double>& row = figure.rows.emplace_back(Row(stage, all[stage].amplitude[i]));
       for (const auto& aborted : all[stage].aborted) row.push_back(aborted[i]);
     }
   }
@@ -87,7 +78,7 @@ void CompareNoise(const NoiseOfStages& all, Findings& findings) {
 }  // namespace
 
 NoiseCurves MeasureNoise(const Config& config, const scenario::RobotData& robot, Remedy remedy,
-                         const std::vector<double>& amplitude, int runs, double from, double to) {
+                         const std::vector<double>& amplitude, int runs) {
   JointVector displacement;
   for (std::size_t j = 0; j < kJoints; ++j) {
     displacement[j] = kGentle * robot.limits.ddq_max[j] / kPeakAcceleration;
@@ -108,7 +99,7 @@ NoiseCurves MeasureNoise(const Config& config, const scenario::RobotData& robot,
       }
     }
   };
-  InParallel(config, static_cast<int>(amplitude.size()), job, from, to);
+  InParallel(config, static_cast<int>(amplitude.size()), job);
   return curves;
 }
 
@@ -129,8 +120,8 @@ Findings RunNoise(const Config& config) {
   NoiseOfStages all;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const double begin = each * static_cast<double>(i);
-    all[i] = MeasureNoise(config, inputs.robot, kNoiseStages[i].remedy, LogEdges(1e-7, 1e-2, 10),
-                          config.seeds, begin, begin + each);
+    all[i] = MeasureNoise(PartOf(config, begin, begin + each), inputs.robot, kNoiseStages[i].remedy,
+                          LogEdges(1e-7, 1e-2, 10), config.seeds);
   }
   Findings findings{.values = {{"acceleration", fmt::format("{:.0f}", kGentle * 100)},
                                {"runs", fmt::format("{}", config.seeds)}}};

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "twin/report/page.h"
-#include "twin/report/plot.h"
 #include "twin/run/summary.h"
 
 namespace twin::experiment {

@@ -1,18 +1,12 @@
-#include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
-#include <cstddef>
 #include <memory>
+#include <numbers>
 #include <numeric>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "experiment/runs.h"
-#include "experiment/statistics.h"
 #include "experiment/studies.h"
 #include "experiment/wave_source.h"
 #include "twin/control/registry.h"
@@ -23,6 +17,7 @@ namespace {
 
 using control::CommandInterface;
 
+constexpr double kOmega = std::numbers::pi / 2;  // of the wave, rad/s
 constexpr double kPaperRateHz = 125;
 constexpr std::array<double, 6> kRatesHz{1000, 500, 250, 125, 100, 62.5};
 
@@ -71,26 +66,22 @@ scenario::Scenario RateScenario(const Config& config, CommandInterface interface
 }
 
 StagePair MeasureStage(const Config& config, CommandInterface interface, double rate_hz) {
+  scenario::Scenario scenario = RateScenario(config, interface, rate_hz, false);
+  const JointVector q = scenario.motion.waypoints.front().q;
+  scenario.motion.waypoints = {{.q = q, .at = Duration{}}, {.q = q, .at = WaveSource::kLength}};
+  scenario.motion.timing = {};
   control::ControllerRegistry controllers;
-  const double acceleration = LargestAcceleration(rate_hz);
-  const auto make = [acceleration](const control::ControllerRequest& request) {
+  controllers.Add(scenario.controller.type, [&](const control::ControllerRequest& request) {
     return std::make_unique<WaveSource>(request.interface, request.trajectory.start(),
-                                        acceleration);
-  };
+                                        LargestAcceleration(rate_hz));
+  });
   const run::Catalogue catalogue{config.catalogue.get().backends, controllers};
   Config with_wave = config;
   with_wave.catalogue = catalogue;
-  const auto run = [&](bool stage, Recording& recording) {
-    scenario::Scenario scenario = RateScenario(config, interface, rate_hz, stage);
-    const JointVector q = scenario.motion.waypoints.front().q;
-    scenario.motion.waypoints = {{.q = q, .at = Duration{}}, {.q = q, .at = WaveSource::kLength}};
-    scenario.motion.timing = {};
-    if (controllers.Names().empty()) controllers.Add(scenario.controller.type, make);
-    return RunScenario(with_wave, scenario, &recording).report.succeeded();
-  };
   StagePair pair;
-  const bool off = run(false, pair.off);
-  const bool on = run(true, pair.on);
+  const bool off = RunScenario(with_wave, scenario, &pair.off).report.succeeded();
+  scenario.tick.rate_matching = true;
+  const bool on = RunScenario(with_wave, scenario, &pair.on).report.succeeded();
   pair.ended_well = off && on;
   return pair;
 }
@@ -159,65 +150,48 @@ Figure UpdatesFigure(const StagePair& pair) {
                   1);
 }
 
-/// All rates on all interfaces.
-struct RateResults {
-  Grid<double> delay_s;  ///< of each interface, a row for each rate
-  int failed_runs = 0;
-  StagePair paper;  ///< the paper's: 125 Hz, velocity
-};
-
 bool IsPapers(double rate_hz, const NamedInterface& interface) {
   return rate_hz == kPaperRateHz && interface.interface == CommandInterface::kJointVelocity;
 }
 
-RateResults MeasureRates(const Config& config) {
-  RateResults results;
-  std::atomic<int> failed{0};
-  results.delay_s =
+/// The delay of the stage at all rates on all interfaces, and what the paper shows.
+void AddRates(const Config& config, Findings& findings) {
+  constexpr double kTolerance = 0.1;
+  StagePair paper;
+  std::atomic<int> failed_runs{0};
+  const Grid<double> delays =
       MapGrid(config, kRatesHz.size(), kInterfaces.size(), [&](std::size_t rate, std::size_t i) {
         StagePair pair = MeasureStage(config, kInterfaces[i].interface, kRatesHz[rate]);
-        failed += pair.ended_well ? 0 : 1;
+        failed_runs += pair.ended_well ? 0 : 1;
         const double delay_s = DelayOf(pair, kInterfaces[i], LargestAcceleration(kRatesHz[rate]));
-        if (IsPapers(kRatesHz[rate], kInterfaces[i])) results.paper = std::move(pair);
+        if (IsPapers(kRatesHz[rate], kInterfaces[i])) paper = std::move(pair);
         return delay_s;
       });
-  results.failed_runs = failed;
-  return results;
-}
-
-std::vector<std::vector<double>> DelayRows(const RateResults& results) {
-  std::vector<std::vector<double>> rows;
-  for (std::size_t i = 0; i < kRatesHz.size(); ++i) {
-    const auto N = static_cast<double>(reference::RateMatchingWindow(kRatesHz[i]));
-    rows.push_back({kRatesHz[i], N, (N - 1) / 2 * kCycleSeconds * 1e3});
-    for (const double delay_s : results.delay_s[i]) rows.back().push_back(1e3 * delay_s);
-  }
-  return rows;
-}
-
-void CompareRates(const RateResults& results, const std::vector<std::vector<double>>& rows,
-                  Findings& findings) {
-  constexpr double kTolerance = 0.1;
-  const auto N = static_cast<double>(reference::RateMatchingWindow(kPaperRateHz));
-  const double ratio = PaperRiserRatio(results.paper);
+  const auto paper_N = static_cast<double>(reference::RateMatchingWindow(kPaperRateHz));
+  const double ratio = PaperRiserRatio(paper);
   findings.Add("125 Hz, velocity: riser of an update over the increment of a cycle", "", ratio)
-      .Paper(N)
-      .Demand("8 within 0.1", std::abs(ratio - N) <= kTolerance);
-  for (const std::vector<double>& row : rows) {
+      .Paper(paper_N)
+      .Demand("8 within 0.1", std::abs(ratio - paper_N) <= kTolerance);
+  Figure figure{.id = "delays",
+                .columns = "source [Hz],N,formula [ms],position [ms],velocity [ms],torque [ms]"};
+  for (std::size_t rate = 0; rate < kRatesHz.size(); ++rate) {
+    const auto N = static_cast<double>(reference::RateMatchingWindow(kRatesHz[rate]));
+    const double formula_ms = (N - 1) / 2 * kCycleSeconds * 1e3;
+    std::vector<double>& row = figure.rows.emplace_back(std::vector{kRatesHz[rate], N, formula_ms});
     for (std::size_t i = 0; i < kInterfaces.size(); ++i) {
-      const double delay_ms = row[3 + i];
+      const double delay_ms = row.emplace_back(1e3 * delays[rate][i]);
       Comparison& one = findings.Add(
-          fmt::format("{:g} Hz, {}: delay, stage on less off", row[0], kInterfaces[i].name), "ms",
-          delay_ms);
-      if (row[1] > 1) {  // a window of one does nothing
-        one.Demand(fmt::format("{:g} ms within 0.1 ms", row[2]),
-                   std::abs(delay_ms - row[2]) <= kTolerance);
+          fmt::format("{:g} Hz, {}: delay, stage on less off", kRatesHz[rate], kInterfaces[i].name),
+          "ms", delay_ms);
+      if (N > 1) {  // a window of one does nothing
+        one.Demand(fmt::format("{:g} ms within 0.1 ms", formula_ms),
+                   std::abs(delay_ms - formula_ms) <= kTolerance);
       }
-      if (IsPapers(row[0], kInterfaces[i])) one.Paper(3.5);
+      if (IsPapers(kRatesHz[rate], kInterfaces[i])) one.Paper(3.5);
     }
   }
-  findings.Add("Runs that did not end well", "", results.failed_runs)
-      .Demand("none", results.failed_runs == 0);
+  findings.Add("Runs that did not end well", "", failed_runs).Demand("none", failed_runs == 0);
+  findings.figures = {UpdatesFigure(paper), std::move(figure)};
 }
 
 constexpr std::size_t kEnvelopeWindow = 250;  // cycles of an envelope's point
@@ -297,6 +271,59 @@ void AddEnvelopes(const Config& config, Findings& findings) {
 
 }  // namespace
 
+WaveValue WaveAt(control::CommandInterface interface, double acceleration, double t) noexcept {
+  const double length_s = ToSeconds(WaveSource::kLength);
+  if (t <= 0 || t >= length_s) return {};
+  // sin^4(x) = (3 - 4 cos 2x + cos 4x) / 8
+  const double x = kOmega * t;
+  const double amplitude = acceleration / (4 * kOmega * kOmega);
+  const double q = amplitude * (3 - 4 * std::cos(2 * x) + std::cos(4 * x)) / 8;
+  const double dq = amplitude * kOmega * (std::sin(2 * x) - std::sin(4 * x) / 2);
+  const double ddq = acceleration * (std::cos(2 * x) - std::cos(4 * x)) / 2;
+  if (interface == control::CommandInterface::kJointVelocity) return {dq, ddq};
+  return {q, dq};
+}
+
+void WaveSource::Update(const RobotState& /*state*/, Time now,
+                        control::ControllerOutput& output) noexcept {
+  if (!is_running_) {
+    is_running_ = true;
+    begin_ = now;
+  }
+  const double t = ToSeconds(now - begin_);
+  output.target.joint = {.q = start_};
+  output.target.tau_J_d = {};
+  const double value = WaveAt(interface_, acceleration_, t).value;
+  switch (interface_) {
+    case control::CommandInterface::kJointVelocity: output.target.joint.dq[0] = value; break;
+    case control::CommandInterface::kTorque: output.target.tau_J_d[0] = value; break;
+    default: output.target.joint.q[0] += value; break;
+  }
+  output.has_velocity = interface_ == control::CommandInterface::kJointVelocity;
+  output.finished = now - begin_ >= kLength;
+}
+
+double WaveDelay(control::CommandInterface interface, double acceleration,
+                 const std::vector<double>& signal) {
+  const auto count = static_cast<double>(signal.size());
+  return LeastSquaresDelay(5, [&](double delay_s) {
+    double error = 0;
+    double rate = 0;
+    DelaySums sums;
+    for (std::size_t k = 0; k < signal.size(); ++k) {
+      const WaveValue wave =
+          WaveAt(interface, acceleration, static_cast<double>(k) * kCycleSeconds - delay_s);
+      error += wave.value - signal[k];
+      rate += wave.rate;
+      sums.product += (wave.value - signal[k]) * wave.rate;
+      sums.square += wave.rate * wave.rate;
+    }
+    sums.product -= error * rate / count;
+    sums.square -= rate * rate / count;
+    return sums;
+  });
+}
+
 Findings RunRateMatchingOnWallClock(const Config& config) {
   const StagePair pair = MeasureStage(config, CommandInterface::kJointVelocity, kPaperRateHz);
   Findings findings;
@@ -310,15 +337,8 @@ Findings RunRateMatchingOnWallClock(const Config& config) {
 }
 
 Findings RunRateMatching(const Config& config) {
-  const RateResults results = MeasureRates(config);
-  const std::vector<std::vector<double>> rows = DelayRows(results);
   Findings findings;
-  CompareRates(results, rows, findings);
-  findings.figures = {
-      UpdatesFigure(results.paper),
-      {.id = "delays",
-       .columns = "source [Hz],N,formula [ms],position [ms],velocity [ms],torque [ms]",
-       .rows = rows}};
+  AddRates(config, findings);
   AddEnvelopes(config, findings);
   return findings;
 }

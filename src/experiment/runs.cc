@@ -1,14 +1,11 @@
 #include "experiment/runs.h"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <exception>
-#include <string>
 #include <thread>
 
-#include "experiment/statistics.h"
 #include "twin/core/error.h"
 #include "twin/robot/robot_config.h"
 #include "twin/run/remote.h"
@@ -26,6 +23,41 @@ int Threads(const Config& config, int count) {
 
 Duration PlannedAt(std::size_t cycle, double delay_s) {
   return FromSeconds(static_cast<double>(cycle) * kCycleSeconds - delay_s);
+}
+
+/// Runs a scenario's loop over UDP against a robot served here. Plant, sensors and start are the
+/// scenario's. One host has one clock: the robot runs slower by the controller's drift.
+run::RunResult RunOverWire(const Config& config, const scenario::Scenario& scenario,
+                           record::RecordSink* sink) {
+  scenario::Scenario served = scenario;
+  served.robot.clock_drift_ppm -= scenario.controller.clock_drift_ppm;
+  run::CycleCounts counts;
+  SinkTo robot_sink([&](const record::CycleRecord& record) {
+    counts.Add(record);
+    if (sink != nullptr) sink->Put(record);
+  });
+  const robot::RobotConfig robot_config = run::MakeServedConfig(served, config.files);
+  server::ServedRobot robot(robot_config, robot::MakePlant(robot_config),
+                            {.takes_free_ports = true, .sink = &robot_sink});
+  robot.Start();
+
+  scenario::Scenario remote = scenario;
+  remote.controller.clock_drift_ppm = 0;
+  // The cycles are the robot's own, not the workstation's view of them.
+  SinkTo ticks([sink](const record::TickRecord& record) {
+    if (sink != nullptr) sink->Put(record);
+  });
+  run::RealtimeSettings settings;
+  settings.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port};
+  settings.checks_start = false;
+  run::RunResult result =
+      run::Run(remote, config.catalogue, config.files, &ticks, settings)
+          .Execute({.progress = {}, .event = {}, .interrupted = config.interrupted});
+  robot.End();
+  result.counts = counts;
+  result.report.robot_timings.lateness = robot.lateness();
+  result.report.robot_timings.overruns = robot.overruns();
+  return result;
 }
 
 }  // namespace
@@ -113,58 +145,25 @@ scenario::Loss LossOf(const Config& config, const Bursts& bursts, Duration motio
 run::RunResult RunScenario(const Config& config, const scenario::Scenario& scenario,
                            record::RecordSink* sink) {
   ThrowIfInterrupted(config);
-  run::RunResult result;
-  if (scenario.is_remote()) {
-    result = RunOverWire(config, scenario, sink);
-  } else {
-    run::Run run(scenario, config.catalogue, config.files, sink);
-    run::RunHooks hooks;
-    hooks.interrupted = config.interrupted;
-    result = run.Execute(hooks);
-  }
+  const run::RunResult result =
+      scenario.is_remote()
+          ? RunOverWire(config, scenario, sink)
+          : run::Run(scenario, config.catalogue, config.files, sink)
+                .Execute({.progress = {}, .event = {}, .interrupted = config.interrupted});
   ThrowIfInterrupted(config);
   return result;
 }
 
-run::RunResult RunOverWire(const Config& config, const scenario::Scenario& scenario,
-                           record::RecordSink* sink) {
-  scenario::Scenario served = scenario;
-  served.robot.clock_drift_ppm -= scenario.controller.clock_drift_ppm;
-  run::CycleCounts counts;
-  SinkTo robot_sink([&](const record::CycleRecord& record) {
-    counts.Add(record);
-    if (sink != nullptr) sink->Put(record);
-  });
-  const robot::RobotConfig robot_config = run::MakeServedConfig(served, config.files);
-  server::ServedRobot robot(robot_config, robot::MakePlant(robot_config),
-                            {.takes_free_ports = true, .sink = &robot_sink});
-  robot.Start();
-
-  scenario::Scenario remote = scenario;
-  remote.controller.clock_drift_ppm = 0;
-  // The cycles are the robot's own, not the workstation's view of them.
-  SinkTo ticks([sink](const record::TickRecord& record) {
-    if (sink != nullptr) sink->Put(record);
-  });
-  run::RealtimeSettings settings;
-  settings.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port};
-  settings.checks_start = false;
-  run::RunResult result;
-  {
-    run::Run run(remote, config.catalogue, config.files, &ticks, settings);
-    run::RunHooks hooks;
-    hooks.interrupted = config.interrupted;
-    result = run.Execute(hooks);
-  }
-  robot.End();
-  result.counts = counts;
-  result.report.robot_timings.lateness = robot.lateness();
-  result.report.robot_timings.overruns = robot.overruns();
-  return result;
+Config PartOf(const Config& config, double from, double to) {
+  Config part = config;
+  if (!config.progress) return part;
+  part.progress = [from, to, whole = config.progress](double share) {
+    whole(std::lerp(from, to, share));
+  };
+  return part;
 }
 
-void InParallel(const Config& config, int count, const std::function<void(int)>& job, double from,
-                double to) {
+void InParallel(const Config& config, int count, const std::function<void(int)>& job) {
   std::vector<std::exception_ptr> failures(static_cast<std::size_t>(count));
   // Both only count; what the jobs wrote is handed over by joining the threads.
   std::atomic<int> next{0};
@@ -178,8 +177,8 @@ void InParallel(const Config& config, int count, const std::function<void(int)>&
       } catch (...) {
         failures[static_cast<std::size_t>(i)] = std::current_exception();
       }
-      const int finished = done.fetch_add(1, std::memory_order_relaxed) + 1;
-      if (tells && config.progress) config.progress(from + (to - from) * finished / count);
+      const double finished = done.fetch_add(1, std::memory_order_relaxed) + 1;
+      if (tells && config.progress) config.progress(finished / count);
     }
   };
   {
@@ -190,17 +189,17 @@ void InParallel(const Config& config, int count, const std::function<void(int)>&
   for (const std::exception_ptr& failure : failures) {
     if (failure) std::rethrow_exception(failure);
   }
-  if (config.progress) config.progress(to);
+  if (config.progress) config.progress(1);
 }
 
-int CountFailures(const Config& config, int runs,
-                  const std::function<void(scenario::Scenario&)>& change, double from, double to) {
+double FailedShare(const Config& config, int runs,
+                   const std::function<void(scenario::Scenario&)>& change) {
   const auto failed = [&](int run) {
     scenario::Scenario scenario = LoadScenario(config, "asynchronous", run);
     change(scenario);
     return RunScenario(config, scenario).report.succeeded() ? 0 : 1;
   };
-  return static_cast<int>(std::ranges::count(MapInParallel(config, runs, failed, from, to), 1));
+  return static_cast<double>(std::ranges::count(MapInParallel(config, runs, failed), 1)) / runs;
 }
 
 Recording::Recording() {

@@ -1,23 +1,13 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <optional>
-#include <span>
-#include <string_view>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
+#include "experiment/statistics.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/random.h"
-#include "twin/core/time.h"
-#include "twin/experiment/experiment.h"
 #include "twin/record/cycle_record.h"
 #include "twin/reference/trajectory.h"
-#include "twin/run/run.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 
@@ -49,7 +39,6 @@ void ThrowIfInterrupted(const Config& config);
 [[nodiscard]] reference::Trajectory PlanOf(const Config& config,
                                            const scenario::Scenario& scenario);
 
-/// A delay that is always the same.
 [[nodiscard]] scenario::Delay ConstantDelay(int us);
 
 /// Makes every delay a constant, without drift, the states half a period after the wake-ups; losses
@@ -83,33 +72,27 @@ struct Bursts {
 [[nodiscard]] scenario::Loss LossOf(const Config& config, const Bursts& bursts, Duration motion,
                                     int run);
 
-/// Runs a scenario, in lockstep or as RunOverWire. @param sink  may be null. @returns how it ended.
+/// Runs a scenario in lockstep; with backend fci on the wall clock, over UDP on this machine,
+/// against a robot of its own, served as `panda-twin serve` does: delays and costs are then this
+/// machine's. @param sink  may be null; on the wall clock cycles come from the robot's thread,
+/// ticks from the communication's. @returns how it ended, with the robot's counts.
 /// @throws as run::Run; RobotFault when Config::interrupted is set.
 run::RunResult RunScenario(const Config& config, const scenario::Scenario& scenario,
                            record::RecordSink* sink = nullptr);
 
-/// Runs a scenario's loop on the wall clock, over UDP on this machine, against a robot of its own,
-/// served as `panda-twin serve` does. Plant, sensors and start are the scenario's; delays and costs
-/// are this machine's. One host has one clock: the robot runs slower by the controller's drift.
-/// @param scenario  backend fci. @param sink  cycles come from the robot's thread, ticks from the
-/// communication's; may be null.
-/// @returns counts by the robot. @throws as RunScenario.
-[[nodiscard]] run::RunResult RunOverWire(const Config& config, const scenario::Scenario& scenario,
-                                         record::RecordSink* sink);
+/// @returns the config of a part of the work, whose progress is that from `from` to `to`.
+[[nodiscard]] Config PartOf(const Config& config, double from, double to);
 
 /// Calls job(0) ... job(count - 1) on the host's processors, on the wall clock one by one. When
 /// jobs throw, the first exception in their order is thrown, once all are done. Reports progress
-/// in [from, to], from the calling thread only. @param job  called from several threads at a time.
-void InParallel(const Config& config, int count, const std::function<void(int)>& job,
-                double from = 0, double to = 1);
+/// from the calling thread only. @param job  called from several threads at a time.
+void InParallel(const Config& config, int count, const std::function<void(int)>& job);
 
 /// The same with the jobs' results, in order.
 template <class Job>
-[[nodiscard]] auto MapInParallel(const Config& config, std::size_t count, const Job& job,
-                                 double from = 0, double to = 1) {
+[[nodiscard]] auto MapInParallel(const Config& config, std::size_t count, const Job& job) {
   std::vector<decltype(job(0))> results(count);
-  InParallel(
-      config, static_cast<int>(count), [&](int i) { results[i] = job(i); }, from, to);
+  InParallel(config, static_cast<int>(count), [&](int i) { results[i] = job(i); });
   return results;
 }
 
@@ -119,6 +102,7 @@ struct Grid {
   std::size_t columns = 0;
   std::vector<Result> all;  ///< row by row
 
+  [[nodiscard]] std::size_t rows() const { return all.size() / columns; }
   [[nodiscard]] std::span<const Result> operator[](std::size_t row) const {
     return std::span(all).subspan(row * columns, columns);
   }
@@ -127,16 +111,15 @@ struct Grid {
 /// As MapInParallel, with job(row, column).
 template <class Job>
 [[nodiscard]] auto MapGrid(const Config& config, std::size_t rows, std::size_t columns,
-                           const Job& job, double from = 0, double to = 1) {
+                           const Job& job) {
   const auto at = [&](std::size_t i) { return job(i / columns, i % columns); };
-  return Grid<decltype(at(0))>{columns, MapInParallel(config, rows * columns, at, from, to)};
+  return Grid<decltype(at(0))>{columns, MapInParallel(config, rows * columns, at)};
 }
 
 /// Runs the calibrated asynchronous loop `runs` times. @param change  made to each run's scenario,
-/// from several threads. @param from, to  as InParallel. @returns how many did not succeed.
-[[nodiscard]] int CountFailures(const Config& config, int runs,
-                                const std::function<void(scenario::Scenario&)>& change, double from,
-                                double to);
+/// from several threads. @returns the share of runs that did not succeed.
+[[nodiscard]] double FailedShare(const Config& config, int runs,
+                                 const std::function<void(scenario::Scenario&)>& change);
 
 /// Passes cycles, or ticks, to a function that takes such records, and drops the others.
 ///

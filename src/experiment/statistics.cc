@@ -13,6 +13,8 @@
 namespace twin::experiment {
 namespace {
 
+constexpr double kRateHz = 1 / kCycleSeconds;
+
 std::vector<double> Hann(std::size_t size) {
   std::vector<double> window(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -127,27 +129,28 @@ double RegressionSlope(const std::vector<double>& x, const std::vector<double>& 
   return product / square;
 }
 
-Spectrum Welch(std::span<const double> signal, double rate_hz, std::size_t segment) {
-  Spectrum spectrum{.step_hz = rate_hz / static_cast<double>(segment), .density = {}};
-  if (signal.size() < segment) return spectrum;
-  const std::vector<double> window = Hann(segment);
+Spectrum Welch(std::span<const double> signal) {
+  constexpr std::size_t kSegment = kSpectrumSegment;
+  Spectrum spectrum{.step_hz = kRateHz / kSegment, .density = {}};
+  if (signal.size() < kSegment) return spectrum;
+  const std::vector<double> window = Hann(kSegment);
   const double weight = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
-  spectrum.density.assign(segment / 2 + 1, 0);
+  spectrum.density.assign(kSegment / 2 + 1, 0);
   Eigen::FFT<double> fft;
-  std::vector<double> part(segment);
+  std::vector<double> part(kSegment);
   std::vector<std::complex<double>> transform;
   std::size_t segments = 0;
-  for (std::size_t begin = 0; begin + segment <= signal.size(); begin += segment / 2) {
-    const std::span<const double> values = signal.subspan(begin, segment);
+  for (std::size_t begin = 0; begin + kSegment <= signal.size(); begin += kSegment / 2) {
+    const std::span<const double> values = signal.subspan(begin, kSegment);
     const double mean = Mean(values);
-    for (std::size_t i = 0; i < segment; ++i) part[i] = window[i] * (values[i] - mean);
+    for (std::size_t i = 0; i < kSegment; ++i) part[i] = window[i] * (values[i] - mean);
     fft.fwd(transform, part);
-    for (std::size_t i = 0; i <= segment / 2; ++i) spectrum.density[i] += std::norm(transform[i]);
+    for (std::size_t i = 0; i <= kSegment / 2; ++i) spectrum.density[i] += std::norm(transform[i]);
     ++segments;
   }
-  for (std::size_t i = 0; i <= segment / 2; ++i) {
-    const double sides = i == 0 || i == segment / 2 ? 1 : 2;
-    spectrum.density[i] *= sides / (rate_hz * weight * static_cast<double>(segments));
+  for (std::size_t i = 0; i <= kSegment / 2; ++i) {
+    const double sides = i == 0 || i == kSegment / 2 ? 1 : 2;
+    spectrum.density[i] *= sides / (kRateHz * weight * static_cast<double>(segments));
   }
   return spectrum;
 }
@@ -161,23 +164,20 @@ double BandPower(const Spectrum& spectrum, double from_hz, double to_hz) noexcep
   return sum * spectrum.step_hz;
 }
 
-double MedianBandPower(std::span<const double> signal, double rate_hz, std::size_t segment,
-                       double from_hz, double to_hz) {
+double MedianBandPower(std::span<const double> signal, double from_hz, double to_hz) {
   std::vector<double> powers;
-  for (std::size_t i = 0; i + segment <= signal.size(); i += segment) {
-    powers.push_back(
-        BandPower(Welch(signal.subspan(i, segment), rate_hz, segment), from_hz, to_hz));
+  for (std::size_t i = 0; i + kSpectrumSegment <= signal.size(); i += kSpectrumSegment) {
+    powers.push_back(BandPower(Welch(signal.subspan(i, kSpectrumSegment)), from_hz, to_hz));
   }
   return UpperMedian(std::move(powers));
 }
 
-std::complex<double> SineAmplitude(std::span<const double> signal, double rate_hz,
-                                   double frequency_hz) {
+std::complex<double> SineAmplitude(std::span<const double> signal, double frequency_hz) {
   const auto size = static_cast<Eigen::Index>(signal.size());
   Eigen::MatrixXd basis(size, 4);
   Eigen::VectorXd values(size);
   for (Eigen::Index i = 0; i < size; ++i) {
-    const double phase = 2 * std::numbers::pi * frequency_hz * static_cast<double>(i) / rate_hz;
+    const double phase = 2 * std::numbers::pi * frequency_hz * static_cast<double>(i) / kRateHz;
     basis.row(i) << std::cos(phase), std::sin(phase), 1,
         static_cast<double>(i) / static_cast<double>(size);
     values[i] = signal[static_cast<std::size_t>(i)];

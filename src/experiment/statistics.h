@@ -2,13 +2,7 @@
 
 #include <algorithm>
 #include <complex>
-#include <cstddef>
-#include <functional>
-#include <span>
-#include <string>
-#include <vector>
 
-#include "twin/core/time.h"
 #include "twin/experiment/experiment.h"
 
 namespace twin::experiment {
@@ -19,6 +13,20 @@ template <class Items, class Of>
   std::vector<double> values;
   for (const auto& item : items) values.push_back(static_cast<double>(std::invoke(of, item)));
   return values;
+}
+
+/// @returns the name of each item, in order.
+template <class Items>
+[[nodiscard]] std::vector<std::string> NamesOf(const Items& items) {
+  std::vector<std::string> names;
+  for (const auto& item : items) names.emplace_back(item.name);
+  return names;
+}
+
+/// A row of a table.
+template <class... Values>
+[[nodiscard]] std::vector<double> Row(const Values&... values) {
+  return {static_cast<double>(values)...};
 }
 
 [[nodiscard]] Spread SpreadOf(std::span<const double> values);
@@ -51,7 +59,6 @@ struct Column {
 [[nodiscard]] std::vector<double> Histogram(std::span<const double> values,
                                             std::span<const double> edges);
 
-/// 100 times each value.
 [[nodiscard]] std::vector<double> Percent(std::vector<double> shares);
 
 /// Shares of values above each edge, of all values; 0 without values.
@@ -87,25 +94,21 @@ template <class Sums>
   return delay_s;
 }
 
-/// One-sided power spectral density of a signal.
+/// One-sided power spectral density of a signal of 1 kHz.
 struct Spectrum {
   double step_hz = 0;           ///< between two values; the first is at 0 Hz
   std::vector<double> density;  ///< unit^2/Hz
 };
 
-/// Samples of a segment of the experiments' spectra: 0.98 Hz of resolution at 1 kHz.
+/// Samples of a segment of a spectrum: 0.98 Hz of resolution.
 inline constexpr std::size_t kSpectrumSegment = 1024;
 
-/// Welch's estimate: the mean of the periodograms of segments of `segment` samples that overlap by
-/// half, each less its mean and weighed with Hann's window; the density is scaled so that its
-/// integral over all frequencies is the signal's variance. Source: Welch, "The use of fast Fourier
-/// transform for the estimation of power spectra", IEEE Trans. Audio Electroacoust. 1967.
-///
-/// Threads: any. Real-time: no.
-/// @param rate_hz  of the samples, > 0. @param segment  even, >= 2.
+/// Welch's estimate: the mean of the periodograms of segments that overlap by half, each less its
+/// mean and weighed with Hann's window; the density is scaled so that its integral over all
+/// frequencies is the signal's variance. Source: Welch, "The use of fast Fourier transform for the
+/// estimation of power spectra", IEEE Trans. Audio Electroacoust. 1967.
 /// @returns no density when the signal is shorter than a segment.
-[[nodiscard]] Spectrum Welch(std::span<const double> signal, double rate_hz = 1 / kCycleSeconds,
-                             std::size_t segment = kSpectrumSegment);
+[[nodiscard]] Spectrum Welch(std::span<const double> signal);
 
 /// The paper's band, Hz.
 inline constexpr double kBandFromHz = 20;
@@ -117,16 +120,14 @@ inline constexpr double kBandToHz = 150;
                                double to_hz = kBandToHz) noexcept;
 
 /// The median of that power over successive segments, 0 without a whole segment.
-[[nodiscard]] double MedianBandPower(std::span<const double> signal,
-                                     double rate_hz = 1 / kCycleSeconds,
-                                     std::size_t segment = kSpectrumSegment,
-                                     double from_hz = kBandFromHz, double to_hz = kBandToHz);
+[[nodiscard]] double MedianBandPower(std::span<const double> signal, double from_hz = kBandFromHz,
+                                     double to_hz = kBandToHz);
 
-/// Amplitude and phase of the sine of `frequency_hz` that fits the signal best, together with a
-/// constant and a straight line: signal(i) ~ Re(A exp(j 2 pi f i / rate)) + c + d i. The ratio of
+/// Amplitude and phase of the sine of `frequency_hz` that fits a signal of 1 kHz best, together
+/// with a constant and a straight line: signal(i) ~ Re(A exp(j 2 pi f i T)) + c + d i. The ratio of
 /// two signals' A is the frequency response from one to the other.
-/// @pre at least 4 samples, and 0 < frequency_hz < rate_hz / 2.
-[[nodiscard]] std::complex<double> SineAmplitude(std::span<const double> signal, double rate_hz,
+/// @pre at least 4 samples, and 0 < frequency_hz < 500.
+[[nodiscard]] std::complex<double> SineAmplitude(std::span<const double> signal,
                                                  double frequency_hz);
 
 }  // namespace twin::experiment

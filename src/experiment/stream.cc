@@ -1,18 +1,11 @@
 #include "experiment/stream.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
-#include <utility>
-#include <vector>
 
-#include "experiment/runs.h"
-#include "twin/core/random.h"
-#include "twin/loop/command_chain.h"
 #include "twin/onboard/limit_monitor.h"
 #include "twin/reference/feed_forward.h"
-#include "twin/run/run.h"
 
 namespace twin::experiment {
 namespace {
@@ -161,8 +154,7 @@ Duration SamplingError(const Stream& stream, std::uint64_t deposit) noexcept {
 }
 
 StreamResult RunStream(const reference::Trajectory& plan, const JointLimits& limits,
-                       const Stream& stream, bool stops,
-                       const std::function<void(const StreamCycle&)>& tell) {
+                       const Stream& stream, bool stops, const TellCycle& tell) {
   StreamSource source(plan, stream);
   ChainBench bench(stream.tick, plan.start(), stream.interface);
   JointVector last_q = plan.start();
@@ -181,7 +173,7 @@ StreamResult RunStream(const reference::Trajectory& plan, const JointLimits& lim
     const JointReference& next = bench.Step(consumed, fresh, source.source_time());
     if (!result.aborted && !onboard::CheckStep(next, limits, k).empty()) result.aborted = k;
     Take(next, limits, result);
-    if (tell) tell({k, next, source.target()});
+    if (tell) tell(k, next);
     if (stops && result.aborted) break;
   }
   for (double& rms : result.rms_jerk) {

@@ -1,25 +1,12 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <functional>
-#include <optional>
-#include <span>
-#include <string_view>
-#include <vector>
-
+#include "experiment/runs.h"
 #include "twin/control/controller.h"
-#include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
 #include "twin/core/robot_state.h"
-#include "twin/core/time.h"
-#include "twin/experiment/experiment.h"
 #include "twin/loop/command_chain.h"
-#include "twin/loop/loop_config.h"
 #include "twin/onboard/joint_reference.h"
 #include "twin/reference/target.h"
-#include "twin/reference/trajectory.h"
-#include "twin/scenario/robot_data.h"
 
 namespace twin::experiment {
 
@@ -31,7 +18,6 @@ enum class VelocityFrom : std::uint8_t {
   kConsumption,  ///< difference of two consumed positions over the robot's cycle
 };
 
-/// The middle of every joint's range.
 [[nodiscard]] JointVector MiddleOf(const JointLimits& limits) noexcept;
 
 /// The workstation's command chain and the robot controller's reference behind it, cycle by cycle,
@@ -98,13 +84,6 @@ struct Stream {
 /// dt(i) of a stream, in whole nanoseconds. Thread-safe.
 [[nodiscard]] Duration SamplingError(const Stream& stream, std::uint64_t deposit) noexcept;
 
-/// One cycle of the robot.
-struct StreamCycle {
-  std::uint64_t cycle = 0;               ///< k; the first with a deposit is not always 0
-  const onboard::JointReference& next;   ///< INT's reference after the command
-  const reference::JointTarget& target;  ///< the consumed deposit
-};
-
 /// Result of a stream.
 struct StreamResult {
   std::uint64_t cycles = 0;                ///< with a command
@@ -115,21 +94,18 @@ struct StreamResult {
   JointVector share{};
 };
 
+using TellCycle = std::function<void(std::uint64_t k, const onboard::JointReference& next)>;
+
 /// Feeds a stream to INT on an ideal plant: the command chain as the tick runs it
 /// (loop::CommandChain), INT's backward differences (onboard::JointReference) and its checks
 /// (onboard::CheckStep); from rest at the trajectory's start to 20 cycles after its end.
 ///
 /// Threads: any. @param stops  ends at the first refused command, as the robot does; else the robot
 /// takes it all the same, so that the result covers the whole stream. @param tell  receives each
-/// cycle; may be empty. @throws InputError as TickConfig::Validate.
+/// cycle k (the first with a deposit is not always 0) and INT's reference after its command; may be
+/// empty. @throws InputError as TickConfig::Validate.
 [[nodiscard]] StreamResult RunStream(const reference::Trajectory& plan, const JointLimits& limits,
-                                     const Stream& stream, bool stops,
-                                     const std::function<void(const StreamCycle&)>& tell = {});
-
-/// @returns INT's references behind a stream, cycle by cycle.
-[[nodiscard]] std::vector<onboard::JointReference> ReferencesOf(const reference::Trajectory& plan,
-                                                                const JointLimits& limits,
-                                                                const Stream& stream);
+                                     const Stream& stream, bool stops, const TellCycle& tell = {});
 
 /// The Panda, and the motion of the experiments on streams.
 struct StreamInputs {
@@ -172,7 +148,6 @@ inline constexpr double kPeakOfSecond = 1.875;
 /// @returns the stages of `tick` with libfranka's rate limiter behind them.
 [[nodiscard]] loop::TickConfig WithLimiter(loop::TickConfig tick, const scenario::RobotData& robot);
 
-/// Largest component.
 [[nodiscard]] double Largest(const JointVector& values) noexcept;
 
 /// The paper's jitter, s.
@@ -214,18 +189,14 @@ struct JitterJerk {
                                       control::CommandInterface interface, double jitter_s,
                                       std::uint64_t seed);
 
-/// Probability of an abort within 1 s of motion.
-struct AbortMap {
-  std::vector<double> jitter_us{};
-  std::vector<double> speed{};  ///< peak of joint 1, rad/s
-  int runs = 0;                 ///< of each place
-  /// [speed * jitter_us.size() + jitter], by Remedy.
-  std::vector<std::array<double, kRemedyNames.size()>> probability{};
-};
-/// @param runs  of each place, >= 1. Progress from 0.3 to 0.8.
+/// Probability of an abort within 1 s of motion, by Remedy.
+using AbortShares = std::array<double, kRemedyNames.size()>;
+/// A row for each speed, in it an entry for each jitter.
+using AbortMap = Grid<AbortShares>;
+/// @param speed  peak of joint 1, rad/s. @param runs  of each place, >= 1.
 [[nodiscard]] AbortMap MapAborts(const Config& config, const scenario::RobotData& robot,
-                                 const std::vector<double>& jitter_us,
-                                 const std::vector<double>& speed, int runs);
+                                 std::span<const double> jitter_us, std::span<const double> speed,
+                                 int runs);
 
 /// The reference generator's output at one pace of the brisk trajectory.
 struct PaceResult {
@@ -233,7 +204,6 @@ struct PaceResult {
   double jerk = 0;          ///< largest of all runs, as a share of its limit
   double aborted = 0;       ///< share of runs
 };
-/// Progress from 0.8 to 1.
 [[nodiscard]] std::vector<PaceResult> MeasurePaces(const Config& config, const StreamInputs& inputs,
                                                    const std::vector<double>& shares, int runs);
 
@@ -248,10 +218,10 @@ struct NoiseCurves {
   std::array<std::vector<double>, kJoints> rms_jerk;  ///< mean over the runs, of its limit
 };
 /// All joints move gently, at 2 % of their acceleration limits; each has its noise, and each is
-/// judged on its own. @param runs  of each amplitude, >= 1. Progress from `from` to `to`.
+/// judged on its own. @param runs  of each amplitude, >= 1.
 [[nodiscard]] NoiseCurves MeasureNoise(const Config& config, const scenario::RobotData& robot,
                                        Remedy remedy, const std::vector<double>& amplitude,
-                                       int runs, double from = 0, double to = 1);
+                                       int runs);
 
 /// The amplitude at which half of the runs abort, between two amplitudes on a logarithmic scale;
 /// infinite without such an amplitude. @param joint  from 0.

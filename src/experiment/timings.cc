@@ -1,16 +1,10 @@
-#include <algorithm>
 #include <chrono>
-#include <cstddef>
-#include <functional>
-#include <map>
 #include <memory>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "experiment/loop_runs.h"
+#include "experiment/runs.h"
 #include "experiment/studies.h"
 #include "twin/control/controller.h"
 #include "twin/control/registry.h"
@@ -80,8 +74,6 @@ control::ControllerRegistry Loaded(const control::ControllerRegistry& registry, 
   }
   return loaded;
 }
-
-using OfSample = std::function<double(const LoopSample&)>;
 
 std::string QuantityOf(std::size_t loop, std::string_view what) {
   return fmt::format("{}, {}", kCalibratedLoops[loop].name, what);
@@ -212,7 +204,7 @@ Figure IntervalFigure(const LoopRuns& runs) {
 }
 
 /// The median of the runs, with the lowest and the highest.
-Spread MedianOf(const std::vector<LoopSample>& runs, const OfSample& of) {
+Spread MedianOf(const std::vector<LoopSample>& runs, double (*of)(const LoopSample&)) {
   std::vector<double> values = ValuesOf(runs, of);
   std::ranges::sort(values);
   return {Percentile(values, 0.5), values.front(), values.back()};
@@ -223,13 +215,13 @@ void CompareOnAnyMachine(const LoopRuns& runs, Findings& findings) {
   constexpr double kMostLatency = 1.2;       // median d_EXT, RA to LF
   constexpr double kLeastUnserved = 5;       // unserved cycles, RS to RA
   constexpr double kMostBareUnserved = 1.0;  // %, of LF: above it the machine itself is at fault
-  const OfSample latency = kTableOne[kMedianLatency].of;
+  const auto latency = kTableOne[kMedianLatency].of;
   const double ratio =
       MedianOf(runs[kAsynchronous], latency).mean / MedianOf(runs[kBare], latency).mean;
   findings.Add("median d_EXT, RA to LF", "", ratio)
       .Paper(13.0 / 12.0)
       .Demand(fmt::format("at most {}", kMostLatency), ratio <= kMostLatency);
-  const OfSample unserved = kTableOne[kUnserved].of;
+  const auto unserved = kTableOne[kUnserved].of;
   const double bare = MedianOf(runs[kBare], unserved).mean;
   const double asynchronous = MedianOf(runs[kAsynchronous], unserved).mean;
   // Without unserved cycles the ratio is that to one cycle of the run.
@@ -254,7 +246,7 @@ Findings RunTimings(const Config& config) {
                                {"seed", fmt::format("{}", config.seed)},
                                {"own_loops", config.is_calibrated ? "" : "yes"},
                                {"calibration", ReadCalibration(config.scenarios).hash}}};
-  const LoopRuns runs = RunLoops(config, config.catalogue, kShareOfTable);
+  const LoopRuns runs = RunLoops(PartOf(config, 0, kShareOfTable), config.catalogue);
   CompareTableOne(runs, findings);
   CompareUnservedRatio(runs, findings);
   CompareIntervals(runs, findings);
@@ -269,15 +261,15 @@ Findings RunTimings(const Config& config) {
   }
   findings.figures = {LatencyFigure(runs), IntervalFigure(runs)};
   if (config.is_calibrated) {
-    findings.figures.push_back(LateStatesFigure(config, kShareOfTable, kUntilSensitivity));
+    findings.figures.push_back(LateStatesFigure(PartOf(config, kShareOfTable, kUntilSensitivity)));
   }
-  findings.figures.push_back(SensitivityFigure(config, kUntilSensitivity));
+  findings.figures.push_back(SensitivityFigure(PartOf(config, kUntilSensitivity, 1)));
   return findings;
 }
 
 Findings RunTimingsOnWallClock(const Config& config) {
   const control::ControllerRegistry loaded = Loaded(config.catalogue.get().controllers, kStackLoad);
-  const LoopRuns runs = RunLoops(config, {config.catalogue.get().backends, loaded}, 1);
+  const LoopRuns runs = RunLoops(config, {config.catalogue.get().backends, loaded});
   Findings findings{
       .values = {{"runs", fmt::format("{}", config.seeds)},
                  {"load_us", fmt::format("{}", kStackLoad / std::chrono::microseconds(1))}}};

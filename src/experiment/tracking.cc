@@ -1,14 +1,6 @@
 #include "experiment/tracking.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <functional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -26,10 +18,10 @@ constexpr int kMostTrackingRuns = 3;  // of each setup; the runs on MuJoCo take 
 constexpr std::array<std::pair<Setup, const char*>, 2> kNamed{
     {{Setup::kSynchronous, "synchronous"}, {Setup::kProposed, "proposed"}}};
 
-/// By Setup, run by run.
-using TrackingOutcomes = std::array<std::vector<TrackingOutcome>, kSetups>;
+/// A row for each Setup, run by run; the last setups may be missing.
+using TrackingOutcomes = Grid<TrackingOutcome>;
 
-const std::vector<TrackingOutcome>& Of(const TrackingOutcomes& outcomes, Setup setup) {
+std::span<const TrackingOutcome> Of(const TrackingOutcomes& outcomes, Setup setup) {
   return outcomes[static_cast<std::size_t>(setup)];
 }
 
@@ -37,10 +29,10 @@ const std::vector<TrackingOutcome>& Of(const TrackingOutcomes& outcomes, Setup s
 Spread PowerRatios(const TrackingOutcomes& outcomes, Setup setup, std::size_t first,
                    std::size_t last) {
   std::vector<double> ratios;
-  const std::vector<TrackingOutcome>& proposed = Of(outcomes, Setup::kProposed);
   for (std::size_t j = first; j <= last; ++j) {
-    for (std::size_t run = 0; run < Of(outcomes, setup).size(); ++run) {
-      ratios.push_back(Of(outcomes, setup)[run].band[j] / proposed[run].band[j]);
+    for (std::size_t run = 0; run < outcomes.columns; ++run) {
+      ratios.push_back(Of(outcomes, setup)[run].band[j] /
+                       Of(outcomes, Setup::kProposed)[run].band[j]);
     }
   }
   return SpreadOf(ratios);
@@ -81,7 +73,7 @@ void ComparePower(const TrackingOutcomes& outcomes, Findings& findings) {
   AddPaperPower("Power of dq in 20-150 Hz, synchronous : proposed, joint 1",
                 PowerRatios(outcomes, Setup::kSynchronous, 0, 0), findings);
   std::vector<double> medians;
-  for (std::size_t run = 0; run < Of(outcomes, Setup::kProposed).size(); ++run) {
+  for (std::size_t run = 0; run < outcomes.columns; ++run) {
     medians.push_back(Of(outcomes, Setup::kSynchronous)[run].median_band /
                       Of(outcomes, Setup::kProposed)[run].median_band);
   }
@@ -121,14 +113,13 @@ void CompareFollowing(const TrackingOutcomes& outcomes, const FollowedShare& sha
 }
 
 void CompareTracking(const TrackingOutcomes& outcomes, Findings& findings) {
-  const std::vector<TrackingOutcome>& proposed = Of(outcomes, Setup::kProposed);
+  const std::span<const TrackingOutcome> proposed = Of(outcomes, Setup::kProposed);
   const Spread error = LargestError(outcomes, Setup::kProposed, &TrackingOutcome::rms_delayed);
   findings.Add("Proposed: RMS error of q after its delay, the largest of all joints", "mrad", error)
       .Demand("at most 2 mrad", error.high <= 2);
   const auto failed = std::ranges::count(proposed, false, &TrackingOutcome::succeeded);
   findings
-      .Add(fmt::format("Proposed: runs of {} that did not end well", proposed.size()), "",
-           static_cast<double>(failed))
+      .Add(fmt::format("Proposed: runs of {} that did not end well", proposed.size()), "", failed)
       .Paper(0)
       .Demand("none", failed == 0);
   findings.Add("Synchronous: the same error, the largest", "mrad",
@@ -140,24 +131,12 @@ void CompareTracking(const TrackingOutcomes& outcomes, Findings& findings) {
       SpreadOf(ValuesOf(proposed, [](const TrackingOutcome& one) { return 1e3 * one.delay_s; })));
 }
 
-TrackingOutcomes MeasureAllSetups(const Config& config, const reference::Trajectory& plan,
-                                  FollowedShare& share) {
-  const int runs = std::clamp(config.seeds, 1, kMostTrackingRuns);
-  std::vector<TrackingOutcome> all = MapInParallel(
-      config, kSetups * runs + 1,
-      [&](int i) {
-        if (i > 0) {
-          return MeasureTracking(config, plan, static_cast<Setup>((i - 1) / runs), (i - 1) % runs);
-        }
-        share = MeasureFollowedShare(config, kLowPassHz);
-        return TrackingOutcome();
-      },
-      0, kUntilLevels);
-  TrackingOutcomes outcomes;
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    outcomes[(i - 1) / runs].push_back(std::move(all[i]));
-  }
-  return outcomes;
+/// The first setups.
+TrackingOutcomes MeasureSetups(const Config& config, const reference::Trajectory& plan,
+                               std::size_t setups, int runs) {
+  return MapGrid(config, setups, runs, [&](std::size_t setup, std::size_t run) {
+    return MeasureTracking(config, plan, static_cast<Setup>(setup), static_cast<int>(run));
+  });
 }
 
 /// Names of the setups in the tables; the last is shown among the spectra only.
@@ -171,7 +150,7 @@ void AddSetups(const TrackingOutcomes& outcomes, std::size_t setups, std::string
                std::vector<Column>& columns) {
   for (std::size_t s = 0; s < setups; ++s) {
     columns.push_back({fmt::format(fmt::runtime(name), kColumns[s]),
-                       outcomes[s].empty() ? std::vector<double>() : values(outcomes[s].front())});
+                       s < outcomes.rows() ? values(outcomes[s].front()) : std::vector<double>()});
   }
 }
 
@@ -234,11 +213,7 @@ Figure FollowedShareFigure(const FollowedShare& share, double gain, double lambd
 
 Findings RunTrackingOnWallClock(const Config& config) {
   const reference::Trajectory plan = TrackingPlan(config);
-  constexpr std::array kSetupsOnWallClock{Setup::kSynchronous, Setup::kProposed, Setup::kFiltered};
-  TrackingOutcomes outcomes;
-  InParallel(config, static_cast<int>(kSetupsOnWallClock.size()), [&](int i) {
-    outcomes[i] = {MeasureTracking(config, plan, kSetupsOnWallClock[i], 0)};
-  });
+  const TrackingOutcomes outcomes = MeasureSetups(config, plan, kPaperSetups, 1);
   Findings findings;
   findings
       .Add("Power of dq in 20-150 Hz, synchronous : proposed, joint 1", "",
@@ -250,26 +225,24 @@ Findings RunTrackingOnWallClock(const Config& config) {
                LargestError(outcomes, Setup::kProposed, &TrackingOutcome::rms_delayed).high);
   findings.Add("Low-passed asynchronous: slope of dq on the planned velocity, joint 1", "",
                Of(outcomes, Setup::kFiltered).front().slope[0]);
-  double reached = 0;
-  for (const Setup setup : kSetupsOnWallClock) {
-    reached += Of(outcomes, setup).front().succeeded ? 1 : 0;
-  }
-  findings.Add("Runs of 3 that reached their goal", "", reached);
+  findings.Add("Runs of 3 that reached their goal", "",
+               std::ranges::count(outcomes.all, true, &TrackingOutcome::succeeded));
   findings.figures = {FirstJointFigure(plan, outcomes), VelocitiesFigure(plan, outcomes)};
   return findings;
 }
 
 Findings RunTracking(const Config& config) {
   const reference::Trajectory plan = TrackingPlan(config);
-  FollowedShare share;
-  TrackingOutcomes outcomes = MeasureAllSetups(config, plan, share);
-  Findings findings{.values = {{"runs", fmt::format("{}", Of(outcomes, Setup::kProposed).size())}}};
+  const FollowedShare share = MeasureFollowedShare(config, kLowPassHz);
+  const TrackingOutcomes outcomes = MeasureSetups(PartOf(config, 0, kUntilLevels), plan, kSetups,
+                                                  std::clamp(config.seeds, 1, kMostTrackingRuns));
+  Findings findings{.values = {{"runs", fmt::format("{}", outcomes.columns)}}};
   ComparePower(outcomes, findings);
   CompareFollowing(outcomes, share, findings);
   CompareTracking(outcomes, findings);
   findings.figures = {FirstJointFigure(plan, outcomes), VelocitiesFigure(plan, outcomes),
                       SpectraFigure(outcomes)};
-  AddLevels(config, plan, kUntilLevels, findings);
+  AddLevels(PartOf(config, kUntilLevels, 1), plan, findings);
   const double lambda = LoadScenario(config, "asynchronous").tick.lambda;
   findings.figures.push_back(
       FollowedShareFigure(share, reference::LowPass(kLowPassHz).gain(), lambda));

@@ -1,16 +1,7 @@
 #pragma once
 
-#include <array>
-#include <complex>
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 #include "experiment/statistics.h"
 #include "twin/core/joint_vector.h"
-#include "twin/core/time.h"
-#include "twin/experiment/experiment.h"
 #include "twin/reference/trajectory.h"
 
 namespace twin::experiment {
@@ -82,8 +73,7 @@ struct FollowedShare {
 
 /// Adds the noise of the measured velocity, and the spread of the states' arrival at the
 /// synchronous loop, that give the paper's ratio of 10 (powers in 20 to 150 Hz, synchronous to
-/// proposed, joint 1): from runs at levels of each, with a figure. Progress from `from` to 1.
-void AddLevels(const Config& config, const reference::Trajectory& plan, double from,
-               Findings& findings);
+/// proposed, joint 1): from runs at levels of each, with a figure.
+void AddLevels(const Config& config, const reference::Trajectory& plan, Findings& findings);
 
 }  // namespace twin::experiment

@@ -1,10 +1,7 @@
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -90,7 +87,8 @@ constexpr double kPaperRatio = 10;
 /// Ratios at the levels tried; NaN where a run did not reach its goal.
 struct LevelCurve {
   std::vector<double> x;
-  std::vector<double> ratio;
+  TrackingLevels (*levels)(double x);
+  std::vector<double> ratio{};
 };
 
 /// Power of joint 1 in the band; NaN when the robot ended the motion.
@@ -200,42 +198,42 @@ FollowedShare MeasureFollowedShare(const Config& config, double low_pass_hz) {
     for (std::size_t k = cycle(kFromS); k < cycle(kToS); ++k) deposited.push_back(in_use[k][j]);
     const std::vector<double> followed =
         Signal(recording.cycles(), &CycleSample::dq_d, j, cycle(kFromS), cycle(kToS));
-    const double rate = 1 / kCycleSeconds;
-    share.measured[j] = SineAmplitude(followed, rate, kFrequencies[j]) /
-                        SineAmplitude(deposited, rate, kFrequencies[j]);
+    share.measured[j] =
+        SineAmplitude(followed, kFrequencies[j]) / SineAmplitude(deposited, kFrequencies[j]);
   }
   return share;
 }
 
-void AddLevels(const Config& config, const reference::Trajectory& plan, double from,
-               Findings& findings) {
-  const std::vector<double> noises{1, 4, 8, 12};            // mrad/s
+void AddLevels(const Config& config, const reference::Trajectory& plan, Findings& findings) {
   const std::vector<double> spreads{0.3, 1, 3, 6, 10, 30};  // us
-  struct Run {
-    Setup setup;
-    TrackingLevels levels;
-  };
-  std::vector<Run> runs;
-  for (const Setup setup : {Setup::kProposed, Setup::kSynchronous}) {
-    for (const double noise : noises) runs.push_back({setup, {.noise_dq = 1e-3 * noise}});
+  std::array<LevelCurve, 3> curves{
+      {{{1, 4, 8, 12}, [](double mrad_s) { return TrackingLevels{.noise_dq = 1e-3 * mrad_s}; }},
+       {spreads,
+        [](double us) { return TrackingLevels{.arrival_spread = FromSeconds(1e-6 * us)}; }},
+       {spreads, [](double us) {
+          return TrackingLevels{.arrival_spread = FromSeconds(1e-6 * us), .has_beat = false};
+        }}}};
+  auto& [noise, beat, one_clock] = curves;
+  std::vector<std::pair<Setup, TrackingLevels>> runs;
+  for (const double x : noise.x) runs.emplace_back(Setup::kProposed, noise.levels(x));
+  for (const LevelCurve& curve : curves) {
+    for (const double x : curve.x) runs.emplace_back(Setup::kSynchronous, curve.levels(x));
   }
-  for (const bool has_beat : {true, false}) {
-    for (const double spread : spreads) {
-      runs.push_back({Setup::kSynchronous,
-                      {.arrival_spread = FromSeconds(1e-6 * spread), .has_beat = has_beat}});
+  const std::vector<double> powers = MapInParallel(config, runs.size(), [&](int i) {
+    return PowerOf(config, plan, runs[i].first, runs[i].second);
+  });
+  Figure figure{.id = "levels",
+                .columns =
+                    "varied: 0 noise [mrad/s]; 1 spread with a beat [us]; 2 spread without "
+                    "[us],value,ratio"};
+  std::size_t next = noise.x.size();
+  for (std::size_t kind = 0; kind < curves.size(); ++kind) {
+    for (std::size_t i = 0; i < curves[kind].x.size(); ++i) {
+      // The noise is that of both loops.
+      const double ratio = powers[next++] / powers[kind == 0 ? i : 0];
+      curves[kind].ratio.push_back(ratio);
+      figure.rows.push_back(Row(kind, curves[kind].x[i], ratio));
     }
-  }
-  const std::vector<double> powers = MapInParallel(
-      config, runs.size(),
-      [&](int i) { return PowerOf(config, plan, runs[i].setup, runs[i].levels); }, from, 1);
-  const auto proposed = powers.begin();
-  auto next = proposed + static_cast<std::ptrdiff_t>(noises.size());
-  LevelCurve noise{noises, {}};
-  for (std::size_t i = 0; i < noises.size(); ++i) noise.ratio.push_back(*next++ / proposed[i]);
-  LevelCurve beat{spreads, {}};
-  LevelCurve one_clock = beat;
-  for (LevelCurve* curve : {&beat, &one_clock}) {
-    for (std::size_t i = 0; i < spreads.size(); ++i) curve->ratio.push_back(*next++ / proposed[0]);
   }
   double most = 0;
   const double at = NoiseAtPapersRatio(noise, most);
@@ -245,17 +243,6 @@ void AddLevels(const Config& config, const reference::Trajectory& plan, double f
   findings.Add("Spread of the states' arrival at which the ratio would be 10, no beat", "us",
                FirstAtPapersRatio(one_clock));
   findings.Add("The same with the beat, where it jumps", "us", FirstAtPapersRatio(beat));
-  Figure figure{.id = "levels",
-                .columns =
-                    "varied: 0 noise [mrad/s]; 1 spread with a beat [us]; 2 spread without "
-                    "[us],value,ratio"};
-  double kind = 0;
-  for (const LevelCurve* curve : {&noise, &beat, &one_clock}) {
-    for (std::size_t i = 0; i < curve->x.size(); ++i) {
-      figure.rows.push_back({kind, curve->x[i], curve->ratio[i]});
-    }
-    ++kind;
-  }
   findings.figures.push_back(std::move(figure));
 }
 

@@ -1,21 +1,11 @@
 #include "experiment/viability.h"
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <limits>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 
-#include "experiment/runs.h"
-#include "experiment/statistics.h"
-#include "experiment/stream.h"
 #include "experiment/studies.h"
 #include "twin/reference/viability_filter.h"
 
@@ -23,13 +13,6 @@ namespace twin::experiment {
 namespace {
 
 constexpr int kLongestBurst = reference::ViabilityFilter::kLostByDefault;
-
-/// Source of a motion's commands.
-enum class Generator : std::uint8_t {
-  kOurs,   ///< the rejoining generator, and the viability filter behind it
-  kPaper,  ///< the paper's generator, lambda = 1e-3, with the client's limiter
-};
-constexpr std::array<Generator, 2> kGenerators{Generator::kOurs, Generator::kPaper};
 
 /// Disturbance of a motion.
 struct Disturbance {
@@ -43,7 +26,8 @@ constexpr std::array kDisturbances{
     Disturbance{"calibrated loop", true, false},
 };
 
-/// One motion, on the ideal plant.
+/// One motion, on the ideal plant: behind the rejoining generator and the viability filter (ours),
+/// or behind the paper's generator with lambda = 1e-3 and the client's limiter.
 struct ViabilityRun {
   bool aborted = false;
   double idle_percent = 0;  ///< of the commands: those that the filter let pass; ours only
@@ -66,8 +50,7 @@ void SetSourceFaults(scenario::Scenario& scenario) {
 }
 
 scenario::Scenario ViabilityScenario(const Config& config, const Pace& pace,
-                                     const Disturbance& disturbance, Generator generator, int run) {
-  const bool is_ours = generator == Generator::kOurs;
+                                     const Disturbance& disturbance, bool is_ours, int run) {
   scenario::Scenario scenario = LoadScenario(config, "asynchronous", run);
   SetPace(config, pace, scenario);
   if (!disturbance.is_calibrated) SetSourceFaults(scenario);
@@ -82,10 +65,10 @@ scenario::Scenario ViabilityScenario(const Config& config, const Pace& pace,
   return scenario;
 }
 
-/// @param run  gives seed and start phase, the same for every generator. @throws as RunScenario.
+/// @param run  gives seed and start phase, the same for both. @throws as RunScenario.
 ViabilityRun MeasureViability(const Config& config, const Pace& pace,
-                              const Disturbance& disturbance, Generator generator, int run) {
-  scenario::Scenario scenario = ViabilityScenario(config, pace, disturbance, generator, run);
+                              const Disturbance& disturbance, bool is_ours, int run) {
+  scenario::Scenario scenario = ViabilityScenario(config, pace, disturbance, is_ours, run);
   const reference::Trajectory plan = PlanOf(config, scenario);
   if (disturbance.has_bursts) {
     scenario.link.command.loss = LossOf(config, {.length = kLongestBurst}, plan.duration(), run);
@@ -114,30 +97,11 @@ ViabilityRun MeasureViability(const Config& config, const Pace& pace,
 struct GeneratorPair {
   Pace pace;
   Disturbance disturbance;
-  std::vector<ViabilityRun> ours{};
-  std::vector<ViabilityRun> paper{};
+  std::span<const ViabilityRun> ours;
+  std::span<const ViabilityRun> paper;
 };
 
-std::vector<GeneratorPair> RunPairs(const Config& config, int runs) {
-  std::vector<GeneratorPair> pairs;
-  for (const Pace& pace : kPaces) {
-    for (const Disturbance& disturbance : kDisturbances) pairs.push_back({pace, disturbance});
-  }
-  const Grid<ViabilityRun> all = MapGrid(
-      config, pairs.size(), runs * kGenerators.size(),
-      [&](std::size_t pair, std::size_t i) {
-        return MeasureViability(config, pairs[pair].pace, pairs[pair].disturbance,
-                                kGenerators[i / runs], static_cast<int>(i) % runs);
-      },
-      0.3, 1);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    pairs[i].ours.assign(all[i].begin(), all[i].begin() + runs);
-    pairs[i].paper.assign(all[i].begin() + runs, all[i].end());
-  }
-  return pairs;
-}
-
-double AbortedPercent(const std::vector<ViabilityRun>& runs) {
+double AbortedPercent(std::span<const ViabilityRun> runs) {
   const auto aborted = std::ranges::count_if(runs, &ViabilityRun::aborted);
   return 100.0 * static_cast<double>(aborted) / static_cast<double>(runs.size());
 }
@@ -202,8 +166,8 @@ Figure MarginFigure(const std::vector<GeneratorPair>& pairs) {
       const TickSample& tick = ticks[k];
       if (k % kEvery != 0 && tick.kept_back == 0) continue;
       const auto cycle = static_cast<double>(tick.message_id - ticks.front().message_id);
-      figure.rows.push_back({pair.pace.stretch, cycle * kCycleSeconds, tick.margin.value_or(0),
-                             static_cast<double>(tick.kept_back)});
+      figure.rows.push_back(
+          Row(pair.pace.stretch, cycle * kCycleSeconds, tick.margin.value_or(0), tick.kept_back));
     }
   }
   return figure;
@@ -234,8 +198,19 @@ Findings RunViability(const Config& config) {
   AddConvergence(robot, findings);
   AddHostileSource(robot, findings);
   if (config.progress) config.progress(0.3);
-  const std::vector<GeneratorPair> pairs = RunPairs(config, runs);
-  for (const GeneratorPair& pair : pairs) ComparePair(pair, findings);
+  const Grid<ViabilityRun> all = MapGrid(
+      PartOf(config, 0.3, 1), kPaces.size() * kDisturbances.size(), 2 * runs,
+      [&](std::size_t pair, std::size_t i) {
+        const int run = static_cast<int>(i);
+        return MeasureViability(config, kPaces[pair / kDisturbances.size()],
+                                kDisturbances[pair % kDisturbances.size()], run < runs, run % runs);
+      });
+  std::vector<GeneratorPair> pairs;
+  for (std::size_t i = 0; i < all.rows(); ++i) {
+    pairs.push_back({kPaces[i / kDisturbances.size()], kDisturbances[i % kDisturbances.size()],
+                     all[i].first(runs), all[i].subspan(runs)});
+    ComparePair(pairs.back(), findings);
+  }
   findings.figures.push_back(SpectrumFigure(pairs.front()));
   findings.figures.push_back(MarginFigure(pairs));
   return findings;

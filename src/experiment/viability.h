@@ -1,14 +1,7 @@
 #pragma once
 
-#include <string_view>
-#include <vector>
-
 #include "experiment/stream.h"
-#include "twin/core/joint_vector.h"
-#include "twin/experiment/experiment.h"
-#include "twin/loop/loop_config.h"
 #include "twin/reference/viable_axis.h"
-#include "twin/scenario/robot_data.h"
 
 namespace twin::experiment {
 

@@ -1,16 +1,10 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <limits>
-#include <string>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "experiment/statistics.h"
 #include "experiment/viability.h"
-#include "twin/core/time.h"
 
 namespace twin::experiment {
 namespace {
@@ -34,56 +28,41 @@ double Border(double holds, double fails, const Condition& condition) {
   return holds;
 }
 
-std::vector<ViableAxis> AxesOf(const AxisBounds& bounds) {
-  std::vector<ViableAxis> axes;
-  axes.reserve(kDrawn.size());
-  for (const int lost : kDrawn) axes.emplace_back(bounds, lost, "joint 1");
-  return axes;
-}
-
 double Middle(const ViableAxis& axis) {
   return (axis.kept().q_min + axis.kept().q_max) / 2;
 }
 
-/// Velocity against acceleration, far from the range's ends: the upper border, then the lower one
-/// back, which is the upper one mirrored.
-void AddAgainstAcceleration(const std::vector<ViableAxis>& axes, Figure& figure) {
+/// The border for some losses. First velocity against acceleration, far from the range's ends: the
+/// upper border, then the lower one back, which is the upper one mirrored. Then velocity against
+/// the distance to the upper end of the range, without acceleration.
+Figure BorderFigure(const AxisBounds& bounds) {
   constexpr int kSteps = 200;
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    const double most = axes[i].kept().ddq_max;
-    for (const double sign : {1.0, -1.0}) {
-      for (int k = 0; k <= kSteps; ++k) {
-        const double ddq = most * (2.0 * k / kSteps - 1);
-        const double dq = HighestSpeed(axes[i], Middle(axes[i]), ddq);
-        figure.rows.push_back({static_cast<double>(kDrawn[i]), sign * ddq, sign * dq, kNone});
-      }
-    }
-  }
-}
-
-/// Velocity against the distance to the upper end of the range, without acceleration.
-void AddAgainstDistance(const std::vector<ViableAxis>& axes, Figure& figure) {
   constexpr double kFarthest = 0.3;  // rad
-  constexpr int kSteps = 300;
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    for (int k = 0; k <= kSteps; ++k) {
-      const double distance = kFarthest * k / kSteps;
-      const double dq = HighestSpeed(axes[i], axes[i].kept().q_max - distance, 0);
-      figure.rows.push_back({static_cast<double>(kDrawn[i]), 0, dq, distance});
-    }
-  }
-}
-
-Figure BorderFigure(const AxisBounds& bounds) {
-  const std::vector<ViableAxis> axes = AxesOf(bounds);
+  constexpr int kDistanceSteps = 300;
   Figure figure{.id = "border",
                 .columns =
                     "lost in a row [-],acceleration [rad/s^2],velocity [rad/s],distance to "
-                    "the end of the range [rad]",
-                .values = {{"dq_max", axes[0].kept().dq_max}, {"ddq_max", axes[0].kept().ddq_max}}};
-  AddAgainstAcceleration(axes, figure);
-  AddAgainstDistance(axes, figure);
+                    "the end of the range [rad]"};
+  std::vector<std::vector<double>> against_distance;
+  for (const int lost : kDrawn) {
+    const ViableAxis axis(bounds, lost, "joint 1");
+    const double most = axis.kept().ddq_max;
+    for (const double sign : {1.0, -1.0}) {
+      for (int k = 0; k <= kSteps; ++k) {
+        const double ddq = most * (2.0 * k / kSteps - 1);
+        const double dq = HighestSpeed(axis, Middle(axis), ddq);
+        figure.rows.push_back(Row(lost, sign * ddq, sign * dq, kNone));
+      }
+    }
+    for (int k = 0; k <= kDistanceSteps; ++k) {
+      const double distance = kFarthest * k / kDistanceSteps;
+      const double dq = HighestSpeed(axis, axis.kept().q_max - distance, 0);
+      against_distance.push_back(Row(lost, 0, dq, distance));
+    }
+    if (lost == 0) figure.values = {{"dq_max", axis.kept().dq_max}, {"ddq_max", most}};
+  }
+  figure.rows.insert(figure.rows.end(), against_distance.begin(), against_distance.end());
   return figure;
 }
 
@@ -102,8 +81,7 @@ Figure PriceFigure(const AxisBounds& bounds) {
   for (int lost = 0; lost <= kMost; ++lost) {
     const ViableAxis axis(bounds, lost, "joint 1");
     std::vector<double>& row = figure.rows.emplace_back(
-        std::vector{static_cast<double>(lost),
-                    HighestSpeed(axis, Middle(axis), axis.kept().ddq_max), StoppingDistance(axis)});
+        Row(lost, HighestSpeed(axis, Middle(axis), axis.kept().ddq_max), StoppingDistance(axis)));
     for (const double distance : kDistances) row.push_back(LongerPercent(bounds, lost, distance));
   }
   return figure;

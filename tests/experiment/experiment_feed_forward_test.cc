@@ -51,9 +51,10 @@ TEST_F(FeedForwardStudyTest, WhereConsumedASkippedDepositIsTwiceTheVelocityForAC
   stream.tick.generator = loop::Generator::kJoint;
   stream.phase = std::chrono::nanoseconds(50'000);  // crosses at 0.5 s, at 1 rad/s
   double largest = 0;
-  static_cast<void>(RunStream(
-      plan, streams_.robot.limits, stream, false,
-      [&](const StreamCycle& cycle) { largest = std::max(largest, cycle.next.dq_d[0]); }));
+  static_cast<void>(RunStream(plan, streams_.robot.limits, stream, false,
+                              [&](std::uint64_t, const onboard::JointReference& next) {
+                                largest = std::max(largest, next.dq_d[0]);
+                              }));
   EXPECT_NEAR(largest, 2, 0.01);
 }
 

@@ -34,9 +34,9 @@ TEST_F(JitterTest, AStreamOnTheRobotsTimeIsReconstructedAsPlanned) {
   const reference::Trajectory plan = AtSpeed(1);
   const StreamResult result =
       RunStream(plan, limits_, StreamBehind(Remedy::kRobotTime, streams_.robot), true,
-                [&](const StreamCycle& cycle) {
-                  const auto t = static_cast<std::int64_t>(cycle.cycle) * kCycle;
-                  EXPECT_DOUBLE_EQ(cycle.next.q_d[0], plan.Sample(t).q[0]);
+                [&](std::uint64_t k, const onboard::JointReference& next) {
+                  const auto t = static_cast<std::int64_t>(k) * kCycle;
+                  EXPECT_DOUBLE_EQ(next.q_d[0], plan.Sample(t).q[0]);
                 });
   EXPECT_FALSE(result.aborted);
   EXPECT_LE(result.jerk[0], plan.peaks().jerk[0] + 1e-6);
@@ -93,9 +93,10 @@ TEST_F(JitterTest, TheRawCanonicalStreamAbortsAndTheGeneratorsDoesNot) {
 }
 
 TEST_F(JitterTest, NeitherTheLimiterNorTimestampsAbortWhereTheRawStreamDoes) {
-  const AbortMap map = MapAborts(bench_.config(), streams_.robot, {0.01, 16}, {1}, 3);
+  const AbortMap map =
+      MapAborts(bench_.config(), streams_.robot, std::vector{0.01, 16.0}, std::vector{1.0}, 3);
   const auto at = [&](Remedy remedy, std::size_t place) {
-    return map.probability[place][static_cast<std::size_t>(remedy)];
+    return map.all[place][static_cast<std::size_t>(remedy)];
   };
   EXPECT_EQ(at(Remedy::kNone, 1), 1);
   EXPECT_EQ(at(Remedy::kLowPass, 1), 1);

@@ -221,8 +221,8 @@ TEST(InParallelTest, DoesEveryJobOnceAndTellsFromTheCallersThread) {
     last = share;
   };
   std::vector<int> done(100);
-  InParallel(
-      config, 100, [&](int job) { ++done[static_cast<std::size_t>(job)]; }, 0.2, 0.7);
+  InParallel(PartOf(config, 0.2, 0.7), 100,
+             [&](int job) { ++done[static_cast<std::size_t>(job)]; });
   EXPECT_THAT(done, Each(1));
   EXPECT_EQ(last, 0.7);
 }
