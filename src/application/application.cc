@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -23,19 +24,33 @@ namespace {
 struct Entry {
   std::string_view name;
   std::unique_ptr<Application> (*make)(control::ParameterReader& parameters);
+  /// Of the first motion: the robot must grant it before anything moves.
+  control::CommandInterface first_interface = control::CommandInterface::kTorque;
+  bool drives_base = false;  ///< supports a mobile base, where O moves
 };
 
 constexpr std::array<Entry, 4> kApplications{{
-    {"compliance", MakeCompliance},
-    {"pick_and_place", MakePickAndPlace},
-    {"plan_and_execute", MakePlanAndExecute},
-    {"teleoperation", MakeTeleoperation},
+    {.name = "compliance", .make = MakeCompliance},
+    {"pick_and_place", MakePickAndPlace, control::CommandInterface::kJointPosition},
+    {.name = "plan_and_execute", .make = MakePlanAndExecute},
+    {.name = "teleoperation", .make = MakeTeleoperation, .drives_base = true},
 }};
 
 /// "<file>:<line>: " when the name was read from there.
 std::string PlaceOf(const scenario::Scenario& scenario) {
   const scenario::Place& place = scenario.places.application;
   return place.name == scenario.application->type && !place.where.empty() ? place.where + ": " : "";
+}
+
+/// @throws InputError naming the known applications.
+const Entry& EntryOf(const scenario::Scenario& scenario) {
+  const std::string& type = scenario.application.value().type;
+  const auto* entry = std::ranges::find(kApplications, type, &Entry::name);
+  if (entry != kApplications.end()) return *entry;
+  std::vector<std::string_view> names;
+  for (const Entry& each : kApplications) names.push_back(each.name);
+  throw InputError(fmt::format("{}application \"{}\" is unknown; there are: {}", PlaceOf(scenario),
+                               type, fmt::join(names, ", ")));
 }
 
 const scenario::Scenario& WithApplication(const scenario::Scenario& scenario) {
@@ -46,31 +61,89 @@ const scenario::Scenario& WithApplication(const scenario::Scenario& scenario) {
   return scenario;
 }
 
-double DistanceBetween(const Vector3& a, const Vector3& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+/// Index of a step among the first `count`; `count`: none of them.
+std::size_t IndexOf(const std::vector<TaskStep>& steps, const std::string& name,
+                    std::size_t count) {
+  const auto some = std::span(steps).first(count);
+  return static_cast<std::size_t>(std::ranges::find(some, name, &TaskStep::name) - some.begin());
+}
+
+void RequireValid(const std::vector<TaskStep>& steps) {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const TaskStep& step = steps[i];
+    if (step.attempts < 1) {
+      throw InputError(
+          fmt::format("step {}: {} attempts; it takes at least 1", step.name, step.attempts));
+    }
+    if (IndexOf(steps, step.name, i) < i) {
+      throw InputError(fmt::format("step {} stands twice in a task", step.name));
+    }
+    if (step.after_failure.empty() || IndexOf(steps, step.after_failure, i + 1) <= i) continue;
+    throw InputError(
+        fmt::format("step {}: after a failure it goes on at {}, which is no step at or before it",
+                    step.name, step.after_failure));
+  }
+}
+
+/// One attempt. @param is_lost  set when the step threw RobotFault.
+StepEnd Try(const TaskStep& step, bool& is_lost) {
+  try {
+    return step.act();
+  } catch (const RobotFault& fault) {
+    is_lost = true;
+    return {false, fault.what()};
+  }
 }
 
 }  // namespace
 
 std::unique_ptr<Application> Make(const scenario::Scenario& scenario) {
-  const scenario::ApplicationSection& wanted = scenario.application.value();
-  const auto* entry = std::ranges::find(kApplications, wanted.type, &Entry::name);
-  if (entry == kApplications.end()) {
-    std::vector<std::string_view> names;
-    for (const Entry& each : kApplications) names.push_back(each.name);
-    throw InputError(fmt::format("{}application \"{}\" is unknown; there are: {}",
-                                 PlaceOf(scenario), wanted.type, fmt::join(names, ", ")));
-  }
-  control::ParameterReader reader(wanted.parameters, "application.parameters");
-  std::unique_ptr<Application> application = entry->make(reader);
+  const Entry& entry = EntryOf(scenario);
+  control::ParameterReader reader(scenario.application->parameters, "application.parameters");
+  std::unique_ptr<Application> application = entry.make(reader);
   reader.RefuseUnread();
-  if (scenario.base && !application->drives_base()) {
+  if (scenario.base && !entry.drives_base) {
     throw InputError(
         fmt::format("{}application {}: it takes the arm to stand on the world; leave base out",
-                    PlaceOf(scenario), wanted.type));
+                    PlaceOf(scenario), entry.name));
   }
   application->Require(scenario);
   return application;
+}
+
+TaskReport Carry(const std::vector<TaskStep>& steps, const std::function<Time()>& now,
+                 const std::function<void(const StepReport&)>& on_attempt,
+                 const std::function<bool()>& interrupted) {
+  RequireValid(steps);
+  std::vector<int> failures(steps.size(), 0);
+  TaskReport report;
+  for (std::size_t i = 0; i < steps.size();) {
+    const TaskStep& step = steps[i];
+    if (interrupted && interrupted()) {
+      report.failure = fmt::format("interrupted before step {}", step.name);
+      return report;
+    }
+    StepReport attempt{.name = step.name, .attempt = failures[i] + 1, .begun = now()};
+    bool is_lost = false;
+    StepEnd end = Try(step, is_lost);
+    attempt.ended = now();
+    attempt.succeeded = end.succeeded;
+    attempt.text = std::move(end.text);
+    report.steps.push_back(attempt);
+    if (on_attempt) on_attempt(attempt);
+    if (attempt.succeeded) {
+      ++i;
+      continue;
+    }
+    ++failures[i];
+    if (is_lost || failures[i] >= step.attempts || step.after_failure.empty()) {
+      report.failure = fmt::format("step {} failed: {}", step.name, attempt.text);
+      if (failures[i] > 1) report.failure += fmt::format(" (attempt {})", failures[i]);
+      return report;
+    }
+    i = IndexOf(steps, step.after_failure, i + 1);
+  }
+  return report;
 }
 
 std::optional<plant::ObjectTrack> Evidence::TrackOf(std::string_view body) const {
@@ -81,32 +154,28 @@ std::optional<plant::ObjectTrack> Evidence::TrackOf(std::string_view body) const
   return std::move(*track);
 }
 
-void Evaluation::Report(std::string quantity, double value, std::string unit) {
+void Evaluation::Add(std::string quantity, double value, std::string unit) {
   findings.push_back({.quantity = std::move(quantity), .value = value, .unit = std::move(unit)});
 }
 
 void Evaluation::Demand(std::string quantity, double value, std::string unit, std::string demand,
                         bool met) {
-  Report(std::move(quantity), value, std::move(unit));
+  Add(std::move(quantity), value, std::move(unit));
   findings.back().demand = std::move(demand);
   findings.back().met = met;
 }
 
-void Evaluation::DemandAtMost(std::string quantity, double value, std::string unit, double most) {
+void Evaluation::DemandAtMost(std::string quantity, double value, std::string unit,
+                              std::optional<double> most) {
+  if (!most) return Add(std::move(quantity), value, std::move(unit));
   std::string demand =
-      most == 0 ? "none" : fmt::format("at most {:g}{}{}", most, unit.empty() ? "" : " ", unit);
-  Demand(std::move(quantity), value, std::move(unit), std::move(demand), value <= most);
+      *most == 0 ? "none" : fmt::format("at most {:g}{}{}", *most, unit.empty() ? "" : " ", unit);
+  Demand(std::move(quantity), value, std::move(unit), std::move(demand), value <= *most);
 }
 
 void Evaluation::DemandNone(std::string quantity, const std::vector<std::string>& list) {
   if (!list.empty()) quantity += fmt::format(": {}", fmt::join(list, "; "));
   DemandAtMost(std::move(quantity), static_cast<double>(list.size()), "", 0);
-}
-
-bool Succeeded(const TaskResult& task_result, const Evaluation& evaluation) noexcept {
-  return task_result.task.failure.empty() &&
-         std::ranges::none_of(evaluation.findings,
-                              [](const Finding& finding) { return finding.met == false; });
 }
 
 std::string FailureOf(const TaskResult& task_result, const Evaluation& evaluation) {
@@ -128,7 +197,7 @@ std::unique_ptr<planning::CollisionWorld> Stage::MakeWorld() const {
       run::MakeRobotConfig(scenario, session.robot(), files).plant);
 }
 
-TaskReport Stage::Carry(const std::vector<TaskStep>& steps) const {
+void Stage::Carry(const std::vector<TaskStep>& steps) {
   const auto on_attempt = [this](const StepReport& step) {
     const std::string line =
         fmt::format("{}: {}{}{}", step.name, step.succeeded ? "done" : "failed",
@@ -136,21 +205,35 @@ TaskReport Stage::Carry(const std::vector<TaskStep>& steps) const {
     session.Tell("step", line);
     if (tell) tell(fmt::format("{:8.3f} s  {}", ToSeconds(step.ended.time_since_epoch()), line));
   };
-  return application::Carry(
+  result.task = application::Carry(
       steps, [this] { return session.Now(); }, on_attempt,
       [this] { return session.interrupted(); });
 }
 
-std::vector<Vector3> Thinned(const std::vector<Vector3>& points) {
+run::MotionResult Stage::Move(const run::Motion& motion) {
+  run::MotionResult moved = session.Move(motion);
+  if (moved.report.errors.any()) result.robot_errors.push_back(moved.report.failure);
+  return moved;
+}
+
+std::vector<Vector3> EndEffectorPath(const std::vector<JointVector>& q, const Transform& F_T_EE) {
+  static_assert(render::Ghost::kMostPoints <= record::PlanRecord::kMostPoints);
   constexpr double kApart = 0.02;  // m
+  const auto distance = [](const Vector3& a, const Vector3& b) {
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  };
+  std::vector<Vector3> points;
   double length = 0;
-  for (std::size_t i = 1; i < points.size(); ++i)
-    length += DistanceBetween(points[i], points[i - 1]);
+  for (const JointVector& at : q) {
+    const Transform O_T_EE = model::ArmModel::Panda().Pose(model::Frame::kEndEffector, at, F_T_EE);
+    points.push_back({O_T_EE[12], O_T_EE[13], O_T_EE[14]});
+    if (points.size() > 1) length += distance(points.back(), points[points.size() - 2]);
+  }
   const double apart =
       std::max(kApart, length / static_cast<double>(render::Ghost::kMostPoints - 2));
   std::vector<Vector3> path{points.front()};
   for (const Vector3& point : points) {
-    if (DistanceBetween(point, path.back()) >= apart) path.push_back(point);
+    if (distance(point, path.back()) >= apart) path.push_back(point);
   }
   return path;
 }
@@ -158,13 +241,11 @@ std::vector<Vector3> Thinned(const std::vector<Vector3>& points) {
 std::vector<Vector3> EndEffectorPath(const reference::Trajectory& trajectory,
                                      const Transform& F_T_EE) {
   constexpr Duration kStep = std::chrono::milliseconds(5);
-  std::vector<Vector3> all;
+  std::vector<JointVector> q;
   for (Duration t{}; t < trajectory.duration() + kStep; t += kStep) {
-    const Transform O_T_EE =
-        model::ArmModel::Panda().Pose(model::Frame::kEndEffector, trajectory.Sample(t).q, F_T_EE);
-    all.push_back({O_T_EE[12], O_T_EE[13], O_T_EE[14]});
+    q.push_back(trajectory.Sample(t).q);
   }
-  return Thinned(all);
+  return EndEffectorPath(q, F_T_EE);
 }
 
 ApplicationRun::ApplicationRun(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
@@ -172,35 +253,35 @@ ApplicationRun::ApplicationRun(const scenario::Scenario& scenario, const run::Ca
                                const Clock& clock, const run::RealtimeSettings& settings)
     : scenario_(WithApplication(scenario)),
       files_(files),
-      clock_(clock),
-      devices_(catalogue.devices),
       application_(Make(scenario_)),
-      session_(scenario_, catalogue, files_, sink, settings) {}
+      session_(scenario_, catalogue, files_, sink, settings),
+      stage_{session_, scenario_, files_, clock, catalogue.devices} {}
 
 bool ApplicationRun::CheckStart(const run::TellCheck& tell) {
   const reference::Trajectory standing =
       run::StandingFor(scenario_.robot.q_start.value(), std::chrono::seconds(1), robot().limits);
   return session_.CheckStart(
-      run::MotionOn(scenario_, "start", application_->first_interface(), standing), tell);
+      run::MotionOn(scenario_, "start", EntryOf(scenario_).first_interface, standing), tell);
 }
 
 const TaskResult& ApplicationRun::Execute(const run::RunHooks& hooks,
                                           const std::function<void(std::string_view)>& tell) {
+  stage_.tell = tell;
   session_.Begin(hooks);
   try {
-    Stage stage{session_, scenario_, files_, clock_, devices_, tell};
-    task_result_ = application_->Perform(stage);
+    application_->Perform(stage_);
   } catch (...) {
-    result_ = session_.End();
+    session_.End();
     throw;
   }
   result_ = session_.End();
-  return task_result_;
+  return stage_.result;
 }
 
-Evaluation ApplicationRun::Evaluate(Evidence evidence) {
+const Evaluation& ApplicationRun::Evaluate(Evidence evidence) {
   evidence.session = result_;
-  return application_->Evaluate(task_result_, evidence);
+  evaluation_ = application_->Evaluate(stage_.result, evidence);
+  return evaluation_;
 }
 
 }  // namespace twin::application

@@ -11,18 +11,13 @@
 #include <vector>
 
 #include "twin/application/application.h"
-#include "twin/control/parameters.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
-#include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 #include "twin/plant/perturbation.h"
 #include "twin/reference/pose_trajectory.h"
-#include "twin/run/session.h"
-#include "twin/scenario/scenario.h"
 
-// Parts of the application `compliance`: cases and pushes, traces from the log, measures,
-// evaluation.
+// Parts of the application `compliance`: cases, traces from the log, measures, evaluation.
 namespace twin::application::compliance {
 
 /// A spring and a damper of the end effector along (N/m, Ns/m) and about (Nm/rad, Nms/rad) the
@@ -57,13 +52,10 @@ struct Config {
   Duration wandering = std::chrono::seconds(8);
 };
 
-/// @throws InputError naming place, key, value and range.
-[[nodiscard]] Config ReadConfig(control::ParameterReader& parameters);
-
 enum class Kind : std::uint8_t { kStandstill, kTrajectory, kNullSpace };
 
 /// One of the application's motions. A separate motion returns the arm to its start between two
-/// cases, so the cases have odd motion numbers.
+/// cases, so the cases have odd motion numbers. The unpushed trajectory precedes the pushed one.
 struct Case {
   std::string_view id;
   std::string_view what;
@@ -85,34 +77,17 @@ inline constexpr std::array<Case, kCases> kAllCases{{
     {"N", "standstill, stiff, null space pulls elsewhere", Kind::kNullSpace, true, false, 13},
 }};
 
-[[nodiscard]] const Gains& GainsOf(const Case& one, const Config& config) noexcept;
+[[nodiscard]] inline const Gains& GainsOf(const Case& one, const Config& config) noexcept {
+  return one.is_stiff ? config.stiff : config.compliant;
+}
 
-/// Planned duration of a case's motion, without the controller's settling.
-[[nodiscard]] Duration LengthOf(const Case& one, const Config& config) noexcept;
-
-/// The motion of a case, from the robot's present position.
-/// @throws InputError if its path violates a limit of the end effector's motion.
-[[nodiscard]] run::Motion MotionOf(const Case& one, const Config& config, const Stage& stage,
-                                   const RobotState& state);
-
-/// The motion back to robot.q_start, also on the torque interface.
-[[nodiscard]] run::Motion MotionBack(const Case& from, const Stage& stage, const RobotState& state);
-
-/// The scenario's pushes: one for A and B, one for C and D.
-struct Pushes {
-  plant::Push standing;
-  plant::Push moving;
-};
+/// The pushes of the pushed cases; A's equals B's, C's equals D's.
+using Pushes = std::array<std::optional<plant::Push>, kCases>;
 
 /// Averaging times: before a push, for the pose from which it deflects the arm; at the end of its
 /// constant part, for the steady deflection.
 inline constexpr Duration kBefore = std::chrono::milliseconds(500);
 inline constexpr Duration kSteady = std::chrono::seconds(1);
-
-/// The scenario's pushes.
-/// @throws InputError if a pushed case has no push or several, another motion has a push, A's
-/// differs from B's or C's from D's, or the deflection of a push cannot be measured.
-[[nodiscard]] Pushes PushesOf(const scenario::Scenario& scenario, const Config& config);
 
 /// One state of a case's motion.
 struct Sample {
@@ -141,6 +116,8 @@ struct Span {
   std::optional<reference::PoseTrajectory> path{};  ///< absent: holds the initial pose
 };
 
+using Spans = std::array<std::optional<Span>, kCases>;
+
 /// Data from the log: of the cases and of the whole run.
 struct Log {
   std::array<Trace, kCases> traces{};
@@ -151,8 +128,7 @@ struct Log {
 /// first state, in which the controller begins, to about a millisecond. A push's time is the
 /// robot's, in cycles, because a robot on the wall clock may lag.
 /// @throws as record::LogReader.
-[[nodiscard]] Log ReadLog(const std::filesystem::path& log,
-                          const std::array<std::optional<Span>, kCases>& spans,
+[[nodiscard]] Log ReadLog(const std::filesystem::path& log, const Spans& spans,
                           const JointLimits& limits);
 
 /// Response of the end effector to a push.
@@ -200,7 +176,9 @@ struct Wandering {
 [[nodiscard]] Tracking TrackingOf(const Trace& trace);
 
 /// Start of the measurement in the null space's case, s.
-[[nodiscard]] double WanderingBegin(const Config& config);
+[[nodiscard]] inline double WanderingBegin(const Config& config) {
+  return ToSeconds(config.soft_start + kBefore);
+}
 [[nodiscard]] std::optional<Wandering> WanderingOf(const Trace& trace, const Config& config);
 
 /// All measurements.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -25,39 +26,28 @@ constexpr double kLeastWandering = 0.1;
 
 void AddResponse(const Case& one, const Response& r, Evaluation& evaluation) {
   const auto named = [&one](std::string_view what) { return fmt::format("{}: {}", one.id, what); };
-  evaluation.Report(named("deflection along the push, largest"), 1e3 * r.peak, "mm");
+  evaluation.Add(named("deflection along the push, largest"), 1e3 * r.peak, "mm");
   evaluation.Demand(
       named("deflection under the constant force"), 1e3 * r.steady, "mm",
       fmt::format("F / K = {:.4g} mm within {:.0f} %", 1e3 * r.expected, 1e2 * kSteadyShare),
       std::abs(r.steady - r.expected) <= kSteadyShare * std::abs(r.expected));
-  evaluation.Report(named("force of the push"), r.force, "N");
-  evaluation.Report(named("force of the push, estimated by the robot"), r.estimated_steady, "N");
+  evaluation.Add(named("force of the push"), r.force, "N");
+  evaluation.Add(named("force of the push, estimated by the robot"), r.estimated_steady, "N");
   if (r.settling) {
-    evaluation.Report(named("settling time to a tenth, after the end of the push"), *r.settling,
-                      "s");
+    evaluation.Add(named("settling time to a tenth, after the end of the push"), *r.settling, "s");
   } else {
-    evaluation.Report(named("not settled to a tenth by the end of the motion, after"),
-                      r.t.back() - r.t.front(), "s");
+    evaluation.Add(named("not settled to a tenth by the end of the motion, after"),
+                   r.t.back() - r.t.front(), "s");
   }
 }
 
-void AddComparison(const Case& stiff, const Case& compliant, const Response& a, const Response& b,
-                   Evaluation& evaluation) {
-  const double share = a.peak / b.peak;
-  evaluation.Demand(fmt::format("{}: largest deflection / that of {}", stiff.id, compliant.id),
-                    share, "", fmt::format("below {}", kStiffShare), share < kStiffShare);
-}
-
-void AddTracking(const Case& one, const Tracking& t, bool is_demanded, Evaluation& evaluation) {
-  const std::string largest = fmt::format("{}: tracking error, largest", one.id);
-  if (is_demanded) {
-    evaluation.DemandAtMost(largest, 1e3 * t.largest, "mm", 1e3 * kLargestTracking);
-  } else {
-    evaluation.Report(largest, 1e3 * t.largest, "mm");
-  }
-  evaluation.Report(fmt::format("{}: tracking error, RMS", one.id), 1e3 * t.rms, "mm");
-  evaluation.Report(fmt::format("{}: orientation error, largest", one.id), 1e3 * t.largest_turned,
-                    "mrad");
+void AddTracking(CaseIndex index, const Tracking& t, Evaluation& evaluation) {
+  const auto id = kAllCases[index].id;
+  const auto most = index == kC0 ? std::optional(1e3 * kLargestTracking) : std::nullopt;
+  evaluation.DemandAtMost(fmt::format("{}: tracking error, largest", id), 1e3 * t.largest, "mm",
+                          most);
+  evaluation.Add(fmt::format("{}: tracking error, RMS", id), 1e3 * t.rms, "mm");
+  evaluation.Add(fmt::format("{}: orientation error, largest", id), 1e3 * t.largest_turned, "mrad");
 }
 
 constexpr std::uint64_t kEvery = 5;  ///< cycles between the points of a path
@@ -134,14 +124,6 @@ report::Figure NullSpaceFigure(const Trace& trace, const Config& config) {
   return figure;
 }
 
-report::Figure FrictionFigure(const Config& config) {
-  report::Figure figure{.id = "friction"};
-  if (config.friction_compensation) {
-    figure.values["percent"] = std::round(1e2 * *config.friction_compensation);
-  }
-  return figure;
-}
-
 /// Torques and their rates over the session; a gap ends each case.
 report::Figure TorquesFigure(const Log& log) {
   report::Figure figure{.id = "torques", .columns = "stiff,t [s],torque [%],rate [%]"};
@@ -170,7 +152,12 @@ std::vector<report::Figure> FiguresOf(const Log& log, const Measures& m, const C
   }
   if (m.wandering) figures.push_back(NullSpaceFigure(log.traces[kN], config));
   if (!log.traces[kA].empty()) figures.push_back(TorquesFigure(log));
-  if (m.responses[kB]) figures.push_back(FrictionFigure(config));
+  if (m.responses[kB]) {
+    report::Figure& friction = figures.emplace_back(report::Figure{.id = "friction"});
+    if (const auto& share = config.friction_compensation) {
+      friction.values["percent"] = std::round(1e2 * *share);
+    }
+  }
   return figures;
 }
 
@@ -181,12 +168,13 @@ Evaluation EvaluateCases(const Measures& m) {
       if (m.responses[index]) AddResponse(kAllCases[index], *m.responses[index], evaluation);
     }
     if (!m.responses[stiff] || !m.responses[compliant]) continue;
-    AddComparison(kAllCases[stiff], kAllCases[compliant], *m.responses[stiff],
-                  *m.responses[compliant], evaluation);
+    const double share = m.responses[stiff]->peak / m.responses[compliant]->peak;
+    evaluation.Demand(fmt::format("{}: largest deflection / that of {}", kAllCases[stiff].id,
+                                  kAllCases[compliant].id),
+                      share, "", fmt::format("below {}", kStiffShare), share < kStiffShare);
   }
   for (const CaseIndex index : {kC0, kD0}) {
-    if (!m.trackings[index]) continue;
-    AddTracking(kAllCases[index], *m.trackings[index], index == kC0, evaluation);
+    if (m.trackings[index]) AddTracking(index, *m.trackings[index], evaluation);
   }
   if (m.wandering) {
     evaluation.Demand("N: joint motion in the null space, largest", m.wandering->joints, "rad",

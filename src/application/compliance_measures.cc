@@ -13,15 +13,10 @@
 namespace twin::application::compliance {
 namespace {
 
-Vector3 PositionOf(const Transform& X) noexcept {
-  return {X[12], X[13], X[14]};
-}
-
 /// Collects the traces from a log's records.
 class TraceCollector {
  public:
-  TraceCollector(const std::array<std::optional<Span>, kCases>& spans, const JointLimits& limits,
-                 Log& log)
+  TraceCollector(const Spans& spans, const JointLimits& limits, Log& log)
       : spans_(spans), limits_(limits), log_(log) {}
 
   void operator()(const record::CycleRecord& cycle) {
@@ -29,17 +24,20 @@ class TraceCollector {
     const bool is_reflex = state.robot_mode == RobotMode::kReflex;
     log_.reflexes += is_reflex && !was_reflex_ ? 1 : 0;
     was_reflex_ = is_reflex;
-    if (state.robot_mode == RobotMode::kMove) AddMoving(cycle);
+    const std::size_t i = CaseAt(cycle.at);
+    if (state.robot_mode == RobotMode::kMove && i < kCases) {
+      if (log_.traces[i].empty()) first_ = cycle;
+      first_ids_[i] = first_.state.message_id;
+      log_.traces[i].push_back(SampleOf(cycle, *spans_[i]));
+    }
     last_id_ = state.message_id;
     last_tau_J_d_ = state.tau_J_d;
   }
 
   void operator()(const record::TickRecord& tick) {
-    if (tick.action != record::TickAction::kFinished) return;
-    for (std::size_t i = 0; i < kCases; ++i) {
-      if (!IsIn(tick.read, spans_[i]) || finished_[i]) continue;
-      finished_[i] = tick.message_id;
-    }
+    const std::size_t i = CaseAt(tick.read);
+    if (tick.action != record::TickAction::kFinished || i == kCases || finished_[i]) return;
+    finished_[i] = tick.message_id;
   }
 
   template <class Other>
@@ -56,40 +54,26 @@ class TraceCollector {
   }
 
  private:
-  static bool IsIn(Time at, const std::optional<Span>& span) {
-    return span && at >= span->begun && at <= span->ended;
+  /// The case with this time in its span; kCases: none.
+  [[nodiscard]] std::size_t CaseAt(Time at) const {
+    const auto one = std::ranges::find_if(spans_, [at](const std::optional<Span>& span) {
+      return span && at >= span->begun && at <= span->ended;
+    });
+    return static_cast<std::size_t>(one - spans_.begin());
   }
 
-  void AddMoving(const record::CycleRecord& cycle) {
-    for (std::size_t i = 0; i < kCases; ++i) {
-      if (!IsIn(cycle.at, spans_[i])) continue;
-      if (log_.traces[i].empty()) {
-        first_ids_[i] = cycle.state.message_id;
-        begun_ = cycle.at;
-        held_ = cycle.state.O_T_EE;
-      }
-      log_.traces[i].push_back(SampleOf(cycle, *spans_[i], first_ids_[i]));
-      return;
-    }
-  }
-
-  [[nodiscard]] Sample SampleOf(const record::CycleRecord& cycle, const Span& span,
-                                std::uint64_t first_id) const {
+  [[nodiscard]] Sample SampleOf(const record::CycleRecord& cycle, const Span& span) const {
     const RobotState& state = cycle.state;
-    Sample sample{.cycle = state.message_id - first_id,
+    Sample sample{.cycle = state.message_id - first_.state.message_id,
                   .at = ToSeconds(cycle.at.time_since_epoch()),
-                  .p = PositionOf(state.O_T_EE),
+                  .p = {state.O_T_EE[12], state.O_T_EE[13], state.O_T_EE[14]},
                   .q = state.q};
-    const Transform wanted = span.path ? span.path->Sample(cycle.at - begun_).O_T_EE : held_;
+    const Transform wanted =
+        span.path ? span.path->Sample(cycle.at - first_.at).O_T_EE : first_.state.O_T_EE;
     const Vector6 error = model::Displacement(wanted, state.O_T_EE);
     sample.off = {error[0], error[1], error[2]};
     sample.turned = HalfNorm(error, 3);
     for (std::size_t i = 0; i < sample.force.size(); ++i) sample.force[i] = -state.O_F_ext_hat_K[i];
-    TakeTorques(state, sample);
-    return sample;
-  }
-
-  void TakeTorques(const RobotState& state, Sample& sample) const {
     const double since = kCycleSeconds * static_cast<double>(std::max<std::uint64_t>(
                                              state.message_id - last_id_, 1));
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -98,18 +82,18 @@ class TraceCollector {
       sample.torque = std::max(sample.torque, torque / limits_.tau_max[j]);
       sample.rate = std::max(sample.rate, rate / limits_.dtau_max[j]);
     }
+    return sample;
   }
 
-  const std::array<std::optional<Span>, kCases>& spans_;
+  const Spans& spans_;
   const JointLimits& limits_;
   Log& log_;
   bool was_reflex_ = false;
   std::uint64_t last_id_ = 0;
   JointVector last_tau_J_d_{};
+  record::CycleRecord first_{};  ///< of the current case
   std::array<std::uint64_t, kCases> first_ids_{};
   std::array<std::optional<std::uint64_t>, kCases> finished_{};  ///< states that were answered so
-  Time begun_{};                         ///< first state of the motion under way
-  Transform held_ = kIdentityTransform;  ///< where it began
 };
 
 /// Share of the steady deflection within which the arm has settled.
@@ -127,16 +111,10 @@ Vector3 Minus(const Vector3& a, const Vector3& b) noexcept {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-/// Values subtracted from a sample.
-struct Base {
-  Vector3 off{};
-  Vector3 force{};
-};
-
-/// Means over kBefore before the push.
-Base MeanBefore(const Trace& trace, const plant::Push& push) {
+/// Mean deviation and force over kBefore before the push.
+Sample MeanBefore(const Trace& trace, const plant::Push& push) {
   const double begin = ToSeconds(push.begin);
-  Base mean;
+  Sample mean;
   double count = 0;
   for (const Sample& sample : trace) {
     if (sample.t() < begin - ToSeconds(kBefore) || sample.t() >= begin) continue;
@@ -146,32 +124,14 @@ Base MeanBefore(const Trace& trace, const plant::Push& push) {
     }
     ++count;
   }
-  for (std::size_t i = 0; i < mean.off.size(); ++i) {
-    mean.off[i] /= std::max(count, 1.0);
-    mean.force[i] /= std::max(count, 1.0);
-  }
+  for (double& off : mean.off) off /= std::max(count, 1.0);
+  for (double& force : mean.force) force /= std::max(count, 1.0);
   return mean;
 }
 
-/// Finds the unpushed motion's sample at the same time, or the previous one if a state was lost.
-/// Times must rise.
-class Untouched {
- public:
-  explicit Untouched(const Trace& trace) : trace_(trace) {}
-
-  [[nodiscard]] Base At(std::uint64_t cycle) {
-    while (next_ + 1 < trace_.size() && trace_[next_ + 1].cycle <= cycle) ++next_;
-    return {trace_[next_].off, trace_[next_].force};
-  }
-
- private:
-  const Trace& trace_;
-  std::size_t next_ = 0;
-};
-
-/// Adds a sample to a response.
-void Take(const Sample& sample, const Base& base, const Vector3& direction, const plant::Push& push,
-          Response& r) {
+/// Adds a sample to a response. @param base  the arm without the push.
+void Take(const Sample& sample, const Sample& base, const Vector3& direction,
+          const plant::Push& push, Response& r) {
   const Vector3 d = Minus(sample.off, base.off);
   const double along = Dot(d, direction);
   const Duration t = static_cast<std::int64_t>(sample.cycle) * kCycle;
@@ -180,6 +140,7 @@ void Take(const Sample& sample, const Base& base, const Vector3& direction, cons
   r.across.push_back(std::sqrt(std::max(Dot(d, d) - along * along, 0.0)));
   r.scripted.push_back(r.force * plant::ShareAt(push, t));
   r.estimated.push_back(Dot(Minus(sample.force, base.force), direction));
+  if (t >= push.begin && t < push.begin + push.duration) r.peak = std::max(r.peak, along);
 }
 
 double MeanBetween(const Response& r, const std::vector<double>& values, double begin, double end) {
@@ -208,8 +169,7 @@ std::optional<double> SettlingOf(const Response& r, double released) {
 
 }  // namespace
 
-Log ReadLog(const std::filesystem::path& path, const std::array<std::optional<Span>, kCases>& spans,
-            const JointLimits& limits) {
+Log ReadLog(const std::filesystem::path& path, const Spans& spans, const JointLimits& limits) {
   Log log;
   record::LogReader reader(path);
   TraceCollector collector(spans, limits, log);
@@ -232,13 +192,18 @@ std::optional<Response> ResponseOf(const Trace& pushed, const Trace* untouched,
     direction[i] = push.force[i] / r.force;
     if (push.force[i] != 0) r.expected += direction[i] * push.force[i] / gains.K_P[i];
   }
-  const Base before = MeanBefore(pushed, push);
-  std::optional<Untouched> beside;
-  if (untouched != nullptr) beside.emplace(*untouched);
+  const Sample before = MeanBefore(pushed, push);
+  std::size_t beside = 0;
   for (const Sample& sample : pushed) {
-    Take(sample, beside ? beside->At(sample.cycle) : before, direction, push, r);
-    const bool is_pushed = sample.t() >= ToSeconds(push.begin) && sample.t() < end;
-    if (is_pushed) r.peak = std::max(r.peak, r.along.back());
+    if (untouched == nullptr) {
+      Take(sample, before, direction, push, r);
+      continue;
+    }
+    // The unpushed motion's sample at the same time, or the previous one if a state was lost.
+    while (beside + 1 < untouched->size() && (*untouched)[beside + 1].cycle <= sample.cycle) {
+      ++beside;
+    }
+    Take(sample, (*untouched)[beside], direction, push, r);
   }
   const double falls = end - ToSeconds(push.rise);
   r.steady = MeanBetween(r, r.along, falls - ToSeconds(kSteady), falls);
@@ -260,10 +225,6 @@ Tracking TrackingOf(const Trace& trace) {
   return tracking;
 }
 
-double WanderingBegin(const Config& config) {
-  return ToSeconds(config.soft_start + kBefore);
-}
-
 std::optional<Wandering> WanderingOf(const Trace& trace, const Config& config) {
   const Sample* first = nullptr;
   Wandering w;
@@ -282,17 +243,16 @@ std::optional<Wandering> WanderingOf(const Trace& trace, const Config& config) {
 Measures Measure(const Log& log, const Config& config, const Pushes& pushes) {
   Measures m;
   m.reflexes = log.reflexes;
-  const auto respond = [&](CaseIndex index, const Trace* untouched, const plant::Push& push) {
-    const Trace& trace = log.traces[index];
-    if (trace.empty() || (untouched != nullptr && untouched->empty())) return;
-    m.responses[index] = ResponseOf(trace, untouched, push, GainsOf(kAllCases[index], config));
-  };
-  respond(kA, nullptr, pushes.standing);
-  respond(kB, nullptr, pushes.standing);
-  respond(kC, &log.traces[kC0], pushes.moving);
-  respond(kD, &log.traces[kD0], pushes.moving);
-  for (const CaseIndex index : {kC0, kD0}) {
-    if (!log.traces[index].empty()) m.trackings[index] = TrackingOf(log.traces[index]);
+  for (std::size_t i = 0; i < kCases; ++i) {
+    const Case& one = kAllCases[i];
+    const Trace& trace = log.traces[i];
+    if (trace.empty()) continue;
+    const bool moves = one.kind == Kind::kTrajectory;
+    const Trace* untouched = one.is_pushed && moves ? &log.traces[i - 1] : nullptr;
+    if (one.is_pushed && (untouched == nullptr || !untouched->empty())) {
+      m.responses[i] = ResponseOf(trace, untouched, *pushes[i], GainsOf(one, config));
+    }
+    if (moves && !one.is_pushed) m.trackings[i] = TrackingOf(trace);
   }
   m.wandering = WanderingOf(log.traces[kN], config);
   for (const Trace& trace : log.traces) {

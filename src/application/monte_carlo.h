@@ -7,21 +7,14 @@
 #include <vector>
 
 #include "twin/application/application.h"
+#include "twin/application/record_run.h"
 
 // An application's runs with many seeds, and their statistics.
 namespace twin::application {
 
-struct MonteCarloOptions {
-  std::uint64_t first_seed = 1;
-  int seeds = 100;                             ///< in [1, 100000]; consecutive
-  int threads = 2;                             ///< in [1, 64]; the results do not depend on it
-  const volatile bool* interrupted = nullptr;  ///< set from a signal handler; may be null
-};
-
 /// The result of one seed.
 struct SeedOutcome {
   std::uint64_t seed = 0;
-  bool succeeded = false;
   std::string failure{};      ///< as FailureOf(), or the text of the exception that the run threw
   std::string failed_step{};  ///< empty: all steps succeeded
   int repeated = 0;           ///< failed attempts that were repeated
@@ -29,8 +22,7 @@ struct SeedOutcome {
   Duration duration{};  ///< robot's time
   std::uint64_t states_hash = 0;
 
-  /// The finding with this quantity; null when the run has none.
-  [[nodiscard]] const Finding* Find(const std::string& quantity) const;
+  [[nodiscard]] bool succeeded() const noexcept { return failure.empty(); }
 };
 
 /// A finding over all runs that have it.
@@ -38,6 +30,7 @@ struct FindingSpread {
   std::string quantity;
   std::string unit{};
   std::string demand{};
+  std::vector<double> values{};  ///< in order of seeds
   double median = 0;
   double largest = 0;
   std::uint64_t largest_seed = 0;
@@ -61,16 +54,18 @@ struct MonteCarloResult {
 /// 1927). @pre 0 <= hits <= trials, trials > 0.
 [[nodiscard]] std::pair<double, double> WilsonInterval(int hits, int trials) noexcept;
 
-/// Runs an application once per seed, in lockstep and without logs. Ignores the scenario's own
-/// seed. All runs share one compiled model in files.cache.
+/// Runs an application once per seed, from the scenario's seed on, in lockstep and without logs.
+/// The results do not depend on the number of threads. All runs share one compiled model in
+/// files.cache.
 ///
-/// @param clock  as ApplicationRun's. @param on_outcome  receives each outcome when its run ends,
-/// one at a time, on any of the threads; must not throw; may be empty.
+/// @param on_outcome  receives each outcome when its run ends, one at a time, on any of the
+/// threads; must not throw; may be empty. @param interrupted  set from a signal handler; may be
+/// null.
 /// @throws InputError if an option is out of range, the scenario is not in lockstep, or the first
 /// run cannot start. Later runs that throw count as failed.
 [[nodiscard]] MonteCarloResult RunSeeds(
     const scenario::Scenario& scenario, const run::Catalogue& catalogue, const run::RunFiles& files,
-    const Clock& clock, const MonteCarloOptions& options,
-    const std::function<void(const SeedOutcome&)>& on_outcome = {});
+    const SeedsOptions& options, const std::function<void(const SeedOutcome&)>& on_outcome = {},
+    const volatile bool* interrupted = nullptr);
 
 }  // namespace twin::application

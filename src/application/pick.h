@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -18,6 +17,7 @@
 #include "twin/plant/scene_object.h"
 #include "twin/reference/pose_trajectory.h"
 #include "twin/scenario/frame_pose.h"
+#include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 
 // Parts of the application `pick_and_place`: parameters, task, grips, planner, evaluation.
@@ -31,6 +31,7 @@ struct PickTask {
   std::string to{};          ///< part that supports it at the goal
   Vector3 from_up{0, 0, 1};  ///< normal of the supporting face
   Vector3 to_up{0, 0, 1};
+  double nominal_mass = 0;  ///< of the object without its random spread, kg: the robot's load
 };
 
 /// Distances and speeds of the transport.
@@ -74,9 +75,6 @@ struct PickParameters {
 /// is fixed, or a ball, which would roll away.
 [[nodiscard]] PickTask TaskOf(const scenario::Scenario& scenario, const PickParameters& parameters);
 
-/// Mass in the scenario, kg, without its random spread: the robot's load.
-[[nodiscard]] double NominalMass(const scenario::Scenario& scenario, const std::string& object);
-
 /// Grasp pose of the hand on an object.
 struct Grip {
   Transform B_T_NE = kIdentityTransform;  ///< between the fingertips, in the object's frame
@@ -100,10 +98,25 @@ struct GripRoom {
                                         const GripRoom& room);
 
 /// The paths of a task, in their order.
-enum class Leg : std::uint8_t { kApproach, kGrasp, kLift, kTransfer, kPlace, kRetreat };
-inline constexpr std::array<std::string_view, 6> kLegNames{"approach", "grasp", "lift",
-                                                           "transfer", "place", "retreat"};
-inline constexpr std::size_t kLegs = kLegNames.size();
+enum Leg : std::size_t { kApproach, kGrasp, kLift, kTransfer, kPlace, kRetreat, kLegs };
+
+struct LegTraits {
+  std::string_view name;
+  const char* caption;  ///< of its pictures; with the names {object}, {from} and {to}
+  bool is_held;         ///< the hand holds the object
+};
+inline constexpr std::array<LegTraits, kLegs> kLegTraits{{
+    {"approach", "Approach: above the {object}", false},
+    {"grasp", "Grasp: down to the {object}, and hold it", false},
+    {"lift", "Lift: the {object} off the {from}", true},
+    {"transfer", "Transfer: above the {to}, turned on the way", true},
+    {"place", "Place: down onto the {to}, and let go", true},
+    {"retreat", "Retreat: straight away from it", false},
+}};
+
+/// A result, or the reason of the failure.
+template <typename T>
+using OrReason = std::variant<T, std::string>;
 
 /// A path of the end effector.
 struct LegPlan {
@@ -123,14 +136,6 @@ struct PickPlan {
 /// The path of a leg. @pre it has poses. @throws InputError as PoseTrajectory.
 [[nodiscard]] reference::PoseTrajectory PathOf(const LegPlan& leg, const CartesianLimits& limits);
 
-/// A planner's view of the robot. References must outlive it.
-struct PickRobot {
-  const JointLimits& limits;
-  const CartesianLimits& cartesian;
-  Transform F_T_NE;  ///< between the fingertips
-  Transform F_T_EE;
-};
-
 /// Plans the whole task before the first motion: a grip for which all paths up to the retreat are
 /// free of collision and within the joints' position and velocity limits.
 ///
@@ -141,20 +146,19 @@ struct PickRobot {
 /// Threads: the world's. Deterministic. Not for real-time code.
 class PickPlanner {
  public:
-  /// @param world  must outlive the planner.
-  PickPlanner(planning::CollisionWorld& world, const PickRobot& robot, PickTask task,
-              const PickOptions& options);
+  /// @param world, robot  must outlive the planner. @param F_T_EE  end effector in the flange.
+  PickPlanner(planning::CollisionWorld& world, const scenario::RobotData& robot,
+              const Transform& F_T_EE, PickTask task, const PickOptions& options);
 
   /// Plans all legs. @param q  the arm's position, rad, at rest.
   /// @returns the plan, or the reason of the failure: leg and obstacle.
-  [[nodiscard]] std::variant<PickPlan, std::string> Plan(const JointVector& q);
+  [[nodiscard]] OrReason<PickPlan> Plan(const JointVector& q);
 
   /// Plans the legs from `first` on, which begins at q. @param grip  of the first plan.
-  [[nodiscard]] std::variant<PickPlan, std::string> PlanFrom(const JointVector& q, Leg first,
-                                                             const Grip& grip);
+  [[nodiscard]] OrReason<PickPlan> PlanFrom(const JointVector& q, Leg first, const Grip& grip);
 
   /// Plans a straight path away from the object, with open fingers, before another attempt.
-  [[nodiscard]] std::variant<LegPlan, std::string> BackOff(const JointVector& q, const Grip& grip);
+  [[nodiscard]] OrReason<LegPlan> BackOff(const JointVector& q, const Grip& grip);
 
   /// Width of the open hand around the object, m.
   [[nodiscard]] double OpeningFor(const Grip& grip) const noexcept;
@@ -164,26 +168,22 @@ class PickPlanner {
 
   [[nodiscard]] std::vector<Route> RoutesOf(Leg leg, const Transform& here, const Grip& grip) const;
   void SetWorld(Leg leg, const Grip& grip);
-  /// A leg and its joint positions, a few milliseconds apart.
-  struct FollowedLeg {
-    LegPlan leg;
-    std::vector<JointVector> q;
-  };
-  /// Times and follows a leg within the joint limits. @throws InputError as PoseTrajectory.
-  [[nodiscard]] std::variant<FollowedLeg, std::string> Follow(LegPlan leg, const JointVector& q,
-                                                              const reference::Timing& pace) const;
-  [[nodiscard]] std::variant<LegPlan, std::string> Try(const Route& route, const JointVector& q,
-                                                       const reference::Timing& pace,
-                                                       double clearance);
+  /// Times and follows a leg within the joint limits. @returns its joint positions, rad, a few
+  /// milliseconds apart, or the reason of the failure. @throws InputError as PoseTrajectory.
+  [[nodiscard]] OrReason<std::vector<JointVector>> Follow(LegPlan& leg, const JointVector& q,
+                                                          const reference::Timing& pace) const;
+  [[nodiscard]] OrReason<LegPlan> Try(const Route& route, const JointVector& q,
+                                      const reference::Timing& pace, double clearance);
   /// Depth-first search. @returns true if it found all legs from this one on.
-  bool Search(const JointVector& q, std::size_t leg, PickPlan& plan);
+  bool Search(const JointVector& q, Leg leg, PickPlan& plan);
   [[nodiscard]] Transform PoseAt(const JointVector& q) const noexcept;
 
   planning::CollisionWorld& world_;
-  const PickRobot robot_;
+  const scenario::RobotData& robot_;
+  const Transform F_T_EE_;
   const PickTask task_;
   const PickOptions options_;
-  std::size_t furthest_ = 0;  ///< leg at which the best attempt failed
+  Leg furthest_ = kApproach;  ///< leg at which the best attempt failed
   std::string failure_;       ///< reason of this failure
 };
 
@@ -191,9 +191,8 @@ class PickPlanner {
 struct PickRecord {
   PickTask task;
   JointLimits limits;
-  std::vector<std::string> robot_errors{};  ///< errors that ended motions
-  double width_grasped = 0;                 ///< m
-  double width_placed = 0;                  ///< before the release, m
+  double width_grasped = 0;  ///< m
+  double width_placed = 0;   ///< before the release, m
   bool is_placed = false;
   Transform O_T_EE_placed = kIdentityTransform;  ///< measured, before the release
   Transform B_T_EE = kIdentityTransform;         ///< as planned

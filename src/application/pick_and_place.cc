@@ -22,39 +22,16 @@ constexpr double kOpeningSpeed = 0.1;  // m/s, of the hand
 constexpr double kSameWidth = 1e-3;    // m
 constexpr double kSameStart = 2e-3;    // rad, from a leg's planned start
 
-double LargestDifference(const JointVector& a, const JointVector& b) {
-  double largest = 0;
-  for (std::size_t i = 0; i < kJoints; ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
-  return largest;
-}
-
-/// The caption of a leg's pictures.
-std::string CaptionOf(Leg leg, const PickTask& task) {
-  const std::string& name = task.object.name;
-  switch (leg) {
-    case Leg::kApproach: return fmt::format("Approach: above the {}", name);
-    case Leg::kGrasp: return fmt::format("Grasp: down to the {}, and hold it", name);
-    case Leg::kLift: return fmt::format("Lift: the {} off the {}", name, task.from);
-    case Leg::kTransfer: return fmt::format("Transfer: above the {}, turned on the way", task.to);
-    case Leg::kPlace: return fmt::format("Place: down onto the {}, and let go", task.to);
-    case Leg::kRetreat: return "Retreat: straight away from it";
-  }
-  return "";
-}
-
 class PickAndPlace final : public Application {
  public:
   explicit PickAndPlace(control::ParameterReader& parameters)
       : parameters_(parameters), controller_(parameters.Below("controller")) {}
 
   void Require(const scenario::Scenario& scenario) const override;
-  [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
-    return control::CommandInterface::kJointPosition;
-  }
   [[nodiscard]] Duration longest(const scenario::Scenario& /*scenario*/) const override {
     return std::chrono::seconds(120);
   }
-  [[nodiscard]] TaskResult Perform(Stage& stage) override;
+  void Perform(Stage& stage) override;
   [[nodiscard]] Evaluation Evaluate(const TaskResult& task_result,
                                     const Evidence& evidence) override {
     return EvaluatePick(record_, task_result, evidence);
@@ -65,7 +42,7 @@ class PickAndPlace final : public Application {
   StepEnd Approach();
   StepEnd Grasp();
   StepEnd Lift();
-  StepEnd Transfer() { return Carry(Leg::kTransfer); }
+  StepEnd Transfer() { return Carry(kTransfer); }
   StepEnd Carry(Leg leg);
   StepEnd Place();
   StepEnd Release();
@@ -93,7 +70,6 @@ class PickAndPlace final : public Application {
   std::optional<PickPlanner> planner_;
   PickPlan plan_;
   PickRecord record_;
-  TaskResult task_result_;
   bool is_around_object_ = false;  ///< the open fingers are around it
 };
 
@@ -104,23 +80,18 @@ void PickAndPlace::Require(const scenario::Scenario& scenario) const {
       "application pick_and_place: robot.hand is none; say robot: {hand: franka_hand}");
 }
 
-TaskResult PickAndPlace::Perform(Stage& stage) {
+void PickAndPlace::Perform(Stage& stage) {
   stage_ = &stage;
   const scenario::RobotData& robot = stage.session.robot();
   record_.task = TaskOf(stage.scenario, parameters_);
   record_.limits = robot.limits;
   world_ = stage.MakeWorld();
-  planner_.emplace(*world_,
-                   PickRobot{.limits = robot.limits,
-                             .cartesian = robot.cartesian,
-                             .F_T_NE = robot.F_T_NE,
-                             .F_T_EE = stage.F_T_EE()},
-                   record_.task, parameters_.options);
+  planner_.emplace(*world_, robot, stage.F_T_EE(), record_.task, parameters_.options);
   const auto step = [this](const char* name, StepEnd (PickAndPlace::*act)(),
                            const char* after_failure = "", int attempts = 1) -> TaskStep {
     return {name, [this, act] { return (this->*act)(); }, after_failure, attempts};
   };
-  task_result_.task = stage.Carry(
+  stage.Carry(
       {step("plan", &PickAndPlace::Plan), step("approach", &PickAndPlace::Approach, "approach", 2),
        step("grasp", &PickAndPlace::Grasp, "approach", parameters_.tries),
        step("lift", &PickAndPlace::Lift, "approach", 2),
@@ -128,20 +99,19 @@ TaskResult PickAndPlace::Perform(Stage& stage) {
        step("place", &PickAndPlace::Place, "place", 2), step("release", &PickAndPlace::Release),
        step("retreat", &PickAndPlace::Retreat, "retreat", 2)});
   stage_ = nullptr;
-  return std::move(task_result_);
 }
 
 StepEnd PickAndPlace::Plan() {
   const Time begun = stage_->clock.Now();
   auto planned = planner_->Plan(Ready());
-  task_result_.planning_time += stage_->clock.Now() - begun;
+  stage_->result.planning_time += stage_->clock.Now() - begun;
   if (auto* why = std::get_if<std::string>(&planned)) return {false, std::move(*why)};
   plan_ = std::move(std::get<PickPlan>(planned));
   const Transform NE_T_EE =
       model::Multiply(model::Inverse(session().robot().F_T_NE), stage_->F_T_EE());
   record_.B_T_EE = model::Multiply(plan_.grip.B_T_NE, NE_T_EE);
   record_.moved = plan_.duration;
-  return {true, fmt::format("{} ways, {:.1f} s, the hand closes to {:.1f} mm", kLegs,
+  return {true, fmt::format("{} ways, {:.1f} s, the hand closes to {:.1f} mm", kLegTraits.size(),
                             ToSeconds(plan_.duration), plan_.grip.width * 1e3)};
 }
 
@@ -155,33 +125,37 @@ JointVector PickAndPlace::Ready() {
 }
 
 record::PlanRecord& PickAndPlace::RecordOf(Leg leg) {
-  const std::string id(kLegNames.at(static_cast<std::size_t>(leg)));
-  const auto found = std::ranges::find(task_result_.plans, id, &record::PlanRecord::id);
-  return found != task_result_.plans.end()
+  const std::string id(kLegTraits[leg].name);
+  const auto found = std::ranges::find(stage_->result.plans, id, &record::PlanRecord::id);
+  return found != stage_->result.plans.end()
              ? *found
-             : task_result_.plans.emplace_back(record::PlanRecord{.id = id, .caption = {}});
+             : stage_->result.plans.emplace_back(record::PlanRecord{.id = id, .caption = {}});
 }
 
 StepEnd PickAndPlace::Go(Leg leg) {
   const JointVector q = Ready();
-  const auto number = static_cast<std::size_t>(leg);
-  if (LargestDifference(q, plan_.legs[number].q_start) > kSameStart) {
+  const bool is_at_start = std::ranges::equal(
+      q, plan_.legs[leg].q_start, [](double a, double b) { return std::abs(a - b) <= kSameStart; });
+  if (!is_at_start) {
     const Time begun = stage_->clock.Now();
     auto planned = planner_->PlanFrom(q, leg, plan_.grip);
-    task_result_.planning_time += stage_->clock.Now() - begun;
+    stage_->result.planning_time += stage_->clock.Now() - begun;
     if (auto* why = std::get_if<std::string>(&planned)) {
       return {false, fmt::format("no way from where the arm is: {}", *why)};
     }
     plan_ = std::move(std::get<PickPlan>(planned));
   }
-  const LegPlan& plan = plan_.legs[number];
+  const LegPlan& plan = plan_.legs[leg];
   record::PlanRecord& record = RecordOf(leg);
-  record.caption = CaptionOf(leg, record_.task);
+  const PickTask& task = record_.task;
+  record.caption =
+      fmt::format(fmt::runtime(kLegTraits[leg].caption), fmt::arg("object", task.object.name),
+                  fmt::arg("from", task.from), fmt::arg("to", task.to));
   record.from = session().Now();
   record.q = plan.q_end;
   record.path = plan.path;
-  if (leg == Leg::kLift || leg == Leg::kTransfer || leg == Leg::kPlace) {
-    record.object = record_.task.object.name;
+  if (kLegTraits[leg].is_held) {
+    record.object = task.object.name;
     record.O_T_object = model::Multiply(
         model::ArmModel::Panda().Pose(model::Frame::kEndEffector, plan.q_end, stage_->F_T_EE()),
         model::Inverse(record_.B_T_EE));
@@ -204,9 +178,8 @@ StepEnd PickAndPlace::Follow(const std::string& name, const LegPlan& leg, const 
   motion.poses = std::move(poses);
   motion.controller.type = "cartesian_pose";
   motion.controller.parameters = controller_;
-  const run::MotionResult result = session().Move(motion);
+  const run::MotionResult result = stage_->Move(motion);
   if (result.report.succeeded()) return {true, fmt::format("{:.2f} s", ToSeconds(duration))};
-  if (result.report.errors.any()) record_.robot_errors.push_back(result.report.failure);
   if (!session().interrupted()) session().Recover();
   return {false, result.report.failure};
 }
@@ -228,8 +201,7 @@ bool PickAndPlace::Holds() const {
 setting::Load PickAndPlace::LoadOfObject() const {
   const Transform F_T_B =
       model::Multiply(session().robot().F_T_NE, model::Inverse(plan_.grip.B_T_NE));
-  return {.m_load = NominalMass(stage_->scenario, record_.task.object.name),
-          .F_x_Cload = {F_T_B[12], F_T_B[13], F_T_B[14]}};
+  return {.m_load = record_.task.nominal_mass, .F_x_Cload = {F_T_B[12], F_T_B[13], F_T_B[14]}};
 }
 
 StepEnd PickAndPlace::Approach() {
@@ -242,13 +214,13 @@ StepEnd PickAndPlace::Approach() {
     if (StepEnd end = Follow("back off", std::get<LegPlan>(away), q); !end.succeeded) return end;
     is_around_object_ = false;
   }
-  return Go(Leg::kApproach);
+  return Go(kApproach);
 }
 
 StepEnd PickAndPlace::Grasp() {
   if (Holds()) return {true, "the hand holds it already"};
   is_around_object_ = true;
-  if (StepEnd end = Go(Leg::kGrasp); !end.succeeded) return end;
+  if (StepEnd end = Go(kGrasp); !end.succeeded) return end;
   const run::HandOutcome outcome =
       session().Command(hand::Grasp{.width = plan_.grip.width,
                                     .speed = parameters_.speed,
@@ -256,7 +228,7 @@ StepEnd PickAndPlace::Grasp() {
                                     .epsilon_inner = parameters_.tolerance,
                                     .epsilon_outer = parameters_.tolerance});
   record_.width_grasped = outcome.width;
-  RecordOf(Leg::kGrasp).until = session().Now();
+  RecordOf(kGrasp).until = session().Now();
   if (outcome.result == HandResult::kSuccess && Holds()) {
     return {true, fmt::format("{:.2f} mm wide", outcome.width * 1e3)};
   }
@@ -278,11 +250,11 @@ StepEnd PickAndPlace::Carry(Leg leg) {
 StepEnd PickAndPlace::Lift() {
   static_cast<void>(Ready());
   Configure(LoadOfObject());
-  return Carry(Leg::kLift);
+  return Carry(kLift);
 }
 
 StepEnd PickAndPlace::Place() {
-  StepEnd end = Carry(Leg::kPlace);
+  StepEnd end = Carry(kPlace);
   if (!end.succeeded) return end;
   record_.is_placed = true;
   record_.O_T_EE_placed = session().ReadState().O_T_EE;
@@ -294,12 +266,12 @@ StepEnd PickAndPlace::Release() {
   // The surface bears the object from here on, so the arm does not jerk when the fingers open.
   Configure(stage_->scenario.onboard.load);
   StepEnd end = Open();
-  RecordOf(Leg::kPlace).until = session().Now();
+  RecordOf(kPlace).until = session().Now();
   return end;
 }
 
 StepEnd PickAndPlace::Retreat() {
-  StepEnd end = Go(Leg::kRetreat);
+  StepEnd end = Go(kRetreat);
   if (end.succeeded && session().WaitForRest() != run::WaitEnd::kDone) {
     return {false, "the arm does not come to rest"};
   }

@@ -75,10 +75,10 @@ void ReportSlip(const ObjectTrack& track, const PickTask& task, Evaluation& eval
     distance = std::max(distance, PositionError(*first, sample.X_HB));
     angle = std::max(angle, AngleError(*first, sample.X_HB));
   }
-  evaluation.Report("displacement of the object by the grasp",
-                    PositionError(task.object.X_WB, before) * 1e3, "mm");
-  evaluation.Report("slip of the object in the hand, largest", distance * 1e3, "mm");
-  evaluation.Report("rotation of the object in the hand, largest", angle / kDegree, "deg");
+  evaluation.Add("displacement of the object by the grasp",
+                 PositionError(task.object.X_WB, before) * 1e3, "mm");
+  evaluation.Add("slip of the object in the hand, largest", distance * 1e3, "mm");
+  evaluation.Add("rotation of the object in the hand, largest", angle / kDegree, "deg");
 }
 
 std::vector<std::string> UnwantedContacts(const PickTask& task, const plant::ContactWatch& contacts,
@@ -113,74 +113,61 @@ void EvaluateTruth(const PickTask& task, const plant::ContactWatch& contacts,
   ReportSlip(track, task, evaluation);
 }
 
-/// The object's pose by the robot's joints. @param is_all  true if there is no ground truth.
-void EvaluateReports(const PickRecord& record, bool is_all, Evaluation& evaluation) {
+/// The object's pose by the robot's joints. @param is_demanded  true without ground truth.
+void EvaluateRelease(const PickRecord& record, bool is_demanded, Evaluation& evaluation) {
   if (!record.is_placed) return;
   const Transform O_T_object = model::Multiply(record.O_T_EE_placed, model::Inverse(record.B_T_EE));
-  const double distance = PositionError(O_T_object, record.task.O_T_goal) * 1e3;
-  const double angle = AngleError(O_T_object, record.task.O_T_goal) / kDegree;
-  const char* position = "position error at release, by the robot's joints";
-  const char* orientation = "orientation error at release, by the robot's joints";
-  if (is_all) {
-    evaluation.DemandAtMost(position, distance, "mm", kMostPositionError * 1e3);
-    evaluation.DemandAtMost(orientation, angle, "deg", kMostAngleError / kDegree);
-  } else {
-    evaluation.Report(position, distance, "mm");
-    evaluation.Report(orientation, angle, "deg");
-  }
-  evaluation.Report("finger width after the grasp", record.width_grasped * 1e3, "mm");
-  evaluation.Report("finger width before the release", record.width_placed * 1e3, "mm");
+  const auto at_most = [&](double most) {
+    return is_demanded ? std::optional(most) : std::nullopt;
+  };
+  evaluation.DemandAtMost("position error at release, by the robot's joints",
+                          PositionError(O_T_object, record.task.O_T_goal) * 1e3, "mm",
+                          at_most(kMostPositionError * 1e3));
+  evaluation.DemandAtMost("orientation error at release, by the robot's joints",
+                          AngleError(O_T_object, record.task.O_T_goal) / kDegree, "deg",
+                          at_most(kMostAngleError / kDegree));
+  evaluation.Add("finger width after the grasp", record.width_grasped * 1e3, "mm");
+  evaluation.Add("finger width before the release", record.width_placed * 1e3, "mm");
 }
 
-/// The figures from the states in a log, one sample per 5 ms. Shares of the limits are the largest
-/// since the sample before.
-class PickFigures {
- public:
-  explicit PickFigures(const JointLimits& limits) : limits_(limits) {}
-
-  void operator()(const record::CycleRecord& cycle) {
-    const RobotState& state = cycle.state;
-    if (state.robot_mode == RobotMode::kMove) {
-      for (std::size_t i = 0; i < kJoints; ++i) {
-        velocity_ = std::max(velocity_, std::abs(state.dq_d[i]) / limits_.dq_max[i]);
-        acceleration_ = std::max(acceleration_, std::abs(state.ddq_d[i]) / limits_.ddq_max[i]);
-        jerk_ = std::max(jerk_, std::abs(cycle.dddq_d[i]) / limits_.dddq_max[i]);
-      }
-    }
-    if (cycles_++ % kCyclesPerSample != 0) return;
-    const double t = ToSeconds(cycle.at.time_since_epoch());
-    path.rows.push_back({t, state.O_T_EE[12], state.O_T_EE[13], state.O_T_EE[14]});
-    shares.rows.push_back(
-        {t, std::exchange(velocity_, 0), std::exchange(acceleration_, 0), std::exchange(jerk_, 0)});
-    force.rows.push_back({t, -state.O_F_ext_hat_K[2]});
-  }
-  template <typename Other>
-  void operator()(const Other& /*record*/) {}
-
+/// The figures `path`, `limits` and `force` from the states in a log, one sample per 5 ms. Shares
+/// of the limits are the largest since the sample before. @throws as record::LogReader.
+std::vector<report::Figure> PickFigures(const std::filesystem::path& log,
+                                        const JointLimits& limits) {
   report::Figure path{.id = "path", .columns = "t [s],x [m],y [m],z [m]"};
   report::Figure shares{.id = "limits", .columns = "t [s],velocity,acceleration,jerk"};
   report::Figure force{.id = "force", .columns = "t [s],force [N]"};
-
- private:
-  const JointLimits& limits_;
-  std::uint64_t cycles_ = 0;
-  double velocity_ = 0;
-  double acceleration_ = 0;
-  double jerk_ = 0;
-};
+  Vector3 share{};
+  std::uint64_t cycles = 0;
+  record::LogReader reader(log);
+  for (record::LogEntry entry; reader.Next(entry);) {
+    const auto* cycle = std::get_if<record::CycleRecord>(&entry);
+    if (cycle == nullptr) continue;
+    const RobotState& state = cycle->state;
+    for (std::size_t i = 0; i < kJoints && state.robot_mode == RobotMode::kMove; ++i) {
+      share[0] = std::max(share[0], std::abs(state.dq_d[i]) / limits.dq_max[i]);
+      share[1] = std::max(share[1], std::abs(state.ddq_d[i]) / limits.ddq_max[i]);
+      share[2] = std::max(share[2], std::abs(cycle->dddq_d[i]) / limits.dddq_max[i]);
+    }
+    if (cycles++ % kCyclesPerSample != 0) continue;
+    const double t = ToSeconds(cycle->at.time_since_epoch());
+    path.rows.push_back({t, state.O_T_EE[12], state.O_T_EE[13], state.O_T_EE[14]});
+    shares.rows.push_back({t, share[0], share[1], share[2]});
+    force.rows.push_back({t, -state.O_F_ext_hat_K[2]});
+    share = {};
+  }
+  return {std::move(path), std::move(shares), std::move(force)};
+}
 
 /// Demands the limits of the reference and adds the figures. @param track  of the object; null:
-/// none. @throws as record::LogReader.
+/// none.
 void EvaluateLog(const std::filesystem::path& log, const JointLimits& limits,
                  const ObjectTrack* track, Evaluation& evaluation) {
-  PickFigures figures(limits);
-  record::LogReader reader(log);
-  record::LogEntry entry;
-  while (reader.Next(entry)) std::visit([&](const auto& record) { figures(record); }, entry);
-  if (figures.path.rows.empty()) return;
+  std::vector<report::Figure> figures = PickFigures(log, limits);
+  if (figures[0].rows.empty()) return;
   for (const auto& [name, column] : {std::pair("velocity", 1), {"acceleration", 2}, {"jerk", 3}}) {
     double largest = 0;
-    for (const auto& row : figures.shares.rows) {
+    for (const auto& row : figures[1].rows) {
       largest = std::max(largest, row[static_cast<std::size_t>(column)]);
     }
     evaluation.DemandAtMost(fmt::format("peak joint {} of the reference / limit", name),
@@ -192,10 +179,9 @@ void EvaluateLog(const std::filesystem::path& log, const JointLimits& limits,
       object.rows.push_back({ToSeconds(sample.at.time_since_epoch()), sample.X_WB[14]});
     }
   }
-  figures.path.tables["object"] = std::move(object);
-  figures.path.values["simulated"] = track == nullptr ? 0 : 1;
-  evaluation.figures = {std::move(figures.path), std::move(figures.shares),
-                        std::move(figures.force)};
+  figures[0].tables["object"] = std::move(object);
+  figures[0].values["simulated"] = track == nullptr ? 0 : 1;
+  evaluation.figures = std::move(figures);
 }
 
 }  // namespace
@@ -203,15 +189,15 @@ void EvaluateLog(const std::filesystem::path& log, const JointLimits& limits,
 Evaluation EvaluatePick(const PickRecord& record, const TaskResult& task_result,
                         const Evidence& evidence) {
   Evaluation evaluation;
-  evaluation.DemandNone("errors of the robot", record.robot_errors);
+  evaluation.DemandNone("errors of the robot", task_result.robot_errors);
   const std::optional<ObjectTrack> track = evidence.TrackOf(record.task.object.name);
   if (track) EvaluateTruth(record.task, *evidence.contacts, *track, evaluation);
-  EvaluateReports(record, !track, evaluation);
+  EvaluateRelease(record, !track, evaluation);
   const auto failed = std::ranges::count(task_result.task.steps, false, &StepReport::succeeded);
-  evaluation.Report("repeated or failed attempts", static_cast<double>(failed));
-  evaluation.Report("planned duration of all motions", ToSeconds(record.moved), "s");
+  evaluation.Add("repeated or failed attempts", static_cast<double>(failed));
+  evaluation.Add("planned duration of all motions", ToSeconds(record.moved), "s");
   if (evidence.session.counts.cycles() > 0) {
-    evaluation.Report("unserved cycles", evidence.session.counts.unserved_percent(), "%");
+    evaluation.Add("unserved cycles", evidence.session.counts.unserved_percent(), "%");
   }
   if (!evidence.log.empty()) {
     EvaluateLog(evidence.log, record.limits, track ? &*track : nullptr, evaluation);

@@ -55,12 +55,12 @@ reference::PoseTrajectory PathOf(const LegPlan& leg, const CartesianLimits& limi
   return reference::PoseTrajectory(WaypointsOf(leg.poses), {.duration = leg.duration}, limits);
 }
 
-PickPlanner::PickPlanner(planning::CollisionWorld& world, const PickRobot& robot, PickTask task,
-                         const PickOptions& options)
-    : world_(world), robot_(robot), task_(std::move(task)), options_(options) {}
+PickPlanner::PickPlanner(planning::CollisionWorld& world, const scenario::RobotData& robot,
+                         const Transform& F_T_EE, PickTask task, const PickOptions& options)
+    : world_(world), robot_(robot), F_T_EE_(F_T_EE), task_(std::move(task)), options_(options) {}
 
 Transform PickPlanner::PoseAt(const JointVector& q) const noexcept {
-  return model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q, robot_.F_T_EE);
+  return model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q, F_T_EE_);
 }
 
 double PickPlanner::OpeningFor(const Grip& grip) const noexcept {
@@ -69,7 +69,7 @@ double PickPlanner::OpeningFor(const Grip& grip) const noexcept {
 
 std::vector<PickPlanner::Route> PickPlanner::RoutesOf(Leg leg, const Transform& here,
                                                       const Grip& grip) const {
-  const Transform NE_T_EE = model::Multiply(model::Inverse(robot_.F_T_NE), robot_.F_T_EE);
+  const Transform NE_T_EE = model::Multiply(model::Inverse(robot_.F_T_NE), F_T_EE_);
   const Transform B_T_EE = model::Multiply(grip.B_T_NE, NE_T_EE);
   const Vector3d from_up = Vector3d(task_.from_up.data());
   const Vector3d to_up = Vector3d(task_.to_up.data());
@@ -79,13 +79,13 @@ std::vector<PickPlanner::Route> PickPlanner::RoutesOf(Leg leg, const Transform& 
   const Transform above_goal = MovedBy(at_goal, options_.above * to_up);
   const Vector3d higher(0, 0, kHigher);
   switch (leg) {
-    case Leg::kApproach:
+    case kApproach:
       return {{above_object},
               {MovedBy(above_object, higher), above_object},
               {MovedBy(here, higher), MovedBy(above_object, higher), above_object}};
-    case Leg::kGrasp: return {{at_object}};
-    case Leg::kLift: return {{above_object}};
-    case Leg::kTransfer: {
+    case kGrasp: return {{at_object}};
+    case kLift: return {{above_object}};
+    case kTransfer: {
       const double rise = std::max(0.0, above_goal[14] - here[14]);
       const Transform risen = MovedBy(here, Vector3d(0, 0, rise));
       return {{above_goal},
@@ -94,12 +94,13 @@ std::vector<PickPlanner::Route> PickPlanner::RoutesOf(Leg leg, const Transform& 
               {MovedBy(risen, higher), MovedBy(above_goal, higher), above_goal},
               {risen, Between(risen, above_goal), above_goal}};
     }
-    case Leg::kPlace: return {{at_goal}};
-    case Leg::kRetreat: {
+    case kPlace: return {{at_goal}};
+    case kRetreat: {
       const Vector3d away =
           model::Orientation(task_.O_T_goal) * Vector3d(grip.B_up.data()) * options_.above;
       return {{MovedBy(at_goal, away)}};
     }
+    case kLegs: break;
   }
   return {};
 }
@@ -108,27 +109,27 @@ void PickPlanner::SetWorld(Leg leg, const Grip& grip) {
   const std::string& name = task_.object.name;
   world_.Detach();
   world_.ForbidAll();
-  const bool is_held = leg == Leg::kLift || leg == Leg::kTransfer || leg == Leg::kPlace;
+  const bool is_held = kLegTraits[leg].is_held;
   world_.SetHandWidth(is_held ? grip.width : OpeningFor(grip));
   if (is_held) {
     world_.Attach(name, model::Multiply(robot_.F_T_NE, model::Inverse(grip.B_T_NE)));
-    if (leg == Leg::kLift) world_.Allow(name, task_.from);
-    if (leg == Leg::kPlace) world_.Allow(name, task_.to);
+    if (leg == kLift) world_.Allow(name, task_.from);
+    if (leg == kPlace) world_.Allow(name, task_.to);
   } else {
-    world_.Place(name, leg == Leg::kRetreat ? task_.O_T_goal : task_.object.X_WB);
+    world_.Place(name, leg == kRetreat ? task_.O_T_goal : task_.object.X_WB);
   }
 }
 
-std::variant<PickPlanner::FollowedLeg, std::string> PickPlanner::Follow(
-    LegPlan leg, const JointVector& q, const reference::Timing& pace) const {
+OrReason<std::vector<JointVector>> PickPlanner::Follow(LegPlan& leg, const JointVector& q,
+                                                       const reference::Timing& pace) const {
   reference::PoseTrajectory path(WaypointsOf(leg.poses), pace, robot_.cartesian);
   for (int slowing = 0;; ++slowing) {
-    auto outcome = planning::Follow(path, q, robot_.F_T_EE, robot_.limits, options_.follow);
+    auto outcome = planning::Follow(path, q, F_T_EE_, robot_.limits, options_.follow);
     if (auto* why = std::get_if<std::string>(&outcome)) return std::move(*why);
     auto& followed = std::get<planning::Followed>(outcome);
     leg.duration = path.duration();
     const double slower = std::max(followed.velocity_load, std::sqrt(followed.acceleration_load));
-    if (slower <= 1) return FollowedLeg{std::move(leg), std::move(followed.q)};
+    if (slower <= 1) return std::move(followed.q);
     if (slowing == kSlowings) {
       return fmt::format("near a singularity: the joints would be {:.1f} times too fast", slower);
     }
@@ -137,61 +138,53 @@ std::variant<PickPlanner::FollowedLeg, std::string> PickPlanner::Follow(
   }
 }
 
-std::variant<LegPlan, std::string> PickPlanner::Try(const Route& route, const JointVector& q,
-                                                    const reference::Timing& pace,
-                                                    double clearance) {
+OrReason<LegPlan> PickPlanner::Try(const Route& route, const JointVector& q,
+                                   const reference::Timing& pace, double clearance) {
   LegPlan leg{.poses = {PoseAt(q)}, .q_start = q, .q_end = q};
   for (const Transform& pose : route) {
     if (!SamePose(leg.poses.back(), pose)) leg.poses.push_back(pose);
   }
   if (leg.poses.size() == 1) return LegPlan{.q_start = q, .q_end = q};
   try {
-    auto outcome = Follow(std::move(leg), q, pace);
+    auto outcome = Follow(leg, q, pace);
     if (auto* why = std::get_if<std::string>(&outcome)) return std::move(*why);
-    auto& [followed, joints] = std::get<FollowedLeg>(outcome);
+    const auto& joints = std::get<std::vector<JointVector>>(outcome);
     if (auto touch = planning::FirstTouch(world_, joints, clearance)) return std::move(*touch);
-    followed.q_end = joints.back();
-    std::vector<Vector3> points;
-    points.reserve(joints.size());
-    for (const JointVector& at : joints) {
-      const Transform X = PoseAt(at);
-      points.push_back({X[12], X[13], X[14]});
-    }
-    followed.path = Thinned(points);
-    return std::move(followed);
+    leg.q_end = joints.back();
+    leg.path = EndEffectorPath(joints, F_T_EE_);
+    return leg;
   } catch (const InputError& error) {  // half a turn has no shortest path
     return error.what();
   }
 }
 
-bool PickPlanner::Search(const JointVector& q, std::size_t number, PickPlan& plan) {
-  if (number == kLegs) {
+bool PickPlanner::Search(const JointVector& q, Leg leg, PickPlan& plan) {
+  if (leg == kLegs) {
     plan.duration = {};
     for (const LegPlan& leg : plan.legs) plan.duration += leg.duration;
     return true;
   }
-  const Leg leg = static_cast<Leg>(number);
-  const bool is_across = leg == Leg::kApproach || leg == Leg::kTransfer;
-  const bool is_down = leg == Leg::kGrasp || leg == Leg::kPlace;
+  const bool is_across = leg == kApproach || leg == kTransfer;
+  const bool is_down = leg == kGrasp || leg == kPlace;
   for (const Route& route : RoutesOf(leg, PoseAt(q), plan.grip)) {
     SetWorld(leg, plan.grip);
     auto tried = Try(route, q, is_down ? options_.down_pace : options_.pace,
                      is_across ? options_.clearance : options_.near);
     if (const auto* why = std::get_if<std::string>(&tried)) {
-      if (failure_.empty() || number > furthest_) {
-        furthest_ = number;
+      if (failure_.empty() || leg > furthest_) {
+        furthest_ = leg;
         failure_ = *why;
       }
       continue;
     }
-    plan.legs[number] = std::move(std::get<LegPlan>(tried));
-    if (Search(plan.legs[number].q_end, number + 1, plan)) return true;
+    plan.legs[leg] = std::move(std::get<LegPlan>(tried));
+    if (Search(plan.legs[leg].q_end, static_cast<Leg>(leg + 1), plan)) return true;
   }
   return false;
 }
 
-std::variant<PickPlan, std::string> PickPlanner::Plan(const JointVector& q) {
-  furthest_ = 0;
+OrReason<PickPlan> PickPlanner::Plan(const JointVector& q) {
+  furthest_ = kApproach;
   failure_.clear();
   const std::vector<Grip> grips = GripsOf(task_.object, task_.from_up,
                                           {.palm = options_.clearance + 2e-3,
@@ -207,25 +200,24 @@ std::variant<PickPlan, std::string> PickPlanner::Plan(const JointVector& q) {
   std::optional<PickPlan> best;
   for (const Grip& grip : grips) {
     PickPlan plan{.grip = grip, .legs = {}};
-    if (!Search(q, 0, plan) || (best && best->duration <= plan.duration)) continue;
+    if (!Search(q, kApproach, plan) || (best && best->duration <= plan.duration)) continue;
     best = std::move(plan);
   }
   if (best) return std::move(*best);
   return fmt::format("of {} grips none leads to the goal; the best fails at the way \"{}\": {}",
-                     grips.size(), kLegNames.at(furthest_), failure_);
+                     grips.size(), kLegTraits[furthest_].name, failure_);
 }
 
-std::variant<PickPlan, std::string> PickPlanner::PlanFrom(const JointVector& q, Leg first,
-                                                          const Grip& grip) {
-  furthest_ = 0;
+OrReason<PickPlan> PickPlanner::PlanFrom(const JointVector& q, Leg first, const Grip& grip) {
+  furthest_ = kApproach;
   failure_.clear();
   PickPlan plan{.grip = grip, .legs = {}};
-  if (Search(q, static_cast<std::size_t>(first), plan)) return plan;
-  return fmt::format("the way \"{}\": {}", kLegNames.at(furthest_), failure_);
+  if (Search(q, first, plan)) return plan;
+  return fmt::format("the way \"{}\": {}", kLegTraits[furthest_].name, failure_);
 }
 
-std::variant<LegPlan, std::string> PickPlanner::BackOff(const JointVector& q, const Grip& grip) {
-  SetWorld(Leg::kGrasp, grip);
+OrReason<LegPlan> PickPlanner::BackOff(const JointVector& q, const Grip& grip) {
+  SetWorld(kGrasp, grip);
   return Try({MovedBy(PoseAt(q), options_.above * Vector3d(task_.from_up.data()))}, q,
              options_.pace, options_.near);
 }

@@ -32,19 +32,16 @@ class PlanAndExecute final : public Application {
         budget_(static_cast<std::uint64_t>(parameters.Number("budget", 100'000, 1, 1e9))),
         controller_(parameters.Below("controller")) {}
 
-  [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
-    return control::CommandInterface::kTorque;
-  }
   [[nodiscard]] Duration longest(const scenario::Scenario& /*scenario*/) const override {
     return goals_ * std::chrono::seconds(30);
   }
-  [[nodiscard]] TaskResult Perform(Stage& stage) override;
+  void Perform(Stage& stage) override;
   [[nodiscard]] Evaluation Evaluate(const TaskResult& task_result,
                                     const Evidence& evidence) override;
 
  private:
-  StepEnd Plan(const Stage& stage, planning::CollisionWorld& world, int goal);
-  StepEnd Execute(const Stage& stage);
+  StepEnd Plan(Stage& stage, planning::CollisionWorld& world, int goal);
+  StepEnd Execute(Stage& stage);
   void CheckDensely(planning::CollisionWorld& world, const reference::Trajectory& trajectory);
 
   const int goals_;
@@ -53,14 +50,13 @@ class PlanAndExecute final : public Application {
   const control::Parameters controller_;
 
   std::optional<planning::Plan> plan_;  ///< of the next motion
-  TaskResult task_result_;
-  std::uint64_t most_checks_ = 0;  ///< of one plan
-  std::uint64_t dense_ = 0;        ///< configurations of the plans, checked again
-  std::uint64_t touching_ = 0;     ///< those in collision
-  double final_error_ = 0;         ///< largest over the motions, rad
+  std::uint64_t most_checks_ = 0;       ///< of one plan
+  std::uint64_t dense_ = 0;             ///< configurations of the plans, checked again
+  std::uint64_t touching_ = 0;          ///< those in collision
+  double final_error_ = 0;              ///< largest over the motions, rad
 };
 
-TaskResult PlanAndExecute::Perform(Stage& stage) {
+void PlanAndExecute::Perform(Stage& stage) {
   const auto world = stage.MakeWorld();
   std::vector<TaskStep> steps;
   for (int goal = 1; goal <= goals_; ++goal) {
@@ -69,11 +65,10 @@ TaskResult PlanAndExecute::Perform(Stage& stage) {
         {.name = "plan" + number, .act = [&, goal] { return Plan(stage, *world, goal); }});
     steps.push_back({.name = "execute" + number, .act = [&] { return Execute(stage); }});
   }
-  task_result_.task = stage.Carry(steps);
-  return std::move(task_result_);
+  stage.Carry(steps);
 }
 
-StepEnd PlanAndExecute::Plan(const Stage& stage, planning::CollisionWorld& world, int goal) {
+StepEnd PlanAndExecute::Plan(Stage& stage, planning::CollisionWorld& world, int goal) {
   const JointLimits& limits = stage.session.robot().limits;
   const Time begun = stage.session.Now();
   const JointVector start = stage.session.ReadState().q;
@@ -89,8 +84,8 @@ StepEnd PlanAndExecute::Plan(const Stage& stage, planning::CollisionWorld& world
   plan_.emplace(std::move(std::get<planning::Plan>(outcome)));
   CheckDensely(world, plan_->trajectory);
   most_checks_ = std::max(most_checks_, plan_->statistics.checks);
-  task_result_.planning_time += plan_->statistics.wall;
-  task_result_.plans.push_back(
+  stage.result.planning_time += plan_->statistics.wall;
+  stage.result.plans.push_back(
       {.id = fmt::format("goal_{}", goal),
        .caption = fmt::format("Around what stands there to goal {} of {}", goal, goals_),
        .from = begun,
@@ -110,12 +105,12 @@ void PlanAndExecute::CheckDensely(planning::CollisionWorld& world,
   }
 }
 
-StepEnd PlanAndExecute::Execute(const Stage& stage) {
-  record::PlanRecord& plan = task_result_.plans.back();
+StepEnd PlanAndExecute::Execute(Stage& stage) {
+  record::PlanRecord& plan = stage.result.plans.back();
   run::Motion motion =
       run::MotionOn(stage.scenario, plan.id, control::CommandInterface::kTorque, plan_->trajectory);
   motion.controller.parameters = controller_;
-  const run::MotionResult result = stage.session.Move(motion);
+  const run::MotionResult result = stage.Move(motion);
   plan.until = stage.session.Now();
   final_error_ = std::max(final_error_, result.final_error);
   return {result.report.succeeded(), result.report.failure};
@@ -124,10 +119,10 @@ StepEnd PlanAndExecute::Execute(const Stage& stage) {
 Evaluation PlanAndExecute::Evaluate(const TaskResult& task_result, const Evidence& evidence) {
   Evaluation evaluation;
   const auto count = [](std::uint64_t number) { return static_cast<double>(number); };
-  evaluation.Report("plans", count(task_result.plans.size()));
+  evaluation.Add("plans", count(task_result.plans.size()));
   evaluation.Demand("collision checks of a plan, largest", count(most_checks_), "",
                     fmt::format("at most {}", budget_), most_checks_ <= budget_);
-  evaluation.Report("configurations of the plans checked again, every millisecond", count(dense_));
+  evaluation.Add("configurations of the plans checked again, every millisecond", count(dense_));
   evaluation.DemandAtMost("configurations in collision", count(touching_), "", 0);
   if (evidence.contacts != nullptr) {
     evaluation.DemandAtMost("cycles with contact of the arm", count(evidence.contacts->cycles()),
@@ -137,10 +132,10 @@ Evaluation PlanAndExecute::Evaluate(const TaskResult& task_result, const Evidenc
   for (const run::FollowedMotion& motion : evidence.session.followed) {
     if (motion.deviation.joints) deviation = std::max(deviation, motion.deviation.joints->largest);
   }
-  evaluation.Report("largest distance of a joint from the plan (delay included)", deviation * 1e3,
-                    "mrad");
+  evaluation.Add("largest distance of a joint from the plan (delay included)", deviation * 1e3,
+                 "mrad");
   evaluation.findings.back().demand = "within the controller's path tolerance, else the step fails";
-  evaluation.Report("joint position error at the goal, largest", final_error_ * 1e3, "mrad");
+  evaluation.Add("joint position error at the goal, largest", final_error_ * 1e3, "mrad");
   evaluation.findings.back().demand = "within the controller's goal tolerance, else the step fails";
   return evaluation;
 }

@@ -3,12 +3,15 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
 #include "twin/render/clip.h"
+#include "twin/render/image.h"
+#include "twin/replay/plan_pictures.h"
 #include "twin/replay/recording.h"
 #include "twin/report/plots.h"
 #include "twin/run/film.h"
@@ -19,10 +22,8 @@ namespace {
 
 /// True if the run's time is the wall clock.
 bool IsOnWallClock(const scenario::Scenario& scenario, const run::RealtimeSettings& settings) {
-  if (scenario.is_remote()) {
-    return settings.remote.time == backend::RobotTime::kWall;
-  }
-  return scenario.drive == scenario::Drive::kRealtime;
+  return scenario.is_remote() ? settings.remote.time == backend::RobotTime::kWall
+                              : scenario.drive == scenario::Drive::kRealtime;
 }
 
 /// Largest resident size of the process, MB.
@@ -51,7 +52,7 @@ void NoteIgnoredSettings(const scenario::Scenario& scenario, bool video, run::Co
   }
   if (!video) return;
   console.Note(
-      "no video is made: nobody here sees the robot; run the scenario in the twin (without "
+      "no video is made of a remote robot; run the scenario in the twin (without "
       "--backend) to see the motion");
 }
 
@@ -77,11 +78,12 @@ void Reach(const backend::RobotAddress& address, bool allow_hardware, run::Conso
     Print(console, {"reach", false, fmt::format("{} cannot be driven; see below", robot)});
     throw;
   }
-  if (is_twin) return Print(console, {"hardware", true, "none: it says that it is a twin"});
-  if (allow_hardware) {
-    return Print(console, {"hardware", true, "a real arm may move (--allow-hardware)"});
-  }
-  Print(console, {"hardware", false, "a real arm may move, and nothing allows that; see below"});
+  const bool is_allowed = is_twin || allow_hardware;
+  Print(console, {"hardware", is_allowed,
+                  is_twin          ? "none: it says that it is a twin"
+                  : allow_hardware ? "a real arm may move (--allow-hardware)"
+                                   : "a real arm may move, and nothing allows that; see below"});
+  if (is_allowed) return;
   throw InputError(
       fmt::format("--robot {}: what answers there does not say that it is a twin, so that a real "
                   "arm may move; clear its workspace, keep the user stop in your hand, and say "
@@ -103,6 +105,73 @@ void RequireReady(const std::function<bool(const run::TellCheck&)>& check, run::
                   failed));
 }
 
+class MotionRecorder final : public RunRecorder {
+ public:
+  using RunRecorder::RunRecorder;
+
+ private:
+  Connected Connect(const run::RealtimeSettings& settings) override {
+    run_.emplace(scenario(), inputs_.catalogue, inputs_.files, page_.sink(), settings);
+    if (const auto planning = run_->planning_time()) times_.planning_s = ToSeconds(*planning);
+    // The reference generator settles behind the plan: the video shows that second too.
+    constexpr Duration kSettling = std::chrono::seconds(1);
+    return {.connection = &run_->connection(),
+            .robot = &run_->robot(),
+            .check_start = [this](const run::TellCheck& tell) { return run_->CheckStart(tell); },
+            .longest = run_->trajectory().duration() + kSettling};
+  }
+  Outcome Perform(const run::RunHooks& hooks) override;
+  std::string SummaryOfFile() const override {
+    return run::SummaryJson(scenario(), result_, is_interrupted(), records_.contacts());
+  }
+  std::string SummaryOfTerminal() const override {
+    return run::SummaryText(scenario(), result_, is_interrupted(), times_, records_.contacts());
+  }
+  /// plan_initial.png, plan.png and plan_final.png of a planned motion.
+  void Draw(const render::Film& film, replay::PlanPictures& pictures) override {
+    const render::PlannedGoal& plan = film.goals.front();
+    render::WritePng(out_.plan_initial(), pictures.Before(plan));
+    render::WritePng(out_.plan(), pictures.Planned(plan));
+    render::WritePng(out_.plan_final(), pictures.Done(plan));
+  }
+
+  std::optional<run::Run> run_;
+  run::RunResult result_;
+};
+
+RunRecorder::Outcome MotionRecorder::Perform(const run::RunHooks& hooks) {
+  const Time begin = clock_.Now();
+  run::RunHooks shown = hooks;
+  shown.progress = [&](Time now, Duration planned) {
+    hooks.progress(now, planned);
+    const double simulated = ToSeconds(now.time_since_epoch());
+    inputs_.console.Show("run", simulated / ToSeconds(planned),
+                         fmt::format("{:.1f} of {:.1f} s, {:.1f} x real time", simulated,
+                                     ToSeconds(planned), simulated / SecondsSince(begin)));
+  };
+  result_ = run_->Execute(shown);
+  const loop::RunReport& report = result_.report;
+  Outcome outcome{.simulated = report.simulated,
+                  .followed = {result_.followed},
+                  .notices = report.notices,
+                  .robot = report.robot_timings};
+  if (run_->planning_time()) {
+    const Transform F_T_EE = run_->robot().F_T_EE(scenario().onboard.NE_T_EE);
+    outcome.plans = {{.id = "plan",
+                      .caption = "Around what stands there to the goal",
+                      .until = Time(report.simulated),
+                      .q = run_->trajectory().goal(),
+                      .path = EndEffectorPath(run_->trajectory(), F_T_EE)}};
+  }
+  if (report.succeeded()) return outcome;
+  outcome.failure = report.failure;
+  for (const Violation& violation : report.violations) outcome.cause += "; " + Describe(violation);
+  if (scenario().record && report.end == backend::MotionEnd::kAborted) {
+    outcome.cause += fmt::format("; why: panda-twin explain {}", out_.log().string());
+  }
+  return outcome;
+}
+
 /// Replaces an earlier run's results by the summary of a run that failed before its first motion.
 void LeaveFailure(const RunInputs& inputs, const std::string& failure) {
   try {
@@ -119,8 +188,8 @@ void LeaveFailure(const RunInputs& inputs, const std::string& failure) {
 void Execute(const RunInputs& inputs, std::optional<fci::Capture>& capture) {
   std::unique_ptr<RunRecorder> recorder;
   try {
-    recorder =
-        inputs.scenario.application ? MakeApplicationRecorder(inputs) : MakeMotionRecorder(inputs);
+    recorder = inputs.scenario.application ? MakeApplicationRecorder(inputs)
+                                           : std::make_unique<MotionRecorder>(inputs);
     recorder->Execute(capture);
   } catch (const InputError&) {
     throw;
@@ -138,18 +207,20 @@ void Execute(const RunInputs& inputs, std::optional<fci::Capture>& capture) {
 
 void RecordRun(const RunInputs& inputs) {
   std::optional<fci::Capture> capture;
-  const auto note = [&inputs](std::string_view text) { inputs.console.Note(text); };
+  std::exception_ptr failure;
   try {
     Execute(inputs, capture);
-    if (capture) run::FinishCapture(*capture, note);
   } catch (...) {
-    try {  // the capture of a failed run matters most
-      if (capture) run::FinishCapture(*capture, note);
-    } catch (const EnvironmentError& error) {
-      note(error.what());
-    }
-    throw;
+    failure = std::current_exception();
   }
+  const auto note = [&inputs](std::string_view text) { inputs.console.Note(text); };
+  try {  // the capture of a failed run matters most
+    if (capture) run::FinishCapture(*capture, note);
+  } catch (const EnvironmentError& error) {
+    if (!failure) throw;
+    note(error.what());
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 RunRecorder::RunRecorder(const RunInputs& inputs)
@@ -225,7 +296,7 @@ void RunRecorder::OpenPage() {
                                is_lockstep ? ", held back to the pace of the wall clock" : "");
   settings.limits = run_.robot->limits;
   if (!is_operated) {
-    settings.watch_only = "nobody operates this run from here; anyone may stop it";
+    settings.watch_only = "this run takes no commands from here; any viewer may stop it";
     settings.stop = [this] { inputs_.console.Interrupt(); };
   }
   // In lockstep the page's thread must not ask the hand, which belongs to the run's thread.
@@ -308,11 +379,14 @@ void RunRecorder::MakePictures() {
   const plant::TruthProbe& truth = *run_.connection->truth;
   const render::Film film = replay::FilmOfRun(truth.model(), *records_.snapshots(), scenario(),
                                               records_.plans(), records_.events());
-  const render::FilmSettings settings = run::FilmOf(scenario().render);
+  render::FilmSettings settings = run::FilmOf(scenario().render);
   times_.video_s = run::RenderClip(render::FramesOf(film, settings),
                                    {out_.video(), out_.contact_sheet()}, clock_, inputs_.console)
                        .seconds;
-  Draw(film, settings);
+  if (film.goals.empty()) return;
+  settings.overlays = {.text = false};
+  replay::PlanPictures pictures(film, settings);
+  Draw(film, pictures);
 }
 
 void RunRecorder::EvaluateDeviations() const {

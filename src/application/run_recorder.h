@@ -5,8 +5,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "twin/application/application.h"
 #include "twin/application/record_run.h"
 #include "twin/core/clock.h"
 #include "twin/fci/capture.h"
@@ -16,6 +18,10 @@
 #include "twin/run/result_folder.h"
 #include "twin/run/run_records.h"
 #include "twin/run/summary.h"
+
+namespace twin::replay {
+class PlanPictures;
+}  // namespace twin::replay
 
 namespace twin::application {
 
@@ -73,7 +79,8 @@ class RunRecorder {
   virtual void Evaluate(Outcome& /*outcome*/) {}
   [[nodiscard]] virtual std::string SummaryOfFile() const = 0;
   [[nodiscard]] virtual std::string SummaryOfTerminal() const = 0;
-  virtual void Draw(const render::Film& film, const render::FilmSettings& settings) = 0;
+  /// Pictures of the plans. @pre there is one.
+  virtual void Draw(const render::Film& film, replay::PlanPictures& pictures) = 0;
   /// @param plots  of the whole run.
   virtual void WriteReport(const std::vector<std::filesystem::path>& /*plots*/) const {}
 
@@ -103,8 +110,26 @@ class RunRecorder {
   bool has_summary_ = false;
 };
 
-/// For the scenario's motion, and for its application.
-[[nodiscard]] std::unique_ptr<RunRecorder> MakeMotionRecorder(const RunInputs& inputs);
+/// For the scenario's application.
 [[nodiscard]] std::unique_ptr<RunRecorder> MakeApplicationRecorder(const RunInputs& inputs);
+
+/// Two pictures of a planned motion, PNG; empty paths: none.
+struct PicturePair {
+  std::filesystem::path planned;
+  std::filesystem::path done;
+};
+
+/// Contents of the page in addition to task_result and evaluation.
+struct PageFacts {
+  std::vector<std::pair<std::string, std::string>> lines{};  ///< "lab": "a"; as a table
+  std::vector<PicturePair> pictures{};                       ///< one per plan of the task, or none
+  std::vector<std::filesystem::path> plots{};                ///< SVG files of the whole run
+  bool has_video = false;                                    ///< video.mp4 is in the page's folder
+};
+
+/// The report: outcome, demands, steps, pairs of pictures, figures, plots. One HTML file with
+/// everything except the video. @throws EnvironmentError if a picture or plot cannot be read.
+[[nodiscard]] std::string PageOf(const scenario::Scenario& scenario, const TaskResult& task_result,
+                                 const Evaluation& evaluation, const PageFacts& facts);
 
 }  // namespace twin::application

@@ -1,9 +1,8 @@
-#include "application/teleoperation.h"
+#include "application/scripted_operator.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string_view>
 
 #include <fmt/format.h>
 
@@ -14,18 +13,20 @@ namespace {
 
 using Eigen::Vector3d;
 using std::chrono::milliseconds;
+using teleop::Mode;
 using teleop::OperatorSample;
 
 constexpr Duration kLookPeriod = milliseconds(33);
 constexpr Duration kSamplePeriod = milliseconds(5);
 constexpr Duration kHandTime = milliseconds(2200);  ///< for the fingers to open or close
-constexpr int kMostTries = 40;                      ///< motions for one intent
+constexpr Duration kPressTime = milliseconds(300);
+constexpr int kMostTries = 40;  ///< motions for one intent
 
 constexpr double kFingertips = 0.1034;  // m, from the hand's frame
 constexpr double kClear = 0.09;    // m, from the object's upper face to the fingertips above it
 constexpr double kGrip = 0.015;    // m, of the fingertips above the object's middle
 constexpr double kCoarse = 0.005;  // m, tolerances of reaching
-constexpr double kNear = 0.004;
+constexpr double kNear = 0.004;    // at half the speed
 constexpr double kLoose = 0.03;
 constexpr double kThere = 0.03;          // m, of driving
 constexpr double kTurned = 0.03;         // rad
@@ -39,9 +40,7 @@ double Wrapped(double angle) {
   return std::remainder(angle, 2 * std::numbers::pi);
 }
 
-Vector3d VectorOf(const Vector3& v) {
-  return {v[0], v[1], v[2]};
-}
+const Vector3d kUp(0, 0, 1);
 
 }  // namespace
 
@@ -57,27 +56,61 @@ ScriptedOperator::ScriptedOperator(const plant::TruthProbe& truth, const FetchTa
       hand_(truth, "panda_hand"),
       object_(truth, task.object) {}
 
+const std::array<ScriptedOperator::Intent, 17> ScriptedOperator::kIntents{{
+    {"switching to the base", [](auto& me, auto&, Time t) { return me.Lead(Mode::kBase, t); }},
+    {"driving to the object",
+     [](auto& me, auto& s, Time t) { return me.Drive(me.AtObject(), s, t); }},
+    {"switching to the arm", [](auto& me, auto&, Time t) { return me.Lead(Mode::kArm, t); }},
+    {"reaching over the object",
+     [](auto& me, auto& s, Time t) {
+       const double above = me.task_.height / 2 + kClear;
+       return me.Reach(s.object + above * kUp - s.hand, s, kCoarse, t);
+     }},
+    {"reaching the object",
+     [](auto& me, auto& s, Time t) {
+       me.lifted_from_ = s.object[2];
+       return me.Reach(s.object + kGrip * kUp - s.hand, s, kNear, t);
+     }},
+    {"closing the hand", [](auto& me, auto&, Time t) { return me.TurnHand(true, t); }},
+    {"lifting the object",
+     [](auto& me, auto& s, Time t) {
+       return me.Reach((me.lifted_from_ + 0.12 - s.object[2]) * kUp, s, kLoose, t);
+     }},
+    {"lifting it up to carry",
+     [](auto& me, auto& s, Time t) {
+       if (s.object[2] < me.lifted_from_ + 0.05) me.GiveUp();
+       return me.Reach(s.arm + s.R_WO * kCarried - s.hand, s, kLoose, t);
+     }},
+    {"switching to the base", [](auto& me, auto&, Time t) { return me.Lead(Mode::kBase, t); }},
+    {"backing off",
+     [](auto& me, auto& s, Time t) {
+       BasePose away = me.AtObject();
+       away.x -= 0.8 * std::cos(away.yaw);
+       away.y -= 0.8 * std::sin(away.yaw);
+       return me.Drive(away, s, t);
+     }},
+    {"driving to the target",
+     [](auto& me, auto& s, Time t) { return me.Drive(me.AtTarget(), s, t); }},
+    {"switching to the arm", [](auto& me, auto&, Time t) { return me.Lead(Mode::kArm, t); }},
+    {"reaching over the target",
+     [](auto& me, auto& s, Time t) {
+       return me.Reach(me.target() + 0.06 * kUp - s.object, s, kCoarse, t);
+     }},
+    {"setting the object down",
+     [](auto& me, auto& s, Time t) { return me.Reach(me.target() - s.object, s, kNear, t); }},
+    {"opening the hand", [](auto& me, auto&, Time t) { return me.TurnHand(false, t); }},
+    {"leaving the object",
+     [](auto& me, auto& s, Time t) {
+       const double up = me.task_.to[2] + me.task_.height / 2 + kClear - s.hand[2];
+       return me.Reach(up * kUp, s, kLoose, t);
+     }},
+    {"ending",
+     [](auto& me, auto&, Time t) { return me.Press(&OperatorSample::end_presses, kPressTime, t); }},
+}};
+
 std::string ScriptedOperator::failure() const {
   if (!gave_up_at_) return "";
-  constexpr std::array<std::string_view, 17> kNames{"switching to the base",
-                                                    "driving to the object",
-                                                    "switching to the arm",
-                                                    "reaching over the object",
-                                                    "reaching the object",
-                                                    "closing the hand",
-                                                    "lifting the object",
-                                                    "lifting it up to carry",
-                                                    "switching to the base",
-                                                    "backing off",
-                                                    "driving to the target",
-                                                    "switching to the arm",
-                                                    "reaching over the target",
-                                                    "setting the object down",
-                                                    "opening the hand",
-                                                    "leaving the object",
-                                                    "ending"};
-  return fmt::format("the person gave up while {}",
-                     kNames.at(static_cast<std::size_t>(*gave_up_at_)));
+  return fmt::format("the person gave up while {}", kIntents.at(*gave_up_at_).text);
 }
 
 double ScriptedOperator::Noise(double sigma) noexcept {
@@ -159,9 +192,8 @@ void ScriptedOperator::Act(Time now) noexcept {
 void ScriptedOperator::Decide(Time now) noexcept {
   Sight seen;
   if (!Seen(now - config_.reaction, seen)) return;
-  if (Pursue(Blurred(seen), now)) {
-    intent_ =
-        intent_ == Intent::kEnd ? intent_ : static_cast<Intent>(static_cast<int>(intent_) + 1);
+  if (kIntents.at(intent_).pursue(*this, Blurred(seen), now)) {
+    intent_ = std::min(intent_ + 1, kIntents.size() - 1);
     tries_ = 0;
     has_pressed_ = false;
     return;
@@ -171,55 +203,24 @@ void ScriptedOperator::Decide(Time now) noexcept {
 
 void ScriptedOperator::GiveUp() noexcept {
   if (!gave_up_at_) gave_up_at_ = intent_;
-  intent_ = Intent::kEnd;
+  intent_ = kIntents.size() - 1;
   tries_ = 0;
   has_pressed_ = false;
 }
 
-bool ScriptedOperator::Pursue(const Sight& s, Time now) noexcept {
-  const Vector3d up(0, 0, 1);
-  const Vector3d target = VectorOf(task_.to);
-  const bool leads_base = felt_.mode == teleop::Mode::kBase;
-  switch (intent_) {
-    case Intent::kLeadBase:
-    case Intent::kLeadBaseAgain: return Press(&OperatorSample::mode_presses, leads_base, now);
-    case Intent::kLeadArm:
-    case Intent::kLeadArmAgain: return Press(&OperatorSample::mode_presses, !leads_base, now);
-    case Intent::kDriveToObject: return Drive(StandFor(task_.from, task_.from_yaw), s, now);
-    case Intent::kBackOff: {
-      BasePose away = StandFor(task_.from, task_.from_yaw);
-      away.x -= 0.8 * std::cos(away.yaw);
-      away.y -= 0.8 * std::sin(away.yaw);
-      return Drive(away, s, now);
-    }
-    case Intent::kDriveToTarget: return Drive(StandFor(task_.to, task_.to_yaw), s, now);
-    case Intent::kOverObject:
-      return Reach(s.object + (task_.height / 2 + kClear) * up - s.hand, s, kCoarse, now);
-    case Intent::kAtObject:
-      lifted_from_ = s.object[2];
-      return Reach(s.object + kGrip * up - s.hand, s, kNear, now);
-    case Intent::kClose: return Press(&OperatorSample::gripper_presses, felt_.hand_closed, now);
-    case Intent::kLift: return Reach((lifted_from_ + 0.12 - s.object[2]) * up, s, kLoose, now);
-    case Intent::kCarry:
-      if (s.object[2] < lifted_from_ + 0.05) GiveUp();
-      return Reach(s.arm + s.R_WO * kCarried - s.hand, s, kLoose, now);
-    case Intent::kOverTarget: return Reach(target + 0.06 * up - s.object, s, kCoarse, now);
-    case Intent::kAtTarget: return Reach(target - s.object, s, kNear, now);
-    case Intent::kOpen: return Press(&OperatorSample::gripper_presses, !felt_.hand_closed, now);
-    case Intent::kLeave:
-      return Reach((target[2] + task_.height / 2 + kClear - s.hand[2]) * up, s, kLoose, now);
-    case Intent::kEnd: return Press(&OperatorSample::end_presses, false, now);
-  }
-  return true;
+bool ScriptedOperator::Lead(Mode mode, Time now) noexcept {
+  return felt_.mode == mode || Press(&OperatorSample::mode_presses, kPressTime, now);
 }
 
-bool ScriptedOperator::Press(std::uint32_t OperatorSample::*counter, bool is_so,
+bool ScriptedOperator::TurnHand(bool closed, Time now) noexcept {
+  return felt_.hand_closed == closed || Press(&OperatorSample::gripper_presses, kHandTime, now);
+}
+
+bool ScriptedOperator::Press(std::uint32_t OperatorSample::*counter, Duration least,
                              Time now) noexcept {
-  if (is_so) return true;
   if (!has_pressed_) ++(sample_.*counter);
   has_pressed_ = true;
-  const bool is_hand = counter == &OperatorSample::gripper_presses;
-  Wait(is_hand ? kHandTime : Duration(milliseconds(300)), now);
+  Wait(least, now);
   return false;
 }
 
@@ -230,8 +231,7 @@ bool ScriptedOperator::Reach(const Vector3d& path, const Sight& sight, double to
   for (Eigen::Index i = 0; i < 3; ++i) missed[i] += path.norm() * Noise(config_.hand_noise / 2);
   Axes axes = Axes::Zero();
   axes.head<3>() = sight.R_WO.transpose() * missed;
-  const bool is_careful = intent_ == Intent::kAtObject || intent_ == Intent::kAtTarget;
-  const double speed = is_careful ? config_.arm_speed / 2 : config_.arm_speed;
+  const double speed = tolerance == kNear ? config_.arm_speed / 2 : config_.arm_speed;
   Begin(axes, std::max(0.6, kPeak * missed.norm() / speed), now);
   return false;
 }
@@ -287,7 +287,7 @@ void ScriptedOperator::Move(Time now) noexcept {
     return;
   }
   const Axes velocity = path_ * (30 * s * s * (1 - s) * (1 - s) / duration_);
-  const bool drives = felt_.mode == teleop::Mode::kBase;
+  const bool drives = felt_.mode == Mode::kBase;
   const double full_speed = drives ? robot_.ahead.speed : robot_.along.speed;
   const double full_turn = drives ? robot_.turning.speed : robot_.about.speed;
   for (std::size_t i = 0; i < sample_.axes.size(); ++i) {

@@ -1,14 +1,16 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "application/applications.h"
-#include "application/teleoperation.h"
+#include "application/scripted_operator.h"
 #include "twin/backend/hand.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -36,6 +38,13 @@ constexpr Duration kAnyoneTakes = seconds(1800);
 constexpr double kHalfTurn = std::numbers::pi;
 constexpr double kFarTarget = 100;  // m
 
+constexpr double kMostObjectError = 0.03;  // m, from the target
+constexpr double kMostArmError = 0.01;     // m, of the arm on a base that drives
+/// Margin for rounding of third differences and drift of the session's clock.
+constexpr double kRounding = 1.02;
+constexpr double kOperatorSpeed = 0.2;  // m/s, of a quick hand
+constexpr double kMostTilt = 0.05;      // of the object's axis: 1 - cos, some 18 degrees
+
 /// The scenario's parameters; missing ones get the paper's gains of teleoperation.
 control::Parameters WithPaperGains(control::Parameters given) {
   const control::Parameters otherwise{{.key = "stiffness.translation", .values = {"900 N/m"}},
@@ -54,13 +63,19 @@ control::Parameters WithPaperGains(control::Parameters given) {
   return given;
 }
 
-/// Hand commands at the operator's presses.
-struct HandConfig {
-  double width = 0.04;  ///< m, of the grasped object, +- tolerance
-  double tolerance = 0.04;
-  double force = 30;    ///< N
-  double speed = 0.05;  ///< m/s
-};
+std::vector<report::Figure> TeleoperationFigures(const std::vector<TeleoperatorStatus>& trace) {
+  report::Figure led{.id = "led", .columns = "t [s],ahead [m/s],turning [rad/s],arm [m/s]"};
+  report::Figure error{.id = "error", .columns = "t [s],error [mm]"};
+  report::Figure port{.id = "port", .columns = "t [s],force [N],x [mJ],y [mJ],z [mJ]"};
+  for (const TeleoperatorStatus& s : trace) {
+    const double t = ToSeconds(s.now.time_since_epoch());
+    led.rows.push_back({t, s.base_twist.v, s.base_twist.w, HalfNorm(s.target.O_dP_EE, 0)});
+    error.rows.push_back({t, 1e3 * s.arm_error});
+    port.rows.push_back(
+        {t, HalfNorm(s.felt, 0), 1e3 * s.energy[0], 1e3 * s.energy[1], 1e3 * s.energy[2]});
+  }
+  return {std::move(led), std::move(error), std::move(port)};
+}
 
 class Teleoperation final : public Application {
  public:
@@ -73,8 +88,8 @@ class Teleoperation final : public Application {
     task_.reach = p.Quantity("reach", Dimension::kLength, task_.reach, 0.3, 0.7);
     const Duration longest = p.Time("longest", kScriptedTakes, seconds(1), std::chrono::hours(1));
     if (p.Has("longest")) longest_ = longest;
-    grip_.force = p.Quantity("grasp.force", Dimension::kForce, grip_.force, 1, 140);
-    grip_.speed = p.Quantity("grasp.speed", Dimension::kVelocity, grip_.speed, 0.001, 0.1);
+    grasp_.force = p.Quantity("grasp.force", Dimension::kForce, grasp_.force, 1, 140);
+    grasp_.speed = p.Quantity("grasp.speed", Dimension::kVelocity, grasp_.speed, 0.001, 0.1);
     operator_.hand_noise = p.Number("person.hand_noise", operator_.hand_noise, 0, 0.5);
     operator_.tremor = p.Number("person.tremor", operator_.tremor, 0, 0.2);
     operator_.eye_noise =
@@ -86,18 +101,12 @@ class Teleoperation final : public Application {
   }
 
   void Require(const scenario::Scenario& scenario) const override;
-  [[nodiscard]] control::CommandInterface first_interface() const noexcept override {
-    return control::CommandInterface::kTorque;
-  }
   [[nodiscard]] Duration longest(const scenario::Scenario& scenario) const override {
     return LastsFor(scenario) + seconds(10);
   }
-  [[nodiscard]] bool drives_base() const noexcept override { return true; }
-  [[nodiscard]] TaskResult Perform(Stage& stage) override;
-  [[nodiscard]] Evaluation Evaluate(const TaskResult& /*task_result*/,
-                                    const Evidence& evidence) override {
-    return EvaluateTeleoperation(record_, evidence);
-  }
+  void Perform(Stage& stage) override;
+  [[nodiscard]] Evaluation Evaluate(const TaskResult& task_result,
+                                    const Evidence& evidence) override;
 
  private:
   [[nodiscard]] Duration LastsFor(const scenario::Scenario& scenario) const;
@@ -108,11 +117,15 @@ class Teleoperation final : public Application {
   Time Attend(Time now);
   void TendHand(std::uint32_t presses);
   void BeginPlan(teleop::Mode mode, Time now);
+  void EvaluateObject(const Evidence& evidence, Evaluation& evaluation) const;
+  void EvaluateCommands(Evaluation& evaluation) const;
 
-  FetchTask task_;  ///< from the parameters, without size and place of the object
+  FetchTask task_;  ///< from the parameters; size and place of the object from Perform() on
   std::optional<Duration> longest_;
   const control::Parameters controller_;
-  HandConfig grip_;
+  /// At the operator's presses; an object between the fingers may have any width.
+  hand::Grasp grasp_{
+      .width = 0.04, .speed = 0.05, .force = 30, .epsilon_inner = 0.04, .epsilon_outer = 0.04};
   ScriptedOperatorConfig operator_;
 
   const MonotonicClock clock_;  ///< of devices' own threads
@@ -123,14 +136,16 @@ class Teleoperation final : public Application {
   std::uint32_t presses_ = 0;  ///< executed presses of the hand's button
   int attends_ = 0;
   TeleoperatorStatus last_{};
-  TeleoperationRecord record_;
-  TaskResult task_result_;
+  teleop::TeleoperatorConfig config_;
+  std::vector<TeleoperatorStatus> trace_{};  ///< every 50 ms
+  int switches_ = 0;                         ///< mode switches
+  int motions_ = 0;                          ///< of the scripted operator
 };
 
 void Teleoperation::Require(const scenario::Scenario& scenario) const {
   if (!scenario.operator_section) {
     throw InputError(
-        "application teleoperation: nobody leads; say who, as operator: {device: person}");
+        "application teleoperation: needs an operator; say operator: {device: person}");
   }
   const bool is_scripted = scenario.operator_section->device == kScriptedDevice;
   if (is_scripted || !task_.object.empty()) static_cast<void>(TaskOf(scenario));
@@ -140,7 +155,7 @@ void Teleoperation::Require(const scenario::Scenario& scenario) const {
   if (!scenario.is_lockstep()) {
     throw InputError(
         "operator: the scripted person sees the simulation and is for drive: lockstep only; name a "
-        "device that somebody holds");
+        "device of a human operator");
   }
   if (!scenario.base) {
     throw InputError(
@@ -182,8 +197,8 @@ std::unique_ptr<teleop::Device> Teleoperation::MakeDevice(const Stage& stage) {
           "operator: the scripted person sees nothing of this plant; say plant: "
           "{kind: mujoco}");
     }
-    auto scripted = std::make_unique<ScriptedOperator>(*truth, record_.task, operator_,
-                                                       record_.config, stage.scenario.seed);
+    auto scripted =
+        std::make_unique<ScriptedOperator>(*truth, task_, operator_, config_, stage.scenario.seed);
     scripted_ = scripted.get();
     return scripted;
   }
@@ -201,24 +216,23 @@ std::unique_ptr<teleop::Device> Teleoperation::MakeDevice(const Stage& stage) {
   return device;
 }
 
-TaskResult Teleoperation::Perform(Stage& stage) {
+void Teleoperation::Perform(Stage& stage) {
   stage_ = &stage;
   const scenario::OperatorSection& section = *stage.scenario.operator_section;
-  record_.config = MakeTeleoperator(section);
-  if (!task_.object.empty()) record_.task = TaskOf(stage.scenario);
+  config_ = MakeTeleoperator(section);
+  if (!task_.object.empty()) task_ = TaskOf(stage.scenario);
   device_ = MakeDevice(stage);
   teleoperator_.emplace(
       Teleoperator::Parts{
           .device = *device_, .base = stage.session.base(), .limits = stage.session.robot().limits},
-      record_.config, MakeWire(section), stage.scenario.seed);
+      config_, MakeWire(section), stage.scenario.seed);
   if (stage.tell) stage.tell(fmt::format("led by {}", device_->Describe()));
-  task_result_.task = stage.Carry({{.name = "teleoperation", .act = [this] { return Lead(); }}});
+  stage.Carry({{.name = "teleoperation", .act = [this] { return Lead(); }}});
   // These refer to the session, so they end with it.
   teleoperator_.reset();
   scripted_ = nullptr;
   device_.reset();
   stage_ = nullptr;
-  return std::move(task_result_);
 }
 
 StepEnd Teleoperation::Lead() {
@@ -234,24 +248,22 @@ StepEnd Teleoperation::Lead() {
   motion.live = &*teleoperator_;
   motion.attend = [this](Time now) { return Attend(now); };
   BeginPlan(teleop::Mode::kArm, session.Now());
-  const run::MotionResult result = session.Move(motion);
-  record_.trace.push_back(teleoperator_->TakeStatus());
-  record_.trace.back().now = session.Now();
-  task_result_.plans.back().until = session.Now();
-  if (result.report.errors.any()) record_.robot_errors.push_back(result.report.failure);
+  const run::MotionResult result = stage_->Move(motion);
+  trace_.push_back(teleoperator_->TakeStatus());
+  trace_.back().now = session.Now();
+  stage_->result.plans.back().until = session.Now();
   if (!result.report.succeeded()) return {false, result.report.failure};
   if (scripted_ == nullptr) return {};
-  record_.motions = scripted_->motions();
+  motions_ = scripted_->motions();
   const std::string why = scripted_->failure();
-  return {why.empty(),
-          why.empty() ? fmt::format("{} motions of the person", record_.motions) : why};
+  return {why.empty(), why.empty() ? fmt::format("{} motions of the person", motions_) : why};
 }
 
 Time Teleoperation::Attend(Time now) {
   TendHand(teleoperator_->gripper_presses());
   const TeleoperatorStatus& status = teleoperator_->TakeStatus();
   if (status.mode != last_.mode) {
-    ++record_.switches;
+    ++switches_;
     stage_->session.Tell("operator",
                          status.mode == teleop::Mode::kBase ? "leads the base" : "leads the arm");
     BeginPlan(status.mode, now);
@@ -260,10 +272,10 @@ Time Teleoperation::Attend(Time now) {
     stage_->session.Tell("operator", status.stopped ? "emergency stop" : "stop released");
   }
   if (status.holding != last_.holding) {
-    stage_->session.Tell("operator", status.holding ? "nobody leads" : "somebody leads");
+    stage_->session.Tell("operator", status.holding ? "no input" : "input");
   }
   last_ = status;
-  if (attends_++ % kAttendsPerSample == 0) record_.trace.push_back(status);
+  if (attends_++ % kAttendsPerSample == 0) trace_.push_back(status);
   return now + kAttend;
 }
 
@@ -273,12 +285,8 @@ void Teleoperation::TendHand(std::uint32_t presses) {
   if (since % 2 == 0 || hand == nullptr) return;
   const bool closes = presses % 2 == 1;
   const HandCommand command =
-      closes ? HandCommand(hand::Grasp{.width = grip_.width,
-                                       .speed = grip_.speed,
-                                       .force = grip_.force,
-                                       .epsilon_inner = grip_.tolerance,
-                                       .epsilon_outer = grip_.tolerance})
-             : HandCommand(hand::Move{.width = kHandStroke, .speed = grip_.speed});
+      closes ? HandCommand(grasp_)
+             : HandCommand(hand::Move{.width = kHandStroke, .speed = grasp_.speed});
   try {
     static_cast<void>(hand->Start(command));
     stage_->session.Tell("operator", closes ? "closes the hand" : "opens the hand");
@@ -289,7 +297,7 @@ void Teleoperation::TendHand(std::uint32_t presses) {
 }
 
 void Teleoperation::BeginPlan(teleop::Mode mode, Time now) {
-  std::vector<record::PlanRecord>& plans = task_result_.plans;
+  std::vector<record::PlanRecord>& plans = stage_->result.plans;
   if (!plans.empty()) plans.back().until = now;
   // Drops a phase that is too short to show.
   if (!plans.empty() && now - plans.back().from < kShortest) plans.pop_back();
@@ -302,6 +310,58 @@ void Teleoperation::BeginPlan(teleop::Mode mode, Time now) {
                                           holds ? "closed" : "open"),
                    .from = now,
                    .until = now});
+}
+
+void Teleoperation::EvaluateObject(const Evidence& evidence, Evaluation& evaluation) const {
+  const std::optional<plant::ObjectTrack> track = evidence.TrackOf(task_.object);
+  if (!track) return;
+  const Transform& X = track->last.X_WB;
+  evaluation.DemandAtMost(
+      "object position error",
+      1e3 * std::hypot(X[12] - task_.to[0], X[13] - task_.to[1], X[14] - task_.to[2]), "mm",
+      1e3 * kMostObjectError);
+  evaluation.DemandAtMost("object tilt at the end, 1 - cos", 1 - X[10], "", kMostTilt);
+  const plant::Support& now = track->changes.back().now;
+  evaluation.DemandAtMost(
+      "fingers in contact with the object at the end",
+      static_cast<double>(now.left_finger) + static_cast<double>(now.right_finger), "", 0);
+}
+
+void Teleoperation::EvaluateCommands(Evaluation& evaluation) const {
+  const TeleoperatorStatus& end = trace_.back();
+  const teleop::TeleoperatorConfig& most = config_;
+  evaluation.DemandAtMost("tracking error of the arm while the base drives, largest",
+                          1e3 * end.most_drive_error, "mm", 1e3 * kMostArmError);
+  evaluation.DemandAtMost("jerk of the arm's reference at mode switches",
+                          end.peaks_at_switch.along.jerk, "m/s^3", kRounding * most.along.jerk);
+  evaluation.DemandAtMost("jerk of the base's command at mode switches",
+                          end.peaks_at_switch.ahead.jerk, "m/s^3", kRounding * most.ahead.jerk);
+  evaluation.DemandAtMost("jerk of the arm's reference", end.peaks.along.jerk, "m/s^3",
+                          kRounding * most.along.jerk);
+  evaluation.DemandAtMost("jerk of the base's command", end.peaks.ahead.jerk, "m/s^3",
+                          kRounding * most.ahead.jerk);
+  evaluation.Add("speed of the arm's reference, largest", end.peaks.along.speed, "m/s");
+  evaluation.Add("speed of the base's command, largest", end.peaks.ahead.speed, "m/s");
+  // A hand that reverses within one period gets more than the reserve (PassivePort).
+  const double turned = most.feedback.most_force * kOperatorSpeed * kCycleSeconds;
+  evaluation.DemandAtMost("energy out of the operator's port, largest of the axes",
+                          1e3 * std::max(0.0, -end.least_energy), "mJ",
+                          1e3 * (most.feedback.reserve + turned));
+}
+
+Evaluation Teleoperation::Evaluate(const TaskResult& task_result, const Evidence& evidence) {
+  Evaluation evaluation;
+  evaluation.DemandNone("errors of the robot", task_result.robot_errors);
+  EvaluateObject(evidence, evaluation);
+  if (trace_.empty()) return evaluation;
+  EvaluateCommands(evaluation);
+  evaluation.Add("mode switches", switches_);
+  if (motions_ > 0) evaluation.Add("motions by the operator", motions_);
+  const TeleoperatorStatus& end = trace_.back();
+  evaluation.Add("duration", ToSeconds(end.now.time_since_epoch()), "s");
+  evaluation.Add("longest gap between two samples", 1e3 * ToSeconds(end.longest_silence), "ms");
+  if (!evidence.log.empty()) evaluation.figures = TeleoperationFigures(trace_);
+  return evaluation;
 }
 
 }  // namespace

@@ -30,18 +30,19 @@ TEST(WilsonIntervalTest, IsAsPublished) {
 }
 
 TEST(MonteCarloTest, CarriesOutSeedBySeedWhateverTheThreads) {
-  const scenario::Scenario scenario = scenario::Load(test::FileOf("pick_and_place"));
-  const MonteCarloResult one = test::Seeds(scenario, {.first_seed = 3, .seeds = 3, .threads = 1});
+  scenario::Scenario scenario = scenario::Load(test::FileOf("pick_and_place"));
+  scenario.seed = 3;
+  const MonteCarloResult one = test::Seeds(scenario, {.seeds = 3, .threads = 1});
   std::vector<std::uint64_t> told;
   const MonteCarloResult two =
-      test::Seeds(scenario, {.first_seed = 3, .seeds = 3, .threads = 2},
+      test::Seeds(scenario, {.seeds = 3, .threads = 2},
                   [&told](const SeedOutcome& outcome) { told.push_back(outcome.seed); });
   ASSERT_EQ(one.outcomes.size(), 3U);
   ASSERT_EQ(two.outcomes.size(), 3U);
   EXPECT_THAT(told, testing::UnorderedElementsAre(3, 4, 5));
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(one.outcomes[i].seed, 3 + i);
-    EXPECT_TRUE(one.outcomes[i].succeeded) << one.outcomes[i].failure;
+    EXPECT_TRUE(one.outcomes[i].succeeded()) << one.outcomes[i].failure;
     EXPECT_EQ(one.outcomes[i].states_hash, two.outcomes[i].states_hash);
   }
   EXPECT_NE(one.outcomes[0].states_hash, one.outcomes[1].states_hash) << "other seeds, other tasks";

@@ -1,4 +1,4 @@
-#include "twin/application/task.h"
+#include "twin/application/application.h"
 
 #include <chrono>
 #include <string>

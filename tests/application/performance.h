@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "application/results.h"
+#include "application/run_recorder.h"
 #include "controllers/registration.h"
 #include "plugins/backends.h"
 #include "twin/application/application.h"
@@ -66,7 +66,7 @@ class Performance final : public record::RecordSink {
                                  .contacts = contacts_ ? &*contacts_ : nullptr});
   }
 
-  [[nodiscard]] bool succeeded() const { return Succeeded(task_result, evaluation); }
+  [[nodiscard]] bool succeeded() const { return FailureOf(task_result, evaluation).empty(); }
   /// For messages: why not, and what was found.
   [[nodiscard]] std::string Story() const {
     std::string story = FailureOf(task_result, evaluation) + "\n";

@@ -140,7 +140,7 @@ class PageServerTest(unittest.TestCase):
     def test_nobody_operates_a_run_that_goes_by_itself(self):
         with self.served.connect() as client:
             client.say("take")
-            self.assertIn("nobody operates this run", client.hear("refused")["text"])
+            self.assertIn("takes no commands from here", client.hear("refused")["text"])
 
     def test_malformed_frames_end_their_connection_and_nothing_else(self):
         def unmasked(client): client.send_frame(TEXT, b'{"type":"stop"}', masked=False)

@@ -32,7 +32,7 @@ WORD_OF_IDENTIFIER = re.compile(r"[A-Z]?[a-z]+")
 CLOCK_READERS = ("src/core/clock.cc", "src/rt/")
 MUJOCO_USERS = ("src/plant/", "src/planning/", "src/render/", "plugins/emulated/", "tests/")
 TRUTH_USERS = ("include/twin/plant/", "src/plant/", "include/twin/render/", "src/render/", "plugins/emulated/", "tests/",
-               "include/twin/application/evidence.h", "src/page/live_page.cc", "include/twin/run/run_records.h")
+               "include/twin/application/application.h", "src/page/live_page.cc", "include/twin/run/run_records.h")
 TRUTH = {"twin/plant/truth_probe.h": TRUTH_USERS, "twin/plant/contact_watch.h": (*TRUTH_USERS, "include/twin/run/"),
          "twin/plant/object_watch.h": TRUTH_USERS}
 PLUG_IN_NAMERS = ("src/cli/", "plugins/", "controllers/", "tests/")
@@ -205,7 +205,7 @@ SELF_TEST = [
     ("controllers/a.cc", '#include "twin/plant/contact_watch.h"\n', "ground truth"),
     ("src/cli/a.cc", '#include "twin/plant/object_watch.h"\n', "ground truth"),
     ("src/application/a.cc", '#include "twin/plant/truth_probe.h"\n', "ground truth"),
-    ("include/twin/application/evidence.h", '#pragma once\n#include "twin/plant/truth_probe.h"\n', ""),
+    ("include/twin/application/application.h", '#pragma once\n#include "twin/plant/truth_probe.h"\n', ""),
     ("src/onboard/a.cc", '#include "plugins/emulated/x.h"\n', "only cli names plug-ins"),
     ("src/core/a.cc", "auto t = std::chrono::steady_clock::now();\n", "reads a clock"),
     ("src/core/a.cc", "clock_gettime(CLOCK_MONOTONIC, &t);\n", "reads a clock"),

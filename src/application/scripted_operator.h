@@ -1,15 +1,14 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <Eigen/Core>
 
-#include "twin/application/application.h"
 #include "twin/core/mobile_base.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
@@ -18,7 +17,6 @@
 #include "twin/teleop/teleoperator.h"
 #include "twin/teleop/teleoperator_config.h"
 
-// Parts of the application `teleoperation`: scripted operator and evaluation.
 namespace twin::application {
 
 /// Object to transport, its target, and poses of the base. World frame, m and rad.
@@ -76,26 +74,6 @@ class ScriptedOperator final : public teleop::Device {
   [[nodiscard]] int motions() const noexcept { return motions_; }
 
  private:
-  /// The next action.
-  enum class Intent : std::uint8_t {
-    kLeadBase,
-    kDriveToObject,
-    kLeadArm,
-    kOverObject,
-    kAtObject,
-    kClose,
-    kLift,
-    kCarry,
-    kLeadBaseAgain,
-    kBackOff,
-    kDriveToTarget,
-    kLeadArmAgain,
-    kOverTarget,
-    kAtTarget,
-    kOpen,
-    kLeave,
-    kEnd,
-  };
   enum class Doing : std::uint8_t { kDeciding, kMoving, kWaiting };
   using Axes = Eigen::Matrix<double, 6, 1>;
 
@@ -109,6 +87,14 @@ class ScriptedOperator final : public teleop::Device {
     Eigen::Vector3d object = Eigen::Vector3d::Zero();  ///< its centre
   };
 
+  /// What the operator does next.
+  struct Intent {
+    const char* text;  ///< "the person gave up while ..."
+    /// Acts on the intent. @returns true if it is fulfilled.
+    bool (*pursue)(ScriptedOperator& self, const Sight& seen, Time now);
+  };
+  static const std::array<Intent, 17> kIntents;  ///< in their order
+
   void Look(Time now) noexcept;
   /// Gets the newest sight older than `before`. @returns false if there is none.
   bool Seen(Time before, Sight& sight) const noexcept;
@@ -117,15 +103,19 @@ class ScriptedOperator final : public teleop::Device {
 
   void Act(Time now) noexcept;
   void Decide(Time now) noexcept;
-  /// Acts on the intent. @returns true if it is fulfilled.
-  bool Pursue(const Sight& sight, Time now) noexcept;
-  bool Press(std::uint32_t teleop::OperatorSample::*counter, bool is_so, Time now) noexcept;
+  // Each acts on an intent. @returns true if it is fulfilled.
+  bool Lead(teleop::Mode mode, Time now) noexcept;
+  bool TurnHand(bool closed, Time now) noexcept;
+  bool Press(std::uint32_t teleop::OperatorSample::*counter, Duration least, Time now) noexcept;
   bool Reach(const Eigen::Vector3d& path, const Sight& sight, double tolerance, Time now) noexcept;
   bool Drive(const BasePose& goal, const Sight& sight, Time now) noexcept;
   void Begin(const Axes& path, double duration, Time now) noexcept;
   void Wait(Duration least, Time now) noexcept;
   void GiveUp() noexcept;
   [[nodiscard]] BasePose StandFor(const Vector3& place, double yaw) const noexcept;
+  [[nodiscard]] BasePose AtObject() const noexcept { return StandFor(task_.from, task_.from_yaw); }
+  [[nodiscard]] BasePose AtTarget() const noexcept { return StandFor(task_.to, task_.to_yaw); }
+  [[nodiscard]] Eigen::Vector3d target() const noexcept { return Eigen::Vector3d(task_.to.data()); }
   [[nodiscard]] double Deflection(double velocity, double full) const noexcept;
   [[nodiscard]] double Noise(double sigma) noexcept;
   void Move(Time now) noexcept;
@@ -148,7 +138,7 @@ class ScriptedOperator final : public teleop::Device {
 
   teleop::OperatorSample sample_;
   teleop::OperatorFeedback felt_;
-  Intent intent_ = Intent::kLeadBase;
+  std::size_t intent_ = 0;  ///< of kIntents
   Doing doing_ = Doing::kWaiting;
   Axes path_ = Axes::Zero();  ///< displacement of the current motion, m and rad
   Time begun_{};
@@ -159,21 +149,7 @@ class ScriptedOperator final : public teleop::Device {
   int motions_ = 0;
   int tries_ = 0;           ///< for this intent
   double lifted_from_ = 0;  ///< height of the object before lifting, m
-  std::optional<Intent> gave_up_at_;
+  std::optional<std::size_t> gave_up_at_;
 };
-
-/// Data of a teleoperation session for its evaluation.
-struct TeleoperationRecord {
-  FetchTask task;
-  teleop::TeleoperatorConfig config;
-  std::vector<teleop::TeleoperatorStatus> trace{};  ///< every 50 ms
-  std::vector<std::string> robot_errors{};
-  int switches = 0;  ///< mode switches
-  int motions = 0;   ///< of the scripted operator
-};
-
-/// Demands and figures of teleoperation.
-[[nodiscard]] Evaluation EvaluateTeleoperation(const TeleoperationRecord& record,
-                                               const Evidence& evidence);
 
 }  // namespace twin::application
