@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <system_error>
 #include <utility>
@@ -15,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/core/integer.h"
 #include "twin/fci/sockets.h"
 
 namespace twin::devices {
@@ -141,10 +141,7 @@ int NumberOf(const std::filesystem::path& path) {
   constexpr std::string_view kPrefix = "event";
   const std::string name = path.filename().string();
   if (!name.starts_with(kPrefix)) return -1;
-  const char* const end = name.data() + name.size();
-  int number = -1;
-  const auto [parsed, error] = std::from_chars(name.data() + kPrefix.size(), end, number);
-  return error == std::errc() && parsed == end ? number : -1;
+  return ParseInteger<int>(std::string_view(name).substr(kPrefix.size())).value_or(-1);
 }
 
 }  // namespace

@@ -1,13 +1,11 @@
 #include "cli/shared_flags.h"
 
-#include <charconv>
-#include <cstdio>
 #include <limits>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/core/integer.h"
 #include "twin/model/model_library.h"
 #include "twin/plant/model_cache.h"
 #include "twin/scenario/lab.h"
@@ -17,10 +15,7 @@ namespace {
 
 /// CLI11 would take -1 as a large number, clamp what is too large, and read 010 as octal.
 std::uint64_t ParseSeed(const std::string& text) {
-  std::uint64_t seed = 0;
-  const char* const end = text.data() + text.size();
-  const auto [parsed, error] = std::from_chars(text.data(), end, seed);
-  if (error == std::errc() && parsed == end) return seed;
+  if (const auto seed = ParseInteger<std::uint64_t>(text)) return *seed;
   throw CLI::ValidationError("--seed",
                              fmt::format("\"{}\" is not a whole number from 0 to {}", text,
                                          std::numeric_limits<std::uint64_t>::max()));
@@ -104,15 +99,13 @@ void AddPage(CLI::App& app, PageFlags& flags) {
 }
 
 page::PageSettings PageAt(const PageFlags& flags) {
-  std::uint16_t port = 0;
-  const char* const end = flags.port.data() + flags.port.size();
-  const auto [parsed, error] = std::from_chars(flags.port.data(), end, port);
-  if (error != std::errc() || parsed != end) {
+  const auto port = ParseInteger<std::uint16_t>(flags.port);
+  if (!port) {
     throw InputError(fmt::format("--page is \"{}\"; it must be a port in [0, 65535]", flags.port));
   }
   const Listening listening = ListeningAt(flags.bind, flags.allow, "--page-bind", "--page-allow");
   page::PageSettings settings;
-  settings.at = {.address = listening.address, .port = port};
+  settings.at = {.address = listening.address, .port = *port};
   settings.allow = listening.allow;
   return settings;
 }

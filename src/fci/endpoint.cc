@@ -3,7 +3,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <string_view>
 #include <utility>
 
@@ -11,6 +10,7 @@
 
 #include "fci/socket_address.h"
 #include "twin/core/error.h"
+#include "twin/core/integer.h"
 #include "twin/fci/sockets.h"
 
 namespace twin::fci {
@@ -26,10 +26,8 @@ constexpr int kAddressBits = 32;
 
 /// @returns 0 to 32; negative if invalid.
 int ReadBits(std::string_view text) noexcept {
-  int bits = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), bits);
-  const bool is_number = error == std::errc() && end == text.data() + text.size();
-  return is_number && bits <= kAddressBits ? bits : -1;
+  const int bits = ParseInteger<int>(text).value_or(-1);
+  return bits <= kAddressBits ? bits : -1;
 }
 
 }  // namespace

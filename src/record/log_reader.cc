@@ -1,6 +1,5 @@
 #include "twin/record/log_reader.h"
 
-#include <charconv>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,6 +7,7 @@
 #include "record/log_decoder.h"
 #include "record/log_text.h"
 #include "twin/core/error.h"
+#include "twin/core/integer.h"
 #include "twin/record/mcap_reader.h"
 
 namespace twin::record {
@@ -86,12 +86,13 @@ class LogReader::Impl {
     run_.scenario = value(kScenarioKey);
     run_.version = value(kVersionKey);
     run_.drive = value(kDriveKey);
-    const std::string seed = value(kSeedKey);
-    const auto [end, error] = std::from_chars(seed.data(), seed.data() + seed.size(), run_.seed);
-    if (error != std::errc() || end != seed.data() + seed.size()) {
+    const std::string text = value(kSeedKey);
+    const auto seed = ParseInteger<std::uint64_t>(text);
+    if (!seed) {
       throw InputError(fmt::format(
-          "{}: seed in the metadata is '{}'; it must be a whole number of 64 bits", name_, seed));
+          "{}: seed in the metadata is '{}'; it must be a whole number of 64 bits", name_, text));
     }
+    run_.seed = *seed;
     TakeLimits();
     for (const McapAttachment& attachment : reader_.attachments()) {
       if (attachment.name == kScenarioAttachment) run_.scenario_yaml = attachment.data;

@@ -1,12 +1,11 @@
 #include "twin/run/remote.h"
 
-#include <charconv>
 #include <numbers>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/core/integer.h"
 #include "twin/fci/capture.h"
 #include "twin/fci/protocol.h"
 #include "twin/run/run.h"
@@ -24,10 +23,8 @@ backend::RobotTime ParseTime(std::string_view time) {
 }
 
 std::uint16_t ParsePort(std::string_view text, std::string_view robot) {
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  const bool whole = error == std::errc() && end == text.data() + text.size();
-  if (whole && port > 0 && port < 65535) return port;
+  const auto port = ParseInteger<std::uint16_t>(text).value_or(0);
+  if (port > 0 && port < 65535) return port;
   throw InputError(fmt::format("--robot \"{}\": \"{}\" is no port; give one in [1, 65534], or none",
                                robot, text));
 }

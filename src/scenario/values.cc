@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <limits>
 
 #include <fmt/format.h>
@@ -8,6 +7,7 @@
 
 #include "scenario/schema.h"
 #include "twin/core/error.h"
+#include "twin/core/integer.h"
 #include "twin/core/text.h"
 
 // The single values of files: reading, writing, range and schema of each.
@@ -140,10 +140,8 @@ Value Integer(std::uint64_t& value, std::uint64_t least, std::uint64_t most) {
   const auto range = [=] { return fmt::format("[{}, {}]", least, most); };
   const auto read = [=](const YamlNode& node) {
     const std::string& text = node.Scalar("a whole number");
-    std::uint64_t number = 0;
-    const char* const last = text.data() + text.size();
-    const auto [end, error] = std::from_chars(text.data(), last, number);
-    if (error == std::errc() && end == last && number >= least && number <= most) return number;
+    const auto number = ParseInteger<std::uint64_t>(text);
+    if (number && *number >= least && *number <= most) return *number;
     node.Fail(fmt::format("\"{}\" is not a whole number in {}", Shown(text), range()));
   };
   const auto write = [](std::uint64_t number) { return std::to_string(number); };
