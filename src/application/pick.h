@@ -16,7 +16,7 @@
 #include "twin/planning/pose_following.h"
 #include "twin/plant/scene_object.h"
 #include "twin/reference/pose_trajectory.h"
-#include "twin/scenario/frame_pose.h"
+#include "twin/scenario/objects.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 

@@ -16,8 +16,9 @@
 #include "twin/core/error.h"
 #include "twin/core/hand_command.h"
 #include "twin/scenario/objects.h"
-#include "twin/scenario/operator.h"
+#include "twin/scenario/scenario.h"
 #include "twin/teleop/teleoperator.h"
+#include "twin/teleop/teleoperator_config.h"
 
 namespace twin::application {
 namespace {

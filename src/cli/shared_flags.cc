@@ -8,7 +8,7 @@
 #include "twin/core/integer.h"
 #include "twin/model/model_library.h"
 #include "twin/plant/model_cache.h"
-#include "twin/scenario/lab.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::cli {
 namespace {

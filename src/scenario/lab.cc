@@ -1,4 +1,4 @@
-#include "twin/scenario/lab.h"
+#include "twin/scenario/scenario.h"
 
 #include <algorithm>
 #include <string>

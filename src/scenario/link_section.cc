@@ -6,6 +6,7 @@
 
 #include "scenario/sections.h"
 #include "twin/core/error.h"
+#include "twin/teleop/teleoperator_config.h"
 
 namespace twin::scenario {
 
@@ -207,6 +208,26 @@ robot::LinkConfig MakeLink(const LinkSection& link) {
   config.command = MakeDirection(link.command);
   config.d_INT = link.d_INT;
   return config;
+}
+
+void OperatorSection::Validate() const {
+  if (device.empty()) throw InputError("operator.device: names no device; give one");
+  (void)MakeTeleoperator(*this);
+  const teleop::WireConfig wire = MakeWire(*this);
+  wire.to_robot.Validate("operator.to_robot");
+  wire.from_robot.Validate("operator.from_robot");
+}
+
+teleop::TeleoperatorConfig MakeTeleoperator(const OperatorSection& section) {
+  control::ParameterReader reader(section.settings, "operator.settings");
+  const teleop::TeleoperatorConfig config = teleop::ReadTeleoperatorConfig(reader);
+  reader.RefuseUnread();
+  return config;
+}
+
+teleop::WireConfig MakeWire(const OperatorSection& section) {
+  return {.to_robot = MakeDirection(section.to_robot),
+          .from_robot = MakeDirection(section.from_robot)};
 }
 
 LinkSection LoadLink(const std::filesystem::path& path) {

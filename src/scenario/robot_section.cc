@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "scenario/sections.h"
 #include "twin/core/error.h"

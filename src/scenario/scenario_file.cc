@@ -1,5 +1,4 @@
 #include "scenario/sections.h"
-#include "twin/core/error.h"
 
 namespace twin::scenario {
 

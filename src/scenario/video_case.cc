@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "scenario/sections.h"
-#include "twin/core/error.h"
 
 namespace twin::scenario {
 namespace {

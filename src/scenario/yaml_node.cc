@@ -44,13 +44,6 @@ std::string Printable(std::string_view text) {
   return shown;
 }
 
-}  // namespace
-
-std::string Shown(std::string_view text) {
-  constexpr std::size_t kMost = 60;
-  return Printable(text.substr(0, kMost)) + (text.size() > kMost ? "..." : "");
-}
-
 std::string ReadTextFile(const std::string& path) {
   constexpr std::uintmax_t kMostBytes = 32 << 20;
   std::error_code error;
@@ -67,6 +60,13 @@ std::string ReadTextFile(const std::string& path) {
   if (size > 0) text << in.rdbuf();
   if (!in) throw InputError(fmt::format("{}: cannot be read; check its permissions", path));
   return text.str();
+}
+
+}  // namespace
+
+std::string Shown(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  return Printable(text.substr(0, kMost)) + (text.size() > kMost ? "..." : "");
 }
 
 YamlNode::YamlNode(const YAML::Node& node, std::shared_ptr<const std::string> file, std::string key,

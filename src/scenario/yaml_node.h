@@ -24,7 +24,8 @@ class YamlNode {
   /// @param text  a whole document. @param file  its name in messages.
   [[nodiscard]] static YamlNode Parse(const std::string& text, const std::string& file);
 
-  /// Reads and parses a file. @throws InputError also when it cannot be read.
+  /// Reads and parses a file of at most 32 MiB. @throws InputError also when it is not a regular
+  /// file, is larger, or cannot be read.
   [[nodiscard]] static YamlNode ParseFile(const std::string& path);
 
   using Members = std::vector<std::pair<std::string, YamlNode>>;
@@ -78,9 +79,5 @@ class YamlNode {
 
 /// A text for a message: what is endless is cut, control characters stay out of the terminal.
 [[nodiscard]] std::string Shown(std::string_view text);
-
-/// Reads a file of at most 32 MiB. @throws InputError when it is not a regular file, is larger, or
-/// cannot be read.
-[[nodiscard]] std::string ReadTextFile(const std::string& path);
 
 }  // namespace twin::scenario

@@ -7,7 +7,7 @@
 #include "application/monte_carlo.h"
 #include "application/performance.h"
 #include "application/seeds.h"
-#include "twin/scenario/lab.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::application::application_pick_seeds_test {
 namespace {

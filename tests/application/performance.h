@@ -12,7 +12,6 @@
 #include "twin/core/clock.h"
 #include "twin/plant/contact_watch.h"
 #include "twin/record/recorder.h"
-#include "twin/scenario/lab.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::application::test {

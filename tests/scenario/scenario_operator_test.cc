@@ -7,8 +7,8 @@
 
 #include "scenario/scenario_examples.h"
 #include "twin/core/error.h"
-#include "twin/scenario/operator.h"
 #include "twin/scenario/scenario.h"
+#include "twin/teleop/teleoperator_config.h"
 
 namespace twin::scenario::scenario_operator_test {
 namespace {

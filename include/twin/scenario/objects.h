@@ -10,9 +10,17 @@
 
 #include "twin/core/joint_vector.h"
 #include "twin/plant/scene_object.h"
-#include "twin/scenario/frame_pose.h"
 
 namespace twin::scenario {
+
+/// A frame in another one.
+struct FramePose {
+  Vector3 position{};  ///< m
+  Vector3 rpy{};       ///< roll, pitch, yaw about the fixed axes x, y, z, rad: R = Rz Ry Rx
+
+  [[nodiscard]] Transform Matrix() const noexcept;
+  bool operator==(const FramePose&) const = default;
+};
 
 /// Half widths of uniform ranges about an object's values, each >= 0.
 struct ObjectSpread {

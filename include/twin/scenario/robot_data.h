@@ -9,7 +9,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/onboard/base_controller.h"
 #include "twin/plant/mujoco_plant.h"
-#include "twin/scenario/frame_pose.h"
+#include "twin/scenario/objects.h"
 
 namespace twin::scenario {
 

@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <limits>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,10 +26,14 @@
 #include "twin/reference/trajectory.h"
 #include "twin/reference/viability_filter.h"
 #include "twin/robot/robot_config.h"
-#include "twin/scenario/frame_pose.h"
 #include "twin/scenario/link_section.h"
 #include "twin/scenario/objects.h"
 #include "twin/scenario/render_section.h"
+
+namespace twin::teleop {
+struct TeleoperatorConfig;
+struct WireConfig;
+}  // namespace twin::teleop
 
 namespace twin::scenario {
 
@@ -216,6 +218,13 @@ struct OperatorSection {
   bool operator==(const OperatorSection&) const = default;
 };
 
+/// The configuration of a teleoperator, from the key `settings`.
+/// @throws InputError naming file, line and key.
+[[nodiscard]] teleop::TeleoperatorConfig MakeTeleoperator(const OperatorSection& section);
+
+/// The link between operator and robot. @throws InputError when a parameter is outside its range.
+[[nodiscard]] teleop::WireConfig MakeWire(const OperatorSection& section);
+
 /// Limits of the arm's deviation from its target (loop::Deviation) in a successful motion.
 /// Infinite: no limit. Absent: the default, see run::LimitOf.
 struct MaxDeviation {
@@ -317,6 +326,21 @@ struct Scenario {
 
 /// As Load, from text. @param file  its name in messages; a waypoint file is sought beside it.
 [[nodiscard]] Scenario Parse(const std::string& text, const std::filesystem::path& file);
+
+/// @param lab     a name, of a file in the folder `labs` of the models, or a file's path.
+/// @param models  DataDirectory::models. @throws InputError listing the names there are.
+[[nodiscard]] std::filesystem::path FindLab(std::string_view lab,
+                                            const std::filesystem::path& models);
+
+/// Applies a lab to a scenario: properties of a site, which replace those of the scenario. A method
+/// that is tuned at neither of two labs must work at both. A lab is a YAML file with these keys and
+/// no others:
+///   description           for people
+///   plant, link           as in scenarios
+///   controller            of it wake_delay and cost: how fast the site's workstation is
+/// @throws InputError "<file>:<line>: <key>: ..." for anything invalid, and for a scenario that
+/// contradicts the lab.
+void ApplyLab(const std::filesystem::path& file, Scenario& scenario);
 
 /// Canonical text: every field, waypoints included, so that it stands alone. Parse(ToYaml(s)) == s.
 [[nodiscard]] std::string ToYaml(const Scenario& scenario);
