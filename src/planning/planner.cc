@@ -78,6 +78,7 @@ class Attempt {
     TimedPath timed = TimePath(path, options_.pace, limits_, checker_);
     PlanStatistics statistics = Statistics();
     statistics.waypoints = timed.waypoints.size();
+    statistics.duration = timed.trajectory.duration();
     return Plan{std::move(timed.trajectory), std::move(timed.waypoints), statistics};
   }
 
@@ -86,8 +87,7 @@ class Attempt {
     return {.checks = world_.checks() - first_check_,
             .wall = clock_.Now() - begin_,
             .found_length = found_length_,
-            .path_length = path_length_,
-            .waypoints = 0};
+            .path_length = path_length_};
   }
 
   /// Includes start and goals in the search space, even close to a limit.

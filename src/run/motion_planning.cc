@@ -2,9 +2,6 @@
 
 #include <string>
 #include <utility>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -85,7 +82,9 @@ reference::Trajectory PlanMotion(const scenario::Scenario& scenario,
     planning::PlanOutcome outcome = Question(scenario, robot, start, around, clock).Answer();
     if (auto* found = std::get_if<planning::Plan>(&outcome)) {
       statistics = found->statistics;
-      return Stretched(std::move(*found), plan.stretch, robot.limits);
+      reference::Trajectory trajectory = Stretched(std::move(*found), plan.stretch, robot.limits);
+      statistics.duration = trajectory.duration();
+      return trajectory;
     }
     const auto& failure = std::get<planning::PlanFailure>(outcome);
     if (failure.reason == planning::PlanFailureReason::kBudgetExhausted) {

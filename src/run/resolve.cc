@@ -1,7 +1,6 @@
 #include "run/resolve.h"
 
 #include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 

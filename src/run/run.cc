@@ -37,37 +37,25 @@ Run::Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const R
          record::RecordSink* sink, const RealtimeSettings& settings)
     : scenario_(scenario) {
   Plan plan = MakePlan(scenario, catalogue, files);
+  plan_ = plan.planning;
   // Before the robot is connected: what is wrong with the motion is known then.
   motion_ = std::make_unique<PreparedMotion>(scenario, plan.robot, std::move(plan.motion),
                                              catalogue.controllers);
   session_ =
       std::make_unique<Session>(scenario, RobotPlan{std::move(plan.robot), std::move(plan.config)},
                                 catalogue, sink, settings);
-  if (!plan.planning) return;
-  Planned(*plan.planning);
-  PlanFromCurrentPosition(catalogue, files);
+  if (plan_) PlanFromCurrentPosition(catalogue, files);
 }
 
 Run::~Run() = default;
 
-void Run::Planned(const planning::PlanStatistics& planning) {
-  planning_time_ = planning.wall;
-  plan_ = PlanReport{.checks = planning.checks,
-                     .found_length = planning.found_length,
-                     .path_length = planning.path_length,
-                     .waypoints = planning.waypoints,
-                     .duration = trajectory().duration()};
-}
-
 void Run::PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& files) {
   const std::optional<JointVector> q = session_->ReadCurrentPosition();
   if (!q || *q == trajectory().start() || !IsNear(*q, trajectory().start())) return;
-  planning::PlanStatistics planning;
   motion_ = std::make_unique<PreparedMotion>(
       scenario_, robot(),
-      MotionOf(scenario_, robot(), PlanFrom(*q, scenario_, robot(), files, planning)),
+      MotionOf(scenario_, robot(), PlanFrom(*q, scenario_, robot(), files, *plan_)),
       catalogue.controllers);
-  Planned(planning);
 }
 
 const backend::Connection& Run::connection() const noexcept {

@@ -90,7 +90,7 @@ Json HandJson(const scenario::Scenario& scenario, const RunResult& result) {
 /// What planning took and gave; null when nothing was planned.
 Json PlanJson(const RunResult& result) {
   if (!result.plan) return {};
-  const PlanReport& plan = *result.plan;
+  const planning::PlanStatistics& plan = *result.plan;
   return {{"checks", plan.checks},
           {"found_length_rad", plan.found_length},
           {"path_length_rad", plan.path_length},
@@ -98,7 +98,7 @@ Json PlanJson(const RunResult& result) {
           {"duration_s", ToSeconds(plan.duration)}};
 }
 
-std::string PlanText(const PlanReport& plan) {
+std::string PlanText(const planning::PlanStatistics& plan) {
   return fmt::format(
       "{:.3f} s through {} points, {:.2f} rad ({:.2f} as found); {} collision checks",
       ToSeconds(plan.duration), plan.waypoints, plan.path_length, plan.found_length, plan.checks);

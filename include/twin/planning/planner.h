@@ -40,6 +40,7 @@ struct PlanStatistics {
   double found_length = 0;    ///< of the path found first, rad (Euclidean)
   double path_length = 0;     ///< after shortening
   std::size_t waypoints = 0;  ///< of the trajectory
+  Duration duration{};        ///< of the trajectory
 };
 
 /// An executable motion: at rest at both ends, within the limits, free of collision.

@@ -16,6 +16,7 @@
 #include "twin/core/time.h"
 #include "twin/loop/deviation.h"
 #include "twin/loop/run_report.h"
+#include "twin/planning/planner.h"
 #include "twin/record/cycle_record.h"
 #include "twin/scenario/scenario.h"
 
@@ -87,15 +88,6 @@ struct PoseError {
   double angle = 0;     ///< of the turn between them, rad
 };
 
-/// Effort and result of planning a run's motion.
-struct PlanReport {
-  std::uint64_t checks = 0;   ///< of configurations for collision, by the search
-  double found_length = 0;    ///< of the path as found, rad (Euclidean)
-  double path_length = 0;     ///< and after shortening
-  std::size_t waypoints = 0;  ///< of the trajectory
-  Duration duration{};        ///< of the motion
-};
-
 /// Result of a motion.
 struct MotionResult {
   std::string name;
@@ -109,14 +101,15 @@ struct MotionResult {
   CycleCounts counts;  ///< from its first cycle to where it was concluded; zero on remote robots
 };
 
-/// Result of a run, and of its motion. In lockstep all of it repeats with the scenario, bit by bit.
+/// Result of a run, and of its motion. In lockstep all of it but plan->wall repeats with the
+/// scenario, bit by bit.
 /// The counts are of all cycles of the run.
 struct RunResult : MotionResult {
   FollowedMotion followed;
   std::optional<record::FilterCounts> viability;  ///< of a scenario with tick.viability
   std::optional<HandReport> hand;                 ///< of a scenario with commands to it
   std::optional<BaseState> base;                  ///< at the end; of a robot on a mobile base
-  std::optional<PlanReport> plan;                 ///< of a planned motion
+  std::optional<planning::PlanStatistics> plan;   ///< of a planned motion
   /// Fingerprint of all states INT sent, in order: the physics, without the log's format.
   std::uint64_t states_hash = 0;
 };

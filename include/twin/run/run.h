@@ -84,7 +84,9 @@ class Run {
   [[nodiscard]] const reference::Trajectory& trajectory() const noexcept;
   [[nodiscard]] const scenario::RobotData& robot() const noexcept;
   /// Wall-clock time of the planner; nullopt without a planned motion.
-  [[nodiscard]] std::optional<Duration> planning_time() const noexcept { return planning_time_; }
+  [[nodiscard]] std::optional<Duration> planning_time() const noexcept {
+    return plan_ ? std::optional(plan_->wall) : std::nullopt;
+  }
 
   /// With a remote robot, before Execute(): sends the robot the scenario's settings (section
   /// onboard) and looks whether it, the way to it and this host are ready for a motion. Nothing of
@@ -102,11 +104,9 @@ class Run {
   /// Plans anew when the robot stands a little beside robot.q_start. The checks before the motion
   /// refuse one that stands elsewhere.
   void PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& files);
-  void Planned(const planning::PlanStatistics& planning);
 
   const scenario::Scenario scenario_;
-  std::optional<PlanReport> plan_;         ///< of a planned motion
-  std::optional<Duration> planning_time_;  ///< of the same
+  std::optional<planning::PlanStatistics> plan_;  ///< of a planned motion
   std::unique_ptr<PreparedMotion> motion_;
   std::unique_ptr<Session> session_;
 };

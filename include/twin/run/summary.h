@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "twin/backend/registry.h"
-#include "twin/core/time.h"
 #include "twin/plant/contact_watch.h"
 #include "twin/record/cycle_record.h"
 #include "twin/run/run.h"
