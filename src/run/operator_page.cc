@@ -9,7 +9,6 @@
 #include "twin/page/page_device.h"
 #include "twin/run/film.h"
 #include "twin/run/run_records.h"
-#include "twin/teleop/device.h"
 #include "twin/teleop/recording_device.h"
 
 namespace twin::run {
@@ -44,21 +43,6 @@ std::vector<page::NamedView> ViewsOf(const scenario::Scenario& scenario) {
           {"from above", Around(scenario, 0, -80)}};
 }
 
-/// A device that gives what it was given.
-class Tap final : public teleop::Device {
- public:
-  void Put(const teleop::OperatorSample& sample) { next_ = sample; }
-  [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time /*now*/) noexcept override {
-    return std::exchange(next_, std::nullopt);
-  }
-  void Feel(const teleop::OperatorFeedback& /*feedback*/) noexcept override {}
-  [[nodiscard]] bool lost() const noexcept override { return false; }
-  [[nodiscard]] std::string Describe() const override { return "the operator's page"; }
-
- private:
-  std::optional<teleop::OperatorSample> next_;
-};
-
 }  // namespace
 
 /// What the record button of the page does.
@@ -87,7 +71,6 @@ class OperatorPage::Recording {
   const std::function<void(std::string_view)>& note_;
   const MonotonicClock clock_;
   std::filesystem::path path_;  ///< of the recording that goes on
-  Tap* tap_ = nullptr;          ///< recording_'s
   std::unique_ptr<teleop::RecordingDevice> recording_;
 };
 
@@ -105,8 +88,7 @@ std::string OperatorPage::Recording::Switch(bool on) {
 void OperatorPage::Recording::Take(const teleop::OperatorSample& sample) {
   if (!recording_) return;
   if (const auto* feedback = channel_.Feedback()) recording_->Feel(*feedback);
-  tap_->Put(sample);
-  static_cast<void>(recording_->Read(clock_.Now()));
+  recording_->Record(sample, clock_.Now());
 }
 
 std::string OperatorPage::Recording::Begin() {
@@ -116,10 +98,7 @@ std::string OperatorPage::Recording::Begin() {
     path_ = folder_ / fmt::format("operator_{}.csv", i);
     if (!std::filesystem::exists(path_, ignored)) break;
   }
-  auto tap = std::make_unique<Tap>();
-  Tap* const given = tap.get();
-  recording_ = std::make_unique<teleop::RecordingDevice>(std::move(tap), path_, note_);
-  tap_ = given;
+  recording_ = std::make_unique<teleop::RecordingDevice>(nullptr, path_, note_);
   return fmt::format("recording what the operator does into {}", path_.string());
 }
 

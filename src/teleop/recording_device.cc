@@ -52,17 +52,21 @@ RecordingDevice::~RecordingDevice() {
 std::optional<OperatorSample> RecordingDevice::Read(Time now) noexcept {
   if (!begun_) begun_ = now;
   const auto sample = device_->Read(now);
-  if (!sample) return sample;
-  Count(*sample);
+  if (sample) Record(*sample, now);
+  return sample;
+}
+
+void RecordingDevice::Record(const OperatorSample& sample, Time now) noexcept {
+  if (!begun_) begun_ = now;
+  Count(sample);
   // Row times must rise, even for two calls at one instant.
   last_ = std::max(Time(now - *begun_), last_ + Duration(1));
   const bool is_kept = ring_.TryPushWith([&](OperatorSample& slot) {
-    slot = *sample;
+    slot = sample;
     slot.at = last_;
     for (const auto presses : kPresses) slot.*presses = counted_.*presses;
   });
   if (!is_kept) left_out_.fetch_add(1, std::memory_order_relaxed);
-  return sample;
 }
 
 void RecordingDevice::Count(const OperatorSample& sample) noexcept {

@@ -35,7 +35,8 @@ class RecordingDevice final : public Device {
   /// Capacity of the queue to the disk: eight seconds at 1 kHz.
   static constexpr std::size_t kRingSize = 8192;
 
-  /// Creates the file. @param ring_size  a power of two. @throws InputError if it exists, because
+  /// Creates the file. @param device  null: of this object only Record() and Feel() are called.
+  /// @param ring_size  a power of two. @throws InputError if it exists, because
   /// recordings are not replaced; EnvironmentError if it cannot be created.
   RecordingDevice(std::unique_ptr<Device> device, const std::filesystem::path& path, Tell tell,
                   std::size_t ring_size = kRingSize);
@@ -45,9 +46,11 @@ class RecordingDevice final : public Device {
   RecordingDevice& operator=(const RecordingDevice&) = delete;
 
   [[nodiscard]] std::optional<OperatorSample> Read(Time now) noexcept override;
+  /// Writes a sample that came in another way. For a recording without a device.
+  void Record(const OperatorSample& sample, Time now) noexcept;
   void Feel(const OperatorFeedback& feedback) noexcept override {
     felt_ = feedback;
-    device_->Feel(feedback);
+    if (device_) device_->Feel(feedback);
   }
   [[nodiscard]] bool lost() const noexcept override { return device_->lost(); }
   [[nodiscard]] std::string Describe() const override;
