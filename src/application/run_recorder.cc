@@ -279,7 +279,7 @@ void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
   }
   NoteMissingMeshes(scenario(), *run_.connection, inputs_.console);
   if (makes_video()) {
-    run::CheckPicture(*run_.connection, scenario().render, inputs_.options.scenario);
+    replay::CheckPicture(*run_.connection, scenario().render, inputs_.options.scenario);
   }
   out_.Prepare();
   times_.prepare_s = SecondsSince(Time());
@@ -380,8 +380,8 @@ void RunRecorder::MakePictures() {
   const render::Film film = replay::FilmOfRun(truth.model(), *records_.snapshots(), scenario(),
                                               records_.plans(), records_.events());
   render::FilmSettings settings = run::FilmOf(scenario().render);
-  times_.video_s = run::RenderClip(render::FramesOf(film, settings),
-                                   {out_.video(), out_.contact_sheet()}, clock_, inputs_.console)
+  times_.video_s = replay::RenderClip(render::FramesOf(film, settings),
+                                      {out_.video(), out_.contact_sheet()}, clock_, inputs_.console)
                        .seconds;
   if (film.goals.empty()) return;
   settings.overlays = {.text = false};

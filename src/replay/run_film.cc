@@ -1,11 +1,16 @@
 #include "twin/replay/recording.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/render/frame_painter.h"
+#include "twin/run/film.h"
 
 namespace twin::replay {
 namespace {
@@ -91,6 +96,31 @@ render::Film FilmOfRun(const mjModel_& model, const render::Snapshots& snapshots
   }
   std::ranges::stable_sort(film.notes, {}, &render::FilmNote::at);
   return film;
+}
+
+void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted,
+                  const std::filesystem::path& scenario) {
+  const render::Snapshots none(wanted.fps, connection.truth->qpos_size());
+  try {
+    const render::FramePainter painter({&connection.truth->model(), &none}, run::FilmOf(wanted));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scenario.string(), error.what()));
+  }
+}
+
+render::ClipStats RenderClip(const render::ClipFrames& frames, const render::ClipPaths& paths,
+                             const Clock& clock, run::Console& console) {
+  render::ClipSettings settings;
+  settings.render_threads =
+      static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 16U));
+  const Time begin = clock.Now();
+  return render::RenderClip(
+      frames, settings, paths, clock, [&](std::size_t done, std::size_t total) {
+        console.ThrowIfInterrupted();
+        const double rate = static_cast<double>(done) / ToSeconds(clock.Now() - begin);
+        console.Show("video", static_cast<double>(done) / static_cast<double>(total),
+                     fmt::format("{} of {} frames, {:.0f} frames/s", done, total, rate));
+      });
 }
 
 }  // namespace twin::replay

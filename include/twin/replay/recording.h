@@ -9,8 +9,10 @@
 
 #include "twin/core/joint_vector.h"
 #include "twin/record/log_records.h"
+#include "twin/render/clip.h"
 #include "twin/render/film.h"
 #include "twin/render/snapshots.h"
+#include "twin/run/console.h"
 #include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
@@ -31,6 +33,19 @@ namespace twin::replay {
                                      const scenario::Scenario& scenario,
                                      std::span<const record::PlanRecord> plans,
                                      std::span<const record::EventRecord> events);
+
+/// Draws one picture, before a run writes anything.
+/// @pre connection.truth is not null.
+/// @param scenario  its file, for messages.
+/// @throws InputError naming it for a camera or body the scene does not have; EnvironmentError
+/// without OSMesa.
+void CheckPicture(const backend::Connection& connection, const scenario::RenderSection& wanted,
+                  const std::filesystem::path& scenario);
+
+/// Renders frames as a video, and a contact sheet of them, on one thread for each processor, and
+/// shows the progress. @returns counts and times. @throws as render::RenderClip; run::Interrupted.
+render::ClipStats RenderClip(const render::ClipFrames& frames, const render::ClipPaths& paths,
+                             const Clock& clock, run::Console& console);
 
 }  // namespace twin::replay
 

@@ -1,15 +1,14 @@
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
+#include "cli/film_flags.h"
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
 #include "twin/core/clock.h"
@@ -21,7 +20,6 @@
 #include "twin/replay/layout.h"
 #include "twin/replay/recording.h"
 #include "twin/replay/time_line.h"
-#include "twin/run/film.h"
 #include "twin/run/result_folder.h"
 
 namespace twin::cli {
@@ -31,15 +29,15 @@ struct RenderFlags {
   std::filesystem::path log;                    ///< or a run's folder
   std::optional<std::filesystem::path> second;  ///< of another run, to compare with
   std::filesystem::path out;
-  run::FilmChoice film;
+  FilmFlags film;
   double speed = 1;
   std::optional<int> fps;
   std::optional<double> from;  ///< s of the run, as the following
   std::optional<double> until;
-  std::optional<double> at;  ///< one picture
-  std::string compare = "split";
-  std::optional<int> tolerance;  ///< absent: 16
-  std::optional<std::string> layout;
+  std::optional<double> at;                       ///< one picture
+  std::optional<replay::ComparisonKind> compare;  ///< absent: split
+  std::optional<int> tolerance;                   ///< absent: 16
+  std::optional<replay::Layout> layout;
   DataFlags data;
 };
 
@@ -81,7 +79,7 @@ void RefuseWhatDoesNotGoTogether(const RenderFlags& flags) {
            "--at shows one instant; leave --from, --to and --layout out");
   RefuseIf((flags.at || flags.layout) && (flags.fps || flags.speed != 1),
            "--at and --layout make one picture; leave --fps and --speed out");
-  RefuseIf(flags.tolerance && flags.compare != "difference",
+  RefuseIf(flags.tolerance && flags.compare != replay::ComparisonKind::kDifference,
            "--tolerance is for --compare difference; leave it out, or compare so");
   RefuseIf(flags.layout && flags.second, "--layout is of one run; leave the second log out");
   RefuseIf(flags.layout && (flags.from || flags.until),
@@ -119,12 +117,12 @@ class Rendering {
     if (!picture_) RequireProgram("ffmpeg", program.host.path, "apt-get install ffmpeg");
     Read(flags.log, first_);
     if (flags.second) Read(*flags.second, second_);
-    settings_ = run::FilmOf(first_->scenario().render, flags.film);
+    settings_ = FilmOf(first_->scenario().render, flags.film);
   }
 
   void Execute() {
     if (flags_.layout) {
-      WritePicture(replay::DrawLayout(*first_, replay::LayoutFromName(*flags_.layout), settings_));
+      WritePicture(replay::DrawLayout(*first_, *flags_.layout, settings_));
     } else if (second_) {
       DrawBoth();
     } else {
@@ -177,7 +175,7 @@ class Rendering {
   void DrawBoth() {
     const replay::Comparison comparison(
         *first_, *second_,
-        {.kind = replay::ComparisonFromName(flags_.compare),
+        {.kind = flags_.compare.value_or(replay::ComparisonKind::kSplit),
          .film = settings_,
          .time_line = TimeLineOf(),
          .tolerance = flags_.tolerance.value_or(replay::ComparisonSettings().tolerance)},
@@ -196,7 +194,7 @@ class Rendering {
       WritePicture(frames.new_drawer()(0));
       return;
     }
-    run::RenderClip(frames, {.video = flags_.out, .contact_sheet = {}}, clock_, terminal_);
+    replay::RenderClip(frames, {.video = flags_.out, .contact_sheet = {}}, clock_, terminal_);
   }
 
   const MonotonicClock clock_;
@@ -213,19 +211,6 @@ int Render(const RenderFlags& flags, const Program& program) {
   Rendering(flags, program).Execute();
   if (!program.is_quiet()) Say(stdout, fmt::format("{}\n", flags.out.string()));
   return kOk;
-}
-
-/// A text that something can be made of. @param read  throws InputError to say why not.
-CLI::Validator Readable(std::function<void(const std::string&)> read) {
-  const auto check = [read = std::move(read)](const std::string& text) {
-    try {
-      read(text);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  return CLI::Validator(check, "", "");
 }
 
 /// A number in a range; CLI::Range lets NaN pass.
@@ -246,33 +231,6 @@ CLI::Validator Instant() {
   return Within(0, 1e6);
 }
 
-void AddPicture(CLI::App& app, run::FilmChoice& flags) {
-  Add(app, "--camera CAMERA", flags.camera,
-      "A camera of the scene by its name, orbit, track:BODY, or gripper");
-  Add(app, "--azimuth DEG", flags.azimuth_deg, "orbit, track: direction in which it looks");
-  Add(app, "--elevation DEG", flags.elevation_deg, "orbit, track: negative looks down");
-  Add(app, "--distance M", flags.distance, "orbit, track: from what it looks at");
-  Add(app, "--lookat X Y Z", flags.lookat, "orbit: point of the world; track: from the body")
-      ->expected(3);
-  Add(app, "--turn DEG/S", flags.turn_deg, "orbit, track: turns so fast, by the run's time");
-  Add(app, "--inset CAMERA[@CORNER]", flags.insets,
-      "A picture within the picture, such as gripper@bottom_left; may be repeated; none")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->check(Readable([](const std::string& text) {
-        if (text != "none") static_cast<void>(run::InsetFromText(text, {}));
-      }));
-  Add(app, "--overlays LIST", flags.overlays,
-      "What is drawn over it, of text, goal, trace, forces, contacts, limits; none")
-      ->check(Readable(
-          [](const std::string& text) { static_cast<void>(run::OverlaysFromText(text)); }));
-  Add(app, "--size WxH", flags.size, "Of the picture, pixels, even")
-      ->check(Readable([](const std::string& text) {
-        render::RenderSettings settings;
-        run::SetSizeFromText(text, settings);
-      }));
-}
-
 }  // namespace
 
 void AddRender(CLI::App& app, Program& program) {
@@ -285,7 +243,7 @@ void AddRender(CLI::App& app, Program& program) {
       "Video (.mp4, or .mkv without loss), folder/ of pictures, or a .png with --at "
       "or --layout")
       ->required();
-  AddPicture(render, flags.film);
+  AddFilm(render, flags.film);
   Add(render, "--speed X", flags.speed, "Seconds of the run in a second of the film")
       ->check(Within(0.01, 100))
       ->capture_default_str();
@@ -293,19 +251,17 @@ void AddRender(CLI::App& app, Program& program) {
   Add(render, "--from S", flags.from, "Begin at this time of the run")->check(Instant());
   Add(render, "--to S", flags.until, "End at this time of the run")->check(Instant());
   Add(render, "--at S", flags.at, "One picture, of this time of the run")->check(Instant());
-  Add(render, "--compare HOW", flags.compare,
-      "Two runs: split (side by side), ghost, or difference (red where they differ)")
-      ->check(Readable(
-          [](const std::string& text) { static_cast<void>(replay::ComparisonFromName(text)); }))
-      ->capture_default_str()
+  AddParsed(render, "--compare", "HOW", flags.compare,
+            "Two runs: split (side by side), ghost, or difference (red where they differ)",
+            &replay::ComparisonFromName)
+      ->default_str("split")
       ->needs(second);
   Add(render, "--tolerance N", flags.tolerance,
       "difference: how far a channel may be off, of 255 (16)")
       ->check(CLI::Range(0, 254))
       ->needs(second);
-  Add(render, "--layout NAME", flags.layout, "A page of pictures: grid, strip or triple")
-      ->check(Readable(
-          [](const std::string& text) { static_cast<void>(replay::LayoutFromName(text)); }));
+  AddParsed(render, "--layout", "NAME", flags.layout, "A page of pictures: grid, strip or triple",
+            &replay::LayoutFromName);
   AddData(render, flags.data);
 }
 

@@ -13,7 +13,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/core/time.h"
-#include "twin/run/film.h"
+#include "twin/replay/recording.h"
 #include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
@@ -56,7 +56,7 @@ std::string DescribeMotion(const scenario::MotionSection& motion,
 void CheckCamera(const scenario::Scenario& scenario, const std::filesystem::path& file,
                  const backend::Connection& connection) {
   if (scenario.render.enabled && connection.truth != nullptr) {
-    run::CheckPicture(connection, scenario.render, file);
+    replay::CheckPicture(connection, scenario.render, file);
   }
 }
 
