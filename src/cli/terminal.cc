@@ -10,64 +10,57 @@
 
 namespace twin::cli {
 
-Progress::Progress(std::string what, bool quiet, const Clock& clock)
-    : what_(std::move(what)),
-      quiet_(quiet),
-      is_terminal_(isatty(STDOUT_FILENO) != 0),
-      clock_(clock) {}
-
-void Progress::EndLine() {
-  if (std::exchange(drawn_, false)) cli::Say(stdout, "\n");
-}
-
-void Progress::Show(double share, std::string_view note) {
-  share = std::clamp(share, 0.0, 1.0);
-  if (quiet_) return;
-  if (is_terminal_) return DrawBar(share, note);
-  const int tenths = static_cast<int>(share * 10);
-  if (tenths <= tenths_) return;
-  tenths_ = tenths;
-  cli::Say(stdout, fmt::format("{:<6}{:4d} %  {}\n", what_, 10 * tenths, note));
-  std::fflush(stdout);
-}
-
-void Progress::DrawBar(double share, std::string_view note) {
-  constexpr int kWidth = 30;
-  constexpr Duration kRedraw = std::chrono::milliseconds(100);
-  const Time now = clock_.Now();
-  const bool completes = share >= 1 && !complete_;
-  if (drawn_ && now < next_draw_ && !completes) return;
-  next_draw_ = now + kRedraw;
-  drawn_ = true;
-  complete_ = share >= 1;
-  const int filled = static_cast<int>(share * kWidth);
-  // \r and "erase to the end of the line" redraw it in place.
-  cli::Say(stdout, fmt::format("\r{:<6}[{:#<{}}{:.<{}}] {:3.0f} %  {}\x1b[K", what_, "", filled, "",
-                               kWidth - filled, 100 * share, note));
-  std::fflush(stdout);
-}
+Terminal::Terminal(Log log, bool quiet)
+    : log_(std::move(log)), quiet_(quiet), is_terminal_(isatty(STDOUT_FILENO) != 0) {}
 
 void Terminal::Print(std::string_view text) {
   if (!quiet_) Say(text);
 }
 
 void Terminal::Say(std::string_view text) {
-  if (progress_) progress_->EndLine();
+  EndLine();
   cli::Say(stdout, text);
   std::fflush(stdout);
 }
 
 void Terminal::Write(spdlog::level::level_enum level, std::string_view text) {
-  if (progress_) progress_->EndLine();
+  EndLine();
   log_->log(level, text);
 }
 
+void Terminal::EndLine() {
+  if (std::exchange(drawn_, false)) cli::Say(stdout, "\n");
+}
+
 void Terminal::Show(std::string_view work, double share, std::string_view note) {
-  if (!progress_ || progress_->what() != work) {
-    progress_.reset();  // which ends its line
-    progress_.emplace(std::string(work), quiet_, clock_);
+  share = std::clamp(share, 0.0, 1.0);
+  if (quiet_) return;
+  if (progress_.work != work) {
+    EndLine();
+    progress_ = {.work = std::string(work)};
   }
-  progress_->Show(share, note);
+  if (is_terminal_) return DrawBar(share, note);
+  const int tenths = static_cast<int>(share * 10);
+  if (tenths <= progress_.tenths) return;
+  progress_.tenths = tenths;
+  cli::Say(stdout, fmt::format("{:<6}{:4d} %  {}\n", work, 10 * tenths, note));
+  std::fflush(stdout);
+}
+
+void Terminal::DrawBar(double share, std::string_view note) {
+  constexpr int kWidth = 30;
+  constexpr Duration kRedraw = std::chrono::milliseconds(100);
+  const Time now = clock_.Now();
+  const bool completes = share >= 1 && !progress_.complete;
+  if (drawn_ && now < progress_.next_draw && !completes) return;
+  progress_.next_draw = now + kRedraw;
+  progress_.complete = share >= 1;
+  drawn_ = true;
+  const int filled = static_cast<int>(share * kWidth);
+  // \r and "erase to the end of the line" redraw it in place.
+  cli::Say(stdout, fmt::format("\r{:<6}[{:#<{}}{:.<{}}] {:3.0f} %  {}\x1b[K", progress_.work, "",
+                               filled, "", kWidth - filled, 100 * share, note));
+  std::fflush(stdout);
 }
 
 }  // namespace twin::cli

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,43 +10,16 @@
 
 namespace twin::cli {
 
-/// Shows how far a piece of work is: a bar that is redrawn on a terminal, a line about every tenth
-/// otherwise.
-///
-/// Threads: one thread.
-class Progress {
- public:
-  /// @param what   "run", "video". @param quiet  shows nothing. @param clock  must outlive this.
-  Progress(std::string what, bool quiet, const Clock& clock);
-  /// Ends the bar's line.
-  ~Progress() { EndLine(); }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  /// @param share  done, in [0, 1]; more counts as all. @param note  shown behind it.
-  void Show(double share, std::string_view note);
-  /// Before something else is printed.
-  void EndLine();
-  [[nodiscard]] const std::string& what() const noexcept { return what_; }
-
- private:
-  void DrawBar(double share, std::string_view note);
-
-  const std::string what_;
-  const bool quiet_;
-  const bool is_terminal_;
-  const Clock& clock_;
-  int tenths_ = 0;  ///< lines printed so far
-  bool drawn_ = false;
-  bool complete_ = false;
-  Time next_draw_{};
-};
-
-/// The terminal of a run: results on standard output, messages in the log, and interrupts.
+/// The terminal of a command: results on standard output, messages in the log, and interrupts.
+/// Progress is a bar that is redrawn on a terminal, a line about every tenth otherwise.
 class Terminal final : public run::Console {
  public:
   /// @param quiet  neither Print() nor Show() do anything.
-  Terminal(Log log, bool quiet) : log_(std::move(log)), quiet_(quiet) {}
+  Terminal(Log log, bool quiet);
+  /// Ends the bar's line.
+  ~Terminal() override { EndLine(); }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
 
   void Print(std::string_view text) override;
   void Say(std::string_view text) override;
@@ -61,13 +33,25 @@ class Terminal final : public run::Console {
   void Interrupt() noexcept override { interrupt_.Interrupt(); }
 
  private:
+  /// The piece of work that was shown last.
+  struct Progress {
+    std::string work;
+    int tenths = 0;  ///< lines printed so far
+    bool complete = false;
+    Time next_draw{};
+  };
+
   void Write(spdlog::level::level_enum level, std::string_view text);
+  void DrawBar(double share, std::string_view note);
+  void EndLine();
 
   const Log log_;
   const bool quiet_;
+  const bool is_terminal_;
   const MonotonicClock clock_;
   const InterruptGuard interrupt_;
-  std::optional<Progress> progress_;
+  Progress progress_;
+  bool drawn_ = false;  ///< the bar's line is not ended
 };
 
 }  // namespace twin::cli

@@ -15,7 +15,6 @@
 #include <fmt/ranges.h>
 
 #include "cli/commands/commands.h"
-#include "cli/interrupt.h"
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
 #include "twin/core/clock.h"
@@ -170,6 +169,7 @@ class ExperimentSession {
         chosen_(Chosen(flags.ids, on_wall_clock_)),
         data_(DataOf(flags.data, program.host)),
         scenarios_(flags.calibration.value_or(data_.models / "experiments")),
+        terminal_(program.log, program.is_quiet()),
         out_(flags.out.value_or(flags.client     ? "out/experiments_client"
                                 : on_wall_clock_ ? "out/experiments_realtime"
                                                  : "out/experiments")) {
@@ -202,8 +202,8 @@ class ExperimentSession {
   const scenario::DataDirectory data_;
   const fs::path scenarios_;
   experiment::Calibration calibration_;
+  Terminal terminal_;
   run::ResultFolder out_;
-  const InterruptGuard interrupt_;
   std::vector<Findings> findings_;
 };
 
@@ -231,7 +231,6 @@ void ExperimentSession::Clear() const {
 }
 
 Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
-  Progress progress(std::string(one.id), program_.is_quiet(), clock_);
   const experiment::Config config{
       .catalogue = program_.catalogue,
       .files = {data_.models, data_.mesh_package, program_.host.cache, false},
@@ -241,13 +240,13 @@ Findings ExperimentSession::Do(const Experiment& one, const fs::path& scratch) {
       .seeds = seeds_,
       .is_calibrated = !flags_.calibration,
       .on_wall_clock = on_wall_clock_,
-      .progress = [&progress](double share) { progress.Show(share, ""); },
-      .interrupted = interrupt_.flag()};
+      .progress = [this, &one](double share) { terminal_.Show(one.id, share, ""); },
+      .interrupted = &terminal_.interrupted()};
   try {
     if (flags_.client) return experiment::RunClientStudy(config, ClientOf(flags_, program_));
     return experiment::Run(one, config);
   } catch (const std::exception& failure) {
-    interrupt_.ThrowIfInterrupted();
+    terminal_.ThrowIfInterrupted();
     if (flags_.client && dynamic_cast<const EnvironmentError*>(&failure) != nullptr) throw;
     return {.id = std::string(one.id), .title = std::string(one.title), .failure = failure.what()};
   }
@@ -299,16 +298,16 @@ int ExperimentSession::Execute() {
   for (const Experiment& one : chosen_) {
     const Time begin = clock_.Now();
     findings_.push_back(Do(one, scratch.path()));
-    interrupt_.ThrowIfInterrupted();
-    if (program_.is_quiet()) continue;
-    Say(stdout, fmt::format("{:<14}{} ({:.1f} s)\n", one.id, experiment::Outcome(findings_.back()),
-                            ToSeconds(clock_.Now() - begin)));
+    terminal_.ThrowIfInterrupted();
+    terminal_.Print(fmt::format("{:<14}{} ({:.1f} s)\n", one.id,
+                                experiment::Outcome(findings_.back()),
+                                ToSeconds(clock_.Now() - begin)));
   }
   Clear();  // what was there stays until there is something in its place
   for (const Findings& findings : findings_) WriteCsv(findings);
   run::WriteWholeFile(json(), experiment::FindingsJson(findings_, seeds_, calibration_.hash));
   WritePage();
-  if (!program_.is_quiet()) Say(stdout, fmt::format("report        {}\n", page().string()));
+  terminal_.Print(fmt::format("report        {}\n", page().string()));
   return TellFailures() ? kOk : kFailed;
 }
 

@@ -12,7 +12,6 @@
 #include <fmt/ranges.h>
 
 #include "cli/commands/commands.h"
-#include "cli/interrupt.h"
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
 #include "twin/application/record_run.h"
@@ -134,7 +133,8 @@ void RequireRunOf(const scenario::VideoCase& wanted, const scenario::Scenario& s
 /// A command while it goes on.
 class VideoSession {
  public:
-  VideoSession(const VideoFlags& flags, const Program& program) : flags_(flags), program_(program) {
+  VideoSession(const VideoFlags& flags, const Program& program)
+      : flags_(flags), program_(program), terminal_(program.log, program.is_quiet()) {
     RequireProgram("ffmpeg", program.host.path, "apt-get install ffmpeg");
   }
 
@@ -148,9 +148,9 @@ class VideoSession {
     std::vector<golden::CaseResult> results;
     for (std::size_t i = 0; i < cases.size(); ++i) {
       results.push_back(CheckVideo(cases[i], std::move(goldens[i])));
-      Tell(fmt::format("{:<24} {:<6} {}\n", cases[i].name,
-                       results.back().comparison.passed() ? "ok" : "FAILED",
-                       Describe(results.back().comparison, results.back().pictures)));
+      terminal_.Print(fmt::format("{:<24} {:<6} {}\n", cases[i].name,
+                                  results.back().comparison.passed() ? "ok" : "FAILED",
+                                  Describe(results.back().comparison, results.back().pictures)));
     }
     return Conclude(results, always);
   }
@@ -163,14 +163,15 @@ class VideoSession {
       std::optional<golden::Golden> old;
       if (golden::HasGolden(FolderOf(wanted))) old = golden::ReadGolden(FolderOf(wanted));
       golden::CaseRun run = RunOf(wanted, true);
-      run.Take(nullptr, [this] { interrupt_.ThrowIfInterrupted(); });
+      run.Take(nullptr, [this] { terminal_.ThrowIfInterrupted(); });
       const golden::Approved approved =
           golden::Approve(old, run.Evidence(), flags_.reason, TWIN_VERSION);
-      interrupt_.ThrowIfInterrupted();
+      terminal_.ThrowIfInterrupted();
       if (approved.changed) golden::WriteGolden(FolderOf(wanted), approved.golden);
-      Tell(fmt::format("{:<24} {}\n", wanted.name,
-                       approved.changed ? "approved: " + approved.golden.approvals.back().changed
-                                        : "was approved before; nothing was written"));
+      terminal_.Print(fmt::format("{:<24} {}\n", wanted.name,
+                                  approved.changed
+                                      ? "approved: " + approved.golden.approvals.back().changed
+                                      : "was approved before; nothing was written"));
     }
     return kOk;
   }
@@ -222,14 +223,14 @@ class VideoSession {
 
   golden::CaseResult CheckVideo(const scenario::VideoCase& wanted, golden::Golden golden) const {
     golden::CaseRun run = RunOf(wanted, false);
-    run.Take(&golden, [this] { interrupt_.ThrowIfInterrupted(); });
+    run.Take(&golden, [this] { terminal_.ThrowIfInterrupted(); });
     golden::CaseResult result{wanted.name, RunText(wanted, flags_), ApproveCommand(wanted, flags_)};
     try {
       result.comparison = golden::Compare(golden, run.Evidence());
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", FolderOf(wanted).string(), error.what()));
     }
-    interrupt_.ThrowIfInterrupted();
+    terminal_.ThrowIfInterrupted();
     result.golden = std::move(golden);
     result.pictures = run.pictures();
     result.joints = run.Joints();
@@ -237,7 +238,7 @@ class VideoSession {
   }
 
   /// Writes what is to be written. @returns kFailed when a check failed.
-  int Conclude(const std::vector<golden::CaseResult>& results, bool always) const {
+  int Conclude(const std::vector<golden::CaseResult>& results, bool always) {
     const auto failed = std::count_if(results.begin(), results.end(), [](const auto& result) {
       return !result.comparison.passed();
     });
@@ -246,7 +247,7 @@ class VideoSession {
     if (failed > 0 || always) {
       run::MakeFolder(flags_.out);
       run::WriteWholeFile(page, golden::PageOf(results));
-      Tell(fmt::format("report                   {}\n", page.string()));
+      terminal_.Print(fmt::format("report                   {}\n", page.string()));
     } else {
       RemoveStale(page);
     }
@@ -266,15 +267,9 @@ class VideoSession {
     }
   }
 
-  void Tell(const std::string& line) const {
-    if (program_.is_quiet()) return;
-    Say(stdout, line);
-    std::fflush(stdout);
-  }
-
   const VideoFlags& flags_;
   const Program& program_;
-  const InterruptGuard interrupt_;
+  Terminal terminal_;
 };
 
 int CheckVideo(const VideoFlags& flags, const Program& program) {
