@@ -23,3 +23,18 @@ function(twin_add_area name)
   target_link_libraries(${target} ${scope} ${AREA_PUBLIC})
   set_property(GLOBAL APPEND PROPERTY TWIN_AREAS ${target})
 endfunction()
+
+# Makes a source that holds text files: twin_embed(texts.cc.in texts *.html) writes texts.cc, where @TWIN_TEXTS@ in texts.cc.in
+# becomes {"name", R"twin(text)twin"}, for each such file below the folder. The files hold no `)twin"`.
+function(twin_embed source folder)
+  list(TRANSFORM ARGN PREPEND ${folder}/ OUTPUT_VARIABLE patterns)
+  file(GLOB_RECURSE files CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/${folder} ${patterns})
+  set(TWIN_TEXTS "")
+  foreach(file ${files})
+    file(READ ${folder}/${file} text)
+    string(APPEND TWIN_TEXTS "    {\"${file}\", R\"twin(${text})twin\"},\n")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/${file})
+  endforeach()
+  string(REGEX REPLACE "\\.in$" "" made ${source})
+  configure_file(${source} ${made} @ONLY)
+endfunction()

@@ -4,7 +4,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -56,6 +55,12 @@ CLI::Option* Add(CLI::App& command, const std::string& form, T& value, const cha
   return space == std::string::npos ? option : option->type_name(form.substr(space + 1));
 }
 
+/// The text of a file of src/cli/texts: "completion.zsh"; empty when there is none.
+[[nodiscard]] std::string_view TextOf(std::string_view name);
+
+/// Adds what follows the options in a command's help: src/cli/texts/help/NAME.txt, if there.
+void AddFooter(CLI::App& command);
+
 /// Adds -v, -q and --log-format, which every command has.
 void AddLog(CLI::App& command, LogFlags& flags);
 
@@ -66,19 +71,18 @@ struct AddedCommand {
   Flags& flags;
 };
 
-/// Adds a command with the flags of the log.
+/// Adds a command with the flags of the log, and its footer.
 /// @param run  what it does once its options are read. It may throw twin::Error, Interrupted, or a
 /// CLI::ParseError for options that do not go together.
-/// @param program  must outlive the command. @param footer  of its help; may be empty.
+/// @param program  must outlive the command.
 template <typename Flags>
 AddedCommand<Flags> AddCommand(CLI::App& parent, Program& program, const char* name,
-                               const char* text, int (*run)(const Flags&, const Program&),
-                               const char* footer = "") {
+                               const char* text, int (*run)(const Flags&, const Program&)) {
   CLI::App& command = *parent.add_subcommand(name, text);
   auto flags = std::make_shared<Flags>();
   command.final_callback([flags, run, &program] { program.code = run(*flags, program); });
   AddLog(command, *program.log_flags);
-  if (*footer != 0) command.footer(footer);
+  AddFooter(command);
   return {command, *flags};
 }
 

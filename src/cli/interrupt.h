@@ -2,7 +2,6 @@
 
 #include <array>
 #include <csignal>
-#include <cstddef>
 
 #include "twin/run/console.h"
 

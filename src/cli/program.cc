@@ -21,38 +21,6 @@
 namespace twin::cli {
 namespace {
 
-constexpr const char* kProgramFooter = R"(Start here:
-  panda-twin check                                       does this host have all it takes, and keep 1 kHz?
-  panda-twin run models/scenarios/canonical.yaml         the main example; results in out/canonical
-  panda-twin run SCENARIO.yaml --seed 7 --out /tmp/a     other random numbers, another folder
-  panda-twin run SCENARIO.yaml --lab b                   at another site: other masses, friction, tilt, delays
-  panda-twin run models/applications/pick_and_place.yaml a whole task: steps, retries, what is demanded, report.html
-  panda-twin run APPLICATION.yaml --seeds 100            the same for a hundred seeds: how many succeed, and why not
-  panda-twin run SCENARIO.yaml --drive realtime          on the wall clock, threads at real-time priority
-  panda-twin run SCENARIO.yaml --page                    watch it in a browser; the address is printed
-  panda-twin run models/applications/teleoperation.yaml --device page --page   lead it from there
-  panda-twin serve                                       a Panda for libfranka programs, at 127.0.0.1
-  panda-twin proxy --robot HOST --link FILE.yaml         a wire with faults, before a robot or a twin
-  panda-twin experiment all                              the paper's tables and figures, beside ours
-  panda-twin render out/canonical --out slow.mp4 --speed 0.25   any recorded run as a video, any camera; two side by side
-  panda-twin video check                                 do the runs look as they were approved?
-  panda-twin validate my.yaml                            is my scenario sound? (no run)
-  panda-twin run SCENARIO.yaml --backend fci --robot HOST --allow-hardware --max-speed 0.1   on a robot, slowly
-  panda-twin export out/canonical/run.mcap               the log as CSV tables
-  panda-twin devices                                     what is plugged in to lead the robot by hand?
-  panda-twin explain out/canonical                       why did the run abort? value, limit, cause, cure
-
-A scenario is a YAML file that describes a run: robot, link, controller, motion or application. Start from one in
-models/scenarios; every quantity in it carries its unit, and what is wrong is named by file and line.
-
-A run writes run.mcap (every cycle; opens in Foxglove), scenario.yaml (the scenario, complete),
-plots/*.svg, video.mp4, contact_sheet.png, summary.json (in lockstep it repeats with the seed, byte by byte) and
-timing.json (wall-clock figures, which do not); an application also report.html and snapshots/*.png. Files are called *.partial until they are whole.
-
-Exit codes:
-  0 ok   1 the run aborted, a check failed (with --strict the deviation's too), or no plan was found   2 usage   3 bad input
-  4 environment   130 interrupted (the motion was stopped and the log completed))";
-
 /// Runs `command` and turns what it throws into an exit code.
 template <typename Command>
 int Guarded(const Log& log, Command command) {
@@ -127,6 +95,11 @@ void RequireProgram(std::string_view name, std::string_view path, std::string_vi
   throw EnvironmentError(fmt::format("the program {} is not installed; {}", name, cure));
 }
 
+void AddFooter(CLI::App& command) {
+  const std::string_view text = TextOf(fmt::format("help/{}.txt", command.get_name()));
+  command.footer(std::string(text.substr(0, text.find_last_not_of('\n') + 1)));
+}
+
 void AddLog(CLI::App& command, LogFlags& flags) {
   command.add_flag("-v,--verbose", flags.verbose, "Log details too");
   command.add_flag("-q,--quiet", flags.quiet, "No progress and no summary; log and errors only");
@@ -142,7 +115,7 @@ int RunProgram(int argc, const char* const* argv, Program& program) {
   app.set_version_flag("--version", &VersionText, "Show the version and exit");
   app.require_subcommand(1);
   for (const auto add : kCommands) add(app, program);
-  app.footer(kProgramFooter);  // after its commands, which else would repeat it
+  AddFooter(app);  // after its commands, which else would repeat it
   return Guarded(program.log, [&] {
     try {
       app.parse(argc, argv);  // and runs the command

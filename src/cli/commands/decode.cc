@@ -2,8 +2,6 @@
 #include <filesystem>
 #include <string>
 
-#include <fmt/format.h>
-
 #include "cli/commands/commands.h"
 #include "twin/fci/protocol.h"
 #include "twin/fci/transcript.h"

@@ -29,17 +29,6 @@ struct DevicesFlags {
   std::optional<std::string> record;  ///< file its samples go into
 };
 
-constexpr const char* kDevicesFooter =
-    R"(DEVICE is evdev, network or script, as scenarios name them; the path of an input device; or part of its name:
-  panda-twin devices                                      what is plugged in
-  panda-twin devices spacemouse                           its axes and buttons, live
-  panda-twin devices /dev/input/event5 --record me.csv    the same, into a script
-  panda-twin devices network --set token=secret           a device's own program, over UDP
-  panda-twin devices script --set file=me.csv             what was recorded
-Parameters and buttons: plugins/devices/README.md. Axes are ahead, left, up, and about them; of buttons it tells how
-often each was pressed, once it was. Nothing moves.
-Exit codes: 0 ok, 1 no sample came, 130 when interrupted, others as ever.)";
-
 constexpr Duration kBetweenReads = std::chrono::milliseconds(5);
 constexpr Duration kBetweenLines = std::chrono::milliseconds(100);
 
@@ -211,7 +200,7 @@ int ShowDevices(const DevicesFlags& flags, const Program& program) {
 void AddDevices(CLI::App& app, Program& program) {
   const auto [devices, flags] = AddCommand(
       app, program, "devices", "List what an operator can lead with, or show what one device tells",
-      &ShowDevices, kDevicesFooter);
+      &ShowDevices);
   CLI::Option* device = Add(devices, "device DEVICE", flags.device, "Which to show");
   Add(devices, "--for S", flags.seconds, "Show it for so long (0.1 to 3600)")
       ->capture_default_str()

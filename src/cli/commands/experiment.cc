@@ -43,18 +43,6 @@ struct ExperimentFlags {
   DataFlags data;
 };
 
-constexpr const char* kExperimentFooter =
-    R"(In lockstep the same seed gives the same report, byte by byte; in realtime it tells what this machine makes of
-the loops, and takes about 7 minutes. Writes report.html, one page that needs no other file, findings.json, every
-figure with its verdict (predicted, calibrated, not reproduced, reported), and csv/*.csv, the points of every curve.
-The delays of the three loops are in bare.yaml, synchronous.yaml and asynchronous.yaml of models/experiments;
---calibration takes a folder with yours. If one names a controller.library, its code runs, with your rights.
-`timings --client CMD` serves a robot on the wall clock, runs any program made for it until it ends, and tells its
-d_EXT on the wire, unserved cycles, losses in a row and how far they are from the 20 that end a motion (of one that
-does not end by itself after --for S), so
-  panda-twin experiment timings --client "./communication_test 127.0.0.1"
-Exit code 1: an experiment could not be done, or missed what is demanded of it for no known reason; each is named in a line.)";
-
 namespace fs = std::filesystem;
 using experiment::Experiment;
 using experiment::Findings;
@@ -328,9 +316,9 @@ int RunExperiments(const ExperimentFlags& flags, const Program& program) {
 }  // namespace
 
 void AddExperiment(CLI::App& app, Program& program) {
-  const auto [experiment, flags] = AddCommand(
-      app, program, "experiment", "Reproduce the paper's tables and figures, as a report",
-      &RunExperiments, kExperimentFooter);
+  const auto [experiment, flags] =
+      AddCommand(app, program, "experiment",
+                 "Reproduce the paper's tables and figures, as a report", &RunExperiments);
   CLI::Option* ids = Add(experiment, "experiments ID...", flags.ids, "Which (see --list), or all");
   experiment.add_flag("--list", flags.list, "Say which there are")->excludes(ids);
   AddSeed(experiment, flags.seed, "Seed of all random numbers (default: 1)");

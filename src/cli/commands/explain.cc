@@ -21,11 +21,6 @@ struct ExplainFlags {
   bool modes = false;         ///< what the robot grants in which mode instead
 };
 
-constexpr const char* kExplainFooter =
-    R"(Of a run that an error ended: what happened, in which cycle, which joint or axis, value and limit, how the
-value was computed, what became of the last commands, the usual cause, and what helps; and explain.html,
-one page with the last 50 cycles plotted. Of any other run: how close it came to each limit.)";
-
 namespace fs = std::filesystem;
 
 fs::path FolderOf(const ExplainFlags& flags, const fs::path& log) {
@@ -71,7 +66,7 @@ int Explain(const ExplainFlags& flags, const Program& /*program*/) {
 
 void AddExplain(CLI::App& app, Program& program) {
   const auto [explain, flags] =
-      AddCommand(app, program, "explain", "Say how a run ended, and why", &Explain, kExplainFooter);
+      AddCommand(app, program, "explain", "Say how a run ended, and why", &Explain);
   CLI::Option* log =
       Add(explain, "log FILE|DIR", flags.log, "Log of a run, or its folder of results");
   Add(explain, "--out DIR", flags.out, "Folder of the page (default: beside the log)");

@@ -31,13 +31,6 @@ struct ProxyFlags {
   std::optional<double> seconds;                                 ///< as serve's
 };
 
-constexpr const char* kProxyFooter =
-    R"(TCP passes as it is; of datagrams, states are those from the robot, commands those to it. What --link and the
-other flags take is what a scenario's section link takes (models/scenarios/README.md), so
-  --state-delay "{log_normal: {median: 60 us, sigma: 0.3}}" --command-loss "{scripted: [{at: 2 s, count: 25}]}"
-d_INT is the robot's, and has no effect here. The first datagram of a session has number 0 in its direction; its fate
-follows from the faults, the seed and that number. At the end: how many came, went on, were delayed, and so on.)";
-
 robot::LinkConfig LinkOf(const ProxyFlags& flags) {
   if (!flags.link.empty() && !flags.faults.empty()) {
     throw InputError(
@@ -118,9 +111,8 @@ constexpr std::pair<std::string_view, const char*> kFaultFlags[] = {
 }  // namespace
 
 void AddProxy(CLI::App& app, Program& program) {
-  const auto [proxy, flags] =
-      AddCommand(app, program, "proxy", "Pass a robot's wire on, with delays and losses by a seed",
-                 &RunProxy, kProxyFooter);
+  const auto [proxy, flags] = AddCommand(
+      app, program, "proxy", "Pass a robot's wire on, with delays and losses by a seed", &RunProxy);
   Add(proxy, "--robot HOST[:PORT]", flags.robot, "The robot, or the twin that is served")
       ->required();
   AddNetwork(proxy, flags.network);

@@ -41,18 +41,6 @@ struct RenderFlags {
   DataFlags data;
 };
 
-constexpr const char* kRenderFooter =
-    R"(Whatever is not said is as the scenario's section render has it, so that `render LOG --out a.mp4` makes the run's own
-video again, frame by frame. Of a log without scenes (hardware, the ideal plant) the arm moves as it was measured.
-A frame shows what was recorded first at or after its instant; nothing between is made up.
-  panda-twin render out/canonical --out slow.mp4 --speed 0.25 --from 2 --to 4 --camera track:panda_hand
-  panda-twin render out/a out/b --out both.mp4 --compare ghost    the second arm translucent in the first's picture
-  panda-twin render out/demo --out frame.png --at 3.2 --inset gripper --overlays text,forces,limits
-  panda-twin render out/compliance --out grid.png --layout grid      the four cases, each where the arm is furthest off
-  panda-twin render out/pick_and_place --out strip.png --layout strip  six plans above, carried out below
-  panda-twin render out/plan_and_execute --out triple.png --layout triple  initial, plan, final
-Two runs go side by side by their own time; one that has ended stays as it was. split is twice as wide as --size.)";
-
 std::optional<Time> InstantOf(const std::optional<double>& seconds) {
   if (!seconds) return std::nullopt;
   return Time(Duration(std::llround(*seconds * 1e9)));
@@ -235,8 +223,7 @@ CLI::Validator Instant() {
 
 void AddRender(CLI::App& app, Program& program) {
   const auto [render, flags] =
-      AddCommand(app, program, "render", "Draw a recorded run, or two beside each other", &Render,
-                 kRenderFooter);
+      AddCommand(app, program, "render", "Draw a recorded run, or two beside each other", &Render);
   Add(render, "log FILE|DIR", flags.log, "Log of a run, or its folder of results")->required();
   CLI::Option* second = Add(render, "second FILE|DIR", flags.second, "Of another run, to compare");
   Add(render, "--out FILE", flags.out,

@@ -1,7 +1,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include <fmt/format.h>
 
@@ -41,13 +40,6 @@ struct RunFlags {
   PageFlags page;
   DataFlags data;
 };
-
-constexpr const char* kRunFooter =
-    R"(The folder of results is made when missing. Results of an earlier run in it are removed when the motion
-starts, never before all input has been found good; other files there stay. A run that its robot refuses before that, or
-that finds no plan, leaves a summary.json that says so. Of a log that could not be written to its end (a full disk),
-run.mcap.partial stays, and can be read. ffmpeg and gnuplot may do nothing for a minute, and are then ended.
-A scenario that names a controller.library executes its code, with your rights.)";
 
 /// With the device's own defaults: the scenario's parameters are of another one.
 void ChooseDevice(const std::string& device, scenario::Scenario& scenario) {
@@ -184,8 +176,8 @@ int Run(const RunFlags& flags, const Program& program) {
 }  // namespace
 
 void AddRun(CLI::App& app, Program& program) {
-  const auto [run, flags] = AddCommand(
-      app, program, "run", "Run a scenario and write log, plots and video", &Run, kRunFooter);
+  const auto [run, flags] =
+      AddCommand(app, program, "run", "Run a scenario and write log, plots and video", &Run);
   Add(run, "scenario FILE", flags.scenario, "Scenario file")->required();
   AddSeed(run, flags.seed);
   AddLab(run, flags.lab);

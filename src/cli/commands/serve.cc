@@ -46,16 +46,6 @@ struct ServeFlags {
   DataFlags data;
 };
 
-constexpr const char* kServeFooter =
-    R"(Of a scenario, robot, plant, scene, perturbations, panel events, the losses of its link and the start count;
-its motion is the client's affair. A push with `motion: N` waits for the N-th motion of whoever connects. Of --lab, plant
-and losses count; its delays have no effect, since socket and client are real (panda-twin proxy delays what passes).
-drive lockstep: the next state is sent when the client has answered the last, so that nothing depends on how fast
-either is; --idle freeze: physics stands still between motions, too.
---log and --capture replace a log and a capture, and no other file; each is FILE.partial until the end. When one cannot
-be written any more, a warning says so at once, the robot is served on, and the exit code is 4.
-Exit codes: 0 after --for, 130 when interrupted, others as ever.)";
-
 scenario::Scenario LoadWithFlags(const ServeFlags& flags, const Host& host) {
   scenario::Scenario scenario =
       flags.scenario.empty() ? run::DefaultServed() : scenario::Load(flags.scenario);
@@ -286,9 +276,8 @@ int Serve(const ServeFlags& flags, const Program& program) {
 }  // namespace
 
 void AddServe(CLI::App& app, Program& program) {
-  const auto [serve, flags] =
-      AddCommand(app, program, "serve", "Serve a robot to programs made for it (FCI protocol 5)",
-                 &Serve, kServeFooter);
+  const auto [serve, flags] = AddCommand(
+      app, program, "serve", "Serve a robot to programs made for it (FCI protocol 5)", &Serve);
   Add(serve, "scenario FILE", flags.scenario, "Scenario file (default: the ready pose, no scene)");
   AddLab(serve, flags.lab);
   Add(serve, "--scene FILE", flags.scene, "World around the robot (MJCF in the models folder)");

@@ -26,11 +26,6 @@ struct ValidateFlags {
   DataFlags data;
 };
 
-constexpr const char* kValidateFooter =
-    R"(Checks all that run checks, and moves nothing. A scenario may name a shared library (controller.library), whose
-code run executes with your rights: look at what you were given before you run it. validate does not load it unless
---load is given; its parameters are then checked too.)";
-
 constexpr const char* kNotLoaded = "not_loaded";
 
 /// Largest share over the joints, in percent.
@@ -136,8 +131,8 @@ int Validate(const ValidateFlags& flags, const Program& program) {
 }  // namespace
 
 void AddValidate(CLI::App& app, Program& program) {
-  const auto [validate, flags] = AddCommand(
-      app, program, "validate", "Check a scenario without running it", &Validate, kValidateFooter);
+  const auto [validate, flags] =
+      AddCommand(app, program, "validate", "Check a scenario without running it", &Validate);
   Add(validate, "scenario FILE", flags.scenario, "Scenario file")->required();
   validate.add_flag("--load", flags.load,
                     "Load the scenario's controller.library too, which runs code of it");

@@ -37,16 +37,6 @@ struct VideoFlags {
   DataFlags data;
 };
 
-constexpr const char* kVideoFooter =
-    R"(A case is a file <goldens>/<case>.yaml: a scenario, a lab, a seed, and some views, each as a scenario's render section;
-what was approved of it is in the folder <goldens>/<case>. Hashes of states and frames tell what changed, physics
-or rendering; whether pictures differ is decided by what shows: another processor or rasteriser is no failure.
-  panda-twin video check                          run all cases, compare, say what differs; a page when something does
-  panda-twin video check CASE --log out/run       a recorded run instead of a new one
-  panda-twin video report                         the page whatever comes of it
-  panda-twin video approve CASE --reason "..."    what the case looks like now is right
-Exit codes: 1 pictures differ from those approved; others as ever.)";
-
 namespace fs = std::filesystem;
 
 /// Makes the file for machines, and removes it, before the work. @throws EnvironmentError.
@@ -314,7 +304,7 @@ void AddVideo(CLI::App& app, Program& program) {
   AddCases(report, report_flags, true);
   approve.get_option("cases")->required()->description("Which");
   Add(approve, "--reason TEXT", flags.reason, "Why they are right; it is kept")->required();
-  video->footer(kVideoFooter);  // after its commands, which else would repeat it
+  AddFooter(*video);  // after its commands, which else would repeat it
 }
 
 }  // namespace twin::cli
