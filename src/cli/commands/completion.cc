@@ -113,7 +113,7 @@ void Collect(const CLI::App& app, const std::string& path, data& commands) {
     options.push_back(OptionData(*option, path, values, files));
   }
   data command("path", path);
-  command.set("function", Replaced("panda-twin " + path, " ", "_"));
+  command.set("function", path.empty() ? "panda-twin" : Replaced("panda-twin " + path, " ", "_"));
   command.set("when", path.empty() ? std::string("__fish_use_subcommand")
                                    : "__fish_seen_subcommand_from " +
                                          Replaced(path, " ", "; and __fish_seen_subcommand_from "));

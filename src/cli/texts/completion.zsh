@@ -17,4 +17,4 @@ _{{{function}}}() {
 }
 {{/has_commands}}{{/commands}}
 
-_panda-twin_ "$@"
+_panda-twin "$@"
