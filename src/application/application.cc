@@ -47,8 +47,8 @@ const Entry& EntryOf(const scenario::Scenario& scenario) {
   const std::string& type = scenario.application.value().type;
   const auto* entry = std::ranges::find(kApplications, type, &Entry::name);
   if (entry != kApplications.end()) return *entry;
-  std::vector<std::string_view> names;
-  for (const Entry& each : kApplications) names.push_back(each.name);
+  std::vector<std::string_view> names(kApplications.size());
+  std::ranges::transform(kApplications, names.begin(), &Entry::name);
   throw InputError(fmt::format("{}application \"{}\" is unknown; there are: {}", PlaceOf(scenario),
                                type, fmt::join(names, ", ")));
 }

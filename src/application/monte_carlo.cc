@@ -261,8 +261,9 @@ MonteCarloResult RunSeeds(const scenario::Scenario& scenario, const run::Catalog
       if (!is_interrupted()) keep(k, std::move(outcome));  // else the run is not complete
     }
   };
-  std::vector<std::jthread> workers;
-  for (int i = 0; i < std::min(options.threads, options.seeds); ++i) workers.emplace_back(work);
+  std::vector<std::jthread> workers(
+      static_cast<std::size_t>(std::min(options.threads, options.seeds)));
+  for (std::jthread& worker : workers) worker = std::jthread(work);
   workers.clear();
   MonteCarloResult result;
   for (std::optional<SeedOutcome>& outcome : outcomes) {

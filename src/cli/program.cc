@@ -60,6 +60,7 @@ std::string DescribeError(const CLI::App& app, const CLI::ParseError& error) {
   const auto commands = command->get_subcommands([](const CLI::App*) { return true; });
   if (commands.empty() || word == unread.end()) return error.what();
   std::vector<std::string_view> names;
+  names.reserve(commands.size());
   for (const CLI::App* one : commands) names.emplace_back(one->get_name());
   const auto nearest = Nearest(*word, names);
   return fmt::format("there is no command \"{}\"{}", *word,

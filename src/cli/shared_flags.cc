@@ -45,7 +45,7 @@ scenario::DataDirectory DataOf(const DataFlags& flags, const Host& host) {
 
 run::RunFiles FilesOf(const DataFlags& flags, const Program& program) {
   const scenario::DataDirectory data = DataOf(flags, program.host);
-  const run::RunFiles files{data.models, data.mesh_package, UsableCache(program), false};
+  run::RunFiles files{data.models, data.mesh_package, UsableCache(program), false};
   program.log->debug("models {}, meshes {}, cache {}", files.models.string(),
                      files.mesh_package.string(), files.cache.string());
   return files;

@@ -211,8 +211,10 @@ void CompareSurvived(const LossTable& table, Findings& findings) {
 Findings RunLosses(const Config& config) {
   const int runs = std::min(config.seeds, 3);
   std::vector<Losses> bursts;
+  bursts.reserve(std::size(kBursts));
   for (const int length : kBursts) bursts.push_back({.bursts = {.length = length}});
   std::vector<Losses> shares;
+  shares.reserve(std::size(kShares));
   for (const double share : kShares) shares.push_back({.share_percent = share});
   const LossTable by_burst = MeasureTable(PartOf(config, 0, 0.3), bursts, runs);
   const LossTable by_share = MeasureTable(PartOf(config, 0.3, 0.55), shares, runs);

@@ -145,7 +145,7 @@ scenario::Loss LossOf(const Config& config, const Bursts& bursts, Duration motio
 run::RunResult RunScenario(const Config& config, const scenario::Scenario& scenario,
                            record::RecordSink* sink) {
   ThrowIfInterrupted(config);
-  const run::RunResult result =
+  run::RunResult result =
       scenario.is_remote()
           ? RunOverWire(config, scenario, sink)
           : run::Run(scenario, config.catalogue, config.files, sink)

@@ -11,6 +11,7 @@ namespace twin::experiment {
 template <class Items, class Of>
 [[nodiscard]] std::vector<double> ValuesOf(const Items& items, const Of& of) {
   std::vector<double> values;
+  values.reserve(std::size(items));
   for (const auto& item : items) values.push_back(static_cast<double>(std::invoke(of, item)));
   return values;
 }
@@ -19,6 +20,7 @@ template <class Items, class Of>
 template <class Items>
 [[nodiscard]] std::vector<std::string> NamesOf(const Items& items) {
   std::vector<std::string> names;
+  names.reserve(std::size(items));
   for (const auto& item : items) names.emplace_back(item.name);
   return names;
 }

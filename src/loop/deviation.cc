@@ -35,7 +35,7 @@ void DeviationMeter::Measure(const RobotState& state, Time read) noexcept {
 }
 
 void DeviationMeter::MeasureJoints(const RobotState& state, Time read) noexcept {
-  if (!largest_.joints) largest_.joints.emplace();
+  if (!largest_.joints) largest_.joints = Deviation::Joints{};
   ++count_;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double error = std::abs(target_.joint.q[i] - state.q[i]);
@@ -47,7 +47,7 @@ void DeviationMeter::MeasureJoints(const RobotState& state, Time read) noexcept 
 }
 
 void DeviationMeter::MeasurePose(const RobotState& state, Time read) noexcept {
-  if (!largest_.pose) largest_.pose.emplace();
+  if (!largest_.pose) largest_.pose = Deviation::Pose{};
   const Transform& target = target_.pose.O_T_EE;
   const double distance = (model::Position(target) - model::Position(state.O_T_EE)).norm();
   const double angle = model::TurnBetween(target, state.O_T_EE).norm();

@@ -33,7 +33,7 @@ std::string KindOf(const Json& schema) {
     return fmt::format("[{0}](#{0})", ref.substr(ref.rfind('/') + 1));
   }
   if (schema.contains("const")) return fmt::format("`{}`", schema["const"].get<std::string>());
-  const std::string title = schema.value("title", "");
+  std::string title = schema.value("title", "");
   if (title == "list") return "list of " + KindOf(schema["items"]);
   if (!schema.contains("anyOf")) return title;
   std::string kinds;

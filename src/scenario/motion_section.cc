@@ -224,7 +224,7 @@ void DescribeMotion(Map& map, Scenario& scenario) {
 
 Value MaxDeviationOf(Scenario& scenario) {
   MaxDeviation& max = scenario.max_deviation;
-  const auto describe = [&scenario, &max](Map& map) {
+  const auto describe = [&max](Map& map) {
     AddLimit(map, "joints", max.joints, kAngle, "Limit for every joint.");
     AddLimit(map, "position", max.position, kLength,
              "Limit for the end effector, where poses are commanded.");

@@ -42,11 +42,11 @@ Value Torques(JointVector& torques) {
 
 /// Adds a threshold without suffix, which sets both thresholds.
 template <typename Bind, typename Values>
-void AddBoth(Map& map, std::string key, Bind bind, Values& acc, Values& nominal,
+void AddBoth(Map& map, const std::string& key, Bind bind, Values& acc, Values& nominal,
              std::string_view meaning) {
-  map.Add(std::move(key), bind(acc), meaning)
-      .OmitIf(true)
-      .Then([&acc, &nominal](const YamlNode& /*node*/) { nominal = acc; });
+  map.Add(key, bind(acc), meaning).OmitIf(true).Then([&acc, &nominal](const YamlNode& /*node*/) {
+    nominal = acc;
+  });
 }
 
 template <typename Bind, typename Values>

@@ -145,7 +145,7 @@ void Map::Schema(Json& schema, Json& definitions) const {
   }
 }
 
-Value Section(std::function<void(Map&)> describe, Style style) {
+Value Section(const std::function<void(Map&)>& describe, Style style) {
   const auto with = [describe](auto use) {
     Map map;
     describe(map);
@@ -166,7 +166,7 @@ Value Section(std::function<void(Map&)> describe, Style style) {
               }};
 }
 
-Value Defined(std::string name, std::string_view meaning, Value value) {
+Value Defined(const std::string& name, std::string_view meaning, Value value) {
   value.schema = [name, meaning, define = value.schema](Json& schema, Json& definitions) {
     schema["$ref"] = "#/$defs/" + name;
     if (definitions.contains(name)) return;
@@ -179,7 +179,7 @@ Value Defined(std::string name, std::string_view meaning, Value value) {
   return value;
 }
 
-Value Validated(Value value, std::function<void()> validate) {
+Value Validated(Value value, const std::function<void()>& validate) {
   value.read = [read = value.read, validate](const YamlNode& node) {
     read(node);
     node.Checked(validate);
@@ -207,7 +207,7 @@ void ListSchema(Json& schema, Json& definitions, const Value& item) {
   item.schema(schema["items"], definitions);
 }
 
-Value Either(Value scalar, Value other, std::function<bool()> is_scalar) {
+Value Either(const Value& scalar, const Value& other, const std::function<bool()>& is_scalar) {
   const auto written = [=] { return is_scalar() ? scalar : other; };
   return {.read = [=](const YamlNode& node) { (node.IsScalar() ? scalar : other).read(node); },
           .write = [written](int indent) { return written().write(indent); },
@@ -220,8 +220,8 @@ Value Either(Value scalar, Value other, std::function<bool()> is_scalar) {
               }};
 }
 
-Value OrWord(std::string_view word, std::function<bool()> is_word, std::function<void()> set_word,
-             Value other) {
+Value OrWord(std::string_view word, std::function<bool()> is_word,
+             const std::function<void()>& set_word, const Value& other) {
   const Value constant{.read = {},
                        .write = [word](int /*indent*/) { return std::string(word); },
                        .schema =

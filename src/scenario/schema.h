@@ -120,7 +120,7 @@ enum class Style : std::uint8_t {
 };
 
 /// A map. @param describe  adds its keys; called whenever the map is read, written, ...
-[[nodiscard]] Value Section(std::function<void(Map&)> describe, Style style = Style::kFlow);
+[[nodiscard]] Value Section(const std::function<void(Map&)>& describe, Style style = Style::kFlow);
 
 /// A map that Describe(Map&, T&) describes.
 template <typename T>
@@ -129,10 +129,10 @@ template <typename T>
 }
 
 /// Puts a value that several keys take under a name into the JSON Schema's `$defs`.
-[[nodiscard]] Value Defined(std::string name, std::string_view meaning, Value value);
+[[nodiscard]] Value Defined(const std::string& name, std::string_view meaning, Value value);
 
 /// Adds a check of the whole value. @param validate  throws InputError that says what is wrong.
-[[nodiscard]] Value Validated(Value value, std::function<void()> validate);
+[[nodiscard]] Value Validated(Value value, const std::function<void()>& validate);
 
 /// A value of a T that may be absent. @param bind  makes the Value of a T&.
 template <typename T, typename Bind>
@@ -182,6 +182,7 @@ template <typename T, typename Bind>
           .write =
               [&list, bind, style](int indent) {
                 std::vector<std::string> items;
+                items.reserve(list.size());
                 for (T& item : list) items.push_back(bind(item).write(-1));
                 return ListText(items, style == Style::kBlock ? indent : -1);
               },
@@ -205,10 +206,11 @@ template <typename T>
 }
 
 /// A single value, or else a map or list. @param is_scalar  says which one the writer takes.
-[[nodiscard]] Value Either(Value scalar, Value other, std::function<bool()> is_scalar);
+[[nodiscard]] Value Either(const Value& scalar, const Value& other,
+                           const std::function<bool()>& is_scalar);
 /// A word that stands for a value of the variable, or the value itself.
 [[nodiscard]] Value OrWord(std::string_view word, std::function<bool()> is_word,
-                           std::function<void()> set_word, Value other);
+                           const std::function<void()>& set_word, const Value& other);
 
 /// A value of another type than its variable's. @param held  the variable converted, to which
 /// `bind` binds the value. @param set  converts back.
@@ -245,8 +247,8 @@ template <typename T>
 [[nodiscard]] Value Seed(std::uint64_t& seed);
 [[nodiscard]] Value Quantity(double& value, Dimension dimension, double least, double most);
 /// A quantity whose dimension depends on another key. @param all  all its dimensions.
-[[nodiscard]] Value QuantityIn(double& value, Dimension dimension, std::vector<Dimension> all,
-                               double least, double most);
+[[nodiscard]] Value QuantityIn(double& value, Dimension dimension,
+                               const std::vector<Dimension>& all, double least, double most);
 [[nodiscard]] Value TimeSpan(Duration& value, Duration least, Duration most);
 /// [x, y, z].
 [[nodiscard]] Value Vector(std::span<double, 3> value, Dimension dimension, double least,
@@ -255,10 +257,10 @@ template <typename T>
 [[nodiscard]] Value Axes(std::span<double, 3> value, Dimension dimension, double least,
                          double most);
 /// A list of fixed length. @param wrong_count  message for another length, which replaces {}.
-[[nodiscard]] Value Array(std::span<double> values, std::function<Value(double&)> bind,
-                          std::string wrong_count);
+[[nodiscard]] Value Array(std::span<double> values, const std::function<Value(double&)>& bind,
+                          const std::string& wrong_count);
 /// 7 plain numbers in a unit that is read before them.
-[[nodiscard]] Value JointNumbers(JointVector& value, std::shared_ptr<double> factor);
+[[nodiscard]] Value JointNumbers(JointVector& value, const std::shared_ptr<double>& factor);
 /// A unit: its factor to the dimension's base unit.
 [[nodiscard]] Value Unit(double& factor, Dimension dimension);
 /// {unit: rad, values: [7 numbers]}.
@@ -275,11 +277,12 @@ template <typename T>
 
 /// One of some names, by its index.
 [[nodiscard]] Value OneOfNames(std::vector<std::string_view> names,
-                               std::function<void(std::size_t)> set,
-                               std::function<std::size_t()> get);
+                               const std::function<void(std::size_t)>& set,
+                               const std::function<std::size_t()>& get);
 template <typename Enum, std::size_t N>
 [[nodiscard]] Value Choice(Enum& value, const std::array<Spelling<Enum>, N>& names) {
   std::vector<std::string_view> words;
+  words.reserve(N);
   for (const auto& [word, each] : names) words.push_back(word);
   return OneOfNames(
       std::move(words), [&value, &names](std::size_t i) { value = names[i].second; },

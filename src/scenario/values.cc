@@ -167,8 +167,8 @@ Value Quantity(double& value, Dimension dimension, double least, double most) {
       [=](double number) { return QuantityText(number, dimension); });
 }
 
-Value QuantityIn(double& value, Dimension dimension, std::vector<Dimension> all, double least,
-                 double most) {
+Value QuantityIn(double& value, Dimension dimension, const std::vector<Dimension>& all,
+                 double least, double most) {
   Value quantity = Quantity(value, dimension, least, most);
   quantity.schema = [=, &value](Json& schema, Json& definitions) {
     for (const Dimension each : all) {
@@ -186,7 +186,8 @@ Value TimeSpan(Duration& value, Duration least, Duration most) {
       FormatDuration);
 }
 
-Value Array(std::span<double> values, std::function<Value(double&)> bind, std::string wrong_count) {
+Value Array(std::span<double> values, const std::function<Value(double&)>& bind,
+            const std::string& wrong_count) {
   const auto read = [=](const YamlNode& node) {
     const std::vector<YamlNode> items = node.Items();
     if (items.size() != values.size()) {
@@ -227,7 +228,7 @@ Value Axes(std::span<double, 3> value, Dimension dimension, double least, double
   return Either(for_all, Vector(value, dimension, least, most), [] { return false; });
 }
 
-Value JointNumbers(JointVector& value, std::shared_ptr<double> factor) {
+Value JointNumbers(JointVector& value, const std::shared_ptr<double>& factor) {
   const auto bind = [](double& number) { return Number(number, -kMostNumber, kMostNumber); };
   Value numbers = Array(value, bind, "has {} values; it needs 7, one per joint");
   numbers.read = [&value, factor, read = numbers.read](const YamlNode& node) {
@@ -291,8 +292,8 @@ Value Anything() {
   return {.read = [](const YamlNode& /*node*/) {}};
 }
 
-Value OneOfNames(std::vector<std::string_view> names, std::function<void(std::size_t)> set,
-                 std::function<std::size_t()> get) {
+Value OneOfNames(std::vector<std::string_view> names, const std::function<void(std::size_t)>& set,
+                 const std::function<std::size_t()>& get) {
   const std::string title = fmt::format("{}", fmt::join(names, ", "));
   return {.read = [names, set](const YamlNode& node) { set(node.Choice(names)); },
           .write = [names, get](int /*indent*/) { return std::string(names[get()]); },

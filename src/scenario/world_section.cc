@@ -52,7 +52,7 @@ Value CommandOf(HandCommand& command) {
   };
   return Alternative<T>(command, [validate](T& one) {
     if constexpr (std::is_empty_v<T>)
-      return NoValues();
+      return Validated(NoValues(), validate);
     else
       return Validated(SectionOf(one), validate);
   });
