@@ -250,7 +250,7 @@ std::vector<Vector3> EndEffectorPath(const reference::Trajectory& trajectory,
 
 ApplicationRun::ApplicationRun(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
                                const run::RunFiles& files, record::RecordSink* sink,
-                               const Clock& clock, const run::RealtimeSettings& settings)
+                               const Clock& clock, const run::RealtimeConfig& settings)
     : scenario_(WithApplication(scenario)),
       files_(files),
       application_(Make(scenario_)),

@@ -117,7 +117,7 @@ class ApplicationRecorder final : public RunRecorder {
         catalogue_{inputs.catalogue.backends, inputs.catalogue.controllers, &devices_} {}
 
  private:
-  Connected Connect(const run::RealtimeSettings& settings) override {
+  Connected Connect(const run::RealtimeConfig& settings) override {
     run_.emplace(scenario(), catalogue_, inputs_.files, page_.sink(), clock_, settings);
     return {.connection = &run_->connection(),
             .robot = &run_->robot(),

@@ -42,8 +42,8 @@ scenario::Scenario LedFromThePage(scenario::Scenario served) {
   return served;
 }
 
-run::RealtimeSettings ServedAt(const fci::Endpoint& arm, const std::optional<fci::Endpoint>& hand) {
-  run::RealtimeSettings settings;
+run::RealtimeConfig ServedAt(const fci::Endpoint& arm, const std::optional<fci::Endpoint>& hand) {
+  run::RealtimeConfig settings;
   // The address at which this server listens; at another, another robot may use the same port.
   settings.remote.host = arm.address == 0 ? "127.0.0.1" : fci::AddressText(arm.address);
   settings.remote.arm_port = arm.port;

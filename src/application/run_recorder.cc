@@ -21,7 +21,7 @@ namespace twin::application {
 namespace {
 
 /// True if the run's time is the wall clock.
-bool IsOnWallClock(const scenario::Scenario& scenario, const run::RealtimeSettings& settings) {
+bool IsOnWallClock(const scenario::Scenario& scenario, const run::RealtimeConfig& settings) {
   return scenario.is_remote() ? settings.remote.time == backend::RobotTime::kWall
                               : scenario.drive == scenario::Drive::kRealtime;
 }
@@ -110,7 +110,7 @@ class MotionRecorder final : public RunRecorder {
   using RunRecorder::RunRecorder;
 
  private:
-  Connected Connect(const run::RealtimeSettings& settings) override {
+  Connected Connect(const run::RealtimeConfig& settings) override {
     run_.emplace(scenario(), inputs_.catalogue, inputs_.files, page_.sink(), settings);
     if (const auto planning = run_->planning_time()) times_.planning_s = ToSeconds(*planning);
     // The reference generator settles behind the plan: the video shows that second too.

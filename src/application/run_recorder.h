@@ -73,7 +73,7 @@ class RunRecorder {
   run::OperatorPage page_;
 
  private:
-  [[nodiscard]] virtual Connected Connect(const run::RealtimeSettings& settings) = 0;
+  [[nodiscard]] virtual Connected Connect(const run::RealtimeConfig& settings) = 0;
   [[nodiscard]] virtual Outcome Perform(const run::RunHooks& hooks) = 0;
   /// @pre the log is complete.
   virtual void Evaluate(Outcome& /*outcome*/) {}
@@ -103,7 +103,7 @@ class RunRecorder {
     return wants_video() && run_.connection->truth != nullptr;
   }
 
-  run::RealtimeSettings settings_;
+  run::RealtimeConfig settings_;
   Connected run_;
   Outcome outcome_;
   bool warned_of_log_ = false;

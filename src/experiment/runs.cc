@@ -47,7 +47,7 @@ run::RunResult RunOverWire(const Config& config, const scenario::Scenario& scena
   SinkTo ticks([sink](const record::TickRecord& record) {
     if (sink != nullptr) sink->Put(record);
   });
-  run::RealtimeSettings settings;
+  run::RealtimeConfig settings;
   settings.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port};
   settings.checks_start = false;
   run::RunResult result =

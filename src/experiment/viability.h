@@ -5,7 +5,7 @@
 
 namespace twin::experiment {
 
-/// The highest velocity from which a joint's limits can be kept for ever.
+/// The highest velocity from which a joint's limits can be kept at all times.
 /// @param q, ddq  rad, rad/s^2. @returns rad/s; 0 without such a velocity.
 [[nodiscard]] double HighestSpeed(const reference::ViableAxis& axis, double q, double ddq);
 

@@ -34,7 +34,7 @@ std::function<void(Time, std::string_view)> EventsOf(const RunHooks& hooks, std:
 }  // namespace
 
 Run::Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-         record::RecordSink* sink, const RealtimeSettings& settings)
+         record::RecordSink* sink, const RealtimeConfig& settings)
     : scenario_(scenario) {
   Plan plan = MakePlan(scenario, catalogue, files);
   plan_ = plan.planning;

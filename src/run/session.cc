@@ -57,7 +57,7 @@ bool IsSlow(const RobotState& state) {
 std::unique_ptr<loop::Drive> MakeDrive(const scenario::Scenario& scenario,
                                        const robot::RobotConfig& config,
                                        const backend::Registry& backends, record::RecordSink* sink,
-                                       const RealtimeSettings& settings) {
+                                       const RealtimeConfig& settings) {
   const backend::Factory& connect = backends.Find(scenario.backend);
   if (scenario.is_remote()) {
     return loop::MakeRemoteDrive(connect, config, sink, settings.remote, settings.threads);
@@ -69,12 +69,12 @@ std::unique_ptr<loop::Drive> MakeDrive(const scenario::Scenario& scenario,
 }  // namespace
 
 Session::Session(const scenario::Scenario& scenario, const Catalogue& catalogue,
-                 const RunFiles& files, record::RecordSink* sink, const RealtimeSettings& settings)
+                 const RunFiles& files, record::RecordSink* sink, const RealtimeConfig& settings)
     : Session(Standing(scenario), MakeRobotPlan(Standing(scenario), catalogue, files), catalogue,
               sink, settings) {}
 
 Session::Session(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
-                 record::RecordSink* sink, const RealtimeSettings& settings)
+                 record::RecordSink* sink, const RealtimeConfig& settings)
     : scenario_(scenario),
       robot_(std::make_unique<RobotPlan>(std::move(robot))),
       settings_(settings),

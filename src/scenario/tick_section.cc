@@ -66,7 +66,7 @@ void DescribeTick(Map& map, Scenario& scenario) {
           OrWord(
               "off", [&tick] { return !tick.viability; }, [&tick] { tick.viability.reset(); },
               Optional(tick.viability, lost)),
-          "Commands lost in a row under which the limits hold for ever; off without rejoining.")
+          "Commands lost in a row under which the limits hold at all times; off without rejoining.")
       .Then([&scenario, &tick](const YamlNode& node) {
         if (!tick.viability) return;
         if (scenario.motion.interface != control::CommandInterface::kTorque) return;

@@ -31,7 +31,7 @@ class Performance final : public record::RecordSink {
  public:
   /// @param folder  for the log; empty: none is written. @param devices  of operators; may be null.
   explicit Performance(const scenario::Scenario& scenario, std::filesystem::path folder = {},
-                       const run::RealtimeSettings& settings = {},
+                       const run::RealtimeConfig& settings = {},
                        const teleop::DeviceRegistry* devices = nullptr)
       : folder_(std::move(folder)) {
     plugins::RegisterMujoco(backends_);

@@ -84,7 +84,7 @@ class SessionPerturbationTest : public test::SessionFixture {
   void Attempt(Place place, bool with_push, Cycles& cycles) {
     scenario::Scenario scenario = TwoMotions(with_push);
     std::unique_ptr<server::ServedRobot> served;
-    RealtimeSettings settings;
+    RealtimeConfig settings;
     if (place == Place::kServedInLockstep) {
       served = Serve(scenario, backend::RobotTime::kStates, &cycles);
       scenario.perturbations.clear();  // the client knows nothing of it

@@ -82,7 +82,7 @@ class PlanPlacesTest : public ::testing::Test {
     watcher.Watch(*robot.truth());
     robot.Start();
     scenario.backend = "fci";
-    RealtimeSettings remote;
+    RealtimeConfig remote;
     remote.remote = {.host = "127.0.0.1", .arm_port = robot.arm().port, .time = time};
     remote.checks_start = false;
     Execution execution;

@@ -32,7 +32,7 @@ class SessionRealtimeTest : public test::SessionFixture,
   template <typename Do>
   void Attempt(Do act) {
     scenario::Scenario scenario = Slow();
-    RealtimeSettings settings;
+    RealtimeConfig settings;
     std::unique_ptr<server::ServedRobot> served;
     if (GetParam() == Place::kInProcess) {
       scenario.drive = scenario::Drive::kRealtime;

@@ -99,9 +99,9 @@ class SessionFixture : public ::testing::Test {
     });
   }
 
-  [[nodiscard]] std::unique_ptr<run::Session> Open(
-      const scenario::Scenario& scenario, record::RecordSink* sink = nullptr,
-      const run::RealtimeSettings& settings = {}) const {
+  [[nodiscard]] std::unique_ptr<run::Session> Open(const scenario::Scenario& scenario,
+                                                   record::RecordSink* sink = nullptr,
+                                                   const run::RealtimeConfig& settings = {}) const {
     return std::make_unique<run::Session>(scenario, run::Catalogue{backends_, controllers_}, files_,
                                           sink, settings);
   }

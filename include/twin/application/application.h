@@ -182,7 +182,7 @@ class ApplicationRun {
   /// @throws InputError for a scenario without an application, and as Make() and run::Session.
   ApplicationRun(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
                  const run::RunFiles& files, record::RecordSink* sink, const Clock& clock,
-                 const run::RealtimeSettings& settings = {});
+                 const run::RealtimeConfig& settings = {});
 
   [[nodiscard]] const backend::Connection& connection() const { return session_.connection(); }
   [[nodiscard]] const scenario::RobotData& robot() const { return session_.robot(); }

@@ -53,7 +53,7 @@ class PageOperator {
 
   const Parts parts_;
   const scenario::Scenario scenario_;
-  const run::RealtimeSettings settings_;
+  const run::RealtimeConfig settings_;
   const Tell tell_;
   std::atomic<bool> wanted_{false};  ///< release, acquire: takes_ is counted before
   std::atomic<std::uint64_t> takes_{0};

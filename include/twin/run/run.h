@@ -34,7 +34,7 @@ struct RunHooks {
 };
 
 /// How the threads of real time run, and which robot. Of the host, not of the scenario.
-struct RealtimeSettings {
+struct RealtimeConfig {
   loop::DriveThreads threads;
   backend::RobotAddress remote;  ///< of the backend fci
   /// The checks before a remote robot's first motion must have found all well (CheckStart). False:
@@ -75,7 +75,7 @@ class Run {
   /// what the backend's factory finds wrong; EnvironmentError and RobotFault from the latter;
   /// NoPlanError when no plan was found within its budget.
   Run(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-      record::RecordSink* sink, const RealtimeSettings& settings = {});
+      record::RecordSink* sink, const RealtimeConfig& settings = {});
   ~Run();
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;

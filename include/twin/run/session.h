@@ -103,10 +103,10 @@ class Session {
   /// the two must be given.
   /// @param sink, settings  as Run's. @throws as Run's constructor.
   Session(const scenario::Scenario& scenario, const Catalogue& catalogue, const RunFiles& files,
-          record::RecordSink* sink, const RealtimeSettings& settings = {});
+          record::RecordSink* sink, const RealtimeConfig& settings = {});
   /// As above, with a robot that is resolved already.
   Session(const scenario::Scenario& scenario, RobotPlan robot, const Catalogue& catalogue,
-          record::RecordSink* sink, const RealtimeSettings& settings);
+          record::RecordSink* sink, const RealtimeConfig& settings);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -176,7 +176,7 @@ class Session {
 
   const scenario::Scenario scenario_;
   const std::unique_ptr<const RobotPlan> robot_;
-  const RealtimeSettings settings_;
+  const RealtimeConfig settings_;
   const control::ControllerRegistry& controllers_;
   const std::unique_ptr<CycleSummary> summary_;  ///< passes the records on to the sink
   const std::unique_ptr<loop::Drive> drive_;

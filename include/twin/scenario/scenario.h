@@ -119,8 +119,8 @@ struct TickSection {
   Duration stall_time = loop::TickConfig().stall_time;  ///< in [1 ms, 10 s]
   double low_pass_hz = loop::TickConfig().low_pass_hz;  ///< in [1, 1000]; 1000: off
   bool limiter = false;
-  /// Losses in a row under which the limits are kept for ever, in [0, 100]; absent: no filter, as
-  /// of a scenario that says another generator and nothing here.
+  /// Losses in a row under which the limits are kept at all times, in [0, 100]; absent: no filter,
+  /// as of a scenario that says another generator and nothing here.
   std::optional<int> viability = reference::ViabilityFilter::kLostByDefault;
   Delay cost;
   bool operator==(const TickSection&) const = default;
