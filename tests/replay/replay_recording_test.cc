@@ -160,7 +160,7 @@ TEST(RecordingTest, SaysWhenALogTellsNoScenario) {
   record::RunInfo info = test::InfoOf(test::Sample());
   info.scenario_yaml.clear();
   record::Recorder(folder / "run.mcap", info, record::FullRing::kWait).Finish();
-  EXPECT_THAT(FailureOf(folder / "run.mcap"), HasSubstr("run.mcap: the log tells no scenario"));
+  EXPECT_THAT(FailureOf(folder / "run.mcap"), HasSubstr("run.mcap: the log holds no scenario"));
 }
 
 TEST(RecordingTest, SaysWhenNothingMoved) {

@@ -287,7 +287,7 @@ TEST_F(ExplainTest, AnEarlyEndWithoutAnErrorIsNoSuccess) {
   stopped.state().robot_mode = RobotMode::kUserStopped;
   stopped.Serve(20);
   EXPECT_THAT(Explain(stopped.Finish()).text,
-              HasSubstr("the user stop at 0.011 s; the log ends at 0.030 s"));
+              HasSubstr("the user stop was pressed at 0.011 s; the log ends at 0.030 s"));
 }
 
 TEST_F(ExplainTest, AUserStopAfterTheMotionEndedNothing) {
