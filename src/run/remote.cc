@@ -29,9 +29,11 @@ std::uint16_t ParsePort(std::string_view text, std::string_view robot) {
                                robot, text));
 }
 
-/// Whether the link does anything.
-bool IsIdeal(const scenario::LinkSection& link) {
-  return link.state == scenario::DirectionSection() && link.command == scenario::DirectionSection();
+/// Whether the link does nothing to messages.
+bool IsIdeal(scenario::LinkSection link) {
+  const scenario::LinkSection ideal;
+  link.d_INT = ideal.d_INT;
+  return link == ideal;
 }
 
 bool TakesTime(const scenario::Scenario& scenario) {

@@ -205,11 +205,11 @@ robot::RobotConfig MakeServedConfig(const scenario::Scenario& scenario, const Ru
       scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
   robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
   config.catch_up = {};
-  robot::LinkConfig link;
-  link.state.loss = config.link.state.loss;
-  link.command.loss = config.link.command.loss;
-  link.d_INT = config.link.d_INT;
-  config.link = link;
+  for (faults::DirectionConfig* const direction : {&config.link.state, &config.link.command}) {
+    faults::DirectionConfig lossy;  // delays and copies are those of the real wire
+    lossy.loss = direction->loss;
+    *direction = lossy;
+  }
   return config;
 }
 
