@@ -220,7 +220,7 @@ Value Either(const Value& scalar, const Value& other, const std::function<bool()
               }};
 }
 
-Value OrWord(std::string_view word, std::function<bool()> is_word,
+Value OrWord(std::string_view word, const std::function<bool()>& is_word,
              const std::function<void()>& set_word, const Value& other) {
   const Value constant{.read = {},
                        .write = [word](int /*indent*/) { return std::string(word); },
@@ -228,7 +228,7 @@ Value OrWord(std::string_view word, std::function<bool()> is_word,
                            [word](Json& schema, Json&) {
                              schema = {{"const", word}};
                            }};
-  Value value = Either(constant, other, std::move(is_word));
+  Value value = Either(constant, other, is_word);
   value.read = [word, set_word, read = other.read](const YamlNode& node) {
     const bool is_given = node.IsScalar() && node.Text() == word;
     is_given ? set_word() : read(node);

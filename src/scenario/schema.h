@@ -209,7 +209,7 @@ template <typename T>
 [[nodiscard]] Value Either(const Value& scalar, const Value& other,
                            const std::function<bool()>& is_scalar);
 /// A word that stands for a value of the variable, or the value itself.
-[[nodiscard]] Value OrWord(std::string_view word, std::function<bool()> is_word,
+[[nodiscard]] Value OrWord(std::string_view word, const std::function<bool()>& is_word,
                            const std::function<void()>& set_word, const Value& other);
 
 /// A value of another type than its variable's. @param held  the variable converted, to which
