@@ -32,7 +32,8 @@ void WallClockRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcep
   const RobotState& state = robot().states().Take();
   // While it makes up for cycles, the workstation gets the last state only: it could not answer
   // the others in time, and would take each for a cycle of its own clock.
-  const bool is_made_up_for = Borne() > Duration::zero() && robot().next_cycle() <= clock().Now();
+  const bool is_made_up_for =
+      AllowedLateness() > Duration::zero() && robot().next_cycle() <= clock().Now();
   if (!is_made_up_for) port().Deliver(state);
 }
 
@@ -77,12 +78,12 @@ void WallClockRobot::RunEventsUntil(Time until) noexcept {
   }
 }
 
-Duration WallClockRobot::Borne() noexcept {
+Duration WallClockRobot::AllowedLateness() noexcept {
   return std::max(catch_up_ - robot().lost_in_row() * robot().period(), Duration::zero());
 }
 
 void WallClockRobot::PostponeIfStalled(Time now) noexcept {
-  const Duration late = now - robot().next_cycle() - Borne();
+  const Duration late = now - robot().next_cycle() - AllowedLateness();
   if (late <= kTolerated) return;
   robot().Postpone(late);
   postponed_ += late;

@@ -20,9 +20,9 @@ namespace twin::robot {
 /// Events run in the order of their times: a command enters the link at its arrival time, after all
 /// events due earlier. When the host stopped the thread, the robot makes up for cycles of at most
 /// RobotConfig::catch_up less those just lost, one right after the other. No command arrives in
-/// them, and INT holds the acceleration, as if only the workstation had stopped; of their states it
-/// sends the last. What is later than that, by more than 0.25 ms, postpones its cycle and all later
-/// ones; skipped whole periods are counted.
+/// them, and INT holds the acceleration, as if only the workstation had stopped. The robot sends
+/// the last of their states only. A cycle later than that by more than 0.25 ms is postponed with
+/// all later ones; skipped whole periods are counted.
 ///
 /// Threads: as ThreadedRobot; statistics from the thread that calls End(). Real-time: the robot's
 /// thread allocates and locks nothing between Begin() and End().
@@ -45,8 +45,8 @@ class WallClockRobot : public ThreadedRobot {
   void Run(const std::stop_token& stop) noexcept final;
   void WorkOff(Time now) noexcept TWIN_REALTIME;
   void RunEventsUntil(Time until) noexcept TWIN_REALTIME;
-  /// Lateness of the next cycle that postpones nothing.
-  [[nodiscard]] Duration Borne() noexcept TWIN_REALTIME;
+  /// Lateness up to which the robot makes up for cycles: catch_up less the commands just lost.
+  [[nodiscard]] Duration AllowedLateness() noexcept TWIN_REALTIME;
   void PostponeIfStalled(Time now) noexcept TWIN_REALTIME;
 
   const Duration catch_up_;

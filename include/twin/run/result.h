@@ -101,8 +101,8 @@ struct MotionResult {
   CycleCounts counts;  ///< from its first cycle to where it was concluded; zero on remote robots
 };
 
-/// Result of a run, and of its motion. In lockstep all of it but plan->wall repeats with the
-/// scenario, bit by bit.
+/// Result of a run, and of its motion. In lockstep every field but plan->wall repeats bit by bit
+/// with the scenario.
 /// The counts are of all cycles of the run.
 struct RunResult : MotionResult {
   FollowedMotion followed;
