@@ -13,8 +13,12 @@ constexpr double kT = kCycleSeconds;
 /// Rows r, columns c.
 using Rotation = std::array<std::array<double, 3>, 3>;
 
+std::size_t Index(int r, int c) {
+  return 4 * static_cast<std::size_t>(c) + static_cast<std::size_t>(r);
+}
+
 double At(const Transform& X, int r, int c) {
-  return X[static_cast<std::size_t>(4 * c + r)];
+  return X[Index(r, c)];
 }
 
 Rotation ExpOf(const Vector3& phi) {
@@ -87,7 +91,7 @@ Transform Turned(const Transform& X, const Vector3& phi) {
       for (int k = 0; k < 3; ++k) {
         sum += R[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] * At(X, k, j);
       }
-      turned[static_cast<std::size_t>(4 * j + i)] = sum;
+      turned[Index(i, j)] = sum;
     }
   }
   return turned;

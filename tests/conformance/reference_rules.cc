@@ -128,7 +128,7 @@ Finding FindOffStep(const JointMotion& step, const RobotState& after) {
 
 Finding FindOffStep(const CartesianMotion& step, const RobotState& after) {
   const double noise = 2 * step.oblique;
-  const Finding pose =
+  Finding pose =
       First({FindDifference("O_T_EE_c", after.O_T_EE_c, step.pose, kPositionNoise + noise),
              FindDifference("O_dP_EE_c", after.O_dP_EE_c, step.twist, kVelocityNoise + noise / kT),
              FindDifference("O_ddP_EE_c", after.O_ddP_EE_c, step.acceleration,

@@ -20,10 +20,9 @@ std::optional<std::string> Compare(const Quantity& quantity, const Violation& vi
   };
   std::size_t axis = 0;
   if (quantity.size > 1) {
-    if (violation.axis < 0 || violation.axis >= static_cast<int>(quantity.size)) {
-      return told("no such axis");
-    }
-    axis = static_cast<std::size_t>(violation.axis);
+    const int axis_told = violation.axis;
+    if (axis_told < 0 || axis_told >= static_cast<int>(quantity.size)) return told("no such axis");
+    axis = static_cast<std::size_t>(axis_told);
   }
   for (std::size_t i = 0; i < axis; ++i) {
     if (quantity.MustBreak(i)) return told("an axis before it is beyond its limit too");

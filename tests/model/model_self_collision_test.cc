@@ -135,7 +135,6 @@ TEST(SelfDistanceTest, ChangesNoFasterThanThePartsTravel) {
 
 TEST(SelfDistanceWatchTest, SeesEveryApproachThatTheDistanceShows) {
   // Ways through the whole workspace at up to 2 mrad a cycle.
-  const Random random(8, RandomStream::kTest);
   int near = 0;
   for (std::uint64_t way = 0; way < 30; ++way) {
     SelfDistanceWatch watch(true);

@@ -65,7 +65,8 @@ TEST(CartesianMonitorTest, TheNormOfTranslationAndRotationIsBounded) {
           CartesianReference reference = Legal();
           const Eigen::Vector3d x = length * direction.normalized();
           for (int i = 0; i < 3; ++i) {
-            (reference.*d.pose)[static_cast<std::size_t>(3 * axis + i)] = x[i];
+            (reference.*d.pose)[3 * static_cast<std::size_t>(axis) + static_cast<std::size_t>(i)] =
+                x[i];
           }
           return reference;
         };

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -98,15 +99,18 @@ std::vector<LimitCase> LimitCases() {
     }
     for (const Mode mode : {Mode::kCartesianPosition, Mode::kCartesianVelocity}) {
       const std::string generator = mode == Mode::kCartesianPosition ? "Pose" : "Twist";
-      cases.push_back({generator + "Translation" + what, mode, Axis::kTranslation, d.derivative,
-                       WideJoints(), panda.cartesian.translation.*d.bound, d.cartesian, 0});
-      cases.push_back({generator + "Rotation" + what, mode, Axis::kRotation, d.derivative,
-                       WideJoints(), panda.cartesian.rotation.*d.bound, d.cartesian, 1});
-      cases.push_back({generator + "Elbow" + what, mode, Axis::kElbow, d.derivative, WideJoints(),
-                       panda.cartesian.elbow.*d.bound, d.cartesian, 2});
+      cases.push_back({fmt::format("{}Translation{}", generator, what), mode, Axis::kTranslation,
+                       d.derivative, WideJoints(), panda.cartesian.translation.*d.bound,
+                       d.cartesian, 0});
+      cases.push_back({fmt::format("{}Rotation{}", generator, what), mode, Axis::kRotation,
+                       d.derivative, WideJoints(), panda.cartesian.rotation.*d.bound, d.cartesian,
+                       1});
+      cases.push_back({fmt::format("{}Elbow{}", generator, what), mode, Axis::kElbow, d.derivative,
+                       WideJoints(), panda.cartesian.elbow.*d.bound, d.cartesian, 2});
       // The hand points down: with the elbow held, joint 7 alone turns it, the other way round.
-      cases.push_back({generator + "JointSeven" + what, mode, Axis::kRotation, d.derivative,
-                       WidePoses(), (panda.joints.*d.joints)[6], d.joint_of_cartesian, 6});
+      cases.push_back({fmt::format("{}JointSeven{}", generator, what), mode, Axis::kRotation,
+                       d.derivative, WidePoses(), (panda.joints.*d.joints)[6], d.joint_of_cartesian,
+                       6});
     }
   }
   return cases;

@@ -136,8 +136,10 @@ TEST_F(OnPlantTest, APushOnLinkFourShowsAsTheTorqueItMakesAndWhatThatIsAtK) {
       const int dof = m.jnt_dofadr[mj_name2id(&m, mjOBJ_JOINT,
                                               ("panda_joint" + std::to_string(i + 1)).c_str())];
       for (int row = 0; row < 3; ++row) {
-        expected[static_cast<int>(i)] -= J[static_cast<std::size_t>(row * m.nv + dof)] *
-                                         push.force[static_cast<std::size_t>(row)];
+        expected[static_cast<int>(i)] -=
+            J[static_cast<std::size_t>(row) * static_cast<std::size_t>(m.nv) +
+              static_cast<std::size_t>(dof)] *
+            push.force[static_cast<std::size_t>(row)];
       }
     }
     const Column seen = Map(sensing_.tau_ext_hat_filtered());

@@ -18,7 +18,7 @@ std::string RefusalOfScene(const std::string& scene) {
   const TemporaryFolder folder;
   MujocoPlantOptions options = BareOptions();
   options.scene = folder.Write("scene.xml", scene);
-  const std::string message = Refusal<InputError>(options);
+  std::string message = Refusal<InputError>(options);
   EXPECT_THAT(message, HasSubstr(options.scene.string()));
   EXPECT_THAT(message, testing::Not(HasSubstr("\n")));
   return message;
@@ -41,7 +41,7 @@ TEST(BadInputTest, TruncatedUrdf) {
   const std::string text = ReadText(BareOptions().urdf);
   MujocoPlantOptions options = BareOptions();
   options.urdf = folder.Write("panda.urdf", text.substr(0, text.size() / 2));
-  const std::string message = Refusal<InputError>(options);
+  std::string message = Refusal<InputError>(options);
   EXPECT_THAT(message, HasSubstr(options.urdf.string() + ": not a valid URDF"));
 }
 
@@ -75,7 +75,7 @@ TEST(BadInputTest, MissingMeshIsNamedWithItsLink) {
   folder.Write("meshes/README", "empty but for this");
   MujocoPlantOptions options = BareOptions();
   options.mesh_package = folder.path();
-  const std::string message = Refusal<InputError>(options);
+  std::string message = Refusal<InputError>(options);
   EXPECT_THAT(message, HasSubstr("panda.urdf: link 'panda_link0'"));
   EXPECT_THAT(message, HasSubstr((folder.path() / "meshes/visual/link0.dae").string()));
   EXPECT_THAT(message, HasSubstr("scripts/setup"));

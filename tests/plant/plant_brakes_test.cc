@@ -1,12 +1,12 @@
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
 #include "plant/plant_fixture.h"
+#include "support/bits.h"
 #include "support/realtime_guard.h"
 
 namespace twin::plant::plant_brakes_test {
@@ -101,7 +101,7 @@ TEST(BrakesTest, OpenBrakesLeaveNoTrace) {
   for (MujocoPlant* plant : {a.get(), b.get()}) plant->Reset(kReady);
   for (int k = 0; k < 300; ++k) {
     for (MujocoPlant* plant : {a.get(), b.get()}) plant->Step({.tau = {1, -2, 0.5, 20}});
-    ASSERT_EQ(std::memcmp(&a->sensors(), &b->sensors(), sizeof(JointSensors)), 0) << k;
+    ASSERT_EQ(test::Bits(a->sensors()), test::Bits(b->sensors())) << k;
   }
 }
 

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
 
@@ -8,6 +7,7 @@
 
 #include "plant/joint_parameters.h"
 #include "plant/plant_fixture.h"
+#include "support/bits.h"
 
 namespace twin::plant::plant_motion_test {
 namespace {
@@ -59,7 +59,7 @@ TEST(PlantMotionTest, TwoInstancesStepToTheSameBytes) {
     }
     a->Step(drive);
     b->Step(drive);
-    ASSERT_EQ(std::memcmp(&a->sensors(), &b->sensors(), sizeof(JointSensors)), 0) << k;
+    ASSERT_EQ(test::Bits(a->sensors()), test::Bits(b->sensors())) << k;
   }
   EXPECT_GT(Largest(a->sensors().dq), 1e-3);
   EXPECT_EQ(a->warning_count(), 0u) << a->DescribeWarnings();
@@ -74,7 +74,7 @@ TEST(PlantMotionTest, ResetStartsAnewToTheSameBytes) {
   };
   const JointSensors first = run();
   const JointSensors second = run();
-  EXPECT_EQ(std::memcmp(&first, &second, sizeof(JointSensors)), 0);
+  EXPECT_EQ(test::Bits(first), test::Bits(second));
 }
 
 TEST(PlantMotionTest, RestsUnderItsGravityTorque) {

@@ -1,9 +1,9 @@
 #include <cmath>
-#include <cstring>
 
 #include <gtest/gtest.h>
 
 #include "plant/plant_fixture.h"
+#include "support/bits.h"
 
 namespace twin::plant::plant_noise_test {
 namespace {
@@ -76,7 +76,7 @@ TEST(SensorNoiseTest, RestartsWithReset) {
   plant->Step({});
   EXPECT_NE(plant->sensors().q, first.q);
   plant->Reset(kReady);
-  EXPECT_EQ(std::memcmp(&plant->sensors(), &first, sizeof(JointSensors)), 0);
+  EXPECT_EQ(test::Bits(plant->sensors()), test::Bits(first));
 }
 
 // One quantity's noise does not change another's value.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,8 +28,7 @@ Figure Sines(std::size_t points) {
   Figure figure{.id = "joints", .columns = "t [s]"};
   figure.values["span"] = 1e-3 * static_cast<double>(points);
   for (int j = 1; j <= 7; ++j) {
-    const std::string number = std::to_string(j);
-    figure.columns += ",q " + number + " [rad],q_d " + number + " [rad]";
+    figure.columns += fmt::format(",q {0} [rad],q_d {0} [rad]", j);
   }
   for (std::size_t i = 0; i < points; ++i) {
     const double t = 1e-3 * static_cast<double>(i + 1);

@@ -13,8 +13,8 @@
 
 // The sanitizer's own names.
 extern "C" {
-void __rtsan_realtime_enter();  // NOLINT(bugprone-reserved-identifier)
-void __rtsan_realtime_exit();   // NOLINT(bugprone-reserved-identifier)
+void __rtsan_realtime_enter();  // NOLINT(clang-diagnostic-reserved-identifier)
+void __rtsan_realtime_exit();   // NOLINT(clang-diagnostic-reserved-identifier)
 }
 
 namespace twin::loop::rtsan_test {

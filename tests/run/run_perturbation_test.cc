@@ -4,7 +4,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -13,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "run/session_fixture.h"
+#include "support/bits.h"
 #include "support/undisturbed.h"
 
 namespace twin::run::run_perturbation_test {
@@ -128,7 +128,7 @@ class SessionPerturbationTest : public test::SessionFixture {
   [[nodiscard]] static std::optional<std::size_t> FirstDifference(
       const std::vector<RobotState>& a, const std::vector<RobotState>& b) {
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-      if (std::memcmp(&a[i].q, &b[i].q, sizeof(JointVector)) != 0) return i;
+      if (test::Bits(a[i].q) != test::Bits(b[i].q)) return i;
     }
     return std::nullopt;
   }

@@ -1,3 +1,4 @@
+#include "support/bits.h"
 #include "twin/run/session.h"
 
 #include <algorithm>
@@ -56,7 +57,7 @@ TEST_F(SessionTest, BeginsAsARunOfItsFirstMotionDoes) {
   ASSERT_GT(alone.cycles.size(), 500u);
   ASSERT_GT(log.cycles.size(), alone.cycles.size());
   for (std::size_t i = 0; i < alone.cycles.size(); ++i) {
-    ASSERT_EQ(std::memcmp(&alone.cycles[i].q_d, &log.cycles[i].q_d, sizeof(JointVector)), 0) << i;
+    ASSERT_EQ(test::Bits(alone.cycles[i].q_d), test::Bits(log.cycles[i].q_d)) << i;
     ASSERT_EQ(alone.cycles[i].message_id, log.cycles[i].message_id);
   }
 }

@@ -67,7 +67,8 @@ TEST(MaxDeviationTest, WhatIsSaidIsReadAndWrittenAgain) {
 
 TEST(MaxDeviationTest, OnlyAMotionThatEndedWellIsJudged) {
   run::FollowedMotion motion;
-  motion.deviation.joints.emplace().largest = 0.03;
+  motion.deviation.joints =
+      loop::Deviation::Joints{.largest = 0.03, .joint = 0, .at = {}, .rms = 0};
   motion.limit.joints = 0.02;
   EXPECT_FALSE(motion.exceeds());
   motion.succeeded = true;
