@@ -42,11 +42,8 @@ JointVector DampedLeastSquares(const Jacobian& J, const Vector6& v, double alpha
   return dq;
 }
 
-InverseKinematics::InverseKinematics(const ArmModel& arm, const Configuration& q,
-                                     const Options& options) noexcept
-    : J_(arm.ZeroJacobian(Frame::kFlange, q)),
-      joint_3_moves_(options.joint_3_moves),
-      inverse_(Gram()) {
+InverseKinematics::InverseKinematics(const Jacobian& J, const Options& options) noexcept
+    : J_(J), joint_3_moves_(options.joint_3_moves), inverse_(Gram()) {
   const bool is_regular = inverse_.det > kSingularDeterminant;
   const double s_squared = is_regular ? 1 / inverse_.Trace() : 0;
   s_ = std::sqrt(s_squared);

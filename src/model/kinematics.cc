@@ -148,6 +148,12 @@ Jacobian ArmModel::BodyJacobian(Frame frame, const Configuration& q,
 
 Vector6 ArmModel::Twist(Frame frame, const Configuration& q, const JointVector& dq,
                         const Transform& F_T_EE) const noexcept {
+  return PoseAndTwist(frame, q, dq, F_T_EE).second;
+}
+
+std::pair<Transform, Vector6> ArmModel::PoseAndTwist(Frame frame, const Configuration& q,
+                                                     const JointVector& dq,
+                                                     const Transform& F_T_EE) const noexcept {
   const JointFrames joints = FramesOf(q);
   const Axes tip = Select(joints, frame, F_T_EE);
   Vector3 v{};
@@ -157,7 +163,7 @@ Vector6 ArmModel::Twist(Frame frame, const Configuration& q, const JointVector& 
     v = v + Cross(w_i, tip.p - joints[i].p);
     w = w + w_i;
   }
-  return {v[0], v[1], v[2], w[0], w[1], w[2]};
+  return {AsTransform(tip), {v[0], v[1], v[2], w[0], w[1], w[2]}};
 }
 
 Elbow ElbowOf(const JointVector& q) noexcept {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "twin/core/time.h"
 #include "twin/model/inverse_kinematics.h"
@@ -91,23 +92,23 @@ struct FirstStep {
   bool is_free = true;  ///< neither damped nor repelled from the flip angle
 };
 
-/// @param error_at  of a Configuration: remaining displacement of the flange.
+/// @param error_at  of a pose of the flange: its remaining displacement.
 template <typename ErrorAt>
 FirstStep StepOf(const JointReference& from, const std::optional<double>& elbow,
                  const ErrorAt& error_at) noexcept {
   JointVector ahead = Ahead(from, elbow);
   const double elbow_step = ahead[kElbowJoint];
   const Configuration expected(Sum(from.q_d, ahead));
-  FirstStep first{InverseKinematics(model::ArmModel::Panda(), expected,
-                                    {.joint_3_moves = !elbow,
-                                     .s_0 = KinematicCompletion::kDampedBelow,
-                                     .lambda_max = KinematicCompletion::kDampedBelow})};
+  const model::FrameMotion flange = model::ArmModel::Panda().MotionOf(Frame::kFlange, expected);
+  FirstStep first{InverseKinematics(flange.J, {.joint_3_moves = !elbow,
+                                               .s_0 = KinematicCompletion::kDampedBelow,
+                                               .lambda_max = KinematicCompletion::kDampedBelow})};
   JointVector away{};
   away[kStretchJoint] = Repulsion(from.q_d[kStretchJoint]);
   first.is_free = first.ik.damping() == 0 && away[kStretchJoint] == 0;
   if (elbow) ahead[kElbowJoint] = 0;
   for (std::size_t i = 0; i < kJoints; ++i) ahead[i] -= away[i];
-  const auto [dq, missed] = first.ik.Solve(Sum(error_at(expected), first.ik.Moved(ahead)));
+  const auto [dq, missed] = first.ik.Solve(Sum(error_at(flange.O_T_frame), first.ik.Moved(ahead)));
   first.dq = Sum(dq, away);
   if (elbow) first.dq[kElbowJoint] = elbow_step;
   first.missed = missed;
@@ -140,23 +141,19 @@ KinematicCompletion::Step KinematicCompletion::Complete(
   const model::ArmModel& arm = model::ArmModel::Panda();
   const bool lagged = Largest(lag) > 0;
   const Lag remaining = lagged ? Remaining(lag) : lag;
-  const FirstStep first = StepOf(from, elbow, [&](const Configuration& q) {
-    return ErrorAtFlange(arm.Pose(Frame::kEndEffector, q, F_T_EE_), O_T_EE_c, remaining);
+  const FirstStep first = StepOf(from, elbow, [&](const Transform& O_T_F) {
+    return ErrorAtFlange(model::Multiply(O_T_F, F_T_EE_), O_T_EE_c, remaining);
   });
   Step result;
   JointVector step = first.dq;
   for (int i = 0; true; ++i) {
     result.q_d = Largest(step) < kNoStep ? from.q_d : Sum(from.q_d, step);
     if (elbow) result.q_d[kElbowJoint] = *elbow;
-    const Configuration q_d(result.q_d);
-    result.O_T_EE_d = arm.Pose(Frame::kEndEffector, q_d, F_T_EE_);
+    std::tie(result.O_T_EE_d, result.O_dP_EE_d) =
+        arm.PoseAndTwist(Frame::kEndEffector, result.q_d, Velocity(from.q_d, result.q_d), F_T_EE_);
     const Vector6 left =
         Difference(ErrorAtFlange(result.O_T_EE_d, O_T_EE_c, remaining), first.missed);
-    if (Largest(left) < kCorrectedWell || i == kMaxCorrections) {
-      result.O_dP_EE_d =
-          arm.Twist(Frame::kEndEffector, q_d, Velocity(from.q_d, result.q_d), F_T_EE_);
-      break;
-    }
+    if (Largest(left) < kCorrectedWell || i == kMaxCorrections) break;
     step = Sum(step, first.ik.Solve(left).dq);
   }
   if (!first.is_free) {
@@ -169,7 +166,8 @@ KinematicCompletion::Step KinematicCompletion::Complete(
 
 bool KinematicCompletion::IsSingular(const JointVector& q) const noexcept {
   return std::abs(q[kStretchJoint] - model::kElbowFlipAngle) < kKeptClear ||
-         InverseKinematics(model::ArmModel::Panda(), q).dexterity() < kSingularBelow;
+         InverseKinematics(model::ArmModel::Panda().ZeroJacobian(Frame::kFlange, q)).dexterity() <
+             kSingularBelow;
 }
 
 }  // namespace twin::onboard

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include "onboard/bounds.h"
 #include "twin/onboard/cartesian_monitor.h"
@@ -202,10 +203,9 @@ bool MotionGenerator::AtRest() const noexcept {
 /// The joint reference leads; pose and elbow follow from it.
 void MotionGenerator::Lead(const JointReference& joints) noexcept {
   const model::ArmModel& arm = model::ArmModel::Panda();
-  const model::Configuration q_d(joints.q_d);
   joints_ = joints;
-  O_T_EE_d_ = arm.Pose(model::Frame::kEndEffector, q_d, F_T_EE_);
-  O_dP_EE_d_ = arm.Twist(model::Frame::kEndEffector, q_d, joints.dq_d, F_T_EE_);
+  std::tie(O_T_EE_d_, O_dP_EE_d_) =
+      arm.PoseAndTwist(model::Frame::kEndEffector, joints.q_d, joints.dq_d, F_T_EE_);
   cartesian_ = CartesianReference::Rest(O_T_EE_d_, model::ElbowOf(joints.q_d));
   cartesian_.O_dP_EE_c = O_dP_EE_d_;
   cartesian_ = cartesian_.WithElbowOf(joints);

@@ -53,10 +53,11 @@ Vector3d Second(const Vector6& x) noexcept {
 JointVector JointsAt(const RobotState& state, const Transform& O_T_EE) noexcept {
   const model::ArmModel& arm = model::ArmModel::Panda();
   const Transform O_T_F = model::Multiply(O_T_EE, model::Inverse(state.F_T_EE));
-  const model::InverseKinematics ik(arm, state.q_d);
+  const model::FrameMotion flange = arm.MotionOf(model::Frame::kFlange, state.q_d);
+  const model::InverseKinematics ik(flange.J);
   JointVector q = state.q_d;
   for (int i = 0; i <= kCorrections; ++i) {
-    const Transform at = arm.Pose(model::Frame::kFlange, q);
+    const Transform at = i == 0 ? flange.O_T_frame : arm.Pose(model::Frame::kFlange, q);
     const JointVector dq = ik.Solve(model::Displacement(at, O_T_F)).dq;
     for (std::size_t j = 0; j < kJoints; ++j) q[j] += dq[j];
   }

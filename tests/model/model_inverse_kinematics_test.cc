@@ -31,6 +31,10 @@ double DexterityOf(const MatrixXd& J) {
   return 1 / test::SingularValues(J).cwiseInverse().norm();
 }
 
+Jacobian FlangeAt(const JointVector& q) {
+  return ArmModel::Panda().ZeroJacobian(Frame::kFlange, q);
+}
+
 Vector6 SmallStep(std::uint64_t index) {
   const Random random(7, RandomStream::kTest);
   Vector6 dx;
@@ -88,7 +92,7 @@ TEST_P(InverseKinematicsTest, FindsTheSmallestStepThatReachesADisplacement) {
     const JointVector q = SampleOf(k).q;
     const MatrixXd J = JacobianOf(q, joint_3_moves());
     if (DexterityOf(J) < 0.01) continue;
-    const InverseKinematics ik(ArmModel::Panda(), q, {.joint_3_moves = joint_3_moves()});
+    const InverseKinematics ik(FlangeAt(q), {.joint_3_moves = joint_3_moves()});
     const Vector6 dx = SmallStep(k);
     const auto [dq, missed] = ik.Solve(dx);
     const VectorXd expected = test::LeastSquares(J, AsVector(dx));
@@ -107,7 +111,7 @@ TEST_P(InverseKinematicsTest, DexterityIsThatOfTheSingularValues) {
     const JointVector q = SampleOf(k).q;
     const MatrixXd J = JacobianOf(q, joint_3_moves());
     const double s = DexterityOf(J);
-    const InverseKinematics ik(ArmModel::Panda(), q, {.joint_3_moves = joint_3_moves()});
+    const InverseKinematics ik(FlangeAt(q), {.joint_3_moves = joint_3_moves()});
     EXPECT_NEAR(ik.dexterity(), s, 1e-7 * s + 1e-7) << "sample " << k;
     const double sigma = test::SingularValues(J)[5];
     EXPECT_LE(ik.dexterity(), sigma + 1e-7);
@@ -124,8 +128,7 @@ TEST_P(InverseKinematicsTest, DampedItSolvesTheDampedEquation) {
     const double s = DexterityOf(J);
     const double damping = kLambda * kLambda * std::pow(1 - s * s / (kS0 * kS0), 3);
     const InverseKinematics ik(
-        ArmModel::Panda(), q,
-        {.joint_3_moves = joint_3_moves(), .s_0 = kS0, .lambda_max = kLambda});
+        FlangeAt(q), {.joint_3_moves = joint_3_moves(), .s_0 = kS0, .lambda_max = kLambda});
     EXPECT_NEAR(ik.damping(), damping, 1e-9);
     const Vector6 dx = SmallStep(k);
     const auto [dq, missed] = ik.Solve(dx);
@@ -136,10 +139,10 @@ TEST_P(InverseKinematicsTest, DampedItSolvesTheDampedEquation) {
 }
 
 TEST_P(InverseKinematicsTest, IsDampedBelowTheBoundOnly) {
-  const InverseKinematics plain(ArmModel::Panda(), kReady, {.joint_3_moves = joint_3_moves()});
+  const InverseKinematics plain(FlangeAt(kReady), {.joint_3_moves = joint_3_moves()});
   const double s = plain.dexterity();
   const auto damping = [&](double s_0) {
-    return InverseKinematics(ArmModel::Panda(), kReady,
+    return InverseKinematics(FlangeAt(kReady),
                              {.joint_3_moves = joint_3_moves(), .s_0 = s_0, .lambda_max = 1})
         .damping();
   };
@@ -156,7 +159,7 @@ TEST_P(InverseKinematicsTest, FullyDampedItStaysFiniteWhereTheArmIsSingular) {
       {0, 0, 0, -1.5, 0, 0, 0},
   };
   for (const JointVector& q : singular) {
-    const InverseKinematics ik(ArmModel::Panda(), q,
+    const InverseKinematics ik(FlangeAt(q),
                                {.joint_3_moves = joint_3_moves(), .s_0 = 0.05, .lambda_max = 0.05});
     EXPECT_GE(ik.dexterity(), 0);
     EXPECT_LE(ik.damping(), 0.0025 * (1 + 1e-15));
@@ -164,14 +167,13 @@ TEST_P(InverseKinematicsTest, FullyDampedItStaysFiniteWhereTheArmIsSingular) {
     for (const double x : dq) EXPECT_LE(std::abs(x), 0.25 / 0.05);  // |dx| / (2 lambda)
     for (const double x : missed) EXPECT_TRUE(std::isfinite(x));
   }
-  const InverseKinematics stretched(ArmModel::Panda(), singular[1],
-                                    {.joint_3_moves = joint_3_moves()});
+  const InverseKinematics stretched(FlangeAt(singular[1]), {.joint_3_moves = joint_3_moves()});
   EXPECT_LT(stretched.dexterity(), 1e-7);
 }
 
 TEST_P(InverseKinematicsTest, MovesAllJoints) {
   const Sample sample = SampleOf(3);
-  const InverseKinematics ik(ArmModel::Panda(), sample.q, {.joint_3_moves = joint_3_moves()});
+  const InverseKinematics ik(FlangeAt(sample.q), {.joint_3_moves = joint_3_moves()});
   const Vector6 expected = ArmModel::Panda().Twist(Frame::kFlange, sample.q, sample.dq);
   const Vector6 moved = ik.Moved(sample.dq);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(moved[i], expected[i], 1e-14);
@@ -181,7 +183,7 @@ TEST_P(InverseKinematicsTest, AllocatesNothing) {
   double sum = 0;
   const test::RealtimeGuard guard;
   for (std::uint64_t k = 0; k < 1000; ++k) {
-    const InverseKinematics ik(ArmModel::Panda(), SampleOf(k).q,
+    const InverseKinematics ik(FlangeAt(SampleOf(k).q),
                                {.joint_3_moves = joint_3_moves(), .s_0 = 0.1, .lambda_max = 0.1});
     sum += ik.Solve(SmallStep(k)).dq[0];
   }

@@ -31,7 +31,8 @@ Transform PoseOf(const JointVector& q) {
 }
 
 double DexterityOf(const JointVector& q, bool joint_3_moves) {
-  return model::InverseKinematics(model::ArmModel::Panda(), q, {.joint_3_moves = joint_3_moves})
+  return model::InverseKinematics(model::ArmModel::Panda().ZeroJacobian(model::Frame::kFlange, q),
+                                  {.joint_3_moves = joint_3_moves})
       .dexterity();
 }
 

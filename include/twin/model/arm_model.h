@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
@@ -112,6 +113,11 @@ class ArmModel {
   [[nodiscard]] Vector6 Twist(Frame frame, const Configuration& q, const JointVector& dq,
                               const Transform& F_T_EE = kIdentityTransform) const noexcept
       TWIN_REALTIME;
+
+  /// @returns Pose() and Twist() together, at little more than the cost of one.
+  [[nodiscard]] std::pair<Transform, Vector6> PoseAndTwist(
+      Frame frame, const Configuration& q, const JointVector& dq,
+      const Transform& F_T_EE = kIdentityTransform) const noexcept TWIN_REALTIME;
 
   /// @returns M(q), kg m^2.
   [[nodiscard]] JointMatrix MassMatrix(const Configuration& q,

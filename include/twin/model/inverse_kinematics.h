@@ -53,8 +53,8 @@ class InverseKinematics {
  public:
   using Options = InverseKinematicsOptions;
 
-  InverseKinematics(const ArmModel& arm, const Configuration& q,
-                    const Options& options = {}) noexcept TWIN_REALTIME;
+  /// @param J  of the flange, zero Jacobian.
+  explicit InverseKinematics(const Jacobian& J, const Options& options = {}) noexcept TWIN_REALTIME;
 
   /// s; 0 if the arm is singular up to rounding.
   [[nodiscard]] double dexterity() const noexcept { return s_; }
