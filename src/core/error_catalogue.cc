@@ -65,12 +65,10 @@ const ErrorEntry& EntryOf(RobotError error) noexcept {
 }
 
 const ErrorEntry& EntryOf(const Violation& violation) noexcept {
-  const bool no_first_command = violation.error == RobotError::kCommunicationConstraintsViolation &&
-                                violation.axis == kNoFirstCommandAxis;
-  const bool no_number =
-      violation.error == RobotError::kInstabilityDetected && violation.axis == kNoNumberAxis;
-  if (no_number) return kNoNumberEntry;
-  return no_first_command ? kNoFirstCommandEntry : EntryOf(violation.error);
+  for (const OtherCause& cause : kOtherCauses) {
+    if (violation.error == cause.error && violation.axis == cause.axis) return cause.entry;
+  }
+  return EntryOf(violation.error);
 }
 
 std::string AxisName(const Violation& violation) {
@@ -118,12 +116,11 @@ std::string ErrorCatalogue() {
     const auto error = static_cast<RobotError>(i);
     text += fmt::format("\n## {} {}\n\n", i, Name(error));
     AddEntry(text, EntryOf(error));
-    const auto add_other = [&text](const ErrorEntry& other) {
+    for (const OtherCause& cause : kOtherCauses) {
+      if (cause.error != error) continue;
       text += "\nOr: ";
-      AddEntry(text, other);
-    };
-    if (error == RobotError::kCommunicationConstraintsViolation) add_other(kNoFirstCommandEntry);
-    if (error == RobotError::kInstabilityDetected) add_other(kNoNumberEntry);
+      AddEntry(text, cause.entry);
+    }
   }
   return text;
 }

@@ -442,39 +442,42 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
      .cause = "it is raised by a sensor in the base; here gravity at the base is given"},
 }};
 
-const ErrorEntry kNoNumberEntry{
-    .raised = true,
-    .axis = AxisKind::kNone,
-    .meaning = "What the robot measured or computed was no number, and its brakes closed",
-    .quantity = "a measurement, a torque or a value of the state",
-    .units = {},
-    .computed =
-        "q, dq, tau_J, theta and dtheta as the sensors give them, the torque before it is "
-        "limited, and every value of the state",
-    .cause = "the simulation of the arm's body broke down, and measures nothing any more",
-    .cure =
-        "see what was simulated: the summary says what the engine complained of; make masses, "
-        "stiffnesses, forces and contacts those of a real arm"};
-
-const ErrorEntry kNoFirstCommandEntry{
-    .raised = true,
-    .axis = AxisKind::kNone,
-    .meaning = "The motion's first command did not come",
-    .quantity = "cycles since the start of the motion",
-    .units = {},
-    .computed =
-        "cycles since the state that first showed the motion, none of which had a command in "
-        "time that answers the state before it",
-    .cause =
-        "the client ended, or waits for something else, between asking for the motion and its "
-        "first command; or none of its commands arrives in time",
-    .cure =
-        "answer the states from the one on that shows the motion's modes; prepare what takes long "
-        "before asking for the motion",
-    .in_scenario =
-        "a command counts only when state delay + tick.cost + command delay + link.d_INT "
-        "stay below 1 ms: lower the delays or the losses; and the controller must deposit "
-        "a first target (controller.phase, controller.cost)",
-    .in_realtime = "panda-twin check measures how well this host keeps time, and says what helps"};
+const std::array<OtherCause, 2> kOtherCauses{
+    {{RobotError::kCommunicationConstraintsViolation,
+      kNoFirstCommandAxis,
+      {.raised = true,
+       .axis = AxisKind::kNone,
+       .meaning = "The motion's first command did not come",
+       .quantity = "cycles since the start of the motion",
+       .units = {},
+       .computed =
+           "cycles since the state that first showed the motion, none of which had a command in "
+           "time that answers the state before it",
+       .cause =
+           "the client ended, or waits for something else, between asking for the motion and its "
+           "first command; or none of its commands arrives in time",
+       .cure =
+           "answer the states from the one on that shows the motion's modes; prepare what takes long "
+           "before asking for the motion",
+       .in_scenario =
+           "a command counts only when state delay + tick.cost + command delay + link.d_INT "
+           "stay below 1 ms: lower the delays or the losses; and the controller must deposit "
+           "a first target (controller.phase, controller.cost)",
+       .in_realtime =
+           "panda-twin check measures how well this host keeps time, and says what helps"}},
+     {RobotError::kInstabilityDetected,
+      kNoNumberAxis,
+      {.raised = true,
+       .axis = AxisKind::kNone,
+       .meaning = "What the robot measured or computed was no number, and its brakes closed",
+       .quantity = "a measurement, a torque or a value of the state",
+       .units = {},
+       .computed =
+           "q, dq, tau_J, theta and dtheta as the sensors give them, the torque before it is "
+           "limited, and every value of the state",
+       .cause = "the simulation of the arm's body broke down, and measures nothing any more",
+       .cure =
+           "see what was simulated: the summary says what the engine complained of; make masses, "
+           "stiffnesses, forces and contacts those of a real arm"}}}};
 
 }  // namespace twin

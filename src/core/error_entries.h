@@ -10,9 +10,12 @@ namespace twin {
 /// lost commands.
 extern const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries;
 
-/// communication_constraints_violation of a motion whose first command did not arrive.
-extern const ErrorEntry kNoFirstCommandEntry;
-/// instability_detected caused by a value that is not finite.
-extern const ErrorEntry kNoNumberEntry;
+/// Another cause of an error, which its violations tell by their axis.
+struct OtherCause {
+  RobotError error{};
+  std::int8_t axis = -1;
+  ErrorEntry entry;
+};
+extern const std::array<OtherCause, 2> kOtherCauses;
 
 }  // namespace twin

@@ -20,9 +20,8 @@ std::optional<std::string> Compare(const Quantity& quantity, const Violation& vi
   };
   std::size_t axis = 0;
   if (quantity.size > 1) {
-    const int axis_told = violation.axis;
-    if (axis_told < 0 || axis_told >= static_cast<int>(quantity.size)) return told("no such axis");
-    axis = static_cast<std::size_t>(axis_told);
+    axis = static_cast<std::uint8_t>(violation.axis);
+    if (violation.axis < 0 || axis >= quantity.size) return told("no such axis");
   }
   for (std::size_t i = 0; i < axis; ++i) {
     if (quantity.MustBreak(i)) return told("an axis before it is beyond its limit too");

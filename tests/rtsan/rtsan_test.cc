@@ -11,19 +11,17 @@
 #include "twin/plant/ideal_plant.h"
 #include "twin/robot/robot.h"
 
-// The sanitizer's own names.
-extern "C" {
-void __rtsan_realtime_enter();  // NOLINT(clang-diagnostic-reserved-identifier)
-void __rtsan_realtime_exit();   // NOLINT(clang-diagnostic-reserved-identifier)
-}
+// The sanitizer's functions, whose own names are reserved.
+void EnterRealtime() __asm__("__rtsan_realtime_enter");
+void LeaveRealtime() __asm__("__rtsan_realtime_exit");
 
 namespace twin::loop::rtsan_test {
 namespace {
 
 /// While it lives, the thread is in real time.
 struct RealtimeSection {
-  RealtimeSection() { __rtsan_realtime_enter(); }
-  ~RealtimeSection() { __rtsan_realtime_exit(); }
+  RealtimeSection() { EnterRealtime(); }
+  ~RealtimeSection() { LeaveRealtime(); }
 };
 
 constexpr MotionModes kPosition{ControllerMode::kJointImpedance,

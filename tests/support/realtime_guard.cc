@@ -62,42 +62,40 @@ namespace {
 // is reached by its second name.
 extern "C" {
 
-// NOLINTBEGIN(bugprone-reserved-identifier): glibc's names
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* memory, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-void __libc_free(void* memory);
-// NOLINTEND(bugprone-reserved-identifier)
+void* LibcMalloc(std::size_t size) __asm__("__libc_malloc");
+void* LibcCalloc(std::size_t count, std::size_t size) __asm__("__libc_calloc");
+void* LibcRealloc(void* memory, std::size_t size) __asm__("__libc_realloc");
+void* LibcMemalign(std::size_t alignment, std::size_t size) __asm__("__libc_memalign");
+void LibcFree(void* memory) __asm__("__libc_free");
 
 void* malloc(std::size_t size) {
   twin::test::CountAllocation();
-  return __libc_malloc(size);
+  return LibcMalloc(size);
 }
 
 void* calloc(std::size_t count, std::size_t size) {
   twin::test::CountAllocation();
-  return __libc_calloc(count, size);
+  return LibcCalloc(count, size);
 }
 
 void* realloc(void* memory, std::size_t size) {
   twin::test::CountAllocation();
-  return __libc_realloc(memory, size);
+  return LibcRealloc(memory, size);
 }
 
 void* memalign(std::size_t alignment, std::size_t size) {
   twin::test::CountAllocation();
-  return __libc_memalign(alignment, size);
+  return LibcMemalign(alignment, size);
 }
 
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
   twin::test::CountAllocation();
-  return __libc_memalign(alignment, size);
+  return LibcMemalign(alignment, size);
 }
 
 int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
   twin::test::CountAllocation();
-  void* result = __libc_memalign(alignment, size);
+  void* result = LibcMemalign(alignment, size);
   if (result == nullptr) return ENOMEM;
   *memory = result;
   return 0;
@@ -105,7 +103,7 @@ int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
 
 void free(void* memory) {
   twin::test::CountFree(memory);
-  __libc_free(memory);
+  LibcFree(memory);
 }
 
 }  // extern "C"
