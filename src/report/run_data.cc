@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "report/run_end.h"
+#include "report/target_match.h"
 #include "report/tracking_error.h"
 #include "twin/core/error.h"
 #include "twin/core/robot_errors.h"
@@ -72,6 +74,7 @@ class DataCollector {
     UpdatePeaks(run_.peak_tau, cycle.state.tau_J_d);
     UpdatePeaks(run_.peak_dddq_d, cycle.dddq_d);
     AddError(tracking_.Add(cycle));
+    AddDeviation(plan_.Add(cycle));
     run_.by_torque = tracking_.by_torque();
     run_.q.Add(time, cycle.state.q);
     run_.q_d.Add(time, cycle.state.q_d);
@@ -87,12 +90,13 @@ class DataCollector {
 
   void operator()(const record::TickRecord& tick) {
     AddError(tracking_.Add(tick));
+    AddDeviation(plan_.Add(tick));
     if (std::ranges::any_of(tick.q_ext, [](double x) { return x != 0; })) {
       run_.q_ext.Add(Seconds(tick.read), tick.q_ext);
       run_.dq_ext.Add(Seconds(tick.read), tick.dq_ext);
     }
     AddFiltered(tick);
-    if (tick.written == tick.read) return;
+    if (!WroteCommand(tick)) return;
     run_.d_EXT.Add(Seconds(tick.read), std::array{ToSeconds(tick.written - tick.read) * 1e6});
   }
 
@@ -121,9 +125,18 @@ class DataCollector {
     run_.error.Add(Seconds(value->at), error);
   }
 
+  void AddDeviation(const std::optional<TargetMatch::Pair>& pair) {
+    if (!pair) return;
+    JointVector deviation{};
+    for (std::size_t i = 0; i < kJoints; ++i) deviation[i] = 1e3 * (pair->q_ext[i] - pair->q[i]);
+    UpdatePeaks(run_.peak_deviation, deviation);
+    run_.deviation.Add(Seconds(pair->at), deviation);
+  }
+
   RunData& run_;
   bool moved_ = false;  ///< in the previous cycle
   TrackingError tracking_;
+  TargetMatch plan_;
 };
 
 }  // namespace

@@ -68,6 +68,7 @@ struct RunData {
   JointVector peak_dq_d{};         ///< magnitude, rad/s
   JointVector peak_dddq_d{};       ///< magnitude, rad/s^3
   JointVector peak_error{};        ///< magnitude, mrad
+  JointVector peak_deviation{};    ///< magnitude, mrad
   JointVector peak_tau{};          ///< of tau_J and tau_J_d, magnitude, Nm
 
   Envelope q{kJoints, kBins};
@@ -80,6 +81,7 @@ struct RunData {
   Envelope q_ext{kJoints, kBins};       ///< of ticks with a target
   Envelope dq_ext{kJoints, kBins};      ///< likewise
   Envelope error{kJoints, kBins};       ///< TrackingError, mrad
+  Envelope deviation{kJoints, kBins};   ///< q_ext - q by TargetMatch, mrad; of ticks with a target
   Envelope success_rate{1, 2 * kBins};  ///< while a motion runs
   Envelope d_EXT{1, 2 * kBins};         ///< us, of ticks that wrote a command
   record::FilterCounts filter;          ///< of the viability filter; zero commands without one

@@ -127,15 +127,20 @@ Figure VelocitiesFigure(const RunData& run, const JointLimits& limits) {
 }
 
 Figure TrackingFigure(const RunData& run) {
-  const Curve error{&run.error, run.by_torque ? "q_ext - q, target less measured"
-                                              : "q_d - q, desired less measured"};
-  Figure figure = JointPanels(run, "tracking", "tracking error", "mrad", error, {}, false);
+  // Under torques the robot follows no reference, and the two are one.
+  const bool has_both = !run.by_torque && !run.deviation.Curve(0).empty();
+  const Curve deviation{&run.deviation, "plan minus measured, q_ext - q"};
+  const Curve error{&run.error,
+                    run.by_torque ? deviation.name : "reference minus measured, q_d - q"};
+  Figure figure = JointPanels(run, "tracking", "tracking error and deviation from the plan", "mrad",
+                              error, has_both ? deviation : Curve(), false);
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const std::string peak = run.error.Curve(i).empty()
-                                 ? "nothing to compare"
-                                 : fmt::format("peak {:.3g} mrad", run.peak_error[i]);
+    std::string peak = run.error.Curve(i).empty()
+                           ? "nothing to compare"
+                           : fmt::format("peak {:.3g} mrad", run.peak_error[i]);
+    if (has_both) peak += fmt::format("; from the plan {:.3g} mrad", run.peak_deviation[i]);
     AddPanel(figure, fmt::format("joint {}: {}", i + 1, peak), {kNone, kNone},
-             RangeTo(run.peak_error[i]));
+             RangeTo(std::max(run.peak_error[i], has_both ? run.peak_deviation[i] : 0)));
   }
   return figure;
 }
@@ -197,6 +202,7 @@ Figure ServedFigure(const RunData& run) {
       {"longest_loss", run.longest_loss},
       {"cycles_per_span", static_cast<double>(run.fates.cycles_per_span())},
       {"most", static_cast<double>(most)},
+      {"written", run.d_EXT.Curve(0).empty() ? 0.0 : 1.0},
       {"longest_us", longest},
       {"lowest_rate", lowest}});
   return figure;

@@ -1,5 +1,5 @@
 # Cycles: served, held, none (without motion), longest_loss (in a row), cycles_per_span (a row of the table), most (held or dropped in a row of it). dropped: commands.
-# longest_us: largest d_EXT; lowest_rate: of the success rate.
+# written: 1 if a command was; longest_us: largest d_EXT; lowest_rate: of the success rate.
 share(n) = served + held > 0 ? sprintf('%.0f (%.4g %%)', n, 100*n/(served + held)) : sprintf('%.0f', n)
 @canvas 1200,1000
 set multiplot layout 4,1 title names[1] @heading
@@ -20,7 +20,8 @@ set ylabel 'count'
 set yrange [0:1.15*most]
 plot $data using 1:4 with impulses lw 2.5 lc rgb HELD title 'held cycles', \
   '' using 1:($5 > 0 ? $5 : NaN) with points pt 7 ps 0.5 lc rgb DESIRED title 'dropped commands'
-set title longest_us > 0 ? sprintf('d_EXT, read to write: at most %.4g µs', longest_us) : 'd_EXT, read to write: no command was written'
+set title longest_us > 0 ? sprintf('d_EXT, read to write: at most %.4g µs', longest_us) : \
+  written ? 'd_EXT, read to write: 0 µs, no cost is simulated (tick.cost)' : 'd_EXT, read to write: no command was written'
 set ylabel 'd_EXT / µs'
 set yrange [0:(longest_us > 0 ? 1.2*longest_us : 1)]
 plot $delay using 2:3 with lines lw 1.2 lc rgb DESIRED notitle
