@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "twin/core/error.h"
+
 namespace twin::robot {
 namespace {
 
@@ -16,6 +18,8 @@ constexpr Duration kResend = std::chrono::milliseconds(100);
 /// pause is as long as clients of the real robot wait (they give up after 1 s).
 constexpr Duration kToSecond = std::chrono::milliseconds(10);
 constexpr Duration kToFurther = std::chrono::milliseconds(500);
+/// Delays of a paced robot up to this are made up for.
+constexpr Duration kMostBehind = std::chrono::milliseconds(100);
 /// Consecutive states that the link may lose before the robot stops waiting for a change of mode.
 constexpr int kMostLost = 64;
 
@@ -27,7 +31,10 @@ AnswerPacedRobot::AnswerPacedRobot(const RobotConfig& config, std::unique_ptr<pl
                                    record::RecordSink* sink, const LockstepOptions& options)
     : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink),
       commands_(commands),
-      options_(options) {}
+      options_(options),
+      period_(std::chrono::duration_cast<Duration>(kCycle / options.pace.value_or(1))) {
+  if (options.pace) RequireInRange("pace", *options.pace, 0.01, 100);
+}
 
 void AnswerPacedRobot::Run(const std::stop_token& stop) noexcept {
   DropCommands();
@@ -117,12 +124,15 @@ void AnswerPacedRobot::TakeCommands() noexcept {
     answered_ = true;
     const bool is_first =
         phase_ == Phase::kStarting && shown_.motion_generator_mode != MotionGeneratorMode::kIdle;
-    if (is_first) phase_ = Phase::kAnswered;
+    if (!is_first) continue;
+    phase_ = Phase::kAnswered;
+    next_cycle_ = std::min(next_cycle_, clock().Now() + period_);  // no pause any more
   }
 }
 
 bool AnswerPacedRobot::IsDue(Time now) const noexcept {
-  return phase_ == Phase::kAnswered ? answered_ || !delivered_ : now >= next_cycle_;
+  if (phase_ == Phase::kAnswered && !answered_ && delivered_) return false;
+  return now >= next_cycle_ || (phase_ == Phase::kAnswered && !options_.pace);
 }
 
 void AnswerPacedRobot::GiveUpIfUnanswered(Time now) noexcept {
@@ -146,13 +156,15 @@ void AnswerPacedRobot::AwaitCycle(const std::stop_token& stop) noexcept {
     GiveUpIfUnanswered(now);
     if (IsDue(now)) break;
     const Time look = now + kLook;
-    const bool is_paced = phase_ != Phase::kAnswered;
-    static_cast<void>(commands_.AwaitUntil(is_paced ? std::min(next_cycle_, look) : look));
+    static_cast<void>(commands_.AwaitUntil(next_cycle_ > now ? std::min(next_cycle_, look) : look));
   }
-  // Nothing is caught up after a wait for an answer or a stall.
-  const Time now = clock().Now();
-  const Duration pace = phase_ == Phase::kStarting && IsFrozen() ? kToFurther : kCycle;
-  next_cycle_ = std::clamp(next_cycle_ + pace, now, now + pace);
+  next_cycle_ = NextCycle(clock().Now());
+}
+
+Time AnswerPacedRobot::NextCycle(Time now) const noexcept {
+  const Duration pause = phase_ == Phase::kStarting && IsFrozen() ? kToFurther : period_;
+  const Duration behind = options_.pace ? kMostBehind : Duration::zero();
+  return std::clamp(next_cycle_ + pause, now - behind, now + pause);
 }
 
 }  // namespace twin::robot

@@ -112,6 +112,54 @@ def integrated_velocity(address):
 
 
 @program
+def context(address):
+    """A loop of the program's own, which panda-python paces by the wall clock."""
+    panda = panda_py.Panda(address)
+    panda.get_robot().set_collision_behavior(*HIGH)
+    panda.move_to_start()
+    controller = controllers.JointPosition()
+    panda.start_controller(controller)
+    start = np.array(panda.q)
+    with panda.create_context(frequency=100, max_runtime=3) as context, Stopwatch(panda) as stopwatch:
+        while context.ok():
+            controller.set_control(start)
+    return stopwatch.figures()
+
+
+@program
+def velocity_by_the_wall_clock(address):
+    panda = panda_py.Panda(address)
+    panda.get_robot().set_collision_behavior(*HIGH)
+    panda.move_to_start()
+    controller = controllers.IntegratedVelocity()
+    panda.start_controller(controller)
+    time.sleep(0.1)
+    start = controller.get_qd()[0]
+    begin = time.monotonic()
+    with panda.create_context(frequency=100, max_runtime=2) as context:
+        while context.ok():
+            controller.set_control([0.1, 0, 0, 0, 0, 0, 0])
+    controller.set_control(np.zeros(7))
+    seconds = time.monotonic() - begin
+    time.sleep(0.5)
+    way = controller.get_qd()[0] - start
+    panda.stop_controller()
+    return {"wall_seconds": seconds, "way": way}
+
+
+@program
+def pause_between_motions(address):
+    panda = panda_py.Panda(address)
+    panda.get_robot().set_collision_behavior(*HIGH)
+    robot = panda.get_robot()
+    wall, begin = time.monotonic(), robot.read_once().time.to_sec()
+    for _ in range(2):
+        panda.move_to_start()
+        time.sleep(1)
+    return {"robot_seconds": robot.read_once().time.to_sec() - begin, "wall_seconds": time.monotonic() - wall}
+
+
+@program
 def joint_position(address):
     panda = panda_py.Panda(address)
     panda.get_robot().set_collision_behavior(*HIGH)

@@ -21,6 +21,7 @@
 #include <gtest/gtest.h>
 
 #include "robot/robot_fixture.h"
+#include "twin/core/error.h"
 #include "twin/fci/datagrams.h"
 #include "twin/robot/robot_config.h"
 
@@ -196,6 +197,33 @@ TEST_F(AnswerPacedRobotTest, HowLongAnAnswerTakesDoesNotMatter) {
     if (k % 37 == 1) std::this_thread::sleep_for(milliseconds(4));
   }));
   EXPECT_EQ(prompt, slow);
+}
+
+TEST_F(AnswerPacedRobotTest, WithAPaceItIsNeverAheadOfTheWallClock) {
+  const Time begin = clock_.Now();
+  Make(Ideal(), {.pace = 0.5});
+  const RobotState first = wire_->Next();
+  const auto ahead = [&](const RobotState& state) {
+    const auto cycles = static_cast<std::int64_t>(state.message_id - first.message_id);
+    return 2 * cycles * kCycle - (clock_.Now() - begin);
+  };
+  RobotState state = Start();
+  EXPECT_LT(ahead(state), 2 * kCycle);
+  for (const RobotState& later : Drive(state)) state = later;
+  EXPECT_LT(ahead(state), 2 * kCycle);
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
+}
+
+TEST_F(AnswerPacedRobotTest, APaceChangesNoState) {
+  Make(Ideal(), kFreeze);
+  const auto unbounded = Contents(Drive(Start()));
+  Make(Ideal(), {.freeze_when_idle = true, .pace = 2});
+  EXPECT_EQ(Contents(Drive(Start())), unbounded);
+}
+
+TEST_F(AnswerPacedRobotTest, RefusesAPaceOutOfRange) {
+  EXPECT_THROW(Make(Ideal(), {.pace = 0}), InputError);
+  EXPECT_THROW(Make(Ideal(), {.pace = 101}), InputError);
 }
 
 TEST_F(AnswerPacedRobotTest, AnAnswerToAnotherStateIsNone) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stop_token>
 
 #include "twin/robot/threaded_robot.h"
@@ -16,6 +17,9 @@ struct LockstepOptions {
   Duration answer_timeout = std::chrono::seconds(10);
   /// Time stops while the robot is inactive; see AnswerPacedRobot.
   bool freeze_when_idle = false;
+  /// Robot time over wall-clock time, at most, in [0.01, 100]; absent: a motion is as fast as its
+  /// answers.
+  std::optional<double> pace{};
 };
 
 /// An emulated robot on the virtual clock, paced by a workstation behind a WorkstationPort: the
@@ -27,9 +31,14 @@ struct LockstepOptions {
 ///     until a state is idle again
 ///     stopping, after a reflex         a cycle every 1 ms of the wall clock
 ///
-/// From its first command on, a motion is independent of the wall clock: a command counts as
-/// received at the time of the state it answers. Commands that answer any other state, or a state
-/// answered before, are ignored. A motion without an answer for answer_timeout is stopped. An
+/// With a pace p, no cycle begins before its time on the wall clock, one every 1 / p ms, motion or
+/// not. Delays of up to 100 ms, of the host or of answers, are made up for: programs that pace
+/// themselves by the wall clock find the robot where they expect it. Longer ones move the times of
+/// all further cycles.
+///
+/// From its first command on, a motion's states are independent of the wall clock: a command counts
+/// as received at the time of the state it answers. Commands that answer any other state, or a
+/// state answered before, are ignored. A motion without an answer for answer_timeout is stopped. An
 /// unanswered state is sent again every 100 ms in case it was lost. Delays and losses of the
 /// configured link happen on the virtual clock; the robot does not wait for an answer to a state
 /// that this link loses.
@@ -87,6 +96,7 @@ class AnswerPacedRobot final : public ThreadedRobot {
   void Repeat() noexcept TWIN_REALTIME;
   [[nodiscard]] bool IsFrozen() const noexcept;
   void TakeCommands() noexcept TWIN_REALTIME;
+  [[nodiscard]] Time NextCycle(Time now) const noexcept;
   /// Waits until the next cycle is due and serves requests meanwhile.
   void AwaitCycle(const std::stop_token& stop) noexcept;
   /// @returns whether the next cycle is due.
@@ -107,8 +117,9 @@ class AnswerPacedRobot final : public ThreadedRobot {
   bool delivered_ = false;         ///< the last Advance() delivered a state
   ReceivedCommand received_;
 
-  Time next_cycle_{};     ///< on the wall clock, while that sets the pace
-  Time waiting_since_{};  ///< start of the wait for an answer
+  const Duration period_;  ///< of cycles that the wall clock paces
+  Time next_cycle_{};      ///< on the wall clock, while that sets the pace
+  Time waiting_since_{};   ///< start of the wait for an answer
   Time resend_{};
   std::atomic<std::uint64_t> motions_given_up_{0};
 };

@@ -1,3 +1,4 @@
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/fci/capture.h"
+#include "twin/loop/host_timing.h"
 #include "twin/record/recorder.h"
 #include "twin/reference/viable_axis.h"
 #include "twin/robot/robot_config.h"
@@ -34,26 +36,48 @@ struct ServeFlags {
   std::optional<std::filesystem::path> scene;  ///< instead of the scenario's
   std::optional<std::uint64_t> seed;
   NetworkFlags network;
-  std::string drive = "realtime";
-  std::string idle = "run";         ///< or "freeze"
-  std::optional<double> clock_ppm;  ///< of INT's clock; real time
-  double session_timeout = 10;      ///< s, for an answer in lockstep
-  std::optional<int> viability;     ///< as robot::RobotConfig's
-  std::optional<double> seconds;    ///< after which it ends; absent: when it is interrupted
+  std::optional<std::string> drive;  ///< absent: by what this host keeps
+  std::optional<double> pace;        ///< lockstep: robot time over wall-clock time, at most
+  std::string idle = "run";          ///< or "freeze"
+  std::optional<double> clock_ppm;   ///< of INT's clock; real time
+  double session_timeout = 10;       ///< s, for an answer in lockstep
+  std::optional<int> viability;      ///< as robot::RobotConfig's
+  std::optional<double> seconds;     ///< after which it ends; absent: when it is interrupted
   std::optional<std::filesystem::path> log;
   std::optional<std::filesystem::path> capture;
   PageFlags page;
   DataFlags data;
 };
 
-scenario::Scenario LoadWithFlags(const ServeFlags& flags, const Host& host) {
+/// Who advances time, and the reason when the flags do not say.
+struct Drive {
+  scenario::Drive drive = scenario::Drive::kLockstep;
+  std::optional<double> pace;
+  std::string reason;
+
+  [[nodiscard]] bool is_lockstep() const { return drive == scenario::Drive::kLockstep; }
+};
+
+/// Without flags that decide: the wall clock where this host keeps 1 kHz, else lockstep at its
+/// pace.
+Drive DriveOf(const ServeFlags& flags) {
+  if (flags.drive) return {scenario::DriveFromName(*flags.drive), flags.pace, {}};
+  if (flags.pace) return {scenario::Drive::kLockstep, flags.pace, {}};
+  if (flags.clock_ppm) return {scenario::Drive::kRealtime, {}, {}};
+  constexpr Duration kMeasured = std::chrono::milliseconds(500);
+  const loop::JitterVerdict verdict = loop::Evaluate(loop::MeasureJitter(kMeasured));
+  if (verdict.good) return {scenario::Drive::kRealtime, {}, verdict.text};
+  return {scenario::Drive::kLockstep, 1.0, verdict.text};
+}
+
+scenario::Scenario LoadWithFlags(const ServeFlags& flags, const Drive& drive, const Host& host) {
   scenario::Scenario scenario =
       flags.scenario.empty() ? run::DefaultServed() : scenario::Load(flags.scenario);
   ReplaceSite(flags.lab, flags.seed, flags.data, host, scenario);
   if (flags.scene) scenario.scene = *flags.scene;
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
   scenario.backend = scenario::Scenario().backend;  // the served robot is simulated
-  scenario.drive = scenario::DriveFromName(flags.drive);
+  scenario.drive = drive.drive;
   return scenario;
 }
 
@@ -68,13 +92,20 @@ bool IsSameFile(const std::filesystem::path& a, const std::filesystem::path& b) 
   return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
 }
 
+bool IsLockstep(const std::string& drive) {
+  return scenario::DriveFromName(drive) == scenario::Drive::kLockstep;
+}
+
 void RequireServeAgreement(const ServeFlags& flags) {
   RequirePageFlags(flags.page);
-  const bool is_lockstep = scenario::DriveFromName(flags.drive) == scenario::Drive::kLockstep;
+  const bool is_realtime = flags.drive && !IsLockstep(*flags.drive);
+  const bool is_lockstep = flags.pace || (flags.drive && IsLockstep(*flags.drive));
   RefuseIf(FreezesWhenIdle(flags) && !is_lockstep,
            "--idle freeze goes with --drive lockstep: the wall clock never stands still");
   RefuseIf(flags.clock_ppm && is_lockstep,
            "--clock-ppm goes with --drive realtime: lockstep has one clock");
+  RefuseIf(flags.pace && is_realtime, "--pace goes with --drive lockstep: real time has its own");
+  if (flags.pace) RequireInRange("--pace", *flags.pace, 0.01, 100);
   if (!(flags.session_timeout >= 0.001 && flags.session_timeout <= 3600)) {
     throw InputError(fmt::format("--session-timeout is {} s; it must lie in [0.001, 3600] s",
                                  flags.session_timeout));
@@ -93,7 +124,8 @@ class Service {
       : flags_(flags),
         program_(program),
         files_(FilesOf(flags.data, program)),
-        scenario_(LoadWithFlags(flags, program.host)) {
+        drive_(DriveOf(flags)),
+        scenario_(LoadWithFlags(flags, drive_, program.host)) {
     robot::RobotConfig robot = run::MakeServedConfig(scenario_, files_);
     robot.viability = flags_.viability;
     server::ServedRobotSettings settings = MakeSettings();
@@ -118,9 +150,8 @@ class Service {
   /// Short of log and capture.
   [[nodiscard]] server::ServedRobotSettings MakeSettings();
   void MakeLog();
-  /// Whoever takes control at the page moves the robot, but not one that is served in lockstep:
-  /// people cannot keep up with it. STOP presses the robot's user stop, and the operator's release
-  /// lets it go.
+  /// An operator who takes control at the page leads the robot, unless it is as fast as programs
+  /// answer. STOP presses the robot's user stop, and the operator's release lets it go.
   void OpenPage();
   void PressUserStop(bool pressed);
   void ClosePage();
@@ -128,16 +159,20 @@ class Service {
     return scenario::LoadRobotData(files_.models, scenario_.robot.model, scenario_.robot.hand);
   }
   void Introduce();
+  [[nodiscard]] std::string DescribeTime() const;
+  /// How programs made for the robot reach this one.
+  [[nodiscard]] std::string DescribeClients() const;
   void Tell(std::string_view line);
   [[nodiscard]] bool Ends();
   /// Says, once each, that log or capture cannot be written any more.
   void TellLosses();
-  [[nodiscard]] bool is_lockstep() const { return scenario_.is_lockstep(); }
+  [[nodiscard]] bool outruns_people() const { return drive_.is_lockstep() && !drive_.pace; }
 
   const MonotonicClock clock_;
   const ServeFlags& flags_;
   const Program& program_;
   const run::RunFiles files_;
+  const Drive drive_;
   const scenario::Scenario scenario_;
   const InterruptGuard interrupt_;
   std::optional<EventLog> events_;  ///< from Run() to the end
@@ -161,16 +196,17 @@ void Service::MakeLog() {
     told.motion.waypoints = {stand, stand};
   }
   log_.emplace(*flags_.log, run::InfoOf(told, DataOfRobot()),
-               is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
+               drive_.is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
 }
 
 server::ServedRobotSettings Service::MakeSettings() {
   server::ServedRobotSettings settings;
   Listen(flags_.network, settings.server);
   settings.server.model_library = ModelLibraryOf(program_);
-  if (is_lockstep()) {
+  if (drive_.is_lockstep()) {
     settings.lockstep = {.answer_timeout = FromSeconds(flags_.session_timeout),
-                         .freeze_when_idle = FreezesWhenIdle(flags_)};
+                         .freeze_when_idle = FreezesWhenIdle(flags_),
+                         .pace = drive_.pace};
   }
   settings.tell = [this](std::string_view line) { Tell(line); };
   return settings;
@@ -183,9 +219,9 @@ void Service::Tell(std::string_view line) {
 }
 
 void Service::Introduce() {
-  std::string text = fmt::format("panda-twin serves {} ({}), drive {}{}\n", scenario_.robot.model,
-                                 robot_->plant_name(), scenario_.drive_name(),
-                                 FreezesWhenIdle(flags_) ? ", idle freeze" : "");
+  std::string text = fmt::format("panda-twin serves {} ({}), drive {}\n", scenario_.robot.model,
+                                 robot_->plant_name(), scenario_.drive_name());
+  text += fmt::format("  time  {}\n", DescribeTime());
   if (flags_.viability) {
     text += fmt::format("  commands are kept within the limits, up to {} lost in a row\n",
                         *flags_.viability);
@@ -193,7 +229,43 @@ void Service::Introduce() {
   text += fmt::format("  arm   {}\n", fci::ToString(robot_->arm()));
   if (const auto hand = robot_->hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
   text += fmt::format("  {}\n", DescribeAccess(flags_.network));
+  text += DescribeClients();
+  text += flags_.seconds ? fmt::format("  ends  after {} s, or on Ctrl-C\n", *flags_.seconds)
+                         : "  ends  on Ctrl-C\n";
   events_->Put(text);
+}
+
+std::string Service::DescribeTime() const {
+  std::string text;
+  if (!drive_.is_lockstep()) {
+    text = "the wall clock: a cycle every 1 ms, answered or not";
+  } else if (drive_.pace) {
+    text = fmt::format("a cycle when the last state is answered, at most {} times the wall clock",
+                       *drive_.pace);
+  } else {
+    text = "a cycle when the last state is answered, as fast as answers come";
+  }
+  if (FreezesWhenIdle(flags_)) text += "; none between motions";
+  if (!drive_.reason.empty()) {
+    text += fmt::format("\n        as this host is {}\n        --drive and --pace decide instead",
+                        drive_.reason);
+  }
+  return text;
+}
+
+std::string Service::DescribeClients() const {
+  const fci::Endpoint arm = robot_->arm();
+  if (arm.port != fci::kArmPort) {
+    return "  use   our own programs: libfranka and what is built on it know ports 1337 and 1338 "
+           "alone\n";
+  }
+  const std::string at = arm.address == 0 ? "127.0.0.1" : fci::AddressText(arm.address);
+  return fmt::format(
+      "  use   libfranka 0.9  franka::Robot robot(\"{0}\", franka::RealtimeConfig::kIgnore);\n"
+      "        panda-py       panda_py.Panda(\"{0}\")\n"
+      "        libfranka-rs   franka::Robot::new(\"{0}\", RealtimeConfig::Ignore, None)\n"
+      "        franka_ros     roslaunch franka_control franka_control.launch robot_ip:={0}\n",
+      at);
 }
 
 void Service::TellLosses() {
@@ -208,15 +280,17 @@ void Service::TellLosses() {
 
 void Service::OpenPage() {
   if (!page_->is_wanted()) return;
-  page::PageSettings settings = is_lockstep() ? page::PageSettings() : page_->Recorded();
+  page::PageSettings settings = outruns_people() ? page::PageSettings() : page_->Recorded();
   settings.title = scenario_.name.empty() ? "panda-twin serve" : scenario_.name;
   settings.about = fmt::format("{}, served at {}, drive {}", scenario_.robot.model,
                                fci::ToString(robot_->arm()), scenario_.drive_name());
   settings.limits = DataOfRobot().limits;
   settings.stop = [this] { PressUserStop(true); };
   settings.release = [this] { PressUserStop(false); };
-  if (is_lockstep()) {
-    settings.watch_only = "a robot served in lockstep waits for programs; people watch";
+  if (outruns_people()) {
+    settings.watch_only =
+        "a robot served in lockstep is as fast as programs answer: serve it with --pace 1 to lead "
+        "it";
   } else {
     settings.control = [this](bool wanted) { operator_->Operate(wanted); };
     operator_ = std::make_unique<application::PageOperator>(
@@ -282,8 +356,11 @@ void AddServe(CLI::App& app, Program& program) {
   AddLab(serve, flags.lab);
   Add(serve, "--scene FILE", flags.scene, "World around the robot (MJCF in the models folder)");
   AddNetwork(serve, flags.network);
-  Add(serve, "--drive", flags.drive, "Who advances time: realtime or lockstep")
-      ->capture_default_str();
+  Add(serve, "--drive", flags.drive,
+      "Who advances time: realtime or lockstep (default: realtime where this host keeps 1 kHz, "
+      "else lockstep --pace 1)");
+  Add(serve, "--pace N", flags.pace,
+      "lockstep: never faster than N times the wall clock (default: as fast as answers come)");
   Add(serve, "--idle", flags.idle, "lockstep: time between motions: run or freeze")
       ->capture_default_str();
   Add(serve, "--clock-ppm PPM", flags.clock_ppm, "realtime: drift of the robot's clock");
