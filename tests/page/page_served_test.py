@@ -75,11 +75,11 @@ class PersistentOperator(Operator):
 
 
 class PageServedTest(unittest.TestCase):
-    bind = ()
+    flags = ("--drive", "realtime")
 
     def setUp(self):
         self.process = subprocess.Popen(
-            [PROGRAM, "serve", *self.bind, "--page=0", "--port", "0", "--hand-port", "0", "--data", SOURCE / "models"],
+            [PROGRAM, "serve", *self.flags, "--page=0", "--port", "0", "--hand-port", "0", "--data", SOURCE / "models"],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(self.end)
         for line in self.process.stdout:
@@ -114,7 +114,11 @@ class PageServedTest(unittest.TestCase):
 
 class PageServedAtAnotherAddressTest(PageServedTest):
     """The page leads the robot of its own server, not one that answers at the same port of 127.0.0.1."""
-    bind = ("--bind", "127.0.0.5")
+    flags = ("--drive", "realtime", "--bind", "127.0.0.5")
+
+
+class PageServedAtItsPaceTest(PageServedTest):
+    flags = ("--drive", "lockstep", "--pace", "1")
 
 
 class PageElsewhereTest(unittest.TestCase):

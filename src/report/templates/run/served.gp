@@ -1,6 +1,6 @@
 # Cycles: served, held, none (without motion), longest_loss (in a row), cycles_per_span (a row of the table), most (held or dropped in a row of it). dropped: commands.
 # written: 1 if a command was; longest_us: largest d_EXT; lowest_rate: of the success rate.
-share(n) = served + held > 0 ? sprintf('%.0f (%.4g %%)', n, 100*n/(served + held)) : sprintf('%.0f', n)
+share(n) = served + held > 0 ? sprintf('%.0f (%.4g %%)', n, 100.0*n/(served + held)) : sprintf('%.0f', n)
 @canvas 1200,1000
 set multiplot layout 4,1 title names[1] @heading
 set style fill solid noborder

@@ -12,7 +12,7 @@ set ylabel 'margin'
 # The margin is 0.5 at most: in the middle of its range, a joint is half of it away from either end.
 set yrange [(least < -0.0455 ? 1.1*least : -0.05):0.5]
 plot 0 with lines dt 2 lw 1.5 lc rgb RUN_LIMIT title 'border', $margin using 2:3 with lines lw 1.2 lc rgb DESIRED title 'margin'
-set title sprintf('commands kept back: %.0f of %.0f (%.3g %%)', kept_back, commands, 100*kept_back/commands)
+set title sprintf('commands kept back: %.0f of %.0f (%.3g %%)', kept_back, commands, 100.0*kept_back/commands)
 set xlabel 'time / s' offset 0,0.6
 set ylabel 'joint'
 set yrange [7.6:0.4]
