@@ -206,7 +206,9 @@ const std::vector<record::EventRecord>& Recording::events() const noexcept {
 }
 
 render::Film Recording::Film() const {
-  return FilmOfRun(model(), snapshots(), scenario(), plans(), events());
+  render::Film film = FilmOfRun(model(), snapshots(), scenario(), plans(), events());
+  if (source() == FrameSource::kStates) film.title += "\nnot recorded: hand, objects, base";
+  return film;
 }
 
 }  // namespace twin::replay

@@ -40,11 +40,16 @@ onboard::OnboardConfig MakeOnboard(const scenario::Scenario& scenario,
   return config;
 }
 
+std::filesystem::path SceneFile(const std::filesystem::path& models,
+                                const std::filesystem::path& scene) {
+  return models / (scene.empty() ? std::filesystem::path("scenes/floor.xml") : scene);
+}
+
 plant::MujocoPlantOptions MakePlant(const scenario::Scenario& scenario,
                                     const scenario::RobotData& robot, const RunFiles& files) {
   plant::MujocoPlantOptions options;
   options.urdf = robot.urdf;
-  if (!scenario.scene.empty()) options.scene = files.models / scenario.scene;
+  options.scene = SceneFile(files.models, scenario.scene);
   options.objects = scenario::ObjectsOf(scenario.objects, scenario.seed);
   options.mesh_package = files.mesh_package;
   options.cache = files.cache;
@@ -105,9 +110,12 @@ void RequireBeforeEnd(Duration end, std::string_view key, const std::vector<Even
 
 void RequireScene(const std::filesystem::path& models, const std::filesystem::path& scene) {
   std::error_code error;
-  if (scene.empty() || std::filesystem::is_regular_file(models / scene, error)) return;
-  throw InputError(fmt::format("scene: there is no file {}; give an MJCF file in the models folder",
-                               (models / scene).string()));
+  const std::filesystem::path file = SceneFile(models, scene);
+  if (std::filesystem::is_regular_file(file, error)) return;
+  throw InputError(
+      fmt::format("scene: there is no file {}; give an MJCF file beside the scenario, or in the "
+                  "models folder",
+                  file.string()));
 }
 
 /// The names of a scenario that only the program and its data can judge.

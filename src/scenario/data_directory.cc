@@ -66,4 +66,12 @@ DataDirectory FindDataDirectory(const DataSearch& search) {
   return data;
 }
 
+fs::path FindScenario(const fs::path& named, const fs::path& models) {
+  std::error_code none;
+  if (named.is_absolute() || fs::exists(named, none)) return named;
+  const bool says_models = !named.empty() && *named.begin() == "models";
+  const fs::path installed = models / (says_models ? named.lexically_relative("models") : named);
+  return fs::is_regular_file(installed, none) ? installed : named;
+}
+
 }  // namespace twin::scenario

@@ -29,6 +29,15 @@ void SetDefaults(Scenario& scenario) {
   if (is_torque) scenario.controller.type = "joint_trajectory_effort";
 }
 
+/// Absolute for a file beside the scenario; others are sought in the models folder by each run.
+std::filesystem::path Scene(const std::string& text, const Scenario& s) {
+  std::error_code none;
+  const std::filesystem::path beside = s.places.folder / text;
+  const bool is_beside = !text.empty() && std::filesystem::is_regular_file(beside, none);
+  return is_beside ? std::filesystem::absolute(beside).lexically_normal()
+                   : std::filesystem::path(text);
+}
+
 void AddWhatIsRun(Map& map, Scenario& s) {
   map.Require("name", Identifier(s.name), "Names the folder of results.");
   map.Add("description", Text(s.description), "Description for people.");
@@ -49,8 +58,10 @@ void AddWhatIsRun(Map& map, Scenario& s) {
   map.Add("loop", Choice(s.loop, kLoopNames),
           "The workstation's: a thread for communication beside the controller; one periodic loop "
           "of both; or one that the robot paces.");
-  map.Add("scene", Converted(s.scene.string(), Text, [&s](auto& text) { s.scene = text; }),
-          "MJCF of the world, in the models folder or absolute; empty: a floor and a light.")
+  map.Add("scene",
+          Converted(s.scene.string(), Text, [&s](auto& text) { s.scene = Scene(text, s); }),
+          "MJCF of the world: beside this file, in the models folder, or absolute; empty: "
+          "scenes/floor.xml.")
       .At(s.places.scene);
 }
 

@@ -190,6 +190,16 @@ class BadScenario(CliTest):
         done = self.call("run", self.folder, "--out", self.out)
         self.assert_refused(done, 3, str(self.folder))
 
+    def test_paths_do_not_depend_on_the_working_folder(self):
+        named = self.call("validate", "models/scenarios/canonical.yaml", "--data", SOURCE / "models")
+        self.assertEqual(named.returncode, 0, named.stderr)
+        (self.folder / "mine.xml").write_text("<mujoco><worldbody><geom name='wall' type='box' size='1 1 1' pos='5 0 0'/></worldbody></mujoco>")
+        path = self.scenario("scene: mine.xml\n" + SHORT)
+        for folder in (self.folder, "/"):
+            done = subprocess.run([PROGRAM, "validate", path, "--data", SOURCE / "models"], cwd=folder, env=self.environment,
+                                  capture_output=True, text=True, timeout=120)
+            self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_validate_finds_the_same(self):
         path = self.scenario(self.spoil("1 s", "10 ms"))
         done = self.call("validate", path, "--data", SOURCE / "models")

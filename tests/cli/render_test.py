@@ -97,8 +97,9 @@ class RenderTest(unittest.TestCase):
         subprocess.run([PROGRAM, "serve", "--drive", "lockstep", "--for", "0.5", "--port", "0", "--hand-port", "0",
                         "--log", "serve.mcap", "--data", SOURCE / "models"], check=True, timeout=60, cwd=self.folder,
                        stdout=subprocess.DEVNULL)
-        picture = self.rendered("served.png", "serve.mcap", "--at", "0.1", "--size", "64x48")
-        self.assertEqual(size_of_png(picture), (64, 48))
+        done = self.render("serve.mcap", "--out", "served.png", "--at", "0.1", "--size", "64x48")
+        self.assertEqual((done.returncode, done.stderr), (0, ""), "its scenes are in the log")
+        self.assertEqual(size_of_png(self.folder / "served.png"), (64, 48))
 
     def test_a_log_that_was_cut_off_is_drawn_as_far_as_it_goes(self):
         whole = (self.folder / "task/run.mcap").read_bytes()

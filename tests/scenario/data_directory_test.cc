@@ -1,6 +1,7 @@
 #include "twin/scenario/data_directory.h"
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -55,6 +56,17 @@ TEST_F(DataDirectoryTest, TakesWhatTheUserSays) {
       FindDataDirectory({root_ / "build/release/panda-twin", root_ / "mine", root_ / "my_meshes"});
   EXPECT_EQ(data.models, root_ / "mine");
   EXPECT_EQ(data.mesh_package, root_ / "my_meshes");
+}
+
+TEST_F(DataDirectoryTest, FindsAScenarioBelowTheModelsWhereverItIsNamed) {
+  const fs::path models = root_ / "share/models";
+  const fs::path file = models / "scenarios/grasp.yaml";
+  Make("share/models/scenarios");
+  std::ofstream(file) << "name: grasp\n";
+  EXPECT_EQ(FindScenario("models/scenarios/grasp.yaml", models), file);
+  EXPECT_EQ(FindScenario("scenarios/grasp.yaml", models), file);
+  EXPECT_EQ(FindScenario(file, "elsewhere"), file);
+  EXPECT_EQ(FindScenario("scenarios/nowhere.yaml", models), "scenarios/nowhere.yaml");
 }
 
 TEST_F(DataDirectoryTest, DoesWithoutMeshes) {

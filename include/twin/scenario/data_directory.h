@@ -29,4 +29,10 @@ struct DataDirectory {
 /// found. Both say where was looked and what to do.
 [[nodiscard]] DataDirectory FindDataDirectory(const DataSearch& search);
 
+/// The scenario file that a user names: as given, else below the models folder, where
+/// "scenarios/grasp.yaml" and "models/scenarios/grasp.yaml" are the same. @returns `named` when
+/// there is neither.
+[[nodiscard]] std::filesystem::path FindScenario(const std::filesystem::path& named,
+                                                 const std::filesystem::path& models);
+
 }  // namespace twin::scenario

@@ -282,7 +282,7 @@ struct Scenario {
   Drive drive = Drive::kLockstep;  ///< without effect on a remote robot
   loop::LoopKind loop = loop::LoopKind::kAsynchronous;
   std::filesystem::path
-      scene;  ///< MJCF of the world, in the models folder or absolute; may be empty
+      scene;  ///< MJCF of the world, in the models folder or absolute; empty: scenes/floor.xml
   std::vector<ObjectSection> objects;  ///< beside what the scene holds
   RobotSection robot;
   std::optional<BaseSection> base;  ///< absent: the arm stands on the world

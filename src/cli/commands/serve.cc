@@ -16,7 +16,6 @@
 #include "twin/core/error.h"
 #include "twin/fci/capture.h"
 #include "twin/loop/host_timing.h"
-#include "twin/record/recorder.h"
 #include "twin/reference/viable_axis.h"
 #include "twin/robot/robot_config.h"
 #include "twin/run/operator_page.h"
@@ -72,9 +71,15 @@ Drive DriveOf(const ServeFlags& flags) {
 
 scenario::Scenario LoadWithFlags(const ServeFlags& flags, const Drive& drive, const Host& host) {
   scenario::Scenario scenario =
-      flags.scenario.empty() ? run::DefaultServed() : scenario::Load(flags.scenario);
+      flags.scenario.empty()
+          ? run::DefaultServed()
+          : scenario::Load(scenario::FindScenario(flags.scenario, DataOf(flags.data, host).models));
   ReplaceSite(flags.lab, flags.seed, flags.data, host, scenario);
-  if (flags.scene) scenario.scene = *flags.scene;
+  if (flags.scene) {
+    std::error_code none;
+    const bool is_here = std::filesystem::is_regular_file(*flags.scene, none);
+    scenario.scene = is_here ? std::filesystem::absolute(*flags.scene) : *flags.scene;
+  }
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
   scenario.backend = scenario::Scenario().backend;  // the served robot is simulated
   scenario.drive = drive.drive;
@@ -132,11 +137,12 @@ class Service {
     robot::MadePlant plant = robot::MakePlant(robot);
     MakeLog();
     page_.emplace(flags_.page.wanted() ? std::optional(PageAt(flags_.page)) : std::nullopt,
-                  log_ ? &*log_ : nullptr, ".",
+                  flags.log ? &records_ : nullptr, ".",
                   [this](std::string_view text) { program_.log->info(text); });
     settings.sink = page_->sink();
     if (flags_.capture) settings.server.capture = &capture_.emplace(*flags_.capture);
     robot_.emplace(robot, std::move(plant), std::move(settings));
+    if (flags.log) FilmForLog();
   }
   ~Service() {
     ClosePage();  // it looks at the robot
@@ -150,6 +156,8 @@ class Service {
   /// Short of log and capture.
   [[nodiscard]] server::ServedRobotSettings MakeSettings();
   void MakeLog();
+  /// Adds scenes to the log, so that pictures of it show hand and objects as they were.
+  void FilmForLog();
   /// An operator who takes control at the page leads the robot, unless it is as fast as programs
   /// answer. STOP presses the robot's user stop, and the operator's release lets it go.
   void OpenPage();
@@ -176,7 +184,7 @@ class Service {
   const scenario::Scenario scenario_;
   const InterruptGuard interrupt_;
   std::optional<EventLog> events_;  ///< from Run() to the end
-  std::optional<record::Recorder> log_;
+  run::RunRecords records_;         ///< of --log
   std::optional<fci::Capture> capture_;
   bool told_of_log_ = false;
   bool told_of_capture_ = false;
@@ -195,8 +203,15 @@ void Service::MakeLog() {
     const reference::Waypoint stand{.q = told.robot.q_start.value()};
     told.motion.waypoints = {stand, stand};
   }
-  log_.emplace(*flags_.log, run::InfoOf(told, DataOfRobot()),
+  records_.Log(*flags_.log, run::InfoOf(told, DataOfRobot()),
                drive_.is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
+}
+
+void Service::FilmForLog() {
+  constexpr Duration kForever = std::chrono::hours(24 * 365);
+  const plant::TruthProbe* truth = robot_->truth();
+  if (truth == nullptr || !run::RunRecords::CanFilm(*truth)) return;
+  records_.Film(*truth, kForever, scenario_.render.fps, render::SnapshotRecorder::Keep::kLast);
 }
 
 server::ServedRobotSettings Service::MakeSettings() {
@@ -274,7 +289,7 @@ void Service::TellLosses() {
     told = true;
     program_.log->warn("{}. It goes on without", failure);
   };
-  if (log_) tell(told_of_log_, log_->Failure());
+  tell(told_of_log_, records_.LogFailure());
   if (capture_) tell(told_of_capture_, capture_->Failure());
 }
 
@@ -333,7 +348,7 @@ int Service::Run() {
   robot_->Serve([this] { return Ends(); });
   ClosePage();
   robot_->End();
-  if (log_) static_cast<void>(log_->Finish());
+  static_cast<void>(records_.Finish());
   if (capture_) {
     run::FinishCapture(*capture_, [this](std::string_view text) { program_.log->info(text); });
   }
@@ -354,7 +369,8 @@ void AddServe(CLI::App& app, Program& program) {
       app, program, "serve", "Serve a robot to programs made for it (FCI protocol 5)", &Serve);
   Add(serve, "scenario FILE", flags.scenario, "Scenario file (default: the ready pose, no scene)");
   AddLab(serve, flags.lab);
-  Add(serve, "--scene FILE", flags.scene, "World around the robot (MJCF in the models folder)");
+  Add(serve, "--scene FILE", flags.scene,
+      "World around the robot (MJCF, here or in the models folder)");
   AddNetwork(serve, flags.network);
   Add(serve, "--drive", flags.drive,
       "Who advances time: realtime or lockstep (default: realtime where this host keeps 1 kHz, "

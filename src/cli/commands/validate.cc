@@ -117,8 +117,9 @@ std::string CheckApplication(const scenario::Scenario& scenario, const std::file
 // Prepares all that a run prepares, so that what validate passes run does not refuse; but runs no
 // code that a scenario names unless asked.
 int Validate(const ValidateFlags& flags, const Program& program) {
-  const scenario::Scenario scenario = scenario::Load(flags.scenario);
   const run::RunFiles files = FilesOf(flags.data, program);
+  const scenario::Scenario scenario =
+      scenario::Load(scenario::FindScenario(flags.scenario, files.models));
   const auto check = scenario.application                                ? &CheckApplication
                      : flags.load || scenario.controller.library.empty() ? &CheckMotion
                                                                          : &CheckWithoutLibrary;
