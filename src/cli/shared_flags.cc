@@ -124,6 +124,11 @@ void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed, const char* what
       ->type_name("UINT");
 }
 
+void AddMayTouch(CLI::App& app, std::string& reason) {
+  Add(app, "--no-collision-check REASON", reason,
+      "The arm may touch something on its way, for this reason (motion.touches)");
+}
+
 void AddLab(CLI::App& app, std::optional<std::string>& lab) {
   Add(app, "--lab NAME|FILE", lab, "Site laid over the scenario: a, b (models/labs), or a file");
 }

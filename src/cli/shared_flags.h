@@ -85,6 +85,8 @@ void RequirePageFlags(const PageFlags& flags);
 
 void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed,
              const char* what = "Seed of all random numbers, instead of the scenario's");
+/// @param reason  instead of the scenario's motion.touches.
+void AddMayTouch(CLI::App& app, std::string& reason);
 void AddLab(CLI::App& app, std::optional<std::string>& lab);
 
 /// Replaces a scenario's site and seed by those that are given.

@@ -1,7 +1,11 @@
 #include "run/resolve.h"
 
+#include <chrono>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -93,6 +97,25 @@ reference::Trajectory PlanMotion(const scenario::Scenario& scenario,
     throw InputError(failure.text);
   } catch (const InputError& error) {
     throw InputError(PlaceOf(plan) + error.what());
+  }
+}
+
+void RequireFree(const scenario::Scenario& scenario, const RunFiles& files) {
+  constexpr Duration kStep = std::chrono::milliseconds(2);
+  const scenario::MotionSection& motion = scenario.motion;
+  const bool drives = scenario.base && !scenario.base->drive.empty();
+  if (!motion.touches.empty() || motion.waypoints.size() < 2 || drives) return;
+  const scenario::RobotData robot =
+      scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
+  const reference::Trajectory trajectory = MakeTrajectory(scenario, robot);
+  planning::CollisionWorld world(MakeRobotConfig(scenario, robot, files).plant);
+  for (Duration t{}; t < trajectory.duration() + kStep; t += kStep) {
+    const std::vector<planning::Touch> touches = world.Touches(trajectory.Sample(t).q);
+    if (touches.empty()) continue;
+    throw InputError(
+        fmt::format("motion: at {:.3f} s of {:.3f} s {}; move the waypoints, or say why the arm "
+                    "may touch it (motion.touches, --no-collision-check)",
+                    ToSeconds(t), ToSeconds(trajectory.duration()), planning::Describe(touches)));
   }
 }
 

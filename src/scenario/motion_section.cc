@@ -220,6 +220,9 @@ void DescribeMotion(Map& map, Scenario& scenario) {
                    Style::kBlock);
   };
   map.Add("plan", Optional(motion.plan, plan), "A path from robot.q_start around the scene.");
+  map.Add("touches", Text(motion.touches),
+          "Why the arm may touch something on its way; empty: validate and hardware refuse that.")
+      .OmitIf(motion.touches.empty());
 }
 
 Value MaxDeviationOf(Scenario& scenario) {

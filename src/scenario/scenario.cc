@@ -179,7 +179,7 @@ bool MotionSection::operator==(const MotionSection& other) const {
          plan == other.plan && timing.duration == other.timing.duration &&
          timing.velocity_scale == other.timing.velocity_scale &&
          timing.acceleration_scale == other.timing.acceleration_scale &&
-         timing.jerk_scale == other.timing.jerk_scale;
+         timing.jerk_scale == other.timing.jerk_scale && touches == other.touches;
 }
 
 void Scenario::Validate() const {

@@ -200,6 +200,14 @@ class BadScenario(CliTest):
                                   capture_output=True, text=True, timeout=120)
             self.assertEqual(done.returncode, 0, done.stderr)
 
+    def test_validate_refuses_a_motion_through_the_floor(self):
+        path = self.scenario(SHORT.replace("duration: 1 s", "duration: 8 s").replace(MOVED, "[0, 1.4, 0, -1.0, 0, 1.5708, 0.7854]"))
+        done = self.call("validate", path, "--data", SOURCE / "models")
+        self.assert_error(done, 3, "finger and floor overlap")
+        done = self.call("validate", path, "--data", SOURCE / "models", "--no-collision-check", "to see the reflex")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("not checked: to see the reflex", done.stdout)
+
     def test_validate_finds_the_same(self):
         path = self.scenario(self.spoil("1 s", "10 ms"))
         done = self.call("validate", path, "--data", SOURCE / "models")

@@ -10,6 +10,7 @@
 
 #include "scenario/scenario_examples.h"
 #include "twin/core/error.h"
+#include "twin/run/run.h"
 
 namespace twin::run::run_resolve_test {
 namespace {
@@ -177,6 +178,37 @@ TEST_F(PlanTest, StartsTheMotionThatGoesWithTheInterface) {
     EXPECT_EQ(ModesOf(scenario.motion).controller, controller);
     EXPECT_EQ(ModesOf(scenario.motion).generator, generator);
   }
+}
+
+/// Reaches below the floor and comes back.
+constexpr const char* kBelowTheFloor = R"(name: floor
+motion:
+  trajectory:
+    unit: rad
+    waypoints:
+      - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+      - {q: [0, 1.4, 0, -1.0, 0, 1.5708, 0.7854]}
+      - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+)";
+
+TEST_F(PlanTest, RefusesAMotionOnWhichTheArmTouchesSomething) {
+  const auto message = [this](const std::string& text) -> std::string {
+    try {
+      RequireFree(scenario::Parse(text, "s.yaml"), files_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message(kBelowTheFloor), StartsWith("motion: at "));
+  EXPECT_THAT(message(kBelowTheFloor), HasSubstr("finger and floor overlap"));
+  EXPECT_EQ(message(std::string(kBelowTheFloor) + "  touches: to see the reflex\n"), "");
+  const std::string box =
+      "objects:\n  - {name: wall, shape: box, size: [0.2 m, 0.2 m, 1 m], position: [0.27 m, 0.3 m, 0.5 m]}\n";
+  const std::string above =
+      scenario::test::Replaced(kBelowTheFloor, "[0, 1.4, 0, -1.0,", "[0.5, -0.7854, 0, -2.3562,");
+  EXPECT_EQ(message(above), "");
+  EXPECT_THAT(message(above + box), HasSubstr("wall"));
 }
 
 TEST_F(PlanTest, NamesTheLineOfANameThatIsUnknown) {

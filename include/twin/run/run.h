@@ -58,6 +58,13 @@ class NoPlanError : public Error {
 [[nodiscard]] std::optional<reference::PoseTrajectory> MakePoses(const scenario::Scenario& scenario,
                                                                  const scenario::RobotData& robot);
 
+/// Refuses a trajectory on which the arm would touch itself, the floor, the scene or an object, by
+/// planning::CollisionWorld, every 2 ms; the hand is open, and what it carries stays where it was.
+/// Not judged: motions with a reason to touch (motion.touches), planned ones, whose planner looks
+/// itself, poses, of which the robot chooses the joints, and those of a base that drives.
+/// @throws InputError naming time and parts; as MakeTrajectory.
+void RequireFree(const scenario::Scenario& scenario, const RunFiles& files);
+
 class PreparedMotion;
 class Session;
 

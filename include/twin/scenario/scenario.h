@@ -194,6 +194,8 @@ struct MotionSection {
   std::optional<PlanSection> plan;  ///< of a planned motion, which has no waypoints or poses
   /// Used when the waypoints or poses carry no times, and for what is planned.
   reference::Timing timing;
+  /// Why the arm may touch something on its way; empty: it must not (run::RequireFree).
+  std::string touches;
   /// Where the waypoints were read is no part of the comparison.
   bool operator==(const MotionSection& other) const;
 };

@@ -27,6 +27,7 @@ struct RunFlags {
   std::optional<std::string> robot_time;  ///< backend fci: wall or states
   bool allow_hardware = false;            ///< backend fci: the robot need not be a twin
   std::optional<double> max_speed;        ///< share of the scenario's, in (0, 1]
+  std::string may_touch;                  ///< instead of motion.touches
   std::optional<double> clock_ppm;        ///< of INT's clock
   std::optional<int> ext_cpu;             ///< processor of the communication thread; real time
   std::optional<int> int_cpu;             ///< processor of the robot's thread; real time
@@ -146,6 +147,7 @@ scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
   if (flags.device) ChooseDevice(*flags.device, scenario);
   RequireRemoteFlags(flags, scenario);
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
+  if (!flags.may_touch.empty()) scenario.motion.touches = flags.may_touch;
   RefuseIf(scenario.is_lockstep() && (flags.ext_cpu || flags.int_cpu),
            "--ext-cpu and --int-cpu go with --drive realtime: lockstep has one thread");
   scenario.Validate();
@@ -170,6 +172,7 @@ int Run(const RunFlags& flags, const Program& program) {
                   scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand),
                   *flags.max_speed);
   }
+  if (scenario.is_remote()) run::RequireFree(scenario, files);
   application::RecordRun(inputs);
   return kOk;
 }
@@ -190,6 +193,7 @@ void AddRun(CLI::App& app, Program& program) {
   Add(run, "--device", flags.device,
       "What the operator holds, instead of the scenario's: page, evdev, network, ...");
   AddRemote(run, flags);
+  AddMayTouch(run, flags.may_touch);
   Add(run, "--clock-ppm PPM", flags.clock_ppm,
       "Drift of the robot's clock, instead of the scenario's");
   Add(run, "--ext-cpu N", flags.ext_cpu, "realtime, fci: processor of the communication thread");

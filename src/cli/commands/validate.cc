@@ -22,7 +22,8 @@ namespace {
 
 struct ValidateFlags {
   std::filesystem::path scenario;
-  bool load = false;  ///< also code of controller.library
+  bool load = false;      ///< also code of controller.library
+  std::string may_touch;  ///< instead of motion.touches
   DataFlags data;
 };
 
@@ -118,12 +119,17 @@ std::string CheckApplication(const scenario::Scenario& scenario, const std::file
 // code that a scenario names unless asked.
 int Validate(const ValidateFlags& flags, const Program& program) {
   const run::RunFiles files = FilesOf(flags.data, program);
-  const scenario::Scenario scenario =
+  scenario::Scenario scenario =
       scenario::Load(scenario::FindScenario(flags.scenario, files.models));
+  if (!flags.may_touch.empty()) scenario.motion.touches = flags.may_touch;
   const auto check = scenario.application                                ? &CheckApplication
                      : flags.load || scenario.controller.library.empty() ? &CheckMotion
                                                                          : &CheckWithoutLibrary;
-  const std::string text = check(scenario, flags.scenario, program.catalogue, files);
+  std::string text = check(scenario, flags.scenario, program.catalogue, files);
+  run::RequireFree(scenario, files);
+  if (!scenario.motion.touches.empty()) {
+    text += fmt::format("  collisions  not checked: {}\n", scenario.motion.touches);
+  }
   Say(stdout, fmt::format("{}: ok\n{}", flags.scenario.string(), text));
   FinishOutput();
   return kOk;
@@ -137,6 +143,7 @@ void AddValidate(CLI::App& app, Program& program) {
   Add(validate, "scenario FILE", flags.scenario, "Scenario file")->required();
   validate.add_flag("--load", flags.load,
                     "Load the scenario's controller.library too, which runs code of it");
+  AddMayTouch(validate, flags.may_touch);
   AddData(validate, flags.data);
 }
 
