@@ -190,29 +190,6 @@ class BadScenario(CliTest):
         done = self.call("run", self.folder, "--out", self.out)
         self.assert_refused(done, 3, str(self.folder))
 
-    def test_paths_do_not_depend_on_the_working_folder(self):
-        named = self.call("validate", "models/scenarios/canonical.yaml", "--data", SOURCE / "models")
-        self.assertEqual(named.returncode, 0, named.stderr)
-        (self.folder / "mine.xml").write_text("<mujoco><worldbody><geom name='wall' type='box' size='1 1 1' pos='5 0 0'/></worldbody></mujoco>")
-        path = self.scenario("scene: mine.xml\n" + SHORT)
-        for folder in (self.folder, "/"):
-            done = subprocess.run([PROGRAM, "validate", path, "--data", SOURCE / "models"], cwd=folder, env=self.environment,
-                                  capture_output=True, text=True, timeout=120)
-            self.assertEqual(done.returncode, 0, done.stderr)
-
-    def test_validate_refuses_a_motion_through_the_floor(self):
-        path = self.scenario(SHORT.replace("duration: 1 s", "duration: 8 s").replace(MOVED, "[0, 1.4, 0, -1.0, 0, 1.5708, 0.7854]"))
-        done = self.call("validate", path, "--data", SOURCE / "models")
-        self.assert_error(done, 3, "finger and floor overlap")
-        done = self.call("validate", path, "--data", SOURCE / "models", "--no-collision-check", "to see the reflex")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("not checked: to see the reflex", done.stdout)
-
-    def test_validate_finds_the_same(self):
-        path = self.scenario(self.spoil("1 s", "10 ms"))
-        done = self.call("validate", path, "--data", SOURCE / "models")
-        self.assert_error(done, 3, "trajectory: ")
-
     def test_leaves_earlier_results_alone(self):
         self.assertEqual(self.run_scenario().returncode, 0)
         before = {name: (self.out / name).read_bytes() for name in self.files()}
@@ -485,13 +462,6 @@ class GoodRun(CliTest):
             self.run_scenario(text)
             figures.append(json.loads((self.out / "summary.json").read_text())["deviation_rad"])
         self.assertGreater(figures[1], 5 * figures[0])
-
-    def test_validates_every_example(self):
-        for path in sorted((SOURCE / "models" / "scenarios").glob("*.yaml")):
-            if path.name.endswith(".hash.yaml"):
-                continue
-            done = self.call("validate", path, "--data", SOURCE / "models")
-            self.assertEqual(done.returncode, 0, done.stderr)
 
 
 class StandardFiles(CliTest):
