@@ -304,6 +304,10 @@ void RunRecorder::OpenPage() {
                                  {.truth = run_.connection->truth,
                                   .hand = is_lockstep ? nullptr : run_.connection->hand,
                                   .keeps_pace = is_lockstep}));
+  if (!inputs_.options.waits_for_visitor) return;
+  inputs_.console.Note("the run begins when its page is opened");
+  page_.AwaitVisitor(inputs_.console.interrupted());
+  inputs_.console.ThrowIfInterrupted();
 }
 
 void RunRecorder::BeginRecords() {

@@ -1,5 +1,6 @@
 #include "twin/page/live_page.h"
 
+#include <atomic>
 #include <chrono>
 #include <future>
 #include <optional>
@@ -76,6 +77,10 @@ class LivePage::Impl {
     return urls;
   }
 
+  [[nodiscard]] bool was_visited() const noexcept {
+    return visited_.load(std::memory_order_relaxed);
+  }
+
   void Tell(Time at, std::string_view kind, std::string_view text) {
     server_.Post([this, at, kind = std::string(kind), text = std::string(text)] {
       operator_server_.Tell(at, kind, text);
@@ -110,6 +115,7 @@ class LivePage::Impl {
                 },
             .watched =
                 [this](bool wanted) {
+                  if (wanted) visited_.store(true, std::memory_order_relaxed);  // orders nothing
                   if (camera_) camera_->Want(wanted);
                 },
             .sample = settings.sample,
@@ -145,6 +151,7 @@ class LivePage::Impl {
   const MonotonicClock clock_;
   const std::string token_;
   OperatorChannel& channel_;
+  std::atomic<bool> visited_{false};
   Status status_;  ///< from here on owned by the server's thread, once it runs
   OperatorServer operator_server_;
   WebServer server_;
@@ -157,6 +164,10 @@ LivePage::LivePage(const PageSettings& settings, const PageScene& scene, LiveFee
     : impl_(std::make_unique<Impl>(settings, scene, feed, channel)) {}
 
 LivePage::~LivePage() = default;
+
+bool LivePage::was_visited() const noexcept {
+  return impl_->was_visited();
+}
 
 std::vector<std::string> LivePage::urls() const {
   return impl_->urls();

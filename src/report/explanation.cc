@@ -94,7 +94,39 @@ void AddNotes(Story& story, const RunEnd& end) {
   }
 }
 
-Story TellAbort(const RunEnd& end) {
+/// Derivative of positions or torques that an error limits; 0: none.
+int OrderOf(RobotError error) {
+  switch (error) {
+    case RobotError::kJointMotionGeneratorVelocityLimitsViolation:
+    case RobotError::kCartesianMotionGeneratorVelocityLimitsViolation:
+    case RobotError::kControllerTorqueDiscontinuity: return 1;
+    case RobotError::kJointMotionGeneratorVelocityDiscontinuity:
+    case RobotError::kCartesianMotionGeneratorVelocityDiscontinuity: return 2;
+    case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
+    case RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity: return 3;
+    default: return 0;
+  }
+}
+
+/// Empty when the noise alone cannot break the limit.
+std::string TellNoise(const RunEnd& end, const Violation& v, const Injected& injected) {
+  const MotionGeneratorMode mode = end.before().state.motion_generator_mode;
+  const bool by_velocity = mode == MotionGeneratorMode::kJointVelocity ||
+                           mode == MotionGeneratorMode::kCartesianVelocity;
+  const bool by_torque = v.error == RobotError::kControllerTorqueDiscontinuity;
+  const int order = OrderOf(v.error) - (by_velocity && !by_torque ? 1 : 0);
+  if (injected.is_smoothed || order <= 0) return "";
+  // A difference of two values is at most twice the largest.
+  const double most = injected.target_noise * std::pow(2 / kCycleSeconds, order);
+  if (!(most > v.limit)) return "";
+  return fmt::format(
+      "the scenario adds noise of up to {:.3g} to every target (controller.target_noise), and no "
+      "reference generator smooths it: the noise alone makes up to {:.3g} {}. Take it out, or "
+      "choose a generator (tick.generator).",
+      injected.target_noise, most, UnitOf(v));
+}
+
+Story TellAbort(const RunEnd& end, const Injected& injected) {
   const record::CycleRecord& last = end.last();
   const Violation v = ErrorOf(last);
   const ErrorEntry& entry = EntryOf(v);
@@ -119,6 +151,7 @@ Story TellAbort(const RunEnd& end) {
   AddText(story, "commands", CountFates(end));
   AddText(story, "lost before", JudgeLosses(end));
   AddText(story, "workstation", CountTicks(end));
+  if (last.violated) AddText(story, "injected", TellNoise(end, v, injected));
   AddText(story, "usual cause", fmt::format("{}.", entry.cause));
   AddText(story, "what to do", entry.cure.empty() ? "" : CureOf(entry, KeeperOf(end)) + ".");
   AddNotes(story, end);
@@ -156,10 +189,10 @@ std::string TellApproach(const RunEnd& end) {
 
 }  // namespace
 
-Explanation Explain(const std::filesystem::path& log) {
+Explanation Explain(const std::filesystem::path& log, const Injected& injected) {
   const RunEnd end = ReadEnd(log);
   if (end.aborted()) {
-    const Story story = TellAbort(end);
+    const Story story = TellAbort(end, injected);
     return {.aborted = true,
             .text = story.headline + "\n" + ToText(story.paragraphs),
             .page = AbortPage(end, story.headline, story.paragraphs)};

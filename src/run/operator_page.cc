@@ -1,5 +1,6 @@
 #include "twin/run/operator_page.h"
 
+#include <chrono>
 #include <system_error>
 #include <utility>
 
@@ -7,6 +8,7 @@
 
 #include "twin/core/error.h"
 #include "twin/page/page_device.h"
+#include "twin/rt/host_time.h"
 #include "twin/run/film.h"
 #include "twin/run/run_records.h"
 #include "twin/teleop/recording_device.h"
@@ -166,6 +168,12 @@ std::string OperatorPage::Open(page::PageSettings settings, const scenario::Scen
   std::string text;
   for (const std::string& url : page_->urls()) text += fmt::format("page          {}\n", url);
   return text;
+}
+
+void OperatorPage::AwaitVisitor(const volatile bool& interrupted) const {
+  while (!page_->was_visited() && !interrupted) {
+    rt::SleepUntil(wall_, wall_.Now() + std::chrono::milliseconds(50));
+  }
 }
 
 OperatorPage::Events OperatorPage::Also(Events own) {

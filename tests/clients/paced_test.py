@@ -7,6 +7,7 @@ The programs are of unmodified panda-python. A host that cannot run the loop in 
 witness.
 """
 
+import concurrent.futures
 import contextlib
 import importlib.util
 import pathlib
@@ -52,6 +53,17 @@ class PacedTest(unittest.TestCase):
     def test_time_between_motions_is_the_wall_clock_s(self):
         facts = self.run_beside_hogs("pause_between_motions")
         self.assertAlmostEqual(facts["robot_seconds"], facts["wall_seconds"], delta=WITHIN * facts["wall_seconds"])
+
+
+class TwoRobotsTest(unittest.TestCase):
+    def test_two_programs_each_lead_their_own(self):
+        with TwinServer(PROGRAM, SOURCE, "lockstep") as first, TwinServer(PROGRAM, SOURCE, "lockstep") as second, \
+                concurrent.futures.ThreadPoolExecutor() as threads:
+            self.assertNotEqual(first.address, second.address)
+            moved = threads.submit(panda_python_test.run_client, first, "joint_moves")
+            posed = threads.submit(panda_python_test.run_client, second, "pose_moves")
+            self.assertEqual(moved.result()[0]["returned"], [True] * 4)
+            self.assertEqual(posed.result()[0]["returned"], [True] * 3)
 
 
 if __name__ == "__main__":

@@ -294,6 +294,22 @@ class PageEndTest(unittest.TestCase):
         served.process.stdout.close()
 
 
+    def test_a_run_waits_for_its_first_visitor(self):
+        served = Run(self.folder, SCENARIO.replace("600 s", "0.5 s"), flags=("--wait-for-visitor",))
+        with self.assertRaises(subprocess.TimeoutExpired):
+            served.process.wait(timeout=3)
+        with served.connect() as client:
+            self.assertEqual(client.hear("end")["text"], "it went well")
+        self.assertEqual(served.process.wait(timeout=TIMEOUT), 0)
+        served.process.stdout.close()
+
+    def test_a_run_that_waits_can_be_interrupted(self):
+        served = Run(self.folder, flags=("--wait-for-visitor",))
+        served.process.send_signal(signal.SIGINT)
+        self.assertEqual(served.process.wait(timeout=TIMEOUT), 130)
+        served.process.stdout.close()
+
+
 class PageFlagsTest(unittest.TestCase):
     def refusal(self, command, *flags):
         process = subprocess.run([PROGRAM, command, SOURCE / "models/scenarios/smoke.yaml", *flags, "--data", SOURCE / "models"],
@@ -306,6 +322,7 @@ class PageFlagsTest(unittest.TestCase):
             self.assertIn('--page is "99999"; it must be a port in [0, 65535]', self.refusal(command, "--page=99999"))
             self.assertIn("--page-allow", self.refusal(command, "--page", "--page-bind", "0.0.0.0"))
             self.assertIn("go with --page", self.refusal(command, "--page-bind", "127.0.0.2"))
+        self.assertIn("goes with --page", self.refusal("run", "--wait-for-visitor"))
         self.assertIn("leave out --seeds", self.refusal("run", "--page", "--seeds", "2"))
         self.assertIn("section operator", self.refusal("run", "--page", "--device", "page"))
 

@@ -93,6 +93,24 @@ TEST_F(ExplainTest, TellsErrorCycleJointValueLimitCauseAndCure) {
   }
 }
 
+// Uniform noise of a makes up to 8 a / T^3 of jerk.
+TEST_F(ExplainTest, NamesNoiseThatTheScenarioInjectsWhereItIsEnough) {
+  SampleMotion motion(log());
+  motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);
+  const auto path = motion.Finish();
+  const auto told = [&path](const Injected& injected) {
+    return OneLine(Explain(path, injected).text);
+  };
+  EXPECT_THAT(
+      told({.target_noise = 1e-6}),
+      HasSubstr("noise of up to 1e-06 to every target (controller.target_noise), and no "
+                "reference generator smooths it: the noise alone makes up to 8e+03 rad/s^3"));
+  for (const Injected& injected : {Injected{}, Injected{.target_noise = 4e-7},
+                                   Injected{.target_noise = 1e-6, .is_smoothed = true}}) {
+    EXPECT_THAT(told(injected), Not(HasSubstr("injected")));
+  }
+}
+
 TEST_F(ExplainTest, PageNeedsNoOtherFileAndNoNetwork) {
   SampleMotion motion(log());
   motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);

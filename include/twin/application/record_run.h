@@ -23,6 +23,7 @@ struct RunOptions {
   bool allow_hardware = false;  ///< a remote robot need not be a twin
   std::optional<std::filesystem::path> capture{};  ///< backend fci: file of the wire's packets
   std::optional<page::PageSettings> page{};        ///< address of the operator's page
+  bool waits_for_visitor = false;                  ///< begins when the page is first opened
   run::RealtimeConfig settings{};
 };
 

@@ -76,6 +76,9 @@ class LivePage {
   /// machine, loopback last. The browser does not transmit the part after #.
   [[nodiscard]] std::vector<std::string> urls() const;
 
+  /// Whether anyone has opened the page with its token. Any thread.
+  [[nodiscard]] bool was_visited() const noexcept;
+
   /// Sends a line to all clients.
   void Tell(Time at, std::string_view kind, std::string_view text);
   /// The run has ended: notifies all clients and closes. Idempotent.

@@ -19,13 +19,19 @@ struct Explanation {
   std::string page;
 };
 
+/// Faults that the run's scenario injected on purpose and a log does not show.
+struct Injected {
+  double target_noise = 0;   ///< largest, on every target, in the unit of what was commanded
+  bool is_smoothed = false;  ///< a reference generator is between the noise and the robot
+};
+
 /// Explains the first error of a log, which may be that of a killed run. The same log gives the
 /// same bytes, with the same version of gnuplot.
 ///
 /// Threads: one thread. Not real-time: for an aborted run it runs gnuplot from PATH and waits.
-/// @param log  written by record::Recorder.
+/// @param log  written by record::Recorder. @param injected  named where it can be the cause.
 /// @throws InputError if the log is damaged, has no cycle, or is that of a run killed before any
 /// error; EnvironmentError if it cannot be read, or gnuplot is missing or fails.
-[[nodiscard]] Explanation Explain(const std::filesystem::path& log);
+[[nodiscard]] Explanation Explain(const std::filesystem::path& log, const Injected& injected = {});
 
 }  // namespace twin::report

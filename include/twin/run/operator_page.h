@@ -59,6 +59,9 @@ class OperatorPage {
   /// @returns lines with the page's addresses. @throws as page::LivePage.
   [[nodiscard]] std::string Open(page::PageSettings settings, const scenario::Scenario& scenario,
                                  const Shown& shown);
+  /// Returns when the page has been opened in a browser, or `interrupted`. @pre is_wanted(), after
+  /// Open().
+  void AwaitVisitor(const volatile bool& interrupted) const;
   /// The settings of a page at which the operator's samples can be recorded.
   [[nodiscard]] page::PageSettings Recorded();
 

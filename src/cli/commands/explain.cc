@@ -8,8 +8,10 @@
 #include "twin/core/error.h"
 #include "twin/core/error_catalogue.h"
 #include "twin/onboard/mode_table.h"
+#include "twin/record/log_reader.h"
 #include "twin/report/explanation.h"
 #include "twin/run/result_folder.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::cli {
 namespace {
@@ -29,11 +31,23 @@ fs::path FolderOf(const ExplainFlags& flags, const fs::path& log) {
   return flags.out;
 }
 
+/// Nothing for a scenario that this version does not read.
+report::Injected InjectedInto(const fs::path& log) {
+  const record::LogReader reader(log);
+  try {
+    const scenario::Scenario scenario = scenario::Parse(reader.run().scenario_yaml, log);
+    return {.target_noise = scenario.controller.target_noise,
+            .is_smoothed = scenario.tick.generator != loop::Generator::kNone};
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
 /// Takes gnuplot along when the user wants to end.
 report::Explanation Explained(const fs::path& log) {
   const InterruptGuard interrupt;
   try {
-    return report::Explain(log);
+    return report::Explain(log, InjectedInto(log));
   } catch (const EnvironmentError&) {
     interrupt.ThrowIfInterrupted();
     throw;

@@ -39,6 +39,7 @@ struct RunFlags {
   bool no_video = false;
   bool rebuild_cache = false;
   PageFlags page;
+  bool wait_for_visitor = false;
   DataFlags data;
 };
 
@@ -83,6 +84,7 @@ void RequireSeedsFlags(const RunFlags& flags, const scenario::Scenario& scenario
 /// @throws InputError for flags that do not go together, with this scenario.
 void RequireAgreement(const RunFlags& flags, const scenario::Scenario& scenario) {
   RequirePageFlags(flags.page);
+  RefuseIf(flags.wait_for_visitor && !flags.page.wanted(), "--wait-for-visitor goes with --page");
   RefuseIf(flags.seeds && flags.page.wanted(),
            "--page shows one run; leave out --seeds, or the page");
   RefuseIf(flags.seeds && flags.strict, "--strict judges one run; leave out --seeds, or --strict");
@@ -114,6 +116,7 @@ application::RunOptions OptionsOf(const RunFlags& flags, const scenario::Scenari
       .allow_hardware = flags.allow_hardware,
       .capture = flags.capture};
   if (flags.page.wanted()) options.page = PageAt(flags.page);
+  options.waits_for_visitor = flags.wait_for_visitor;
   options.settings.threads.robot.cpu = flags.int_cpu;
   options.settings.threads.communication.cpu = flags.ext_cpu;
   if (flags.robot) {
@@ -186,6 +189,8 @@ void AddRun(CLI::App& app, Program& program) {
   AddSeed(run, flags.seed);
   AddLab(run, flags.lab);
   AddPage(run, flags.page);
+  run.add_flag("--wait-for-visitor", flags.wait_for_visitor,
+               "Begin when the page is first opened in a browser");
   Add(run, "--out DIR", flags.out, "Folder of results (default: out/<name of the scenario>)");
   Add(run, "--backend", flags.backend,
       "Backend, instead of the scenario's: mujoco, or fci (a robot on the network)");
