@@ -3,6 +3,7 @@
 
 import pathlib
 import re
+import signal
 import socket
 import subprocess
 import sys

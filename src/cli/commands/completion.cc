@@ -20,11 +20,14 @@ struct CompletionFlags {
   const CLI::App* app = nullptr;
 };
 
-std::string Replaced(std::string text, std::string_view what, std::string_view by) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size()) {
-    text.replace(at, what.size(), by);
+std::string Replaced(const std::string& text, std::string_view what, std::string_view by) {
+  std::string result;
+  std::size_t begin = 0;
+  for (std::size_t at = 0; (at = text.find(what, begin)) != std::string::npos;) {
+    result.append(text, begin, at - begin).append(by);
+    begin = at + what.size();
   }
-  return text;
+  return result.append(text, begin);
 }
 
 /// A text in single quotes, of zsh's _arguments and _describe.

@@ -243,10 +243,10 @@ void Service::Introduce() {
   }
   text += fmt::format("  arm   {}\n", fci::ToString(robot_->arm()));
   if (const auto hand = robot_->hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
-  text += fmt::format("  {}\n", DescribeAccess(flags_.network));
   text += DescribeClients();
   text += flags_.seconds ? fmt::format("  ends  after {} s, or on Ctrl-C\n", *flags_.seconds)
                          : "  ends  on Ctrl-C\n";
+  text += fmt::format("  {}\n", DescribeAccess(flags_.network));
   events_->Put(text);
 }
 
