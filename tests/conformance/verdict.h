@@ -52,8 +52,9 @@ class Verdict {
   /// Quantities that are or may be beyond their limits.
   [[nodiscard]] std::span<const Quantity> quantities() const { return {quantities_.data(), size_}; }
   /// Compares a reported violation with the quantities recomputed for its error: the first joint or
-  /// axis that is beyond its limit, with value and limit. @returns a text when it is like none of
-  /// them.
+  /// axis that is beyond its limit, with the magnitudes of value and limit; a quantity of size 1
+  /// has no axis to compare, and of several quantities of one error any may match. @returns a text
+  /// when it is like none of them.
   [[nodiscard]] std::optional<std::string> FindOtherValue(const Violation& violation) const;
 
  private:
