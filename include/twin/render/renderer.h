@@ -24,7 +24,7 @@ struct RenderSettings {
   std::string camera;        ///< name of a camera of the model; empty: free_camera
   FreeCamera free_camera;    ///< used when `camera` is empty
   bool shadows = true;       ///< each light with shadows costs one more pass over all meshes
-  int shadow_size = 640;     ///< texels along an edge of the shadow map, in [128, 8192]
+  int shadow_size = 768;     ///< texels along an edge of the shadow map, in [128, 8192]
   bool reflections = false;  ///< reflecting floors cost one more pass
   int samples = 0;           ///< per pixel, for anti-aliasing: 0, 2 or 4
 
