@@ -124,6 +124,11 @@ void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed, const char* what
       ->type_name("UINT");
 }
 
+scenario::Scenario LoadScenario(const std::filesystem::path& named, const DataFlags& data,
+                                const Host& host) {
+  return scenario::Load(scenario::FindScenario(named, DataOf(data, host).models));
+}
+
 void AddMayTouch(CLI::App& app, std::string& reason) {
   Add(app, "--no-collision-check REASON", reason,
       "The arm may touch something on its way, for this reason (motion.touches)");

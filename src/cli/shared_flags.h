@@ -85,6 +85,10 @@ void RequirePageFlags(const PageFlags& flags);
 
 void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed,
              const char* what = "Seed of all random numbers, instead of the scenario's");
+/// The scenario of a command: a file, or one of the installed models (scenario::FindScenario).
+/// @throws InputError as scenario::Load; as DataOf.
+[[nodiscard]] scenario::Scenario LoadScenario(const std::filesystem::path& named,
+                                              const DataFlags& data, const Host& host);
 /// @param reason  instead of the scenario's motion.touches.
 void AddMayTouch(CLI::App& app, std::string& reason);
 void AddLab(CLI::App& app, std::optional<std::string>& lab);

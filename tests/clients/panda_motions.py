@@ -28,6 +28,13 @@ class Stopwatch:
         return {"robot_seconds": self.robot, "wall_seconds": self.wall}
 
 
+def at_start(address):
+    panda = panda_py.Panda(address)
+    panda.get_robot().set_collision_behavior(*HIGH)
+    panda.move_to_start()
+    return panda
+
+
 @program
 def connect_and_load_model(address):
     panda = panda_py.Panda(address)
@@ -65,9 +72,7 @@ def joint_moves(address):
 
 @program
 def pose_moves(address):
-    panda = panda_py.Panda(address)
-    panda.get_robot().set_collision_behavior(*HIGH)
-    panda.move_to_start()
+    panda = at_start(address)
     start = panda.get_pose()
     stiff = np.diag([2500.0] * 3 + [100.0] * 3)  # with little in the null space, as its torques leak into the pose
     facts = {"returned": [], "errors": [], "turned": []}
@@ -95,9 +100,7 @@ def steer(panda, controller, seconds, control):
 
 @program
 def integrated_velocity(address):
-    panda = panda_py.Panda(address)
-    panda.get_robot().set_collision_behavior(*HIGH)
-    panda.move_to_start()
+    panda = at_start(address)
     start = np.array(panda.q)
     controller = controllers.IntegratedVelocity()
     velocity = np.array([0.1, 0, 0, 0.1, 0, 0, 0.2])
@@ -114,9 +117,7 @@ def integrated_velocity(address):
 @program
 def context(address):
     """A loop of the program's own, which panda-python paces by the wall clock."""
-    panda = panda_py.Panda(address)
-    panda.get_robot().set_collision_behavior(*HIGH)
-    panda.move_to_start()
+    panda = at_start(address)
     controller = controllers.JointPosition()
     panda.start_controller(controller)
     start = np.array(panda.q)
@@ -128,9 +129,7 @@ def context(address):
 
 @program
 def velocity_by_the_wall_clock(address):
-    panda = panda_py.Panda(address)
-    panda.get_robot().set_collision_behavior(*HIGH)
-    panda.move_to_start()
+    panda = at_start(address)
     controller = controllers.IntegratedVelocity()
     panda.start_controller(controller)
     time.sleep(0.1)
@@ -161,9 +160,7 @@ def pause_between_motions(address):
 
 @program
 def joint_position(address):
-    panda = panda_py.Panda(address)
-    panda.get_robot().set_collision_behavior(*HIGH)
-    panda.move_to_start()
+    panda = at_start(address)
     start = np.array(panda.q)
     way = np.array([0.1, 0.1, -0.1, 0.1, 0.1, 0.1, 0.2])
     controller = controllers.JointPosition(filter_coeff=0.01)
@@ -178,9 +175,7 @@ def joint_position(address):
 
 @program
 def cartesian_impedance(address):
-    panda = panda_py.Panda(address)
-    panda.get_robot().set_collision_behavior(*HIGH)
-    panda.move_to_start()
+    panda = at_start(address)
     position, orientation = panda.get_position(), panda.get_orientation()
     goal = position + [0.0, 0.1, -0.05]
     controller = controllers.CartesianImpedance(np.diag([2500.0] * 3 + [100.0] * 3), filter_coeff=0.01)

@@ -142,8 +142,7 @@ void AddRemote(CLI::App& app, RunFlags& flags) {
 /// The scenario with what the command line says in its place, validated.
 /// @throws InputError as scenario::Load, and for flags that do not go together.
 scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
-  scenario::Scenario scenario =
-      scenario::Load(scenario::FindScenario(flags.scenario, DataOf(flags.data, host).models));
+  scenario::Scenario scenario = LoadScenario(flags.scenario, flags.data, host);
   ReplaceSite(flags.lab, flags.seed, flags.data, host, scenario);
   if (flags.backend) scenario.backend = *flags.backend;
   if (flags.drive) scenario.drive = scenario::DriveFromName(*flags.drive);

@@ -70,10 +70,9 @@ Drive DriveOf(const ServeFlags& flags) {
 }
 
 scenario::Scenario LoadWithFlags(const ServeFlags& flags, const Drive& drive, const Host& host) {
-  scenario::Scenario scenario =
-      flags.scenario.empty()
-          ? run::DefaultServed()
-          : scenario::Load(scenario::FindScenario(flags.scenario, DataOf(flags.data, host).models));
+  scenario::Scenario scenario = flags.scenario.empty()
+                                    ? run::DefaultServed()
+                                    : LoadScenario(flags.scenario, flags.data, host);
   ReplaceSite(flags.lab, flags.seed, flags.data, host, scenario);
   if (flags.scene) {
     std::error_code none;
@@ -174,7 +173,7 @@ class Service {
   [[nodiscard]] bool Ends();
   /// Says, once each, that log or capture cannot be written any more.
   void TellLosses();
-  [[nodiscard]] bool outruns_people() const { return drive_.is_lockstep() && !drive_.pace; }
+  [[nodiscard]] bool is_unpaced() const { return drive_.is_lockstep() && !drive_.pace; }
 
   const MonotonicClock clock_;
   const ServeFlags& flags_;
@@ -295,14 +294,14 @@ void Service::TellLosses() {
 
 void Service::OpenPage() {
   if (!page_->is_wanted()) return;
-  page::PageSettings settings = outruns_people() ? page::PageSettings() : page_->Recorded();
+  page::PageSettings settings = is_unpaced() ? page::PageSettings() : page_->Recorded();
   settings.title = scenario_.name.empty() ? "panda-twin serve" : scenario_.name;
   settings.about = fmt::format("{}, served at {}, drive {}", scenario_.robot.model,
                                fci::ToString(robot_->arm()), scenario_.drive_name());
   settings.limits = DataOfRobot().limits;
   settings.stop = [this] { PressUserStop(true); };
   settings.release = [this] { PressUserStop(false); };
-  if (outruns_people()) {
+  if (is_unpaced()) {
     settings.watch_only =
         "a robot served in lockstep is as fast as programs answer: serve it with --pace 1 to lead "
         "it";

@@ -118,8 +118,7 @@ std::string CheckApplication(const scenario::Scenario& scenario, const std::file
 // Prepares all that a run prepares, so that what validate passes run does not refuse; but runs no
 // code that a scenario names unless asked.
 int Validate(const ValidateFlags& flags, const Program& program) {
-  scenario::Scenario scenario = scenario::Load(
-      scenario::FindScenario(flags.scenario, DataOf(flags.data, program.host).models));
+  scenario::Scenario scenario = LoadScenario(flags.scenario, flags.data, program.host);
   const run::RunFiles files = FilesOf(flags.data, program);
   if (!flags.may_touch.empty()) scenario.motion.touches = flags.may_touch;
   const auto check = scenario.application                                ? &CheckApplication
