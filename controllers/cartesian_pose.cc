@@ -6,6 +6,7 @@
 
 #include "twin/core/joint_vector.h"
 #include "twin/model/inverse_kinematics.h"
+#include "twin/model/transform.h"
 
 namespace twin::controllers {
 namespace {
@@ -58,7 +59,7 @@ void CartesianPoseController::Update(const RobotState& state, Time now,
 void CartesianPoseController::Step(Duration from, Duration to) noexcept {
   const model::FrameMotion motion =
       arm_.MotionOf(model::Frame::kEndEffector, q_c_, reference_.F_T_EE());
-  const Vector6 e = WayTo(motion.O_T_frame, reference_.Sample(from).O_T_EE);
+  const Vector6 e = model::WayTo(motion.O_T_frame, reference_.Sample(from).O_T_EE);
   const bool is_over = from >= reference_.duration();
   if (is_over && HalfNorm(e, 0) <= kArrived && HalfNorm(e, 3) <= kArrived) {
     dq_c_ = {};

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "twin/model/arm_model.h"
+#include "twin/model/transform.h"
 
 namespace twin::controllers {
 namespace {
@@ -17,7 +19,9 @@ using EigenVector6 = Eigen::Matrix<double, 6, 1>;
 using EigenVector7 = Eigen::Matrix<double, 7, 1>;
 using ConstJacobian = Eigen::Map<const Eigen::Matrix<double, 6, 7>>;
 
-constexpr double kDamping = 1e-6;  // m^2, rad^2
+// m^2, rad^2
+constexpr double kDamping = 1e-6;
+constexpr double kDampingOfPosture = 1e-2;
 
 Eigen::Map<const EigenVector7> AsEigen(const JointVector& v) {
   return Eigen::Map<const EigenVector7>(v.data());
@@ -28,8 +32,8 @@ Eigen::Map<const EigenVector6> AsEigen(const Vector6& v) {
 }
 
 /// (I - J^T (J J^T + d I)^-1 J) tau_0.
-EigenVector7 ToNullSpace(const ConstJacobian& J, const EigenVector7& tau_0) {
-  const Matrix6 A = J * J.transpose() + kDamping * Matrix6::Identity();
+EigenVector7 ToNullSpace(const ConstJacobian& J, const EigenVector7& tau_0, double d) {
+  const Matrix6 A = J * J.transpose() + d * Matrix6::Identity();
   const EigenVector6 y = A.ldlt().solve(J * tau_0);
   return tau_0 - J.transpose() * y;
 }
@@ -114,16 +118,18 @@ JointVector ComplianceController::Law(const RobotState& state,
   const ConstJacobian J(motion.J.data());
   const auto dq = AsEigen(state.dq);
 
-  const Vector6 e = WayTo(motion.O_T_frame, target.O_T_EE);
+  const Vector6 e = model::WayTo(motion.O_T_frame, target.O_T_EE);
   const EigenVector6 de = AsEigen(target.O_dP_EE) - J * dq;
   const EigenVector6 F =
       AsEigen(options_.K_P).cwiseProduct(AsEigen(e)) + AsEigen(options_.K_D).cwiseProduct(de);
-  const EigenVector7 tau_0 =
-      options_.k_0 * (AsEigen(options_.q_0) - AsEigen(state.q)) - 2 * std::sqrt(options_.k_0) * dq;
+  const std::optional<reference::JointTarget> led = reference_.posture();
+  const reference::JointTarget posture = led.value_or(reference::JointTarget{.q = options_.q_0});
+  const EigenVector7 tau_0 = options_.k_0 * (AsEigen(posture.q) - AsEigen(state.q)) +
+                             2 * std::sqrt(options_.k_0) * (AsEigen(posture.dq) - dq);
 
   JointVector tau;
   Eigen::Map<EigenVector7> sum(tau.data());
-  sum = J.transpose() * F + ToNullSpace(J, tau_0);
+  sum = J.transpose() * F + ToNullSpace(J, tau_0, led ? kDampingOfPosture : kDamping);
   if (options_.coriolis) sum += AsEigen(arm_.Coriolis(q, state.dq, payload_));
   const double friction = options_.friction.value_or(friction_left_);
   if (friction > 0) sum += friction * AsEigen(model::ResidualFriction(state.dq));

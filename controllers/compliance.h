@@ -22,6 +22,9 @@ struct ComplianceOptions {
   double k_0 = 1.0;  ///< of the null space, Nm/rad, in [0, 100] [k0]
   /// Joint positions toward which the null space pulls, rad [q0].
   JointVector q_0{0, 0, 0, -std::numbers::pi / 2, 0, 107 * std::numbers::pi / 180, 0};
+  /// Of springs in the null space that keep joints off the ends of their ranges, Nm/rad, in [0,
+  /// 1000] [k_end]; 0: none, the paper's law.
+  double k_end = 0;
   bool coriolis = true;  ///< adds C dq [coriolis_compensation]
   /// Share of the joint friction to add, in [0, 1]. Absent: all that the robot leaves; a larger
   /// share is refused [friction_compensation].
@@ -34,7 +37,9 @@ struct ComplianceOptions {
 /// compliance controller:
 ///   tau_J_d = J^T (K_P e + K_D de) + C(q, dq) dq + f(dq) + (I - J^T J#) tau_0 + f(t) b,
 ///   e   = x_d - x = [p_d - p; log(R_d R^T)],   de = dx_d - J dq,
-///   tau_0 = k_0 (q_0 - q) - 2 sqrt(k_0) dq,    J# = (J J^T)^-1 J, the pseudo-inverse of J^T.
+///   tau_0 = k_0 (q_0 - q) + 2 sqrt(k_0) (dq_0 - dq),    J# = (J J^T)^-1 J, the pseudo-inverse of
+///   J^T.
+/// q_0 is constant (dq_0 = 0), but follows the posture of a live reference that has one.
 /// J is the Jacobian of the end effector in base axes, x = (R, p) its pose at the measured q. The
 /// orientation error is a rotation vector (angle times axis) in base axes, along the shortest
 /// rotation; for small errors it equals roll, pitch, yaw about x, y, z.
@@ -47,7 +52,8 @@ struct ComplianceOptions {
 /// At standstill a constant force F deflects each axis by F / K_P, to first order, apart from dry
 /// friction (and the null space, whose torque acts on the end effector only through inertia). J# is
 /// damped: J J^T + 1e-6 I (m^2, rad^2), which matters only near singularities; there a share of
-/// tau_0 acts along the lost direction.
+/// tau_0 acts along the lost direction. With a live reference's posture, 1e-2 I: where the end
+/// effector's springs grow too weak to hold a joint, k_0 holds it.
 ///
 /// The motion lasts as long as its path, or until the operator ends it, plus settling_time; then it
 /// is finished. f(t) b: see SoftStart. The torque rate is not bounded otherwise: a jump of the

@@ -37,7 +37,7 @@ void PoseReference::Begin(const JointVector& q, const Transform& F_T_EE, Time no
     request_.live->Begin(held_, now);
     return;
   }
-  const Vector6 way = WayTo(held_, Sample(Duration::zero()).O_T_EE);
+  const Vector6 way = model::WayTo(held_, Sample(Duration::zero()).O_T_EE);
   const double distance = HalfNorm(way, 0);
   const double angle = HalfNorm(way, 3);
   if (distance <= kStartDistance && angle <= kStartAngle) return;
@@ -63,12 +63,6 @@ reference::PoseTarget PoseReference::Sample(Duration t) const noexcept {
   const model::Configuration q(target.q);
   return {request_.arm.Pose(model::Frame::kEndEffector, q, F_T_EE_),
           request_.arm.Twist(model::Frame::kEndEffector, q, target.dq, F_T_EE_)};
-}
-
-Vector6 WayTo(const Transform& X, const Transform& X_d) noexcept {
-  const Eigen::Vector3d p = model::Position(X_d) - model::Position(X);
-  const Eigen::Vector3d phi = model::TurnBetween(X, X_d);
-  return {p[0], p[1], p[2], phi[0], phi[1], phi[2]};
 }
 
 }  // namespace twin::controllers

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "twin/control/registry.h"
@@ -41,6 +42,10 @@ class PoseReference {
   /// Call once per update, in order. @param t  since the first update.
   [[nodiscard]] reference::PoseTarget Next(const RobotState& state, Time now,
                                            Duration t) const noexcept TWIN_REALTIME;
+  /// Of a live reference that has one: joint positions and velocities of the last pose.
+  [[nodiscard]] std::optional<reference::JointTarget> posture() const noexcept TWIN_REALTIME {
+    return is_live_ ? request_.live->posture() : std::nullopt;
+  }
   /// True once the path has ended, or the operator has ended the motion.
   [[nodiscard]] bool IsOver(Duration t) const noexcept TWIN_REALTIME;
 
@@ -57,10 +62,5 @@ class PoseReference {
   Transform F_T_EE_ = kIdentityTransform;
   Transform held_ = kIdentityTransform;
 };
-
-/// Pose error from X to X_d: [p_d - p; log(R_d R^T)], base axes, m and rad.
-///
-/// Threads: any. Real-time: noexcept, does not allocate.
-[[nodiscard]] Vector6 WayTo(const Transform& X, const Transform& X_d) noexcept TWIN_REALTIME;
 
 }  // namespace twin::controllers

@@ -66,9 +66,19 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
          "torques of your own, push back before the limit. Automatic recovery cannot free the "
          "arm: it has to be led back by hand"},
     // 1 cartesian_position_limits_violation
-    {.meaning = "The end effector entered a virtual wall",
-     .cause = "virtual walls are drawn in the robot's Desk interface; this robot has none, as "
-              "GetCartesianLimit tells its clients"},
+    {.raised = true,
+     .axis = AxisKind::kNone,
+     .meaning = "A part of the robot would leave a region of the lab's limits",
+     .quantity = "reach of the part along the region's border",
+     .units = {"m"},
+     .computed =
+         "end effector, elbow or hand along the normal of the plane that the stop after this "
+         "cycle would pass, in the base's frame; only with serve --guard",
+     .cause =
+         "the commands went on towards the border until the arm could only just stop before it",
+     .cure = "slow down before the border, or lead the motion away from it; panda-twin validate "
+             "checks a scenario against the same limits. On a real robot: a virtual wall of its "
+             "Desk interface"},
     // 2 self_collision_avoidance_violation
     {.raised = true,
      .axis = AxisKind::kNone,
@@ -107,10 +117,15 @@ const std::array<ErrorEntry, kRobotErrorCount> kErrorEntries{{
          "give the motion more time where the arm is stretched out, and damp what a controller of "
          "torques does"},
     // 5 force_control_safety_violation
-    {.meaning = "A safety threshold was exceeded in force control",
-     .cause =
-         "it belongs to the force controllers behind the robot's Desk interface; over FCI, forces "
-         "are controlled by torques of the client's"},
+    {.raised = true,
+     .axis = AxisKind::kNone,
+     .meaning = "An external force or torque was above a cap of the lab's limits",
+     .quantity = "external force on the end effector, or torque on a joint",
+     .units = {"N or Nm"},
+     .computed = "the norm of the force in O_F_ext_hat_K, or tau_ext_hat_filtered; only with serve "
+                 "--guard",
+     .cause = kCollision,
+     .cure = kNoCollision},
     // 6 joint_reflex
     {.raised = true,
      .axis = AxisKind::kJoint,

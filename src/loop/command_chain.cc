@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "loop/interface_stages.h"
+#include "loop/limit_guard.h"
 #include "twin/reference/moving_average.h"
 
 namespace twin::loop {
@@ -59,6 +60,7 @@ CommandChain::CommandChain(const TickConfig& config, CommandInterface interface)
   if (config_.generator == Generator::kRejoining) {
     rejoining_.emplace(interface, config_.source_rate_hz, config_.limits, config_.cartesian);
   }
+  if (config_.lab) guard_ = std::make_unique<LimitGuard>(config_, interface);
 }
 
 CommandChain::CommandChain(CommandChain&&) noexcept = default;
@@ -71,6 +73,7 @@ void CommandChain::Reset(const RobotState& state) noexcept {
   waited_ = 0;
   if (rejoining_) rejoining_->Reset(state);
   stages_->Reset(state);
+  if (guard_) guard_->Reset(state);
 }
 
 void CommandChain::Next(const RobotState& state, const reference::Target& target, bool fresh,
@@ -85,7 +88,11 @@ void CommandChain::Next(const RobotState& state, const reference::Target& target
     stages_->Generate(state, matched_, command);
   }
   stages_->Smooth(state, command);
-  if (!config_.viability) return;
+  if (config_.viability) KeepViable(state, command);
+  if (guard_) guard_->Next(state, command);
+}
+
+void CommandChain::KeepViable(const RobotState& state, RobotCommand& command) noexcept {
   const Viable viable = stages_->KeepViable(state, command);
   margin_ = viable.margin;
   changed_joints_ = viable.changed_joints;
@@ -102,6 +109,18 @@ void CommandChain::MatchAndDecay(const reference::Target& target, std::uint64_t 
   } else {
     stall_decay_.Follow(matched_);
   }
+}
+
+std::optional<onboard::BrokenLimit> CommandChain::breach() const noexcept {
+  return guard_ ? guard_->breach() : std::nullopt;
+}
+
+bool CommandChain::sends() const noexcept {
+  return !guard_ || guard_->sends();
+}
+
+bool CommandChain::stopped() const noexcept {
+  return guard_ && guard_->done();
 }
 
 bool CommandChain::Arrived(const RobotState& state) const noexcept {

@@ -70,9 +70,11 @@ void CommunicationThread::Communicate(const std::stop_token& stop) {
     next = loop_.OnDone(clock_.Now());
     states_.Publish(loop_.state());
     if (watch_.Observe(loop_.InMotion(), clock_.Now())) moving_.Notify();
-    const bool invalid = loop_.record().action == record::TickAction::kInvalid;
-    if (invalid && watch_.failure() == LoopFailure::kNone) {
+    if (watch_.failure() != LoopFailure::kNone) continue;
+    if (loop_.record().action == record::TickAction::kInvalid) {
       StopMotion(LoopFailure::kInvalidCommand);
+    } else if (loop_.stopped_by_limit()) {
+      StopMotion(LoopFailure::kLimit);
     }
   }
 }

@@ -66,6 +66,10 @@ const RobotCommand* ControlTick::Answer(const RobotState& state) noexcept {
     record_.action = record::TickAction::kInvalid;
     return nullptr;
   }
+  if (chain_.breach()) {
+    record_.action = record::TickAction::kLimited;
+    return chain_.sends() ? &record_.command : nullptr;
+  }
   record_.action = finishing_ ? record::TickAction::kFinished : record::TickAction::kWritten;
   return &record_.command;
 }
@@ -91,7 +95,7 @@ void ControlTick::Generate(const RobotState& state) noexcept {
   chain_.Next(state, deposit.target, fresh_, cycles_, deposit.source_time, record_.command);
   cycles_ = 0;
   fresh_ = false;
-  finishing_ = finishing_ || (deposit.finished && chain_.Arrived(state));
+  finishing_ = !chain_.breach() && (finishing_ || (deposit.finished && chain_.Arrived(state)));
   record_.command.motion_generation_finished = finishing_;
 
   record_.deposit_time = deposit.source_time;

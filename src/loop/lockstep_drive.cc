@@ -104,6 +104,7 @@ void LockstepRunner::OnTickDone(Time now) noexcept {
   if (loop_->record().action == record::TickAction::kInvalid) {
     watch_.Fail(LoopFailure::kInvalidCommand);
   }
+  if (loop_->stopped_by_limit()) watch_.Fail(LoopFailure::kLimit);
   if (next <= now) {
     OnReadBegin(now);
   } else {

@@ -51,7 +51,7 @@ void TickConfig::Validate(CommandInterface interface) const {
   RequireGenerator(generator, interface);
   if (viability) RequireMotion(interface);
   RequireInRange("tick: stall_time (ms)", ToSeconds(stall_time) * 1e3, 1, 10000);
-  if (!viability && generator != Generator::kRejoining) return;
+  if (!viability && !lab && generator != Generator::kRejoining) return;
   limits.Validate();
   if (interface == CommandInterface::kCartesianPose) cartesian.Validate();
 }

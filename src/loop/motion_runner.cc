@@ -37,6 +37,7 @@ const char* Text(LoopFailure failure) {
       return "the controller gave a target that makes no valid command (not finite, or no "
              "rotation); the motion was stopped. The log's events of kind evidence are its last "
              "ticks";
+    case LoopFailure::kLimit: break;  // WhyNotEnded() has value and bound
     case LoopFailure::kConnectionLost:
       return "the connection to the robot is gone; see whether the robot (or its server) still "
              "runs";
@@ -81,6 +82,7 @@ RunReport MotionRunner::Run() {
   report.deviation = loop_->deviation();
   report.controller_overruns = controller_loop_.overruns();
   if (watch_.failure() != LoopFailure::kNone) report.evidence = loop_->LastTicks();
+  if (watch_.failure() == LoopFailure::kLimit) report.limit = tick_.breach();
   return report;
 }
 
@@ -162,6 +164,10 @@ void MotionRunner::NoticeSilence() {
 
 std::string MotionRunner::WhyNotEnded() const {
   if (Interrupted()) return kInterrupted;
+  if (watch_.failure() == LoopFailure::kLimit) {
+    return fmt::format("lab_limit: {}; the arm was stopped before it",
+                       onboard::Describe(run_.tick.lab.value(), tick_.breach().value()));
+  }
   if (watch_.failure() != LoopFailure::kNone) return Text(watch_.failure());
   if (deaf_) return "no robot state has come for 1 s; is the link losing every state?";
   return fmt::format("the motion did not end within {} s of run time", ToSeconds(run_.time_limit));
@@ -178,7 +184,7 @@ void MotionRunner::StopEarly(RunReport& report, std::string why) {
     const std::string reason = run_.controller.Explain();
     if (!reason.empty()) report.failure = reason + "; the motion was stopped";
   }
-  Tell("stop", report.failure);
+  Tell(failure == LoopFailure::kLimit ? "limit" : "stop", report.failure);
   if (failure == LoopFailure::kConnectionLost || failure == LoopFailure::kException) return;
   if (!Pass(Now() + kMotionTimeout, [&] { return watch_.ended(); })) {
     report.failure += "; no state has come through that shows the arm at rest";

@@ -13,6 +13,7 @@ namespace twin::loop {
 enum class LoopFailure : std::uint8_t {
   kNone,
   kInvalidCommand,  ///< the controller's target gave a command that must not be sent
+  kLimit,           ///< the tick stopped the arm before a limit of the lab
   kConnectionLost,  ///< the backend reports that the connection is lost
   kException,       ///< the communication thread caught an exception
 };

@@ -63,7 +63,8 @@ class RealtimeRunner final : public MotionRunner {
     if (controller_) {
       controller_->Stop();
     } else if (watch_.failure() == LoopFailure::kNone ||
-               watch_.failure() == LoopFailure::kInvalidCommand) {
+               watch_.failure() == LoopFailure::kInvalidCommand ||
+               watch_.failure() == LoopFailure::kLimit) {
       DoOnCommunication([&] { loop_->StopController(); });
     }
   }

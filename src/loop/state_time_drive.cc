@@ -73,6 +73,7 @@ class StateTimeRunner final : public MotionRunner {
     if (loop_->record().action == record::TickAction::kInvalid) {
       watch_.Fail(LoopFailure::kInvalidCommand);
     }
+    if (loop_->stopped_by_limit()) watch_.Fail(LoopFailure::kLimit);
   }
 
   const MonotonicClock& clock_;

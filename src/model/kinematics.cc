@@ -20,10 +20,7 @@ namespace {
 
 /// A frame by its axes and its origin, in the base.
 struct Axes {
-  Vector3 x{1, 0, 0};
-  Vector3 y{0, 1, 0};
-  Vector3 z{0, 0, 1};
-  Vector3 p{};
+  Vector3 x, y, z, p;
 };
 
 /// From joint frame i - 1 to joint frame i.
@@ -57,7 +54,7 @@ using JointFrames = std::array<Axes, kJoints>;
 
 JointFrames FramesOf(const Configuration& q) noexcept {
   JointFrames frames;
-  Axes axes;
+  Axes axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
   BaseToTip([&]<std::size_t i>() {
     axes = Next<i>(axes, q.sin[i], q.cos[i]);
     frames[i] = axes;

@@ -69,6 +69,12 @@ Eigen::Vector3d TurnBetween(const Transform& from, const Transform& to) noexcept
   return Log(Orientation(to) * Orientation(from).conjugate());
 }
 
+Vector6 WayTo(const Transform& X, const Transform& X_d) noexcept {
+  const Eigen::Vector3d p = Position(X_d) - Position(X);
+  const Eigen::Vector3d phi = TurnBetween(X, X_d);
+  return {p[0], p[1], p[2], phi[0], phi[1], phi[2]};
+}
+
 Transform Turned(const Transform& X, const Eigen::Vector3d& phi,
                  const Eigen::Vector3d& position) noexcept {
   // Conversion to a quaternion and back loses a few units of rounding.

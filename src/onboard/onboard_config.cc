@@ -19,6 +19,7 @@ void OnboardConfig::Validate() const {
   limits.Validate();
   cartesian.Validate();
   sensing.Validate();
+  guard.Validate();
   for (const Setting& setting :
        {Setting(joint_impedance), Setting(cartesian_impedance), Setting(collision_behavior),
         Setting(guiding_mode), Setting(stiffness_frame), Setting(end_effector_frame), Setting(load),

@@ -1,5 +1,7 @@
 #include "twin/onboard/onboard_controller.h"
 
+#include <limits>
+#include <memory>
 #include <utility>
 
 #include "twin/model/transform.h"
@@ -41,6 +43,15 @@ ArmSetup SetupOf(const OnboardConfig& config) {
                                     {.m = load.m_load, .F_x_C = load.F_x_Cload, .I = load.I_load})};
 }
 
+/// The stop that INT executes heeds no joint's range, and its guard no more than the stop.
+std::optional<StopProof> GuardOf(const OnboardConfig& config, const Transform& F_T_EE) {
+  if (config.guard.empty()) return {};
+  JointLimits joints = config.limits;
+  joints.q_min.fill(-std::numeric_limits<double>::infinity());
+  joints.q_max.fill(std::numeric_limits<double>::infinity());
+  return StopProof(joints, config.guard, {.F_T_EE = F_T_EE, .with_hand = config.guard_has_hand});
+}
+
 bool IsCombination(const MotionModes& modes) noexcept {
   return modes.controller <= ControllerMode::kExternalController &&
          modes.generator >= MotionGeneratorMode::kJointPosition &&
@@ -60,12 +71,26 @@ OnboardController::OnboardController(const OnboardConfig& config, const JointVec
                            config.rotor_inertia),
       guiding_(config.rotor_inertia),
       friction_(config.friction_compensation),
-      torque_filter_(config.filters.controller_hz) {
+      torque_filter_(config.filters.controller_hz),
+      guard_(GuardOf(config, setup_.F_T_EE)) {
   generator_.SetEndEffector(setup_.F_T_EE);
   generator_.SetFilters(config.filters);
   sensing_.SetCollisionBehavior(config.collision_behavior);
   guiding_.SetMode(config.guiding_mode);
   sound_.q = q0;
+}
+
+void OnboardController::Restart(const OnboardConfig& config, const JointVector& q0) {
+  OnboardController fresh(config, q0);
+  fresh.message_id_ = message_id_;
+  fresh.motions_begun_ = motions_begun_;
+  *this = fresh;
+}
+
+OnboardController& OnboardController::operator=(const OnboardController& other) noexcept {
+  if (this == &other) return *this;
+  std::destroy_at(this);
+  return *std::construct_at(this, other);
 }
 
 bool OnboardController::Grants(Request request) const noexcept {
@@ -95,6 +120,7 @@ MoveStatus OnboardController::Move(const MotionModes& modes) noexcept {
   losses_.Reset();
   reflex_reason_.reset();
   last_end_ = MoveStatus::kMotionStarted;
+  guard_breach_.reset();
   generator_.Start(modes.generator);
   return MoveStatus::kMotionStarted;
 }
@@ -161,6 +187,7 @@ void OnboardController::Set(const setting::EndEffectorFrame& frame) noexcept {
   config_.end_effector_frame = frame;
   ChangeSetup();
   generator_.SetEndEffector(setup_.F_T_EE);
+  if (guard_) guard_->SetEndEffector(setup_.F_T_EE);
 }
 
 void OnboardController::Set(const setting::Load& load) noexcept {

@@ -14,7 +14,7 @@ const JointDrive& OnboardController::Cycle(const RobotCommand* command,
   fate_ = record::CommandFate::kNone;
   violations_ = Violations();
   const JointSensors& sensors = Sound(measured);
-  if (message_id_ == 0) sensing_.Reset(sensors, setup_);  // no sensor values yet
+  if (is_new_) sensing_.Reset(sensors, setup_);  // no sensor values yet
   AdvanceMode(sensors);
   AdvanceReference(command, sensors);
   DriveJoints(sensors);
@@ -46,6 +46,7 @@ void OnboardController::AdvanceReference(const RobotCommand* command,
   if (phase_ != Phase::kNone) {
     violations_.Add(
         sensing_.CheckMeasured(tau_J_d_, message_id_ + 1, IsCartesian(modes_.generator)));
+    if (guard_) violations_.Add(CheckGuardMeasured(sensors));
   }
   if (!violations_.empty()) {
     Abort(sensors);
@@ -106,11 +107,13 @@ void OnboardController::Take(const RobotCommand& command, bool is_first) noexcep
 Violations OnboardController::TryStep(const RobotCommand& command, bool is_first,
                                       const Violations& torque) noexcept {
   const bool finishes = command.motion_generation_finished;
-  if (torque.empty() && !finishes) return generator_.Take(command, is_first, message_id_ + 1);
+  if (torque.empty() && !finishes && !guard_)
+    return generator_.Take(command, is_first, message_id_ + 1);
   // Tries the step on a copy, since a later check may reject it.
   MotionGenerator next = generator_;
   Violations found = next.Take(command, is_first, message_id_ + 1);
   if (found.empty() && finishes) found = next.CheckStandingStill(message_id_ + 1);
+  if (found.empty() && guard_) found = CheckStopOf(next);
   found.Add(torque);
   if (found.empty()) generator_ = next;
   return found;
@@ -125,7 +128,7 @@ void OnboardController::Hold() noexcept {
                      static_cast<double>(config_.abort_after_lost), message_id_ + 1});
     return;
   }
-  violations_ = generator_.Hold(message_id_ + 1);
+  violations_ = guard_ ? HoldGuarded() : generator_.Hold(message_id_ + 1);
 }
 
 void OnboardController::Finish(const JointSensors& sensors) noexcept {

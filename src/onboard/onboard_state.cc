@@ -22,7 +22,7 @@ bool Accelerates(const JointReference& reference) noexcept {
 void OnboardController::FillState(const JointSensors& measured, RobotState& state) noexcept {
   const JointSensors& sensors = Sound(measured);
   // Closed brakes carry torque that the observer would take for an external one.
-  if (message_id_ == 0 || payload_changed_ || drive_.brakes) sensing_.Reset(sensors, setup_);
+  if (is_new_ || payload_changed_ || drive_.brakes) sensing_.Reset(sensors, setup_);
   payload_changed_ = false;
   sensing_.Update(sensors, setup_, Accelerates(generator_.joints()));
   Fill(sensors, state);
@@ -35,6 +35,7 @@ void OnboardController::FillState(const JointSensors& measured, RobotState& stat
     Fill(sound_, state);
   }
   ++message_id_;
+  is_new_ = false;
 }
 
 void OnboardController::Fill(const JointSensors& sensors, RobotState& state) noexcept {
@@ -51,7 +52,7 @@ void OnboardController::FillMeasured(const JointSensors& sensors, RobotState& st
   state.theta = sensors.theta;
   state.dtheta = sensors.dtheta;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    state.dtau_J[i] = message_id_ > 0 ? (sensors.tau_J[i] - last_tau_J_[i]) / kCycleSeconds : 0;
+    state.dtau_J[i] = !is_new_ ? (sensors.tau_J[i] - last_tau_J_[i]) / kCycleSeconds : 0;
   }
   last_tau_J_ = sensors.tau_J;
   state.tau_J_d = tau_J_d_;

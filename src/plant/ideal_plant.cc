@@ -49,4 +49,22 @@ void IdealPlant::Sense(const JointVector& q, const JointVector& dq,
   sensors_.dtheta = dq;
 }
 
+namespace {
+
+/// The whole plant.
+struct SavedIdealPlant final : Plant::State {
+  explicit SavedIdealPlant(const IdealPlant& saved) : plant(saved) {}
+  IdealPlant plant;
+};
+
+}  // namespace
+
+std::unique_ptr<const Plant::State> IdealPlant::Save() const {
+  return std::make_unique<SavedIdealPlant>(*this);
+}
+
+void IdealPlant::Restore(const State& state) {
+  *this = static_cast<const SavedIdealPlant&>(state).plant;
+}
+
 }  // namespace twin::plant

@@ -126,6 +126,14 @@ class PartWriter {
   MeshPart part_;
 };
 
+/// Orders triangles so that those that share vertices follow each other.
+void OrderForVertexReuse(MeshPart& part) {
+  std::vector<unsigned> corners(part.faces.begin(), part.faces.end());
+  meshopt_optimizeVertexCache(corners.data(), corners.data(), corners.size(),
+                              part.vertices.size() / 3);
+  part.faces.assign(corners.begin(), corners.end());
+}
+
 }  // namespace
 
 MeshPart Decimate(const MeshPart& part, double error) {
@@ -135,7 +143,9 @@ MeshPart Decimate(const MeshPart& part, double error) {
   PartWriter writer(part, surface);
   for (std::size_t i = 0; i < kept.size(); i += 3) writer.Add({kept[i], kept[i + 1], kept[i + 2]});
   MeshPart fewer = writer.Take();
-  return fewer.vertices.size() / 3 < kLeastVertices ? part : fewer;
+  if (fewer.vertices.size() / 3 < kLeastVertices) return part;
+  OrderForVertexReuse(fewer);
+  return fewer;
 }
 
 }  // namespace twin::plant

@@ -22,7 +22,7 @@ namespace twin::plant {
 namespace {
 
 /// Part of every key: increment when the composition changes.
-constexpr std::string_view kComposition = "panda-twin composition 3";
+constexpr std::string_view kComposition = "panda-twin composition 4";
 
 constexpr std::string_view kPlainScene = R"(<mujoco>
   <worldbody>

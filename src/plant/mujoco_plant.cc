@@ -63,27 +63,31 @@ class EnginePlant final : public MujocoPlant {
         model_(std::move(built.model)),
         load_warnings_(std::move(built.warnings)),
         data_(mj_makeData(model_.get())),
-        perturber_(*model_),
         joints_(FindJoints(*model_, sources.robot)),
-        brakes_(*model_, joints_.dof, joints_.tau_max),
-        elasticity_(options.elasticity) {
+        elasticity_(options.elasticity),
+        live_{.perturber = Perturber(*model_),
+              .brakes = Brakes(*model_, joints_.dof, joints_.tau_max)} {
     TiltGravity(options.base_tilt, *model_);
-    for (const Perturbation& perturbation : options.perturbations) perturber_.Add(perturbation);
+    for (const Perturbation& perturbation : options.perturbations)
+      live_.perturber.Add(perturbation);
     for (std::size_t i = 0; i < kJoints; ++i) armature_[i] = model_->dof_armature[joints_.dof[i]];
-    if (options.hand == HandKind::kFrankaHand) hand_.emplace(*model_, sources.robot);
-    if (options.base) base_.emplace(*model_, sources.robot);
+    if (options.hand == HandKind::kFrankaHand) live_.hand.emplace(*model_, sources.robot);
+    if (options.base) live_.base.emplace(*model_, sources.robot);
   }
 
   void Reset(const JointVector& q) override;
   /// As in BaseJoints, for the state after Reset().
   void RequireStanding(const BasePose& start) const {
-    base_->RequireStanding(start, *model_, *data_);
+    live_.base->RequireStanding(start, *model_, *data_);
   }
   void Step(const JointDrive& drive) noexcept TWIN_REALTIME override;
-  void BeginMotion() noexcept TWIN_REALTIME override { perturber_.BeginMotion(plant_time()); }
-  [[nodiscard]] const JointSensors& sensors() const noexcept override { return sensors_; }
-  [[nodiscard]] HandBody* hand() noexcept override { return hand_ ? &*hand_ : nullptr; }
-  [[nodiscard]] BaseBody* base() noexcept override { return base_ ? &*base_ : nullptr; }
+  void BeginMotion() noexcept TWIN_REALTIME override { live_.perturber.BeginMotion(plant_time()); }
+  std::optional<Overlap> Place(int body, const Transform& X_WB) noexcept TWIN_REALTIME override;
+  [[nodiscard]] std::unique_ptr<const State> Save() const override;
+  void Restore(const State& state) override;
+  [[nodiscard]] const JointSensors& sensors() const noexcept override { return live_.sensors; }
+  [[nodiscard]] HandBody* hand() noexcept override { return live_.hand ? &*live_.hand : nullptr; }
+  [[nodiscard]] BaseBody* base() noexcept override { return live_.base ? &*live_.base : nullptr; }
 
   [[nodiscard]] const mjModel& model() const noexcept override { return *model_; }
   [[nodiscard]] const mjData& data() const noexcept override { return *data_; }
@@ -96,10 +100,10 @@ class EnginePlant final : public MujocoPlant {
 
   [[nodiscard]] bool uses_meshes() const noexcept override { return uses_meshes_; }
   [[nodiscard]] JointVector GravityTorque(const JointVector& q) override;
-  void Perturb(const Perturbation& perturbation) override { perturber_.Add(perturbation); }
-  void ClearPerturbations() override { perturber_.Clear(*data_); }
+  void Perturb(const Perturbation& perturbation) override { live_.perturber.Add(perturbation); }
+  void ClearPerturbations() override { live_.perturber.Clear(*data_); }
   [[nodiscard]] Duration plant_time() const noexcept override {
-    return static_cast<std::int64_t>(tick_) * kCycle;
+    return static_cast<std::int64_t>(live_.tick) * kCycle;
   }
   [[nodiscard]] std::uint64_t warning_count() const noexcept override {
     return load_warnings_.size() + step_warnings_;
@@ -107,7 +111,39 @@ class EnginePlant final : public MujocoPlant {
   [[nodiscard]] std::string DescribeWarnings() const override;
 
  private:
-  /// Reads the joints into sensors_ and adds this tick's noise.
+  /// All that changes beside the engine's data and the friction of closed brakes.
+  struct Live {
+    Perturber perturber;
+    Brakes brakes;
+    std::optional<HandJoints> hand{};
+    std::optional<BaseJoints> base{};
+    JointVector tau_J{};  ///< of the last step, without noise
+    JointSensors sensors{};
+    std::uint64_t tick = 0;  ///< steps since the last Reset(); key of the noise
+    bool halted = false;
+  };
+  /// Hand and base stay where they are in memory when a Live is assigned: others refer to them.
+  struct Saved final : State {
+    Saved(const Live& saved, DataPointer copy, std::vector<mjtNum> friction)
+        : live(saved), data(std::move(copy)), dof_frictionloss(std::move(friction)) {}
+    Live live;
+    DataPointer data;
+    std::vector<mjtNum> dof_frictionloss;
+  };
+
+  /// Positions (7) and velocities (6) of a free joint.
+  struct FreeMotion {
+    std::array<mjtNum, 7> qpos{};
+    std::array<mjtNum, 6> qvel{};
+  };
+  /// Sets the motion of a free joint, and computes from it. @returns the one before.
+  FreeMotion Swap(int joint, const FreeMotion& motion) TWIN_REALTIME;
+  /// The deepest contact of a body.
+  [[nodiscard]] Overlap DeepestOf(int body) const noexcept TWIN_REALTIME;
+  /// After an error of the engine.
+  void Halt() noexcept TWIN_REALTIME;
+
+  /// Reads the joints into sensors and adds this tick's noise.
   void Sense(const JointVector& tau_J) noexcept TWIN_REALTIME;
   /// Collects the engine's warnings. @returns false for one that invalidates the motion.
   bool TakeWarnings() noexcept TWIN_REALTIME;
@@ -119,50 +155,42 @@ class EnginePlant final : public MujocoPlant {
   ModelPointer model_;
   std::vector<std::string> load_warnings_;
   DataPointer data_;
-  Perturber perturber_;
   DataPointer gravity_data_;  ///< created on first use
   const ArmJoints joints_;
-  Brakes brakes_;
-  std::optional<HandJoints> hand_;
-  std::optional<BaseJoints> base_;
   JointVector armature_{};
   const ElasticityProfile elasticity_;
-  JointVector tau_J_{};  ///< of the last step, without noise
-  JointSensors sensors_;
-  std::uint64_t tick_ = 0;  ///< steps since the last Reset(); key of the noise
+  Live live_;
+  // Counts since Create(), which no Restore() takes back.
   std::array<std::uint64_t, mjNWARNING> warnings_{};
   std::uint64_t faults_ = 0;  ///< steps with an engine fault
   std::uint64_t step_warnings_ = 0;
-  bool halted_ = false;
 };
 
 void EnginePlant::Reset(const JointVector& q) {
   mj_resetData(model_.get(), data_.get());
   for (std::size_t i = 0; i < kJoints; ++i) data_->qpos[joints_.qpos[i]] = q[i];
-  if (hand_) hand_->Reset(*data_);
-  perturber_.Restart();
-  brakes_.Reset(*model_);
-  tick_ = 0;
-  halted_ = false;
+  if (live_.hand) live_.hand->Reset(*data_);
+  live_.perturber.Restart();
+  live_.brakes.Reset(*model_);
+  live_.tick = 0;
+  live_.halted = false;
   try {
-    if (base_) base_->Settle(*model_, *data_);
+    if (live_.base) live_.base->Settle(*model_, *data_);
     mj_forward(model_.get(), data_.get());
   } catch (const EngineFault&) {
-    ++faults_;
-    ++step_warnings_;
-    halted_ = true;
+    Halt();
   }
-  halted_ = !TakeWarnings() || halted_;
+  live_.halted = !TakeWarnings() || live_.halted;
   // At rest the brakes or the controller carry the arm's weight, which the torque sensors show.
   JointVector tau_J{};
   for (std::size_t i = 0; i < kJoints; ++i) tau_J[i] = data_->qfrc_bias[joints_.dof[i]];
-  tau_J_ = tau_J;
+  live_.tau_J = tau_J;
   Sense(tau_J);
-  if (base_) base_->Sense(*data_);
+  if (live_.base) live_.base->Sense(*data_);
 }
 
 void EnginePlant::Step(const JointDrive& drive) noexcept {
-  if (halted_) {
+  if (live_.halted) {
     ++step_warnings_;
     return;
   }
@@ -170,68 +198,132 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) dq[i] = data_->qvel[joints_.dof[i]];
   const JointVector friction =
       friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
-  perturber_.Apply(plant_time(), *data_);
-  if (hand_) hand_->Apply(*data_);
-  if (base_) base_->Apply(*model_, *data_);
+  live_.perturber.Apply(plant_time(), *data_);
+  if (live_.hand) live_.hand->Apply(*data_);
+  if (live_.base) live_.base->Apply(*model_, *data_);
   JointVector tau_J{};
   try {
-    brakes_.Set(drive.brakes, *model_, *data_);
+    live_.brakes.Set(drive.brakes, *model_, *data_);
     for (std::size_t i = 0; i < kJoints; ++i) {
-      data_->qfrc_applied[joints_.dof[i]] = drive.tau[i] + brakes_.carried()[i] - friction[i];
+      data_->qfrc_applied[joints_.dof[i]] = drive.tau[i] + live_.brakes.carried()[i] - friction[i];
     }
     // This order of the halves leaves poses and contacts of the new state in data().
     mj_step2(model_.get(), data_.get());
-    const JointVector tau_brake = brakes_.Take(*data_);
-    if (base_) base_->Take(*model_, *data_);
+    const JointVector tau_brake = live_.brakes.Take(*data_);
+    if (live_.base) live_.base->Take(*model_, *data_);
     for (std::size_t i = 0; i < kJoints; ++i) {
       tau_J[i] = drive.tau[i] + tau_brake[i] - armature_[i] * data_->qacc[joints_.dof[i]];
     }
     mj_step1(model_.get(), data_.get());
   } catch (const EngineFault&) {
-    ++faults_;
-    ++step_warnings_;
-    halted_ = true;
+    Halt();
   }
-  halted_ = !TakeWarnings() || halted_;
-  if (halted_) {
+  live_.halted = !TakeWarnings() || live_.halted;
+  if (live_.halted) {
     // No measurement from here on.
     constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-    for (JointVector* values :
-         {&sensors_.q, &sensors_.dq, &sensors_.tau_J, &sensors_.theta, &sensors_.dtheta}) {
+    for (JointVector* values : {&live_.sensors.q, &live_.sensors.dq, &live_.sensors.tau_J,
+                                &live_.sensors.theta, &live_.sensors.dtheta}) {
       values->fill(kNothing);
     }
     return;
   }
-  ++tick_;
+  ++live_.tick;
   Sense(tau_J);
-  if (hand_) hand_->Sense(*data_);
-  if (base_) base_->Sense(*data_);
+  if (live_.hand) live_.hand->Sense(*data_);
+  if (live_.base) live_.base->Sense(*data_);
+}
+
+void EnginePlant::Halt() noexcept {
+  ++faults_;
+  ++step_warnings_;
+  live_.halted = true;
+}
+
+EnginePlant::FreeMotion EnginePlant::Swap(int joint, const FreeMotion& motion) {
+  mjtNum* const qpos = data_->qpos + model_->jnt_qposadr[joint];
+  mjtNum* const qvel = data_->qvel + model_->jnt_dofadr[joint];
+  FreeMotion before;
+  std::copy_n(qpos, before.qpos.size(), before.qpos.begin());
+  std::copy_n(qvel, before.qvel.size(), before.qvel.begin());
+  std::ranges::copy(motion.qpos, qpos);
+  std::ranges::copy(motion.qvel, qvel);
+  mj_step1(model_.get(), data_.get());  // as the end of Step()
+  return before;
+}
+
+Overlap EnginePlant::DeepestOf(int body) const noexcept {
+  Overlap deepest;
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& contact = data_->contact[i];
+    const bool is_first = model_->geom_bodyid[contact.geom1] == body;
+    if (!is_first && model_->geom_bodyid[contact.geom2] != body) continue;
+    if (-contact.dist <= deepest.depth) continue;
+    deepest = {.geom = is_first ? contact.geom2 : contact.geom1, .depth = -contact.dist};
+  }
+  return deepest;
+}
+
+std::optional<Overlap> EnginePlant::Place(int body, const Transform& X_WB) noexcept {
+  const int joint = model_->body_jntadr[body];
+  FreeMotion motion;
+  std::array<mjtNum, 9> rotation{};  // by rows
+  for (std::size_t r = 0; r < 3; ++r) {
+    motion.qpos[r] = X_WB[12 + r];
+    for (std::size_t c = 0; c < 3; ++c) rotation[3 * r + c] = X_WB[4 * c + r];
+  }
+  mju_mat2Quat(motion.qpos.data() + 3, rotation.data());
+  try {
+    const FreeMotion before = Swap(joint, motion);
+    const Overlap deepest = DeepestOf(body);
+    if (deepest.depth > kMostOverlap) {
+      Swap(joint, before);
+      return deepest;
+    }
+    std::fill_n(data_->qacc_warmstart + model_->jnt_dofadr[joint], motion.qvel.size(), 0);
+  } catch (const EngineFault&) {
+    Halt();
+  }
+  return {};
+}
+
+std::unique_ptr<const Plant::State> EnginePlant::Save() const {
+  return std::make_unique<Saved>(
+      live_, DataPointer(mj_copyData(nullptr, model_.get(), data_.get())),
+      std::vector<mjtNum>(model_->dof_frictionloss, model_->dof_frictionloss + model_->nv));
+}
+
+void EnginePlant::Restore(const State& state) {
+  const auto& saved = static_cast<const Saved&>(state);
+  mj_copyData(data_.get(), model_.get(), saved.data.get());
+  std::ranges::copy(saved.dof_frictionloss, model_->dof_frictionloss);
+  live_ = saved.live;
 }
 
 void EnginePlant::Sense(const JointVector& tau_J) noexcept {
-  sensors_.tau_J = tau_J;
+  live_.sensors.tau_J = tau_J;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    sensors_.q[i] = data_->qpos[joints_.qpos[i]];
-    sensors_.dq[i] = data_->qvel[joints_.dof[i]];
+    live_.sensors.q[i] = data_->qpos[joints_.qpos[i]];
+    live_.sensors.dq[i] = data_->qvel[joints_.dof[i]];
   }
   const auto add = [this](double deviation, std::uint32_t first_draw, JointVector& values) {
     if (deviation == 0) return;
     for (std::uint32_t i = 0; i < kJoints; ++i) {
-      values[i] += deviation * random_.Normal(tick_, first_draw + i);
+      values[i] += deviation * random_.Normal(live_.tick, first_draw + i);
     }
   };
-  add(noise_.q_rad, 0, sensors_.q);
-  add(noise_.dq_rad_per_s, kJoints, sensors_.dq);
-  add(noise_.tau_J_Nm, 2 * kJoints, sensors_.tau_J);
-  sensors_.theta = sensors_.q;
-  sensors_.dtheta = sensors_.dq;
+  add(noise_.q_rad, 0, live_.sensors.q);
+  add(noise_.dq_rad_per_s, kJoints, live_.sensors.dq);
+  add(noise_.tau_J_Nm, 2 * kJoints, live_.sensors.tau_J);
+  live_.sensors.theta = live_.sensors.q;
+  live_.sensors.dtheta = live_.sensors.dq;
   if (elasticity_ == ElasticityProfile::kStatic) {
     for (std::size_t i = 0; i < kJoints; ++i) {
-      sensors_.theta[i] += tau_J[i] / kJointStiffness;
-      sensors_.dtheta[i] += (tau_J[i] - tau_J_[i]) / (kCycleSeconds * kJointStiffness);
+      live_.sensors.theta[i] += tau_J[i] / kJointStiffness;
+      live_.sensors.dtheta[i] += (tau_J[i] - live_.tau_J[i]) / (kCycleSeconds * kJointStiffness);
     }
   }
-  tau_J_ = tau_J;
+  live_.tau_J = tau_J;
 }
 
 bool EnginePlant::TakeWarnings() noexcept {
@@ -256,7 +348,7 @@ std::string EnginePlant::DescribeWarnings() const {
                         warnings_[i]);
   }
   if (faults_ > 0) text += fmt::format("the engine failed in a step (times: {})\n", faults_);
-  if (halted_) text += "the arm is halted since: no step is taken until the next Reset\n";
+  if (live_.halted) text += "the arm is halted since: no step is taken until the next Reset\n";
   return text;
 }
 

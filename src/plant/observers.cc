@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "plant/part_names.h"
 #include "twin/core/error.h"
 
 namespace twin::plant {
@@ -26,6 +28,61 @@ Transform BodyView::Pose() const noexcept {
     X[12 + r] = data.xpos[3 * body_ + r];
   }
   return X;
+}
+
+namespace {
+
+/// The scene's free bodies, with their names.
+std::vector<std::pair<int, std::string>> NamedFreeBodies(const mjModel& model) {
+  std::vector<std::pair<int, std::string>> bodies;
+  const int robot = RobotRoot(model);
+  for (int body = 1; body < model.nbody; ++body) {
+    const bool is_free =
+        model.body_jntnum[body] == 1 && model.jnt_type[model.body_jntadr[body]] == mjJNT_FREE;
+    if (body == robot || !is_free) continue;
+    const char* const name = mj_id2name(&model, mjOBJ_BODY, body);
+    const bool is_named = name != nullptr && *name != '\0';
+    bodies.emplace_back(body, is_named ? name : fmt::format("body {}", body));
+  }
+  return bodies;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, Transform>> FreeBodies(const mjModel& model,
+                                                          std::span<const double> qpos) {
+  std::vector<std::pair<std::string, Transform>> bodies;
+  for (auto& [body, name] : NamedFreeBodies(model)) {
+    const double* const q = qpos.data() + model.jnt_qposadr[model.body_jntadr[body]];
+    mjtNum rotation[9];
+    mju_quat2Mat(rotation, q + 3);
+    Transform X = kIdentityTransform;
+    for (std::size_t r = 0; r < 3; ++r) {
+      for (std::size_t c = 0; c < 3; ++c) X[4 * c + r] = rotation[3 * r + c];
+      X[12 + r] = q[r];
+    }
+    bodies.emplace_back(std::move(name), X);
+  }
+  return bodies;
+}
+
+int FreeBodyNamed(const mjModel& model, const std::string& name) {
+  std::string names;
+  for (const auto& [body, its_name] : NamedFreeBodies(model)) {
+    if (its_name == name) return body;
+    names += (names.empty() ? "" : ", ") + its_name;
+  }
+  const bool exists = mj_name2id(&model, mjOBJ_BODY, name.c_str()) >= 0 ||
+                      mj_name2id(&model, mjOBJ_GEOM, name.c_str()) >= 0;
+  throw InputError(fmt::format(
+      "{} \"{}\"{}; {}", exists ? "the object" : "there is no object", name,
+      exists ? " does not move freely" : "",
+      names.empty() ? "this scene has none that does" : "those that move freely: " + names));
+}
+
+std::string PartOfShape(const mjModel& model, int geom) {
+  const ModelParts parts(model);
+  return parts.names.at(parts.of_geom.at(static_cast<std::size_t>(geom)));
 }
 
 namespace {

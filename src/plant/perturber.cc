@@ -73,12 +73,12 @@ void AddWrench(const Vector3& force, const Vector3& torque, const Vector3& p, in
 void Perturber::Add(const Perturbation& perturbation) {
   Validate(perturbation);
   const std::string& name = BodyOf(perturbation);
-  const int body = mj_name2id(&model_, mjOBJ_BODY, name.c_str());
+  const int body = mj_name2id(model_, mjOBJ_BODY, name.c_str());
   if (body <= 0) {
     throw InputError(
         fmt::format("perturbation: the model has no body \"{}\" that a force could act "
                     "on; it has: {}",
-                    name, NamesOfBodies(model_)));
+                    name, NamesOfBodies(*model_)));
   }
   entries_.push_back({.what = perturbation, .body = body, .origin = FirstOrigin(perturbation)});
 }
@@ -146,7 +146,7 @@ void Perturber::Act(const HandSpring& spring, Entry& entry, Duration at,
     entry.from = spring.from.value_or(p);
     entry.holds = true;
   }
-  const Vector3 dp = VelocityOf(model_, data, entry.body, p);
+  const Vector3 dp = VelocityOf(*model_, data, entry.body, p);
   const double seconds = ToSeconds(spring.duration);
   const PathPoint path = MinimumJerk(ToSeconds(since) / seconds);
   Vector3 force{};

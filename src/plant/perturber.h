@@ -32,7 +32,7 @@ struct PathPoint {
 class Perturber {
  public:
   /// @param model  must outlive this.
-  explicit Perturber(const mjModel& model) : model_(model) {}
+  explicit Perturber(const mjModel& model) : model_(&model) {}
 
   /// Adds a perturbation from the next Apply() on. May allocate.
   /// @throws InputError if a field is out of range, or for an unknown body (listing the known
@@ -68,7 +68,7 @@ class Perturber {
   void Act(const HandSpring& spring, Entry& entry, Duration at,
            mjData& data) const noexcept TWIN_REALTIME;
 
-  const mjModel& model_;
+  const mjModel* model_;
   std::vector<Entry> entries_;
   std::uint32_t motions_ = 0;  ///< started since Restart()
 };

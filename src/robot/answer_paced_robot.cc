@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "twin/core/error.h"
 
 namespace twin::robot {
@@ -22,6 +24,14 @@ constexpr Duration kToFurther = std::chrono::milliseconds(500);
 constexpr Duration kMostBehind = std::chrono::milliseconds(100);
 /// Consecutive states that the link may lose before the robot stops waiting for a change of mode.
 constexpr int kMostLost = 64;
+
+/// "a, b, c".
+template <typename Value>
+std::string NamesOf(const std::map<std::string, Value>& named) {
+  std::string names;
+  for (const auto& [name, value] : named) names += (names.empty() ? "" : ", ") + name;
+  return names;
+}
 
 }  // namespace
 
@@ -44,7 +54,7 @@ void AnswerPacedRobot::Run(const std::stop_token& stop) noexcept {
   next_cycle_ = clock().Now();
   AwaitCycle(stop);
   while (!stop.stop_requested()) {
-    IsFrozen() ? Repeat() : Advance();
+    Next();
     if (phase_ != Phase::kStarting) waiting_since_ = clock().Now();
     resend_ = clock().Now() + kResend;
     AwaitCycle(stop);
@@ -52,8 +62,20 @@ void AnswerPacedRobot::Run(const std::stop_token& stop) noexcept {
   cycling_ = false;
 }
 
+void AnswerPacedRobot::Next() noexcept {
+  if (is_paused()) {
+    if (!WaitsForAnswers()) Repeat();
+  } else if (IsFrozen()) {
+    Repeat();
+  } else {
+    Advance();
+    CountDown();
+  }
+}
+
 void AnswerPacedRobot::Advance() noexcept {
   delivered_ = false;
+  owes_cycle_ = false;
   bool ran_cycle = false;
   do {
     const Time due = robot().next_cycle();
@@ -83,8 +105,80 @@ void AnswerPacedRobot::Repeat() noexcept {
   port().Deliver(shown_);
 }
 
+bool AnswerPacedRobot::Step(std::uint64_t cycles) noexcept {
+  std::uint64_t paused = 0;
+  return cycles_allowed_.compare_exchange_strong(paused, cycles, std::memory_order_relaxed);
+}
+
+std::optional<std::uint64_t> AnswerPacedRobot::cycles_left() const noexcept {
+  const std::uint64_t left = cycles_allowed_.load(std::memory_order_relaxed);
+  return left == kUnlimited ? std::nullopt : std::optional(left);
+}
+
+bool AnswerPacedRobot::Reset(const std::optional<JointVector>& q) {
+  const RobotConfig& config = std::as_const(*this).robot().config();
+  const JointLimits& limits = config.onboard.limits;
+  const JointVector start = q.value_or(config.q_start);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    RequireInRange(fmt::format("reset: joint {}, rad", i + 1), start[i], limits.q_min[i],
+                   limits.q_max[i]);
+  }
+  return BetweenMotions([&] {
+    robot().Reset(start);
+    OnGranted(Granted::kReset);
+  });
+}
+
+bool AnswerPacedRobot::Save(const std::string& name) {
+  const std::scoped_lock lock(keeping_);
+  if (!snapshots_.contains(name) && snapshots_.size() >= kMostSnapshots) {
+    throw InputError(fmt::format("snapshot: {} are kept already ({}); replace one of them",
+                                 snapshots_.size(), NamesOf(snapshots_)));
+  }
+  bool is_running = true;
+  const bool done = BetweenMotions([&] {
+    is_running = cycling_;
+    if (!is_running) return;
+    snapshots_.insert_or_assign(name, Snapshot{events(), robot().Save(), owes_cycle_});
+  });
+  if (!is_running) throw InputError("snapshot: the robot's time does not run yet; try again");
+  return done;
+}
+
+bool AnswerPacedRobot::Restore(const std::string& name) {
+  const std::scoped_lock lock(keeping_);
+  const auto found = snapshots_.find(name);
+  if (found == snapshots_.end()) {
+    throw InputError(
+        fmt::format("restore: there is no snapshot \"{}\"; {}", name,
+                    snapshots_.empty() ? "take one first" : "there are: " + NamesOf(snapshots_)));
+  }
+  const Snapshot& snapshot = found->second;
+  return BetweenMotions([&] {
+    events() = snapshot.events;
+    robot().Restore(snapshot.robot);
+    owes_cycle_ = snapshot.owes_cycle;
+    phase_ = Phase::kNone;
+    answered_ = false;
+    const std::uint64_t shown_last = shown_.message_id;
+    shown_ = robot().states().Take();
+    shown_cycle_ = shown_.message_id;
+    repeats_ = shown_last - shown_cycle_;  // INT's ids go back, those on the wire never do
+    shown_.message_id = shown_last;
+    Repeat();
+  });
+}
+
+void AnswerPacedRobot::CountDown() noexcept {
+  std::uint64_t left = cycles_allowed_.load(std::memory_order_relaxed);
+  if (left == kUnlimited || left == 0) return;
+  // Fails when Pause() or Resume() came in between, which then counts.
+  cycles_allowed_.compare_exchange_strong(left, left - 1, std::memory_order_relaxed);
+}
+
 bool AnswerPacedRobot::IsFrozen() const noexcept {
-  if (!options_.freeze_when_idle) return false;
+  const bool is_stepped = cycles_left().value_or(0) > 0;
+  if (!options_.freeze_when_idle || is_stepped || owes_cycle_) return false;
   if (phase_ != Phase::kNone && phase_ != Phase::kStarting) return false;
   const RobotMode mode = robot().mode();
   const bool settled =
@@ -105,6 +199,8 @@ void AnswerPacedRobot::OnGranted(Granted what) noexcept {
     waiting_since_ = clock().Now();
   }
   if (!cycling_ || !IsFrozen()) return;
+  owes_cycle_ = is_paused();
+  if (owes_cycle_) return;
   AdvanceToState();
   if (phase_ == Phase::kStarting) next_cycle_ = clock().Now() + kToSecond;
 }
@@ -131,13 +227,15 @@ void AnswerPacedRobot::TakeCommands() noexcept {
 }
 
 bool AnswerPacedRobot::IsDue(Time now) const noexcept {
+  if (is_paused() && WaitsForAnswers()) return false;
   if (phase_ == Phase::kAnswered && !answered_ && delivered_) return false;
   return now >= next_cycle_ || (phase_ == Phase::kAnswered && !options_.pace);
 }
 
 void AnswerPacedRobot::GiveUpIfUnanswered(Time now) noexcept {
-  const bool is_due = phase_ == Phase::kStarting ? IsFrozen() : phase_ == Phase::kAnswered;
-  if (!is_due) return;
+  const bool waits = phase_ == Phase::kStarting ? IsFrozen() : phase_ == Phase::kAnswered;
+  if (!waits) return;
+  if (is_paused()) waiting_since_ = now;
   if (now >= waiting_since_ + options_.answer_timeout) {
     robot().StopMove();
     Stop();

@@ -11,12 +11,30 @@ constexpr double kStill = 1e-3;  // of a wheel, rad/s
 }  // namespace
 
 void BaseUnit::Cycle() noexcept {
-  const bool stopped = stopped_.load(std::memory_order_relaxed);
   asked_.store(false, std::memory_order_relaxed);
-  std::optional<BaseTwist> command;
-  if (commands_.Refresh() && !stopped) command = commands_.value();
-  body_.Drive(controller_.Cycle(body_.sensors(), command, stopped));
-  shown_.Publish(controller_.state());
+  Take();
+  if (live_.stopped) live_.command.reset();
+  body_.Drive(live_.controller.Cycle(body_.sensors(), live_.command, live_.stopped));
+  live_.command.reset();
+  shown_.Publish(live_.controller.state());
+}
+
+void BaseUnit::Take() noexcept {
+  live_.stopped = stopped_.load(std::memory_order_relaxed);
+  if (commands_.Refresh()) live_.command = commands_.value();
+}
+
+BaseUnit::State BaseUnit::Save() noexcept {
+  Take();
+  return live_;
+}
+
+void BaseUnit::Restore(const State& state) noexcept {
+  Take();  // what was sent until now
+  live_ = state;
+  stopped_.store(state.stopped, std::memory_order_relaxed);
+  asked_.store(state.command.has_value(), std::memory_order_relaxed);
+  shown_.Publish(state.controller.state());
 }
 
 void BaseUnit::Drive(const BaseTwist& twist) noexcept {

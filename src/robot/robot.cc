@@ -17,114 +17,140 @@ RobotConfig Validated(const RobotConfig& config) {
 
 Robot::Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt::EventQueue& events,
              rt::EventHandler& state_ready, record::RecordSink* sink)
-    : plant_(std::move(plant)),
-      onboard_(Validated(config).onboard, config.q_start),
+    : config_(Validated(config)),
+      plant_(std::move(plant)),
       events_(events),
       sink_(sink),
-      states_(config.link, config.seed, events, state_ready),
-      commands_(config.link, config.seed, events, inbox_),
       d_INT_(config.link.d_INT),
       clock_speed_(1 + config.clock_ppm * 1e-6),
-      panel_(config.panel) {
-  if (config.viability) {
-    keeper_.emplace(config.onboard.limits, config.onboard.cartesian, *config.viability);
+      live_{.onboard = onboard::OnboardController(config.onboard, config.q_start),
+            .states = StateLink(config.link, config.seed, events, state_ready),
+            .commands = CommandLink(config.link, config.seed, events, live_.inbox)} {
+  ResetBodies(config.q_start);
+}
+
+void Robot::ResetBodies(const JointVector& q) {
+  if (config_.viability) {
+    keeper_.emplace(config_.onboard.limits, config_.onboard.cartesian, *config_.viability);
   }
-  plant_->Reset(config.q_start);
-  if (plant_->hand() != nullptr) hand_.emplace(*plant_->hand());
-  if (plant_->base() != nullptr) base_.emplace(*plant_->base(), config.base);
+  plant_->Reset(q);
+  if (plant_->hand() != nullptr) live_.hand.emplace(*plant_->hand());
+  if (plant_->base() != nullptr) base_.emplace(*plant_->base(), config_.base);
+}
+
+void Robot::Reset(const JointVector& q) {
+  ResetBodies(q);
+  live_.onboard.Restart(config_.onboard, q);
+  live_.last_violations = onboard::Violations();
+  live_.last_found = onboard::Violations();
+}
+
+Robot::Snapshot Robot::Save() noexcept {
+  return {live_, plant_->Save(), base_ ? std::optional(base_->Save()) : std::nullopt};
+}
+
+void Robot::Restore(const Snapshot& snapshot) noexcept {
+  const Time recorded = live_.record.at;
+  live_ = snapshot.live_;
+  live_.ahead += recorded - live_.record.at;
+  live_.record.at = recorded;
+  plant_->Restore(*snapshot.plant_);
+  if (base_) base_->Restore(*snapshot.base_);
 }
 
 void Robot::Begin() noexcept {
-  begin_ = events_.Now();
-  periods_ = 1;
-  next_cycle_ = Due(periods_);
+  live_.begin = events_.Now();
+  live_.periods = 1;
+  live_.next_cycle = Due(live_.periods);
   ScheduleCycle();
 }
 
 Time Robot::Due(std::uint64_t periods) const noexcept {
   // Whole nanoseconds are exact in a double for 104 days, so without drift nothing is rounded.
   const auto own = static_cast<double>(periods * static_cast<std::uint64_t>(kCycle.count()));
-  return begin_ + Duration(std::llround(own / clock_speed_));
+  return live_.begin + Duration(std::llround(own / clock_speed_));
 }
 
 Duration Robot::period() const noexcept {
-  return Due(periods_ + 1) - next_cycle_;
+  return Due(live_.periods + 1) - live_.next_cycle;
 }
 
 void Robot::Postpone(Duration by) noexcept {
-  begin_ += by;
-  next_cycle_ = Due(periods_);
+  live_.begin += by;
+  live_.next_cycle = Due(live_.periods);
 }
 
 void Robot::ScheduleCycle() noexcept {
-  events_.Schedule(next_cycle_, rt::EventOrder::kOnboardCycle, *this);
+  events_.Schedule(live_.next_cycle, rt::EventOrder::kOnboardCycle, *this);
 }
 
 MoveStatus Robot::Move(const MotionModes& modes) noexcept {
-  last_violations_ = onboard::Violations();
-  return onboard_.Move(modes);
+  live_.last_violations = onboard::Violations();
+  return live_.onboard.Move(modes);
 }
 
 void Robot::Send(const RobotCommand& command) noexcept {
-  commands_.Send(command);
+  live_.commands.Send(command);
 }
 
 bool Robot::AtRest() const noexcept {
-  const JointVector& dq = record_.state.dq;
-  return onboard_.reference().AtRest() && std::abs(dq[FastestJoint(dq)]) < kRestSpeed;
+  const JointVector& dq = live_.record.state.dq;
+  return live_.onboard.reference().AtRest() && std::abs(dq[FastestJoint(dq)]) < kRestSpeed;
 }
 
 void Robot::OnEvent(Time now, std::uint64_t /*token*/) noexcept {
-  const bool postponed = now < next_cycle_;
+  const bool postponed = now < live_.next_cycle;
   if (!postponed) {
-    next_cycle_ = Due(++periods_);
+    live_.next_cycle = Due(++live_.periods);
     Cycle(now);
   }
   ScheduleCycle();
 }
 
 void Robot::OperatePanel() noexcept {
-  const Duration now = onboard_.message_id() * kCycle;
-  while (next_panel_event_ < panel_.size() && panel_[next_panel_event_].at <= now) {
+  const Duration now = live_.onboard.message_id() * kCycle;
+  while (live_.next_panel_event < config_.panel.size() &&
+         config_.panel[live_.next_panel_event].at <= now) {
     // The robot may refuse a button; then it has no effect.
-    static_cast<void>(onboard_.Operate(panel_[next_panel_event_].action));
-    ++next_panel_event_;
+    static_cast<void>(live_.onboard.Operate(config_.panel[live_.next_panel_event].action));
+    ++live_.next_panel_event;
   }
 }
 
 void Robot::Cycle(Time now) noexcept {
   OperatePanel();
-  const bool in_motion = onboard_.robot_mode() == RobotMode::kMove;
-  const RobotCommand* command = inbox_.Select(onboard_.message_id(), now - d_INT_);
+  const bool in_motion = live_.onboard.robot_mode() == RobotMode::kMove;
+  const RobotCommand* command = live_.inbox.Select(live_.onboard.message_id(), now - d_INT_);
   RobotCommand kept;
-  const bool begun_before = onboard_.fate() != record::CommandFate::kNone;
+  const bool begun_before = live_.onboard.fate() != record::CommandFate::kNone;
   if (keeper_ && command != nullptr && begun_before) {
-    kept = keeper_->Keep(record_.state, *command);
+    kept = keeper_->Keep(live_.record.state, *command);
     command = &kept;
   }
-  if (hand_) hand_->Cycle();
+  if (live_.hand) live_.hand->Cycle();
   if (base_) base_->Cycle();
-  const std::uint64_t begun = onboard_.motions_begun();
-  const JointDrive& drive = onboard_.Cycle(command, plant_->sensors());
-  if (onboard_.motions_begun() != begun) plant_->BeginMotion();
+  const std::uint64_t begun = live_.onboard.motions_begun();
+  const JointDrive& drive = live_.onboard.Cycle(command, plant_->sensors());
+  if (live_.onboard.motions_begun() != begun) plant_->BeginMotion();
   plant_->Step(drive);
-  onboard_.FillState(plant_->sensors(), record_.state);
-  states_.Send(record_.state);
+  live_.onboard.FillState(plant_->sensors(), live_.record.state);
+  live_.states.Send(live_.record.state);
 
-  record_.violated = !onboard_.violations().empty();
-  if (record_.violated) {
-    record_.violation = onboard_.violations().items().front();
-    last_found_ = onboard_.violations();
-    if (in_motion) last_violations_ = onboard_.violations();  // not those of a collision while idle
+  live_.record.violated = !live_.onboard.violations().empty();
+  if (live_.record.violated) {
+    live_.record.violation = live_.onboard.violations().items().front();
+    live_.last_found = live_.onboard.violations();
+    if (in_motion)
+      live_.last_violations = live_.onboard.violations();  // not those of a collision while idle
   }
+  live_.record.at = now + live_.ahead;
   if (sink_ == nullptr) return;
-  record_.at = now;
-  if (base_) record_.base = base_->state();
-  record_.dddq_d = onboard_.reference().dddq_d;
-  record_.fate = onboard_.fate();
-  record_.lost_in_row = onboard_.lost_in_row();
-  record_.dropped = inbox_.dropped();
-  sink_->Put(record_);
+  if (base_) live_.record.base = base_->state();
+  live_.record.dddq_d = live_.onboard.reference().dddq_d;
+  live_.record.fate = live_.onboard.fate();
+  live_.record.lost_in_row = live_.onboard.lost_in_row();
+  live_.record.dropped = live_.inbox.dropped();
+  sink_->Put(live_.record);
 }
 
 }  // namespace twin::robot

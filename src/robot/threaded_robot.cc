@@ -97,6 +97,23 @@ bool ThreadedRobot::Operate(PanelAction action) {
   });
 }
 
+std::optional<plant::Overlap> ThreadedRobot::Place(int body, const Transform& X_WB) {
+  return Ask([&] {
+    std::optional<plant::Overlap> overlap = robot_.Place(body, X_WB);
+    if (!overlap) OnGranted(Granted::kPlace);
+    return overlap;
+  });
+}
+
+bool ThreadedRobot::BetweenMotions(const std::function<void()>& action) {
+  return Ask([&] {
+    if (robot_.mode() == RobotMode::kMove || hand_is_busy()) return false;
+    hand_ticket_ = 0;
+    action();
+    return true;
+  });
+}
+
 HandStart ThreadedRobot::StartHand(const HandCommand& command) {
   return Ask([&] {
     HandStart start = robot_.StartHand(command);
@@ -119,6 +136,10 @@ RobotMode ThreadedRobot::mode() const {
 
 LastMotion ThreadedRobot::last_motion() const {
   return Ask([&] { return robot_.last_motion(); });
+}
+
+RobotState ThreadedRobot::state() const {
+  return Ask([&] { return robot_.state(); });
 }
 
 RobotReport ThreadedRobot::report() const {

@@ -15,6 +15,7 @@
 #include "twin/core/joint_vector.h"
 #include "twin/core/random.h"
 #include "twin/model/inverse_kinematics.h"
+#include "twin/model/transform.h"
 
 namespace twin::controllers::controllers_cartesian_pose_test {
 namespace {
@@ -106,7 +107,8 @@ TEST(CartesianPoseTest, FollowsThePathAndRestsAtItsGoal) {
     controller.Update(bench.state, Time(5s) + t, output);
     ASSERT_FALSE(output.failed) << controller.Explain();
     most = std::max(
-        most, HalfNorm(WayTo(PoseAt(output.target.joint.q), bench.poses.Sample(t).O_T_EE), 0));
+        most,
+        HalfNorm(model::WayTo(PoseAt(output.target.joint.q), bench.poses.Sample(t).O_T_EE), 0));
   }
   // T a / (2 K_P) for the 0.75 m/s^2 that 0.1 of the limits is at most, twice for the arm's own
   // part.
@@ -117,7 +119,7 @@ TEST(CartesianPoseTest, FollowsThePathAndRestsAtItsGoal) {
   EXPECT_EQ(output.target.joint.dq, JointVector{});
   controller.Update(bench.state, Time(5s) + t + 1s, output);
   EXPECT_EQ(output.target.joint.q, q) << "at rest, bit for bit";
-  const Vector6 left = WayTo(PoseAt(q), bench.poses.goal());
+  const Vector6 left = model::WayTo(PoseAt(q), bench.poses.goal());
   EXPECT_LE(HalfNorm(left, 0), 1e-5);
   EXPECT_LE(HalfNorm(left, 3), 1e-5);
 }
@@ -151,7 +153,7 @@ TEST(CartesianPoseTest, AnErrorOfTheStartDecaysByItsGain) {
   controller.Activate(bench.state, Time());
   ControllerOutput output;
   for (int i = 0; i <= 300; ++i) controller.Update(bench.state, Time(kCycle * i), output);
-  const double left = HalfNorm(WayTo(PoseAt(output.target.joint.q), off), 0);
+  const double left = HalfNorm(model::WayTo(PoseAt(output.target.joint.q), off), 0);
   EXPECT_NEAR(left, 0.004 * std::pow(1 - 10 * 1e-3, 300), 2e-6);
 }
 
@@ -163,7 +165,7 @@ TEST(CartesianPoseTest, ASkippedUpdateDelaysNothing) {
   for (const Duration t : {0ms, 1ms, 2ms, 40ms, 41ms}) {
     controller.Update(bench.state, Time(t), output);
   }
-  const Vector6 way = WayTo(PoseAt(output.target.joint.q), bench.poses.Sample(41ms).O_T_EE);
+  const Vector6 way = model::WayTo(PoseAt(output.target.joint.q), bench.poses.Sample(41ms).O_T_EE);
   EXPECT_LT(HalfNorm(way, 0), 1e-4);
 }
 
@@ -230,7 +232,7 @@ TEST(CartesianPoseTest, FollowsTheEndEffectorOfAPathThroughJointSpace) {
     const auto pose = [&](const JointVector& at) {
       return ArmModel::Panda().Pose(kEndEffector, at, state.F_T_EE);
     };
-    const Vector6 way = WayTo(pose(output.target.joint.q), pose(trajectory.Sample(t).q));
+    const Vector6 way = model::WayTo(pose(output.target.joint.q), pose(trajectory.Sample(t).q));
     ASSERT_LT(HalfNorm(way, 0), 5e-5);
   }
 }

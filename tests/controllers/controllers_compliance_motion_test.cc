@@ -11,6 +11,7 @@
 #include "controllers/gravity_hold.h"
 #include "controllers/torque_rig.h"
 #include "twin/core/joint_vector.h"
+#include "twin/model/transform.h"
 
 namespace twin::controllers::controllers_compliance_motion_test {
 namespace {
@@ -62,7 +63,7 @@ Deflection PushAside(double stiffness, double force) {
   Deflection result;
   EXPECT_EQ(rig.Run(controller,
                     [&](Duration t, const ControllerOutput&) {
-                      const Vector6 way = WayTo(start, rig.O_T_EE());
+                      const Vector6 way = model::WayTo(start, rig.O_T_EE());
                       if (t <= 5s) {
                         result.along = way[1];
                         result.across = std::hypot(way[0], way[2]);
@@ -97,7 +98,7 @@ TEST(ComplianceMotionTest, NullSpaceMotionLeavesTheEndEffector) {
   double most = 0;
   EXPECT_EQ(rig.Run(controller,
                     [&](Duration, const ControllerOutput&) {
-                      most = std::max(most, HalfNorm(WayTo(start, rig.O_T_EE()), 0));
+                      most = std::max(most, HalfNorm(model::WayTo(start, rig.O_T_EE()), 0));
                     }),
             "");
   double moved = 0;
@@ -128,7 +129,7 @@ TEST(ComplianceMotionTest, TracksAPathOfPosesUntouched) {
   double most = 0;
   EXPECT_EQ(rig.Run(controller,
                     [&](Duration t, const ControllerOutput&) {
-                      const Vector6 way = WayTo(rig.O_T_EE(), poses.Sample(t).O_T_EE);
+                      const Vector6 way = model::WayTo(rig.O_T_EE(), poses.Sample(t).O_T_EE);
                       most = std::max(most, HalfNorm(way, 0));
                     }),
             "");
@@ -149,7 +150,7 @@ TEST(GravityHoldMotionTest, ThePushedArmFloatsAwayAndTheUntouchedOneStays) {
                                              .force = {0, force, 0}}});
     const Transform start = rig.O_T_EE();
     EXPECT_EQ(rig.Run(controller, [](Duration, const ControllerOutput&) {}), "");
-    const double moved = HalfNorm(WayTo(start, rig.O_T_EE()), 0);
+    const double moved = HalfNorm(model::WayTo(start, rig.O_T_EE()), 0);
     std::printf("%.0f N: floats by %.1f mm\n", force, 1e3 * moved);
     if (force == 0) {
       EXPECT_LT(moved, 2e-3);

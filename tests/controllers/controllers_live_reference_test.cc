@@ -1,13 +1,17 @@
 // The compliance controller led by an operator.
+#include <optional>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "controllers/compliance.h"
 #include "support/panda_limits.h"
 #include "twin/control/live_reference.h"
 #include "twin/core/error.h"
+#include "twin/model/arm_model.h"
 
 namespace twin::controllers::controllers_live_reference_test {
 namespace {
@@ -25,6 +29,7 @@ class Leader final : public control::LiveReference {
   int begins = 0;
   bool ends = false;
   reference::PoseTarget target;
+  std::optional<reference::JointTarget> joints;
 
   void Begin(const Transform& O_T_EE, Time /*now*/) override {
     ++begins;
@@ -34,6 +39,9 @@ class Leader final : public control::LiveReference {
                                            Time /*now*/) noexcept override {
     target.O_T_EE[14] += 1e-4;
     return target;
+  }
+  [[nodiscard]] std::optional<reference::JointTarget> posture() const noexcept override {
+    return joints;
   }
   [[nodiscard]] bool finished() const noexcept override { return ends; }
 };
@@ -78,6 +86,29 @@ TEST_F(LiveReferenceTest, FollowsWhatItIsLedTo) {
   Start();
   for (int i = 0; i < 10; ++i) static_cast<void>(Update(i * 1ms));
   EXPECT_EQ(Update(10ms).target.pose.O_T_EE, leader_.target.O_T_EE);
+}
+
+// The torques of two postures differ by k_0 times their difference in the null space of J.
+TEST_F(LiveReferenceTest, PullsTheNullSpaceToThePostureOfItsReference) {
+  Start();
+  leader_.joints = reference::JointTarget{.q = kReady};
+  static_cast<void>(Update(0s));
+  const JointVector at_rest = Update(1s).target.tau_J_d;
+  // The self-motion of the arm: swivels the elbow, q1 and q7 against q3, and the rest with them.
+  const model::Jacobian jacobian =
+      model::ArmModel::Panda().ZeroJacobian(model::Frame::kEndEffector, kReady);
+  const Eigen::Map<const Eigen::Matrix<double, 6, 7>> J(jacobian.data());
+  const Eigen::Matrix<double, 7, 1> n = J.fullPivLu().kernel().col(0).normalized();
+  constexpr double kAway = 0.1;  // rad
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    leader_.joints->q[i] += kAway * n[static_cast<Eigen::Index>(i)];
+  }
+  leader_.target.O_T_EE[14] -= 1e-4;  // the next update leads to the same pose
+  const JointVector away = Update(1s + 1ms).target.tau_J_d;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    EXPECT_NEAR(away[i] - at_rest[i],
+                ComplianceOptions().k_0 * kAway * n[static_cast<Eigen::Index>(i)], 1e-9);
+  }
 }
 
 TEST_F(LiveReferenceTest, GoesOnUntilItIsEnded) {

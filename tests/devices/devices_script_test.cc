@@ -67,7 +67,7 @@ TEST(OperatorScriptTest, RefusesTimesOutOfRange) {
 
 TEST(OperatorScriptTest, RefusesKindsThatAreNone) {
   ExpectRefused("0,speed,0,0,0,0,0,0,1,0,0,0,0,0,0,0\n",
-                "hands.csv:2: column kind is 'speed'; it must be rate or pose");
+                "hands.csv:2: column kind is 'speed'; it must be rate, pose or joint1 to joint7");
 }
 
 TEST(OperatorScriptTest, RefusesDeflectionsBeyondFullScale) {
@@ -110,6 +110,7 @@ OperatorSample Any(const Random& random, std::uint64_t n) {
   sample.sequence = n + 1;
   sample.at = Time(Duration(static_cast<std::int64_t>(n * 1'000'000'007 + bits[0] % 1000)));
   sample.kind = bits[1] % 2 == 0 ? teleop::AxisKind::kRate : teleop::AxisKind::kPose;
+  if (sample.kind == teleop::AxisKind::kRate) sample.joint = static_cast<std::uint8_t>(n % 8);
   for (std::size_t i = 0; i < sample.axes.size(); ++i) {
     sample.axes[i] = 2 * random.Uniform(1000 + n, static_cast<std::uint32_t>(i)) - 1;
   }
@@ -133,6 +134,7 @@ TEST(OperatorScriptTest, ReadsTheSameBitsThatItWrote) {
     const OperatorSample wanted = Any(random, n);
     EXPECT_EQ(samples[n].at, wanted.at);
     EXPECT_EQ(samples[n].kind, wanted.kind);
+    EXPECT_EQ(samples[n].joint, wanted.joint);
     EXPECT_EQ((std::bit_cast<std::array<std::uint64_t, 6>>(samples[n].axes)),
               (std::bit_cast<std::array<std::uint64_t, 6>>(wanted.axes)));
     EXPECT_EQ(samples[n].engaged, wanted.engaged);

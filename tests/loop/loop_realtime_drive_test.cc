@@ -155,6 +155,18 @@ TEST_F(RealtimeDriveTest, RunsAMotionToItsEnd) {
                  });
 }
 
+TEST_F(RealtimeDriveTest, AMotionStopsBeforeALimitOfTheLab) {
+  tick_.limits = test::PandaLimits();
+  tick_.lab.emplace().dq_max.emplace().fill(0.05);
+  RunUndisturbed(&GentleSwing,
+                 [](const RunReport& report, const test::Swing&, const Counter& counter) {
+                   ASSERT_TRUE(report.limit) << report.failure;
+                   EXPECT_EQ(report.limit->axis, 6);
+                   EXPECT_EQ(report.end, backend::MotionEnd::kPreempted) << report.failure;
+                   EXPECT_EQ(counter.violations, 0U);
+                 });
+}
+
 TEST_F(RealtimeDriveTest, RunsTheSynchronousLoop) {
   kind_ = LoopKind::kSynchronous;
   controller_loop_.phase = microseconds(500);

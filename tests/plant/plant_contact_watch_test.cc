@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -64,12 +65,58 @@ TEST(ContactWatchTest, NamesWhatTouchesWhenAndHowLong) {
   EXPECT_TRUE(touched_table);
 }
 
+TEST(ContactWatchTest, KeepsWhatTouchesAndWhatHasJustEnded) {
+  const auto plant = MakePlant();
+  ContactWatch watch(*plant);
+  plant->Reset(kDown);
+  watch.Look(Time(1ms));
+  watch.Look(Time(2ms));
+  watch.Keep(Time(2ms));
+  plant->Reset(kReady);
+  watch.Look(Time(3ms));
+  watch.Keep(Time(3ms));
+  for (int k = 4; k <= 53; ++k) watch.Look(Time(k * 1ms));
+  watch.Keep(Time(53ms));
+  const std::vector<ContactMoment> moments = watch.Moments();
+  ASSERT_EQ(moments.size(), 3u);
+  ASSERT_FALSE(moments[0].contacts.empty());
+  EXPECT_EQ(moments[1].contacts.size(), moments[0].contacts.size());
+  for (const NearContact& one : moments[0].contacts) {
+    EXPECT_EQ(one.since, Time(1ms));
+    EXPECT_FALSE(one.last) << one.a << " and " << one.b;
+    EXPECT_GT(one.p_W[0], 0.2) << "before the robot";
+  }
+  for (const NearContact& one : moments[1].contacts) {
+    EXPECT_EQ(one.last, Time(2ms));
+  }
+  EXPECT_TRUE(moments[2].contacts.empty()) << "51 looks after its end";
+  EXPECT_EQ(moments[2].at, Time(53ms));
+}
+
+TEST(ContactMomentTest, SaysWhoWhereHowStronglyAndSinceWhen) {
+  ContactMoment moment;
+  EXPECT_EQ(moment.Text(), "none");
+  moment.contacts = {{.a = "panda_leftfinger",
+                      .b = "floor",
+                      .p_W = {0.5, -0.25, 0.0004},
+                      .force = 152.6,
+                      .since = Time(1204ms)},
+                     {.a = "panda_hand", .b = "box", .since = Time(1200ms), .last = Time(1231ms)}};
+  EXPECT_EQ(
+      moment.Text(),
+      "panda_leftfinger and floor at (0.500, -0.250, 0.000) m with up to 153 N, since 1.204 s; "
+      "panda_hand and box at (0.000, 0.000, 0.000) m, from 1.200 s until 1.231 s");
+}
+
 TEST(ContactWatchTest, LooksInRealTime) {
   const auto plant = MakePlant();
   plant->Reset(kDown);
   ContactWatch watch(*plant);
   const test::RealtimeGuard guard;
-  for (int k = 1; k <= 1000; ++k) watch.Look(Time(k * 1ms));
+  for (int k = 1; k <= 1000; ++k) {
+    watch.Look(Time(k * 1ms));
+    if (k % 100 == 0) watch.Keep(Time(k * 1ms));
+  }
   EXPECT_EQ(guard.allocations(), 0);
   EXPECT_EQ(guard.locks(), 0);
 }

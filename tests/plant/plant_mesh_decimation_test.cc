@@ -1,8 +1,10 @@
 #include "plant/meshes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <deque>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -74,6 +76,19 @@ std::array<double, 3> NormalOf(const MeshPart& part, std::size_t face) {
   return n;
 }
 
+/// Vertices per triangle that are not among the last 32 computed ones.
+double ComputedPerTriangle(const MeshPart& part) {
+  std::deque<int> last;
+  int computed = 0;
+  for (const int vertex : part.faces) {
+    if (std::ranges::find(last, vertex) != last.end()) continue;
+    ++computed;
+    last.push_back(vertex);
+    if (last.size() > 32) last.pop_front();
+  }
+  return 3.0 * computed / static_cast<double>(part.faces.size());
+}
+
 /// Enclosed volume, by the divergence theorem.
 double Volume(const MeshPart& part) {
   double volume = 0;
@@ -136,6 +151,28 @@ TEST(MeshDecimationTest, KeepsTheOutsideOutside) {
     const auto n = Row(fewer.normals, fewer.faces[i]);
     EXPECT_GT(face[0] * n[0] + face[1] * n[1] + face[2] * n[2], 0.9);
   }
+}
+
+/// A closed mesh has half a vertex per triangle, which no order falls below.
+TEST(MeshDecimationTest, OrdersTrianglesSoThatVerticesAreReused) {
+  MeshPart can = Can();
+  // Bent both ways, so that few triangles go, and in an order in which neighbours are far apart.
+  for (std::size_t i = 0; i < can.vertices.size(); i += 3) {
+    const double bulge = 1 + 0.5 * std::sin(M_PI * can.vertices[i + 2] / kHeight);
+    can.vertices[i] *= static_cast<float>(bulge);
+    can.vertices[i + 1] *= static_cast<float>(bulge);
+  }
+  const std::vector<int> faces = can.faces;
+  const std::size_t triangles = faces.size() / 3;
+  for (std::size_t i = 0; i < triangles; ++i) {
+    const std::size_t from = i * 1009 % triangles;  // a prime, so every triangle once
+    std::copy_n(faces.begin() + static_cast<std::ptrdiff_t>(3 * from), 3,
+                can.faces.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  }
+  const MeshPart fewer = Decimate(can, 1e-6);
+  EXPECT_GT(ComputedPerTriangle(can), 1.5);
+  EXPECT_GT(fewer.faces.size(), can.faces.size() / 2);
+  EXPECT_LT(ComputedPerTriangle(fewer), 0.8);
 }
 
 TEST(MeshDecimationTest, KeepsTheColour) {

@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
 #include "render/test_model.h"
 #include "support/realtime_guard.h"
 
@@ -49,6 +53,19 @@ TEST(SceneCaptureTest, ATorqueAloneIsNoPush) {
   record::SceneRecord scene;
   CaptureScene(Time(), model, scene);
   EXPECT_EQ(scene.pushes, 0U);
+}
+
+TEST(SceneCaptureTest, FreeBodiesAreWhereThePositionsSay) {
+  const TestModel model(kBallOnFloor);
+  // A quarter turn about z: the body's x axis is the world's y.
+  const double h = std::sqrt(0.5);
+  const auto bodies = FreeBodies(model.model(), std::vector<double>{1, 2, 3, h, 0, 0, h});
+  ASSERT_EQ(bodies.size(), 1U);
+  EXPECT_EQ(bodies[0].first, "ball");
+  const Transform expected{0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(bodies[0].second[i], expected[i], 1e-12) << i;
+  }
 }
 
 TEST(SceneCaptureTest, AllocatesNothing) {

@@ -14,6 +14,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -289,6 +290,153 @@ TEST_F(AnswerPacedRobotTest, AMotionThatWaitsForAnAnswerCanBeStopped) {
   while (state.motion_generator_mode != MotionGeneratorMode::kIdle) state = wire_->Next();
   EXPECT_EQ(robot_->last_motion().end, MoveStatus::kPreempted);
   EXPECT_EQ(robot_->motions_given_up(), 0u);
+}
+
+TEST_F(AnswerPacedRobotTest, APauseAndStepsInAMotionChangeNoState) {
+  Make(Ideal(), kFreeze);
+  const auto unpaused = Contents(Drive(Start()));
+  Make(Ideal(), kFreeze);
+  std::uint64_t cycle = 0;
+  const auto stepped = Contents(Drive(Start(), [&](int k) {
+    if (k == 50) {
+      robot_->Pause();
+      cycle = robot_->state().message_id;
+      EXPECT_TRUE(robot_->Step(5));
+    }
+    if (k == 55) {
+      EXPECT_EQ(robot_->state().message_id, cycle + 5);
+      EXPECT_EQ(robot_->cycles_left(), 0);
+      robot_->Resume();
+    }
+  }));
+  EXPECT_EQ(stepped, unpaused);
+}
+
+TEST_F(AnswerPacedRobotTest, APausedMotionIsNotGivenUp) {
+  Make(Ideal(), {.answer_timeout = milliseconds(50)});
+  RobotState state = Newest(Start());
+  RobotCommand command;
+  command.message_id = state.message_id;
+  command.q_c = state.q_d;
+  wire_->Answer(command);
+  state = After(command.message_id);
+  robot_->Pause();
+  const std::uint64_t cycle = robot_->state().message_id;
+  // Three times the same, 100 ms apart.
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(wire_->Next().message_id, state.message_id);
+  EXPECT_EQ(robot_->motions_given_up(), 0u);
+  EXPECT_EQ(robot_->mode(), RobotMode::kMove);
+  EXPECT_EQ(robot_->state().message_id, cycle);
+}
+
+TEST_F(AnswerPacedRobotTest, BetweenMotionsAPauseRepeatsTheStateAndAStepCountsCycles) {
+  Make(test::PandaRobot());
+  EXPECT_FALSE(robot_->Step(1)) << "time runs";
+  EXPECT_EQ(robot_->cycles_left(), std::nullopt);
+  robot_->Pause();
+  const std::uint64_t cycle = robot_->state().message_id;
+  const RobotState first = Newest(wire_->Next());
+  for (std::uint64_t i = 1; i <= 30; ++i) {
+    const RobotState state = wire_->Next();
+    EXPECT_EQ(state.message_id, first.message_id + i);
+    EXPECT_EQ(Content(state), Content(first));
+  }
+  EXPECT_TRUE(robot_->Step(10));
+  while (robot_->cycles_left() != 0) static_cast<void>(wire_->Next());
+  EXPECT_EQ(robot_->state().message_id, cycle + 10);
+  robot_->Resume();
+  static_cast<void>(After(wire_->Next().message_id + 30));
+  EXPECT_GT(robot_->state().message_id, cycle + 10);
+}
+
+TEST_F(AnswerPacedRobotTest, WhatIsGrantedInAPauseShowsAfterIt) {
+  Make(Ideal(), kFreeze);
+  robot_->Pause();
+  const std::uint64_t cycle = robot_->state().message_id;
+  EXPECT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_EQ(wire_->Next().motion_generator_mode, MotionGeneratorMode::kIdle);
+  }
+  EXPECT_EQ(robot_->state().message_id, cycle);
+  robot_->Resume();
+  RobotState state = wire_->Next();
+  while (state.motion_generator_mode == MotionGeneratorMode::kIdle) state = wire_->Next();
+  Drive(wire_->Next());
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
+}
+
+TEST_F(AnswerPacedRobotTest, AfterAResetAMotionHasTheSameStatesAgain) {
+  Make(test::PandaRobot(), kFreeze);
+  const auto first = Contents(Drive(Start()));
+  const std::uint64_t last = robot_->state().message_id;
+  EXPECT_TRUE(robot_->Reset({}));
+  EXPECT_EQ(Contents(Drive(Start())), first);
+  EXPECT_GT(robot_->state().message_id, last) << "ids go on";
+}
+
+TEST_F(AnswerPacedRobotTest, AResetPutsTheArmWhereItIsAskedTo) {
+  Make(test::PandaRobot(), kFreeze);
+  EXPECT_TRUE(robot_->Operate(PanelAction::kPressUserStop));
+  JointVector q = test::PandaRobot().q_start;
+  q[0] += 0.5;
+  EXPECT_TRUE(robot_->Reset(q));
+  EXPECT_EQ(robot_->mode(), RobotMode::kIdle);
+  EXPECT_EQ(robot_->state().q_d, q);
+  q[3] = 0.5;
+  EXPECT_THROW(static_cast<void>(robot_->Reset(q)), InputError);
+}
+
+TEST_F(AnswerPacedRobotTest, AMotionIsNotReset) {
+  Make(Ideal(), kFreeze);
+  const RobotState state = Start();
+  EXPECT_FALSE(robot_->Reset({}));
+  Drive(state);
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
+}
+
+TEST_F(AnswerPacedRobotTest, FromASnapshotAMotionHasTheSameStatesAgainAndIdsRise) {
+  Make(test::PandaRobot(), kFreeze);
+  Drive(Start());
+  ASSERT_TRUE(robot_->Save("a"));
+  const std::uint64_t cycle = robot_->state().message_id;
+  const std::vector<RobotState> first = Drive(Start());
+  EXPECT_TRUE(robot_->Operate(PanelAction::kPressUserStop));
+  for (int again = 0; again < 2; ++again) {
+    ASSERT_TRUE(robot_->Restore("a"));
+    EXPECT_EQ(robot_->state().message_id, cycle) << "the robot's time goes back";
+    const std::uint64_t last = Newest(wire_->Next()).message_id;
+    const std::vector<RobotState> states = Drive(Start());
+    EXPECT_EQ(Contents(states), Contents(first));
+    EXPECT_GT(states.front().message_id, std::max(last, first.back().message_id));
+  }
+}
+
+TEST_F(AnswerPacedRobotTest, WhatIsGrantedInAPauseIsInItsSnapshot) {
+  Make(test::PandaRobot(), kFreeze);
+  robot_->Pause();
+  EXPECT_TRUE(robot_->Operate(PanelAction::kPressUserStop));
+  ASSERT_TRUE(robot_->Save("a"));
+  EXPECT_TRUE(robot_->Operate(PanelAction::kReleaseUserStop));
+  ASSERT_TRUE(robot_->Restore("a"));
+  robot_->Resume();
+  while (wire_->Next().robot_mode != RobotMode::kUserStopped) {
+  }
+}
+
+TEST_F(AnswerPacedRobotTest, SnapshotsAreTakenAndRestoredBetweenMotionsOnly) {
+  Make(Ideal(), kFreeze);
+  ASSERT_TRUE(robot_->Save("a"));
+  EXPECT_THROW(static_cast<void>(robot_->Restore("b")), InputError);
+  const RobotState state = Start();
+  EXPECT_FALSE(robot_->Save("b"));
+  EXPECT_FALSE(robot_->Restore("a"));
+  Drive(state);
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
+  for (std::size_t i = 1; i < AnswerPacedRobot::kMostSnapshots; ++i) {
+    EXPECT_TRUE(robot_->Save(std::to_string(i)));
+  }
+  EXPECT_THROW(static_cast<void>(robot_->Save("b")), InputError);
+  EXPECT_TRUE(robot_->Save("a")) << "replaces the first";
 }
 
 TEST_F(AnswerPacedRobotTest, AStateTheLinkLosesIsNotWaitedFor) {

@@ -42,6 +42,8 @@ class Flywheels final : public plant::BaseBody {
 class RollingPlant final : public plant::Plant {
  public:
   void Reset(const JointVector& q) override { arm_.Reset(q); }
+  std::unique_ptr<const State> Save() const override { return arm_.Save(); }
+  void Restore(const State& state) override { arm_.Restore(state); }
   void Step(const JointDrive& drive) noexcept override {
     arm_.Step(drive);
     wheels_.Step();

@@ -3,6 +3,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -51,6 +52,16 @@ class Ride : public record::RecordSink {
     const Time begin = events_.Now();
     while (!StandsStill() && events_.Now() < begin + seconds(10)) Go(kCycle, std::nullopt);
     return events_.Now() - begin;
+  }
+
+  struct Kept {
+    rt::EventQueue events;
+    Robot::Snapshot robot;
+  };
+  [[nodiscard]] Kept Save() { return {events_, robot_->Save()}; }
+  void Restore(const Kept& kept) {
+    events_ = kept.events;
+    robot_->Restore(kept.robot);
   }
 
   [[nodiscard]] BaseUnit& base() { return *robot_->base(); }
@@ -233,6 +244,33 @@ TEST(RobotBaseTest, TimeMayStandStillForABaseThatNeitherMovesNorIsAskedTo) {
   (void)ride.GoToStand();
   ride.Go(seconds(1), std::nullopt);
   EXPECT_TRUE(ride.base().AtRest());
+}
+
+TEST(RobotBaseTest, GoesOnBitForBitFromASnapshot) {
+  Ride ride;
+  ride.Go(seconds(1), BaseTwist{0.6, 0.5});
+  ride.base().Drive({-0.4, 0.9});  // takes effect in the next cycle
+  const Ride::Kept driving = ride.Save();
+  const auto go_on = [&ride] {
+    ride.states.clear();
+    ride.Go(seconds(1), std::nullopt);
+    ride.base().EmergencyStop();
+    ride.Go(milliseconds(200), BaseTwist{0.3, 0});
+    return std::pair(ride.states, ride.Truth());
+  };
+  const auto [states, truth] = go_on();
+  const Ride::Kept stopped = ride.Save();
+  for (int again = 0; again < 2; ++again) {
+    ride.Restore(driving);
+    const auto [repeated, there] = go_on();
+    EXPECT_EQ(repeated, states);
+    EXPECT_EQ(there, truth);
+  }
+  ride.base().Release();
+  ride.Restore(stopped);
+  ride.states.clear();
+  ride.Go(milliseconds(300), BaseTwist{0.3, 0});
+  EXPECT_EQ(ride.states.back().twist_d, BaseTwist()) << "its emergency stop is pressed again";
 }
 
 TEST(RobotBaseTest, TheIdealPlantCarriesNone) {

@@ -43,6 +43,8 @@ class HookedPlant final : public plant::Plant {
   using Hook = std::function<void(int step)>;
   explicit HookedPlant(Hook hook) : hook_(std::move(hook)) {}
   void Reset(const JointVector& q) override { ideal_.Reset(q); }
+  std::unique_ptr<const State> Save() const override { return ideal_.Save(); }
+  void Restore(const State& state) override { ideal_.Restore(state); }
   void Step(const JointDrive& drive) noexcept override {
     hook_(++steps_);
     ideal_.Step(drive);

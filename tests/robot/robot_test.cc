@@ -56,6 +56,8 @@ class AttentivePlant final : public plant::Plant {
  public:
   explicit AttentivePlant(std::vector<std::uint64_t>& told) : told_(told) {}
   void Reset(const JointVector& q) override { body_.Reset(q); }
+  std::unique_ptr<const State> Save() const override { return body_.Save(); }
+  void Restore(const State& state) override { body_.Restore(state); }
   void Step(const JointDrive& drive) noexcept override {
     ++steps_;
     body_.Step(drive);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
 #include "twin/core/robot_state.h"
@@ -26,6 +28,13 @@ class LiveReference {
   /// The pose to follow now, and its twist in the base's axes.
   [[nodiscard]] virtual reference::PoseTarget Next(const RobotState& state,
                                                    Time now) noexcept TWIN_REALTIME = 0;
+
+  /// The joint positions and velocities that belong to the last pose, for controllers that leave
+  /// the arm's redundancy to the reference; absent: it has none.
+  [[nodiscard]] virtual std::optional<reference::JointTarget> posture() const noexcept
+      TWIN_REALTIME {
+    return std::nullopt;
+  }
 
   /// True once the operator has ended the motion and the reference is at rest.
   [[nodiscard]] virtual bool finished() const noexcept TWIN_REALTIME = 0;

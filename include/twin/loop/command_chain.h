@@ -10,17 +10,19 @@
 #include "twin/core/robot_state.h"
 #include "twin/loop/loop_config.h"
 #include "twin/loop/rejoining_follower.h"
+#include "twin/onboard/stop_proof.h"
 #include "twin/reference/stall_decay.h"
 #include "twin/reference/target.h"
 
 namespace twin::loop {
 
 class InterfaceStages;
+class LimitGuard;
 
 /// From the deposited target to the command that answers a state:
 ///   rate matcher -> [stall decay] -> the paper's reference generator, or none
 ///   or: resampler -> saturated correction (Generator::kRejoining)
-///   -> [low-pass] -> [rate limiter] -> [viability filter].
+///   -> [low-pass] -> [rate limiter] -> [viability filter] -> [limit guard].
 /// Stages in brackets are off unless configured; the decay acts on stalled sources only. Low-pass
 /// and limiter are libfranka's client-side stages, in its order. The constructor chooses the stages
 /// of the interface. All but matcher, resampler and decay are functions of the state: they continue
@@ -60,6 +62,13 @@ class CommandChain {
   /// Commands since Reset() that the viability filter changed.
   [[nodiscard]] std::uint64_t kept_back() const noexcept { return kept_back_; }
 
+  /// The limit of a lab for which the chain stops the arm (TickConfig::lab); nullopt: none.
+  [[nodiscard]] std::optional<onboard::BrokenLimit> breach() const noexcept;
+  /// False when the robot itself must stop the arm, and no command goes out.
+  [[nodiscard]] bool sends() const noexcept;
+  /// True when the motion is to end after a breach: the commanded stop rests, or !sends().
+  [[nodiscard]] bool stopped() const noexcept;
+
   /// True when the matched target is at rest and the robot's reference is within the finish
   /// tolerance of this target; with a viability filter or saturated correction, the reference must
   /// also be nearly at rest.
@@ -67,6 +76,7 @@ class CommandChain {
 
  private:
   void MatchAndDecay(const reference::Target& target, std::uint64_t cycles) noexcept;
+  void KeepViable(const RobotState& state, RobotCommand& command) noexcept;
 
   TickConfig config_;
   std::unique_ptr<InterfaceStages> stages_;
@@ -75,6 +85,7 @@ class CommandChain {
   std::uint64_t waited_ = 0;  ///< cycles since the last deposit
   reference::StallDecay stall_decay_;
   std::optional<RejoiningFollower> rejoining_;
+  std::unique_ptr<LimitGuard> guard_;
   std::optional<double> margin_;
   std::uint8_t changed_joints_ = 0;
   std::uint64_t kept_back_ = 0;

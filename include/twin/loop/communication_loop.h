@@ -76,6 +76,8 @@ class CommunicationLoop {
   [[nodiscard]] const RobotState& state() const noexcept { return state_; }
   /// True when state() belongs to the running motion.
   [[nodiscard]] bool InMotion() const noexcept { return tick_.InMotion(state_); }
+  /// True once the tick has stopped the arm before a limit of the lab.
+  [[nodiscard]] bool stopped_by_limit() const noexcept { return tick_.stopped_by_limit(); }
   /// Record of the last tick.
   [[nodiscard]] const record::TickRecord& record() noexcept { return tick_.record(); }
   [[nodiscard]] const LoopTimings& timings() const noexcept { return timings_; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "twin/control/controller.h"
 #include "twin/core/modes.h"
@@ -30,6 +31,10 @@ namespace twin::loop {
 /// Invalid commands (NaN from a controller) and commands of a controller that has given up are not
 /// sent; the record says kInvalid, and the drive stops the motion.
 ///
+/// Limits of a lab (TickConfig::lab): from the tick at which a command would break one, the tick
+/// writes the commands of the stop, or none where the robot itself must stop the arm; the record
+/// says kLimited. The drive ends the motion once stopped_by_limit().
+///
 /// Finish: when a deposit is marked finished, its matched target is at rest and the robot's
 /// reference is within the finish tolerance of this target, all further commands of the motion
 /// carry motion_generation_finished.
@@ -58,6 +63,11 @@ class ControlTick {
 
   /// Rate-matched target of the last generated command.
   [[nodiscard]] const reference::Target& target() const noexcept { return chain_.matched(); }
+  /// The limit for which this motion was stopped; nullopt: none. Constant once stopped_by_limit().
+  [[nodiscard]] std::optional<onboard::BrokenLimit> breach() const noexcept {
+    return open_ ? chain_.breach() : std::nullopt;
+  }
+  [[nodiscard]] bool stopped_by_limit() const noexcept { return open_ && chain_.stopped(); }
   [[nodiscard]] control::CommandInterface interface() const noexcept { return interface_; }
 
   /// True when the state belongs to the running motion: robot_mode Move and both modes as started.

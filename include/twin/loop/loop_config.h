@@ -8,6 +8,7 @@
 #include "twin/core/limits.h"
 #include "twin/core/time.h"
 #include "twin/faults/delay_model.h"
+#include "twin/model/lab_limits.h"
 #include "twin/reference/feed_forward.h"
 #include "twin/reference/rate_limiter.h"
 #include "twin/reference/viability_filter.h"
@@ -61,11 +62,15 @@ struct TickConfig {
   /// reference::ViabilityFilter on joint positions and velocities, reference::PoseViabilityFilter
   /// on poses; absent: off. Not available on torques.
   std::optional<int> viability{};
-  /// Joint limits for the viability filter, Generator::kRejoining and the decay of a stalled
-  /// source. Zero means no limits: the velocity of a stalled source stays.
+  /// Joint limits for the viability filter, Generator::kRejoining, the proof of stops and the decay
+  /// of a stalled source. Zero means no limits: the velocity of a stalled source stays.
   JointLimits limits{};
   /// Likewise, for the end effector.
   CartesianLimits cartesian{};
+  /// Limits of a lab: before a command goes out, the tick proves that the arm can still stop within
+  /// them, else it stops the arm and ends the motion (src/loop/limit_guard.h); absent: none.
+  std::optional<model::LabLimits> lab{};
+  bool lab_hand = true;  ///< a Franka Hand is mounted, which the regions limit
   faults::DelayModel
       cost;  ///< lockstep: time from the end of the read to the end of the write (d_EXT)
 

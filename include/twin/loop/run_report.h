@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,17 +10,19 @@
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
 #include "twin/loop/communication_loop.h"
+#include "twin/onboard/stop_proof.h"
 
 namespace twin::loop {
 
 /// Result of a run.
 struct RunReport {
   backend::MotionEnd end = backend::MotionEnd::kNone;
-  RobotErrors errors;                 ///< errors that ended the motion
-  std::vector<Violation> violations;  ///< their details, where known
-  std::string failure;                ///< cause of a failure, for users; empty: none
-  Duration simulated{};               ///< run time at the end
-  JointVector q_final{};              ///< measured, last state
+  RobotErrors errors;                           ///< errors that ended the motion
+  std::vector<Violation> violations;            ///< their details, where known
+  std::optional<onboard::BrokenLimit> limit{};  ///< the lab's limit before which the tick stopped
+  std::string failure;                          ///< cause of a failure, for users; empty: none
+  Duration simulated{};                         ///< run time at the end
+  JointVector q_final{};                        ///< measured, last state
 
   Deviation deviation;                    ///< of the arm from its targets
   LoopTimings timings;                    ///< of the communication

@@ -42,6 +42,9 @@ namespace twin::model {
 /// Rotation vector from the orientation of `from` to that of `to`, base axes: log(R_to R_from^T).
 [[nodiscard]] Eigen::Vector3d TurnBetween(const Transform& from, const Transform& to) noexcept;
 
+/// Pose error from X to X_d: [p_d - p; log(R_d R^T)], base axes, m and rad.
+[[nodiscard]] Vector6 WayTo(const Transform& X, const Transform& X_d) noexcept;
+
 /// X rotated by phi (base axes) and moved to `position`. A rotation below the resolution of the
 /// matrix leaves it unchanged bit for bit, so a reference at rest stays at rest.
 [[nodiscard]] Transform Turned(const Transform& X, const Eigen::Vector3d& phi,

@@ -73,11 +73,11 @@ class BaseController {
   void Measure(const WheelSensors& sensors) noexcept;
   [[nodiscard]] WheelDrive Drive() noexcept;
 
-  const BaseConfig config_;
-  const double half_track_;  ///< chi B / 2, m
-  BaseTwist command_;        ///< cut to the limits
-  std::int64_t age_ = 0;     ///< of command_, cycles
-  bool commanded_ = false;   ///< command_ is valid
+  BaseConfig config_;
+  double half_track_;       ///< chi B / 2, m
+  BaseTwist command_;       ///< cut to the limits
+  std::int64_t age_ = 0;    ///< of command_, cycles
+  bool commanded_ = false;  ///< command_ is valid
   Wheels q_last_{};
   Wheels integral_{};  ///< of the speed errors, rad
   BaseState state_;

@@ -6,6 +6,7 @@
 #include "twin/core/limits.h"
 #include "twin/core/setting.h"
 #include "twin/model/arm_model.h"
+#include "twin/model/lab_limits.h"
 #include "twin/onboard/sensing.h"
 
 namespace twin::onboard {
@@ -51,6 +52,11 @@ struct OnboardConfig {
   double start_translation_tolerance_m = 0.05;
   double start_rotation_tolerance_rad = 0.1;
   double start_elbow_tolerance_rad = 0.1;
+
+  /// Limits of a lab that INT keeps by itself (OnboardController, "Guard"); empty, as on every real
+  /// robot: none.
+  model::LabLimits guard;
+  bool guard_has_hand = true;  ///< a Franka Hand is mounted, which the guard's regions limit
 
   /// Bounds of measured quantities; its limits are replaced by those above.
   SensingConfig sensing;

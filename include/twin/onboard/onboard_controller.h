@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "twin/core/body_interface.h"
 #include "twin/core/modes.h"
@@ -18,6 +19,7 @@
 #include "twin/onboard/motion_generator.h"
 #include "twin/onboard/onboard_config.h"
 #include "twin/onboard/sensing.h"
+#include "twin/onboard/stop_proof.h"
 #include "twin/record/cycle_record.h"
 #include "twin/reference/low_pass.h"
 
@@ -73,6 +75,22 @@ namespace twin::onboard {
 /// brakes stay closed until release. Closed brakes mean mode Other. In Guiding people lead the arm
 /// and the reference follows the measurement. kModeTable lists which mode grants which request.
 ///
+/// Guard. With limits of a lab (OnboardConfig::guard), INT also aborts before a cycle after which
+/// the stop that an abort executes would break one (StopProof); that of the cycle before is proved.
+/// A held acceleration is checked like a command, so the guarantee includes lost commands. Under
+/// external torques the stop begins at the measured q and dq, which the check predicts by one
+/// cycle: torques may accelerate the arm more, so this is no proof. Measured forces are checked in
+/// motions.
+///
+/// | limit | error | axis |
+/// |---|---|---|
+/// | region | cartesian_position_limits_violation | index of the region |
+/// | speed of a joint | joint_velocity_violation | joint |
+/// | speed or turn of the end effector | cartesian_velocity_violation | 0 or 1 |
+/// | external force or torque | force_control_safety_violation | none |
+///
+/// The errors are a decision: clients know no others. guard_breach() has the limit itself.
+///
 /// Setters. Load and end effector change what INT compensates and reports, not the plant: a wrong
 /// load makes the arm sag. FindBadValue checks their values.
 ///
@@ -88,6 +106,14 @@ class OnboardController {
  public:
   /// @param q0  initial position, at rest, rad. @throws InputError as OnboardConfig::Validate.
   OnboardController(const OnboardConfig& config, const JointVector& q0);
+  OnboardController(const OnboardController&) = default;
+  /// The whole controller, with its message ids.
+  OnboardController& operator=(const OnboardController& other) noexcept;
+
+  /// As constructed anew with the arm at q0, between two cycles: settings, modes and errors are the
+  /// configured ones again. Only message ids and motions_begun() go on.
+  /// @param config  valid. Not for real time.
+  void Restart(const OnboardConfig& config, const JointVector& q0);
 
   /// Requests a motion, between two cycles.
   /// @returns kMotionStarted, kCommandNotPossibleRejected (see kModeTable),
@@ -126,6 +152,10 @@ class OnboardController {
   [[nodiscard]] RobotMode robot_mode() const noexcept { return robot_mode_; }
   /// Violations of the last Cycle(); empty without one.
   [[nodiscard]] const Violations& violations() const noexcept { return violations_; }
+  /// The limit of the guard that ended the last motion; nullopt: none.
+  [[nodiscard]] const std::optional<BrokenLimit>& guard_breach() const noexcept {
+    return guard_breach_;
+  }
   /// Number of motions whose first command was accepted; the arm follows from that cycle on.
   [[nodiscard]] std::uint64_t motions_begun() const noexcept { return motions_begun_; }
   /// How the last motion ended (kSuccess, kPreempted, kReflexAborted, kEmergencyAborted), or
@@ -176,6 +206,12 @@ class OnboardController {
   void DriveJoints(const JointSensors& sensors) noexcept;
   [[nodiscard]] ImpedanceTorque ControlTorque(const JointSensors& sensors) noexcept;
 
+  // onboard_guard.cc: limits of a lab
+  [[nodiscard]] Violations Guarded(const std::optional<BrokenLimit>& breach) noexcept;
+  [[nodiscard]] Violations CheckStopOf(const MotionGenerator& next) noexcept;
+  [[nodiscard]] Violations CheckGuardMeasured(const JointSensors& sensors) noexcept;
+  [[nodiscard]] Violations HoldGuarded() noexcept;
+
   // onboard_state.cc: the robot state
   void Fill(const JointSensors& sensors, RobotState& state) noexcept;
   void FillMeasured(const JointSensors& sensors, RobotState& state) noexcept;
@@ -207,6 +243,9 @@ class OnboardController {
   RestWatch rest_;
   JointSensors sound_;  ///< the last measurement that gave a valid state
 
+  std::optional<StopProof> guard_;  ///< absent without limits of a lab
+  std::optional<BrokenLimit> guard_breach_;
+
   record::CommandFate fate_ = record::CommandFate::kNone;
   Violations violations_;
   RobotErrors errors_;
@@ -219,6 +258,7 @@ class OnboardController {
   bool cartesian_impedance_acts_ = false;  ///< the internal controller is the Cartesian one
   JointVector last_tau_J_{};
   std::uint64_t message_id_ = 0;
+  bool is_new_ = true;  ///< no state was filled since construction or Restart()
 };
 
 }  // namespace twin::onboard

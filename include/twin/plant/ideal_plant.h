@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "twin/model/mass_properties.h"
@@ -39,6 +40,8 @@ class IdealPlant final : public Plant {
 
   void Reset(const JointVector& q) override;
   void Step(const JointDrive& drive) noexcept TWIN_REALTIME override;
+  [[nodiscard]] std::unique_ptr<const State> Save() const override;
+  void Restore(const State& state) override;
   [[nodiscard]] const JointSensors& sensors() const noexcept override { return sensors_; }
   [[nodiscard]] HandBody* hand() noexcept override { return hand_ ? &*hand_ : nullptr; }
 

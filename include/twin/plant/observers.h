@@ -1,6 +1,9 @@
 #pragma once
 
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
@@ -25,6 +28,21 @@ class BodyView {
   const TruthProbe& truth_;
   int body_ = 0;
 };
+
+/// Names and poses in the world (X_WB) of the scene's free bodies: all that are not part of the
+/// robot. A body without a name is called "body N", as in planning::CollisionWorld.
+/// @param qpos  of the model, as a SceneRecord holds it. Threads: any. Not real-time.
+[[nodiscard]] std::vector<std::pair<std::string, Transform>> FreeBodies(
+    const mjModel_& model, std::span<const double> qpos);
+
+/// @returns the free body of that name, for Plant::Place().
+/// @throws InputError if there is none, or if it does not move freely, with the names of those that
+/// do. Threads: any. Not real-time.
+[[nodiscard]] int FreeBodyNamed(const mjModel_& model, const std::string& name);
+
+/// Name of the body that a shape belongs to, or of a shape that is fixed to the world, as in
+/// ContactPair. Threads: any. Not real-time.
+[[nodiscard]] std::string PartOfShape(const mjModel_& model, int geom);
 
 /// Captures poses and forces: contacts with a force, in the engine's order, and pushes on bodies,
 /// each as one force on the line that gives its moment about the body's centre of mass (a pure

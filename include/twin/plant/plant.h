@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 
 #include "twin/core/body_interface.h"
 #include "twin/core/mobile_base.h"
@@ -55,11 +57,27 @@ class BaseBody {
   [[nodiscard]] virtual const WheelSensors& sensors() const noexcept = 0;
 };
 
+/// A shape of the engine's model that a body would overlap, and how deep, m.
+struct Overlap {
+  int geom = 0;
+  double depth = 0;
+};
+
 /// The arm's body: torque in, joint motion out, one millisecond at a time.
 ///
-/// Threads: one thread. Real-time: Step() is noexcept and allocates nothing.
+/// Threads: one thread. Real-time: Step() and Place() are noexcept and allocate nothing.
 class Plant {
  public:
+  /// A copy of all that changes in a plant: bodies, solver, hand, base, brakes, disturbances,
+  /// noise.
+  class State {
+   public:
+    State() = default;
+    virtual ~State() = default;
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+  };
+
   virtual ~Plant() = default;
 
   /// Sets the arm to `q` (rad) at rest and restarts plant time and noise. Does not throw.
@@ -71,6 +89,24 @@ class Plant {
   /// Announces that a motion starts with the next Step(), for plant::Push::motion. Real-time:
   /// noexcept.
   virtual void BeginMotion() noexcept TWIN_REALTIME {}
+
+  /// A body placed deeper than this in another is refused, m. What rests on something sinks in
+  /// less.
+  static constexpr double kMostOverlap = 1e-3;
+
+  /// Puts a free body at rest at X_WB, between two steps. @param body  of the engine's model, as
+  /// FreeBodyNamed() has it (observers.h). @param X_WB  of its frame in the world.
+  /// @returns absent when done; else the deepest overlap beyond kMostOverlap, without any effect.
+  virtual std::optional<Overlap> Place(int /*body*/,
+                                       const Transform& /*X_WB*/) noexcept TWIN_REALTIME {
+    return {};
+  }
+
+  /// @returns a copy of the state, between two steps. Allocates.
+  [[nodiscard]] virtual std::unique_ptr<const State> Save() const = 0;
+  /// Goes back to `state`: the same drives then give the same bits as after Save().
+  /// @pre this plant has saved it. Allocates.
+  virtual void Restore(const State& state) = 0;
 
   /// Sensors after the last Step() or Reset().
   [[nodiscard]] virtual const JointSensors& sensors() const noexcept = 0;

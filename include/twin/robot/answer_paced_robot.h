@@ -1,10 +1,14 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "twin/robot/threaded_robot.h"
 #include "twin/rt/signal.h"
@@ -54,6 +58,11 @@ struct LockstepOptions {
 /// 10 ms (clients wait for two) and then only every 500 ms, so that no state and first command
 /// cross on the wire.
 ///
+/// Pause() lets time stand still, in a motion too: no cycle, and no motion is stopped for want of
+/// an answer. Clients go on receiving states: in a motion the last one each 100 ms, else as with
+/// freeze_when_idle. What INT grants meanwhile shows in the next cycle. Step() lets cycles run and
+/// pauses again; in a motion each of them waits for its answer as ever.
+///
 /// INT, the link's random numbers and the cycle records count cycles. So a record's message_id is
 /// lower than that of the state the workstation received, by the number of states sent again.
 ///
@@ -68,6 +77,34 @@ class AnswerPacedRobot final : public ThreadedRobot {
                    rt::ThreadSettings thread, record::RecordSink* sink,
                    const LockstepOptions& options);
   ~AnswerPacedRobot() override { End(); }
+
+  /// Lets time stand still from the next request to the robot's thread on, which report() is.
+  /// Threads: any, as the next three.
+  void Pause() noexcept { cycles_allowed_.store(0, std::memory_order_relaxed); }
+  void Resume() noexcept { cycles_allowed_.store(kUnlimited, std::memory_order_relaxed); }
+  /// Lets `cycles` more pass. @returns false, without effect, unless time stands still.
+  [[nodiscard]] bool Step(std::uint64_t cycles) noexcept;
+  /// Cycles left of Step(); 0: time stands still; absent: it runs.
+  [[nodiscard]] std::optional<std::uint64_t> cycles_left() const noexcept;
+
+  /// Begins anew with the arm at rest at `q`, as Robot::Reset().
+  /// @param q  rad; absent: where the configuration has it. @returns false, without effect, in a
+  /// motion and while the hand executes a command. Threads: any. Allocates.
+  /// @throws InputError for a joint beyond its limits; RobotFault as all requests.
+  [[nodiscard]] bool Reset(const std::optional<JointVector>& q);
+
+  /// Most snapshots at once; each holds a few MB.
+  static constexpr std::size_t kMostSnapshots = 16;
+
+  /// Keeps a copy of the whole twin: plant, hand, base, INT, both directions of the link and the
+  /// time. One of the same name is replaced. Threads, errors: as Reset().
+  /// @returns false, without effect, in a motion and while the hand executes a command.
+  /// @throws InputError before Begin(), and beyond kMostSnapshots.
+  [[nodiscard]] bool Save(const std::string& name);
+  /// Goes back to a snapshot, as Robot::Restore(): from then on the same requests and commands give
+  /// the same states as after Save(), each time. The workstation receives the snapshot's state, and
+  /// ids that go on rising. @returns as Save(). @throws InputError for an unknown name.
+  [[nodiscard]] bool Restore(const std::string& name);
 
   /// Number of motions stopped for want of an answer. Any thread.
   [[nodiscard]] std::uint64_t motions_given_up() const noexcept {
@@ -87,6 +124,12 @@ class AnswerPacedRobot final : public ThreadedRobot {
   void Run(const std::stop_token& stop) noexcept override;
   void OnGranted(Granted what) noexcept override;
 
+  /// Runs a cycle, or sends the last state again.
+  void Next() noexcept;
+  /// In a motion that has begun: no state may be sent that asks for another answer.
+  [[nodiscard]] bool WaitsForAnswers() const noexcept {
+    return phase_ == Phase::kAnswered || phase_ == Phase::kStopping;
+  }
   /// Advances virtual time until the next state has arrived, or until a cycle whose state is lost
   /// has ended.
   void Advance() noexcept TWIN_REALTIME;
@@ -95,6 +138,11 @@ class AnswerPacedRobot final : public ThreadedRobot {
   /// Sends the last state again, with the next id.
   void Repeat() noexcept TWIN_REALTIME;
   [[nodiscard]] bool IsFrozen() const noexcept;
+  [[nodiscard]] bool is_paused() const noexcept {
+    return cycles_allowed_.load(std::memory_order_relaxed) == 0;
+  }
+  /// Counts a cycle of Step().
+  void CountDown() noexcept;
   void TakeCommands() noexcept TWIN_REALTIME;
   [[nodiscard]] Time NextCycle(Time now) const noexcept;
   /// Waits until the next cycle is due and serves requests meanwhile.
@@ -105,8 +153,18 @@ class AnswerPacedRobot final : public ThreadedRobot {
   /// Stops waiting for an answer.
   void Stop() noexcept TWIN_REALTIME;
 
+  struct Snapshot {
+    rt::EventQueue events;
+    Robot::Snapshot robot;
+    bool owes_cycle;
+  };
+
+  static constexpr std::uint64_t kUnlimited = ~std::uint64_t{0};
+
   rt::Arrival& commands_;
   const LockstepOptions options_;
+  /// 0: paused. A number that orders no other memory: relaxed.
+  std::atomic<std::uint64_t> cycles_allowed_{kUnlimited};
 
   bool cycling_ = false;  ///< set by the robot's thread between Begin() and End()
   Phase phase_ = Phase::kNone;
@@ -114,6 +172,7 @@ class AnswerPacedRobot final : public ThreadedRobot {
   std::uint64_t shown_cycle_ = 0;  ///< its id in INT
   std::uint64_t repeats_ = 0;      ///< states sent again: offset of ids from INT's
   bool answered_ = false;          ///< the state in shown_
+  bool owes_cycle_ = false;        ///< of a request granted during a pause
   bool delivered_ = false;         ///< the last Advance() delivered a state
   ReceivedCommand received_;
 
@@ -121,6 +180,8 @@ class AnswerPacedRobot final : public ThreadedRobot {
   Time next_cycle_{};      ///< on the wall clock, while that sets the pace
   Time waiting_since_{};   ///< start of the wait for an answer
   Time resend_{};
+  std::mutex keeping_;  ///< guards snapshots_; the robot's thread never locks it
+  std::map<std::string, Snapshot> snapshots_;
   std::atomic<std::uint64_t> motions_given_up_{0};
 };
 

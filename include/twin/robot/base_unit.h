@@ -22,9 +22,21 @@ namespace twin::robot {
 /// any. Real-time: all calls are noexcept, do not wait and allocate nothing.
 class BaseUnit {
  public:
+  /// A copy of all that changes in the unit, with the command that the next cycle takes.
+  struct State {
+    onboard::BaseController controller;
+    std::optional<BaseTwist> command{};
+    bool stopped = false;
+  };
+
   /// @param body  after the plant's Reset(); must outlive the unit. @param config  valid.
   BaseUnit(plant::BaseBody& body, const onboard::BaseConfig& config) noexcept
-      : body_(body), controller_(config, body.sensors()) {}
+      : body_(body), live_{.controller = onboard::BaseController(config, body.sensors())} {}
+
+  /// On the robot's thread, between two cycles.
+  [[nodiscard]] State Save() noexcept;
+  /// Commands that have not taken effect are lost.
+  void Restore(const State& state) noexcept;
 
   /// Once per cycle, before the plant's Step(): reads the body and sets its drives for that step.
   void Cycle() noexcept TWIN_REALTIME;
@@ -36,14 +48,17 @@ class BaseUnit {
   [[nodiscard]] BaseState ReadState() const noexcept TWIN_REALTIME { return shown_.Read(); }
 
   /// State of the last cycle.
-  [[nodiscard]] const BaseState& state() const noexcept { return controller_.state(); }
+  [[nodiscard]] const BaseState& state() const noexcept { return live_.controller.state(); }
 
   /// Whether the base is at rest without a pending command, so that time may freeze.
   [[nodiscard]] bool AtRest() const noexcept;
 
  private:
   plant::BaseBody& body_;
-  onboard::BaseController controller_;
+  /// Takes the newest command and the emergency stop into live_.
+  void Take() noexcept TWIN_REALTIME;
+
+  State live_;  ///< of the robot's thread
   rt::LatestValue<BaseTwist> commands_;
   // Independent flags that order nothing: relaxed.
   std::atomic<bool> stopped_{false};

@@ -14,6 +14,8 @@ namespace twin::robot {
 /// Messages in flight in one direction. Each has a random fate, and each copy's arrival is an
 /// event. Holds at most kCapacity, two per millisecond of the longest delay; further ones are lost.
 ///
+/// A copy is for the link that was copied to go back to, together with its event queue.
+///
 /// Threads: that of the event queue. Real-time: allocates nothing after construction.
 /// @tparam Message  with a message_id, the key of its fate.
 template <typename Message>
@@ -41,7 +43,7 @@ class Channel {
   };
 
   faults::MessageFate fate_;
-  rt::EventQueue& events_;
+  rt::EventQueue* events_;
   rt::EventOrder order_;
   std::vector<Slot> slots_;
   std::vector<std::size_t> free_;  ///< slots without a copy; the last one freed is used first
@@ -51,7 +53,7 @@ template <typename Message>
 Channel<Message>::Channel(const faults::DirectionConfig& config, std::uint64_t seed,
                           const faults::FateStreams& streams, rt::EventQueue& events,
                           rt::EventOrder order)
-    : fate_(config, seed, streams), events_(events), order_(order), slots_(kCapacity) {
+    : fate_(config, seed, streams), events_(&events), order_(order), slots_(kCapacity) {
   free_.reserve(kCapacity);
   for (std::size_t slot = kCapacity; slot > 0; --slot) free_.push_back(slot - 1);
 }
@@ -65,11 +67,11 @@ faults::Fate Channel<Message>::Send(const Message& message, rt::EventHandler& ar
   free_.pop_back();
   slots_[index].message = message;
   slots_[index].copies = 1;
-  events_.Schedule(events_.Now() + fate.delay, order_, arrived, index);
+  events_->Schedule(events_->Now() + fate.delay, order_, arrived, index);
   if (fate.duplicate_delay > kLongestOnTheWay) fate.duplicated = false;
   if (!fate.duplicated) return fate;
   slots_[index].copies = 2;
-  events_.Schedule(events_.Now() + fate.duplicate_delay, order_, arrived, index);
+  events_->Schedule(events_->Now() + fate.duplicate_delay, order_, arrived, index);
   return fate;
 }
 

@@ -15,10 +15,10 @@ namespace twin::robot {
 class HandUnit {
  public:
   /// @param body  after the plant's Reset(); must outlive the unit.
-  explicit HandUnit(plant::HandBody& body) noexcept : body_(body), gripper_(body.sensors()) {}
+  explicit HandUnit(plant::HandBody& body) noexcept : body_(&body), gripper_(body.sensors()) {}
 
   /// Once per cycle, before the plant's Step(): reads the body and sets its drive for that step.
-  void Cycle() noexcept TWIN_REALTIME { body_.Drive(gripper_.Cycle(body_.sensors())); }
+  void Cycle() noexcept TWIN_REALTIME { body_->Drive(gripper_.Cycle(body_->sensors())); }
 
   /// See onboard::Gripper.
   HandStart Start(const HandCommand& command) noexcept TWIN_REALTIME {
@@ -30,7 +30,7 @@ class HandUnit {
   [[nodiscard]] const HandState& state() const noexcept { return gripper_.state(); }
 
  private:
-  plant::HandBody& body_;
+  plant::HandBody* body_;
   onboard::Gripper gripper_;
 };
 

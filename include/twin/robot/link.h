@@ -38,7 +38,7 @@ class StateLink final : private rt::EventHandler {
   void OnEvent(Time now, std::uint64_t token) noexcept override;
 
   Channel<RobotState> channel_;
-  rt::EventHandler& state_ready_;
+  rt::EventHandler* state_ready_;
   RobotState newest_;
   Time arrival_{};
   bool has_new_ = false;
@@ -61,7 +61,7 @@ class CommandLink final : private rt::EventHandler {
   void OnEvent(Time now, std::uint64_t token) noexcept override;
 
   Channel<RobotCommand> channel_;
-  onboard::CommandInbox& inbox_;
+  onboard::CommandInbox* inbox_;
   std::optional<std::uint64_t> last_answered_;
   std::uint32_t repeat_ = 0;
 };

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <vector>
+#include <utility>
 
 #include "twin/core/hand_command.h"
 #include "twin/core/modes.h"
@@ -24,8 +24,9 @@ namespace twin::robot {
 
 /// How the last motion ended.
 struct LastMotion {
-  MoveStatus end = MoveStatus::kMotionStarted;  ///< see onboard::OnboardController::last_end
-  onboard::Violations violations;               ///< violations that ended it, if any
+  MoveStatus end = MoveStatus::kMotionStarted;   ///< see onboard::OnboardController::last_end
+  onboard::Violations violations;                ///< violations that ended it, if any
+  std::optional<onboard::BrokenLimit> breach{};  ///< the guard's limit that ended it, if one did
 };
 
 /// An emulated robot on an event queue: INT, plant, hand, mobile base and link, run by one event
@@ -51,6 +52,29 @@ class Robot final : private rt::EventHandler {
   Robot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant, rt::EventQueue& events,
         rt::EventHandler& state_ready, record::RecordSink* sink);
 
+  /// Begins anew with the arm at rest at `q`, between two cycles and not in a motion: plant, hand,
+  /// base and INT as constructed. Message ids, time, panel events and the links go on, and with
+  /// them the links' random losses. Not for real time: allocates.
+  void Reset(const JointVector& q);
+
+  /// A copy of all that changes in a robot: plant, hand, base, INT and both directions of its link.
+  /// The messages in flight arrive by events, so whoever owns the queue keeps a copy of it, too.
+  class Snapshot;
+  /// Between two events. Not for real time, like Restore(): allocates.
+  [[nodiscard]] Snapshot Save() noexcept;
+  /// Goes back, in the middle of a motion too: the same commands and requests then give the same
+  /// bits as after Save(), message ids, random losses and delays included. Only the times of the
+  /// records that the sink gets (CycleRecord::at) go on from the last one.
+  /// @pre `snapshot` is of this robot; the queue was, or will be, taken back with it.
+  void Restore(const Snapshot& snapshot) noexcept;
+
+  /// As plant::Plant. Between two events.
+  std::optional<plant::Overlap> Place(int body, const Transform& X_WB) noexcept TWIN_REALTIME {
+    return plant_->Place(body, X_WB);
+  }
+
+  [[nodiscard]] const RobotConfig& config() const noexcept { return config_; }
+
   /// Starts the cycles at the queue's present time; the first is due one period later. Once.
   void Begin() noexcept;
 
@@ -59,29 +83,29 @@ class Robot final : private rt::EventHandler {
   void Postpone(Duration by) noexcept TWIN_REALTIME;
 
   /// Due time of the next cycle. @pre after Begin().
-  [[nodiscard]] Time next_cycle() const noexcept { return next_cycle_; }
+  [[nodiscard]] Time next_cycle() const noexcept { return live_.next_cycle; }
   /// Requests, between two cycles, on the queue's clock.
   [[nodiscard]] Duration period() const noexcept;
 
   [[nodiscard]] MoveStatus Move(const MotionModes& modes) noexcept;
-  void StopMove() noexcept { onboard_.StopMove(); }
+  void StopMove() noexcept { live_.onboard.StopMove(); }
   [[nodiscard]] RecoveryStatus AutomaticErrorRecovery() noexcept {
-    return onboard_.AutomaticErrorRecovery();
+    return live_.onboard.AutomaticErrorRecovery();
   }
   [[nodiscard]] SetterStatus Configure(const Setting& setting) noexcept {
-    return onboard_.Configure(setting);
+    return live_.onboard.Configure(setting);
   }
-  [[nodiscard]] bool Operate(PanelAction action) noexcept { return onboard_.Operate(action); }
+  [[nodiscard]] bool Operate(PanelAction action) noexcept { return live_.onboard.Operate(action); }
 
   /// Whether a hand is mounted. Its requests: see onboard::Gripper. @pre for them: mounted.
-  [[nodiscard]] bool has_hand() const noexcept { return hand_.has_value(); }
+  [[nodiscard]] bool has_hand() const noexcept { return live_.hand.has_value(); }
   [[nodiscard]] HandStart StartHand(const HandCommand& command) noexcept {
-    return hand_->Start(command);
+    return live_.hand->Start(command);
   }
   [[nodiscard]] std::optional<HandResult> HandOutcome(HandTicket ticket) const noexcept {
-    return hand_->Outcome(ticket);
+    return live_.hand->Outcome(ticket);
   }
-  [[nodiscard]] HandState hand_state() const noexcept { return hand_->state(); }
+  [[nodiscard]] HandState hand_state() const noexcept { return live_.hand->state(); }
 
   /// The mobile base below the arm, or null.
   [[nodiscard]] BaseUnit* base() noexcept { return base_ ? &*base_ : nullptr; }
@@ -91,49 +115,76 @@ class Robot final : private rt::EventHandler {
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;
 
   /// The workstation's end of the link.
-  [[nodiscard]] StateLink& states() noexcept { return states_; }
+  [[nodiscard]] StateLink& states() noexcept { return live_.states; }
 
   /// Mode of the last cycle (the workstation receives it one link delay later).
-  [[nodiscard]] RobotMode mode() const noexcept { return onboard_.robot_mode(); }
+  [[nodiscard]] RobotMode mode() const noexcept { return live_.onboard.robot_mode(); }
   [[nodiscard]] LastMotion last_motion() const noexcept {
-    return {onboard_.last_end(), last_violations_};
+    return {live_.onboard.last_end(), live_.last_violations, live_.onboard.guard_breach()};
   }
+  /// The limits that INT guards; empty: none. Constant.
+  [[nodiscard]] const model::LabLimits& guard() const noexcept { return config_.onboard.guard; }
+  /// The last state that INT sent; zero before the first.
+  [[nodiscard]] const RobotState& state() const noexcept { return live_.record.state; }
   /// Violations of the last cycle that had any, with or without a motion; empty before the first.
-  [[nodiscard]] const onboard::Violations& last_found() const noexcept { return last_found_; }
+  [[nodiscard]] const onboard::Violations& last_found() const noexcept { return live_.last_found; }
   /// Cycles of the running motion without a command, up to the last one.
-  [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return onboard_.lost_in_row(); }
+  [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return live_.onboard.lost_in_row(); }
   /// Whether, in the last cycle, INT's reference was at rest and every measured joint velocity
   /// below kRestSpeed.
   [[nodiscard]] bool AtRest() const noexcept;
 
  private:
+  /// All that changes beside plant and base, which have States of their own.
+  struct Live {
+    onboard::OnboardController onboard;
+    std::optional<HandUnit> hand{};
+    onboard::CommandInbox inbox{};
+    StateLink states;
+    CommandLink commands;  ///< into the inbox
+    std::size_t next_panel_event = 0;
+    Time begin{};
+    std::uint64_t periods = 0;  ///< from begin to the next cycle, without postponements
+    Time next_cycle{};
+    onboard::Violations last_violations{};
+    onboard::Violations last_found{};
+    record::CycleRecord record{};
+    Duration ahead{};  ///< of the records' times before the queue's, by Restore()
+  };
+
   void OnEvent(Time now, std::uint64_t token) noexcept override;
+  /// Plant, hand and base as at the beginning, the arm at `q`.
+  void ResetBodies(const JointVector& q);
   [[nodiscard]] Time Due(std::uint64_t periods) const noexcept;
   void ScheduleCycle() noexcept;
   void OperatePanel() noexcept;
   void Cycle(Time now) noexcept;
 
+  const RobotConfig config_;
   std::unique_ptr<plant::Plant> plant_;
-  std::optional<HandUnit> hand_;
   std::optional<BaseUnit> base_;
-  onboard::OnboardController onboard_;
-  onboard::CommandInbox inbox_;
   rt::EventQueue& events_;
-  record::RecordSink* sink_;
-  StateLink states_;
-  CommandLink commands_;
-  Duration d_INT_;
-  double clock_speed_;  ///< of INT's clock, relative to the queue's
+  record::RecordSink* const sink_;
+  const Duration d_INT_;
+  const double clock_speed_;  ///< of INT's clock, relative to the queue's
   std::optional<CommandKeeper> keeper_;
-  const std::vector<PanelEvent> panel_;
-  std::size_t next_panel_event_ = 0;
+  Live live_;
+};
 
-  Time begin_{};
-  std::uint64_t periods_ = 0;  ///< from begin_ to the next cycle, without postponements
-  Time next_cycle_{};
-  onboard::Violations last_violations_;
-  onboard::Violations last_found_;
-  record::CycleRecord record_;
+class Robot::Snapshot {
+ public:
+  /// Id of the last state that INT sent.
+  [[nodiscard]] std::uint64_t message_id() const noexcept { return live_.record.state.message_id; }
+
+ private:
+  friend class Robot;
+  Snapshot(const Live& live, std::unique_ptr<const plant::Plant::State> plant,
+           std::optional<BaseUnit::State> base)
+      : live_(live), plant_(std::move(plant)), base_(base) {}
+
+  Live live_;
+  std::unique_ptr<const plant::Plant::State> plant_;
+  std::optional<BaseUnit::State> base_;
 };
 
 }  // namespace twin::robot

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/realtime.h"
+#include "twin/core/robot_state.h"
 #include "twin/robot/robot.h"
 #include "twin/robot/workstation_port.h"
 #include "twin/rt/call_mailbox.h"
@@ -57,6 +59,8 @@ class ThreadedRobot : protected rt::EventHandler {
   [[nodiscard]] RecoveryStatus AutomaticErrorRecovery();
   [[nodiscard]] SetterStatus Configure(const Setting& setting);
   [[nodiscard]] bool Operate(PanelAction action);
+  /// As in Robot, between two cycles.
+  std::optional<plant::Overlap> Place(int body, const Transform& X_WB);
   /// As in Robot.
   [[nodiscard]] bool has_hand() const noexcept { return robot_.has_hand(); }
   [[nodiscard]] HandStart StartHand(const HandCommand& command);
@@ -66,14 +70,26 @@ class ThreadedRobot : protected rt::EventHandler {
   [[nodiscard]] BaseUnit* base() noexcept { return robot_.base(); }
   [[nodiscard]] RobotMode mode() const;
   [[nodiscard]] LastMotion last_motion() const;
+  /// Robot::guard. Threads: any.
+  [[nodiscard]] const model::LabLimits& guard() const noexcept { return robot_.guard(); }
   [[nodiscard]] RobotReport report() const;
+  /// As in Robot; message_id counts cycles.
+  [[nodiscard]] RobotState state() const;
 
   /// Permissions that the thread lacked. @pre not between Begin() and End().
   [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
 
  protected:
   /// Requests that INT grants.
-  enum class Granted : std::uint8_t { kMove, kStopMove, kRecovery, kSetting, kPanelAction };
+  enum class Granted : std::uint8_t {
+    kMove,
+    kStopMove,
+    kRecovery,
+    kSetting,
+    kPanelAction,
+    kPlace,
+    kReset,
+  };
 
   /// @param port    to the workstation; must outlive the robot.
   /// @param clock   of the host; must outlive the robot.
@@ -88,6 +104,10 @@ class ThreadedRobot : protected rt::EventHandler {
   /// INT has granted a request; called before the reply. On the robot's thread, or while it does
   /// not exist.
   virtual void OnGranted(Granted /*what*/) noexcept {}
+
+  /// Calls `action` on the robot's thread, unless in a motion or while the hand is busy, and
+  /// forgets the hand's last command. @returns whether it was called.
+  [[nodiscard]] bool BetweenMotions(const std::function<void()>& action);
 
   /// On the robot's thread, like those below.
   [[nodiscard]] Robot& robot() noexcept { return robot_; }
