@@ -85,6 +85,22 @@ void RequireValid(const std::vector<TaskStep>& steps) {
   }
 }
 
+/// Least difference that means something in a finding, as a number of decimals.
+constexpr std::array<std::pair<std::string_view, int>, 14> kDecimals{{{"mm", 3},
+                                                                      {"mm/s", 2},
+                                                                      {"deg", 3},
+                                                                      {"deg/s", 2},
+                                                                      {"mrad", 2},
+                                                                      {"rad", 4},
+                                                                      {"m/s", 3},
+                                                                      {"m/s^3", 2},
+                                                                      {"s", 2},
+                                                                      {"ms", 1},
+                                                                      {"%", 2},
+                                                                      {"N", 1},
+                                                                      {"Nm", 2},
+                                                                      {"mJ", 2}}};
+
 /// One attempt. @param is_lost  set when the step threw RobotFault.
 StepEnd Try(const TaskStep& step, bool& is_lost) {
   try {
@@ -96,6 +112,42 @@ StepEnd Try(const TaskStep& step, bool& is_lost) {
 }
 
 }  // namespace
+
+std::string RoundedText(double value, std::string_view unit) {
+  constexpr int kDigits = 4;
+  const auto* const known =
+      std::ranges::find(kDecimals, unit, &std::pair<std::string_view, int>::first);
+  if (known == kDecimals.end() || !std::isfinite(value)) return fmt::format("{:.4g}", value);
+  const double size = std::abs(value);
+  const int before = size < 1 ? 1 : static_cast<int>(std::floor(std::log10(size))) + 1;
+  std::string text = fmt::format("{:.{}f}", value, std::clamp(kDigits - before, 0, known->second));
+  const bool is_zero = text.find_first_not_of("-0.") == std::string::npos;
+  return is_zero && text.starts_with('-') ? text.substr(1) : text;
+}
+
+std::string VerdictOf(const Evaluation& evaluation) {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::string> met;
+  std::vector<std::string> missed;
+  for (const Finding& finding : evaluation.findings) {
+    if (!finding.met) continue;
+    const std::string unit = finding.unit.empty() ? "" : " " + finding.unit;
+    (*finding.met ? met : missed)
+        .push_back(fmt::format("{} {}{} (demanded: {})", finding.quantity,
+                               RoundedText(finding.value, finding.unit), unit, finding.demand));
+  }
+  if (met.empty() && missed.empty()) return "";
+  const std::size_t count = met.size() + missed.size();
+  std::vector<std::string>& told = missed.empty() ? met : missed;
+  const bool is_cut = told.size() > kMost;
+  if (is_cut) told.resize(kMost);
+  const std::string head = !missed.empty()
+                               ? fmt::format("{} of {} demands missed", count - met.size(), count)
+                           : count == 1 ? "The one demand is met"
+                                        : fmt::format("All {} demands are met", count);
+  return fmt::format("{}: {}{}.", head, fmt::join(told, "; "),
+                     is_cut ? "; and so on, see the results" : "");
+}
 
 std::unique_ptr<Application> Make(const scenario::Scenario& scenario) {
   const Entry& entry = EntryOf(scenario);
@@ -193,8 +245,8 @@ Transform Stage::F_T_EE() const {
 }
 
 std::unique_ptr<planning::CollisionWorld> Stage::MakeWorld() const {
-  return std::make_unique<planning::CollisionWorld>(
-      run::MakeRobotConfig(scenario, session.robot(), files).plant);
+  return run::MakeWorld(scenario, session.robot(),
+                        run::MakeRobotConfig(scenario, session.robot(), files).plant);
 }
 
 void Stage::Carry(const std::vector<TaskStep>& steps) {

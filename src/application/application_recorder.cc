@@ -51,7 +51,9 @@ Json FindingsJson(const Evaluation& evaluation, bool on_page) {
                                            {"unit", finding.unit},
                                            {"demand", finding.demand},
                                            {"met", finding.met ? Json(*finding.met) : Json()}});
-    if (on_page) one["verdict"] = !finding.met ? "reported" : *finding.met ? "met" : "missed";
+    if (!on_page) continue;
+    one["value"] = RoundedText(finding.value, finding.unit);
+    one["verdict"] = !finding.met ? "reported" : *finding.met ? "met" : "missed";
   }
   return findings;
 }
@@ -122,6 +124,7 @@ class ApplicationRecorder final : public RunRecorder {
     return {.connection = &run_->connection(),
             .robot = &run_->robot(),
             .check_start = [this](const run::TellCheck& tell) { return run_->CheckStart(tell); },
+            .start = scenario().robot.q_start,
             .longest = run_->longest()};
   }
   Outcome Perform(const run::RunHooks& hooks) override;
@@ -202,13 +205,13 @@ std::string ApplicationRecorder::SummaryOfTerminal() const {
   const run::SessionResult& session = run_->session_result();
   std::string out = fmt::format("{}: {}\n", scenario().name, outcome());
   for (const Finding& finding : run_->evaluation().findings) {
-    out +=
-        fmt::format("  {:<7}{}: {:.4g}{}{}{}\n",
-                    !finding.met   ? " "
-                    : *finding.met ? "met"
-                                   : "MISSED",
-                    finding.quantity, finding.value, finding.unit.empty() ? "" : " ", finding.unit,
-                    finding.demand.empty() ? "" : fmt::format(" ({})", finding.demand));
+    out += fmt::format("  {:<7}{}: {}{}{}{}\n",
+                       !finding.met   ? " "
+                       : *finding.met ? "met"
+                                      : "MISSED",
+                       finding.quantity, RoundedText(finding.value, finding.unit),
+                       finding.unit.empty() ? "" : " ", finding.unit,
+                       finding.demand.empty() ? "" : fmt::format(" ({})", finding.demand));
   }
   const run::CycleCounts& counts = session.counts;
   if (!scenario().is_remote()) {
@@ -259,6 +262,7 @@ std::string PageOf(const scenario::Scenario& scenario, const TaskResult& task_re
   const std::string failure = FailureOf(task_result, evaluation);
   return report::RenderPage("application/run", {{"title", scenario.name},
                                                 {"description", scenario.description},
+                                                {"verdict", VerdictOf(evaluation)},
                                                 {"succeeded", failure.empty()},
                                                 {"failure", failure},
                                                 {"video", facts.has_video},

@@ -115,6 +115,9 @@ std::string SeedsPage(const scenario::Scenario& scenario, const MonteCarloResult
   }
   Json findings = SpreadsJson(spreads);
   for (Json& finding : findings) {
+    for (const char* key : {"median", "largest"}) {
+      finding[key] = RoundedText(finding[key], finding["unit"].get<std::string>());
+    }
     finding["verdict"] = finding["missed"] == 0 ? "met" : "missed";
     if (finding["demand"] == "") finding["missed"] = nullptr;
   }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "application/home_motion.h"
 #include "twin/application/application.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -54,37 +55,101 @@ run::RealtimeConfig ServedAt(const fci::Endpoint& arm, const std::optional<fci::
 
 }  // namespace
 
-PageOperator::PageOperator(const Parts& parts, const scenario::Scenario& served,
-                           const fci::Endpoint& arm, const std::optional<fci::Endpoint>& hand,
-                           Tell tell)
-    : parts_(parts),
+PageOperator::PageOperator(Parts parts, const scenario::Scenario& served, const fci::Endpoint& arm,
+                           const std::optional<fci::Endpoint>& hand, Tell tell)
+    : parts_(std::move(parts)),
+      served_(served),
       scenario_(LedFromThePage(served)),
       settings_(ServedAt(arm, hand)),
       tell_(std::move(tell)),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 
+void PageOperator::Offer(page::PageSettings& settings) {
+  settings.control = [this](bool wanted) { Operate(wanted); };
+  settings.resume = {.phase =
+                         [this] {
+                           const std::lock_guard lock(mutex_);
+                           return phase_;
+                         },
+                     .recover = [this] { return Ask(Wish::kLead); },
+                     .home = [this] { return Ask(Wish::kHome); }};
+}
+
+void PageOperator::Operate(bool wanted) {
+  const std::lock_guard lock(mutex_);
+  wanted_ = wanted;
+  wish_ = wanted ? Wish::kLead : Wish::kNone;
+  if (!wanted) ends_home_ = true;
+}
+
+bool PageOperator::Ask(Wish wish) {
+  using page::LedSession;
+  const std::lock_guard lock(mutex_);
+  const bool may =
+      phase_ == LedSession::kRests || (wish == Wish::kHome && phase_ == LedSession::kLeads);
+  if (!wanted_ || !may) return false;
+  wish_ = wish;
+  return true;
+}
+
+bool PageOperator::is_wanted() const {
+  const std::lock_guard lock(mutex_);
+  return wanted_;
+}
+
+PageOperator::Wish PageOperator::Begin() {
+  const std::lock_guard lock(mutex_);
+  const Wish wish = std::exchange(wish_, Wish::kNone);
+  if (wish == Wish::kNone) return wish;
+  phase_ = wish == Wish::kHome ? page::LedSession::kGoesHome : page::LedSession::kConnects;
+  ends_home_ = false;
+  return wish;
+}
+
+void PageOperator::End(Wish next) {
+  const std::lock_guard lock(mutex_);
+  phase_ = page::LedSession::kRests;
+  if (wanted_ && wish_ == Wish::kNone) wish_ = next;
+}
+
 void PageOperator::Run(const std::stop_token& stop) {
-  const std::stop_callback interrupt(stop, [this] { interrupted_ = true; });
+  const std::stop_callback interrupt(stop, [this] {
+    interrupted_ = true;
+    ends_home_ = true;
+  });
   const MonotonicClock clock;
-  std::uint64_t served = 0;
   for (; !stop.stop_requested(); rt::SleepUntil(clock, clock.Now() + kLook)) {
-    if (!wanted_.load(std::memory_order_acquire)) continue;
-    const std::uint64_t take = takes_.load(std::memory_order_relaxed);
-    if (take == served) continue;  // its session has ended, but control was not returned
-    auto device = std::make_unique<page::PageDevice>(parts_.channel, "this server");
-    // From here on, the device receives the end that is pressed when control is returned.
-    if (!wanted_.load(std::memory_order_acquire)) continue;
-    served = take;
+    const Wish wish = Begin();
+    if (wish == Wish::kNone) continue;
+    Wish next = Wish::kNone;  // after an end or an error the operator decides
     try {
-      Session(std::move(device));
+      if (wish == Wish::kHome) {
+        Home();
+        next = Wish::kLead;
+      } else {
+        auto device = std::make_unique<page::PageDevice>(parts_.channel, "this server");
+        // From here on, the device receives the end that is pressed when control is returned.
+        if (is_wanted()) Session(std::move(device));
+      }
     } catch (const Error& error) {
-      tell_(clock.Now(), "error",
-            fmt::format("{}; to try again, give control back and take it", error.what()));
+      tell_(clock.Now(), "error", error.what());
     }
+    End(next);
   }
 }
 
+void PageOperator::Home() {
+  run::RunHooks hooks;
+  hooks.interrupted = &ends_home_;
+  hooks.event = tell_;
+  run::Session session(scenario_, parts_.catalogue, parts_.files, nullptr, settings_);
+  session.Begin(hooks);
+  session.Recover();
+  MoveHome(session, scenario_, served_, parts_.files, parts_.bodies);
+}
+
 void PageOperator::Session(std::unique_ptr<teleop::Device> device) {
+  device->Feel({});  // nothing is left of the last session's
   run::RunHooks hooks;
   hooks.interrupted = &interrupted_;
   hooks.event = tell_;
@@ -100,6 +165,10 @@ void PageOperator::Session(std::unique_ptr<teleop::Device> device) {
   const run::Catalogue catalogue{parts_.catalogue.backends, parts_.catalogue.controllers, &devices};
   const MonotonicClock clock;
   ApplicationRun run(scenario_, catalogue, parts_.files, nullptr, clock, settings_);
+  {
+    const std::lock_guard lock(mutex_);
+    phase_ = page::LedSession::kLeads;
+  }
   const TaskResult& task_result = run.Execute(hooks);
   if (!task_result.task.failure.empty()) tell_(clock.Now(), "error", task_result.task.failure);
 }

@@ -2,13 +2,16 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "twin/application/application.h"
 #include "twin/control/parameters.h"
+#include "twin/core/clock.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
 #include "twin/core/time.h"
@@ -16,6 +19,7 @@
 #include "twin/planning/pose_following.h"
 #include "twin/plant/scene_object.h"
 #include "twin/reference/pose_trajectory.h"
+#include "twin/reference/trajectory.h"
 #include "twin/scenario/objects.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
@@ -25,7 +29,8 @@ namespace twin::application {
 
 /// An object and its goal. All poses in the base, which is the world.
 struct PickTask {
-  plant::SceneObject object;  ///< X_WB is its pose before the task
+  plant::SceneObject object;                  ///< X_WB is its pose before the task, as perceived
+  Transform O_T_object = kIdentityTransform;  ///< the true one
   Transform O_T_goal = kIdentityTransform;
   std::string from{};        ///< part that supports it, and that it may touch when lifted
   std::string to{};          ///< part that supports it at the goal
@@ -49,6 +54,8 @@ struct PickOptions {
   reference::Timing down_pace{
       .duration = {}, .velocity_scale = 0.04, .acceleration_scale = 0.02, .jerk_scale = 0.02};
   planning::FollowOptions follow{};
+  /// Collision checks for sampled paths, over all attempts of a plan; 0: none are sampled.
+  std::uint64_t budget = 200'000;
 };
 
 /// The parameters of pick and place, with their keys in brackets.
@@ -61,10 +68,13 @@ struct PickParameters {
   /// Position and rpy on that object's top [place.position, place.rpy].
   scenario::FramePose place;
   scenario::FramePose spread;  ///< half widths of uniform ranges of these [place.spread]
-  double force = 0;            ///< of each finger, N [grasp.force]
-  double speed = 0;            ///< of the closing hand, m/s [grasp.speed]
-  double tolerance = 0;        ///< of the width of a held object, m [grasp.tolerance]
-  int tries = 0;               ///< grasps, in all [grasp.tries]
+  /// Half widths of uniform ranges of the perceived pose about the true one, in the object's frame
+  /// [perception.spread].
+  scenario::FramePose perception;
+  double force = 0;      ///< of each finger, N [grasp.force]
+  double speed = 0;      ///< of the closing hand, m/s [grasp.speed]
+  double tolerance = 0;  ///< of the width of a held object, m [grasp.tolerance]
+  int tries = 0;         ///< grasps, in all [grasp.tries]
   PickOptions options;
   std::string object_key;  ///< "<file>:<line>: application.parameters.object: "
   std::string on_key;      ///< likewise for place.on
@@ -120,11 +130,14 @@ using OrReason = std::variant<T, std::string>;
 
 /// A path of the end effector.
 struct LegPlan {
-  std::vector<Transform> poses{};  ///< from its start on; empty: the arm is already at its end
+  std::vector<Transform> poses{};             ///< from its start on
+  std::vector<reference::Waypoint> joints{};  ///< instead, of a sampled path, with their times
   Duration duration{};
   JointVector q_start{};  ///< rad
   JointVector q_end{};
   std::vector<Vector3> path{};  ///< of the end effector, base frame, m, 2 cm apart
+
+  [[nodiscard]] bool is_at_end() const noexcept { return poses.empty() && joints.empty(); }
 };
 
 struct PickPlan {
@@ -139,19 +152,25 @@ struct PickPlan {
 /// Plans the whole task before the first motion: a grip for which all paths up to the retreat are
 /// free of collision and within the joints' position and velocity limits.
 ///
-/// Tries all grips (GripsOf()), and for each several transfer paths: straight, and over points that
-/// are higher or nearer to the robot. Simulates the controller on each path (planning::Follow), in
-/// a world in which the object stands, is held, or is at its goal. Returns the fastest plan.
+/// Tries all grips (GripsOf()), and for each several approach and transfer paths: straight, and
+/// over points that are higher or nearer to the robot. Simulates the controller on each path
+/// (planning::Follow), in a world in which the object stands, is held, or is at its goal. Returns
+/// the fastest plan. If no grip leads to the goal so, it samples paths in joint space for approach
+/// and transfer (planning::Planner), to any configuration from which the next paths lead on, and
+/// returns the first plan.
 ///
 /// Threads: the world's. Deterministic. Not for real-time code.
 class PickPlanner {
  public:
-  /// @param world, robot  must outlive the planner. @param F_T_EE  end effector in the flange.
-  PickPlanner(planning::CollisionWorld& world, const scenario::RobotData& robot,
-              const Transform& F_T_EE, PickTask task, const PickOptions& options);
+  /// @param world, robot, clock  must outlive the planner. @param F_T_EE  end effector in the
+  /// flange. @param seed  of sampled paths.
+  PickPlanner(planning::CollisionWorld& world, const scenario::RobotData& robot, const Clock& clock,
+              const Transform& F_T_EE, PickTask task, const PickOptions& options,
+              std::uint64_t seed);
 
   /// Plans all legs. @param q  the arm's position, rad, at rest.
-  /// @returns the plan, or the reason of the failure: leg and obstacle.
+  /// @returns the plan, or the reason of the failure: the furthest leg, each way that was tried
+  /// there and its obstacle, and the legs at which other grips failed.
   [[nodiscard]] OrReason<PickPlan> Plan(const JointVector& q);
 
   /// Plans the legs from `first` on, which begins at q. @param grip  of the first plan.
@@ -164,7 +183,15 @@ class PickPlanner {
   [[nodiscard]] double OpeningFor(const Grip& grip) const noexcept;
 
  private:
-  using Route = std::vector<Transform>;
+  struct Route {
+    std::string_view name;
+    std::vector<Transform> poses;
+  };
+  /// What was tried with a grip at the furthest leg that it reached.
+  struct Trial {
+    Leg leg = kApproach;
+    std::vector<std::pair<std::string_view, std::string>> failures{};  ///< of ways, each once
+  };
 
   [[nodiscard]] std::vector<Route> RoutesOf(Leg leg, const Transform& here, const Grip& grip) const;
   void SetWorld(Leg leg, const Grip& grip);
@@ -176,15 +203,26 @@ class PickPlanner {
                                       const reference::Timing& pace, double clearance);
   /// Depth-first search. @returns true if it found all legs from this one on.
   bool Search(const JointVector& q, Leg leg, PickPlan& plan);
+  /// Continues it by sampled paths of a leg. @param O_T_EE  the leg's end.
+  bool SearchSampled(const JointVector& q, Leg leg, const Transform& O_T_EE, PickPlan& plan);
+  [[nodiscard]] OrReason<LegPlan> Sample(const JointVector& q, const JointVector& goal);
+  /// Notes the failure of a way of the grip that is being tried.
+  void Note(Leg leg, std::string_view way, const std::string& why);
+  /// Text about the grip of `trials_` that came furthest: "the way "grasp": straight: ...".
+  [[nodiscard]] std::string Furthest() const;
   [[nodiscard]] Transform PoseAt(const JointVector& q) const noexcept;
 
   planning::CollisionWorld& world_;
-  const scenario::RobotData& robot_;
+  scenario::RobotData robot_;  ///< its speeds lowered to the world's caps
   const Transform F_T_EE_;
   const PickTask task_;
   const PickOptions options_;
-  Leg furthest_ = kApproach;  ///< leg at which the best attempt failed
-  std::string failure_;       ///< reason of this failure
+  const Clock& clock_;
+  const std::uint64_t seed_;
+  bool samples_ = false;           ///< the fixed ways have failed
+  std::uint64_t checks_left_ = 0;  ///< of the budget
+  std::vector<Trial> trials_;      ///< one per grip
+  std::size_t grip_ = 0;           ///< index of the grip that is being tried
 };
 
 /// Data of a run for its evaluation, from the robot's reports.

@@ -51,6 +51,11 @@ class PickAndPlace final : public Application {
   /// Executes a leg; plans it again if the arm is not at its start.
   StepEnd Go(Leg leg);
   StepEnd Follow(const std::string& name, const LegPlan& leg, const JointVector& q);
+  /// The motion of a leg from q, which is near its start.
+  [[nodiscard]] run::Motion OnPoses(const std::string& name, const LegPlan& leg,
+                                    const JointVector& q) const;
+  [[nodiscard]] run::Motion OnJoints(const std::string& name, const LegPlan& leg,
+                                     const JointVector& q) const;
   /// The arm's position, at rest and ready to move.
   [[nodiscard]] JointVector Ready();
   StepEnd Open();
@@ -86,7 +91,8 @@ void PickAndPlace::Perform(Stage& stage) {
   record_.task = TaskOf(stage.scenario, parameters_);
   record_.limits = robot.limits;
   world_ = stage.MakeWorld();
-  planner_.emplace(*world_, robot, stage.F_T_EE(), record_.task, parameters_.options);
+  planner_.emplace(*world_, robot, stage.clock, stage.F_T_EE(), record_.task, parameters_.options,
+                   stage.scenario.seed);
   const auto step = [this](const char* name, StepEnd (PickAndPlace::*act)(),
                            const char* after_failure = "", int attempts = 1) -> TaskStep {
     return {name, [this, act] { return (this->*act)(); }, after_failure, attempts};
@@ -111,7 +117,10 @@ StepEnd PickAndPlace::Plan() {
       model::Multiply(model::Inverse(session().robot().F_T_NE), stage_->F_T_EE());
   record_.B_T_EE = model::Multiply(plan_.grip.B_T_NE, NE_T_EE);
   record_.moved = plan_.duration;
-  return {true, fmt::format("{} ways, {:.1f} s, the hand closes to {:.1f} mm", kLegTraits.size(),
+  const auto sampled =
+      std::ranges::count_if(plan_.legs, [](const LegPlan& leg) { return !leg.joints.empty(); });
+  return {true, fmt::format("{} ways{}, {:.1f} s, the hand closes to {:.1f} mm", kLegTraits.size(),
+                            sampled == 0 ? "" : fmt::format(", {} of them sampled", sampled),
                             ToSeconds(plan_.duration), plan_.grip.width * 1e3)};
 }
 
@@ -165,21 +174,37 @@ StepEnd PickAndPlace::Go(Leg leg) {
   return end;
 }
 
-StepEnd PickAndPlace::Follow(const std::string& name, const LegPlan& leg, const JointVector& q) {
-  if (leg.poses.empty()) return {true, "already there"};
+run::Motion PickAndPlace::OnPoses(const std::string& name, const LegPlan& leg,
+                                  const JointVector& q) const {
   LegPlan from_here = leg;
   from_here.poses.front() =
       model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q, stage_->F_T_EE());
   reference::PoseTrajectory poses = PathOf(from_here, session().robot().cartesian);
-  const Duration duration = poses.duration();
   run::Motion motion =
       run::MotionOn(stage_->scenario, name, control::CommandInterface::kJointPosition,
-                    run::StandingFor(q, duration, session().robot().limits));
+                    run::StandingFor(q, poses.duration(), session().robot().limits));
   motion.poses = std::move(poses);
   motion.controller.type = "cartesian_pose";
   motion.controller.parameters = controller_;
-  const run::MotionResult result = stage_->Move(motion);
-  if (result.report.succeeded()) return {true, fmt::format("{:.2f} s", ToSeconds(duration))};
+  return motion;
+}
+
+run::Motion PickAndPlace::OnJoints(const std::string& name, const LegPlan& leg,
+                                   const JointVector& q) const {
+  std::vector<reference::Waypoint> from_here = leg.joints;
+  from_here.front().q = q;
+  return run::MotionOn(stage_->scenario, name, control::CommandInterface::kJointPosition,
+                       reference::Trajectory(from_here, {}, session().robot().limits));
+}
+
+StepEnd PickAndPlace::Follow(const std::string& name, const LegPlan& leg, const JointVector& q) {
+  if (leg.is_at_end()) return {true, "already there"};
+  const run::MotionResult result =
+      stage_->Move(leg.joints.empty() ? OnPoses(name, leg, q) : OnJoints(name, leg, q));
+  if (result.report.succeeded()) {
+    return {true, fmt::format("{:.2f} s{}", ToSeconds(leg.duration),
+                              leg.joints.empty() ? "" : ", sampled in joint space")};
+  }
   if (!session().interrupted()) session().Recover();
   return {false, result.report.failure};
 }

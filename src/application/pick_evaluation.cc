@@ -64,7 +64,7 @@ std::optional<std::pair<Time, Time>> WhenCarried(const ObjectTrack& track) {
 void ReportSlip(const ObjectTrack& track, const PickTask& task, Evaluation& evaluation) {
   const auto carried = WhenCarried(track);
   if (!carried) return;
-  Transform before = task.object.X_WB;
+  Transform before = task.O_T_object;
   std::optional<Transform> first;
   double distance = 0;
   double angle = 0;
@@ -76,7 +76,7 @@ void ReportSlip(const ObjectTrack& track, const PickTask& task, Evaluation& eval
     angle = std::max(angle, AngleError(*first, sample.X_HB));
   }
   evaluation.Add("displacement of the object by the grasp",
-                 PositionError(task.object.X_WB, before) * 1e3, "mm");
+                 PositionError(task.O_T_object, before) * 1e3, "mm");
   evaluation.Add("slip of the object in the hand, largest", distance * 1e3, "mm");
   evaluation.Add("rotation of the object in the hand, largest", angle / kDegree, "deg");
 }
@@ -190,6 +190,13 @@ Evaluation EvaluatePick(const PickRecord& record, const TaskResult& task_result,
                         const Evidence& evidence) {
   Evaluation evaluation;
   evaluation.DemandNone("errors of the robot", task_result.robot_errors);
+  if (record.moved == Duration::zero()) return evaluation;  // no way was found
+  if (const double error = PositionError(record.task.O_T_object, record.task.object.X_WB);
+      error > 0) {
+    evaluation.Add("perception error of the object's position", error * 1e3, "mm");
+    evaluation.Add("perception error of the object's orientation",
+                   AngleError(record.task.O_T_object, record.task.object.X_WB) / kDegree, "deg");
+  }
   const std::optional<ObjectTrack> track = evidence.TrackOf(record.task.object.name);
   if (track) EvaluateTruth(record.task, *evidence.contacts, *track, evaluation);
   EvaluateRelease(record, !track, evaluation);

@@ -42,6 +42,7 @@ PickOptions ReadOptions(control::ParameterReader& p) {
   PickOptions o;
   o.above = p.Quantity("above", Dimension::kLength, o.above, 0.02, 0.3);
   o.clearance = p.Quantity("clearance", Dimension::kLength, o.clearance, 0.003, 0.05);
+  o.budget = static_cast<std::uint64_t>(p.Number("budget", static_cast<double>(o.budget), 0, 1e7));
   o.gap = p.Quantity("gap", Dimension::kLength, o.gap, 0, 0.005);
   ReadPace(p, "pace.", o.pace);
   ReadPace(p, "down_pace.", o.down_pace);
@@ -69,13 +70,14 @@ const Object& FindObject(const std::vector<Object>& objects, const std::string& 
 }
 
 /// A random pose about another one, from the scenario's seed.
+/// @param draw  number of the draw: one per pose.
 scenario::FramePose Drawn(const scenario::FramePose& pose, const scenario::FramePose& spread,
-                          std::uint64_t seed) {
+                          std::uint64_t seed, std::uint64_t draw) {
   const Random random(seed, RandomStream::kPlace);
   scenario::FramePose drawn = pose;
   for (std::uint32_t i = 0; i < 3; ++i) {
-    drawn.position[i] += spread.position[i] * (2 * random.Uniform(0, i) - 1);
-    drawn.rpy[i] += spread.rpy[i] * (2 * random.Uniform(0, 3 + i) - 1);
+    drawn.position[i] += spread.position[i] * (2 * random.Uniform(draw, i) - 1);
+    drawn.rpy[i] += spread.rpy[i] * (2 * random.Uniform(draw, 3 + i) - 1);
   }
   return drawn;
 }
@@ -144,6 +146,7 @@ PickParameters::PickParameters(control::ParameterReader& p)
       on(RequiredText(p, "place.on")),
       place(ReadPlace(p, "place.", -1)),
       spread(ReadPlace(p, "place.spread.", 0)),
+      perception(ReadPlace(p, "perception.spread.", 0)),
       force(p.Quantity("grasp.force", Dimension::kForce, 40, 1, 140)),
       speed(p.Quantity("grasp.speed", Dimension::kVelocity, 0.05, 0.001, 0.1)),
       tolerance(p.Quantity("grasp.tolerance", Dimension::kLength, 0.003, 1e-4, 0.04)),
@@ -166,8 +169,13 @@ PickTask TaskOf(const scenario::Scenario& scenario, const PickParameters& parame
   PickTask task{.object = object, .to = below.name, .nominal_mass = section.mass.value_or(0)};
   const Transform to_top = scenario::TopOf(below);
   task.to_up = NormalOf(to_top);
-  task.O_T_goal = scenario::StandingOn(to_top, object,
-                                       Drawn(parameters.place, parameters.spread, scenario.seed));
+  task.O_T_goal = scenario::StandingOn(
+      to_top, object, Drawn(parameters.place, parameters.spread, scenario.seed, 0));
+  task.O_T_object = object.X_WB;
+  if (parameters.perception != scenario::FramePose()) {
+    const scenario::FramePose error = Drawn({}, parameters.perception, scenario.seed, 1);
+    task.object.X_WB = model::Multiply(object.X_WB, error.Matrix());
+  }
   task.from = section.on == scenario::kGround ? kFloor : section.on;
   if (task.from.empty()) {
     throw InputError(fmt::format("{}{} stands on nothing; say on which object, or on: {}",

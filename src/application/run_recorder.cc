@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "twin/core/error.h"
 #include "twin/render/clip.h"
@@ -16,6 +17,7 @@
 #include "twin/report/plots.h"
 #include "twin/run/film.h"
 #include "twin/run/remote.h"
+#include "twin/run/robot_config.h"
 
 namespace twin::application {
 namespace {
@@ -56,55 +58,6 @@ void NoteIgnoredSettings(const scenario::Scenario& scenario, bool video, run::Co
       "--backend) to see the motion");
 }
 
-/// Prints a line of the checks before the first motion.
-void Print(run::Console& console, const run::CheckLine& line) {
-  console.Say(fmt::format("{:<6} {:<13} {}\n", line.ok ? "ok" : "FAILED", line.subject, line.text));
-}
-
-/// Connects and prints the first checks: whether the robot answers, and whether a real arm may
-/// move.
-/// @throws InputError when the robot does not identify itself as a twin and hardware is not
-/// allowed.
-void Reach(const backend::RobotAddress& address, bool allow_hardware, run::Console& console,
-           const std::function<const backend::Connection&()>& connect) {
-  const std::string robot = fmt::format("{}:{}", address.host, address.arm_port);
-  console.Say("before the first motion; nothing of this moves the arm\n");
-  bool is_twin = false;
-  try {
-    const backend::Connection& connection = connect();
-    Print(console, {"reach", true, connection.backend->Describe().robot});
-    is_twin = connection.is_twin;
-  } catch (const RobotFault&) {
-    Print(console, {"reach", false, fmt::format("{} cannot be driven; see below", robot)});
-    throw;
-  }
-  const bool is_allowed = is_twin || allow_hardware;
-  Print(console, {"hardware", is_allowed,
-                  is_twin          ? "none: it says that it is a twin"
-                  : allow_hardware ? "a real arm may move (--allow-hardware)"
-                                   : "a real arm may move, and nothing allows that; see below"});
-  if (is_allowed) return;
-  throw InputError(
-      fmt::format("--robot {}: what answers there does not say that it is a twin, so that a real "
-                  "arm may move; clear its workspace, keep the user stop in your hand, and say "
-                  "--allow-hardware",
-                  robot));
-}
-
-/// Prints the other checks. @throws RobotFault when one of them failed; nothing has moved.
-void RequireReady(const std::function<bool(const run::TellCheck&)>& check, run::Console& console) {
-  int failed = 0;
-  const bool ready = check([&](const run::CheckLine& line) {
-    Print(console, line);
-    failed += line.ok ? 0 : 1;
-  });
-  if (ready) return;
-  throw RobotFault(
-      fmt::format("{} of the checks before the first motion failed, see above; the arm was not "
-                  "moved",
-                  failed));
-}
-
 class MotionRecorder final : public RunRecorder {
  public:
   using RunRecorder::RunRecorder;
@@ -118,6 +71,7 @@ class MotionRecorder final : public RunRecorder {
     return {.connection = &run_->connection(),
             .robot = &run_->robot(),
             .check_start = [this](const run::TellCheck& tell) { return run_->CheckStart(tell); },
+            .start = run_->trajectory().start(),
             .longest = run_->trajectory().duration() + kSettling};
   }
   Outcome Perform(const run::RunHooks& hooks) override;
@@ -145,9 +99,13 @@ RunRecorder::Outcome MotionRecorder::Perform(const run::RunHooks& hooks) {
   shown.progress = [&](Time now, Duration planned) {
     hooks.progress(now, planned);
     const double simulated = ToSeconds(now.time_since_epoch());
-    inputs_.console.Show("run", simulated / ToSeconds(planned),
-                         fmt::format("{:.1f} of {:.1f} s, {:.1f} x real time", simulated,
-                                     ToSeconds(planned), simulated / SecondsSince(begin)));
+    const double settling = simulated - ToSeconds(planned);
+    inputs_.console.Show(
+        "run", simulated / ToSeconds(planned),
+        fmt::format("{:.1f} of {:.1f} s{}, {:.1f} x real time",
+                    std::min(simulated, ToSeconds(planned)), ToSeconds(planned),
+                    settling < 0.05 ? "" : fmt::format(", settling for {:.1f} s", settling),
+                    simulated / SecondsSince(begin)));
   };
   result_ = run_->Execute(shown);
   const loop::RunReport& report = result_.report;
@@ -198,7 +156,7 @@ void Execute(const RunInputs& inputs, std::optional<fci::Capture>& capture) {
   } catch (const Error& error) {
     const bool has_summary = recorder && recorder->has_summary();
     recorder.reset();  // unlocks the folder
-    if (!has_summary) LeaveFailure(inputs, error.what());
+    if (!has_summary && !inputs.options.hardware.check_only) LeaveFailure(inputs, error.what());
     throw;
   }
 }
@@ -228,15 +186,18 @@ RunRecorder::RunRecorder(const RunInputs& inputs)
       out_(inputs.options.out),
       page_(inputs.options.page, &records_, out_.folder(),
             [&console = inputs.console](std::string_view why) { console.Note(why); }),
+      start_(inputs_),
       settings_(inputs.options.settings) {}
 
 void RunRecorder::Execute(std::optional<fci::Capture>& capture) {
   Prepare(capture);
   inputs_.console.ThrowIfInterrupted();
-  if (is_remote()) RequireReady(run_.check_start, inputs_.console);
+  if (is_remote()) start_.RequireReady(run_.check_start);
   inputs_.console.ThrowIfInterrupted();
+  if (inputs_.options.hardware.check_only) return inputs_.console.Say("ready; nothing has moved\n");
   OpenPage();
   try {
+    start_.Confirm();
     out_.Clear();
     try {
       Perform();
@@ -248,14 +209,21 @@ void RunRecorder::Execute(std::optional<fci::Capture>& capture) {
       throw;
     }
   } catch (...) {
-    page_.Close("it was broken off");
+    page_.Close("it was broken off", page::RunEnd::kFailed);
     throw;
   }
   inputs_.console.Print(
       fmt::format("{}  {:<13}{}\n", SummaryOfTerminal(), "files", out_.folder().string()));
-  if (outcome_.failure.empty()) return EvaluateDeviations();
-  inputs_.console.ThrowIfInterrupted();
-  throw RobotFault(outcome_.failure + outcome_.cause);
+  if (!outcome_.failure.empty()) {
+    inputs_.console.ThrowIfInterrupted();
+    KeepInHistory(outcome_.failure);
+    throw RobotFault(outcome_.failure + outcome_.cause);
+  }
+  const std::string excess = Excess();
+  KeepInHistory(excess);
+  if (excess.empty()) return;
+  if (inputs_.options.strict) throw RobotFault(excess);
+  inputs_.console.Warn(excess);
 }
 
 void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
@@ -273,7 +241,7 @@ void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
       }
       settings_.remote.capture = &capture.emplace(*file);
     }
-    Reach(settings_.remote, inputs_.options.allow_hardware, inputs_.console, connect);
+    start_.Reach(connect);
   } else {
     connect();
   }
@@ -281,7 +249,7 @@ void RunRecorder::Prepare(std::optional<fci::Capture>& capture) {
   if (makes_video()) {
     replay::CheckPicture(*run_.connection, scenario().render, inputs_.options.scenario);
   }
-  out_.Prepare();
+  if (!inputs_.options.hardware.check_only) out_.Prepare();
   times_.prepare_s = SecondsSince(Time());
 }
 
@@ -295,15 +263,23 @@ void RunRecorder::OpenPage() {
                                scenario().backend, scenario().drive_name(),
                                is_lockstep ? ", held back to the pace of the wall clock" : "");
   settings.limits = run_.robot->limits;
+  if (scenario().application) settings.report = std::filesystem::absolute(out_.report()).string();
+  settings.run_clock.why_not = "only the clock of drive lockstep stands";
   if (!is_operated) {
     settings.watch_only = "this run takes no commands from here; any viewer may stop it";
     settings.stop = [this] { inputs_.console.Interrupt(); };
   }
+  std::optional<plant::CompiledModel> twin;  // of a robot that is not simulated here
+  if (run_.connection->truth == nullptr && page_.is_wanted()) {
+    twin = plant::CompileModel(run::MakeRobotConfig(scenario(), *run_.robot, inputs_.files).plant);
+  }
   // In lockstep the page's thread must not ask the hand, which belongs to the run's thread.
-  inputs_.console.Say(page_.Open(settings, scenario(),
-                                 {.truth = run_.connection->truth,
-                                  .hand = is_lockstep ? nullptr : run_.connection->hand,
-                                  .keeps_pace = is_lockstep}));
+  inputs_.console.Say(
+      page_.Open(settings, scenario(),
+                 {.truth = run_.connection->truth,
+                  .hand = is_lockstep ? nullptr : run_.connection->hand,
+                  .paced_until = is_lockstep ? &inputs_.console.interrupted() : nullptr,
+                  .twin = std::move(twin)}));
   if (!inputs_.options.waits_for_visitor) return;
   inputs_.console.Note("the run begins when its page is opened");
   page_.AwaitVisitor(inputs_.console.interrupted());
@@ -350,7 +326,11 @@ void RunRecorder::Perform() {
   }
   for (const std::string& notice : outcome_.robot.notices) inputs_.console.Note("robot: " + notice);
   Evaluate(outcome_);
-  page_.Close(outcome_.failure.empty() ? "it went well" : outcome_.failure);
+  if (outcome_.failure.empty()) {
+    page_.Close("it went well", page::RunEnd::kDone);
+  } else {
+    page_.Close(outcome_.failure, page::RunEnd::kFailed);
+  }
 }
 
 void RunRecorder::WarnOfLostLog() {
@@ -362,7 +342,13 @@ void RunRecorder::WarnOfLostLog() {
 
 void RunRecorder::WriteResults() {
   run::WriteWholeFile(out_.scenario(), scenario::ToYaml(scenario()));
-  run::WriteWholeFile(out_.summary(), SummaryOfFile());
+  std::string summary = SummaryOfFile();
+  if (inputs_.options.hardware.allowed) {
+    auto json = nlohmann::ordered_json::parse(summary);
+    json["hardware"] = start_.Record();
+    summary = run::TextOf(json);
+  }
+  run::WriteWholeFile(out_.summary(), summary);
   has_summary_ = true;
   if (!is_interrupted()) {
     std::vector<std::filesystem::path> plots;
@@ -384,6 +370,7 @@ void RunRecorder::MakePictures() {
   const render::Film film = replay::FilmOfRun(truth.model(), *records_.snapshots(), scenario(),
                                               records_.plans(), records_.events());
   render::FilmSettings settings = run::FilmOf(scenario().render);
+  if (inputs_.options.has_fine_pictures) settings = run::Fine(settings);
   times_.video_s = replay::RenderClip(render::FramesOf(film, settings),
                                       {out_.video(), out_.contact_sheet()}, clock_, inputs_.console)
                        .seconds;
@@ -393,19 +380,31 @@ void RunRecorder::MakePictures() {
   Draw(film, pictures);
 }
 
-void RunRecorder::EvaluateDeviations() const {
+std::string RunRecorder::Excess() const {
   const std::vector<run::FollowedMotion>& motions = outcome_.followed;
   const auto exceeding = std::ranges::count_if(motions, &run::FollowedMotion::exceeds);
-  if (exceeding == 0) return;
+  if (exceeding == 0) return {};
   const run::FollowedMotion& first = *std::ranges::find_if(motions, &run::FollowedMotion::exceeds);
   const std::string whose = motions.size() == 1
                                 ? std::string()
                                 : fmt::format("in {} of {} motions, first in {}: ", exceeding,
                                               motions.size(), first.name);
-  const std::string text =
-      fmt::format("the arm was off its path: {}{} (max_deviation)", whose, first.Excess());
-  if (inputs_.options.strict) throw RobotFault(text);
-  inputs_.console.Warn(text);
+  return fmt::format("the arm was off its path: {}{} (max_deviation)", whose, first.Excess());
+}
+
+void RunRecorder::KeepInHistory(const std::string& failure) const {
+  const HardwareOptions& hardware = inputs_.options.hardware;
+  if (hardware.history == nullptr) return;
+  try {
+    hardware.history->Keep({.hash = hardware.rehearsal.hash,
+                            .scenario = scenario().name,
+                            .robot = hardware.allowed ? NameOf(settings_.remote) : std::string(),
+                            .failure = failure,
+                            .max_speed = hardware.rehearsal.max_speed,
+                            .q_start = run_.start});
+  } catch (const EnvironmentError& error) {
+    inputs_.console.Note(error.what());
+  }
 }
 
 }  // namespace twin::application

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "application/robot_start.h"
 #include "twin/application/application.h"
 #include "twin/application/record_run.h"
 #include "twin/core/clock.h"
@@ -48,7 +49,8 @@ class RunRecorder {
     const backend::Connection* connection = nullptr;
     const scenario::RobotData* robot = nullptr;
     std::function<bool(const run::TellCheck&)> check_start;
-    Duration longest{};  ///< end of the video
+    std::optional<JointVector> start{};  ///< where the arm begins, rad
+    Duration longest{};                  ///< end of the video
   };
   struct Outcome {
     std::string failure{};  ///< empty: success
@@ -92,9 +94,10 @@ class RunRecorder {
   void WarnOfLostLog();
   void WriteResults();
   void MakePictures();
-  /// After a successful run: names motions that exceeded the scenario's max_deviation. Warns;
-  /// @throws RobotFault with strict.
-  void EvaluateDeviations() const;
+  /// Names motions that exceeded the scenario's max_deviation; empty: none did.
+  [[nodiscard]] std::string Excess() const;
+  /// @param failure  empty: success.
+  void KeepInHistory(const std::string& failure) const;
   [[nodiscard]] bool is_remote() const { return scenario().is_remote(); }
   [[nodiscard]] bool wants_video() const {
     return scenario().render.enabled && inputs_.options.makes_video;
@@ -103,6 +106,7 @@ class RunRecorder {
     return wants_video() && run_.connection->truth != nullptr;
   }
 
+  RobotStart start_;
   run::RealtimeConfig settings_;
   Connected run_;
   Outcome outcome_;

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,8 +17,10 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/core/hand_command.h"
+#include "twin/planning/collision_world.h"
 #include "twin/scenario/objects.h"
 #include "twin/scenario/scenario.h"
+#include "twin/teleop/motion_guard.h"
 #include "twin/teleop/teleoperator.h"
 #include "twin/teleop/teleoperator_config.h"
 
@@ -46,7 +50,8 @@ constexpr double kRounding = 1.02;
 constexpr double kOperatorSpeed = 0.2;  // m/s, of a quick hand
 constexpr double kMostTilt = 0.05;      // of the object's axis: 1 - cos, some 18 degrees
 
-/// The scenario's parameters; missing ones get the paper's gains of teleoperation.
+/// The scenario's parameters; missing ones get the paper's gains of teleoperation, except that the
+/// null space follows the operator's posture instead of drifting (k0: 0.3 Nm/rad in the paper).
 control::Parameters WithPaperGains(control::Parameters given) {
   const control::Parameters otherwise{{.key = "stiffness.translation", .values = {"900 N/m"}},
                                       {.key = "stiffness.rotation", .values = {"90 Nm/rad"}},
@@ -54,7 +59,7 @@ control::Parameters WithPaperGains(control::Parameters given) {
                                       {.key = "damping.rotation",
                                        .values = {"10 Nms/rad", "1 Nms/rad", "1 Nms/rad"},
                                        .is_list = true},
-                                      {.key = "k0", .values = {"0.3 Nm/rad"}},
+                                      {.key = "k0", .values = {"60 Nm/rad"}},
                                       {.key = "reference", .values = {"live"}}};
   for (const control::Parameter& parameter : otherwise) {
     const bool is_given = std::ranges::any_of(
@@ -63,6 +68,26 @@ control::Parameters WithPaperGains(control::Parameters given) {
   }
   return given;
 }
+
+/// The scene's fixed bodies, as the planner sees them.
+class FixedBodies final : public teleop::Surroundings {
+ public:
+  explicit FixedBodies(std::unique_ptr<planning::CollisionWorld> world)
+      : world_(std::move(world)) {}
+
+  [[nodiscard]] std::size_t Near(const JointVector& q, const BasePose& base, double horizon,
+                                 std::span<teleop::Obstacle> near) noexcept override {
+    world_->MoveBase(base);
+    std::array<planning::Clearance, teleop::MotionGuard::kMostObstacles> found;
+    const std::size_t count =
+        world_->NearFixed(q, horizon, std::span(found).first(std::min(found.size(), near.size())));
+    for (std::size_t i = 0; i < count; ++i) near[i] = {found[i].distance, found[i].gradient};
+    return count;
+  }
+
+ private:
+  std::unique_ptr<planning::CollisionWorld> world_;
+};
 
 std::vector<report::Figure> TeleoperationFigures(const std::vector<TeleoperatorStatus>& trace) {
   report::Figure led{.id = "led", .columns = "t [s],ahead [m/s],turning [rad/s],arm [m/s]"};
@@ -223,10 +248,14 @@ void Teleoperation::Perform(Stage& stage) {
   config_ = MakeTeleoperator(section);
   if (!task_.object.empty()) task_ = TaskOf(stage.scenario);
   device_ = MakeDevice(stage);
-  teleoperator_.emplace(
-      Teleoperator::Parts{
-          .device = *device_, .base = stage.session.base(), .limits = stage.session.robot().limits},
-      config_, MakeWire(section), stage.scenario.seed);
+  FixedBodies around(stage.MakeWorld());
+  teleoperator_.emplace(Teleoperator::Parts{.device = *device_,
+                                            .base = stage.session.base(),
+                                            .limits = stage.session.robot().limits,
+                                            .with_hand = stage.session.connection().hand != nullptr,
+                                            .surroundings = &around,
+                                            .lab = stage.scenario.limits},
+                        config_, MakeWire(section), stage.scenario.seed);
   if (stage.tell) stage.tell(fmt::format("led by {}", device_->Describe()));
   stage.Carry({{.name = "teleoperation", .act = [this] { return Lead(); }}});
   // These refer to the session, so they end with it.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -63,6 +65,13 @@ std::string Describe(const std::vector<Touch>& touches) {
   std::string text;
   for (const Touch& touch : touches) {
     if (!text.empty()) text += "; ";
+    if (touch.is_limit) {
+      text += touch.distance < 0 ? fmt::format("the {} is {:.1f} mm beyond the limit \"{}\"",
+                                               touch.a, -touch.distance * 1e3, touch.b)
+                                 : fmt::format("the {} is {:.1f} mm from the limit \"{}\"", touch.a,
+                                               touch.distance * 1e3, touch.b);
+      continue;
+    }
     text += touch.distance < 0 ? fmt::format("{} and {} overlap", touch.a, touch.b)
                                : fmt::format("{} and {} are {:.1f} mm apart", touch.a, touch.b,
                                              touch.distance * 1e3);
@@ -84,7 +93,9 @@ struct CollisionWorld::Parts {
     ChangeWhatIsThere();
   }
 
-  static constexpr double kOpen = 0.08;  ///< m
+  static constexpr double kOpen = 0.08;   ///< m
+  static constexpr double kClose = 0.06;  ///< m; gradients of shorter distances are differences
+  static constexpr double kStep = 1e-4;   ///< rad, of the differences
   /// A body at the flange.
   struct Held {
     int body = -1;
@@ -149,6 +160,37 @@ struct CollisionWorld::Parts {
     return distance - *self_guard;
   }
 
+  /// The part closest to a limit, or farthest beyond; nullopt if its margin is at least the
+  /// clearance.
+  [[nodiscard]] std::optional<model::RegionMargin> NearLimit(const JointVector& q,
+                                                             double clearance) const noexcept {
+    const auto least = model::LeastMargin(limits, limited_arm, q);
+    return least && least->margin < clearance ? least : std::nullopt;
+  }
+
+  /// To the world, or to a mobile base.
+  [[nodiscard]] bool IsFixed(int geom) const {
+    const int body = model.geom_bodyid[geom];
+    if (model.body_weldid[body] == 0) return true;
+    return compiled.base >= 0 && joints_before[body] == 0 &&
+           model.body_rootid[body] == model.body_rootid[model.jnt_bodyid[compiled.base]];
+  }
+
+  /// Derivative of the distance at a contact by the joints that carry one of its shapes.
+  /// @param away  unit vector, from the other shape to this one.
+  [[nodiscard]] JointVector GradientOf(const mjtNum* point, const Eigen::Vector3d& away,
+                                       int geom) const {
+    JointVector gradient{};
+    const Eigen::Map<const Eigen::Vector3d> p(point);
+    const int joints = joints_before[model.geom_bodyid[geom]];
+    for (int i = 0; i < joints; ++i) {
+      const Eigen::Map<const Eigen::Vector3d> axis(data->xaxis + 3 * compiled.arm[i]);
+      const Eigen::Map<const Eigen::Vector3d> anchor(data->xanchor + 3 * compiled.arm[i]);
+      gradient[i] = away.dot(axis.cross(p - anchor));
+    }
+    return gradient;
+  }
+
   /// Rebuilds the pairs and the reach. Starts at the hand, which collides most often.
   void ChangeWhatIsThere() {
     pairs.clear();
@@ -174,6 +216,36 @@ struct CollisionWorld::Parts {
     if (!compiled.fingers.empty()) SetWidth(width[0] + width[1]);
   }
 
+  /// The deepest contact of shapes closer than `horizon`, null if they are farther apart. Valid
+  /// until the next search.
+  const mjContact* Deepest(const ShapePair& pair, double horizon) noexcept {
+    if (!MayTouch(model, *data, pair.geom1, pair.geom2, horizon)) return nullptr;
+    const int found = NarrowPhase(model, *data, pair, horizon, contacts);
+    if (found == 0) return nullptr;
+    return &*std::min_element(
+        contacts.begin(), contacts.begin() + found,
+        [](const mjContact& a, const mjContact& b) { return a.dist < b.dist; });
+  }
+
+  /// Replaces gradients of short distances by differences of the distances: MuJoCo's contact normal
+  /// of two convex shapes apart may point elsewhere than the distance grows.
+  void DifferentiateClose(const JointVector& q, double horizon, std::span<Clearance> near,
+                          std::span<const ShapePair* const> pair_of) noexcept {
+    const auto is_close = [](const Clearance& c) { return c.distance < kClose; };
+    if (std::ranges::none_of(near, is_close)) return;
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      JointVector there = q;
+      there[i] += kStep;
+      Pose(there);
+      for (std::size_t k = 0; k < near.size(); ++k) {
+        const mjContact* moved = is_close(near[k]) ? Deepest(*pair_of[k], horizon) : nullptr;
+        if (moved == nullptr) continue;
+        const double slope = (moved->dist - near[k].distance) / kStep;
+        if (std::abs(slope) <= reach[i]) near[k].gradient[i] = slope;  // else the distance jumps
+      }
+    }
+  }
+
   plant::CompiledModel compiled;
   const mjModel& model;
   std::unique_ptr<mjData, DataDeleter> data;
@@ -184,6 +256,8 @@ struct CollisionWorld::Parts {
   const Transform link7_T_F = FlangeInLink7();
   Held held;
   std::optional<double> self_guard = kSelfGuard;
+  model::LabLimits limits;
+  model::LimitedArm limited_arm;
   std::set<std::pair<int, int>> allowed;
   std::vector<ShapePair> pairs;
   Contacts contacts;
@@ -204,6 +278,19 @@ void CollisionWorld::SetHandWidth(double width) {
 void CollisionWorld::SetSelfGuard(std::optional<double> distance) {
   if (distance) RequireInRange("planning: distance of the self-collision guard", *distance, 0, 1);
   parts_->self_guard = distance;
+}
+
+void CollisionWorld::SetLimits(const model::LabLimits& limits, const model::LimitedArm& arm) {
+  parts_->limits = limits;
+  parts_->limited_arm = arm;
+}
+
+const model::LabLimits& CollisionWorld::limits() const noexcept {
+  return parts_->limits;
+}
+
+const model::LimitedArm& CollisionWorld::limited_arm() const noexcept {
+  return parts_->limited_arm;
 }
 
 void CollisionWorld::Place(const std::string& body, const Transform& X_WB) {
@@ -248,6 +335,7 @@ void CollisionWorld::ForbidAll() {
 
 bool CollisionWorld::IsFree(const JointVector& q, double clearance) {
   ++parts_->checks;
+  if (parts_->NearLimit(q, clearance)) return false;
   parts_->Pose(q);
   if (parts_->NearGuard(q, clearance)) return false;
   const mjModel& model = parts_->model;
@@ -265,6 +353,10 @@ std::vector<Touch> CollisionWorld::Touches(const JointVector& q, double clearanc
   std::vector<Touch> touches;
   if (const auto distance = parts_->NearGuard(q, clearance)) {
     touches.push_back({kGuardedArm, kGuardedArmItself, *distance});
+  }
+  if (const auto limit = parts_->NearLimit(q, clearance)) {
+    touches.push_back({model::Name(limit->part), parts_->limits.regions[limit->region].name,
+                       limit->margin, true});
   }
   for (const ShapePair& pair : parts_->pairs) {
     const double margin = std::max(pair.margin, clearance);
@@ -292,6 +384,42 @@ std::vector<Touch> CollisionWorld::Touches(const JointVector& q, double clearanc
   std::stable_sort(touches.begin(), touches.end(),
                    [](const Touch& a, const Touch& b) { return a.distance < b.distance; });
   return touches;
+}
+
+void CollisionWorld::MoveBase(const BasePose& from_start) noexcept {
+  Parts& p = *parts_;
+  if (p.compiled.base < 0) return;
+  const int at = p.model.jnt_qposadr[p.compiled.base];
+  std::copy_n(p.model.qpos0 + at, 7, p.data->qpos + at);
+  plant::MoveBase(p.compiled, from_start, {p.data->qpos, static_cast<std::size_t>(p.model.nq)});
+}
+
+std::size_t CollisionWorld::NearFixed(const JointVector& q, double horizon,
+                                      std::span<Clearance> near) noexcept {
+  Parts& p = *parts_;
+  ++p.checks;
+  p.Pose(q);
+  std::array<const ShapePair*, kMostNear> pair_of{};
+  const std::size_t most = std::min(near.size(), kMostNear);
+  std::size_t count = 0;
+  for (const ShapePair& pair : p.pairs) {
+    const bool first_is_fixed = p.IsFixed(pair.geom1);
+    if (first_is_fixed == p.IsFixed(pair.geom2)) continue;
+    const mjContact* deepest = p.Deepest(pair, horizon);
+    if (deepest == nullptr) continue;
+    if (count < most) near[count++].distance = std::numeric_limits<double>::infinity();
+    const auto farthest = std::max_element(
+        near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count),
+        [](const Clearance& a, const Clearance& b) { return a.distance < b.distance; });
+    if (count == 0 || farthest->distance <= deepest->dist) continue;
+    const Eigen::Map<const Eigen::Vector3d> normal(deepest->frame);  // from geom1 to geom2
+    const double side = first_is_fixed ? 1 : -1;
+    *farthest = {deepest->dist, p.GradientOf(deepest->pos, side * normal,
+                                             first_is_fixed ? pair.geom2 : pair.geom1)};
+    pair_of[static_cast<std::size_t>(farthest - near.begin())] = &pair;
+  }
+  p.DifferentiateClose(q, horizon, near.first(count), pair_of);
+  return count;
 }
 
 std::uint64_t CollisionWorld::checks() const noexcept {

@@ -13,6 +13,7 @@
 #include "planning/shortcuts.h"
 #include "planning/tree_search.h"
 #include "twin/core/error.h"
+#include "twin/model/arm_model.h"
 #include "twin/planning/pose_goal.h"
 
 namespace twin::planning {
@@ -75,7 +76,7 @@ class Attempt {
     found_length_ = Length(path);
     Shorten(path, checker_, seed, {options_.shortcuts, options_.most_checks / kKeptPart});
     path_length_ = Length(path);
-    TimedPath timed = TimePath(path, options_.pace, limits_, checker_);
+    TimedPath timed = AtCappedSpeed(TimePath(path, options_.pace, limits_, checker_));
     PlanStatistics statistics = Statistics();
     statistics.waypoints = timed.waypoints.size();
     statistics.duration = timed.trajectory.duration();
@@ -96,6 +97,26 @@ class Attempt {
       problem.bounds.low[i] = std::min(problem.bounds.low[i], q[i]);
       problem.bounds.high[i] = std::max(problem.bounds.high[i], q[i]);
     }
+  }
+
+  /// The same path, slower where the end effector would be faster than the world's caps.
+  [[nodiscard]] TimedPath AtCappedSpeed(TimedPath path) const {
+    const model::LabLimits& caps = world_.limits();
+    if (!caps.v_max && !caps.w_max) return path;
+    double load = 0;
+    for (Duration t{}; t <= path.trajectory.duration(); t += kCycle) {
+      const auto target = path.trajectory.Sample(t);
+      const Vector6 twist = model::ArmModel::Panda().Twist(model::Frame::kEndEffector, target.q,
+                                                           target.dq, world_.limited_arm().F_T_EE);
+      if (caps.v_max) load = std::max(load, HalfNorm(twist, 0) / *caps.v_max);
+      if (caps.w_max) load = std::max(load, HalfNorm(twist, 3) / *caps.w_max);
+    }
+    if (load <= 1) return path;
+    constexpr double kBelow = 1.001;  // between the samples
+    for (reference::Waypoint& point : path.waypoints) {
+      point.at = FromSeconds(ToSeconds(point.at.value()) * load * kBelow);
+    }
+    return {reference::Trajectory(path.waypoints, {}, limits_), path.waypoints};
   }
 
   /// The straight segment to the first goal with a free one; often sufficient.
@@ -145,6 +166,7 @@ Planner::Planner(CollisionWorld& world, const JointLimits& limits, const Clock& 
                  const PlannerOptions& options)
     : world_(world), limits_(limits), clock_(clock), options_(options) {
   options_.Validate();
+  world.limits().Lower(limits_);
 }
 
 PlanOutcome Planner::ToConfiguration(const JointVector& start, const JointVector& goal,

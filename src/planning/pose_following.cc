@@ -18,13 +18,6 @@ namespace {
 constexpr double kArrived = 1e-5;  // m and rad
 constexpr Duration kTimeout = std::chrono::seconds(5);
 
-/// Pose error from X to X_d: [p_d - p; log(R_d R^T)], base axes.
-Vector6 WayTo(const Transform& X, const Transform& X_d) noexcept {
-  const Eigen::Vector3d p = model::Position(X_d) - model::Position(X);
-  const Eigen::Vector3d phi = model::TurnBetween(X, X_d);
-  return {p[0], p[1], p[2], phi[0], phi[1], phi[2]};
-}
-
 /// Joint and bound, if q leaves the requested range.
 std::optional<std::string> OutOfRange(const JointVector& q, const JointLimits& limits,
                                       double margin, Duration at) {
@@ -71,7 +64,7 @@ std::variant<Followed, std::string> Follow(const reference::PoseTrajectory& pose
   JointVector before{};
   for (Duration t{};; t += options.step) {
     const model::FrameMotion motion = arm.MotionOf(model::Frame::kEndEffector, now, F_T_EE);
-    const Vector6 e = WayTo(motion.O_T_frame, poses.Sample(t).O_T_EE);
+    const Vector6 e = model::WayTo(motion.O_T_frame, poses.Sample(t).O_T_EE);
     const double left = std::max(HalfNorm(e, 0), HalfNorm(e, 3));
     if (t >= poses.duration() && left <= kArrived) return followed;
     if (t > poses.duration() + kTimeout) {

@@ -39,7 +39,8 @@ void Mapping::Begin(bool has_base) noexcept {
 void Mapping::Count(const OperatorSample& sample) noexcept {
   if (!has_counted_) last_ = sample;
   has_counted_ = true;
-  if (sample.kind != last_.kind) is_open_ = false;
+  const bool turns_joints = JointOf(sample) != 0;
+  if (sample.kind != last_.kind || turns_joints != (JointOf(last_) != 0)) is_open_ = false;
   const auto since = [&](std::uint32_t OperatorSample::*counter) {
     return PressesSince(last_.*counter, sample.*counter);
   };
@@ -83,11 +84,16 @@ bool Mapping::Open(const OperatorSample& sample, const Situation& situation) noe
 Wish Mapping::Update(const OperatorSample& sample, const Situation& situation) noexcept {
   if (sample.sequence > 0) Count(sample);
   const bool rests = mode_ == Mode::kArm ? situation.arm_rests : situation.base_rests;
-  if (mode_ != wanted_ && rests) mode_ = wanted_;
-  Wish wish;
-  if (!Open(sample, situation)) return wish;
+  if (rests) {
+    mode_ = wanted_;
+    joint_ = JointOf(last_);
+  }
+  Wish wish{.joint = joint_};
+  if (!Open(sample, situation) || is_switching()) return wish;
   if (mode_ == Mode::kBase) {
     wish.base = Drive(sample);
+  } else if (joint_ != 0) {
+    wish.turn = scale() * full_.joint * Deflection(sample.axes[0]);
   } else if (sample.kind == AxisKind::kPose) {
     wish.pose = ArmPose(sample);
   } else {

@@ -23,7 +23,8 @@ constexpr std::array<std::string_view, 16> kColumns{
     "time",    "kind", "x",       "y",     "z",     "rx",   "ry",      "rz",
     "engaged", "mode", "gripper", "frame", "scale", "stop", "release", "end"};
 enum Column : std::size_t { kTime, kKind, kFirstAxis, kEngaged = 8, kFirstPress };
-constexpr CsvFormat kFormat{kColumns, "time in s, kind rate or pose, presses since the row before"};
+constexpr CsvFormat kFormat{
+    kColumns, "time in s, kind rate, pose or joint1 to joint7, presses since the row before"};
 constexpr double kLongestSeconds = 86400;
 constexpr std::uint32_t kMostPresses = std::numeric_limits<std::uint32_t>::max();
 
@@ -34,10 +35,19 @@ double InRange(const CsvLines& lines, std::size_t column, std::string_view unit,
   lines.Refuse(column, fmt::format("it must lie in [{}, {}] {}", least, most, unit));
 }
 
+/// 4 of "joint4"; 0 of other kinds.
+std::uint8_t JointOf(const CsvLines& lines) {
+  for (std::uint8_t joint = 1; joint <= kJoints; ++joint) {
+    if (lines.field(kKind) == fmt::format("joint{}", joint)) return joint;
+  }
+  return 0;
+}
+
 AxisKind KindOf(const CsvLines& lines) {
   if (lines.field(kKind) == "rate") return AxisKind::kRate;
   if (lines.field(kKind) == "pose") return AxisKind::kPose;
-  lines.Refuse(kKind, "it must be rate or pose");
+  if (JointOf(lines) != 0) return AxisKind::kRate;
+  lines.Refuse(kKind, "it must be rate, pose or joint1 to joint7");
 }
 
 bool FlagOf(const CsvLines& lines, std::size_t column) {
@@ -60,6 +70,7 @@ OperatorSample SampleOf(const CsvLines& lines, const OperatorSample& before) {
     lines.Refuse(kTime, "it must be later than that of the line before");
   }
   sample.kind = KindOf(lines);
+  sample.joint = JointOf(lines);
   const double most = MostOfAxis(sample.kind);
   const std::string_view unit = sample.kind == AxisKind::kRate ? "of full scale" : "m or rad";
   for (std::size_t i = 0; i < sample.axes.size(); ++i) {
@@ -103,8 +114,9 @@ std::string OperatorScriptHeader() {
 std::string OperatorScriptRow(const OperatorSample& sample, const OperatorSample& before) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   const std::int64_t ns = sample.at.time_since_epoch().count();
-  std::string row = fmt::format("{}.{:09},{}", ns / kSecond, ns % kSecond,
-                                sample.kind == AxisKind::kRate ? "rate" : "pose");
+  std::string kind = sample.kind == AxisKind::kRate ? "rate" : "pose";
+  if (sample.joint != 0) kind = fmt::format("joint{}", sample.joint);
+  std::string row = fmt::format("{}.{:09},{}", ns / kSecond, ns % kSecond, kind);
   for (const double axis : sample.axes) row += ',' + FormatNumber(axis);
   row += sample.engaged ? ",1" : ",0";
   for (const auto presses : kPresses) {

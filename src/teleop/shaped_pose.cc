@@ -26,37 +26,34 @@ struct Brake {
   }
 };
 
-/// Limits the component of u along a unit vector.
-void Cut(Vector3d& u, const Vector3d& along, double most) noexcept {
-  const double speed = u.dot(along);
-  if (speed > most) u -= (speed - most) * along;
+/// n . v <= most, or n . w <= most.
+void Add(TwistBounds& bounds, const Vector3d& n, double most, Bound bound, bool turns = false) {
+  Vector6 row{};
+  for (std::size_t i = 0; i < 3; ++i) row[turns ? 3 + i : i] = n[static_cast<Eigen::Index>(i)];
+  bounds.Add(row, most, {bound});
 }
 
-void CutAtBox(Vector3d& u, const Vector3d& p, const Workspace& w, const Brake& brake) noexcept {
+void AddBox(TwistBounds& bounds, const Vector3d& p, const Workspace& w, const Brake& brake) {
   for (Eigen::Index i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
-    u[i] = std::clamp(u[i], -brake.Most(p[i] - w.low[axis]), brake.Most(w.high[axis] - p[i]));
+    Add(bounds, Vector3d::Unit(i), brake.Most(w.high[axis] - p[i]), Bound::kWorkspace);
+    Add(bounds, -Vector3d::Unit(i), brake.Most(p[i] - w.low[axis]), Bound::kWorkspace);
   }
 }
 
-void CutAtShell(Vector3d& u, const Vector3d& p, const Workspace& w, const Brake& brake) noexcept {
+void AddShell(TwistBounds& bounds, const Vector3d& p, const Workspace& w, const Brake& brake) {
   const Vector3d out = p - kShoulder;
   const double distance = out.norm();
   if (distance < kNothing) return;
-  const Vector3d n = out / distance;
-  Cut(u, n, brake.Most(w.farthest - distance));
-  Cut(u, -n, brake.Most(distance - w.nearest));
+  Add(bounds, out / distance, brake.Most(w.farthest - distance), Bound::kWorkspace);
+  Add(bounds, -out / distance, brake.Most(distance - w.nearest), Bound::kWorkspace);
 }
 
-/// @param lead  lead of the reference over the end effector.
-void CutAtLead(Vector3d& u, const Vector3d& lead, double most, const Brake& brake) noexcept {
+void AddLead(TwistBounds& bounds, const Vector3d& lead, double most, const Brake& brake,
+             bool turns) {
   const double distance = lead.norm();
-  if (distance > kNothing) Cut(u, lead / distance, brake.Most(most - distance));
-}
-
-bool TookMost(const Vector3d& wished, const Vector3d& left, double full) noexcept {
-  constexpr double kWorthIt = 0.02;
-  return wished.norm() > kWorthIt * full && left.norm() < wished.norm() / 2;
+  if (distance < kNothing) return;
+  Add(bounds, lead / distance, brake.Most(most - distance), Bound::kPress, turns);
 }
 
 }  // namespace
@@ -65,7 +62,6 @@ void ShapedPose::Begin(const Transform& O_T_EE) noexcept {
   along_.Rest();
   about_.Rest();
   target_ = {O_T_EE, {}};
-  at_border_ = false;
 }
 
 Vector6 ShapedPose::TwistTowards(const Transform& O_T_wish, double T) const noexcept {
@@ -81,29 +77,34 @@ Vector6 ShapedPose::TwistTowards(const Transform& O_T_wish, double T) const noex
   return {v[0], v[1], v[2], w[0], w[1], w[2]};
 }
 
-const reference::PoseTarget& ShapedPose::Next(const Vector6& twist, const Transform& O_T_EE,
-                                              double T) noexcept {
-  const Vector3d p = model::Position(target_.O_T_EE);
+void ShapedPose::AddTo(TwistBounds& bounds, const Vector6& lead, double T) const noexcept {
   const auto brake_of = [T](const ShapedVelocity<3>& shaped) {
     return Brake{kOfAcceleration * shaped.bounds().acceleration, shaped.PositionOmega(T)};
   };
-  const Vector3d v_wished =
-      ShapedVelocity<3>::Limited({twist[0], twist[1], twist[2]}, along_.bounds().speed);
-  const Vector3d w_wished =
-      ShapedVelocity<3>::Limited({twist[3], twist[4], twist[5]}, about_.bounds().speed);
-  Vector3d v = v_wished;
-  Vector3d w = w_wished;
+  const Vector3d p = model::Position(target_.O_T_EE);
   const Brake along = brake_of(along_);
-  CutAtLead(v, p - model::Position(O_T_EE), workspace_.press, along);
-  CutAtShell(v, p, workspace_, along);
-  CutAtBox(v, p, workspace_, along);
-  CutAtLead(w, model::TurnBetween(O_T_EE, target_.O_T_EE), workspace_.wring, brake_of(about_));
-  at_border_ =
-      TookMost(v_wished, v, along_.bounds().speed) || TookMost(w_wished, w, about_.bounds().speed);
-  v = along_.Next(v, T);
-  w = about_.Next(w, T);
-  target_.O_T_EE = model::Turned(target_.O_T_EE, T * w, p + T * v);
-  target_.O_dP_EE = {v[0], v[1], v[2], w[0], w[1], w[2]};
+  AddBox(bounds, p, workspace_, along);
+  AddShell(bounds, p, workspace_, along);
+  AddLead(bounds, {lead[0], lead[1], lead[2]}, workspace_.press, along, false);
+  AddLead(bounds, {lead[3], lead[4], lead[5]}, workspace_.wring, brake_of(about_), true);
+}
+
+const reference::PoseTarget& ShapedPose::Next(const Vector6& twist, double T) noexcept {
+  const Vector3d v = along_.Next({twist[0], twist[1], twist[2]}, T);
+  const Vector3d w = about_.Next({twist[3], twist[4], twist[5]}, T);
+  return Move({v[0], v[1], v[2], w[0], w[1], w[2]}, T);
+}
+
+const reference::PoseTarget& ShapedPose::Follow(const Vector6& twist, double T) noexcept {
+  along_.Rest();
+  about_.Rest();
+  return Move(twist, T);
+}
+
+const reference::PoseTarget& ShapedPose::Move(const Vector6& twist, double T) noexcept {
+  target_.O_T_EE = model::Turned(target_.O_T_EE, T * model::Angular(twist),
+                                 model::Position(target_.O_T_EE) + T * model::Linear(twist));
+  target_.O_dP_EE = twist;
   return target_;
 }
 

@@ -18,8 +18,33 @@ constexpr double kStands = 0.02;
 /// How long the peaks after a mode switch count as the switch's.
 constexpr Duration kSwitch = std::chrono::milliseconds(500);
 
-TeleoperatorConfig Valid(const TeleoperatorConfig& config) {
+/// True if little is left of the translation or of the rotation.
+bool RemovedMost(const Vector6& wished, const Vector6& allowed, const Vector6& scale) {
+  constexpr double kWorthIt = 0.02;
+  const auto took = [&](std::size_t first) {
+    const double wish = HalfNorm(wished, first);
+    return wish > kWorthIt * scale[first] && HalfNorm(allowed, first) < wish / 2;
+  };
+  return took(0) || took(3);
+}
+
+/// Each half of a twist within its speed.
+Vector6 Limited(Vector6 twist, const Vector6& scale) {
+  for (const std::size_t first : {0U, 3U}) {
+    const double share = std::min(1.0, scale[first] / HalfNorm(twist, first));
+    for (std::size_t i = first; i < first + 3; ++i) twist[i] *= share;
+  }
+  return twist;
+}
+
+/// @returns the configuration with the end effector's speeds lowered to the lab's caps.
+TeleoperatorConfig Valid(TeleoperatorConfig config, const model::LabLimits& lab) {
   config.Validate();
+  const auto lower = [](double& speed, std::optional<double> cap) {
+    if (cap) speed = std::min(speed, MotionGuard::kCapShare * *cap);
+  };
+  lower(config.along.speed, lab.v_max);
+  lower(config.about.speed, lab.w_max);
   return config;
 }
 
@@ -27,7 +52,8 @@ Mapping::Speeds SpeedsOf(const TeleoperatorConfig& config) {
   return {.along = config.along.speed,
           .about = config.about.speed,
           .ahead = config.ahead.speed,
-          .turning = config.turning.speed};
+          .turning = config.turning.speed,
+          .joint = config.joint.speed};
 }
 
 }  // namespace
@@ -36,13 +62,17 @@ Teleoperator::Teleoperator(const Parts& parts, const TeleoperatorConfig& config,
                            const WireConfig& wire, std::uint64_t seed)
     : device_(parts.device),
       base_(parts.base),
-      config_(Valid(config)),
+      config_(Valid(config, parts.lab)),
       port_(config.feedback),
       to_robot_(wire.to_robot, seed, kToRobotStreams),
       from_robot_(wire.from_robot, seed, kFromRobotStreams),
-      mapping_(config.mapping, SpeedsOf(config)),
-      guard_(parts.arm, parts.limits),
-      pose_(config.along, config.about, config.workspace),
+      mapping_(config.mapping, SpeedsOf(config_)),
+      posture_(parts.arm, parts.limits),
+      guard_(parts.arm, parts.limits, parts.with_hand,
+             config.workspace.touch ? nullptr : parts.surroundings, parts.lab),
+      bounds_(config_.along.speed, config_.about.speed),
+      pose_(config_.along, config_.about, config_.workspace),
+      turned_(config.joint),
       ahead_(config.ahead),
       turning_(config.turning),
       reflected_(config.feedback) {
@@ -52,6 +82,8 @@ Teleoperator::Teleoperator(const Parts& parts, const TeleoperatorConfig& config,
 void Teleoperator::Begin(const Transform& O_T_EE, Time now) {
   mapping_.Begin(base_ != nullptr);
   pose_.Begin(O_T_EE);
+  has_posture_ = false;
+  turned_.Rest();
   ahead_.Rest();
   turning_.Rest();
   reflected_.Reset();
@@ -64,15 +96,18 @@ void Teleoperator::Begin(const Transform& O_T_EE, Time now) {
 }
 
 reference::PoseTarget Teleoperator::Next(const RobotState& state, Time now) noexcept {
+  if (!has_posture_) posture_.Begin(state.q);
+  has_posture_ = true;
   const double T = std::min(ToSeconds(now - last_), kLongestPeriod);
   if (!(T > 0)) return pose_.target();
   last_ = now;
   TendOperator(now, T);
   connected_ = Receive(now);
-  const Wish wish = mapping_.Update(sample_, {.connected = connected_,
-                                              .arm_rests = pose_.nearly_rests(),
-                                              .base_rests = base_rests(),
-                                              .O_T_EE_d = pose_.target().O_T_EE});
+  const Wish wish =
+      mapping_.Update(sample_, {.connected = connected_,
+                                .arm_rests = pose_.nearly_rests() && turned_.nearly_rests(),
+                                .base_rests = base_rests(),
+                                .O_T_EE_d = pose_.target().O_T_EE});
   if (mapping_.is_switching()) switched_ = now;
   LeadArm(wish, state, T);
   LeadBase(wish, T);
@@ -80,7 +115,8 @@ reference::PoseTarget Teleoperator::Next(const RobotState& state, Time now) noex
               switched_ && now - *switched_ <= kSwitch, is_stopped_);
   Answer(state, now, T);
   gripper_presses_.store(mapping_.gripper_presses(), std::memory_order_relaxed);
-  finished_.store(mapping_.ends() && pose_.rests() && base_rests(), std::memory_order_relaxed);
+  finished_.store(mapping_.ends() && pose_.rests() && turned_.rests() && base_rests(),
+                  std::memory_order_relaxed);
   Show(state, now);
   return pose_.target();
 }
@@ -116,11 +152,38 @@ bool Teleoperator::Receive(Time now) noexcept {
 }
 
 void Teleoperator::LeadArm(const Wish& wish, const RobotState& state, double T) noexcept {
-  Vector6 twist = wish.pose ? pose_.TwistTowards(*wish.pose, T) : wish.twist;
-  const double share = guard_.Share(state, twist);
-  guarded_ = share < 0.5;
-  for (double& u : twist) u *= share;
-  static_cast<void>(pose_.Next(twist, state.O_T_EE, T));
+  if (wish.joint != 0) return TurnJoint(wish, state, T);
+  turned_.Rest();  // nearly at rest, or the hand would not be led
+  const Vector6 wished =
+      Limited(wish.pose ? pose_.TwistTowards(*wish.pose, T) : wish.twist, bounds_.scale());
+  const Vector6 lead = model::WayTo(state.O_T_EE, pose_.target().O_T_EE);
+  bounds_.Clear();
+  pose_.AddTo(bounds_, lead, T);
+  guard_.AddTo(bounds_, posture_.now(), pose_.target().O_dP_EE, state, Odometry());
+  const AllowedTwist allowed = bounds_.Closest(wished);
+  limit_ = RemovedMost(wished, allowed.u, bounds_.scale()) ? allowed.strongest : ActiveBound{};
+  posture_.Follow(pose_.Next(allowed.u, T), state.F_T_EE, T, allowed.meets_all);
+}
+
+void Teleoperator::TurnJoint(const Wish& wish, const RobotState& state, double T) noexcept {
+  const std::size_t joint = wish.joint - 1U;
+  const Vector6 per_turn = posture_.PerTurn(joint, state.F_T_EE);
+  // Not faster than the hand may move.
+  double wished = wish.turn;
+  for (const std::size_t first : {0U, 3U}) {
+    const double most = bounds_.scale()[first] / HalfNorm(per_turn, first);
+    wished = std::clamp(wished, -most, most);
+  }
+  bounds_.Clear();
+  pose_.AddTo(bounds_, model::WayTo(state.O_T_EE, pose_.target().O_T_EE), T);
+  TurnBounds turn_bounds;
+  bounds_.AddTo(turn_bounds, per_turn);
+  guard_.AddTo(turn_bounds, joint, posture_.now(), state, Odometry());
+  ActiveBound strongest;
+  const double allowed = turn_bounds.Closest(wished, strongest);
+  limit_ = std::abs(allowed) < std::abs(wished) / 2 ? strongest : ActiveBound{};
+  const double speed = turned_.Next(Scalar(allowed), T)[0];
+  pose_.Follow(posture_.Turn(joint, speed, pose_.target().O_T_EE, state.F_T_EE, T), T);
 }
 
 void Teleoperator::LeadBase(const Wish& wish, double T) noexcept {
@@ -149,7 +212,8 @@ bool Teleoperator::base_rests() const noexcept {
 }
 
 void Teleoperator::Answer(const RobotState& state, Time now, double T) noexcept {
-  const bool is_felt = connected_ && mapping_.mode() == Mode::kArm && !mapping_.is_switching();
+  const bool is_felt = connected_ && mapping_.mode() == Mode::kArm && mapping_.joint() == 0 &&
+                       !mapping_.is_switching();
   from_robot_.Send(now, {.sequence = ++answers_,
                          .echo = sample_.sequence,
                          .wrench = reflected_.Next(state, mapping_.in_tool_frame(), is_felt, T),
@@ -158,7 +222,9 @@ void Teleoperator::Answer(const RobotState& state, Time now, double T) noexcept 
                          .holding = !connected_,
                          .hand_closed = mapping_.gripper_presses() % 2 == 1,
                          .fine = mapping_.fine(),
-                         .at_border = pose_.at_border() || guarded_});
+                         .joint = mapping_.joint(),
+                         .at_border = limit_.bound != Bound::kNone,
+                         .limit = limit_});
 }
 
 void Teleoperator::Show(const RobotState& state, Time now) noexcept {
@@ -170,7 +236,8 @@ void Teleoperator::Show(const RobotState& state, Time now) noexcept {
   status_.stopped = mapping_.stopped();
   status_.holding = !connected_;
   status_.fine = mapping_.fine();
-  status_.at_border = pose_.at_border() || guarded_;
+  status_.joint = mapping_.joint();
+  status_.limit = limit_;
   status_.finished = finished();
   status_.gripper_presses = mapping_.gripper_presses();
   status_.target = pose_.target();

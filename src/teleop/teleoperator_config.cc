@@ -19,6 +19,7 @@ constexpr double kFar = 2;  // m: beyond any reach
 /// Largest values, in m or rad.
 constexpr MotionBounds kMostAlong{.speed = 1.7, .acceleration = 13, .jerk = 6500};
 constexpr MotionBounds kMostAbout{.speed = 2.5, .acceleration = 25, .jerk = 12500};
+constexpr MotionBounds kMostOfJoint{.speed = 1, .acceleration = 7, .jerk = 3500};
 constexpr MotionBounds kMostOfBase{.speed = 3, .acceleration = 5, .jerk = 500};
 
 void Require(std::string_view what, const MotionBounds& bounds, const MotionBounds& most) {
@@ -57,6 +58,7 @@ void Read(control::ParameterReader& p, Workspace& w) {
   w.farthest = p.Quantity("workspace.farthest", Dimension::kLength, w.farthest, 0, kFar);
   w.press = p.Quantity("workspace.press", Dimension::kLength, w.press, 1e-3, 0.2);
   w.wring = p.Quantity("workspace.wring", Dimension::kAngle, w.wring, 1e-2, 1);
+  w.touch = p.Bool("workspace.touch", w.touch);
 }
 
 void Read(control::ParameterReader& p, FeedbackConfig& f) {
@@ -81,6 +83,7 @@ void TeleoperatorConfig::Validate() const {
   RequireInRange("operator: stale_after", ToSeconds(stale_after), 0.01, 10);
   Require("arm.along", along, kMostAlong);
   Require("arm.about", about, kMostAbout);
+  Require("arm.joint", joint, kMostOfJoint);
   Require("base.ahead", ahead, kMostOfBase);
   Require("base.turning", turning, kMostOfBase);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -107,6 +110,7 @@ TeleoperatorConfig ReadTeleoperatorConfig(control::ParameterReader& p) {
   c.stale_after = p.Time("stale_after", c.stale_after, milliseconds(10), seconds(10));
   Read(p, "arm.along", false, kMostAlong, c.along);
   Read(p, "arm.about", true, kMostAbout, c.about);
+  Read(p, "arm.joint", true, kMostOfJoint, c.joint);
   Read(p, "base.ahead", false, kMostOfBase, c.ahead);
   Read(p, "base.turning", true, kMostOfBase, c.turning);
   Read(p, c.mapping);

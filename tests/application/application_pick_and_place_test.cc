@@ -99,6 +99,70 @@ TEST(PickAndPlaceTest, NamesWhatIsInTheWay) {
   EXPECT_THAT(performance.task_result.task.failure, HasSubstr("roof"));
 }
 
+/// Between the surfaces, 0.35 m higher than the upper one; the arm stands on the object's side.
+void AddWall(scenario::Scenario& scenario) {
+  scenario::ObjectSection wall{.name = "wall", .size = {0.3, 0.02, 0.75}};
+  wall.pose.position = {0.46, 0, 0.375};
+  scenario.objects.push_back(wall);
+  (*scenario.robot.q_start)[0] = -0.7;
+}
+
+TEST(PickAndPlaceTest, SamplesAWayOverAWallWhereNoFixedWayLeads) {
+  scenario::Scenario scenario = Shipped();
+  AddWall(scenario);
+  test::Performance performance(scenario);
+  performance.Perform();
+  EXPECT_TRUE(performance.succeeded()) << performance.Story();
+  EXPECT_THAT(performance.told, testing::Contains(HasSubstr("sampled in joint space")));
+}
+
+TEST(PickAndPlaceTest, SaysEachWayThatWasTriedAndWhyItFailed) {
+  scenario::Scenario scenario = With("object: \"parcel\"", "budget: 0, object: \"parcel\"");
+  AddWall(scenario);
+  test::Performance performance(scenario);
+  performance.Perform();
+  const std::string& failure = performance.task_result.task.failure;
+  EXPECT_THAT(failure, HasSubstr("the way \"transfer\"; straight: "));
+  for (const char* way :
+       {"; up first: ", "; nearer to the robot: ", "; up and over: ",
+        "; up first, then nearer to the robot: ", " of the grips fail at \"transfer\""}) {
+    EXPECT_THAT(failure, HasSubstr(way));
+  }
+  EXPECT_THAT(failure, HasSubstr("sampled: the budget of 0 collision checks is used up"));
+  EXPECT_EQ(performance.Find("object speed"), nullptr) << "nothing has moved";
+}
+
+TEST(PickAndPlaceTest, SaysThatTheArmStandsInAnObstacle) {
+  scenario::Scenario scenario = Shipped();
+  AddWall(scenario);
+  (*scenario.robot.q_start)[0] = 0;
+  test::Performance performance(scenario);
+  performance.Perform();
+  EXPECT_THAT(performance.task_result.task.failure,
+              HasSubstr("the arm cannot leave where it stands: "));
+}
+
+// Placed with at most the error of its perception.
+TEST(PickAndPlaceTest, GraspsWhereItBelievesTheObject) {
+  scenario::Scenario scenario =
+      With("object: \"parcel\"",
+           "object: \"parcel\", perception: {spread: {position: [3 mm, 3 mm, 0 mm]}}");
+  test::Performance performance(scenario);
+  performance.Perform();
+  EXPECT_TRUE(performance.task_result.task.failure.empty()) << performance.Story();
+  const Finding* believed = performance.Find("perception error of the object's position");
+  ASSERT_NE(believed, nullptr);
+  EXPECT_GT(believed->value, 0.1);
+  EXPECT_LE(believed->value, std::hypot(3, 3));
+  const double placed = performance.Find("object position error")->value;
+  EXPECT_LE(placed, believed->value + 0.3);
+  EXPECT_GT(placed, 0.3) << "without it 0.25 mm at most in a hundred seeds";
+  scenario.seed = 2;
+  test::Performance other(scenario);
+  other.Perform();
+  EXPECT_NE(other.Find("perception error of the object's position")->value, believed->value);
+}
+
 // The robot is told of an object that is not there: it stands aside.
 TEST(PickAndPlaceTest, TriesToGraspWhatIsNotThereAndGivesUp) {
   scenario::Scenario scenario = Shipped();

@@ -112,7 +112,7 @@ operator:
   to_robot_loss: 10 %
   from_robot_delay: 300 ms
   from_robot_loss: 10 %
-  settings: {feedback: {scale: 1, most_force: 20 N, passive: true}}
+  settings: {feedback: {scale: 1, most_force: 20 N, passive: true}, workspace: {touch: true}}
 application:
   type: teleoperation
 )";

@@ -10,7 +10,8 @@
 namespace twin::teleop::teleop_mapping_test {
 namespace {
 
-constexpr Mapping::Speeds kFull{.along = 0.2, .about = 0.5, .ahead = 0.6, .turning = 0.8};
+constexpr Mapping::Speeds kFull{
+    .along = 0.2, .about = 0.5, .ahead = 0.6, .turning = 0.8, .joint = 0.5};
 
 /// A mapping that somebody leads, and the sample that leads it.
 class MappingTest : public testing::Test {
@@ -76,6 +77,39 @@ TEST_F(MappingTest, DrivesTheBaseAfterAModePress) {
   const Wish wish = Push(0, 1);
   EXPECT_DOUBLE_EQ(wish.base.v, kFull.ahead);
   EXPECT_EQ(wish.twist, Vector6{});
+}
+
+TEST_F(MappingTest, TurnsAJointByTheFirstAxis) {
+  sample.joint = 3;
+  static_cast<void>(Push(0, 0));
+  const Wish wish = Push(0, -1);
+  EXPECT_EQ(wish.joint, 3);
+  EXPECT_DOUBLE_EQ(wish.turn, -kFull.joint);
+  EXPECT_EQ(wish.twist, Vector6{});
+}
+
+TEST_F(MappingTest, WaitsForTheArmToRestBeforeAnotherJointTurns) {
+  sample.joint = 3;
+  static_cast<void>(Push(0, 0));
+  situation.arm_rests = false;
+  sample.joint = 5;
+  EXPECT_EQ(Push(0, 1), (Wish{.joint = 3}));
+  situation.arm_rests = true;
+  EXPECT_EQ(Push(0, 1), (Wish{.joint = 5, .turn = kFull.joint}));
+}
+
+TEST_F(MappingTest, WaitsForACentredStickBetweenHandAndJoints) {
+  sample.joint = 3;
+  EXPECT_EQ(Push(0, 1), (Wish{.joint = 3}));
+  static_cast<void>(Push(0, 0));
+  EXPECT_DOUBLE_EQ(Push(0, 1).turn, kFull.joint);
+  sample.joint = 0;
+  EXPECT_EQ(Push(0, 1), Wish());
+}
+
+TEST_F(MappingTest, IgnoresAJointThatTheArmDoesNotHave) {
+  sample.joint = 8;
+  EXPECT_DOUBLE_EQ(Push(0, 1).twist[0], kFull.along);
 }
 
 TEST_F(MappingTest, TurnsTheBaseLeftByAPushToTheLeft) {

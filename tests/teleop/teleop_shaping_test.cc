@@ -1,16 +1,25 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Core>
+#include <Eigen/QR>
 
 #include "teleop/teleop_fixture.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
+#include "twin/model/arm_model.h"
+#include "twin/model/self_collision.h"
 #include "twin/model/transform.h"
+#include "twin/teleop/motion_guard.h"
 #include "twin/teleop/shaped_pose.h"
 #include "twin/teleop/shaped_velocity.h"
+#include "twin/teleop/twist_bounds.h"
 
 namespace twin::teleop::teleop_shaping_test {
 namespace {
@@ -100,6 +109,8 @@ TEST(ShapedVelocityTest, ReachesWhatIsWished) {
 struct Led {
   ShapedPose pose{TeleoperatorConfig().along, TeleoperatorConfig().about,
                   TeleoperatorConfig().workspace};
+  TwistBounds bounds{TeleoperatorConfig().along.speed, TeleoperatorConfig().about.speed};
+  ActiveBound active{};
   Transform X = [] {
     Transform begin = kIdentityTransform;
     begin[12] = 0.5;
@@ -108,8 +119,16 @@ struct Led {
   }();
 
   Led() { pose.Begin(X); }
+  /// Leads the pose while the end effector stays at `measured`.
+  const Transform& Step(const Vector6& twist, const Transform& measured) {
+    bounds.Clear();
+    pose.AddTo(bounds, model::WayTo(measured, pose.target().O_T_EE), kT);
+    const AllowedTwist allowed = bounds.Closest(twist);
+    active = allowed.strongest;
+    return pose.Next(allowed.u, kT).O_T_EE;
+  }
   void Run(const Vector6& twist, int steps) {
-    for (int i = 0; i < steps; ++i) X = pose.Next(twist, X, kT).O_T_EE;
+    for (int i = 0; i < steps; ++i) X = Step(twist, X);
   }
 };
 
@@ -124,7 +143,7 @@ TEST(ShapedPoseTest, StopsBeforeTheSideOfItsBox) {
 TEST(ShapedPoseTest, TellsThatItIsAtABorder) {
   Led led;
   led.Run({0, 0.2, 0, 0, 0, 0}, 12'000);
-  EXPECT_TRUE(led.pose.at_border());
+  EXPECT_EQ(led.active.bound, Bound::kWorkspace);
 }
 
 TEST(ShapedPoseTest, NeverLeavesItsShellUnderAWildWish) {
@@ -147,7 +166,7 @@ TEST(ShapedPoseTest, NeverLeavesItsShellUnderAWildWish) {
 TEST(ShapedPoseTest, GoesNoFurtherAheadOfAnArmThatIsStoppedThanItMayPress) {
   Led led;
   const Transform wall = led.X;
-  for (int i = 0; i < 5000; ++i) led.pose.Next({0.25, 0, 0, 0, 0, 0}, wall, kT);
+  for (int i = 0; i < 5000; ++i) led.Step({0.25, 0, 0, 0, 0, 0}, wall);
   const double ahead = led.pose.target().O_T_EE[12] - wall[12];
   EXPECT_NEAR(ahead, TeleoperatorConfig().workspace.press, 1e-3);
 }
@@ -176,21 +195,105 @@ TEST(ShapedPoseTest, DoesNotGoBeyondAWishedPose) {
   EXPECT_LE(most, wish[13] + 2e-4);
 }
 
-TEST(PostureGuardTest, LetsAFreeArmGo) {
-  const PostureGuard guard(model::ArmModel::Panda(), twin::test::PandaLimits());
-  RobotState state;
-  state.q = test::kReady;
-  EXPECT_EQ(guard.Share(state, {0.1, 0.1, -0.1, 0.2, 0, 0}), 1);
+/// What a guard leaves of a twist at a configuration.
+struct Guarded {
+  Vector6 allowed{};
+  ActiveBound active;
+
+  /// @param q_r  of the reference; the arm is at q.
+  Guarded(const JointVector& q, const Vector6& twist, const JointVector& q_r,
+          Surroundings* surroundings = nullptr) {
+    MotionGuard guard(model::ArmModel::Panda(), twin::test::PandaLimits(), true, surroundings);
+    TwistBounds bounds(TeleoperatorConfig().along.speed, TeleoperatorConfig().about.speed);
+    RobotState state;
+    state.q = q;
+    guard.AddTo(bounds, {.q = q_r}, {}, state);
+    const AllowedTwist closest = bounds.Closest(twist);
+    allowed = closest.u;
+    active = closest.strongest;
+  }
+  Guarded(const JointVector& q, const Vector6& twist) : Guarded(q, twist, q) {}
+};
+
+double Along(const Vector6& a, const Vector6& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+TEST(TwistBoundsTest, LeavesTheMotionAlongABound) {
+  TwistBounds bounds(1, 1);
+  bounds.Add({1, 1, 0, 0, 0, 0}, 0, {Bound::kWorkspace});
+  const auto [allowed, active, meets_all] = bounds.Closest({1, 0, 0.5, 0, 0, 0.2});
+  const Vector6 projected{0.5, -0.5, 0.5, 0, 0, 0.2};
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(allowed[i], projected[i], 1e-12);
+  EXPECT_EQ(active.bound, Bound::kWorkspace);
+}
+
+TEST(TwistBoundsTest, SatisfiesEveryBoundOfManyAndKeepsWhatTheyAllow) {
+  const Random random(11, RandomStream::kTest);
+  for (std::uint64_t trial = 0; trial < 200; ++trial) {
+    std::uint32_t draw = 0;
+    const auto vector = [&] {
+      Vector6 v;
+      for (double& x : v) x = random.Normal(trial, draw++);
+      return v;
+    };
+    TwistBounds bounds(0.25, 0.8);
+    std::vector<std::pair<Vector6, double>> rows;
+    for (int k = 0; k < 12; ++k) {
+      rows.emplace_back(vector(), std::abs(random.Normal(trial, draw++)));
+      bounds.Add(rows.back().first, rows.back().second, {Bound::kScene});
+    }
+    const Vector6 wild = vector();
+    const auto part = [&](std::size_t i, double most) {
+      return most * wild[i] / (1 + std::abs(wild[i])) / std::sqrt(3);
+    };
+    const Vector6 u{part(0, 0.25), part(1, 0.25), part(2, 0.25),
+                    part(3, 0.8),  part(4, 0.8),  part(5, 0.8)};
+    const auto [allowed, active, meets_all] = bounds.Closest(u);
+    double excess = 0;
+    for (const auto& [a, b] : rows) {
+      EXPECT_LE(Along(a, allowed), b + 1.1e-4);
+      excess = std::max(excess, Along(a, u) - b);
+    }
+    for (std::size_t i = 0; i < 6 && excess <= 0; ++i) EXPECT_NEAR(allowed[i], u[i], 1e-12);
+  }
+}
+
+TEST(TwistBoundsTest, MeetsABoundWithinTheSpeedItHas) {
+  TwistBounds bounds(1, 1);
+  bounds.Add({-0.6, -0.8, 0, 0, 0, 0}, -0.8, {Bound::kJointEnd});
+  const auto [allowed, active, meets_all] = bounds.Closest({1, 0, 0, 0, 0, 0});
+  EXPECT_TRUE(meets_all);
+  // The point of the unit circle at which 0.6 x + 0.8 y = 0.8 next to (1, 0).
+  const Vector6 expected{0.96, 0.28, 0, 0, 0, 0};
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(allowed[i], expected[i], 1e-4) << i;
+}
+
+TEST(TwistBoundsTest, PassesNoneOfTheBoundsThatCannotAllBeMet) {
+  TwistBounds bounds(1, 1);
+  bounds.Add({1, 0, 0, 0, 0, 0}, -0.1, {Bound::kJointEnd, 5});
+  bounds.Add({-1, 0.2, 0, 0, 0, 0}, -0.2, {Bound::kSelf});
+  const auto [allowed, active, meets_all] = bounds.Closest({1, 0.1, 1, 0, 0, 0});
+  EXPECT_FALSE(meets_all);
+  EXPECT_LE(allowed[0], 1.1e-4);
+  EXPECT_LE(0.2 * allowed[1] - allowed[0], 1.1e-4);
+  EXPECT_GT(allowed[2], 0.3) << "what neither forbids goes on";
+}
+
+TEST(MotionGuardTest, LetsAFreeArmGo) {
+  const Vector6 twist{0.1, 0.1, -0.1, 0.2, 0, 0};
+  const Guarded guarded(test::kReady, twist);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(guarded.allowed[i], twist[i], 1e-12);
+  EXPECT_EQ(guarded.active.bound, Bound::kNone);
 }
 
 /// Nearly stretched out, and the way from the shoulder to the wrist at 0.2 m/s.
 struct Stretched {
-  RobotState state;
+  JointVector q{0, 0.3, 0, -0.65, 0, 1.57, 0.785};
   Vector6 outwards{};
 
   Stretched() {
-    state.q = {0, 0.3, 0, -0.65, 0, 1.57, 0.785};
-    const Transform wrist = model::ArmModel::Panda().Pose(model::Frame::kJoint6, state.q);
+    const Transform wrist = model::ArmModel::Panda().Pose(model::Frame::kJoint6, q);
     const double length = std::hypot(wrist[12], wrist[13], wrist[14] - 0.333);
     for (std::size_t i = 0; i < 3; ++i) {
       outwards[i] = 0.2 * (wrist[12 + i] - (i == 2 ? 0.333 : 0)) / length;
@@ -198,31 +301,137 @@ struct Stretched {
   }
 };
 
-TEST(PostureGuardTest, HoldsAnArmThatIsAboutToBeStretchedOut) {
-  const PostureGuard guard(model::ArmModel::Panda(), twin::test::PandaLimits());
+TEST(MotionGuardTest, HoldsAnArmThatIsAboutToBeStretchedOut) {
   const Stretched arm;
-  EXPECT_EQ(guard.Share(arm.state, arm.outwards), 0);
+  const Guarded guarded(arm.q, arm.outwards);
+  EXPECT_LE(Along(guarded.allowed, arm.outwards), 0.05 * Along(arm.outwards, arm.outwards));
+  EXPECT_EQ(guarded.active.bound, Bound::kSingular);
 }
 
-TEST(PostureGuardTest, LetsAStretchedArmComeBack) {
-  const PostureGuard guard(model::ArmModel::Panda(), twin::test::PandaLimits());
+TEST(MotionGuardTest, LetsAStretchedArmComeBack) {
   const Stretched arm;
+  // Slowly: joint 4 turns at 6 rad/s for the whole 0.2 m/s.
   Vector6 back = arm.outwards;
-  for (double& u : back) u = -u;
-  EXPECT_EQ(guard.Share(arm.state, back), 1);
+  for (double& u : back) u *= -0.1;
+  const Vector6 allowed = Guarded(arm.q, back).allowed;
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(allowed[i], back[i], 1e-12);
 }
 
-TEST(PostureGuardTest, HoldsAJointAtTheEndOfItsRange) {
-  const PostureGuard guard(model::ArmModel::Panda(), twin::test::PandaLimits());
+/// Joint 7 at 2.83 of 2.8973 rad; the flange points down: a positive turn about z takes it back.
+constexpr JointVector kAtTheEnd{0, -0.785, 0, -2.356, 0, 1.571, 2.83};
+
+TEST(MotionGuardTest, HoldsAJointAtTheEndOfItsRange) {
+  const Guarded guarded(kAtTheEnd, {0, 0, 0, 0, 0, -0.5});
+  EXPECT_GE(guarded.allowed[5], 0);
+  EXPECT_EQ(guarded.active, (ActiveBound{Bound::kJointEnd, 7}));
+}
+
+TEST(MotionGuardTest, LetsAJointComeBackFromTheEndOfItsRange) {
+  EXPECT_NEAR(Guarded(kAtTheEnd, {0, 0, 0, 0, 0, 0.5}).allowed[5], 0.5, 1e-9);
+}
+
+TEST(MotionGuardTest, CountsJointsOfReferenceAndArm) {
+  JointVector q = kAtTheEnd;
+  q[6] = 2.4;
+  const Vector6 turn{0, 0, 0, 0, 0, -0.5};
+  EXPECT_NEAR(Guarded(q, turn, q).allowed[5], -0.5, 1e-9);
+  EXPECT_GE(Guarded(q, turn, kAtTheEnd).allowed[5], 0);
+  EXPECT_GE(Guarded(kAtTheEnd, turn, q).allowed[5], 0);
+}
+
+TEST(MotionGuardTest, HoldsTheHandBeforeItsOwnArm) {
+  const model::ArmModel& arm = model::ArmModel::Panda();
+  JointVector folded{0, -0.6, 0, -2.9, 0, 2.4, 0.785};
+  while (model::SelfDistance(folded, true) > 0.07 && folded[5] > 0) folded[5] -= 0.01;
+  const double apart = model::SelfDistance(folded, true);
+  ASSERT_GT(apart, MotionGuard::kSelfMargin);
+  ASSERT_LT(apart, 0.07);
+  // Any fast twist that the guard allows leaves the distance what the barrier promises.
+  const Random random(5, RandomStream::kTest);
+  for (std::uint64_t trial = 0; trial < 100; ++trial) {
+    Vector6 twist;
+    for (std::uint32_t i = 0; i < 6; ++i) twist[i] = (i < 3 ? 0.2 : 0.6) * random.Normal(trial, i);
+    const Vector6 allowed = Guarded(folded, twist).allowed;
+    constexpr double kAhead = 1e-4;  // s
+    JointVector there = folded;
+    const model::Jacobian J = arm.ZeroJacobian(model::Frame::kEndEffector, folded);
+    const Eigen::Map<const Eigen::Matrix<double, 6, 7>> jacobian(J.data());
+    const Eigen::Matrix<double, 7, 1> dq = jacobian.completeOrthogonalDecomposition().solve(
+        Eigen::Map<const Eigen::Matrix<double, 6, 1>>(allowed.data()));
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      there[i] += kAhead * dq[static_cast<Eigen::Index>(i)];
+    }
+    const double closing = (apart - model::SelfDistance(there, true)) / kAhead;
+    EXPECT_LE(closing, MotionGuard::kDecay * (apart - MotionGuard::kSelfMargin) + 2e-3);
+  }
+}
+
+/// A wall three centimetres before the end effector along x.
+struct Wall final : Surroundings {
+  std::size_t Near(const JointVector& q, const BasePose& /*base*/, double /*horizon*/,
+                   std::span<Obstacle> near) noexcept override {
+    const model::Jacobian J = model::ArmModel::Panda().ZeroJacobian(model::Frame::kEndEffector, q);
+    near[0].distance = 0.03;
+    for (std::size_t i = 0; i < kJoints; ++i) near[0].gradient[i] = -J[6 * i];
+    return 1;
+  }
+};
+
+TEST(MotionGuardTest, SlowsTheHandBeforeAFixedBodyAndLetsItSlideAlong) {
+  Wall wall;
+  const Guarded guarded(test::kReady, {0.2, 0.1, 0, 0, 0, 0}, test::kReady, &wall);
+  EXPECT_NEAR(guarded.allowed[0], MotionGuard::kDecay * (0.03 - MotionGuard::kSceneMargin), 1e-3);
+  EXPECT_NEAR(guarded.allowed[1], 0.1, 1e-3);
+  EXPECT_EQ(guarded.active.bound, Bound::kScene);
+}
+
+/// The speed that a joint of kAtTheEnd's arm may have.
+double AllowedTurn(std::size_t joint, double speed, ActiveBound& active, Wall* wall = nullptr) {
+  MotionGuard guard(model::ArmModel::Panda(), twin::test::PandaLimits(), true, wall);
   RobotState state;
-  state.q = test::kReady;
-  state.q[6] = 2.8;  // of 2.8973; the flange points down: turning left about z up takes it back
-  EXPECT_LT(
-      std::min(guard.Share(state, {0, 0, 0, 0, 0, 0.5}), guard.Share(state, {0, 0, 0, 0, 0, -0.5})),
-      0.5);
-  EXPECT_EQ(
-      std::max(guard.Share(state, {0, 0, 0, 0, 0, 0.5}), guard.Share(state, {0, 0, 0, 0, 0, -0.5})),
-      1);
+  state.q = kAtTheEnd;
+  state.F_T_EE = kIdentityTransform;
+  TurnBounds bounds;
+  guard.AddTo(bounds, joint, {.q = kAtTheEnd}, state);
+  return bounds.Closest(speed, active);
+}
+
+TEST(TurnBoundsTest, NeverTurnsAJointByItself) {
+  TurnBounds bounds;
+  bounds.Add(2, -0.5, {Bound::kSelf});
+  ActiveBound active;
+  EXPECT_EQ(bounds.Closest(0.3, active), 0);
+  EXPECT_EQ(active.bound, Bound::kSelf);
+  EXPECT_EQ(bounds.Closest(-0.3, active), -0.3);
+  EXPECT_EQ(active.bound, Bound::kNone);
+}
+
+TEST(TurnBoundsTest, IgnoresABoundThatTheJointDoesNotChange) {
+  TurnBounds bounds;
+  bounds.Add(0, 0, {Bound::kScene});
+  ActiveBound active;
+  EXPECT_EQ(bounds.Closest(0.3, active), 0.3);
+}
+
+TEST(MotionGuardTest, HoldsAJointThatTurnsAloneBeforeItsEnd) {
+  ActiveBound active;
+  const double left = 2.8973 - 2.83 - MotionGuard::kJointMargin;
+  ASSERT_LT(left, 0);
+  EXPECT_EQ(AllowedTurn(6, 0.5, active), 0);
+  EXPECT_EQ(active, (ActiveBound{Bound::kJointEnd, 7}));
+  EXPECT_EQ(AllowedTurn(6, -0.5, active), -0.5);
+}
+
+TEST(MotionGuardTest, SlowsAJointThatTurnsAloneBeforeAFixedBody) {
+  Wall wall;
+  const model::Jacobian J =
+      model::ArmModel::Panda().ZeroJacobian(model::Frame::kEndEffector, kAtTheEnd);
+  const double ahead = J[6 * 1];  // of the end effector, m/rad: joint 2 takes it to the wall
+  ASSERT_GT(ahead, 0.1);
+  ActiveBound active;
+  EXPECT_NEAR(AllowedTurn(1, 0.5, active, &wall),
+              MotionGuard::kDecay * (0.03 - MotionGuard::kSceneMargin) / ahead, 1e-9);
+  EXPECT_EQ(active.bound, Bound::kScene);
 }
 
 }  // namespace

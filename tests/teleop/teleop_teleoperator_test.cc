@@ -313,6 +313,144 @@ TEST(TeleoperatorTest, TakesNoMemoryAndNoLocks) {
   EXPECT_EQ(guard.counts(), twin::test::RealtimeGuard::Counts());
 }
 
+/// A rig whose arm is where the posture was a millisecond ago, and whose operator turns joints.
+class JointRig : public Rig {
+ public:
+  JointRig() {
+    device.now.joint = 1;
+    Run(10);
+  }
+  void Turn(std::uint8_t joint, double share, int milliseconds) {
+    device.now.joint = joint;
+    device.now.axes[0] = share;
+    Run(milliseconds);
+  }
+  /// One millisecond on; keeps the largest changes of the reference within one.
+  void Step() {
+    const reference::PoseTarget before = target;
+    Rig::Step();
+    state.q = teleoperator.posture()->q;
+    double jump = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      jump = std::max(jump, std::abs(target.O_T_EE[12 + i] - before.O_T_EE[12 + i]));
+      largest_change = std::max(largest_change, std::abs(target.O_dP_EE[i] - before.O_dP_EE[i]));
+    }
+    largest_step = std::max(largest_step, jump);
+  }
+  void Run(int milliseconds) {
+    for (int i = 0; i < milliseconds; ++i) Step();
+  }
+  [[nodiscard]] double q(std::uint8_t joint) const { return teleoperator.posture()->q[joint - 1U]; }
+
+  double largest_step = 0;    ///< of the reference in a millisecond along an axis, m
+  double largest_change = 0;  ///< of its velocity, m/s
+};
+
+TEST(TurnedJointTest, TurnsAloneAtTheSpeedOfItsBounds) {
+  JointRig rig;
+  rig.Turn(6, 1, 500);
+  const double began = rig.q(6);
+  rig.Turn(6, 1, 1000);
+  EXPECT_NEAR(rig.q(6) - began, TeleoperatorConfig().joint.speed, 1e-3);
+  for (const std::uint8_t other : {1, 2, 3, 4, 5, 7}) {
+    EXPECT_EQ(rig.q(other), test::kReady[other - 1U]);
+  }
+}
+
+TEST(TurnedJointTest, TakesTheHandAlong) {
+  JointRig rig;
+  rig.Turn(4, 1, 700);
+  rig.Turn(4, 0, 2000);
+  JointVector q = test::kReady;
+  q[3] = rig.q(4);
+  const Transform there = model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q);
+  for (std::size_t i = 0; i < 16; ++i) EXPECT_NEAR(rig.target.O_T_EE[i], there[i], 1e-5);
+}
+
+TEST(TurnedJointTest, DoesNotMoveTheHandFasterThanItMay) {
+  TeleoperatorConfig config;
+  config.along.speed = 0.05;
+  Rig rig(config);
+  rig.device.now.joint = 1;
+  rig.Run(10);
+  rig.device.now.axes[0] = 1;
+  rig.Run(1500);
+  EXPECT_NEAR(rig.Speed(), config.along.speed, 1e-3);
+}
+
+TEST(TurnedJointTest, RestsWhenItsKeyIsReleased) {
+  JointRig rig;
+  rig.Turn(2, -1, 600);
+  rig.Turn(2, 0, 1000);
+  const double stands = rig.q(2);
+  rig.Run(1000);
+  EXPECT_NEAR(rig.q(2), stands, 1e-9);
+}
+
+TEST(TurnedJointTest, StopsBeforeEitherEndAndSaysWhich) {
+  for (std::uint8_t joint = 1; joint <= 7; ++joint) {
+    for (const double way : {-1.0, 1.0}) {
+      JointRig rig;
+      rig.Turn(joint, way, 20000);
+      const JointLimits limits = twin::test::PandaLimits();
+      const double end = way > 0 ? limits.q_max[joint - 1U] : limits.q_min[joint - 1U];
+      EXPECT_GE(way * (end - rig.q(joint)), MotionGuard::kJointMargin - 1e-3)
+          << "joint " << int{joint} << " towards " << end;
+      EXPECT_NE(rig.device.felt.limit.bound, Bound::kNone) << "joint " << int{joint};
+      const double stands = rig.q(joint);
+      rig.Run(500);
+      EXPECT_NEAR(rig.q(joint), stands, 1e-3) << "joint " << int{joint};
+      if (joint == 1 || joint == 7) {
+        EXPECT_EQ(rig.device.felt.limit, (ActiveBound{Bound::kJointEnd, joint}));
+      }
+      rig.Turn(joint, -way, 1000);
+      EXPECT_GT(way * (stands - rig.q(joint)), 0.1) << "it does not come back";
+    }
+  }
+}
+
+TEST(TurnedJointTest, ChangesBetweenHandAndJointsWithoutAStep) {
+  JointRig rig;
+  for (int round = 0; round < 3; ++round) {
+    rig.Turn(4, -1, 700);
+    rig.Turn(6, 0.8, 700);  // while joint 4 still turns
+    rig.device.now.joint = 0;
+    rig.Run(700);  // a stick that is not centred leads nothing
+    rig.device.now.axes = {};
+    rig.Run(10);
+    rig.device.now.axes = {0.5, -0.5, 0.5, 0.5, 0, 0};
+    rig.Run(900);
+    rig.device.now.axes = {};
+    rig.Run(10);
+  }
+  const TeleoperatorConfig config;
+  EXPECT_LE(rig.largest_step, 1.02e-3 * config.along.speed);
+  EXPECT_LE(rig.largest_change, 1.5e-3 * config.along.acceleration);
+}
+
+TEST(TurnedJointTest, LeavesThePostureWhereTheHandGoesOn) {
+  JointRig rig;
+  rig.Turn(1, 1, 500);
+  rig.Turn(1, 0, 1000);
+  rig.device.now.joint = 0;
+  const double stands = rig.q(1);
+  rig.Run(100);
+  EXPECT_EQ(rig.device.felt.joint, 0);
+  EXPECT_NEAR(rig.q(1), stands, 1e-6);
+}
+
+TEST(TurnedJointTest, TakesNoMemoryAndNoLocks) {
+  Rig rig;
+  rig.device.now.joint = 3;
+  const twin::test::RealtimeGuard guard;
+  for (int i = 0; i < 1000; ++i) {
+    rig.device.now.axes[0] = i > 5 ? 1 : 0;
+    if (i == 500) rig.device.now.joint = 5;
+    rig.Step();
+  }
+  EXPECT_EQ(guard.counts(), twin::test::RealtimeGuard::Counts());
+}
+
 TEST(TeleoperatorConfigTest, NamesTheFieldThatIsOutOfRange) {
   TeleoperatorConfig config;
   config.along.jerk = -1;

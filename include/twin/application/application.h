@@ -42,6 +42,10 @@ struct Finding {
   std::optional<bool> met{};  ///< nullopt: nothing is demanded
 };
 
+/// A value as users read it: at most four significant digits, and none below what its unit means
+/// here (micrometres, 0.01 mm/s, 0.001 degrees, 10 ms): "0.18" mm, "0.00" mm/s, "36.1" s.
+[[nodiscard]] std::string RoundedText(double value, std::string_view unit);
+
 /// An application's judgement of the evidence.
 struct Evaluation {
   std::vector<Finding> findings{};
@@ -113,6 +117,10 @@ struct TaskResult {
 /// The failed step, else the first missed demand; empty if the task succeeded and every demand is
 /// met.
 [[nodiscard]] std::string FailureOf(const TaskResult& task_result, const Evaluation& evaluation);
+
+/// One sentence: how many demands are met and which quantities were demanded, or which demands are
+/// missed; empty without demands.
+[[nodiscard]] std::string VerdictOf(const Evaluation& evaluation);
 
 /// The robot and the world that an application works with. All references must outlive it.
 ///

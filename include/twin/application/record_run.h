@@ -1,26 +1,45 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "twin/page/live_page.h"
 #include "twin/run/catalogue.h"
 #include "twin/run/console.h"
 #include "twin/run/run.h"
+#include "twin/run/run_history.h"
 #include "twin/scenario/scenario.h"
 
 // Runs of a scenario, from its file to its folder of results.
 namespace twin::application {
+
+/// What precedes and follows a motion for the sake of a real arm.
+struct HardwareOptions {
+  bool allowed = false;     ///< a remote robot need not be a twin; the demands below then hold
+  bool check_only = false;  ///< a remote robot is checked, and not moved
+  run::RehearsalDemand rehearsal{};  ///< its hash and speed are also those that are recorded
+  std::string no_rehearsal;          ///< why none is demanded; empty: one is
+  std::string speed{};               ///< in words, for the checks: "0.2 of the scenario's: ..."
+  std::string to_start{};            ///< command that brings the arm to the start; may be empty
+  /// Asks whether to move, and waits for the answer; empty: no operator is asked.
+  /// @throws run::Interrupted when the answer is no.
+  std::function<void(std::string_view what)> confirm{};
+  /// Keeps how runs end; null: they are not kept, and no hardware is allowed. Must outlive the run.
+  const run::RunHistory* history = nullptr;
+};
 
 /// Options of a run, in addition to the scenario's settings.
 struct RunOptions {
   std::filesystem::path scenario;  ///< its file, for messages
   std::filesystem::path out;       ///< folder of results
   std::string site;                ///< of the scenario, for the report: "lab b"
-  bool makes_video = true;      ///< when the scenario asks for one; the log does not depend on it
-  bool strict = false;          ///< a deviation above max_deviation is a failure
-  bool allow_hardware = false;  ///< a remote robot need not be a twin
+  bool makes_video = true;  ///< when the scenario asks for one; the log does not depend on it
+  bool has_fine_pictures = false;  ///< run::Fine()
+  bool strict = false;             ///< a deviation above max_deviation is a failure
+  HardwareOptions hardware{};
   std::optional<std::filesystem::path> capture{};  ///< backend fci: file of the wire's packets
   std::optional<page::PageSettings> page{};        ///< address of the operator's page
   bool waits_for_visitor = false;                  ///< begins when the page is first opened
@@ -36,10 +55,12 @@ struct RunInputs {
   run::Console& console;
 };
 
-/// Runs a scenario's motion or application and writes its results. A failure by the robot, or a
-/// goal without a plan, leaves a summary. Invalid input or a missing resource of the host leaves
-/// nothing partial but the log, if it could not be written to its end (a full disk).
-/// @throws RobotFault when the run aborted, failed or left its path (strict), twin::Error
+/// Runs a scenario's motion or application and writes its results. With check_only it prints the
+/// checks that precede the first motion, all of them, and writes nothing. A failure by the robot,
+/// or a goal without a plan, leaves a summary. Invalid input or a missing resource of the host
+/// leaves nothing partial but the log, if it could not be written to its end (a full disk).
+/// @throws RobotFault when the run aborted, failed or left its path (strict), or a check failed;
+/// InputError when a real arm may move without being allowed or rehearsed; twin::Error
 /// otherwise; run::Interrupted.
 void RecordRun(const RunInputs& inputs);
 

@@ -1,13 +1,17 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "twin/core/joint_vector.h"
+#include "twin/core/mobile_base.h"
+#include "twin/model/lab_limits.h"
 #include "twin/plant/mujoco_plant.h"
 
 namespace twin::planning {
@@ -18,12 +22,19 @@ inline constexpr std::string_view kGuardedArmItself = "itself (by the robot's ow
 
 /// Two parts that touch, or are closer than requested. A part is a body of the model
 /// ("panda_link5", "panda_hand", "box") or a single shape fixed to the world ("table"). The names
-/// live as long as the world.
+/// live as long as the world. Of a limit: a is the part, b the limit's name.
 struct Touch {
   std::string_view a;   ///< of the robot or a held object; kGuardedArm
   std::string_view b;   ///< of the robot, a held object, or the scene
   double distance = 0;  ///< m; negative if they overlap, but not the penetration depth: between two
                         ///< boxes MuJoCo 2.2.2 gives half of it
+  bool is_limit = false;  ///< b is a region of SetLimits(), distance the margin
+};
+
+/// The least distance between two shapes, one of the arm and one fixed to the world or to the base.
+struct Clearance {
+  double distance = 0;     ///< m; as Touch::distance
+  JointVector gradient{};  ///< of the distance by the joints, m/rad
 };
 
 /// "panda_link5 and table overlap; box and crate are 4.0 mm apart"; for messages.
@@ -64,6 +75,12 @@ class CollisionWorld {
   /// Sets the distance of the robot's guard; nullopt: no guard. Initially kSelfGuard.
   void SetSelfGuard(std::optional<double> distance);
 
+  /// Sets regions that parts of the robot must not leave or enter: a configuration with a margin
+  /// below the clearance is not free. Caps on speed bound the plans (Planner). Initially none.
+  void SetLimits(const model::LabLimits& limits, const model::LimitedArm& arm);
+  [[nodiscard]] const model::LabLimits& limits() const noexcept;
+  [[nodiscard]] const model::LimitedArm& limited_arm() const noexcept;
+
   /// Places a free body of the scene.
   /// @param body  one with a free joint. @param X_WB  its pose in the world.
   /// @throws InputError listing the movable bodies for another body, and for a pose that is not
@@ -93,6 +110,21 @@ class CollisionWorld {
   /// @returns all touching parts, the deepest first; empty if IsFree(). Counts as one check;
   /// allocates.
   [[nodiscard]] std::vector<Touch> Touches(const JointVector& q, double clearance = 0);
+
+  /// Moves a mobile base. No effect without one.
+  /// @param from_start  pose relative to where the scene puts it.
+  void MoveBase(const BasePose& from_start) noexcept;
+
+  static constexpr std::size_t kMostNear = 32;
+  /// Finds shapes that are close to the arm and fixed to the world or to a mobile base. Gradients
+  /// are those of MuJoCo's distance, by differences below 0.06 m and by contact normals above.
+  /// Beside boxes, MuJoCo 2.2.2 may give half of the distance.
+  /// @param q  rad. @param horizon  m, >= 0. @param near  receives one entry per pair of shapes
+  /// closer than `horizon`: the closest ones, as many as it takes, at most kMostNear, in no
+  /// particular order.
+  /// @returns the number of entries. Counts as one check.
+  [[nodiscard]] std::size_t NearFixed(const JointVector& q, double horizon,
+                                      std::span<Clearance> near) noexcept;
 
   /// Number of checks since construction.
   [[nodiscard]] std::uint64_t checks() const noexcept;

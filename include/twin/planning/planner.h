@@ -74,7 +74,8 @@ using PlanOutcome = std::variant<Plan, PlanFailure>;
 /// are added; as the last resort the motion stops at each turning point.
 ///
 /// The same world, query and seed give the same plan bit by bit, whatever was planned before. The
-/// hand's width and a held object belong to the world and stay constant over a motion.
+/// hand's width and a held object belong to the world and stay constant over a motion. Plans keep
+/// the world's limits (CollisionWorld::SetLimits), caps on speed included.
 ///
 /// Threads: the world's. Not for real-time code.
 class Planner {

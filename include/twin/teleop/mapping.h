@@ -24,6 +24,8 @@ struct Wish {
   Vector6 twist{};                  ///< of the end effector, base axes; if no pose is given
   std::optional<Transform> pose{};  ///< of the end effector in the base
   BaseTwist base{};
+  std::uint8_t joint = 0;  ///< 1 to 7: this joint turns alone, and nothing else is wished
+  double turn = 0;         ///< of that joint, rad/s
   bool operator==(const Wish&) const = default;
 };
 
@@ -39,6 +41,9 @@ struct Wish {
 /// displacement counts from its current position. The latter also holds after a switch of frame or
 /// scale, so that the command never jumps.
 ///
+/// Joints: a sample with a joint turns it by axes[0]; before another joint, or the hand, moves, the
+/// arm comes to rest. Between hand and joints a stick must return to its dead zone.
+///
 /// Mode: a press first brings the moving part to rest, then selects the other. Presses are counted:
 /// k presses switch k times. If a stop and a release arrive in one sample, the stop counts. Axes
 /// that are not finite are ignored.
@@ -52,6 +57,7 @@ class Mapping {
     double about = 0;
     double ahead = 0;
     double turning = 0;
+    double joint = 0;
   };
   Mapping(const MappingConfig& config, const Speeds& full) noexcept
       : config_(config), full_(full) {}
@@ -64,8 +70,12 @@ class Mapping {
                             const Situation& situation) noexcept TWIN_REALTIME;
 
   [[nodiscard]] Mode mode() const noexcept { return mode_; }
-  /// True while a mode switch waits for rest.
-  [[nodiscard]] bool is_switching() const noexcept { return mode_ != wanted_; }
+  /// The joint that turns alone, 1 to 7; 0: none.
+  [[nodiscard]] std::uint8_t joint() const noexcept { return joint_; }
+  /// True while a switch of the mode or of the joint waits for rest.
+  [[nodiscard]] bool is_switching() const noexcept {
+    return mode_ != wanted_ || joint_ != JointOf(last_);
+  }
   [[nodiscard]] bool stopped() const noexcept { return stopped_; }
   [[nodiscard]] bool fine() const noexcept { return fine_; }
   [[nodiscard]] bool in_tool_frame() const noexcept { return in_tool_frame_; }
@@ -74,6 +84,10 @@ class Mapping {
   [[nodiscard]] std::uint32_t gripper_presses() const noexcept { return gripper_presses_; }
 
  private:
+  [[nodiscard]] static std::uint8_t JointOf(const OperatorSample& sample) noexcept {
+    const bool is_joint = sample.kind == AxisKind::kRate && sample.joint <= kJoints;
+    return is_joint ? sample.joint : std::uint8_t{0};
+  }
   void Count(const OperatorSample& sample) noexcept;
   /// True if the axes count; otherwise waits for a centred stick, or anchors a handle.
   bool Open(const OperatorSample& sample, const Situation& situation) noexcept;
@@ -91,6 +105,7 @@ class Mapping {
   OperatorSample last_{};  ///< counters of the last sample
   Mode mode_ = Mode::kArm;
   Mode wanted_ = Mode::kArm;
+  std::uint8_t joint_ = 0;
   bool stopped_ = false;
   bool fine_ = false;
   bool in_tool_frame_ = false;

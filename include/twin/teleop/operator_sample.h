@@ -6,6 +6,7 @@
 #include "twin/core/joint_vector.h"
 #include "twin/core/mobile_base.h"
 #include "twin/core/time.h"
+#include "twin/teleop/twist_bounds.h"
 
 namespace twin::teleop {
 
@@ -23,9 +24,12 @@ struct OperatorSample {
   std::uint64_t sequence = 0;  ///< rises with every sample of a device, from 1
   Time at{};                   ///< on the device's own clock
   AxisKind kind = AxisKind::kRate;
-  Vector6 axes{};                  ///< x, y, z, about x, y, z: forward, left, up for the operator
-  bool engaged = true;             ///< clutch: false re-centres the handle without motion
-  std::uint32_t mode_presses = 0;  ///< switches between arm and base
+  Vector6 axes{};  ///< x, y, z, about x, y, z: forward, left, up for the operator
+  /// 1 to 7: axes[0] of a stick (kRate) turns this joint of the arm alone; 0: axes move the part of
+  /// the mode. Not in network messages.
+  std::uint8_t joint = 0;
+  bool engaged = true;                ///< clutch: false re-centres the handle without motion
+  std::uint32_t mode_presses = 0;     ///< switches between arm and base
   std::uint32_t gripper_presses = 0;  ///< closes or opens the hand
   std::uint32_t frame_presses = 0;    ///< switches between axes of the base and of the end effector
   std::uint32_t scale_presses = 0;    ///< switches between coarse and fine motion
@@ -58,7 +62,9 @@ struct OperatorFeedback {
   bool holding = false;      ///< the device is lost or its samples are too old
   bool hand_closed = false;  ///< as last commanded
   bool fine = false;         ///< motion is scaled down
-  bool at_border = false;    ///< workspace, posture or force limits the arm in this direction
+  std::uint8_t joint = 0;    ///< that turns alone, 1 to 7; 0: none. Not in network messages
+  bool at_border = false;    ///< `limit` is set
+  ActiveBound limit{};       ///< what limits the arm in this direction; not in network messages
 };
 
 }  // namespace twin::teleop

@@ -10,8 +10,9 @@
 
 // An operator's recorded input as comma-separated values: one row per sample, with the header
 //   time,kind,x,y,z,rx,ry,rz,engaged,mode,gripper,frame,scale,stop,release,end
-// time in s from the start; kind rate (axes are shares of full scale in [-1, 1]) or pose (m and
-// rad, in [-10, 10]); engaged 1 or 0; then the presses of each button since the previous row.
+// time in s from the start; kind rate (axes are shares of full scale in [-1, 1]), pose (m and
+// rad, in [-10, 10]) or joint1 to joint7 (x turns this joint alone); engaged 1 or 0; then the
+// presses of each button since the previous row.
 namespace twin::teleop {
 
 inline constexpr std::uintmax_t kMostScriptBytes = std::uintmax_t{64} << 20;

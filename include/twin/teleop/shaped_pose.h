@@ -5,16 +5,17 @@
 #include "twin/reference/target.h"
 #include "twin/teleop/shaped_velocity.h"
 #include "twin/teleop/teleoperator_config.h"
+#include "twin/teleop/twist_bounds.h"
 
 namespace twin::teleop {
 
 /// The end effector's reference x_d. Follows a commanded twist or pose within bounds of twist,
-/// acceleration and jerk, and stays in its workspace.
+/// acceleration and jerk.
 ///
-/// Each bounded direction (the box's axes, the shoulder's radius, the lead over the measured end
-/// effector) cuts the commanded twist to the speed from which a quarter of the acceleration stops
-/// at the bound (reference/closing_speed.h). ShapedVelocity follows the result and x_d integrates
-/// it. A commanded pose adds an outer loop:
+/// AddTo() keeps it in its workspace: each bounded direction (the box's axes, the shoulder's
+/// radius, the lead over the measured end effector) permits the speed from which a quarter of the
+/// acceleration stops at the bound (reference/closing_speed.h). ShapedVelocity follows the twist
+/// that the bounds leave, and x_d integrates it. A commanded pose adds an outer loop:
 ///   u = e / |e| min(ClosingSpeed(|e|), V),   e the pose error.
 /// From outside the workspace only inward motion is possible.
 ///
@@ -31,10 +32,16 @@ class ShapedPose {
   [[nodiscard]] Vector6 TwistTowards(const Transform& O_T_wish,
                                      double T) const noexcept TWIN_REALTIME;
 
-  /// Advances one period. @param twist  commanded, base axes. @param O_T_EE  measured. @param T  s,
-  /// > 0.
-  const reference::PoseTarget& Next(const Vector6& twist, const Transform& O_T_EE,
-                                    double T) noexcept TWIN_REALTIME;
+  /// Adds the workspace's bounds of the commanded twist.
+  /// @param lead  of the reference over the measured end effector, base axes, m and rad. @param T
+  /// s, > 0.
+  void AddTo(TwistBounds& bounds, const Vector6& lead, double T) const noexcept TWIN_REALTIME;
+
+  /// Advances one period. @param twist  allowed, base axes. @param T  s, > 0.
+  const reference::PoseTarget& Next(const Vector6& twist, double T) noexcept TWIN_REALTIME;
+
+  /// Advances one period with this very twist. Next() goes on from rest.
+  const reference::PoseTarget& Follow(const Vector6& twist, double T) noexcept TWIN_REALTIME;
 
   [[nodiscard]] const reference::PoseTarget& target() const noexcept { return target_; }
   [[nodiscard]] bool rests() const noexcept { return along_.rests() && about_.rests(); }
@@ -42,15 +49,14 @@ class ShapedPose {
   [[nodiscard]] bool nearly_rests() const noexcept {
     return along_.nearly_rests() && about_.nearly_rests();
   }
-  /// True if a bound removed most of the last command.
-  [[nodiscard]] bool at_border() const noexcept { return at_border_; }
 
  private:
+  const reference::PoseTarget& Move(const Vector6& twist, double T) noexcept;
+
   ShapedVelocity<3> along_;
   ShapedVelocity<3> about_;
   Workspace workspace_;
   reference::PoseTarget target_{};
-  bool at_border_ = false;
 };
 
 }  // namespace twin::teleop

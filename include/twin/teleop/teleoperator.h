@@ -13,11 +13,13 @@
 #include "twin/teleop/command_peaks.h"
 #include "twin/teleop/device.h"
 #include "twin/teleop/force_feedback.h"
+#include "twin/teleop/led_posture.h"
 #include "twin/teleop/mapping.h"
-#include "twin/teleop/posture_guard.h"
+#include "twin/teleop/motion_guard.h"
 #include "twin/teleop/shaped_pose.h"
 #include "twin/teleop/shaped_velocity.h"
 #include "twin/teleop/teleoperator_config.h"
+#include "twin/teleop/twist_bounds.h"
 #include "twin/teleop/wire.h"
 
 namespace twin::teleop {
@@ -30,7 +32,8 @@ struct TeleoperatorStatus {
   bool stopped = false;
   bool holding = false;
   bool fine = false;
-  bool at_border = false;
+  std::uint8_t joint = 0;  ///< that turns alone, 1 to 7; 0: none
+  ActiveBound limit{};     ///< what limits the arm's motion most
   bool finished = false;
   std::uint32_t gripper_presses = 0;
   reference::PoseTarget target{};  ///< x_d
@@ -50,9 +53,12 @@ struct TeleoperatorStatus {
 /// Lets an operator lead arm and base with a device: a pose controller's live reference, and twist
 /// commands to the base.
 ///
-///     device ─ passive port ─ wire ─►  watchdog ─ mapping ─┬─ posture guard ─ shaped pose ─► x_d
+///     device ─ passive port ─ wire ─►  watchdog ─ mapping ─┬─ motion guard ─ shaped pose ─► x_d
 ///       ▲           ▲                                      └─ shaped twist ─► base
 ///       └─ felt ────┴──────── wire ◄─  reflected wrench ◄─ state
+///
+/// A joint that the operator turns alone takes the place of the twist: the guard bounds its speed,
+/// and x_d follows the posture (LedPosture).
 ///
 /// Both sides, the operator's (device, port) and the robot's, are here with the wire between them;
 /// Next() advances all. In lockstep it runs on the virtual clock, so that a run repeats bit by bit.
@@ -78,6 +84,9 @@ class Teleoperator final : public control::LiveReference {
     backend::MobileBase* base = nullptr;  ///< null without a base
     const model::ArmModel& arm = model::ArmModel::Panda();
     JointLimits limits{};
+    bool with_hand = false;                ///< a Franka Hand is on the flange
+    Surroundings* surroundings = nullptr;  ///< null: fixed bodies do not limit the motion
+    model::LabLimits lab{};                ///< limits of the lab
   };
 
   /// @param seed  of delay and loss. @throws InputError as the configurations' Validate().
@@ -87,6 +96,10 @@ class Teleoperator final : public control::LiveReference {
   void Begin(const Transform& O_T_EE, Time now) override;
   [[nodiscard]] reference::PoseTarget Next(const RobotState& state,
                                            Time now) noexcept TWIN_REALTIME override;
+  [[nodiscard]] std::optional<reference::JointTarget> posture() const noexcept
+      TWIN_REALTIME override {
+    return posture_.now();
+  }
   [[nodiscard]] bool finished() const noexcept TWIN_REALTIME override {
     return finished_.load(std::memory_order_relaxed);  // relaxed: publishes no other data
   }
@@ -107,10 +120,14 @@ class Teleoperator final : public control::LiveReference {
   /// Takes arrived samples. @returns true if an operator leads.
   bool Receive(Time now) noexcept;
   void LeadArm(const Wish& wish, const RobotState& state, double T) noexcept;
+  void TurnJoint(const Wish& wish, const RobotState& state, double T) noexcept;
   void LeadBase(const Wish& wish, double T) noexcept;
   void Answer(const RobotState& state, Time now, double T) noexcept;
   void Show(const RobotState& state, Time now) noexcept;
   [[nodiscard]] bool base_rests() const noexcept;
+  [[nodiscard]] BasePose Odometry() const noexcept {
+    return base_ == nullptr ? BasePose{} : base_->ReadState().odometry;
+  }
   /// Displacement of the handle, m and rad.
   [[nodiscard]] Vector6 HandleOf(const OperatorSample& sample) const noexcept;
 
@@ -131,14 +148,18 @@ class Teleoperator final : public control::LiveReference {
   OperatorSample sample_{};  ///< the newest that arrived
   std::optional<Time> last_arrival_;
   Mapping mapping_;
-  PostureGuard guard_;
+  LedPosture posture_;
+  bool has_posture_ = false;  ///< since Begin()
+  MotionGuard guard_;
+  TwistBounds bounds_;
   ShapedPose pose_;
+  ShapedVelocity<1> turned_;  ///< speed of the joint that turns alone
   ShapedVelocity<1> ahead_;
   ShapedVelocity<1> turning_;
   ReflectedWrench reflected_;
   bool is_stopped_ = false;  ///< the base has received an emergency stop
   bool is_braking_ = false;  ///< from an emergency stop until the base is released and at rest
-  bool guarded_ = false;     ///< the posture guard removed most of the last command
+  ActiveBound limit_{};      ///< removed most of the last command
   std::uint64_t answers_ = 0;
   bool connected_ = false;
 

@@ -30,6 +30,9 @@ struct Workspace {
   /// bounds the force that an operator can apply.
   double press = 0.04;
   double wring = 0.25;
+  /// The operator may touch fixed bodies of the scene: they do not bound the motion. An impact or a
+  /// press beyond the robot's collision thresholds then ends it.
+  bool touch = false;
   bool operator==(const Workspace&) const = default;
 };
 
@@ -56,6 +59,7 @@ struct TeleoperatorConfig {
   Duration stale_after = std::chrono::milliseconds(200);  ///< without a sample, in [10 ms, 10 s]
   MotionBounds along{.speed = 0.25, .acceleration = 2, .jerk = 60};     ///< end effector, m
   MotionBounds about{.speed = 0.8, .acceleration = 6, .jerk = 200};     ///< end effector, rad
+  MotionBounds joint{.speed = 0.5, .acceleration = 2, .jerk = 60};      ///< turned alone, rad
   MotionBounds ahead{.speed = 0.6, .acceleration = 0.6, .jerk = 6};     ///< base, m
   MotionBounds turning{.speed = 0.8, .acceleration = 1.0, .jerk = 10};  ///< base, rad
   MappingConfig mapping{};
@@ -74,7 +78,7 @@ struct WireConfig {
 };
 
 /// Reads a configuration from a scenario's parameters. Keys are the dotted field names; the bounds
-/// are arm.along, arm.about, base.ahead, base.turning.
+/// are arm.along, arm.about, arm.joint, base.ahead, base.turning.
 /// @throws InputError as ParameterReader's functions.
 [[nodiscard]] TeleoperatorConfig ReadTeleoperatorConfig(control::ParameterReader& parameters);
 
