@@ -34,6 +34,7 @@ std::string_view Name(TickAction action) {
     case TickAction::kFinished: return "finished";
     case TickAction::kSkipped: return "skipped";
     case TickAction::kInvalid: return "invalid";
+    case TickAction::kLimited: return "limited";
   }
   return "unknown";
 }

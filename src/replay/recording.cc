@@ -50,7 +50,7 @@ class Contents {
       arm.push_back(SampleOf(cycle));
     }
   }
-  void operator()(const record::TickRecord& /*tick*/) {}
+  void operator()(const record::TickRecord& /*tick*/) { has_ticks = true; }
   void operator()(const record::EventRecord& event) { events.push_back(event); }
   void operator()(const record::SceneRecord& scene) {
     if (scene.positions != scenes_.qpos_size()) {
@@ -66,6 +66,7 @@ class Contents {
   std::vector<ArmSample> arm;  ///< one per frame: the first cycle at or after its instant
   std::vector<record::PlanRecord> plans;
   std::vector<record::EventRecord> events;
+  bool has_ticks = false;
 
  private:
   [[nodiscard]] Time Due() const {
@@ -106,6 +107,7 @@ class Recording::Impl {
   const Transform F_T_EE;
   const plant::CompiledModel compiled;
   FrameSource source = FrameSource::kScenes;
+  bool is_served = false;  ///< no workstation of ours led the robot
   std::vector<record::PlanRecord> plans;
   std::vector<record::EventRecord> events;
   std::optional<render::Snapshots> snapshots;  ///< always set after construction
@@ -127,6 +129,7 @@ class Recording::Impl {
     if (snapshots->size() == 0) TakeStates(contents.arm, fps, log);
     plans = std::move(contents.plans);
     events = std::move(contents.events);
+    is_served = !contents.has_ticks;
   }
 
   void TakeStates(const std::vector<ArmSample>& arm, int fps, const std::filesystem::path& log) {
@@ -207,6 +210,9 @@ const std::vector<record::EventRecord>& Recording::events() const noexcept {
 
 render::Film Recording::Film() const {
   render::Film film = FilmOfRun(model(), snapshots(), scenario(), plans(), events());
+  if (impl_->is_served) {
+    film.title = film.title.substr(0, film.title.find('\n')) + "\nserved, led by its client";
+  }
   if (source() == FrameSource::kStates) film.title += "\nnot recorded: hand, objects, base";
   return film;
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/abort_panels.h"
+#include "report/loss_facts.h"
 #include "twin/report/page.h"
 #include "twin/report/plot.h"
 
@@ -16,10 +17,13 @@ namespace {
 
 using nlohmann::json;
 
-std::string_view NameOf(const RunEnd& end, record::CommandFate fate) {
-  switch (fate) {
+std::string NameOf(const RunEnd& end, const EndCycle& cycle) {
+  switch (cycle.cycle.fate) {
     case record::CommandFate::kServed: return "served";
-    case record::CommandFate::kHeld: return "held";
+    case record::CommandFate::kHeld: {
+      const std::string why = end.has_ticks ? WhyHeld(cycle) : "";
+      return why.empty() ? "held" : "held: " + why;
+    }
     case record::CommandFate::kNone: break;
   }
   return end.fates_unknown() ? "not known" : "none due";
@@ -48,7 +52,7 @@ json RowsOf(const RunEnd& end, const std::vector<EndPanel>& panels) {
     }
     rows.push_back({{"held", cycle.fate == record::CommandFate::kHeld},
                     {"state", cycle.state.message_id},
-                    {"command", NameOf(end, cycle.fate)},
+                    {"command", NameOf(end, end.cycles[i])},
                     {"values", std::move(values)}});
   }
   return rows;
@@ -84,22 +88,32 @@ std::string PlaceOf(const Approach& approach) {
                      approach.time);
 }
 
-std::string AbortPage(const RunEnd& end, std::string_view headline,
-                      const std::vector<Paragraph>& paragraphs) {
-  const std::vector<EndPanel> panels = EndPanels(end);
-  return RenderPage("abort",
-                    {{"title", headline},
-                     {"scenario", end.run.scenario},
-                     {"seed", end.run.seed},
-                     {"drive", end.run.drive},
-                     {"version", end.run.version},
-                     {"paragraphs", ParagraphsOf(paragraphs)},
-                     {"cycles", std::min(end.cycles.size(), RunEnd::kShown)},
-                     {"figure", InlineSvg(DrawPlot("run/", EndFigure(end, panels)), "end")},
-                     {"curves", CurvesOf(panels)},
-                     {"rows", RowsOf(end, panels)},
-                     {"limited", end.approach.has_limits()},
-                     {"approaches", ApproachesOf(end)}});
+std::string AbortPage(const std::vector<ToldAbort>& aborts, const std::string& title,
+                      const std::string& rest) {
+  json sections = json::array();
+  for (const ToldAbort& abort : aborts) {
+    const RunEnd& end = *abort.end;
+    const std::vector<EndPanel> panels = EndPanels(end);
+    const std::string name = fmt::format("end{}", sections.size() + 1);
+    sections.push_back({{"name", name},
+                        {"headline", abort.headline},
+                        {"paragraphs", ParagraphsOf(abort.paragraphs)},
+                        {"cycles", std::min(end.cycles.size(), RunEnd::kShown)},
+                        {"figure", InlineSvg(DrawPlot("run/", EndFigure(end, panels)), name)},
+                        {"curves", CurvesOf(panels)},
+                        {"rows", RowsOf(end, panels)},
+                        {"limited", end.approach.has_limits()},
+                        {"approaches", ApproachesOf(end)}});
+  }
+  const record::RunInfo& run = aborts.front().end->run;
+  return RenderPage("abort", {{"title", title},
+                              {"scenario", run.scenario},
+                              {"seed", run.seed},
+                              {"drive", run.drive},
+                              {"version", run.version},
+                              {"several", aborts.size() > 1},
+                              {"rest", rest},
+                              {"aborts", std::move(sections)}});
 }
 
 }  // namespace twin::report

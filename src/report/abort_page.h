@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "report/paragraphs.h"
@@ -9,10 +8,18 @@
 
 namespace twin::report {
 
-/// The self-contained HTML page about an aborted run. Draws with gnuplot.
-/// @param headline  the error in one line. @pre end.aborted(). @throws EnvironmentError as SvgOf().
-[[nodiscard]] std::string AbortPage(const RunEnd& end, std::string_view headline,
-                                    const std::vector<Paragraph>& paragraphs);
+/// An abort and the text about it.
+struct ToldAbort {
+  const RunEnd* end = nullptr;  ///< aborted
+  std::string headline;         ///< the error in one line
+  std::vector<Paragraph> paragraphs;
+};
+
+/// The self-contained HTML page about the aborts of a run. Draws with gnuplot.
+/// @param aborts  not empty. @param rest  a sentence about aborts that the page leaves out; empty:
+/// none. @throws EnvironmentError as SvgOf().
+[[nodiscard]] std::string AbortPage(const std::vector<ToldAbort>& aborts, const std::string& title,
+                                    const std::string& rest);
 
 /// "9.01 of 12.5 rad/s^2, joint 4, at 3.214 s".
 [[nodiscard]] std::string PlaceOf(const Approach& approach);

@@ -1,10 +1,12 @@
 #include "twin/report/explanation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "report/abort_page.h"
 #include "report/loss_facts.h"
@@ -17,12 +19,6 @@
 
 namespace twin::report {
 namespace {
-
-/// Content of an explanation.
-struct Story {
-  std::string headline;
-  std::vector<Paragraph> paragraphs;
-};
 
 /// The error to explain: that with a known value, else the first.
 Violation ErrorOf(const record::CycleRecord& cycle) {
@@ -79,19 +75,8 @@ std::vector<std::string> OtherErrors(const record::CycleRecord& cycle, RobotErro
   return lines;
 }
 
-void AddText(Story& story, std::string label, std::string text) {
+void AddText(ToldAbort& story, std::string label, std::string text) {
   if (!text.empty()) story.paragraphs.push_back({std::move(label), {std::move(text)}});
-}
-
-void AddNotes(Story& story, const RunEnd& end) {
-  if (end.aborts > 1) {
-    AddText(
-        story, "note",
-        fmt::format("An error ended {} motions of this log; this is about the first.", end.aborts));
-  }
-  if (end.truncated) {
-    AddText(story, "note", "The run was killed later on: the end of its log is missing.");
-  }
 }
 
 /// Derivative of positions or torques that an error limits; 0: none.
@@ -108,29 +93,82 @@ int OrderOf(RobotError error) {
   }
 }
 
+/// Errors that the command chain's generator, filter or limiter can keep off.
+bool IsOfChain(RobotError error) {
+  return OrderOf(error) >= 2 || error == RobotError::kControllerTorqueDiscontinuity;
+}
+
 /// Empty when the noise alone cannot break the limit.
-std::string TellNoise(const RunEnd& end, const Violation& v, const Injected& injected) {
+std::string TellNoise(const RunEnd& end, const Violation& v, const ScenarioFacts& facts) {
   const MotionGeneratorMode mode = end.before().state.motion_generator_mode;
   const bool by_velocity = mode == MotionGeneratorMode::kJointVelocity ||
                            mode == MotionGeneratorMode::kCartesianVelocity;
   const bool by_torque = v.error == RobotError::kControllerTorqueDiscontinuity;
   const int order = OrderOf(v.error) - (by_velocity && !by_torque ? 1 : 0);
-  if (injected.is_smoothed || order <= 0) return "";
+  if (facts.has_generator || order <= 0) return "";
   // A difference of two values is at most twice the largest.
-  const double most = injected.target_noise * std::pow(2 / kCycleSeconds, order);
+  const double most = facts.target_noise * std::pow(2 / kCycleSeconds, order);
   if (!(most > v.limit)) return "";
   return fmt::format(
       "the scenario adds noise of up to {:.3g} to every target (controller.target_noise), and no "
       "reference generator smooths it: the noise alone makes up to {:.3g} {}. Take it out, or "
       "choose a generator (tick.generator).",
-      injected.target_noise, most, UnitOf(v));
+      facts.target_noise, most, UnitOf(v));
 }
 
-Story TellAbort(const RunEnd& end, const Injected& injected) {
+/// Errors that contacts cause.
+bool IsReflex(RobotError error) {
+  return error == RobotError::kJointReflex || error == RobotError::kCartesianReflex ||
+         error == RobotError::kTauJRangeViolation;
+}
+
+std::string TellContacts(const RunEnd& end, const Violation& v) {
+  if (end.contacts != "none") return end.contacts.empty() ? "" : end.contacts + ".";
+  if (!IsReflex(v.error)) return "";
+  return "The simulated arm touched nothing in the 50 cycles before.";
+}
+
+/// Joints that the mechanical end of their range holds.
+std::string TellEndStops(const RunEnd& end, const Violation& v) {
+  constexpr double kAtStop = 1e-3;  // rad
+  if (!end.run.limits) return "";
+  const JointLimits& limits = end.run.limits->joints;
+  std::string text;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double q = end.last().state.q[i];
+    const double above = q - limits.q_max[i];
+    const double below = limits.q_min[i] - q;
+    const bool is_upper = above > below;
+    const double beyond = std::max(above, below);
+    if (!(beyond > -kAtStop)) continue;
+    text += fmt::format(
+        "{}joint {} is at its {} end stop: q = {:.4f} rad, {:.2g} mrad {} {:.4f} rad",
+        text.empty() ? "" : "; ", i + 1, is_upper ? "upper" : "lower", q, std::abs(beyond) * 1e3,
+        beyond > 0 ? "beyond" : "short of", is_upper ? limits.q_max[i] : limits.q_min[i]);
+  }
+  if (text.empty()) return "";
+  return text + (IsReflex(v.error)
+                     ? ". The stop pushes the joint back, and the robot takes that for an external "
+                       "force. Keep the motion away from the ends of the joints' ranges."
+                     : ".");
+}
+
+/// The tick's settings count only where the log's own workstation formed the commands.
+std::string TellRemedy(const RunEnd& end, const Violation& v,
+                       const std::optional<ScenarioFacts>& facts) {
+  const ErrorEntry& entry = EntryOf(v);
+  if (entry.cure.empty()) return "";
+  if (facts && end.has_ticks && IsOfChain(v.error)) {
+    return RemedyIn(*facts, v, KeeperOf(end), AnyHeld(end)) + ".";
+  }
+  return CureOf(entry, KeeperOf(end)) + ".";
+}
+
+ToldAbort TellAbort(const RunEnd& end, const std::optional<ScenarioFacts>& facts) {
   const record::CycleRecord& last = end.last();
   const Violation v = ErrorOf(last);
   const ErrorEntry& entry = EntryOf(v);
-  Story story;
+  ToldAbort story{.end = &end, .headline = {}, .paragraphs = {}};
   story.headline = fmt::format("{}: aborted at {:.3f} s by {}", end.run.scenario,
                                ToSeconds(last.at.time_since_epoch()), Name(v.error));
   Paragraph what{"what", {fmt::format("{}.", entry.meaning)}};
@@ -148,13 +186,17 @@ Story TellAbort(const RunEnd& end, const Injected& injected) {
                               "joint nor value nor limit."
                             : "the log does not tell which value broke which limit.");
   }
+  AddText(story, "end stop", TellEndStops(end, v));
+  AddText(story, "touching", TellContacts(end, v));
   AddText(story, "commands", CountFates(end));
   AddText(story, "lost before", JudgeLosses(end));
   AddText(story, "workstation", CountTicks(end));
-  if (last.violated) AddText(story, "injected", TellNoise(end, v, injected));
+  if (last.violated && facts) AddText(story, "injected", TellNoise(end, v, *facts));
   AddText(story, "usual cause", fmt::format("{}.", entry.cause));
-  AddText(story, "what to do", entry.cure.empty() ? "" : CureOf(entry, KeeperOf(end)) + ".");
-  AddNotes(story, end);
+  AddText(story, "what to do", TellRemedy(end, v, facts));
+  if (end.truncated) {
+    AddText(story, "note", "The run was killed later on: the end of its log is missing.");
+  }
   return story;
 }
 
@@ -164,6 +206,8 @@ std::string HowItEnded(const RunEnd& end) {
   }
   if (!end.moved) return "no motion ran";
   if (end.last_word.empty() || end.last_word == "finished") return "no error";
+  if (end.last_word.starts_with("started"))
+    return "no error of the robot; the log ends in the motion";
   return fmt::format("no error of the robot; the motion ended early: {}", end.last_word);
 }
 
@@ -187,21 +231,111 @@ std::string TellApproach(const RunEnd& end) {
   return text;
 }
 
+/// "1, 2 and 5": the motions that errors ended, or after which errors were raised.
+std::string NumbersOf(const std::vector<RunEnd>& ends) {
+  std::vector<std::uint64_t> numbers;
+  for (const RunEnd& end : ends) {
+    if (numbers.empty() || numbers.back() != end.number) numbers.push_back(end.number);
+  }
+  if (numbers.size() == 1) return fmt::format("{}", numbers.front());
+  const std::uint64_t last = numbers.back();
+  numbers.pop_back();
+  return fmt::format("{} and {}", fmt::join(numbers, ", "), last);
+}
+
+/// Text and page of a log with aborts.
+Explanation TellAborts(const std::vector<RunEnd>& ends, const std::optional<ScenarioFacts>& facts,
+                       std::optional<std::uint64_t> motion) {
+  const std::uint64_t number = motion.value_or(ends.front().number);
+  Explanation told{.aborted = true, .text = {}, .page = {}};
+  std::vector<ToldAbort> on_page;
+  for (const RunEnd& end : ends) {
+    const bool is_chosen = motion ? end.number == number : &end == &ends.front();
+    if (!is_chosen && on_page.size() >= Explanation::kMostOnPage) continue;
+    ToldAbort story = TellAbort(end, facts);
+    if (is_chosen) told.text += story.headline + "\n" + ToText(story.paragraphs);
+    on_page.push_back(std::move(story));
+  }
+  if (told.text.empty()) {
+    throw InputError(fmt::format("no error ended motion {} of {}; errors ended motion {}", number,
+                                 ends.front().run.scenario, NumbersOf(ends)));
+  }
+  if (ends.size() == 1) {
+    told.page = AbortPage(on_page, on_page.front().headline, "");
+    return told;
+  }
+  told.text += ToText(
+      {{"note",
+        {fmt::format("This log has {} errors, in motions {}; this is about motion {}. --motion N "
+                     "picks another; the page has all.",
+                     ends.size(), NumbersOf(ends), number)}}});
+  const std::string rest =
+      on_page.size() == ends.size()
+          ? ""
+          : fmt::format(
+                "These are {} of {} errors, in motions {}: panda-twin explain --motion N "
+                "tells the others.",
+                on_page.size(), ends.size(), NumbersOf(ends));
+  told.page = AbortPage(on_page,
+                        fmt::format("{}: {} errors", ends.front().run.scenario, ends.size()), rest);
+  return told;
+}
+
 }  // namespace
 
-Explanation Explain(const std::filesystem::path& log, const Injected& injected) {
-  const RunEnd end = ReadEnd(log);
+std::string RemedyIn(const ScenarioFacts& facts, const Violation& violation, TimeKeeper keeper,
+                     bool any_lost) {
+  const ErrorEntry& entry = EntryOf(violation);
+  if (violation.error == RobotError::kControllerTorqueDiscontinuity) {
+    return fmt::format("begin at the state's tau_J_d, or lower the controller's gains{}",
+                       facts.has_limiter ? "" : "; tick.limiter: true limits the torque's rate");
+  }
+  if (!IsOfChain(violation.error)) return std::string(CureHere(entry, keeper));
+  std::vector<std::string_view> ways;
+  if (!facts.has_default_generator && !facts.has_viability) {
+    ways.emplace_back(
+        "leave tick.generator and tick.viability out: their defaults resample the targets and "
+        "keep the limits");
+    if (facts.has_generator) ways.emplace_back("or say tick.viability: 19 behind this generator");
+    if (!facts.has_limiter) ways.emplace_back("or say tick.limiter: true");
+  } else if (!facts.has_viability) {
+    ways.emplace_back("leave tick.viability out: its default keeps the limits");
+  } else if (!facts.has_default_generator) {
+    ways.emplace_back("leave tick.generator out: its default resamples the targets");
+  }
+  if (any_lost && keeper == TimeKeeper::kVirtualClock)
+    ways.emplace_back("lose fewer messages (link)");
+  if (keeper == TimeKeeper::kWallClock) {
+    ways.emplace_back(
+        "see how well this host keeps time (panda-twin check): threads that run late make uneven "
+        "commands");
+  }
+  ways.emplace_back("move more gently");
+  return fmt::format("{}", fmt::join(ways, "; "));
+}
+
+Explanation Explain(const std::filesystem::path& log, const std::optional<ScenarioFacts>& facts,
+                    std::optional<std::uint64_t> motion) {
+  std::vector<RunEnd> ends = ReadEnds(log);
+  const RunEnd& end = ends.front();
   if (end.aborted()) {
-    const Story story = TellAbort(end, injected);
-    return {.aborted = true,
-            .text = story.headline + "\n" + ToText(story.paragraphs),
-            .page = AbortPage(end, story.headline, story.paragraphs)};
+    const bool is_linked = facts && facts->link && !end.is_remote();
+    for (RunEnd& abort : ends) {
+      if (is_linked) AddLinkFates(abort, *facts->link);
+    }
+    return TellAborts(ends, facts, motion);
   }
   if (end.truncated) {
     throw InputError(fmt::format(
         "{} ends at {:.3f} s, where its run was killed, without an error before: how the run ended "
         "is not in it",
         log.string(), end.end));
+  }
+  if (motion) {
+    throw InputError(
+        fmt::format("no error ended motion {} of {}: the log has none; leave --motion "
+                    "out",
+                    *motion, log.string()));
   }
   return {.aborted = false,
           .text = fmt::format("{}: {}; the log ends at {:.3f} s\n{}", end.run.scenario,

@@ -1,9 +1,13 @@
 #include "report/loss_facts.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "twin/core/time.h"
+#include "twin/faults/message_fate.h"
 
 namespace twin::report {
 namespace {
@@ -70,15 +74,39 @@ std::pair<std::uint32_t, std::size_t> LastLoss(const RunEnd& end) {
   return {0, 0};
 }
 
+/// Why a held cycle had no command.
+enum class HeldCause : std::uint8_t { kStateLost, kSilent, kUnwritten, kLost, kLate, kUnknown };
+
+HeldCause CauseOf(const EndCycle& cycle) {
+  if (!cycle.answer) {
+    return cycle.link && cycle.link->state_lost ? HeldCause::kStateLost : HeldCause::kSilent;
+  }
+  if (!cycle.written()) return HeldCause::kUnwritten;
+  if (!cycle.link) return HeldCause::kUnknown;
+  if (cycle.link->command_lost) return HeldCause::kLost;
+  return cycle.link->late > Duration::zero() ? HeldCause::kLate : HeldCause::kUnknown;
+}
+
+std::string LateText(Duration late) {
+  return fmt::format("{:.3g} ms", ToSeconds(late) * 1e3);
+}
+
 /// Reasons of the shown held cycles, with their numbers. @pre end.has_ticks.
 std::vector<std::string> CausesOfHeld(const RunEnd& end, bool any_dropped) {
-  std::uint64_t silent = 0, unwritten = 0, late = 0;
+  std::array<std::uint64_t, 6> counts{};
+  Duration latest{};
   for (std::size_t i = FirstShown(end); i < end.cycles.size(); ++i) {
     const EndCycle& cycle = end.cycles[i];
     if (!IsHeld(cycle)) continue;
-    ++(!cycle.answer ? silent : !cycle.written() ? unwritten : late);
+    const HeldCause cause = CauseOf(cycle);
+    ++counts[static_cast<std::size_t>(cause)];
+    if (cause == HeldCause::kLate) latest = std::max(latest, *cycle.link->late);
   }
+  const auto [state_lost, silent, unwritten, lost, late, unknown] = counts;
   std::vector<std::string> causes;
+  if (state_lost > 0) {
+    causes.push_back(fmt::format("{} because the link lost the state before it", state_lost));
+  }
   if (silent > 0) {
     causes.push_back(fmt::format(
         "{} because the workstation did not see the state before it, or did not run", silent));
@@ -87,15 +115,63 @@ std::vector<std::string> CausesOfHeld(const RunEnd& end, bool any_dropped) {
     causes.push_back(
         fmt::format("{} because the workstation saw the state, but wrote nothing", unwritten));
   }
+  if (lost > 0) causes.push_back(fmt::format("{} because the link lost the command", lost));
   if (late > 0) {
+    causes.push_back(fmt::format("{} because the command came too late, by {}{}", late,
+                                 late > 1 ? "up to " : "", LateText(latest)));
+  }
+  if (unknown > 0) {
     causes.push_back(
-        fmt::format("{} although the workstation wrote a command: it {}was lost on its way", late,
-                    any_dropped ? "came too late or " : ""));
+        fmt::format("{} although the workstation wrote a command: it {}was lost on its way",
+                    unknown, any_dropped ? "came too late or " : ""));
   }
   return causes;
 }
 
+/// For a log of the robot's side. Empty if the link lost nothing that is known.
+std::string CountLinkLosses(const RunEnd& end) {
+  std::uint64_t lost = 0;
+  for (std::size_t i = FirstShown(end); i < end.cycles.size(); ++i) {
+    const EndCycle& cycle = end.cycles[i];
+    if (!IsHeld(cycle) || !cycle.link) continue;
+    lost += cycle.link->state_lost || cycle.link->command_lost;
+  }
+  return lost == 0 ? ""
+                   : fmt::format(
+                         " Of those held, {} because the link lost the state before it or "
+                         "the command.",
+                         lost);
+}
+
 }  // namespace
+
+void AddLinkFates(RunEnd& end, const LinkFacts& link) {
+  faults::MessageFate states(link.state, link.seed, faults::kStateStreams);
+  faults::MessageFate commands(link.command, link.seed, faults::kCommandStreams);
+  for (EndCycle& cycle : end.cycles) {
+    const std::uint64_t answered = cycle.cycle.state.message_id - 1;
+    const faults::Fate command = commands.Of(answered);
+    cycle.link = {.state_lost = states.Of(answered).lost, .command_lost = command.lost};
+    if (!cycle.written() || command.lost) continue;
+    cycle.link->late = cycle.answer->written + command.delay - (cycle.cycle.at - link.d_INT);
+  }
+}
+
+std::string WhyHeld(const EndCycle& cycle) {
+  switch (CauseOf(cycle)) {
+    case HeldCause::kStateLost: return "state lost";
+    case HeldCause::kSilent: return "no answer";
+    case HeldCause::kUnwritten: return "not written";
+    case HeldCause::kLost: return "lost";
+    case HeldCause::kLate: return LateText(*cycle.link->late) + " late";
+    case HeldCause::kUnknown: break;
+  }
+  return "";
+}
+
+bool AnyHeld(const RunEnd& end) {
+  return HeldShown(end) > 0;
+}
 
 std::string JudgeLosses(const RunEnd& end) {
   if (end.fates_unknown()) return "";
@@ -152,7 +228,8 @@ std::string CountFates(const RunEnd& end) {
   }
   if (held == 0) return text;
   if (!end.has_ticks) {
-    return text + " What the client wrote is not in this log, which is of the robot's side.";
+    return text + CountLinkLosses(end) +
+           " What the client wrote is not in this log, which is of the robot's side.";
   }
   return text + fmt::format(" Of those held, {}.", fmt::join(CausesOfHeld(end, dropped > 0), "; "));
 }

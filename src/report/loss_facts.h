@@ -3,11 +3,21 @@
 #include <string>
 
 #include "report/run_end.h"
+#include "twin/report/explanation.h"
 
 namespace twin::report {
 
 // Relation between the commands of the last cycles and the error. Each text consists of whole
 // sentences. @pre end.aborted().
+
+/// Draws again, from the seed, what the emulated link did with the messages of the last cycles.
+void AddLinkFates(RunEnd& end, const LinkFacts& link);
+
+/// Why a held cycle had no command, in a few words: "lost", "0.21 ms late"; empty: not known.
+[[nodiscard]] std::string WhyHeld(const EndCycle& cycle);
+
+/// Whether a shown cycle was held.
+[[nodiscard]] bool AnyHeld(const RunEnd& end);
 
 /// States whether earlier command losses may have led to the error. Empty if the error itself says
 /// so, or the log has no fates of commands.

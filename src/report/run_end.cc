@@ -1,6 +1,5 @@
 #include "report/run_end.h"
 
-#include <algorithm>
 #include <deque>
 #include <utility>
 
@@ -19,28 +18,29 @@ constexpr std::size_t kTicks = 4096;
 /// Visitor of a log's records.
 class EndCollector {
  public:
-  explicit EndCollector(RunEnd& end) : end_(end), ticks_(kTicks) {}
+  explicit EndCollector(const record::RunInfo& run) : ticks_(2 * kTicks) {
+    end_.run = run;
+    BeginApproach();
+  }
 
   void operator()(const record::CycleRecord& cycle) {
     any_ = true;
     end_.end = ToSeconds(cycle.at.time_since_epoch());
     end_.moved = end_.moved || cycle.state.motion_generator_mode != MotionGeneratorMode::kIdle;
+    const bool moves = cycle.state.robot_mode == RobotMode::kMove;
+    if (moves && !moved_before_) ++end_.number;
+    moved_before_ = moves;
     end_.fates_told = end_.fates_told || cycle.fate != record::CommandFate::kNone;
     const bool running = end_.last_word.starts_with("started");
     if (running && !end_.user_stopped && cycle.state.robot_mode == RobotMode::kUserStopped) {
       end_.user_stopped = end_.end;
     }
-    const bool has_error = cycle.state.errors.any();
-    if (has_error && !had_error_) ++end_.aborts;
-    had_error_ = has_error;
-    if (abort_id_) return;
     cycles_.push_back(cycle);
     if (cycles_.size() > RunEnd::kShown + 1) cycles_.pop_front();
-    if (has_error) {
-      abort_id_ = cycle.state.message_id;
-    } else {
-      end_.approach.Add(cycle);
-    }
+    const bool has_error = cycle.state.errors.any();
+    if (has_error && !had_error_) AddAbort();
+    had_error_ = has_error;
+    if (!has_error) end_.approach.Add(cycle);
   }
 
   void operator()(const record::TickRecord& tick) {
@@ -49,13 +49,20 @@ class EndCollector {
       any_command_ = true;
       any_cost_ = any_cost_ || tick.written != tick.read;
     }
-    if (abort_id_ && tick.message_id >= *abort_id_) return;
-    ticks_[tick.message_id % kTicks] = tick;
+    while (answered_ < aborts_.size() &&
+           tick.message_id > aborts_[answered_].last().state.message_id + kTicks) {
+      AddAnswers(aborts_[answered_++]);
+    }
+    ticks_[tick.message_id % ticks_.size()] = tick;
   }
 
   void operator()(const record::EventRecord& event) {
     if (event.kind == "motion") end_.last_word = event.text;
-    if (event.kind == "session" && !abort_id_) end_.motion = event.text;
+    if (event.kind == "session") end_.motion = event.text;
+    if (event.kind != "contact") return;
+    for (RunEnd& abort : aborts_) {
+      if (abort.last().at == event.at) abort.contacts = event.text;
+    }
   }
 
   void operator()(const record::SceneRecord& /*scene*/) {}
@@ -63,24 +70,55 @@ class EndCollector {
 
   [[nodiscard]] bool any() const { return any_; }
 
-  /// Combines cycles and answers.
-  void Finish() {
+  /// Combines cycles and answers, and tells each abort what is known of the whole run.
+  [[nodiscard]] std::vector<RunEnd> Finish(bool truncated) {
     // On the robot's time answers take no time; on a clock, each takes some.
     end_.on_robot_time = end_.is_remote() && any_command_ && !any_cost_;
-    if (!abort_id_) return;
-    for (record::CycleRecord& cycle : cycles_) {
-      const std::uint64_t answered = cycle.state.message_id - 1;
-      const auto& tick = ticks_[answered % kTicks];
-      const bool known = tick && tick->message_id == answered;
-      end_.cycles.push_back({cycle, known ? tick : std::nullopt});
+    end_.truncated = truncated;
+    end_.aborts = aborts_.size();
+    while (answered_ < aborts_.size()) AddAnswers(aborts_[answered_++]);
+    if (aborts_.empty()) aborts_.push_back(end_);
+    for (RunEnd& abort : aborts_) {
+      RunEnd whole = end_;
+      whole.number = abort.number;
+      whole.motion = std::move(abort.motion);
+      whole.contacts = std::move(abort.contacts);
+      whole.cycles = std::move(abort.cycles);
+      whole.approach = abort.approach;
+      abort = std::move(whole);
     }
+    return std::move(aborts_);
   }
 
  private:
-  RunEnd& end_;
+  void BeginApproach() {
+    end_.approach = end_.run.limits ? ApproachTracker(*end_.run.limits) : ApproachTracker();
+  }
+
+  /// Of the last cycle.
+  void AddAbort() {
+    RunEnd& abort = aborts_.emplace_back();
+    abort.number = end_.number;
+    abort.motion = end_.motion;
+    abort.approach = end_.approach;
+    for (const record::CycleRecord& cycle : cycles_) abort.cycles.push_back({cycle, std::nullopt});
+    BeginApproach();
+  }
+
+  void AddAnswers(RunEnd& abort) const {
+    for (EndCycle& cycle : abort.cycles) {
+      const std::uint64_t answered = cycle.cycle.state.message_id - 1;
+      const auto& tick = ticks_[answered % ticks_.size()];
+      if (tick && tick->message_id == answered) cycle.answer = tick;
+    }
+  }
+
+  RunEnd end_;                  ///< of the whole run so far; cycles stay empty
+  std::vector<RunEnd> aborts_;  ///< with what differs between them
+  std::size_t answered_ = 0;    ///< number of aborts whose cycles have their answers
   std::vector<std::optional<record::TickRecord>> ticks_;  ///< slot = message_id modulo size
   std::deque<record::CycleRecord> cycles_;
-  std::optional<std::uint64_t> abort_id_;
+  bool moved_before_ = false;
   bool had_error_ = false;
   bool any_ = false;
   bool any_command_ = false;  ///< a tick wrote a command
@@ -89,12 +127,9 @@ class EndCollector {
 
 }  // namespace
 
-RunEnd ReadEnd(const std::filesystem::path& log) {
+std::vector<RunEnd> ReadEnds(const std::filesystem::path& log) {
   record::LogReader reader(log);
-  RunEnd end;
-  end.run = reader.run();
-  if (end.run.limits) end.approach = ApproachTracker(*end.run.limits);
-  EndCollector collector(end);
+  EndCollector collector(reader.run());
   record::LogEntry entry;
   while (reader.Next(entry)) std::visit(collector, entry);
   if (!collector.any()) {
@@ -103,9 +138,7 @@ RunEnd ReadEnd(const std::filesystem::path& log) {
         "that began",
         log.string()));
   }
-  end.truncated = reader.truncated();
-  collector.Finish();
-  return end;
+  return collector.Finish(reader.truncated());
 }
 
 }  // namespace twin::report

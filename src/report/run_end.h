@@ -19,16 +19,24 @@ namespace twin::report {
          tick.action == record::TickAction::kFinished;
 }
 
+/// What the emulated link drew for the state before a cycle and for its answer.
+struct LinkFate {
+  bool state_lost = false;
+  bool command_lost = false;
+  std::optional<Duration> late{};  ///< of a written command after its deadline; <= 0: in time
+};
+
 /// A cycle of the robot, and the workstation's answer to the previous state.
 struct EndCycle {
   record::CycleRecord cycle;
   std::optional<record::TickRecord> answer;  ///< to state message_id - 1, written or not
+  std::optional<LinkFate> link{};            ///< nullopt: not known
 
   /// True if the workstation wrote a command for the cycle.
   [[nodiscard]] bool written() const { return answer && WroteCommand(*answer); }
 };
 
-/// Data from a log about the end of its run.
+/// Data from a log about the end of a motion by an error, or about the end of a run without errors.
 struct RunEnd {
   /// Cycles kept and shown.
   static constexpr std::size_t kShown = 50;
@@ -42,12 +50,16 @@ struct RunEnd {
   std::optional<double> user_stopped;  ///< time at which the user stop ended the motion, s
   double end = 0;                      ///< time of the last cycle, s
   std::uint64_t aborts = 0;            ///< number of motions that an error ended
-  std::string motion;     ///< motion of the first abort in a session: "motion 2: place"
+  std::uint64_t number = 0;            ///< motions of the log up to the abort, or in all
+  std::string motion;                  ///< motion of the abort in a session: "motion 2: place"
   std::string last_word;  ///< the log's last event about a motion: "finished", or why not
-  /// kShown cycles up to that of the first abort, and the one before them. Empty if no error ended
-  /// a motion.
+  /// What the arm touched at the abort, by the simulation (plant::ContactMoment::Text()); empty:
+  /// not known.
+  std::string contacts;
+  /// kShown cycles up to that of the abort, and the one before them. Empty if no error ended a
+  /// motion.
   std::vector<EndCycle> cycles;
-  ApproachTracker approach;  ///< of the cycles before the first abort, else of all
+  ApproachTracker approach;  ///< of the cycles since the last abort before this one, else of all
 
   [[nodiscard]] bool aborted() const { return !cycles.empty(); }
   /// True for a log from the workstation's end of a wire with a motion: only the robot knows the
@@ -62,8 +74,9 @@ struct RunEnd {
   }
 };
 
-/// Reads a log in one pass. @throws InputError if it is damaged or has no cycle; EnvironmentError
-/// if it cannot be read.
-[[nodiscard]] RunEnd ReadEnd(const std::filesystem::path& log);
+/// Reads a log in one pass. @returns one per abort, in their order; without aborts, one for the
+/// run. @throws InputError if the log is damaged or has no cycle; EnvironmentError if it cannot be
+/// read.
+[[nodiscard]] std::vector<RunEnd> ReadEnds(const std::filesystem::path& log);
 
 }  // namespace twin::report

@@ -51,6 +51,14 @@ render::Overlays OverlaysOf(const std::vector<scenario::Overlay>& wanted) {
           .limits = has(scenario::Overlay::kLimits)};
 }
 
+render::FilmSettings Fine(render::FilmSettings film) {
+  film.render.width = 1280;
+  film.render.height = 720;
+  film.render.samples = 4;
+  film.render.shadow_size = 2048;
+  return film;
+}
+
 render::FilmSettings FilmOf(const scenario::RenderSection& wanted) {
   render::FilmSettings film;
   film.render.width = wanted.width;

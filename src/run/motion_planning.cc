@@ -11,6 +11,7 @@
 #include "twin/core/error.h"
 #include "twin/model/transform.h"
 #include "twin/planning/random_goal.h"
+#include "twin/run/robot_config.h"
 #include "twin/run/run.h"
 
 namespace twin::run {
@@ -82,8 +83,8 @@ reference::Trajectory PlanMotion(const scenario::Scenario& scenario,
   const scenario::PlanSection& plan = *scenario.motion.plan;
   const MonotonicClock clock;
   try {
-    planning::CollisionWorld around(world);
-    planning::PlanOutcome outcome = Question(scenario, robot, start, around, clock).Answer();
+    const auto around = MakeWorld(scenario, robot, world);
+    planning::PlanOutcome outcome = Question(scenario, robot, start, *around, clock).Answer();
     if (auto* found = std::get_if<planning::Plan>(&outcome)) {
       statistics = found->statistics;
       reference::Trajectory trajectory = Stretched(std::move(*found), plan.stretch, robot.limits);

@@ -8,6 +8,7 @@
 
 #include "twin/core/error.h"
 #include "twin/page/page_device.h"
+#include "twin/plant/observers.h"
 #include "twin/rt/host_time.h"
 #include "twin/run/film.h"
 #include "twin/run/run_records.h"
@@ -156,9 +157,16 @@ std::string OperatorPage::Open(page::PageSettings settings, const scenario::Scen
     scene.truth = shown.truth;
     scene.views = ViewsOf(scenario);
     feed_.Show(*shown.truth);
+    truth_ = shown.truth;
   }
-  if (shown.keeps_pace) feed_.KeepPace(wall_);
+  if (shown.paced_until != nullptr) {
+    feed_.KeepPace(wall_, shown.paced_until);
+    settings.run_clock = {.is_paused = [this] { return feed_.is_paused(); },
+                          .pause = [this](bool on) { feed_.Pause(on); },
+                          .why_not = {}};
+  }
   scene.hand = shown.hand;
+  scene.twin = shown.twin;
   page_ = std::make_unique<page::LivePage>(settings, scene, feed_, channel_);
   if (settings.allow) {
     note_(
@@ -168,6 +176,12 @@ std::string OperatorPage::Open(page::PageSettings settings, const scenario::Scen
   std::string text;
   for (const std::string& url : page_->urls()) text += fmt::format("page          {}\n", url);
   return text;
+}
+
+std::vector<std::pair<std::string, Transform>> OperatorPage::FreeBodies() {
+  static_cast<void>(feed_.places().Refresh());
+  if (truth_ == nullptr || !feed_.places().has_value()) return {};
+  return plant::FreeBodies(truth_->model(), feed_.places().value().Positions());
 }
 
 void OperatorPage::AwaitVisitor(const volatile bool& interrupted) const {
@@ -180,16 +194,16 @@ OperatorPage::Events OperatorPage::Also(Events own) {
   if (!page_) return own;
   return [this, own = std::move(own)](Time at, std::string_view kind, std::string_view text) {
     if (own) own(at, kind, text);
-    page_->Tell(at, kind, text);
+    page_->Tell(kind, text);
   };
 }
 
-void OperatorPage::Tell(Time at, std::string_view kind, std::string_view text) {
-  if (page_) page_->Tell(at, kind, text);
+void OperatorPage::Tell(std::string_view kind, std::string_view text) {
+  if (page_) page_->Tell(kind, text);
 }
 
-void OperatorPage::Close(std::string_view how) {
-  if (page_) page_->End(how);
+void OperatorPage::Close(std::string_view text, page::RunEnd how) {
+  if (page_) page_->End(text, how);
 }
 
 }  // namespace twin::run

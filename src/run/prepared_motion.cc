@@ -63,7 +63,9 @@ PreparedMotion::PreparedMotion(const scenario::Scenario& scenario, const scenari
       modes_(ModesOf(scenario.motion)),
       tick_(MakeTick(scenario, robot)),
       controller_loop_(MakeControllerLoop(scenario.controller)),
-      controller_(MakeController(scenario, robot, motion_, F_T_EE_, known)) {}
+      controller_(MakeController(scenario, robot, motion_, F_T_EE_, known)) {
+  RequireWithinLimits(scenario, robot, motion_);
+}
 
 loop::MotionRun PreparedMotion::Run(backend::Backend& backend, std::uint64_t seed) {
   return {.backend = backend,

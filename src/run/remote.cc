@@ -70,12 +70,14 @@ std::vector<std::string> WithoutEffectThere(const scenario::Scenario& scenario) 
   const auto add_if = [&lines](bool present, const char* text) {
     if (present) lines.emplace_back(text);
   };
-  add_if(!(scenario.plant == scenario::PlantSection()) ||
-             (!scenario.scene.empty() && !scenario.motion.plan),
-         "plant, scene: the robot and its surroundings are what they are");
-  add_if(!(scenario.robot.load == setting::Load()) || scenario.robot.clock_drift_ppm != 0 ||
+  add_if(
+      !(scenario.plant == scenario::PlantSection()) ||
+          (!scenario.scene.empty() && !scenario.motion.plan),
+      "plant, scene: the robot and its surroundings are what they are; base_tilt, mass_scale and "
+      "robot.load are compared with the torques at rest");
+  add_if(scenario.robot.clock_drift_ppm != 0 ||
              scenario.robot.catch_up != scenario::RobotSection().catch_up,
-         "robot.load, robot.clock_drift, robot.catch_up: they describe a simulated robot");
+         "robot.clock_drift, robot.catch_up: they describe a simulated robot");
   add_if(!IsIdeal(scenario.link), "link: the network between is what it is");
   add_if(TakesTime(scenario),
          "tick.cost, controller.cost, controller.wake_delay: what things cost "
@@ -92,7 +94,9 @@ scenario::Scenario DefaultServed() {
   constexpr double kPi = std::numbers::pi;
   scenario::Scenario scenario;
   scenario.name = "serve";
-  scenario.robot.q_start = {0, -kPi / 4, 0, -3 * kPi / 4, 0, kPi / 2, kPi / 4};
+  const JointVector ready{0, -kPi / 4, 0, -3 * kPi / 4, 0, kPi / 2, kPi / 4};
+  scenario.robot.q_start = ready;
+  scenario.motion.waypoints = {{.q = ready}, {.q = ready}};  // none of its own: its client's
   return scenario;
 }
 

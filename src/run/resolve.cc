@@ -149,6 +149,8 @@ loop::TickConfig MakeTick(const scenario::Scenario& scenario, const scenario::Ro
   config.stall_time = tick.stall_time;
   if (tick.limiter) config.limiter = reference::ClientLimits::Of(robot.limits, robot.cartesian);
   config.viability = tick.viability;
+  if (!scenario.limits.empty()) config.lab = scenario.limits;
+  config.lab_hand = scenario.robot.hand != plant::HandKind::kNone;
   config.limits = robot.limits;
   config.cartesian = robot.cartesian;
   config.cost = tick.cost.Model();
@@ -200,6 +202,7 @@ robot::RobotConfig MakeRobotConfig(const scenario::Scenario& scenario,
   config.link = scenario::MakeLink(scenario.link);
   config.q_start =
       scenario.robot.q_start ? *scenario.robot.q_start : scenario.motion.waypoints.front().q;
+  RequireStartWithinLimits(scenario, robot, config.q_start);
   config.panel = scenario.panel;
   config.clock_ppm = scenario.robot.clock_drift_ppm;
   config.catch_up = scenario.robot.catch_up;

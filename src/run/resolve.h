@@ -59,6 +59,15 @@ struct Plan {
                                                const plant::MujocoPlantOptions& world,
                                                planning::PlanStatistics& statistics);
 
+/// Refuses a motion that leaves the scenario's limits: regions and caps on speed, in every cycle;
+/// of poses, those of end effector and hand. @throws model::LimitBreach
+void RequireWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                         const Motion& motion);
+
+/// Refuses a robot that stands outside the scenario's regions. @throws model::LimitBreach
+void RequireStartWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                              const JointVector& q);
+
 // Parts of a plan.
 
 /// The scenario's own motion along its trajectory. @throws InputError as MakePoses.

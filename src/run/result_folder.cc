@@ -100,7 +100,24 @@ std::vector<fs::path> ResultFolder::Files() const {
   for (const auto& entry : fs::directory_iterator(snapshots(), error)) {
     if (entry.path().extension() == ".png") files.push_back(entry.path());
   }
+  for (const fs::path& motion : MotionFolders()) {
+    const std::vector<fs::path> of_motion = ResultFolder(motion).Files();
+    files.insert(files.end(), of_motion.begin(), of_motion.end());
+  }
   return files;
+}
+
+std::vector<fs::path> ResultFolder::MotionFolders() const {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(motions(), error)) {
+    const std::string name = entry.path().filename();
+    const bool is_number = std::ranges::all_of(name, [](char c) { return c >= '0' && c <= '9'; });
+    if (is_number && entry.is_directory(error) && !entry.is_symlink(error)) {
+      folders.push_back(entry.path());
+    }
+  }
+  return folders;
 }
 
 bool ResultFolder::Holds(const fs::path& file) const {
@@ -124,6 +141,11 @@ void ResultFolder::Clear() const {
     std::error_code error;
     fs::remove(file, error);
     if (error) FailToWrite(file, error.message());
+  }
+  for (const fs::path& motion : MotionFolders()) {
+    std::error_code holds_other_files;
+    fs::remove(ResultFolder(motion).plots(), holds_other_files);
+    fs::remove(motion, holds_other_files);
   }
 }
 

@@ -21,7 +21,12 @@ void RunRecords::WatchContacts(const plant::TruthProbe& truth) {
 }
 
 void RunRecords::Put(const record::CycleRecord& record) noexcept {
-  if (contacts_) contacts_->Look(record.at);
+  if (contacts_) {
+    contacts_->Look(record.at);
+    const bool has_error = record.state.errors.any();
+    if (has_error && !had_error_) contacts_->Keep(record.at);
+    had_error_ = has_error;
+  }
   if (log_) log_->Put(record);
   if (camera_) TakeScenes(record.at);
 }
@@ -36,10 +41,14 @@ void RunRecords::Put(const record::TickRecord& record) noexcept {
   if (log_) log_->Put(record);
 }
 
+void RunRecords::Event(Time at, std::string_view kind, std::string_view text) noexcept {
+  if (log_) log_->Event(at, kind, text);
+}
+
 std::function<void(Time, std::string_view, std::string_view)> RunRecords::Events() {
   if (!log_ && !camera_) return {};
   return [this](Time at, std::string_view kind, std::string_view text) {
-    if (log_) log_->Event(at, kind, text);
+    Event(at, kind, text);
     if (camera_) events_.push_back({at, std::string(kind), std::string(text)});
   };
 }
@@ -51,6 +60,11 @@ void RunRecords::Add(record::PlanRecord plan) {
 
 std::uint64_t RunRecords::Finish() {
   if (!log_) return 0;
+  if (contacts_) {
+    for (const plant::ContactMoment& moment : contacts_->Moments()) {
+      log_->Event(moment.at, "contact", moment.Text());
+    }
+  }
   log_failed_ = true;
   const std::uint64_t dropped = log_->Finish().dropped;
   log_failed_ = false;

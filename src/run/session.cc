@@ -154,6 +154,7 @@ MotionResult Session::Move(PreparedMotion& motion, const std::function<Time(Time
   MotionResult result;
   result.name = motion.motion().name;
   result.begun = drive_->Now();
+  result.planned = planned;
   const Duration planned_end = result.begun.time_since_epoch() + planned;
 
   loop::MotionRun run = motion.Run(*drive_->connection().backend, SeedOf(motions_++));

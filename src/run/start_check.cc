@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/model/arm_model.h"
 #include "twin/reference/trajectory.h"
 
 namespace twin::run {
@@ -41,6 +43,30 @@ std::size_t WorstJoint(Distance distance) {
     if (distance(i) > distance(worst)) worst = i;
   }
   return worst;
+}
+
+/// Gravity in the axes of a tilted base, m/s^2: plant::BaseTilt.
+Vector3 TiltedGravity(const plant::BaseTilt& tilt) {
+  constexpr double kG = 9.81;
+  return {kG * std::sin(tilt.pitch), -kG * std::cos(tilt.pitch) * std::sin(tilt.roll),
+          -kG * std::cos(tilt.pitch) * std::cos(tilt.roll)};
+}
+
+/// What holds the arm that the scenario describes, Nm.
+JointVector HoldingTorques(const JointVector& q, const scenario::Scenario& scenario,
+                           const scenario::RobotData& robot) {
+  const model::ArmModel& arm = model::ArmModel::Panda();
+  const Vector3 gravity = TiltedGravity(scenario.plant.base_tilt);
+  const setting::Load& load = scenario.robot.load;
+  const auto hold = [&](const model::Payload& payload) { return arm.Gravity(q, payload, gravity); };
+  const JointVector arm_and_hand = hold(robot.end_effector);
+  const JointVector alone = hold({});
+  const JointVector loaded = hold({load.m_load, load.F_x_Cload, load.I_load});
+  JointVector torques{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    torques[i] = scenario.plant.mass_scale * arm_and_hand[i] + loaded[i] - alone[i];
+  }
+  return torques;
 }
 
 CheckLine SendSettings(backend::Backend& backend, const std::vector<Setting>& settings) {
@@ -131,6 +157,31 @@ CheckLine CheckPayload(const RobotState& state, const scenario::Scenario& scenar
           fmt::format("end effector {:.3f} kg, load {:.3f} kg", state.m_ee, state.m_load)};
 }
 
+CheckLine CheckTorques(const RobotState& state, const scenario::Scenario& scenario,
+                       const scenario::RobotData& robot) {
+  if (state.tau_J == JointVector{}) {
+    return {"torques", true, "not compared: this robot measures none"};
+  }
+  const JointVector expected = HoldingTorques(state.q, scenario, robot);
+  const auto off = [&](std::size_t i) { return std::abs(state.tau_J[i] - expected[i]); };
+  const std::size_t worst = WorstJoint(off);
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const plant::BaseTilt& tilt = scenario.plant.base_tilt;
+  const std::string described =
+      fmt::format("a base tilted by {:.1f}, {:.1f} deg (roll, pitch) and a load of {:.3f} kg",
+                  tilt.roll * kDegrees, tilt.pitch * kDegrees, scenario.robot.load.m_load);
+  if (off(worst) <= kRestTolerance) {
+    return {
+        "torques", true,
+        fmt::format("at rest within {:.2f} Nm of {} (joint {})", off(worst), described, worst + 1)};
+  }
+  return {"torques", false,
+          fmt::format("joint {} holds {:.2f} Nm at rest, and {} need {:.2f} Nm; {} Nm are allowed: "
+                      "measure tilt and load, and say them (plant.base_tilt, robot.load; load in a "
+                      "lab file), or free the arm of what it touches",
+                      worst + 1, state.tau_J[worst], described, expected[worst], kRestTolerance)};
+}
+
 CheckLine CheckStart(const RobotState& state, const scenario::Scenario& scenario,
                      const JointVector& start) {
   const bool by_torque = scenario.motion.interface == control::CommandInterface::kTorque;
@@ -150,8 +201,8 @@ CheckLine CheckStart(const RobotState& state, const scenario::Scenario& scenario
                 "bring the arm within {} rad of robot.q_start: the plan then starts where "
                 "it stands",
                 kPlanStartTolerance)
-          : "bring the arm there with a motion that ends there, or let this one start where the "
-            "arm is";
+          : "bring the arm there (panda-twin move-to start-of FILE), or let this one start where "
+            "the arm is";
   return {"start", false,
           fmt::format("joint {} is {:.4f} rad from {}: it is at {:.4f} rad, the motion starts at "
                       "{:.4f} rad, and {} rad are allowed; {}",
@@ -221,6 +272,7 @@ bool RunStartCheck(const StartCheck& check, const scenario::Scenario& scenario,
     if (now.states > 0) state = now.last;
     note(CheckPayload(state, scenario, robot));
   }
+  note(CheckTorques(state, scenario, robot));
   note(CheckStart(state, scenario, start));
   note(CheckCommunication(heard, check.listening, check.time));
   note(CheckScheduler(heard.notices, check.time));

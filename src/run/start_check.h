@@ -26,6 +26,11 @@ inline constexpr double kLimitMargin = 0.02;
 /// guide it there can do. The plan starts where it stands.
 inline constexpr double kPlanStartTolerance = 0.02;
 
+/// How far a torque at rest may be from that of the arm as it is described, Nm: what friction
+/// holds, and more than the model of a real arm is wrong by. Half a kilogram at the flange or 4
+/// degrees of tilt in the ready pose are more.
+inline constexpr double kRestTolerance = 1.5;
+
 /// Share of the states a loop must be able to answer. libfranka's own communication test calls a
 /// setup insufficient below it.
 inline constexpr double kLeastSuccessRate = 0.9;
@@ -36,6 +41,11 @@ inline constexpr double kLeastSuccessRate = 0.9;
 [[nodiscard]] CheckLine CheckLimits(const RobotState& state, const JointLimits& limits);
 /// What the robot says it carries, against what the scenario says it was told.
 [[nodiscard]] CheckLine CheckPayload(const RobotState& state, const scenario::Scenario& scenario,
+                                     const scenario::RobotData& robot);
+/// The torques that hold the arm at rest, against those of links (plant.mass_scale), hand, base
+/// tilt (plant.base_tilt) and load (robot.load), which a lab file may say: g(q) of model::ArmModel.
+/// A robot without torque sensors, all of whose torques are 0, is not judged.
+[[nodiscard]] CheckLine CheckTorques(const RobotState& state, const scenario::Scenario& scenario,
                                      const scenario::RobotData& robot);
 /// @param start  the trajectory's first point, rad; of a planned one that was not planned from
 /// where the robot stands, robot.q_start.

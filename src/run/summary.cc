@@ -35,15 +35,16 @@ std::vector<std::string> CuresOf(const scenario::Scenario& scenario, const RunRe
   const TimeKeeper keeper =
       scenario.is_lockstep() ? TimeKeeper::kVirtualClock : TimeKeeper::kWallClock;
   std::vector<std::string> cures;
-  const auto add = [&](const ErrorEntry& entry) {
-    std::string cure(CureHere(entry, keeper));
+  const report::ScenarioFacts facts = FactsOf(scenario);
+  const auto add = [&](const Violation& violation) {
+    std::string cure = report::RemedyIn(facts, violation, keeper, result.counts.held > 0);
     if (std::ranges::find(cures, cure) == cures.end()) cures.push_back(std::move(cure));
   };
-  for (const Violation& violation : result.report.violations) add(EntryOf(violation));
+  for (const Violation& violation : result.report.violations) add(violation);
   if (!result.report.violations.empty()) return cures;
   // A robot at the other end of a wire names its errors, and no more.
   for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
-    if (result.report.errors.test(i)) add(EntryOf(static_cast<RobotError>(i)));
+    if (result.report.errors.test(i)) add({.error = static_cast<RobotError>(i)});
   }
   return cures;
 }
@@ -229,6 +230,16 @@ std::string ViabilityText(const record::FilterCounts& counts) {
   return text;
 }
 
+report::ScenarioFacts FactsOf(const scenario::Scenario& scenario) {
+  const robot::LinkConfig link = scenario::MakeLink(scenario.link);
+  return {.target_noise = scenario.controller.target_noise,
+          .has_generator = scenario.tick.generator != loop::Generator::kNone,
+          .has_default_generator = scenario.tick.generator == scenario::TickSection().generator,
+          .has_viability = scenario.tick.viability.has_value(),
+          .has_limiter = scenario.tick.limiter,
+          .link = report::LinkFacts{scenario.seed, link.state, link.command, link.d_INT}};
+}
+
 std::string OutcomeOf(const RunResult& result, bool interrupted) {
   if (result.report.succeeded()) return "success";
   if (interrupted) return "interrupted";
@@ -330,10 +341,14 @@ std::string SummaryText(const scenario::Scenario& scenario, const RunResult& res
                                 stalled));
   }
   if (result.viability) line("kept back", ViabilityText(*result.viability));
-  line("speed", fmt::format("{:.2f} s {} in {:.2f} s: {:.1f} x real time",
-                            ToSeconds(result.report.simulated),
-                            is_remote ? "of the robot's time" : "simulated", times.run_s,
-                            times.real_time_factor));
+  const Duration planned_end = result.begun.time_since_epoch() + result.planned;
+  const double settling = ToSeconds(result.report.simulated - planned_end);
+  line("speed",
+       fmt::format("{:.2f} s {}{} in {:.2f} s: {:.1f} x real time",
+                   ToSeconds(result.report.simulated),
+                   is_remote ? "of the robot's time" : "simulated",
+                   settling > 0.1 ? fmt::format(" ({:.2f} s of it settling)", settling) : "",
+                   times.run_s, times.real_time_factor));
   if (!scenario.is_lockstep()) {
     line("d_EXT", PercentilesText(result.report.timings.d_EXT));
     std::string late =

@@ -15,15 +15,17 @@ namespace twin::scenario {
 namespace {
 
 /// Adds the keys of a lab.
-void DescribeLab(Map& map, Scenario& scenario, std::string& description) {
+void DescribeLab(Map& map, Scenario& scenario, std::string& description, model::LabLimits& limits) {
   map.Add("description", Text(description), "For people.");
   map.Add("plant", SectionOf(scenario.plant), "As in scenarios.");
   map.Add("link", SectionOf(scenario.link), "As in scenarios.");
+  map.Add("load", LoadOf(scenario.robot.load), "What hangs on the flange: robot.load.");
   const auto workstation = [&controller = scenario.controller](Map& of) {
     of.Add("wake_delay", DelayOf(controller.wake_delay), "As in scenarios.");
     of.Add("cost", DelayOf(controller.cost), "As in scenarios.");
   };
   map.Add("controller", Section(workstation), "How fast the site's workstation is.");
+  map.Add("limits", LimitsOf(limits), "As in scenarios; added to the scenario's.");
 }
 
 /// Says of a scenario's section why a lab has none.
@@ -68,12 +70,16 @@ std::filesystem::path FindLab(std::string_view lab, const std::filesystem::path&
 void ApplyLab(const std::filesystem::path& file, Scenario& scenario) {
   const YamlNode root = YamlNode::ParseFile(file.string());
   std::string description;
+  model::LabLimits limits;
   Map map;
-  DescribeLab(map, scenario, description);
+  DescribeLab(map, scenario, description, limits);
   RequireKeysOfALab(root, map);
   map.Read(root);
-  root.Checked([&scenario] { scenario.Validate(); },
-               fmt::format("with scenario {}: ", scenario.name));
+  const auto add_and_validate = [&] {
+    scenario.limits.Add(limits);
+    scenario.Validate();
+  };
+  root.Checked(add_and_validate, fmt::format("with scenario {}: ", scenario.name));
 }
 
 }  // namespace twin::scenario

@@ -91,6 +91,8 @@ void AddWhatMoves(Map& map, Scenario& s) {
           "Motion of the arm.")
       .OmitIf(s.application.has_value())
       .Then(set_defaults);
+  map.Add("limits", LimitsOf(s.limits), "Limits that the lab demands beside the robot's own.")
+      .OmitIf(s.limits.empty());
   map.Add("max_deviation", MaxDeviationOf(s), "Largest distance of the arm from its target.")
       .OmitIf(s.max_deviation == MaxDeviation());
   map.Add("operator", OptionalSection(s.operator_section, s.places.device),

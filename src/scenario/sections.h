@@ -55,6 +55,7 @@ void DescribeRobot(Map& map, Scenario& scenario);
 void DescribeTick(Map& map, Scenario& scenario);
 void DescribeController(Map& map, Scenario& scenario);
 void DescribeMotion(Map& map, Scenario& scenario);
+[[nodiscard]] Value LimitsOf(model::LabLimits& limits);
 [[nodiscard]] Value MaxDeviationOf(Scenario& scenario);
 [[nodiscard]] Value Panel(std::vector<robot::PanelEvent>& panel);
 [[nodiscard]] Value Hand(std::vector<HandEvent>& hand);

@@ -32,8 +32,12 @@ std::string_view EndText(MoveStatus end) noexcept {
 
 ArmRequestHandler::ArmRequestHandler(robot::ThreadedRobot& robot, UdpPort& port,
                                      std::span<const std::byte> model_library,
-                                     const TellPeople& tell)
-    : robot_(robot), port_(port), model_library_(model_library), tell_(tell) {}
+                                     const std::function<void()>& on_client, const TellPeople& tell)
+    : robot_(robot),
+      port_(port),
+      model_library_(model_library),
+      on_client_(on_client),
+      tell_(tell) {}
 
 void ArmRequestHandler::OnRobotChanged() {
   static_cast<void>(Progress());
@@ -44,6 +48,7 @@ bool ArmRequestHandler::IsReady() {
 }
 
 void ArmRequestHandler::OnConnect(Connection& client) {
+  if (on_client_) on_client_();
   client_ = client.peer();
   dropped_before_ = port_.dropped();
   fci::ArmService& service = *this;
@@ -93,7 +98,7 @@ MoveStatus ArmRequestHandler::Move(const fci::Move& move) {
     case MoveStatus::kMotionStarted:
       in_motion_ = true;
       stop_asked_ = false;
-      tell_(fmt::format("arm: motion begun: {} motion under {}", Name(move.modes.generator),
+      tell_(fmt::format("arm: motion started: {} motion under {}", Name(move.modes.generator),
                         Name(move.modes.controller)));
       break;
     case MoveStatus::kInvalidArgumentRejected:
@@ -166,6 +171,7 @@ void ArmRequestHandler::TellEnd(const robot::LastMotion& motion) {
     text += ' ' + Describe(violation);
     told_ = violation.message_id;
   }
+  if (motion.breach) text += " Guard: " + onboard::Describe(robot_.guard(), *motion.breach);
   if (motion.end == MoveStatus::kPreempted && !stop_asked_) {
     text += ": it was not answered for too long (see --session-timeout)";
   }

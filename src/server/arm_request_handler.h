@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,9 +19,10 @@ namespace twin::server {
 /// Threads: one.
 class ArmRequestHandler final : public RequestHandler, private fci::ArmService {
  public:
-  /// All arguments must outlive the handler.
+  /// All arguments must outlive the handler. @param on_client  as ServerConfig::on_arm_client.
   ArmRequestHandler(robot::ThreadedRobot& robot, UdpPort& port,
-                    std::span<const std::byte> model_library, const TellPeople& tell);
+                    std::span<const std::byte> model_library,
+                    const std::function<void()>& on_client, const TellPeople& tell);
 
   /// The robot's mode or errors have changed. @throws RobotFault.
   void OnRobotChanged();
@@ -54,6 +56,7 @@ class ArmRequestHandler final : public RequestHandler, private fci::ArmService {
   robot::ThreadedRobot& robot_;
   UdpPort& port_;
   const std::span<const std::byte> model_library_;
+  const std::function<void()>& on_client_;
   const TellPeople& tell_;
 
   std::optional<fci::ArmSession> session_;

@@ -5,9 +5,12 @@
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/core/modes.h"
+#include "twin/plant/observers.h"
 #include "twin/robot/wall_clock_robot.h"
 #include "twin/server/udp_port.h"
 #include "twin/server/wake_event.h"
@@ -65,6 +68,19 @@ class ServedRobot::Impl {
     robot_->End();
   }
 
+  void Place(const std::string& name, const Transform& X_WB) {
+    if (engine_ == nullptr) {
+      throw InputError("place: the ideal plant has no objects; serve a scenario with kind: mujoco");
+    }
+    const int body = plant::FreeBodyNamed(engine_->model(), name);
+    const std::optional<plant::Overlap> overlap = robot_->Place(body, X_WB);
+    if (!overlap) return;
+    // The engine gives half of the depth between two boxes.
+    throw InputError(fmt::format(
+        "place: there \"{}\" would lie at least {:.1f} mm deep in {}; {:.0f} mm at most is a touch",
+        name, 1e3 * overlap->depth, plant::PartOfShape(engine_->model(), overlap->geom),
+        1e3 * plant::Plant::kMostOverlap));
+  }
   void PressUserStop(bool pressed) {
     static_cast<void>(
         robot_->Operate(pressed ? PanelAction::kPressUserStop : PanelAction::kReleaseUserStop));
@@ -72,6 +88,10 @@ class ServedRobot::Impl {
 
   [[nodiscard]] const Server& server() const noexcept { return *server_; }
   [[nodiscard]] const robot::ThreadedRobot& robot() const noexcept { return *robot_; }
+  [[nodiscard]] robot::ThreadedRobot& robot() noexcept { return *robot_; }
+  [[nodiscard]] robot::AnswerPacedRobot* lockstep() noexcept {
+    return lockstep_ ? &*lockstep_ : nullptr;
+  }
   [[nodiscard]] const robot::WallClockRobot& wall_clock() const {
     TWIN_CHECK(wall_clock_);
     return *wall_clock_;
@@ -136,7 +156,19 @@ void ServedRobot::Begin() {
 }
 
 const std::vector<std::string>& ServedRobot::notices() const {
-  return impl_->robot().notices();
+  return std::as_const(*impl_).robot().notices();
+}
+
+robot::ThreadedRobot& ServedRobot::robot() noexcept {
+  return impl_->robot();
+}
+
+robot::AnswerPacedRobot* ServedRobot::lockstep() noexcept {
+  return impl_->lockstep();
+}
+
+void ServedRobot::Place(const std::string& name, const Transform& X_WB) {
+  impl_->Place(name, X_WB);
 }
 
 void ServedRobot::PressUserStop(bool pressed) {

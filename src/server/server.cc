@@ -30,7 +30,7 @@ class Server::Impl {
         clock_(clock),
         tell_(std::move(tell)),
         changed_(changed),
-        arm_desk_(robot, port, config_.model_library, tell_),
+        arm_desk_(robot, port, config_.model_library, config_.on_arm_client, tell_),
         arm_(SettingsOf(config_, fci::HeadKind::kArm, clock), arm_desk_, tell_) {
     if (!robot.has_hand()) return;
     hand_desk_.emplace(robot, clock, config_.address, tell_, config_.capture);

@@ -143,6 +143,16 @@ TEST(RecordingTest, FilmsPlansAsGoalsAndSaysWhatHappened) {
   EXPECT_EQ(film.notes[3].text, "step: lift: failed, it is ?ber");
 }
 
+TEST(RecordingTest, NamesTheScenariosControllerOnlyWhereAWorkstationRan) {
+  const twin::test::TemporaryFolder folder;
+  EXPECT_EQ(Recording(WriteLog(folder, test::Sample(), 10, Nothing), test::Files()).Film().title,
+            "smoke\nserved, led by its client\nnot recorded: hand, objects, base");
+  const auto led = WriteLog(folder, test::Sample(), 10,
+                            [](record::Recorder& recorder) { recorder.Put(record::TickRecord()); });
+  EXPECT_THAT(Recording(led, test::Files()).Film().title,
+              testing::StartsWith("smoke\njoint_trajectory\n"));
+}
+
 TEST(RecordingTest, ReadsWhatAKilledRunLeft) {
   const twin::test::TemporaryFolder folder;
   {

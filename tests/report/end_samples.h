@@ -104,6 +104,16 @@ class SampleMotion {
     return *this;
   }
 
+  /// Cycles without error or motion.
+  SampleMotion& Rest(int count) {
+    state_.errors.reset();
+    state_.robot_mode = RobotMode::kIdle;
+    state_.motion_generator_mode = MotionGeneratorMode::kIdle;
+    state_.controller_mode = ControllerMode::kOther;
+    for (int i = 0; i < count; ++i) PassBy();
+    return *this;
+  }
+
   /// Recovery, and a motion anew.
   SampleMotion& Recover() {
     state_.errors.reset();

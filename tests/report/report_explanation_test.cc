@@ -98,16 +98,16 @@ TEST_F(ExplainTest, NamesNoiseThatTheScenarioInjectsWhereItIsEnough) {
   SampleMotion motion(log());
   motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);
   const auto path = motion.Finish();
-  const auto told = [&path](const Injected& injected) {
-    return OneLine(Explain(path, injected).text);
+  const auto told = [&path](const ScenarioFacts& facts) {
+    return OneLine(Explain(path, facts).text);
   };
   EXPECT_THAT(
       told({.target_noise = 1e-6}),
       HasSubstr("noise of up to 1e-06 to every target (controller.target_noise), and no "
                 "reference generator smooths it: the noise alone makes up to 8e+03 rad/s^3"));
-  for (const Injected& injected : {Injected{}, Injected{.target_noise = 4e-7},
-                                   Injected{.target_noise = 1e-6, .is_smoothed = true}}) {
-    EXPECT_THAT(told(injected), Not(HasSubstr("injected")));
+  for (const ScenarioFacts& facts : {ScenarioFacts{}, ScenarioFacts{.target_noise = 4e-7},
+                                     ScenarioFacts{.target_noise = 1e-6, .has_generator = true}}) {
+    EXPECT_THAT(told(facts), Not(HasSubstr("injected")));
   }
 }
 
@@ -173,14 +173,142 @@ TEST_F(ExplainTest, ExplainsAnErrorWhoseValueTheLogDoesNotHold) {
                     HasSubstr("does not tell which value"), Not(HasSubstr("rad/s^3;"))));
 }
 
-TEST_F(ExplainTest, ExplainsTheFirstOfSeveral) {
-  SampleMotion motion(log());
-  motion.Serve(60).Abort(kJerk, record::CommandFate::kServed).Recover().Serve(10);
+/// Three motions; errors end the first and the third.
+std::filesystem::path AbortTwice(const std::filesystem::path& log) {
+  SampleMotion motion(log);
+  motion.Serve(60).Abort(kJerk, record::CommandFate::kServed).Rest(5).Recover().Serve(10);
+  motion.Rest(5).Recover().Serve(70);
   motion.Abort({.error = RobotError::kJointReflex, .axis = 0, .value = 30, .limit = 20},
                record::CommandFate::kNone);
-  EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
-              AllOf(HasSubstr("aborted at 0.061 s"), HasSubstr("ended 2 motions of this log"),
+  return motion.Finish();
+}
+
+TEST_F(ExplainTest, ExplainsTheFirstOfSeveralAndSaysWhichOthersThereAre) {
+  EXPECT_THAT(OneLine(Explain(AbortTwice(log())).text),
+              AllOf(HasSubstr("aborted at 0.061 s"), HasSubstr("2 errors, in motions 1 and 3"),
                     Not(HasSubstr("joint_reflex"))));
+}
+
+TEST_F(ExplainTest, ExplainsTheMotionThatIsAskedFor) {
+  const Explanation told = Explain(AbortTwice(log()), std::nullopt, 3);
+  EXPECT_THAT(OneLine(told.text),
+              AllOf(HasSubstr("aborted at 0.152 s by joint_reflex"),
+                    HasSubstr("this is about motion 3"), HasSubstr("joint 1; joint_position"),
+                    HasSubstr("49 cycles served"), Not(HasSubstr("aborted at 0.061 s"))));
+  try {
+    static_cast<void>(Explain(log(), std::nullopt, 2));
+    FAIL() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no error ended motion 2 of sample; errors ended motion "
+                                        "1 and 3"));
+  }
+}
+
+TEST_F(ExplainTest, ThePageHasEveryError) {
+  const std::string page = Explain(AbortTwice(log())).page;
+  EXPECT_THAT(page, AllOf(HasSubstr("<h1>sample: 2 errors</h1>"),
+                          HasSubstr("<h2 id=\"end1\">sample: aborted at 0.061 s"),
+                          HasSubstr("<h2 id=\"end2\">sample: aborted at 0.152 s by joint_reflex"),
+                          HasSubstr("<a href=\"#end2\">")));
+  std::size_t drawn = 0;
+  for (std::size_t at = page.find("<svg"); at != std::string::npos;
+       at = page.find("<svg", at + 1)) {
+    ++drawn;
+  }
+  EXPECT_EQ(drawn, 2U);
+}
+
+TEST_F(ExplainTest, APageOfManyErrorsHasTheFirstAndTheOneAskedFor) {
+  SampleMotion motion(log());
+  for (int i = 0; i < 23; ++i) {
+    motion.Serve(5).Abort(kJerk, record::CommandFate::kServed).Rest(3).Recover();
+  }
+  motion.Finish();
+  const std::string page = Explain(log(), std::nullopt, 22).page;
+  EXPECT_THAT(page, AllOf(HasSubstr("<h1>sample: 23 errors</h1>"), HasSubstr("id=\"end21\""),
+                          Not(HasSubstr("id=\"end22\"")), HasSubstr("These are 21 of 23 errors"),
+                          HasSubstr("sample: aborted at 0.195 s")));
+}
+
+TEST_F(ExplainTest, NamesAJointAtItsEndStopAndHowFarItIsBeyond) {
+  SampleMotion motion(log());
+  motion.Serve(60);
+  motion.state().q[3] = -0.0684;
+  motion.Abort({.error = RobotError::kCartesianReflex, .axis = 2, .value = 970, .limit = 100},
+               record::CommandFate::kServed);
+  EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
+              AllOf(HasSubstr("end stop joint 4 is at its upper end stop: q = -0.0684 rad, 1.4 "
+                              "mrad beyond -0.0698 rad"),
+                    HasSubstr("takes that for an external force")));
+}
+
+TEST_F(ExplainTest, AJointNearItsEndIsNotAtItsStop) {
+  SampleMotion motion(log());
+  motion.Serve(60);
+  motion.state().q[0] = -2.8973 + 2e-3;
+  EXPECT_THAT(OneLine(Explain(motion.Abort(kJerk, record::CommandFate::kServed).Finish()).text),
+              Not(HasSubstr("end stop")));
+}
+
+TEST_F(ExplainTest, NamesWhatTheSimulatedArmTouched) {
+  constexpr Violation kReflex{
+      .error = RobotError::kJointReflex, .axis = 0, .value = 30, .limit = 20};
+  const auto told = [&](const Violation& violation, std::string_view contacts) {
+    SampleMotion motion(log());
+    motion.Serve(60).Abort(violation, record::CommandFate::kServed).Event("contact", contacts);
+    return OneLine(Explain(motion.Finish()).text);
+  };
+  EXPECT_THAT(told(kReflex, "panda_hand and table at (0.500, 0.000, 0.200) m with 90 N"),
+              HasSubstr("touching panda_hand and table at (0.500, 0.000, 0.200) m with 90 N."));
+  EXPECT_THAT(told(kReflex, "none"), HasSubstr("touched nothing in the 50 cycles before"));
+  EXPECT_THAT(told(kJerk, "none"), Not(HasSubstr("touch"))) << "no error that contacts cause";
+}
+
+TEST_F(ExplainTest, TellsLostFromLateCommandsWhereTheLinkIsKnown) {
+  using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): 980us
+  SampleMotion motion(log());
+  motion.Serve(60).Lose(5, true).Lose(2, false);
+  motion.SetLost(8);
+  motion.Abort(kLost, record::CommandFate::kHeld).Finish();
+  LinkFacts link{.seed = 1, .state = {}, .command = {}, .d_INT = 100us};
+  // Answers are written 0.12 ms after the cycle and due 0.9 ms after it. Ids are 1000 + k.
+  link.command.loss = faults::LossModel(faults::ScriptedLoss{{{.first = 1060, .count = 3}}});
+  link.command.delay = faults::DelayModel(faults::ConstantDelay{980us});
+  link.state.loss = faults::LossModel(faults::ScriptedLoss{{{.first = 1065, .count = 1}}});
+  const Explanation told = Explain(log(), ScenarioFacts{.link = link});
+  EXPECT_THAT(OneLine(told.text),
+              AllOf(HasSubstr("1 because the link lost the state before it"),
+                    HasSubstr("2 because the workstation did not see the state"),
+                    HasSubstr("3 because the link lost the command"),
+                    HasSubstr("2 because the command came too late, by up to 0.2 ms")));
+  for (const char* word : {"held: lost<", "held: 0.2 ms late<", "held: state lost<"}) {
+    EXPECT_THAT(told.page, HasSubstr(word));
+  }
+}
+
+TEST_F(ExplainTest, AdvisesOnlyWhatIsNotSet) {
+  SampleMotion motion(log());
+  motion.Serve(100).Abort(kJerk, record::CommandFate::kServed).Finish();
+  const auto told = [&](const ScenarioFacts& facts) { return OneLine(Explain(log(), facts).text); };
+  EXPECT_THAT(told({}), AllOf(HasSubstr("leave tick.generator and tick.viability out"),
+                              HasSubstr("tick.limiter: true")));
+  EXPECT_THAT(told({.has_limiter = true}), Not(HasSubstr("tick.limiter")));
+  EXPECT_THAT(told({.has_generator = true}), HasSubstr("tick.viability: 19 behind"));
+  EXPECT_THAT(told({.has_generator = true, .has_default_generator = true}),
+              AllOf(HasSubstr("leave tick.viability out"), Not(HasSubstr("tick.generator"))));
+  EXPECT_THAT(told({.has_viability = true}),
+              AllOf(HasSubstr("leave tick.generator out"), Not(HasSubstr("tick.viability"))));
+  EXPECT_THAT(told({.has_generator = true, .has_default_generator = true, .has_viability = true}),
+              AllOf(HasSubstr("what to do move more gently."), Not(HasSubstr("tick."))));
+}
+
+TEST(RemedyInTest, LeavesOutALimiterThatIsOn) {
+  constexpr Violation kStep{.error = RobotError::kControllerTorqueDiscontinuity, .axis = 0};
+  const auto told = [&kStep](bool has_limiter) {
+    return RemedyIn({.has_limiter = has_limiter}, kStep, TimeKeeper::kVirtualClock, false);
+  };
+  EXPECT_THAT(told(false), HasSubstr("tick.limiter: true"));
+  EXPECT_THAT(told(true), Not(HasSubstr("limit")));
 }
 
 TEST_F(ExplainTest, AMissingFirstCommandIsNotALoss) {
@@ -306,6 +434,13 @@ TEST_F(ExplainTest, AnEarlyEndWithoutAnErrorIsNoSuccess) {
   stopped.Serve(20);
   EXPECT_THAT(Explain(stopped.Finish()).text,
               HasSubstr("the user stop was pressed at 0.011 s; the log ends at 0.030 s"));
+}
+
+TEST_F(ExplainTest, AMotionThatTheLogCutsOffHasNoEnd) {
+  SampleMotion motion(log());
+  motion.Event("motion", "started: joint_position").Serve(10);
+  EXPECT_THAT(Explain(motion.Finish()).text,
+              HasSubstr("no error of the robot; the log ends in the motion"));
 }
 
 TEST_F(ExplainTest, AUserStopAfterTheMotionEndedNothing) {

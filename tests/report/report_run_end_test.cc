@@ -38,7 +38,7 @@ class RunEndTest : public ::testing::Test {
   RunEnd Refuse(SampleMotion& motion, double step, RobotError error, double value) {
     motion.AnswerWith(Command(SampleMotion::Planned(motion.k() + 1) + step));
     motion.Abort(Of(error, value, 1), record::CommandFate::kServed);
-    return ReadEnd(motion.Finish());
+    return ReadEnds(motion.Finish()).front();
   }
 
   [[nodiscard]] static record::TickRecord Command(double q_c) {
@@ -54,7 +54,7 @@ class RunEndTest : public ::testing::Test {
 
 TEST_F(RunEndTest, BringsEveryCycleTogetherWithTheAnswerToTheStateBefore) {
   motion_.Serve(80).Abort(Of(RobotError::kJointReflex, 30, 20), record::CommandFate::kNone);
-  const RunEnd end = ReadEnd(motion_.Finish());
+  const RunEnd end = ReadEnds(motion_.Finish()).front();
   ASSERT_EQ(end.cycles.size(), RunEnd::kShown + 1);
   for (std::size_t i = 0; i + 1 < end.cycles.size(); ++i) {
     ASSERT_TRUE(end.cycles[i].answer);
@@ -106,7 +106,7 @@ TEST_F(RunEndTest, WorksOutWhatAHeldCycleCameTo) {
   const double dq = s.dq_d[kJoint] + 1e-3 * s.ddq_d[kJoint];
   motion_.Abort(Of(RobotError::kJointMotionGeneratorVelocityLimitsViolation, dq, 1),
                 record::CommandFate::kHeld);
-  EXPECT_THAT(WorkOut(ReadEnd(motion_.Finish())),
+  EXPECT_THAT(WorkOut(ReadEnds(motion_.Finish()).front()),
               ::testing::ElementsAre(StartsWith("dq = dq_d + T ddq_d, held = ")));
 }
 
@@ -126,7 +126,7 @@ TEST_F(RunEndTest, SaysThatAMotionMustNotEndWhileItMoves) {
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kJointMotionGeneratorVelocityDiscontinuity, -400, -7.5),
                 record::CommandFate::kServed);
-  EXPECT_THAT(WorkOut(ReadEnd(motion_.Finish())),
+  EXPECT_THAT(WorkOut(ReadEnds(motion_.Finish()).front()),
               ::testing::ElementsAre(HasSubstr("asks to end the motion")));
 }
 
@@ -139,7 +139,7 @@ TEST_F(RunEndTest, WorksOutATorqueRate) {
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kControllerTorqueDiscontinuity, 2000, 1000),
                 record::CommandFate::kServed);
-  EXPECT_THAT(WorkOut(ReadEnd(motion_.Finish())),
+  EXPECT_THAT(WorkOut(ReadEnds(motion_.Finish()).front()),
               ::testing::ElementsAre(HasSubstr("= (5 - 3) / 0.001 = 2000 Nm/s")));
 }
 
@@ -156,7 +156,7 @@ TEST_F(RunEndTest, WorksOutTheJerkOfAPose) {
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity, 1e4, 6500, 0),
                 record::CommandFate::kServed);
-  const auto lines = WorkOut(ReadEnd(motion_.Finish()));
+  const auto lines = WorkOut(ReadEnds(motion_.Finish()).front());
   ASSERT_EQ(lines.size(), 3U);
   EXPECT_THAT(lines[2], HasSubstr("|dddp| = 10000 m/s^3"));
 }
@@ -173,7 +173,7 @@ TEST_F(RunEndTest, WorksOutTheAccelerationOfAnElbow) {
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kCartesianMotionGeneratorVelocityDiscontinuity, 20, 10, 2),
                 record::CommandFate::kServed);
-  EXPECT_THAT(WorkOut(ReadEnd(motion_.Finish())).back(), HasSubstr("= 20 rad/s^2"));
+  EXPECT_THAT(WorkOut(ReadEnds(motion_.Finish()).front()).back(), HasSubstr("= 20 rad/s^2"));
 }
 
 TEST_F(RunEndTest, BlamesTheLossRightBeforeACommandThatJumps) {
@@ -181,7 +181,7 @@ TEST_F(RunEndTest, BlamesTheLossRightBeforeACommandThatJumps) {
   motion_.Abort(Of(RobotError::kJointMotionGeneratorAccelerationDiscontinuity, 5000, 3750),
                 record::CommandFate::kServed);
   EXPECT_THAT(
-      JudgeLosses(ReadEnd(motion_.Finish())),
+      JudgeLosses(ReadEnds(motion_.Finish()).front()),
       AllOf(StartsWith("Likely"), HasSubstr("after 3 in a row"), HasSubstr("10 times the jerk")));
 }
 
@@ -190,7 +190,7 @@ TEST_F(RunEndTest, ALossSomeCyclesBeforeIsPossibleOrUnlikely) {
     SampleMotion motion(folder_ / "b.mcap");
     motion.Serve(60).Lose(3, true).Serve(served_after);
     motion.Abort(Of(error, 5000, 3750), record::CommandFate::kServed);
-    return JudgeLosses(ReadEnd(motion.Finish()));
+    return JudgeLosses(ReadEnds(motion.Finish()).front());
   };
   const auto jerk = RobotError::kJointMotionGeneratorAccelerationDiscontinuity;
   EXPECT_THAT(judged(4, jerk), AllOf(StartsWith("Possible"), HasSubstr("5 cycles before")));
@@ -204,7 +204,8 @@ TEST_F(RunEndTest, ACycleThatItselfHadNoCommandIsTheLoss) {
   motion_.SetLost(4);
   motion_.Abort(Of(RobotError::kJointMotionGeneratorPositionLimitsViolation, 2, 1.7),
                 record::CommandFate::kHeld);
-  EXPECT_THAT(JudgeLosses(ReadEnd(motion_.Finish())), StartsWith("Yes: this cycle had no command"));
+  EXPECT_THAT(JudgeLosses(ReadEnds(motion_.Finish()).front()),
+              StartsWith("Yes: this cycle had no command"));
 }
 
 TEST_F(RunEndTest, SaysWhereTheCommandsOfHeldCyclesWent) {
@@ -215,7 +216,7 @@ TEST_F(RunEndTest, SaysWhereTheCommandsOfHeldCyclesWent) {
   motion_.SetLost(10);
   motion_.Abort(Of(RobotError::kCommunicationConstraintsViolation, 20, 20, -1),
                 record::CommandFate::kHeld);
-  const RunEnd end = ReadEnd(motion_.Finish());
+  const RunEnd end = ReadEnds(motion_.Finish()).front();
   EXPECT_THAT(CountFates(end),
               AllOf(StartsWith("40 cycles served, 10 held, 0 in which"),
                     HasSubstr("4 because the workstation did not see the state"),
@@ -232,12 +233,12 @@ TEST_F(RunEndTest, CountsTargetsThatWereUsedTwice) {
   motion_.AnswerWith(tick);
   motion_.Abort(Of(RobotError::kJointMotionGeneratorAccelerationDiscontinuity, 5000, 3750),
                 record::CommandFate::kServed);
-  EXPECT_THAT(CountTicks(ReadEnd(motion_.Finish())), HasSubstr("formed 1 of 51 commands"));
+  EXPECT_THAT(CountTicks(ReadEnds(motion_.Finish()).front()), HasSubstr("formed 1 of 51 commands"));
 }
 
 TEST_F(RunEndTest, AnUneventfulWorkstationIsWorthNoWord) {
   motion_.Serve(60).Abort(Of(RobotError::kJointReflex, 30, 20), record::CommandFate::kNone);
-  EXPECT_EQ(CountTicks(ReadEnd(motion_.Finish())), "");
+  EXPECT_EQ(CountTicks(ReadEnds(motion_.Finish()).front()), "");
 }
 
 /// Every error with every axis it can have, and none.
@@ -247,7 +248,7 @@ TEST_F(RunEndTest, EveryErrorHasPanelsWithOneValuePerCycle) {
       SampleMotion motion(folder_ / "b.mcap");
       motion.Serve(10);
       motion.Abort(Of(static_cast<RobotError>(i), 7, 5, axis), record::CommandFate::kServed);
-      const RunEnd end = ReadEnd(motion.Finish());
+      const RunEnd end = ReadEnds(motion.Finish()).front();
       const auto panels = EndPanels(end);
       ASSERT_FALSE(panels.empty()) << i << " axis " << int{axis};
       for (const EndPanel& panel : panels) {
@@ -293,7 +294,7 @@ TEST_F(RunEndTest, WhatBrokeItsLimitComesFirstWithValueAndLimit) {
     SampleMotion motion(folder_ / "b.mcap");
     motion.Serve(10);
     motion.Abort(Of(c.error, -7, -5, c.axis), record::CommandFate::kServed);
-    const auto panels = EndPanels(ReadEnd(motion.Finish()));
+    const auto panels = EndPanels(ReadEnds(motion.Finish()).front());
     EXPECT_EQ(panels.front().title, c.title);
     EXPECT_EQ(panels.front().offender, -7) << c.title;
     EXPECT_THAT(panels.front().limits, ::testing::Contains(-5)) << c.title;
@@ -303,7 +304,7 @@ TEST_F(RunEndTest, WhatBrokeItsLimitComesFirstWithValueAndLimit) {
 TEST_F(RunEndTest, HeldCyclesAreShadedInTheFigure) {
   motion_.Serve(10).Lose(2, true);
   motion_.Abort(Of(RobotError::kJointReflex, 30, 20), record::CommandFate::kNone);
-  const RunEnd end = ReadEnd(motion_.Finish());
+  const RunEnd end = ReadEnds(motion_.Finish()).front();
   const Figure figure = EndFigure(end, EndPanels(end));
   EXPECT_EQ(figure.values.at("held"), 2);
   EXPECT_EQ(figure.values.at("held_1"), -2);
@@ -319,7 +320,7 @@ TEST_F(RunEndTest, HeldCyclesAreShadedInTheFigure) {
 
 TEST_F(RunEndTest, FindsTheClosestApproach) {
   motion_.Serve(1000).Abort(Of(RobotError::kJointReflex, 30, 20), record::CommandFate::kNone);
-  const RunEnd end = ReadEnd(motion_.Finish());
+  const RunEnd end = ReadEnds(motion_.Finish()).front();
   double share = 0;
   for (const Approach& approach : end.approach.Closest()) {
     if (approach.what != "dq_d, velocity of the reference") continue;
@@ -337,7 +338,7 @@ TEST_F(RunEndTest, WhatTheRobotDoesByItselfIsNoApproach) {
   motion_.Serve(100);
   motion_.state().dq_d[0] = 2.1;
   motion_.PassBy();
-  const RunEnd end = ReadEnd(motion_.Finish());
+  const RunEnd end = ReadEnds(motion_.Finish()).front();
   EXPECT_FALSE(end.approach.Closest().empty());
   for (const Approach& approach : end.approach.Closest()) {
     EXPECT_LT(approach.share, 0.9) << approach.what;

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "twin/core/error.h"
+#include "twin/model/arm_model.h"
 #include "twin/reference/trajectory.h"
 #include "twin/rt/signal.h"
 
@@ -130,6 +131,54 @@ TEST(StartCheckTest, ThePayloadMustBeWhatTheScenarioSays) {
   EXPECT_TRUE(CheckPayload(state, scenario, robot).ok);
   state.F_x_Cload[1] = 0.01;
   EXPECT_FALSE(CheckPayload(state, scenario, robot).ok);
+}
+
+/// @returns a robot at rest that carries a load, its base tilted.
+RobotState Holding(double m_load, double roll, double pitch) {
+  constexpr double kG = 9.81;
+  RobotState state = Ready();
+  const model::Payload all =
+      model::Combine(Panda().end_effector, {.m = m_load, .F_x_C = {0, 0, 0.1}, .I = {}});
+  state.tau_J = model::ArmModel::Panda().Gravity(
+      state.q, all,
+      {kG * std::sin(pitch), -kG * std::cos(pitch) * std::sin(roll),
+       -kG * std::cos(pitch) * std::cos(roll)});
+  return state;
+}
+
+TEST(StartCheckTest, TorquesAtRestAreThoseOfTheTiltAndLoadThatAreSaid) {
+  const scenario::RobotData robot = Panda();
+  scenario::Scenario scenario;
+  EXPECT_TRUE(CheckTorques(Holding(0, 0, 0), scenario, robot).ok);
+  EXPECT_FALSE(CheckTorques(Holding(0.5, 0, 0), scenario, robot).ok);
+  scenario.robot.load = {.m_load = 0.5, .F_x_Cload = {0, 0, 0.1}, .I_load = {}};
+  EXPECT_TRUE(CheckTorques(Holding(0.5, 0, 0), scenario, robot).ok);
+  scenario.robot.load = {};
+  const RobotState tilted = Holding(0, 0.1, -0.08);
+  const CheckLine line = CheckTorques(tilted, scenario, robot);
+  EXPECT_FALSE(line.ok);
+  EXPECT_THAT(line.text, AllOf(HasSubstr("tilted by 0.0, 0.0 deg"), HasSubstr("load of 0.000 kg"),
+                               HasSubstr("plant.base_tilt")));
+  scenario.plant.base_tilt = {.roll = 0.1, .pitch = -0.08};
+  EXPECT_TRUE(CheckTorques(tilted, scenario, robot).ok)
+      << CheckTorques(tilted, scenario, robot).text;
+}
+
+TEST(StartCheckTest, HeavierLinksHoldMore) {
+  const scenario::RobotData robot = Panda();
+  scenario::Scenario scenario;
+  RobotState state = Holding(0, 0, 0);
+  for (double& tau : state.tau_J) tau *= 1.1;
+  EXPECT_FALSE(CheckTorques(state, scenario, robot).ok);
+  scenario.plant.mass_scale = 1.1;
+  EXPECT_TRUE(CheckTorques(state, scenario, robot).ok);
+}
+
+TEST(StartCheckTest, ARobotWithoutTorqueSensorsIsNotJudgedByThem) {
+  EXPECT_TRUE(CheckTorques(Ready(), scenario::Scenario(), Panda()).ok);
+  RobotState state = Holding(0, 0, 0);
+  state.tau_J[3] = std::nan("");
+  EXPECT_FALSE(CheckTorques(state, scenario::Scenario(), Panda()).ok);
 }
 
 TEST(StartCheckTest, TheJointFarthestFromTheStartIsNamed) {
@@ -253,7 +302,7 @@ TEST_F(RunStartCheckTest, TellsEveryLineAndNeverMovesTheArm) {
   scenario_.onboard.load.m_load = 0.5;
   static_cast<void>(Run());
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("states"), "mode", "errors", "joint limits", "settings",
-                                  "payload", "start", "communication", "scheduler"));
+                                  "payload", "torques", "start", "communication", "scheduler"));
   EXPECT_EQ(robot_.settings, 8);
   EXPECT_EQ(robot_.motions, 0);
 }
@@ -262,15 +311,16 @@ TEST_F(RunStartCheckTest, SendsNoSettingsToARobotThatIsNotIdle) {
   robot_.state.robot_mode = RobotMode::kUserStopped;
   EXPECT_FALSE(Run());
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("states"), "mode FAILED", "errors", "joint limits",
-                                  "start", "communication", "scheduler"));
+                                  "torques", "start", "communication", "scheduler"));
   EXPECT_EQ(robot_.settings, 0);
 }
 
 TEST_F(RunStartCheckTest, GoesOnAfterSettingsThatWereRefused) {
   robot_.refuses = true;
   EXPECT_FALSE(Run());
-  EXPECT_THAT(lines_, ElementsAre(HasSubstr("states"), "mode", "errors", "joint limits",
-                                  "settings FAILED", "start", "communication", "scheduler"));
+  EXPECT_THAT(lines_,
+              ElementsAre(HasSubstr("states"), "mode", "errors", "joint limits", "settings FAILED",
+                          "torques", "start", "communication", "scheduler"));
 }
 
 }  // namespace

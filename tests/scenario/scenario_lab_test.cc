@@ -87,7 +87,8 @@ TEST_F(LabTest, APlantAsItAlwaysWasIsWrittenAsItAlwaysWas) {
 TEST_F(LabTest, SaysWhatALabMayNotHave) {
   EXPECT_THAT(ErrorOf("plant: {}\nrobot: {hand: none}"),
               AllOf(HasSubstr("lab.yaml:2: robot: "), HasSubstr("it is the scenario's")));
-  EXPECT_THAT(ErrorOf("seed: 3"), HasSubstr("a lab has description, plant, link, controller"));
+  EXPECT_THAT(ErrorOf("seed: 3"),
+              HasSubstr("a lab has description, plant, link, load, controller, limits"));
   EXPECT_THAT(ErrorOf("plnt: {mass_scale: 1}"), HasSubstr("did you mean \"plant\""));
   EXPECT_THAT(ErrorOf("controller: {type: compliance}"), HasSubstr("lab.yaml:1: controller"));
 }
@@ -101,6 +102,28 @@ TEST_F(LabTest, SaysWhichValueIsOutOfRange) {
 TEST_F(LabTest, DoesNotGoWithAnIdealPlantThatHasNoWeight) {
   EXPECT_THAT(ErrorOf("plant: {mass_scale: 1.05}", Here("plant: {kind: ideal}")),
               AllOf(HasSubstr("with scenario here"), HasSubstr("leave mass_scale and base_tilt")));
+}
+
+TEST_F(LabTest, AddsLimitsToThoseOfTheScenario) {
+  const std::string wall =
+      "{name: wall, keep: inside, half_space: {normal: [1, 0, 0], offset: 1 m}}";
+  const Scenario here = Here("limits: {regions: [" + wall +
+                             "], speed: {joints: 1 rad/s, end_effector: 0.2 m/s}, force: 20 N}");
+  const Scenario there = At(R"(
+limits:
+  regions: [{name: floor, keep: inside, half_space: {normal: [0, 0, -1], offset: 0 m}}]
+  speed: {joints: 0.5 rad/s, end_effector: 0.5 m/s}
+)",
+                            here);
+  ASSERT_EQ(there.limits.regions.size(), 2u);
+  EXPECT_EQ(there.limits.regions[0].name, "wall");
+  EXPECT_EQ(there.limits.regions[1].name, "floor");
+  EXPECT_EQ(there.limits.dq_max.value()[6], 0.5);
+  EXPECT_EQ(there.limits.v_max, 0.2);
+  EXPECT_EQ(there.limits.force_max, 20);
+  EXPECT_EQ(Parse(ToYaml(there), "again.yaml"), there);
+  EXPECT_THAT(ErrorOf("limits: {regions: [" + wall + "]}", here),
+              HasSubstr("region \"wall\": another region has this name; rename one of them"));
 }
 
 TEST_F(LabTest, IsFoundByNameOrAsAFile) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -55,6 +56,7 @@ class ServerTest : public ::testing::Test {
                                        [this](std::string_view line) {
                                          const std::scoped_lock lock(mutex_);
                                          lines_.emplace_back(line);
+                                         told_.notify_all();
                                        });
     robot_->Begin();
     thread_ = std::jthread([this](const std::stop_token& stop) {
@@ -104,10 +106,13 @@ class ServerTest : public ::testing::Test {
     EXPECT_EQ(Receive(stream, 15).size(), 15u);
     return stream;
   }
+  /// Waits for the line: the server may answer its client before it says so.
   bool WasTold(std::string_view what) {
-    const std::scoped_lock lock(mutex_);
-    return std::ranges::any_of(
-        lines_, [&](const std::string& line) { return line.find(what) != std::string::npos; });
+    std::unique_lock lock(mutex_);
+    return told_.wait_for(lock, kLong, [&] {
+      return std::ranges::any_of(
+          lines_, [&](const std::string& line) { return line.find(what) != std::string::npos; });
+    });
   }
 
   const MonotonicClock clock_;
@@ -115,6 +120,7 @@ class ServerTest : public ::testing::Test {
   UdpPort port_{clock_, kLoopback, changed_};
   fci::UdpSocket udp_{clock_, {kLoopback, 0}};
   std::mutex mutex_;
+  std::condition_variable told_;
   std::vector<std::string> lines_;
   std::unique_ptr<robot::ThreadedRobot> robot_;
   std::unique_ptr<Server> server_;
@@ -188,6 +194,8 @@ class HookedPlant final : public plant::Plant {
  public:
   explicit HookedPlant(std::function<void(int step)> hook) : hook_(std::move(hook)) {}
   void Reset(const JointVector& q) override { ideal_.Reset(q); }
+  std::unique_ptr<const State> Save() const override { return ideal_.Save(); }
+  void Restore(const State& state) override { ideal_.Restore(state); }
   void Step(const JointDrive& drive) noexcept override {
     hook_(++steps_);
     ideal_.Step(drive);

@@ -43,6 +43,8 @@ enum class TickAction : std::uint8_t {
   kSkipped = 3,   ///< anomalous cycle: nothing written
   kInvalid = 4,   ///< invalid command (not finite, not a rotation), or the controller gave up:
                   ///< nothing written
+  kLimited = 5,   ///< stopped before a limit of the lab: the command of the stop was written, or
+                  ///< none where the robot itself stops the arm
 };
 
 /// One tick of the workstation as seen by EXT. Trivially copyable.

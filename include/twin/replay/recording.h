@@ -97,7 +97,8 @@ class Recording {
   [[nodiscard]] const std::vector<record::PlanRecord>& plans() const noexcept;
   [[nodiscard]] const std::vector<record::EventRecord>& events() const noexcept;
 
-  /// As FilmOfRun(). Refers to this object, which must outlive it.
+  /// As FilmOfRun(); of a served robot's log the title names no controller, because none of the
+  /// scenario's ran. Refers to this object, which must outlive it.
   [[nodiscard]] render::Film Film() const;
 
  private:

@@ -6,9 +6,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "twin/backend/hand.h"
 #include "twin/core/clock.h"
+#include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
 #include "twin/page/live_feed.h"
 #include "twin/page/live_page.h"
@@ -53,12 +56,19 @@ class OperatorPage {
   struct Shown {
     const plant::TruthProbe* truth = nullptr;  ///< null: the robot is not simulated
     const backend::Hand* hand = nullptr;       ///< null: none, or it must not be asked
-    bool keeps_pace = false;                   ///< hold records back to the wall clock
+    /// Hold records back to the wall clock, which lets the page pause the run, until this is true;
+    /// null: neither.
+    const volatile bool* paced_until = nullptr;
+    /// Without truth: as page::PageScene.
+    std::optional<plant::CompiledModel> twin{};
   };
   /// Begins to serve. @param settings  actions and texts of the page; its address is ignored.
   /// @returns lines with the page's addresses. @throws as page::LivePage.
   [[nodiscard]] std::string Open(page::PageSettings settings, const scenario::Scenario& scenario,
                                  const Shown& shown);
+  /// Names and poses (X_WB) of the scene's free bodies in the newest scene; empty without
+  /// Shown::truth. Threads: one other than the page's. @pre after Open().
+  [[nodiscard]] std::vector<std::pair<std::string, Transform>> FreeBodies();
   /// Returns when the page has been opened in a browser, or `interrupted`. @pre is_wanted(), after
   /// Open().
   void AwaitVisitor(const volatile bool& interrupted) const;
@@ -68,10 +78,10 @@ class OperatorPage {
   /// @returns a function that calls `own` and shows the event. @param own  may be empty.
   [[nodiscard]] Events Also(Events own);
   /// Shows a line to all viewers.
-  void Tell(Time at, std::string_view kind, std::string_view text);
+  void Tell(std::string_view kind, std::string_view text);
   /// Shows how the run ended, and ends the page, which then reads nothing that it showed. A second
   /// call has no effect.
-  void Close(std::string_view how);
+  void Close(std::string_view text, page::RunEnd how);
 
  private:
   class Recording;
@@ -82,7 +92,8 @@ class OperatorPage {
   const MonotonicClock wall_;
   page::LiveFeed feed_;
   page::OperatorChannel channel_;
-  std::unique_ptr<Recording> recording_;  ///< of the page's thread, while there is one
+  const plant::TruthProbe* truth_ = nullptr;  ///< whose scenes the feed has
+  std::unique_ptr<Recording> recording_;      ///< of the page's thread, while there is one
   std::unique_ptr<page::LivePage> page_;
 };
 

@@ -91,7 +91,8 @@ struct PoseError {
 /// Result of a motion.
 struct MotionResult {
   std::string name;
-  Time begun{};  ///< of the session
+  Time begun{};        ///< of the session
+  Duration planned{};  ///< duration of the planned motion; the arm settles after it
   loop::RunReport report;
   JointVector goal{};      ///< last waypoint, or where the plan ends, rad
   double final_error = 0;  ///< largest distance of a joint from it at the end, rad

@@ -1,12 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace twin::run {
 
-/// The folder of a run's results, and the names of its files.
+/// The folder of a run's or a served session's results, and the names of its files.
 ///
 /// A folder never holds the results of two runs: Clear() removes those of an earlier one, by name,
 /// and leaves other files. From Prepare() on, for the lifetime of the object, the folder is locked
@@ -51,11 +53,19 @@ class ResultFolder {
   [[nodiscard]] std::filesystem::path snapshots() const { return folder_ / "snapshots"; }
   [[nodiscard]] std::filesystem::path summary() const { return folder_ / "summary.json"; }
   [[nodiscard]] std::filesystem::path timing() const { return folder_ / "timing.json"; }
+  /// Of a served session: the folder of a motion, which is as a run's.
+  /// @param number  of the motion, from 1 on.
+  [[nodiscard]] std::filesystem::path motion(std::size_t number) const {
+    return motions() / std::to_string(number);
+  }
   /// Written by the command explain; Clear() removes it too.
   [[nodiscard]] std::filesystem::path explanation() const { return folder_ / "explain.html"; }
 
  private:
   void Lock();
+  [[nodiscard]] std::filesystem::path motions() const { return folder_ / "motions"; }
+  /// The folders of a served session's motions.
+  [[nodiscard]] std::vector<std::filesystem::path> MotionFolders() const;
   /// All that a run may write.
   [[nodiscard]] std::vector<std::filesystem::path> Files() const;
 

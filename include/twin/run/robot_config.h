@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+
+#include "twin/planning/collision_world.h"
 #include "twin/robot/robot_config.h"
 #include "twin/run/catalogue.h"
 #include "twin/scenario/robot_data.h"
@@ -8,7 +11,8 @@
 namespace twin::run {
 
 /// The robot's configuration that a scenario asks for.
-/// @throws InputError when a field is out of range.
+/// @throws InputError when a field is out of range; model::LimitBreach for a start outside the
+/// scenario's limits.
 [[nodiscard]] robot::RobotConfig MakeRobotConfig(const scenario::Scenario& scenario,
                                                  const scenario::RobotData& robot,
                                                  const RunFiles& files);
@@ -18,5 +22,11 @@ namespace twin::run {
 /// @throws InputError also as LoadRobotData.
 [[nodiscard]] robot::RobotConfig MakeServedConfig(const scenario::Scenario& scenario,
                                                   const RunFiles& files);
+
+/// The world around a scenario's robot for planning, with the scenario's limits.
+/// @param options  of the robot's configuration. @throws as planning::CollisionWorld.
+[[nodiscard]] std::unique_ptr<planning::CollisionWorld> MakeWorld(
+    const scenario::Scenario& scenario, const scenario::RobotData& robot,
+    const plant::MujocoPlantOptions& options);
 
 }  // namespace twin::run

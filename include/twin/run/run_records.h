@@ -38,11 +38,14 @@ class RunRecords final : public record::RecordSink {
   [[nodiscard]] static bool CanFilm(const plant::TruthProbe& truth) noexcept {
     return truth.qpos_size() <= record::SceneRecord::kMostPositions;
   }
+  /// Also notes in the log, as events "contact", what the arm touched when the robot raised errors.
   void WatchContacts(const plant::TruthProbe& truth);
 
   void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override;
   void Put(const record::TickRecord& record) noexcept TWIN_REALTIME override;
 
+  /// Adds an event to the log alone. Threads: in lockstep the robot's, in real time one for all.
+  void Event(Time at, std::string_view kind, std::string_view text) noexcept TWIN_REALTIME;
   /// For RunHooks::event: events for log and film; empty without both.
   [[nodiscard]] std::function<void(Time, std::string_view, std::string_view)> Events();
 
@@ -85,6 +88,7 @@ class RunRecords final : public record::RecordSink {
   bool log_failed_ = false;
   std::optional<render::SnapshotRecorder> camera_;
   std::optional<plant::ContactWatch> contacts_;
+  bool had_error_ = false;                    ///< in the last cycle
   const plant::TruthProbe* truth_ = nullptr;  ///< set with camera_
   std::vector<record::PlanRecord> plans_;
   std::vector<record::EventRecord> events_;

@@ -9,6 +9,7 @@
 #include "twin/backend/registry.h"
 #include "twin/plant/contact_watch.h"
 #include "twin/record/cycle_record.h"
+#include "twin/report/explanation.h"
 #include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 
@@ -44,6 +45,9 @@ struct WallTimes {
 
 /// Deviation of the arm from its targets, the limits, and whether it exceeded them.
 [[nodiscard]] nlohmann::ordered_json DeviationJson(const FollowedMotion& motion);
+
+/// What the scenario sets, as far as it explains an error or is advised against one.
+[[nodiscard]] report::ScenarioFacts FactsOf(const scenario::Scenario& scenario);
 
 /// Contacts of the arm; null without a simulation.
 [[nodiscard]] nlohmann::ordered_json ContactsJson(

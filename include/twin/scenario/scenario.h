@@ -18,6 +18,7 @@
 #include "twin/core/setting.h"
 #include "twin/core/time.h"
 #include "twin/loop/loop_config.h"
+#include "twin/model/lab_limits.h"
 #include "twin/onboard/onboard_config.h"
 #include "twin/planning/planner.h"
 #include "twin/plant/mujoco_plant.h"
@@ -296,6 +297,7 @@ struct Scenario {
   ControllerSection controller;
   MotionSection motion;  ///< empty beside an application
   std::optional<ApplicationSection> application;
+  model::LabLimits limits;  ///< beside the robot's own
   MaxDeviation max_deviation;
   std::optional<OperatorSection> operator_section;  ///< `operator`; beside an application only
   std::vector<plant::Perturbation> perturbations;  ///< none on the ideal plant, which feels nothing
@@ -340,6 +342,8 @@ struct Scenario {
 ///   description           for people
 ///   plant, link           as in scenarios
 ///   controller            of it wake_delay and cost: how fast the site's workstation is
+///   load                  robot.load of scenarios: what hangs on the flange
+///   limits                as in scenarios; added to the scenario's (model::LabLimits::Add)
 /// @throws InputError "<file>:<line>: <key>: ..." for anything invalid, and for a scenario that
 /// contradicts the lab.
 void ApplyLab(const std::filesystem::path& file, Scenario& scenario);

@@ -74,6 +74,16 @@ class ServedRobot {
   /// Calls Begin(), then Serve() on a new thread until End().
   void Start();
 
+  /// For requests beside those of clients, as a person's at the robot. Threads: any, between
+  /// Begin() and End().
+  [[nodiscard]] robot::ThreadedRobot& robot() noexcept;
+  /// The same where it runs in lockstep; null on the wall clock.
+  [[nodiscard]] robot::AnswerPacedRobot* lockstep() noexcept;
+  /// Puts the scene's free body `name` at rest at X_WB, of its frame in the world, between two
+  /// cycles. Threads: any, between Begin() and End().
+  /// @throws InputError, without any effect, for a name that no free body has (listing those there
+  /// are), and where it would lie deeper than plant::Plant::kMostOverlap in another body.
+  void Place(const std::string& name, const Transform& X_WB);
   /// Presses or releases the robot's user stop. Threads: any, between Begin() and End().
   /// @throws RobotFault as robot::ThreadedRobot's requests.
   void PressUserStop(bool pressed);

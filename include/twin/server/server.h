@@ -30,6 +30,9 @@ struct ServerConfig {
       model_library;  ///< what LoadModelLibrary gives (x64 Linux); empty: nothing
   /// A connection without a Connect for this long is closed.
   Duration connect_timeout = std::chrono::seconds(10);
+  /// Called before the first request of each client of the arm, on the server's thread; may be
+  /// empty.
+  std::function<void()> on_arm_client;
   /// Records TCP traffic (for UDP: UdpPort::KeepIn); must outlive the server. May be null.
   fci::Capture* capture = nullptr;
 };

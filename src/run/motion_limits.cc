@@ -1,0 +1,118 @@
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "run/resolve.h"
+#include "twin/model/lab_limits.h"
+#include "twin/run/robot_config.h"
+
+namespace twin::run {
+namespace {
+
+constexpr double kRounding = 1e-9;  // share of a cap
+
+/// "at 1.250 s of 4.000 s", or "at its start".
+std::string WhenText(Duration t, Duration end) {
+  if (t == Duration::zero()) return "at its start";
+  return fmt::format("at {:.3f} s of {:.3f} s", ToSeconds(t), ToSeconds(end));
+}
+
+/// The limits against one motion.
+class MotionLimits {
+ public:
+  MotionLimits(const model::LabLimits& limits, const model::LimitedArm& arm, Duration end)
+      : limits_(limits), arm_(arm), end_(end) {}
+
+  void Require(Duration t, const reference::JointTarget& target) const {
+    if (const auto least = model::LeastMargin(limits_, arm_, target.q);
+        least && least->margin < 0) {
+      Refuse(t, model::Describe(limits_, *least), &target.q, "move the waypoints, or the limit");
+    }
+    if (limits_.dq_max) {
+      for (std::size_t i = 0; i < kJoints; ++i) {
+        RequireCap(t, fmt::format("speed.joints\": joint {} turns at", i + 1),
+                   std::abs(target.dq[i]), (*limits_.dq_max)[i], "rad/s", &target.q);
+      }
+    }
+    if (!limits_.v_max && !limits_.w_max) return;
+    RequireTwist(t,
+                 model::ArmModel::Panda().Twist(model::Frame::kEndEffector, target.q, target.dq,
+                                                arm_.F_T_EE),
+                 &target.q);
+  }
+
+  void Require(Duration t, const reference::PoseTarget& target) const {
+    const auto least = model::LeastMarginAt(limits_, arm_, target.O_T_EE);
+    if (least && least->margin < 0) {
+      Refuse(t, model::Describe(limits_, *least), nullptr, "move the poses, or the limit");
+    }
+    RequireTwist(t, target.O_dP_EE, nullptr);
+  }
+
+ private:
+  void RequireTwist(Duration t, const Vector6& twist, const JointVector* q) const {
+    if (limits_.v_max) {
+      RequireCap(t, "speed.end_effector\": the end effector moves at", HalfNorm(twist, 0),
+                 *limits_.v_max, "m/s", q);
+    }
+    if (limits_.w_max) {
+      RequireCap(t, "speed.rotation\": the end effector turns at", HalfNorm(twist, 3),
+                 *limits_.w_max, "rad/s", q);
+    }
+  }
+
+  void RequireCap(Duration t, std::string_view what, double value, double cap,
+                  std::string_view unit, const JointVector* q) const {
+    if (value <= cap * (1 + kRounding)) return;
+    Refuse(t,
+           fmt::format("limit \"{0} {1:.4f} {3}; the bound is {2:.4f} {3}", what, value, cap, unit),
+           q, "give the motion more time, or raise the cap");
+  }
+
+  [[noreturn]] void Refuse(Duration t, const std::string& what, const JointVector* q,
+                           std::string_view cure) const {
+    const std::string joints =
+        q == nullptr ? "" : fmt::format(", joints at [{:.4f}] rad", fmt::join(*q, ", "));
+    throw model::LimitBreach(
+        fmt::format("motion: {}{}: {}; {}", WhenText(t, end_), joints, what, cure));
+  }
+
+  const model::LabLimits& limits_;
+  const model::LimitedArm arm_;
+  const Duration end_;
+};
+
+model::LimitedArm ArmOf(const scenario::Scenario& scenario, const scenario::RobotData& robot) {
+  return {robot.F_T_EE(scenario.onboard.NE_T_EE),
+          scenario.robot.hand == plant::HandKind::kFrankaHand};
+}
+
+}  // namespace
+
+std::unique_ptr<planning::CollisionWorld> MakeWorld(const scenario::Scenario& scenario,
+                                                    const scenario::RobotData& robot,
+                                                    const plant::MujocoPlantOptions& options) {
+  auto world = std::make_unique<planning::CollisionWorld>(options);
+  world->SetLimits(scenario.limits, ArmOf(scenario, robot));
+  return world;
+}
+
+void RequireWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                         const Motion& motion) {
+  if (scenario.limits.empty() || motion.live != nullptr) return;
+  const Duration end = motion.trajectory.duration();
+  const MotionLimits limits(scenario.limits, ArmOf(scenario, robot), end);
+  for (Duration t{}; t < end + kCycle; t += kCycle) {
+    motion.poses ? limits.Require(t, motion.poses->Sample(t))
+                 : limits.Require(t, motion.trajectory.Sample(t));
+  }
+}
+
+void RequireStartWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                              const JointVector& q) {
+  const MotionLimits limits(scenario.limits, ArmOf(scenario, robot), {});
+  limits.Require(Duration::zero(), {.q = q});
+}
+
+}  // namespace twin::run

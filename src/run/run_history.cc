@@ -1,0 +1,176 @@
+#include "twin/run/run_history.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "twin/core/calendar_clock.h"
+#include "twin/core/error.h"
+#include "twin/core/hash.h"
+#include "twin/run/summary.h"
+
+namespace twin::run {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostKept = 1000;
+
+void AddBytes(std::string_view bytes, WordHash& hash) {
+  hash.AddWord(bytes.size());
+  for (const char byte : bytes) hash.AddWord(static_cast<unsigned char>(byte));
+}
+
+/// A file that is not there has no bytes: the run says so in its own words.
+std::string BytesOf(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+double Hours(Duration time) {
+  return ToSeconds(time) / 3600;
+}
+
+/// Files of the folder, the newest first; those of other programs may vanish meanwhile.
+std::vector<fs::path> NewestFirst(const fs::path& folder) {
+  std::vector<std::pair<fs::file_time_type, fs::path>> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const fs::file_time_type written = fs::last_write_time(entry.path(), error);
+    if (!error) files.emplace_back(written, entry.path());
+  }
+  std::ranges::sort(files, std::ranges::greater());
+  std::vector<fs::path> sorted;
+  sorted.reserve(files.size());
+  for (auto& [written, file] : files) sorted.push_back(std::move(file));
+  return sorted;
+}
+
+}  // namespace
+
+std::string RehearsalHash(const scenario::Scenario& scenario, const RunFiles& files) {
+  const scenario::Scenario usual;
+  scenario::Scenario motion = scenario;
+  motion.backend = usual.backend;
+  motion.drive = usual.drive;
+  motion.render = usual.render;
+  motion.record = usual.record;
+  WordHash hash;
+  AddBytes(TWIN_VERSION, hash);
+  AddBytes(scenario::ToYaml(motion), hash);
+  if (!scenario.controller.library.empty()) AddBytes(BytesOf(scenario.controller.library), hash);
+  if (!scenario.scene.empty()) AddBytes(BytesOf(files.models / scenario.scene), hash);
+  return FormatHash(hash.value());
+}
+
+RunHistory::RunHistory(fs::path folder, const Clock& calendar)
+    : folder_(std::move(folder)), calendar_(calendar) {}
+
+fs::path RunHistory::FileOf(std::string_view hash, std::string_view robot) const {
+  std::string name(hash);
+  if (!robot.empty()) name += '@';
+  for (const char c : robot) {
+    name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' ? c : '_';
+  }
+  return folder_ / (name + ".json");
+}
+
+void RunHistory::Keep(PastRun run) const {
+  if (folder_.empty()) return;
+  run.ended = calendar_.Now();
+  const nlohmann::ordered_json json{
+      {"hash", run.hash},
+      {"scenario", run.scenario},
+      {"robot", run.robot},
+      {"outcome", run.failure.empty() ? "success" : "failed"},
+      {"failure", run.failure},
+      {"max_speed", run.max_speed},
+      {"q_start_rad", run.q_start ? nlohmann::ordered_json(*run.q_start) : nullptr},
+      {"ended", FormatUtc(run.ended)},
+      {"ended_ns", run.ended.time_since_epoch().count()}};
+  const fs::path file = FileOf(run.hash, run.robot);
+  // Other programs may keep the same run: each writes a file of its own first.
+  const fs::path partial = fmt::format("{}.{}.partial", file.string(), ::getpid());
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  std::ofstream out(partial, std::ios::binary);
+  out << TextOf(json) << std::flush;
+  const bool is_written = out.good();
+  out.close();
+  if (is_written) fs::rename(partial, file, error);
+  if (!is_written || error) {
+    throw EnvironmentError(fmt::format(
+        "{}: cannot be written, so that this run counts as no rehearsal; make its folder writable, "
+        "or name another by XDG_STATE_HOME",
+        file.string()));
+  }
+  const std::vector<fs::path> files = NewestFirst(folder_);
+  for (std::size_t i = kMostKept; i < files.size(); ++i) fs::remove(files[i], error);
+}
+
+std::optional<PastRun> RunHistory::Find(std::string_view hash, std::string_view robot) const {
+  if (folder_.empty()) return std::nullopt;
+  try {
+    const auto json = nlohmann::json::parse(BytesOf(FileOf(hash, robot)));
+    PastRun run{.hash = json.at("hash"),
+                .scenario = json.at("scenario"),
+                .robot = json.at("robot"),
+                .failure = json.at("failure"),
+                .max_speed = json.at("max_speed"),
+                .q_start = {},
+                .ended = Time(Duration(json.at("ended_ns").get<Duration::rep>()))};
+    if (!json.at("q_start_rad").is_null()) run.q_start = json.at("q_start_rad").get<JointVector>();
+    // Names of robots may differ in what names of files cannot hold.
+    return run.hash == hash && run.robot == robot ? std::optional(run) : std::nullopt;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  }
+}
+
+CheckLine CheckRehearsal(const RunHistory& history, const RehearsalDemand& demand) {
+  const auto refuse = [&demand](const std::string& why) {
+    return CheckLine{"rehearsal", false,
+                     fmt::format("{}; make one: {}   or say why none is needed: --no-rehearsal "
+                                 "REASON",
+                                 why, demand.command)};
+  };
+  if (history.folder().empty()) {
+    return refuse("none is kept, since neither XDG_STATE_HOME nor HOME is set: set one");
+  }
+  const std::optional<PastRun> last = history.Find(demand.hash, {});
+  if (!last) return refuse("the twin has not run this scenario as it is now");
+  if (!last->failure.empty()) return refuse(fmt::format("the last one failed: {}", last->failure));
+  const Duration age = history.Now() - last->ended;
+  if (age < Duration::zero()) {
+    return refuse(
+        fmt::format("the last one ended at {}, which is to come: is this machine's "
+                    "calendar right?",
+                    FormatUtc(last->ended)));
+  }
+  if (age > demand.within) {
+    return refuse(
+        fmt::format("the last one ended {:.1f} h ago, and {:.1f} h are allowed "
+                    "(--rehearsed-within)",
+                    Hours(age), Hours(demand.within)));
+  }
+  if (last->max_speed < demand.max_speed) {
+    return refuse(
+        fmt::format("the last one was at {:.3g} of the scenario's speed, and this run is "
+                    "at {:.3g} (--max-speed)",
+                    last->max_speed, demand.max_speed));
+  }
+  return {"rehearsal", true,
+          fmt::format("ended well in the twin {:.1f} h ago (scenario {})", Hours(age), last->hash)};
+}
+
+}  // namespace twin::run
