@@ -19,6 +19,7 @@
 
 #include "page/origin_check.h"
 #include "page/site.h"
+#include "twin/core/secret.h"
 
 namespace twin::page {
 namespace {
@@ -63,12 +64,37 @@ Response FileResponse(const SiteFile& file) {
   return response;
 }
 
+/// Whether the request has the token, once.
+bool HasToken(const Request& request, std::string_view token) {
+  constexpr std::string_view kScheme = "Bearer ";
+  const std::string_view given = ViewOf(request[http::field::authorization]);
+  return request.count(http::field::authorization) == 1 && given.starts_with(kScheme) &&
+         IsSameSecret(given.substr(kScheme.size()), token);
+}
+
+Response PrivateResponse(const Request& request, const PrivateFile& file) {
+  if (!HasToken(request, file.token)) {
+    Response response =
+        PlainResponse(http::status::unauthorized, "The token is missing or wrong\n");
+    response.set(http::field::www_authenticate, "Bearer");
+    return response;
+  }
+  Response response{http::status::ok, 11};
+  response.set(http::field::content_type, "application/octet-stream");
+  response.set(http::field::cache_control, "private, max-age=31536000, immutable");
+  response.body() = *file.bytes;
+  return response;
+}
+
 /// The response to an HTTP request.
-Response Answer(const Request& request) {
+Response Answer(const Request& request, const std::optional<PrivateFile>& private_file) {
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     Response response = PlainResponse(http::status::method_not_allowed, "GET and HEAD only\n");
     response.set(http::field::allow, "GET, HEAD");
     return response;
+  }
+  if (private_file && ViewOf(request.target()) == private_file->path) {
+    return PrivateResponse(request, *private_file);
   }
   const auto files = Site();
   const auto file = std::ranges::find(files, ViewOf(request.target()), &SiteFile::path);
@@ -242,7 +268,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
       Reply(PlainResponse(http::status::misdirected_request,
                           "This page is asked for by its address, as panda-twin prints it\n"));
     } else if (!websocket::is_upgrade(request) || request.target() != "/ws") {
-      Reply(Answer(request));
+      Reply(Answer(request, pool_.config.private_file));
     } else if (!IsOurOrigin(ViewOf(request[http::field::origin]), host)) {
       Reply(PlainResponse(http::status::forbidden, "Only our own page may open this WebSocket\n"));
     } else {
@@ -253,7 +279,9 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
 
   void Reply(Response response) {
     const Request& request = parser_->get();
-    response.set(http::field::cache_control, "no-store");
+    if (response.count(http::field::cache_control) == 0) {
+      response.set(http::field::cache_control, "no-store");
+    }
     response.set("X-Content-Type-Options", "nosniff");
     response.set("X-Frame-Options", "DENY");
     response.set("Content-Security-Policy",
@@ -264,6 +292,7 @@ class Files final : public Droppable, public std::enable_shared_from_this<Files>
     response.prepare_payload();
     if (request.method() == http::verb::head) response.body().clear();
     response_ = std::move(response);
+    stream_.expires_after(pool_.config.transfer_timeout);
     http::async_write(stream_, response_,
                       [self = shared_from_this()](error_code error, std::size_t) {
                         if (!error && self->response_.keep_alive()) self->Read();

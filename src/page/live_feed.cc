@@ -24,7 +24,7 @@ void Fill(const record::CycleRecord& record, std::uint64_t served, std::uint64_t
   view.dq_d = state.dq_d;
   view.ddq_d = state.ddq_d;
   view.O_F_ext_hat_K = state.O_F_ext_hat_K;
-  view.p_EE = {state.O_T_EE[12], state.O_T_EE[13], state.O_T_EE[14]};
+  view.O_T_EE = state.O_T_EE;
   view.mode = state.robot_mode;
   view.errors = state.errors;
   view.reflex_reason = state.reflex_reason;
@@ -43,8 +43,12 @@ void LiveFeed::Put(const record::CycleRecord& record) noexcept {
     next_view_ = record.at + kViewPeriod;
     arm_.PublishWith([&](ArmView& view) { Fill(record, served_, held_, view); });
     if (truth_ != nullptr) {
-      scene_.PublishWith(
-          [&](record::SceneRecord& scene) { plant::CaptureScene(record.at, *truth_, scene); });
+      const auto capture = [&](record::SceneRecord& scene) {
+        plant::CaptureScene(record.at, *truth_, scene);
+      };
+      scene_.PublishWith(capture);
+      shown_.PublishWith(capture);
+      places_.PublishWith(capture);
     }
   }
   if (wall_ != nullptr) Wait(record.at);
@@ -55,6 +59,10 @@ void LiveFeed::Put(const record::TickRecord& record) noexcept {
 }
 
 void LiveFeed::Wait(Time now) noexcept {
+  while (is_paused() && !(interrupted_ != nullptr && *interrupted_)) {
+    rt::SleepUntil(*wall_, wall_->Now() + kViewPeriod);
+    behind_.reset();  // time goes on from here
+  }
   const Duration wall = wall_->Now().time_since_epoch();
   if (!behind_) behind_ = wall - now.time_since_epoch();
   if (wall - now.time_since_epoch() > *behind_ + kMostHurry) {

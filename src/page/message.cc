@@ -43,10 +43,23 @@ std::optional<std::string> TextAt(const Json& object, const char* key) {
   return text;
 }
 
+std::optional<message::Sight> SightAt(const Json& object) {
+  const auto name = TextAt(object, "of");
+  if (name == "pictures") return message::Sight::kPictures;
+  if (name == "scene") return message::Sight::kScene;
+  return {};
+}
+
 std::optional<Message> ReadHello(const Json& object) {
   std::optional<std::string> token = TextAt(object, "token");
   if (!token) return {};
-  return message::Hello{std::move(*token)};
+  return message::Hello{std::move(*token), SightAt(object).value_or(message::Sight::kPictures)};
+}
+
+std::optional<Message> ReadSight(const Json& object) {
+  const auto sight = SightAt(object);
+  if (!sight) return {};
+  return message::ChooseSight{*sight};
 }
 
 std::optional<Message> ReadHands(const Json& object) {
@@ -60,6 +73,10 @@ std::optional<Message> ReadHands(const Json& object) {
     const Json& axis = (*axes)[i];
     if (!axis.is_number() || !std::isfinite(axis.get<double>())) return {};
     hands.axes[i] = std::clamp(axis.get<double>(), -1.0, 1.0);
+  }
+  if (const Json* joint = Find(object, "joint")) {
+    if (!joint->is_number_unsigned() || joint->get<std::uint64_t>() > kJoints) return {};
+    hands.joint = joint->get<std::uint8_t>();
   }
   hands.engaged = *engaged;
   hands.sent_ms = *sent_ms;
@@ -97,10 +114,11 @@ std::optional<Message> ReadPing(const Json& object) {
   return message::Ping{*sent_ms};
 }
 
-std::optional<Message> ReadRecord(const Json& object) {
+template <typename Kind>
+std::optional<Message> ReadSwitch(const Json& object) {
   const auto on = FlagAt(object, "on");
   if (!on) return {};
-  return message::Record{*on};
+  return Kind{*on};
 }
 
 template <typename Kind>
@@ -112,7 +130,7 @@ std::optional<Message> ReadPlain(const Json& /*object*/) {
 
 std::optional<Message> ParseMessage(std::string_view text) {
   using Reader = std::optional<Message> (*)(const Json&);
-  constexpr std::array<std::pair<std::string_view, Reader>, 10> kReaders = {
+  constexpr std::array<std::pair<std::string_view, Reader>, 14> kReaders = {
       {{"hands", &ReadHands},
        {"shown", &ReadPlain<message::PictureShown>},
        {"press", &ReadPress},
@@ -122,7 +140,11 @@ std::optional<Message> ParseMessage(std::string_view text) {
        {"take", &ReadPlain<message::TakeControl>},
        {"give_back", &ReadPlain<message::GiveControlBack>},
        {"camera", &ReadCamera},
-       {"record", &ReadRecord}}};
+       {"record", &ReadSwitch<message::Record>},
+       {"pause", &ReadSwitch<message::Pause>},
+       {"recover", &ReadPlain<message::Recover>},
+       {"home", &ReadPlain<message::Home>},
+       {"view", &ReadSight}}};
   const Json object = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!object.is_object()) return {};
   const auto type = TextAt(object, "type");

@@ -13,9 +13,17 @@
 // table. The source is untrusted: anything else is rejected.
 namespace twin::page::message {
 
+/// What a client shows: pictures of the camera, or the scene, which it draws itself.
+enum class Sight : std::uint8_t { kPictures, kScene };
+
 /// Must be the first message.
 struct Hello {
   std::string token;
+  Sight sight = Sight::kPictures;
+};
+
+struct ChooseSight {
+  Sight sight = Sight::kPictures;
 };
 
 struct TakeControl {};
@@ -23,9 +31,10 @@ struct GiveControlBack {};
 
 /// The operator's input, about thirty times per second; also the heartbeat.
 struct Hands {
-  Vector6 axes{};       ///< in [-1, 1], as teleop::OperatorSample
-  bool engaged = true;  ///< clutch
-  double sent_ms = 0;   ///< on the browser's clock; echoed, so that it can measure the round trip
+  Vector6 axes{};          ///< in [-1, 1], as teleop::OperatorSample
+  std::uint8_t joint = 0;  ///< as teleop::OperatorSample
+  bool engaged = true;     ///< clutch
+  double sent_ms = 0;  ///< on the browser's clock; echoed, so that it can measure the round trip
 };
 
 enum class Button : std::uint8_t { kMode, kGripper, kFrame, kScale, kRelease, kEnd };
@@ -36,6 +45,17 @@ struct Press {
 
 /// Emergency stop; any client may send it.
 struct Stop {};
+
+/// Clear the robot's errors, and lead it on.
+struct Recover {};
+
+/// Let the run's clock stand, or go on.
+struct Pause {
+  bool on = false;
+};
+
+/// Move the arm to its start.
+struct Home {};
 
 struct ChooseCamera {
   std::size_t number = 0;
@@ -58,7 +78,8 @@ namespace twin::page {
 
 using Message = std::variant<message::Hello, message::TakeControl, message::GiveControlBack,
                              message::Hands, message::Press, message::Stop, message::ChooseCamera,
-                             message::PictureShown, message::Ping, message::Record>;
+                             message::PictureShown, message::Ping, message::Record,
+                             message::Recover, message::Home, message::ChooseSight, message::Pause>;
 
 /// @returns nullopt if the text is not a message, or a number is not finite. Axes are clamped to
 /// [-1, 1].

@@ -19,6 +19,16 @@ SharedFrame TextFrame(std::string text) {
   return std::make_shared<const Frame>(Frame{std::move(text), true});
 }
 
+std::string_view SessionName(LedSession session) {
+  switch (session) {
+    case LedSession::kRests: return "rests";
+    case LedSession::kConnects: return "connects";
+    case LedSession::kLeads: return "leads";
+    case LedSession::kGoesHome: break;
+  }
+  return "goes home";
+}
+
 void Refuse(Connection& connection, std::string_view why) {
   connection.Send(TextFrame(fmt::format(R"({{"type":"refused","text":{}}})", Quoted(why))));
 }
@@ -78,6 +88,7 @@ void OperatorServer::OnTick() {
   if (now < next_state_) return;
   next_state_ = std::max(next_state_ + config_.state_period, now);
   SendState();
+  SendPoses();
 }
 
 void OperatorServer::OnPicture(const SharedFrame& picture) {
@@ -90,16 +101,18 @@ void OperatorServer::OnPicture(const SharedFrame& picture) {
   }
 }
 
-void OperatorServer::Tell(Time at, std::string_view kind, std::string_view text) {
+void OperatorServer::Tell(std::string_view kind, std::string_view text) {
   events_.push_back(fmt::format(R"({{"type":"event","t":{:.3f},"kind":{},"text":{}}})",
-                                ToSeconds(at.time_since_epoch()), Quoted(kind), Quoted(text)));
+                                ToSeconds(calls_.now().time_since_epoch()), Quoted(kind),
+                                Quoted(text)));
   if (events_.size() > kMostEvents) events_.pop_front();
   Broadcast(events_.back());
 }
 
-void OperatorServer::End(std::string_view text) {
+void OperatorServer::End(std::string_view text, RunEnd how) {
   EndControl("the run is over");
-  Broadcast(fmt::format(R"({{"type":"end","text":{}}})", Quoted(text)));
+  Broadcast(fmt::format(R"({{"type":"end","text":{},"is_failure":{}}})", Quoted(text),
+                        how == RunEnd::kFailed));
   for (const Client& client : clients_) client.connection->Close("the run is over");
 }
 
@@ -112,10 +125,12 @@ void OperatorServer::Handle(Client& client, const message::Hello& hello) {
   if (client.is_authenticated) return;
   client.is_authenticated = true;
   client.connection->Authenticate();
-  client.awaits_picture = true;
+  Handle(client, message::ChooseSight{hello.sight});
+  if (calls_.visited) calls_.visited();
   client.connection->Send(TextFrame(fmt::format(
-      R"({{"type":"welcome","you":{},"watch_only":{},"may_record":{},{}}})", client.number,
-      Quoted(config_.watch_only), static_cast<bool>(calls_.record), config_.welcome)));
+      R"({{"type":"welcome","you":{},"watch_only":{},"may_record":{},"may_resume":{},"no_pause":{},{}}})",
+      client.number, Quoted(config_.watch_only), static_cast<bool>(calls_.record),
+      static_cast<bool>(calls_.resume.phase), Quoted(calls_.run_clock.why_not), config_.welcome)));
   for (const std::string& event : events_) client.connection->Send(TextFrame(event));
 }
 
@@ -126,7 +141,7 @@ void OperatorServer::Handle(Client& client, const message::TakeControl& /*take*/
     operator_ = client.number;
     heard_ = clock_.Now();
     if (calls_.control) calls_.control(true);
-    Tell(heard_, "control", fmt::format("connection {} operates", client.number));
+    Tell("control", fmt::format("connection {} operates", client.number));
   } else if (!IsOperator(client)) {
     Refuse(*client.connection, fmt::format("connection {} operates; one at a time", operator_));
   }
@@ -139,6 +154,7 @@ void OperatorServer::Handle(Client& client, const message::GiveControlBack& /*ba
 void OperatorServer::Handle(Client& client, const message::Hands& hands) {
   if (!IsOperator(client)) return;  // a late message after losing control is legal
   heard_ = clock_.Now();
+  sample_.joint = hands.joint;
   Publish(hands.axes, hands.engaged, hands.sent_ms);
 }
 
@@ -166,8 +182,8 @@ void OperatorServer::Handle(Client& client, const message::Stop& /*stop*/) {
   ++sample_.stop_presses;
   Publish({}, sample_.engaged, sent_ms_[sample_.sequence % kEchoes]);
   if (calls_.stop) calls_.stop();
-  Tell(clock_.Now(), "stop",
-       fmt::format("connection {} pressed the emergency stop", client.number));
+  if (calls_.run_clock.pause) calls_.run_clock.pause(false);  // the robot brakes at once
+  Tell("stop", fmt::format("connection {} pressed the emergency stop", client.number));
 }
 
 void OperatorServer::Handle(Client& client, const message::ChooseCamera& camera) {
@@ -179,7 +195,12 @@ void OperatorServer::Handle(Client& client, const message::ChooseCamera& camera)
 }
 
 void OperatorServer::Handle(Client& client, const message::PictureShown& /*shown*/) {
-  client.awaits_picture = true;
+  client.awaits_picture = !client.draws_scene;
+}
+
+void OperatorServer::Handle(Client& client, const message::ChooseSight& choice) {
+  client.draws_scene = choice.sight == message::Sight::kScene;
+  client.awaits_picture = !client.draws_scene;
 }
 
 void OperatorServer::Handle(Client& client, const message::Ping& ping) {
@@ -193,7 +214,45 @@ void OperatorServer::Handle(Client& client, const message::Record& record) {
   } else if (!IsOperator(client)) {
     Refuse(*client.connection, "take control first: what the operator does is recorded");
   } else {
-    Tell(clock_.Now(), "record", calls_.record(record.on));
+    Tell("record", calls_.record(record.on));
+  }
+}
+
+bool OperatorServer::MayResume(Client& client) {
+  if (!calls_.resume.phase) {
+    Refuse(*client.connection, "this run leads its robot once; start it again");
+    return false;
+  }
+  if (IsOperator(client)) return true;
+  Refuse(*client.connection, "take control first");
+  return false;
+}
+
+void OperatorServer::Handle(Client& client, const message::Recover& /*recover*/) {
+  if (!MayResume(client) || calls_.resume.recover()) return;
+  Refuse(*client.connection, "the robot is led already");
+}
+
+void OperatorServer::Handle(Client& client, const message::Home& /*home*/) {
+  if (!MayResume(client)) return;
+  const bool ends_first = calls_.resume.phase() == LedSession::kLeads;
+  if (!calls_.resume.home()) {
+    Refuse(*client.connection, "wait until the robot leads or rests");
+  } else if (ends_first) {
+    ++sample_.end_presses;
+    Publish({}, sample_.engaged, 0);
+  }
+}
+
+void OperatorServer::Handle(Client& client, const message::Pause& pause) {
+  if (!calls_.run_clock.pause) {
+    Refuse(*client.connection, calls_.run_clock.why_not);
+  } else if (operator_ != 0 && !IsOperator(client)) {
+    Refuse(*client.connection, "the operator pauses the run");
+  } else {
+    calls_.run_clock.pause(pause.on);
+    Tell("clock",
+         fmt::format("connection {} {} the run", client.number, pause.on ? "pauses" : "resumes"));
   }
 }
 
@@ -205,7 +264,7 @@ void OperatorServer::EndControl(std::string_view why) {
     ++sample_.end_presses;
   }
   Publish({}, false, 0);
-  Tell(clock_.Now(), "control", fmt::format("connection {} operates no more: {}", number, why));
+  Tell("control", fmt::format("connection {} operates no more: {}", number, why));
 }
 
 void OperatorServer::Publish(const Vector6& axes, bool engaged, double sent_ms) {
@@ -227,6 +286,19 @@ void OperatorServer::SendState() {
   }
 }
 
+void OperatorServer::SendPoses() {
+  const auto wants = [](const Client& client) {
+    return client.is_authenticated && client.draws_scene && client.connection->waiting() < kBehind;
+  };
+  if (!calls_.poses || std::ranges::none_of(clients_, wants)) return;
+  const std::string poses = calls_.poses();
+  if (poses.empty()) return;
+  const SharedFrame frame = TextFrame(fmt::format(R"({{"type":"poses",{}}})", poses));
+  for (const Client& client : clients_) {
+    if (wants(client)) client.connection->Send(frame);
+  }
+}
+
 void OperatorServer::Broadcast(std::string text) {
   const SharedFrame frame = TextFrame(std::move(text));
   for (const Client& client : clients_) {
@@ -236,18 +308,24 @@ void OperatorServer::Broadcast(std::string text) {
 
 std::string OperatorServer::StateText() {
   const auto known = std::ranges::count_if(clients_, &Client::is_authenticated);
-  return fmt::format(R"({{"type":"state","operator":{},"clients":{},"teleop":{},{}}})", operator_,
-                     known, TeleopText(), calls_.status());
+  const std::string session =
+      calls_.resume.phase ? Quoted(SessionName(calls_.resume.phase())) : std::string("null");
+  const bool is_paused = calls_.run_clock.is_paused && calls_.run_clock.is_paused();
+  return fmt::format(
+      R"({{"type":"state","operator":{},"clients":{},"paused":{},"session":{},"teleop":{},{}}})",
+      operator_, known, is_paused, session, TeleopText(), calls_.status());
 }
 
 std::string OperatorServer::TeleopText() {
+  if (calls_.resume.phase && calls_.resume.phase() != LedSession::kLeads) return "null";
   const teleop::OperatorFeedback* feedback = channel_.Feedback();
   if (feedback == nullptr) return "null";
   const bool has_echo = feedback->echo != 0 && sample_.sequence - feedback->echo < kEchoes;
   return fmt::format(
-      R"({{"mode":"{}","stopped":{},"holding":{},"hand_closed":{},"fine":{},"at_border":{},"wrench":[{:.4g}],"echo_ms":{}}})",
+      R"({{"mode":"{}","stopped":{},"holding":{},"hand_closed":{},"fine":{},"joint":{},"at_border":{},"why":{},"wrench":[{:.4g}],"echo_ms":{}}})",
       feedback->mode == teleop::Mode::kArm ? "arm" : "base", feedback->stopped, feedback->holding,
-      feedback->hand_closed, feedback->fine, feedback->at_border, fmt::join(feedback->wrench, ","),
+      feedback->hand_closed, feedback->fine, feedback->joint, feedback->at_border,
+      Quoted(teleop::Describe(feedback->limit)), fmt::join(feedback->wrench, ","),
       has_echo ? fmt::format("{:.1f}", sent_ms_[feedback->echo % kEchoes]) : "null");
 }
 

@@ -14,6 +14,7 @@
 #include "page/message.h"
 #include "twin/core/clock.h"
 #include "twin/core/time.h"
+#include "twin/page/live_page.h"
 #include "twin/page/operator_channel.h"
 
 namespace twin::page {
@@ -32,13 +33,20 @@ struct OperatorServerConfig {
 /// Callbacks of the operator server, called on its thread. Those marked optional may be empty.
 struct OperatorServerCallbacks {
   std::function<std::string()> status;  ///< members of a JSON object: current data
+  std::function<Time()> now;            ///< of the run, as in `status`; stamps all events
   /// An operator took control or lost it. If set, the session's end is pressed when control is
   /// lost. Optional.
   std::function<void(bool)> control{};
   std::function<void()> release{};  ///< of an emergency stop, in addition to the device's; optional
   std::function<void()> stop{};     ///< emergency stop, in addition to the device's; optional
   std::function<void(std::size_t)> choose_camera{};  ///< optional
+  Resume resume{};                                   ///< all its functions, or none
+  RunClock run_clock{};                              ///< all its functions, or none
+  std::function<void()> visited{};                   ///< a client has shown the token; optional
   std::function<void(bool)> watched{};               ///< true while a picture is wanted; optional
+  /// Poses of the scene's bodies, for clients that draw it: members of a JSON object, or empty.
+  /// Optional.
+  std::function<std::string()> poses{};
   /// Receives each sample, as sent to the device; optional.
   std::function<void(const teleop::OperatorSample&)> sample{};
   /// Starts or ends a recording of the operator's input. @returns a line for users. Empty: not
@@ -70,9 +78,9 @@ class OperatorServer final : public ConnectionListener {
   /// Sends the picture to the clients that have displayed the last one.
   void OnPicture(const SharedFrame& picture);
   /// Sends a line to all clients, and to those that connect later.
-  void Tell(Time at, std::string_view kind, std::string_view text);
+  void Tell(std::string_view kind, std::string_view text);
   /// The run has ended: tells all clients and disconnects them.
-  void End(std::string_view text);
+  void End(std::string_view text, RunEnd how);
 
  private:
   struct Client {
@@ -80,6 +88,7 @@ class OperatorServer final : public ConnectionListener {
     std::uint64_t number = 0;  ///< from 1
     Time came{};
     bool is_authenticated = false;  ///< has sent the token
+    bool draws_scene = false;       ///< gets poses instead of pictures
     bool awaits_picture = false;    ///< has displayed the last picture
   };
 
@@ -93,13 +102,20 @@ class OperatorServer final : public ConnectionListener {
   void Handle(Client& client, const message::PictureShown& shown);
   void Handle(Client& client, const message::Ping& ping);
   void Handle(Client& client, const message::Record& record);
+  void Handle(Client& client, const message::Recover& recover);
+  void Handle(Client& client, const message::Home& home);
+  void Handle(Client& client, const message::ChooseSight& choice);
+  void Handle(Client& client, const message::Pause& pause);
 
+  /// Refuses requests for another session, unless the client may make them.
+  [[nodiscard]] bool MayResume(Client& client);
   [[nodiscard]] Client* Find(const Connection& connection);
   [[nodiscard]] bool IsOperator(const Client& client) const { return operator_ == client.number; }
   /// Ends the operator's control with all inputs at zero.
   void EndControl(std::string_view why);
   void Publish(const Vector6& axes, bool engaged, double sent_ms);
   void SendState();
+  void SendPoses();
   void Broadcast(std::string text);
   [[nodiscard]] std::string StateText();
   [[nodiscard]] std::string TeleopText();

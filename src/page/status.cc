@@ -34,6 +34,14 @@ std::string NamesOf(const RobotErrors& errors) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
+/// Reference minus measured; null under torque control.
+std::string ErrorText(const ArmView& arm) {
+  if (!arm.follows_reference) return "null";
+  JointVector error{};
+  for (std::size_t i = 0; i < kJoints; ++i) error[i] = arm.q_d[i] - arm.q[i];
+  return fmt::format("[{}]", Numbers(error));
+}
+
 std::optional<reference::ViabilityFilter> FilterOf(const JointLimits& limits) {
   try {
     return reference::ViabilityFilter(limits);
@@ -56,9 +64,13 @@ const char* NameOf(BaseMode mode) {
 Status::Status(const JointLimits& limits, const PageScene& scene, rt::LatestValue<ArmView>& arm)
     : filter_(FilterOf(limits)), hand_(scene.hand), arm_(arm) {}
 
-std::string Status::Text(std::size_t camera) {
+Time Status::now() {
   static_cast<void>(arm_.Refresh());
-  const double t = ToSeconds(arm_.value().at.time_since_epoch());
+  return arm_.value().at;
+}
+
+std::string Status::Text(std::size_t camera) {
+  const double t = ToSeconds(now().time_since_epoch());
   return fmt::format(R"("t":{:.3f},"camera":{},"no_picture":{},"arm":{},"base":{},"hand":{})", t,
                      camera, Quoted(no_picture_), ArmText(), BaseText(), HandText());
 }
@@ -69,10 +81,10 @@ std::string Status::ArmText() const {
   const bool has_margin = filter_ && arm.follows_reference;
   const double margin = has_margin ? filter_->Margin(arm.q_d, arm.dq_d, arm.ddq_d) : NAN;
   return fmt::format(
-      R"({{"t":{:.3f},"q":[{}],"dq":[{}],"F":[{}],"p":[{}],"mode":{},"errors":[{}],"reflex":[{}],"served":{},"held":{},"margin":{}}})",
+      R"({{"t":{:.3f},"q":[{}],"dq":[{}],"F":[{}],"O_T_EE":[{}],"error":{},"mode":{},"errors":[{}],"reflex":[{}],"served":{},"held":{},"margin":{}}})",
       ToSeconds(arm.at.time_since_epoch()), Numbers(arm.q), Numbers(arm.dq),
-      Numbers(arm.O_F_ext_hat_K), Numbers(arm.p_EE), Quoted(Name(arm.mode)), NamesOf(arm.errors),
-      NamesOf(arm.reflex_reason), arm.served, arm.held,
+      Numbers(arm.O_F_ext_hat_K), Numbers(arm.O_T_EE), ErrorText(arm), Quoted(Name(arm.mode)),
+      NamesOf(arm.errors), NamesOf(arm.reflex_reason), arm.served, arm.held,
       std::isfinite(margin) ? fmt::format("{:.4f}", margin) : "null");
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "twin/core/limits.h"
+#include "twin/core/time.h"
 #include "twin/page/live_feed.h"
 #include "twin/page/live_page.h"
 #include "twin/reference/viability_filter.h"
@@ -21,6 +22,14 @@ class Status {
  public:
   /// @param scene, arm  must outlive this object, with all that they point to.
   Status(const JointLimits& limits, const PageScene& scene, rt::LatestValue<ArmView>& arm);
+
+  /// Time of the newest state of the arm, on the run's clock; 0 before the first.
+  [[nodiscard]] Time now();
+
+  /// The newest state of the arm; null before the first. Valid until the next call of now().
+  [[nodiscard]] const ArmView* arm() const noexcept {
+    return arm_.has_value() ? &arm_.value() : nullptr;
+  }
 
   void SetNoPicture(std::string why) { no_picture_ = std::move(why); }
 

@@ -5,12 +5,21 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "page/connection.h"
 #include "twin/core/time.h"
 #include "twin/fci/sockets.h"
 
 namespace twin::page {
+
+/// A file for those who have the token, in the header Authorization ("Bearer ..."). Its path
+/// changes with its content: browsers may keep it.
+struct PrivateFile {
+  std::string path{};
+  std::string token{};
+  const std::string* bytes = nullptr;  ///< not null; must outlive the server
+};
 
 /// Address, permitted clients and resource limits of the server.
 struct WebConfig {
@@ -23,6 +32,8 @@ struct WebConfig {
   std::size_t most_waiting = 64;               ///< frames; a longer queue drops its connection
   Duration timeout = std::chrono::seconds(5);  ///< for a request, and for sending a frame
   Duration tick = std::chrono::milliseconds(20);
+  std::optional<PrivateFile> private_file{};
+  Duration transfer_timeout = std::chrono::minutes(1);  ///< for sending a file
 };
 
 /// Serves the page's files over HTTP and its WebSocket at /ws (Boost.Beast). A request with another

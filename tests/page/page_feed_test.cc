@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
+#include <thread>
 #include <vector>
 
 #include "support/realtime_guard.h"
@@ -83,6 +85,51 @@ TEST(LiveFeedTest, HoldsAVirtualClockBackToTheWalls) {
   feed.Put(CycleAt(milliseconds(0)));
   feed.Put(CycleAt(milliseconds(50)));
   EXPECT_GE(wall.Now() - begin, milliseconds(49));
+}
+
+TEST(LiveFeedTest, LetsARunStandWhileItIsPaused) {
+  const MonotonicClock wall;
+  LiveFeed feed(nullptr);
+  feed.KeepPace(wall);
+  feed.Pause(true);
+  std::atomic<bool> goes_on{false};
+  bool waited = false;
+  std::jthread run([&] {
+    feed.Put(CycleAt(milliseconds(0)));
+    waited = goes_on;
+  });
+  while (!feed.arm().Refresh())
+    std::this_thread::yield();  // the cycle is shown, and the run stands
+  goes_on = true;
+  feed.Pause(false);
+  run.join();
+  EXPECT_TRUE(waited);
+}
+
+TEST(LiveFeedTest, HurriesNotAfterAPause) {
+  const MonotonicClock wall;
+  LiveFeed feed(nullptr);
+  feed.KeepPace(wall);
+  feed.Put(CycleAt(milliseconds(0)));
+  feed.Pause(true);
+  std::jthread run([&] { feed.Put(CycleAt(milliseconds(1))); });
+  const Time begin = wall.Now();
+  while (wall.Now() - begin < milliseconds(300)) std::this_thread::yield();
+  const Time resumed = wall.Now();
+  feed.Pause(false);
+  run.join();
+  feed.Put(CycleAt(milliseconds(51)));
+  EXPECT_GE(wall.Now() - resumed, milliseconds(49));
+}
+
+TEST(LiveFeedTest, AnInterruptEndsAPause) {
+  const MonotonicClock wall;
+  const volatile bool interrupted = true;
+  LiveFeed feed(nullptr);
+  feed.KeepPace(wall, &interrupted);
+  feed.Pause(true);
+  feed.Put(CycleAt(milliseconds(0)));
+  EXPECT_TRUE(feed.arm().Refresh());
 }
 
 }  // namespace

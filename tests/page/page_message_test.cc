@@ -22,6 +22,19 @@ TEST(MessageTest, HelloBringsTheToken) {
   EXPECT_EQ(hello->token, "ab12");
 }
 
+TEST(MessageTest, ClientsSayWhetherTheyShowPicturesOrTheScene) {
+  using message::Sight;
+  EXPECT_EQ(Parse<message::Hello>(R"({"type":"hello","token":"a"})")->sight, Sight::kPictures);
+  EXPECT_EQ(Parse<message::Hello>(R"({"type":"hello","token":"a","of":"scene"})")->sight,
+            Sight::kScene);
+  EXPECT_EQ(Parse<message::ChooseSight>(R"({"type":"view","of":"pictures"})")->sight,
+            Sight::kPictures);
+  EXPECT_EQ(Parse<message::ChooseSight>(R"({"type":"view","of":"scene"})")->sight, Sight::kScene);
+  EXPECT_FALSE(ParseMessage(R"({"type":"view","of":"all"})"));
+  EXPECT_FALSE(ParseMessage(R"({"type":"view","of":1})"));
+  EXPECT_FALSE(ParseMessage(R"({"type":"view"})"));
+}
+
 TEST(MessageTest, HandsBringAxesClutchAndTime) {
   const auto hands = Parse<message::Hands>(
       R"({"type":"hands","axes":[0.5,-1,0,0,0.25,1],"engaged":false,"sent_ms":12.5})");
@@ -29,6 +42,25 @@ TEST(MessageTest, HandsBringAxesClutchAndTime) {
   EXPECT_EQ(hands->axes, (Vector6{0.5, -1, 0, 0, 0.25, 1}));
   EXPECT_FALSE(hands->engaged);
   EXPECT_EQ(hands->sent_ms, 12.5);
+}
+
+TEST(MessageTest, HandsBringTheJointThatTurnsAlone) {
+  const auto joint_of = [](const char* joint) {
+    const auto hands = Parse<message::Hands>(
+        std::string(R"({"type":"hands","axes":[1,0,0,0,0,0],"engaged":true,"sent_ms":0)") + joint +
+        "}");
+    return hands ? std::optional<int>(hands->joint) : std::nullopt;
+  };
+  EXPECT_EQ(joint_of(R"(,"joint":7)"), 7);
+  EXPECT_EQ(joint_of(""), 0);
+  for (const char* bad : {R"(,"joint":8)", R"(,"joint":-1)", R"(,"joint":1.5)", R"(,"joint":"1")"})
+    EXPECT_EQ(joint_of(bad), std::nullopt) << bad;
+}
+
+TEST(MessageTest, PauseIsOnOrOff) {
+  EXPECT_TRUE(Parse<message::Pause>(R"({"type":"pause","on":true})")->on);
+  EXPECT_FALSE(Parse<message::Pause>(R"({"type":"pause","on":false})")->on);
+  EXPECT_FALSE(ParseMessage(R"({"type":"pause"})"));
 }
 
 TEST(MessageTest, AxesAreCutToFullScale) {
@@ -55,6 +87,8 @@ TEST(MessageTest, PlainOnesAreUnderstood) {
   EXPECT_TRUE(Parse<message::TakeControl>(R"({"type":"take"})"));
   EXPECT_TRUE(Parse<message::GiveControlBack>(R"({"type":"give_back"})"));
   EXPECT_TRUE(Parse<message::Stop>(R"({"type":"stop"})"));
+  EXPECT_TRUE(Parse<message::Recover>(R"({"type":"recover"})"));
+  EXPECT_TRUE(Parse<message::Home>(R"({"type":"home"})"));
   EXPECT_TRUE(Parse<message::PictureShown>(R"({"type":"shown"})"));
   EXPECT_TRUE(Parse<message::Ping>(R"({"type":"ping","sent_ms":3})"));
   EXPECT_TRUE(Parse<message::Record>(R"({"type":"record","on":true})"));

@@ -16,6 +16,7 @@ namespace twin::page::page_operator_server_test {
 namespace {
 
 using std::chrono::milliseconds;
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -49,9 +50,12 @@ class OperatorServerTest : public testing::Test {
   static OperatorServerConfig Config() { return {.token = "secret", .welcome = R"("title":"x")"}; }
   OperatorServerCallbacks Calls() {
     return {.status = [] { return R"("t":0)"; },
+            .now = [this] { return run_time; },
             .stop = [this] { ++stops; },
             .choose_camera = [this](std::size_t number) { camera = number; },
-            .watched = [this](bool wanted) { watched = wanted; }};
+            .visited = [this] { ++visits; },
+            .watched = [this](bool wanted) { watched = wanted; },
+            .poses = [this] { return poses; }};
   }
   void Come(Browser& browser, const char* hello = kHello) {
     server->OnConnect(browser);
@@ -67,11 +71,14 @@ class OperatorServerTest : public testing::Test {
   }
 
   SetClock clock;
+  Time run_time{};
   OperatorChannel channel;
   PageDevice device{channel, "here"};
   int stops = 0;
   std::size_t camera = 0;
+  int visits = 0;
   bool watched = false;
+  std::string poses = R"("bodies":[1])";
   std::optional<OperatorServer> server;
   Browser first;
   Browser second;
@@ -247,6 +254,136 @@ TEST_F(OperatorServerTest, SessionGoesOnWithoutAnOperatorElsewhere) {
   EXPECT_EQ(device.Read({})->end_presses, 0U);
 }
 
+/// A server of a robot that stays when a session ends.
+class ResumingServerTest : public OperatorServerTest {
+ protected:
+  ResumingServerTest() {
+    OperatorServerCallbacks calls = Calls();
+    calls.resume = {.phase = [this] { return phase; },
+                    .recover = [this] { return Take(recoveries); },
+                    .home = [this] { return Take(homes); }};
+    server.emplace(Config(), calls, channel, clock);
+    Come(first);
+  }
+  bool Take(int& requests) {
+    requests += grants ? 1 : 0;
+    return grants;
+  }
+
+  LedSession phase = LedSession::kRests;
+  bool grants = true;
+  int recoveries = 0;
+  int homes = 0;
+};
+
+TEST_F(ResumingServerTest, TellsWhatTheSessionDoes) {
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("may_resume":true)")));
+  phase = LedSession::kGoesHome;
+  Pass(milliseconds(100));
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("session":"goes home","teleop":null)")));
+}
+
+TEST_F(ResumingServerTest, OnlyTheOperatorRecoversAndSendsHome) {
+  server->OnText(first, R"({"type":"recover"})");
+  server->OnText(first, R"({"type":"home"})");
+  EXPECT_EQ(recoveries + homes, 0);
+  server->OnText(first, kTake);
+  server->OnText(first, R"({"type":"recover"})");
+  server->OnText(first, R"({"type":"home"})");
+  EXPECT_EQ(recoveries, 1);
+  EXPECT_EQ(homes, 1);
+}
+
+TEST_F(ResumingServerTest, HomeEndsTheSessionThatLeads) {
+  server->OnText(first, kTake);
+  phase = LedSession::kLeads;
+  server->OnText(first, R"({"type":"home"})");
+  EXPECT_EQ(device.Read({})->end_presses, 1U);
+}
+
+TEST_F(ResumingServerTest, RequestThatIsNotGrantedIsRefusedAndEndsNothing) {
+  server->OnText(first, kTake);
+  phase = LedSession::kLeads;
+  grants = false;
+  server->OnText(first, R"({"type":"home"})");
+  server->OnText(first, R"({"type":"recover"})");
+  EXPECT_FALSE(device.Read({}));
+  EXPECT_THAT(first.got, Contains(HasSubstr("wait until the robot leads or rests")));
+  EXPECT_THAT(first.got, Contains(HasSubstr("the robot is led already")));
+}
+
+TEST_F(OperatorServerTest, RunThatLeadsOnceRefusesToResume) {
+  Come(first);
+  server->OnText(first, kTake);
+  server->OnText(first, R"({"type":"home"})");
+  EXPECT_THAT(first.got, Contains(HasSubstr("leads its robot once")));
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("may_resume":false)")));
+}
+
+/// A server of a run whose clock may stand.
+class PausingServerTest : public OperatorServerTest {
+ protected:
+  PausingServerTest() {
+    OperatorServerCallbacks calls = Calls();
+    calls.run_clock = {.is_paused = [this] { return paused; },
+                       .pause = [this](bool on) { paused = on; },
+                       .why_not = {}};
+    server.emplace(Config(), calls, channel, clock);
+    Come(first);
+    Come(second);
+  }
+  static constexpr const char* kPause = R"({"type":"pause","on":true})";
+  bool paused = false;
+};
+
+TEST_F(PausingServerTest, AnyoneWhoWatchesPausesAndResumes) {
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("no_pause":"")")));
+  server->OnText(second, kPause);
+  EXPECT_TRUE(paused);
+  server->OnTick();
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("paused":true)")));
+  server->OnText(first, R"({"type":"pause","on":false})");
+  EXPECT_FALSE(paused);
+}
+
+TEST_F(PausingServerTest, WithAnOperatorOnlyTheOperatorPauses) {
+  server->OnText(first, kTake);
+  server->OnText(second, kPause);
+  EXPECT_FALSE(paused);
+  EXPECT_THAT(second.got, Contains(HasSubstr("the operator pauses the run")));
+  server->OnText(first, kPause);
+  EXPECT_TRUE(paused);
+}
+
+TEST_F(PausingServerTest, StopEndsAPause) {
+  server->OnText(first, kTake);
+  server->OnText(first, kPause);
+  server->OnText(second, kStop);
+  EXPECT_FALSE(paused);
+  EXPECT_EQ(device.Read({})->stop_presses, 1U);
+}
+
+TEST_F(OperatorServerTest, RunWhoseClockNeverStandsSaysWhy) {
+  OperatorServerCallbacks calls = Calls();
+  calls.run_clock.why_not = "it is the wall's";
+  server.emplace(Config(), calls, channel, clock);
+  Come(first);
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("no_pause":"it is the wall's")")));
+  server->OnText(first, R"({"type":"pause","on":true})");
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("type":"refused","text":"it is the wall's")")));
+}
+
+TEST_F(OperatorServerTest, TellsTheDeviceWhichJointTurnsAlone) {
+  Come(first);
+  server->OnText(first, kTake);
+  server->OnText(first,
+                 R"({"type":"hands","axes":[-1,0,0,0,0,0],"joint":4,"engaged":true,"sent_ms":1})");
+  const auto sample = device.Read({});
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->joint, 4);
+  EXPECT_EQ(sample->axes[0], -1);
+}
+
 TEST_F(OperatorServerTest, EverySampleIsShownToWhoRecords) {
   OperatorServerCallbacks calls = Calls();
   std::vector<std::uint64_t> kept;
@@ -291,6 +428,45 @@ TEST_F(OperatorServerTest, NextPictureGoesToWhoHasShownTheLast) {
   EXPECT_EQ(std::ranges::count(second.got, "jpeg"), 2);
 }
 
+TEST_F(OperatorServerTest, WhoShowsTheSceneGetsPosesAndWantsNoPictures) {
+  constexpr const char* kPoses = R"({"type":"poses","bodies":[1]})";
+  Come(first, R"({"type":"hello","token":"secret","of":"scene"})");
+  Come(second);
+  server->OnText(second, R"({"type":"view","of":"scene"})");
+  server->OnText(second, R"({"type":"shown"})");  // a picture that was on its way
+  EXPECT_EQ(visits, 2);
+  Pass(milliseconds(100));
+  EXPECT_FALSE(watched);
+  server->OnPicture(std::make_shared<const Frame>(Frame{"jpeg", false}));
+  EXPECT_THAT(first.got, AllOf(Contains(kPoses), Not(Contains("jpeg"))));
+  EXPECT_THAT(second.got, AllOf(Contains(kPoses), Not(Contains("jpeg"))));
+}
+
+TEST_F(OperatorServerTest, WhoShowsPicturesGetsNoPoses) {
+  Come(first, R"({"type":"hello","token":"secret","of":"scene"})");
+  server->OnText(first, R"({"type":"view","of":"pictures"})");
+  server->OnConnect(second);  // has not shown the token
+  server->OnText(second, R"({"type":"view","of":"scene"})");
+  Pass(milliseconds(100));
+  EXPECT_TRUE(watched);
+  EXPECT_THAT(first.got, Not(Contains(HasSubstr("poses"))));
+  EXPECT_THAT(second.got, IsEmpty());
+}
+
+TEST_F(OperatorServerTest, NoPosesAreSentBeforeThereIsAScene) {
+  poses.clear();
+  Come(first, R"({"type":"hello","token":"secret","of":"scene"})");
+  Pass(milliseconds(100));
+  EXPECT_THAT(first.got, Not(Contains(HasSubstr("poses"))));
+}
+
+TEST_F(OperatorServerTest, SkipsPosesForWhoIsBehind) {
+  Come(first, R"({"type":"hello","token":"secret","of":"scene"})");
+  first.behind = 4;
+  Pass(milliseconds(100));
+  EXPECT_THAT(first.got, Not(Contains(HasSubstr("poses"))));
+}
+
 TEST_F(OperatorServerTest, NoPictureIsWantedWhenNobodyWaitsForOne) {
   Come(first);
   Pass(milliseconds(20));
@@ -320,15 +496,27 @@ TEST_F(OperatorServerTest, FeedbackIsToldWithTheTimeOfTheSampleItAnswers) {
 }
 
 TEST_F(OperatorServerTest, WhoComesLaterHearsWhatHappened) {
-  server->Tell(Time(milliseconds(1500)), "error", "joint 3");
+  run_time = Time(milliseconds(1500));
+  server->Tell("error", "joint 3");
   Come(first);
   EXPECT_THAT(first.got, Contains(R"({"type":"event","t":1.500,"kind":"error","text":"joint 3"})"));
 }
 
+TEST_F(OperatorServerTest, EveryEventHasTheTimeOfTheRun) {
+  Come(first);
+  clock.now = Time(std::chrono::seconds(900));  // the server's own clock is not shown
+  run_time = Time(milliseconds(2500));
+  server->OnText(first, kTake);
+  run_time = Time(milliseconds(3500));
+  server->OnText(first, kStop);
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("t":2.500,"kind":"control")")));
+  EXPECT_THAT(first.got, Contains(HasSubstr(R"("t":3.500,"kind":"stop")")));
+}
+
 TEST_F(OperatorServerTest, TheEndIsToldAndNobodyStays) {
   Come(first);
-  server->End("it went well");
-  EXPECT_THAT(first.got, Contains(R"({"type":"end","text":"it went well"})"));
+  server->End("it went well", RunEnd::kDone);
+  EXPECT_THAT(first.got, Contains(R"({"type":"end","text":"it went well","is_failure":false})"));
   EXPECT_EQ(first.closed, "the run is over");
 }
 

@@ -13,6 +13,7 @@ import tempfile
 import time
 import unittest
 
+import page_server_test
 from web_client import TIMEOUT, Operator, WebSocket
 
 PROGRAM = ""
@@ -96,8 +97,8 @@ class PageServedTest(unittest.TestCase):
 
     def test_moves_stops_and_goes_on(self):
         operator = self.operator
-        begin = operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["p"]
-        operator.lead_arm([0, 0, 1, 0, 0, 0], lambda arm: arm["p"][2] > begin[2] + 0.02)
+        begin = operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["O_T_EE"]
+        operator.lead_arm([0, 0, 1, 0, 0, 0], lambda arm: arm["O_T_EE"][14] > begin[14] + 0.02)
 
         # Anyone may stop: here one who only watches.
         watcher = Operator(*self.where)
@@ -108,8 +109,8 @@ class PageServedTest(unittest.TestCase):
         operator.client.say("press", button="release")
         operator.lead_arm([0] * 6, lambda arm: arm["mode"] in ("Idle", "Reflex"))
         operator.client.say("give_back")
-        stopped = operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["p"]
-        operator.lead_arm([0, 0, -1, 0, 0, 0], lambda arm: arm["p"][2] < stopped[2] - 0.02)
+        stopped = operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["O_T_EE"]
+        operator.lead_arm([0, 0, -1, 0, 0, 0], lambda arm: arm["O_T_EE"][14] < stopped[14] - 0.02)
 
 
 class PageServedAtAnotherAddressTest(PageServedTest):
@@ -121,7 +122,18 @@ class PageServedAtItsPaceTest(PageServedTest):
     flags = ("--drive", "lockstep", "--pace", "1")
 
 
-class PageElsewhereTest(unittest.TestCase):
+class StartsPrograms(unittest.TestCase):
+    def start(self, *args):
+        process = subprocess.Popen([PROGRAM, *args, "--data", SOURCE / "models"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+        def end():
+            process.kill()
+            process.communicate(timeout=TIMEOUT)
+        self.addCleanup(end)
+        return process
+
+
+class PageElsewhereTest(StartsPrograms):
     """A twin at another address than this machine's loopback. Who may lead a real arm is hardware_test.py's."""
 
     def setUp(self):
@@ -139,15 +151,6 @@ class PageElsewhereTest(unittest.TestCase):
             if "open to" in line:
                 break
 
-    def start(self, *args):
-        process = subprocess.Popen([PROGRAM, *args, "--data", SOURCE / "models"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-
-        def end():
-            process.kill()
-            process.communicate(timeout=TIMEOUT)
-        self.addCleanup(end)
-        return process
-
     def refusal(self):
         """What an operator is told who takes control of it; None: it is given."""
         run = self.start("run", str(self.folder / "led.yaml"), "--backend", "fci", "--robot", f"{self.address}:{self.port}", "--robot-time",
@@ -163,6 +166,42 @@ class PageElsewhereTest(unittest.TestCase):
 
     def test_is_led(self):
         self.assertEqual(self.refusal(), "")
+
+
+@unittest.skipUnless(page_server_test.has_three(), "missing: three.js, which scripts/setup fetches; it is built into the program")
+class PageOfARobotThatIsNotSimulatedTest(StartsPrograms):
+    """The page of a run whose robot is at the other end of a wire: it knows joint angles, not where bodies are."""
+
+    def scene_and_poses(self, folder, *flags):
+        """What the page says of the scene, and the poses of all bodies, seven numbers each."""
+        path = pathlib.Path(folder, "still.yaml")
+        path.write_text(page_server_test.SCENARIO)
+        run = self.start("run", path, "--page=0", "--no-video", "--out", pathlib.Path(folder, "out"), *flags)
+        said = ""
+        for line in run.stdout:
+            said += line
+            if match := re.search(r"http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
+                with WebSocket(int(match[1])) as client:
+                    client.say("hello", token=match[2], of="scene")
+                    scene = client.hear("welcome")["scene"]
+                    return scene, client.hear("poses")["bodies"]
+        self.fail(said)
+
+    def test_shows_the_arm_where_its_joints_are_measured(self):
+        port = two_free_ports()
+        server = self.start("serve", "--port", str(port), "--hand-port", str(port + 1), "--drive", "lockstep")
+        for line in server.stdout:
+            if "open to" in line or str(port) in line:
+                break
+        with tempfile.TemporaryDirectory(prefix="panda_twin_page_") as folder:
+            wired, measured = self.scene_and_poses(folder, "--backend", "fci", "--robot", f"127.0.0.1:{port}", "--robot-time", "states")
+        with tempfile.TemporaryDirectory(prefix="panda_twin_page_") as folder:
+            simulated, true = self.scene_and_poses(folder)
+        self.assertIn("where the robot measures them", wired["note"])
+        self.assertEqual(simulated["note"], "")
+        self.assertEqual(wired["path"], simulated["path"])  # the same shapes
+        self.assertEqual(len(measured), len(true))
+        self.assertLess(max(abs(a - b) for a, b in zip(measured, true)), 0.002)
 
 
 if __name__ == "__main__":

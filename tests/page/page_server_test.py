@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Talks to the page of a run over sockets, well and badly: page_server_test.py PROGRAM SOURCE_TREE [unittest options]."""
 
+import json
 import pathlib
 import re
 import signal
@@ -25,6 +26,11 @@ motion:
       - {at: 600 s, q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
 record: false
 """
+
+
+def has_three():
+    """Whether the 3D view can be built into the program. Asked before the tests know their tree: from this file's."""
+    return (pathlib.Path(__file__).resolve().parents[2] / ".data/three/version").is_file()
 
 
 class Run:
@@ -136,6 +142,60 @@ class PageServerTest(unittest.TestCase):
             picture = client.picture()
             self.assertEqual((picture[:3], picture[-2:]), (b"\xff\xd8\xff", b"\xff\xd9"))  # as a JPEG begins and ends
             client.say("shown")
+            self.assertEqual(client.picture()[:3], b"\xff\xd8\xff")
+
+    def scene(self, more=None):
+        """The request for the scene's file, with its token unless `more` is given, and the answer."""
+        with self.served.connect() as client:
+            path = client.hear("welcome")["scene"]["path"]
+        return path, self.get(path, more=more if more is not None else (f"Authorization: Bearer {self.served.token}",))
+
+    @unittest.skipUnless(has_three(), "missing: three.js, which scripts/setup fetches; it is built into the program")
+    def test_the_scenes_file_is_there_for_who_has_the_token(self):
+        path, (status, head, body) = self.scene()
+        self.assertEqual(status, 200)
+        self.assertRegex(path, r"^/scene/[0-9a-f]{16}$")
+        for line in ("Cache-Control: private, max-age=31536000, immutable", "X-Content-Type-Options: nosniff",
+                     "Cross-Origin-Resource-Policy: same-origin"):
+            self.assertIn(line, head)
+        length = int.from_bytes(body[:4], "little")
+        scene = json.loads(body[4:4 + length])
+        self.assertGreater(len(scene["geoms"]), 10)
+        ends = [mesh["at"] + 24 * mesh["vertices"] + 12 * mesh["faces"] for mesh in scene["meshes"]]
+        ends += [texture["at"] + 3 * texture["width"] * texture["height"] for texture in scene["textures"]]
+        self.assertLess(len(body) - 4 - length - max(ends, default=0), 4)
+
+    @unittest.skipUnless(has_three(), "missing: three.js, which scripts/setup fetches; it is built into the program")
+    def test_the_scenes_file_is_for_nobody_else(self):
+        good = f"Authorization: Bearer {self.served.token}"
+        for more in ((), ("Authorization: Bearer ",), (f"Authorization: Bearer {'0' * 32}",), (f"Authorization: Basic {self.served.token}",),
+                     (f"Authorization: {self.served.token}",), (good + "0",), (good, good)):
+            path, (status, head, body) = self.scene(more)
+            self.assertEqual((status, body[:9]), (401, b"The token"), more)
+            self.assertIn("Cache-Control: no-store", head)
+        for wrong in (path + "0", path[:-1], path + "?x", "/scene/", "/scene/../" + path, "/scene/" + "0" * 16):
+            self.assertEqual(self.get(wrong, more=(good,))[0], 404, wrong)
+        self.assertEqual(self.get(path, host="evil.example", more=(good,))[0], 421)
+        self.assertEqual(http(self.port, [f"OPTIONS {path} HTTP/1.1", f"Host: 127.0.0.1:{self.port}", "Origin: http://evil.example"])[0], 405)
+        self.assert_lives()
+
+    @unittest.skipUnless(has_three(), "missing: three.js, which scripts/setup fetches; it is built into the program")
+    def test_who_draws_the_scene_gets_poses_and_no_pictures(self):
+        with WebSocket(self.port) as client:
+            client.say("hello", token=self.served.token, of="scene")
+            first = client.hear("poses")
+            self.assertEqual(len(first["bodies"]) % 7, 0)
+            kinds = []
+
+            def later(message):
+                kinds.append(message["type"])
+                return message["type"] == "poses" and message["t"] > first["t"] + 1
+            for kind, payload in iter(client.frame, None):
+                self.assertEqual(kind, TEXT)
+                if later(json.loads(payload)):
+                    break
+            self.assertGreaterEqual(kinds.count("poses"), 15)
+            client.say("view", of="pictures")
             self.assertEqual(client.picture()[:3], b"\xff\xd8\xff")
 
     def test_nobody_operates_a_run_that_goes_by_itself(self):

@@ -138,15 +138,15 @@ class Operator:
 
     HANDS_S = 0.033
 
-    def __init__(self, port, token):
+    def __init__(self, port, token, of="pictures"):
         self.client = WebSocket(port)
-        self.client.say("hello", token=token)
+        self.client.say("hello", token=token, of=of)
         self.me = self.client.hear("welcome")["you"]
         self.sent = 0
 
     def lead(self, axes, until, ask=None):
         """Holds these axes until a message fits; that message. ask: the kind and fields of what it says first, and again if that is
-        refused for want of control."""
+        refused for want of control. A button is pressed only once the teleoperation leads: what is pressed before leads nothing."""
         asks = ask is not None
 
         def fits(message):
@@ -156,7 +156,7 @@ class Operator:
             if message["type"] == "state":
                 if message["operator"] != self.me:
                     self.client.say("take")
-                elif asks:
+                elif asks and (ask[0] != "press" or message["teleop"]):
                     self.client.say(ask[0], **ask[1])
                     asks = False
                 if time.monotonic() - self.sent > self.HANDS_S:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,13 +10,45 @@
 
 #include "twin/backend/hand.h"
 #include "twin/core/limits.h"
-#include "twin/core/time.h"
 #include "twin/fci/sockets.h"
 #include "twin/page/live_feed.h"
 #include "twin/page/operator_channel.h"
+#include "twin/plant/compiled_model.h"
 #include "twin/render/view.h"
 
 namespace twin::page {
+
+/// How a run ended, for the page's viewers.
+enum class RunEnd : std::uint8_t {
+  kDone,
+  kFailed,
+};
+
+/// What an operator's session does whose robot stays when the session ends.
+enum class LedSession : std::uint8_t {
+  kRests,     ///< none: before the first, or after a stop, an error or an end
+  kConnects,  ///< it begins: connects and clears errors
+  kLeads,
+  kGoesHome,
+};
+
+/// Requests for the next session, of the operator in control. Called on the page's thread.
+struct Resume {
+  std::function<LedSession()> phase{};
+  /// Clears the robot's errors and leads it on. @returns false unless it rests.
+  std::function<bool()> recover{};
+  /// The arm moves to its start by a planned way. @returns false unless it rests or leads; of one
+  /// that leads, the end is pressed afterwards.
+  std::function<bool()> home{};
+};
+
+/// The clock of a run that may stand still. Called on the page's thread.
+struct RunClock {
+  std::function<bool()> is_paused{};
+  std::function<void(bool)> pause{};  ///< false: goes on
+  /// Reason why there is no `pause`, for users; empty with it.
+  std::string why_not = "the clock of this run cannot stand";
+};
 
 /// A selectable camera.
 struct NamedView {
@@ -41,6 +74,11 @@ struct PageSettings {
   /// True: an operator has taken control. False: control has ended, and the session's end is
   /// pressed. Empty: a session continues without an operator. Called on the page's thread.
   std::function<void(bool)> control{};
+  /// Without its functions: a session that ends is the last.
+  Resume resume{};
+  RunClock run_clock{};
+  /// File of the report that the run leaves, for users; empty: none.
+  std::string report{};
   /// Receives each of the operator's samples, as sent to the device; may be empty. Called on the
   /// page's thread.
   std::function<void(const teleop::OperatorSample&)> sample{};
@@ -54,6 +92,9 @@ struct PageSettings {
 struct PageScene {
   const plant::TruthProbe* truth = nullptr;  ///< its scenes come through the feed
   std::vector<NamedView> views{};            ///< of truth's scene; the first is the default
+  /// Without truth: model of the robot, shown where its joints are measured, with objects where the
+  /// scene has them.
+  std::optional<plant::CompiledModel> twin{};
   const backend::Hand* hand = nullptr;
 };
 
@@ -79,10 +120,11 @@ class LivePage {
   /// Whether anyone has opened the page with its token. Any thread.
   [[nodiscard]] bool was_visited() const noexcept;
 
-  /// Sends a line to all clients.
-  void Tell(Time at, std::string_view kind, std::string_view text);
+  /// Sends a line to all clients, at the time of the newest displayed state: one clock for all
+  /// lines.
+  void Tell(std::string_view kind, std::string_view text);
   /// The run has ended: notifies all clients and closes. Idempotent.
-  void End(std::string_view text);
+  void End(std::string_view text, RunEnd how);
 
  private:
   class Impl;

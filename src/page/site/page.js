@@ -1,25 +1,56 @@
 // The operator's page: one WebSocket, whose messages src/page/README.md lists.
+import { facts, fixed, list, pose } from "./facts.js";
+import { joints } from "./jog.js";
+import { curves, jointBars, roomOf, triad } from "./plots.js";
+import { replays } from "./replay.js";
+import { isLed, isStopped, mayResume, verdict } from "./status.js";
 import { hands as makeHands } from "./sticks.js";
-import { curves, fixed, jointBars } from "./plots.js";
+import { explain } from "./tips.js";
+import { views as makeViews } from "./views.js";
 
 const $ = (id) => document.getElementById(id);
 const HANDS_MS = 33;
+const REFUSAL_MS = 8000;
+const JOINTS = ["1", "2", "3", "4", "5", "6", "7"];
+const AXES = ["x", "y", "z"];
 
 let socket = null;
 let me = 0;
 let welcome = null;
-let state = null;
+let state = null;  // the newest
+let displayed = null;  // the same, or that of the replay
+let over = null;  // how the run ended
+let lost = "The page connects to panda-twin.";  // why there is no connection; null: there is
+let refusal = null;  // the last one: its text, and until when it is shown
 let showBars = () => {};
-let over = false;
 let clutched = false;
 let recording = false;
-let pictures = [];
-let turnaround = null;
+let pageAnswers = null;
 
-const hands = makeHands($("left"), $("right"), $("tilt"));
-const speeds = curves($("speeds"), ["1", "2", "3", "4", "5", "6", "7"], 5);
-const forces = curves($("forces"), ["x", "y", "z"], 5);
-const torques = curves($("torques"), ["x", "y", "z"], 1);
+const operates = () => me !== 0 && !over && state !== null && state.operator === me;
+const replay = replays({ replay: $("replay"), play: $("play"), moment: $("moment"), ago: $("ago") }, { show: showAgain, changed: showStatus });
+const leadsNow = () => operates() && isLed(state) && !isStopped(state) && !state.paused && !replay.isOn();
+const jog = joints($("jog"), leadsNow);
+const hands = makeHands([$("left"), $("right"), $("tilt")], () => leadsNow() && !jog.isOn());
+const views = makeViews(say, replay);
+const showPose = list($("pose"));
+const showFacts = list($("facts"));
+
+const largest = (digits, unit) => (values) => `${fixed(Math.max(...values.map(Math.abs)), digits)} ${unit}`;
+const length = (unit) => (values) => `${Math.hypot(...values).toFixed(1)} ${unit}`;
+const plot = (options) => curves($("plots"), { none: "none", ...options });
+const plots = {
+  room: plot({ title: "Joint margin", unit: "\u00b0", names: JOINTS, upTo: 60, now: (values) => `${fixed(Math.min(...values), 0)}\u00b0`,
+    tip: "Distance of each joint to its nearer limit, up to 60\u00b0; the number is the smallest." }),
+  error: plot({ title: "Tracking error", unit: "mrad", names: JOINTS, least: 1, now: largest(1, "mrad"), none: "torque control",
+    tip: "Reference minus measured angle of each joint, q_d - q; the number is the largest. Under torque control the robot has no reference." }),
+  speeds: plot({ title: "Joint speed", unit: "% of the limit", names: JOINTS, least: 5, now: largest(0, "%"),
+    tip: "Speed of each joint as a share of its limit; the number is the largest." }),
+  forces: plot({ title: "External force", unit: "N", names: AXES, least: 5, now: length("N"),
+    tip: "Force on the arm along the axes of the base, as the robot estimates it; the number is its magnitude." }),
+  torques: plot({ title: "External torque", unit: "Nm", names: AXES, least: 1, now: length("Nm"),
+    tip: "Torque on the arm about the axes of the base, as the robot estimates it; the number is its magnitude." }),
+};
 
 // ---- connection
 
@@ -27,27 +58,22 @@ function say(type, more = {}) {
   if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ type, ...more }));
 }
 
-function notice(text) {
-  $("notice").hidden = !text;
-  $("notice").textContent = text;
-}
-
 function connect(token) {
   socket = new WebSocket(`ws://${location.host}/ws`);
   socket.binaryType = "blob";
-  socket.onopen = () => say("hello", { token });
-  socket.onmessage = (event) => typeof event.data === "string" ? hear(JSON.parse(event.data)) : look(event.data);
+  socket.onopen = () => say("hello", views.hello(token));
+  socket.onmessage = (event) => typeof event.data === "string" ? hear(JSON.parse(event.data)) : views.picture(event.data);
   socket.onclose = (event) => {
-    document.body.classList.remove("operating");
     me = 0;
+    letGo();
+    lost = `The connection is gone${event.reason ? `: ${event.reason}` : ""}. Trying again.`;
     if (event.reason === "wrong token") {
       sessionStorage.removeItem("token");
-      $("ask").hidden = false;
+      askToken("That is not the token this run has printed.");
     } else if (!over) {
-      notice(`The connection is gone${event.reason ? `: ${event.reason}` : ""}. Trying again.`);
       setTimeout(() => connect(token), 1500);
     }
-    showRole();
+    showStatus();
   };
 }
 
@@ -55,12 +81,14 @@ function hear(message) {
   switch (message.type) {
     case "welcome": begin(message); break;
     case "state": show(message); break;
+    case "poses": views.poses(message); break;
     case "event": tellEvent(message); break;
-    case "refused": notice(message.text); break;
-    case "pong": turnaround = performance.now() - message.sent_ms; break;
+    case "refused": refusal = { text: message.text, until: performance.now() + REFUSAL_MS }; break;
+    case "pong": pageAnswers = performance.now() - message.sent_ms; break;
     case "end":
-      over = true;
-      notice(`The run is over: ${message.text}`);
+      over = message;
+      letGo();
+      showStatus();
       break;
     default: break;
   }
@@ -69,53 +97,67 @@ function hear(message) {
 function begin(message) {
   welcome = message;
   me = message.you;
-  notice(message.watch_only);
+  lost = null;
   $("title").textContent = message.title;
   $("about").textContent = message.about;
   $("hands").hidden = message.watch_only !== "";
-  document.body.classList.toggle("watches", message.watch_only !== "");
   $("record").hidden = !message.may_record;
-  $("cameras").replaceChildren(...message.cameras.map((name) => new Option(name)));
+  views.begin(message);
   $("bars").replaceChildren();
   $("events").replaceChildren();
   showBars = jointBars($("bars"), message.limits);
-}
-
-async function look(data) {
-  const picture = await createImageBitmap(data);
-  const canvas = $("camera");
-  if (canvas.width !== picture.width || canvas.height !== picture.height) {
-    canvas.width = picture.width;
-    canvas.height = picture.height;
-  }
-  canvas.getContext("2d").drawImage(picture, 0, 0);
-  picture.close();
-  $("no-picture").hidden = true;
-  say("shown");
-  const now = performance.now();
-  pictures.push(now);
-  pictures = pictures.filter((at) => at > now - 2000);
+  const whyNot = message.no_pause ? ` Not here: ${message.no_pause}.` : "";
+  explain($("pause"), `Lets the run's clock stand, and go on. Key P.${whyNot}`);
+  $("pause").setAttribute("aria-disabled", String(whyNot !== ""));
 }
 
 // ---- display
 
-const operating = () => me !== 0 && state !== null && state.operator === me;
-
-function showRole() {
-  const badge = $("role");
-  badge.className = `badge${me === 0 ? " lost" : operating() ? " operates" : ""}`;
-  if (me === 0) badge.textContent = over ? "over" : "no connection";
-  else if (operating()) badge.textContent = "you operate";
-  else badge.textContent = state && state.operator ? `watching; ${state.operator} operates` : "watching";
-  document.body.classList.toggle("operating", operating());
+function setText(id, text) {
+  if ($(id).textContent !== text) $(id).textContent = text;
 }
 
-function showButtons() {
-  const teleop = state.teleop;
-  $("take").disabled = over;
-  $("take").textContent = operating() ? "Give back" : "Take control";
-  for (const id of ["mode", "gripper", "frame", "scale", "clutch", "release", "record", "end"]) $(id).disabled = over || !operating();
-  $("release").hidden = !((teleop && teleop.stopped) || (state.arm && state.arm.mode === "User stopped"));
+function showStatus() {
+  const told = verdict({ over, lost, welcome, state, operates: operates() });
+  const refused = refusal && performance.now() < refusal.until ? `Refused: ${refusal.text}. ` : "";
+  setText("word", told.word);
+  setText("leads", replay.isOn() ? "You watch a replay. This line is live." : told.leads);
+  setText("why", refused + told.why);
+  $("status").dataset.tone = told.tone;
+  document.body.dataset.tone = told.tone;
+  document.title = `${told.word} \u2013 ${welcome ? welcome.title : "panda-twin"}`;
+  $("stopped").hidden = told.tone !== "stop" || replay.isOn();
+  $("replayed").hidden = !document.body.classList.toggle("replaying", replay.isOn());
+  if (document.body.classList.toggle("operating", leadsNow()) === false) letGo();
+  document.body.classList.toggle("limited", Boolean(state && state.teleop && state.teleop.at_border));
+  if (clutched && !leadsNow()) clutch(false);
+  showReport();
+  if (state) showButtons(operates(), state);
+}
+
+// A browser opens no file from a page that came over HTTP: the page names its path.
+function showReport() {
+  $("pause").hidden = Boolean(over);
+  const path = over && welcome ? welcome.report : "";
+  $("report").hidden = !path;
+  $("copy").hidden = !path || !navigator.clipboard;
+  if (path) setText("report", `Its report, once it is written: ${path}`);
+}
+
+function showButtons(mine, { arm, base, session, teleop }) {
+  $("take").hidden = me === 0 || Boolean(over) || welcome.watch_only !== "";
+  setText("take", mine ? "Give back" : "Take control");
+  $("take").classList.toggle("main", !mine);
+  for (const id of ["mode", "gripper", "frame", "scale", "clutch", "joints"]) $(id).disabled = !leadsNow();
+  setText("pause", state.paused ? "Resume" : "Pause");
+  $("pause").setAttribute("aria-pressed", String(state.paused));
+  if (teleop && teleop.mode === "base" && jog.isOn()) turnJoints(false);
+  for (const id of ["record", "end"]) $(id).disabled = !mine || !isLed(state);
+  $("release").hidden = !mine || !isStopped(state);
+  $("recover").hidden = !welcome.may_resume || !mayResume(state, mine);
+  setText("recover", arm && arm.mode === "Idle" ? "Lead on" : "Recover");
+  $("home").hidden = !welcome.may_resume || !mine || isStopped(state) || !["rests", "leads"].includes(session);
+  $("mode").hidden = !base;
   if (teleop) {
     $("mode").firstChild.textContent = teleop.mode === "base" ? "Lead the arm " : "Lead the base ";
     $("scale").setAttribute("aria-pressed", String(teleop.fine));
@@ -123,70 +165,36 @@ function showButtons() {
   }
 }
 
-function fact(name, value, bad = false) {
-  const term = document.createElement("dt");
-  const text = document.createElement("dd");
-  term.textContent = name;
-  text.textContent = value;
-  text.classList.toggle("bad", bad);
-  return [term, text];
-}
-
-function facts() {
-  const { arm, base, hand, teleop } = state;
-  const all = [["time", `${state.t.toFixed(1)} s`]];
-  if (arm) {
-    const cycles = arm.served + arm.held;
-    all.push(["robot", arm.mode, arm.mode !== "Move" && arm.mode !== "Idle"]);
-    if (arm.margin !== null) all.push(["margin", `${(100 * arm.margin).toFixed(1)} %`, arm.margin < 0.02]);
-    all.push(["end effector", `${arm.p.map((v) => fixed(v, 2)).join("  ")} m`]);
-    all.push(["force", `${Math.hypot(...arm.F.slice(0, 3)).toFixed(1)} N`]);
-    all.push(["unserved", cycles ? `${(100 * arm.held / cycles).toFixed(2)} %` : "none yet"]);
-  }
-  if (base) {
-    all.push(["base", base.mode, base.mode === "emergency stop"]);
-    all.push(["speed", `${fixed(base.v, 2)} m/s  ${fixed(base.w, 2)} rad/s`]);
-    all.push(["odometry", `${fixed(base.x, 2)}  ${fixed(base.y, 2)} m  ${fixed(base.yaw * 180 / Math.PI, 0)}\u00b0`]);
-  }
-  if (hand) all.push(["hand", `${(1000 * hand.width).toFixed(0)} mm${hand.is_grasped ? ", holds something" : ""}`]);
-  if (teleop) {
-    if (teleop.at_border) all.push(["border", "no further that way", true]);
-    all.push(["moves", teleop.stopped ? "stopped" : teleop.holding ? `${teleop.mode}, holds` : teleop.mode, teleop.stopped || teleop.holding]);
-    if (operating() && teleop.echo_ms !== null) all.push(["robot, there and back", `${(performance.now() - teleop.echo_ms).toFixed(0)} ms`]);
-  }
-  if (turnaround !== null) all.push(["page, there and back", `${turnaround.toFixed(0)} ms`]);
-  all.push(["clients", String(state.clients)]);
-  return all;
-}
-
-function showErrors(arm) {
-  const texts = !arm ? [] : arm.errors.map((name) => `error: ${name}`)
-    .concat(arm.errors.length ? [] : arm.reflex.map((name) => `the last motion ended by ${name}`));
-  $("errors").replaceChildren(...texts.map((text) => {
-    const item = document.createElement("li");
-    item.textContent = text;
-    return item;
-  }));
-}
-
 function show(message) {
   const before = state;
   state = message;
-  showRole();
-  showButtons();
-  $("facts").replaceChildren(...facts().flatMap((entry) => fact(...entry)));
-  $("cameras").selectedIndex = state.camera;
-  if (state.no_picture) {
-    $("no-picture").hidden = false;
-    $("no-picture").textContent = state.no_picture;
-  }
+  replay.keep("state", message);
+  showStatus();
+  views.state(message);
+  if (!replay.isOn()) display(message);
   const arm = state.arm;
-  showErrors(arm);
   if (!arm || (before && before.arm && before.arm.t === arm.t)) return;
-  showBars(arm.q);
-  speeds.add(arm.t, arm.dq.map((value, i) => 100 * value / welcome.limits.dq_max[i]));
-  forces.add(arm.t, arm.F.slice(0, 3));
-  torques.add(arm.t, arm.F.slice(3));
+  plots.room.add(arm.t, roomOf(arm.q, welcome.limits));
+  plots.error.add(arm.t, arm.error && arm.error.map((value) => 1000 * value));
+  plots.speeds.add(arm.t, arm.dq.map((value, i) => 100 * value / welcome.limits.dq_max[i]));
+  plots.forces.add(arm.t, arm.F.slice(0, 3));
+  plots.torques.add(arm.t, arm.F.slice(3));
+}
+
+// What the replay shows; the plots and the line of state stay live.
+function showAgain({ state: old, picture, poses }) {
+  if (old) display(old);
+  views.again({ tool: displayed.arm && displayed.arm.O_T_EE, picture, poses });
+}
+
+function display(state) {
+  displayed = state;
+  setText("clock", `${state.t.toFixed(1)} s`);
+  const robot = operates() && !replay.isOn() && state.teleop && state.teleop.echo_ms !== null ? performance.now() - state.teleop.echo_ms : null;
+  showFacts(facts(state, { robot, page: pageAnswers }));
+  if (!state.arm) return;
+  showPose(pose(state.arm.O_T_EE));
+  showBars(state.arm.q);
 }
 
 function tellEvent({ t, kind, text }) {
@@ -206,36 +214,62 @@ function tellEvent({ t, kind, text }) {
 }
 
 setInterval(() => {
-  for (const plot of [speeds, forces, torques]) plot.draw();
-  $("rate").textContent = pictures.length ? `${(pictures.length / 2).toFixed(0)} pictures/s` : "";
+  for (const each of Object.values(plots)) each.draw(replay.time());
+  if (displayed && displayed.arm) triad($("triad"), displayed.arm.O_T_EE);
+  const rate = views.rate();
+  $("rate").hidden = rate === null;
+  if (rate !== null) setText("rate", `${rate.toFixed(0)} pictures/s`);
 }, 150);
 setInterval(() => say("ping", { sent_ms: performance.now() }), 1000);
 
 // ---- operator input
 
 const speed = () => Number($("speed").value) / 100;
-const drives = () => state && state.teleop && state.teleop.mode === "base";
+const drives = () => Boolean(state && state.teleop && state.teleop.mode === "base");
 
 setInterval(() => {
-  if (!operating() || document.hidden) return;
-  say("hands", { axes: hands.axes(speed(), drives()), engaged: !clutched, sent_ms: performance.now() });
+  if (!operates() || document.hidden) return;
+  const input = jog.isOn() ? jog.input(speed()) : { axes: hands.axes(speed(), drives()) };
+  say("hands", { ...input, engaged: !clutched, sent_ms: performance.now() });
 }, HANDS_MS);
 
+function letGo() {
+  hands.letGo();
+  jog.letGo();
+}
+
+function turnJoints(on) {
+  jog.turn(on);
+  hands.letGo();
+  $("joints").setAttribute("aria-pressed", String(on));
+  $("jog").hidden = !on;
+  document.querySelector(".sticks").hidden = on;
+}
+
 function clutch(on) {
-  clutched = on && operating();
+  clutched = on && leadsNow();
   $("clutch").setAttribute("aria-pressed", String(clutched));
 }
 
 function stop() {
-  hands.letGo();
+  letGo();
+  replay.live();
   say("stop");
 }
 
-$("take").onclick = () => say(operating() ? "give_back" : "take");
+function faster(steps) {
+  $("speed").value = Number($("speed").value) + steps * Number($("speed").step);
+  setText("speed-told", `${$("speed").value} %`);
+}
+
+$("take").onclick = () => say(operates() ? "give_back" : "take");
 for (const id of ["mode", "gripper", "frame", "scale", "release", "end"]) $(id).onclick = () => say("press", { button: id });
+for (const id of ["recover", "home"]) $(id).onclick = () => say(id);
+$("pause").onclick = () => say("pause", { on: !(state && state.paused) });
+$("joints").onclick = () => turnJoints(!jog.isOn());
+$("copy").onclick = () => navigator.clipboard.writeText(welcome.report);
 $("record").onclick = () => say("record", { on: !recording });
-$("cameras").onchange = () => say("camera", { number: $("cameras").selectedIndex });
-$("speed").oninput = () => { $("speed-told").textContent = `${$("speed").value} %`; };
+$("speed").oninput = () => faster(0);
 // On pressing the button, not on its release.
 $("stop").addEventListener("pointerdown", stop);
 $("stop").addEventListener("keydown", (event) => { if (event.code === "Enter") stop(); });
@@ -247,15 +281,21 @@ const writes = (event) => event.target.closest("#ask");
 for (const id of ["cameras", "speed"]) $(id).addEventListener("change", () => $(id).blur());
 
 const PRESSES = { KeyM: "mode", KeyG: "gripper", KeyX: "frame", KeyV: "scale" };
+const FASTER = { Minus: -1, NumpadSubtract: -1, Equal: 1, NumpadAdd: 1 };
 window.addEventListener("keydown", (event) => {
   if (event.code === "Escape" || (event.code === "Space" && !writes(event))) {
     event.preventDefault();
     if (!event.repeat) stop();
     return;
   }
-  if (event.repeat || event.ctrlKey || event.altKey || event.metaKey || writes(event)) return;
-  if (event.code in PRESSES && operating()) say("press", { button: PRESSES[event.code] });
+  if (event.ctrlKey || event.altKey || event.metaKey || writes(event)) return;
+  if (event.code in FASTER) faster(FASTER[event.code]);
+  if (event.repeat) return;
+  if (event.code in PRESSES && leadsNow()) say("press", { button: PRESSES[event.code] });
   if (event.code === "KeyC") clutch(true);
+  if (event.code === "KeyJ" && leadsNow() && !drives()) turnJoints(!jog.isOn());
+  if (event.code === "KeyP") $("pause").click();
+  if (event.code === "KeyB") replay.toggle();
 }, true);
 window.addEventListener("keyup", (event) => {
   if (event.code === "KeyC") clutch(false);
@@ -264,6 +304,12 @@ window.addEventListener("keyup", (event) => {
 window.addEventListener("blur", () => clutch(false));
 
 // ---- start
+
+function askToken(why) {
+  lost = why;
+  $("ask").hidden = false;
+  $("token").focus();
+}
 
 $("ask").onsubmit = (event) => {
   event.preventDefault();
@@ -278,4 +324,5 @@ if (given) {
 }
 const token = sessionStorage.getItem("token");
 if (token) connect(token);
-else $("ask").hidden = false;
+else askToken("This page needs the token that panda-twin printed.");
+showStatus();

@@ -1,0 +1,35 @@
+// Explanations: what has a text `data-tip` shows it under the mouse, with the keyboard's focus, and when it is touched.
+
+const box = document.getElementById("tip");
+let shown = null;
+
+// The element explains itself by `text`, also to who cannot point at it.
+export function explain(element, text) {
+  if (element.dataset.tip === text && element.hasAttribute("aria-description")) return;
+  element.dataset.tip = text;
+  element.setAttribute("aria-description", text);
+  if (!element.matches("button, input, select, label")) element.tabIndex = 0;
+  if (element === shown) show(element);
+}
+
+function show(element) {
+  shown = element;
+  box.hidden = !element;
+  if (!element) return;
+  box.textContent = element.dataset.tip;
+  const at = element.getBoundingClientRect();
+  const { offsetWidth: width, offsetHeight: height } = box;
+  const below = at.bottom + 6;
+  const top = below + height <= innerHeight ? below : Math.max(4, at.top - height - 6);
+  box.style.left = `${Math.max(4, Math.min(at.left, innerWidth - width - 4))}px`;
+  box.style.top = `${top}px`;
+}
+
+const about = (event) => event.target.closest?.("[data-tip]") ?? null;
+document.addEventListener("pointerover", (event) => show(about(event)));
+document.documentElement.addEventListener("pointerleave", () => show(null));
+document.addEventListener("focusin", (event) => { if (event.target.matches(":focus-visible, [tabindex]")) show(about(event)); });
+document.addEventListener("focusout", () => show(null));
+document.addEventListener("scroll", () => show(null), true);
+
+for (const element of document.querySelectorAll("[data-tip]")) explain(element, element.dataset.tip);
