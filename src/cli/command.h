@@ -26,6 +26,7 @@ enum ExitCode : int {
 struct Host {
   std::filesystem::path executable;
   std::filesystem::path cache;  ///< folder of compiled models
+  std::filesystem::path state;  ///< folder of the user's records of runs; empty: none
   std::string path;             ///< the search path of programs
 };
 

@@ -113,12 +113,21 @@ render::FilmSettings FilmOf(const scenario::RenderSection& wanted, const FilmFla
     if (inset != "none") film.insets.push_back(InsetFromText(inset, film.view));
   }
   film.overlays = flags.overlays.value_or(film.overlays);
+  if (IsFine(flags.quality)) film = run::Fine(film);
   if (flags.size) {
     film.render.width = flags.size->width;
     film.render.height = flags.size->height;
   }
   film.Validate();
   return film;
+}
+
+void AddQuality(CLI::App& app, std::string& quality) {
+  Add(app, "--quality draft|fine", quality,
+      "fine: 1280x720, each pixel of four samples; draft: the scenario's size, one sample")
+      ->check(CLI::IsMember({"draft", "fine"}).description(""))
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+      ->capture_default_str();
 }
 
 void AddFilm(CLI::App& app, FilmFlags& flags) {
@@ -140,6 +149,7 @@ void AddFilm(CLI::App& app, FilmFlags& flags) {
   AddParsed(app, "--overlays", "LIST", flags.overlays,
             "What is drawn over it, of text, goal, trace, forces, contacts, limits; none",
             &OverlaysFromText);
+  AddQuality(app, flags.quality);
   AddParsed(app, "--size", "WxH", flags.size, "Of the picture, pixels, even", &SizeFromText);
 }
 

@@ -22,9 +22,16 @@ struct FilmFlags {
   std::optional<double> turn_deg;   ///< per second
   std::vector<std::string> insets;  ///< CAMERA or CAMERA@CORNER; none takes all away
   std::optional<render::Overlays> overlays;
+  std::string quality = "draft";
   std::optional<render::RenderSettings> size;  ///< width and height
 };
 void AddFilm(CLI::App& app, FilmFlags& flags);
+
+/// Adds --quality. @param quality  must outlive the command.
+void AddQuality(CLI::App& app, std::string& quality);
+[[nodiscard]] inline bool IsFine(std::string_view quality) {
+  return quality == "fine";
+}
 
 /// The scenario's film with the flags in its place. @throws InputError when an angle goes with a
 /// camera that has none.

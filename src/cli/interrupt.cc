@@ -18,17 +18,8 @@ void OnSignal(int /*signal*/) {
 
 InterruptGuard::InterruptGuard() {
   if (guards++ > 0) return;
-  interrupt_flag = false;
-  struct sigaction action {};
-  action.sa_handler = &OnSignal;
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
-  sigemptyset(&action.sa_mask);
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    sigaction(kSignals[i], nullptr, &old_[i]);
-    // nohup's children go on when the terminal is closed.
-    const bool ignored = kSignals[i] == SIGHUP && old_[i].sa_handler == SIG_IGN;
-    if (!ignored) sigaction(kSignals[i], &action, nullptr);
-  }
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], nullptr, &old_[i]);
+  Rearm();
   rt::GiveUpWhen(&interrupt_flag);
 }
 
@@ -36,6 +27,19 @@ InterruptGuard::~InterruptGuard() {
   if (--guards > 0) return;
   rt::GiveUpWhen(nullptr);
   for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &old_[i], nullptr);
+}
+
+void InterruptGuard::Rearm() const {
+  interrupt_flag = false;
+  struct sigaction action {};
+  action.sa_handler = &OnSignal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  sigemptyset(&action.sa_mask);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    // nohup's children go on when the terminal is closed.
+    const bool ignored = kSignals[i] == SIGHUP && old_[i].sa_handler == SIG_IGN;
+    if (!ignored) sigaction(kSignals[i], &action, nullptr);
+  }
 }
 
 bool InterruptGuard::interrupted() const noexcept {

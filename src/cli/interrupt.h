@@ -26,6 +26,8 @@ class InterruptGuard {
   [[nodiscard]] const volatile bool* flag() const noexcept;
   /// As if the user had asked for it, once or more. Threads: any.
   void Interrupt() const noexcept;
+  /// From here on as if no signal had come: for work after the user ended what ran before.
+  void Rearm() const;
   /// @throws Interrupted when interrupted.
   void ThrowIfInterrupted() const;
 

@@ -22,12 +22,13 @@ std::string Environment(const char* name) {
   return value == nullptr ? std::string() : std::string(value);
 }
 
-/// $XDG_CACHE_HOME/panda-twin, else ~/.cache/panda-twin, else no cache.
-std::filesystem::path CacheFolder() {
-  const std::string base = Environment("XDG_CACHE_HOME");
+/// The program's folder in a base folder of the XDG specification: $VARIABLE/panda-twin, else
+/// ~/USUAL/panda-twin, else none.
+std::filesystem::path OwnFolder(const char* variable, const char* usual) {
+  const std::string base = Environment(variable);
   if (base.starts_with('/')) return std::filesystem::path(base) / "panda-twin";
   const std::string home = Environment("HOME");
-  if (home.starts_with('/')) return std::filesystem::path(home) / ".cache" / "panda-twin";
+  if (home.starts_with('/')) return std::filesystem::path(home) / usual / "panda-twin";
   return {};
 }
 
@@ -63,7 +64,8 @@ int main(int argc, char** argv) {
   std::error_code error;
   twin::cli::Program program{
       .host = {.executable = std::filesystem::read_symlink("/proc/self/exe", error),
-               .cache = CacheFolder(),
+               .cache = OwnFolder("XDG_CACHE_HOME", ".cache"),
+               .state = OwnFolder("XDG_STATE_HOME", ".local/state"),
                .path = Environment("PATH")},
       .catalogue = {backends, controllers, &devices},
       .log_flags = log_flags,

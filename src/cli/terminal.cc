@@ -1,5 +1,7 @@
 #include "cli/terminal.h"
 
+#include <poll.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -61,6 +63,38 @@ void Terminal::DrawBar(double share, std::string_view note) {
   cli::Say(stdout, fmt::format("\r{:<6}[{:#<{}}{:.<{}}] {:3.0f} %  {}\x1b[K", progress_.work, "",
                                filled, "", kWidth - filled, 100 * share, note));
   std::fflush(stdout);
+}
+
+bool Terminal::CanAsk() noexcept {
+  return isatty(STDIN_FILENO) != 0;
+}
+
+void Terminal::AwaitEnter() const {
+  constexpr int kLookMs = 50;
+  while (true) {
+    ThrowIfInterrupted();
+    pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+    if (::poll(&input, 1, kLookMs) <= 0) continue;
+    char typed = 0;
+    if (::read(STDIN_FILENO, &typed, 1) <= 0) throw run::Interrupted();
+    if (typed == '\n') return;
+  }
+}
+
+void Terminal::ConfirmMotion(std::string_view what) {
+  constexpr int kCountdown = 3;
+  ::tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before the question is no answer
+  Say(fmt::format("{}\npress Enter to move; Ctrl-C ends the run\n", what));
+  AwaitEnter();
+  for (int left = kCountdown; left > 0; --left) {
+    Say(fmt::format("the arm moves in {} s; Ctrl-C ends the run\n", left));
+    const Time next = clock_.Now() + std::chrono::seconds(1);
+    while (clock_.Now() < next) {
+      ThrowIfInterrupted();
+      static_cast<void>(::poll(nullptr, 0, 20));
+    }
+  }
+  ThrowIfInterrupted();
 }
 
 }  // namespace twin::cli

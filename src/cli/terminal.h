@@ -32,6 +32,12 @@ class Terminal final : public run::Console {
   }
   void Interrupt() noexcept override { interrupt_.Interrupt(); }
 
+  /// Whether a user can answer: the standard input is a terminal.
+  [[nodiscard]] static bool CanAsk() noexcept;
+  /// Shows what will move, waits for Enter, then counts three seconds down.
+  /// @throws run::Interrupted on Ctrl-C, also while it counts, and at the end of the input.
+  void ConfirmMotion(std::string_view what);
+
  private:
   /// The piece of work that was shown last.
   struct Progress {
@@ -44,6 +50,8 @@ class Terminal final : public run::Console {
   void Write(spdlog::level::level_enum level, std::string_view text);
   void DrawBar(double share, std::string_view note);
   void EndLine();
+  /// Until a line was typed. @throws run::Interrupted as ConfirmMotion().
+  void AwaitEnter() const;
 
   const Log log_;
   const bool quiet_;

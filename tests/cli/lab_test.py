@@ -64,6 +64,11 @@ class LabTest(unittest.TestCase):
         self.assert_refused(self.run_at("nowhere"), "one of a, b")
         self.assert_refused(self.run_at(self.lab("robot: {hand: none}\n")), "lab.yaml:1: robot: ")
 
+    def test_a_robot_without_a_scenario_is_served_at_a_lab(self):
+        done = subprocess.run([PROGRAM, "serve", "--lab", "b", "--drive", "lockstep", "--port", "0", "--hand-port", "0", "--for", "0.1",
+                               "--data", SOURCE / "models"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_a_lab_of_weight_does_not_go_with_the_ideal_plant(self):
         self.assert_refused(self.run_at("a"), "leave mass_scale and base_tilt out")
 

@@ -116,6 +116,18 @@ class RenderTest(unittest.TestCase):
             other = self.rendered(f"view{i}.png", "task", "--at", "1", *flags)
             self.assertNotEqual(other.read_bytes(), plain, flags)
 
+    def test_fine_pictures_are_larger_and_smoother(self):
+        def size(png):
+            return struct.unpack(">II", png.read_bytes()[16:24])
+
+        fine = self.rendered("fine.png", "task", "--at", "1", "--quality", "fine")
+        self.assertEqual(size(fine), (1280, 720))
+        # At the same size, samples and a larger shadow map change the picture alone.
+        same = size(self.rendered("draft.png", "task", "--at", "1", "--quality", "draft"))
+        smooth = self.rendered("smooth.png", "task", "--at", "1", "--quality", "fine", "--size", "{}x{}".format(*same))
+        self.assertEqual(size(smooth), same)
+        self.assertNotEqual(smooth.read_bytes(), (self.folder / "draft.png").read_bytes())
+
     def test_a_still_is_the_films_frame_of_its_instant_with_the_trace_before_it(self):
         flags = ["task", "--overlays", "text,trace"]
         film = frames_of(self.rendered("trace.mkv", *flags, "--to", "1.55"))
@@ -178,7 +190,7 @@ class RenderTest(unittest.TestCase):
                                   ("--at", "nan", "nan"), ("--from", "nan", "nan"), ("--to", "inf", "inf"),
                                   ("--from", "-1", "-1"), ("--size", "big", "WIDTHxHEIGHT"), ("--size", "1x1", "width"),
                                   ("--overlays", "text,heat", "there is no heat"), ("--layout", "row", "there is no row"),
-                                  ("--inset", "gripper@middle", "there is no corner middle")):
+                                  ("--inset", "gripper@middle", "there is no corner middle"), ("--quality", "best", "best")):
             self.refused(says, "task", "--out", "a.mp4", flag, value, code=2)
         self.refused("there is no blink", "task", "other", "--out", "a.mp4", "--compare", "blink", code=2)
 

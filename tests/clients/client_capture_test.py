@@ -99,7 +99,7 @@ class ClientCaptureTest(unittest.TestCase):
     def test_only_a_robot_on_the_network_has_a_wire(self):
         done = self.run_it()
         self.assertEqual(done.returncode, 3)
-        self.assertIn("--capture go with --backend fci", done.stderr)
+        self.assertIn("--capture goes with --backend fci", done.stderr)
         self.assertFalse(self.mine.exists())
 
     def test_a_file_that_cannot_be_made_is_named(self):

@@ -17,6 +17,7 @@ from twin_server import TwinServer, own_address
 
 PROGRAM, SOURCE = "", pathlib.Path()
 FLAG = "--allow-hardware"
+UNREHEARSED = (FLAG, "--yes", "--no-rehearsal", "a peer without physics")
 
 
 class Robot:
@@ -78,11 +79,25 @@ class HardwareTest(unittest.TestCase):
 
     def test_a_robot_that_was_allowed_is_driven(self):
         with Robot() as robot:
-            done = self.run_at(robot.address, FLAG)
-        self.assertNotIn(FLAG, done.stderr)
+            done = self.run_at(robot.address, *UNREHEARSED)
+        self.assertNotIn(f"say {FLAG}", done.stderr)
         self.assertRegex(done.stdout + done.stderr, r"(?m)^ok +hardware +a real arm may move")
         self.assertRegex(done.stdout, r"(?m) states ")  # its checks go on
         self.assertTrue([name for name in robot.requests if name.startswith("Set")], robot.requests)
+
+    def test_check_only_tells_all_and_moves_nothing(self):
+        """The peer stands 0.2 rad beside the first waypoint."""
+        with Robot() as robot:
+            done = self.run_at(robot.address, *UNREHEARSED[:1], *UNREHEARSED[2:], "--check-only")
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        for check in ("lab", "path", "rehearsal", "speed", "reach", "hardware", "mode", "errors", "joint limits", "settings", "payload"):
+            self.assertRegex(done.stdout, rf"(?m)^ok +{check} ")
+        for check in ("states", "communication", "scheduler"):  # what this machine decides
+            self.assertRegex(done.stdout, rf"(?m)^(ok|FAILED) +{check} ")
+        self.assertRegex(done.stdout, r"(?m)^FAILED start +joint 4 is 0\.2000 rad from the first waypoint")
+        self.assertIn("the arm was not moved", done.stderr)
+        self.assertNotIn("Move", robot.requests)
+        self.assertFalse((self.tmp / "out").exists())
 
     def test_a_twin_is_not_asked_for(self):
         with TwinServer(PROGRAM, SOURCE, "lockstep") as server, proxy_test.Proxy(server.address) as proxy:
@@ -91,6 +106,18 @@ class HardwareTest(unittest.TestCase):
                 self.assertNotIn(FLAG, done.stderr)
                 self.assertRegex(done.stdout + done.stderr, r"(?m)^ok +hardware +none")
                 self.assertRegex(done.stdout, r"(?m) states ")
+
+    def test_a_tilt_and_a_load_must_be_said(self):
+        """The robot does not know them; its torques at rest do."""
+        lab = self.tmp / "lab.yaml"
+        lab.write_text("plant: {base_tilt: {roll: 8 deg, pitch: 0 deg}}\nload: {mass: 0.8 kg}\n")
+        with TwinServer(PROGRAM, SOURCE, "lockstep", self.scenario, "--lab", lab) as server:
+            flags = (server.address, "--robot-time", "states", "--check-only")
+            done = self.run_at(*flags)
+            self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+            self.assertRegex(done.stdout, r"(?m)^FAILED torques +joint \d holds .* tilted by 0\.0, 0\.0 deg .* a load of 0\.000 kg need")
+            self.assertRegex(self.run_at(*flags, "--lab", lab).stdout,
+                             r"(?m)^ok +torques +at rest within .* tilted by 8\.0, 0\.0 deg .* a load of 0\.800 kg")
 
     def test_without_a_wire_there_is_nothing_to_allow(self):
         done = subprocess.run([PROGRAM, "run", self.scenario, FLAG, "--data", SOURCE / "models", "--out", self.tmp / "out"],

@@ -82,8 +82,8 @@ class OwnClientTest(unittest.TestCase):
     def test_prints_its_checks_and_logs_states_and_ticks(self):
         out = self.tmp / "out"
         done = self.succeed(self.scenario(), out)
-        for subject in ("reach", "states", "mode", "errors", "joint limits", "settings", "payload", "start", "communication",
-                        "scheduler"):
+        for subject in ("reach", "states", "mode", "errors", "joint limits", "settings", "payload", "torques", "start",
+                        "communication", "scheduler"):
             self.assertRegex(done.stdout, rf"(?m)^ok +{subject} ")
         self.assertIn("no video is made", done.stderr)
         self.assertFalse((out / "video.mp4").exists())

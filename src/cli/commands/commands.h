@@ -7,7 +7,9 @@
 namespace twin::cli {
 
 void AddRun(CLI::App& app, Program& program);
+void AddMoveTo(CLI::App& app, Program& program);
 void AddServe(CLI::App& app, Program& program);
+void AddCtl(CLI::App& app, Program& program);
 void AddProxy(CLI::App& app, Program& program);
 void AddRender(CLI::App& app, Program& program);
 void AddVideo(CLI::App& app, Program& program);
@@ -22,8 +24,9 @@ void AddExport(CLI::App& app, Program& program);
 void AddCompletion(CLI::App& app, Program& program);
 
 /// All of them, in the order of the help.
-inline constexpr auto kCommands = {
-    &AddRun,    &AddServe, &AddProxy,   &AddRender, &AddVideo,   &AddExperiment, &AddValidate,
-    &AddSchema, &AddCheck, &AddExplain, &AddDecode, &AddDevices, &AddExport,     &AddCompletion};
+inline constexpr auto kCommands = {&AddRun,      &AddMoveTo,  &AddServe,  &AddCtl,
+                                   &AddProxy,    &AddRender,  &AddVideo,  &AddExperiment,
+                                   &AddValidate, &AddSchema,  &AddCheck,  &AddExplain,
+                                   &AddDecode,   &AddDevices, &AddExport, &AddCompletion};
 
 }  // namespace twin::cli

@@ -1,4 +1,6 @@
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -11,16 +13,18 @@
 #include "twin/record/log_reader.h"
 #include "twin/report/explanation.h"
 #include "twin/run/result_folder.h"
+#include "twin/run/summary.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::cli {
 namespace {
 
 struct ExplainFlags {
-  std::filesystem::path log;  ///< or a run's folder; empty with errors or modes
-  std::filesystem::path out;  ///< of the page; empty: beside the log
-  bool errors = false;        ///< the catalogue of errors instead
-  bool modes = false;         ///< what the robot grants in which mode instead
+  std::filesystem::path log;            ///< or a run's folder; empty with errors or modes
+  std::filesystem::path out;            ///< of the page; empty: beside the log
+  std::optional<std::uint64_t> motion;  ///< absent: the first error
+  bool errors = false;                  ///< the catalogue of errors instead
+  bool modes = false;                   ///< what the robot grants in which mode instead
 };
 
 namespace fs = std::filesystem;
@@ -32,22 +36,20 @@ fs::path FolderOf(const ExplainFlags& flags, const fs::path& log) {
 }
 
 /// Nothing for a scenario that this version does not read.
-report::Injected InjectedInto(const fs::path& log) {
+std::optional<report::ScenarioFacts> FactsOf(const fs::path& log) {
   const record::LogReader reader(log);
   try {
-    const scenario::Scenario scenario = scenario::Parse(reader.run().scenario_yaml, log);
-    return {.target_noise = scenario.controller.target_noise,
-            .is_smoothed = scenario.tick.generator != loop::Generator::kNone};
+    return run::FactsOf(scenario::Parse(reader.run().scenario_yaml, log));
   } catch (const InputError&) {
-    return {};
+    return std::nullopt;
   }
 }
 
 /// Takes gnuplot along when the user wants to end.
-report::Explanation Explained(const fs::path& log) {
+report::Explanation Explained(const fs::path& log, std::optional<std::uint64_t> motion) {
   const InterruptGuard interrupt;
   try {
-    return report::Explain(log, InjectedInto(log));
+    return report::Explain(log, FactsOf(log), motion);
   } catch (const EnvironmentError&) {
     interrupt.ThrowIfInterrupted();
     throw;
@@ -64,7 +66,7 @@ int Explain(const ExplainFlags& flags, const Program& /*program*/) {
     return kOk;
   }
   const fs::path log = run::FindLog(flags.log);
-  const report::Explanation explanation = Explained(log);
+  const report::Explanation explanation = Explained(log, flags.motion);
   std::string text = explanation.text;
   if (explanation.aborted) {
     const fs::path page = run::ResultFolder(FolderOf(flags, log)).explanation();
@@ -84,6 +86,9 @@ void AddExplain(CLI::App& app, Program& program) {
   CLI::Option* log =
       Add(explain, "log FILE|DIR", flags.log, "Log of a run, or its folder of results");
   Add(explain, "--out DIR", flags.out, "Folder of the page (default: beside the log)");
+  Add(explain, "--motion N", flags.motion,
+      "The errors of this motion, counted from 1 over the log (default: the first error)")
+      ->check(CLI::PositiveNumber);
   CLI::Option* errors = explain.add_flag("--errors", flags.errors,
                                          "Print all errors of the robot's controller (Markdown)");
   errors->excludes(log);

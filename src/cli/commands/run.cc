@@ -5,9 +5,12 @@
 #include <fmt/format.h>
 
 #include "cli/commands/commands.h"
+#include "cli/film_flags.h"
+#include "cli/hardware_flags.h"
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
 #include "twin/application/record_run.h"
+#include "twin/core/calendar_clock.h"
 #include "twin/core/error.h"
 #include "twin/run/remote.h"
 #include "twin/scenario/robot_data.h"
@@ -22,21 +25,19 @@ struct RunFlags {
   std::filesystem::path out;  ///< empty: out/<scenario's name>
   std::optional<std::string> backend;
   std::optional<std::string> drive;
-  std::optional<std::string> device;      ///< of the operator, in place of the scenario's
-  std::optional<std::string> robot;       ///< backend fci: HOST[:PORT]
-  std::optional<std::string> robot_time;  ///< backend fci: wall or states
-  bool allow_hardware = false;            ///< backend fci: the robot need not be a twin
-  std::optional<double> max_speed;        ///< share of the scenario's, in (0, 1]
-  std::string may_touch;                  ///< instead of motion.touches
-  std::optional<double> clock_ppm;        ///< of INT's clock
-  std::optional<int> ext_cpu;             ///< processor of the communication thread; real time
-  std::optional<int> int_cpu;             ///< processor of the robot's thread; real time
+  std::optional<std::string> device;  ///< of the operator, in place of the scenario's
+  HardwareFlags hardware;
+  std::string may_touch;            ///< instead of motion.touches
+  std::optional<double> clock_ppm;  ///< of INT's clock
+  std::optional<int> ext_cpu;       ///< processor of the communication thread; real time
+  std::optional<int> int_cpu;       ///< processor of the robot's thread; real time
   std::optional<std::filesystem::path> capture;  ///< backend fci
   std::optional<int> seeds;  ///< of an application: so many, one run each, from the seed on
   int threads = 2;           ///< with seeds
   double least_share = 100;  ///< with seeds: percent that must succeed
   bool strict = false;       ///< an arm that was too far off its path is a failure
   bool no_video = false;
+  std::string quality = "draft";
   bool rebuild_cache = false;
   PageFlags page;
   bool wait_for_visitor = false;
@@ -61,10 +62,10 @@ void RequireRemoteFlags(const RunFlags& flags, const scenario::Scenario& scenari
         "the backend",
         *flags.drive));
   }
-  RefuseIf(!is_remote && (flags.robot || flags.robot_time || flags.capture || flags.allow_hardware),
-           "--robot, --robot-time, --allow-hardware and --capture go with --backend fci");
-  RefuseIf(is_remote && !flags.robot,
-           "backend fci needs --robot HOST[:PORT]: a robot's address, or that of panda-twin serve");
+  RequireHardwareFlags(flags.hardware, scenario);
+  RefuseIf(!is_remote && flags.capture, "--capture goes with --backend fci");
+  RefuseIf(flags.hardware.check_only && flags.page.wanted(),
+           "--check-only ends before there is anything to show; leave out --page");
   RefuseIf(is_remote && flags.int_cpu,
            "--int-cpu is of a robot in this process; with backend fci leave it out");
 }
@@ -74,7 +75,7 @@ void RequireSeedsFlags(const RunFlags& flags, const scenario::Scenario& scenario
   RefuseIf(!scenario.application, "--seeds goes with an application; this scenario has a motion");
   RefuseIf(!scenario.is_lockstep(),
            "--seeds goes with lockstep: on the wall clock no seed repeats");
-  RefuseIf(flags.max_speed.has_value(), "--seeds and --max-speed do not go together");
+  RefuseIf(flags.hardware.max_speed.has_value(), "--seeds and --max-speed do not go together");
   if (!(flags.least_share >= 0 && flags.least_share <= 100)) {
     throw InputError(
         fmt::format("--least-share is {} %; it must lie in [0, 100] %", flags.least_share));
@@ -89,7 +90,7 @@ void RequireAgreement(const RunFlags& flags, const scenario::Scenario& scenario)
            "--page shows one run; leave out --seeds, or the page");
   RefuseIf(flags.seeds && flags.strict, "--strict judges one run; leave out --seeds, or --strict");
   if (flags.seeds) return RequireSeedsFlags(flags, scenario);
-  RefuseIf(flags.max_speed && scenario.application,
+  RefuseIf(flags.hardware.max_speed && scenario.application,
            "--max-speed goes with a motion; an application makes its own: see its parameters");
 }
 
@@ -112,31 +113,47 @@ application::RunOptions OptionsOf(const RunFlags& flags, const scenario::Scenari
       .out = flags.out.empty() ? std::filesystem::path("out") / name : flags.out,
       .site = flags.lab ? "lab " + *flags.lab : "the scenario's own",
       .makes_video = !flags.no_video,
+      .has_fine_pictures = IsFine(flags.quality),
       .strict = flags.strict,
-      .allow_hardware = flags.allow_hardware,
+      .hardware = {},
       .capture = flags.capture};
   if (flags.page.wanted()) options.page = PageAt(flags.page);
   options.waits_for_visitor = flags.wait_for_visitor;
   options.settings.threads.robot.cpu = flags.int_cpu;
   options.settings.threads.communication.cpu = flags.ext_cpu;
-  if (flags.robot) {
-    options.settings.remote = run::ParseRemote(*flags.robot, flags.robot_time.value_or("wall"));
+  if (const auto& robot = flags.hardware.robot) {
+    options.settings.remote = run::ParseRemote(*robot, flags.hardware.robot_time.value_or("wall"));
   }
   return options;
 }
 
-/// The flags of a robot at the other end of a wire.
-void AddRemote(CLI::App& app, RunFlags& flags) {
-  Add(app, "--robot HOST[:PORT]", flags.robot, "fci: the robot, or the twin that is served");
-  Add(app, "--robot-time wall|states", flags.robot_time,
-      "fci: wall (hardware, or a twin in real time; the default) or states (a twin "
-      "served in lockstep)");
-  Add(app, "--capture FILE", flags.capture,
-      "fci: keep what goes over the wire (pcapng; see decode)");
-  app.add_flag("--allow-hardware", flags.allow_hardware,
-               "fci: a real arm may move; needed wherever no twin says that it is one");
-  Add(app, "--max-speed F", flags.max_speed,
-      "Share of the scenario's speed, in (0, 1]: all times are divided by it");
+/// The command that runs the same motion in the twin.
+std::string RehearsalCommand(const RunFlags& flags) {
+  std::string command = fmt::format("panda-twin run {}", flags.scenario.string());
+  const auto add = [&command](std::string_view flag, const auto& value) {
+    if (value) command += fmt::format(" {} {}", flag, *value);
+  };
+  add("--lab", flags.lab);
+  add("--seed", flags.seed);
+  add("--device", flags.device);
+  add("--clock-ppm", flags.clock_ppm);
+  if (!flags.may_touch.empty()) {
+    command += fmt::format(" --no-collision-check \"{}\"", flags.may_touch);
+  }
+  if (!flags.backend) command += " --backend mujoco";  // the scenario itself says fci
+  return command;
+}
+
+/// The command that brings a remote arm to the scenario's start.
+std::string CommandToStart(const RunFlags& flags) {
+  const HardwareFlags& there = flags.hardware;
+  if (!there.robot) return {};
+  std::string command = fmt::format("panda-twin move-to start-of {}", flags.scenario.string());
+  if (flags.lab) command += " --lab " + *flags.lab;
+  command += " --backend fci --robot " + *there.robot;
+  if (there.robot_time) command += " --robot-time " + *there.robot_time;
+  if (there.allow) command += " --allow-hardware";
+  return command;
 }
 
 /// The scenario with what the command line says in its place, validated.
@@ -159,7 +176,7 @@ scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
 int Run(const RunFlags& flags, const Program& program) {
   scenario::Scenario scenario = LoadWithFlags(flags, program.host);
   RequireAgreement(flags, scenario);
-  const application::RunOptions options = OptionsOf(flags, scenario);
+  application::RunOptions options = OptionsOf(flags, scenario);
   RequirePrograms(flags, scenario, program.host);
   Terminal terminal(program.log, program.is_quiet());
   run::RunFiles files = FilesOf(flags.data, program);
@@ -169,12 +186,16 @@ int Run(const RunFlags& flags, const Program& program) {
     application::RecordSeeds(inputs, {*flags.seeds, flags.threads, flags.least_share});
     return kOk;
   }
-  if (flags.max_speed) {
+  const CalendarClock calendar;
+  const run::RunHistory history(program.host.state, calendar);
+  options.hardware =
+      HardwareOf(flags.hardware, scenario, files, RehearsalCommand(flags), history, terminal);
+  options.hardware.to_start = CommandToStart(flags);
+  if (const double speed = options.hardware.rehearsal.max_speed; speed != 1) {
     run::SlowDown(scenario,
                   scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand),
-                  *flags.max_speed);
+                  speed);
   }
-  if (scenario.is_remote()) run::RequireFree(scenario, files);
   application::RecordRun(inputs);
   return kOk;
 }
@@ -196,7 +217,10 @@ void AddRun(CLI::App& app, Program& program) {
   Add(run, "--drive", flags.drive, "Who advances time: lockstep or realtime; not with fci");
   Add(run, "--device", flags.device,
       "What the operator holds, instead of the scenario's: page, evdev, network, ...");
-  AddRemote(run, flags);
+  AddRobot(run, flags.hardware);
+  AddRehearsal(run, flags.hardware);
+  Add(run, "--capture FILE", flags.capture,
+      "fci: keep what goes over the wire (pcapng; see decode)");
   AddMayTouch(run, flags.may_touch);
   Add(run, "--clock-ppm PPM", flags.clock_ppm,
       "Drift of the robot's clock, instead of the scenario's");
@@ -212,6 +236,7 @@ void AddRun(CLI::App& app, Program& program) {
                "Exit code 1, not only a warning, when the arm was further off its path than "
                "max_deviation");
   run.add_flag("--no-video", flags.no_video, "Make no video and no contact sheet");
+  AddQuality(run, flags.quality);
   run.add_flag("--rebuild-cache", flags.rebuild_cache, "Compile the robot's model anew");
   AddData(run, flags.data);
 }

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,116 +11,28 @@
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
+#include "cli/serve_flags.h"
 #include "cli/shared_flags.h"
+#include "cli/terminal.h"
 #include "twin/application/page_operator.h"
+#include "twin/application/session_results.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/fci/capture.h"
-#include "twin/loop/host_timing.h"
 #include "twin/reference/viable_axis.h"
 #include "twin/robot/robot_config.h"
 #include "twin/run/operator_page.h"
-#include "twin/run/remote.h"
+#include "twin/run/result_folder.h"
 #include "twin/run/run.h"
 #include "twin/run/run_records.h"
+#include "twin/run/told_events.h"
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
+#include "twin/server/control_channel.h"
 #include "twin/server/served_robot.h"
 
 namespace twin::cli {
 namespace {
-
-struct ServeFlags {
-  std::filesystem::path scenario;              ///< robot, scene, start; empty: the ready pose
-  std::optional<std::string> lab;              ///< as run's
-  std::optional<std::filesystem::path> scene;  ///< instead of the scenario's
-  std::optional<std::uint64_t> seed;
-  NetworkFlags network;
-  std::optional<std::string> drive;  ///< absent: by what this host keeps
-  std::optional<double> pace;        ///< lockstep: robot time over wall-clock time, at most
-  std::string idle = "run";          ///< or "freeze"
-  std::optional<double> clock_ppm;   ///< of INT's clock; real time
-  double session_timeout = 10;       ///< s, for an answer in lockstep
-  std::optional<int> viability;      ///< as robot::RobotConfig's
-  std::optional<double> seconds;     ///< after which it ends; absent: when it is interrupted
-  std::optional<std::filesystem::path> log;
-  std::optional<std::filesystem::path> capture;
-  PageFlags page;
-  DataFlags data;
-};
-
-/// Who advances time, and the reason when the flags do not say.
-struct Drive {
-  scenario::Drive drive = scenario::Drive::kLockstep;
-  std::optional<double> pace;
-  std::string reason;
-
-  [[nodiscard]] bool is_lockstep() const { return drive == scenario::Drive::kLockstep; }
-};
-
-/// Without flags that decide: the wall clock where this host keeps 1 kHz, else lockstep at its
-/// pace.
-Drive DriveOf(const ServeFlags& flags) {
-  if (flags.drive) return {scenario::DriveFromName(*flags.drive), flags.pace, {}};
-  if (flags.pace) return {scenario::Drive::kLockstep, flags.pace, {}};
-  if (flags.clock_ppm) return {scenario::Drive::kRealtime, {}, {}};
-  constexpr Duration kMeasured = std::chrono::milliseconds(500);
-  const loop::JitterVerdict verdict = loop::Evaluate(loop::MeasureJitter(kMeasured));
-  if (verdict.good) return {scenario::Drive::kRealtime, {}, verdict.text};
-  return {scenario::Drive::kLockstep, 1.0, verdict.text};
-}
-
-scenario::Scenario LoadWithFlags(const ServeFlags& flags, const Drive& drive, const Host& host) {
-  scenario::Scenario scenario = flags.scenario.empty()
-                                    ? run::DefaultServed()
-                                    : LoadScenario(flags.scenario, flags.data, host);
-  ReplaceSite(flags.lab, flags.seed, flags.data, host, scenario);
-  if (flags.scene) {
-    std::error_code none;
-    const bool is_here = std::filesystem::is_regular_file(*flags.scene, none);
-    scenario.scene = is_here ? std::filesystem::absolute(*flags.scene) : *flags.scene;
-  }
-  if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
-  scenario.backend = scenario::Scenario().backend;  // the served robot is simulated
-  scenario.drive = drive.drive;
-  return scenario;
-}
-
-bool FreezesWhenIdle(const ServeFlags& flags) {
-  if (flags.idle == "run") return false;
-  if (flags.idle == "freeze") return true;
-  throw InputError(fmt::format("--idle: \"{}\" is neither run nor freeze", flags.idle));
-}
-
-/// Whether or not they are there.
-bool IsSameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
-  return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
-}
-
-bool IsLockstep(const std::string& drive) {
-  return scenario::DriveFromName(drive) == scenario::Drive::kLockstep;
-}
-
-void RequireServeAgreement(const ServeFlags& flags) {
-  RequirePageFlags(flags.page);
-  const bool is_realtime = flags.drive && !IsLockstep(*flags.drive);
-  const bool is_lockstep = flags.pace || (flags.drive && IsLockstep(*flags.drive));
-  RefuseIf(FreezesWhenIdle(flags) && !is_lockstep,
-           "--idle freeze goes with --drive lockstep: the wall clock never stands still");
-  RefuseIf(flags.clock_ppm && is_lockstep,
-           "--clock-ppm goes with --drive realtime: lockstep has one clock");
-  RefuseIf(flags.pace && is_realtime, "--pace goes with --drive lockstep: real time has its own");
-  if (flags.pace) RequireInRange("--pace", *flags.pace, 0.01, 100);
-  if (!(flags.session_timeout >= 0.001 && flags.session_timeout <= 3600)) {
-    throw InputError(fmt::format("--session-timeout is {} s; it must lie in [0.001, 3600] s",
-                                 flags.session_timeout));
-  }
-  if (flags.log && flags.capture && IsSameFile(*flags.log, *flags.capture)) {
-    throw InputError(fmt::format("--log and --capture both name {}; give each a file of its own",
-                                 flags.log->string()));
-  }
-  RequireDuration(flags.seconds);
-}
 
 /// A served robot, from flags to the end.
 class Service {
@@ -129,19 +42,21 @@ class Service {
         program_(program),
         files_(FilesOf(flags.data, program)),
         drive_(DriveOf(flags)),
-        scenario_(LoadWithFlags(flags, drive_, program.host)) {
+        reset_(ResetPolicyOf(flags, drive_)),
+        scenario_(ServedScenarioOf(flags, drive_, program.host)) {
+    if (flags.out) PrepareResults();
     robot::RobotConfig robot = run::MakeServedConfig(scenario_, files_);
     robot.viability = flags_.viability;
+    robot.onboard.guard = GuardOf(flags_, scenario_);
+    robot.onboard.guard_has_hand = scenario_.robot.hand != plant::HandKind::kNone;
     server::ServedRobotSettings settings = MakeSettings();
     robot::MadePlant plant = robot::MakePlant(robot);
-    MakeLog();
     page_.emplace(flags_.page.wanted() ? std::optional(PageAt(flags_.page)) : std::nullopt,
-                  flags.log ? &records_ : nullptr, ".",
+                  has_log() ? &told_ : nullptr, out_ ? out_->folder() : ".",
                   [this](std::string_view text) { program_.log->info(text); });
     settings.sink = page_->sink();
     if (flags_.capture) settings.server.capture = &capture_.emplace(*flags_.capture);
     robot_.emplace(robot, std::move(plant), std::move(settings));
-    if (flags.log) FilmForLog();
   }
   ~Service() {
     ClosePage();  // it looks at the robot
@@ -154,21 +69,29 @@ class Service {
  private:
   /// Short of log and capture.
   [[nodiscard]] server::ServedRobotSettings MakeSettings();
+  /// Takes the folder of --out. @throws twin::Error when it, or a program for it, is not to be had.
+  void PrepareResults();
+  [[nodiscard]] bool has_log() const { return flags_.log || flags_.out; }
+  /// As the last thing before the robot's time: an earlier session's results go when nothing can
+  /// prevent this one any more.
   void MakeLog();
-  /// Adds scenes to the log, so that pictures of it show hand and objects as they were.
-  void FilmForLog();
+  /// As the log has it. Without a scenario the motion is the client's alone; the log gets one at
+  /// rest, so that it can be read as any other.
+  [[nodiscard]] scenario::Scenario LoggedScenario() const;
   /// An operator who takes control at the page leads the robot, unless it is as fast as programs
   /// answer. STOP presses the robot's user stop, and the operator's release lets it go.
   void OpenPage();
+  /// The same clock as the control channel's pause and resume.
+  [[nodiscard]] page::RunClock RunClock();
   void PressUserStop(bool pressed);
   void ClosePage();
   [[nodiscard]] scenario::RobotData DataOfRobot() const {
     return scenario::LoadRobotData(files_.models, scenario_.robot.model, scenario_.robot.hand);
   }
   void Introduce();
-  [[nodiscard]] std::string DescribeTime() const;
-  /// How programs made for the robot reach this one.
-  [[nodiscard]] std::string DescribeClients() const;
+  /// The results of --out. A second wish to end leaves out the plots and the film that are left.
+  void WriteResults();
+  /// Threads: any.
   void Tell(std::string_view line);
   [[nodiscard]] bool Ends();
   /// Says, once each, that log or capture cannot be written any more.
@@ -179,37 +102,61 @@ class Service {
   const ServeFlags& flags_;
   const Program& program_;
   const run::RunFiles files_;
-  const Drive drive_;
+  const ServeDrive drive_;
+  const ResetPolicy reset_;
   const scenario::Scenario scenario_;
   const InterruptGuard interrupt_;
   std::optional<EventLog> events_;  ///< from Run() to the end
-  run::RunRecords records_;         ///< of --log
+  std::optional<run::ResultFolder> out_;
+  run::RunRecords records_;  ///< of the log
+  run::ToldEvents told_{records_};
   std::optional<fci::Capture> capture_;
+  std::mutex telling_;
   bool told_of_log_ = false;
   bool told_of_capture_ = false;
   std::optional<run::OperatorPage> page_;
   std::optional<server::ServedRobot> robot_;
+  std::optional<server::ControlChannel> control_;  ///< while the robot's time runs
   std::unique_ptr<application::PageOperator>
       operator_;  ///< from before the page is open until it has ended
 };
 
-void Service::MakeLog() {
-  if (!flags_.log) return;
-  // Without a scenario the motion is the client's alone; the log gets one at rest, so that it can
-  // be read as any other.
-  scenario::Scenario told = scenario_;
-  if (flags_.scenario.empty()) {
-    const reference::Waypoint stand{.q = told.robot.q_start.value()};
-    told.motion.waypoints = {stand, stand};
+void Service::PrepareResults() {
+  out_.emplace(*flags_.out);
+  if (!flags_.scenario.empty()) out_->RequireOther(flags_.scenario);
+  if (flags_.capture && out_->Holds(*flags_.capture)) {
+    throw InputError(
+        fmt::format("--capture: {} is one of the session's own results; name another "
+                    "file",
+                    flags_.capture->string()));
   }
-  records_.Log(*flags_.log, run::InfoOf(told, DataOfRobot()),
-               drive_.is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
+  RequireProgram("gnuplot", program_.host.path, "apt-get install gnuplot-nox, or serve with --log");
+  if (scenario_.render.enabled && !flags_.no_video) {
+    RequireProgram("ffmpeg", program_.host.path, "apt-get install ffmpeg, or add --no-video");
+  }
+  out_->Prepare();
 }
 
-void Service::FilmForLog() {
+scenario::Scenario Service::LoggedScenario() const {
+  scenario::Scenario logged = scenario_;
+  if (!flags_.scenario.empty()) return logged;
+  const reference::Waypoint stand{.q = logged.robot.q_start.value()};
+  logged.motion.waypoints = {stand, stand};
+  return logged;
+}
+
+void Service::MakeLog() {
+  if (out_) out_->Clear();
+  if (!has_log()) return;
+  records_.Log(out_ ? out_->log() : *flags_.log, run::InfoOf(LoggedScenario(), DataOfRobot()),
+               drive_.is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
+  // With scenes, so that pictures of it show hand and objects as they were, and with what the arm
+  // touched when errors were raised.
   constexpr Duration kForever = std::chrono::hours(24 * 365);
   const plant::TruthProbe* truth = robot_->truth();
-  if (truth == nullptr || !run::RunRecords::CanFilm(*truth)) return;
+  if (truth == nullptr) return;
+  records_.WatchContacts(*truth);
+  if (!run::RunRecords::CanFilm(*truth)) return;
   records_.Film(*truth, kForever, scenario_.render.fps, render::SnapshotRecorder::Keep::kLast);
 }
 
@@ -222,64 +169,25 @@ server::ServedRobotSettings Service::MakeSettings() {
                          .freeze_when_idle = FreezesWhenIdle(flags_),
                          .pace = drive_.pace};
   }
+  if (reset_ == ResetPolicy::kOnConnect) {
+    settings.server.on_arm_client = [this] {
+      if (!robot_->lockstep()->Reset({})) Tell("arm: not reset: the hand executes a command");
+    };
+  }
   settings.tell = [this](std::string_view line) { Tell(line); };
   return settings;
 }
 
 void Service::Tell(std::string_view line) {
   const Time now = clock_.Now();
+  const std::scoped_lock lock(telling_);
   events_->Put(ToSeconds(now.time_since_epoch()), line);
-  if (page_) page_->Tell(now, "server", line);
+  if (has_log()) told_.Tell(line);
+  if (page_) page_->Tell("server", line);
 }
 
 void Service::Introduce() {
-  std::string text = fmt::format("panda-twin serves {} ({}), drive {}\n", scenario_.robot.model,
-                                 robot_->plant_name(), scenario_.drive_name());
-  text += fmt::format("  time  {}\n", DescribeTime());
-  if (flags_.viability) {
-    text += fmt::format("  commands are kept within the limits, up to {} lost in a row\n",
-                        *flags_.viability);
-  }
-  text += fmt::format("  arm   {}\n", fci::ToString(robot_->arm()));
-  if (const auto hand = robot_->hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
-  text += DescribeClients();
-  text += flags_.seconds ? fmt::format("  ends  after {} s, or on Ctrl-C\n", *flags_.seconds)
-                         : "  ends  on Ctrl-C\n";
-  text += fmt::format("  {}\n", DescribeAccess(flags_.network));
-  events_->Put(text);
-}
-
-std::string Service::DescribeTime() const {
-  std::string text;
-  if (!drive_.is_lockstep()) {
-    text = "the wall clock: a cycle every 1 ms, answered or not";
-  } else if (drive_.pace) {
-    text = fmt::format("a cycle when the last state is answered, at most {} times the wall clock",
-                       *drive_.pace);
-  } else {
-    text = "a cycle when the last state is answered, as fast as answers come";
-  }
-  if (FreezesWhenIdle(flags_)) text += "; none between motions";
-  if (!drive_.reason.empty()) {
-    text += fmt::format("\n        as this host is {}\n        --drive and --pace decide instead",
-                        drive_.reason);
-  }
-  return text;
-}
-
-std::string Service::DescribeClients() const {
-  const fci::Endpoint arm = robot_->arm();
-  if (arm.port != fci::kArmPort) {
-    return "  use   our own programs: libfranka and what is built on it know ports 1337 and 1338 "
-           "alone\n";
-  }
-  const std::string at = arm.address == 0 ? "127.0.0.1" : fci::AddressText(arm.address);
-  return fmt::format(
-      "  use   libfranka 0.9  franka::Robot robot(\"{0}\", franka::RealtimeConfig::kIgnore);\n"
-      "        panda-py       panda_py.Panda(\"{0}\")\n"
-      "        libfranka-rs   franka::Robot::new(\"{0}\", RealtimeConfig::Ignore, None)\n"
-      "        franka_ros     roslaunch franka_control franka_control.launch robot_ip:={0}\n",
-      at);
+  events_->Put(IntroductionOf(flags_, drive_, scenario_, *robot_));
 }
 
 void Service::TellLosses() {
@@ -301,33 +209,46 @@ void Service::OpenPage() {
   settings.limits = DataOfRobot().limits;
   settings.stop = [this] { PressUserStop(true); };
   settings.release = [this] { PressUserStop(false); };
+  if (out_) settings.report = std::filesystem::absolute(out_->report()).string();
+  settings.run_clock = RunClock();
   if (is_unpaced()) {
     settings.watch_only =
         "a robot served in lockstep is as fast as programs answer: serve it with --pace 1 to lead "
         "it";
   } else {
-    settings.control = [this](bool wanted) { operator_->Operate(wanted); };
     operator_ = std::make_unique<application::PageOperator>(
-        application::PageOperator::Parts{program_.catalogue, files_, page_->channel()}, scenario_,
-        robot_->arm(), robot_->hand(),
-        [this](Time at, std::string_view kind, std::string_view text) {
-          page_->Tell(at, kind, text);
+        application::PageOperator::Parts{program_.catalogue, files_, page_->channel(),
+                                         [this] { return page_->FreeBodies(); }},
+        scenario_, robot_->arm(), robot_->hand(),
+        [this](Time /*at*/, std::string_view kind, std::string_view text) {
+          page_->Tell(kind, text);
         });
+    operator_->Offer(settings);
   }
   Say(stdout, page_->Open(settings, scenario_, {.truth = robot_->truth()}));
   std::fflush(stdout);
+}
+
+page::RunClock Service::RunClock() {
+  robot::AnswerPacedRobot* const lockstep = robot_->lockstep();
+  if (lockstep == nullptr) {
+    return {.why_not = "only the clock of drive lockstep stands"};
+  }
+  return {.is_paused = [lockstep] { return lockstep->cycles_left().has_value(); },
+          .pause = [lockstep](bool on) { on ? lockstep->Pause() : lockstep->Resume(); },
+          .why_not = {}};
 }
 
 void Service::PressUserStop(bool pressed) {
   try {
     robot_->PressUserStop(pressed);
   } catch (const Error& error) {
-    page_->Tell({}, "error", error.what());
+    page_->Tell("error", error.what());
   }
 }
 
 void Service::ClosePage() {
-  page_->Close("the robot is served no more");
+  page_->Close("the robot is served no more", page::RunEnd::kDone);
   operator_.reset();
 }
 
@@ -341,19 +262,57 @@ int Service::Run() {
   interrupt_.ThrowIfInterrupted();
   OpenPage();
   events_.emplace(*program_.log_flags);
+  if (flags_.control) {
+    const auto place = [this](const std::string& name, const Transform& X_WB) {
+      robot_->Place(name, X_WB);
+    };
+    control_.emplace(*flags_.control,
+                     server::ControlChannel::Controlled{.robot = robot_->robot(),
+                                                        .lockstep = robot_->lockstep(),
+                                                        .place = place,
+                                                        .may_reset = reset_ != ResetPolicy::kNever},
+                     [this](std::string_view line) { Tell(line); });
+  }
+  MakeLog();
   robot_->Begin();
   for (const std::string& notice : robot_->notices()) program_.log->info("robot: {}", notice);
   Introduce();
   robot_->Serve([this] { return Ends(); });
+  control_.reset();
   ClosePage();
   robot_->End();
+  told_.Finish();
   static_cast<void>(records_.Finish());
   if (capture_) {
     run::FinishCapture(*capture_, [this](std::string_view text) { program_.log->info(text); });
   }
+  const bool is_interrupted = interrupt_.interrupted();
+  if (out_) WriteResults();
   const std::string warnings = robot_->DescribeWarnings();
   if (!warnings.empty()) throw RobotFault("the simulation itself became unsound: " + warnings);
-  return interrupt_.interrupted() ? kInterrupted : kOk;
+  return is_interrupted ? kInterrupted : kOk;
+}
+
+void Service::WriteResults() {
+  interrupt_.Rearm();
+  events_.reset();  // the terminal writes to standard output
+  Terminal terminal(program_.log, program_.is_quiet());
+  const plant::TruthProbe* truth = robot_->truth();
+  const bool has_scenes = truth != nullptr && run::RunRecords::CanFilm(*truth);
+  const scenario::Scenario logged = LoggedScenario();
+  const scenario::RobotData robot = DataOfRobot();
+  application::WriteSessionResults(
+      {.out = *out_,
+       .scenario = logged,
+       .robot = robot,
+       .files = files_,
+       .makes_video = has_scenes && scenario_.render.enabled && !flags_.no_video,
+       .facts = {{"robot", scenario_.robot.model},
+                 {"seed", fmt::format("{}", scenario_.seed)},
+                 {"drive", std::string(scenario_.drive_name())},
+                 {"panda-twin", TWIN_VERSION}},
+       .console = terminal});
+  terminal.Print(fmt::format("  report  {}\n", out_->report().string()));
 }
 
 int Serve(const ServeFlags& flags, const Program& program) {
@@ -378,6 +337,10 @@ void AddServe(CLI::App& app, Program& program) {
       "lockstep: never faster than N times the wall clock (default: as fast as answers come)");
   Add(serve, "--idle", flags.idle, "lockstep: time between motions: run or freeze")
       ->capture_default_str();
+  Add(serve, "--reset", flags.reset,
+      "lockstep: begin anew for each client of the arm (on-connect), when ctl says so "
+      "(on-command), or never")
+      ->capture_default_str();
   Add(serve, "--clock-ppm PPM", flags.clock_ppm, "realtime: drift of the robot's clock");
   Add(serve, "--session-timeout S", flags.session_timeout,
       "lockstep: a motion that is not answered for so long is stopped")
@@ -386,9 +349,18 @@ void AddServe(CLI::App& app, Program& program) {
       "Keep the clients' motions within the limits, whatever up to N commands in a row "
       "are lost; 19 bridges all that no robot aborts for")
       ->check(CLI::Range(0, reference::ViableAxis::kMostLost));
+  serve.add_flag(
+      "--guard", flags.guard,
+      "The robot keeps the limits of scenario and lab: it stops a client's motion, as by "
+      "a reflex, before the motion breaks one");
   AddSeed(serve, flags.seed);
+  Add(serve, "--out DIR", flags.out,
+      "Folder of results: log, report with a row per motion, plots, explanations, video");
+  serve.add_flag("--no-video", flags.no_video, "With --out: make no video and no contact sheet");
   Add(serve, "--log FILE", flags.log, "Write every cycle (MCAP)");
   Add(serve, "--capture FILE", flags.capture, "Keep what goes over the wire (pcapng; see decode)");
+  Add(serve, "--control FILE", flags.control,
+      "Let programs on this machine pause, step and stop the robot over this Unix socket (see ctl)");
   AddPage(serve, flags.page);
   Add(serve, "--for S", flags.seconds, "End after so long");
   AddData(serve, flags.data);
