@@ -322,10 +322,11 @@ std::string OperatorServer::TeleopText() {
   if (feedback == nullptr) return "null";
   const bool has_echo = feedback->echo != 0 && sample_.sequence - feedback->echo < kEchoes;
   return fmt::format(
-      R"({{"mode":"{}","stopped":{},"holding":{},"hand_closed":{},"fine":{},"joint":{},"at_border":{},"why":{},"wrench":[{:.4g}],"echo_ms":{}}})",
+      R"({{"mode":"{}","stopped":{},"holding":{},"awaits_release":{},"hand_closed":{},"fine":{},"joint":{},"at_border":{},"why":{},"wrench":[{:.4g}],"echo_ms":{}}})",
       feedback->mode == teleop::Mode::kArm ? "arm" : "base", feedback->stopped, feedback->holding,
-      feedback->hand_closed, feedback->fine, feedback->joint, feedback->at_border,
-      Quoted(teleop::Describe(feedback->limit)), fmt::join(feedback->wrench, ","),
+      feedback->awaits_release, feedback->hand_closed, feedback->fine, feedback->joint,
+      feedback->at_border, Quoted(teleop::Describe(feedback->limit)),
+      fmt::join(feedback->wrench, ","),
       has_echo ? fmt::format("{:.1f}", sent_ms_[feedback->echo % kEchoes]) : "null");
 }
 

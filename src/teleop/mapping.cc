@@ -69,6 +69,7 @@ void Mapping::Count(const OperatorSample& sample) noexcept {
 bool Mapping::Open(const OperatorSample& sample, const Situation& situation) noexcept {
   const bool leads = situation.connected && !stopped_ && !ends_ && mode_ == wanted_ &&
                      sample.engaged && IsFinite(sample.axes);
+  awaits_release_ = false;
   if (!leads) return is_open_ = false;
   if (is_open_) return true;
   if (sample.kind == AxisKind::kPose) {
@@ -78,6 +79,7 @@ bool Mapping::Open(const OperatorSample& sample, const Situation& situation) noe
   }
   is_open_ = std::ranges::all_of(sample.axes,
                                  [this](double x) { return std::abs(x) <= config_.dead_zone; });
+  awaits_release_ = !is_open_;
   return is_open_;
 }
 

@@ -220,6 +220,7 @@ void Teleoperator::Answer(const RobotState& state, Time now, double T) noexcept 
                          .mode = mapping_.mode(),
                          .stopped = mapping_.stopped(),
                          .holding = !connected_,
+                         .awaits_release = mapping_.awaits_release(),
                          .hand_closed = mapping_.gripper_presses() % 2 == 1,
                          .fine = mapping_.fine(),
                          .joint = mapping_.joint(),

@@ -97,7 +97,8 @@ class PageServedTest(unittest.TestCase):
 
     def test_moves_stops_and_goes_on(self):
         operator = self.operator
-        begin = operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["O_T_EE"]
+        # A key that is held from before the robot is led has to be let go first.
+        begin = operator.lead_arm([0, 0, 1, 0, 0, 0], lambda arm: arm["mode"] == "Move")["O_T_EE"]
         operator.lead_arm([0, 0, 1, 0, 0, 0], lambda arm: arm["O_T_EE"][14] > begin[14] + 0.02)
 
         # Anyone may stop: here one who only watches.

@@ -134,7 +134,7 @@ class WebSocket:
 
 class Operator:
     """A client whose hands do the same thing for as long as it listens. Control that it lost, to a machine that held it up for longer than
-    the page waits for hands, it takes anew."""
+    the page waits for hands, it takes anew. It lets go when the page asks for it: keys that were held while the robot could not be led."""
 
     HANDS_S = 0.033
 
@@ -161,6 +161,7 @@ class Operator:
                     asks = False
                 if time.monotonic() - self.sent > self.HANDS_S:
                     self.sent = time.monotonic()
-                    self.client.say("hands", axes=axes, engaged=True, sent_ms=0)
+                    lets_go = message["teleop"] and message["teleop"]["awaits_release"]
+                    self.client.say("hands", axes=[0] * 6 if lets_go else axes, engaged=True, sent_ms=0)
             return until(message)
         return self.client.hear(fits)

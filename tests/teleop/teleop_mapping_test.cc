@@ -132,8 +132,19 @@ TEST_F(MappingTest, WaitsForACentredStickAfterASwitch) {
   ++sample.mode_presses;
   static_cast<void>(Push(0, 1));
   EXPECT_EQ(Push(0, 1), Wish());
+  EXPECT_TRUE(mapping.awaits_release());
   static_cast<void>(Push(0, 0));
+  EXPECT_FALSE(mapping.awaits_release());
   EXPECT_GT(Push(0, 1).base.v, 0);
+}
+
+TEST_F(MappingTest, AwaitsNoReleaseOfWhatNothingHears) {
+  situation.connected = false;
+  EXPECT_EQ(Push(0, 1), Wish());
+  EXPECT_FALSE(mapping.awaits_release());
+  situation.connected = true;
+  EXPECT_EQ(Push(0, 1), Wish());
+  EXPECT_TRUE(mapping.awaits_release());
 }
 
 TEST_F(MappingTest, LosesNoPressWithALostSample) {

@@ -76,6 +76,9 @@ class Mapping {
   [[nodiscard]] bool is_switching() const noexcept {
     return mode_ != wanted_ || joint_ != JointOf(last_);
   }
+  /// True while deflected sticks lead nothing because they have not been centred since the operator
+  /// could not lead: from before Begin(), a lapse of the connection, a stop or a switch.
+  [[nodiscard]] bool awaits_release() const noexcept { return awaits_release_; }
   [[nodiscard]] bool stopped() const noexcept { return stopped_; }
   [[nodiscard]] bool fine() const noexcept { return fine_; }
   [[nodiscard]] bool in_tool_frame() const noexcept { return in_tool_frame_; }
@@ -112,6 +115,7 @@ class Mapping {
   bool ends_ = false;
   std::uint32_t gripper_presses_ = 0;
   bool is_open_ = false;
+  bool awaits_release_ = false;
   Vector6 handle_0_{};                       ///< axes of a handle when it was anchored
   Transform O_T_EE_0_ = kIdentityTransform;  ///< reference at that time
 };

@@ -58,13 +58,14 @@ struct OperatorFeedback {
   Vector6
       wrench{};  ///< at the handle, N and Nm, in the axes of the sample: scaled, filtered, passive
   Mode mode = Mode::kArm;
-  bool stopped = false;      ///< emergency stop
-  bool holding = false;      ///< the device is lost or its samples are too old
-  bool hand_closed = false;  ///< as last commanded
-  bool fine = false;         ///< motion is scaled down
-  std::uint8_t joint = 0;    ///< that turns alone, 1 to 7; 0: none. Not in network messages
-  bool at_border = false;    ///< `limit` is set
-  ActiveBound limit{};       ///< what limits the arm in this direction; not in network messages
+  bool stopped = false;         ///< emergency stop
+  bool holding = false;         ///< the device is lost or its samples are too old
+  bool awaits_release = false;  ///< until the sticks are centred. Not in network messages
+  bool hand_closed = false;     ///< as last commanded
+  bool fine = false;            ///< motion is scaled down
+  std::uint8_t joint = 0;       ///< that turns alone, 1 to 7; 0: none. Not in network messages
+  bool at_border = false;       ///< `limit` is set
+  ActiveBound limit{};          ///< what limits the arm in this direction; not in network messages
 };
 
 }  // namespace twin::teleop

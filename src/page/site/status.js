@@ -63,6 +63,7 @@ function ofMode({ welcome, state, operates }) {
     told.why = `${told.why} ${arm.mode === "Reflex" ? "Recover" : "Lead on"} lets you lead it on.`;
   } else if (arm.mode === "Move" && operates && teleop) {
     if (teleop.at_border) return { ...told, tone: "warn", why: `No further that way: ${teleop.why}.` };
+    if (teleop.awaits_release) return { ...told, tone: "warn", why: "Let go of all keys and sticks; then they lead again." };
     if (teleop.holding) return { ...told, tone: "warn", word: "Holds", why: "No input reaches the robot." };
   } else if (arm.mode === "Move" && teleop && teleop.holding) {
     return { ...told, word: "Holds", why: "The robot holds its place: there is no operator." };
