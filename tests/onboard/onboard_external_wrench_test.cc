@@ -3,10 +3,12 @@
 #include <limits>
 
 #include <gtest/gtest.h>
+#include <Eigen/SVD>
 
 #include "onboard/arm_samples.h"
 #include "support/dense.h"
 #include "support/realtime_guard.h"
+#include "twin/onboard/sensing.h"
 
 namespace twin::onboard::onboard_external_wrench_test {
 namespace {
@@ -91,6 +93,21 @@ TEST(ExternalWrenchTest, IsZeroWhereTheArmIsStretchedOut) {
     EXPECT_EQ(Estimate({1, 1, 1, 1, 1, 1, 1}, q).O_F_ext_hat_K, Vector6{}) << q4;
   }
   EXPECT_NE(Estimate({1, 1, 1, 1, 1, 1, 1}, model::kReady).O_F_ext_hat_K, Vector6{});
+}
+
+TEST(ExternalWrenchTest, MakesNoReflexOfWhatFrictionLeaves) {
+  const double lowest = 20;  // N, of the thresholds with which the robot starts
+  for (std::uint64_t index = 0; index < 300; ++index) {
+    const JointVector q = model::SampleOf(index).q;
+    // The worst of all torques of 1 Nm.
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(JacobianOf(q, kIdentityTransform),
+                                                Eigen::ComputeThinV);
+    JointVector tau;
+    Eigen::Map<Eigen::VectorXd>(tau.data(), kJoints) = svd.matrixV().col(5);
+    const ExternalWrench found =
+        Estimate(tau, q, kIdentityTransform, SensingConfig().wrench_gain_max);
+    EXPECT_LT(HalfNorm(found.O_F_ext_hat_K, 0), lowest) << "pose " << index;
+  }
 }
 
 TEST(ExternalWrenchTest, ExactlySingularAndNotFiniteGiveZero) {

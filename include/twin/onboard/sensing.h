@@ -29,8 +29,9 @@ struct SensingConfig {
   /// by gain and inertia, stays far below the smallest threshold in use.
   double observer_gain = 100;
   /// Gain of the external wrench above which the arm counts as singular and the wrench is zero, > 0
-  /// (EstimateWrench).
-  double wrench_gain_max = 30;
+  /// (EstimateWrench). With 20, an error of 1 Nm, what friction leaves, stays below the lowest
+  /// threshold with which a robot starts, 20 N.
+  double wrench_gain_max = 20;
   MeasuredBounds measured;
 
   /// @throws InputError naming field, value and range.
