@@ -27,8 +27,11 @@ using ConstJoints = Eigen::Map<const Eigen::Matrix<double, 7, 1>>;
 
 constexpr double kDamping = 1e-4;  // m^2, rad^2
 constexpr double kStep = 1e-4;     // rad, of numerical derivatives
-constexpr double kBack = 0.05;     // per s, unit of the measure: speed back from a bound
-constexpr double kWeak = 0.2;      // singular values above bound nothing
+// Speed back from a bound. A joint's outweighs what it drifts outwards while its bound turns: the
+// twist follows the allowed one with a delay.
+constexpr double kBack = 0.05;      // m/s
+constexpr double kJointBack = 0.1;  // rad/s
+constexpr double kWeak = 0.2;       // singular values above bound nothing
 constexpr double kNoSigma = 1e-9;
 
 /// The smallest singular value of J, and its singular vectors.
@@ -149,7 +152,8 @@ void MotionGuard::AddTo(TwistBounds& bounds, const reference::JointTarget& postu
   const auto keep = [&](double h, const Joints& gradient, ActiveBound bound, double fastest) {
     Vector6 row;
     Eigen::Map<Row6>(row.data()) = -gradient.transpose() * B;
-    const double falling = std::clamp(kDecay * h, -kBack, fastest);
+    const double back = bound.joint != 0 ? kJointBack : kBack;
+    const double falling = std::clamp(kDecay * h, -back, fastest);
     bounds.Add(row, falling + gradient.dot(dq_0), bound);
   };
   Measure(q, here, state, base, keep);

@@ -140,6 +140,7 @@ operator:
   plant::MujocoPlantOptions options;
   options.urdf = Models() / "robots/panda/panda.urdf";
   options.scene = Models() / "scenes/floor.xml";
+  if (has_base) options.base = plant::BaseOptions{Models() / "robots/husky/husky.urdf", {}};
   planning::CollisionWorld world(options);
   JointVector q{};
   std::uint32_t draw = 0;
