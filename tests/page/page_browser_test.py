@@ -165,6 +165,7 @@ return [b[0] - a[0], a[1] - b[1]].map(Math.round)""", stick)
         self.page.wait_until(lambda: self.page.element("jog").is_displayed() and not self.page.element("left").is_displayed())
         self.look_in_all_windows("joints")
         buttons = {number: self.page.run("return document.querySelectorAll('#jog .joint')[arguments[0] - 1].lastElementChild", number) for number in (5, 7)}
+        self.page.wait_until(lambda: self.page.text("leads").startswith("You lead joint"))  # once the hand rests
         before = self.angles()
         ActionChains(self.page.browser).click_and_hold(buttons[5]).perform()
         self.page.wait_until(lambda: self.angles()[4] > before[4] + 5)
