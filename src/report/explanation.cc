@@ -153,12 +153,14 @@ std::string TellEndStops(const RunEnd& end, const Violation& v) {
                      : ".");
 }
 
-/// The tick's settings count only where the log's own workstation formed the commands.
+/// A scenario's keys help only where the log's own workstation formed the commands; in a server's
+/// log a client's program did.
 std::string TellRemedy(const RunEnd& end, const Violation& v,
                        const std::optional<ScenarioFacts>& facts) {
   const ErrorEntry& entry = EntryOf(v);
   if (entry.cure.empty()) return "";
-  if (facts && end.has_ticks && IsOfChain(v.error)) {
+  if (!end.has_ticks) return fmt::format("{}.", entry.cure);
+  if (facts && IsOfChain(v.error)) {
     return RemedyIn(*facts, v, KeeperOf(end), AnyHeld(end)) + ".";
   }
   return CureOf(entry, KeeperOf(end)) + ".";
