@@ -155,7 +155,7 @@ std::optional<std::string> FindWrongFlags(const RobotState& before, const RobotS
 namespace {
 
 /// What is told of the external force: all of it where an error of the joints' torques arrives
-/// enlarged by less than 24, nothing from 30 on: sqrt(sum 1/sigma_i^2), sigma_i the
+/// enlarged by less than 16, nothing from 20 on: sqrt(sum 1/sigma_i^2), sigma_i the
 /// singular values of EE's Jacobian.
 double WrenchShare(const RobotState& s) {
   const Jacobian columns = ArmOracle(s.q).Jacobian(s.F_T_EE);
@@ -165,7 +165,7 @@ double WrenchShare(const RobotState& s) {
         Eigen::Map<const Eigen::Matrix<double, 6, 1>>(columns[j].data());
   }
   const double gain_squared = SingularValues(J).cwiseInverse().squaredNorm();
-  return std::clamp((30.0 * 30 - gain_squared) / (30.0 * 30 - 24.0 * 24), 0.0, 1.0);
+  return std::clamp((20.0 * 20 - gain_squared) / (20.0 * 20 - 16.0 * 16), 0.0, 1.0);
 }
 
 }  // namespace
