@@ -11,6 +11,7 @@
 #include "twin/core/error.h"
 #include "twin/loop/host_timing.h"
 #include "twin/run/remote.h"
+#include "twin/scenario/data_directory.h"
 
 namespace twin::cli {
 namespace {
@@ -83,7 +84,8 @@ scenario::Scenario ServedScenarioOf(const ServeFlags& flags, const ServeDrive& d
                                     const Host& host) {
   scenario::Scenario scenario = flags.scenario.empty()
                                     ? run::DefaultServed()
-                                    : LoadScenario(flags.scenario, flags.data, host);
+                                    : scenario::LoadServed(scenario::FindScenario(
+                                          flags.scenario, DataOf(flags.data, host).models));
   ReplaceSite(flags.lab, flags.seed, flags.data, host, scenario);
   if (flags.scene) {
     std::error_code none;

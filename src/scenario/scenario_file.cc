@@ -124,12 +124,20 @@ void Describe(Map& map, Scenario& s) {
 
 namespace {
 
-Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder) {
+Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder,
+                      bool stands = false) {
   Scenario scenario;
   scenario.places.folder = folder;
   Map map;
   Describe(map, scenario);
+  if (stands) map.Before([](const YamlNode& /*node*/) {});  // it needs nothing that moves it
   map.Read(root);
+  if (stands) {
+    if (!scenario.robot.q_start) {
+      root.Fail("nothing says where the arm stands: give robot.q_start, or a motion");
+    }
+    scenario.motion.waypoints.assign(2, {.q = *scenario.robot.q_start});
+  }
   root.Checked([&scenario] { scenario.Validate(); });
   return scenario;
 }
@@ -138,6 +146,12 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder)
 
 Scenario Load(const std::filesystem::path& path) {
   return ReadScenario(YamlNode::ParseFile(path.string()), path.parent_path());
+}
+
+Scenario LoadServed(const std::filesystem::path& path) {
+  const YamlNode root = YamlNode::ParseFile(path.string());
+  const bool moves = root.Member("motion") || root.Member("application");
+  return ReadScenario(root, path.parent_path(), !moves);
 }
 
 Scenario Parse(const std::string& text, const std::filesystem::path& file) {

@@ -5,8 +5,11 @@
 #include <sstream>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
+#include "twin/core/error.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::scenario::scenario_format_test {
@@ -44,6 +47,30 @@ TEST(ScenarioFormatTest, TheTableSaysWhatEachKeyMeans) {
   for (std::string line; std::getline(table, line);) {
     EXPECT_FALSE(line.starts_with("| `") && line.ends_with("|  |")) << line;
   }
+}
+
+/// Why LoadServed() refuses a file of this text; empty: it does not.
+std::string RefusalToServe(const std::string& text) {
+  const twin::test::TemporaryFolder folder;
+  std::ofstream(folder / "s.yaml") << text;
+  try {
+    const Scenario served = LoadServed(folder / "s.yaml");
+    for (const reference::Waypoint& point : served.motion.waypoints) {
+      EXPECT_EQ(point.q, *served.robot.q_start);
+    }
+    EXPECT_EQ(Parse(ToYaml(served), "s.yaml"), served);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ScenarioFormatTest, ARobotThatIsServedNeedsNoMotionOfItsOwn) {
+  const std::string stands =
+      "name: a\nrobot: {q_start: {unit: rad, values: [0, 0, 0, -1, 0, 1, 0]}}\n";
+  EXPECT_EQ(RefusalToServe(stands), "");
+  EXPECT_THROW(static_cast<void>(Parse(stands, "s.yaml")), InputError);
+  EXPECT_THAT(RefusalToServe("name: a\n"), ::testing::HasSubstr("give robot.q_start"));
 }
 
 }  // namespace

@@ -328,6 +328,10 @@ struct Scenario {
 /// @throws InputError "<file>:<line>: <key>: ..." for anything invalid.
 [[nodiscard]] Scenario Load(const std::filesystem::path& path);
 
+/// As Load, of a robot that clients move: motion and application may be missing. The arm then
+/// stands at robot.q_start, which must be given.
+[[nodiscard]] Scenario LoadServed(const std::filesystem::path& path);
+
 /// As Load, from text. @param file  its name in messages; a waypoint file is sought beside it.
 [[nodiscard]] Scenario Parse(const std::string& text, const std::filesystem::path& file);
 
