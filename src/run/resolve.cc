@@ -37,6 +37,8 @@ onboard::OnboardConfig MakeOnboard(const scenario::Scenario& scenario,
   if (scenario.plant.armature) config.rotor_inertia = robot.rotor_inertia;
   config.end_effector = robot.end_effector;
   config.F_T_NE = robot.F_T_NE;
+  config.guard_has_hand = scenario.robot.hand != plant::HandKind::kNone;
+  config.sensing.measured.has_hand = config.guard_has_hand;
   return config;
 }
 

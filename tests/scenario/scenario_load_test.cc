@@ -143,5 +143,17 @@ TEST(ScenarioLoadTest, TheWeightThatIsNotToldLooksLikeAForceFromOutside) {
   EXPECT_NEAR(arm.state().O_F_ext_hat_K[1], 0, 0.5);
 }
 
+TEST(ScenarioLoadTest, TheHandTakesPartInSelfCollisionAndLimitsWhereThereIsOne) {
+  const run::RunFiles files{std::filesystem::path(TWIN_SOURCE_DIR) / "models", {}, {}, false};
+  for (const plant::HandKind hand : {plant::HandKind::kNone, plant::HandKind::kFrankaHand}) {
+    Scenario scenario;
+    scenario.robot.q_start = kReady;
+    scenario.robot.hand = hand;
+    const onboard::OnboardConfig config = run::MakeServedConfig(scenario, files).onboard;
+    EXPECT_EQ(config.sensing.measured.has_hand, hand != plant::HandKind::kNone);
+    EXPECT_EQ(config.guard_has_hand, hand != plant::HandKind::kNone);
+  }
+}
+
 }  // namespace
 }  // namespace twin::scenario::scenario_load_test

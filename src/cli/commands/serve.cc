@@ -48,7 +48,6 @@ class Service {
     robot::RobotConfig robot = run::MakeServedConfig(scenario_, files_);
     robot.viability = flags_.viability;
     robot.onboard.guard = GuardOf(flags_, scenario_);
-    robot.onboard.guard_has_hand = scenario_.robot.hand != plant::HandKind::kNone;
     server::ServedRobotSettings settings = MakeSettings();
     robot::MadePlant plant = robot::MakePlant(robot);
     page_.emplace(flags_.page.wanted() ? std::optional(PageAt(flags_.page)) : std::nullopt,
