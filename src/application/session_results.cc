@@ -290,7 +290,6 @@ class ResultsWriter {
     run::WriteWholeFile(inputs_.out.report(),
                         report::RenderPage("application/session",
                                            {{"title", inputs_.scenario.name},
-                                            {"about", inputs_.scenario.description},
                                             {"count", session_.motions.size()},
                                             {"clients_count", clients.size()},
                                             {"aborted", aborted > 0 ? json(aborted) : json()},
