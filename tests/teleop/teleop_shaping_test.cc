@@ -408,9 +408,9 @@ TEST(TurnBoundsTest, NeverTurnsAJointByItself) {
 
 TEST(TurnBoundsTest, IgnoresABoundThatTheJointDoesNotChange) {
   TurnBounds bounds;
-  bounds.Add(0, 0, {Bound::kScene});
+  for (const double rounding : {0.0, 1e-9, -1e-9}) bounds.Add(rounding, -1e-4, {Bound::kScene});
   ActiveBound active;
-  EXPECT_EQ(bounds.Closest(0.3, active), 0.3);
+  for (const double turn : {0.3, -0.3}) EXPECT_EQ(bounds.Closest(turn, active), turn);
 }
 
 TEST(MotionGuardTest, HoldsAJointThatTurnsAloneBeforeItsEnd) {

@@ -10,14 +10,19 @@
 namespace twin::teleop {
 
 /// Bounds a s <= max(b, 0) of the speed s of one joint that turns alone, rad/s: an interval around
-/// zero. So a bound slows a joint down and stops it, and never turns it.
+/// zero. So a bound slows a joint down and stops it, and never turns it. A measure that turning
+/// hardly changes does not bind: along a boundary, rounding decides the sign of a, and the joint
+/// would stick.
 ///
 /// Threads: one. Real-time: noexcept, does not allocate, O(1).
 class TurnBounds {
  public:
-  /// Adds a s <= max(b, 0). Ignored if it is not finite.
+  static constexpr double kParallel = 1e-3;  ///< per rad, unit of the measure: 6 mm in a full turn
+
+  /// Adds a s <= max(b, 0). Ignored if it is not finite, or |a| < kParallel.
   void Add(double a, double b, ActiveBound bound) noexcept TWIN_REALTIME {
-    const double most = std::max(b, 0.0) / a;  // with the sign of a; infinite or NaN for a = 0
+    if (std::abs(a) < kParallel) return;
+    const double most = std::max(b, 0.0) / a;  // with the sign of a
     if (a > 0 && most < high_.most) high_ = {most, bound};
     if (a < 0 && -most < low_.most) low_ = {-most, bound};
   }
