@@ -1,5 +1,6 @@
 #include "plugins/backends.h"
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -23,9 +24,12 @@ constexpr Duration kEndTimeout = std::chrono::seconds(1);
 /// cycle takes seconds.
 constexpr Duration kLongTimeout = std::chrono::seconds(5);
 
-fci::ClientTimeout TimeoutFor(backend::RobotTime time) {
+fci::ClientTimeout TimeoutFor(const backend::RobotAddress& address) {
   fci::ClientTimeout timeout;
-  if (time == backend::RobotTime::kStates) timeout.state = kLongTimeout;
+  timeout.state = address.silence;
+  if (address.time == backend::RobotTime::kStates) {
+    timeout.state = std::max(kLongTimeout, address.silence);
+  }
   return timeout;
 }
 
@@ -96,7 +100,7 @@ class FciBackend final : public backend::Backend {
              const MonotonicClock& clock)
       : time_(address.time),
         port_(address.arm_port == 0 ? fci::kArmPort : address.arm_port),
-        client_(clock, address.host, port_, TimeoutFor(address.time), address.capture),
+        client_(clock, address.host, port_, TimeoutFor(address), address.capture),
         is_twin_(client_.SaysItIsATwin()) {
     if (request.robot.plant.hand == plant::HandKind::kNone) return;
     hand_.emplace(
@@ -229,6 +233,7 @@ backend::Connection ConnectFci(const backend::Request& request) {
   connection.arrival = &backend->arrival();
   connection.hand = backend->hand();
   connection.is_twin = backend->is_twin();
+  connection.silence = remote->address.silence;
   connection.why_lost = [&robot = *backend] { return robot.WhyLost(); };
   connection.backend = std::move(backend);
   return connection;

@@ -50,6 +50,8 @@ run::RealtimeConfig ServedAt(const fci::Endpoint& arm, const std::optional<fci::
   settings.remote.arm_port = arm.port;
   if (hand) settings.remote.hand_port = hand->port;
   settings.checks_start = false;
+  // Its time may be made to stand. This server's end shows by the connection.
+  settings.remote.silence = std::chrono::hours(24);
   return settings;
 }
 

@@ -1,14 +1,9 @@
 #include "twin/loop/drive.h"
 
+#include "loop/motion_runner.h"
 #include "twin/core/error.h"
 
 namespace twin::loop {
-namespace {
-
-/// A robot that sends no state for this long counts as disconnected.
-constexpr Duration kTimeout = std::chrono::seconds(1);
-
-}  // namespace
 
 bool Drive::PassUntil(Time limit, const std::function<bool(const RobotState*)>& done) {
   backend::Backend& backend = *connection().backend;
@@ -33,9 +28,7 @@ bool Drive::PassUntil(Time limit, const std::function<bool(const RobotState*)>& 
     }
     if (done(read)) return true;
     if (Now() >= limit) return false;
-    if (now() - heard > kTimeout) {
-      throw RobotFault("no robot state has come for 1 s; is the link losing every state?");
-    }
+    if (now() - heard > connection().silence) throw RobotFault(NoStateFor(connection().silence));
     Wait(limit);
   }
 }

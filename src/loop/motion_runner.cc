@@ -26,8 +26,6 @@ constexpr Duration kMotionTimeout = std::chrono::seconds(3);
 constexpr const char* kInterrupted = "interrupted";
 /// Time without a state after which the runner asks the backend whether the motion has ended.
 constexpr Duration kSilence = std::chrono::milliseconds(500);
-/// Time without a state after which the connection counts as lost: libfranka's timeout.
-constexpr Duration kDeaf = std::chrono::seconds(1);
 constexpr Duration kLookPeriod = std::chrono::milliseconds(100);
 
 const char* Text(LoopFailure failure) {
@@ -48,6 +46,11 @@ const char* Text(LoopFailure failure) {
 }
 
 }  // namespace
+
+std::string NoStateFor(Duration silence) {
+  return fmt::format("no robot state has come for {} s; is the link losing every state?",
+                     ToSeconds(silence));
+}
 
 MotionRun WithoutModels(MotionRun run) {
   run.tick.cost = faults::DelayModel();
@@ -157,7 +160,7 @@ void MotionRunner::NoticeSilence() {
   if (silence < kSilence) return;
   if (run_.backend.Describe().last_end != backend::MotionEnd::kNone) {
     watch_.End();
-  } else if (silence >= kDeaf) {
+  } else if (silence >= run_.silence) {
     deaf_ = true;
   }
 }
@@ -169,7 +172,7 @@ std::string MotionRunner::WhyNotEnded() const {
                        onboard::Describe(run_.tick.lab.value(), tick_.breach().value()));
   }
   if (watch_.failure() != LoopFailure::kNone) return Text(watch_.failure());
-  if (deaf_) return "no robot state has come for 1 s; is the link losing every state?";
+  if (deaf_) return NoStateFor(run_.silence);
   return fmt::format("the motion did not end within {} s of run time", ToSeconds(run_.time_limit));
 }
 
@@ -201,7 +204,7 @@ void MotionRunner::JudgeRest(RunReport& report) {
     report.errors |= state.errors;
   } else if (rest_.Still() < kStill && !deaf_ && watch_.failure() == LoopFailure::kNone) {
     const std::size_t joint = FastestJoint(state.dq);
-    why = Now() - watch_.last_state() < kDeaf
+    why = Now() - watch_.last_state() < run_.silence
               ? fmt::format("the arm did not come to rest: joint {} still moves at {:.3g} rad/s",
                             joint + 1, state.dq[joint])
               : "the robot's states have stopped: nothing shows whether the arm came to rest";

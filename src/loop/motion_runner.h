@@ -16,6 +16,9 @@
 
 namespace twin::loop {
 
+/// Why a robot that is silent for this long counts as gone.
+[[nodiscard]] std::string NoStateFor(Duration silence);
+
 /// @returns `run` without its delay and cost models: on a clock, actual time passes.
 [[nodiscard]] MotionRun WithoutModels(MotionRun run);
 

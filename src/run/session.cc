@@ -161,6 +161,7 @@ MotionResult Session::Move(PreparedMotion& motion, const std::function<Time(Time
   run.sink = summary_.get();
   run.event = hooks_.event;
   run.interrupted = hooks_.interrupted;
+  run.silence = drive_->connection().silence;
   run.attend = attend;
   if (hooks_.progress) {
     run.progress = [this, planned_end](Time now) { hooks_.progress(now, planned_end); };

@@ -122,6 +122,22 @@ class PageServedAtAnotherAddressTest(PageServedTest):
 class PageServedAtItsPaceTest(PageServedTest):
     flags = ("--drive", "lockstep", "--pace", "1")
 
+    def test_a_pause_ends_no_session(self):
+        operator = self.operator
+
+        def state(fits):
+            def holds(message):
+                self.assertNotEqual((message["type"], message.get("kind")), ("event", "error"), message.get("text"))
+                return message["type"] == "state" and message["arm"] and fits(message)
+            return holds
+        begin = operator.lead([0] * 6, state(lambda message: message["teleop"] and message["arm"]["mode"] == "Move"))["arm"]
+        operator.client.say("pause", on=True)
+        operator.lead([0] * 6, state(lambda message: message["paused"]))
+        until = time.monotonic() + 3  # s; longer than a robot may be silent
+        operator.lead([0] * 6, state(lambda message: time.monotonic() > until))
+        operator.client.say("pause", on=False)
+        operator.lead([0, 0, 1, 0, 0, 0], state(lambda message: message["arm"]["O_T_EE"][14] > begin["O_T_EE"][14] + 0.02))
+
 
 class StartsPrograms(unittest.TestCase):
     def start(self, *args):

@@ -57,6 +57,8 @@ struct RobotAddress {
   std::uint16_t arm_port = 0;   ///< TCP; 0: the interface's default
   std::uint16_t hand_port = 0;  ///< TCP; 0: the port after the arm's
   RobotTime time = RobotTime::kWall;
+  /// The longest time without a state; then the robot counts as gone. At least 5 s for kStates.
+  Duration silence = std::chrono::seconds(1);
   fci::Capture* capture = nullptr;  ///< records the traffic on the wire; may be null
 };
 
@@ -120,6 +122,7 @@ struct Connection {
   std::function<std::string()> engine_warnings;
   /// Why the connection was lost, for users; "" while it is up. An empty function without a wire.
   std::function<std::string()> why_lost;
+  Duration silence = std::chrono::seconds(1);  ///< without a state: the robot has gone
   /// True if only a simulated arm moves. False for hardware, and for a robot that does not say.
   bool is_twin = true;
   bool uses_meshes = false;  ///< false: the arm is drawn in primitive shapes

@@ -30,6 +30,7 @@ struct MotionRun {
   std::function<void(Time, std::string_view, std::string_view)> event;
   /// A signal handler sets it to stop the motion and end the run. May be null.
   const volatile bool* interrupted = nullptr;
+  Duration silence = std::chrono::seconds(1);  ///< without a state, after which the run has failed
   /// Work beside the motion, such as hand commands. Called outside the tick at the run's start, and
   /// again at the time that it has returned. In real time it may block. May be empty.
   std::function<Time(Time now)> attend{};
