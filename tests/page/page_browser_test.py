@@ -9,6 +9,7 @@ import pathlib
 import re
 import sys
 import tempfile
+import time
 import unittest
 
 from selenium.webdriver.common.action_chains import ActionChains
@@ -18,7 +19,7 @@ import page_server_test
 from browser_page import BrowserPage, keep_folder
 
 KEEP = None
-WINDOWS = {"wide": (1440, 900), "small": (1024, 768), "portrait": (390, 844), "landscape": (844, 390)}
+WINDOWS = {"wide": (1440, 900), "laptop": (1440, 757), "small": (1024, 768), "portrait": (390, 844), "landscape": (844, 390)}
 
 # Visible elements with text of their own: the text, and the ratio of contrast between it and what is behind it, by WCAG 2.
 CONTRAST = """
@@ -81,6 +82,12 @@ class PageBrowserTest(unittest.TestCase):
     def angles(self):
         """Of the joints, degrees."""
         return self.page.run("return [...document.querySelectorAll('.bar')].map((bar) => parseFloat(bar.children[2].textContent))")
+
+    def rests(self):
+        """Whether no joint turns for half a second."""
+        before = self.angles()
+        time.sleep(0.5)
+        return max(abs(now - then) for now, then in zip(self.angles(), before)) < 0.15
 
     def make_mode(self, mode):
         if self.page.fact("moves").split(",")[0] != mode:  # "arm, holds" as long as nobody has moved a stick
@@ -165,7 +172,8 @@ return [b[0] - a[0], a[1] - b[1]].map(Math.round)""", stick)
         self.page.wait_until(lambda: self.page.element("jog").is_displayed() and not self.page.element("left").is_displayed())
         self.look_in_all_windows("joints")
         buttons = {number: self.page.run("return document.querySelectorAll('#jog .joint')[arguments[0] - 1].lastElementChild", number) for number in (5, 7)}
-        self.page.wait_until(lambda: self.page.text("leads").startswith("You lead joint"))  # once the hand rests
+        self.page.wait_until(lambda: self.page.text("leads").startswith("You lead joint"))
+        self.page.wait_until(self.rests)
         before = self.angles()
         ActionChains(self.page.browser).click_and_hold(buttons[5]).perform()
         self.page.wait_until(lambda: self.angles()[4] > before[4] + 5)
