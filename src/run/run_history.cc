@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <fstream>
 #include <iterator>
+#include <regex>
+#include <set>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -35,6 +37,18 @@ void AddBytes(std::string_view bytes, WordHash& hash) {
 std::string BytesOf(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// A scene and all files that it names.
+void AddScene(const fs::path& file, std::set<fs::path>& added, WordHash& hash) {
+  static const std::regex kNamed(R"re(\bfile\s*=\s*["']([^"']+)["'])re");
+  if (!added.insert(file.lexically_normal()).second) return;
+  const std::string text = BytesOf(file);
+  AddBytes(text, hash);
+  if (file.extension() != ".xml") return;
+  for (std::sregex_iterator named(text.begin(), text.end(), kNamed), end; named != end; ++named) {
+    AddScene(file.parent_path() / (*named)[1].str(), added, hash);
+  }
 }
 
 double Hours(Duration time) {
@@ -69,7 +83,8 @@ std::string RehearsalHash(const scenario::Scenario& scenario, const RunFiles& fi
   AddBytes(TWIN_VERSION, hash);
   AddBytes(scenario::ToYaml(motion), hash);
   if (!scenario.controller.library.empty()) AddBytes(BytesOf(scenario.controller.library), hash);
-  if (!scenario.scene.empty()) AddBytes(BytesOf(files.models / scenario.scene), hash);
+  std::set<fs::path> scene;
+  if (!scenario.scene.empty()) AddScene(files.models / scenario.scene, scene, hash);
   return FormatHash(hash.value());
 }
 

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
 #include "twin/core/calendar_clock.h"
 #include "twin/core/error.h"
 #include "twin/run/result_folder.h"
@@ -161,6 +162,17 @@ TEST(RehearsalHashTest, ChangesWithTheControllersLibrary) {
   std::ofstream(library) << "two";
   EXPECT_NE(RehearsalHash(scenario, {}), one);
   fs::remove(library);
+}
+
+TEST(RehearsalHashTest, ChangesWithAFileThatTheSceneIncludes) {
+  const twin::test::TemporaryFolder folder;
+  scenario::Scenario scenario;
+  scenario.scene = folder / "scene.xml";
+  std::ofstream(folder / "scene.xml") << R"(<mujoco><include file="floor.xml"/></mujoco>)";
+  std::ofstream(folder / "floor.xml") << R"(<mujoco><include file='scene.xml'/></mujoco>)";
+  const std::string flat = RehearsalHash(scenario, {});
+  std::ofstream(folder / "floor.xml") << "<mujoco/>";
+  EXPECT_NE(RehearsalHash(scenario, {}), flat);
 }
 
 TEST(CalendarTest, WritesUtc) {
