@@ -22,9 +22,6 @@ struct ComplianceOptions {
   double k_0 = 1.0;  ///< of the null space, Nm/rad, in [0, 100] [k0]
   /// Joint positions toward which the null space pulls, rad [q0].
   JointVector q_0{0, 0, 0, -std::numbers::pi / 2, 0, 107 * std::numbers::pi / 180, 0};
-  /// Of springs in the null space that keep joints off the ends of their ranges, Nm/rad, in [0,
-  /// 1000] [k_end]; 0: none, the paper's law.
-  double k_end = 0;
   bool coriolis = true;  ///< adds C dq [coriolis_compensation]
   /// Share of the joint friction to add, in [0, 1]. Absent: all that the robot leaves; a larger
   /// share is refused [friction_compensation].
