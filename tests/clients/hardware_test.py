@@ -119,6 +119,27 @@ class HardwareTest(unittest.TestCase):
             self.assertRegex(self.run_at(*flags, "--lab", lab).stdout,
                              r"(?m)^ok +torques +at rest within .* tilted by 8\.0, 0\.0 deg .* a load of 0\.800 kg")
 
+    def test_a_path_beyond_a_limit_of_the_lab_moves_nothing(self):
+        lab = self.tmp / "lab.yaml"
+        lab.write_text("limits: {regions: [{name: wall, what: [end_effector], keep: inside, "
+                       "half_space: {normal: [0, 1, 0], offset: 5 mm}}]}\n")
+        with Robot() as robot:
+            done = self.run_at(robot.address, *UNREHEARSED, "--lab", lab)
+        self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
+        self.assertIn('limit "wall": the end effector reaches', done.stderr)
+        self.assertNotIn("Move", robot.requests)
+
+    def test_a_force_above_the_labs_cap_stops_the_arm_over_the_wire(self):
+        lab = self.tmp / "lab.yaml"
+        lab.write_text("limits: {force: 15 N}\n")
+        with self.scenario.open("a") as file:
+            file.write("onboard: {collision_behavior: off}\nperturbations: [{push: {body: panda_hand, motion: 1, begin: 300 ms, "
+                       "duration: 600 ms, rise: 200 ms, force: [0 N, 30 N, 0 N], point: [0 m, 0 m, 0.1 m]}}]\n")
+        with TwinServer(PROGRAM, SOURCE, "lockstep", self.scenario) as server:
+            done = self.run_at(server.address, "--robot-time", "states", "--lab", lab)
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertRegex(done.stdout + done.stderr, r"lab_limit: limit force: the end effector is pushed with 15\.\d* N; the bound is 15 N")
+
     def test_without_a_wire_there_is_nothing_to_allow(self):
         done = subprocess.run([PROGRAM, "run", self.scenario, FLAG, "--data", SOURCE / "models", "--out", self.tmp / "out"],
                               capture_output=True, text=True, timeout=60)
