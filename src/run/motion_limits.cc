@@ -66,7 +66,7 @@ class MotionLimits {
                   std::string_view unit, const JointVector* q) const {
     if (value <= cap * (1 + kRounding)) return;
     Refuse(t,
-           fmt::format("limit \"{0} {1:.4f} {3}; the bound is {2:.4f} {3}", what, value, cap, unit),
+           fmt::format("limit \"{0} {1:.6g} {3}; the bound is {2:.6g} {3}", what, value, cap, unit),
            q, "give the motion more time, or raise the cap");
   }
 
