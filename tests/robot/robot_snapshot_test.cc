@@ -222,16 +222,19 @@ class Session final : public rt::EventHandler, public record::RecordSink {
   /// @returns a fingerprint of each cycle.
   std::vector<std::uint64_t> Run(std::size_t cycles) {
     cycles_.clear();
-    while (cycles_.size() < cycles) {
-      const std::size_t before = cycles_.size();
-      events_.RunNext();
-      if (cycles_.size() > before) actor_.Act(*robot_, box_);
-    }
+    while (cycles_.size() < cycles) Step();
     return cycles_;
   }
   /// Until messages are on the way in both directions or twice in one.
   void RunUntilMessagesFly() {
     while (events_.pending() < 4) Run(1);
+  }
+  /// Until a command is on the way that the next cycle may execute.
+  void RunUntilACommandFlies() {
+    do {
+      command_flies_ = false;
+      Step();
+    } while (!command_flies_);
   }
 
   [[nodiscard]] const Seen& seen() const { return actor_.seen; }
@@ -239,8 +242,16 @@ class Session final : public rt::EventHandler, public record::RecordSink {
   [[nodiscard]] std::uint64_t touches() const { return watch_->cycles(); }
 
  private:
+  /// Runs an event; the actor acts after each cycle.
+  void Step() {
+    const std::size_t before = cycles_.size();
+    events_.RunNext();
+    if (cycles_.size() > before) actor_.Act(*robot_, box_);
+  }
   void OnEvent(Time, std::uint64_t) noexcept override {
+    const std::size_t before = events_.pending();
     actor_.Answer(*robot_, robot_->states().Take());
+    command_flies_ = events_.pending() > before;
   }
   void Put(const record::TickRecord&) noexcept override {}
   void Put(const record::CycleRecord& record) noexcept override {
@@ -279,6 +290,7 @@ class Session final : public rt::EventHandler, public record::RecordSink {
   std::unique_ptr<plant::ContactWatch> watch_;
   Actor actor_;
   int box_ = 0;
+  bool command_flies_ = false;
   std::vector<std::uint64_t> cycles_;
   Time last_at_{Duration(-1)};
 };
@@ -296,6 +308,7 @@ TEST(RobotSnapshotTest, GoesOnBitForBitFromASnapshotEachTime) {
   for (int i = 0; i < 6; ++i) {
     session.Run(700);
     session.RunUntilMessagesFly();
+    if (i % 2 == 1) session.RunUntilACommandFlies();
     in_motion += session.mode() == RobotMode::kMove ? 1 : 0;
     kept.push_back(session.Save());
     const std::vector<std::uint64_t> went_on = session.Run(kCycles);
