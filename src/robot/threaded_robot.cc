@@ -61,7 +61,9 @@ std::invoke_result_t<Request> ThreadedRobot::Ask(Request request) const {
 MoveStatus ThreadedRobot::Move(const MotionModes& modes) {
   return Ask([&] {
     const MoveStatus status = robot_.Move(modes);
-    if (status == MoveStatus::kMotionStarted) OnGranted(Granted::kMove);
+    if (status != MoveStatus::kMotionStarted) return status;
+    motion_end_.reset();
+    OnGranted(Granted::kMove);
     return status;
   });
 }
@@ -108,7 +110,9 @@ std::optional<plant::Overlap> ThreadedRobot::Place(int body, const Transform& X_
 bool ThreadedRobot::BetweenMotions(const std::function<void()>& action) {
   return Ask([&] {
     if (robot_.mode() == RobotMode::kMove || hand_is_busy()) return false;
-    hand_ticket_ = 0;
+    motion_end_ = LastEnd();
+    if (hand_ticket_ != hand_before_) hand_end_ = OutcomeOf(hand_ticket_);
+    hand_before_ = hand_ticket_;
     action();
     return true;
   });
@@ -117,13 +121,24 @@ bool ThreadedRobot::BetweenMotions(const std::function<void()>& action) {
 HandStart ThreadedRobot::StartHand(const HandCommand& command) {
   return Ask([&] {
     HandStart start = robot_.StartHand(command);
-    if (start.ticket != 0) hand_ticket_ = start.ticket;
+    if (start.ticket == 0) return start;
+    hand_offset_ = ++hand_ticket_ - start.ticket;
+    start.ticket = hand_ticket_;
     return start;
   });
 }
 
+LastMotion ThreadedRobot::LastEnd() const noexcept {
+  return motion_end_.value_or(robot_.last_motion());
+}
+
+std::optional<HandResult> ThreadedRobot::OutcomeOf(HandTicket ticket) const noexcept {
+  if (ticket > hand_before_) return robot_.HandOutcome(ticket - hand_offset_);
+  return ticket == hand_before_ ? hand_end_ : HandResult::kAborted;
+}
+
 std::optional<HandResult> ThreadedRobot::HandOutcome(HandTicket ticket) const {
-  return Ask([&] { return robot_.HandOutcome(ticket); });
+  return Ask([&] { return OutcomeOf(ticket); });
 }
 
 HandState ThreadedRobot::hand_state() const {
@@ -135,7 +150,7 @@ RobotMode ThreadedRobot::mode() const {
 }
 
 LastMotion ThreadedRobot::last_motion() const {
-  return Ask([&] { return robot_.last_motion(); });
+  return Ask([&] { return LastEnd(); });
 }
 
 RobotState ThreadedRobot::state() const {
@@ -143,7 +158,7 @@ RobotState ThreadedRobot::state() const {
 }
 
 RobotReport ThreadedRobot::report() const {
-  return Ask([&] { return RobotReport{robot_.mode(), robot_.last_motion(), robot_.last_found()}; });
+  return Ask([&] { return RobotReport{robot_.mode(), LastEnd(), robot_.last_found()}; });
 }
 
 }  // namespace twin::robot

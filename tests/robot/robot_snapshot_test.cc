@@ -10,6 +10,7 @@
 #include <memory>
 #include <numbers>
 #include <span>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "twin/fci/datagrams.h"
 #include "twin/plant/contact_watch.h"
 #include "twin/plant/observers.h"
+#include "twin/robot/answer_paced_robot.h"
 
 namespace twin::robot::robot_snapshot_test {
 namespace {
@@ -359,6 +361,53 @@ TEST(RobotSnapshotTest, TheIdealPlantGoesBackToo) {
   run();
   EXPECT_EQ(robot.hand_state(), hand);
   EXPECT_EQ(robot.state().message_id, id);
+}
+
+/// A wire on which nothing comes.
+class Unplugged final : public WorkstationPort, public rt::Arrival {
+ public:
+  bool Receive(ReceivedCommand&) noexcept override { return false; }
+  void Deliver(const RobotState&) noexcept override {}
+  bool AwaitUntil(Time) noexcept override {
+    std::this_thread::sleep_for(microseconds(100));
+    return false;
+  }
+};
+
+// A client that has not asked yet would wait for ever otherwise.
+TEST(RobotSnapshotTest, HowMotionsAndHandCommandsEndedIsToldAfterItAndAfterAResetToo) {
+  RobotConfig config = test::PandaRobot();
+  config.plant_kind = PlantKind::kIdeal;
+  config.plant.hand = plant::HandKind::kFrankaHand;
+  const MonotonicClock clock;
+  Unplugged wire;
+  AnswerPacedRobot robot(config, MakePlant(config).plant, wire, wire, clock,
+                         {.name = "robot", .lock_memory = false}, nullptr, {});
+  robot.Begin();
+  const auto until = [](const auto& holds) {
+    while (!holds()) std::this_thread::yield();
+  };
+  const auto move_hand = [&](double width) {
+    const HandTicket ticket = robot.StartHand(hand::Move{width, 0.1}).ticket;
+    until([&] { return robot.HandOutcome(ticket).has_value(); });
+    return ticket;
+  };
+  until([&] { return robot.state().message_id > 0; });
+  ASSERT_TRUE(robot.Save("new"));
+  for (const bool restores : {false, true}) {
+    ASSERT_EQ(robot.Move({}), MoveStatus::kMotionStarted);
+    robot.StopMove();
+    until([&] { return robot.mode() == RobotMode::kIdle; });
+    const HandTicket aborted = robot.StartHand(hand::Move{0.05, 0.1}).ticket;
+    const HandTicket ended = move_hand(0.02);
+    ASSERT_TRUE(restores ? robot.Restore("new") : robot.Reset({}));
+    EXPECT_EQ(robot.report().last_motion.end, MoveStatus::kPreempted);
+    EXPECT_EQ(robot.last_motion().end, MoveStatus::kPreempted);
+    EXPECT_GT(move_hand(0.03), ended);
+    EXPECT_EQ(robot.HandOutcome(ended), HandResult::kSuccess);
+    EXPECT_EQ(robot.HandOutcome(aborted), HandResult::kAborted);
+    EXPECT_FALSE(robot.HandOutcome(ended + 9)) << "unknown";
+  }
 }
 
 }  // namespace

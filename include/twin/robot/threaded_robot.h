@@ -105,8 +105,9 @@ class ThreadedRobot : protected rt::EventHandler {
   /// not exist.
   virtual void OnGranted(Granted /*what*/) noexcept {}
 
-  /// Calls `action` on the robot's thread, unless in a motion or while the hand is busy, and
-  /// forgets the hand's last command. @returns whether it was called.
+  /// Calls `action`, which may take the robot back, on the robot's thread, unless in a motion or
+  /// while the hand is busy. How the last motion and the hand's commands ended is kept for those
+  /// who have not asked yet. @returns whether it was called.
   [[nodiscard]] bool BetweenMotions(const std::function<void()>& action);
 
   /// On the robot's thread, like those below.
@@ -117,13 +118,16 @@ class ThreadedRobot : protected rt::EventHandler {
   [[nodiscard]] const MonotonicClock& clock() const noexcept { return clock_; }
   /// Whether the hand executes a command.
   [[nodiscard]] bool hand_is_busy() const noexcept {
-    return hand_ticket_ != 0 && !robot_.HandOutcome(hand_ticket_);
+    return hand_ticket_ != hand_before_ && !robot_.HandOutcome(hand_ticket_ - hand_offset_);
   }
   void RunCalls() noexcept TWIN_REALTIME { calls_.RunPending(); }
   /// Discards messages received before Begin().
   void DropCommands() noexcept;
 
  private:
+  [[nodiscard]] LastMotion LastEnd() const noexcept;
+  /// @param ticket  of StartHand().
+  [[nodiscard]] std::optional<HandResult> OutcomeOf(HandTicket ticket) const noexcept;
   template <typename Request>
   std::invoke_result_t<Request> Ask(Request request) const;
 
@@ -132,7 +136,11 @@ class ThreadedRobot : protected rt::EventHandler {
   WorkstationPort& port_;
   rt::EventQueue events_;
   Robot robot_;
-  HandTicket hand_ticket_ = 0;  ///< of the last command started
+  HandTicket hand_ticket_ = 0;  ///< of the last command started; it rises over BetweenMotions()
+  HandTicket hand_offset_ = 0;  ///< of such tickets from the hand's own
+  HandTicket hand_before_ = 0;  ///< the last one before BetweenMotions()
+  std::optional<HandResult> hand_end_{};    ///< of that one
+  std::optional<LastMotion> motion_end_{};  ///< before BetweenMotions(), until the next motion
 
   mutable std::mutex requests_;  ///< serialises requests; the robot's thread never locks it
   mutable rt::CallMailbox calls_;
