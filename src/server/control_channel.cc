@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <functional>
@@ -193,9 +194,9 @@ class ControlChannel::Impl {
     while (!stop.stop_requested()) {
       Wait();
       if (stop.stop_requested()) return;
-      Accept();
       for (Connection& connection : connections_) Serve(connection);
       std::erase_if(connections_, [](const Connection& connection) { return connection.ended; });
+      Accept();  // after those that have ended have made room
     }
   }
 
@@ -205,7 +206,7 @@ class ControlChannel::Impl {
     bool steps = false;
     waited_.clear();
     waited_.push_back({wake_.fd(), POLLIN, 0});
-    if (connections_.size() < kMostConnections) waited_.push_back({listener_.get(), POLLIN, 0});
+    waited_.push_back({listener_.get(), POLLIN, 0});
     for (const Connection& connection : connections_) {
       steps = steps || connection.steps;
       if (!connection.steps) waited_.push_back({connection.socket.get(), POLLIN, 0});
@@ -215,11 +216,17 @@ class ControlChannel::Impl {
   }
 
   void Accept() {
-    while (connections_.size() < kMostConnections) {
+    while (true) {
       fci::FileDescriptor socket(
           accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
       if (!socket.valid()) return;
-      connections_.push_back({std::move(socket)});
+      if (connections_.size() < kMostConnections) {
+        connections_.push_back({std::move(socket)});
+      } else {
+        static_cast<void>(SendLine(
+            socket, Refusal(fmt::format("{} programs are connected already; end one of them",
+                                        kMostConnections))));
+      }
     }
   }
 
@@ -233,15 +240,17 @@ class ControlChannel::Impl {
         continue;
       }
       const std::size_t end = connection.received.find('\n');
+      if (std::min(end, connection.received.size()) > kLongestLine) {
+        Answer(connection, Refusal(fmt::format("a request has at most {} bytes", kLongestLine)));
+        connection.ended = true;
+        return;
+      }
       if (end == std::string::npos) break;
       const std::string line = connection.received.substr(0, end);
       connection.received.erase(0, end + 1);
       Take(connection, line);
     }
     connection.ended = connection.ended || connection.closed;
-    if (connection.ended || connection.received.size() <= kLongestLine) return;
-    Answer(connection, Refusal(fmt::format("a request has at most {} bytes", kLongestLine)));
-    connection.ended = true;
   }
 
   static void Receive(Connection& connection) {
@@ -307,16 +316,16 @@ std::string AskControl(const std::filesystem::path& path, const ControlRequest& 
         "--control {}",
         path.string(), path.string()));
   }
-  if (SendLine(*socket, ToLine(request))) {
-    std::string answer;
-    std::array<char, kLongestLine> bytes{};
-    for (ssize_t count = 1; count > 0 && answer.find('\n') == std::string::npos;) {
-      count = recv(socket->get(), bytes.data(), bytes.size(), 0);
-      if (count > 0) answer.append(bytes.data(), static_cast<std::size_t>(count));
-    }
-    const std::size_t end = answer.find('\n');
-    if (end != std::string::npos) return answer.substr(0, end);
+  // A channel that refuses the connection has answered, and takes nothing.
+  static_cast<void>(SendLine(*socket, ToLine(request)));
+  std::string answer;
+  std::array<char, kLongestLine> bytes{};
+  for (ssize_t count = 1; count > 0 && answer.find('\n') == std::string::npos;) {
+    count = recv(socket->get(), bytes.data(), bytes.size(), 0);
+    if (count > 0) answer.append(bytes.data(), static_cast<std::size_t>(count));
   }
+  const std::size_t end = answer.find('\n');
+  if (end != std::string::npos) return answer.substr(0, end);
   throw EnvironmentError(
       fmt::format("{}: the served robot ended before it answered", path.string()));
 }

@@ -11,6 +11,7 @@ import socket
 import stat
 import subprocess
 import sys
+import threading
 import unittest
 
 import fci_wire as fci
@@ -334,6 +335,47 @@ class ChannelTest(ControlTest):
             channel = Channel(self.path)
             self.assertTrue(channel.ask(do="status")["ok"])
             channel.close()
+
+    def test_a_ninth_program_is_told_that_there_are_eight(self):
+        self.serve()
+        channels = [self.channel() for _ in range(8)]
+        for channel in channels:
+            self.assertTrue(channel.ask(do="status")["ok"])
+        code, _, errors = self.ctl("status")
+        self.assertEqual(code, 1, errors)
+        self.assertIn("8 programs", errors)
+        channels[0].close()
+        self.assertEqual(self.ctl("status")[0], 0)
+
+    def test_a_line_that_is_too_long_is_no_request_however_it_comes(self):
+        self.serve()
+        for pieces in ((5000,), (4000, 1000)):
+            channel = self.channel()
+            line = b'{"do":"pause"}'.ljust(sum(pieces)) + b"\n"
+            with contextlib.suppress(BrokenPipeError):
+                channel.socket.sendall(line[:pieces[0]])
+                channel.socket.sendall(line[pieces[0]:])
+            self.assertIn("at most 4096 bytes", channel.answer()["error"])
+        self.assertFalse(self.channel().ask(do="status")["paused"])
+
+    def test_what_answers_but_is_no_control_channel_is_told_so(self):
+        for answer in (b"[]", b"\xff", b'{"ok":1}', b'{"ok":true}', b'{"ok":false}', b'{"ok":false,"error":1}', b'{"ok":true,"errors":[],"mode":1}'):
+            with self.subTest(answer=answer), socket.socket(socket.AF_UNIX) as listener:
+                self.path.unlink(missing_ok=True)
+                listener.bind(str(self.path))
+                listener.listen(1)
+
+                def serve(listener=listener, answer=answer):
+                    connection, _ = listener.accept()
+                    with connection:
+                        connection.recv(4096)
+                        connection.sendall(answer + b"\n")
+                server = threading.Thread(target=serve)
+                server.start()
+                code, _, errors = self.ctl("status")
+                server.join()
+                self.assertEqual(code, 4, errors)
+                self.assertIn("no control channel", errors)
 
     def test_its_requests_are_events_of_the_session(self):
         server = self.serve("--out", pathlib.Path(self.folder, "out"))

@@ -22,7 +22,8 @@ namespace twin::server {
 ///
 /// A step is answered when its cycles have run; in a motion that takes the client's answers. Bytes
 /// that are no request end the connection after their answer, as does a line of more than 4096
-/// bytes; so what a browser or another stray program sends has no effect. Up to 8 connections.
+/// bytes; so what a browser or another stray program sends has no effect. Up to 8 connections; a
+/// ninth gets a refusal and ends.
 ///
 /// Threads: one; it has one of its own.
 class ControlChannel {

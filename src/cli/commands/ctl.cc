@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -18,24 +19,25 @@ struct CtlFlags {
   bool json = false;                 ///< the answer as it came
 };
 
+/// @param answer  of a control channel. @throws RobotFault for a refusal; json::exception.
+std::string SummaryOf(const nlohmann::json& answer) {
+  if (!answer.at("ok").get<bool>()) throw RobotFault(answer.at("error").get<std::string>());
+  const nlohmann::json& errors = answer.at("errors");
+  return fmt::format(
+      "mode {}, time {}, cycle {} ({:.3f} s), errors {}\n", answer.at("mode").get<std::string>(),
+      answer.at("paused").get<bool>() ? "paused" : "runs", answer.at("cycle").get<std::uint64_t>(),
+      answer.at("time_s").get<double>(), errors.empty() ? "none" : errors.dump());
+}
+
 int Ctl(const CtlFlags& flags, const Program& /*program*/) {
   const std::string line =
       server::AskControl(flags.socket, server::ControlRequestOf(flags.request));
-  const nlohmann::json answer = nlohmann::json::parse(line, nullptr, false);
-  if (!answer.is_object() || !answer.contains("ok")) {
+  try {
+    const std::string summary = SummaryOf(nlohmann::json::parse(line));
+    Say(stdout, flags.json ? line + "\n" : summary);
+  } catch (const nlohmann::json::exception&) {
     throw EnvironmentError(
         fmt::format("{}: what answers there is no control channel", flags.socket.string()));
-  }
-  if (!answer["ok"].get<bool>()) throw RobotFault(answer["error"].get<std::string>());
-  if (flags.json) {
-    Say(stdout, line + "\n");
-  } else {
-    const std::string errors = answer["errors"].empty() ? "none" : answer["errors"].dump();
-    Say(stdout,
-        fmt::format("mode {}, time {}, cycle {} ({:.3f} s), errors {}\n",
-                    answer["mode"].get<std::string>(),
-                    answer["paused"].get<bool>() ? "paused" : "runs",
-                    answer["cycle"].get<std::uint64_t>(), answer["time_s"].get<double>(), errors));
   }
   FinishOutput();
   return kOk;
