@@ -23,8 +23,8 @@ namespace twin::loop {
 /// asked for at once |
 ///
 /// So only a stream of joint positions or velocities is proved, and only if no command is lost
-/// during the stop. For poses the proof is also made for accelerations held for kHeldCycles; the
-/// robot's inverse kinematics is an assumption. For torques it is a prediction.
+/// right before the stop and during it. For poses the proof is also made for accelerations held for
+/// kHeldCycles; the robot's inverse kinematics is an assumption. For torques it is a prediction.
 ///
 /// Measured forces and torques above their caps begin the same stop.
 ///
