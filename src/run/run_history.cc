@@ -137,16 +137,19 @@ std::optional<PastRun> RunHistory::Find(std::string_view hash, std::string_view 
   if (folder_.empty()) return std::nullopt;
   try {
     const auto json = nlohmann::json::parse(BytesOf(FileOf(hash, robot)));
+    const auto& ended_ns = json.at("ended_ns");
+    if (!ended_ns.is_number_integer()) return std::nullopt;
     PastRun run{.hash = json.at("hash"),
                 .scenario = json.at("scenario"),
                 .robot = json.at("robot"),
                 .failure = json.at("failure"),
                 .max_speed = json.at("max_speed"),
                 .q_start = {},
-                .ended = Time(Duration(json.at("ended_ns").get<Duration::rep>()))};
+                .ended = Time(Duration(ended_ns.get<Duration::rep>()))};
     if (!json.at("q_start_rad").is_null()) run.q_start = json.at("q_start_rad").get<JointVector>();
     // Names of robots may differ in what names of files cannot hold.
-    return run.hash == hash && run.robot == robot ? std::optional(run) : std::nullopt;
+    const bool is_it = run.hash == hash && run.robot == robot;
+    return is_it && run.ended >= Time() ? std::optional(run) : std::nullopt;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;
   }

@@ -133,6 +133,12 @@ TEST_F(RunHistoryTest, ADamagedRecordIsNone) {
   EXPECT_FALSE(Check().ok);
   std::ofstream(folder_ / "ab.json") << "{\"hash\": 7}";
   EXPECT_FALSE(Check().ok);
+  for (const char* ended : {"-9223372036854775808", "18446744073709551615", "1e300", "true"}) {
+    std::ofstream(folder_ / "ab.json")
+        << R"({"hash": "ab", "scenario": "s", "robot": "", "failure": "", "max_speed": 1,)"
+        << R"("q_start_rad": null, "ended_ns": )" << ended << "}";
+    EXPECT_THAT(Check().text, HasSubstr("has not run")) << ended;
+  }
 }
 
 TEST(RehearsalHashTest, ChangesWithTheMotionAndNotWithWhereItRuns) {
