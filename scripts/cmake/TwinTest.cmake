@@ -18,9 +18,9 @@ set(TWIN_UNITTEST_SKIPPED "\nOK \\(skipped=[0-9]+\\)")
 
 # The tests' Python: .venv, made by scripts/setup, has the packages of scripts/requirements-test.txt.
 if(EXISTS ${PROJECT_SOURCE_DIR}/.venv/bin/python)
-  set(TWIN_PYTHON ${PROJECT_SOURCE_DIR}/.venv/bin/python)
+  set(TWIN_TEST_PYTHON ${PROJECT_SOURCE_DIR}/.venv/bin/python)
 else()
-  set(TWIN_PYTHON python3)
+  set(TWIN_TEST_PYTHON python3)
 endif()
 
 # Of tests that play a person at a browser: it has Debian's python3-selenium, which .venv does not see.
@@ -87,7 +87,7 @@ function(twin_add_script_test name)
   if(is_unittest)
     list(APPEND TEST_ARGS -v)  # without it no reason of a skip is told
   endif()
-  twin_register_test(${name} COMMAND ${TWIN_PYTHON} -B ${TEST_SCRIPT} ${TEST_ARGS}
+  twin_register_test(${name} COMMAND ${TWIN_TEST_PYTHON} -B ${TEST_SCRIPT} ${TEST_ARGS}
                      LABELS "${TEST_LABELS}" TIMEOUT "${TEST_TIMEOUT}" NEEDS ${TEST_NEEDS})
 endfunction()
 

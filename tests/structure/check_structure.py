@@ -12,7 +12,7 @@ import re
 import sys
 import tempfile
 
-CODE_FOLDERS = ("include", "src", "plugins", "controllers", "tests")
+CODE_FOLDERS = ("include", "src", "plugins", "controllers", "python", "tests")
 TEXT_FOLDERS = CODE_FOLDERS + ("docs", "scripts", "models", ".ci")
 TEXT_SUFFIXES = {".h", ".cc", ".py", ".txt", ".cmake", ".in", ".md", ".yaml", ".xml", ".urdf", ".proto", ".json", ""}
 MOST_LINES = 600
@@ -35,7 +35,7 @@ TRUTH_USERS = ("include/twin/plant/", "src/plant/", "include/twin/render/", "src
                "include/twin/application/application.h", "src/page/live_page.cc", "include/twin/run/run_records.h")
 TRUTH = {"twin/plant/truth_probe.h": TRUTH_USERS, "twin/plant/contact_watch.h": (*TRUTH_USERS, "include/twin/run/"),
          "twin/plant/object_watch.h": TRUTH_USERS}
-PLUG_IN_NAMERS = ("src/cli/", "plugins/", "controllers/", "tests/")
+PLUG_IN_NAMERS = ("src/cli/", "python/", "plugins/", "controllers/", "tests/")
 ENVIRONMENT_READERS = ("src/cli/", "tests/")
 
 
@@ -79,7 +79,7 @@ def check_include(path, included, areas):
     if included in TRUTH and not path.startswith(TRUTH[included]):
         yield f'includes "{included}": ground truth, as of the truth probe, is for render, experiments and tests'
     if included.startswith(("plugins/", "controllers/")) and not path.startswith(PLUG_IN_NAMERS):
-        yield f'includes "{included}": only cli names plug-ins and controllers'
+        yield f'includes "{included}": only cli and python name plug-ins and controllers'
 
 
 def check_line(path, line, areas):
@@ -157,7 +157,7 @@ def check_pictures(root):
 def check_listed(root, folder_files):
     """Test programs and sources that no CMakeLists.txt beside them names: they would never run."""
     for path in folder_files:
-        if not path.endswith(".cc") or not path.startswith(("tests/", "src/")):
+        if not path.endswith(".cc") or not path.startswith(("tests/", "src/", "python/")):
             continue
         folder = root / pathlib.PurePath(path).parent
         while not (folder / "CMakeLists.txt").exists() and folder != root:
@@ -206,7 +206,7 @@ SELF_TEST = [
     ("src/cli/a.cc", '#include "twin/plant/object_watch.h"\n', "ground truth"),
     ("src/application/a.cc", '#include "twin/plant/truth_probe.h"\n', "ground truth"),
     ("include/twin/application/application.h", '#pragma once\n#include "twin/plant/truth_probe.h"\n', ""),
-    ("src/onboard/a.cc", '#include "plugins/emulated/x.h"\n', "only cli names plug-ins"),
+    ("src/onboard/a.cc", '#include "plugins/emulated/x.h"\n', "only cli and python name plug-ins"),
     ("src/core/a.cc", "auto t = std::chrono::steady_clock::now();\n", "reads a clock"),
     ("src/core/a.cc", "clock_gettime(CLOCK_MONOTONIC, &t);\n", "reads a clock"),
     ("src/core/clock.cc", "auto t = std::chrono::steady_clock::now();\n", ""),

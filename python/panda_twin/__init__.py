@@ -1,0 +1,6 @@
+"""A digital twin of the Franka Emika Panda and of its 1 kHz control stack."""
+
+from ._core import RobotFault, __version__
+from . import _host as _host  # tells the module where its files are
+
+__all__ = ["RobotFault", "__version__"]
