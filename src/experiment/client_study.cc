@@ -141,7 +141,7 @@ std::map<std::string, std::string> ClientValues(const ClientProgram& program,
 
 /// Distribution of d_EXT on the wire.
 Figure ClientLatencyFigure(const std::vector<double>& latencies_us) {
-  const std::vector<double> edges = LogEdges(4, 4000, 40);
+  const std::vector<double> edges = LogEdges(1, 4000, 40);
   return FigureOf("wire", {{"d_EXT on the wire [us]", edges},
                            {"in bin [%]", Percent(Histogram(latencies_us, edges))},
                            {"longer [1]", Exceedance(latencies_us, edges)}});

@@ -172,7 +172,7 @@ std::vector<double> Pooled(const std::vector<LoopSample>& runs,
 
 /// The distribution of d_EXT, all runs of a loop together.
 Figure LatencyFigure(const LoopRuns& runs) {
-  const std::vector<double> edges = LogEdges(4, 3000, 40);
+  const std::vector<double> edges = LogEdges(1, 3000, 40);
   std::vector<Column> columns{{"d_EXT [us]", edges}};
   for (std::size_t loop = 0; loop < runs.size(); ++loop) {
     const std::vector<double> values = Pooled(runs[loop], &LoopSample::d_EXT_us);
