@@ -208,6 +208,9 @@ class ResetTest(ControlTest):
         code, _, errors = self.ctl("reset")
         self.assertEqual(code, 1)
         self.assertIn("--reset on-command", errors)
+        code, told, errors = self.ctl("--json", "reset")
+        self.assertEqual(code, 1)
+        self.assertIn(json.loads(told)["error"], errors)
         done = subprocess.run([serve_test.PROGRAM, "serve", "--drive", "realtime", "--reset", "on-connect"], capture_output=True,
                               text=True, timeout=fci.LIMIT)
         self.assertEqual(done.returncode, 3)
