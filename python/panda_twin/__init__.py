@@ -2,5 +2,6 @@
 
 from ._core import RobotFault, __version__
 from . import _host as _host  # tells the module where its files are
+from . import model
 
-__all__ = ["RobotFault", "__version__"]
+__all__ = ["RobotFault", "__version__", "model"]

@@ -33,5 +33,6 @@ struct Host {
 
 // One per source of the same name.
 void AddErrors(nb::module_& module);
+void AddModel(nb::module_& module);
 
 }  // namespace twin::python

@@ -70,4 +70,5 @@ NB_MODULE(_core, module) {
       nanobind::arg("meshes"), nanobind::arg("cache"), nanobind::arg("state"),
       nanobind::arg("path"));
   python::AddErrors(module);
+  python::AddModel(module);
 }
