@@ -22,3 +22,34 @@ def model_jacobian(q: _Rows, frame: str, F_T_EE: list[float], in_body: bool, out
 def model_fk(q: _Rows, frame: str, F_T_EE: list[float], out: _Rows, /) -> None: ...
 def model_ik(O_T_EE: _Rows, q7: _Rows, F_T_EE: list[float], q_min: list[float], q_max: list[float], out: _Rows, /) -> None: ...
 def model_panda() -> tuple[list[float], list[float], list[float], float, list[float], list[float]]: ...
+
+# served.cc
+class ServeOptions:
+    scenario: pathlib.Path
+    yaml: str
+    lab: str | None
+    scene: pathlib.Path | None
+    seed: int | None
+    drive: str | None
+    pace: float | None
+    idle: str
+    clock_ppm: float | None
+    session_timeout: float
+    viability: int | None
+    guard: bool
+    reset: str
+    out: pathlib.Path | None
+    no_video: bool
+    log: pathlib.Path | None
+    capture: pathlib.Path | None
+
+class Served:
+    closed: bool
+    hostname: str
+    port: int
+    drive: str
+    events: list[tuple[float, str, str]]
+    def ask(self, line: str, /) -> str: ...
+    def close(self) -> list[str]: ...
+
+def serve(options: ServeOptions, hostname: str | None, control: pathlib.Path | None) -> Served: ...

@@ -71,4 +71,5 @@ NB_MODULE(_core, module) {
       nanobind::arg("path"));
   python::AddErrors(module);
   python::AddModel(module);
+  python::AddServed(module);
 }
