@@ -99,14 +99,14 @@ class Programs(Case):
         self.assertEqual(arm.fci_version, 5)
         start = np.array(arm.read_once().O_T_EE)[:3, 3]
         np.testing.assert_allclose(start, panda_twin.model.fk(robot.status.q)[:3, 3], atol=1e-4)
-        goal = start + (0.05, 0.05, -0.05)
-        with arm.cartesian_targets(backend="robot") as targets:
-            targets.move_to(goal)
-            limit = time.monotonic() + 60
-            while np.abs(np.array(targets.state().O_T_EE)[:3, 3] - goal).max() > 2e-3:
-                self.assertLess(time.monotonic(), limit, robot.events)
-                time.sleep(0.01)
-        self.assert_near(panda_twin.model.fk(robot.status.q)[:3, 3], goal)
+        for backend, goal in (("robot", start + (0.05, 0.05, -0.05)), ("impedance", start)):  # poses, torques
+            with arm.cartesian_targets(backend=backend) as targets:
+                targets.move_to(goal)
+                limit = time.monotonic() + 60
+                while np.abs(np.array(targets.state().O_T_EE)[:3, 3] - goal).max() > 2e-3:
+                    self.assertLess(time.monotonic(), limit, robot.events)
+                    time.sleep(0.01)
+            self.assert_near(panda_twin.model.fk(robot.status.q)[:3, 3], goal)
 
     def test_a_refusal_says_why(self):
         robot = self.serve()
