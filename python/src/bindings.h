@@ -33,5 +33,7 @@ struct Host {
 
 // One per source of the same name.
 void AddErrors(nb::module_& module);
+void AddModel(nb::module_& module);
+void AddServed(nb::module_& module);
 
 }  // namespace twin::python

@@ -3,14 +3,7 @@
 #include <algorithm>
 
 namespace twin::run {
-namespace {
 
-struct ToldEvent {
-  std::string_view kind;
-  std::string_view text;
-};
-
-/// As ToldEvents says. @param line  "arm: motion finished", "hand: 127.0.0.1:4033 connected".
 ToldEvent EventOf(std::string_view line) noexcept {
   constexpr std::string_view kMotion = "motion ";
   const std::size_t colon = line.find(": ");
@@ -20,8 +13,6 @@ ToldEvent EventOf(std::string_view line) noexcept {
   const bool is_client = !text.empty() && text.front() >= '0' && text.front() <= '9';
   return is_client ? ToldEvent{"client", line} : ToldEvent{line.substr(0, colon), text};
 }
-
-}  // namespace
 
 void ToldEvents::Tell(std::string_view line) noexcept {
   static_cast<void>(lines_.TryPushWith([line](Line& slot) {

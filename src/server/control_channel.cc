@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <functional>
 #include <optional>
 #include <stop_token>
 #include <string_view>
@@ -16,13 +15,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "server/local_socket.h"
 #include "twin/core/error.h"
-#include "twin/core/robot_errors.h"
-#include "twin/model/transform.h"
 #include "twin/server/wake_event.h"
 
 namespace twin::server {
@@ -45,128 +41,11 @@ std::string Refusal(std::string_view why) {
                                                         AnswerJson::error_handler_t::replace);
 }
 
-std::string_view WhyNot(RecoveryStatus status) {
-  switch (status) {
-    case RecoveryStatus::kManualErrorRecoveryRequiredRejected:
-      return "a joint is beyond its limit; lead the arm back (guiding)";
-    case RecoveryStatus::kCommandNotPossibleRejected:
-      return "not possible in this mode, or the arm still moves";
-    default: return "the error persists";
-  }
-}
-
-/// Carries out the requests of a channel.
-class ControlledRobot {
- public:
-  explicit ControlledRobot(const ControlChannel::Controlled& controlled)
-      : robot_(controlled.robot),
-        lockstep_(controlled.lockstep),
-        place_(controlled.place),
-        may_reset_(controlled.may_reset) {}
-
-  /// @throws InputError when the robot refuses; RobotFault.
-  void Do(const ControlRequest& request) {
-    switch (request.verb) {
-      case ControlVerb::kStatus: return;
-      case ControlVerb::kPause: return Lockstep("pause").Pause();
-      case ControlVerb::kResume: return Lockstep("resume").Resume();
-      case ControlVerb::kStep:
-        if (Lockstep("step").Step(request.cycles)) return;
-        throw InputError("step: time runs, or another step does; pause first");
-      case ControlVerb::kUserStop:
-        return Operate(request.on ? PanelAction::kPressUserStop : PanelAction::kReleaseUserStop);
-      case ControlVerb::kGuiding:
-        return Operate(request.on ? PanelAction::kPressGuidingButton
-                                  : PanelAction::kReleaseGuidingButton);
-      case ControlVerb::kReset: return Reset(request.q);
-      case ControlVerb::kPlace: return Place(request);
-      case ControlVerb::kSnapshot:
-        if (Lockstep("snapshot").Save(request.name)) return;
-        throw InputError(fmt::format("snapshot: {}", kOnlyBetween));
-      case ControlVerb::kRestore:
-        if (Lockstep("restore").Restore(request.name)) return;
-        throw InputError(fmt::format("restore: {}", kOnlyBetween));
-      case ControlVerb::kRecover: {
-        const RecoveryStatus status = robot_.AutomaticErrorRecovery();
-        if (status == RecoveryStatus::kSuccess) return;
-        throw InputError(fmt::format("recover: refused: {}", WhyNot(status)));
-      }
-    }
-  }
-
-  /// Whether cycles of a step are left.
-  [[nodiscard]] bool IsStepping() const {
-    return lockstep_ != nullptr && lockstep_->cycles_left().value_or(0) > 0;
-  }
-
-  /// The answer to a request that was carried out. @throws RobotFault.
-  [[nodiscard]] std::string Status() const {
-    const RobotState state = robot_.state();
-    AnswerJson errors = AnswerJson::array();
-    for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
-      if (state.errors[i]) errors.push_back(Name(static_cast<RobotError>(i)));
-    }
-    return AnswerJson{{"ok", true},
-                      {"cycle", state.message_id},
-                      {"time_s", ToSeconds(static_cast<std::int64_t>(state.message_id) * kCycle)},
-                      {"mode", Name(robot_.mode())},
-                      {"paused", lockstep_ != nullptr && lockstep_->cycles_left().has_value()},
-                      {"lockstep", lockstep_ != nullptr},
-                      {"errors", errors},
-                      {"q", state.q}}
-        .dump();
-  }
-
- private:
-  static constexpr const char* kOnlyBetween =
-      "refused in a motion, and while the hand executes a command";
-
-  robot::AnswerPacedRobot& Lockstep(std::string_view what) const {
-    if (lockstep_ != nullptr) return *lockstep_;
-    throw InputError(fmt::format(
-        "{}: this robot runs on the wall clock, which never stands still; serve it with --drive "
-        "lockstep, or --pace 1",
-        what));
-  }
-
-  void Reset(const std::optional<JointVector>& q) {
-    robot::AnswerPacedRobot& robot = Lockstep("reset");
-    if (!may_reset_) {
-      throw InputError(
-          "reset: this robot is served with --reset never, the default; serve it with --reset "
-          "on-command");
-    }
-    if (robot.Reset(q)) return;
-    throw InputError(fmt::format("reset: {}", kOnlyBetween));
-  }
-
-  void Place(const ControlRequest& request) {
-    const auto about = [&](std::size_t i, const Eigen::Vector3d& axis) {
-      return Eigen::AngleAxisd(request.rpy[i], axis);
-    };
-    const Eigen::Quaterniond turn = about(2, Eigen::Vector3d::UnitZ()) *
-                                    about(1, Eigen::Vector3d::UnitY()) *
-                                    about(0, Eigen::Vector3d::UnitX());
-    place_(request.name, model::Pose(turn, Eigen::Vector3d(request.position.data())));
-  }
-
-  void Operate(PanelAction action) {
-    if (robot_.Operate(action)) return;
-    throw InputError(fmt::format("{}: the robot does not accept it in mode \"{}\"", Name(action),
-                                 Name(robot_.mode())));
-  }
-
-  robot::ThreadedRobot& robot_;
-  robot::AnswerPacedRobot* const lockstep_;
-  const std::function<void(const std::string& name, const Transform& X_WB)> place_;
-  const bool may_reset_;
-};
-
 }  // namespace
 
 class ControlChannel::Impl {
  public:
-  Impl(const std::filesystem::path& path, const Controlled& controlled, TellPeople tell)
+  Impl(const std::filesystem::path& path, const ControlledRobot& controlled, TellPeople tell)
       : path_(path),
         robot_(controlled),
         tell_(std::move(tell)),
@@ -282,7 +161,7 @@ class ControlChannel::Impl {
 
   void AnswerStatus(Connection& connection) {
     try {
-      Answer(connection, robot_.Status());
+      Answer(connection, robot_.StatusLine());
     } catch (const RobotFault& fault) {
       Answer(connection, Refusal(fault.what()));
     }
@@ -302,7 +181,7 @@ class ControlChannel::Impl {
   std::jthread thread_;
 };
 
-ControlChannel::ControlChannel(const std::filesystem::path& path, const Controlled& controlled,
+ControlChannel::ControlChannel(const std::filesystem::path& path, const ControlledRobot& controlled,
                                TellPeople tell)
     : impl_(std::make_unique<Impl>(path, controlled, std::move(tell))) {}
 

@@ -12,14 +12,24 @@
 
 namespace twin::run {
 
+/// A line of a served robot, as an event.
+struct ToldEvent {
+  std::string_view kind;
+  std::string_view text;
+};
+
+/// Kinds: `motion` for a motion of the arm ("started: ...", "finished", "aborted by reflex: ..."),
+/// `client` for lines that begin with a client's address (the whole line), else the word before the
+/// line's first colon, `arm` or `hand`; `server` without a colon.
+/// @param line  "arm: motion finished", "hand: 127.0.0.1:4033 connected"; must outlive the result.
+[[nodiscard]] ToldEvent EventOf(std::string_view line) noexcept TWIN_REALTIME;
+
 /// Passes a robot's records on, and adds the lines of its server (server::TellPeople) to the log as
 /// events, at the time of the next cycle, before that cycle.
 ///
 ///     server's thread:  Tell(line) --> ring of 64 --> Put(cycle) of the robot's thread
 ///
-/// Kinds: `motion` for a motion of the arm ("started: ...", "finished", "aborted by reflex: ..."),
-/// `client` for lines that begin with a client's address (the whole line), else the word before the
-/// line's first colon: `arm`, `hand` or `control`.
+/// Kinds as EventOf().
 ///
 /// Threads: Tell() from one at a time; Put() as RunRecords. Real-time: Put() and Tell() allocate
 /// nothing. A line that finds the ring full is dropped.

@@ -1,13 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 
-#include "twin/robot/answer_paced_robot.h"
-#include "twin/robot/threaded_robot.h"
 #include "twin/server/control_request.h"
+#include "twin/server/controlled_robot.h"
 #include "twin/server/request_handler.h"
 
 namespace twin::server {
@@ -28,21 +26,12 @@ namespace twin::server {
 /// Threads: one; it has one of its own.
 class ControlChannel {
  public:
-  /// What a channel controls; all of it must outlive the channel.
-  struct Controlled {
-    robot::ThreadedRobot& robot;
-    /// The same robot in lockstep; null on the wall clock, where time cannot be paused.
-    robot::AnswerPacedRobot* lockstep = nullptr;
-    /// Puts an object of the scene somewhere, as ServedRobot::Place().
-    std::function<void(const std::string& name, const Transform& X_WB)> place;
-    bool may_reset = false;  ///< whether a request may reset the robot
-  };
-
   /// Creates the socket; a socket of a server that has ended is replaced.
   /// @param tell   gets a line per request that changed something, on the channel's thread.
   /// @throws InputError when the path is too long or names another file; EnvironmentError when
   /// another server uses it, or it cannot be created.
-  ControlChannel(const std::filesystem::path& path, const Controlled& controlled, TellPeople tell);
+  ControlChannel(const std::filesystem::path& path, const ControlledRobot& controlled,
+                 TellPeople tell);
   /// Closes all connections and removes the socket.
   ~ControlChannel();
   ControlChannel(const ControlChannel&) = delete;
