@@ -1,7 +1,5 @@
 #!/usr/bin/env python3
 """`panda-twin move-to`, in the twin and on a served one: move_to_test.py PROGRAM SOURCE_TREE [unittest options].
-
-A run that this machine kept from its first motion, as a witness saw, is repeated.
 """
 
 import json
@@ -16,7 +14,6 @@ import tempfile
 import unittest
 
 import own_client_test
-from own_client_test import witness
 from twin_server import TwinServer
 
 PROGRAM, SOURCE = "", pathlib.Path()
@@ -29,13 +26,9 @@ class MoveToTest(unittest.TestCase):
         self.tmp = pathlib.Path(folder.name)
 
     def program(self, *words, code=0):
-        return witness.undisturbed_before(PROGRAM, lambda: self.attempt(words, code))
-
-    def attempt(self, words, code):
         done = subprocess.run([PROGRAM, *words, "--data", SOURCE / "models", "--out", self.tmp / "out"], capture_output=True, text=True,
                               timeout=120, stdin=subprocess.DEVNULL, env=dict(os.environ, XDG_STATE_HOME=str(self.tmp / "state")))
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        self.assertNotIn("FAILED states", done.stdout)
         return done
 
     def summary(self):

@@ -73,7 +73,8 @@ TEST(StartCheckTest, StatesMustComeAtTheRobotsRate) {
   slow.rate_hz = 900;
   EXPECT_FALSE(CheckStates(slow, kWall).ok);
   EXPECT_THAT(CheckStates(slow, kWall).text, AllOf(HasSubstr("900"), HasSubstr("states")));
-  EXPECT_TRUE(CheckStates(slow, kStates).ok) << "it waits for this host, too";
+  slow.rate_hz = 100;
+  EXPECT_TRUE(CheckStates(slow, kStates).ok) << "its host may be slow: the states are the time";
 }
 
 TEST(StartCheckTest, EveryModeButIdleIsRefusedWithItsWayOut) {

@@ -27,8 +27,8 @@ PRIORITY = 98  # FIFO: of a robot in real time; clients have 99
 class Witness:
     """with Witness(PROGRAM) as host: ...; then host.saw: in_row, of_500, latest_ms. PROGRAM: any of the build's folder."""
 
-    def __init__(self, program, priority=PRIORITY):
-        self.command = [pathlib.Path(program).parent / "tests/support/host_witness", str(priority)]
+    def __init__(self, program):
+        self.command = [pathlib.Path(program).parent / "tests/support/host_witness", str(PRIORITY)]
         self.saw = {}
 
     def __enter__(self):
@@ -59,9 +59,3 @@ def undisturbed(watch, attempt, excuses, attempts=5):
             raise AssertionError(f"{failure}\nno excuse: it needs {needed or 'one'} cycles that the host spoilt, and a witness saw "
                                  f"{host.saw}") from failure
     raise unittest.SkipTest(f"this host spoilt each of {attempts} runs; in the last a witness saw {host.saw}")
-
-
-def undisturbed_before(program, attempt):
-    """As undisturbed, of a motion in lockstep: before it states come by the wall clock, on a thread of no priority, and half of the 500
-    that are checked must come."""
-    return undisturbed(lambda: Witness(program, 0), attempt, {"FAILED states": (OF_500, 250)})
