@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/log.h"
+#include "twin/rt/find_program.h"
 #include "twin/run/catalogue.h"
 
 namespace twin::cli {
@@ -30,10 +31,8 @@ struct Host {
   std::string path;             ///< the search path of programs
 };
 
-/// @param path  a search path as in $PATH. @returns the program's file; empty when there is none.
-[[nodiscard]] std::filesystem::path FindProgram(std::string_view name, std::string_view path);
-/// @throws EnvironmentError with `cure` when the program is not in `path`.
-void RequireProgram(std::string_view name, std::string_view path, std::string_view cure);
+using rt::FindProgram;
+using rt::RequireProgram;
 
 /// What a command works with, and what came of it.
 struct Program {
