@@ -33,5 +33,7 @@ struct Host {
 
 // One per source of the same name.
 void AddErrors(nb::module_& module);
+void AddRun(nb::module_& module);
+void AddScenario(nb::module_& module);
 
 }  // namespace twin::python
