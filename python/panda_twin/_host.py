@@ -20,7 +20,8 @@ def _executable() -> pathlib.Path:
     return pathlib.Path(_core.__file__).resolve().parents[2] / "panda-twin"
 
 
-_core.set_host(  # texts, as pathlib takes an empty path for "."
+# Texts, since an empty one says that a folder is sought: pathlib.Path("") is the current folder.
+_core.set_host(
     executable=_executable(),
     models="",
     meshes="",

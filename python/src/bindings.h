@@ -35,5 +35,7 @@ struct Host {
 void AddErrors(nb::module_& module);
 void AddModel(nb::module_& module);
 void AddServed(nb::module_& module);
+void AddRun(nb::module_& module);
+void AddScenario(nb::module_& module);
 
 }  // namespace twin::python

@@ -7,9 +7,9 @@
 namespace twin::python {
 namespace {
 
-nb::handle robot_fault;  // owned by the module, which is never unloaded
+nb::handle robot_fault;  // panda_twin._errors.RobotFault; of a module that is never unloaded
 
-/// InputError becomes ValueError, EnvironmentError OSError, RobotFault the module's own class.
+/// InputError becomes ValueError, EnvironmentError OSError, RobotFault the package's own class.
 void Translate(const std::exception_ptr& thrown, void* /*payload*/) {
   try {
     std::rethrow_exception(thrown);
@@ -27,7 +27,9 @@ void Translate(const std::exception_ptr& thrown, void* /*payload*/) {
 }  // namespace
 
 void AddErrors(nb::module_& module) {
-  robot_fault = nb::exception<RobotFault>(module, "RobotFault", PyExc_RuntimeError).release();
+  const nb::module_ errors = nb::module_::import_("panda_twin._errors");
+  robot_fault = nb::object(errors.attr("RobotFault")).release();
+  module.attr("RobotFault") = robot_fault;
   nb::register_exception_translator(&Translate);
 }
 

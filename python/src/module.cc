@@ -57,7 +57,7 @@ run::RunFiles Files() {
 
 NB_MODULE(_core, module) {
   namespace python = twin::python;
-  module.attr("__version__") = TWIN_VERSION;
+  module.def("version", [] { return std::string(TWIN_VERSION); });
   module.def(
       "set_host",
       [](std::filesystem::path executable, std::filesystem::path models,
@@ -72,4 +72,6 @@ NB_MODULE(_core, module) {
   python::AddErrors(module);
   python::AddModel(module);
   python::AddServed(module);
+  python::AddScenario(module);
+  python::AddRun(module);
 }

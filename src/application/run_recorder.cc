@@ -163,6 +163,13 @@ void Execute(const RunInputs& inputs, std::optional<fci::Capture>& capture) {
 
 }  // namespace
 
+NeededPrograms ProgramsFor(const scenario::Scenario& scenario, const RunOptions& options) {
+  const bool is_filmed = !scenario.is_remote() && scenario.render.enabled &&
+                         scenario.plant.kind == robot::PlantKind::kMujoco;
+  return {.ffmpeg = is_filmed && options.makes_video,
+          .gnuplot = scenario.record && options.makes_plots};
+}
+
 void RecordRun(const RunInputs& inputs) {
   std::optional<fci::Capture> capture;
   std::exception_ptr failure;
@@ -352,14 +359,14 @@ void RunRecorder::WriteResults() {
   has_summary_ = true;
   if (!is_interrupted()) {
     std::vector<std::filesystem::path> plots;
-    if (scenario().record) {
+    if (scenario().record && inputs_.options.makes_plots) {
       const Time begin = clock_.Now();
       inputs_.console.Print("plots ...\n");
       plots = report::WritePlots(out_.log(), run_.robot->limits, out_.plots());
       times_.plots_s = SecondsSince(begin);
     }
     if (is_filmed()) MakePictures();
-    WriteReport(plots);
+    if (inputs_.options.makes_plots) WriteReport(plots);
   }
   times_.peak_memory_mb = PeakMemoryMb();
   run::WriteWholeFile(out_.timing(), run::TimingJson(times_, outcome_.robot));

@@ -8,7 +8,7 @@
 
 #include "twin/application/session_results.h"
 #include "twin/core/error.h"
-#include "twin/run/host_programs.h"
+#include "twin/rt/find_program.h"
 #include "twin/run/remote.h"
 #include "twin/run/robot_config.h"
 
@@ -65,12 +65,12 @@ void ServedSession::PrepareResults() {
         fmt::format("{}capture: {} is one of the session's own results; name another file",
                     options_.dash, options_.capture->string()));
   }
-  run::RequireProgram(
+  rt::RequireProgram(
       "gnuplot", host_.programs,
       fmt::format("apt-get install gnuplot-nox, or serve with {}log", options_.dash));
   if (scenario_.render.enabled && !options_.no_video) {
-    run::RequireProgram("ffmpeg", host_.programs,
-                        fmt::format("apt-get install ffmpeg, or add {}no-video", options_.dash));
+    rt::RequireProgram("ffmpeg", host_.programs,
+                       fmt::format("apt-get install ffmpeg, or add {}no-video", options_.dash));
   }
   out_->Prepare();
 }

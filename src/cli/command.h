@@ -8,8 +8,8 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/log.h"
+#include "twin/rt/find_program.h"
 #include "twin/run/catalogue.h"
-#include "twin/run/host_programs.h"
 
 namespace twin::cli {
 
@@ -31,8 +31,8 @@ struct Host {
   std::string path;             ///< the search path of programs
 };
 
-using run::FindProgram;
-using run::RequireProgram;
+using rt::FindProgram;
+using rt::RequireProgram;
 
 /// What a command works with, and what came of it.
 struct Program {

@@ -1,18 +1,39 @@
 #include "render/osmesa_context.h"
 
+#include <unistd.h>
+
+#include <atomic>
+
 #include <GL/osmesa.h>
 
 #include "twin/core/error.h"
 
 namespace twin::render {
+namespace {
+
+/// The process that made the first context. Mesa's threads do not live on in a fork of it, where
+/// the first picture would wait for them for ever. One word, which needs no ordering.
+std::atomic<pid_t> first_process{0};
+
+void RequireNoFork() {
+  pid_t first = 0;
+  if (first_process.compare_exchange_strong(first, ::getpid()) || first == ::getpid()) return;
+  throw EnvironmentError(
+      "this process was forked from one that has drawn pictures, and Mesa's threads do not live on "
+      "in a fork: start processes anew (in Python by multiprocessing's \"spawn\" or "
+      "\"forkserver\"), or draw no pictures before the fork");
+}
+
+}  // namespace
 
 void OsMesaContext::Destroy::operator()(osmesa_context* context) const noexcept {
   OSMesaDestroyContext(context);
 }
 
-OsMesaContext::OsMesaContext()
-    : context_(OSMesaCreateContextExt(OSMESA_RGBA, /*depthBits=*/24, /*stencilBits=*/8,
-                                      /*accumBits=*/0, /*sharelist=*/nullptr)) {
+OsMesaContext::OsMesaContext() {
+  RequireNoFork();
+  context_.reset(OSMesaCreateContextExt(OSMESA_RGBA, /*depthBits=*/24, /*stencilBits=*/8,
+                                        /*accumBits=*/0, /*sharelist=*/nullptr));
   if (!context_) {
     throw EnvironmentError(
         "OSMesa gives no OpenGL context (RGBA, 24-bit depth). Install Debian's libosmesa6 and "

@@ -16,7 +16,7 @@ namespace twin::render {
 /// Threads: a context is current on at most one thread at a time.
 class OsMesaContext {
  public:
-  /// @throws EnvironmentError if OSMesa gives no context.
+  /// @throws EnvironmentError if OSMesa gives no context, and in a fork of a process that had one.
   OsMesaContext();
 
   /// Makes this context current on the calling thread.

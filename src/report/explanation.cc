@@ -245,9 +245,18 @@ std::string NumbersOf(const std::vector<RunEnd>& ends) {
   return fmt::format("{} and {}", fmt::join(numbers, ", "), last);
 }
 
+ExplainedError ExplainedErrorOf(const RunEnd& end) {
+  return {.violation = ErrorOf(end.last()),
+          .has_value = end.last().violated,
+          .cycle = end.last().state.message_id,
+          .at = end.last().at,
+          .motion = end.number};
+}
+
 /// Text and page of a log with aborts.
 Explanation TellAborts(const std::vector<RunEnd>& ends, const std::optional<ScenarioFacts>& facts,
-                       std::optional<std::uint64_t> motion) {
+                       std::optional<std::uint64_t> motion, ExplanationParts parts) {
+  const bool draws_page = parts == ExplanationParts::kTextAndPage;
   const std::uint64_t number = motion.value_or(ends.front().number);
   Explanation told{.aborted = true, .text = {}, .page = {}};
   std::vector<ToldAbort> on_page;
@@ -255,6 +264,7 @@ Explanation TellAborts(const std::vector<RunEnd>& ends, const std::optional<Scen
     const bool is_chosen = motion ? end.number == number : &end == &ends.front();
     if (!is_chosen && on_page.size() >= Explanation::kMostOnPage) continue;
     ToldAbort story = TellAbort(end, facts);
+    if (is_chosen && !told.error) told.error = ExplainedErrorOf(end);
     if (is_chosen) told.text += story.headline + "\n" + ToText(story.paragraphs);
     on_page.push_back(std::move(story));
   }
@@ -263,7 +273,7 @@ Explanation TellAborts(const std::vector<RunEnd>& ends, const std::optional<Scen
                                  ends.front().run.scenario, NumbersOf(ends)));
   }
   if (ends.size() == 1) {
-    told.page = AbortPage(on_page, on_page.front().headline, "");
+    if (draws_page) told.page = AbortPage(on_page, on_page.front().headline, "");
     return told;
   }
   const bool has_all = on_page.size() == ends.size();
@@ -273,6 +283,7 @@ Explanation TellAborts(const std::vector<RunEnd>& ends, const std::optional<Scen
                      "picks another; the page has {}.",
                      ends.size(), NumbersOf(ends), number,
                      has_all ? "all" : fmt::format("{} of them", on_page.size()))}}});
+  if (!draws_page) return told;
   const std::string rest =
       has_all ? ""
               : fmt::format(
@@ -318,7 +329,7 @@ std::string RemedyIn(const ScenarioFacts& facts, const Violation& violation, Tim
 }
 
 Explanation Explain(const std::filesystem::path& log, const std::optional<ScenarioFacts>& facts,
-                    std::optional<std::uint64_t> motion) {
+                    std::optional<std::uint64_t> motion, ExplanationParts parts) {
   std::vector<RunEnd> ends = ReadEnds(log);
   const RunEnd& end = ends.front();
   if (end.aborted()) {
@@ -326,7 +337,7 @@ Explanation Explain(const std::filesystem::path& log, const std::optional<Scenar
     for (RunEnd& abort : ends) {
       if (is_linked) AddLinkFates(abort, *facts->link);
     }
-    return TellAborts(ends, facts, motion);
+    return TellAborts(ends, facts, motion, parts);
   }
   if (end.truncated) {
     throw InputError(fmt::format(

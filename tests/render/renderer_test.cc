@@ -1,5 +1,8 @@
 #include "twin/render/renderer.h"
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -54,6 +57,23 @@ std::string FaceMjcf(const std::string& headlight, const std::string& material) 
       <camera name="side" pos="0 -1.1 0" xyaxes="1 0 0 0 0 1" fovy="60"/>
       <geom type="box" size="0.1 0.1 0.1" material="paint"/>
     </worldbody></mujoco>)";
+}
+
+TEST(RendererTest, RefusesToDrawInAForkOfAProcessThatHasDrawn) {
+  const TestModel model(FaceMjcf(R"(ambient="0 0 0")", R"(emission="1")"));
+  const Renderer renderer(model.model(), SmallSettings());
+  const pid_t child = ::fork();
+  if (child == 0) {
+    try {
+      const Renderer in_fork(model.model(), SmallSettings());
+      ::_exit(1);
+    } catch (const EnvironmentError&) {
+      ::_exit(0);
+    }
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
 }
 
 TEST(RendererTest, ShowsAGlowingFaceInExactlyItsColour) {

@@ -94,6 +94,29 @@ TEST_F(ExplainTest, TellsErrorCycleJointValueLimitCauseAndCure) {
 }
 
 // Uniform noise of a makes up to 8 a / T^3 of jerk.
+TEST_F(ExplainTest, HasTheErrorInFieldsToo) {
+  SampleMotion motion(log());
+  motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);
+  const std::optional<ExplainedError> error = Explain(motion.Finish()).error;
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->violation.error, kJerk.error);
+  EXPECT_TRUE(error->has_value);
+  EXPECT_EQ(error->violation.axis, kJerk.axis);
+  EXPECT_EQ(error->violation.value, kJerk.value);
+  EXPECT_EQ(error->violation.limit, kJerk.limit);
+  EXPECT_EQ(error->cycle, motion.state().message_id);
+  EXPECT_EQ(error->motion, 1U);
+}
+
+TEST_F(ExplainTest, DrawsNoPageForTheTextAlone) {
+  SampleMotion motion(log());
+  motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);
+  const std::filesystem::path file = motion.Finish();
+  const Explanation text = Explain(file, std::nullopt, std::nullopt, ExplanationParts::kText);
+  EXPECT_EQ(text.page, "");
+  EXPECT_EQ(text.text, Explain(file).text);
+}
+
 TEST_F(ExplainTest, NamesNoiseThatTheScenarioInjectsWhereItIsEnough) {
   SampleMotion motion(log());
   motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);

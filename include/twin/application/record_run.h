@@ -37,6 +37,7 @@ struct RunOptions {
   std::filesystem::path out;       ///< folder of results
   std::string site;                ///< of the scenario, for the report: "lab b"
   bool makes_video = true;  ///< when the scenario asks for one; the log does not depend on it
+  bool makes_plots = true;  ///< from the log, and an application's report, which has them
   bool has_fine_pictures = false;  ///< run::Fine()
   bool strict = false;             ///< a deviation above max_deviation is a failure
   HardwareOptions hardware{};
@@ -45,6 +46,14 @@ struct RunOptions {
   bool waits_for_visitor = false;                  ///< begins when the page is first opened
   run::RealtimeConfig settings{};
 };
+
+/// Programs of the host that make a run's results.
+struct NeededPrograms {
+  bool ffmpeg = false;
+  bool gnuplot = false;
+};
+[[nodiscard]] NeededPrograms ProgramsFor(const scenario::Scenario& scenario,
+                                         const RunOptions& options);
 
 /// A run's inputs. All must outlive the run.
 struct RunInputs {

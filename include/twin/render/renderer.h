@@ -63,7 +63,7 @@ struct Ghost {
 class Renderer {
  public:
   /// @throws InputError for settings out of range or an unknown camera (lists the known ones);
-  /// EnvironmentError if OSMesa gives no context (names what to install).
+  /// EnvironmentError if OSMesa gives no context (what to install), and in a fork after drawing.
   Renderer(const mjModel_& model, const RenderSettings& settings);
   ~Renderer();
   Renderer(Renderer&&) noexcept;

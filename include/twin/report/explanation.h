@@ -12,9 +12,20 @@
 
 namespace twin::report {
 
+/// The error that an explanation is about.
+struct ExplainedError {
+  Violation violation;       ///< of a log without the value: the error alone
+  bool has_value = false;    ///< axis, value and limit are known
+  std::uint64_t cycle = 0;   ///< id of the robot state of the cycle that raised it
+  Time at{};                 ///< of the run
+  std::uint64_t motion = 0;  ///< that the error ended, counted from 1 over the log
+};
+
 /// Explanation of a run's end.
 struct Explanation {
   bool aborted = false;  ///< an error ended a motion
+  /// The first error of the motion that `text` is about; nullopt unless aborted.
+  std::optional<ExplainedError> error{};
   /// Text for a terminal, in lines of at most 100 columns: the error and its place; value, limit
   /// and derivation of the value; fate of the last commands, and whether losses may have caused the
   /// error; what the arm touched, joints at an end stop; usual cause and cure. A log from the
@@ -22,7 +33,8 @@ struct Explanation {
   /// run without an error: how close the run came to each limit.
   std::string text;
   /// All errors of the log, the first kMostOnPage and the one in `text`, as a self-contained HTML
-  /// page, with plots and numbers of the last 50 cycles before each. Empty unless aborted.
+  /// page, with plots and numbers of the last 50 cycles before each. Empty unless aborted, and
+  /// when only the text was asked for.
   std::string page;
 
   static constexpr std::size_t kMostOnPage = 20;
@@ -52,10 +64,13 @@ struct ScenarioFacts {
 [[nodiscard]] std::string RemedyIn(const ScenarioFacts& facts, const Violation& violation,
                                    TimeKeeper keeper, bool any_lost);
 
+enum class ExplanationParts : std::uint8_t { kTextAndPage, kText };
+
 /// Explains an error of a log, which may be that of a killed run. The same log gives the same
 /// bytes, with the same version of gnuplot.
 ///
-/// Threads: one thread. Not real-time: for an aborted run it runs gnuplot from PATH and waits.
+/// Threads: one thread. Not real-time: for the page of an aborted run it runs gnuplot from PATH and
+/// waits.
 /// @param log  written by record::Recorder. @param facts  of its scenario; nullopt: not known.
 /// @param motion  the errors of this motion, counted from 1 over the log; nullopt: the first error.
 /// @throws InputError if the log is damaged, has no cycle, or is that of a run killed before any
@@ -63,6 +78,7 @@ struct ScenarioFacts {
 /// missing or fails.
 [[nodiscard]] Explanation Explain(const std::filesystem::path& log,
                                   const std::optional<ScenarioFacts>& facts = std::nullopt,
-                                  std::optional<std::uint64_t> motion = std::nullopt);
+                                  std::optional<std::uint64_t> motion = std::nullopt,
+                                  ExplanationParts parts = ExplanationParts::kTextAndPage);
 
 }  // namespace twin::report

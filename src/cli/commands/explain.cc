@@ -10,11 +10,9 @@
 #include "twin/core/error.h"
 #include "twin/core/error_catalogue.h"
 #include "twin/onboard/mode_table.h"
-#include "twin/record/log_reader.h"
 #include "twin/report/explanation.h"
+#include "twin/run/explain.h"
 #include "twin/run/result_folder.h"
-#include "twin/run/summary.h"
-#include "twin/scenario/scenario.h"
 
 namespace twin::cli {
 namespace {
@@ -35,21 +33,11 @@ fs::path FolderOf(const ExplainFlags& flags, const fs::path& log) {
   return flags.out;
 }
 
-/// Nothing for a scenario that this version does not read.
-std::optional<report::ScenarioFacts> FactsOf(const fs::path& log) {
-  const record::LogReader reader(log);
-  try {
-    return run::FactsOf(scenario::Parse(reader.run().scenario_yaml, log));
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
-}
-
 /// Takes gnuplot along when the user wants to end.
 report::Explanation Explained(const fs::path& log, std::optional<std::uint64_t> motion) {
   const InterruptGuard interrupt;
   try {
-    return report::Explain(log, FactsOf(log), motion);
+    return run::Explain(log, motion);
   } catch (const EnvironmentError&) {
     interrupt.ThrowIfInterrupted();
     throw;

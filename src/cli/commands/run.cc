@@ -95,13 +95,14 @@ void RequireAgreement(const RunFlags& flags, const scenario::Scenario& scenario)
 }
 
 /// @throws EnvironmentError when a program that the results need is missing.
-void RequirePrograms(const RunFlags& flags, const scenario::Scenario& scenario, const Host& host) {
+void RequirePrograms(const RunFlags& flags, const scenario::Scenario& scenario,
+                     const application::RunOptions& options, const Host& host) {
   if (flags.seeds) return RequireProgram("gnuplot", host.path, "apt-get install gnuplot-nox");
-  if (!scenario.is_remote() && scenario.render.enabled && !flags.no_video &&
-      scenario.plant.kind == robot::PlantKind::kMujoco) {
+  const application::NeededPrograms needed = application::ProgramsFor(scenario, options);
+  if (needed.ffmpeg) {
     RequireProgram("ffmpeg", host.path, "apt-get install ffmpeg, or run with --no-video");
   }
-  if (scenario.record) {
+  if (needed.gnuplot) {
     RequireProgram("gnuplot", host.path, "apt-get install gnuplot-nox, or say record: false");
   }
 }
@@ -177,7 +178,7 @@ int Run(const RunFlags& flags, const Program& program) {
   scenario::Scenario scenario = LoadWithFlags(flags, program.host);
   RequireAgreement(flags, scenario);
   application::RunOptions options = OptionsOf(flags, scenario);
-  RequirePrograms(flags, scenario, program.host);
+  RequirePrograms(flags, scenario, options, program.host);
   Terminal terminal(program.log, program.is_quiet());
   run::RunFiles files = FilesOf(flags.data, program);
   files.rebuild_cache = flags.rebuild_cache;

@@ -1,4 +1,4 @@
-#include "twin/run/host_programs.h"
+#include "twin/rt/find_program.h"
 
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::run {
+namespace twin::rt {
 
 std::filesystem::path FindProgram(std::string_view name, std::string_view path) {
   while (!path.empty()) {
@@ -28,4 +28,4 @@ void RequireProgram(std::string_view name, std::string_view path, std::string_vi
   throw EnvironmentError(fmt::format("the program {} is not installed; {}", name, cure));
 }
 
-}  // namespace twin::run
+}  // namespace twin::rt

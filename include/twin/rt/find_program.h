@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace twin::run {
+namespace twin::rt {
 
 /// @param path  a search path as in $PATH. @returns the program's file; empty when there is none.
 [[nodiscard]] std::filesystem::path FindProgram(std::string_view name, std::string_view path);
@@ -11,4 +11,4 @@ namespace twin::run {
 /// @throws EnvironmentError with `cure` when the program is not in `path`.
 void RequireProgram(std::string_view name, std::string_view path, std::string_view cure);
 
-}  // namespace twin::run
+}  // namespace twin::rt
