@@ -33,5 +33,8 @@ struct Host {
 
 // One per source of the same name.
 void AddErrors(nb::module_& module);
+void AddCommands(nb::module_& module);
+void AddSession(nb::module_& module);
+void AddState(nb::module_& module);
 
 }  // namespace twin::python

@@ -57,7 +57,7 @@ run::RunFiles Files() {
 
 NB_MODULE(_core, module) {
   namespace python = twin::python;
-  module.attr("__version__") = TWIN_VERSION;
+  module.def("version", [] { return std::string(TWIN_VERSION); });
   module.def(
       "set_host",
       [](std::filesystem::path executable, std::filesystem::path models,
@@ -70,4 +70,7 @@ NB_MODULE(_core, module) {
       nanobind::arg("meshes"), nanobind::arg("cache"), nanobind::arg("state"),
       nanobind::arg("path"));
   python::AddErrors(module);
+  python::AddCommands(module);
+  python::AddState(module);
+  python::AddSession(module);
 }
