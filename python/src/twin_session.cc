@@ -187,7 +187,7 @@ run::MotionResult TwinSession::MoveOwn() {
   if (stands && own.waypoints.size() <= 2 && own.poses.empty() && !own.plan) {
     throw InputError("move: the scenario has no motion of its own; give a Trajectory");
   }
-  return Run(run::OwnMotion(scenario_, session_->robot(), files_));
+  return Interruptible([&] { return session_->MoveOwn(scenario_, files_); });
 }
 
 run::MotionResult TwinSession::Move(const reference::Trajectory& trajectory,

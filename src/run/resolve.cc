@@ -274,15 +274,6 @@ Motion MotionOf(const scenario::Scenario& scenario, const scenario::RobotData& r
           .loop = scenario.loop};
 }
 
-Motion OwnMotion(const scenario::Scenario& scenario, const scenario::RobotData& robot,
-                 const RunFiles& files) {
-  planning::PlanStatistics statistics;
-  return MotionOf(scenario, robot,
-                  scenario.motion.plan
-                      ? PlanFrom(*scenario.robot.q_start, scenario, robot, files, statistics)
-                      : MakeTrajectory(scenario, robot));
-}
-
 reference::Trajectory PlanFrom(const JointVector& start, const scenario::Scenario& scenario,
                                const scenario::RobotData& robot, const RunFiles& files,
                                planning::PlanStatistics& statistics) {

@@ -276,6 +276,17 @@ MotionResult Session::Move(const Motion& motion) {
   return Move(prepared, motion.attend);
 }
 
+MotionResult Session::MoveOwn(const scenario::Scenario& scenario, const RunFiles& files) {
+  planning::PlanStatistics statistics;
+  Motion motion = MotionOf(
+      scenario, robot(),
+      scenario.motion.plan ? PlanFrom(*scenario.robot.q_start, scenario, robot(), files, statistics)
+                           : MakeTrajectory(scenario, robot()));
+  MotionScripts scripts(scenario, connection(), hooks_);
+  motion.attend = scripts.Attend();
+  return Move(motion);
+}
+
 WaitEnd Session::WaitForRest(Duration limit) {
   std::optional<std::uint64_t> slow_since;
   return Wait(limit, [&slow_since](const RobotState& state) {

@@ -65,7 +65,7 @@ class Motions(unittest.TestCase):
 
     def test_gives_the_bits_of_a_run(self):
         scenarios = pathlib.Path(__file__).parents[2] / "models/scenarios"
-        for name in ("smoke", "canonical", "torque"):
+        for name in ("smoke", "canonical", "torque", "grasp"):
             with self.subTest(name), tempfile.TemporaryDirectory() as out:
                 scenario = scenarios / f"{name}.yaml"
                 subprocess.run(

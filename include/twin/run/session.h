@@ -60,10 +60,6 @@ struct Motion {
                               control::CommandInterface interface,
                               reference::Trajectory trajectory);
 
-/// The scenario's own motion: planned, if it says so. @throws InputError, NoPlanError as Run.
-[[nodiscard]] Motion OwnMotion(const scenario::Scenario& scenario, const scenario::RobotData& robot,
-                               const RunFiles& files);
-
 /// Result of a session.
 struct SessionResult {
   std::uint64_t motions = 0;                      ///< number of motions that were run
@@ -142,6 +138,11 @@ class Session {
   /// As above, with a motion that was prepared before the session. @param attend  as
   /// Motion::attend.
   [[nodiscard]] MotionResult Move(PreparedMotion& motion, const std::function<Time(Time)>& attend);
+
+  /// The scenario's own motion, planned if it says so, with its commands to hand and base, whose
+  /// times count from the session's start. @param scenario  the session's, as it was given.
+  /// @throws as Move(), and NoPlanError.
+  [[nodiscard]] MotionResult MoveOwn(const scenario::Scenario& scenario, const RunFiles& files);
 
   /// Gives the hand a command and waits, in the robot's time, until it ends. Stops the command
   /// after `limit` and on an interrupt; the failure then says so. @throws InputError without a
