@@ -31,6 +31,8 @@ class LockstepBackend final : public EmulatedBackend<robot::Robot> {
 
   void Write(const RobotCommand& command) noexcept override { robot().Send(command); }
 
+  [[nodiscard]] robot::Robot* lockstep_robot() noexcept { return &robot(); }
+
  private:
   const rt::EventQueue& events_;
 };
@@ -43,6 +45,7 @@ void ConnectLockstep(const backend::Request& request, const backend::VirtualTime
   connection.panel = backend.get();
   connection.hand = backend->hand();
   connection.base = backend->base();
+  connection.lockstep_robot = backend->lockstep_robot();
   connection.backend = std::move(backend);
 }
 

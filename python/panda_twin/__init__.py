@@ -3,29 +3,62 @@
 from . import _core
 from . import _host as _host  # tells the module where its files are
 from . import model
+from ._core import (
+    CartesianPose,
+    CartesianVelocities,
+    HandOutcome,
+    HandState,
+    JointPositions,
+    JointVelocities,
+    MotionResult,
+    RobotState,
+    SessionResult,
+    Snapshot,
+    Torques,
+    Violation,
+)
 from ._errors import RobotFault
 from ._results import Explanation, RunResult, explain
 from ._run import run
 from ._serve import ControlChannel, Event, ServedRobot, Status, control_channel, serve
+from ._session import Hand, MotionFault, Objects, Session
+from ._trajectory import Trajectory
 from .scenario import Scenario, schema, validate
 
 __version__ = _core.version()
 
 __all__ = [
+    "__version__",
+    "CartesianPose",
+    "CartesianVelocities",
+    "control_channel",
     "ControlChannel",
     "Event",
+    "explain",
     "Explanation",
+    "Hand",
+    "HandOutcome",
+    "HandState",
+    "JointPositions",
+    "JointVelocities",
+    "model",
+    "MotionFault",
+    "MotionResult",
+    "Objects",
     "RobotFault",
+    "RobotState",
+    "run",
     "RunResult",
     "Scenario",
-    "ServedRobot",
-    "Status",
-    "__version__",
-    "control_channel",
-    "explain",
-    "model",
-    "run",
     "schema",
     "serve",
+    "ServedRobot",
+    "Session",
+    "SessionResult",
+    "Snapshot",
+    "Status",
+    "Torques",
+    "Trajectory",
     "validate",
+    "Violation",
 ]

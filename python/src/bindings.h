@@ -37,5 +37,8 @@ void AddModel(nb::module_& module);
 void AddServed(nb::module_& module);
 void AddRun(nb::module_& module);
 void AddScenario(nb::module_& module);
+void AddCommands(nb::module_& module);
+void AddSession(nb::module_& module);
+void AddState(nb::module_& module);
 
 }  // namespace twin::python

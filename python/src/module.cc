@@ -74,4 +74,7 @@ NB_MODULE(_core, module) {
   python::AddServed(module);
   python::AddScenario(module);
   python::AddRun(module);
+  python::AddCommands(module);
+  python::AddState(module);
+  python::AddSession(module);
 }

@@ -4,6 +4,23 @@
 #include "twin/core/error.h"
 
 namespace twin::loop {
+namespace {
+
+[[noreturn]] void RefuseToGoBack() {
+  throw InputError(
+      "only a robot simulated in lockstep can be saved and restored: a clock does not go back; say "
+      "drive: lockstep, with backend mujoco");
+}
+
+}  // namespace
+
+std::unique_ptr<const Drive::Snapshot> Drive::Save() const {
+  RefuseToGoBack();
+}
+
+void Drive::Restore(const Snapshot& /*snapshot*/) {
+  RefuseToGoBack();
+}
 
 bool Drive::PassUntil(Time limit, const std::function<bool(const RobotState*)>& done) {
   backend::Backend& backend = *connection().backend;

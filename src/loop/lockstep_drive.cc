@@ -1,7 +1,9 @@
 #include <memory>
+#include <utility>
 
 #include "loop/motion_runner.h"
 #include "twin/loop/drive.h"
+#include "twin/robot/robot.h"
 #include "twin/rt/event_queue.h"
 
 namespace twin::loop {
@@ -154,7 +156,27 @@ class LockstepDrive final : public Drive, private rt::EventHandler {
     return runner.Run();
   }
 
+  [[nodiscard]] std::unique_ptr<const Drive::Snapshot> Save() const override {
+    if (connection_.lockstep_robot == nullptr) return Drive::Save();
+    return std::make_unique<Saved>(events_, connection_.lockstep_robot->Save());
+  }
+  /// Events of motions that have ended since are not lost, but ignored: a port's serial never goes
+  /// back.
+  void Restore(const Drive::Snapshot& snapshot) override {
+    if (connection_.lockstep_robot == nullptr) return Drive::Restore(snapshot);
+    const auto& saved = dynamic_cast<const Saved&>(snapshot);
+    events_ = saved.events;
+    connection_.lockstep_robot->Restore(saved.robot);
+  }
+
  private:
+  struct Saved final : Drive::Snapshot {
+    Saved(const rt::EventQueue& queue, robot::Robot::Snapshot copy)
+        : events(queue), robot(std::move(copy)) {}
+    rt::EventQueue events;
+    robot::Robot::Snapshot robot;
+  };
+
   void Wait(Time /*limit*/) override { static_cast<void>(events_.RunNext()); }
 
   /// A state has arrived.

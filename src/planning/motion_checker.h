@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <utility>
 
 #include "twin/core/joint_vector.h"
 #include "twin/planning/collision_world.h"
@@ -19,12 +21,18 @@ namespace twin::planning {
 class MotionChecker {
  public:
   /// @param world  must outlive this object. @param clearance  m, > 0.
-  MotionChecker(CollisionWorld& world, double clearance, std::uint64_t most_checks)
-      : world_(world), clearance_(clearance), end_(world.checks() + most_checks) {}
+  /// @param stopped  asked at each kLookPeriod-th check; true uses up all checks. May be empty.
+  MotionChecker(CollisionWorld& world, double clearance, std::uint64_t most_checks,
+                std::function<bool()> stopped = {})
+      : world_(world),
+        clearance_(clearance),
+        end_(world.checks() + most_checks),
+        stopped_(std::move(stopped)) {}
 
   [[nodiscard]] bool IsFree(const JointVector& q) { return IsFreeBy(clearance_, q); }
   /// As IsFree() with another clearance.
   [[nodiscard]] bool IsFreeBy(double clearance, const JointVector& q) {
+    if (stopped_ && world_.checks() % kLookPeriod == 0 && stopped_()) end_ = 0;
     return !IsExhausted() && world_.IsFree(q, clearance);
   }
 
@@ -43,9 +51,12 @@ class MotionChecker {
   }
 
  private:
+  static constexpr std::uint64_t kLookPeriod = 100;
+
   CollisionWorld& world_;
   double clearance_;
   std::uint64_t end_;
+  std::function<bool()> stopped_;
 };
 
 }  // namespace twin::planning

@@ -43,7 +43,7 @@ class Attempt {
         options_(options),
         begin_(clock.Now()),
         first_check_(world.checks()),
-        checker_(world, options.clearance, options.most_checks) {}
+        checker_(world, options.clearance, options.most_checks, options.stopped) {}
 
   [[nodiscard]] PlanFailure Fail(PlanFailureReason reason, std::string text) const {
     return {reason, "planning: " + std::move(text), Statistics()};

@@ -85,6 +85,13 @@ std::string PartOfShape(const mjModel& model, int geom) {
   return parts.names.at(parts.of_geom.at(static_cast<std::size_t>(geom)));
 }
 
+std::string DescribeOverlap(const mjModel& model, const std::string& body, const Overlap& overlap) {
+  // The engine gives half of the depth between two boxes.
+  return fmt::format(
+      "place: there \"{}\" would lie at least {:.1f} mm deep in {}; {:.0f} mm at most is a touch",
+      body, 1e3 * overlap.depth, PartOfShape(model, overlap.geom), 1e3 * Plant::kMostOverlap);
+}
+
 namespace {
 
 /// Force of a contact on its second geom's body, world axes.

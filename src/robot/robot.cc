@@ -59,6 +59,15 @@ void Robot::Restore(const Snapshot& snapshot) noexcept {
   if (base_) base_->Restore(*snapshot.base_);
 }
 
+RobotState Robot::Peek() const noexcept {
+  if (live_.onboard.message_id() != 0) return live_.record.state;
+  RobotState state;
+  onboard::OnboardController unasked = live_.onboard;  // its filters shall not count this state
+  unasked.FillState(plant_->sensors(), state);
+  state.message_id = 0;
+  return state;
+}
+
 void Robot::Begin() noexcept {
   live_.begin = events_.Now();
   live_.periods = 1;

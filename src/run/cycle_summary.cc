@@ -20,49 +20,55 @@ void CycleCounts::Add(const record::CycleRecord& record) noexcept {
 }
 
 void CycleSummary::AddState(const RobotState& state) noexcept {
-  hash_.AddWord(state.message_id);
+  counted_.hash.AddWord(state.message_id);
   for (const JointVector* values : {&state.q, &state.dq, &state.tau_J, &state.theta, &state.dtheta,
                                     &state.q_d, &state.dq_d, &state.ddq_d, &state.tau_J_d}) {
-    hash_.AddNumbers(values->data(), values->size());
+    counted_.hash.AddNumbers(values->data(), values->size());
   }
-  hash_.AddNumbers(state.O_T_EE.data(), state.O_T_EE.size());
-  hash_.AddWord(static_cast<std::uint64_t>(state.robot_mode) << 16 |
-                static_cast<std::uint64_t>(state.controller_mode) << 8 |
-                static_cast<std::uint64_t>(state.motion_generator_mode));
-  hash_.AddWord(state.errors.to_ullong());
-  hash_.AddWord(state.reflex_reason.to_ullong());
-  hash_.AddNumber(state.control_command_success_rate);
+  counted_.hash.AddNumbers(state.O_T_EE.data(), state.O_T_EE.size());
+  counted_.hash.AddWord(static_cast<std::uint64_t>(state.robot_mode) << 16 |
+                        static_cast<std::uint64_t>(state.controller_mode) << 8 |
+                        static_cast<std::uint64_t>(state.motion_generator_mode));
+  counted_.hash.AddWord(state.errors.to_ullong());
+  counted_.hash.AddWord(state.reflex_reason.to_ullong());
+  counted_.hash.AddNumber(state.control_command_success_rate);
 }
 
 void CycleSummary::AddBase(const BaseState& base) noexcept {
-  hash_.AddWord(base.message_id);
-  hash_.AddWord(static_cast<std::uint64_t>(base.mode));
+  counted_.hash.AddWord(base.message_id);
+  counted_.hash.AddWord(static_cast<std::uint64_t>(base.mode));
   for (const double value : {base.odometry.x, base.odometry.y, base.odometry.yaw, base.twist.v,
                              base.twist.w, base.twist_d.v, base.twist_d.w}) {
-    hash_.AddNumber(value);
+    counted_.hash.AddNumber(value);
   }
-  hash_.AddNumbers(base.dq_wheels.data(), base.dq_wheels.size());
+  counted_.hash.AddNumbers(base.dq_wheels.data(), base.dq_wheels.size());
 }
 
 void CycleSummary::CountMotion(const record::CycleRecord& record) noexcept {
   const bool moves = record.state.robot_mode == RobotMode::kMove;
-  if (moves && !moving_) tally_ = {.motion = {}, .motions = tally_.motions + 1};
-  moving_ = moves;
-  tally_.motion.Add(record);
-  shown_.Publish(tally_);
+  if (moves && !counted_.moving)
+    counted_.tally = {.motion = {}, .motions = counted_.tally.motions + 1};
+  counted_.moving = moves;
+  counted_.tally.motion.Add(record);
+  shown_.Publish(counted_.tally);
 }
 
 void CycleSummary::Put(const record::CycleRecord& record) noexcept {
   AddState(record.state);
   if (record.base) AddBase(*record.base);
-  counts_.Add(record);
+  counted_.counts.Add(record);
   CountMotion(record);
   if (next_ != nullptr) next_->Put(record);
 }
 
 void CycleSummary::Put(const record::TickRecord& record) noexcept {
   viability_.Add(record);
-  if (next_ != nullptr) next_->Put(record);
+  if (next_ == nullptr) return;
+  if (ahead_ == Duration::zero()) return next_->Put(record);
+  record::TickRecord later = record;
+  later.read += ahead_;
+  later.written += ahead_;
+  next_->Put(later);
 }
 
 std::uint64_t StatesHashOf(const std::filesystem::path& log) {

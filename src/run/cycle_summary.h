@@ -32,9 +32,30 @@ class CycleSummary final : public record::RecordSink {
     static_cast<void>(shown_.Refresh());
     return shown_.value();
   }
-  [[nodiscard]] const CycleCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] const CycleCounts& counts() const noexcept { return counted_.counts; }
   [[nodiscard]] const record::FilterCounts& viability() const noexcept { return viability_; }
-  [[nodiscard]] std::uint64_t states_hash() const noexcept { return hash_.value(); }
+  [[nodiscard]] std::uint64_t states_hash() const noexcept { return counted_.hash.value(); }
+
+  /// All that is counted, by the cycles' thread and by the ticks'.
+  struct Counted {
+    CycleCounts counts;
+    WordHash hash;
+    bool moving = false;
+    CycleTally tally;
+  };
+  struct Copy {
+    Counted counted;
+    record::FilterCounts viability;
+  };
+  [[nodiscard]] Copy Save() const { return {counted_, viability_}; }
+  /// Goes back to what was counted at Save(). @param ahead  of the times of further ticks, which
+  /// the next sink shall get in order.
+  void Restore(const Copy& copy, Duration ahead) noexcept {
+    counted_ = copy.counted;
+    viability_ = copy.viability;
+    ahead_ = ahead;
+    shown_.Publish(counted_.tally);
+  }
 
  private:
   void AddState(const RobotState& state) noexcept;
@@ -42,11 +63,9 @@ class CycleSummary final : public record::RecordSink {
   void CountMotion(const record::CycleRecord& record) noexcept;
 
   record::RecordSink* next_;
-  CycleCounts counts_;
+  Counted counted_;
   record::FilterCounts viability_;  ///< written by the ticks' thread, all else by the cycles'
-  WordHash hash_;
-  bool moving_ = false;
-  CycleTally tally_;
+  Duration ahead_{};
   rt::LatestValue<CycleTally> shown_;
 };
 

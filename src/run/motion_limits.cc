@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
@@ -101,8 +102,11 @@ std::unique_ptr<planning::CollisionWorld> MakeWorld(const scenario::Scenario& sc
 void RequireWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,
                          const Motion& motion) {
   if (scenario.limits.empty() || motion.live != nullptr) return;
-  const Duration end = motion.trajectory.duration();
-  const MotionLimits limits(scenario.limits, ArmOf(scenario, robot), end);
+  const auto is_zero = [](double share) { return share == 0; };
+  const bool stands =
+      !motion.poses && std::ranges::all_of(motion.trajectory.peaks().velocity, is_zero);
+  const Duration end = stands ? Duration::zero() : motion.trajectory.duration();
+  const MotionLimits limits(scenario.limits, ArmOf(scenario, robot), motion.trajectory.duration());
   for (Duration t{}; t < end + kCycle; t += kCycle) {
     motion.poses ? limits.Require(t, motion.poses->Sample(t))
                  : limits.Require(t, motion.trajectory.Sample(t));

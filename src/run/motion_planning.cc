@@ -1,7 +1,9 @@
 #include "run/resolve.h"
 
+#include <algorithm>
 #include <chrono>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -9,8 +11,11 @@
 
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
+#include "twin/core/hand_command.h"
+#include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
 #include "twin/planning/random_goal.h"
+#include "twin/run/plan_to.h"
 #include "twin/run/robot_config.h"
 #include "twin/run/run.h"
 
@@ -99,6 +104,56 @@ reference::Trajectory PlanMotion(const scenario::Scenario& scenario,
   } catch (const InputError& error) {
     throw InputError(PlaceOf(plan) + error.what());
   }
+}
+
+namespace {
+
+/// The free body that the fingers touch, nearest first; empty: none.
+std::string HeldBody(planning::CollisionWorld& world, const JointVector& q,
+                     const std::vector<std::pair<std::string, Transform>>& bodies) {
+  constexpr double kTouch = 2e-3;
+  for (const planning::Touch& touch : world.Touches(q, kTouch)) {
+    const bool by_finger = touch.a.find("finger") != std::string_view::npos;
+    for (const auto& [name, pose] : bodies) {
+      if (by_finger && touch.b == name) return name;
+    }
+  }
+  return {};
+}
+
+void ArrangeAsNow(const Session& session, const RobotState& state,
+                  planning::CollisionWorld& world) {
+  world.Detach();
+  const auto bodies = session.Bodies();
+  for (const auto& [name, X_WB] : bodies) world.Place(name, X_WB);
+  const backend::Hand* hand = session.connection().hand;
+  if (hand == nullptr) return;
+  const HandState now = hand->ReadState();
+  world.SetHandWidth(std::clamp(now.width, 0.0, kHandStroke));
+  if (!now.is_grasped) return;
+  const std::string held = HeldBody(world, state.q_d, bodies);
+  if (held.empty()) return;
+  const Transform O_T_F = model::ArmModel::Panda().Pose(model::Frame::kFlange, state.q);
+  const auto body = std::ranges::find(bodies, held, &std::pair<std::string, Transform>::first);
+  world.Attach(held, model::Multiply(model::Inverse(O_T_F), body->second));
+}
+
+}  // namespace
+
+planning::Plan PlanTo(const Session& session, planning::CollisionWorld& world,
+                      const JointVector& goal, std::uint64_t seed,
+                      const planning::PlannerOptions& options) {
+  const RobotState state = session.Peek();
+  ArrangeAsNow(session, state, world);
+  const MonotonicClock clock;
+  planning::Planner planner(world, session.robot().limits, clock, options);
+  planning::PlanOutcome outcome = planner.ToConfiguration(state.q_d, goal, seed);
+  if (auto* found = std::get_if<planning::Plan>(&outcome)) return std::move(*found);
+  const auto& failure = std::get<planning::PlanFailure>(outcome);
+  if (failure.reason == planning::PlanFailureReason::kBudgetExhausted) {
+    throw NoPlanError(failure.text);
+  }
+  throw InputError(failure.text);
 }
 
 void RequireFree(const scenario::Scenario& scenario, const RunFiles& files) {

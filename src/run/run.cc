@@ -1,11 +1,8 @@
 #include "twin/run/run.h"
 
-#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include "run/prepared_motion.h"
@@ -23,12 +20,6 @@ bool IsNear(const JointVector& q, const JointVector& q_start) {
     if (!(std::abs(q[i] - q_start[i]) <= kPlanStartTolerance)) return false;
   }
   return true;
-}
-
-/// Lines of a script as events of a kind; empty when nothing listens. `hooks` must outlive it.
-std::function<void(Time, std::string_view)> EventsOf(const RunHooks& hooks, std::string_view kind) {
-  if (!hooks.event) return {};
-  return [&hooks, kind](Time now, std::string_view text) { hooks.event(now, kind, text); };
 }
 
 }  // namespace
@@ -75,30 +66,14 @@ bool Run::CheckStart(const TellCheck& tell) {
 }
 
 RunResult Run::Execute(const RunHooks& hooks) {
-  std::optional<HandScript> hand;
-  if (!scenario_.hand.empty()) {
-    hand.emplace(scenario_.hand, RequireHand(connection(), scenario_.backend),
-                 EventsOf(hooks, "hand"));
-  }
-  std::optional<DriveScript> drive;
-  if (scenario_.base && !scenario_.base->drive.empty()) {
-    drive.emplace(scenario_.base->drive, RequireBase(connection(), scenario_.backend),
-                  EventsOf(hooks, "base"));
-  }
-  std::function<Time(Time)> attend;
-  if (hand || drive) {
-    attend = [&hand, &drive](Time now) {
-      const Time next = hand ? hand->Attend(now) : Time::max();
-      return drive ? std::min(next, drive->Attend(now)) : next;
-    };
-  }
+  MotionScripts scripts(scenario_, connection(), hooks);
   session_->Begin(hooks);
   // No record is put after the run, even if it throws.
   const auto end = [](Session* session) { static_cast<void>(session->End()); };
   const std::unique_ptr<Session, decltype(end)> end_guard(session_.get(), end);
   RunResult result;
-  static_cast<MotionResult&>(result) = session_->Move(*motion_, attend);
-  if (hand) result.hand = hand->Report();
+  static_cast<MotionResult&>(result) = session_->Move(*motion_, scripts.Attend());
+  result.hand = scripts.Report();
   if (const backend::MobileBase* base = session_->base()) result.base = base->ReadState();
   const SessionResult session = session_->End();
   result.report.robot_timings = session.robot_timings;

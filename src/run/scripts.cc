@@ -19,6 +19,12 @@ std::string EndText(const HandCommand& command, const HandOutcome& outcome) {
                      1e3 * outcome.width, outcome.is_grasped ? ", something is grasped" : "");
 }
 
+/// Lines of a script as events of a kind; empty when nothing listens. `hooks` must outlive it.
+std::function<void(Time, std::string_view)> EventsOf(const RunHooks& hooks, std::string_view kind) {
+  if (!hooks.event) return {};
+  return [&hooks, kind](Time now, std::string_view text) { hooks.event(now, kind, text); };
+}
+
 }  // namespace
 
 backend::Hand& RequireHand(const backend::Connection& connection, std::string_view backend) {
@@ -109,6 +115,30 @@ Time DriveScript::Attend(Time now) {
   }
   base_.Drive(twist);
   return until;
+}
+
+MotionScripts::MotionScripts(const scenario::Scenario& scenario,
+                             const backend::Connection& connection, const RunHooks& hooks) {
+  if (!scenario.hand.empty()) {
+    hand_.emplace(scenario.hand, RequireHand(connection, scenario.backend),
+                  EventsOf(hooks, "hand"));
+  }
+  if (scenario.base && !scenario.base->drive.empty()) {
+    drive_.emplace(scenario.base->drive, RequireBase(connection, scenario.backend),
+                   EventsOf(hooks, "base"));
+  }
+}
+
+std::function<Time(Time)> MotionScripts::Attend() {
+  if (!hand_ && !drive_) return {};
+  return [this](Time now) {
+    const Time next = hand_ ? hand_->Attend(now) : Time::max();
+    return drive_ ? std::min(next, drive_->Attend(now)) : next;
+  };
+}
+
+std::optional<HandReport> MotionScripts::Report() const {
+  return hand_ ? std::optional(hand_->Report()) : std::nullopt;
 }
 
 }  // namespace twin::run

@@ -84,4 +84,22 @@ class DriveScript {
   bool told_ = false;     ///< of it
 };
 
+/// The scripts of a scenario, beside its motion.
+class MotionScripts {
+ public:
+  /// @param hooks  their events get the scripts' lines. All must outlive the scripts.
+  /// @throws InputError when the connection has not what the scenario commands.
+  MotionScripts(const scenario::Scenario& scenario, const backend::Connection& connection,
+                const RunHooks& hooks);
+
+  /// As Motion::attend; empty when the scenario lists nothing. It refers to the scripts.
+  [[nodiscard]] std::function<Time(Time)> Attend();
+  /// nullopt: no commands to the hand.
+  [[nodiscard]] std::optional<HandReport> Report() const;
+
+ private:
+  std::optional<HandScript> hand_;
+  std::optional<DriveScript> drive_;
+};
+
 }  // namespace twin::run

@@ -16,6 +16,7 @@
 #include "twin/core/random.h"
 #include "twin/loop/drive.h"
 #include "twin/loop/robot_listener.h"
+#include "twin/robot/robot.h"
 #include "twin/scenario/names.h"
 
 namespace twin::run {
@@ -40,6 +41,7 @@ double LargestDistance(const JointVector& a, const JointVector& b) {
 scenario::Scenario Standing(scenario::Scenario scenario) {
   scenario.application.reset();
   scenario.operator_section.reset();
+  scenario.motion.plan.reset();
   if (!scenario.motion.waypoints.empty()) return scenario;
   if (!scenario.robot.q_start) {
     throw InputError(
@@ -123,6 +125,13 @@ void Session::Begin(const RunHooks& hooks) {
     throw RobotFault("the robot is not moved: not all checks before its first motion are well");
   }
   hooks_ = hooks;
+  const robot::Robot* robot = connection().lockstep_robot;
+  if (hooks.event && robot != nullptr) {
+    hooks_.event = [robot, next = hooks.event](Time at, std::string_view kind,
+                                               std::string_view text) {
+      next(at + robot->records_ahead(), kind, text);
+    };
+  }
   drive_->Begin();
   begun_ = true;
 }
@@ -163,8 +172,11 @@ MotionResult Session::Move(PreparedMotion& motion, const std::function<Time(Time
   run.interrupted = hooks_.interrupted;
   run.silence = drive_->connection().silence;
   run.attend = attend;
-  if (hooks_.progress) {
-    run.progress = [this, planned_end](Time now) { hooks_.progress(now, planned_end); };
+  if (hooks_.progress || hooks_.look) {
+    run.progress = [this, planned_end](Time now) {
+      if (hooks_.look) hooks_.look();
+      if (hooks_.progress) hooks_.progress(now, planned_end);
+    };
   }
   if (!result.name.empty()) Tell("session", fmt::format("motion {}: {}", motions_, result.name));
   result.report = drive_->Run(run);
@@ -208,7 +220,7 @@ HandOutcome Session::Command(const HandCommand& command, Duration limit) {
   const std::vector<scenario::HandEvent> events{{begin.time_since_epoch(), command}};
   HandScript script(events, hand, [this](Time, std::string_view text) { Tell("hand", text); });
   std::string stopped;
-  const auto stop = [this](const RobotState* /*state*/) { return interrupted(); };
+  const auto stop = [this](const RobotState* /*state*/) { return Look(); };
   for (Time next = script.Attend(begin); next != Time::max(); next = script.Attend(drive_->Now())) {
     if (drive_->PassUntil(next, stop)) {
       stopped = "interrupted";
@@ -231,7 +243,7 @@ WaitEnd Session::Wait(Duration limit, const std::function<bool(const RobotState&
   bool is_done = false;
   const bool in_time = drive_->PassUntil(drive_->Now() + limit, [&](const RobotState* state) {
     is_done = is_done || (state != nullptr && done(*state));
-    return is_done || interrupted();
+    return is_done || Look();
   });
   if (is_done) return WaitEnd::kDone;
   return in_time ? WaitEnd::kInterrupted : WaitEnd::kTimeLimit;
@@ -262,6 +274,17 @@ void Session::Recover() {
 MotionResult Session::Move(const Motion& motion) {
   PreparedMotion prepared(As(scenario_, motion), robot(), motion, controllers_);
   return Move(prepared, motion.attend);
+}
+
+MotionResult Session::MoveOwn(const scenario::Scenario& scenario, const RunFiles& files) {
+  planning::PlanStatistics statistics;
+  Motion motion = MotionOf(
+      scenario, robot(),
+      scenario.motion.plan ? PlanFrom(*scenario.robot.q_start, scenario, robot(), files, statistics)
+                           : MakeTrajectory(scenario, robot()));
+  MotionScripts scripts(scenario, connection(), hooks_);
+  motion.attend = scripts.Attend();
+  return Move(motion);
 }
 
 WaitEnd Session::WaitForRest(Duration limit) {

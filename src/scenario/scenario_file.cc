@@ -148,10 +148,17 @@ Scenario Load(const std::filesystem::path& path) {
   return ReadScenario(YamlNode::ParseFile(path.string()), path.parent_path());
 }
 
-Scenario LoadServed(const std::filesystem::path& path) {
-  const YamlNode root = YamlNode::ParseFile(path.string());
+static Scenario ReadServed(const YamlNode& root, const std::filesystem::path& folder) {
   const bool moves = root.Member("motion") || root.Member("application");
-  return ReadScenario(root, path.parent_path(), !moves);
+  return ReadScenario(root, folder, !moves);
+}
+
+Scenario LoadServed(const std::filesystem::path& path) {
+  return ReadServed(YamlNode::ParseFile(path.string()), path.parent_path());
+}
+
+Scenario ParseServed(const std::string& text, const std::filesystem::path& file) {
+  return ReadServed(YamlNode::Parse(text, file.string()), file.parent_path());
 }
 
 Scenario Parse(const std::string& text, const std::filesystem::path& file) {

@@ -75,11 +75,7 @@ class ServedRobot::Impl {
     const int body = plant::FreeBodyNamed(engine_->model(), name);
     const std::optional<plant::Overlap> overlap = robot_->Place(body, X_WB);
     if (!overlap) return;
-    // The engine gives half of the depth between two boxes.
-    throw InputError(fmt::format(
-        "place: there \"{}\" would lie at least {:.1f} mm deep in {}; {:.0f} mm at most is a touch",
-        name, 1e3 * overlap->depth, plant::PartOfShape(engine_->model(), overlap->geom),
-        1e3 * plant::Plant::kMostOverlap));
+    throw InputError(plant::DescribeOverlap(engine_->model(), name, *overlap));
   }
   void PressUserStop(bool pressed) {
     static_cast<void>(

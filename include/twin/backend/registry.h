@@ -30,6 +30,10 @@ namespace twin::fci {
 class Capture;
 }  // namespace twin::fci
 
+namespace twin::robot {
+class Robot;
+}  // namespace twin::robot
+
 namespace twin::backend {
 
 /// The virtual clock of lockstep.
@@ -114,6 +118,9 @@ struct Connection {
   Panel* panel = nullptr;                      ///< owned by the backend; null for hardware
   Hand* hand = nullptr;                        ///< owned by the backend; null without a hand
   MobileBase* base = nullptr;                  ///< owned by the backend; null without a mobile base
+  /// A robot simulated in lockstep, to be looked at, reset, saved and restored between two events;
+  /// owned by the backend; null otherwise.
+  robot::Robot* lockstep_robot = nullptr;
   /// Owned by the backend; null for hardware and the ideal plant. In real time, while cycles run,
   /// use it only in RecordSink::Put of a cycle's record, which runs on the plant's thread.
   const plant::TruthProbe* truth = nullptr;

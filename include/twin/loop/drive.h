@@ -47,6 +47,20 @@ class Drive {
   /// be set up. The failure of a motion that has started is reported, not thrown.
   [[nodiscard]] virtual RunReport Run(const MotionRun& run) = 0;
 
+  /// A copy of time, of the robot and of every message under way.
+  class Snapshot {
+   public:
+    Snapshot() = default;
+    virtual ~Snapshot() = default;
+    Snapshot(const Snapshot&) = delete;
+    Snapshot& operator=(const Snapshot&) = delete;
+  };
+  /// Lockstep, between two runs: the same calls then give the same bits as after Save(), each time.
+  /// @throws InputError on other drives: a clock and a real robot do not go back.
+  [[nodiscard]] virtual std::unique_ptr<const Snapshot> Save() const;
+  /// @pre `snapshot` is of this drive. @throws as Save().
+  virtual void Restore(const Snapshot& snapshot);
+
   /// Stops time; after return the sink receives no record. Idempotent.
   virtual backend::RobotTimings End() { return {}; }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -28,6 +29,9 @@ struct PlannerOptions {
   double range = 1.0;          ///< length of a branch of the search trees, rad
   int shortcuts = 150;         ///< attempts to shorten the path
   reference::Timing pace{};    ///< shares of the limits; without a duration
+  /// Asked about once per 100 checks; true ends the search as an exhausted budget does. May be
+  /// empty.
+  std::function<bool()> stopped{};
 
   /// @throws InputError naming field, value and range.
   void Validate() const;

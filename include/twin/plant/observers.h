@@ -8,6 +8,7 @@
 #include "twin/core/joint_vector.h"
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
+#include "twin/plant/plant.h"
 #include "twin/plant/truth_probe.h"
 #include "twin/record/scene_record.h"
 
@@ -43,6 +44,10 @@ class BodyView {
 /// Name of the body that a shape belongs to, or of a shape that is fixed to the world, as in
 /// ContactPair. Threads: any. Not real-time.
 [[nodiscard]] std::string PartOfShape(const mjModel_& model, int geom);
+
+/// Why Plant::Place() refused to put `body` somewhere, for users.
+[[nodiscard]] std::string DescribeOverlap(const mjModel_& model, const std::string& body,
+                                          const Overlap& overlap);
 
 /// Captures poses and forces: contacts with a force, in the engine's order, and pushes on bodies,
 /// each as one force on the line that gives its moment about the body's centre of mass (a pure

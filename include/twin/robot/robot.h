@@ -68,6 +68,9 @@ class Robot final : private rt::EventHandler {
   /// @pre `snapshot` is of this robot; the queue was, or will be, taken back with it.
   void Restore(const Snapshot& snapshot) noexcept;
 
+  /// How much later the records' times are than the queue's: what Restore() took back.
+  [[nodiscard]] Duration records_ahead() const noexcept { return live_.ahead; }
+
   /// As plant::Plant. Between two events.
   std::optional<plant::Overlap> Place(int body, const Transform& X_WB) noexcept TWIN_REALTIME {
     return plant_->Place(body, X_WB);
@@ -126,6 +129,8 @@ class Robot final : private rt::EventHandler {
   [[nodiscard]] const model::LabLimits& guard() const noexcept { return config_.onboard.guard; }
   /// The last state that INT sent; zero before the first.
   [[nodiscard]] const RobotState& state() const noexcept { return live_.record.state; }
+  /// As state(), and before the first cycle what a state would be now, with message_id 0.
+  [[nodiscard]] RobotState Peek() const noexcept;
   /// Violations of the last cycle that had any, with or without a motion; empty before the first,
   /// also after Reset() and Restore().
   [[nodiscard]] const onboard::Violations& last_found() const noexcept { return live_.last_found; }

@@ -29,6 +29,9 @@ struct RunHooks {
   std::function<void(Time now, Duration planned)> progress;
   /// An event: time, kind, text.
   std::function<void(Time now, std::string_view kind, std::string_view text)> event;
+  /// Whenever time has passed while a call waits, for a caller that looks for a reason to stop; it
+  /// may set what `interrupted` points to.
+  std::function<void()> look{};
   /// Set from a signal handler: the motion is stopped and the run ends. May be null.
   const volatile bool* interrupted = nullptr;
 };

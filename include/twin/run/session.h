@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "twin/backend/registry.h"
@@ -138,6 +139,11 @@ class Session {
   /// Motion::attend.
   [[nodiscard]] MotionResult Move(PreparedMotion& motion, const std::function<Time(Time)>& attend);
 
+  /// The scenario's own motion, planned if it says so, with its commands to hand and base, whose
+  /// times count from the session's start. @param scenario  the session's, as it was given.
+  /// @throws as Move(), and NoPlanError.
+  [[nodiscard]] MotionResult MoveOwn(const scenario::Scenario& scenario, const RunFiles& files);
+
   /// Gives the hand a command and waits, in the robot's time, until it ends. Stops the command
   /// after `limit` and on an interrupt; the failure then says so. @throws InputError without a
   /// hand.
@@ -163,6 +169,27 @@ class Session {
     if (hooks_.event) hooks_.event(Now(), kind, text);
   }
 
+  // Of a robot simulated in lockstep, between two motions; else InputError says so.
+
+  /// The last state that INT sent; before the first cycle what it would send. No time passes.
+  [[nodiscard]] RobotState Peek() const;
+  /// Poses (X_WB) of the scene's free bodies in the world, by name; none on the ideal plant.
+  [[nodiscard]] std::vector<std::pair<std::string, Transform>> Bodies() const;
+  /// Puts a free body at rest. @throws InputError for an unknown name (which there are), a pose
+  /// that is not rigid, and where it would lie deeper than plant::Plant::kMostOverlap in another.
+  void Place(const std::string& body, const Transform& X_WB);
+  /// Begins anew with the arm at rest at `q` (rad), as robot::Robot::Reset(); then lets the
+  /// messages under way arrive. @throws InputError for a joint beyond its limits.
+  void Reset(const JointVector& q);
+
+  /// A copy of the whole twin, of the time, and of what has been counted. A few MB.
+  class Snapshot;
+  [[nodiscard]] std::unique_ptr<const Snapshot> Save() const;
+  /// Goes back to a snapshot of this session: the same calls then give the same bits as after
+  /// Save(), each time, counts and states_hash of End() included. Only the times of records and
+  /// events go on rising. Before End() only.
+  void Restore(const Snapshot& snapshot);
+
   [[nodiscard]] Time Now() const { return drive_->Now(); }
   [[nodiscard]] bool interrupted() const noexcept {
     return hooks_.interrupted != nullptr && *hooks_.interrupted;
@@ -172,6 +199,12 @@ class Session {
   SessionResult End();
 
  private:
+  [[nodiscard]] robot::Robot& LockstepRobot(std::string_view wish) const;
+  /// Whether to stop waiting.
+  [[nodiscard]] bool Look() const {
+    if (hooks_.look) hooks_.look();
+    return interrupted();
+  }
   [[nodiscard]] std::uint64_t SeedOf(std::uint64_t motion) const noexcept;
 
   const scenario::Scenario scenario_;
@@ -186,6 +219,18 @@ class Session {
   std::uint64_t motions_ = 0;  ///< begun
   std::vector<FollowedMotion> followed_;
   std::optional<SessionResult> result_;
+};
+
+class Session::Snapshot {
+ public:
+  ~Snapshot();
+
+ private:
+  friend class Session;
+  struct Parts;
+  explicit Snapshot(std::unique_ptr<const Parts> parts);
+
+  std::unique_ptr<const Parts> parts_;
 };
 
 }  // namespace twin::run

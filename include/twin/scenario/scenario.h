@@ -335,6 +335,9 @@ struct Scenario {
 /// As Load, from text. @param file  its name in messages; a waypoint file is sought beside it.
 [[nodiscard]] Scenario Parse(const std::string& text, const std::filesystem::path& file);
 
+/// As LoadServed, from text, as Parse().
+[[nodiscard]] Scenario ParseServed(const std::string& text, const std::filesystem::path& file);
+
 /// @param lab     a name, of a file in the folder `labs` of the models, or a file's path.
 /// @param models  DataDirectory::models. @throws InputError listing the names there are.
 [[nodiscard]] std::filesystem::path FindLab(std::string_view lab,
