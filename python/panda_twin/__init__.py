@@ -2,5 +2,6 @@
 
 from ._core import RobotFault, __version__
 from . import _host as _host  # tells the module where its files are
+from ._log import Log, LogMeta, Table
 
-__all__ = ["RobotFault", "__version__"]
+__all__ = ["Log", "LogMeta", "RobotFault", "Table", "__version__"]

@@ -20,11 +20,12 @@ def _executable() -> pathlib.Path:
     return pathlib.Path(_core.__file__).resolve().parents[2] / "panda-twin"
 
 
+# Texts, since an empty one says that a folder is sought: pathlib.Path("") is the current folder.
 _core.set_host(
     executable=_executable(),
-    models=pathlib.Path(),
-    meshes=pathlib.Path(),
-    cache=pathlib.Path(_own_folder("XDG_CACHE_HOME", ".cache")),
-    state=pathlib.Path(_own_folder("XDG_STATE_HOME", ".local/state")),
+    models="",
+    meshes="",
+    cache=_own_folder("XDG_CACHE_HOME", ".cache"),
+    state=_own_folder("XDG_STATE_HOME", ".local/state"),
     path=os.environ.get("PATH", ""),
 )

@@ -33,5 +33,7 @@ struct Host {
 
 // One per source of the same name.
 void AddErrors(nb::module_& module);
+void AddLog(nb::module_& module);
+void AddLogPictures(nb::module_& module);
 
 }  // namespace twin::python

@@ -70,4 +70,6 @@ NB_MODULE(_core, module) {
       nanobind::arg("meshes"), nanobind::arg("cache"), nanobind::arg("state"),
       nanobind::arg("path"));
   python::AddErrors(module);
+  python::AddLog(module);
+  python::AddLogPictures(module);
 }
