@@ -18,6 +18,7 @@ from ._core import (
     Violation,
 )
 from ._errors import RobotFault
+from ._log import Log, LogMeta, Table
 from ._results import Explanation, RunResult, explain
 from ._run import run
 from ._serve import ControlChannel, Event, ServedRobot, Status, control_channel, serve
@@ -42,6 +43,8 @@ __all__ = [
     "JointPositions",
     "JointVelocities",
     "model",
+    "Log",
+    "LogMeta",
     "MotionFault",
     "MotionResult",
     "Objects",
@@ -57,6 +60,7 @@ __all__ = [
     "SessionResult",
     "Snapshot",
     "Status",
+    "Table",
     "Torques",
     "Trajectory",
     "validate",

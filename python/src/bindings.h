@@ -40,5 +40,7 @@ void AddScenario(nb::module_& module);
 void AddCommands(nb::module_& module);
 void AddSession(nb::module_& module);
 void AddState(nb::module_& module);
+void AddLog(nb::module_& module);
+void AddLogPictures(nb::module_& module);
 
 }  // namespace twin::python

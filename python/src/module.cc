@@ -77,4 +77,6 @@ NB_MODULE(_core, module) {
   python::AddCommands(module);
   python::AddState(module);
   python::AddSession(module);
+  python::AddLog(module);
+  python::AddLogPictures(module);
 }

@@ -11,27 +11,6 @@
 namespace twin::cli {
 namespace {
 
-/// Of a body that is followed: near, and straight at it.
-constexpr render::FreeCamera kNear{
-    .azimuth_deg = 142, .elevation_deg = -18, .distance_m = 0.9, .lookat_m = {}};
-
-render::View ViewFromText(std::string_view text, const render::View& otherwise) {
-  constexpr std::string_view kTrack = "track:";
-  if (text == scenario::kGripperCamera) {
-    return {.kind = render::ViewKind::kGripper, .name = {}, .orbit = {}};
-  }
-  if (text.starts_with(kTrack)) {
-    return {.kind = render::ViewKind::kTracking,
-            .name = std::string(text.substr(kTrack.size())),
-            .orbit = kNear};
-  }
-  if (text != "orbit") {
-    return {.kind = render::ViewKind::kScene, .name = std::string(text), .orbit = {}};
-  }
-  if (otherwise.kind == render::ViewKind::kOrbit) return otherwise;
-  return run::FilmOf(scenario::RenderSection()).view;
-}
-
 /// Applies the angles and distances that were given.
 void Turn(const FilmFlags& choice, render::View& view) {
   const bool given = choice.azimuth_deg || choice.elevation_deg || choice.distance ||
@@ -55,7 +34,7 @@ void Turn(const FilmFlags& choice, render::View& view) {
 /// accepted words, as the next two.
 render::Inset InsetFromText(std::string_view text, const render::View& otherwise) {
   const std::size_t at = text.find('@');
-  render::Inset inset{.view = ViewFromText(text.substr(0, at), otherwise)};
+  render::Inset inset{.view = run::ViewFromText(text.substr(0, at), otherwise)};
   if (at == std::string_view::npos) return inset;
   for (const auto& [name, corner] : scenario::kPictureCornerNames) {
     if (name != text.substr(at + 1)) continue;
@@ -106,7 +85,7 @@ render::RenderSettings SizeFromText(std::string_view text) {
 
 render::FilmSettings FilmOf(const scenario::RenderSection& wanted, const FilmFlags& flags) {
   render::FilmSettings film = run::FilmOf(wanted);
-  if (flags.camera) film.view = ViewFromText(*flags.camera, film.view);
+  if (flags.camera) film.view = run::ViewFromText(*flags.camera, film.view);
   Turn(flags, film.view);
   if (!flags.insets.empty()) film.insets.clear();
   for (const std::string& inset : flags.insets) {

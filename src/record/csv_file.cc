@@ -19,15 +19,12 @@ void CsvFile::Add(std::string_view text) {
   buffer_ += CsvField(text);
 }
 
-void CsvFile::AddNames(std::string_view name, std::size_t size) {
-  for (std::size_t i = 0; i < size; ++i) {
-    Separate();
-    buffer_ += fmt::format("{}[{}]", name, i);
-  }
-}
-
-void CsvFile::AddValues(std::span<const double> values) {
-  for (const double value : values) Add(value);
+void CsvFile::AddFloat(double value) {
+  Separate();
+  const std::size_t begin = buffer_.size();
+  fmt::format_to(std::back_inserter(buffer_), "{}", value);
+  // Else it has a point, an exponent, or is nan or inf.
+  if (buffer_.find_first_of(".en", begin) == std::string::npos) buffer_ += ".0";
 }
 
 void CsvFile::EndRow() {

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <span>
+#include <iterator>
 #include <string>
 #include <string_view>
 
@@ -23,13 +23,12 @@ class CsvFile {
   template <class Number>
   void Add(Number value) {
     Separate();
-    buffer_ += fmt::format("{}", value);
+    fmt::format_to(std::back_inserter(buffer_), "{}", value);
   }
+  /// The shortest text that reads back, with a decimal point or an exponent: 1.0, 1e+22.
+  void AddFloat(double value);
   /// Quotes text where necessary.
   void Add(std::string_view text);
-  /// `name[0]`, `name[1]` ...
-  void AddNames(std::string_view name, std::size_t size);
-  void AddValues(std::span<const double> values);
   void EndRow();
 
   void Commit();

@@ -10,9 +10,6 @@
 namespace twin::record {
 namespace {
 
-/// Far above our largest message (about 2 kB).
-constexpr std::size_t kMaxMessageBytes = std::size_t{64} * 1024;
-
 template <class Message>
 void Parse(std::span<const std::byte> data, Message& message) {
   if (data.size() > kMaxMessageBytes) {
@@ -103,18 +100,6 @@ RobotErrors DecodeErrors(const google::protobuf::RepeatedField<int>& numbers) {
   return errors;
 }
 
-Violation DecodeViolation(const pb::Violation& message) {
-  if (message.axis() < -1 || message.axis() >= static_cast<int>(kJoints)) {
-    throw InputError(fmt::format("axis of a violation is {}; it must be in [-1, {}]",
-                                 message.axis(), kJoints - 1));
-  }
-  return {.error = DecodeError(message.error()),
-          .axis = static_cast<std::int8_t>(message.axis()),
-          .value = message.value(),
-          .limit = message.limit(),
-          .message_id = message.message_id()};
-}
-
 BaseState DecodeBase(const pb::Base& message) {
   BaseState base;
   base.message_id = message.message_id();
@@ -127,8 +112,21 @@ BaseState DecodeBase(const pb::Base& message) {
   return base;
 }
 
-/// Of a run, whose first cycle is at 0. Sums of two such times do not overflow.
-Time ToTime(std::int64_t ns) {
+}  // namespace
+
+Violation DecodeViolation(const pb::Violation& message) {
+  if (message.axis() < -1 || message.axis() >= static_cast<int>(kJoints)) {
+    throw InputError(fmt::format("axis of a violation is {}; it must be in [-1, {}]",
+                                 message.axis(), kJoints - 1));
+  }
+  return {.error = DecodeError(message.error()),
+          .axis = static_cast<std::int8_t>(message.axis()),
+          .value = message.value(),
+          .limit = message.limit(),
+          .message_id = message.message_id()};
+}
+
+Time DecodeTime(std::int64_t ns) {
   constexpr std::int64_t kMost = 1'000'000'000'000'000'000;
   if (ns < -kMost || ns > kMost) {
     throw InputError(
@@ -136,8 +134,6 @@ Time ToTime(std::int64_t ns) {
   }
   return Time(Duration(ns));
 }
-
-}  // namespace
 
 void LogDecoder::TakeConfig(std::span<const std::byte> data) {
   Parse(data, config_message_);
@@ -151,7 +147,7 @@ void LogDecoder::Decode(std::span<const std::byte> data, CycleRecord& record) {
   record = {};
   RobotState& state = record.state;
   state = config_;
-  record.at = ToTime(cycle_.at_ns());
+  record.at = DecodeTime(cycle_.at_ns());
   state.message_id = cycle_.message_id();
   record.fate =
       DecodeEnum<CommandFate>("fate", cycle_.fate(), pb::CommandFate_IsValid(cycle_.fate()));
@@ -177,13 +173,13 @@ void LogDecoder::Decode(std::span<const std::byte> data, CycleRecord& record) {
 void LogDecoder::Decode(std::span<const std::byte> data, TickRecord& record) {
   Parse(data, tick_);
   record = {};
-  record.read = ToTime(tick_.read_ns());
-  record.written = ToTime(tick_.written_ns());
+  record.read = DecodeTime(tick_.read_ns());
+  record.written = DecodeTime(tick_.written_ns());
   record.message_id = tick_.message_id();
   record.action =
       DecodeEnum<TickAction>("action", tick_.action(), pb::TickAction_IsValid(tick_.action()));
   record.skipped_states = tick_.skipped_states();
-  record.deposit_time = ToTime(tick_.deposit_time_ns());
+  record.deposit_time = DecodeTime(tick_.deposit_time_ns());
   if (tick_.has_margin()) record.margin = tick_.margin();
   record.kept_back = DecodeJoints("kept_back", tick_.kept_back());
   record.stalled = tick_.stalled();
@@ -197,7 +193,7 @@ void LogDecoder::Decode(std::span<const std::byte> data, TickRecord& record) {
 
 void LogDecoder::Decode(std::span<const std::byte> data, EventRecord& record) {
   Parse(data, event_);
-  record = {.at = ToTime(event_.at_ns()),
+  record = {.at = DecodeTime(event_.at_ns()),
             .kind = ToPrintable(event_.kind()),
             .text = ToPrintable(event_.text())};
 }
@@ -205,7 +201,7 @@ void LogDecoder::Decode(std::span<const std::byte> data, EventRecord& record) {
 void LogDecoder::Decode(std::span<const std::byte> data, SceneRecord& record) {
   Parse(data, scene_);
   record = {};
-  record.at = ToTime(scene_.at_ns());
+  record.at = DecodeTime(scene_.at_ns());
   record.positions = DecodeCount("values of qpos", scene_.qpos_size(), record.qpos.size());
   std::ranges::copy(scene_.qpos(), record.qpos.begin());
   record.contacts = DecodeCount("contacts", scene_.contacts_size(), record.contact.size());
@@ -218,8 +214,8 @@ void LogDecoder::Decode(std::span<const std::byte> data, PlanRecord& record) {
   Parse(data, plan_);
   record = {.id = ToPrintable(plan_.id()),
             .caption = ToPrintable(plan_.caption()),
-            .from = ToTime(plan_.from_ns()),
-            .until = ToTime(plan_.until_ns()),
+            .from = DecodeTime(plan_.from_ns()),
+            .until = DecodeTime(plan_.until_ns()),
             .path = DecodePoints(plan_.way()),
             .object = ToPrintable(plan_.object())};
   if (!plan_.q().empty()) DecodeVector("q", plan_.q(), record.q.emplace());

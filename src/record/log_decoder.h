@@ -13,6 +13,16 @@
 
 namespace twin::record {
 
+/// Largest accepted message, far above our largest (about 2 kB).
+inline constexpr std::size_t kMaxMessageBytes = std::size_t{64} * 1024;
+
+/// @returns the time. @throws InputError for one that no run has: sums of two times do not
+/// overflow.
+[[nodiscard]] Time DecodeTime(std::int64_t ns);
+
+/// @throws InputError naming the value that is out of range.
+[[nodiscard]] Violation DecodeViolation(const pb::Violation& message);
+
 /// Decodes messages of log.proto into records. The bytes are untrusted: lengths, enumerators and
 /// ranges are checked; a bad value is an InputError naming the field.
 ///

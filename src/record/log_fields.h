@@ -22,6 +22,8 @@ namespace pb = ::panda_twin;
 template <class Record, class Message>
 struct VectorField {
   std::string_view name;
+  std::string_view unit;     ///< empty: none, or several
+  std::string_view meaning;  ///< with the frame of its axes
   std::span<const double> (*values)(const Record&);
   std::span<double> (*mutable_values)(Record&);
   google::protobuf::RepeatedField<double>* (*repeated)(Message&);
@@ -39,9 +41,12 @@ constexpr auto& Get(Record& record) {
 
 /// Pairs the vector `Member` with the repeated field from `Mutable`.
 template <class Record, class Message, auto Member, auto Mutable>
-constexpr VectorField<Record, Message> Pair(std::string_view name) {
+constexpr VectorField<Record, Message> Pair(std::string_view name, std::string_view unit,
+                                            std::string_view meaning) {
   return {
       .name = name,
+      .unit = unit,
+      .meaning = meaning,
       .values = [](const Record& r) { return std::span<const double>(Get<Member>(r)); },
       .mutable_values = [](Record& r) { return std::span<double>(Get<Member>(r)); },
       .repeated = [](Message& m) { return (m.*Mutable)(); },
@@ -49,87 +54,130 @@ constexpr VectorField<Record, Message> Pair(std::string_view name) {
 }
 
 template <auto Member, auto Mutable>
-constexpr auto CycleField(std::string_view name) {
-  return Pair<CycleRecord, pb::Cycle, Member, Mutable>(name);
+constexpr auto CycleField(std::string_view name, std::string_view unit, std::string_view meaning) {
+  return Pair<CycleRecord, pb::Cycle, Member, Mutable>(name, unit, meaning);
 }
 template <auto Member, auto Mutable>
-constexpr auto ConfigField(std::string_view name) {
-  return Pair<RobotState, pb::Config, Member, Mutable>(name);
+constexpr auto ConfigField(std::string_view name, std::string_view unit, std::string_view meaning) {
+  return Pair<RobotState, pb::Config, Member, Mutable>(name, unit, meaning);
 }
 template <auto Member, auto Mutable>
-constexpr auto TickField(std::string_view name) {
-  return Pair<TickRecord, pb::Tick, Member, Mutable>(name);
+constexpr auto TickField(std::string_view name, std::string_view unit, std::string_view meaning) {
+  return Pair<TickRecord, pb::Tick, Member, Mutable>(name, unit, meaning);
 }
 template <auto Member, auto Mutable>
-constexpr auto CommandField(std::string_view name) {
-  return Pair<RobotCommand, pb::Command, Member, Mutable>(name);
+constexpr auto CommandField(std::string_view name, std::string_view unit,
+                            std::string_view meaning) {
+  return Pair<RobotCommand, pb::Command, Member, Mutable>(name, unit, meaning);
 }
 
 // clang-format off
 /// Vectors of topic /robot/cycle.
 inline constexpr std::array kCycleFields = {
-    CycleField<&RobotState::q, &pb::Cycle::mutable_q>("q"),
-    CycleField<&RobotState::q_d, &pb::Cycle::mutable_q_d>("q_d"),
-    CycleField<&RobotState::dq, &pb::Cycle::mutable_dq>("dq"),
-    CycleField<&RobotState::dq_d, &pb::Cycle::mutable_dq_d>("dq_d"),
-    CycleField<&RobotState::ddq_d, &pb::Cycle::mutable_ddq_d>("ddq_d"),
-    CycleField<&CycleRecord::dddq_d, &pb::Cycle::mutable_dddq_d>("dddq_d"),
-    CycleField<&RobotState::theta, &pb::Cycle::mutable_theta>("theta"),
-    CycleField<&RobotState::dtheta, &pb::Cycle::mutable_dtheta>("dtheta"),
-    CycleField<&RobotState::tau_J, &pb::Cycle::mutable_tau_j>("tau_J"),
-    CycleField<&RobotState::tau_J_d, &pb::Cycle::mutable_tau_j_d>("tau_J_d"),
-    CycleField<&RobotState::dtau_J, &pb::Cycle::mutable_dtau_j>("dtau_J"),
-    CycleField<&RobotState::tau_ext_hat_filtered, &pb::Cycle::mutable_tau_ext_hat_filtered>(
-        "tau_ext_hat_filtered"),
-    CycleField<&RobotState::joint_contact, &pb::Cycle::mutable_joint_contact>("joint_contact"),
-    CycleField<&RobotState::joint_collision, &pb::Cycle::mutable_joint_collision>(
-        "joint_collision"),
-    CycleField<&RobotState::cartesian_contact, &pb::Cycle::mutable_cartesian_contact>(
-        "cartesian_contact"),
-    CycleField<&RobotState::cartesian_collision, &pb::Cycle::mutable_cartesian_collision>(
-        "cartesian_collision"),
-    CycleField<&RobotState::O_T_EE, &pb::Cycle::mutable_o_t_ee>("O_T_EE"),
-    CycleField<&RobotState::O_T_EE_d, &pb::Cycle::mutable_o_t_ee_d>("O_T_EE_d"),
-    CycleField<&RobotState::O_T_EE_c, &pb::Cycle::mutable_o_t_ee_c>("O_T_EE_c"),
-    CycleField<&RobotState::O_F_ext_hat_K, &pb::Cycle::mutable_o_f_ext_hat_k>("O_F_ext_hat_K"),
-    CycleField<&RobotState::K_F_ext_hat_K, &pb::Cycle::mutable_k_f_ext_hat_k>("K_F_ext_hat_K"),
-    CycleField<&RobotState::O_dP_EE_d, &pb::Cycle::mutable_o_dp_ee_d>("O_dP_EE_d"),
-    CycleField<&RobotState::O_dP_EE_c, &pb::Cycle::mutable_o_dp_ee_c>("O_dP_EE_c"),
-    CycleField<&RobotState::O_ddP_EE_c, &pb::Cycle::mutable_o_ddp_ee_c>("O_ddP_EE_c"),
-    CycleField<&RobotState::elbow, &pb::Cycle::mutable_elbow>("elbow"),
-    CycleField<&RobotState::elbow_d, &pb::Cycle::mutable_elbow_d>("elbow_d"),
-    CycleField<&RobotState::elbow_c, &pb::Cycle::mutable_elbow_c>("elbow_c"),
-    CycleField<&RobotState::delbow_c, &pb::Cycle::mutable_delbow_c>("delbow_c"),
-    CycleField<&RobotState::ddelbow_c, &pb::Cycle::mutable_ddelbow_c>("ddelbow_c"),
+    CycleField<&RobotState::q, &pb::Cycle::mutable_q>("q", "rad",
+        "Measured joint positions"),
+    CycleField<&RobotState::q_d, &pb::Cycle::mutable_q_d>("q_d", "rad",
+        "Desired joint positions"),
+    CycleField<&RobotState::dq, &pb::Cycle::mutable_dq>("dq", "rad/s",
+        "Measured joint velocities"),
+    CycleField<&RobotState::dq_d, &pb::Cycle::mutable_dq_d>("dq_d", "rad/s",
+        "Desired joint velocities"),
+    CycleField<&RobotState::ddq_d, &pb::Cycle::mutable_ddq_d>("ddq_d", "rad/s^2",
+        "Desired joint accelerations"),
+    CycleField<&CycleRecord::dddq_d, &pb::Cycle::mutable_dddq_d>("dddq_d", "rad/s^3",
+        "Jerk of the reference, by backward differences"),
+    CycleField<&RobotState::theta, &pb::Cycle::mutable_theta>("theta", "rad",
+        "Motor positions"),
+    CycleField<&RobotState::dtheta, &pb::Cycle::mutable_dtheta>("dtheta", "rad/s",
+        "Motor velocities"),
+    CycleField<&RobotState::tau_J, &pb::Cycle::mutable_tau_j>("tau_J", "Nm",
+        "Measured joint torques, gravity included"),
+    CycleField<&RobotState::tau_J_d, &pb::Cycle::mutable_tau_j_d>("tau_J_d", "Nm",
+        "Desired joint torques, without gravity and friction"),
+    CycleField<&RobotState::dtau_J, &pb::Cycle::mutable_dtau_j>("dtau_J", "Nm/s",
+        "Derivative of tau_J"),
+    CycleField<&RobotState::tau_ext_hat_filtered, &pb::Cycle::mutable_tau_ext_hat_filtered>("tau_ext_hat_filtered", "Nm",
+        "Estimated external joint torques, filtered"),
+    CycleField<&RobotState::joint_contact, &pb::Cycle::mutable_joint_contact>("joint_contact", "",
+        "Contact level of each joint"),
+    CycleField<&RobotState::joint_collision, &pb::Cycle::mutable_joint_collision>("joint_collision", "",
+        "Collision level of each joint"),
+    CycleField<&RobotState::cartesian_contact, &pb::Cycle::mutable_cartesian_contact>("cartesian_contact", "",
+        "Contact level of x, y, z, R, P, Y in K"),
+    CycleField<&RobotState::cartesian_collision, &pb::Cycle::mutable_cartesian_collision>("cartesian_collision", "",
+        "Collision level of x, y, z, R, P, Y in K"),
+    CycleField<&RobotState::O_T_EE, &pb::Cycle::mutable_o_t_ee>("O_T_EE", "",
+        "Measured pose of EE in O, 4 x 4, column-major; m"),
+    CycleField<&RobotState::O_T_EE_d, &pb::Cycle::mutable_o_t_ee_d>("O_T_EE_d", "",
+        "Desired pose of EE in O, 4 x 4, column-major; m"),
+    CycleField<&RobotState::O_T_EE_c, &pb::Cycle::mutable_o_t_ee_c>("O_T_EE_c", "",
+        "Last commanded pose of EE in O, 4 x 4, column-major; m"),
+    CycleField<&RobotState::O_F_ext_hat_K, &pb::Cycle::mutable_o_f_ext_hat_k>("O_F_ext_hat_K", "N, Nm",
+        "Estimated external wrench at K, axes of O; positive: the robot pushes on its environment"),
+    CycleField<&RobotState::K_F_ext_hat_K, &pb::Cycle::mutable_k_f_ext_hat_k>("K_F_ext_hat_K", "N, Nm",
+        "The same in axes of K"),
+    CycleField<&RobotState::O_dP_EE_d, &pb::Cycle::mutable_o_dp_ee_d>("O_dP_EE_d", "m/s, rad/s",
+        "Desired twist of EE, axes of O"),
+    CycleField<&RobotState::O_dP_EE_c, &pb::Cycle::mutable_o_dp_ee_c>("O_dP_EE_c", "m/s, rad/s",
+        "Last commanded twist of EE, axes of O"),
+    CycleField<&RobotState::O_ddP_EE_c, &pb::Cycle::mutable_o_ddp_ee_c>("O_ddP_EE_c", "m/s^2, rad/s^2",
+        "Last commanded acceleration of EE, axes of O"),
+    CycleField<&RobotState::elbow, &pb::Cycle::mutable_elbow>("elbow", "",
+        "Measured elbow: position of joint 3, rad; sign of joint 4"),
+    CycleField<&RobotState::elbow_d, &pb::Cycle::mutable_elbow_d>("elbow_d", "",
+        "Desired elbow, as elbow"),
+    CycleField<&RobotState::elbow_c, &pb::Cycle::mutable_elbow_c>("elbow_c", "",
+        "Last commanded elbow, as elbow"),
+    CycleField<&RobotState::delbow_c, &pb::Cycle::mutable_delbow_c>("delbow_c", "",
+        "Velocity of elbow_c"),
+    CycleField<&RobotState::ddelbow_c, &pb::Cycle::mutable_ddelbow_c>("ddelbow_c", "",
+        "Acceleration of elbow_c"),
 };
 
 /// Vectors of topic /robot/config.
 inline constexpr std::array kConfigFields = {
-    ConfigField<&RobotState::I_ee, &pb::Config::mutable_i_ee>("I_ee"),
-    ConfigField<&RobotState::F_x_Cee, &pb::Config::mutable_f_x_cee>("F_x_Cee"),
-    ConfigField<&RobotState::I_load, &pb::Config::mutable_i_load>("I_load"),
-    ConfigField<&RobotState::F_x_Cload, &pb::Config::mutable_f_x_cload>("F_x_Cload"),
-    ConfigField<&RobotState::F_T_EE, &pb::Config::mutable_f_t_ee>("F_T_EE"),
-    ConfigField<&RobotState::EE_T_K, &pb::Config::mutable_ee_t_k>("EE_T_K"),
-    ConfigField<&RobotState::F_T_NE, &pb::Config::mutable_f_t_ne>("F_T_NE"),
-    ConfigField<&RobotState::NE_T_EE, &pb::Config::mutable_ne_t_ee>("NE_T_EE"),
-    ConfigField<&RobotState::O_ddP_O, &pb::Config::mutable_o_ddp_o>("O_ddP_O"),
+    ConfigField<&RobotState::I_ee, &pb::Config::mutable_i_ee>("I_ee", "kg m^2",
+        "Inertia of the end effector about its centre of mass, 3 x 3, column-major, axes of F"),
+    ConfigField<&RobotState::F_x_Cee, &pb::Config::mutable_f_x_cee>("F_x_Cee", "m",
+        "Centre of mass of the end effector in F"),
+    ConfigField<&RobotState::I_load, &pb::Config::mutable_i_load>("I_load", "kg m^2",
+        "Inertia of the load about its centre of mass, 3 x 3, column-major, axes of F"),
+    ConfigField<&RobotState::F_x_Cload, &pb::Config::mutable_f_x_cload>("F_x_Cload", "m",
+        "Centre of mass of the load in F"),
+    ConfigField<&RobotState::F_T_EE, &pb::Config::mutable_f_t_ee>("F_T_EE", "",
+        "Pose of EE in F, 4 x 4, column-major; m"),
+    ConfigField<&RobotState::EE_T_K, &pb::Config::mutable_ee_t_k>("EE_T_K", "",
+        "Pose of K in EE, 4 x 4, column-major; m"),
+    ConfigField<&RobotState::F_T_NE, &pb::Config::mutable_f_t_ne>("F_T_NE", "",
+        "Pose of NE in F, 4 x 4, column-major; m"),
+    ConfigField<&RobotState::NE_T_EE, &pb::Config::mutable_ne_t_ee>("NE_T_EE", "",
+        "Pose of EE in NE, 4 x 4, column-major; m"),
+    ConfigField<&RobotState::O_ddP_O, &pb::Config::mutable_o_ddp_o>("O_ddP_O", "m/s^2",
+        "Gravity in O"),
 };
 
 /// Vectors of topic /ext/tick, without the command's.
 inline constexpr std::array kTickFields = {
-    TickField<&TickRecord::q_ext, &pb::Tick::mutable_q_ext>("q_ext"),
-    TickField<&TickRecord::dq_ext, &pb::Tick::mutable_dq_ext>("dq_ext"),
+    TickField<&TickRecord::q_ext, &pb::Tick::mutable_q_ext>("q_ext", "rad",
+        "Deposited target after rate matching, or the present position of the source in a resampler"),
+    TickField<&TickRecord::dq_ext, &pb::Tick::mutable_dq_ext>("dq_ext", "rad/s",
+        "Velocity of q_ext"),
 };
 
 /// Vectors of the command in a tick.
 inline constexpr std::array kCommandFields = {
-    CommandField<&RobotCommand::q_c, &pb::Command::mutable_q_c>("q_c"),
-    CommandField<&RobotCommand::dq_c, &pb::Command::mutable_dq_c>("dq_c"),
-    CommandField<&RobotCommand::O_T_EE_c, &pb::Command::mutable_o_t_ee_c>("O_T_EE_c"),
-    CommandField<&RobotCommand::O_dP_EE_c, &pb::Command::mutable_o_dp_ee_c>("O_dP_EE_c"),
-    CommandField<&RobotCommand::elbow_c, &pb::Command::mutable_elbow_c>("elbow_c"),
-    CommandField<&RobotCommand::tau_J_d, &pb::Command::mutable_tau_j_d>("tau_J_d"),
+    CommandField<&RobotCommand::q_c, &pb::Command::mutable_q_c>("q_c", "rad",
+        "Commanded joint positions"),
+    CommandField<&RobotCommand::dq_c, &pb::Command::mutable_dq_c>("dq_c", "rad/s",
+        "Commanded joint velocities"),
+    CommandField<&RobotCommand::O_T_EE_c, &pb::Command::mutable_o_t_ee_c>("O_T_EE_c", "",
+        "Commanded pose of EE in O, 4 x 4, column-major; m"),
+    CommandField<&RobotCommand::O_dP_EE_c, &pb::Command::mutable_o_dp_ee_c>("O_dP_EE_c", "m/s, rad/s",
+        "Commanded twist of EE, axes of O"),
+    CommandField<&RobotCommand::elbow_c, &pb::Command::mutable_elbow_c>("elbow_c", "",
+        "Commanded elbow, with valid_elbow: position of joint 3, rad; sign of joint 4"),
+    CommandField<&RobotCommand::tau_J_d, &pb::Command::mutable_tau_j_d>("tau_J_d", "Nm",
+        "Commanded joint torques, without gravity and friction"),
 };
 // clang-format on
 

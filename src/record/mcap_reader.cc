@@ -1,13 +1,12 @@
 #include "twin/record/mcap_reader.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "record/mcap_chunk.h"
 #include "record/mcap_cursor.h"
 #include "record/mcap_format.h"
 #include "record/mcap_source.h"
@@ -18,29 +17,10 @@ namespace twin::record {
 using mcap::Cursor;
 using mcap::Opcode;
 
-namespace {
-
-/// Longest accepted name of a topic, schema or encoding; bounds the memory.
-constexpr std::size_t kMaxNameBytes = 4096;
-
-std::string TakeName(Cursor& cursor) {
-  const std::string_view name = cursor.TakeString();
-  if (name.size() > kMaxNameBytes) {
-    cursor.Fail(
-        fmt::format("a name of {} bytes; at most {} are accepted", name.size(), kMaxNameBytes));
-  }
-  return std::string(name);
-}
-
-}  // namespace
-
 class McapReader::Impl {
  public:
   Impl(std::unique_ptr<mcap::Source> source, std::string name)
-      : source_(std::move(source)),
-        name_(std::move(name)),
-        zstd_(ZSTD_createDCtx(), &ZSTD_freeDCtx) {
-    TWIN_CHECK(zstd_ != nullptr);
+      : source_(std::move(source)), name_(std::move(name)) {
     truncated_ = !EndsWithMagic();
     if (ReadMore(mcap::kMagic.size()) < mcap::kMagic.size() || !IsMagic(record_)) {
       throw InputError(
@@ -53,7 +33,7 @@ class McapReader::Impl {
 
   std::optional<McapMessage> Next() {
     while (true) {
-      if (auto message = NextInChunk()) {
+      if (auto message = chunk_.Next(channels_)) {
         ++message_count_;
         return message;
       }
@@ -68,12 +48,6 @@ class McapReader::Impl {
   [[nodiscard]] bool truncated() const { return truncated_; }
 
  private:
-  struct Schema {
-    std::string name;
-    std::string encoding;
-    std::uint32_t crc = 0;  ///< of its data, because repetitions must be identical
-  };
-
   static bool IsMagic(std::span<const std::byte> bytes) {
     return std::ranges::equal(bytes, mcap::AsBytes(mcap::kMagic));
   }
@@ -123,15 +97,17 @@ class McapReader::Impl {
 
   /// Opens the next chunk. @returns false at the end of the data.
   bool NextChunk() {
-    chunk_.clear();
-    chunk_at_ = 0;
+    chunk_.Close();
     Opcode opcode{};
     while (!ended_ && ReadRecord(opcode)) {
       Cursor cursor(record_, name_, offset_ - record_.size());
       switch (opcode) {
-        case Opcode::kChunk: OpenChunk(cursor); return true;
-        case Opcode::kSchema: TakeSchema(cursor); break;
-        case Opcode::kChannel: TakeChannel(cursor); break;
+        case Opcode::kChunk:
+          chunk_.Open(cursor, name_, offset_);
+          ++chunk_count_;
+          return true;
+        case Opcode::kSchema: channels_.TakeSchema(cursor); break;
+        case Opcode::kChannel: channels_.TakeChannel(cursor); break;
         case Opcode::kAttachment: TakeAttachment(cursor); break;
         case Opcode::kMetadata: TakeMetadata(cursor); break;
         case Opcode::kDataEnd: TakeEnd(cursor); break;
@@ -144,123 +120,11 @@ class McapReader::Impl {
     return false;
   }
 
-  void OpenChunk(Cursor& cursor) {
-    static_cast<void>(cursor.TakeBytes(2 * sizeof(std::uint64_t)));  // first and last log time
-    const auto size = cursor.Take<std::uint64_t>();
-    const auto crc = cursor.Take<std::uint32_t>();
-    const std::string compression = TakeName(cursor);
-    const auto data = cursor.TakeBytes(cursor.Take<std::uint64_t>());
-    if (size > kMaxRecordBytes) {
-      cursor.Fail(
-          fmt::format("a chunk of {} bytes; at most {} are accepted", size, kMaxRecordBytes));
-    }
-    if (compression == "zstd") {
-      Decompress(data, size, cursor);
-    } else if (compression.empty() && data.size() == size) {
-      chunk_.assign(data.begin(), data.end());
-    } else {
-      cursor.Fail(
-          fmt::format("a chunk compressed with '{}' of {} bytes for {}; only zstd and none "
-                      "are accepted",
-                      compression, data.size(), size));
-    }
-    if (crc != 0 && mcap::Crc32(0, chunk_) != crc) cursor.Fail("the CRC of the chunk is wrong");
-    chunk_where_ = fmt::format("{}: the chunk that ends at byte {}", name_, offset_);
-    ++chunk_count_;
-  }
-
-  void Decompress(std::span<const std::byte> data, std::uint64_t size, Cursor& cursor) {
-    // Checking the frame's own size finds a wrong length before memory is allocated.
-    const unsigned long long frame = ZSTD_getFrameContentSize(data.data(), data.size());
-    if (frame == ZSTD_CONTENTSIZE_ERROR || (frame != ZSTD_CONTENTSIZE_UNKNOWN && frame != size)) {
-      cursor.Fail("the chunk is not a zstd frame of the stated size");
-    }
-    chunk_.resize(static_cast<std::size_t>(size));
-    const std::size_t got =
-        ZSTD_decompressDCtx(zstd_.get(), chunk_.data(), chunk_.size(), data.data(), data.size());
-    if (ZSTD_isError(got) != 0 || got != size) {
-      cursor.Fail(fmt::format("the chunk cannot be decompressed ({})", ZSTD_getErrorName(got)));
-    }
-  }
-
-  std::optional<McapMessage> NextInChunk() {
-    while (chunk_at_ < chunk_.size()) {
-      Cursor cursor(std::span<const std::byte>(chunk_).subspan(chunk_at_), chunk_where_, chunk_at_);
-      const auto opcode = static_cast<Opcode>(cursor.Take<std::uint8_t>());
-      const auto content = cursor.TakeBytes(cursor.Take<std::uint64_t>());
-      const std::size_t end = chunk_.size() - cursor.remaining();
-      Cursor record(content, chunk_where_, end - content.size());
-      chunk_at_ = end;
-      switch (opcode) {
-        case Opcode::kMessage: return TakeMessage(record);
-        case Opcode::kSchema: TakeSchema(record); break;
-        case Opcode::kChannel: TakeChannel(record); break;
-        default: break;
-      }
-    }
-    return std::nullopt;
-  }
-
-  McapMessage TakeMessage(Cursor& cursor) const {
-    const auto id = cursor.Take<std::uint16_t>();
-    const auto channel = channels_.find(id);
-    if (channel == channels_.end()) {
-      cursor.Fail(fmt::format("a message on channel {}, which was not introduced", id));
-    }
-    McapMessage message;
-    message.channel = &channel->second;
-    message.sequence = cursor.Take<std::uint32_t>();
-    message.log_time_ns = cursor.Take<std::uint64_t>();
-    static_cast<void>(cursor.Take<std::uint64_t>());  // publish time
-    message.data = cursor.TakeBytes(cursor.remaining());
-    return message;
-  }
-
-  void TakeSchema(Cursor& cursor) {
-    const auto id = cursor.Take<std::uint16_t>();
-    Schema schema;
-    schema.name = TakeName(cursor);
-    schema.encoding = TakeName(cursor);
-    const std::string_view data = cursor.TakeString();
-    schema.crc = mcap::Crc32(0, mcap::AsBytes(data));
-    if (id == 0) return;  // the specification says to ignore it
-    const auto [known, added] = schemas_.emplace(id, schema);
-    const bool same = known->second.name == schema.name &&
-                      known->second.encoding == schema.encoding && known->second.crc == schema.crc;
-    if (!added && !same) cursor.Fail(fmt::format("schema {} comes twice and differs", id));
-    if (schemas_.size() > kMaxChannels) {
-      cursor.Fail(fmt::format("more than {} schemas, the most accepted", kMaxChannels));
-    }
-  }
-
-  void TakeChannel(Cursor& cursor) {
-    const auto id = cursor.Take<std::uint16_t>();
-    const auto schema_id = cursor.Take<std::uint16_t>();
-    McapChannel channel;
-    channel.topic = TakeName(cursor);
-    channel.message_encoding = TakeName(cursor);
-    if (schema_id != 0) {
-      const auto schema = schemas_.find(schema_id);
-      if (schema == schemas_.end()) {
-        cursor.Fail(
-            fmt::format("channel {} has schema {}, which was not introduced", id, schema_id));
-      }
-      channel.schema_name = schema->second.name;
-      channel.schema_encoding = schema->second.encoding;
-    }
-    const auto [known, added] = channels_.emplace(id, channel);
-    if (!added && !(known->second == channel))
-      cursor.Fail(fmt::format("channel {} comes twice and differs", id));
-    if (channels_.size() > kMaxChannels) {
-      cursor.Fail(fmt::format("more than {} channels, the most accepted", kMaxChannels));
-    }
-  }
-
   void TakeAttachment(Cursor& cursor) {
     static_cast<void>(cursor.TakeBytes(2 * sizeof(std::uint64_t)));  // log time, creation time
     McapAttachment attachment;
-    attachment.name = TakeName(cursor);
-    attachment.media_type = TakeName(cursor);
+    attachment.name = mcap::TakeName(cursor);
+    attachment.media_type = mcap::TakeName(cursor);
     const auto data = cursor.TakeBytes(cursor.Take<std::uint64_t>());
     const auto covered = std::span(record_).first(record_.size() - cursor.remaining());
     const auto crc = cursor.Take<std::uint32_t>();
@@ -272,7 +136,7 @@ class McapReader::Impl {
   }
 
   void TakeMetadata(Cursor& cursor) {
-    std::string name = TakeName(cursor);
+    std::string name = mcap::TakeName(cursor);
     metadata.insert_or_assign(std::move(name), cursor.TakeMap());
   }
 
@@ -327,18 +191,14 @@ class McapReader::Impl {
 
   std::unique_ptr<mcap::Source> source_;
   const std::string name_;
-  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd_;
   bool truncated_ = false;
   bool ended_ = false;  ///< all data has been read
   std::uint64_t offset_ = 0;
   std::uint32_t data_crc_ = 0;         ///< of all bytes read
   std::uint32_t data_crc_before_ = 0;  ///< the same without the last record
   mcap::Bytes record_;                 ///< content of the last record
-  mcap::Bytes chunk_;                  ///< records of the open chunk
-  std::size_t chunk_at_ = 0;
-  std::string chunk_where_;
-  std::map<std::uint16_t, Schema> schemas_;
-  std::map<std::uint16_t, McapChannel> channels_;
+  mcap::Chunk chunk_;                  ///< the open one
+  mcap::Channels channels_;
   std::uint64_t message_count_ = 0;
   std::uint64_t chunk_count_ = 0;
 };

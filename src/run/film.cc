@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <numbers>
+#include <string>
+#include <string_view>
 
 namespace twin::run {
 namespace {
@@ -37,6 +39,26 @@ render::Corner CornerOf(scenario::PictureCorner corner) {
     case scenario::PictureCorner::kBottomRight: break;
   }
   return render::Corner::kBottomRight;
+}
+
+render::View ViewFromText(std::string_view text, const render::View& otherwise) {
+  constexpr std::string_view kTrack = "track:";
+  // Near the followed body, and straight at it.
+  constexpr render::FreeCamera kNear{
+      .azimuth_deg = 142, .elevation_deg = -18, .distance_m = 0.9, .lookat_m = {}};
+  if (text == scenario::kGripperCamera) {
+    return {.kind = render::ViewKind::kGripper, .name = {}, .orbit = {}};
+  }
+  if (text.starts_with(kTrack)) {
+    return {.kind = render::ViewKind::kTracking,
+            .name = std::string(text.substr(kTrack.size())),
+            .orbit = kNear};
+  }
+  if (text != "orbit") {
+    return {.kind = render::ViewKind::kScene, .name = std::string(text), .orbit = {}};
+  }
+  if (otherwise.kind == render::ViewKind::kOrbit) return otherwise;
+  return FilmOf(scenario::RenderSection()).view;
 }
 
 render::Overlays OverlaysOf(const std::vector<scenario::Overlay>& wanted) {

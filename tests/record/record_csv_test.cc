@@ -13,7 +13,7 @@
 #include "record/sample_records.h"
 #include "record/temporary_folder.h"
 #include "twin/core/error.h"
-#include "twin/record/export_csv.h"
+#include "twin/record/export_log.h"
 #include "twin/record/recorder.h"
 
 namespace twin::record::record_csv_test {
@@ -97,7 +97,7 @@ TEST(ExportCsvTest, TellsOfTheViabilityFilterWhereThereWasOne) {
 TEST(ExportCsvTest, WritesTheConfigurationWhenItChanges) {
   const TemporaryFolder folder;
   Record(folder / "a.mcap", 1001);
-  const CsvExport written = ExportCsv(folder / "a.mcap", folder.path());
+  const LogExport written = ExportCsv(folder / "a.mcap", folder.path());
   EXPECT_EQ(written.cycles, 1000U);
   EXPECT_EQ(written.events, 1U);
   const auto rows = ReadCsv(folder / "config.csv");
@@ -153,10 +153,20 @@ TEST(CsvFileTest, QuotesTextThatNeedsIt) {
   CsvFile csv(folder / "a.csv");
   csv.Add(std::string_view("plain"));
   csv.Add(std::string_view("a, \"b\"\n"));
-  csv.Add(0.1);
+  csv.AddFloat(0.1);
   csv.EndRow();
   csv.Commit();
   EXPECT_EQ(ReadText(folder / "a.csv"), "plain,\"a, \"\"b\"\"\n\",0.1\n");
+}
+
+TEST(CsvFileTest, ShowsThatAFloatIsOne) {
+  const TemporaryFolder folder;
+  CsvFile csv(folder / "a.csv");
+  for (const double value : {1.0, -0.0, 1e22, 0.25, 5e-324, 123456789.0}) csv.AddFloat(value);
+  csv.Add(1);
+  csv.EndRow();
+  csv.Commit();
+  EXPECT_EQ(ReadText(folder / "a.csv"), "1.0,-0.0,1e+22,0.25,5e-324,123456789.0,1\n");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "twin/render/film.h"
@@ -10,6 +11,10 @@ namespace twin::run {
 /// Convert a scenario's enumerators into the renderer's.
 [[nodiscard]] render::Corner CornerOf(scenario::PictureCorner corner);
 [[nodiscard]] render::Overlays OverlaysOf(const std::vector<scenario::Overlay>& wanted);
+
+/// The view that a user names: a camera of the scene, `orbit`, `track:BODY` or `gripper`.
+/// @param otherwise  taken for `orbit` if it orbits, else the default orbit.
+[[nodiscard]] render::View ViewFromText(std::string_view text, const render::View& otherwise);
 
 /// The film settings that a scenario's section render asks for.
 [[nodiscard]] render::FilmSettings FilmOf(const scenario::RenderSection& wanted);
