@@ -142,6 +142,11 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder,
   return scenario;
 }
 
+Scenario ReadServed(const YamlNode& root, const std::filesystem::path& folder) {
+  const bool moves = root.Member("motion") || root.Member("application");
+  return ReadScenario(root, folder, !moves);
+}
+
 }  // namespace
 
 Scenario Load(const std::filesystem::path& path) {
@@ -149,9 +154,11 @@ Scenario Load(const std::filesystem::path& path) {
 }
 
 Scenario LoadServed(const std::filesystem::path& path) {
-  const YamlNode root = YamlNode::ParseFile(path.string());
-  const bool moves = root.Member("motion") || root.Member("application");
-  return ReadScenario(root, path.parent_path(), !moves);
+  return ReadServed(YamlNode::ParseFile(path.string()), path.parent_path());
+}
+
+Scenario ParseServed(const std::string& text, const std::filesystem::path& file) {
+  return ReadServed(YamlNode::Parse(text, file.string()), file.parent_path());
 }
 
 Scenario Parse(const std::string& text, const std::filesystem::path& file) {
