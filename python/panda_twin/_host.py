@@ -22,8 +22,8 @@ def _executable() -> pathlib.Path:
 
 _core.set_host(
     executable=_executable(),
-    models=pathlib.Path(),
-    meshes=pathlib.Path(),
+    models="",  # Path() would be the working folder
+    meshes="",
     cache=pathlib.Path(_own_folder("XDG_CACHE_HOME", ".cache")),
     state=pathlib.Path(_own_folder("XDG_STATE_HOME", ".local/state")),
     path=os.environ.get("PATH", ""),
