@@ -1,6 +1,7 @@
 """Robots with one task: actions in, rows of reports out. Both the environment and the vector of them stand on it."""
 
 import json
+import math
 import os
 import pathlib
 from collections.abc import Callable, Mapping, Sequence
@@ -206,12 +207,15 @@ class Cell:
 
     def step(self, actions: Array, mask: Flags | None = None) -> None:
         """Leads the robots in ``mask`` (default: all) by ``actions``, (count, action_size) in [-1, 1]."""
-        mask = self._everyone if mask is None else mask
-        actions = np.clip(actions, -1.0, 1.0)
-        if not np.isfinite(actions).all():
+        actions = np.minimum(np.maximum(actions, -1.0), 1.0)  # several times faster than np.clip on a few numbers
+        if not math.isfinite(actions.sum()):
             raise ValueError("action: it must be finite")
         led = self._led(actions)
-        self.targets[mask, self._lead] = led[mask]
+        if mask is None:
+            mask = self._everyone
+            self.targets[:, self._lead] = led
+        else:
+            self.targets[mask, self._lead] = led[mask]
         if self.task.has_fingers:
             self.targets[mask, 7] = actions[mask, -1]
         self.robots.step(self.targets, mask, self.cycles, self.rows)
@@ -220,10 +224,10 @@ class Cell:
         """The targets that actions lead to."""
         if self.interface == "cartesian_pose":
             moved = self.targets[:, :3] + actions[:, :3] * (_SPEED * self._period)
-            return np.clip(moved, self._low, self._high)
+            return np.minimum(np.maximum(moved, self._low), self._high)
         if self.interface == "joint_position":
             moved = self.targets[:, :7] + actions[:, :7] * (_TURN_SPEED * self._period)
-            return np.clip(moved, _Q_MIN, _Q_MAX)
+            return np.minimum(np.maximum(moved, _Q_MIN), _Q_MAX)
         return actions[:, :7] * (_TURN_SPEED if self.interface == "joint_velocity" else _TORQUE)
 
     def observe(self, with_object: bool = True) -> Array:
