@@ -312,7 +312,8 @@ void SteppedRobot::Impl::CopyObjects(std::span<double> out) const noexcept {
 std::string SteppedRobot::Impl::DescribeErrors() const {
   std::string text;
   for (const Violation& violation : robot_.last_motion().violations.items()) {
-    text += (text.empty() ? "" : " ") + Describe(violation);
+    if (!text.empty()) text += ' ';
+    text += Describe(violation);
   }
   return text;
 }

@@ -185,8 +185,8 @@ TEST(SteppedRobotTest, ReportsTheForceWithWhichItPressesOnATable) {
   robot.Reset({.seed = 1, .places = {{"box", aside}}});
   reference::Target target;
   target.pose.O_T_EE = test::PoseOf(robot.report());
-  for (int i = 0; i < 60; ++i) {
-    if (robot.report().contact[2] > -5) target.pose.O_T_EE[14] -= 0.002;
+  for (int i = 0; i < 300; ++i) {
+    if (robot.report().contact[2] > -5) target.pose.O_T_EE[14] -= 0.0005;
     robot.SetTarget(target);
     robot.Advance(50);
   }
