@@ -174,7 +174,7 @@ TEST(SteppedRobotTest, AHeavierLoadBendsTheArmAndGoesWhenGivenAnew) {
 TEST(SteppedRobotTest, ReportsTheForceWithWhichItPressesOnATable) {
   scenario::Scenario scenario = test::Stepped(
       "scene: scenes/table_box.xml\n"
-      "onboard: {K_x: {translation: 600 N/m, rotation: 30 Nm/rad}}\n");
+      "onboard: {collision_behavior: off, K_x: {translation: 600 N/m, rotation: 30 Nm/rad}}\n");
   scenario.motion.controller = ControllerMode::kCartesianImpedance;
   scenario.robot.q_start = JointVector{0, -0.13681, 0, -2.23480, 0, 2.09800, -0.78540};
   Transform aside = kIdentityTransform;
