@@ -1,5 +1,7 @@
 """A digital twin of the Franka Emika Panda and of its 1 kHz control stack."""
 
+import importlib.util
+
 from . import _core
 from . import _host as _host  # tells the module where its files are
 from . import model
@@ -25,6 +27,9 @@ from ._serve import ControlChannel, Event, ServedRobot, Status, control_channel,
 from ._session import Hand, MotionFault, Objects, Session
 from ._trajectory import Trajectory
 from .scenario import Scenario, schema, validate
+
+if importlib.util.find_spec("gymnasium") is not None:
+    from . import envs as envs  # registers the environments
 
 __version__ = _core.version()
 

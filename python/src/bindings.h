@@ -32,6 +32,7 @@ struct Host {
 [[nodiscard]] run::RunFiles Files();
 
 // One per source of the same name.
+void AddEnvs(nb::module_& module);
 void AddErrors(nb::module_& module);
 void AddModel(nb::module_& module);
 void AddServed(nb::module_& module);

@@ -102,6 +102,11 @@ class EnginePlant final : public MujocoPlant {
   [[nodiscard]] JointVector GravityTorque(const JointVector& q) override;
   void Perturb(const Perturbation& perturbation) override { live_.perturber.Add(perturbation); }
   void ClearPerturbations() override { live_.perturber.Clear(*data_); }
+  void SetMass(int body, double mass) override;
+  void SetFriction(int body, double friction) override;
+  void Reseed(std::uint64_t seed) noexcept TWIN_REALTIME override {
+    random_ = Random(seed, RandomStream::kSensorNoise);
+  }
   [[nodiscard]] Duration plant_time() const noexcept override {
     return static_cast<std::int64_t>(live_.tick) * kCycle;
   }
@@ -150,12 +155,14 @@ class EnginePlant final : public MujocoPlant {
 
   const FrictionProfile friction_;
   const SensorNoise noise_;
-  const Random random_;
+  Random random_;
   const bool uses_meshes_;
   ModelPointer model_;
   std::vector<std::string> load_warnings_;
   DataPointer data_;
-  DataPointer gravity_data_;  ///< created on first use
+  /// For computations beside the motion; created on first use.
+  [[nodiscard]] mjData& SideData();
+  DataPointer side_data_;
   const ArmJoints joints_;
   JointVector armature_{};
   const ElasticityProfile elasticity_;
@@ -352,9 +359,33 @@ std::string EnginePlant::DescribeWarnings() const {
   return text;
 }
 
+mjData& EnginePlant::SideData() {
+  if (!side_data_) side_data_.reset(mj_makeData(model_.get()));
+  return *side_data_;
+}
+
+void EnginePlant::SetMass(int body, double mass) {
+  RequireInRange("mass of a body, kg", mass, 0.001, 100);
+  const double before = model_->body_mass[body];
+  if (before <= 0) throw InputError("mass of a body: this body has none that could be changed");
+  if (mass == before) return;
+  model_->body_mass[body] = mass;
+  for (int i = 0; i < 3; ++i) model_->body_inertia[3 * body + i] *= mass / before;
+  // What the engine derives from masses.
+  mj_resetData(model_.get(), &SideData());
+  mj_setConst(model_.get(), &SideData());
+}
+
+void EnginePlant::SetFriction(int body, double friction) {
+  RequireInRange("friction of a body", friction, 0, 10);
+  const int first = model_->body_geomadr[body];
+  for (int i = 0; i < model_->body_geomnum[body]; ++i) {
+    model_->geom_friction[3 * (first + i)] = friction;
+  }
+}
+
 JointVector EnginePlant::GravityTorque(const JointVector& q) {
-  if (!gravity_data_) gravity_data_.reset(mj_makeData(model_.get()));
-  mjData* data = gravity_data_.get();
+  mjData* data = &SideData();
   for (std::size_t i = 0; i < kJoints; ++i) data->qpos[joints_.qpos[i]] = q[i];
   mj_kinematics(model_.get(), data);
   mj_comPos(model_.get(), data);

@@ -13,11 +13,51 @@
 
 namespace twin::plant {
 
+int BodyNamed(const mjModel& model, const std::string& name) {
+  const int body = mj_name2id(&model, mjOBJ_BODY, name.c_str());
+  if (body >= 0) return body;
+  throw InputError(fmt::format("no body of robot and scene is named \"{}\"; name one", name));
+}
+
 BodyView::BodyView(const TruthProbe& truth, const std::string& body)
-    : truth_(truth), body_(mj_name2id(&truth.model(), mjOBJ_BODY, body.c_str())) {
-  if (body_ < 0) {
-    throw InputError(fmt::format("no body of robot and scene is named \"{}\"; name one", body));
+    : truth_(truth), body_(BodyNamed(truth.model(), body)) {}
+
+Vector6 BodyView::Twist() const noexcept {
+  mjtNum turn_first[6];
+  mj_objectVelocity(&truth_.model(), &truth_.data(), mjOBJ_XBODY, body_, turn_first, 0);
+  return {turn_first[3], turn_first[4], turn_first[5], turn_first[0], turn_first[1], turn_first[2]};
+}
+
+ContactWrench::ContactWrench(const TruthProbe& truth) : truth_(truth) {
+  const mjModel& model = truth.model();
+  const std::vector<bool> moves = MovingBodies(model);
+  for (int geom = 0; geom < model.ngeom; ++geom) moves_.push_back(moves[model.geom_bodyid[geom]]);
+}
+
+Vector6 ContactWrench::About(const Vector3& p_W) const noexcept {
+  Vector6 wrench{};
+  const mjData& data = truth_.data();
+  for (int i = 0; i < data.ncon; ++i) {
+    const mjContact& contact = data.contact[i];
+    const bool is_first = moves_[contact.geom1];
+    if (contact.efc_address < 0 || is_first == moves_[contact.geom2]) continue;
+    mjtNum force_C[6];  // on the second shape, in the contact's axes, the rows of its frame
+    mj_contactForce(&truth_.model(), &data, i, force_C);
+    mjtNum force_W[3];
+    mjtNum torque_W[3];
+    mju_mulMatTVec(force_W, contact.frame, force_C, 3, 3);
+    mju_mulMatTVec(torque_W, contact.frame, force_C + 3, 3, 3);
+    mjtNum arm[3];
+    mjtNum moment[3];
+    mju_sub3(arm, contact.pos, p_W.data());
+    mju_cross(moment, arm, force_W);
+    const double sign = is_first ? 1 : -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      wrench[k] += sign * force_W[k];
+      wrench[3 + k] += sign * (moment[k] + torque_W[k]);
+    }
   }
+  return wrench;
 }
 
 Transform BodyView::Pose() const noexcept {

@@ -45,6 +45,13 @@ void Robot::Reset(const JointVector& q) {
   live_.last_found = onboard::Violations();
 }
 
+void Robot::Renew(const LinkConfig& link, std::uint64_t seed) {
+  link.Validate();
+  live_.states.Renew(link, seed);
+  live_.commands.Renew(link, seed);
+  plant_->Reseed(seed);
+}
+
 Robot::Snapshot Robot::Save() noexcept {
   return {live_, plant_->Save(), base_ ? std::optional(base_->Save()) : std::nullopt};
 }

@@ -142,15 +142,15 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder,
   return scenario;
 }
 
+Scenario ReadServed(const YamlNode& root, const std::filesystem::path& folder) {
+  const bool moves = root.Member("motion") || root.Member("application");
+  return ReadScenario(root, folder, !moves);
+}
+
 }  // namespace
 
 Scenario Load(const std::filesystem::path& path) {
   return ReadScenario(YamlNode::ParseFile(path.string()), path.parent_path());
-}
-
-static Scenario ReadServed(const YamlNode& root, const std::filesystem::path& folder) {
-  const bool moves = root.Member("motion") || root.Member("application");
-  return ReadScenario(root, folder, !moves);
 }
 
 Scenario LoadServed(const std::filesystem::path& path) {

@@ -113,6 +113,15 @@ class MujocoPlant : public Plant, public TruthProbe {
   /// Removes all external forces, including those of the options. Between steps only.
   virtual void ClearPerturbations() = 0;
 
+  /// Gives a body another mass, and inertias in proportion; no Reset() or Restore() takes that
+  /// back. Between steps only; allocates. @param body  as BodyNamed() has it. @param mass  kg.
+  /// @throws InputError unless the body has a mass and `mass` is in [0.001, 100].
+  virtual void SetMass(int body, double mass) = 0;
+
+  /// Gives all shapes of a body another sliding friction; otherwise as SetMass().
+  /// @throws InputError unless `friction` is in [0, 10].
+  virtual void SetFriction(int body, double friction) = 0;
+
   /// @returns time since the last Reset(): 1 ms per step taken. Real-time: noexcept, O(1).
   [[nodiscard]] virtual Duration plant_time() const noexcept = 0;
 

@@ -24,10 +24,29 @@ class BodyView {
 
   /// Pose of the body's frame in the world after the last step.
   [[nodiscard]] Transform Pose() const noexcept TWIN_REALTIME;
+  /// Its twist [v; w] in world axes, v of its frame's origin.
+  [[nodiscard]] Vector6 Twist() const noexcept TWIN_REALTIME;
 
  private:
   const TruthProbe& truth_;
   int body_ = 0;
+};
+
+/// What the arm with its hand exerts on everything else by contact: ground truth, for observers.
+///
+/// Threads: the plant's. Real-time: Wrench() is noexcept, O(contacts), allocates nothing.
+class ContactWrench {
+ public:
+  /// @param truth  must outlive the object.
+  explicit ContactWrench(const TruthProbe& truth);
+
+  /// The sum of the contact forces of the last step, and their moment about a point, world axes.
+  /// Positive: the arm pushes on its surroundings, as O_F_ext_hat_K of the robot's state.
+  [[nodiscard]] Vector6 About(const Vector3& p_W) const noexcept TWIN_REALTIME;
+
+ private:
+  const TruthProbe& truth_;
+  std::vector<bool> moves_;  ///< by geom: moves with the arm
 };
 
 /// Names and poses in the world (X_WB) of the scene's free bodies: all that are not part of the
@@ -35,6 +54,10 @@ class BodyView {
 /// @param qpos  of the model, as a SceneRecord holds it. Threads: any. Not real-time.
 [[nodiscard]] std::vector<std::pair<std::string, Transform>> FreeBodies(
     const mjModel_& model, std::span<const double> qpos);
+
+/// @returns the body of that name, for MujocoPlant::SetMass(). @throws InputError if there is none.
+/// Threads: any. Not real-time.
+[[nodiscard]] int BodyNamed(const mjModel_& model, const std::string& name);
 
 /// @returns the free body of that name, for Plant::Place().
 /// @throws InputError if there is none, or if it does not move freely, with the names of those that

@@ -90,6 +90,9 @@ class Plant {
   /// noexcept.
   virtual void BeginMotion() noexcept TWIN_REALTIME {}
 
+  /// Draws the noise of the sensors from another seed from the next Step() on.
+  virtual void Reseed(std::uint64_t /*seed*/) noexcept TWIN_REALTIME {}
+
   /// A body placed deeper than this in another is refused, m. What rests on something sinks in
   /// less.
   static constexpr double kMostOverlap = 1e-3;

@@ -27,6 +27,12 @@ class Channel {
   Channel(const faults::DirectionConfig& config, std::uint64_t seed,
           const faults::FateStreams& streams, rt::EventQueue& events, rt::EventOrder order);
 
+  /// Draws the fates of later messages anew. @throws as the constructor.
+  void Renew(const faults::DirectionConfig& config, std::uint64_t seed,
+             const faults::FateStreams& streams) {
+    fate_ = faults::MessageFate(config, seed, streams);
+  }
+
   /// @param arrived  handles an event per arriving copy, with the token for Receive().
   /// @param repeat  counts messages of the same message_id; see faults::MessageFate.
   /// @returns the fate; also lost if the delay is too long or the channel is full.

@@ -21,6 +21,11 @@ class StateLink final : private rt::EventHandler {
   StateLink(const LinkConfig& config, std::uint64_t seed, rt::EventQueue& events,
             rt::EventHandler& state_ready);
 
+  /// As Channel::Renew().
+  void Renew(const LinkConfig& config, std::uint64_t seed) {
+    channel_.Renew(config.state, seed, faults::kStateStreams);
+  }
+
   /// For the robot.
   void Send(const RobotState& state) noexcept TWIN_REALTIME;
 
@@ -53,6 +58,11 @@ class CommandLink final : private rt::EventHandler {
  public:
   CommandLink(const LinkConfig& config, std::uint64_t seed, rt::EventQueue& events,
               onboard::CommandInbox& inbox);
+
+  /// As Channel::Renew().
+  void Renew(const LinkConfig& config, std::uint64_t seed) {
+    channel_.Renew(config.command, seed, faults::kCommandStreams);
+  }
 
   /// For the workstation.
   void Send(const RobotCommand& command) noexcept TWIN_REALTIME;

@@ -57,6 +57,12 @@ class Robot final : private rt::EventHandler {
   /// them the links' random losses. Not for real time: allocates.
   void Reset(const JointVector& q);
 
+  /// Draws all that is random from now on anew: what the link does to later messages, and the
+  /// noise of the sensors. Between two events. Not for real time: allocates.
+  /// @param link  whose delays and losses count from now on; its d_INT does not.
+  /// @throws InputError naming the field that is out of range.
+  void Renew(const LinkConfig& link, std::uint64_t seed);
+
   /// A copy of all that changes in a robot: plant, hand, base, INT and both directions of its link.
   /// The messages in flight arrive by events, so whoever owns the queue keeps a copy of it, too.
   class Snapshot;

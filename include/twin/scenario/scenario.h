@@ -331,12 +331,11 @@ struct Scenario {
 /// As Load, of a robot that clients move: motion and application may be missing. The arm then
 /// stands at robot.q_start, which must be given.
 [[nodiscard]] Scenario LoadServed(const std::filesystem::path& path);
+/// As LoadServed, from text, as Parse().
+[[nodiscard]] Scenario ParseServed(const std::string& text, const std::filesystem::path& file);
 
 /// As Load, from text. @param file  its name in messages; a waypoint file is sought beside it.
 [[nodiscard]] Scenario Parse(const std::string& text, const std::filesystem::path& file);
-
-/// As LoadServed, from text, as Parse().
-[[nodiscard]] Scenario ParseServed(const std::string& text, const std::filesystem::path& file);
 
 /// @param lab     a name, of a file in the folder `labs` of the models, or a file's path.
 /// @param models  DataDirectory::models. @throws InputError listing the names there are.

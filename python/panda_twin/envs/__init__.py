@@ -1,0 +1,47 @@
+"""Environments of the twin for Gymnasium: actions go through the workstation and the robot's own 1 kHz controller.
+
+Importing this package registers them: ``gymnasium.make("PandaTwin/Reach-v0")``.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .env import PandaEnv as PandaEnv
+    from .vector import PandaVectorEnv as PandaVectorEnv
+
+__all__ = ["PandaEnv", "PandaVectorEnv", "register_envs"]
+
+_STEPS = {"Reach": 50, "Push": 100, "PickAndPlace": 100, "Peg": 150, "Wipe": 100}
+
+
+def register_envs() -> None:
+    """Registers ``PandaTwin/<task>-v0`` for every task; once, however often it is called."""
+    # Not above: Gymnasium, when imported first here, calls this function while this module is imported.
+    from gymnasium.envs.registration import register, registry
+
+    for task, steps in _STEPS.items():
+        if f"PandaTwin/{task}-v0" in registry:
+            continue
+        register(
+            id=f"PandaTwin/{task}-v0",
+            entry_point="panda_twin.envs.env:PandaEnv",
+            vector_entry_point="panda_twin.envs.vector:PandaVectorEnv",
+            max_episode_steps=steps,
+            kwargs={"task": task},
+        )
+
+
+def __getattr__(name: str) -> Any:
+    # Gymnasium loads plug-ins before all of it is imported, so the classes come when they are used.
+    if name == "PandaEnv":
+        from .env import PandaEnv
+
+        return PandaEnv
+    if name == "PandaVectorEnv":
+        from .vector import PandaVectorEnv
+
+        return PandaVectorEnv
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+register_envs()
