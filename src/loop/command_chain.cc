@@ -123,11 +123,11 @@ bool CommandChain::stopped() const noexcept {
   return guard_ && guard_->done();
 }
 
-bool CommandChain::Arrived(const RobotState& state) const noexcept {
+bool CommandChain::Arrived(const RobotState& state, bool is_noisy) const noexcept {
   // The sent command may differ from the requested one: while the filter brakes, the reference may
   // pass its target at speed.
   if ((rejoining_ || config_.viability) && !Rests(state)) return false;
-  if (rejoining_) return rejoining_->Arrived(state, config_.finish_tolerance_rad);
+  if (rejoining_) return rejoining_->Arrived(state, config_.finish_tolerance_rad, is_noisy);
   return stages_->Arrived(state, matched_);
 }
 

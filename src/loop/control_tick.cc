@@ -1,6 +1,12 @@
 #include "twin/loop/control_tick.h"
 
 namespace twin::loop {
+namespace {
+
+/// A source that has finished for more commands than this, and still moves, is noise.
+constexpr std::uint64_t kSourceRests = 100;
+
+}  // namespace
 
 ControlTick::ControlTick(const TickConfig& config, control::CommandInterface interface,
                          Exchange& exchange)
@@ -14,6 +20,7 @@ void ControlTick::Activate(const MotionModes& modes) noexcept {
   first_id_ = 0;
   open_ = false;
   finishing_ = false;
+  finished_for_ = 0;
 }
 
 bool ControlTick::InMotion(const RobotState& state) const noexcept {
@@ -95,7 +102,10 @@ void ControlTick::Generate(const RobotState& state) noexcept {
   chain_.Next(state, deposit.target, fresh_, cycles_, deposit.source_time, record_.command);
   cycles_ = 0;
   fresh_ = false;
-  finishing_ = !chain_.breach() && (finishing_ || (deposit.finished && chain_.Arrived(state)));
+  finished_for_ = deposit.finished ? finished_for_ + 1 : 0;
+  finishing_ =
+      !chain_.breach() &&
+      (finishing_ || (deposit.finished && chain_.Arrived(state, finished_for_ > kSourceRests)));
   record_.command.motion_generation_finished = finishing_;
 
   record_.deposit_time = deposit.source_time;

@@ -24,13 +24,19 @@ bool Near(const JointVector& a, const JointVector& b, double tolerance) noexcept
       a, b, [tolerance](double x, double y) { return std::abs(x - y) <= tolerance; });
 }
 
+bool Near(const Transform& a, const Transform& b, double tolerance) noexcept {
+  return (model::Position(a) - model::Position(b)).norm() <= tolerance &&
+         model::TurnBetween(b, a).norm() <= tolerance;
+}
+
 }  // namespace
 
 RejoiningFollower::RejoiningFollower(CommandInterface interface, double source_rate_hz,
                                      const JointLimits& joints, const CartesianLimits& cartesian)
     : interface_(interface),
-      joints_(source_rate_hz),
-      poses_(source_rate_hz),
+      joints_(source_rate_hz, {.limit = joints.dddq_max,
+                               .order = interface == CommandInterface::kJointVelocity ? 2 : 3}),
+      poses_(source_rate_hz, cartesian),
       joint_generator_(joints),
       pose_generator_(cartesian) {}
 
@@ -108,15 +114,17 @@ void RejoiningFollower::Command(const RobotState& state, RobotCommand& command) 
   }
 }
 
-bool RejoiningFollower::Arrived(const RobotState& state, double tolerance) const noexcept {
+bool RejoiningFollower::Arrived(const RobotState& state, double tolerance,
+                                bool is_noisy) const noexcept {
   if (interface_ == CommandInterface::kCartesianPose) {
     const Transform r = poses_.Value();
-    return r == poses_.Value(1) &&
-           (model::Position(r) - model::Position(state.O_T_EE_c)).norm() <= tolerance &&
-           model::TurnBetween(state.O_T_EE_c, r).norm() <= tolerance;
+    const Transform last = poses_.Value(1);
+    return (r == last || (is_noisy && Near(r, last, tolerance))) &&
+           Near(r, state.O_T_EE_c, tolerance);
   }
   const Played<JointVector> r = Joints();
-  return r[0] == r[1] && Near(r[0], state.q_d, tolerance);
+  return (r[0] == r[1] || (is_noisy && Near(r[0], r[1], tolerance))) &&
+         Near(r[0], state.q_d, tolerance);
 }
 
 }  // namespace twin::loop

@@ -26,6 +26,12 @@ constexpr std::size_t kApart = 4;
 /// The play time jumps if the source is off by more periods than this.
 constexpr double kJumpPeriods = 2;
 
+/// A rough source: cycles of its mean, the most that one cycle counts, in limits, and the tracker's
+/// frequency, 1/s.
+constexpr double kMeanCycles = 64;
+constexpr double kMostRough = 4;
+constexpr double kTracker = 50;
+
 double CheckedPeriod(double source_rate_hz) {
   RequireInRange("resampler: source rate (Hz)", source_rate_hz, 1, 1000);
   return 1 / source_rate_hz;
@@ -33,13 +39,17 @@ double CheckedPeriod(double source_rate_hz) {
 
 }  // namespace
 
-Resampler::Resampler(double source_rate_hz)
-    : period_s_(CheckedPeriod(source_rate_hz)), lag_s_(kLagPeriods * period_s_) {}
+Resampler::Resampler(double source_rate_hz, const Roughness& roughness)
+    : period_s_(CheckedPeriod(source_rate_hz)),
+      lag_s_(kLagPeriods * period_s_),
+      roughness_(roughness) {}
 
 void Resampler::Reset(const JointVector& x) noexcept {
   knots_[0] = {0, x};
   count_ = 1;
   stopped_ = true;
+  mean_ = {};
+  rough_ = false;
 }
 
 void Resampler::Begin(Time source_time, const JointVector& x) noexcept {
@@ -91,6 +101,41 @@ void Resampler::Lock(double newest) noexcept {
 void Resampler::Advance() noexcept {
   std::move_backward(t_.begin(), t_.end() - 1, t_.end());
   t_[0] = t_[1] + step_s();
+  Track();
+}
+
+void Resampler::Track() noexcept {
+  const std::array<JointVector, kPlayed> r{At(t_[0]), At(t_[1]), At(t_[2]), At(t_[3])};
+  const bool of_positions = roughness_.order == 3;
+  const double unit = of_positions ? kT * kT * kT : kT * kT;
+  double roughest = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double difference = of_positions ? r[0][i] - 3 * r[1][i] + 3 * r[2][i] - r[3][i]
+                                           : r[0][i] - 2 * r[1][i] + r[2][i];
+    const double share = std::abs(difference) / (unit * roughness_.limit[i]);
+    mean_[i] += (std::min(share, kMostRough) - mean_[i]) / kMeanCycles;
+    roughest = std::max(roughest, mean_[i]);
+  }
+  if (!rough_) {
+    x_ = r[0];
+    for (std::size_t i = 0; i < kJoints; ++i) v_[i] = (r[0][i] - r[1][i]) / kT;
+  } else {
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      const double ahead = r[0][i] - x_[i] - kT * v_[i];
+      x_[i] += kT * v_[i] + 2 * kTracker * kT * ahead;
+      v_[i] += kTracker * kTracker * kT * ahead;
+    }
+  }
+  rough_ = roughest > (rough_ ? 0.5 : 1);
+}
+
+JointVector Resampler::Value(std::size_t cycles) const noexcept {
+  if (!rough_) return At(t_[cycles]);
+  JointVector x{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    x[i] = x_[i] - static_cast<double>(cycles) * kT * v_[i];
+  }
+  return x;
 }
 
 double Resampler::Slope(std::size_t knot, std::size_t axis) const noexcept {
@@ -151,6 +196,13 @@ JointVector Resampler::At(double t) const noexcept {
 
 namespace {
 
+/// Of the position's coordinates, and of a quaternion's components, which turn by half the angle.
+JointVector RoughnessOf(const CartesianLimits& limits) noexcept {
+  const double p = limits.translation.dddp_max;
+  const double r = limits.rotation.dddp_max / 2;
+  return {p, p, p, r, r, r, r};
+}
+
 Transform PoseOf(const JointVector& x) noexcept {
   return model::Pose(Eigen::Quaterniond(x[3], x[4], x[5], x[6]).normalized(), {x[0], x[1], x[2]});
 }
@@ -164,6 +216,9 @@ JointVector PoseResampler::CoordinatesOf(const Transform& O_T_EE) const noexcept
   const double sign = cosine < 0 ? -1 : 1;
   return {p.x(), p.y(), p.z(), sign * r.w(), sign * r.x(), sign * r.y(), sign * r.z()};
 }
+
+PoseResampler::PoseResampler(double source_rate_hz, const CartesianLimits& limits)
+    : resampler_(source_rate_hz, {.limit = RoughnessOf(limits)}) {}
 
 void PoseResampler::Reset(const Transform& O_T_EE) noexcept {
   last_ = CoordinatesOf(O_T_EE);

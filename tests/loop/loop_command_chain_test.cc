@@ -188,12 +188,12 @@ TEST(CommandChainTest, ArrivesWhenThePoseIsReachedAtRest) {
   RobotCommand command;
   target.pose.O_T_EE[12] = 0.01;
   chain.Next(state, target, true, 1, {}, command);
-  EXPECT_FALSE(chain.Arrived(state));
+  EXPECT_FALSE(chain.Arrived(state, false));
   state.O_T_EE_c = target.pose.O_T_EE;
-  EXPECT_TRUE(chain.Arrived(state));
+  EXPECT_TRUE(chain.Arrived(state, false));
   target.pose.O_dP_EE[2] = 0.1;
   chain.Next(state, target, true, 1, {}, command);
-  EXPECT_FALSE(chain.Arrived(state));
+  EXPECT_FALSE(chain.Arrived(state, false));
 }
 
 TEST(CommandChainTest, StatesThatCannotBeAnsweredDoNotMoveThePlayTime) {
@@ -238,10 +238,10 @@ TEST(CommandChainTest, ArrivesBehindTheViabilityFilterOnlyAtRest) {
   target.joint.q = state.q_d;
   RobotCommand command;
   chain.Next(state, target, true, 1, {}, command);
-  EXPECT_TRUE(chain.Arrived(state));
+  EXPECT_TRUE(chain.Arrived(state, false));
   state.dq_d[0] = 0.5;  // it passes its target
   chain.Next(state, target, true, 1, {}, command);
-  EXPECT_FALSE(chain.Arrived(state));
+  EXPECT_FALSE(chain.Arrived(state, false));
 }
 
 TEST(CommandChainTest, RefusesAGeneratorOfAnotherInterface) {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
@@ -225,8 +226,44 @@ TEST(ResamplerTest, PlaysWhereTheMotionBeginsUntilADepositComes) {
   EXPECT_EQ(resampler.Value(), q);
 }
 
+/// Plays 1 s of x = t (1 + noise) at 1 kHz. @returns the largest jerk of the values played in the
+/// last half, and how far they end from the source.
+struct Heard {
+  double jerk = 0;
+  double behind = 0;
+};
+Heard PlayWithNoise(Resampler& resampler, double noise) {
+  Random random(1, RandomStream::kTargetNoise);
+  Heard heard;
+  resampler.Reset({});
+  JointVector q{};
+  for (int i = 0; i < 1000; ++i) {
+    q[0] = 1e-3 * i + noise * (2 * random.Uniform(static_cast<std::uint64_t>(i), 0) - 1);
+    resampler.Deposit(Time(std::chrono::milliseconds(1 + i)), q);
+    resampler.Advance();
+    const double third = resampler.Value(0)[0] - 3 * resampler.Value(1)[0] +
+                         3 * resampler.Value(2)[0] - resampler.Value(3)[0];
+    if (i > 500) heard.jerk = std::max(heard.jerk, std::abs(third) / (kT * kT * kT));
+  }
+  heard.behind = 0.999 - resampler.Value()[0];
+  return heard;
+}
+
+TEST(ResamplerTest, AveragesTheNoiseThatNoRobotCanFollow) {
+  constexpr double kJerk = 7500;
+  Resampler bare(1000);
+  EXPECT_GT(PlayWithNoise(bare, 1e-5).jerk, kJerk);
+  Resampler resampler(1000, {.limit = {kJerk, kJerk, kJerk, kJerk, kJerk, kJerk, kJerk}});
+  const Heard heard = PlayWithNoise(resampler, 1e-5);
+  EXPECT_TRUE(resampler.is_rough());
+  EXPECT_LT(heard.jerk, 1) << "a line";
+  EXPECT_NEAR(heard.behind, resampler.lag_s(), 2e-5) << "without a lag of its own";
+  EXPECT_LT(PlayWithNoise(resampler, 0).jerk, 1e-3);
+  EXPECT_FALSE(resampler.is_rough()) << "a source that is smooth again is played as it is";
+}
+
 TEST(PoseResamplerTest, TurnsEvenlyBetweenItsDeposits) {
-  PoseResampler resampler(100);
+  PoseResampler resampler(100, test::PandaCartesianLimits());
   const auto pose = [](double t) { return model::Pose(model::Exp({0, 0, 3 * t}), {t, 0, 0}); };
   resampler.Reset(pose(0));
   for (int i = 0; i < 200; ++i) {  // two and a half turns: the quaternion's sign changes on the way

@@ -71,8 +71,8 @@ class CommandChain {
 
   /// True when the matched target is at rest and the robot's reference is within the finish
   /// tolerance of this target; with a viability filter or saturated correction, the reference must
-  /// also be nearly at rest.
-  [[nodiscard]] bool Arrived(const RobotState& state) const noexcept TWIN_REALTIME;
+  /// also be nearly at rest. @param is_noisy  as RejoiningFollower::Arrived.
+  [[nodiscard]] bool Arrived(const RobotState& state, bool is_noisy) const noexcept TWIN_REALTIME;
 
  private:
   void MatchAndDecay(const reference::Target& target, std::uint64_t cycles) noexcept;

@@ -37,7 +37,8 @@ namespace twin::loop {
 ///
 /// Finish: when a deposit is marked finished, its matched target is at rest and the robot's
 /// reference is within the finish tolerance of this target, all further commands of the motion
-/// carry motion_generation_finished.
+/// carry motion_generation_finished. A source that has finished and still moves, by noise, counts
+/// as at rest after 100 commands while it moves less than the tolerance per cycle.
 ///
 /// Threads: one. Real-time: noexcept, allocates nothing.
 class ControlTick {
@@ -87,6 +88,7 @@ class ControlTick {
   std::uint64_t first_id_ = 0;  ///< message_id of the motion's first state; 0 before
   bool open_ = false;
   bool finishing_ = false;
+  std::uint64_t finished_for_ = 0;  ///< commands since the deposits are marked finished
   bool anomalous_ = false;
   std::uint64_t cycles_ = 0;  ///< robot cycles since the last generated command
   bool fresh_ = false;        ///< a deposit has arrived since then

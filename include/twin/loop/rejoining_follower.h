@@ -44,9 +44,10 @@ class RejoiningFollower {
   void Command(const RobotState& state, RobotCommand& command) const noexcept TWIN_REALTIME;
 
   /// True when the source is at rest and q_d (or the pose) is within `tolerance` of it, rad (or m
-  /// and rad).
-  [[nodiscard]] bool Arrived(const RobotState& state,
-                             double tolerance) const noexcept TWIN_REALTIME;
+  /// and rad). @param is_noisy  the source counts as at rest while it moves less than `tolerance`
+  /// per cycle.
+  [[nodiscard]] bool Arrived(const RobotState& state, double tolerance,
+                             bool is_noisy) const noexcept TWIN_REALTIME;
 
   /// The source at the time when the command acts, for the record: positions with their velocity,
   /// or the pose. Other fields are those of the newest deposit.

@@ -3,12 +3,22 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "twin/core/joint_vector.h"
+#include "twin/core/limits.h"
 #include "twin/core/realtime.h"
 #include "twin/core/time.h"
 
 namespace twin::reference {
+
+/// Which sources are rough (Resampler): above J on any axis.
+struct Roughness {
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  JointVector limit{kNone, kNone, kNone, kNone, kNone, kNone, kNone};  ///< J, unit/s^3
+  int order = 3;  ///< derivative of the values that J bounds: 3 of positions, 2 of velocities
+};
 
 /// Reads a source's deposits at times that advance with the robot's cycles. So deposits consumed
 /// twice, skipped or late, and jitter of the sampling times, cause no steps in the reference. With
@@ -31,6 +41,14 @@ namespace twin::reference {
 /// So a correction that compares the robot's reference with Value(1), (2) and (3) sees new
 /// knowledge as an offset, not as a velocity.
 ///
+/// A rough source is one that no robot can follow: noise of 2 urad at 1 kHz already demands the
+/// jerk limit in each cycle. With d(k) the jerk of the curve, clipped at 4 limits, averaged over 64
+/// cycles, the source is rough from mean |d| > J on any axis until mean |d| < J / 2 on all. A rough
+/// source is played by a tracker, critically damped, in place of the curve:
+///   x(k+1) = x + T v + 2 w T (r - x - T v),   v(k+1) = v + w^2 T (r - x - T v),   w = 50 1/s,
+/// with r the curve: the noise is averaged over 20 ms, and constant velocities are followed without
+/// lag. Source() stays that of the curve.
+///
 /// Source: the paper's section on sampling jitter names deposits consumed twice or skipped as the
 /// cause of jerk; this remedy is a decision.
 ///
@@ -41,7 +59,7 @@ class Resampler {
   static constexpr std::size_t kPlayed = 4;
 
   /// @param source_rate_hz  in [1, 1000]. @throws InputError naming the value and the range.
-  explicit Resampler(double source_rate_hz);
+  explicit Resampler(double source_rate_hz, const Roughness& roughness = {});
 
   /// Starts a motion: plays `x` until the first deposit. Seven values of one unit each: joint
   /// positions (rad), velocities (rad/s), or coordinates of a pose.
@@ -57,10 +75,11 @@ class Resampler {
   /// Declares the source stalled.
   void Stop() noexcept TWIN_REALTIME { stopped_ = true; }
 
-  /// The value played `cycles` before the present cycle, in [0, kPlayed).
-  [[nodiscard]] JointVector Value(std::size_t cycles = 0) const noexcept TWIN_REALTIME {
-    return At(t_[cycles]);
-  }
+  /// The value played `cycles` before the present cycle, in [0, kPlayed); of a rough source the
+  /// line through the tracker's present value.
+  [[nodiscard]] JointVector Value(std::size_t cycles = 0) const noexcept TWIN_REALTIME;
+
+  [[nodiscard]] bool is_rough() const noexcept { return rough_; }
 
   /// The source's own value at that cycle, ahead of Value() by the lag.
   [[nodiscard]] JointVector Source(std::size_t cycles = 0) const noexcept TWIN_REALTIME {
@@ -81,6 +100,8 @@ class Resampler {
   static constexpr std::size_t kKnots = 12;
 
   void Begin(Time source_time, const JointVector& x) noexcept;
+  /// Judges the curve of the present cycle, and tracks it if the source is rough.
+  void Track() noexcept;
   void Append(const Knot& knot) noexcept;
   void Lock(double newest) noexcept;
   [[nodiscard]] JointVector At(double t) const noexcept;
@@ -100,9 +121,13 @@ class Resampler {
   Time first_{};
   std::array<double, kPlayed> t_{};  ///< play times, newest first, s since the first deposit
   bool stopped_ = true;
-  double error_ = 0;  ///< low-passed, s
-  double drift_ = 0;  ///< estimate for the source's clock
-  double rate_ = 0;   ///< r
+  Roughness roughness_;
+  JointVector mean_{};  ///< of |d|, in limits
+  bool rough_ = false;
+  JointVector x_{}, v_{};  ///< of the tracker
+  double error_ = 0;       ///< low-passed, s
+  double drift_ = 0;       ///< estimate for the source's clock
+  double rate_ = 0;        ///< r
 };
 
 /// A Resampler for poses: position by its coordinates, m; rotation by the components of a unit
@@ -113,7 +138,8 @@ class Resampler {
 class PoseResampler {
  public:
   /// @param source_rate_hz  as in Resampler. @throws as Resampler.
-  explicit PoseResampler(double source_rate_hz) : resampler_(source_rate_hz) {}
+  /// @param limits  their jerks are J.
+  PoseResampler(double source_rate_hz, const CartesianLimits& limits);
 
   void Reset(const Transform& O_T_EE) noexcept TWIN_REALTIME;
   void Deposit(Time source_time, const Transform& O_T_EE) noexcept TWIN_REALTIME;
