@@ -93,7 +93,7 @@ void RequireHardwareFlags(const HardwareFlags& flags, const scenario::Scenario& 
   if (flags.rehearsed_within) static_cast<void>(RehearsedWithin(*flags.rehearsed_within));
   RefuseIf(flags.allow && !flags.yes && !flags.check_only && !Terminal::CanAsk(),
            "--allow-hardware asks for Enter before the arm moves, and the standard input is no "
-           "terminal; say --yes if somebody watches the arm");
+           "terminal; say --yes if a person watches the arm");
 }
 
 application::HardwareOptions HardwareOf(const HardwareFlags& flags,

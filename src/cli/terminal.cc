@@ -83,7 +83,7 @@ void Terminal::AwaitEnter() const {
 
 void Terminal::ConfirmMotion(std::string_view what) {
   constexpr int kCountdown = 3;
-  ::tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before the question is no answer
+  ::tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before the question does not answer it
   Say(fmt::format("{}\npress Enter to move; Ctrl-C ends the run\n", what));
   AwaitEnter();
   for (int left = kCountdown; left > 0; --left) {

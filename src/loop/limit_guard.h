@@ -18,9 +18,10 @@ namespace twin::loop {
 /// | interface | reference after the command | the stop |
 /// |---|---|---|
 /// | joint positions, velocities | INT's law, exact | commanded, StopStep in every cycle |
-/// | poses | this project's inverse kinematics | the robot's, asked for at once; until it acts, the
-/// robot holds the acceleration | | torques | the measured q and dq, one cycle on | the robot's,
-/// asked for at once |
+/// | poses | this project's inverse kinematics | the robot's, asked for at once |
+/// | torques | the measured q and dq, one cycle on | the robot's, asked for at once |
+///
+/// Until the robot's own stop acts, the robot holds the acceleration.
 ///
 /// So only a stream of joint positions or velocities is proved, and only if no command is lost
 /// right before the stop and during it. For poses the proof is also made for accelerations held for

@@ -266,18 +266,19 @@ Explanation TellAborts(const std::vector<RunEnd>& ends, const std::optional<Scen
     told.page = AbortPage(on_page, on_page.front().headline, "");
     return told;
   }
+  const bool has_all = on_page.size() == ends.size();
   told.text += ToText(
       {{"note",
         {fmt::format("This log has {} errors, in motions {}; this is about motion {}. --motion N "
-                     "picks another; the page has all.",
-                     ends.size(), NumbersOf(ends), number)}}});
+                     "picks another; the page has {}.",
+                     ends.size(), NumbersOf(ends), number,
+                     has_all ? "all" : fmt::format("{} of them", on_page.size()))}}});
   const std::string rest =
-      on_page.size() == ends.size()
-          ? ""
-          : fmt::format(
-                "These are {} of {} errors, in motions {}: panda-twin explain --motion N "
-                "tells the others.",
-                on_page.size(), ends.size(), NumbersOf(ends));
+      has_all ? ""
+              : fmt::format(
+                    "These are {} of {} errors, in motions {}: panda-twin explain --motion N "
+                    "tells the others.",
+                    on_page.size(), ends.size(), NumbersOf(ends));
   told.page = AbortPage(on_page,
                         fmt::format("{}: {} errors", ends.front().run.scenario, ends.size()), rest);
   return told;

@@ -55,7 +55,6 @@ void AnswerPacedRobot::Run(const std::stop_token& stop) noexcept {
   AwaitCycle(stop);
   while (!stop.stop_requested()) {
     Next();
-    if (phase_ != Phase::kStarting) waiting_since_ = clock().Now();
     resend_ = clock().Now() + kResend;
     AwaitCycle(stop);
   }
@@ -70,6 +69,7 @@ void AnswerPacedRobot::Next() noexcept {
   } else {
     Advance();
     CountDown();
+    waiting_since_ = clock().Now();
   }
 }
 
@@ -234,13 +234,12 @@ bool AnswerPacedRobot::IsDue(Time now) const noexcept {
 
 void AnswerPacedRobot::GiveUpIfUnanswered(Time now) noexcept {
   const bool waits = phase_ == Phase::kStarting ? IsFrozen() : phase_ == Phase::kAnswered;
-  if (!waits) return;
   if (is_paused()) waiting_since_ = now;
-  if (now >= waiting_since_ + options_.answer_timeout) {
+  if (waits && now >= waiting_since_ + options_.answer_timeout) {
     robot().StopMove();
     Stop();
     motions_given_up_.fetch_add(1, std::memory_order_relaxed);
-  } else if (phase_ == Phase::kAnswered && now >= resend_) {
+  } else if (WaitsForAnswers() && (waits || is_paused()) && now >= resend_) {
     resend_ = now + kResend;
     port().Deliver(shown_);
   }

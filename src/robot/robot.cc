@@ -52,6 +52,7 @@ Robot::Snapshot Robot::Save() noexcept {
 void Robot::Restore(const Snapshot& snapshot) noexcept {
   const Time recorded = live_.record.at;
   live_ = snapshot.live_;
+  live_.last_found = onboard::Violations();  // told before
   live_.ahead += recorded - live_.record.at;
   live_.record.at = recorded;
   plant_->Restore(*snapshot.plant_);

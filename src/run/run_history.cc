@@ -33,8 +33,10 @@ void AddBytes(std::string_view bytes, WordHash& hash) {
   for (const char byte : bytes) hash.AddWord(static_cast<unsigned char>(byte));
 }
 
-/// A file that is not there has no bytes: the run says so in its own words.
+/// What is not a file, or not there, has no bytes: the run says so in its own words.
 std::string BytesOf(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return {};
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }

@@ -1,6 +1,5 @@
 #include "server/arm_request_handler.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -179,11 +178,12 @@ void ArmRequestHandler::TellEnd(const robot::LastMotion& motion) {
 }
 
 void ArmRequestHandler::TellFound(const onboard::Violations& found) {
+  const std::uint64_t cycle = found.empty() ? 0 : found.items().front().message_id;
+  if (cycle == told_) return;
+  told_ = cycle;
   for (const Violation& violation : found.items()) {
-    if (violation.message_id <= told_) continue;
     tell_(fmt::format("arm: error without a motion: {}", Describe(violation)));
   }
-  if (!found.empty()) told_ = std::max(told_, found.items().front().message_id);
 }
 
 void ArmRequestHandler::TellRefused(std::string_view request, std::string_view why) {

@@ -92,7 +92,7 @@ class MoveToTest(unittest.TestCase):
         self.program("move-to", into, "--lab", "b", "--no-video", "--max-speed", "1")  # without the table, at a site
 
     def test_says_what_is_wrong_with_a_goal(self):
-        for goal, why in ((["0,1,2"], "is no pose"), (["0,0,0,-1,0,1,0,0"], "is no pose"), (["a,0,0,-1,0,1,0"], "is no pose"),
+        for goal, why in ((["0,1,2"], "is not a pose"), (["0,0,0,-1,0,1,0,0"], "is not a pose"), (["a,0,0,-1,0,1,0"], "is not a pose"),
                           (["ready", "x.yaml"], "one pose"), (["start-of"], "needs a scenario"),
                           (["0,0,0,1,0,1,0"], "joint 4")):
             with self.subTest(goal=goal):

@@ -135,6 +135,16 @@ class AnswerPacedRobotTest : public ::testing::Test {
     return state;
   }
 
+  /// Starts a motion and answers it once, with its own reference. @returns the state answered.
+  RobotState Stand() {
+    const RobotState state = Newest(Start());
+    RobotCommand command;
+    command.message_id = state.message_id;
+    command.q_c = state.q_d;
+    wire_->Answer(command);
+    return state;
+  }
+
   /// Answers states with a gentle motion of joint 1 and 4 until it is over.
   /// @param pause  before answer k. @returns the states after the first answer, to the idle one.
   std::vector<RobotState> Drive(
@@ -229,19 +239,14 @@ TEST_F(AnswerPacedRobotTest, RefusesAPaceOutOfRange) {
 
 TEST_F(AnswerPacedRobotTest, AnAnswerToAnotherStateIsNone) {
   Make(Ideal(), kFreeze);
-  RobotState state = Newest(Start());
+  const RobotState state = After(Stand().message_id);
   RobotCommand command;
   command.q_c = state.q_d;
   const auto answer = [&](std::uint64_t id) {
     command.message_id = id;
     wire_->Answer(command);
   };
-  answer(state.message_id);
-  state = After(command.message_id);
-  answer(state.message_id - 1);
-  answer(state.message_id + 1);
-  answer(0);
-  answer(~std::uint64_t{0});
+  for (const auto id : {state.message_id - 1, state.message_id + 1, 0UL, ~0UL}) answer(id);
   EXPECT_EQ(wire_->Next().message_id, state.message_id);  // the same again, and again
   EXPECT_EQ(wire_->Next().message_id, state.message_id);
   answer(state.message_id);
@@ -266,11 +271,7 @@ TEST_F(AnswerPacedRobotTest, OnlyTheFirstAnswerToAStateCounts) {
 
 TEST_F(AnswerPacedRobotTest, AMotionThatIsNotAnsweredIsStopped) {
   Make(Ideal(), {.answer_timeout = milliseconds(50), .freeze_when_idle = true});
-  RobotState state = Newest(Start());
-  RobotCommand command;
-  command.message_id = state.message_id;
-  command.q_c = state.q_d;
-  wire_->Answer(command);
+  RobotState state = Stand();
   while (state.motion_generator_mode != MotionGeneratorMode::kIdle) state = wire_->Next();
   EXPECT_EQ(robot_->last_motion().end, MoveStatus::kPreempted);
   EXPECT_EQ(robot_->motions_given_up(), 1u);
@@ -280,12 +281,7 @@ TEST_F(AnswerPacedRobotTest, AMotionThatIsNotAnsweredIsStopped) {
 
 TEST_F(AnswerPacedRobotTest, AMotionThatWaitsForAnAnswerCanBeStopped) {
   Make(Ideal());
-  RobotState state = Newest(Start());
-  RobotCommand command;
-  command.message_id = state.message_id;
-  command.q_c = state.q_d;
-  wire_->Answer(command);
-  state = After(command.message_id);
+  RobotState state = After(Stand().message_id);
   robot_->StopMove();
   while (state.motion_generator_mode != MotionGeneratorMode::kIdle) state = wire_->Next();
   EXPECT_EQ(robot_->last_motion().end, MoveStatus::kPreempted);
@@ -314,12 +310,7 @@ TEST_F(AnswerPacedRobotTest, APauseAndStepsInAMotionChangeNoState) {
 
 TEST_F(AnswerPacedRobotTest, APausedMotionIsNotGivenUp) {
   Make(Ideal(), {.answer_timeout = milliseconds(50)});
-  RobotState state = Newest(Start());
-  RobotCommand command;
-  command.message_id = state.message_id;
-  command.q_c = state.q_d;
-  wire_->Answer(command);
-  state = After(command.message_id);
+  RobotState state = After(Stand().message_id);
   robot_->Pause();
   const std::uint64_t cycle = robot_->state().message_id;
   // Three times the same, 100 ms apart.
@@ -363,6 +354,30 @@ TEST_F(AnswerPacedRobotTest, WhatIsGrantedInAPauseShowsAfterIt) {
   while (state.motion_generator_mode == MotionGeneratorMode::kIdle) state = wire_->Next();
   Drive(wire_->Next());
   EXPECT_EQ(robot_->last_motion().end, MoveStatus::kSuccess);
+}
+
+TEST_F(AnswerPacedRobotTest, AMotionGrantedInAPauseIsWaitedForFromItsEndOn) {
+  constexpr Duration kTimeout = milliseconds(50);
+  Make(Ideal(), {.answer_timeout = kTimeout, .freeze_when_idle = true});
+  robot_->Pause();
+  EXPECT_EQ(robot_->Move({}), MoveStatus::kMotionStarted);
+  const Time granted = clock_.Now();
+  while (clock_.Now() < granted + kTimeout) static_cast<void>(wire_->Next());
+  const Time resumed = clock_.Now();
+  robot_->Resume();
+  while (robot_->motions_given_up() == 0) static_cast<void>(wire_->Next());
+  EXPECT_GE(clock_.Now() - resumed, kTimeout);
+}
+
+TEST_F(AnswerPacedRobotTest, StatesComeInAPauseAlsoOfAMotionThatIsStopped) {
+  Make(Ideal(), kFreeze);
+  RobotState state = After(Stand().message_id);
+  robot_->Pause();
+  robot_->StopMove();
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(wire_->Next().message_id, state.message_id);
+  robot_->Resume();
+  while (state.motion_generator_mode != MotionGeneratorMode::kIdle) state = wire_->Next();
+  EXPECT_EQ(robot_->last_motion().end, MoveStatus::kPreempted);
 }
 
 TEST_F(AnswerPacedRobotTest, AfterAResetAMotionHasTheSameStatesAgain) {
@@ -456,13 +471,7 @@ TEST_F(AnswerPacedRobotTest, AStateTheLinkLosesIsNotWaitedFor) {
 
 TEST_F(AnswerPacedRobotTest, MayBeEndedWhileItWaits) {
   Make(Ideal());
-  const RobotState state = Newest(Start());
-  RobotCommand command;
-  command.message_id = state.message_id;
-  command.q_c = state.q_d;
-  wire_->Answer(command);
-  while (wire_->Next().message_id <= state.message_id) {
-  }
+  static_cast<void>(After(Stand().message_id));
   robot_->End();
   EXPECT_EQ(robot_->mode(), RobotMode::kMove);
 }

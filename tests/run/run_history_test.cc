@@ -181,6 +181,14 @@ TEST(RehearsalHashTest, ChangesWithAFileThatTheSceneIncludes) {
   EXPECT_NE(RehearsalHash(scenario, {}), flat);
 }
 
+TEST(RehearsalHashTest, LeavesAFolderThatIsNamedAsAFileToTheRun) {
+  const twin::test::TemporaryFolder folder;
+  scenario::Scenario scenario;
+  scenario.scene = folder.path();
+  scenario.controller.library = folder.path();
+  EXPECT_NO_THROW(static_cast<void>(RehearsalHash(scenario, {})));
+}
+
 TEST(CalendarTest, WritesUtc) {
   EXPECT_EQ(FormatUtc(Time()), "1970-01-01T00:00:00Z");
   // 2000-03-01 is 11017 days after 1970-01-01: 30 years, 7 leap days, 31 + 29 days of 2000.

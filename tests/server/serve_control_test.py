@@ -208,6 +208,9 @@ class ResetTest(ControlTest):
         code, _, errors = self.ctl("reset")
         self.assertEqual(code, 1)
         self.assertIn("--reset on-command", errors)
+        code, told, errors = self.ctl("--json", "reset")
+        self.assertEqual(code, 1)
+        self.assertIn(json.loads(told)["error"], errors)
         done = subprocess.run([serve_test.PROGRAM, "serve", "--drive", "realtime", "--reset", "on-connect"], capture_output=True,
                               text=True, timeout=fci.LIMIT)
         self.assertEqual(done.returncode, 3)
@@ -269,6 +272,27 @@ class RewindTest(ControlTest):
             pass
         channel.ask(do="resume")
         self.assertEqual(arm.run_motion(cycles=200, amplitude=0.0002)[1], fci.SUCCESS)
+
+    def test_an_error_is_told_again_after_its_time_was_taken_back(self):
+        server = self.serve(scenario=OBJECTS.replace("mass: 200 g, position: [600 mm, 300", "mass: 20 kg, position: [600 mm, 300"))
+        channel = self.channel()
+        channel.ask(do="pause")
+        while not channel.ask(do="snapshot", name="a")["ok"]:  # the robot's time has just begun
+            pass
+        channel.ask(do="step", cycles=5)
+        told = "error without a motion"
+        drop = {"do": "place", "name": "box", "position": [0.3, 0, 0.9]}  # onto the arm
+        self.assertTrue(channel.ask(**drop)["ok"])
+        channel.ask(do="step", cycles=1000)
+        server.await_line(told)
+        channel.ask(do="restore", name="a")
+        self.assertTrue(channel.ask(**drop)["ok"])  # 5 cycles earlier than before
+        channel.ask(do="step", cycles=1000)
+        with server.more:
+            def again():
+                restored = next((i for i, line in enumerate(server.lines) if '"restore"' in line), len(server.lines))
+                return any(told in line for line in server.lines[restored:])
+            self.assertTrue(server.more.wait_for(again, fci.LIMIT), server.lines)
 
     def test_neither_is_for_the_middle_of_a_motion(self):
         arm = self.arm(self.serve())

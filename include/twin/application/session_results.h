@@ -27,8 +27,8 @@ struct SessionInputs {
 ///
 ///     report.html, summary.json, scenario.yaml   a row for each motion, by client
 ///     video.mp4, contact_sheet.png               without the times at which nothing moves
-///     motions/N/run.mcap                         of motion N: to half a second after it, as a
-///     run's motions/N/plots/*.svg, explain.html        the latter for a motion that an error ended
+///     motions/N/run.mcap                         of motion N: to half a second after it
+///     motions/N/plots/*.svg, explain.html        as a run's; the latter for an abort
 ///
 /// Report and summary come first, and the report again at the end with what was added to it, so
 /// that an interrupted call leaves them complete.

@@ -126,7 +126,8 @@ class Robot final : private rt::EventHandler {
   [[nodiscard]] const model::LabLimits& guard() const noexcept { return config_.onboard.guard; }
   /// The last state that INT sent; zero before the first.
   [[nodiscard]] const RobotState& state() const noexcept { return live_.record.state; }
-  /// Violations of the last cycle that had any, with or without a motion; empty before the first.
+  /// Violations of the last cycle that had any, with or without a motion; empty before the first,
+  /// also after Reset() and Restore().
   [[nodiscard]] const onboard::Violations& last_found() const noexcept { return live_.last_found; }
   /// Cycles of the running motion without a command, up to the last one.
   [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return live_.onboard.lost_in_row(); }

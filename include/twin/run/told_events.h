@@ -19,10 +19,10 @@ namespace twin::run {
 ///
 /// Kinds: `motion` for a motion of the arm ("started: ...", "finished", "aborted by reflex: ..."),
 /// `client` for lines that begin with a client's address (the whole line), else the word before the
-/// line's first colon, `arm` or `hand`.
+/// line's first colon: `arm`, `hand` or `control`.
 ///
-/// Threads: Tell() from one; Put() as RunRecords. Real-time: Put() and Tell() allocate nothing. A
-/// line that finds the ring full is dropped.
+/// Threads: Tell() from one at a time; Put() as RunRecords. Real-time: Put() and Tell() allocate
+/// nothing. A line that finds the ring full is dropped.
 class ToldEvents final : public record::RecordSink {
  public:
   /// @param records  must outlive this.

@@ -15,10 +15,10 @@ namespace twin::server {
 /// Lets programs on this machine control a served robot beside its clients: a Unix socket that only
 /// this user can open, a request per line (ParseControlRequest), an answer per request, in order.
 ///
-///     {"ok": true, "cycle": 1200, "time_s": 1.2, "mode": "Idle", "paused": false, "lockstep":
-///     true,
-///      "errors": [], "q": [...]}             the robot after the request
-///     {"ok": false, "error": "..."}          why it was refused
+///     {"ok": true, "cycle": 1200, "mode": "Idle", ...}   the robot after the request
+///     {"ok": false, "error": "..."}                      why it was refused
+///
+/// docs/reference/control-channel.md has all members.
 ///
 /// A step is answered when its cycles have run; in a motion that takes the client's answers. Bytes
 /// that are no request end the connection after their answer, as does a line of more than 4096

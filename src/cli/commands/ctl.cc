@@ -19,9 +19,8 @@ struct CtlFlags {
   bool json = false;                 ///< the answer as it came
 };
 
-/// @param answer  of a control channel. @throws RobotFault for a refusal; json::exception.
+/// @param answer  of a control channel, to a request that was carried out. @throws json::exception.
 std::string SummaryOf(const nlohmann::json& answer) {
-  if (!answer.at("ok").get<bool>()) throw RobotFault(answer.at("error").get<std::string>());
   const nlohmann::json& errors = answer.at("errors");
   return fmt::format(
       "mode {}, time {}, cycle {} ({:.3f} s), errors {}\n", answer.at("mode").get<std::string>(),
@@ -32,14 +31,19 @@ std::string SummaryOf(const nlohmann::json& answer) {
 int Ctl(const CtlFlags& flags, const Program& /*program*/) {
   const std::string line =
       server::AskControl(flags.socket, server::ControlRequestOf(flags.request));
+  bool is_done = false;
+  std::string text;
   try {
-    const std::string summary = SummaryOf(nlohmann::json::parse(line));
-    Say(stdout, flags.json ? line + "\n" : summary);
+    const nlohmann::json answer = nlohmann::json::parse(line);
+    is_done = answer.at("ok").get<bool>();
+    text = is_done ? SummaryOf(answer) : answer.at("error").get<std::string>();
   } catch (const nlohmann::json::exception&) {
-    throw EnvironmentError(
-        fmt::format("{}: what answers there is no control channel", flags.socket.string()));
+    throw EnvironmentError(fmt::format("{}: the program that answers there has no control channel",
+                                       flags.socket.string()));
   }
+  if (flags.json || is_done) Say(stdout, flags.json ? line + "\n" : text);
   FinishOutput();
+  if (!is_done) throw RobotFault(text);
   return kOk;
 }
 

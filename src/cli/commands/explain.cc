@@ -87,8 +87,7 @@ void AddExplain(CLI::App& app, Program& program) {
       Add(explain, "log FILE|DIR", flags.log, "Log of a run, or its folder of results");
   Add(explain, "--out DIR", flags.out, "Folder of the page (default: beside the log)");
   Add(explain, "--motion N", flags.motion,
-      "The errors of this motion, counted from 1 over the log (default: the first error)")
-      ->check(CLI::PositiveNumber);
+      "The errors of this motion, counted from 1 over the log (default: the first error)");
   CLI::Option* errors = explain.add_flag("--errors", flags.errors,
                                          "Print all errors of the robot's controller (Markdown)");
   errors->excludes(log);

@@ -63,10 +63,10 @@ JointVector ParsePose(const std::string& text) {
     std::ranges::copy(angles, q.begin());
     return q;
   }
-  throw InputError(
-      fmt::format("\"{}\" is no pose; give ready, or 7 angles with commas and without spaces, in "
-                  "rad or with deg behind: 0,-45,0,-135,0,90,45deg",
-                  text));
+  throw InputError(fmt::format(
+      "\"{}\" is not a pose; give ready, or 7 angles with commas and without spaces, in "
+      "rad or with deg behind: 0,-45,0,-135,0,90,45deg",
+      text));
 }
 
 /// Where the arm stands when this scenario begins.

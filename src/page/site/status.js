@@ -46,7 +46,7 @@ function errorsOf(arm) {
 
 function stopped({ welcome, state, operates }) {
   let cure = "Take control to release it.";
-  if (state.operator) cure = "Who leads the robot can release it.";
+  if (state.operator) cure = "The page that leads the robot can release it.";
   if (operates) cure = "Release stop lets the robot move again.";
   if (welcome.watch_only) cure = "It is not released from here.";
   return { word: "Stopped", tone: "stop", why: `The stop is pressed, and the robot holds. ${cure}` };
@@ -71,7 +71,7 @@ function ofMode({ welcome, state, operates }) {
   return told;
 }
 
-// What is told of: over (how the run ended, or null), lost (why there is no connection, or null), welcome and state (null before the first),
+// now: over (how the run ended, or null), lost (why there is no connection, or null), welcome and state (null before the first),
 // operates. @returns word, tone (good, idle, warn, bad, stop), leads, why.
 export function verdict(now) {
   if (now.over) return { word: "Over", tone: now.over.is_failure ? "bad" : "good", leads: "", why: `${now.over.is_failure ? "The run failed" : "The run is over"}: ${now.over.text}.` };

@@ -28,9 +28,8 @@ export function views(say, replay) {
   let welcome = null;
   let token = "";
   let none = "";  // why there are no pictures
-  let drawn = null;  // a promise of scene.js at work on the file of `path`
-  let path = null;
-  let scene = null;  // what `drawn` has become
+  let path = null;  // of the file that `scene` draws, or will
+  let scene = null;
   let tool = null;
   let pictures = [];
 
@@ -49,16 +48,13 @@ export function views(say, replay) {
   }
 
   async function load() {
-    const wanted = path = welcome.scene.path;
+    path = welcome.scene.path;
     cover("loading the scene");
-    drawn = (async () => {
-      const [{ sceneView }, answer] = await Promise.all(
-        [import("./scene.js"), fetch(wanted, { headers: { Authorization: `Bearer ${token}` } })]);
-      if (!answer.ok) throw new Error(`panda-twin answers ${answer.status}`);
-      return sceneView($("scene"), await answer.arrayBuffer(), welcome.scene.view, () => fail("the browser has lost its graphics"));
-    })();
     try {
-      scene = await drawn;
+      const [{ sceneView }, answer] = await Promise.all(
+        [import("./scene.js"), fetch(path, { headers: { Authorization: `Bearer ${token}` } })]);
+      if (!answer.ok) throw new Error(`panda-twin answers ${answer.status}`);
+      scene = sceneView($("scene"), await answer.arrayBuffer(), welcome.scene.view, () => fail("the browser has lost its graphics"));
     } catch (error) {
       fail(error.message);
     }
