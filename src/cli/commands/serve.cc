@@ -277,6 +277,8 @@ int Service::Run() {
   for (const std::string& notice : robot_->notices()) program_.log->info("robot: {}", notice);
   Introduce();
   robot_->Serve([this] { return Ends(); });
+  const bool is_interrupted = interrupt_.interrupted();
+  if (out_) interrupt_.Rearm();  // a second wish to end must not kill what closes the log
   control_.reset();
   ClosePage();
   robot_->End();
@@ -285,7 +287,6 @@ int Service::Run() {
   if (capture_) {
     run::FinishCapture(*capture_, [this](std::string_view text) { program_.log->info(text); });
   }
-  const bool is_interrupted = interrupt_.interrupted();
   if (out_) WriteResults();
   const std::string warnings = robot_->DescribeWarnings();
   if (!warnings.empty()) throw RobotFault("the simulation itself became unsound: " + warnings);
@@ -293,7 +294,6 @@ int Service::Run() {
 }
 
 void Service::WriteResults() {
-  interrupt_.Rearm();
   events_.reset();  // the terminal writes to standard output
   Terminal terminal(program_.log, program_.is_quiet());
   const plant::TruthProbe* truth = robot_->truth();
