@@ -45,12 +45,12 @@ std::string Refusal(std::string_view why) {
                                                         AnswerJson::error_handler_t::replace);
 }
 
-std::string_view WhyNot(RecoveryStatus status) {
+std::string WhyNot(RecoveryStatus status, RobotMode mode) {
   switch (status) {
     case RecoveryStatus::kManualErrorRecoveryRequiredRejected:
       return "a joint is beyond its limit; lead the arm back (guiding)";
     case RecoveryStatus::kCommandNotPossibleRejected:
-      return "not possible in this mode, or the arm still moves";
+      return fmt::format("not possible in mode \"{}\", or the arm still moves", Name(mode));
     default: return "the error persists";
   }
 }
@@ -62,6 +62,7 @@ class ControlledRobot {
       : robot_(controlled.robot),
         lockstep_(controlled.lockstep),
         place_(controlled.place),
+        require_free_(controlled.require_free),
         may_reset_(controlled.may_reset) {}
 
   /// @throws InputError when the robot refuses; RobotFault.
@@ -89,7 +90,7 @@ class ControlledRobot {
       case ControlVerb::kRecover: {
         const RecoveryStatus status = robot_.AutomaticErrorRecovery();
         if (status == RecoveryStatus::kSuccess) return;
-        throw InputError(fmt::format("recover: refused: {}", WhyNot(status)));
+        throw InputError(fmt::format("recover: refused: {}", WhyNot(status, robot_.mode())));
       }
     }
   }
@@ -136,6 +137,7 @@ class ControlledRobot {
           "reset: this robot is served with --reset never, the default; serve it with --reset "
           "on-command");
     }
+    if (q && require_free_) require_free_(*q);
     if (robot.Reset(q)) return;
     throw InputError(fmt::format("reset: {}", kOnlyBetween));
   }
@@ -159,6 +161,7 @@ class ControlledRobot {
   robot::ThreadedRobot& robot_;
   robot::AnswerPacedRobot* const lockstep_;
   const std::function<void(const std::string& name, const Transform& X_WB)> place_;
+  const std::function<void(const JointVector& q)> require_free_;
   const bool may_reset_;
 };
 

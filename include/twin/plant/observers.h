@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -43,6 +44,17 @@ class BodyView {
 /// Name of the body that a shape belongs to, or of a shape that is fixed to the world, as in
 /// ContactPair. Threads: any. Not real-time.
 [[nodiscard]] std::string PartOfShape(const mjModel_& model, int geom);
+
+/// The deepest overlap of a part that moves with the arm.
+struct ArmOverlap {
+  std::string part;
+  std::string other;
+  double depth = 0;  ///< m
+};
+
+/// With the arm at `q` (rad) and all else as the model begins; nullopt: it touches nothing, or
+/// stands on a mobile base, whose start the model does not have. Threads: any. Not real-time.
+[[nodiscard]] std::optional<ArmOverlap> ArmOverlapAt(const mjModel_& model, const JointVector& q);
 
 /// Captures poses and forces: contacts with a force, in the engine's order, and pushes on bodies,
 /// each as one force on the line that gives its moment about the body's centre of mass (a pure

@@ -35,6 +35,9 @@ class ControlChannel {
     robot::AnswerPacedRobot* lockstep = nullptr;
     /// Puts an object of the scene somewhere, as ServedRobot::Place().
     std::function<void(const std::string& name, const Transform& X_WB)> place;
+    /// Refuses joint positions at which the arm overlaps, as ServedRobot::RequireFree(); may be
+    /// empty.
+    std::function<void(const JointVector& q)> require_free;
     bool may_reset = false;  ///< whether a request may reset the robot
   };
 

@@ -1,3 +1,4 @@
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -18,7 +19,9 @@
 #include "twin/application/session_results.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
+#include "twin/core/time.h"
 #include "twin/fci/capture.h"
+#include "twin/record/cycle_record.h"
 #include "twin/reference/viable_axis.h"
 #include "twin/robot/robot_config.h"
 #include "twin/run/operator_page.h"
@@ -33,6 +36,31 @@
 
 namespace twin::cli {
 namespace {
+
+/// Passes a robot's records on, and tells the time of the last cycle.
+///
+/// Threads: Put() as RecordSink, seconds() any.
+class RobotTime final : public record::RecordSink {
+ public:
+  /// @param next  may be null; must outlive this. Before the robot's time begins.
+  void PassTo(record::RecordSink* next) noexcept { next_ = next; }
+
+  void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override {
+    at_.store(record.at, std::memory_order_relaxed);  // publishes nothing else
+    if (next_ != nullptr) next_->Put(record);
+  }
+  void Put(const record::TickRecord& record) noexcept TWIN_REALTIME override {
+    if (next_ != nullptr) next_->Put(record);
+  }
+
+  [[nodiscard]] double seconds() const noexcept {
+    return ToSeconds(at_.load(std::memory_order_relaxed).time_since_epoch());
+  }
+
+ private:
+  record::RecordSink* next_ = nullptr;
+  std::atomic<Time> at_{};
+};
 
 /// A served robot, from flags to the end.
 class Service {
@@ -53,7 +81,8 @@ class Service {
     page_.emplace(flags_.page.wanted() ? std::optional(PageAt(flags_.page)) : std::nullopt,
                   has_log() ? &told_ : nullptr, out_ ? out_->folder() : ".",
                   [this](std::string_view text) { program_.log->info(text); });
-    settings.sink = page_->sink();
+    robot_time_.PassTo(page_->sink());
+    settings.sink = &robot_time_;
     if (flags_.capture) settings.server.capture = &capture_.emplace(*flags_.capture);
     robot_.emplace(robot, std::move(plant), std::move(settings));
   }
@@ -109,6 +138,7 @@ class Service {
   std::optional<run::ResultFolder> out_;
   run::RunRecords records_;  ///< of the log
   run::ToldEvents told_{records_};
+  RobotTime robot_time_;
   std::optional<fci::Capture> capture_;
   std::mutex telling_;
   bool told_of_log_ = false;
@@ -178,9 +208,8 @@ server::ServedRobotSettings Service::MakeSettings() {
 }
 
 void Service::Tell(std::string_view line) {
-  const Time now = clock_.Now();
   const std::scoped_lock lock(telling_);
-  events_->Put(ToSeconds(now.time_since_epoch()), line);
+  events_->Put(robot_time_.seconds(), line);  // as report, explain and page
   if (has_log()) told_.Tell(line);
   if (page_) page_->Tell("server", line);
 }
@@ -266,10 +295,12 @@ int Service::Run() {
       robot_->Place(name, X_WB);
     };
     control_.emplace(*flags_.control,
-                     server::ControlChannel::Controlled{.robot = robot_->robot(),
-                                                        .lockstep = robot_->lockstep(),
-                                                        .place = place,
-                                                        .may_reset = reset_ != ResetPolicy::kNever},
+                     server::ControlChannel::Controlled{
+                         .robot = robot_->robot(),
+                         .lockstep = robot_->lockstep(),
+                         .place = place,
+                         .require_free = [this](const JointVector& q) { robot_->RequireFree(q); },
+                         .may_reset = reset_ != ResetPolicy::kNever},
                      [this](std::string_view line) { Tell(line); });
   }
   MakeLog();
