@@ -207,7 +207,12 @@ void RunRecorder::Execute(std::optional<fci::Capture>& capture) {
     start_.Confirm();
     out_.Clear();
     try {
-      Perform();
+      try {
+        Perform();
+      } catch (const Error& error) {
+        if (!is_interrupted()) KeepInHistory(error.what());  // an older success counts no more
+        throw;
+      }
       WriteResults();
     } catch (...) {
       records_.Abandon();

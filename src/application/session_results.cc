@@ -163,8 +163,10 @@ class ResultsWriter {
   void Write() {
     run::WriteWholeFile(inputs_.out.scenario(), scenario::ToYaml(inputs_.scenario));
     run::WriteWholeFile(inputs_.out.summary(), Summary());
+    files_.resize(session_.motions.size());
+    WritePage();  // an interrupt ends what follows
     LogSplitter(inputs_, session_).Split();
-    for (std::size_t i = 0; i < session_.motions.size(); ++i) files_.push_back(Explained(i + 1));
+    for (std::size_t i = 0; i < files_.size(); ++i) files_[i] = Explained(i + 1);
     WritePage();
     for (std::size_t i = 0; i < files_.size(); ++i) Plot(i + 1);
     if (inputs_.makes_video && !files_.empty()) MakeVideo();

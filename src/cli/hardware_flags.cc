@@ -74,7 +74,8 @@ void AddRehearsal(CLI::App& app, HardwareFlags& flags) {
   app.add_flag("--check-only", flags.check_only,
                "fci: print the checks before the first motion, all of them, and end");
   Add(app, "--max-speed F", flags.max_speed,
-      "Share of the scenario's speed, in (0, 1]: all times are divided by it; 0.2 in a scenario's "
+      "Share of the scenario's speed, in [0.001, 1]: all times are divided by it; 0.2 in a "
+      "scenario's "
       "first run with --allow-hardware");
   Add(app, "--rehearsed-within TIME", flags.rehearsed_within,
       "With --allow-hardware: how long ago the scenario may have run in the twin (default: 24h)");

@@ -48,11 +48,28 @@ int Guarded(const Log& log, Command command) {
   }
 }
 
-/// What is wrong with a command line. CLI11 does not say which word is no command.
+/// "there is no flag --sead; did you mean --seed?".
+std::string DescribeFlag(const CLI::App& command, const std::string& word) {
+  const std::string flag = word.substr(0, word.find('='));
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  const std::vector<std::string_view> names(known.begin(), known.end());
+  const auto nearest = Nearest(flag, names);
+  return fmt::format("there is no flag {}{}", flag,
+                     nearest ? fmt::format("; did you mean {}?", *nearest) : "");
+}
+
+/// What is wrong with a command line. CLI11 says neither which word is no command, nor which flag
+/// is none.
 std::string DescribeError(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   const std::vector<std::string> unread = command->remaining();
+  const auto flag =
+      std::ranges::find_if(unread, [](const std::string& text) { return text.starts_with("--"); });
+  if (flag != unread.end() && *flag != "--") return DescribeFlag(*command, *flag);
   const auto word =
       std::ranges::find_if(unread, [](const std::string& text) { return !text.starts_with('-'); });
   const auto commands = command->get_subcommands([](const CLI::App*) { return true; });

@@ -222,11 +222,18 @@ void TakeLower(std::optional<T>& cap, const std::optional<T>& other) {
   }
 }
 
-std::string DirectionText(const Vector3& n) {
+/// "x = 0.71200 m; it must be at most 0.70000 m". A part may pass a plane beside a box to stay out
+/// of elsewhere, so there a bound is told, and no demand.
+std::string PassedText(const RegionMargin& margin, bool is_demand) {
+  const Vector3& n = margin.outward;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (std::abs(n[i]) == 1) return fmt::format("{}{}", n[i] < 0 ? "-" : "", "xyz"[i]);
+    if (std::abs(n[i]) != 1) continue;
+    const std::string_view demand = n[i] < 0 ? "it must be at least" : "it must be at most";
+    return fmt::format("{} = {:.5f} m; {} {:.5f} m", "xyz"[i], n[i] * margin.value(),
+                       is_demand ? demand : "the bound is", n[i] * margin.bound);
   }
-  return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", n[0], n[1], n[2]);
+  return fmt::format("{:.5f} m along [{:.3g}, {:.3g}, {:.3g}]; the bound is {:.5f} m",
+                     margin.value(), n[0], n[1], n[2], margin.bound);
 }
 
 }  // namespace
@@ -325,9 +332,10 @@ std::optional<RegionMargin> LeastMarginAt(const LabLimits& limits, const Limited
 }
 
 std::string Describe(const LabLimits& limits, const RegionMargin& margin) {
-  return fmt::format("limit \"{}\": the {} reaches {:.5f} m along {}; the bound is {:.5f} m",
-                     limits.regions[margin.region].name, Name(margin.part), margin.value(),
-                     DirectionText(margin.outward), margin.bound);
+  const LimitRegion& region = limits.regions[margin.region];
+  return fmt::format(
+      "limit \"{}\": the {} reaches {}", region.name, Name(margin.part),
+      PassedText(margin, region.keep_inside || std::holds_alternative<HalfSpace>(region.shape)));
 }
 
 }  // namespace twin::model

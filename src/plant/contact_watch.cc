@@ -1,6 +1,7 @@
 #include "twin/plant/contact_watch.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,7 +17,13 @@ ContactWatch::ContactWatch(const TruthProbe& truth) : truth_(truth), objects_(tr
   part_of_geom_ = std::move(parts.of_geom);
   names_ = std::move(parts.names);
   const std::vector<bool> moves = MovingBodies(model);
-  for (int geom = 0; geom < model.ngeom; ++geom) moves_.push_back(moves[model.geom_bodyid[geom]]);
+  const int robot = RobotRoot(model);
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    const int body = model.geom_bodyid[geom];
+    moves_.push_back(moves[body]);
+    free_.push_back(!moves[body] && model.body_weldid[body] != 0 &&
+                    model.body_rootid[body] != robot);
+  }
 }
 
 void ContactWatch::Look(Time now) noexcept {
@@ -28,7 +35,10 @@ void ContactWatch::Look(Time now) noexcept {
     const auto parts = PartsOf(i);
     if (!parts) continue;
     touches = true;
-    Note((*parts)[0], (*parts)[1], now, i);
+    Note((*parts)[0], (*parts)[1], now, i, true);
+  }
+  for (int i = 0; touches && i < data.ncon; ++i) {
+    if (const auto parts = PartsBeyond(i)) Note((*parts)[0], (*parts)[1], now, i, false);
   }
   if (touches) ++cycles_;
 }
@@ -42,11 +52,29 @@ std::optional<std::array<int, 2>> ContactWatch::PartsOf(int contact) const noexc
   return std::array<int, 2>{part_of_geom_[a], part_of_geom_[b]};
 }
 
-void ContactWatch::Note(int a, int b, Time now, int contact) noexcept {
+bool ContactWatch::Carries(int geom) const noexcept {
+  if (!free_[geom]) return false;
+  const int part = part_of_geom_[geom];
+  return std::any_of(
+      seen_.begin(), seen_.begin() + static_cast<std::ptrdiff_t>(pairs_),
+      [&](const Seen& seen) { return seen.is_arms && seen.b == part && seen.last_look == looks_; });
+}
+
+std::optional<std::array<int, 2>> ContactWatch::PartsBeyond(int contact) const noexcept {
+  const mjContact& one = truth_.data().contact[contact];
+  if (moves_[one.geom1] || moves_[one.geom2]) return std::nullopt;
+  const int a = part_of_geom_[one.geom1];
+  const int b = part_of_geom_[one.geom2];
+  if (Carries(one.geom1)) return std::array<int, 2>{a, b};
+  if (Carries(one.geom2)) return std::array<int, 2>{b, a};
+  return std::nullopt;
+}
+
+void ContactWatch::Note(int a, int b, Time now, int contact, bool is_arms) noexcept {
   std::size_t i = 0;
   while (i < pairs_ && (seen_[i].a != a || seen_[i].b != b)) ++i;
   if (i == kMostPairs) return;
-  if (i == pairs_) seen_[pairs_++] = {.a = a, .b = b, .first = now};
+  if (i == pairs_) seen_[pairs_++] = {.a = a, .b = b, .first = now, .is_arms = is_arms};
   Seen& seen = seen_[i];
   const bool is_first_point = seen.last_look != looks_;
   const bool has_lasted = seen.last_look + 1 >= looks_ && seen.cycles > 0;
@@ -124,6 +152,7 @@ std::vector<ContactPair> ContactWatch::Pairs() const {
   std::vector<ContactPair> pairs;
   for (std::size_t i = 0; i < pairs_; ++i) {
     const Seen& seen = seen_[i];
+    if (!seen.is_arms) continue;
     pairs.push_back({.a = names_.at(seen.a),
                      .b = names_.at(seen.b),
                      .first = seen.first,

@@ -17,6 +17,7 @@
 #include "plant/robot_description.h"
 #include "plant/scene_objects.h"
 #include "twin/core/error.h"
+#include "twin/plant/mjcf_files.h"
 
 namespace twin::plant {
 namespace {
@@ -146,19 +147,6 @@ void RequireTwoFingers(const RobotDescription& robot, const std::filesystem::pat
       urdf.string(), found.size()));
 }
 
-/// Whether an MJCF attribute names a file: file="...", fileright="..." etc. May return true in
-/// doubt.
-bool NamesFiles(std::string_view mjcf) {
-  constexpr std::string_view kAttribute = "file";
-  for (std::size_t at = mjcf.find(kAttribute); at != std::string_view::npos;
-       at = mjcf.find(kAttribute, at + 1)) {
-    const std::size_t name_end = mjcf.find_first_of(" \t\r\n=", at);
-    const std::size_t next = mjcf.find_first_not_of(" \t\r\n", name_end);
-    if (next != std::string_view::npos && mjcf[next] == '=') return true;
-  }
-  return false;
-}
-
 /// 2/5 m r^2 about its centre, kg m^2.
 double InertiaOfSteelBall(double mass) {
   constexpr double kDensity = 7850;  // kg / m^3
@@ -260,7 +248,7 @@ ModelSources ReadModelSources(const MujocoPlantOptions& options) {
   sources.scene_file = options.scene;
   sources.scene_text =
       options.scene.empty() ? std::string(kPlainScene) : ReadFileBytes(options.scene, "the scene");
-  sources.scene_is_self_contained = !NamesFiles(sources.scene_text);
+  sources.scene_is_self_contained = FilesNamedIn(sources.scene_text).files.empty();
   hash.Add(sources.scene_text);
   Validate(options.objects);
   sources.objects_text = ObjectsMjcf(options.objects);

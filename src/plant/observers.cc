@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -177,6 +179,33 @@ void CapturePushes(const mjModel& model, const mjData& data, record::SceneRecord
 }
 
 }  // namespace
+
+std::optional<ArmOverlap> ArmOverlapAt(const mjModel& model, const JointVector& q) {
+  const int root = RobotRoot(model);
+  if (root < 0 || model.body_jntnum[root] > 0) return {};
+  const std::vector<bool> moves = MovingBodies(model);
+  const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&model), &mj_deleteData);
+  if (data == nullptr) return {};
+  std::size_t next = 0;
+  for (int joint = 0; joint < model.njnt && next < kJoints; ++joint) {
+    const bool is_arms = moves[model.jnt_bodyid[joint]] && model.jnt_type[joint] == mjJNT_HINGE;
+    if (is_arms) data->qpos[model.jnt_qposadr[joint]] = q[next++];
+  }
+  mj_kinematics(&model, data.get());
+  mj_comPos(&model, data.get());
+  mj_collision(&model, data.get());
+  const mjContact* deepest = nullptr;
+  for (const mjContact& contact : std::span(data->contact, static_cast<std::size_t>(data->ncon))) {
+    if (!moves[model.geom_bodyid[contact.geom1]] && !moves[model.geom_bodyid[contact.geom2]])
+      continue;
+    if (deepest == nullptr || contact.dist < deepest->dist) deepest = &contact;
+  }
+  if (deepest == nullptr) return {};
+  const bool is_first = moves[model.geom_bodyid[deepest->geom1]];
+  return ArmOverlap{.part = PartOfShape(model, is_first ? deepest->geom1 : deepest->geom2),
+                    .other = PartOfShape(model, is_first ? deepest->geom2 : deepest->geom1),
+                    .depth = -deepest->dist};
+}
 
 void CaptureScene(Time now, const TruthProbe& truth, record::SceneRecord& scene) noexcept {
   scene.at = now;

@@ -11,11 +11,13 @@
 #include "report/abort_page.h"
 #include "report/loss_facts.h"
 #include "report/paragraphs.h"
+#include "report/plan_facts.h"
 #include "report/run_end.h"
 #include "report/worked_value.h"
 #include "twin/core/error.h"
 #include "twin/core/error_catalogue.h"
 #include "twin/core/time.h"
+#include "twin/report/logged_motions.h"
 
 namespace twin::report {
 namespace {
@@ -79,41 +81,16 @@ void AddText(ToldAbort& story, std::string label, std::string text) {
   if (!text.empty()) story.paragraphs.push_back({std::move(label), {std::move(text)}});
 }
 
-/// Derivative of positions or torques that an error limits; 0: none.
-int OrderOf(RobotError error) {
-  switch (error) {
-    case RobotError::kJointMotionGeneratorVelocityLimitsViolation:
-    case RobotError::kCartesianMotionGeneratorVelocityLimitsViolation:
-    case RobotError::kControllerTorqueDiscontinuity: return 1;
-    case RobotError::kJointMotionGeneratorVelocityDiscontinuity:
-    case RobotError::kCartesianMotionGeneratorVelocityDiscontinuity: return 2;
-    case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
-    case RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity: return 3;
-    default: return 0;
-  }
-}
-
 /// Errors that the command chain's generator, filter or limiter can keep off.
 bool IsOfChain(RobotError error) {
-  return OrderOf(error) >= 2 || error == RobotError::kControllerTorqueDiscontinuity;
-}
-
-/// Empty when the noise alone cannot break the limit.
-std::string TellNoise(const RunEnd& end, const Violation& v, const ScenarioFacts& facts) {
-  const MotionGeneratorMode mode = end.before().state.motion_generator_mode;
-  const bool by_velocity = mode == MotionGeneratorMode::kJointVelocity ||
-                           mode == MotionGeneratorMode::kCartesianVelocity;
-  const bool by_torque = v.error == RobotError::kControllerTorqueDiscontinuity;
-  const int order = OrderOf(v.error) - (by_velocity && !by_torque ? 1 : 0);
-  if (facts.has_generator || order <= 0) return "";
-  // A difference of two values is at most twice the largest.
-  const double most = facts.target_noise * std::pow(2 / kCycleSeconds, order);
-  if (!(most > v.limit)) return "";
-  return fmt::format(
-      "the scenario adds noise of up to {:.3g} to every target (controller.target_noise), and no "
-      "reference generator smooths it: the noise alone makes up to {:.3g} {}. Take it out, or "
-      "choose a generator (tick.generator).",
-      facts.target_noise, most, UnitOf(v));
+  switch (error) {
+    case RobotError::kJointMotionGeneratorVelocityDiscontinuity:
+    case RobotError::kCartesianMotionGeneratorVelocityDiscontinuity:
+    case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
+    case RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity:
+    case RobotError::kControllerTorqueDiscontinuity: return true;
+    default: return false;
+  }
 }
 
 /// Errors that contacts cause.
@@ -122,10 +99,32 @@ bool IsReflex(RobotError error) {
          error == RobotError::kTauJRangeViolation;
 }
 
-std::string TellContacts(const RunEnd& end, const Violation& v) {
-  if (end.contacts != "none") return end.contacts.empty() ? "" : end.contacts + ".";
-  if (!IsReflex(v.error)) return "";
-  return "The simulated arm touched nothing in the 50 cycles before.";
+/// Whether a force acted in the cycles before the abort.
+bool Acted(const ScriptedForce& force, const RunEnd& end) {
+  if (force.motion && *force.motion != end.number) return false;
+  const double since = force.motion ? end.begin : 0;
+  const double now = ToSeconds(end.last().at.time_since_epoch()) - since;
+  return force.begin <= now && now <= force.end + RunEnd::kShown * kCycleSeconds;
+}
+
+std::string TellContacts(const RunEnd& end, const Violation& v,
+                         const std::optional<ScenarioFacts>& facts) {
+  std::string text;
+  if (end.contacts == "none") {
+    if (IsReflex(v.error)) text = "The simulated arm touched nothing in the 50 cycles before.";
+  } else if (!end.contacts.empty()) {
+    text = end.contacts + ".";
+  }
+  if (!IsReflex(v.error) || !facts) return text;
+  for (const ScriptedForce& force : facts->forces) {
+    if (!Acted(force, end)) continue;
+    text += fmt::format(
+        "{}The scenario {} from {:.3f} s to {:.3f} s{} (perturbations): the robot takes it for a "
+        "contact.",
+        text.empty() ? "" : " ", force.what, force.begin, force.end,
+        force.motion ? " of the motion" : "");
+  }
+  return text;
 }
 
 /// Joints that the mechanical end of their range holds.
@@ -163,7 +162,7 @@ std::string TellRemedy(const RunEnd& end, const Violation& v,
   if (facts && IsOfChain(v.error)) {
     return RemedyIn(*facts, v, KeeperOf(end), AnyHeld(end)) + ".";
   }
-  return CureOf(entry, KeeperOf(end)) + ".";
+  return RemedyOfDeviation(end, facts) + CureOf(entry, KeeperOf(end)) + ".";
 }
 
 ToldAbort TellAbort(const RunEnd& end, const std::optional<ScenarioFacts>& facts) {
@@ -178,7 +177,7 @@ ToldAbort TellAbort(const RunEnd& end, const std::optional<ScenarioFacts>& facts
   story.paragraphs.push_back(std::move(what));
   AddText(story, "where", WhereText(end, v) + ".");
   if (last.violated) {
-    AddText(story, "value", ValueText(v, entry) + ".");
+    AddText(story, "value", (end.guard.empty() ? ValueText(v, entry) : end.guard) + ".");
     Paragraph computed{"computed", {fmt::format("{}.", entry.computed)}};
     for (std::string& line : WorkOut(end)) computed.lines.push_back(std::move(line));
     story.paragraphs.push_back(std::move(computed));
@@ -189,10 +188,12 @@ ToldAbort TellAbort(const RunEnd& end, const std::optional<ScenarioFacts>& facts
                             : "the log does not tell which value broke which limit.");
   }
   AddText(story, "end stop", TellEndStops(end, v));
-  AddText(story, "touching", TellContacts(end, v));
+  AddText(story, "touching", TellContacts(end, v, facts));
   AddText(story, "commands", CountFates(end));
   AddText(story, "lost before", JudgeLosses(end));
   AddText(story, "workstation", CountTicks(end));
+  AddText(story, "kept back", TellKeptBack(end));
+  AddText(story, "deviation", TellDeviation(end));
   if (last.violated && facts) AddText(story, "injected", TellNoise(end, v, *facts));
   AddText(story, "usual cause", fmt::format("{}.", entry.cause));
   AddText(story, "what to do", TellRemedy(end, v, facts));
@@ -253,8 +254,16 @@ ExplainedError ExplainedErrorOf(const RunEnd& end) {
           .motion = end.number};
 }
 
+/// "; motion 2 ended otherwise: stopped"; empty where the log does not tell.
+std::string HowMotionEnded(const std::filesystem::path& log, std::uint64_t number) {
+  const std::vector<LoggedMotion> motions = ReadSession(log).motions;
+  if (number == 0 || number > motions.size()) return "";
+  return fmt::format("; motion {} ended otherwise: {}", number, motions[number - 1].how);
+}
+
 /// Text and page of a log with aborts.
-Explanation TellAborts(const std::vector<RunEnd>& ends, const std::optional<ScenarioFacts>& facts,
+Explanation TellAborts(const std::filesystem::path& log, const std::vector<RunEnd>& ends,
+                       const std::optional<ScenarioFacts>& facts,
                        std::optional<std::uint64_t> motion, ExplanationParts parts) {
   const bool draws_page = parts == ExplanationParts::kTextAndPage;
   const std::uint64_t number = motion.value_or(ends.front().number);
@@ -269,8 +278,9 @@ Explanation TellAborts(const std::vector<RunEnd>& ends, const std::optional<Scen
     on_page.push_back(std::move(story));
   }
   if (told.text.empty()) {
-    throw InputError(fmt::format("no error ended motion {} of {}; errors ended motion {}", number,
-                                 ends.front().run.scenario, NumbersOf(ends)));
+    throw InputError(fmt::format("no error ended motion {} of {}; errors ended motion {}{}", number,
+                                 ends.front().run.scenario, NumbersOf(ends),
+                                 HowMotionEnded(log, number)));
   }
   if (ends.size() == 1) {
     if (draws_page) told.page = AbortPage(on_page, on_page.front().headline, "");
@@ -337,7 +347,7 @@ Explanation Explain(const std::filesystem::path& log, const std::optional<Scenar
     for (RunEnd& abort : ends) {
       if (is_linked) AddLinkFates(abort, *facts->link);
     }
-    return TellAborts(ends, facts, motion, parts);
+    return TellAborts(log, ends, facts, motion, parts);
   }
   if (end.truncated) {
     throw InputError(fmt::format(
@@ -347,9 +357,8 @@ Explanation Explain(const std::filesystem::path& log, const std::optional<Scenar
   }
   if (motion) {
     throw InputError(
-        fmt::format("no error ended motion {} of {}: the log has none; leave --motion "
-                    "out",
-                    *motion, log.string()));
+        fmt::format("no error ended motion {} of {}: the log has none{}; leave --motion out",
+                    *motion, log.string(), HowMotionEnded(log, *motion)));
   }
   return {.aborted = false,
           .text = fmt::format("{}: {}; the log ends at {:.3f} s\n{}", end.run.scenario,

@@ -1,6 +1,7 @@
 #include "report/run_end.h"
 
 #include <deque>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,7 +29,10 @@ class EndCollector {
     end_.end = ToSeconds(cycle.at.time_since_epoch());
     end_.moved = end_.moved || cycle.state.motion_generator_mode != MotionGeneratorMode::kIdle;
     const bool moves = cycle.state.robot_mode == RobotMode::kMove;
-    if (moves && !moved_before_) ++end_.number;
+    if (moves && !moved_before_) {
+      ++end_.number;
+      end_.begin = end_.end;
+    }
     moved_before_ = moves;
     end_.fates_told = end_.fates_told || cycle.fate != record::CommandFate::kNone;
     const bool running = end_.last_word.starts_with("started");
@@ -57,7 +61,10 @@ class EndCollector {
   }
 
   void operator()(const record::EventRecord& event) {
-    if (event.kind == "motion") end_.last_word = event.text;
+    if (event.kind == "motion") {
+      end_.last_word = event.text;
+      AddGuard(event.text);
+    }
     if (event.kind == "session") end_.motion = event.text;
     if (event.kind != "contact") return;
     for (RunEnd& abort : aborts_) {
@@ -81,6 +88,8 @@ class EndCollector {
     for (RunEnd& abort : aborts_) {
       RunEnd whole = end_;
       whole.number = abort.number;
+      whole.begin = abort.begin;
+      whole.guard = std::move(abort.guard);
       whole.motion = std::move(abort.motion);
       whole.contacts = std::move(abort.contacts);
       whole.cycles = std::move(abort.cycles);
@@ -99,10 +108,19 @@ class EndCollector {
   void AddAbort() {
     RunEnd& abort = aborts_.emplace_back();
     abort.number = end_.number;
+    abort.begin = end_.begin;
     abort.motion = end_.motion;
     abort.approach = end_.approach;
     for (const record::CycleRecord& cycle : cycles_) abort.cycles.push_back({cycle, std::nullopt});
     BeginApproach();
+  }
+
+  /// From a server's line about the motion that has just ended.
+  void AddGuard(std::string_view line) {
+    constexpr std::string_view kGuard = " Guard: ";
+    const std::size_t at = line.find(kGuard);
+    if (at == std::string_view::npos || aborts_.empty()) return;
+    aborts_.back().guard = line.substr(at + kGuard.size());
   }
 
   void AddAnswers(RunEnd& abort) const {

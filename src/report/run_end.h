@@ -48,6 +48,7 @@ struct RunEnd {
   bool has_ticks = false;      ///< the log has the workstation's side; a server's log does not
   bool on_robot_time = false;  ///< the workstation's time was the robot's states, not a clock
   std::optional<double> user_stopped;  ///< time at which the user stop ended the motion, s
+  double begin = 0;                    ///< time at which the abort's motion began, s
   double end = 0;                      ///< time of the last cycle, s
   std::uint64_t aborts = 0;            ///< number of motions that an error ended
   std::uint64_t number = 0;            ///< motions of the log up to the abort, or in all
@@ -56,6 +57,9 @@ struct RunEnd {
   /// What the arm touched at the abort, by the simulation (plant::ContactMoment::Text()); empty:
   /// not known.
   std::string contacts;
+  /// The limit of the lab that a served robot's guard stopped the motion for, by its server:
+  /// "limit \"cell\": the hand reaches ..."; empty: none.
+  std::string guard;
   /// kShown cycles up to that of the abort, and the one before them. Empty if no error ended a
   /// motion.
   std::vector<EndCycle> cycles;

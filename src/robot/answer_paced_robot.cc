@@ -120,7 +120,7 @@ bool AnswerPacedRobot::Reset(const std::optional<JointVector>& q) {
   const JointLimits& limits = config.onboard.limits;
   const JointVector start = q.value_or(config.q_start);
   for (std::size_t i = 0; i < kJoints; ++i) {
-    RequireInRange(fmt::format("reset: joint {}, rad", i + 1), start[i], limits.q_min[i],
+    RequireInRange(fmt::format("reset: joint {} (rad)", i + 1), start[i], limits.q_min[i],
                    limits.q_max[i]);
   }
   return BetweenMotions([&] {

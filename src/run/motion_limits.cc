@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdint>
 #include <string>
 
 #include <fmt/format.h>
@@ -6,6 +7,7 @@
 
 #include "run/resolve.h"
 #include "twin/model/lab_limits.h"
+#include "twin/onboard/stop_proof.h"
 #include "twin/run/robot_config.h"
 
 namespace twin::run {
@@ -32,8 +34,8 @@ class MotionLimits {
     }
     if (limits_.dq_max) {
       for (std::size_t i = 0; i < kJoints; ++i) {
-        RequireCap(t, fmt::format("speed.joints\": joint {} turns at", i + 1),
-                   std::abs(target.dq[i]), (*limits_.dq_max)[i], "rad/s", &target.q);
+        RequireCap(t, onboard::LimitKind::kJointSpeed, static_cast<std::int8_t>(i),
+                   std::abs(target.dq[i]), (*limits_.dq_max)[i], &target.q);
       }
     }
     if (!limits_.v_max && !limits_.w_max) return;
@@ -54,20 +56,18 @@ class MotionLimits {
  private:
   void RequireTwist(Duration t, const Vector6& twist, const JointVector* q) const {
     if (limits_.v_max) {
-      RequireCap(t, "speed.end_effector\": the end effector moves at", HalfNorm(twist, 0),
-                 *limits_.v_max, "m/s", q);
+      RequireCap(t, onboard::LimitKind::kSpeed, -1, HalfNorm(twist, 0), *limits_.v_max, q);
     }
     if (limits_.w_max) {
-      RequireCap(t, "speed.rotation\": the end effector turns at", HalfNorm(twist, 3),
-                 *limits_.w_max, "rad/s", q);
+      RequireCap(t, onboard::LimitKind::kTurn, -1, HalfNorm(twist, 3), *limits_.w_max, q);
     }
   }
 
-  void RequireCap(Duration t, std::string_view what, double value, double cap,
-                  std::string_view unit, const JointVector* q) const {
+  void RequireCap(Duration t, onboard::LimitKind kind, std::int8_t joint, double value, double cap,
+                  const JointVector* q) const {
     if (value <= cap * (1 + kRounding)) return;
     Refuse(t,
-           fmt::format("limit \"{0} {1:.6g} {3}; the bound is {2:.6g} {3}", what, value, cap, unit),
+           onboard::Describe(limits_, {.kind = kind, .axis = joint, .value = value, .bound = cap}),
            q, "give the motion more time, or raise the cap");
   }
 

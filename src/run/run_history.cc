@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cstddef>
 #include <fstream>
 #include <iterator>
-#include <regex>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -19,6 +19,7 @@
 #include "twin/core/calendar_clock.h"
 #include "twin/core/error.h"
 #include "twin/core/hash.h"
+#include "twin/plant/mjcf_files.h"
 #include "twin/run/summary.h"
 
 namespace twin::run {
@@ -41,20 +42,57 @@ std::string BytesOf(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// A scene and all files that it names.
-void AddScene(const fs::path& file, std::set<fs::path>& added, WordHash& hash) {
-  static const std::regex kNamed(R"re(\bfile\s*=\s*["']([^"']+)["'])re");
-  if (!added.insert(file.lexically_normal()).second) return;
-  const std::string text = BytesOf(file);
-  AddBytes(text, hash);
-  if (file.extension() != ".xml") return;
-  for (std::sregex_iterator named(text.begin(), text.end(), kNamed), end; named != end; ++named) {
-    AddScene(file.parent_path() / (*named)[1].str(), added, hash);
+/// A scene, and all files that it and the files that it includes name: beside each of these, and in
+/// the folders that any of them names.
+class SceneFiles {
+ public:
+  explicit SceneFiles(const fs::path& scene) {
+    Add(scene);
+    // Files that are found may name more of both.
+    for (std::size_t before = 0; before != files_.size();) {
+      before = files_.size();
+      for (const fs::path& base : bases_) {
+        for (const fs::path& folder : folders_) {
+          for (const fs::path& name : names_) found_.insert(base / folder / name);
+        }
+      }
+      for (const fs::path& file : found_) Add(file);
+    }
   }
-}
+
+  [[nodiscard]] const std::set<fs::path>& files() const { return files_; }
+
+ private:
+  void Add(const fs::path& named) {
+    const fs::path file = named.lexically_normal();
+    std::error_code error;
+    if (!fs::is_regular_file(file, error) || !files_.insert(file).second) return;
+    if (file.extension() != ".xml") return;
+    bases_.insert(file.parent_path());
+    const plant::NamedFiles more = plant::FilesNamedIn(BytesOf(file));
+    folders_.insert(more.folders.begin(), more.folders.end());
+    for (const fs::path name : more.files) {
+      names_.insert(name);
+      names_.insert(name.filename());  // with strippath
+    }
+  }
+
+  std::set<fs::path> files_;
+  std::set<fs::path> bases_;
+  std::set<fs::path> folders_{""};
+  std::set<fs::path> names_;
+  std::set<fs::path> found_;  ///< candidates, of which not all are there
+};
 
 double Hours(Duration time) {
   return ToSeconds(time) / 3600;
+}
+
+/// "24.0 h", "12 min".
+std::string AgeText(Duration age) {
+  if (age >= std::chrono::hours(1)) return fmt::format("{:.1f} h", Hours(age));
+  if (age < std::chrono::minutes(1)) return "less than a minute";
+  return fmt::format("{} min", std::chrono::floor<std::chrono::minutes>(age).count());
 }
 
 /// Files of the folder, the newest first; those of other programs may vanish meanwhile.
@@ -85,8 +123,10 @@ std::string RehearsalHash(const scenario::Scenario& scenario, const RunFiles& fi
   AddBytes(TWIN_VERSION, hash);
   AddBytes(scenario::ToYaml(motion), hash);
   if (!scenario.controller.library.empty()) AddBytes(BytesOf(scenario.controller.library), hash);
-  std::set<fs::path> scene;
-  if (!scenario.scene.empty()) AddScene(files.models / scenario.scene, scene, hash);
+  if (!scenario.scene.empty()) {
+    const SceneFiles scene(files.models / scenario.scene);
+    for (const fs::path& file : scene.files()) AddBytes(BytesOf(file), hash);
+  }
   return FormatHash(hash.value());
 }
 
@@ -179,9 +219,9 @@ CheckLine CheckRehearsal(const RunHistory& history, const RehearsalDemand& deman
   }
   if (age > demand.within) {
     return refuse(
-        fmt::format("the last one ended {:.1f} h ago, and {:.1f} h are allowed "
+        fmt::format("the last one ended {} ago, and {} are allowed "
                     "(--rehearsed-within)",
-                    Hours(age), Hours(demand.within)));
+                    AgeText(age), AgeText(demand.within)));
   }
   if (last->max_speed < demand.max_speed) {
     return refuse(
@@ -190,7 +230,7 @@ CheckLine CheckRehearsal(const RunHistory& history, const RehearsalDemand& deman
                     last->max_speed, demand.max_speed));
   }
   return {"rehearsal", true,
-          fmt::format("ended well in the twin {:.1f} h ago (scenario {})", Hours(age), last->hash)};
+          fmt::format("ended well in the twin {} ago (scenario {})", AgeText(age), last->hash)};
 }
 
 }  // namespace twin::run

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,6 +12,7 @@
 
 #include "twin/core/error_catalogue.h"
 #include "twin/core/hash.h"
+#include "twin/plant/perturbation.h"
 
 namespace twin::run {
 namespace {
@@ -166,6 +169,28 @@ std::string HandText(const scenario::Scenario& scenario, const HandReport& hand)
                             hand.state.is_grasped ? ", something is grasped" : "");
 }
 
+std::vector<report::ScriptedForce> ForcesOf(const scenario::Scenario& scenario) {
+  std::vector<report::ScriptedForce> forces;
+  for (const plant::Perturbation& perturbation : scenario.perturbations) {
+    const std::string& body = plant::BodyOf(perturbation);
+    const auto add = [&](const auto& force, std::string what) {
+      forces.push_back({.what = std::move(what),
+                        .begin = ToSeconds(force.begin),
+                        .end = ToSeconds(force.begin + force.duration),
+                        .motion = force.motion});
+    };
+    if (const auto* push = std::get_if<plant::Push>(&perturbation)) {
+      const Vector3& f = push->force;
+      add(*push, fmt::format("pushes {} with {:.3g} N", body, std::hypot(f[0], f[1], f[2])));
+    } else {
+      const auto& spring = std::get<plant::HandSpring>(perturbation);
+      add(spring,
+          fmt::format("leads {} with a spring of up to {:.3g} N", body, spring.largest_force));
+    }
+  }
+  return forces;
+}
+
 /// The first keys of summary.json.
 Json HeadOf(const scenario::Scenario& scenario, std::string_view outcome,
             const std::string& failure) {
@@ -237,6 +262,7 @@ report::ScenarioFacts FactsOf(const scenario::Scenario& scenario) {
           .has_default_generator = scenario.tick.generator == scenario::TickSection().generator,
           .has_viability = scenario.tick.viability.has_value(),
           .has_limiter = scenario.tick.limiter,
+          .forces = ForcesOf(scenario),
           .link = report::LinkFacts{scenario.seed, link.state, link.command, link.d_INT}};
 }
 
@@ -327,9 +353,13 @@ std::string SummaryText(const scenario::Scenario& scenario, const RunResult& res
   line(arrived ? "final error" : "to go", FinalErrorText(result) + ", to the last waypoint");
   const std::string deviation = DeviationText(result.followed.deviation);
   if (!deviation.empty()) line("deviation", deviation);
-  if (result.plan) {
-    line("plan", PlanText(*result.plan));
-    if (contacts) line("contacts", ContactsText(*contacts));
+  if (result.plan) line("plan", PlanText(*result.plan));
+  if (contacts && (result.plan || contacts->cycles() > 0)) {
+    const bool is_odd = !arrived && !result.plan && scenario.motion.touches.empty();
+    line("contacts", ContactsText(*contacts) + (is_odd ? "; validate refuses such a motion, unless "
+                                                         "it says why the arm may touch "
+                                                         "(motion.touches)"
+                                                       : ""));
   }
   if (result.hand) line("hand", HandText(scenario, *result.hand));
   if (result.base) line("base", BaseText(*result.base));

@@ -15,12 +15,12 @@ namespace {
 
 constexpr const char* kOnlyBetween = "refused in a motion, and while the hand executes a command";
 
-std::string_view WhyNot(RecoveryStatus status) {
+std::string WhyNot(RecoveryStatus status, RobotMode mode) {
   switch (status) {
     case RecoveryStatus::kManualErrorRecoveryRequiredRejected:
       return "a joint is beyond its limit; lead the arm back (guiding)";
     case RecoveryStatus::kCommandNotPossibleRejected:
-      return "not possible in this mode, or the arm still moves";
+      return fmt::format("not possible in mode \"{}\", or the arm still moves", Name(mode));
     default: return "the error persists";
   }
 }
@@ -51,7 +51,7 @@ void ControlledRobot::Do(const ControlRequest& request) {
     case ControlVerb::kRecover: {
       const RecoveryStatus status = served_.robot().AutomaticErrorRecovery();
       if (status == RecoveryStatus::kSuccess) return;
-      throw InputError(fmt::format("recover: refused: {}", WhyNot(status)));
+      throw InputError(fmt::format("recover: refused: {}", WhyNot(status, served_.robot().mode())));
     }
   }
 }
@@ -97,6 +97,7 @@ void ControlledRobot::Reset(const std::optional<JointVector>& q) {
         "reset: this robot is served with --reset never, the default; serve it with --reset "
         "on-command");
   }
+  if (q) served_.RequireFree(*q);
   if (robot.Reset(q)) return;
   throw InputError(fmt::format("reset: {}", kOnlyBetween));
 }

@@ -35,7 +35,8 @@ class ServedRobot::Impl {
   Impl(const robot::RobotConfig& config, robot::MadePlant plant, ServedRobotSettings settings)
       : port_(clock_, settings.server.address, changed_),
         plant_name_(std::move(plant.name)),
-        engine_(plant.engine) {
+        engine_(plant.engine),
+        limits_(config.onboard.limits) {
     port_.KeepIn(settings.server.capture);
     const rt::ThreadSettings thread = ThreadOf(settings);
     if (settings.lockstep) {
@@ -76,6 +77,17 @@ class ServedRobot::Impl {
     const std::optional<plant::Overlap> overlap = robot_->Place(body, X_WB);
     if (!overlap) return;
     throw InputError(plant::DescribeOverlap(engine_->model(), name, *overlap));
+  }
+  void RequireFree(const JointVector& q) const {
+    if (engine_ == nullptr) return;
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      if (!(q[i] >= limits_.q_min[i] && q[i] <= limits_.q_max[i])) return;
+    }
+    const auto overlap = plant::ArmOverlapAt(engine_->model(), q);
+    if (!overlap || overlap->depth <= plant::Plant::kMostOverlap) return;
+    throw InputError(fmt::format(
+        "reset: there {} would lie at least {:.1f} mm deep in {}; {:.0f} mm at most is a touch",
+        overlap->part, 1e3 * overlap->depth, overlap->other, 1e3 * plant::Plant::kMostOverlap));
   }
   void PressUserStop(bool pressed) {
     static_cast<void>(
@@ -118,6 +130,7 @@ class ServedRobot::Impl {
   UdpPort port_;
   const std::string plant_name_;
   const plant::MujocoPlant* const engine_;  ///< the robot's plant; null for the ideal plant
+  const JointLimits limits_;
   std::optional<robot::WallClockRobot> wall_clock_;
   std::optional<robot::AnswerPacedRobot> lockstep_;
   robot::ThreadedRobot* robot_ = nullptr;  ///< whichever of the two exists
@@ -165,6 +178,10 @@ robot::AnswerPacedRobot* ServedRobot::lockstep() noexcept {
 
 void ServedRobot::Place(const std::string& name, const Transform& X_WB) {
   impl_->Place(name, X_WB);
+}
+
+void ServedRobot::RequireFree(const JointVector& q) const {
+  impl_->RequireFree(q);
 }
 
 void ServedRobot::PressUserStop(bool pressed) {

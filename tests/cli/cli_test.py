@@ -302,6 +302,13 @@ class BadUsage(CliTest):
             with self.subTest(arguments=arguments):
                 self.assert_refused(self.call(*arguments), 2, says)
 
+    def test_flag_that_is_none_is_named(self):
+        for arguments, says in [(["run", "--sead", "3", "a.yaml"], "there is no flag --sead; did you mean --seed?; see"),
+                                (["run", "a.yaml", "--no-vido"], "there is no flag --no-vido; did you mean --no-video?"),
+                                (["run", "a.yaml", "--xyzzy=1"], "there is no flag --xyzzy; see")]:
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.call(*arguments), 2, says)
+
     def test_export_of_what_is_no_log(self):
         (self.folder / "run.mcap").write_bytes(b"not a log")
         done = self.call("export", self.folder / "run.mcap", "--out", self.out)

@@ -52,6 +52,10 @@ class ExplainTest(unittest.TestCase):
         # Advice about the command chain does not belong to a collision.
         self.assertNotIn("tick.", text)
 
+    def test_names_the_scenarios_push(self):
+        text = self.explain((SOURCE / "models/scenarios/collision.yaml").read_text())
+        self.assertIn("The scenario pushes panda_hand with 30 N from 1.000 s to 1.800 s (perturbations)", text)
+
     def test_tells_by_how_much_commands_were_late(self):
         # A cycle has 0.9 ms for a command, and four of five commands take longer.
         text = self.explain(motion_to("[0.1, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]", """plant: {kind: ideal}

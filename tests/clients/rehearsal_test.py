@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import pty
+import resource
 import signal
 import subprocess
 import sys
@@ -95,6 +96,22 @@ class RehearsalTest(unittest.TestCase):
             kept.write_text(json.dumps(record))
             self.check_refused(server, "the last one ended 25.0 h ago, and 24.0 h are allowed")
             self.assertIsNotNone(self.drive(server, "out", "--rehearsed-within", "26h")["rehearsed"])
+
+    def test_a_rehearsal_that_ends_early_replaces_a_success(self):
+        def write_little():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2**16, 2**16))
+        with TwinServer(PROGRAM, SOURCE, "lockstep") as server:
+            self.rehearse()
+            done = subprocess.run(self.command("rehearsal", "--no-video"), capture_output=True, text=True, timeout=120,
+                                  env=self.environment, preexec_fn=write_little)
+            self.assertEqual(done.returncode, 4, done.stderr)  # its log has no room
+            self.check_refused(server, "the last one failed: ")
+
+    def test_a_command_to_copy_names_the_data_and_quotes(self):
+        self.scenario = self.tmp / "two words.yaml"
+        self.write(READY)
+        done = self.run_it("out", "--backend", "fci", "--robot", "127.0.0.1:9", "--allow-hardware", "--yes")
+        self.assertIn(f"panda-twin run '{self.scenario}' --data {SOURCE / 'models'} --backend mujoco", done.stderr)
 
     def test_a_reason_replaces_a_rehearsal_and_is_recorded(self):
         with TwinServer(PROGRAM, SOURCE, "lockstep") as server:

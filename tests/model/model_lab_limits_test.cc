@@ -192,7 +192,20 @@ TEST(LabLimitsTest, IsForRealTime) {
 TEST(LabLimitsTest, SaysWhichLimitIsPassedAndByHowMuch) {
   const LabLimits limits{.regions = {Behind(kElbowOnly, {0, 0, 1}, 0.6)}};
   EXPECT_EQ(Describe(limits, LeastMargin(limits, kArm, JointVector{}).value()),
-            "limit \"plane\": the elbow reaches 0.64900 m along z; the bound is 0.60000 m");
+            "limit \"plane\": the elbow reaches z = 0.64900 m; it must be at most 0.60000 m");
+}
+
+TEST(LabLimitsTest, SaysALowerBoundInTheBasesCoordinate) {
+  const LabLimits limits{.regions = {Inside(kElbowOnly, {{-1, -1, 0.7}, {1, 1, 2}})}};
+  EXPECT_EQ(Describe(limits, LeastMargin(limits, kArm, JointVector{}).value()),
+            "limit \"box\": the elbow reaches z = 0.64900 m; it must be at least 0.70000 m");
+}
+
+TEST(LabLimitsTest, DemandsNoCoordinateBesideABoxToStayOutOf) {
+  LabLimits limits{.regions = {Inside(kElbowOnly, {{-1, -1, 0.6}, {1, 1, 9}})}};
+  limits.regions[0].keep_inside = false;
+  EXPECT_EQ(Describe(limits, LeastMargin(limits, kArm, JointVector{}).value()),
+            "limit \"box\": the elbow reaches z = 0.64900 m; the bound is 0.60000 m");
 }
 
 TEST(LabLimitsTest, AddsRegionsAndTakesTheLowerCap) {

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "support/realtime_guard.h"
+#include "support/temporary_folder.h"
 #include "twin/plant/mujoco_plant.h"
 
 namespace twin::plant::plant_contact_watch_test {
@@ -91,6 +93,35 @@ TEST(ContactWatchTest, KeepsWhatTouchesAndWhatHasJustEnded) {
   }
   EXPECT_TRUE(moments[2].contacts.empty()) << "51 looks after its end";
   EXPECT_EQ(moments[2].at, Time(53ms));
+}
+
+TEST(ContactWatchTest, AMomentHasWhatAHeldBodyTouches) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path scene = folder / "scene.xml";
+  // The ready pose has the end effector at (0.307, 0, 0.487) m: in the first
+  // box and not in the second.
+  std::ofstream(scene) << R"(<mujoco><worldbody>
+    <geom name="table" type="box" size="0.5 0.5 0.1" pos="0.6 0 0.3"/>
+    <body name="box" pos="0.307 0 0.45"><freejoint/><geom type="box" size="0.03 0.03 0.051"/></body>
+    <body name="other" pos="0.9 0 0.45"><freejoint/><geom type="box" size="0.03 0.03 0.051"/></body>
+  </worldbody></mujoco>)";
+  const std::filesystem::path models = TWIN_SOURCE_DIR "/models";
+  MujocoPlantOptions options;
+  options.urdf = models / "robots" / "panda" / "panda.urdf";
+  options.scene = scene;
+  const auto plant = MujocoPlant::Create(options);
+  plant->Reset(kReady);
+  ContactWatch watch(*plant);
+  watch.Look(Time(1ms));
+  watch.Keep(Time(1ms));
+  bool is_told = false;
+  const ContactMoment moment = watch.Moments().front();
+  for (const NearContact& one : moment.contacts) {
+    is_told = is_told || (one.a == "box" && one.b == "table");
+    EXPECT_NE(one.a, "other") << "the arm does not touch it";
+  }
+  EXPECT_TRUE(is_told) << moment.Text();
+  for (const ContactPair& pair : watch.Pairs()) EXPECT_NE(pair.a, "box") << "no pair of the arm";
 }
 
 TEST(ContactMomentTest, SaysWhoWhereHowStronglyAndSinceWhen) {

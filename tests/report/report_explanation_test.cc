@@ -134,6 +134,95 @@ TEST_F(ExplainTest, NamesNoiseThatTheScenarioInjectsWhereItIsEnough) {
   }
 }
 
+TEST_F(ExplainTest, BlamesNoNoiseWhereTheScenarioAddsNone) {
+  SampleMotion motion(log());
+  motion.Serve(100).Abort({.error = RobotError::kJointMotionGeneratorAccelerationDiscontinuity,
+                           .axis = SampleMotion::kJoint,
+                           .value = -5000,
+                           .limit = -3750},
+                          record::CommandFate::kServed);
+  EXPECT_THAT(OneLine(Explain(motion.Finish(), ScenarioFacts{}).text), Not(HasSubstr("injected")));
+}
+
+constexpr Violation kReflex{
+    .error = RobotError::kCartesianReflex, .axis = 0, .value = 30, .limit = 20};
+
+/// 60 commands that a viability filter changed, while the targets are `away`
+/// rad ahead.
+void KeepBack(SampleMotion& motion, double away) {
+  for (int i = 0; i < 60; ++i) {
+    record::TickRecord tick;
+    tick.action = record::TickAction::kWritten;
+    tick.margin = 0.1;
+    tick.kept_back = 1;
+    tick.q_ext = motion.state().q;
+    tick.q_ext[3] += away;
+    motion.AnswerWith(tick).PassBy();
+  }
+}
+
+TEST_F(ExplainTest, NamesWhatLedTheArmAwayFromItsPlanForEveryError) {
+  SampleMotion motion(log());
+  KeepBack(motion, 0.5);
+  motion.Abort(kReflex, record::CommandFate::kServed);
+  const std::string told =
+      OneLine(Explain(motion.Finish(), ScenarioFacts{.target_noise = 1e-3}).text);
+  EXPECT_THAT(told, AllOf(HasSubstr("kept back the viability filter changed 50 of these 50"),
+                          HasSubstr("deviation joint 4 was 0.5 rad away from its target"),
+                          HasSubstr("injected the scenario adds noise of up to 0.001"),
+                          HasSubstr("what to do first see that the arm follows its plan: take the "
+                                    "noise out (controller.target_noise); leave tick.generator")));
+}
+
+TEST_F(ExplainTest, TellsNoSmallDeviation) {
+  SampleMotion motion(log());
+  motion.Serve(100).Abort(kReflex, record::CommandFate::kServed);
+  EXPECT_THAT(OneLine(Explain(motion.Finish(), ScenarioFacts{.target_noise = 1e-7}).text),
+              AllOf(Not(HasSubstr("kept back")), Not(HasSubstr("deviation")),
+                    Not(HasSubstr("injected")), Not(HasSubstr("first see"))));
+}
+
+TEST_F(ExplainTest, NamesAForceThatTheScenarioScripts) {
+  SampleMotion motion(log());
+  motion.Serve(100).Abort(kReflex, record::CommandFate::kServed);
+  motion.Event("contact", "none").Finish();
+  const auto told = [this](double begin, std::optional<std::uint64_t> number) {
+    const ScriptedForce push{"pushes panda_hand with 30 N", begin, begin + 0.3, number};
+    return OneLine(Explain(log(), ScenarioFacts{.forces = {push}}).text);
+  };
+  EXPECT_THAT(told(0.05, {}), HasSubstr("touched nothing in the 50 cycles before. The scenario "
+                                        "pushes panda_hand with 30 N from 0.050 s to 0.350 s"));
+  EXPECT_THAT(told(0.05, 1), HasSubstr("0.350 s of the motion (perturbations)"));
+  EXPECT_THAT(told(0.05, 2), Not(HasSubstr("pushes"))) << "another motion";
+  EXPECT_THAT(told(0.2, {}), Not(HasSubstr("pushes"))) << "later";
+}
+
+TEST_F(ExplainTest, HasTheLimitThatAServedRobotsGuardNames) {
+  SampleMotion motion(log());
+  motion.Serve(100).Abort({.error = RobotError::kCartesianPositionLimitsViolation,
+                           .axis = 0,
+                           .value = 0.5,
+                           .limit = 0.4},
+                          record::CommandFate::kServed);
+  motion.Event("motion",
+               "aborted by reflex: some value. Guard: limit "
+               "\"cell\": the hand reaches x");
+  EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
+              HasSubstr("value limit \"cell\": the hand reaches x."));
+}
+
+TEST_F(ExplainTest, SaysHowAMotionWithoutAnErrorEnded) {
+  SampleMotion motion(log());
+  motion.Serve(60).Abort(kJerk, record::CommandFate::kServed).Rest(5).Recover().Serve(10).Rest(5);
+  motion.Event("motion", "stopped: it was not answered for too long").Finish();
+  try {
+    static_cast<void>(Explain(log(), std::nullopt, 2));
+    FAIL() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("motion 2 ended otherwise: stopped: it was not answered"));
+  }
+}
+
 TEST_F(ExplainTest, PageNeedsNoOtherFileAndNoNetwork) {
   SampleMotion motion(log());
   motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);

@@ -108,7 +108,10 @@ TEST_F(RunHistoryTest, ARehearsalCountsForItsTime) {
                                   HasSubstr("--no-rehearsal")));
   Rehearse();
   EXPECT_TRUE(Check().ok) << Check().text;
-  clock_.now += hours(24);
+  EXPECT_THAT(Check().text, HasSubstr("less than a minute ago"));
+  clock_.now += std::chrono::minutes(12);
+  EXPECT_THAT(Check().text, HasSubstr("12 min ago"));
+  clock_.now += hours(24) - std::chrono::minutes(12);
   EXPECT_TRUE(Check().ok) << Check().text;
   clock_.now += std::chrono::nanoseconds(1);
   EXPECT_FALSE(Check().ok);
@@ -179,6 +182,27 @@ TEST(RehearsalHashTest, ChangesWithAFileThatTheSceneIncludes) {
   const std::string flat = RehearsalHash(scenario, {});
   std::ofstream(folder / "floor.xml") << "<mujoco/>";
   EXPECT_NE(RehearsalHash(scenario, {}), flat);
+}
+
+TEST(RehearsalHashTest, ChangesWithWhateverTheSceneNames) {
+  const twin::test::TemporaryFolder folder;
+  scenario::Scenario scenario;
+  scenario.scene = folder / "scene.xml";
+  std::ofstream(folder / "scene.xml") << R"(<mujoco>
+  <compiler meshdir="meshes" texturedir = 'pictures'/>
+  <asset><mesh file="cup.stl"/><texture type="cube" fileright="right.png"/></asset>
+</mujoco>)";
+  fs::create_directories(folder / "meshes");
+  fs::create_directories(folder / "pictures");
+  std::string before = RehearsalHash(scenario, {});
+  for (const char* name : {"meshes/cup.stl", "pictures/right.png"}) {
+    std::ofstream(folder / name) << "one";
+    const std::string one = RehearsalHash(scenario, {});
+    EXPECT_NE(one, before) << name;
+    std::ofstream(folder / name) << "two";
+    before = RehearsalHash(scenario, {});
+    EXPECT_NE(before, one) << name;
+  }
 }
 
 TEST(RehearsalHashTest, LeavesAFolderThatIsNamedAsAFileToTheRun) {

@@ -86,13 +86,13 @@ TEST_F(RunLimitsTest, ATrajectoryThatLeavesItsRegionIsRefusedWithPlaceAndTime) {
   EXPECT_EQ(Refusal(Wall(reached + 0.001)), "accepted");
   EXPECT_THAT(Refusal(Wall(reached - 0.001)),
               AllOf(HasSubstr("motion: at 1."), HasSubstr("s of 2.000 s, joints at [0.4"),
-                    HasSubstr("limit \"wall\": the end effector reaches "),
-                    HasSubstr(fmt::format("along y; the bound is {:.5f} m", reached - 0.001))));
+                    HasSubstr("limit \"wall\": the end effector reaches y = "),
+                    HasSubstr(fmt::format("m; it must be at most {:.5f} m", reached - 0.001))));
 }
 
 TEST_F(RunLimitsTest, AStartOutsideIsRefused) {
   EXPECT_THAT(Refusal(Wall(-0.05)),
-              AllOf(HasSubstr("motion: at its start"), HasSubstr("0.00000 m along y; the bound is "
+              AllOf(HasSubstr("motion: at its start"), HasSubstr("0.00000 m; it must be at most "
                                                                  "-0.05000 m")));
 }
 
@@ -102,7 +102,7 @@ TEST_F(RunLimitsTest, AMotionFasterThanACapIsRefused) {
   };
   EXPECT_EQ(Refusal(joints(1.001 * kPeak)), "accepted");
   EXPECT_THAT(Refusal(joints(0.999 * kPeak)),
-              AllOf(HasSubstr("limit \"speed.joints\": joint 1 turns at"),
+              AllOf(HasSubstr("limit speed.joints: joint 1 moves at"),
                     HasSubstr("give the motion more time")));
   const auto hand = [](double cap) {
     return fmt::format("{{speed: {{end_effector: {} m/s}}}}", cap);
@@ -122,7 +122,7 @@ motion:
 )";
   EXPECT_EQ(Refusal(Wall(0.11), motion), "accepted");
   EXPECT_THAT(Refusal(Wall(0.09), motion),
-              HasSubstr("limit \"wall\": the end effector reaches 0.09"));
+              HasSubstr("limit \"wall\": the end effector reaches y = 0.09"));
 }
 
 TEST_F(RunLimitsTest, APlanGoesAroundARegionAndKeepsTheCaps) {

@@ -193,8 +193,17 @@ class ResetTest(ControlTest):
         self.assertEqual(arm.run_motion(cycles=200, amplitude=0.0002)[1], fci.SUCCESS)
         code, _, errors = self.ctl("reset", "9", "-0.5", "0", "-2", "0", "1.5", "0.7")
         self.assertEqual(code, 1)
-        self.assertIn("reset: joint 1", errors)
+        self.assertIn("reset: joint 1 (rad) is 9", errors)
         self.assertEqual(self.ctl("reset", "ready")[0], 0)
+
+    def test_the_arm_is_not_put_into_the_floor(self):
+        arm = self.arm(self.serve("--reset", "on-command", scenario=serve_test.SCENARIO.replace("plant: {kind: ideal}\n", "")))
+        before = arm.read().q_d
+        code, _, errors = self.ctl("reset", "0", "1.5", "0", "-0.5", "0", "1.5", "0.7")
+        self.assertEqual(code, 1)
+        self.assertRegex(errors, r"reset: there panda_\w+ would lie at least \d+\.\d mm deep in floor")
+        self.assertEqual(arm.newest().q_d, before)
+        self.assertEqual(self.ctl("reset", "0.3", "-0.5", "0", "-2", "0", "1.5", "0.7")[0], 0)
 
     def test_a_motion_is_not_reset(self):
         arm = self.arm(self.serve("--reset", "on-command"))

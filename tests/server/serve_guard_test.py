@@ -56,7 +56,7 @@ class ServeGuardTest(unittest.TestCase):
 
     def test_a_region_ends_the_motion_with_its_name_value_and_bound(self):
         self.assert_stopped(WALL, "cartesian_position_limits_violation",
-                            r'Guard: limit "wall": the end effector reaches 0\.20\d* m along y; the bound is 0\.2000+ m; the stop '
+                            r'Guard: limit "wall": the end effector reaches y = 0\.20\d* m; it must be at most 0\.2000+ m; the stop '
                             r"would pass it by [0-9.]+ mm")
 
     def test_a_cap_on_speed_ends_the_motion(self):

@@ -115,6 +115,16 @@ class SessionTest(serve_test.ServeTest):
         self.assertTrue((self.out / "motions/6/run.mcap").exists())
         self.assertEqual(list(self.out.rglob("*.partial")), [])
 
+    def test_a_second_interrupt_before_the_explanations_leaves_the_report(self):
+        server = self.serve("--out", self.out, scenario=BODIES)
+        self.move(server, 0.01, 3.0)
+        server.process.terminate()
+        while not (self.out / "summary.json").exists():  # written before the logs of the motions
+            self.assertIsNone(server.process.poll())
+        code, errors = server.end()
+        self.assertEqual(code, 130, errors)
+        self.assertIn("Motion 2", (self.out / "report.html").read_text())
+
     def test_a_session_replaces_the_one_before_and_leaves_other_files(self):
         server = self.serve("--out", self.out, "--no-video")
         self.move(server, 0.01, 0.01)

@@ -141,7 +141,7 @@ struct RegionMargin {
 [[nodiscard]] std::optional<RegionMargin> LeastMarginAt(
     const LabLimits& limits, const LimitedArm& arm, const Transform& O_T_EE) noexcept TWIN_REALTIME;
 
-/// "limit \"table edge\": the hand reaches 0.71200 m along x; the bound is 0.70000 m".
+/// "limit \"table edge\": the hand reaches x = 0.71200 m; it must be at most 0.70000 m".
 [[nodiscard]] std::string Describe(const LabLimits& limits, const RegionMargin& margin);
 
 }  // namespace twin::model

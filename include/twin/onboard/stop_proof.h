@@ -34,7 +34,7 @@ struct BrokenLimit {
   model::RegionMargin region{};  ///< of kRegion: the plane that is passed
 };
 
-/// "limit \"a\": the hand reaches 1 m along x; the bound is 1 m; the stop would pass it by 1 mm",
+/// "limit \"a\": the hand reaches x = 1 m; it must be at most 1 m; the stop would pass it by 1 mm",
 /// "limit speed.joints: joint 3 moves at 1.02 rad/s; the bound is 1 rad/s".
 [[nodiscard]] std::string Describe(const model::LabLimits& limits, const BrokenLimit& breach);
 

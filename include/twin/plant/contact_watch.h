@@ -27,7 +27,7 @@ struct ContactPair {
 
 /// A pair of parts that touches at an instant, or did shortly before.
 struct NearContact {
-  std::string a;  ///< moves with the arm
+  std::string a;  ///< moves with the arm, or is a free body that the arm touches
   std::string b;
   Vector3 p_W{};               ///< a point of the contact, the last one, in the world, m
   double force = 0;            ///< of the pair, the largest since then, N; 0: not known
@@ -48,7 +48,8 @@ struct ContactMoment {
 /// Contacts of the arm during a run, from the engine: ground truth for a run's report and tests,
 /// never for control. It counts pairs with at least one part that moves with the arm (its links
 /// from 1 on, hand, fingers; of a mobile base all but its wheels). A box on a table does not count;
-/// objects() tracks such bodies.
+/// objects() tracks such bodies. While the arm touches the box, moments have both pairs: a held box
+/// carries a table's force to the hand.
 ///
 /// Threads: Look() and Keep() from the plant's thread; the others after it has ended. Real-time:
 /// both are noexcept, O(contacts) and O(pairs), and allocate nothing.
@@ -94,6 +95,7 @@ class ContactWatch {
     double peak = 0;   ///< largest of these in the present or last contact
     std::uint64_t cycles = 0;
     std::uint64_t last_look = 0;
+    bool is_arms = true;  ///< a moves with the arm
   };
   struct KeptContact {
     Seen seen;
@@ -106,7 +108,11 @@ class ContactWatch {
   };
   /// The parts of a contact, that of the arm first; nullopt if the arm has no part in it.
   [[nodiscard]] std::optional<std::array<int, 2>> PartsOf(int contact) const noexcept;
-  void Note(int a, int b, Time now, int contact) noexcept;
+  /// The parts of a contact, one that the arm touches in this look first; nullopt for others.
+  [[nodiscard]] std::optional<std::array<int, 2>> PartsBeyond(int contact) const noexcept;
+  /// Whether the arm touches a free body in this look.
+  [[nodiscard]] bool Carries(int geom) const noexcept;
+  void Note(int a, int b, Time now, int contact, bool is_arms) noexcept;
   /// Magnitude of a contact's force by the last step, N.
   [[nodiscard]] double ForceOf(int contact) const noexcept;
 
@@ -114,6 +120,7 @@ class ContactWatch {
   ObjectWatch objects_;
   std::vector<int> part_of_geom_;
   std::vector<bool> moves_;  ///< by geom: moves with the arm
+  std::vector<bool> free_;   ///< by geom: of a body that moves without the arm
   std::map<int, std::string> names_;
   std::array<Seen, kMostPairs> seen_{};
   std::size_t pairs_ = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -71,6 +72,16 @@ class ContactWrench {
 /// Why Plant::Place() refused to put `body` somewhere, for users.
 [[nodiscard]] std::string DescribeOverlap(const mjModel_& model, const std::string& body,
                                           const Overlap& overlap);
+/// The deepest overlap of a part that moves with the arm.
+struct ArmOverlap {
+  std::string part;
+  std::string other;
+  double depth = 0;  ///< m
+};
+
+/// With the arm at `q` (rad) and all else as the model begins; nullopt: it touches nothing, or
+/// stands on a mobile base, whose start the model does not have. Threads: any. Not real-time.
+[[nodiscard]] std::optional<ArmOverlap> ArmOverlapAt(const mjModel_& model, const JointVector& q);
 
 /// Captures poses and forces: contacts with a force, in the engine's order, and pushes on bodies,
 /// each as one force on the line that gives its moment about the body's centre of mass (a pure

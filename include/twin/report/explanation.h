@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "twin/core/error_catalogue.h"
 #include "twin/core/robot_errors.h"
@@ -49,13 +50,23 @@ struct LinkFacts {
   Duration d_INT{};  ///< time before a cycle by which its command must have arrived
 };
 
+/// A push, or a hand's spring, that the scenario scripts.
+struct ScriptedForce {
+  std::string what;  ///< "pushes panda_hand with 30 N"
+  double begin = 0;  ///< s
+  double end = 0;    ///< s
+  /// Number of the motion since whose begin the times count; nullopt: since the run's.
+  std::optional<std::uint64_t> motion{};
+};
+
 /// What a run's scenario sets, as far as it explains an error or is advised against one.
 struct ScenarioFacts {
   double target_noise = 0;     ///< largest, on every target, in the unit of what was commanded
   bool has_generator = false;  ///< a reference generator is between the targets and the robot
-  bool has_default_generator = false;  ///< and it is that of scenarios without tick.generator
-  bool has_viability = false;          ///< a viability filter is
-  bool has_limiter = false;            ///< the rate limiter is
+  bool has_default_generator = false;   ///< and it is that of scenarios without tick.generator
+  bool has_viability = false;           ///< a viability filter is
+  bool has_limiter = false;             ///< the rate limiter is
+  std::vector<ScriptedForce> forces{};  ///< on bodies
   std::optional<LinkFacts> link{};
 };
 

@@ -84,6 +84,10 @@ class ServedRobot {
   /// @throws InputError, without any effect, for a name that no free body has (listing those there
   /// are), and where it would lie deeper than plant::Plant::kMostOverlap in another body.
   void Place(const std::string& name, const Transform& X_WB);
+  /// @throws InputError if the arm, put to `q` by a reset, would lie deeper than
+  /// plant::Plant::kMostOverlap in a body, or in itself. Positions beyond the joints' ranges pass:
+  /// a reset refuses them. Threads: any.
+  void RequireFree(const JointVector& q) const;
   /// Presses or releases the robot's user stop. Threads: any, between Begin() and End().
   /// @throws RobotFault as robot::ThreadedRobot's requests.
   void PressUserStop(bool pressed);

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -128,19 +129,38 @@ application::RunOptions OptionsOf(const RunFlags& flags, const scenario::Scenari
   return options;
 }
 
+/// A word of a command to copy: quoted where a shell would read more into it.
+std::string InShell(const std::string& word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./:,=@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+/// The folders of data that a command names.
+std::string DataInShell(const DataFlags& data) {
+  std::string text;
+  if (!data.models.empty()) text += " --data " + InShell(data.models.string());
+  if (!data.meshes.empty()) text += " --meshes " + InShell(data.meshes.string());
+  return text;
+}
+
 /// The command that runs the same motion in the twin.
 std::string RehearsalCommand(const RunFlags& flags) {
-  std::string command = fmt::format("panda-twin run {}", flags.scenario.string());
+  std::string command = fmt::format("panda-twin run {}", InShell(flags.scenario.string()));
   const auto add = [&command](std::string_view flag, const auto& value) {
     if (value) command += fmt::format(" {} {}", flag, *value);
   };
-  add("--lab", flags.lab);
+  if (flags.lab) command += " --lab " + InShell(*flags.lab);
   add("--seed", flags.seed);
   add("--device", flags.device);
   add("--clock-ppm", flags.clock_ppm);
   if (!flags.may_touch.empty()) {
-    command += fmt::format(" --no-collision-check \"{}\"", flags.may_touch);
+    command += " --no-collision-check " + InShell(flags.may_touch);
   }
+  command += DataInShell(flags.data);
   if (!flags.backend) command += " --backend mujoco";  // the scenario itself says fci
   return command;
 }
@@ -149,8 +169,10 @@ std::string RehearsalCommand(const RunFlags& flags) {
 std::string CommandToStart(const RunFlags& flags) {
   const HardwareFlags& there = flags.hardware;
   if (!there.robot) return {};
-  std::string command = fmt::format("panda-twin move-to start-of {}", flags.scenario.string());
-  if (flags.lab) command += " --lab " + *flags.lab;
+  std::string command =
+      fmt::format("panda-twin move-to start-of {}", InShell(flags.scenario.string()));
+  if (flags.lab) command += " --lab " + InShell(*flags.lab);
+  command += DataInShell(flags.data);
   command += " --backend fci --robot " + *there.robot;
   if (there.robot_time) command += " --robot-time " + *there.robot_time;
   if (there.allow) command += " --allow-hardware";

@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -16,6 +17,8 @@
 #include "twin/application/served_session.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
+#include "twin/core/time.h"
+#include "twin/record/cycle_record.h"
 #include "twin/reference/viable_axis.h"
 #include "twin/run/operator_page.h"
 #include "twin/server/control_channel.h"
@@ -23,6 +26,31 @@
 
 namespace twin::cli {
 namespace {
+
+/// Passes a robot's records on, and tells the time of the last cycle.
+///
+/// Threads: Put() as RecordSink, seconds() any.
+class RobotTime final : public record::RecordSink {
+ public:
+  /// @param next  may be null; must outlive this. Before the robot's time begins.
+  void PassTo(record::RecordSink* next) noexcept { next_ = next; }
+
+  void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override {
+    at_.store(record.at, std::memory_order_relaxed);  // publishes nothing else
+    if (next_ != nullptr) next_->Put(record);
+  }
+  void Put(const record::TickRecord& record) noexcept TWIN_REALTIME override {
+    if (next_ != nullptr) next_->Put(record);
+  }
+
+  [[nodiscard]] double seconds() const noexcept {
+    return ToSeconds(at_.load(std::memory_order_relaxed).time_since_epoch());
+  }
+
+ private:
+  record::RecordSink* next_ = nullptr;
+  std::atomic<Time> at_{};
+};
 
 /// A served robot, from flags to the end.
 class Service {
@@ -64,6 +92,7 @@ class Service {
   const InterruptGuard interrupt_;
   std::optional<EventLog> events_;  ///< from Run() to the end
   std::optional<run::OperatorPage> page_;
+  RobotTime robot_time_;
   std::optional<application::ServedSession> session_;
   std::optional<server::ControlChannel> control_;  ///< while the robot's time runs
   std::unique_ptr<application::PageOperator>
@@ -85,11 +114,12 @@ record::RecordSink* Service::MakePage(record::RecordSink* records) {
   page_.emplace(flags_.page.wanted() ? std::optional(PageAt(flags_.page)) : std::nullopt, records,
                 flags_.out.value_or("."),
                 [this](std::string_view text) { program_.log->info(text); });
-  return page_->sink();
+  robot_time_.PassTo(page_->sink());
+  return &robot_time_;
 }
 
 void Service::Show(std::string_view line) {
-  events_->Put(ToSeconds(clock_.Now().time_since_epoch()), line);
+  events_->Put(robot_time_.seconds(), line);  // as report, explain and page
   page_->Tell("server", line);
 }
 
@@ -171,10 +201,12 @@ int Service::Run() {
   for (const std::string& notice : robot.notices()) program_.log->info("robot: {}", notice);
   events_->Put(IntroductionOf(flags_, *session_));
   robot.Serve([this] { return Ends(); });
+  const bool is_interrupted = interrupt_.interrupted();
+  if (session_->out() != nullptr)
+    interrupt_.Rearm();  // a second one must not kill what closes the log
   control_.reset();
   ClosePage();
   session_->End([this](std::string_view text) { program_.log->info(text); });
-  const bool is_interrupted = interrupt_.interrupted();
   if (session_->out() != nullptr) WriteResults();
   const std::string warnings = robot.DescribeWarnings();
   if (!warnings.empty()) throw RobotFault("the simulation itself became unsound: " + warnings);
@@ -182,7 +214,6 @@ int Service::Run() {
 }
 
 void Service::WriteResults() {
-  interrupt_.Rearm();
   events_.reset();  // the terminal writes to standard output
   Terminal terminal(program_.log, program_.is_quiet());
   session_->WriteResults(terminal);
