@@ -217,7 +217,8 @@ void Service::OpenPage() {
   } else {
     operator_ = std::make_unique<application::PageOperator>(
         application::PageOperator::Parts{program_.catalogue, files_, page_->channel(),
-                                         [this] { return page_->FreeBodies(); }},
+                                         [this] { return page_->FreeBodies(); },
+                                         drive_.pace.value_or(1)},
         scenario_, robot_->arm(), robot_->hand(),
         [this](Time /*at*/, std::string_view kind, std::string_view text) {
           page_->Tell(kind, text);
