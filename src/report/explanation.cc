@@ -192,6 +192,7 @@ ToldAbort TellAbort(const RunEnd& end, const std::optional<ScenarioFacts>& facts
   AddText(story, "touching", TellContacts(end, v));
   AddText(story, "commands", CountFates(end));
   AddText(story, "lost before", JudgeLosses(end));
+  AddText(story, "torques", TellRepeatedTorque(end));
   AddText(story, "workstation", CountTicks(end));
   if (last.violated && facts) AddText(story, "injected", TellNoise(end, v, *facts));
   AddText(story, "usual cause", fmt::format("{}.", entry.cause));
