@@ -45,8 +45,8 @@ struct ServeDrive {
   [[nodiscard]] bool is_lockstep() const { return drive == scenario::Drive::kLockstep; }
 };
 
-/// Without flags that decide: the wall clock where this host keeps 1 kHz, which takes a second to
-/// measure, else lockstep at its pace.
+/// Without flags that decide: the wall clock where this host keeps 1 kHz, also for threads without
+/// real-time priority, which takes a second and a half to measure; else lockstep at its pace.
 [[nodiscard]] ServeDrive DriveOf(const ServeFlags& flags);
 
 /// The scenario that is served. @throws InputError as scenario::Load.
