@@ -27,10 +27,14 @@ constexpr Duration kLongTimeout = std::chrono::seconds(5);
 fci::ClientTimeout TimeoutFor(const backend::RobotAddress& address) {
   fci::ClientTimeout timeout;
   timeout.state = address.silence;
-  if (address.time == backend::RobotTime::kStates) {
-    timeout.state = std::max(kLongTimeout, address.silence);
-  }
   return timeout;
+}
+
+/// @param kind  what the robot says.
+backend::RobotTime TimeOf(const backend::RobotAddress& address, fci::TwinKind kind) {
+  if (address.time != backend::RobotTime::kAsItSays) return address.time;
+  return kind == fci::TwinKind::kInLockstep ? backend::RobotTime::kStates
+                                            : backend::RobotTime::kWall;
 }
 
 /// The last requested motion, as shown by states.
@@ -98,10 +102,13 @@ class FciBackend final : public backend::Backend {
  public:
   FciBackend(const backend::Request& request, const backend::RobotAddress& address,
              const MonotonicClock& clock)
-      : time_(address.time),
-        port_(address.arm_port == 0 ? fci::kArmPort : address.arm_port),
+      : port_(address.arm_port == 0 ? fci::kArmPort : address.arm_port),
         client_(clock, address.host, port_, TimeoutFor(address), address.capture),
-        is_twin_(client_.SaysItIsATwin()) {
+        kind_(client_.AskForTwin()),
+        time_(TimeOf(address, kind_)) {
+    if (time_ == backend::RobotTime::kStates) {
+      client_.AnswerAgain(std::max(kLongTimeout, address.silence));
+    }
     if (request.robot.plant.hand == plant::HandKind::kNone) return;
     hand_.emplace(
         address.host,
@@ -111,7 +118,8 @@ class FciBackend final : public backend::Backend {
 
   [[nodiscard]] rt::Arrival& arrival() noexcept { return client_.arrival(); }
   [[nodiscard]] std::string WhyLost() const { return client_.WhyLost(); }
-  [[nodiscard]] bool is_twin() const noexcept { return is_twin_; }
+  [[nodiscard]] bool is_twin() const noexcept { return kind_ != fci::TwinKind::kNone; }
+  [[nodiscard]] backend::RobotTime time() const noexcept { return time_; }
   [[nodiscard]] backend::Hand* hand() noexcept { return hand_ ? &*hand_ : nullptr; }
 
   [[nodiscard]] backend::Description Describe() const override;
@@ -138,10 +146,10 @@ class FciBackend final : public backend::Backend {
   /// As in the last read state.
   [[nodiscard]] RobotMode mode() const noexcept { return mode_.load(std::memory_order_relaxed); }
 
-  const backend::RobotTime time_;
   const std::uint16_t port_;
   mutable fci::ArmClient client_;
-  const bool is_twin_;
+  const fci::TwinKind kind_;
+  const backend::RobotTime time_;
   std::optional<FciHand> hand_;
 
   ObservedMotion motion_;
@@ -233,6 +241,7 @@ backend::Connection ConnectFci(const backend::Request& request) {
   connection.arrival = &backend->arrival();
   connection.hand = backend->hand();
   connection.is_twin = backend->is_twin();
+  connection.time = backend->time();
   connection.silence = remote->address.silence;
   connection.why_lost = [&robot = *backend] { return robot.WhyLost(); };
   connection.backend = std::move(backend);

@@ -1,9 +1,11 @@
 #include "twin/application/page_operator.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,6 +19,7 @@
 #include "twin/run/operator_page.h"
 #include "twin/run/session.h"
 #include "twin/teleop/device_registry.h"
+#include "twin/teleop/teleoperator_config.h"
 
 namespace twin::application {
 namespace {
@@ -25,8 +28,19 @@ constexpr Duration kLook = std::chrono::milliseconds(50);
 /// Longest session that the application permits.
 constexpr const char* kLongest = "3600 s";
 
+/// Browsers send by the wall clock, and samples age by the robot's time, which may be faster.
+void KeepFresh(double pace, control::Parameters& settings) {
+  constexpr std::string_view kKey = "stale_after";
+  const bool is_given =
+      std::ranges::any_of(settings, [&](const control::Parameter& one) { return one.key == kKey; });
+  if (is_given || pace <= 1) return;
+  const double usual = ToSeconds(teleop::TeleoperatorConfig().stale_after);
+  settings.push_back(
+      {.key = std::string(kKey), .values = {fmt::format("{} s", std::min(pace * usual, 10.0))}});
+}
+
 /// The served robot's scenario for a remote client, with the page as the operator's device.
-scenario::Scenario LedFromThePage(scenario::Scenario served) {
+scenario::Scenario LedFromThePage(scenario::Scenario served, double pace) {
   served.backend = scenario::kRemoteBackend;
   served.robot.clock_drift_ppm = 0;
   served.hand.clear();
@@ -34,12 +48,15 @@ scenario::Scenario LedFromThePage(scenario::Scenario served) {
     served.robot.q_start = served.motion.waypoints.front().q;
   }
   served.motion = {};
-  served.base.reset();  // the interface has no mobile base
+  served.base.reset();     // the interface has no mobile base
+  served.controller = {};  // the application has its own
+  served.tick.period_tolerance = {};
   served.application = scenario::ApplicationSection{
       .type = "teleoperation", .parameters = {{.key = "longest", .values = {kLongest}}}};
   if (!served.operator_section) served.operator_section.emplace();
   served.operator_section->device = std::string(run::kPageDevice);
   served.operator_section->parameters.clear();
+  KeepFresh(pace, served.operator_section->settings);
   return served;
 }
 
@@ -61,7 +78,7 @@ PageOperator::PageOperator(Parts parts, const scenario::Scenario& served, const 
                            const std::optional<fci::Endpoint>& hand, Tell tell)
     : parts_(std::move(parts)),
       served_(served),
-      scenario_(LedFromThePage(served)),
+      scenario_(LedFromThePage(served, parts_.pace)),
       settings_(ServedAt(arm, hand)),
       tell_(std::move(tell)),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}

@@ -23,8 +23,8 @@ namespace twin::application {
 namespace {
 
 /// True if the run's time is the wall clock.
-bool IsOnWallClock(const scenario::Scenario& scenario, const run::RealtimeConfig& settings) {
-  return scenario.is_remote() ? settings.remote.time == backend::RobotTime::kWall
+bool IsOnWallClock(const scenario::Scenario& scenario, const backend::Connection& connection) {
+  return scenario.is_remote() ? connection.time == backend::RobotTime::kWall
                               : scenario.drive == scenario::Drive::kRealtime;
 }
 
@@ -301,9 +301,9 @@ void RunRecorder::OpenPage() {
 void RunRecorder::BeginRecords() {
   if (scenario().record) {
     // A run that does not wait for its log loses the records that find the ring full.
-    records_.Log(
-        out_.log(), run::InfoOf(scenario(), *run_.robot),
-        IsOnWallClock(scenario(), settings_) ? record::FullRing::kDrop : record::FullRing::kWait);
+    records_.Log(out_.log(), run::InfoOf(scenario(), *run_.robot),
+                 IsOnWallClock(scenario(), *run_.connection) ? record::FullRing::kDrop
+                                                             : record::FullRing::kWait);
   }
   const plant::TruthProbe* truth = run_.connection->truth;
   if (truth == nullptr) return;

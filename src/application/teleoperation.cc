@@ -275,6 +275,13 @@ StepEnd Teleoperation::Lead() {
   motion.controller.parameters = controller_;
   // Operators touch objects, and a contact is a step in the damping's torque.
   motion.tick.limiter = true;
+  // On the wall clock a controller beside the communication thread may sleep while the torques that
+  // it left are sent on and on; so each state gets a torque of its own.
+  if (!stage_->scenario.is_lockstep()) {
+    motion.loop = loop::LoopKind::kBare;
+    motion.tick.period_tolerance = {};
+    motion.controller.rate_hz = 1000;
+  }
   motion.live = &*teleoperator_;
   motion.attend = [this](Time now) { return Attend(now); };
   BeginPlan(teleop::Mode::kArm, session.Now());
@@ -305,7 +312,11 @@ Time Teleoperation::Attend(Time now) {
     stage_->session.Tell("operator", status.holding ? "no input" : "input");
   }
   last_ = status;
-  if (attends_++ % kAttendsPerSample == 0) trace_.push_back(status);
+  if (attends_++ % kAttendsPerSample == 0) {
+    trace_.push_back(status);
+    // The controller's time is the robot's, whose beginning is another.
+    if (!stage_->scenario.is_lockstep()) trace_.back().now = now;
+  }
   return now + kAttend;
 }
 

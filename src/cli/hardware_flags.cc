@@ -61,9 +61,9 @@ Duration RehearsedWithin(const std::string& text) {
 
 void AddRobot(CLI::App& app, HardwareFlags& flags) {
   Add(app, "--robot HOST[:PORT]", flags.robot, "fci: the robot, or the twin that is served");
-  Add(app, "--robot-time wall|states", flags.robot_time,
-      "fci: wall (hardware, or a twin in real time; the default) or states (a twin "
-      "served in lockstep)");
+  Add(app, "--robot-time auto|wall|states", flags.robot_time,
+      "fci: the robot's time is the wall clock, or its states, as of a twin served in lockstep "
+      "(default: auto, as the robot says)");
   app.add_flag("--allow-hardware", flags.allow,
                "fci: a real arm may move; needed wherever no twin says that it is one");
   app.add_flag("-y,--yes", flags.yes,

@@ -14,7 +14,7 @@ namespace twin::cli {
 
 struct HardwareFlags {
   std::optional<std::string> robot;       ///< HOST[:PORT]
-  std::optional<std::string> robot_time;  ///< wall or states
+  std::optional<std::string> robot_time;  ///< auto, wall or states
   bool allow = false;                     ///< the robot need not be a twin
   bool yes = false;                       ///< no operator is asked before the motion
   bool check_only = false;

@@ -7,7 +7,6 @@
 
 #include "fci/request_channel.h"
 #include "twin/core/error.h"
-#include "twin/fci/twin_sign.h"
 
 namespace twin::fci {
 namespace {
@@ -39,7 +38,11 @@ struct ArmClient::Asked {
 
 ArmClient::ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
                      const ClientTimeout& timeout, Capture* capture)
-    : clock_(clock), timeout_(timeout), capture_(capture), robot_(Resolve(host, port)) {
+    : clock_(clock),
+      timeout_(timeout),
+      silence_(timeout.state),
+      capture_(capture),
+      robot_(Resolve(host, port)) {
   TcpStream stream = TcpStream::Connect(robot_, timeout.connect);
   // States go to the address of this connection, so listen only there.
   udp_ = std::make_unique<UdpSocket>(clock, Endpoint{stream.local().address, 0});
@@ -152,14 +155,14 @@ RecoveryStatus ArmClient::Recover() {
       AskForStatus(AutomaticErrorRecovery{}, static_cast<std::uint8_t>(RecoveryStatus::kAborted)));
 }
 
-bool ArmClient::SaysItIsATwin() {
+TwinKind ArmClient::AskForTwin() {
   try {
     const ArmAnswer answer = Ask(GetCartesianLimit{kTwinSign}, timeout_.connect).answer;
-    return answer.status == static_cast<std::uint8_t>(SetterStatus::kSuccess) &&
-           IsTwinSign(answer.limit);
+    const bool is_wall = answer.status == static_cast<std::uint8_t>(SetterStatus::kSuccess);
+    return is_wall ? TwinKindOf(answer.limit) : TwinKind::kNone;
   } catch (const RobotFault&) {
     if (lost()) throw;
-    return false;  // a refusal may be shorter than a wall's answer
+    return TwinKind::kNone;  // a refusal may be shorter than a wall's answer
   }
 }
 
@@ -197,6 +200,7 @@ bool ArmClient::Accept(const Datagram& datagram) noexcept {
   }
   if (has_state_ && received_.message_id <= last_id_) {
     old_.fetch_add(1, std::memory_order_relaxed);
+    if (answers_again_ && received_.message_id == last_id_) SendAgain();
     return false;
   }
   if (has_state_ && received_.message_id - last_id_ > MostAhead()) {
@@ -229,7 +233,7 @@ ReceiveResult ArmClient::FoundNone() noexcept {
   const Time now = clock_.Now();
   // The clock may have been restarted.
   if (!pending_since_ || *pending_since_ > now) pending_since_ = now;
-  if (now - *pending_since_ <= timeout_.state) return ReceiveResult::kPending;
+  if (now - *pending_since_ <= silence_) return ReceiveResult::kPending;
   const RejectedDatagrams now_found = counts();
   instead_ = {now_found.old - before_.old, now_found.ahead - before_.ahead,
               now_found.foreign - before_.foreign, now_found.bad - before_.bad};
@@ -240,6 +244,15 @@ ReceiveResult ArmClient::FoundNone() noexcept {
 void ArmClient::Send(const RobotCommand& command) noexcept {
   if (!has_state_) return;
   Encode(command, command_bytes_);
+  answered_id_ = command.message_id;
+  SendBytes();
+}
+
+void ArmClient::SendAgain() noexcept {
+  if (answered_id_ == last_id_) SendBytes();
+}
+
+void ArmClient::SendBytes() noexcept {
   if (capture_ != nullptr) Keep(capture_->clock().Now(), udp_->local(), to_, command_bytes_);
   static_cast<void>(udp_->Send(command_bytes_, to_));
 }
@@ -264,7 +277,7 @@ std::string ArmClient::WhyLost() const {
   }
   if (!silent_.load(std::memory_order_acquire)) return {};
   const std::string silence =
-      fmt::format("no state of {} has come for {} s", NameOf(robot_), ToSeconds(timeout_.state));
+      fmt::format("no state of {} has come for {} s", NameOf(robot_), ToSeconds(silence_));
   if (instead_ == RejectedDatagrams()) return silence + "; does a firewall stop UDP?";
   return fmt::format(
       "{}; what came instead: {} datagrams from elsewhere, {} that are no states, {} no newer than "

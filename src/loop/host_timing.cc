@@ -239,6 +239,32 @@ JitterFigures MeasureJitter(Duration duration) {
   return figures;
 }
 
+rt::DurationHistogram MeasureOrdinaryWakeUps(Duration duration) {
+  constexpr Duration kComputes = std::chrono::microseconds(200);
+  const MonotonicClock clock;
+  rt::DurationHistogram late;
+  std::jthread([&] {
+    const Time end = clock.Now() + duration;
+    for (Grid grid(clock.Now()); grid.due() <= end; grid.Advance(clock.Now())) {
+      rt::SleepUntil(clock, grid.due());
+      const Time awake = clock.Now();
+      late.Add(awake - grid.due());
+      while (clock.Now() < awake + kComputes) {
+      }
+    }
+  }).join();
+  return late;
+}
+
+JitterVerdict EvaluateOrdinary(const rt::DurationHistogram& wake_ups) {
+  const Duration often = wake_ups.Percentile(0.99);
+  const bool ends_motion = wake_ups.max() >= static_cast<Duration::rep>(kEndsMotion) * kCycle;
+  return {often <= kCycle && !ends_motion,
+          fmt::format("busy: a thread without real-time priority, as clients may be, woke up to "
+                      "{:.0f} ms late",
+                      ToSeconds(wake_ups.max()) * 1e3)};
+}
+
 JitterVerdict Evaluate(const JitterFigures& figures) {
   if (figures.unserved == 0) {
     return {true, fmt::format("good for real time: none of {} cycles was missed", figures.cycles)};

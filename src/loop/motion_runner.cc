@@ -233,7 +233,7 @@ void MotionRunner::Conclude(RunReport& report) {
   if (report.end == backend::MotionEnd::kPreempted && report.failure.empty()) {
     report.failure =
         "the robot's side stopped the motion, and says there why; a twin served in lockstep stops "
-        "one that is not answered (--robot-time states answers each of its states)";
+        "one whose states are not answered for --session-timeout";
   }
   Tell("motion", report.end == backend::MotionEnd::kSuccess ? "finished" : report.failure);
 

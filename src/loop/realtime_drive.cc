@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "loop/communication_thread.h"
 #include "loop/controller_thread.h"
@@ -96,28 +98,26 @@ class RealtimeDrive final : public Drive {
   RealtimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
                 record::RecordSink* sink, const DriveThreads& threads)
       : threads_(threads),
-        connection_(connect({robot, backend::WallTime{clock_, threads.robot}, sink})) {}
-  RealtimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
-                record::RecordSink* sink, const backend::RobotAddress& address,
+        connection_(connect({robot, backend::WallTime{*clock_, threads.robot}, sink})) {}
+  RealtimeDrive(std::unique_ptr<MonotonicClock> clock, backend::Connection connection,
                 const DriveThreads& threads)
-      : threads_(threads),
-        connection_(connect({robot, backend::RemoteRobot{clock_, address}, sink})) {}
+      : clock_(std::move(clock)), threads_(threads), connection_(std::move(connection)) {}
   ~RealtimeDrive() override { static_cast<void>(End()); }
 
   [[nodiscard]] const backend::Connection& connection() const noexcept override {
     return connection_;
   }
-  [[nodiscard]] const MonotonicClock* wall_clock() const noexcept override { return &clock_; }
-  [[nodiscard]] Time Now() const override { return clock_.Now(); }
+  [[nodiscard]] const MonotonicClock* wall_clock() const noexcept override { return clock_.get(); }
+  [[nodiscard]] Time Now() const override { return clock_->Now(); }
 
   void Begin() override {
-    clock_.Restart();
+    clock_->Restart();
     if (connection_.robot_time != nullptr) connection_.robot_time->Begin();
     begun_ = true;
   }
   [[nodiscard]] RunReport Run(const MotionRun& run) override {
     const MotionRun measured = WithoutModels(run);
-    RealtimeRunner runner(clock_, connection_, measured, threads_);
+    RealtimeRunner runner(*clock_, connection_, measured, threads_);
     RunReport report = runner.Run();
     report.notices = runner.Notices();
     return report;
@@ -130,10 +130,12 @@ class RealtimeDrive final : public Drive {
 
  private:
   void Wait(Time limit) override {
-    static_cast<void>(connection_.arrival->AwaitUntil(std::min(limit, clock_.Now() + kPollPeriod)));
+    static_cast<void>(
+        connection_.arrival->AwaitUntil(std::min(limit, clock_->Now() + kPollPeriod)));
   }
 
-  MonotonicClock clock_;
+  /// Outlives the backend.
+  const std::unique_ptr<MonotonicClock> clock_ = std::make_unique<MonotonicClock>();
   const DriveThreads threads_;
   bool begun_ = false;
   backend::Connection connection_;
@@ -151,10 +153,12 @@ std::unique_ptr<Drive> MakeRemoteDrive(const backend::Factory& connect,
                                        const robot::RobotConfig& robot, record::RecordSink* sink,
                                        const backend::RobotAddress& address,
                                        const DriveThreads& threads) {
-  if (address.time == backend::RobotTime::kStates) {
-    return MakeStateTimeDrive(connect, robot, sink, address);
+  auto clock = std::make_unique<MonotonicClock>();
+  backend::Connection connection = connect({robot, backend::RemoteRobot{*clock, address}, sink});
+  if (connection.time == backend::RobotTime::kStates) {
+    return MakeStateTimeDrive(std::move(clock), std::move(connection));
   }
-  return std::make_unique<RealtimeDrive>(connect, robot, sink, address, threads);
+  return std::make_unique<RealtimeDrive>(std::move(clock), std::move(connection), threads);
 }
 
 }  // namespace twin::loop

@@ -85,26 +85,25 @@ class StateTimeRunner final : public MotionRunner {
 
 class StateTimeDrive final : public Drive {
  public:
-  StateTimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
-                 record::RecordSink* sink, const backend::RobotAddress& address)
-      : connection_(connect({robot, backend::RemoteRobot{clock_, address}, sink})) {}
+  StateTimeDrive(std::unique_ptr<MonotonicClock> clock, backend::Connection connection)
+      : clock_(std::move(clock)), connection_(std::move(connection)) {}
 
   [[nodiscard]] const backend::Connection& connection() const noexcept override {
     return connection_;
   }
-  [[nodiscard]] const MonotonicClock* wall_clock() const noexcept override { return &clock_; }
+  [[nodiscard]] const MonotonicClock* wall_clock() const noexcept override { return clock_.get(); }
   [[nodiscard]] Time Now() const override { return timeline_.now; }
 
-  void Begin() override { clock_.Restart(); }
+  void Begin() override { clock_->Restart(); }
   [[nodiscard]] RunReport Run(const MotionRun& run) override {
     const MotionRun on_states = OnStates(run);
-    return StateTimeRunner(clock_, *connection_.arrival, on_states, timeline_).Run();
+    return StateTimeRunner(*clock_, *connection_.arrival, on_states, timeline_).Run();
   }
 
  private:
   void Wait(Time /*limit*/) override {
     constexpr Duration kShortLook = std::chrono::milliseconds(5);
-    static_cast<void>(connection_.arrival->AwaitUntil(clock_.Now() + kShortLook));
+    static_cast<void>(connection_.arrival->AwaitUntil(clock_->Now() + kShortLook));
   }
   void Observe(const RobotState& state) override {
     if (timeline_.first_id == 0) timeline_.first_id = state.message_id;
@@ -112,17 +111,16 @@ class StateTimeDrive final : public Drive {
     timeline_.now = Time(kCycle * static_cast<std::int64_t>(cycles));
   }
 
-  MonotonicClock clock_;
+  const std::unique_ptr<MonotonicClock> clock_;  ///< outlives the backend
   StateTimeline timeline_;
   backend::Connection connection_;
 };
 
 }  // namespace
 
-std::unique_ptr<Drive> MakeStateTimeDrive(const backend::Factory& connect,
-                                          const robot::RobotConfig& robot, record::RecordSink* sink,
-                                          const backend::RobotAddress& address) {
-  return std::make_unique<StateTimeDrive>(connect, robot, sink, address);
+std::unique_ptr<Drive> MakeStateTimeDrive(std::unique_ptr<MonotonicClock> clock,
+                                          backend::Connection connection) {
+  return std::make_unique<StateTimeDrive>(std::move(clock), std::move(connection));
 }
 
 }  // namespace twin::loop

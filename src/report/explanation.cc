@@ -191,6 +191,7 @@ ToldAbort TellAbort(const RunEnd& end, const std::optional<ScenarioFacts>& facts
   AddText(story, "touching", TellContacts(end, v, facts));
   AddText(story, "commands", CountFates(end));
   AddText(story, "lost before", JudgeLosses(end));
+  AddText(story, "torques", TellRepeatedTorque(end));
   AddText(story, "workstation", CountTicks(end));
   AddText(story, "kept back", TellKeptBack(end));
   AddText(story, "deviation", TellDeviation(end));

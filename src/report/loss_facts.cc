@@ -173,6 +173,32 @@ bool AnyHeld(const RunEnd& end) {
   return HeldShown(end) > 0;
 }
 
+std::string TellRepeatedTorque(const RunEnd& end) {
+  constexpr std::size_t kNotable = 5;  // cycles; a controller at 200 Hz repeats as many
+  std::size_t most = 0;
+  std::size_t ended = 0;  // cycle after the longest
+  std::size_t row = 1;
+  for (std::size_t i = 1; i < end.cycles.size(); ++i) {
+    const record::CycleRecord& now = end.cycles[i].cycle;
+    const bool repeats = now.state.controller_mode == ControllerMode::kExternalController &&
+                         now.fate != record::CommandFate::kHeld &&
+                         now.state.tau_J_d != JointVector{} &&
+                         now.state.tau_J_d == end.cycles[i - 1].cycle.state.tau_J_d;
+    row = repeats ? row + 1 : 1;
+    if (row <= most) continue;
+    most = row;
+    ended = i + 1;
+  }
+  if (most <= kNotable) return "";
+  const std::size_t ago = end.cycles.size() - ended;
+  return fmt::format(
+      "The same torque was commanded for {} in a row, until {}. The controller did not compute "
+      "meanwhile, and the arm moved on as that torque, which was right for one instant, drove it. "
+      "Let the controller compute a torque for each state.",
+      Count(most, "cycle"),
+      ago == 0 ? "the error" : fmt::format("{} before the error", Count(ago, "cycle")));
+}
+
 std::string JudgeLosses(const RunEnd& end) {
   if (end.fates_unknown()) return "";
   const record::CycleRecord& last = end.last();

@@ -27,6 +27,10 @@ void AddLinkFates(RunEnd& end, const LinkFacts& link);
 /// no command, or a late command; or says that this log has no such data.
 [[nodiscard]] std::string CountFates(const RunEnd& end);
 
+/// The longest time, among the shown cycles, for which commands repeated one torque, if that is
+/// notable: a controller that slept while the arm moved. Held cycles do not count. Else empty.
+[[nodiscard]] std::string TellRepeatedTorque(const RunEnd& end);
+
 /// Describes notable actions of the workstation in these cycles; empty without any.
 [[nodiscard]] std::string CountTicks(const RunEnd& end);
 

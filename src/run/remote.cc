@@ -14,12 +14,13 @@ namespace twin::run {
 namespace {
 
 backend::RobotTime ParseTime(std::string_view time) {
+  if (time == "auto") return backend::RobotTime::kAsItSays;
   if (time == "wall") return backend::RobotTime::kWall;
   if (time == "states") return backend::RobotTime::kStates;
-  throw InputError(
-      fmt::format("--robot-time \"{}\" is unknown; accepted: wall (hardware, or a twin in real "
-                  "time), states (a twin that is served in lockstep)",
-                  time));
+  throw InputError(fmt::format(
+      "--robot-time \"{}\" is unknown; accepted: auto (states where the robot says that "
+      "it is a twin served in lockstep, else wall), wall, states",
+      time));
 }
 
 std::uint16_t ParsePort(std::string_view text, std::string_view robot) {

@@ -99,7 +99,7 @@ bool Session::CheckStart(const Motion& first, const TellCheck& tell) {
   StartCheck check{.clock = *drive_->wall_clock(),
                    .backend = *drive_->connection().backend,
                    .arrival = *drive_->connection().arrival,
-                   .time = settings_.remote.time,
+                   .time = drive_->connection().time,
                    .listening = {}};
   check.listening.thread = settings_.threads.communication;
   if (scenario.tick.period_tolerance > Duration::zero()) {

@@ -139,7 +139,9 @@ RecoveryStatus ArmRequestHandler::Recover() {
 }
 
 SetterStatus ArmRequestHandler::CartesianLimitOf(std::int32_t id, fci::CartesianLimit& limit) {
-  limit = id == fci::kTwinSign ? fci::TwinSign() : fci::CartesianLimit();
+  const fci::TwinKind kind =
+      robot_.is_answer_paced() ? fci::TwinKind::kInLockstep : fci::TwinKind::kOnClock;
+  limit = id == fci::kTwinSign ? fci::TwinSign(kind) : fci::CartesianLimit();
   return SetterStatus::kSuccess;
 }
 

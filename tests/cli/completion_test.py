@@ -50,7 +50,7 @@ class BashTest(unittest.TestCase):
             self.assertEqual(sorted(self.complete(*command, "--")), sorted(flags_of(*command)), command)
 
     def test_completes_a_word_that_stands_for_one_of_a_few(self):
-        self.assertEqual(self.complete("run", "--robot-time", ""), ["wall", "states"])
+        self.assertEqual(self.complete("run", "--robot-time", ""), ["auto", "wall", "states"])
         self.assertEqual(self.complete("completion", "z"), ["zsh"])
 
     def test_leaves_files_to_the_shell(self):
@@ -69,7 +69,7 @@ class FishTest(unittest.TestCase):
 
     def test_completes_a_flag_and_its_words(self):
         self.assertEqual([line.split("\t")[0] for line in self.complete("panda-twin run scenario.yaml --see")], ["--seed", "--seeds"])
-        self.assertEqual([line.split("\t")[0] for line in self.complete("panda-twin run --robot-time ")], ["states", "wall"])
+        self.assertEqual([line.split("\t")[0] for line in self.complete("panda-twin run --robot-time ")], ["auto", "states", "wall"])
 
 
 class ZshTest(unittest.TestCase):

@@ -53,9 +53,7 @@ class OwnClientTest(unittest.TestCase):
         return path
 
     def run_there(self, server, scenario, out, *flags):
-        time = "states" if DRIVE == "lockstep" else "wall"
-        return subprocess.run([PROGRAM, "run", scenario, "--backend", "fci", "--robot", server.address, "--robot-time", time,
-                               "--data", SOURCE / "models", "--out", out, *flags], capture_output=True, text=True, timeout=120)
+        return subprocess.run([PROGRAM, "run", scenario, "--backend", "fci", "--robot", server.address, "--data", SOURCE / "models", "--out", out, *flags], capture_output=True, text=True, timeout=120)
 
     def succeed(self, scenario, out, *flags, serve=()):
         """Runs it on a robot of its own."""

@@ -275,13 +275,22 @@ TEST_F(ArmClientTest, KnowsATwinByItsSign) {
   Connect([](FakeRobot&, const Frame& request) {
     const auto asked = std::get<ArmRequest>(ParseArmRequest(request));
     EXPECT_EQ(std::get<GetCartesianLimit>(asked).id, kTwinSign);
-    return EncodeCartesianLimitAnswer(request.head.command_id, SetterStatus::kSuccess, TwinSign());
+    return EncodeCartesianLimitAnswer(request.head.command_id, SetterStatus::kSuccess,
+                                      TwinSign(TwinKind::kOnClock));
   });
-  EXPECT_TRUE(client().SaysItIsATwin());
+  EXPECT_EQ(client().AskForTwin(), TwinKind::kOnClock);
+}
+
+TEST_F(ArmClientTest, KnowsATwinThatWaitsForAnswers) {
+  Connect([](FakeRobot&, const Frame& request) {
+    return EncodeCartesianLimitAnswer(request.head.command_id, SetterStatus::kSuccess,
+                                      TwinSign(TwinKind::kInLockstep));
+  });
+  EXPECT_EQ(client().AskForTwin(), TwinKind::kInLockstep);
 }
 
 TEST_F(ArmClientTest, TakesNothingElseForATwin) {
-  CartesianLimit close = TwinSign();
+  CartesianLimit close = TwinSign(TwinKind::kOnClock);
   close.object_world_size[2] = std::nextafter(close.object_world_size[2], 0);
   const auto gives = [](SetterStatus status, const CartesianLimit& wall) {
     return [status, wall](FakeRobot&, const Frame& request) {
@@ -291,16 +300,17 @@ TEST_F(ArmClientTest, TakesNothingElseForATwin) {
   for (const auto& script :
        {FakeRobot::Script(gives(SetterStatus::kSuccess, {})),
         FakeRobot::Script(gives(SetterStatus::kSuccess, close)),
-        FakeRobot::Script(gives(SetterStatus::kInvalidArgumentRejected, TwinSign())),
+        FakeRobot::Script(
+            gives(SetterStatus::kInvalidArgumentRejected, TwinSign(TwinKind::kOnClock))),
         Says(static_cast<std::uint8_t>(SetterStatus::kInvalidArgumentRejected)), Says(0)}) {
     Connect(script);
-    EXPECT_FALSE(client().SaysItIsATwin());
+    EXPECT_EQ(client().AskForTwin(), TwinKind::kNone);
     EXPECT_FALSE(client().lost());
   }
   ClientTimeout timeout;
   timeout.connect = std::chrono::milliseconds(500);
   Connect(Nothing, timeout);
-  EXPECT_FALSE(client().SaysItIsATwin());
+  EXPECT_EQ(client().AskForTwin(), TwinKind::kNone);
 }
 
 TEST_F(ArmClientTest, OfQueuedStatesTheNewestCountsWhateverTheirOrder) {
@@ -429,6 +439,27 @@ TEST_F(ArmClientTest, SendsCommandsToWhereTheFirstStateCameFrom) {
   ASSERT_TRUE(received.has_value());
   EXPECT_EQ(received->message_id, 5);
   EXPECT_EQ(received->q_c, command.q_c);
+}
+
+TEST_F(ArmClientTest, AnswersAStateAgainThatComesAgainFromARobotThatWaits) {
+  Connect(Nothing);
+  client().AnswerAgain(std::chrono::seconds(5));
+  robot().SendStateId(5);
+  Await();
+  RobotCommand command;
+  command.message_id = 5;
+  command.q_c[3] = -1.5;
+  client().Send(command);
+  ASSERT_TRUE(robot().AwaitCommand().has_value());
+  RobotState state;
+  Time at{};
+  robot().SendStateId(5);
+  ASSERT_TRUE(client().arrival().AwaitUntil(robot().clock().Now() + std::chrono::seconds(5)));
+  EXPECT_EQ(client().Receive(state, at), ReceiveResult::kPending) << "no state of its own";
+  const auto again = robot().AwaitCommand();
+  ASSERT_TRUE(again.has_value());
+  EXPECT_EQ(again->message_id, 5);
+  EXPECT_EQ(again->q_c, command.q_c);
 }
 
 TEST_F(ArmClientTest, SaysWhatCameInPlaceOfStates) {

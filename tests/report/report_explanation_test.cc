@@ -73,6 +73,22 @@ TEST_F(ExplainTest, TellsInWhichMotionOfASessionTheErrorCame) {
                     Not(HasSubstr("retreat"))));
 }
 
+TEST_F(ExplainTest, NamesATorqueThatWasCommandedOnAndOn) {
+  const auto torques = [this](int same) {
+    SampleMotion motion(log());
+    motion.state().controller_mode = ControllerMode::kExternalController;
+    for (int i = 0; i < 40; ++i) {
+      motion.state().tau_J_d[0] = i < 40 - same ? 0.1 * i : 7;
+      motion.Serve(1);
+    }
+    motion.Abort({RobotError::kJointVelocityViolation, 6, 2.9, 2.871},
+                 record::CommandFate::kServed);
+    return OneLine(Explain(motion.Finish()).text);
+  };
+  EXPECT_THAT(torques(20), HasSubstr("The same torque was commanded for 20 cycles in a row"));
+  EXPECT_THAT(torques(5), Not(HasSubstr("same torque")));
+}
+
 TEST_F(ExplainTest, TellsErrorCycleJointValueLimitCauseAndCure) {
   SampleMotion motion(log());
   motion.Serve(100).Abort(kJerk, record::CommandFate::kServed);

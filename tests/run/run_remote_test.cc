@@ -65,6 +65,7 @@ TEST(RemoteTest, ReadsAnAddressWithAndWithoutAPort) {
   EXPECT_EQ(ParseRemote("172.16.0.2", "wall").arm_port, fci::kArmPort);
   EXPECT_EQ(ParseRemote("panda.lab:1500", "states").host, "panda.lab");
   EXPECT_EQ(ParseRemote("panda.lab:1500", "states").arm_port, 1500);
+  EXPECT_EQ(ParseRemote("a", "auto").time, backend::RobotTime::kAsItSays);
   EXPECT_EQ(ParseRemote("a", "wall").time, backend::RobotTime::kWall);
   EXPECT_EQ(ParseRemote("a", "states").time, backend::RobotTime::kStates);
 }

@@ -145,14 +145,14 @@ TEST_F(ServerTest, ASessionThatSaysNothingIsNot) {
   EXPECT_EQ(Receive(session, 13).size(), 13u);
 }
 
-TEST_F(ServerTest, SaysThatItIsATwinToWhoeverAsksAndHasNoOtherWall) {
+TEST_F(ServerTest, SaysThatItIsATwinInLockstepToWhoeverAsksAndHasNoOtherWall) {
   ServeInLockstep();
   fci::TcpStream session = Session();
   const auto sent = [&](std::uint32_t id, std::int32_t wall) {
     Send(session, fci::EncodeRequest(id, fci::ArmRequest(fci::GetCartesianLimit{wall})));
     const auto expected = fci::EncodeCartesianLimitAnswer(
         id, SetterStatus::kSuccess,
-        wall == fci::kTwinSign ? fci::TwinSign() : fci::CartesianLimit());
+        wall == fci::kTwinSign ? fci::TwinSign(fci::TwinKind::kInLockstep) : fci::CartesianLimit());
     return std::pair(Receive(session, expected.size()), expected);
   };
   for (const std::int32_t wall : {0, 1, fci::kTwinSign, -1}) {

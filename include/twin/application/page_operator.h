@@ -44,6 +44,7 @@ class PageOperator {
     run::RunFiles files;
     page::OperatorChannel& channel;
     FreeBodies bodies;  ///< called on the client's thread
+    double pace = 1;    ///< of a robot served in lockstep: its time over that of the wall clock
   };
 
   /// @param served  the robot's scenario. @param arm, hand  where they are served.

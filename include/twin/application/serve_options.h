@@ -48,8 +48,9 @@ struct ServeDrive {
   [[nodiscard]] bool is_lockstep() const { return drive == scenario::Drive::kLockstep; }
 };
 
-/// Without options that decide: the wall clock where this host keeps 1 kHz, which takes a second to
-/// measure, else lockstep at its pace.
+/// Without options that decide: the wall clock where this host keeps 1 kHz, also for threads
+/// without real-time priority, which takes a second and a half to measure; else lockstep at its
+/// pace.
 [[nodiscard]] ServeDrive DriveOf(const ServeOptions& options);
 
 /// The scenario that is served. @param models  DataDirectory::models.

@@ -53,6 +53,8 @@ enum class RobotTime : std::uint8_t {
   kWall,  ///< the robot has a clock, as hardware does
   /// The states are the clock: each is 1 ms, and is sent after the previous one was answered.
   kStates,
+  /// kStates for a robot that says that it is a twin served in lockstep, else kWall.
+  kAsItSays,
 };
 
 /// A robot at the other end of a wire.
@@ -60,7 +62,7 @@ struct RobotAddress {
   std::string host;             ///< IPv4 address, or name
   std::uint16_t arm_port = 0;   ///< TCP; 0: the interface's default
   std::uint16_t hand_port = 0;  ///< TCP; 0: the port after the arm's
-  RobotTime time = RobotTime::kWall;
+  RobotTime time = RobotTime::kAsItSays;
   /// The longest time without a state; then the robot counts as gone. At least 5 s for kStates.
   Duration silence = std::chrono::seconds(1);
   fci::Capture* capture = nullptr;  ///< records the traffic on the wire; may be null
@@ -130,6 +132,7 @@ struct Connection {
   /// Why the connection was lost, for users; "" while it is up. An empty function without a wire.
   std::function<std::string()> why_lost;
   Duration silence = std::chrono::seconds(1);  ///< without a state: the robot has gone
+  RobotTime time = RobotTime::kWall;           ///< remote: its clock; never kAsItSays
   /// True if only a simulated arm moves. False for hardware, and for a robot that does not say.
   bool is_twin = true;
   bool uses_meshes = false;  ///< false: the arm is drawn in primitive shapes

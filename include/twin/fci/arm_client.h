@@ -20,6 +20,7 @@
 #include "twin/fci/protocol.h"
 #include "twin/fci/requests.h"
 #include "twin/fci/sockets.h"
+#include "twin/fci/twin_sign.h"
 #include "twin/rt/signal.h"
 
 namespace twin::fci {
@@ -95,9 +96,17 @@ class ArmClient {
   [[nodiscard]] SetterStatus Configure(const Setting& setting);
   [[nodiscard]] SetterStatus CartesianLimitOf(std::int32_t id, CartesianLimit& limit);
   [[nodiscard]] RecoveryStatus Recover();
-  /// Asks the robot whether it is a twin (fci/twin_sign.h). False for any other answer or none: it
+  /// Asks the robot whether it is a twin (fci/twin_sign.h). kNone for any other answer or none: it
   /// may be a real arm. Changes nothing. @throws RobotFault if the connection is lost.
-  [[nodiscard]] bool SaysItIsATwin();
+  [[nodiscard]] TwinKind AskForTwin();
+
+  /// The robot waits for the answer to each of its states, and sends one again that it believes
+  /// unanswered: from now on, Receive() sends the answer again when the last state comes again.
+  /// @param silence  instead of ClientTimeout::state. @pre before the first Receive().
+  void AnswerAgain(Duration silence) noexcept {
+    answers_again_ = true;
+    silence_ = silence;
+  }
 
   /// Never waits. @param state  written only for kState. @param at  arrival time at this side.
   [[nodiscard]] ReceiveResult Receive(RobotState& state, Time& at) noexcept TWIN_REALTIME;
@@ -129,11 +138,15 @@ class ArmClient {
   [[nodiscard]] bool IsFromRobot(const Endpoint& from) const noexcept;
   [[nodiscard]] std::uint64_t MostAhead() const noexcept;
   [[nodiscard]] ReceiveResult FoundNone() noexcept;
+  void SendAgain() noexcept TWIN_REALTIME;
+  void SendBytes() noexcept TWIN_REALTIME;
   void Keep(Time at, const Endpoint& from, const Endpoint& to,
             std::span<const std::byte> bytes) noexcept TWIN_REALTIME;
 
   const MonotonicClock& clock_;
   const ClientTimeout timeout_;
+  Duration silence_;            ///< longest time without a state
+  bool answers_again_ = false;  ///< a state that comes again
   Capture* const capture_;
   const Endpoint robot_;
   std::uint16_t version_ = 0;
@@ -147,6 +160,7 @@ class ArmClient {
   // The tick's.
   std::array<std::byte, kStateBytes> state_bytes_{};
   CommandBytes command_bytes_{};
+  std::uint64_t answered_id_ = 0;  ///< state that command_bytes_ answers; 0: none
   RobotState received_;
   std::uint64_t last_id_ = 0;
   bool has_state_ = false;

@@ -8,7 +8,8 @@
 
 // How a twin identifies itself inside protocol 5, without effect on clients that do not ask. The
 // client requests a virtual wall (GetCartesianLimit) with an unused number, which has no side
-// effect. A twin answers with a wall whose size is a text.
+// effect. A twin answers with a wall whose size is a text. If it is served in lockstep, the first
+// element of the wall's frame is a text too.
 //
 // A real robot cannot match by accident: it returns no size for an undefined wall, and a wall of
 // this size would be some 10^267 m long and equal in all 192 bits. A proxy or a tunnel forwards
@@ -26,15 +27,31 @@ inline constexpr std::array<char, sizeof(Vector3)> kTwinSignText{
     'p', 'a', 'n', 'd', 'a', '-', 't', 'w', 'i', 'n', ':', ' ',
     'n', 'o', ' ', 'r', 'e', 'a', 'l', ' ', 'a', 'r', 'm', '.'};
 
-/// A twin's answer.
-[[nodiscard]] constexpr CartesianLimit TwinSign() noexcept {
+/// First element of the wall's frame, if the twin is served in lockstep.
+inline constexpr std::array<char, sizeof(double)> kLockstepText{'l', 'o', 'c', 'k',
+                                                                's', 't', 'e', 'p'};
+
+/// What a robot says of itself.
+enum class TwinKind : std::uint8_t {
+  kNone,        ///< nothing: it may be a real arm
+  kOnClock,     ///< a twin; its cycle is due every 1 ms, answered or not
+  kInLockstep,  ///< a twin that waits for the answer to each of its states
+};
+
+/// A twin's answer. @pre kind is not kNone.
+[[nodiscard]] constexpr CartesianLimit TwinSign(TwinKind kind) noexcept {
   CartesianLimit wall;
   wall.object_world_size = std::bit_cast<Vector3>(kTwinSignText);
+  if (kind == TwinKind::kInLockstep) wall.object_frame[0] = std::bit_cast<double>(kLockstepText);
   return wall;
 }
 
-[[nodiscard]] constexpr bool IsTwinSign(const CartesianLimit& wall) noexcept {
-  return std::bit_cast<std::array<char, sizeof(Vector3)>>(wall.object_world_size) == kTwinSignText;
+[[nodiscard]] constexpr TwinKind TwinKindOf(const CartesianLimit& wall) noexcept {
+  if (std::bit_cast<std::array<char, sizeof(Vector3)>>(wall.object_world_size) != kTwinSignText) {
+    return TwinKind::kNone;
+  }
+  const auto waits = std::bit_cast<std::array<char, sizeof(double)>>(wall.object_frame[0]);
+  return waits == kLockstepText ? TwinKind::kInLockstep : TwinKind::kOnClock;
 }
 
 }  // namespace twin::fci

@@ -104,24 +104,23 @@ struct DriveThreads {
                                                        const robot::RobotConfig& robot,
                                                        record::RecordSink* sink,
                                                        const DriveThreads& threads);
-/// Makes a realtime or state time drive, as `address.time` selects. The sink also receives the
-/// states that are read.
+/// Makes a realtime or state time drive, as the connection's time selects. The sink also receives
+/// the states that are read.
 [[nodiscard]] std::unique_ptr<Drive> MakeRemoteDrive(const backend::Factory& connect,
                                                      const robot::RobotConfig& robot,
                                                      record::RecordSink* sink,
                                                      const backend::RobotAddress& address,
                                                      const DriveThreads& threads);
 
-/// As MakeRemoteDrive(), for a robot whose states are its time. The caller's thread reads, computes
-/// and writes. It waits for states without limit, as the robot waits for commands; meanwhile no
+/// The state time drive: the robot's states are its time. The caller's thread reads, computes and
+/// writes. It waits for states without limit, as the robot waits for commands; meanwhile no
 /// time passes. A motion from the same state gives the same commands on any machine, and the same
 /// log except for the number of states before the motion.
 ///
 /// Run() throws InputError for the synchronous loop, which sleeps on a clock of its own. The drive
 /// answers every state, regardless of TickConfig::period_tolerance; the robot would wait otherwise.
-[[nodiscard]] std::unique_ptr<Drive> MakeStateTimeDrive(const backend::Factory& connect,
-                                                        const robot::RobotConfig& robot,
-                                                        record::RecordSink* sink,
-                                                        const backend::RobotAddress& address);
+/// @param clock  of the connection.
+[[nodiscard]] std::unique_ptr<Drive> MakeStateTimeDrive(std::unique_ptr<MonotonicClock> clock,
+                                                        backend::Connection connection);
 
 }  // namespace twin::loop

@@ -47,11 +47,18 @@ struct JitterFigures {
 /// settings that the system does not permit are left out. Locks the process memory, if permitted.
 [[nodiscard]] JitterFigures MeasureJitter(Duration duration);
 
+/// Lateness of the wake-ups of an ordinary thread, without real-time priority, that computes for
+/// 0.2 ms every 1 ms, as clients of a robot do. Measures for `duration`.
+[[nodiscard]] rt::DurationHistogram MeasureOrdinaryWakeUps(Duration duration);
+
 /// Assessment of the figures for a 1 kHz loop.
 struct JitterVerdict {
   bool good = false;  ///< no action is needed
   std::string text;   ///< for users, one line
 };
 [[nodiscard]] JitterVerdict Evaluate(const JitterFigures& figures);
+/// The same of ordinary threads: not good if one was ever so late that the robot would end the
+/// motion, or in one of a hundred wake-ups by more than a cycle. For `text` as the other's.
+[[nodiscard]] JitterVerdict EvaluateOrdinary(const rt::DurationHistogram& wake_ups);
 
 }  // namespace twin::loop

@@ -78,6 +78,8 @@ class AnswerPacedRobot final : public ThreadedRobot {
                    const LockstepOptions& options);
   ~AnswerPacedRobot() override { End(); }
 
+  [[nodiscard]] bool is_answer_paced() const noexcept override { return true; }
+
   /// Lets time stand still from the next request to the robot's thread on, which report() is.
   /// Threads: any, as the next three.
   void Pause() noexcept { cycles_allowed_.store(0, std::memory_order_relaxed); }

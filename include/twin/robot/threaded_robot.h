@@ -75,6 +75,8 @@ class ThreadedRobot : protected rt::EventHandler {
   [[nodiscard]] RobotReport report() const;
   /// As in Robot; message_id counts cycles.
   [[nodiscard]] RobotState state() const;
+  /// True if a cycle of a motion waits for the answer to the state before. Threads: any.
+  [[nodiscard]] virtual bool is_answer_paced() const noexcept { return false; }
 
   /// Permissions that the thread lacked. @pre not between Begin() and End().
   [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }

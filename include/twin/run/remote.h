@@ -13,7 +13,7 @@
 namespace twin::run {
 
 /// @param robot  "HOST" or "HOST:PORT", PORT in [1, 65534], 1337 by default; the hand's is the
-/// next one. @param time   "wall" or "states". @throws InputError naming what is wrong.
+/// next one. @param time   "auto", "wall" or "states". @throws InputError naming what is wrong.
 [[nodiscard]] backend::RobotAddress ParseRemote(std::string_view robot, std::string_view time);
 
 /// Keys of a scenario that have no effect on such a robot, a line each: those of simulation only

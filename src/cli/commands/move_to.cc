@@ -170,7 +170,7 @@ int MoveTo(const MoveToFlags& flags, const Program& program) {
   options.hardware = Demands(flags, terminal);
   if (scenario.is_remote()) {
     options.settings.remote =
-        run::ParseRemote(*flags.hardware.robot, flags.hardware.robot_time.value_or("wall"));
+        run::ParseRemote(*flags.hardware.robot, flags.hardware.robot_time.value_or("auto"));
     scenario.robot.q_start = CurrentPosition(scenario, program.catalogue, files, options.settings);
   }
   if (LargestDistance(*scenario.robot.q_start, goal) <= reference::kStartTolerance) {

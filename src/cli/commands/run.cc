@@ -124,7 +124,7 @@ application::RunOptions OptionsOf(const RunFlags& flags, const scenario::Scenari
   options.settings.threads.robot.cpu = flags.int_cpu;
   options.settings.threads.communication.cpu = flags.ext_cpu;
   if (const auto& robot = flags.hardware.robot) {
-    options.settings.remote = run::ParseRemote(*robot, flags.hardware.robot_time.value_or("wall"));
+    options.settings.remote = run::ParseRemote(*robot, flags.hardware.robot_time.value_or("auto"));
   }
   return options;
 }

@@ -18,6 +18,8 @@ let socket = null;
 let me = 0;
 let welcome = null;
 let state = null;  // the newest
+let advanced = 0;  // performance.now() when the robot's time went on last
+const STANDS_MS = 500;  // longer than any hold-up of a busy machine that is not worth telling
 let displayed = null;  // the same, or that of the replay
 let over = null;  // how the run ended
 let lost = "The page connects to panda-twin.";  // why there is no connection; null: there is
@@ -118,7 +120,7 @@ function setText(id, text) {
 }
 
 function showStatus() {
-  const told = verdict({ over, lost, welcome, state, operates: operates() });
+  const told = verdict({ over, lost, welcome, state, operates: operates(), stands: performance.now() - advanced > STANDS_MS });
   const refused = refusal && performance.now() < refusal.until ? `Refused: ${refusal.text}. ` : "";
   setText("word", told.word);
   setText("leads", replay.isOn() ? "You watch a replay. This line is live." : told.leads);
@@ -167,6 +169,7 @@ function showButtons(mine, { arm, base, session, teleop }) {
 
 function show(message) {
   const before = state;
+  if (message.t !== state?.t) advanced = performance.now();
   state = message;
   replay.keep("state", message);
   showStatus();

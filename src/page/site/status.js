@@ -52,11 +52,12 @@ function stopped({ welcome, state, operates }) {
   return { word: "Stopped", tone: "stop", why: `The stop is pressed, and the robot holds. ${cure}` };
 }
 
-function ofMode({ welcome, state, operates }) {
+function ofMode({ welcome, state, operates, stands }) {
   const { arm, teleop } = state;
   const [tone, meaning] = MODES[arm.mode] ?? ["warn", ""];
   const told = { word: arm.mode, tone, why: errorsOf(arm) || sentence(welcome.watch_only) || meaning };
   if (state.paused) return { ...told, word: "Paused", tone: "warn", why: "The run's clock stands. Resume lets it go on; STOP does too, and stops the robot." };
+  if (stands && arm.mode === "Move") return { ...told, word: "Waits", tone: "warn", why: "The robot's time stands: it waits for the answer of the program that moves it." };
   if (state.session === "goes home") return { ...told, why: "The arm moves to its start by a planned way. STOP ends it." };
   if (state.session === "connects" || (state.session === "leads" && !isLed(state))) return { ...told, why: `${told.why} The operator's session begins.` };
   if (mayResume(state, operates)) {
@@ -72,7 +73,7 @@ function ofMode({ welcome, state, operates }) {
 }
 
 // now: over (how the run ended, or null), lost (why there is no connection, or null), welcome and state (null before the first),
-// operates. @returns word, tone (good, idle, warn, bad, stop), leads, why.
+// operates, stands (the robot's time has not gone on for a while). @returns word, tone (good, idle, warn, bad, stop), leads, why.
 export function verdict(now) {
   if (now.over) return { word: "Over", tone: now.over.is_failure ? "bad" : "good", leads: "", why: `${now.over.is_failure ? "The run failed" : "The run is over"}: ${now.over.text}.` };
   if (now.lost !== null) return { word: "No connection", tone: "warn", leads: "", why: now.lost };
