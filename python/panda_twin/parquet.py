@@ -31,7 +31,7 @@ def write(log: Log, folder: str | os.PathLike[str], columns: tuple[str, ...] = (
     Raises
     ------
     ImportError
-        Without pyarrow: pip install 'panda-twin[parquet]'.
+        Without pyarrow: pip install 'panda-twin[log]'.
     ValueError
         For a column that no table has.
     """
@@ -64,7 +64,7 @@ def main(arguments: list[str]) -> int:
         for file in write(Log(options.log), out, tuple(filter(None, options.columns.split(",")))):
             print(file)
     except ImportError as error:
-        print(f"error: {error}; pip install 'panda-twin[parquet]'", file=sys.stderr)
+        print(f"error: {error}; pip install 'panda-twin[log]'", file=sys.stderr)
         return 4
     except ValueError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -64,6 +64,7 @@ int main(int argc, char** argv) {
   std::error_code error;
   twin::cli::Program program{
       .host = {.executable = std::filesystem::read_symlink("/proc/self/exe", error),
+               .meshes = Environment("PANDA_TWIN_MESHES"),
                .cache = OwnFolder("XDG_CACHE_HOME", ".cache"),
                .state = OwnFolder("XDG_STATE_HOME", ".local/state"),
                .path = Environment("PATH")},

@@ -40,7 +40,8 @@ void AddData(CLI::App& app, DataFlags& flags) {
 }
 
 scenario::DataDirectory DataOf(const DataFlags& flags, const Host& host) {
-  return scenario::FindDataDirectory({host.executable, flags.models, flags.meshes});
+  return scenario::FindDataDirectory(
+      {host.executable, flags.models, flags.meshes.empty() ? host.meshes : flags.meshes});
 }
 
 run::RunFiles FilesOf(const DataFlags& flags, const Program& program) {

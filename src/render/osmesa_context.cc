@@ -1,5 +1,6 @@
 #include "render/osmesa_context.h"
 
+#include <dlfcn.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -24,6 +25,16 @@ void RequireNoFork() {
       "\"forkserver\"), or draw no pictures before the fork");
 }
 
+/// Lets MuJoCo find OSMesa, which it seeks by name in the global scope, else as libOSMesa.so.
+/// A module of Python loads its libraries into a scope of its own, and a wheel renames them.
+void MakeOsMesaGlobal() {
+  void* const global = ::dlopen(nullptr, RTLD_NOW);  // RTLD_DEFAULT has the caller's scope, too
+  if (::dlsym(global, "OSMesaGetProcAddress") != nullptr) return;
+  Dl_info library;
+  if (::dladdr(reinterpret_cast<void*>(&OSMesaCreateContextExt), &library) == 0) return;
+  ::dlopen(library.dli_fname, RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD);  // stays loaded: we link it
+}
+
 }  // namespace
 
 void OsMesaContext::Destroy::operator()(osmesa_context* context) const noexcept {
@@ -39,6 +50,7 @@ OsMesaContext::OsMesaContext() {
         "OSMesa gives no OpenGL context (RGBA, 24-bit depth). Install Debian's libosmesa6 and "
         "libgl1-mesa-dri of the same version, and leave GALLIUM_DRIVER unset or llvmpipe");
   }
+  MakeOsMesaGlobal();
 }
 
 void OsMesaContext::MakeCurrent() {

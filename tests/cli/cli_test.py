@@ -214,6 +214,9 @@ class BadData(CliTest):
     def test_missing_mesh_package(self):
         done = self.run_scenario(self.MUJOCO, "--meshes", self.folder / "nowhere")
         self.assert_refused(done, 3, "--meshes")
+        self.environment["PANDA_TWIN_MESHES"] = str(self.folder / "elsewhere")
+        self.assert_refused(self.run_scenario(self.MUJOCO), 3, "elsewhere")
+        self.assert_refused(self.run_scenario(self.MUJOCO, "--meshes", self.folder / "nowhere"), 3, "nowhere")
 
     def test_missing_scene(self):
         done = self.run_scenario("scene: scenes/nowhere.xml\n" + self.MUJOCO)

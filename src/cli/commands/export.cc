@@ -30,7 +30,7 @@ int Export(const ExportFlags& flags, const Program& /*program*/) {
   if (flags.format == "parquet") {
     throw InputError(fmt::format(
         "--format: this program does not write Parquet, the Python package does: pip install "
-        "'panda-twin[parquet]', then python3 -m panda_twin.parquet {}",
+        "'panda-twin[log]', then python3 -m panda_twin.parquet {}",
         flags.log.string()));
   }
   const std::filesystem::path out =
