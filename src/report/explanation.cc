@@ -362,8 +362,10 @@ Explanation Explain(const std::filesystem::path& log, const std::optional<Scenar
                     *motion, log.string(), HowMotionEnded(log, *motion)));
   }
   return {.aborted = false,
-          .text = fmt::format("{}: {}; the log ends at {:.3f} s\n{}", end.run.scenario,
-                              HowItEnded(end), end.end, TellApproach(end)),
+          .text = fmt::format("{}: {}; the log ends at {:.3f} s\n{}{}", end.run.scenario,
+                              HowItEnded(end), end.end,
+                              end.last_word == "finished" ? "" : ToText(TellHindrances(end, facts)),
+                              TellApproach(end)),
           .page = ""};
 }
 

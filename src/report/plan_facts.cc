@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -61,6 +62,19 @@ bool IsNoisy(const std::optional<ScenarioFacts>& facts) {
   return facts && facts->target_noise > kLargeNoise;
 }
 
+std::string NoiseText(const ScenarioFacts& facts) {
+  return fmt::format(
+      "the scenario adds noise of up to {:.3g} to every target (controller.target_noise)",
+      facts.target_noise);
+}
+
+std::string KeptBackText(std::uint64_t changed, std::string_view of) {
+  return fmt::format(
+      "the viability filter changed {} of {} commands: they kept the limits, and did not follow the "
+      "targets.",
+      changed, of);
+}
+
 /// Derivative of positions or torques that an error limits; 0: none.
 int OrderOf(RobotError error) {
   switch (error) {
@@ -86,9 +100,7 @@ std::string TellNoise(const RunEnd& end, const Violation& v, const ScenarioFacts
   const int order = OrderOf(v.error) - (by_velocity && !by_torque ? 1 : 0);
   // A difference of two values is at most twice the largest.
   const double most = facts.target_noise * std::pow(2 / kCycleSeconds, order);
-  const std::string noise = fmt::format(
-      "the scenario adds noise of up to {:.3g} to every target (controller.target_noise)",
-      facts.target_noise);
+  const std::string noise = NoiseText(facts);
   if (!facts.has_generator && order > 0 && most > std::abs(v.limit)) {
     return fmt::format(
         "{}, and no reference generator smooths it: the noise alone makes up to {:.3g} {}. Take "
@@ -101,10 +113,18 @@ std::string TellNoise(const RunEnd& end, const Violation& v, const ScenarioFacts
 std::string TellKeptBack(const RunEnd& end) {
   const KeptBack count = CountKeptBack(end);
   if (!count.is_most()) return "";
-  return fmt::format(
-      "the viability filter changed {} of these {} commands: they kept the limits, and did not "
-      "follow the targets.",
-      count.changed, count.commands);
+  return KeptBackText(count.changed, fmt::format("these {}", count.commands));
+}
+
+std::vector<Paragraph> TellHindrances(const RunEnd& end,
+                                      const std::optional<ScenarioFacts>& facts) {
+  std::vector<Paragraph> told;
+  const KeptBack all{end.filter.kept_back, end.filter.commands};
+  if (all.is_most()) {
+    told.push_back({"kept back", {KeptBackText(all.changed, fmt::format("{}", all.commands))}});
+  }
+  if (IsNoisy(facts)) told.push_back({"injected", {NoiseText(*facts) + "."}});
+  return told;
 }
 
 std::string TellDeviation(const RunEnd& end) {

@@ -2,7 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "report/paragraphs.h"
 #include "report/run_end.h"
 #include "twin/core/robot_errors.h"
 #include "twin/report/explanation.h"
@@ -19,6 +21,11 @@ namespace twin::report {
 
 /// Commands that the viability filter changed, if they are most.
 [[nodiscard]] std::string TellKeptBack(const RunEnd& end);
+
+/// What hindered a run that ended early without an error of the robot: noise, and commands kept
+/// back in all of it.
+[[nodiscard]] std::vector<Paragraph> TellHindrances(const RunEnd& end,
+                                                    const std::optional<ScenarioFacts>& facts);
 
 /// Distance of the measured joints from the targets, if it is large.
 [[nodiscard]] std::string TellDeviation(const RunEnd& end);

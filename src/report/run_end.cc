@@ -49,6 +49,7 @@ class EndCollector {
 
   void operator()(const record::TickRecord& tick) {
     end_.has_ticks = true;
+    end_.filter.Add(tick);
     if (WroteCommand(tick)) {
       any_command_ = true;
       any_cost_ = any_cost_ || tick.written != tick.read;

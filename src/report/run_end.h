@@ -50,6 +50,7 @@ struct RunEnd {
   std::optional<double> user_stopped;  ///< time at which the user stop ended the motion, s
   double begin = 0;                    ///< time at which the abort's motion began, s
   double end = 0;                      ///< time of the last cycle, s
+  record::FilterCounts filter;         ///< of the whole log
   std::uint64_t aborts = 0;            ///< number of motions that an error ended
   std::uint64_t number = 0;            ///< motions of the log up to the abort, or in all
   std::string motion;                  ///< motion of the abort in a session: "motion 2: place"

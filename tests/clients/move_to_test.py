@@ -60,8 +60,9 @@ class MoveToTest(unittest.TestCase):
             refused = self.program("run", scenario, *self.there(server), code=1)
             self.assertRegex(refused.stdout, r"(?m)^FAILED start ")
             command = shlex.split(re.search(r"panda-twin (move-to .*)$", refused.stderr, re.MULTILINE).group(1))
-            self.assertEqual(command, ["move-to", "start-of", str(scenario), *self.there(server)])
-            moved = self.program(*command)
+            data = ["--data", str(SOURCE / "models")]  # as program() says it
+            self.assertEqual(command, ["move-to", "start-of", str(scenario), *data, *self.there(server)])
+            moved = self.program(*command[:3], *command[5:])
             self.assertRegex(moved.stdout, r"(?m)^ok +path +planned around")
             self.program("run", scenario, *self.there(server))
             self.assertEqual(self.summary()["outcome"], "success")

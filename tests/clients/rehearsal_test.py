@@ -111,7 +111,7 @@ class RehearsalTest(unittest.TestCase):
         self.scenario = self.tmp / "two words.yaml"
         self.write(READY)
         done = self.run_it("out", "--backend", "fci", "--robot", "127.0.0.1:9", "--allow-hardware", "--yes")
-        self.assertIn(f"panda-twin run '{self.scenario}' --data {SOURCE / 'models'} --backend mujoco", done.stderr)
+        self.assertIn(f"panda-twin run '{self.scenario}' --data {SOURCE / 'models'}", done.stderr)
 
     def test_a_reason_replaces_a_rehearsal_and_is_recorded(self):
         with TwinServer(PROGRAM, SOURCE, "lockstep") as server:

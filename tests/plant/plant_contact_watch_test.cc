@@ -98,12 +98,11 @@ TEST(ContactWatchTest, KeepsWhatTouchesAndWhatHasJustEnded) {
 TEST(ContactWatchTest, AMomentHasWhatAHeldBodyTouches) {
   const test::TemporaryFolder folder;
   const std::filesystem::path scene = folder / "scene.xml";
-  // The ready pose has the end effector at (0.307, 0, 0.487) m: in the first
-  // box and not in the second.
+  // The ready pose has the flange at (0.307, 0, 0.590) m: in the first box and not in the second.
   std::ofstream(scene) << R"(<mujoco><worldbody>
-    <geom name="table" type="box" size="0.5 0.5 0.1" pos="0.6 0 0.3"/>
-    <body name="box" pos="0.307 0 0.45"><freejoint/><geom type="box" size="0.03 0.03 0.051"/></body>
-    <body name="other" pos="0.9 0 0.45"><freejoint/><geom type="box" size="0.03 0.03 0.051"/></body>
+    <geom name="table" type="box" size="0.5 0.5 0.1" pos="0.6 0 0.41"/>
+    <body name="box" pos="0.307 0 0.56"><freejoint/><geom type="box" size="0.03 0.03 0.051"/></body>
+    <body name="other" pos="0.9 0 0.56"><freejoint/><geom type="box" size="0.03 0.03 0.051"/></body>
   </worldbody></mujoco>)";
   const std::filesystem::path models = TWIN_SOURCE_DIR "/models";
   MujocoPlantOptions options;

@@ -190,6 +190,15 @@ TEST_F(ExplainTest, NamesWhatLedTheArmAwayFromItsPlanForEveryError) {
                                     "noise out (controller.target_noise); leave tick.generator")));
 }
 
+TEST_F(ExplainTest, NamesWhatHinderedAMotionThatEndedEarlyWithoutAnError) {
+  SampleMotion motion(log());
+  KeepBack(motion, 0.5);
+  motion.Event("motion", "the motion did not end within 22 s of run time").Finish();
+  EXPECT_THAT(OneLine(Explain(log(), ScenarioFacts{.target_noise = 1e-3}).text),
+              AllOf(HasSubstr("kept back the viability filter changed 60 of 60 commands"),
+                    HasSubstr("injected the scenario adds noise of up to 0.001")));
+}
+
 TEST_F(ExplainTest, TellsNoSmallDeviation) {
   SampleMotion motion(log());
   motion.Serve(100).Abort(kReflex, record::CommandFate::kServed);

@@ -2,6 +2,7 @@
 """`panda-twin serve --guard` and clients that know of no limits: serve_guard_test.py PROGRAM SOURCE_TREE [unittest options]."""
 
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -58,6 +59,18 @@ class ServeGuardTest(unittest.TestCase):
         self.assert_stopped(WALL, "cartesian_position_limits_violation",
                             r'Guard: limit "wall": the end effector reaches y = 0\.20\d* m; it must be at most 0\.2000+ m; the stop '
                             r"would pass it by [0-9.]+ mm")
+
+    def test_explain_names_the_limit_as_the_server_does(self):
+        log = pathlib.Path(self.folder, "guarded.mcap")
+        with TwinServer(PROGRAM, SOURCE, "lockstep", self.write("limited.yaml", SCENARIO + WALL), "--guard", "--log", log) as server:
+            self.run_client(server)
+            line = re.search(r"([\d.]+) s  arm: motion aborted .* Guard: (.*)", server.said())
+        done = subprocess.run([PROGRAM, "explain", log], capture_output=True, text=True, timeout=60)
+        said = " ".join(done.stdout.split())
+        self.assertIn(f"value {line[2]}.", said, done.stderr)
+        # The line has the robot's time, that of the cycle or, as it is told on another thread, shortly after.
+        cycle = float(re.search(r"cycle of state \d+, ([\d.]+) s", said)[1])
+        self.assertTrue(cycle <= float(line[1]) <= cycle + 1, line[0])
 
     def test_a_cap_on_speed_ends_the_motion(self):
         self.assert_stopped("limits: {speed: {joints: 0.3 rad/s}}\n", "joint_velocity_violation",
