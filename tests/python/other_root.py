@@ -4,6 +4,7 @@ network and kernel. Wants root's rights."""
 import functools
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -63,7 +64,8 @@ def blocks(file):
 
 
 def fetch(folder, requirements):
-    folder.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
     wanted = folder / "requirements.txt"
     wanted.write_text("\n".join(blocks(file)[name] for name, file in requirements) + "\n")
     run(sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:", "--require-hashes", "-r", wanted,
