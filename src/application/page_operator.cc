@@ -28,15 +28,20 @@ constexpr Duration kLook = std::chrono::milliseconds(50);
 /// Longest session that the application permits.
 constexpr const char* kLongest = "3600 s";
 
+/// 20 mm, 18 N: a hand that slides off what it presses onto starts no faster than it is led. By 40
+/// mm it struck a table so that joint 6 left its range of torques.
+constexpr const char* kPress = "20 mm";
+
+void SetIfAbsent(control::Parameters& settings, std::string_view key, std::string value) {
+  const bool is_given = std::ranges::any_of(
+      settings, [key](const control::Parameter& one) { return one.key == key; });
+  if (!is_given) settings.push_back({.key = std::string(key), .values = {std::move(value)}});
+}
+
 /// Browsers send by the wall clock, and samples age by the robot's time, which may be faster.
-void KeepFresh(double pace, control::Parameters& settings) {
-  constexpr std::string_view kKey = "stale_after";
-  const bool is_given =
-      std::ranges::any_of(settings, [&](const control::Parameter& one) { return one.key == kKey; });
-  if (is_given || pace <= 1) return;
+std::string StaleAfter(double pace) {
   const double usual = ToSeconds(teleop::TeleoperatorConfig().stale_after);
-  settings.push_back(
-      {.key = std::string(kKey), .values = {fmt::format("{} s", std::min(pace * usual, 10.0))}});
+  return fmt::format("{} s", std::min(std::max(pace, 1.0) * usual, 10.0));
 }
 
 /// The served robot's scenario for a remote client, with the page as the operator's device.
@@ -56,7 +61,9 @@ scenario::Scenario LedFromThePage(scenario::Scenario served, double pace) {
   if (!served.operator_section) served.operator_section.emplace();
   served.operator_section->device = std::string(run::kPageDevice);
   served.operator_section->parameters.clear();
-  KeepFresh(pace, served.operator_section->settings);
+  control::Parameters& settings = served.operator_section->settings;
+  SetIfAbsent(settings, "stale_after", StaleAfter(pace));
+  SetIfAbsent(settings, "workspace.press", kPress);
   return served;
 }
 

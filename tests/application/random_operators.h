@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -153,6 +155,53 @@ operator:
   scenario.robot.q_start = q;
   return scenario;
 }
+
+/// The hand stands 0.15 m above a box of 0.1 kg on a table, as in models/scenarios/grasp.yaml, and
+/// is led as from the page of a served robot.
+inline scenario::Scenario AboveABox(std::uint64_t seed) {
+  return scenario::Parse(fmt::format(R"(name: above_a_box
+seed: {}
+scene: scenes/table_box.xml
+robot: {{q_start: {{unit: rad, values: [0, -0.19371, 0, -1.90879, 0, 1.71508, -0.78540]}}}}
+operator: {{device: random, settings: {{workspace: {{press: 20 mm}}}}}}
+application: {{type: teleoperation}}
+)",
+                                     seed),
+                         "above_a_box.yaml");
+}
+
+/// An operator who holds keys one after the other, each for a time.
+class PlannedOperator final : public teleop::Device {
+ public:
+  struct Keys {
+    Vector6 axes{};
+    Duration held{};
+  };
+  explicit PlannedOperator(std::vector<Keys> plan) : plan_(std::move(plan)) {}
+
+  [[nodiscard]] std::optional<teleop::OperatorSample> Read(Time now) noexcept override {
+    if (!begun_) begun_ = now;
+    Duration left = now - *begun_;
+    ++sample_.sequence;
+    sample_.at = now;
+    for (const Keys& keys : plan_) {
+      sample_.axes = keys.axes;
+      if (left < keys.held) return sample_;
+      left -= keys.held;
+    }
+    sample_.axes = {};
+    sample_.end_presses = 1;
+    return sample_;
+  }
+  void Feel(const teleop::OperatorFeedback& /*feedback*/) noexcept override {}
+  [[nodiscard]] bool lost() const noexcept override { return false; }
+  [[nodiscard]] std::string Describe() const override { return "an operator with a plan"; }
+
+ private:
+  const std::vector<Keys> plan_;
+  std::optional<Time> begun_;
+  teleop::OperatorSample sample_;
+};
 
 /// Lets the operator of the device "random" lead in lockstep.
 inline Led LetLead(const scenario::Scenario& scenario, const teleop::DeviceFactory& make) {

@@ -29,6 +29,18 @@ TEST(EvaluateTest, IsContentWhenNothingWasMissed) {
   EXPECT_EQ(verdict.text, "good for real time: none of 2000 cycles was missed");
 }
 
+TEST(EvaluateOrdinaryTest, RefusesThreadsThatAreOftenOrVeryLate) {
+  const auto verdict = [](int late, Duration by) {
+    rt::DurationHistogram wake_ups;
+    for (int i = 0; i < 500; ++i) wake_ups.Add(i < late ? by : std::chrono::microseconds(80));
+    return EvaluateOrdinary(wake_ups);
+  };
+  EXPECT_TRUE(verdict(2, std::chrono::milliseconds(3)).good);
+  EXPECT_FALSE(verdict(20, std::chrono::milliseconds(3)).good);
+  EXPECT_FALSE(verdict(1, std::chrono::milliseconds(20)).good);
+  EXPECT_THAT(verdict(1, std::chrono::milliseconds(20)).text, HasSubstr("20 ms late"));
+}
+
 TEST(EvaluateTest, IsContentWithTheShareOfAWellSetUpWorkstation) {
   const JitterVerdict verdict = Evaluate(Figures(20000, 82, 2));  // 0.41 %
   EXPECT_TRUE(verdict.good);

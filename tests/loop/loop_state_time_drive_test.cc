@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,9 +29,7 @@ class StateTimeDriveTest : public ::testing::Test {
   }
 
   RunReport Run(test::AnswerPacedBackend& robot, control::Controller& controller) {
-    const robot::RobotConfig config;
-    const auto drive = MakeStateTimeDrive(
-        [&robot](const backend::Request&) { return robot.Connect(); }, config, &records_, {});
+    const auto drive = MakeStateTimeDrive(std::make_unique<MonotonicClock>(), robot.Connect());
     drive->Begin();
     return drive->Run({.backend = robot,
                        .controller = controller,

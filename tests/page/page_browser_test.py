@@ -142,7 +142,21 @@ return [b[0] - a[0], a[1] - b[1]].map(Math.round)""", stick)
 
     def test_2_takes_control(self):
         self.take()
+        self.assertFalse(self.page.element("tip").is_displayed(), "who has pressed a button has read what it does")
+        screen, film = (self.page.run("const at = document.querySelector(arguments[0]).getBoundingClientRect(); return [at.bottom, at.height]", each)
+                        for each in (".screen", ".film"))
+        self.assertLess(film[0], screen[0] - 0.09 * screen[1], "the buttons leave the picture's time free")
         self.look_in_all_windows("led")
+
+    def test_2_says_when_the_robot_waits_for_an_answer(self):
+        arm = {"mode": "Move", "errors": [], "reflex": []}
+        now = {"over": None, "lost": None, "welcome": {}, "operates": True, "state": {"arm": arm, "session": "leads", "operator": 1, "paused": False,
+               "teleop": {"mode": "arm", "at_border": True, "why": "something blocks the arm"}}}
+        for stands, word in ((False, "Move"), (True, "Waits")):
+            told = self.page.browser.execute_async_script("import('./status.js').then((module) => arguments[1](module.verdict(arguments[0])))",
+                                                          {**now, "stands": stands})
+            self.assertEqual(told["word"], word)
+            self.assertEqual("blocks" in told["why"], not stands)
 
     def test_3_second_visitor_only_watches(self):
         with self.served.connect() as other:

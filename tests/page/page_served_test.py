@@ -139,6 +139,26 @@ class PageServedAtItsPaceTest(PageServedTest):
         operator.lead([0, 0, 1, 0, 0, 0], state(lambda message: message["arm"]["O_T_EE"][14] > begin["O_T_EE"][14] + 0.02))
 
 
+class PageOverAMovableBoxTest(PageServedTest):
+    """The hand presses onto a box of 0.1 kg and pushes: where the box gives way, the hand must not strike the table."""
+    flags = ("scenarios/grasp.yaml", "--drive", "lockstep", "--pace", "1")
+
+    def test_moves_stops_and_goes_on(self):
+        def held(axes, seconds):
+            begun = []
+
+            def is_over(message):
+                if message["type"] != "state" or not message["arm"]:
+                    return False
+                self.assertEqual(message["arm"]["reflex"], [])
+                begun.append(message["t"])
+                return message["t"] > begun[0] + seconds
+            return self.operator.lead(axes, is_over)["arm"]["O_T_EE"]
+        self.operator.lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")
+        self.assertLess(held([0, 0, -0.6, 0, 0, 0], 8)[14], 0.36)
+        held([0.6, 0, 0, 0, 0, 0], 4)
+
+
 class StartsPrograms(unittest.TestCase):
     def start(self, *args):
         process = subprocess.Popen([PROGRAM, *args, "--data", SOURCE / "models"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

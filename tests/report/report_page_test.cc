@@ -50,6 +50,7 @@ TEST(RenderPageTest, HeadAndFootMakeAWholeFile) {
   EXPECT_THAT(page, HasSubstr("</body>\n</html>\n"));
   EXPECT_THAT(page, HasSubstr("<title>a &amp; b</title>"));
   EXPECT_THAT(page, HasSubstr("border-collapse:collapse"));
+  EXPECT_THAT(page, HasSubstr("name=\"viewport\" content=\"width=device-width"));
   EXPECT_THAT(page, Not(HasSubstr("{{")));
 }
 

@@ -76,7 +76,7 @@ TEST(RemoteTest, NamesWhatIsWrongWithAnAddress) {
   for (const char* robot : {"a:", "a:0", "a:65535", "a:99999", "a:-1", "a:13x"}) {
     EXPECT_THAT(ErrorOf(robot, "wall"), HasSubstr("is no port")) << robot;
   }
-  EXPECT_THAT(ErrorOf("a", "sundial"), HasSubstr("accepted: wall"));
+  EXPECT_THAT(ErrorOf("a", "sundial"), HasSubstr("accepted: auto"));
 }
 
 TEST(RemoteTest, ScenariosOfARobotOnTheWireAreDrivenByIt) {

@@ -10,6 +10,7 @@ const NEAR_deg = 10;
 const MARK = "#f0bf5c";
 const LINE = "#4a555e";
 const DIM = "#b3bcc3";
+const LEGEND = 13;  // px above the curves
 const FONT = "11px system-ui, sans-serif";
 
 // The canvas's pen, in CSS pixels and cleared, with its size; null while it is not displayed.
@@ -80,7 +81,8 @@ export function curves(box, options) {
     if (!drawn) return;
     const { pen, width, height } = drawn;
     const range = rangeOf(points, options);
-    const y = (at) => 7 + (range[1] - Math.min(at, range[1])) / (range[1] - range[0]) * (height - 14);
+    const top = LEGEND + 7;
+    const y = (at) => top + (range[1] - Math.min(at, range[1])) / (range[1] - range[0]) * (height - top - 7);
     grid(pen, width, y, range);
     if (points.length > 1) {
       const end = points[points.length - 1].t;
@@ -105,9 +107,10 @@ export function curves(box, options) {
       }
     }
     pen.textAlign = "left";
+    pen.textBaseline = "middle";
     options.names.forEach((name, i) => {
       pen.fillStyle = COLOURS[i];
-      pen.fillText(name, 40 + 16 * i, 17);
+      pen.fillText(name, 40 + 16 * i, LEGEND / 2);
     });
   }
   return { add, draw };

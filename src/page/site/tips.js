@@ -26,10 +26,20 @@ function show(element) {
 }
 
 const about = (event) => event.target.closest?.("[data-tip]") ?? null;
-document.addEventListener("pointerover", (event) => show(about(event)));
+let pressed = null;  // the button pressed last, until the mouse is elsewhere
+document.addEventListener("pointerover", (event) => {
+  const over = about(event);
+  if (over !== pressed) pressed = null;
+  if (!pressed) show(over);
+});
 document.documentElement.addEventListener("pointerleave", () => show(null));
-document.addEventListener("focusin", (event) => { if (event.target.matches(":focus-visible, [tabindex]")) show(about(event)); });
+document.addEventListener("focusin", (event) => { if (event.target !== pressed && event.target.matches(":focus-visible, [tabindex]")) show(about(event)); });
 document.addEventListener("focusout", () => show(null));
-document.addEventListener("scroll", () => show(null), true);
+// Who presses a button has read about it; under a finger the text has just appeared.
+document.addEventListener("click", (event) => {
+  if (event.pointerType === "touch" || !event.target.closest?.("button")) return;
+  pressed = about(event);
+  show(null);
+});
 
 for (const element of document.querySelectorAll("[data-tip]")) explain(element, element.dataset.tip);
