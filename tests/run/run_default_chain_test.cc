@@ -74,8 +74,11 @@ TEST(DefaultChainOfANoisySourceTest, FollowsWithin10MilliradiansAndEnds) {
       scenario::Scenario scenario = bench.Make(interface, kGentle);
       scenario.controller.target_noise = noise;
       const Outcome outcome = bench.Run(scenario);
-      EXPECT_FALSE(outcome.aborted()) << noise << ": " << outcome.result.report.failure;
-      EXPECT_LE(outcome.deviation, 10e-3) << noise;
+      SCOPED_TRACE(testing::Message()
+                   << (interface == CommandInterface::kCartesianPose ? "poses" : "positions")
+                   << ", noise " << noise);
+      EXPECT_FALSE(outcome.aborted()) << outcome.result.report.failure;
+      EXPECT_LE(outcome.deviation, 10e-3);
     }
   }
 }

@@ -27,8 +27,8 @@ PRIORITY = 98  # FIFO: of a robot in real time; clients have 99
 class Witness:
     """with Witness(PROGRAM) as host: ...; then host.saw: in_row, of_500, latest_ms. PROGRAM: any of the build's folder."""
 
-    def __init__(self, program):
-        self.command = [pathlib.Path(program).parent / "tests/support/host_witness", str(PRIORITY)]
+    def __init__(self, program, priority=PRIORITY):
+        self.command = [pathlib.Path(program).parent / "tests/support/host_witness", str(priority)]
         self.saw = {}
 
     def __enter__(self):

@@ -138,7 +138,7 @@ class Resampler {
 class PoseResampler {
  public:
   /// @param source_rate_hz  as in Resampler. @throws as Resampler.
-  /// @param limits  their jerks are J.
+  /// @param limits  0.15 of their jerks are J.
   PoseResampler(double source_rate_hz, const CartesianLimits& limits);
 
   void Reset(const Transform& O_T_EE) noexcept TWIN_REALTIME;

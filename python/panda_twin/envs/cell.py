@@ -224,7 +224,8 @@ class Cell:
         """The targets that actions lead to."""
         if self.interface == "cartesian_pose":
             moved = self.targets[:, :3] + actions[:, :3] * (_SPEED * self._period)
-            return np.minimum(np.maximum(moved, self._low), self._high)
+            led: Array = np.minimum(np.maximum(moved, self._low), self._high)
+            return led
         if self.interface == "joint_position":
             moved = self.targets[:, :7] + actions[:, :7] * (_TURN_SPEED * self._period)
             return np.minimum(np.maximum(moved, _Q_MIN), _Q_MAX)
