@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import os
@@ -76,16 +77,17 @@ class _Video:
 
     def close(self) -> None:
         assert self._process.stdin
-        try:
+        with contextlib.suppress(BrokenPipeError):  # its code tells
             self._process.stdin.close()
-        except BrokenPipeError:
-            pass  # it tells why
         if self._process.wait() != 0:
             self._end()
         self._messages.close()
 
     def kill(self) -> None:
+        assert self._process.stdin
         self._process.kill()
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.close()
         self._process.wait()
         self._messages.close()
 
@@ -142,7 +144,7 @@ class Writer:
     def __init__(self, folder: pathlib.Path, shape: Shape) -> None:
         try:
             import pandas  # type: ignore[import-untyped]  # noqa: F401
-            import pyarrow.parquet  # noqa: F401
+            import pyarrow.parquet  # type: ignore[import-untyped]  # noqa: F401
         except ImportError as error:
             raise ImportError(f"a LeRobot dataset needs {error.name}; pip install 'panda-twin[log]'", name=error.name) from error
         if shape.videos and shutil.which("ffmpeg") is None:
@@ -217,7 +219,7 @@ class Writer:
     def _add_pictures(self, pictures: Mapping[str, Iterator[Picture]]) -> tuple[int, int]:
         """Returns the number of the video's file, and the frames in it before."""
         width, height = self._shape.size
-        if self._video_frames * width * height * _BYTES_PER_PIXEL >= _VIDEO_MB << 20:
+        if self._video_frames * width * height * _BYTES_PER_PIXEL > _VIDEO_MB << 20:
             self._close_videos()
             self._video_file += 1
             self._video_frames = 0
@@ -238,11 +240,11 @@ class Writer:
     def _add_rows(self, task: int, length: int, vectors: Mapping[str, Floats]) -> None:
         import pyarrow
 
-        if self._data_bytes >= _DATA_MB << 20:
+        if self._data_bytes > _DATA_MB << 20:
             self._close_data()
             self._data_file += 1
         frame = np.arange(length, dtype=np.int64)
-        own = {
+        own: dict[str, npt.NDArray[typing.Any]] = {
             "timestamp": (frame / self._shape.fps).astype(np.float32),
             "frame_index": frame,
             "episode_index": np.full(length, len(self._episodes), dtype=np.int64),

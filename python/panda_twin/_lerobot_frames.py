@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import typing
 from collections.abc import Sequence
 
 import numpy as np
@@ -113,15 +112,16 @@ class Frames:
         scenes = self._log.table("scenes")
         times, widths = scenes["at_ns"], self._widths(scenes)
 
-        def measured(at: npt.ArrayLike) -> _Numbers:
-            return typing.cast(_Numbers, np.interp(at, times, widths))
+        def measured(at: Times) -> _Numbers:
+            return np.interp(at, times, widths)
 
         starts = self._commands() if is_action else np.zeros(0, dtype=np.int64)
         if len(starts) == 0:
             return measured(at)
         # Logs have no commanded widths: the one at which a command's fingers are, before the next one starts, stands for it.
-        reached = measured([*starts.tolist(), int(times[-1])])
-        return typing.cast(_Numbers, reached[np.searchsorted(starts, at, side="right")])
+        reached = measured(np.append(starts, times[-1]))
+        commanded: _Numbers = reached[np.searchsorted(starts, at, side="right")]
+        return commanded
 
     def _widths(self, scenes: Table) -> _Numbers:
         """At each scene: the two joints after those that are where the arm is."""
@@ -133,7 +133,8 @@ class Frames:
         arm = int(np.argmin(apart)) if apart else 0
         if not apart or apart[arm] > _TOLERANCE:
             raise ValueError(f"{self._log!r} has scenes without the arm and its hand; leave out {GRIPPER}")
-        return typing.cast(_Numbers, qpos[:, arm + 7] + qpos[:, arm + 8])
+        widths: _Numbers = qpos[:, arm + 7] + qpos[:, arm + 8]
+        return widths
 
     def _commands(self) -> Times:
         """When commands to the hand started."""

@@ -11,8 +11,8 @@ A frame, ``fps`` times a second of the run's clock, has
 ``observation.images.CAMERA``
     The scene when the frame begins, drawn by the twin's renderer: the first that was recorded at or after that instant.
 
-``q_d`` is in every log; ``q_ext``, the target before the reference generator, or ``q_c`` are in those of a workstation's ticks and hold
-between motions. A pose such as ``O_T_EE_d`` becomes nine numbers: position, m, and the first two columns of its rotation.
+``q_d`` is in every log; ``q_ext``, the target before the reference generator, or ``q_c`` are in those of a workstation's ticks and
+hold between motions. A pose such as ``O_T_EE_d`` becomes nine numbers: position, m, and the first two columns of its rotation.
 The width commanded by an action is the one that the hand reached before its next command, since logs have commands to the hand
 without widths; without any command it is the measured width.
 """
@@ -140,9 +140,9 @@ def write(
             scenario = Scenario.from_yaml(log.scenario) if log.scenario else None
             if task is None and not (scenario and scenario.description):
                 raise ValueError(f"{log!r} does not say what is done; give the task")
+            dataset.add(log, task if task is not None else scenario.description if scenario else "")
             if scenario and cameras and scenario.to_dict().get("render", {}).get("overlays"):
                 _logger.warning("pictures of %r carry the texts of render.overlays; record with overlays: [] for training", log)
-            dataset.add(log, task if task is not None else scenario.description if scenario else "")
         if writer.episodes == 0:
             raise ValueError("there are no logs; a dataset has at least one episode")
         writer.finish()
@@ -278,16 +278,15 @@ def _carry_out(options: argparse.Namespace) -> str:
     cameras = () if options.no_video else tuple(options.camera) or CAMERAS
     state, action = tuple(options.state.split(",")), tuple(options.action.split(","))
     size = _size(options.size)
+    fps, task = options.fps, options.task
     if options.command == "write":
         return str(
-            write(
-                options.logs, options.out, fps=options.fps, task=options.task, cameras=cameras, state=state, action=action, size=size
-            )
+            write(options.logs, options.out, fps=fps, task=task, cameras=cameras, state=state, action=action, size=size)
         )
     return str(
         demonstrate(
-            options.scenario, options.out, episodes=options.episodes, seed=options.seed, fps=options.fps, task=options.task,
-            cameras=cameras, state=state, action=action, size=size, most_runs=options.most_runs,
+            options.scenario, options.out, episodes=options.episodes, seed=options.seed, most_runs=options.most_runs,
+            fps=fps, task=task, cameras=cameras, state=state, action=action, size=size,
             progress=lambda seed, why: print(f"seed {seed}: {why or 'an episode'}", file=sys.stderr, flush=True),
         )
     )
@@ -306,6 +305,9 @@ def main(arguments: list[str]) -> int:
     except RobotFault as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("interrupted; no dataset was written", file=sys.stderr)
+        return 130
     return 0
 
 
