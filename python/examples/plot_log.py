@@ -2,17 +2,29 @@
 
     plot_log.py LOG [--joint J] [--out DIR]
 
-LOG is a file or a folder of results. DIR gets joint.csv and scene.ppm, and with gnuplot installed joint.png.
+LOG is a file or a folder of results. DIR gets joint.csv and scene.png, and with gnuplot installed joint.png.
 """
 
 import argparse
 import pathlib
 import shutil
+import struct
 import subprocess
+import zlib
 
 import numpy as np
+import numpy.typing as npt
 
 import panda_twin as pt
+
+
+def write_png(file: pathlib.Path, picture: npt.NDArray[np.uint8]) -> None:
+    """Writes a picture (height, width, 3)."""
+    height, width, _ = picture.shape
+    rows = zlib.compress(b"".join(b"\0" + row.tobytes() for row in picture))
+    chunks = (b"IHDR" + struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0), b"IDAT" + rows, b"IEND")
+    parts = [struct.pack(">I", len(chunk) - 4) + chunk + struct.pack(">I", zlib.crc32(chunk)) for chunk in chunks]
+    file.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(parts))
 
 
 def main() -> None:
@@ -39,9 +51,7 @@ def main() -> None:
                 f'plot "{table}" every ::1 using 1:2 with lines title "q", "" every ::1 using 1:3 with lines title "q_d"')
         subprocess.run(["gnuplot", "-e", plot], check=True)
 
-    picture = log.picture(float(seconds[len(seconds) // 2]), size=(640, 480))
-    height, width, _ = picture.shape
-    (arguments.out / "scene.ppm").write_bytes(f"P6 {width} {height} 255\n".encode() + picture.tobytes())
+    write_png(arguments.out / "scene.png", log.picture(float(seconds[len(seconds) // 2]), size=(640, 480)))
     print("written to", arguments.out)
 
 

@@ -20,7 +20,8 @@ Agent = Callable[[dict[str, Any]], Action]
 def straight(observation: dict[str, Any]) -> Action:
     """Velocity of the end effector's target along the way to the goal; 1 is 0.5 m/s."""
     way = observation["desired_goal"] - observation["achieved_goal"]
-    return np.clip(2 * way, -1, 1).astype(np.float32)
+    action: Action = np.clip(2 * way, -1, 1).astype(np.float32)
+    return action
 
 
 def success_rate(env: gymnasium.Env[Any, Any], agent: Agent, episodes: int, seed: int) -> float:

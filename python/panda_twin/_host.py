@@ -31,8 +31,8 @@ def _meshes() -> str:
         package = importlib.metadata.distribution("example-robot-data")
     except importlib.metadata.PackageNotFoundError:
         return ""
-    folder = package.locate_file("cmeel.prefix/share/example-robot-data/robots/panda_description")
-    return str(folder) if os.path.isdir(folder) else ""
+    folder = str(package.locate_file("cmeel.prefix/share/example-robot-data/robots/panda_description"))
+    return folder if os.path.isdir(folder) else ""
 
 
 executable = _executable()

@@ -10,6 +10,7 @@ import unittest
 import panda_twin
 
 BUILT = pathlib.Path(panda_twin._core.__file__).parent
+EXAMPLES = pathlib.Path(__file__).parents[2] / "python/examples"
 GENERATOR = pathlib.Path(__file__).parents[2] / "python/generate_scenario.py"
 
 RIGHT = """
@@ -60,6 +61,9 @@ class TypesTest(unittest.TestCase):
 
     def test_the_package_is_strictly_typed(self):
         self.assertRegex(self.mypy("-p", "panda_twin"), "^Success: no issues found in [1-9]")
+
+    def test_the_examples_are_strictly_typed(self):
+        self.assertRegex(self.mypy(*sorted(EXAMPLES.glob("*.py"))), "^Success: no issues found in [1-9]")
 
     def test_right_use_passes(self):
         (self.folder / "right.py").write_text(RIGHT)

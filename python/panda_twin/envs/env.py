@@ -11,7 +11,7 @@ from gymnasium import spaces
 
 from .. import _core
 from .cell import Cell, Distribution
-from .tasks import Array
+from .tasks import Array, Task
 
 Observation = dict[str, npt.NDArray[Any]]
 
@@ -73,8 +73,8 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
 
     Parameters
     ----------
-    task : str
-        Reach, Push, PickAndPlace, Peg or Wipe.
+    task : str or class
+        Reach, Push, PickAndPlace, Peg or Wipe, or a class derived from :class:`~panda_twin.envs.tasks.Task`.
     reward : str
         "sparse" (0 at the goal, else -1) or "dense" (negative distance, m).
     control_hz : float
@@ -111,7 +111,7 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
 
     def __init__(
         self,
-        task: str = "Reach",
+        task: str | type[Task] = "Reach",
         *,
         reward: str = "sparse",
         control_hz: float = 20,
