@@ -45,6 +45,11 @@ WRONG = {
 
 
 class TypesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cache = tempfile.TemporaryDirectory(prefix="panda_twin_test_")
+        cls.addClassCleanup(cls.cache.cleanup)
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="panda_twin_test_")
         self.addCleanup(folder.cleanup)
@@ -54,7 +59,7 @@ class TypesTest(unittest.TestCase):
         # nanobind writes os.PathLike without what it is of.
         (self.folder / "mypy.ini").write_text("[mypy]\n[mypy-panda_twin._core]\ndisallow_any_generics = False\n")
         done = subprocess.run(
-            [sys.executable, "-m", "mypy", "--strict", "--cache-dir", self.folder / "cache", *arguments],
+            [sys.executable, "-m", "mypy", "--strict", "--cache-dir", self.cache.name, *arguments],
             cwd=self.folder, env={**os.environ, "MYPYPATH": str(BUILT.parent)}, capture_output=True, text=True,
         )
         return done.stdout + done.stderr
