@@ -37,8 +37,7 @@ def main() -> None:
 
     log = pt.Log(arguments.log)
     cycles, column = log.cycles, arguments.joint - 1
-    seconds = 1e-9 * cycles["at_ns"]
-    q, q_d = cycles["q"][:, column], cycles["q_d"][:, column]
+    seconds, q, q_d = cycles.time, cycles["q"][:, column], cycles["q_d"][:, column]
     held = np.count_nonzero(cycles["fate"] == "held")
     print(f"{len(cycles)} cycles in {len(log.motions)} motions, {held} held; joint {arguments.joint} is at most "
           f"{1e3 * np.abs(q - q_d).max():.3f} mrad from its desired position")

@@ -84,7 +84,9 @@ class Scenario:
         """Read a scenario from a text. `file` is its name in messages; files that it names are sought beside it."""
         return cls._of(_core.LoadedScenario.parse(text, pathlib.Path(file)))
 
-    def replace(self, changes: ScenarioKeys, *, remove: Iterable[str] = ()) -> Scenario:
+    def replace(
+        self, changes: ScenarioKeys | None = None, *, remove: Iterable[str] = (), **keys: typing.Unpack[ScenarioKeys]
+    ) -> Scenario:
         """Return this scenario with other values.
 
         Parameters
@@ -94,10 +96,14 @@ class Scenario:
             depend on what changes are chosen anew.
         remove : iterable of str
             Keys that get their defaults back: "link.command_loss".
+        **keys
+            As `changes`: ``replace(link={"command_loss": "1 %"})``.
         """
+        if changes is None:
+            changes = {}
         if not isinstance(changes, Mapping):
             raise TypeError(f"changes is of type {type(changes).__name__}; a dict of a scenario's keys belongs here")
-        loaded = self._loaded.replaced(_text(changes))
+        loaded = self._loaded.replaced(_text({**changes, **keys}))
         gone: dict[str, typing.Any] = {}
         for key in (remove,) if isinstance(remove, str) else remove:
             *path, last = key.split(".")
