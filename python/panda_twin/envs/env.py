@@ -91,7 +91,8 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
     losses : float or mapping, optional
         Share of lost messages in each direction, or a law as in scenarios.
     viability : int or None
-        Losses in a row under which the limits are kept; None: no filter, so that actions can end the motion.
+        Losses in a row under which the limits are kept; None: no filter, so that actions can end the motion. Of
+        "cartesian_pose" it keeps the end effector's limits: fast actions far from the start can still break a joint's.
     randomize : mapping, optional
         Drawn anew at each reset from the environment's seed: "load.mass" (kg, on the flange), "object.mass" (kg),
         "friction" (of the object), "delay" (s, of each message), "loss" (share), "q_start" (rad, added to each joint).
