@@ -30,7 +30,8 @@ def act(weights: Array, observations: dict[str, Array]) -> Array:
     speed = observations["observation"][:, 7:10]
     lead = observations["observation"][:, -3:]
     features = np.concatenate([10 * way, speed, 10 * lead, np.ones((len(way), 1))], axis=1)
-    return np.clip(np.einsum("nij,nj->ni", weights, features), -1, 1)
+    actions: Array = np.clip(np.einsum("nij,nj->ni", weights, features), -1, 1)
+    return actions
 
 
 def evaluate(env: gymnasium.vector.VectorEnv, weights: Array, seed: int) -> tuple[Array, Array]:

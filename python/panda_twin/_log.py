@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _foreign_logs
+from ._results import RunResult
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped]
@@ -45,9 +46,10 @@ _COLUMNS = {
 class _File:
     """Tables of a log on disk."""
 
-    def __init__(self, path: pathlib.Path, threads: int) -> None:
+    def __init__(self, path: pathlib.Path, threads: int, result: RunResult | None) -> None:
         self.file = _core.LogFile(path)
         self._threads = threads
+        self._result = result  # its folder may be temporary and must last
 
     def read(self, table: str, names: list[str], from_ns: int, until_ns: int) -> _core.LogTable:
         return self.file.read(table, names, from_ns, until_ns, self._threads)
@@ -143,6 +145,18 @@ class Table:
         named.flags.writeable = False
         self._texts[name] = named
         return named
+
+    @property
+    def time(self) -> npt.NDArray[np.float64]:
+        """Time of each row on the run's clock, shape (n,), s: the first column, which is in ns."""
+        return 1e-9 * self[self.names[0]]
+
+    def poses(self, name: str) -> npt.NDArray[np.float64]:
+        """Return a column of poses such as ``O_T_EE``, shape (n, 4, 4); the log has their 16 numbers column by column."""
+        values = self[name]
+        if values.shape[1:] != (16,):
+            raise ValueError(f"column {name} has no poses; read it as table[{name!r}]")
+        return values.reshape(-1, 4, 4).swapaxes(1, 2)
 
     def codes(self, name: str) -> npt.NDArray[np.int32]:
         """Return the numbers of a column of texts, shape (n,), without copying."""
@@ -257,7 +271,7 @@ class Log:
     Parameters
     ----------
     path
-        The log, complete or of a killed run.
+        The log, complete or of a killed run; a folder of results, or the result of `run`.
     threads
         Of reading; all processors by default. No effect on results.
 
@@ -267,11 +281,12 @@ class Log:
         If it is no log, or damaged: says where.
     """
 
-    def __init__(self, path: str | os.PathLike[str], *, threads: int | None = None) -> None:
-        path = pathlib.Path(path)
+    def __init__(self, path: str | os.PathLike[str] | RunResult, *, threads: int | None = None) -> None:
+        result = path if isinstance(path, RunResult) else None
+        path = path.folder if isinstance(path, RunResult) else pathlib.Path(path)
         if path.is_dir():
             path = _core.find_log(path)
-        file = _File(path, max(1, min(threads or os.cpu_count() or 1, 64)))
+        file = _File(path, max(1, min(threads or os.cpu_count() or 1, 64)), result)
         self._open(file, _FIRST, _LAST, path, file.file)
 
     def _open(

@@ -68,7 +68,7 @@ class Explanation:
         return _core.explain(self._log, self._motion, True).page
 
     def __str__(self) -> str:
-        return self.text
+        return self.text.rstrip("\n")
 
     def __repr__(self) -> str:
         return f"<Explanation: {self.text.splitlines()[0]}>"

@@ -12,18 +12,15 @@ import types
 import warnings
 import weakref
 from collections.abc import Sequence
-from typing import Any, Literal, Protocol, Self, TypeAlias
+from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .scenario import RobotLike, as_robot
 
 _Path: TypeAlias = str | os.PathLike[str]
-
-
-class _HasYaml(Protocol):
-    def to_yaml(self) -> str: ...
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -257,7 +254,7 @@ class ControlChannel(_Controlled):
 
 
 def serve(
-    scenario: _Path | _HasYaml | None = None,
+    scenario: RobotLike | None = None,
     *,
     drive: Literal["lockstep", "realtime"] | None = "lockstep",
     pace: float | None = None,
@@ -281,8 +278,8 @@ def serve(
 
     Parameters
     ----------
-    scenario : path or object with to_yaml(), optional
-        Robot, scene and start. Default: the ready pose, no scene.
+    scenario : Scenario, dict, text or path, optional
+        Robot, scene and start, as of `Session`. Default: the ready pose, no scene.
     drive : {"lockstep", "realtime"}, optional
         Who advances time: the programs' answers, or the wall clock. None: the wall clock where this host keeps 1 kHz, which
         takes a second to measure, else lockstep at pace 1.
@@ -338,10 +335,11 @@ def serve(
     """
     options = _core.ServeOptions()
     if scenario is not None:
-        if isinstance(scenario, str | os.PathLike):
-            options.scenario = pathlib.Path(scenario)
+        text, file = as_robot(scenario, "served")
+        if text is None:
+            options.scenario = file
         else:
-            options.yaml = scenario.to_yaml()
+            options.yaml = text
     options.drive = drive
     options.pace = pace
     options.seed = seed

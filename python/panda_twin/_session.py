@@ -1,17 +1,20 @@
 """Motions, one after another, of a twin in this process."""
 
+from __future__ import annotations
+
 import json
 import os
 import pathlib
 from collections.abc import Callable, Iterator, Mapping
 from types import TracebackType
-from typing import Any, Literal, Protocol, Self, TypeAlias, runtime_checkable
+from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
 from ._errors import RobotFault
+from .scenario import RobotLike, as_robot
 
 Interface: TypeAlias = Literal["joint_position", "joint_velocity", "cartesian_pose", "torque"]
 Impedance: TypeAlias = Literal["joint_impedance", "cartesian_impedance"]
@@ -23,14 +26,6 @@ Command: TypeAlias = (
     | _core.CartesianVelocities
 )
 Law: TypeAlias = Callable[[_core.RobotState, float], Command]
-
-
-@runtime_checkable
-class HasYaml(Protocol):
-    """A scenario as an object."""
-
-    def to_yaml(self) -> str:
-        """The scenario as the text of its file."""
 
 
 class MotionFault(RobotFault):
@@ -175,15 +170,6 @@ class Objects(Mapping[str, npt.NDArray[np.float64]]):
         return f"Objects({list(self)})"
 
 
-def _opened(scenario: str | os.PathLike[str] | HasYaml) -> tuple[str | None, pathlib.Path]:
-    """Text (None: the file is to be read) and file."""
-    if isinstance(scenario, HasYaml):
-        return scenario.to_yaml(), pathlib.Path("scenario")
-    if isinstance(scenario, str) and "\n" in scenario:
-        return scenario, pathlib.Path("scenario")
-    return None, pathlib.Path(scenario)
-
-
 class Session:
     """A twin in this process, on which motions follow each other in simulated time.
 
@@ -197,8 +183,8 @@ class Session:
     Parameters
     ----------
     scenario
-        Path of a scenario, its text, or an object with `to_yaml()`. Motion and application may be missing;
-        the arm then rests at robot.q_start.
+        A Scenario, the keys of one, its text, or the name of its file. Motion and application may be missing;
+        the arm then rests at robot.q_start, which of keys is `model.Q_READY` by default. None: no keys at all.
     seed
         Of every random number, instead of the scenario's.
     lab
@@ -215,8 +201,7 @@ class Session:
 
     Examples
     --------
-    >>> rest = [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]
-    >>> with Session(f"name: x\\nplant: {{kind: ideal}}\\nrobot: {{q_start: {{unit: rad, values: {rest}}}}}\\n") as session:
+    >>> with Session({"plant": {"kind": "ideal"}}) as session:
     ...     session.wait(0.1)
     ...     session.state.robot_mode
     'Idle'
@@ -224,12 +209,12 @@ class Session:
 
     def __init__(
         self,
-        scenario: str | os.PathLike[str] | HasYaml,
+        scenario: RobotLike | None = None,
         seed: int | None = None,
         lab: str | None = None,
         log: str | os.PathLike[str] | None = None,
     ) -> None:
-        text, file = _opened(scenario)
+        text, file = as_robot({} if scenario is None else scenario, "session")
         path = None if log is None else pathlib.Path(log)
         self._twin = _core.TwinSession(text, file, seed, lab, path)
         self.hand = Hand(self._twin)
@@ -297,6 +282,8 @@ class Session:
         """
         if trajectory is None:
             return _checked(self._twin.move_own(), check)
+        if not isinstance(trajectory, _core.Trajectory):
+            raise TypeError(f"trajectory is of type {type(trajectory).__name__}; a panda_twin.Trajectory belongs here: Trajectory(waypoints)")
         return _checked(self._twin.move(trajectory, interface, impedance, name), check)
 
     def move_to(

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from . import _core
 
-__all__ = ["HAND", "F_T_HAND", "Q_MAX", "Q_MIN", "coriolis", "fk", "gravity", "ik", "jacobian", "mass"]
+__all__ = ["HAND", "F_T_HAND", "Q_MAX", "Q_MIN", "Q_READY", "coriolis", "fk", "gravity", "ik", "jacobian", "mass"]
 
 Array: TypeAlias = npt.NDArray[np.float64]
 Figures: TypeAlias = Literal["robot", "plant"]
@@ -35,6 +35,8 @@ def _constant(values: npt.ArrayLike) -> Array:
     return array
 
 
+Q_READY: Array = _constant([0, -np.pi / 4, 0, -3 * np.pi / 4, 0, np.pi / 2, np.pi / 4])
+"""Ready pose, to which panda_py's ``move_to_start`` moves, rad, shape (7,)."""
 Q_MIN: Array
 """Lower joint limits, rad, shape (7,)."""
 Q_MAX: Array

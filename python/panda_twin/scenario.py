@@ -10,6 +10,7 @@ import typing
 from collections.abc import Iterable, Mapping
 
 from . import _core
+from .model import Q_READY
 
 if typing.TYPE_CHECKING:
     from .scenario_types import ScenarioKeys
@@ -54,7 +55,7 @@ class Scenario:
 
     Examples
     --------
-    >>> scenario = Scenario.load("canonical.yaml")
+    >>> scenario = Scenario.load("scenarios/canonical.yaml")
     >>> lossy = scenario.replace({"link": {"command_loss": "1 %"}})
     """
 
@@ -69,15 +70,23 @@ class Scenario:
 
     @classmethod
     def load(cls, file: str | os.PathLike[str]) -> Scenario:
-        """Read a scenario file: as named, else one of the installed models ("canonical.yaml", "scenarios/grasp.yaml")."""
-        return cls._of(_core.LoadedScenario.load(pathlib.Path(file)))
+        """Read a scenario file: as named, else one of the installed models ("scenarios/grasp.yaml", "applications/compliance.yaml")."""
+        path = pathlib.Path(file)
+        try:
+            return cls._of(_core.LoadedScenario.load(path))
+        except ValueError as error:
+            if len(path.parts) != 1 or path.exists():
+                raise
+            raise ValueError(f"{error}, or name one of the installed with its folder: scenarios/{path}") from None
 
     @classmethod
     def from_yaml(cls, text: str, file: str | os.PathLike[str] = "text") -> Scenario:
         """Read a scenario from a text. `file` is its name in messages; files that it names are sought beside it."""
         return cls._of(_core.LoadedScenario.parse(text, pathlib.Path(file)))
 
-    def replace(self, changes: ScenarioKeys, *, remove: Iterable[str] = ()) -> Scenario:
+    def replace(
+        self, changes: ScenarioKeys | None = None, *, remove: Iterable[str] = (), **keys: typing.Unpack[ScenarioKeys]
+    ) -> Scenario:
         """Return this scenario with other values.
 
         Parameters
@@ -87,10 +96,14 @@ class Scenario:
             depend on what changes are chosen anew.
         remove : iterable of str
             Keys that get their defaults back: "link.command_loss".
+        **keys
+            As `changes`: ``replace(link={"command_loss": "1 %"})``.
         """
+        if changes is None:
+            changes = {}
         if not isinstance(changes, Mapping):
             raise TypeError(f"changes is of type {type(changes).__name__}; a dict of a scenario's keys belongs here")
-        loaded = self._loaded.replaced(_text(changes))
+        loaded = self._loaded.replaced(_text({**changes, **keys}))
         gone: dict[str, typing.Any] = {}
         for key in (remove,) if isinstance(remove, str) else remove:
             *path, last = key.split(".")
@@ -141,8 +154,38 @@ class Scenario:
         return f"<Scenario {self.name}, seed {self.seed}>"
 
 
+class HasYaml(typing.Protocol):
+    """A scenario as an object."""
+
+    def to_yaml(self) -> str:
+        """The scenario as the text of its file."""
+
+
 ScenarioLike: typing.TypeAlias = "Scenario | ScenarioKeys | str | os.PathLike[str]"
 """A scenario, its keys, or the name of its file."""
+
+RobotLike: typing.TypeAlias = "HasYaml | ScenarioKeys | str | os.PathLike[str]"
+"""A scenario that may be without a motion: an object with `to_yaml()`, keys, a text of several lines, or the name of a file."""
+
+
+def as_robot(scenario: RobotLike, name: str) -> tuple[str | None, pathlib.Path]:
+    """Return the text of a scenario that may be without a motion (None: its file is to be read) and its file.
+
+    Of keys, `name` and the pose in which the arm begins, `model.Q_READY`, may be missing.
+    """
+    if isinstance(scenario, Mapping):
+        keys: dict[str, typing.Any] = {"name": name, **scenario}
+        if "motion" not in keys and "application" not in keys:
+            keys["robot"] = {"q_start": {"unit": "rad", "values": Q_READY}, **keys.get("robot", {})}
+        return _text(keys), pathlib.Path(name)
+    if isinstance(scenario, str) and "\n" in scenario:
+        return scenario, pathlib.Path(name)
+    if isinstance(scenario, (str, os.PathLike)):
+        path = pathlib.Path(scenario)
+        return None, path if path.exists() else pathlib.Path(Scenario.load(path)._loaded.file)
+    if hasattr(scenario, "to_yaml"):
+        return scenario.to_yaml(), pathlib.Path(name)
+    raise TypeError(f"scenario is of type {type(scenario).__name__}; a Scenario, a dict of its keys or a file's name belongs here")
 
 
 def as_scenario(scenario: ScenarioLike) -> Scenario:

@@ -25,8 +25,8 @@ bool IsLockstep(const std::string& drive) {
 
 scenario::Scenario ScenarioOf(const ServeOptions& options, const std::filesystem::path& models) {
   if (!options.yaml.empty()) {
-    return scenario::Parse(options.yaml,
-                           options.scenario.empty() ? "the scenario" : options.scenario);
+    return scenario::ParseServed(options.yaml,
+                                 options.scenario.empty() ? "the scenario" : options.scenario);
   }
   if (options.scenario.empty()) return run::DefaultServed();
   return scenario::LoadServed(scenario::FindScenario(options.scenario, models));

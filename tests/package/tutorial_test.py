@@ -23,7 +23,11 @@ from twin_server import ARM_PORT, is_listening, own_address  # noqa: E402
 
 BUILD, SOURCE = "", pathlib.Path()
 FENCE = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```$', re.MULTILINE | re.DOTALL)
-NOT_RUN = {"scripts/demo\n", "pip install panda-python==1.1.1\n"}
+NOT_RUN = {
+    "scripts/demo\n", "pip install panda-python==1.1.1\n",
+    "scripts/setup\nscripts/wheel\npython3 -m venv ~/twin\n. ~/twin/bin/activate\n"
+    "pip install out/wheels/panda_twin-*-cp311-*.whl gymnasium panda-python==1.1.1\n",
+}
 
 
 class Shell:
@@ -151,6 +155,14 @@ class TutorialTest(unittest.TestCase):
         self.install()
         folder = self.follow("explain-an-abort.md")
         self.assertTrue((folder / "out/jerky/explain.html").exists())
+
+    def test_python(self):
+        for module in ("gymnasium", "panda_py"):
+            if subprocess.run([sys.executable, "-c", f"import {module}"], capture_output=True).returncode:
+                self.skipTest(f"missing: {module} (scripts/setup)")
+        folder = self.follow("python.md")
+        for file in ("served.mcap", "session.mcap", "plot/scene.png"):
+            self.assertTrue((folder / file).exists(), file)
 
     def test_from_twin_to_robot(self):
         self.install()

@@ -296,6 +296,26 @@ class Tasks(unittest.TestCase):
         self.assertTrue(info["is_success"], observation["achieved_goal"] - observation["desired_goal"])
         self.assertAlmostEqual(-info["contact_wrench"][2], force, delta=3)
 
+    def test_a_task_of_ones_own(self):
+        class Beside(panda_twin.envs.Task):
+            scenario = "objects: [{name: box, shape: box, size: [0.05 m, 0.05 m, 0.05 m], on: ground, position: [0.6 m, 0.3 m, 0 m]}]\n"
+            q_start = (0.1, -0.19371, 0.0, -1.90879, 0.0, 1.71508, -0.7854)
+
+            def draw(self, rng):
+                return panda_twin.envs.Draw(rng.uniform((0.4, 0, 0.4), (0.5, 0.1, 0.5)), {})
+
+            def achieved(self, rows):
+                return rows[:, panda_twin.envs.field("position")].copy()
+
+        env = gymnasium.make("PandaTwin/Reach-v0", task=Beside)
+        observation, _ = env.reset(seed=3)
+        self.assertAlmostEqual(np.arctan2(*observation["achieved_goal"][1::-1]), 0.1, places=3)
+        self.assertTrue(((0.4, 0, 0.4) <= observation["desired_goal"]).all() and (observation["desired_goal"] <= (0.5, 0.1, 0.5)).all())
+        *_, info = lead_to(env, observation["desired_goal"], 20)
+        self.assertTrue(info["is_success"])
+        vector = gymnasium.make_vec("PandaTwin/Reach-v0", num_envs=2, task=Beside)
+        np.testing.assert_array_equal(vector.reset(seed=3)[0]["desired_goal"][0], observation["desired_goal"])
+
     def test_fields_name_every_number_of_a_report(self):
         self.assertEqual(tasks.field("q"), slice(0, 7))
         self.assertEqual(tasks.field("is_moving"), slice(tasks.REPORT_SIZE - 1, tasks.REPORT_SIZE))

@@ -1,5 +1,6 @@
 """Logs as columns: what the program's log has, without copies, and what other programs' logs have."""
 
+import gc
 import pathlib
 import subprocess
 import tempfile
@@ -74,6 +75,20 @@ class Logs(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "no texts"):
             cycles.codes("q")
         self.assertIn("motion", self.log.events["kind"].tolist())
+
+    def test_times_are_seconds_and_poses_matrices(self):
+        cycles, ticks = self.log.cycles, self.log.ticks
+        np.testing.assert_allclose(np.diff(cycles.time), 1e-3, atol=1e-12)
+        np.testing.assert_allclose(ticks.time, 1e-9 * ticks["read_ns"], rtol=1e-15)
+        np.testing.assert_allclose(cycles.poses("O_T_EE"), panda_twin.model.fk(cycles["q"]), atol=1e-6)
+        for name in ("q", "fate"):
+            with self.assertRaisesRegex(ValueError, f"column {name} has no poses"):
+                cycles.poses(name)
+
+    def test_of_a_result_keeps_its_temporary_folder(self):
+        cycles = Log(panda_twin.run("scenarios/smoke.yaml")).motions[0].cycles
+        gc.collect()
+        self.assertEqual(cycles["q"].shape, (len(cycles), 7))
 
     def test_unknown_columns_name_the_nearest(self):
         with self.assertRaisesRegex(ValueError, "did you mean tau_J"):

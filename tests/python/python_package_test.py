@@ -15,6 +15,14 @@ class Package(unittest.TestCase):
         source = pathlib.Path(__file__).parents[2] / "python/panda_twin/__init__.py"
         self.assertEqual(pathlib.Path(panda_twin.__file__).resolve(), source)
 
+    def test_the_reference_names_all_of_it(self):
+        page = (pathlib.Path(__file__).parents[2] / "docs/reference/python.md").read_text()
+        for module, names in ((panda_twin, panda_twin.__all__), (panda_twin.model, panda_twin.model.__all__),
+                              (panda_twin.envs, panda_twin.envs.__all__)):
+            for name in names:
+                if not name.startswith("__"):
+                    self.assertRegex(page, rf"\b{name}\b", module.__name__)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -16,6 +16,13 @@ MODELS = pathlib.Path(__file__).parents[2] / "models"
 
 
 class ScenarioTest(unittest.TestCase):
+    def test_replace_takes_keys_as_names_too(self):
+        old = pt.Scenario.load("scenarios/smoke.yaml")
+        new = old.replace(link={"command_loss": "1 %"}, seed=7)
+        self.assertEqual(new, old.replace({"link": {"command_loss": "1 %"}, "seed": 7}))
+        self.assertNotEqual(new, old)
+        self.assertEqual(old.replace(), old)
+
     def test_is_found_among_the_models_as_the_program_finds_it(self):
         for name in ("scenarios/canonical.yaml", "models/scenarios/canonical.yaml", MODELS / "scenarios/canonical.yaml"):
             self.assertEqual(pt.Scenario.load(name).name, "canonical")

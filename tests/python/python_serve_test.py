@@ -154,6 +154,12 @@ class Control(Case):
         with self.assertRaisesRegex(ValueError, "box"):
             robot.place("no_such", (0.5, 0.2, 0.5))
 
+    def test_keys_describe_the_robot(self):
+        robot = self.serve({"objects": [{"name": "box", "shape": "box", "size": ["0.05 m"] * 3, "mass": "0.1 kg", "on": "ground",
+                                         "position": ["0.6 m", "0.3 m", "0 m"]}]})
+        self.assert_near(robot.status.q, READY)
+        robot.place("box", (0.5, 0.2, 0.5))
+
     def test_switches(self):
         robot = self.serve()
         self.assertEqual(robot.user_stop(True).mode, "User stopped")

@@ -264,6 +264,19 @@ class Openings(unittest.TestCase):
             with self.assertRaises((OSError, ValueError)):
                 pt.Session(file.with_name("none.yaml"))
 
+    def test_takes_an_installed_scenario_and_keys(self):
+        with pt.Session("scenarios/smoke.yaml") as session:
+            self.assertTrue(session.move().succeeded)
+        with pt.Session() as session:
+            np.testing.assert_allclose(session.state.q, pt.model.Q_READY, atol=1e-6)
+        with pt.Session({"robot": {"hand": "none"}, "seed": 3}) as session:
+            np.testing.assert_allclose(session.state.q, pt.model.Q_READY, atol=1e-6)
+            with self.assertRaisesRegex(ValueError, "hand"):
+                session.hand.state
+        with pt.Session({"name": "turned", "robot": {"q_start": {"unit": "rad", "values": turned(0.3)}}}) as session:
+            self.assertIn("turned", repr(session))
+            self.assertAlmostEqual(session.state.q[0], 0.3, places=6)
+
     def test_writes_a_log_with_scenes(self):
         with tempfile.TemporaryDirectory() as folder:
             log = pathlib.Path(folder, "session.mcap")

@@ -10,6 +10,7 @@ import unittest
 import panda_twin
 
 BUILT = pathlib.Path(panda_twin._core.__file__).parent
+EXAMPLES = pathlib.Path(__file__).parents[2] / "python/examples"
 GENERATOR = pathlib.Path(__file__).parents[2] / "python/generate_scenario.py"
 
 RIGHT = """
@@ -44,6 +45,11 @@ WRONG = {
 
 
 class TypesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cache = tempfile.TemporaryDirectory(prefix="panda_twin_test_")
+        cls.addClassCleanup(cls.cache.cleanup)
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="panda_twin_test_")
         self.addCleanup(folder.cleanup)
@@ -53,13 +59,16 @@ class TypesTest(unittest.TestCase):
         # nanobind writes os.PathLike without what it is of.
         (self.folder / "mypy.ini").write_text("[mypy]\n[mypy-panda_twin._core]\ndisallow_any_generics = False\n")
         done = subprocess.run(
-            [sys.executable, "-m", "mypy", "--strict", "--cache-dir", self.folder / "cache", *arguments],
+            [sys.executable, "-m", "mypy", "--strict", "--cache-dir", self.cache.name, *arguments],
             cwd=self.folder, env={**os.environ, "MYPYPATH": str(BUILT.parent)}, capture_output=True, text=True,
         )
         return done.stdout + done.stderr
 
     def test_the_package_is_strictly_typed(self):
         self.assertRegex(self.mypy("-p", "panda_twin"), "^Success: no issues found in [1-9]")
+
+    def test_the_examples_are_strictly_typed(self):
+        self.assertRegex(self.mypy(*sorted(EXAMPLES.glob("*.py"))), "^Success: no issues found in [1-9]")
 
     def test_right_use_passes(self):
         (self.folder / "right.py").write_text(RIGHT)

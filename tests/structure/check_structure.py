@@ -126,7 +126,7 @@ def check_text(path, lines):
 
 
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s#]+)[^)]*\)")
-QUOTE = re.compile(r"<!-- file: (\S+) -->\n```\w*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+QUOTE = re.compile(r"<!-- file: (\S+) -->\n```\w*(?: title=\"[^\"]+\")?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PICTURES = "docs/images"
 
 
@@ -225,6 +225,7 @@ SELF_TEST = [
     ("README.md", "![a picture](models/there_is_none.png)\n", "which does not exist"),
     ("README.md", "see [a note](docs/there_is_none.md#part)\n", "which does not exist"),
     ("README.md", "<!-- file: src/core/CMakeLists.txt -->\n```cmake\nb.cc\n```\n", "which differs"),
+    ("README.md", "<!-- file: src/core/CMakeLists.txt -->\n```cmake title=\"a\"\nb.cc\n```\n", "which differs"),
     ("README.md", "<!-- file: src/core/CMakeLists.txt -->\n```cmake\na.cc a_test clock.cc BadName.cc\n```\n", ""),
     ("README.md", "![a picture](https://example.com/a.png)\n", ""),
     ("docs/images/forgotten.png", "", "is not drawn by scripts/gallery"),

@@ -15,7 +15,7 @@ namespace twin::application {
 /// names, with `dash` before them.
 struct ServeOptions {
   std::filesystem::path scenario;  ///< robot, scene, start; empty: the ready pose
-  std::string yaml;  ///< the scenario's text, for scenario::Parse; empty: the file has it
+  std::string yaml;  ///< the scenario's text, for scenario::ParseServed; empty: the file has it
   std::optional<std::string> lab;              ///< name or file (scenario::FindLab)
   std::optional<std::filesystem::path> scene;  ///< instead of the scenario's
   std::optional<std::uint64_t> seed;           ///< instead of the scenario's

@@ -5,11 +5,13 @@ Importing this package registers them: ``gymnasium.make("PandaTwin/Reach-v0")``.
 
 from typing import TYPE_CHECKING, Any
 
+from .tasks import Draw, Task, field
+
 if TYPE_CHECKING:
     from .env import PandaEnv as PandaEnv
     from .vector import PandaVectorEnv as PandaVectorEnv
 
-__all__ = ["PandaEnv", "PandaVectorEnv", "register_envs"]
+__all__ = ["Draw", "PandaEnv", "PandaVectorEnv", "Task", "field", "register_envs"]
 
 _STEPS = {"Reach": 50, "Push": 100, "PickAndPlace": 100, "Peg": 150, "Wipe": 100}
 

@@ -79,7 +79,7 @@ class Cell:
 
     def __init__(
         self,
-        task: str,
+        task: str | type[tasks.Task],
         count: int,
         threads: int,
         *,
@@ -95,19 +95,20 @@ class Cell:
         if interface not in _INTERFACES:
             raise ValueError(f"interface: {interface!r} is unknown; say one of {', '.join(_INTERFACES)}")
         self.task = tasks.make_task(task)
+        title = type(self.task).__name__
         self.interface = interface
         self.randomize = dict(randomize or {})
         for key in self.randomize:
             if key not in _RANDOM:
                 raise ValueError(f"randomize: {key!r} is unknown; say one of {', '.join(_RANDOM)}")
             if key in ("object.mass", "friction") and self.task.object is None:
-                raise ValueError(f"randomize: {key} needs an object, and {task} has none")
+                raise ValueError(f"randomize: {key} needs an object, and {title} has none")
         self.cycles = round(1000 / control_hz)
         link = delays if isinstance(delays, Mapping) else None
         site = None if delays is None or isinstance(delays, Mapping) else pathlib.Path(delays)
         self.robots = _core.SteppedRobots(
             scenario=_scenario(self.task, link, losses, viability, "load.mass" in self.randomize),
-            name=f"PandaTwin/{task}",
+            name=f"PandaTwin/{title}",
             interface=interface,
             cartesian_impedance=self.task.is_compliant,
             delays=site,
@@ -223,13 +224,14 @@ class Cell:
     def _led(self, actions: Array) -> Array:
         """The targets that actions lead to."""
         if self.interface == "cartesian_pose":
-            moved = self.targets[:, :3] + actions[:, :3] * (_SPEED * self._period)
-            led: Array = np.minimum(np.maximum(moved, self._low), self._high)
-            return led
-        if self.interface == "joint_position":
-            moved = self.targets[:, :7] + actions[:, :7] * (_TURN_SPEED * self._period)
-            return np.minimum(np.maximum(moved, _Q_MIN), _Q_MAX)
-        return actions[:, :7] * (_TURN_SPEED if self.interface == "joint_velocity" else _TORQUE)
+            led: Array = self.targets[:, :3] + actions[:, :3] * (_SPEED * self._period)
+            led = np.minimum(np.maximum(led, self._low), self._high)
+        elif self.interface == "joint_position":
+            led = self.targets[:, :7] + actions[:, :7] * (_TURN_SPEED * self._period)
+            led = np.minimum(np.maximum(led, _Q_MIN), _Q_MAX)
+        else:
+            led = actions[:, :7] * (_TURN_SPEED if self.interface == "joint_velocity" else _TORQUE)
+        return led
 
     def observe(self, with_object: bool = True) -> Array:
         """What agents see of the robots, (count, observation_size): a copy.

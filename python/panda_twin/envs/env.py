@@ -11,7 +11,7 @@ from gymnasium import spaces
 
 from .. import _core
 from .cell import Cell, Distribution
-from .tasks import Array
+from .tasks import Array, Task
 
 Observation = dict[str, npt.NDArray[Any]]
 
@@ -73,8 +73,8 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
 
     Parameters
     ----------
-    task : str
-        Reach, Push, PickAndPlace, Peg or Wipe.
+    task : str or class
+        Reach, Push, PickAndPlace, Peg or Wipe, or a class derived from :class:`~panda_twin.envs.tasks.Task`.
     reward : str
         "sparse" (0 at the goal, else -1) or "dense" (negative distance, m).
     control_hz : float
@@ -91,7 +91,8 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
     losses : float or mapping, optional
         Share of lost messages in each direction, or a law as in scenarios.
     viability : int or None
-        Losses in a row under which the limits are kept; None: no filter, so that actions can end the motion.
+        Losses in a row under which the limits are kept; None: no filter, so that actions can end the motion. Of
+        "cartesian_pose" it keeps the end effector's limits: fast actions far from the start can still break a joint's.
     randomize : mapping, optional
         Drawn anew at each reset from the environment's seed: "load.mass" (kg, on the flange), "object.mass" (kg),
         "friction" (of the object), "delay" (s, of each message), "loss" (share), "q_start" (rad, added to each joint).
@@ -111,7 +112,7 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
 
     def __init__(
         self,
-        task: str = "Reach",
+        task: str | type[Task] = "Reach",
         *,
         reward: str = "sparse",
         control_hz: float = 20,

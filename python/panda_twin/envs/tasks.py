@@ -53,7 +53,8 @@ class Draw:
 class Task:
     """A task: its scene, and how well rows of reports do.
 
-    Positions are in the base's frame O, in m.
+    Positions are in the base's frame O, in m. A task of your own is a class derived from this one, with `draw` and `achieved`:
+    ``gymnasium.make("PandaTwin/Reach-v0", task=MyTask)``. Goals are 3 numbers. `field` says which columns of a row hold what.
     """
 
     scenario: ClassVar[str] = ""
@@ -207,11 +208,13 @@ class Wipe(Task):
 TASKS: dict[str, type[Task]] = {task.__name__: task for task in (Reach, Push, PickAndPlace, Peg, Wipe)}
 
 
-def make_task(name: str) -> Task:
-    """The task of that name."""
-    if name not in TASKS:
-        raise ValueError(f"task: {name!r} is unknown; say one of {', '.join(TASKS)}")
-    return TASKS[name]()
+def make_task(task: str | type[Task]) -> Task:
+    """The task of that name or class."""
+    if isinstance(task, type) and issubclass(task, Task):
+        return task()
+    if task not in TASKS:
+        raise ValueError(f"task: {task!r} is unknown; say one of {', '.join(TASKS)}, or give a class derived from panda_twin.envs.Task")
+    return TASKS[task]()
 
 
 def names_of(errors: Any) -> list[str]:

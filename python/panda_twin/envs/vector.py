@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 
 from .cell import Cell, Distribution
 from .env import CAMERAS, Observation, Pictures, check_choice, spaces_of
-from .tasks import Array, Flags, field, names_of
+from .tasks import Array, Flags, Task, field, names_of
 
 Step = tuple[Observation, npt.NDArray[np.float64], Flags, Flags, dict[str, Any]]
 
@@ -44,7 +44,7 @@ class PandaVectorEnv(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray
 
     def __init__(
         self,
-        task: str = "Reach",
+        task: str | type[Task] = "Reach",
         num_envs: int = 1,
         *,
         threads: int | None = None,
