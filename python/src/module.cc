@@ -1,3 +1,8 @@
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <string>
 
@@ -34,6 +39,26 @@ struct Registries {
   }
 };
 
+std::terminate_handler usual_end = nullptr;
+
+/// For daemon threads in a call of ours. At its end the interpreter unwinds threads that ask for
+/// the GIL, which destructors of C++ do not let through: such a thread waits until the process has
+/// ended. Others go on to simulate, so that the process ends without destroying what they use.
+void LetDaemonsWait() {
+  if (nb::cast<int>(nb::module_::import_("threading").attr("active_count")()) == 1) return;
+  nb::set_leak_warnings(false);  // their calls keep what they use
+  ::on_exit(
+      [](int status, void* /*unused*/) {
+        std::fflush(nullptr);
+        ::_exit(status);
+      },
+      nullptr);
+  usual_end = std::set_terminate([] {
+    while (::getpid() != ::gettid()) ::pause();
+    usual_end();
+  });
+}
+
 }  // namespace
 
 const Host& TheHost() {
@@ -69,6 +94,8 @@ NB_MODULE(_core, module) {
       nanobind::kw_only(), nanobind::arg("executable"), nanobind::arg("models"),
       nanobind::arg("meshes"), nanobind::arg("cache"), nanobind::arg("state"),
       nanobind::arg("path"));
+  nanobind::module_::import_("atexit").attr("register")(
+      nanobind::cpp_function(&python::LetDaemonsWait));
   python::AddEnvs(module);
   python::AddErrors(module);
   python::AddModel(module);
