@@ -45,6 +45,10 @@ def _number(distribution: Distribution, rng: np.random.Generator) -> float:
     raise ValueError(f"randomize: the law {law!r} is unknown; say uniform, normal, log_uniform, or give a function")
 
 
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real)
+
+
 def _check(key: str, distribution: Any) -> None:
     """Refuses what `_number` cannot draw from."""
     if callable(distribution):
@@ -52,7 +56,7 @@ def _check(key: str, distribution: Any) -> None:
     laws = {"uniform", "normal", "log_uniform"}
     parts = tuple(distribution) if hasattr(distribution, "__len__") else ()
     law, *values = ("uniform", *parts) if len(parts) == 2 else parts or ("",)
-    if not isinstance(law, str) or law not in laws or len(values) != 2 or not all(isinstance(x, Real) and abs(x) < 1e300 for x in values):
+    if not isinstance(law, str) or law not in laws or len(values) != 2 or not all(_is_number(x) and abs(x) < 1e300 for x in values):
         raise ValueError(
             f"randomize: {key} is {distribution!r}; give (low, high), (law, a, b) with law uniform, normal or log_uniform, "
             "or a function"
