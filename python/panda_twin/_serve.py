@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .scenario import RobotLike, as_robot
+from .scenario import RobotLike, as_robot, checked_seed
 
 _Path: TypeAlias = str | os.PathLike[str]
 
@@ -75,11 +75,15 @@ class Event:
 
 
 def _status_of(line: str) -> Status:
-    answer = json.loads(line)
-    if not answer["ok"]:
-        raise ValueError(answer["error"])
-    return Status(answer["cycle"], answer["time_s"], answer["mode"], answer["paused"], answer["lockstep"],
-                  tuple(answer["errors"]), np.array(answer["q"]))
+    try:
+        answer = json.loads(line)
+        refusal = None if answer["ok"] else str(answer["error"])
+        if refusal is None:
+            return Status(answer["cycle"], answer["time_s"], answer["mode"], answer["paused"], answer["lockstep"],
+                          tuple(answer["errors"]), np.array(answer["q"]))
+    except (ValueError, KeyError, TypeError):
+        raise OSError(f"{line[:40]!r} is no answer of a control channel; another program listens there") from None
+    raise ValueError(refusal)
 
 
 class _Controlled(abc.ABC):
@@ -91,7 +95,11 @@ class _Controlled(abc.ABC):
         """Sends a request, a line of JSON; returns the answer."""
 
     def _do(self, verb: str, **arguments: Any) -> Status:
-        return _status_of(self._ask(json.dumps({"do": verb} | arguments)))
+        try:
+            request = json.dumps({"do": verb} | arguments, allow_nan=False)
+        except ValueError:
+            raise ValueError(f"{verb}: every number must be finite") from None
+        return _status_of(self._ask(request))
 
     @property
     def status(self) -> Status:
@@ -247,7 +255,7 @@ class ControlChannel(_Controlled):
                               f"one with panda-twin serve --control {self.path}") from error
         if not answer.endswith(b"\n"):
             raise OSError(f"{self.path}: the served robot ended before it answered")
-        return answer.decode()
+        return answer.decode(errors="replace")
 
     def __repr__(self) -> str:
         return f"<panda_twin.ControlChannel at {self.path}>"
@@ -342,7 +350,7 @@ def serve(
             options.yaml = text
     options.drive = drive
     options.pace = pace
-    options.seed = seed
+    options.seed = checked_seed(seed)
     options.lab = None if lab is None else os.fspath(lab)
     options.scene = None if scene is None else pathlib.Path(scene)
     options.reset = reset

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._errors import RobotFault
-from .scenario import RobotLike, as_robot
+from .scenario import RobotLike, as_robot, checked_seed
 
 Interface: TypeAlias = Literal["joint_position", "joint_velocity", "cartesian_pose", "torque"]
 Impedance: TypeAlias = Literal["joint_impedance", "cartesian_impedance"]
@@ -216,7 +216,7 @@ class Session:
     ) -> None:
         text, file = as_robot({} if scenario is None else scenario, "session")
         path = None if log is None else pathlib.Path(log)
-        self._twin = _core.TwinSession(text, file, seed, lab, path)
+        self._twin = _core.TwinSession(text, file, checked_seed(seed), lab, path)
         self.hand = Hand(self._twin)
         self.objects = Objects(self._twin)
 

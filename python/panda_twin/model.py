@@ -89,6 +89,9 @@ def _columns(F_T_EE: npt.ArrayLike | None) -> list[float]:
     pose = np.asarray(F_T_EE, float)
     if pose.shape != (4, 4):
         raise ValueError(f"F_T_EE has shape {pose.shape}; it must be (4, 4)")
+    R = pose[:3, :3]
+    if not np.allclose(R @ R.T, np.eye(3), atol=1e-6) or np.linalg.det(R) < 0 or not np.all(np.isfinite(pose)):
+        raise ValueError("F_T_EE: it must be finite, with a rotation in the upper left, right-handed and orthonormal to 1e-6")
     columns: list[float] = pose.T.ravel().tolist()
     return columns
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import operator
 import os
 import pathlib
 import typing
@@ -197,6 +198,13 @@ def as_scenario(scenario: ScenarioLike) -> Scenario:
     if isinstance(scenario, (str, os.PathLike)):
         return Scenario.load(scenario)
     raise TypeError(f"scenario is of type {type(scenario).__name__}; a Scenario, a dict of its keys or a file's name belongs here")
+
+
+def checked_seed(seed: int | None) -> int | None:
+    """Return a seed that replaces a scenario's, which must be of 64 bits; None stays."""
+    if seed is not None and not 0 <= (seed := operator.index(seed)) < 2**64:
+        raise ValueError(f"seed is {seed}; it must be a whole number from 0 to {2**64 - 1}")
+    return seed
 
 
 def validate(scenario: ScenarioLike, load: bool = False) -> str:

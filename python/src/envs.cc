@@ -1,10 +1,11 @@
 #include <algorithm>
-#include <cmath>
+#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,8 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings.h"
+#include "home_process.h"
+#include "place.h"
 #include "twin/core/error.h"
 #include "twin/core/robot_errors.h"
 #include "twin/plant/observers.h"
@@ -36,37 +39,10 @@ using namespace nb::literals;  // NOLINT(google-build-using-namespace): "name"_a
 template <typename Number, typename... Shape>
 using Array = nb::ndarray<Number, nb::c_contig, nb::device::cpu, Shape...>;
 using Rows = Array<double, nb::ndim<2>>;
-using Place = std::array<double, 7>;  ///< position, quaternion w x y z
 
 /// Numbers of a target: seven of the interface (a pose: as Place), and the fingers: > 0 opens,
 /// < 0 grasps, 0 leaves them alone.
 constexpr std::size_t kTargetSize = 8;
-
-Transform PoseOf(const double* place) {
-  double quaternion[4];
-  std::copy_n(place + 3, 4, quaternion);
-  const double norm = std::sqrt(quaternion[0] * quaternion[0] + quaternion[1] * quaternion[1] +
-                                quaternion[2] * quaternion[2] + quaternion[3] * quaternion[3]);
-  if (!(norm > 1e-6)) throw InputError("pose: its quaternion has no length; give w x y z");
-  for (double& part : quaternion) part /= norm;
-  const auto& [w, x, y, z] = quaternion;
-  return {1 - 2 * (y * y + z * z),
-          2 * (x * y + w * z),
-          2 * (x * z - w * y),
-          0,
-          2 * (x * y - w * z),
-          1 - 2 * (x * x + z * z),
-          2 * (y * z + w * x),
-          0,
-          2 * (x * z + w * y),
-          2 * (y * z - w * x),
-          1 - 2 * (x * x + y * y),
-          0,
-          place[0],
-          place[1],
-          place[2],
-          1};
-}
 
 std::map<std::string, Transform> PosesOf(const std::map<std::string, Place>& places) {
   std::map<std::string, Transform> poses;
@@ -120,15 +96,40 @@ struct Stepped {
   int fingers = 0;  ///< sign of the last command
 };
 
-/// Robots that are stepped together, each with the same cell.
+/// Robots that are stepped together, each with the same cell. In a fork other threads step them.
+///
+/// Threads: one at a time; std::runtime_error else.
 class Robots {
  public:
+  class Use {
+   public:
+    explicit Use(Robots& robots) : robots_(robots) {
+      if (!robots.in_use_.exchange(true, std::memory_order_acq_rel)) return;
+      throw std::runtime_error(
+          "the environment is in use by another thread; take one environment for each thread");
+    }
+    ~Use() { robots_.in_use_.store(false, std::memory_order_release); }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+   private:
+    Robots& robots_;
+  };
+
   Robots(Cell cell, std::size_t count, int threads)
-      : cell_(std::move(cell)), pool_(threads), robots_(count) {
+      : cell_(std::move(cell)),
+        threads_(threads),
+        pool_(std::make_unique<run::WorkPool>(threads)),
+        robots_(count) {
     if (count == 0) throw InputError("robots: there must be at least one");
-    pool_.ForEach(count, [&](std::size_t i) { robots_[i] = std::make_unique<Stepped>(cell_); });
+    pool_->ForEach(count, [&](std::size_t i) { robots_[i] = std::make_unique<Stepped>(cell_); });
   }
 
+  ~Robots() {
+    if (home_.is_elsewhere()) static_cast<void>(pool_.release());
+  }
+  Robots(const Robots&) = delete;
+  void operator=(const Robots&) = delete;
   [[nodiscard]] std::size_t row_size() const {
     return run::StepReport::kSize +
            robots_[0]->robot.objects().size() * run::SteppedRobot::kObjectSize;
@@ -142,8 +143,9 @@ class Robots {
              const Rows& rows) {
     if (which.size() != starts.size()) throw InputError("reset: one start per robot is needed");
     for (const std::size_t i : which) Require(i, rows);
+    const Use use(*this);
     const nb::gil_scoped_release release;
-    pool_.ForEach(which.size(), [&](std::size_t k) {
+    Pool().ForEach(which.size(), [&](std::size_t k) {
       Stepped& stepped = *robots_[which[k]];
       stepped.robot.Reset(starts[k]);
       stepped.fingers = 0;
@@ -158,24 +160,36 @@ class Robots {
       throw InputError("step: targets must be (robots, 8), the mask (robots,)");
     }
     Require(count - 1, rows);
+    const Use use(*this);
     const nb::gil_scoped_release release;
     if (count == 1) {
       if (mask.data()[0]) StepOne(0, targets, cycles, rows);
       return;
     }
-    pool_.ForEach(count, [&](std::size_t i) {
+    Pool().ForEach(count, [&](std::size_t i) {
       if (mask.data()[i]) StepOne(i, targets, cycles, rows);
     });
   }
 
   void KeepAsStart() {
+    const Use use(*this);
     const nb::gil_scoped_release release;
-    pool_.ForEach(robots_.size(), [&](std::size_t i) { robots_[i]->robot.KeepAsStart(); });
+    Pool().ForEach(robots_.size(), [&](std::size_t i) { robots_[i]->robot.KeepAsStart(); });
   }
 
-  [[nodiscard]] std::string Describe(std::size_t i) { return At(i).robot.DescribeErrors(); }
+  [[nodiscard]] std::string Describe(std::size_t i) {
+    return (Use(*this), At(i).robot.DescribeErrors());
+  }
 
  private:
+  [[nodiscard]] run::WorkPool& Pool() {
+    if (home_.is_elsewhere()) {  // its threads are not here to be joined
+      static_cast<void>(pool_.release());
+      pool_ = std::make_unique<run::WorkPool>(threads_);
+      home_ = HomeProcess();
+    }
+    return *pool_;
+  }
   [[nodiscard]] Stepped& At(std::size_t i) {
     if (i >= robots_.size())
       throw InputError("robots: there is none of number " + std::to_string(i));
@@ -234,15 +248,18 @@ class Robots {
   }
 
   const Cell cell_;
-  run::WorkPool pool_;
+  const int threads_;
+  HomeProcess home_;
+  std::unique_ptr<run::WorkPool> pool_;
   std::vector<std::unique_ptr<Stepped>> robots_;
+  std::atomic<bool> in_use_{false};  ///< acquire-release: the robots' memory goes with it
 };
 
 /// Pictures of a robot.
 class Camera {
  public:
   Camera(Robots& robots, std::size_t robot, const std::string& view, int width, int height)
-      : truth_(robots.robot(robot).truth()), snapshots_(1, 0) {
+      : robots_(robots), truth_(robots.robot(robot).truth()), snapshots_(1, 0) {
     if (truth_ == nullptr) throw InputError("camera: the ideal plant has no bodies to draw");
     settings_.render.width = width;
     settings_.render.height = height;
@@ -252,6 +269,7 @@ class Camera {
     settings_.view.name = view == "panda_hand" ? "" : view;
     film_.model = &truth_->model();
     film_.snapshots = &snapshots_;
+    const Robots::Use use(robots_);
     const nb::gil_scoped_release release;
     Look();
     painter_ = std::make_unique<render::FramePainter>(film_, settings_);
@@ -260,6 +278,7 @@ class Camera {
   /// Draws what is there now, and small balls at `marks`.
   void Draw(const std::vector<Vector3>& marks, const Array<std::uint8_t, nb::ndim<3>>& out) {
     Require(out, 3);
+    const Robots::Use use(robots_);
     const nb::gil_scoped_release release;
     Look();
     render::PlannedGoal goal;
@@ -270,6 +289,7 @@ class Camera {
 
   void Depth(const Array<float, nb::ndim<3>>& out) {
     Require(out, 1);
+    const Robots::Use use(robots_);
     const nb::gil_scoped_release release;
     Look();
     const render::DepthImage image = painter_->Depth(0);
@@ -293,6 +313,7 @@ class Camera {
     snapshots_.Append(scene);
   }
 
+  Robots& robots_;
   const plant::TruthProbe* truth_;
   render::Snapshots snapshots_;
   render::Film film_;

@@ -26,6 +26,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings.h"
+#include "home_process.h"
 #include "twin/application/served_session.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -109,13 +110,20 @@ class Served {
     controlled_.emplace(session_->robot(), true);
     if (control) {
       const bool may_reset = session_->reset() != application::ResetPolicy::kNever;
-      control_.emplace(*control, server::ControlledRobot(session_->robot(), may_reset),
-                       [this](std::string_view line) { session_->Tell(line); });
+      control_ = std::make_unique<server::ControlChannel>(
+          *control, server::ControlledRobot(session_->robot(), may_reset),
+          [this](std::string_view line) { session_->Tell(line); });
     }
     session_->StartLog();
     session_->robot().Start();
   }
-  ~Served() { control_.reset(); }
+  ~Served() {
+    if (home_.is_elsewhere()) {  // its threads are not here to be joined
+      static_cast<void>(control_.release());
+      static_cast<void>(session_.release());
+    }
+    control_.reset();
+  }
   Served(const Served&) = delete;
   Served& operator=(const Served&) = delete;
 
@@ -138,8 +146,9 @@ class Served {
     return WhileOpen([this] { return controlled_->StatusLine(); });
   }
 
-  /// A second call has no effect. @returns what users must see.
+  /// A second call has no effect, nor one in a fork of the process. @returns what users must see.
   std::vector<std::string> Close() {
+    if (home_.is_elsewhere()) return {};
     Notes notes;
     {
       const nb::gil_scoped_release release;
@@ -183,6 +192,7 @@ class Served {
   /// @throws InputError once it is closed. @pre without the GIL.
   template <typename Action>
   std::invoke_result_t<Action> WhileOpen(Action action) {
+    home_.Require("a served robot");
     const std::shared_lock lock(ending_);
     if (closed_) throw InputError("this robot is closed; serve another one");
     return action();
@@ -219,6 +229,7 @@ class Served {
     if (failure) std::rethrow_exception(failure);
   }
 
+  const HomeProcess home_;
   const MonotonicClock clock_;
   std::mutex keeping_;
   std::deque<Told> events_;  ///< guarded by keeping_
@@ -228,7 +239,7 @@ class Served {
   fci::Endpoint arm_;
   std::string drive_;
   std::optional<server::ControlledRobot> controlled_;
-  std::optional<server::ControlChannel> control_;
+  std::unique_ptr<server::ControlChannel> control_;
 };
 
 }  // namespace

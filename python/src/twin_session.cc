@@ -13,6 +13,7 @@
 #include "twin/robot/robot.h"
 #include "twin/run/plan_to.h"
 #include "twin/run/robot_config.h"
+#include "twin/scenario/data_directory.h"
 #include "twin/scenario/names.h"
 
 namespace twin::python {
@@ -28,8 +29,9 @@ std::uint64_t NextId() {
 }
 
 scenario::Scenario ScenarioOf(const Opening& opening) {
-  scenario::Scenario scenario = opening.text ? scenario::ParseServed(*opening.text, opening.file)
-                                             : scenario::LoadServed(opening.file);
+  scenario::Scenario scenario =
+      opening.text ? scenario::ParseServed(*opening.text, opening.file)
+                   : scenario::LoadServed(scenario::FindScenario(opening.file, Files().models));
   if (opening.lab) {
     scenario::ApplyLab(scenario::FindLab(*opening.lab, Files().models), scenario);
   }
@@ -78,6 +80,7 @@ scenario::TickSection TickOf(const std::string& section, control::CommandInterfa
 class TwinSession::Use {
  public:
   explicit Use(TwinSession& session) : session_(session) {
+    if (session.records_) session.home_.Require("a session with a log");
     if (session.in_use_.exchange(true, std::memory_order_acq_rel)) {
       throw std::runtime_error(
           "the session is in use, by another thread or by the call whose law this is; take one "
@@ -102,10 +105,10 @@ TwinSession::TwinSession(const Opening& opening)
     : id_(NextId()), scenario_(ScenarioOf(opening)), files_(Files()) {
   controllers::RegisterControllers(controllers_);
   controllers_.Add(kLaw, [this](const control::ControllerRequest& /*request*/) { return law_(); });
-  if (opening.log) records_.emplace();
+  if (opening.log) records_ = std::make_unique<run::RunRecords>();
   session_ = std::make_unique<run::Session>(
       scenario_, run::Catalogue{TheCatalogue().backends, controllers_, TheCatalogue().devices},
-      files_, records_ ? &*records_ : nullptr);
+      files_, records_.get());
   run::RunHooks hooks;
   if (records_) {
     records_->Log(*opening.log, run::InfoOf(scenario_, session_->robot()),
@@ -127,6 +130,10 @@ TwinSession::TwinSession(const Opening& opening)
 }
 
 TwinSession::~TwinSession() {
+  if (records_ && home_.is_elsewhere()) {  // their threads are not here to be joined
+    static_cast<void>(session_.release());
+    static_cast<void>(records_.release());
+  }
   session_.reset();  // a log that was not completed stays partial
 }
 

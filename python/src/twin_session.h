@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bindings.h"
+#include "home_process.h"
 #include "signals.h"
 #include "twin/control/registry.h"
 #include "twin/core/hand_command.h"
@@ -46,7 +47,8 @@ struct ControlOptions {
 /// motion that runs, and after Close() are refused; Ctrl-C stops each call.
 ///
 /// All calls are made with the GIL released, but Control(). Errors: as run::Session;
-/// std::runtime_error while another call is under way, InputError once closed.
+/// std::runtime_error while another call is under way, and in a fork of the process when there is a
+/// log; InputError once closed.
 class TwinSession {
  public:
   explicit TwinSession(const Opening& opening);
@@ -100,7 +102,8 @@ class TwinSession {
   control::ControllerRegistry controllers_;  ///< the program's, and law_
   std::function<std::unique_ptr<control::Controller>()> law_;
   SignalWatch signals_;
-  std::optional<run::RunRecords> records_;
+  const HomeProcess home_;
+  std::unique_ptr<run::RunRecords> records_;  ///< null: no log
   std::unique_ptr<run::Session> session_;
   std::unique_ptr<planning::CollisionWorld> world_;  ///< of MoveTo(), made by its first call
   std::optional<run::SessionResult> result_;

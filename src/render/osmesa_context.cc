@@ -38,7 +38,7 @@ void MakeOsMesaGlobal() {
 }  // namespace
 
 void OsMesaContext::Destroy::operator()(osmesa_context* context) const noexcept {
-  OSMesaDestroyContext(context);
+  if (LivesHere()) OSMesaDestroyContext(context);
 }
 
 OsMesaContext::OsMesaContext() {
@@ -53,7 +53,13 @@ OsMesaContext::OsMesaContext() {
   MakeOsMesaGlobal();
 }
 
+bool OsMesaContext::LivesHere() noexcept {
+  const pid_t first = first_process;
+  return first == 0 || first == ::getpid();
+}
+
 void OsMesaContext::MakeCurrent() {
+  RequireNoFork();
   if (OSMesaGetCurrentContext() == context_.get()) return;
   if (OSMesaMakeCurrent(context_.get(), dummy_.data(), GL_UNSIGNED_BYTE,
                         static_cast<GLsizei>(kDummySize),

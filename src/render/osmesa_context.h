@@ -19,8 +19,11 @@ class OsMesaContext {
   /// @throws EnvironmentError if OSMesa gives no context, and in a fork of a process that had one.
   OsMesaContext();
 
+  /// @returns whether contexts can be used: false in a fork of a process that had one.
+  [[nodiscard]] static bool LivesHere() noexcept;
+
   /// Makes this context current on the calling thread.
-  /// @throws EnvironmentError if OSMesa refuses.
+  /// @throws EnvironmentError if OSMesa refuses, and in a fork.
   void MakeCurrent();
 
   /// Releases the calling thread's context, so that another thread may use it.

@@ -77,6 +77,7 @@ SceneRenderer::SceneRenderer(const mjModel& model, const RenderSettings& setting
 }
 
 SceneRenderer::~SceneRenderer() {
+  if (!OsMesaContext::LivesHere()) return;  // nothing of it can be freed
   const Current current = Use();
   mjr_freeContext(&context_);
   mjv_freeScene(&scene_);

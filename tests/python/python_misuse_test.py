@@ -5,10 +5,17 @@ import gc
 import math
 import os
 import pathlib
+import socket
+import subprocess
+import sys
 import tempfile
+import threading
 import unittest
 
+import numpy as np
+
 import panda_twin as pt
+from panda_twin.envs import PandaEnv, PandaVectorEnv
 
 READY = [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]
 MOTION = {"trajectory": {"unit": "rad", "waypoints": [{"q": READY}, {"q": [0.5, *READY[1:]]}]}}
@@ -122,7 +129,48 @@ TABLE = [
     (lambda: pt.run(SMOKE).explain(motion=1), ValueError, "no error ended motion 1"),
     (lambda: pt.run(scenario(record=False, plant={"kind": "ideal"})).explain(), ValueError, "holds no run.mcap"),
     (lambda: setattr(scenario(), "seed", 3), AttributeError, "seed"),
+    # Sessions, served robots, the model
+    (lambda: pt.Session(SMOKE, seed=-1), ValueError, "seed is -1; it must be a whole number from 0 to 18446744073709551615"),
+    (lambda: pt.Session(SMOKE, seed=1.5), TypeError, "float"),
+    (lambda: pt.serve(seed=2**64), ValueError, "seed is 18446744073709551616; it must be"),
+    (lambda: pt.model.fk(READY, F_T_EE=2 * np.eye(4)), ValueError, "F_T_EE: it must be finite, with a rotation"),
+    (lambda: pt.model.jacobian(READY, F_T_EE=np.full((4, 4), np.nan)), ValueError, "F_T_EE: it must be finite"),
+    # Environments
+    (lambda: PandaVectorEnv(num_envs=0), ValueError, "num_envs: 0 is no whole number from 1 to 10000"),
+    (lambda: PandaVectorEnv(num_envs=1.5), TypeError, "float"),
+    (lambda: PandaVectorEnv(num_envs=10**9), ValueError, "num_envs: 1000000000 is no whole number"),
+    (lambda: PandaVectorEnv(num_envs=2).reset(options={"reset_mask": [True]}), ValueError, "reset_mask: its shape is (1,)"),
+    (lambda: PandaVectorEnv(num_envs=2).reset(options={"reset_mask": [True, False]}), ValueError, "begins episodes of all robots"),
+    (lambda: PandaEnv(randomize={"loss": 5}), ValueError, "randomize: loss is 5; give (low, high)"),
+    (lambda: PandaEnv(randomize={"loss": ("foo", 0, 1)}), ValueError, "randomize: loss is ('foo', 0, 1)"),
+    (lambda: PandaEnv(randomize={"loss": (math.nan, 1)}), ValueError, "randomize: loss is (nan, 1)"),
+    (lambda: PandaEnv(randomize={"delay": (1, 0)}), ValueError, "it must rise"),
+    (lambda: PandaEnv(randomize={"delay": ("log_uniform", 0, 1)}), ValueError, "log_uniform from above 0"),
+    (lambda: PandaEnv(randomize={"q_start": (5, 6)}).reset(), ValueError, "q_start gives"),
 ]
+
+
+def alone(code):
+    """Exit status and output of a Python process with this code."""
+    lines = "import os, sys, threading, time\nimport numpy as np\nimport panda_twin as pt\nfrom panda_twin.envs import *\n" + code
+    done = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, timeout=60)
+    return done.returncode, done.stdout + done.stderr
+
+
+def answers(path, line):
+    """A socket at a path where the one client is told a line."""
+    listening = socket.socket(socket.AF_UNIX)
+    listening.bind(str(path))
+    listening.listen()
+
+    def answer():
+        client, _ = listening.accept()
+        client.recv(1000)
+        client.sendall(line)
+        client.close()
+        listening.close()
+
+    threading.Thread(target=answer).start()
 
 
 class MisuseTest(unittest.TestCase):
@@ -160,6 +208,55 @@ class MisuseTest(unittest.TestCase):
             pt.run(moved, out=HERE / "missing")
         with self.assertRaisesRegex(OSError, "gnuplot is not installed; apt-get install gnuplot-nox, or run with plots=False"):
             pt.run(moved, out=HERE / "missing", video=False)
+
+    def test_a_session_finds_the_installed_scenarios_as_a_run_does(self):
+        with pt.Session(SMOKE) as session:
+            self.assertEqual(repr(session), "Session('smoke')")
+
+    def test_foreign_answers_at_a_control_channel_are_told(self):
+        for number, line in enumerate((b"garbage\n", b"[]\n", b"{}\n", b'{"ok":true}\n', b'{"ok":false}\n', b"\xff\n")):
+            answers(HERE / f"foreign{number}", line)
+            with self.subTest(line=line), self.assertRaisesRegex(OSError, "no answer of a control channel"):
+                pt.control_channel(HERE / f"foreign{number}")
+
+    def test_numbers_of_a_request_are_finite(self):
+        with pt.serve(drive="lockstep") as robot, self.assertRaisesRegex(ValueError, "reset: every number must be finite"):
+            robot.reset([math.nan] * 7)
+
+    def test_two_threads_on_an_environment_are_refused_or_take_turns(self):
+        told = set()
+
+        def use(call):
+            for _ in range(50):
+                try:
+                    call()
+                except RuntimeError as error:
+                    told.add(str(error))
+
+        for env, action in ((PandaEnv("Reach", render_mode="rgb_array"), (3,)), (PandaVectorEnv("Reach", 2, threads=2), (2, 3))):
+            env.reset(seed=0)
+            calls = [lambda: env.step(np.zeros(action))] * 3 + [env.reset, env.render, env.render]
+            threads = [threading.Thread(target=use, args=(call,)) for call in calls]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        self.assertEqual(told, {"the environment is in use by another thread; take one environment for each thread"})
+
+    def test_a_fork_has_no_threads_of_what_it_inherits(self):
+        fork = "\nif child := os.fork():\n    print(os.waitpid(child, 0)[1])\n"
+        told = alone(f"env = PandaVectorEnv('Reach', 2, threads=2); env.reset(seed=0){fork}print(env.step(np.zeros((2, 3)))[1])")
+        self.assertEqual(told, (0, "[-1. -1.]\n0\n[-1. -1.]\n"))
+        told = alone(f"s = pt.Session('{SMOKE}', log='{HERE}/f.mcap')\ntry:{fork.replace(chr(10), chr(10) + '    ')}\n"
+                     "    s.wait(0.1); s.close(); print('closed')\nexcept RuntimeError as error:\n    print(error)")
+        self.assertEqual(told[0], 0, told)
+        self.assertRegex(told[1], "^a session with a log is process [0-9]+'s, and .* make one here\n0\nclosed\n$")
+        told = alone(f"robot = pt.serve(drive='lockstep'){fork}try:\n    print(robot.status.mode)\n"
+                     "except RuntimeError as error:\n    print(error)\nrobot.close()")
+        self.assertRegex(told[1], "^a served robot is process [0-9]+'s, and .* make one here\n0\nIdle\n$")
+        told = alone(f"env = PandaEnv(render_mode='rgb_array'); env.reset(); env.render(){fork}try:\n    env.render()\n"
+                     "except OSError as error:\n    print(error, flush=True)\n    os._exit(0)")
+        self.assertRegex(told[1], "^this process was forked from one that has drawn pictures, .*\n0\n$")
 
 
 if __name__ == "__main__":

@@ -2,9 +2,11 @@
 
 import json
 import math
+import operator
 import os
 import pathlib
 from collections.abc import Callable, Mapping, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -24,6 +26,7 @@ _TORQUE = np.array([20.0, 20.0, 20.0, 20.0, 5.0, 5.0, 5.0])
 _SPEED = 0.5  # of a full action on the interface cartesian_pose, m/s
 _TURN_SPEED = 1.0  # of a joint, rad/s
 _MOST_SEED = 2**63
+_MOST_ROBOTS = 10_000
 
 
 def _number(distribution: Distribution, rng: np.random.Generator) -> float:
@@ -40,6 +43,27 @@ def _number(distribution: Distribution, rng: np.random.Generator) -> float:
     if law == "log_uniform":
         return float(np.exp(rng.uniform(np.log(a), np.log(b))))
     raise ValueError(f"randomize: the law {law!r} is unknown; say uniform, normal, log_uniform, or give a function")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real)
+
+
+def _check(key: str, distribution: Any) -> None:
+    """Refuses what `_number` cannot draw from."""
+    if callable(distribution):
+        return
+    laws = {"uniform", "normal", "log_uniform"}
+    parts = tuple(distribution) if hasattr(distribution, "__len__") else ()
+    law, *values = ("uniform", *parts) if len(parts) == 2 else parts or ("",)
+    if not isinstance(law, str) or law not in laws or len(values) != 2 or not all(_is_number(x) and abs(x) < 1e300 for x in values):
+        raise ValueError(
+            f"randomize: {key} is {distribution!r}; give (low, high), (law, a, b) with law uniform, normal or log_uniform, "
+            "or a function"
+        )
+    a, b = values
+    if b < 0 if law == "normal" else not (a <= b and (a > 0 or law == "uniform")):
+        raise ValueError(f"randomize: {key} is {distribution!r}; it must rise, log_uniform from above 0, normal with b >= 0")
 
 
 def _loss_law(losses: float | Mapping[str, Any]) -> Any:
@@ -90,6 +114,8 @@ class Cell:
         viability: int | None,
         randomize: Mapping[str, Distribution] | None,
     ) -> None:
+        if not 1 <= operator.index(count) <= _MOST_ROBOTS:
+            raise ValueError(f"num_envs: {count!r} is no whole number from 1 to {_MOST_ROBOTS}")
         if not 5 <= control_hz <= 100:
             raise ValueError(f"control_hz: {control_hz} is not in [5, 100]")
         if interface not in _INTERFACES:
@@ -101,6 +127,7 @@ class Cell:
         for key in self.randomize:
             if key not in _RANDOM:
                 raise ValueError(f"randomize: {key!r} is unknown; say one of {', '.join(_RANDOM)}")
+            _check(key, self.randomize[key])
             if key in ("object.mass", "friction") and self.task.object is None:
                 raise ValueError(f"randomize: {key} needs an object, and {title} has none")
         self.cycles = round(1000 / control_hz)
@@ -190,6 +217,8 @@ class Cell:
             if "q_start" in self.randomize:
                 law = self.randomize["q_start"]
                 q = [at + _number(law, rng) for at in self.task.q_start]
+                if not np.all((_Q_MIN - 0.05 < q) & (q < _Q_MAX + 0.05)):
+                    raise ValueError(f"randomize: q_start gives {np.round(q, 3)} rad, not inside the joints' limits")
             masses: dict[str, float] = {}
             frictions: dict[str, float] = {}
             if "load.mass" in drawn:

@@ -117,6 +117,10 @@ class PandaVectorEnv(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray
         mask = np.ones(self.num_envs, dtype=np.bool_)
         if options is not None and "reset_mask" in options:
             mask = np.asarray(options["reset_mask"], dtype=np.bool_)
+            if mask.shape != (self.num_envs,):
+                raise ValueError(f"reset_mask: its shape is {mask.shape}, not {(self.num_envs,)}")
+            if not self._rngs and not mask.all():
+                raise ValueError("reset_mask: the first reset begins episodes of all robots; leave the mask out")
         if not self._rngs:
             self._rngs = [seeding.np_random(one)[0] for one in seeds]
         else:
