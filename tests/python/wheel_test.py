@@ -139,7 +139,8 @@ class Debian12(Used, unittest.TestCase):
                          ("idna", "scripts/requirements-clients.txt"), ("urllib3", "scripts/requirements-clients.txt"),
                          ("websockets", "scripts/requirements-clients.txt"),
                          ("gymnasium", "scripts/requirements-python.txt"), ("cloudpickle", "scripts/requirements-python.txt"),
-                         ("farama-notifications", "scripts/requirements-python.txt"))
+                         ("farama-notifications", "scripts/requirements-python.txt"),
+                         ("typing-extensions", "scripts/requirements-test.txt"))
 
     def test_draws_beside_another_mujoco_whichever_comes_first(self):
         if not self.root.path("/srv/by_module/run.mcap").exists():
