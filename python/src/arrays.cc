@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nanobind/stl/string.h>
 
+#include "twin/core/error.h"
 #include "twin/core/setting.h"
 
 namespace twin::python {
@@ -149,6 +150,11 @@ Transform PoseFrom(nb::handle from, std::string_view what) {
             .c_str());
   }
   return X;
+}
+
+Duration SecondsFrom(double seconds, std::string_view what, double least) {
+  RequireInRange(what, seconds, least, kDay);
+  return FromSeconds(seconds);
 }
 
 }  // namespace twin::python

@@ -6,6 +6,7 @@
 
 #include "bindings.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/time.h"
 
 // Numbers between C++ and numpy. All functions: with the GIL.
 namespace twin::python {
@@ -47,5 +48,8 @@ extern template Array ArrayOf(const JointVector&);
 [[nodiscard]] Vector6 Vector6From(nb::handle from, std::string_view what);
 /// A rigid pose, shape (4, 4).
 [[nodiscard]] Transform PoseFrom(nb::handle from, std::string_view what);
+inline constexpr double kDay = 86400;  ///< longest duration, s
+/// @throws InputError unless in [least, kDay], s.
+[[nodiscard]] Duration SecondsFrom(double seconds, std::string_view what, double least = 0);
 
 }  // namespace twin::python

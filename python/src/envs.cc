@@ -20,6 +20,7 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include "arrays.h"
 #include "bindings.h"
 #include "home_process.h"
 #include "place.h"
@@ -345,7 +346,7 @@ run::EpisodeStart MakeStart(std::uint64_t seed, const std::optional<JointVector>
   start.places = PosesOf(places);
   start.masses = std::move(masses);
   start.frictions = std::move(frictions);
-  if (delay_s) start.delay = FromSeconds(*delay_s);
+  if (delay_s) start.delay = SecondsFrom(*delay_s, "delay, s,");
   start.loss = loss;
   return start;
 }

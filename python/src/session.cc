@@ -34,7 +34,7 @@ std::vector<reference::Waypoint> WaypointsFrom(nb::handle rows,
     const std::string where = fmt::format("waypoint {}", i + 1);
     reference::Waypoint& point = waypoints.emplace_back();
     point.q = JointsFrom(row, where + ": q, rad");
-    if (times && i < times->size()) point.at = FromSeconds((*times)[i]);
+    if (times && i < times->size()) point.at = SecondsFrom((*times)[i], where + ": time, s,");
   }
   if (times && times->size() != waypoints.size()) {
     throw nb::value_error(fmt::format("times: there are {} for {} waypoints; give one for each",
@@ -54,7 +54,7 @@ void AddTrajectory(nb::module_& module) {
              double velocity, double acceleration, double jerk) {
             reference::Timing timing{
                 .velocity_scale = velocity, .acceleration_scale = acceleration, .jerk_scale = jerk};
-            if (duration) timing.duration = FromSeconds(*duration);
+            if (duration) timing.duration = SecondsFrom(*duration, "duration, s,");
             const JointLimits limits =
                 scenario::LoadRobotData(Files().models, "panda", plant::HandKind::kFrankaHand)
                     .limits;
@@ -68,7 +68,7 @@ void AddTrajectory(nb::module_& module) {
       .def(
           "sample",
           [](const Trajectory& self, double time) {
-            const reference::JointTarget target = self.Sample(FromSeconds(time));
+            const reference::JointTarget target = self.Sample(SecondsFrom(time, "time, s,", -kDay));
             return nb::typed<nb::tuple, Array, Array, Array>(
                 nb::make_tuple(ArrayOf(target.q), ArrayOf(target.dq), ArrayOf(target.ddq)));
           },
@@ -143,7 +143,14 @@ void AddMotionResult(nb::module_& module) {
           "Cycles without one.")
       .def_prop_ro(
           "longest_loss", [](const MotionResult& self) { return self.counts.longest_loss; },
-          "Most held cycles in a row.");
+          "Most held cycles in a row.")
+      .def("__repr__", [](const MotionResult& self) {
+        const bool succeeded = self.report.succeeded();
+        return fmt::format(
+            "<MotionResult {}{}{}: {:.3f} to {:.3f} s, final_error {:.2g} rad>", self.name,
+            self.name.empty() ? "" : " ", succeeded ? "success" : "failed: " + self.report.failure,
+            SecondsAt(self.begun), ToSeconds(self.report.simulated), self.final_error);
+      });
 }
 
 void AddSessionResult(nb::module_& module) {
@@ -157,7 +164,12 @@ void AddSessionResult(nb::module_& module) {
       .def_prop_ro(
           "states_hash", [](const SessionResult& self) { return FormatHash(self.states_hash); },
           "Fingerprint of all states, as `panda-twin run` prints it.")
-      .def_ro("unsound", &SessionResult::unsound, "Warnings of the simulation; \"\": none.");
+      .def_ro("unsound", &SessionResult::unsound, "Warnings of the simulation; \"\": none.")
+      .def("__repr__", [](const SessionResult& self) {
+        return fmt::format("<SessionResult: {} motions, {} cycles served, {} held, {}>",
+                           self.motions, self.counts.served, self.counts.held,
+                           FormatHash(self.states_hash));
+      });
 }
 
 void AddHand(nb::module_& module) {
@@ -173,12 +185,21 @@ void AddHand(nb::module_& module) {
           "\"success\", \"fail\", \"unsuccessful\" or \"aborted\"; \"\" when it was refused.")
       .def_ro("width", &HandOutcome::width, "Between the fingers as it ended, m.")
       .def_ro("is_grasped", &HandOutcome::is_grasped, "An object was held as it ended.")
-      .def_ro("failure", &HandOutcome::failure, "Why the hand refused it, or it was stopped.");
+      .def_ro("failure", &HandOutcome::failure, "Why the hand refused it, or it was stopped.")
+      .def("__repr__", [](const HandOutcome& self) {
+        return fmt::format("<HandOutcome {}: width {:.4f} m{}>",
+                           self.result ? Name(*self.result) : self.failure, self.width,
+                           self.is_grasped ? ", grasped" : "");
+      });
   nb::class_<HandState>(module, "HandState", "State of the hand.")
       .def_ro("width", &HandState::width, "Between the fingers, m.")
       .def_ro("max_width", &HandState::max_width, "From the last homing, m; 0 before.")
       .def_ro("is_grasped", &HandState::is_grasped, "An object is held.")
-      .def_ro("temperature", &HandState::temperature, "Of the drive, degrees Celsius.");
+      .def_ro("temperature", &HandState::temperature, "Of the drive, degrees Celsius.")
+      .def("__repr__", [](const HandState& self) {
+        return fmt::format("<HandState: width {:.4f} of {:.4f} m{}>", self.width, self.max_width,
+                           self.is_grasped ? ", grasped" : "");
+      });
 }
 
 void AddMotions(nb::class_<TwinSession>& session) {

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -114,6 +116,12 @@ void AddState(nb::module_& module) {
       "Names of the errors that ended the last motion.");
   state.def_ro("control_command_success_rate", &RobotState::control_command_success_rate,
                "Share of the last 100 commands received; 0 without a motion.");
+  state.def("__repr__", [](const RobotState& self) {
+    return fmt::format(
+        "<RobotState {}: {}, q [{:.4f}] rad{}>", self.message_id, Name(self.robot_mode),
+        fmt::join(self.q, ", "),
+        self.errors.none() ? "" : ", " + fmt::format("{}", fmt::join(NamesOf(self.errors), ", ")));
+  });
 }
 
 }  // namespace twin::python

@@ -246,9 +246,8 @@ run::MotionResult TwinSession::Control(nb::object law, const ControlOptions& opt
     throw InputError(
         "control: a law runs in lockstep, whose time waits for it; say drive: lockstep");
   }
-  if (options.until && !(*options.until > 0 && *options.until <= ToSeconds(kLongest))) {
-    throw InputError(fmt::format("control: until is {:g} s; it must be in (0, {:g}] s",
-                                 *options.until, ToSeconds(kLongest)));
+  if (options.until) {
+    RequireInRange("control: until, s,", *options.until, ToSeconds(kCycle), ToSeconds(kLongest));
   }
   const Duration until = options.until ? FromSeconds(*options.until) : kLongest;
   Law called(std::move(law), until);

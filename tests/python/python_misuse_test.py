@@ -66,6 +66,13 @@ TABLE = [
     (lambda: pt.Scenario.load(file("list.yaml", "- 1")), ValueError, "list.yaml:1: "),
     (lambda: pt.Scenario.load(file("open.yaml", "name: [a\n")), ValueError, "not valid YAML"),
     (lambda: pt.Scenario.from_yaml(5), TypeError, "parse"),
+    # Times
+    (lambda: pt.Trajectory([READY, READY], times=[0, math.nan]), ValueError, "waypoint 2: time, s, is nan; it must lie in [0, 86400]"),
+    (lambda: pt.Trajectory([READY, READY], times=[0, math.inf]), ValueError, "waypoint 2: time, s, is inf"),
+    (lambda: pt.Trajectory([READY, READY], duration=1e300), ValueError, "duration, s, is 1e+300; it must lie in [0, 86400]"),
+    (lambda: pt.Trajectory([READY, [0.1, *READY[1:]]]).sample(math.nan), ValueError, "time, s, is nan"),
+    (lambda: pt.Session().control(lambda state, dt: None, until=1e-12), ValueError, "until, s, is 1e-12; it must lie in [0.001, 86400]"),
+    (lambda: PandaEnv("Reach", viability=2.7), TypeError, "float"),
     # Keys and values
     (lambda: pt.Scenario(), ValueError, 'Scenario():1: '),
     (lambda: pt.Scenario(name="here"), ValueError, "motion"),

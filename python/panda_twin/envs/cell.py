@@ -89,7 +89,7 @@ def _scenario(
         robot["load"] = {"mass": "0.001 kg", "position": ["0 m", "0 m", "0.1 m"]}
     sections["robot"] = robot
     sections["controller"] = {"rate": "200 Hz"}
-    sections["tick"] = {"viability": "off" if viability is None else int(viability)}
+    sections["tick"] = {"viability": "off" if viability is None else operator.index(viability)}
     text = f"name: {type(task).__name__.lower()}\n{task.scenario}"
     # JSON is YAML, too.
     return text + "".join(f"{key}: {json.dumps(value)}\n" for key, value in sections.items() if value)
