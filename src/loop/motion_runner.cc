@@ -14,6 +14,7 @@ namespace {
 
 /// Time of the run after the motion, so that the log shows the robot idle (or in Reflex, stopping).
 constexpr Duration kAfterMotion = std::chrono::milliseconds(500);
+/// The same after a success, and where somebody waits for the end.
 constexpr Duration kAfterSuccess = std::chrono::milliseconds(20);
 /// Longest wait for an arm that still moves after that: the robot's own timeout plus the time of
 /// its brakes.
@@ -238,7 +239,8 @@ void MotionRunner::Conclude(RunReport& report) {
   Tell("motion", report.end == backend::MotionEnd::kSuccess ? "finished" : report.failure);
 
   stopping_ = true;
-  const Duration rest = report.end == backend::MotionEnd::kSuccess ? kAfterSuccess : kAfterMotion;
+  const bool is_short = report.end == backend::MotionEnd::kSuccess || Interrupted();
+  const Duration rest = is_short ? kAfterSuccess : kAfterMotion;
   const Time end = Now();
   static_cast<void>(Pass(end + rest, [] { return false; }));
   static_cast<void>(Pass(end + kUntilRest, [this] { return rest_.Still() >= kStill; }));

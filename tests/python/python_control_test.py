@@ -199,7 +199,7 @@ class Refusals(unittest.TestCase):
                 session.control(lambda state, dt: 1 / dt, until=1.0)
             self.assertEqual(session.time, 0)
             zero = lambda state, dt: pt.Torques([0] * 7)  # noqa: E731
-            with self.assertRaisesRegex(ValueError, "until is -1 s"):
+            with self.assertRaisesRegex(ValueError, "until, s, is -1; it must lie in"):
                 session.control(zero, until=-1)
             with self.assertRaisesRegex(ValueError, "generatr"):
                 session.control(zero, until=1, tick={"generatr": "none"})
