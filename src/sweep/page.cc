@@ -128,7 +128,9 @@ std::string PageOf(const Sweep& sweep, const Merged& merged, const std::filesyst
   return report::RenderPage(
       "sweep/report", {{"title", file.name},
                        {"description", file.description},
-                       {"verdict", met ? "met" : "failed"},
+                       {"verdict", !least ? "reported"
+                                   : met  ? "met"
+                                          : "failed"},
                        {"succeeded", std::to_string(merged.rows.size() - merged.failures)},
                        {"runs", std::to_string(merged.rows.size())},
                        {"share", fmt::format("{:.1f}", merged.success_percent())},
@@ -137,6 +139,7 @@ std::string PageOf(const Sweep& sweep, const Merged& merged, const std::filesyst
                        {"axes", AxesOnPage(sweep)},
                        {"points", PointsOnPage(sweep, merged)},
                        {"shown", shown},
+                       {"failed", merged.failures > 0},
                        {"worst", WorstOnPage(sweep, merged, out)},
                        {"facts", report::FactsOf({{"digest", merged.digest},
                                                   {"scenario", file.scenario.string()},

@@ -9,7 +9,6 @@ import random
 import re
 import shutil
 import signal
-import stat
 import subprocess
 import sys
 import tempfile
@@ -198,12 +197,12 @@ class InputTest(SweepTest):
         self.refused(SWEEP, 3, r'shard "3/3": must be i/n', "run", "--shard", "3/3")
         self.assertFalse((self.folder / "out" / "runs").exists())
 
-    @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
-    def test_a_folder_without_permission(self):
+    def test_a_folder_that_cannot_be_made(self):
         self.write()
-        (self.folder / "out").mkdir()
-        (self.folder / "out").chmod(stat.S_IRUSR | stat.S_IXUSR)
-        self.assertEqual(self.call("run").returncode, 4)
+        for jobs in ("1", "2"):
+            done = self.call("run", "--jobs", jobs, out="/proc/sweep")
+            self.assertEqual(done.returncode, 4, done.stderr)
+            self.assertIn("/proc/sweep", done.stderr)
 
     def test_a_folder_that_is_a_file(self):
         self.write()
