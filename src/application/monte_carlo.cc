@@ -12,15 +12,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/core/hash.h"
+#include "twin/core/proportion.h"
 #include "twin/core/text.h"
 #include "twin/record/cycle_record.h"
 #include "twin/report/page.h"
 #include "twin/report/plot.h"
 #include "twin/run/result_folder.h"
-#include "twin/run/run_records.h"
 #include "twin/run/summary.h"
 
 namespace twin::application {
@@ -160,45 +159,7 @@ std::string SeedsCsv(const MonteCarloResult& result) {
   return csv;
 }
 
-/// One run, with a watch for contacts and without a log.
-SeedOutcome RunSeed(scenario::Scenario scenario, std::uint64_t seed,
-                    const run::Catalogue& catalogue, const run::RunFiles& files,
-                    const volatile bool* interrupted) {
-  const MonotonicClock clock;
-  scenario.seed = seed;
-  run::RunRecords records;
-  ApplicationRun run(scenario, catalogue, files, &records, clock);
-  if (const auto* truth = run.connection().truth) records.WatchContacts(*truth);
-  run::RunHooks hooks;
-  hooks.interrupted = interrupted;
-  const TaskResult& task_result = run.Execute(hooks);
-  const Evaluation& evaluation =
-      run.Evaluate({.log = {}, .contacts = records.contacts() ? &*records.contacts() : nullptr});
-  SeedOutcome outcome{.seed = seed,
-                      .failure = FailureOf(task_result, evaluation),
-                      .findings = evaluation.findings,
-                      .states_hash = run.session_result().states_hash};
-  for (const StepReport& step : task_result.task.steps) {
-    outcome.repeated += step.succeeded ? 0 : 1;
-    outcome.duration = step.ended.time_since_epoch();
-  }
-  if (!task_result.task.failure.empty() && !task_result.task.steps.empty()) {
-    outcome.failed_step = task_result.task.steps.back().name;
-    --outcome.repeated;
-  }
-  return outcome;
-}
-
 }  // namespace
-
-std::pair<double, double> WilsonInterval(int hits, int trials) noexcept {
-  constexpr double kZ = 1.959963984540054;  // of the normal distribution, 95 %
-  const double n = trials;
-  const double p = hits / n;
-  const double centre = (p + kZ * kZ / (2 * n)) / (1 + kZ * kZ / n);
-  const double half = kZ * std::sqrt(p * (1 - p) / n + kZ * kZ / (4 * n * n)) / (1 + kZ * kZ / n);
-  return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
-}
 
 std::vector<FindingSpread> MonteCarloResult::Spreads() const {
   std::vector<FindingSpread> spreads;

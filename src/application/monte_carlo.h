@@ -8,22 +8,10 @@
 
 #include "twin/application/application.h"
 #include "twin/application/record_run.h"
+#include "twin/application/seed_run.h"
 
 // An application's runs with many seeds, and their statistics.
 namespace twin::application {
-
-/// The result of one seed.
-struct SeedOutcome {
-  std::uint64_t seed = 0;
-  std::string failure{};      ///< as FailureOf(), or the text of the exception that the run threw
-  std::string failed_step{};  ///< empty: all steps succeeded
-  int repeated = 0;           ///< failed attempts that were repeated
-  std::vector<Finding> findings{};
-  Duration duration{};  ///< robot's time
-  std::uint64_t states_hash = 0;
-
-  [[nodiscard]] bool succeeded() const noexcept { return failure.empty(); }
-};
 
 /// A finding over all runs that have it.
 struct FindingSpread {
@@ -49,10 +37,6 @@ struct MonteCarloResult {
   /// One entry per quantity, in the order of the first run that has it.
   [[nodiscard]] std::vector<FindingSpread> Spreads() const;
 };
-
-/// 95 % confidence interval of a probability, from `hits` in `trials` (Wilson's score; Wilson
-/// 1927). @pre 0 <= hits <= trials, trials > 0.
-[[nodiscard]] std::pair<double, double> WilsonInterval(int hits, int trials) noexcept;
 
 /// Runs an application once per seed, from the scenario's seed on, in lockstep and without logs.
 /// The results do not depend on the number of threads. All runs share one compiled model in

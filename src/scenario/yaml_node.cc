@@ -168,6 +168,18 @@ std::vector<YamlNode> YamlNode::Items() const {
   return items;
 }
 
+std::string YamlNode::FlowText() const {
+  constexpr std::string_view kQuoted = "!";
+  YAML::Emitter out;
+  out.SetMapFormat(YAML::Flow);
+  out.SetSeqFormat(YAML::Flow);
+  if (node_.IsScalar() && node_.Tag() == kQuoted) out.SetStringFormat(YAML::DoubleQuoted);
+  out << node_;
+  std::string text = out.c_str();
+  for (char& c : text) c = c == '\n' ? ' ' : c;  // where yaml-cpp breaks a long line
+  return text;
+}
+
 const std::string& YamlNode::Scalar(std::string_view wanted) const {
   if (!node_.IsScalar()) Fail(fmt::format("is {}; {} belongs here", Kind(node_), wanted));
   return node_.Scalar();

@@ -43,6 +43,8 @@ class YamlNode {
   /// One of the given names. @returns its index.
   [[nodiscard]] std::size_t Choice(std::span<const std::string_view> names) const;
 
+  /// The value as YAML in one line, whatever it is; a single text that was quoted stays so.
+  [[nodiscard]] std::string FlowText() const;
   [[nodiscard]] bool IsMap() const { return node_.IsMap(); }
   /// The value of a key, when it is a map that has it; whatever the other keys are.
   [[nodiscard]] std::optional<YamlNode> Member(std::string_view key) const;

@@ -14,6 +14,7 @@ void AddProxy(CLI::App& app, Program& program);
 void AddRender(CLI::App& app, Program& program);
 void AddVideo(CLI::App& app, Program& program);
 void AddExperiment(CLI::App& app, Program& program);
+void AddSweep(CLI::App& app, Program& program);
 void AddValidate(CLI::App& app, Program& program);
 void AddSchema(CLI::App& app, Program& program);
 void AddCheck(CLI::App& app, Program& program);
@@ -24,9 +25,9 @@ void AddExport(CLI::App& app, Program& program);
 void AddCompletion(CLI::App& app, Program& program);
 
 /// All of them, in the order of the help.
-inline constexpr auto kCommands = {&AddRun,      &AddMoveTo,  &AddServe,  &AddCtl,
-                                   &AddProxy,    &AddRender,  &AddVideo,  &AddExperiment,
-                                   &AddValidate, &AddSchema,  &AddCheck,  &AddExplain,
-                                   &AddDecode,   &AddDevices, &AddExport, &AddCompletion};
+inline constexpr auto kCommands = {
+    &AddRun,     &AddMoveTo,     &AddServe,   &AddCtl,      &AddProxy,     &AddRender,
+    &AddVideo,   &AddExperiment, &AddSweep,   &AddValidate, &AddSchema,    &AddCheck,
+    &AddExplain, &AddDecode,     &AddDevices, &AddExport,   &AddCompletion};
 
 }  // namespace twin::cli

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "plant/file_bytes.h"
+#include "twin/core/content_hash.h"
 
-namespace twin::plant::plant_content_hash_test {
+namespace twin::core_content_hash_test {
 namespace {
 
 std::string HashOf(std::initializer_list<std::string_view> strings) {
@@ -31,4 +31,4 @@ TEST(ContentHashTest, SeesASingleBit) {
 }
 
 }  // namespace
-}  // namespace twin::plant::plant_content_hash_test
+}  // namespace twin::core_content_hash_test

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "twin/run/catalogue.h"
+#include "twin/sweep/points.h"
+#include "twin/sweep/result.h"
+
+namespace twin::sweep {
+
+/// A run with its result.
+struct Row {
+  std::uint64_t run = 0;  ///< its number in the sweep
+  Result result;
+};
+
+/// What the runs of a point say.
+struct PointShare {
+  std::uint64_t runs = 0;
+  std::uint64_t failures = 0;
+  double least = 0;  ///< of the share of failures, 95 % confidence interval (Wilson)
+  double most = 1;
+
+  [[nodiscard]] double share() const noexcept {
+    return runs == 0 ? 0 : static_cast<double>(failures) / static_cast<double>(runs);
+  }
+};
+
+/// All results of a sweep.
+struct Merged {
+  std::vector<Row> rows;           ///< in order of runs; those that a point did not need left out
+  std::vector<PointShare> points;  ///< in order
+  std::uint64_t failures = 0;
+  std::uint64_t left_aside = 0;  ///< results in the folder that are none of these
+  std::string digest;            ///< of address, states_hash and outcome of all rows; 16 digits
+
+  [[nodiscard]] double success_percent() const noexcept {
+    return 100.0 * static_cast<double>(rows.size() - failures) / static_cast<double>(rows.size());
+  }
+};
+
+/// Threads: one thread. @throws twin::Error naming how many runs are missing and the first of them;
+/// as Sweep::ScenarioOf.
+[[nodiscard]] Merged ReadAll(const Sweep& sweep, const run::RunFiles& files,
+                             const std::filesystem::path& out);
+
+/// Writes runs.csv, points.csv, summary.json, report.html and, of the failures that the report
+/// names, worst/<address>.yaml: the scenario that repeats it. What an earlier merge wrote is
+/// replaced.
+/// @throws EnvironmentError naming the file.
+void WriteMerged(const Sweep& sweep, const Merged& merged, const std::filesystem::path& out);
+
+}  // namespace twin::sweep

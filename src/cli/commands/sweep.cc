@@ -1,0 +1,245 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/commands/commands.h"
+#include "cli/shared_flags.h"
+#include "cli/sweep_jobs.h"
+#include "cli/terminal.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/sweep/merge.h"
+#include "twin/sweep/points.h"
+#include "twin/sweep/result.h"
+#include "twin/sweep/shard.h"
+
+namespace twin::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kMostRuns = 1'000'000;  ///< without --yes
+
+struct SweepFlags {
+  fs::path file;
+  fs::path out;             ///< empty: out/<sweep's name>
+  std::optional<int> jobs;  ///< processes; as many as processors
+  std::string shard = "0/1";
+  bool yes = false;  ///< carry out more than 10^6 runs
+  DataFlags data;
+};
+
+/// A command on a sweep's file.
+struct SweepOf {
+  SweepOf(const SweepFlags& flags, const Program& program)
+      : files(FilesOf(flags.data, program)),
+        sweep(flags.file, files.models),
+        out(flags.out.empty() ? fs::path("out") / sweep.file().name : flags.out) {}
+
+  run::RunFiles files;
+  sweep::Sweep sweep;
+  fs::path out;
+};
+
+/// "3 h 20 min", "12 s".
+std::string SpanText(double seconds) {
+  if (seconds < 90) return fmt::format("{:.3g} s", seconds);
+  const double minutes = seconds / 60;
+  if (minutes < 90) return fmt::format("{:.0f} min", minutes);
+  return minutes < 48 * 60 ? fmt::format("{:.1f} h", minutes / 60)
+                           : fmt::format("{:.1f} days", minutes / 60 / 24);
+}
+
+/// Wall-clock time of the first run, once the model is compiled, s.
+double MeasureRun(const SweepOf& of, const Program& program) {
+  sweep::CaseMaker maker(of.sweep, of.files);
+  const sweep::PreparedCase& first = maker.Make(0);
+  static_cast<void>(sweep::RunCase(first, program.catalogue, of.files, nullptr));
+  const MonotonicClock clock;
+  static_cast<void>(sweep::RunCase(first, program.catalogue, of.files, nullptr));
+  return ToSeconds(clock.Now().time_since_epoch());
+}
+
+/// What all runs cost, by the first.
+std::string CostText(const SweepOf& of, const Program& program) {
+  const double one = MeasureRun(of, program);
+  return fmt::format("{:.3g} s a run on one core, as the first point's took: {} in all", one,
+                     SpanText(one * static_cast<double>(of.sweep.runs())));
+}
+
+std::string DescribeAxis(const scenario::SweepAxis& axis) {
+  if (axis.draw) {
+    return fmt::format("{} {} {}, {} {}, drawn for each run",
+                       axis.draw->is_normal ? "normal" : "uniform", axis.draw->first.value,
+                       axis.draw->first.unit, axis.draw->second.value, axis.draw->second.unit);
+  }
+  if (!axis.range)
+    return fmt::format("{} values: {}", axis.values.size(), fmt::join(axis.values, ", "));
+  const std::string scale = axis.range->is_logarithmic ? "logarithmic" : "linear";
+  const std::string ends = fmt::format("{} to {} {}", axis.range->from.value, axis.range->to.value,
+                                       axis.range->from.unit);
+  return axis.range->steps > 0 ? fmt::format("{} values: {}, {}", axis.range->steps, ends, scale)
+                               : fmt::format("sampled: {}, {}", ends, scale);
+}
+
+int PlanSweep(const SweepFlags& flags, const Program& program) {
+  const SweepOf of(flags, program);
+  of.sweep.CheckPoints();
+  Terminal terminal(program.log, program.is_quiet());
+  const scenario::SweepFile& file = of.sweep.file();
+  for (const scenario::SweepAxis& axis : file.axes) {
+    terminal.Print(fmt::format("{:<32}{}\n", axis.key, DescribeAxis(axis)));
+  }
+  terminal.Print(fmt::format("points  {}\nruns    {} ({} seeds of each point{})\n",
+                             of.sweep.points(), of.sweep.runs(), file.seeds,
+                             file.stop_at_width ? ", fewer where a point ends early" : ""));
+  terminal.Print(fmt::format("cost    {}\n", CostText(of, program)));
+  return kOk;
+}
+
+/// @throws InputError when there are more runs than anyone starts by mistake.
+void RequireFew(const SweepFlags& flags, const SweepOf& of, const Program& program) {
+  if (flags.yes || of.sweep.runs() <= kMostRuns) return;
+  throw InputError(fmt::format("{}: {} runs; {}; more than {} take --yes", flags.file.string(),
+                               of.sweep.runs(), CostText(of, program), kMostRuns));
+}
+
+int JobsOf(const SweepFlags& flags) {
+  constexpr int kMostJobs = 256;
+  const int processors = static_cast<int>(std::thread::hardware_concurrency());
+  const int jobs = flags.jobs.value_or(std::clamp(processors, 1, kMostJobs));
+  RequireInRange("--jobs", jobs, 1, kMostJobs);
+  return jobs;
+}
+
+/// The command line of a worker, without its shard.
+std::vector<std::string> WorkerArguments(const SweepFlags& flags, const SweepOf& of) {
+  std::vector<std::string> arguments{"sweep", "work",          flags.file.string(),
+                                     "--out", of.out.string(), "-q"};
+  if (!flags.data.models.empty()) {
+    arguments.insert(arguments.end(), {"--data", flags.data.models.string()});
+  }
+  if (!flags.data.meshes.empty()) {
+    arguments.insert(arguments.end(), {"--meshes", flags.data.meshes.string()});
+  }
+  return arguments;
+}
+
+int RunSweep(const SweepFlags& flags, const Program& program) {
+  const SweepOf of(flags, program);
+  const sweep::Shard shard = sweep::ParseShard(flags.shard);
+  const int jobs = JobsOf(flags);
+  RequireFew(flags, of, program);
+  of.sweep.CheckPoints();
+  Terminal terminal(program.log, program.is_quiet());
+  const std::uint64_t runs = sweep::RunsOf(of.sweep, shard);
+  if (jobs > 1 && runs > 1) {
+    RunJobs({.executable = program.host.executable,
+             .arguments = WorkerArguments(flags, of),
+             .jobs = jobs,
+             .shard = shard,
+             .runs = runs},
+            terminal);
+  } else {
+    SweepProgress progress(runs, terminal);
+    sweep::RunShard(of.sweep, shard,
+                    {.catalogue = program.catalogue,
+                     .files = of.files,
+                     .out = of.out,
+                     .done = [&progress](bool was_there) { progress.Add(1, was_there); },
+                     .interrupted = &terminal.interrupted()});
+    terminal.ThrowIfInterrupted();
+  }
+  terminal.Print(fmt::format("results  {}\n", (of.out / "runs").string()));
+  return kOk;
+}
+
+/// A process of `sweep run`: it tells each run on kDoneDescriptor, and ends when nobody reads.
+int WorkSweep(const SweepFlags& flags, const Program& program) {
+  const SweepOf of(flags, program);
+  Terminal terminal(program.log, true);
+  sweep::RunShard(of.sweep, sweep::ParseShard(flags.shard),
+                  {.catalogue = program.catalogue,
+                   .files = of.files,
+                   .out = of.out,
+                   .done =
+                       [&terminal](bool was_there) {
+                         const char byte = was_there ? 't' : 'd';
+                         if (::write(kDoneDescriptor, &byte, 1) != 1) terminal.Interrupt();
+                       },
+                   .interrupted = &terminal.interrupted()});
+  terminal.ThrowIfInterrupted();
+  return kOk;
+}
+
+int MergeSweep(const SweepFlags& flags, const Program& program) {
+  const SweepOf of(flags, program);
+  Terminal terminal(program.log, program.is_quiet());
+  const sweep::Merged merged = sweep::ReadAll(of.sweep, of.files, of.out);
+  sweep::WriteMerged(of.sweep, merged, of.out);
+  if (merged.left_aside > 0) {
+    terminal.Note(
+        fmt::format("{} results are left aside: of another sweep, of another version of "
+                    "the program or the models, or not needed",
+                    merged.left_aside));
+  }
+  terminal.Print(fmt::format("runs    {}, {} failed ({:.2f} % succeeded)\nreport  {}\n",
+                             merged.rows.size(), merged.failures, merged.success_percent(),
+                             (of.out / "report.html").string()));
+  terminal.Print(fmt::format("digest  {}\n", merged.digest));
+  const auto& least = of.sweep.file().least_success_percent;
+  if (least && merged.success_percent() < *least) {
+    throw Error(fmt::format("{:.2f} % of the runs succeeded; {} % are demanded",
+                            merged.success_percent(), *least));
+  }
+  return kOk;
+}
+
+void AddFile(CLI::App& command, SweepFlags& flags) {
+  Add(command, "sweep FILE", flags.file, "Sweep file")->required();
+  AddData(command, flags.data);
+}
+
+void AddOut(CLI::App& command, SweepFlags& flags) {
+  Add(command, "--out DIR", flags.out, "Folder of results (default: out/<name of the sweep>)");
+}
+
+}  // namespace
+
+void AddSweep(CLI::App& app, Program& program) {
+  CLI::App* sweep =
+      app.add_subcommand("sweep", "Run a scenario at many points and seeds, and count failures");
+  sweep->require_subcommand(1);
+  const auto [plan, plan_flags] = AddCommand(
+      *sweep, program, "plan", "Say how many runs there are and what they cost", &PlanSweep);
+  AddFile(plan, plan_flags);
+  const auto [run, flags] = AddCommand(
+      *sweep, program, "run", "Carry out the runs whose results are not there yet", &RunSweep);
+  AddFile(run, flags);
+  AddOut(run, flags);
+  Add(run, "--jobs N", flags.jobs, "So many processes (default: one per processor)");
+  Add(run, "--shard I/N", flags.shard, "This share of the runs only; I counts from 0")
+      ->capture_default_str();
+  run.add_flag("--yes", flags.yes, "Carry out more than a million runs");
+  const auto [work, work_flags] = AddCommand(*sweep, program, "work", "", &WorkSweep);
+  work.group("");  // of `run` alone, not in the help
+  AddFile(work, work_flags);
+  AddOut(work, work_flags);
+  Add(work, "--shard I/N", work_flags.shard, "");
+  const auto [merge, merge_flags] =
+      AddCommand(*sweep, program, "merge", "Check that all results are there, and write the report",
+                 &MergeSweep);
+  AddFile(merge, merge_flags);
+  AddOut(merge, merge_flags);
+  AddFooter(*sweep);  // after its commands, which else would repeat it
+}
+
+}  // namespace twin::cli

@@ -1,0 +1,212 @@
+#include "twin/sweep/points.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numeric>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "twin/core/content_hash.h"
+#include "twin/core/error.h"
+#include "twin/core/quantity.h"
+#include "twin/core/random.h"
+#include "twin/scenario/text_changes.h"
+
+namespace twin::sweep {
+namespace {
+
+namespace fs = std::filesystem;
+using scenario::SweepAxis;
+using scenario::SweepNumber;
+
+constexpr std::uint64_t kMostRuns = 1ULL << 63;
+constexpr std::uint64_t kMostChecked = 1000;
+
+/// Random numbers of an axis. The key is made of the sweep's seed and the axis, so that they are
+/// independent of those of the runs and of other axes.
+Random RandomOf(const scenario::SweepFile& file, const SweepAxis& axis) {
+  ContentHash hash;
+  hash.Add("sweep");
+  hash.Add(fmt::format("{}", file.seed));
+  hash.Add(axis.key);
+  return {std::stoull(hash.Hex().substr(0, 16), nullptr, 16), RandomStream::kGoalSeed};
+}
+
+std::string TextOf(double value, const std::string& unit) {
+  return unit.empty() ? FormatNumber(value) : fmt::format("{} {}", FormatNumber(value), unit);
+}
+
+/// @param share  of the way, in [0, 1].
+std::string Between(const scenario::SweepRange& range, double share) {
+  const double from = range.from.value;
+  const double to = range.to.value;
+  if (share <= 0) return TextOf(from, range.from.unit);
+  if (share >= 1) return TextOf(to, range.from.unit);
+  const double value =
+      range.is_logarithmic ? from * std::pow(to / from, share) : from + (to - from) * share;
+  // Twelve digits: 0.1 + 0.2 reads 0.3.
+  return TextOf(ParseNumber(fmt::format("{:.12g}", value)), range.from.unit);
+}
+
+std::string Drawn(const scenario::SweepDraw& draw, const Random& random, std::uint64_t point,
+                  std::uint32_t run) {
+  const double a = draw.first.value;
+  const double b = draw.second.value;
+  const double value =
+      draw.is_normal ? a + b * random.Normal(point, run) : a + (b - a) * random.Uniform(point, run);
+  return TextOf(value, draw.first.unit);
+}
+
+/// Values of an axis in a grid.
+std::uint64_t CountOf(const SweepAxis& axis) {
+  if (axis.draw) return 1;
+  return axis.range ? axis.range->steps : axis.values.size();
+}
+
+/// A random order of 0 ... count - 1 (Fisher and Yates).
+std::vector<std::uint32_t> Shuffled(std::uint64_t count, const Random& random) {
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0U);
+  for (std::uint64_t i = count; i > 1; --i) {
+    const auto j = static_cast<std::uint64_t>(random.Uniform(i, 1) * static_cast<double>(i));
+    std::swap(order[i - 1], order[j]);
+  }
+  return order;
+}
+
+fs::path FindBase(const scenario::SweepFile& file, const fs::path& models) {
+  for (const fs::path& folder : {file.folder, models, models / "scenarios"}) {
+    std::error_code none;
+    if (fs::path found = folder / file.scenario; fs::is_regular_file(found, none)) return found;
+  }
+  throw InputError(fmt::format("scenario: there is no {} beside the sweep's file or in {}",
+                               file.scenario.string(), models.string()));
+}
+
+/// {link: {command_loss: 1 %}}. @param value  empty: null.
+std::string ChangeOf(const std::string& key, const std::string& value) {
+  std::string text = value.empty() ? "null" : value;
+  for (std::size_t end = key.size(); end != std::string::npos;) {
+    const std::size_t dot = end == 0 ? std::string::npos : key.rfind('.', end - 1);
+    const std::size_t begin = dot == std::string::npos ? 0 : dot + 1;
+    text = fmt::format("{{{}: {}}}", key.substr(begin, end - begin), text);
+    end = dot;
+  }
+  return text;
+}
+
+}  // namespace
+
+Sweep::Sweep(const fs::path& file, const fs::path& models)
+    : file_(scenario::LoadSweep(file)), scenario_file_(FindBase(file_, models)) {
+  std::ifstream in(scenario_file_, std::ios::binary);
+  scenario_text_.assign(std::istreambuf_iterator<char>(in), {});
+  if (!in) throw InputError(fmt::format("{}: cannot be read", scenario_file_.string()));
+  if (file_.samples) points_ = *file_.samples;
+  std::uint64_t runs = 0;
+  bool too_many = false;
+  for (const SweepAxis& axis : file_.axes) {
+    if (file_.samples) {
+      strata_.push_back(axis.draw ? std::vector<std::uint32_t>()
+                                  : Shuffled(points_, RandomOf(file_, axis)));
+    } else {
+      too_many |= __builtin_mul_overflow(points_, CountOf(axis), &points_);
+    }
+  }
+  too_many |= __builtin_mul_overflow(points_, file_.seeds, &runs) || runs > kMostRuns;
+  if (too_many) throw InputError(fmt::format("{}: has more than 2^63 runs", file.string()));
+  if (file_.budget && runs > *file_.budget) {
+    throw InputError(fmt::format("{}: {} points of {} seeds are {} runs; budget allows {}",
+                                 file.string(), points_, file_.seeds, runs, *file_.budget));
+  }
+}
+
+bool Sweep::draws() const noexcept {
+  for (const SweepAxis& axis : file_.axes) {
+    if (axis.draw) return true;
+  }
+  return false;
+}
+
+std::string Sweep::SampledValue(std::size_t axis, std::uint64_t point) const {
+  const SweepAxis& of = file_.axes[axis];
+  const double within = RandomOf(file_, of).Uniform(point, 0);
+  return Between(*of.range, (strata_[axis][point] + within) / static_cast<double>(points_));
+}
+
+std::vector<std::string> Sweep::ValuesAt(std::uint64_t point) const {
+  std::vector<std::string> values(file_.axes.size());
+  std::uint64_t rest = point;
+  for (std::size_t i = values.size(); i-- > 0;) {
+    const SweepAxis& axis = file_.axes[i];
+    if (axis.draw) continue;
+    if (file_.samples) {
+      values[i] = SampledValue(i, point);
+      continue;
+    }
+    const std::uint64_t count = CountOf(axis);
+    const std::uint64_t index = rest % count;
+    rest /= count;
+    values[i] = axis.range ? Between(*axis.range,
+                                     static_cast<double>(index) / static_cast<double>(count - 1))
+                           : axis.values[index];
+  }
+  return values;
+}
+
+Case Sweep::CaseAt(std::uint64_t run) const {
+  Case one{.point = run / file_.seeds, .seed = 0, .values = {}};
+  const std::uint64_t number = run % file_.seeds;
+  one.seed = file_.first_seed + number;
+  one.values = ValuesAt(one.point);
+  for (std::size_t i = 0; i < one.values.size(); ++i) {
+    const SweepAxis& axis = file_.axes[i];
+    if (!axis.draw) continue;
+    one.values[i] =
+        Drawn(*axis.draw, RandomOf(file_, axis), one.point, static_cast<std::uint32_t>(number));
+  }
+  return one;
+}
+
+std::string Sweep::NameOf(const Case& one) const {
+  std::string values;
+  for (std::size_t i = 0; i < one.values.size(); ++i) {
+    values += fmt::format("{}{}: {}", i == 0 ? "" : ", ", file_.axes[i].key, one.values[i]);
+  }
+  return fmt::format("point {} ({})", one.point + 1, values);
+}
+
+scenario::Scenario Sweep::ScenarioOf(const Case& one) const {
+  try {
+    std::string text = scenario_text_;
+    for (std::size_t i = 0; i < one.values.size(); ++i) {
+      const std::string& key = file_.axes[i].key;
+      const std::string& value = one.values[i];
+      // A map replaces what was there: it is not merged with it.
+      if (value.starts_with('{')) {
+        text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, ""));
+      }
+      text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, value));
+    }
+    scenario::Scenario scenario = scenario::Parse(text, scenario_file_);
+    scenario.seed = one.seed;
+    if (!scenario.is_lockstep()) {
+      throw InputError("runs of a sweep repeat, which takes drive: lockstep and no remote robot");
+    }
+    return scenario;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", NameOf(one), error.what()));
+  }
+}
+
+void Sweep::CheckPoints() const {
+  const std::uint64_t checked = points_ <= kMostChecked ? points_ : 1;
+  for (std::uint64_t point = 0; point < checked; ++point) {
+    static_cast<void>(ScenarioOf(CaseAt(point * file_.seeds)));
+  }
+}
+
+}  // namespace twin::sweep

@@ -1,0 +1,110 @@
+#include "twin/sweep/points.h"
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "twin/core/error.h"
+#include "twin/sweep/shard.h"
+
+namespace twin::sweep::sweep_points_test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// A file in a folder of the test's own, with a scenario beside it.
+Sweep SweepOf(const std::string& text) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "sweep_points_test";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "base.yaml") << "name: base\n";
+  std::ofstream(folder / "s.yaml") << "name: s\nscenario: base.yaml\n" << text;
+  return {folder / "s.yaml", folder};
+}
+
+TEST(SweepTest, TakesTheLastAxisFastestAndSeedsWithinAPoint) {
+  const Sweep sweep = SweepOf(
+      "axes:\n"
+      "  - {key: a, values: [1 %, {b: [2, x y]}]}\n"
+      "  - {key: c.d, from: 1 ms, to: 100 ms, steps: 3, scale: log}\n"
+      "seeds: 2\nfirst_seed: 7\n");
+  EXPECT_EQ(sweep.points(), 6U);
+  EXPECT_EQ(sweep.runs(), 12U);
+  EXPECT_THAT(sweep.ValuesAt(0), ElementsAre("1 %", "1 ms"));
+  EXPECT_THAT(sweep.ValuesAt(1), ElementsAre("1 %", "10 ms"));
+  EXPECT_THAT(sweep.ValuesAt(5), ElementsAre("{b: [2, x y]}", "100 ms"));
+  const Case last = sweep.CaseAt(11);
+  EXPECT_EQ(last.point, 5U);
+  EXPECT_EQ(last.seed, 8U);
+  EXPECT_EQ(sweep.NameOf(sweep.CaseAt(0)), "point 1 (a: 1 %, c.d: 1 ms)");
+}
+
+TEST(SweepTest, HoldsNoListOfPoints) {
+  const std::string steps = ", from: 0, to: 1, steps: 10000}\n";
+  const Sweep sweep = SweepOf("axes:\n  - {key: a" + steps + "  - {key: b" + steps + "seeds: 1000");
+  EXPECT_EQ(sweep.runs(), 100'000'000'000U);
+  EXPECT_THAT(sweep.ValuesAt(sweep.points() - 1), ElementsAre("1", "1"));
+  const std::string c = "  - {key: c" + steps + "  - {key: d" + steps + "  - {key: e" + steps;
+  EXPECT_THAT([&] { static_cast<void>(SweepOf("axes:\n  - {key: a" + steps + c)); },
+              testing::Not(testing::Throws<InputError>()));
+  EXPECT_THAT(
+      [&] {
+        static_cast<void>(
+            SweepOf("axes:\n  - {key: a" + steps + "  - {key: b" + steps + c + "seeds: 1000"));
+      },
+      ThrowsMessage<InputError>(HasSubstr("more than 2^63 runs")));
+}
+
+TEST(SweepTest, DrawsForEachRunTheSameInAnyOrder) {
+  const std::string text =
+      "axes:\n"
+      "  - {key: a, uniform: {from: 2 N, to: 3 N}}\n"
+      "  - {key: b, values: [x, y]}\n"
+      "seeds: 500\n";
+  const Sweep sweep = SweepOf(text);
+  std::set<std::string> drawn;
+  for (std::uint64_t run = sweep.runs(); run-- > 0;) drawn.insert(sweep.CaseAt(run).values[0]);
+  EXPECT_EQ(drawn.size(), 1000U);
+  EXPECT_GE(*drawn.begin(), "2");
+  EXPECT_LT(*drawn.rbegin(), "3");
+  EXPECT_EQ(SweepOf(text).CaseAt(3).values, sweep.CaseAt(3).values);
+  EXPECT_NE(SweepOf(text + "seed: 2\n").CaseAt(3).values, sweep.CaseAt(3).values);
+  EXPECT_THAT(sweep.ValuesAt(1), ElementsAre("", "y"));
+}
+
+TEST(SweepTest, RefusesAxesThatSayNothingClear) {
+  const auto refuses = [](const std::string& axis, const std::string& says) {
+    EXPECT_THAT([&] { static_cast<void>(SweepOf("axes:\n  - " + axis + "\n")); },
+                ThrowsMessage<InputError>(HasSubstr(says)));
+  };
+  refuses("{key: a}", "give exactly one of");
+  refuses("{key: a, values: [1], from: 1, to: 2, steps: 2}", "give exactly one of");
+  refuses("{key: a, values: [1], steps: 2}", "steps goes with from");
+  refuses("{key: a, from: 1 s, to: 2 ms, steps: 2}", "must have the same unit");
+  refuses("{key: a, from: 2, to: 1, steps: 2}", "from must be below to");
+  refuses("{key: a, from: 0, to: 1, steps: 2, scale: log}", "scale log takes from above 0");
+  refuses("{key: a, from: 0, to: 1}", "a range in a grid needs steps");
+  refuses("{key: a..b, values: [1]}", "with dots belongs here");
+  refuses("{key: seed, values: [1]}", "say seeds and first_seed");
+  refuses("{key: a, normal: {mean: 0, deviation: 0}}", "deviation must be above 0");
+  refuses("{key: a, values: [1]}\n  - {key: a, values: [2]}", "key a has an axis already");
+}
+
+TEST(ShardTest, SharesEveryRunOutOnce) {
+  const Sweep sweep = SweepOf("axes: [{key: a, values: [1, 2, 3]}]\nseeds: 5\n");
+  EXPECT_EQ(RunsOf(sweep, {0, 7}) + RunsOf(sweep, {6, 7}), 5U);
+  EXPECT_EQ(RunsOf(sweep, {0, 1}), 15U);
+  EXPECT_EQ(RunsOf(sweep, {20, 21}), 0U);
+  EXPECT_EQ(ParseShard("3/64").index, 3U);
+  for (const char* text : {"", "3", "3/", "64/64", "-1/2", "1/2/3", "0/0"}) {
+    EXPECT_THROW(static_cast<void>(ParseShard(text)), InputError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace twin::sweep::sweep_points_test
