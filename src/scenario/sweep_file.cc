@@ -80,6 +80,13 @@ SweepAxis AxisIn(const YamlNode& node) {
   SweepRange range;
   Value values = Anything();
   values.read = [&axis](const YamlNode& list) {
+    if (list.IsMap()) {
+      for (const auto& [name, item] : list.Entries()) {
+        axis.names.push_back(name);
+        axis.values.push_back(item.FlowText());
+      }
+      return;
+    }
     for (const YamlNode& item : list.Items()) axis.values.push_back(item.FlowText());
     if (axis.values.empty()) list.Fail("is empty; give at least one value");
   };

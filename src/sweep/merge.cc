@@ -109,9 +109,11 @@ std::string AxisColumns(const Sweep& sweep) {
   return columns;
 }
 
-std::string ValueColumns(const std::vector<std::string>& values) {
+std::string ValueColumns(const Sweep& sweep, const std::vector<std::string>& values) {
   std::string columns;
-  for (const std::string& value : values) columns += ',' + CsvField(value);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    columns += ',' + CsvField(sweep.LabelOf(i, values[i]));
+  }
   return columns;
 }
 
@@ -128,7 +130,7 @@ std::string RunsCsv(const Sweep& sweep, const Merged& merged) {
     const Case one = sweep.CaseAt(row.run);
     const Result& result = row.result;
     csv += fmt::format("{},{}{},{},{},{},{},{},{},{},{:.3f},{},{}\r\n", one.point + 1, one.seed,
-                       ValueColumns(one.values), result.outcome, CsvField(result.error),
+                       ValueColumns(sweep, one.values), result.outcome, CsvField(result.error),
                        result.served, result.held, NumberField(result.final_error_rad),
                        NumberField(result.deviation_rad), NumberField(result.deviation_m),
                        result.duration_s, result.states_hash, result.address);
@@ -142,7 +144,7 @@ std::string PointsCsv(const Sweep& sweep, const Merged& merged) {
   for (std::uint64_t point = 0; point < merged.points.size(); ++point) {
     const PointShare& share = merged.points[point];
     csv += fmt::format("{}{},{},{},{:.6f},{:.6f},{:.6f}\r\n", point + 1,
-                       ValueColumns(sweep.ValuesAt(point)), share.runs, share.failures,
+                       ValueColumns(sweep, sweep.ValuesAt(point)), share.runs, share.failures,
                        share.share(), share.least, share.most);
   }
   return csv;

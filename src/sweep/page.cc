@@ -1,6 +1,7 @@
 #include "sweep/page.h"
 
 #include <algorithm>
+#include <ranges>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -37,26 +38,35 @@ std::vector<std::size_t> AxesOfPoints(const Sweep& sweep) {
   return axes;
 }
 
-/// Rows of the first axis, columns of the second; null unless a grid of two axes makes the points.
+/// Columns of the last axis, rows of all others together; null unless a grid of at least two axes
+/// makes the points.
 Json HeatMapOf(const Sweep& sweep, const Merged& merged) {
   const std::vector<std::size_t> axes = AxesOfPoints(sweep);
-  if (axes.size() != 2 || sweep.file().samples || merged.points.size() > kMostPoints) return {};
+  if (axes.size() < 2 || sweep.file().samples || merged.points.size() > kMostPoints) return {};
   Json columns = Json::array();
   Json rows = Json::array();
   for (std::uint64_t point = 0; point < merged.points.size(); ++point) {
     const std::vector<std::string> values = sweep.ValuesAt(point);
-    const std::string& row = values[axes[0]];
+    std::string row;
+    for (const std::size_t axis : axes | std::views::take(axes.size() - 1)) {
+      row += (row.empty() ? "" : ", ") + sweep.LabelOf(axis, values[axis]);
+    }
     if (rows.empty() || rows.back()["value"] != row) {
       rows.push_back({{"value", row}, {"cells", Json::array()}});
     }
-    if (rows.size() == 1) columns.push_back({{"value", values[axes[1]]}});
+    if (rows.size() == 1)
+      columns.push_back({{"value", sweep.LabelOf(axes.back(), values[axes.back()])}});
     const double share = merged.points[point].share();
     rows.back()["cells"].push_back({{"share", Percent(share)},
                                     {"colour", ColourOf(share)},
                                     {"ink", share > 0.5 ? "#fff" : "#222"}});
   }
-  return {{"down", sweep.file().axes[axes[0]].key},
-          {"across", sweep.file().axes[axes[1]].key},
+  std::string down;
+  for (const std::size_t axis : axes | std::views::take(axes.size() - 1)) {
+    down += (down.empty() ? "" : ", ") + sweep.file().axes[axis].key;
+  }
+  return {{"down", down},
+          {"across", sweep.file().axes[axes.back()].key},
           {"count", columns.size()},
           {"columns", columns},
           {"rows", rows}};
@@ -67,8 +77,10 @@ Json PointsOnPage(const Sweep& sweep, const Merged& merged) {
   for (std::uint64_t i = 0; i < std::min(merged.points.size(), kMostPoints); ++i) {
     const PointShare& point = merged.points[i];
     Json values = Json::array();
-    for (const std::string& value : sweep.ValuesAt(i)) {
-      values.push_back({{"value", value.empty() ? "drawn" : value}});
+    const std::vector<std::string> of_point = sweep.ValuesAt(i);
+    for (std::size_t axis = 0; axis < of_point.size(); ++axis) {
+      const std::string& value = of_point[axis];
+      values.push_back({{"value", value.empty() ? "drawn" : sweep.LabelOf(axis, value)}});
     }
     points.push_back({{"number", i + 1},
                       {"values", values},

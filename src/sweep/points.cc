@@ -1,5 +1,6 @@
 #include "twin/sweep/points.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -171,10 +172,18 @@ Case Sweep::CaseAt(std::uint64_t run) const {
   return one;
 }
 
+const std::string& Sweep::LabelOf(std::size_t axis, const std::string& value) const {
+  const SweepAxis& of = file_.axes[axis];
+  const auto at = std::ranges::find(of.values, value);
+  if (of.names.empty() || at == of.values.end()) return value;
+  return of.names[static_cast<std::size_t>(at - of.values.begin())];
+}
+
 std::string Sweep::NameOf(const Case& one) const {
   std::string values;
   for (std::size_t i = 0; i < one.values.size(); ++i) {
-    values += fmt::format("{}{}: {}", i == 0 ? "" : ", ", file_.axes[i].key, one.values[i]);
+    values +=
+        fmt::format("{}{}: {}", i == 0 ? "" : ", ", file_.axes[i].key, LabelOf(i, one.values[i]));
   }
   return fmt::format("point {} ({})", one.point + 1, values);
 }

@@ -44,6 +44,13 @@ TEST(SweepTest, TakesTheLastAxisFastestAndSeedsWithinAPoint) {
   EXPECT_EQ(sweep.NameOf(sweep.CaseAt(0)), "point 1 (a: 1 %, c.d: 1 ms)");
 }
 
+TEST(SweepTest, NamesValuesAsTheFileDoes) {
+  const Sweep sweep = SweepOf("axes:\n  - {key: a, values: {ours: {}, theirs: {b: 1}}}\n");
+  EXPECT_THAT(sweep.ValuesAt(1), ElementsAre("{b: 1}"));
+  EXPECT_EQ(sweep.NameOf(sweep.CaseAt(1)), "point 2 (a: theirs)");
+  EXPECT_EQ(sweep.LabelOf(0, "{c: 2}"), "{c: 2}");
+}
+
 TEST(SweepTest, HoldsNoListOfPoints) {
   const std::string steps = ", from: 0, to: 1, steps: 10000}\n";
   const Sweep sweep = SweepOf("axes:\n  - {key: a" + steps + "  - {key: b" + steps + "seeds: 1000");

@@ -33,6 +33,7 @@ struct SweepDraw {
 struct SweepAxis {
   std::string key;                  ///< of the scenario, from its root, dotted: "link.command_loss"
   std::vector<std::string> values;  ///< each as YAML in one line
+  std::vector<std::string> names;   ///< of the values, in files and pages; empty: as they are
   std::optional<SweepRange> range;
   std::optional<SweepDraw> draw;
 };
@@ -46,6 +47,7 @@ struct SweepAxis {
 ///     scenario: canonical.yaml     # beside this file, else in the models folder
 ///     axes:
 ///       - {key: link.command_loss, values: [0 %, 1 %, 2 %]}
+///       - {key: tick, values: {ours: {}, paper: {generator: joint, viability: off}}}   # named
 ///       - {key: plant.mass_scale, from: 0.8, to: 1.2, steps: 5, scale: linear}   # or log
 ///       - {key: robot.clock_drift, uniform: {from: -20 ppm, to: 20 ppm}}
 ///       - {key: tick.lambda, normal: {mean: 0.01, deviation: 0.001}}

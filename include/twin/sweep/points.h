@@ -40,6 +40,8 @@ class Sweep {
   [[nodiscard]] std::vector<std::string> ValuesAt(std::uint64_t point) const;
   /// @pre run < runs().
   [[nodiscard]] Case CaseAt(std::uint64_t run) const;
+  /// The name of an axis' value, where the file gives one; else the value.
+  [[nodiscard]] const std::string& LabelOf(std::size_t axis, const std::string& value) const;
   /// "point 3 (link.command_loss: 2 %, plant.mass_scale: 0.8)".
   [[nodiscard]] std::string NameOf(const Case& one) const;
   /// The scenario with the values and the seed of a run.

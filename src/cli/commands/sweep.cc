@@ -82,7 +82,8 @@ std::string DescribeAxis(const scenario::SweepAxis& axis) {
                        axis.draw->first.unit, axis.draw->second.value, axis.draw->second.unit);
   }
   if (!axis.range)
-    return fmt::format("{} values: {}", axis.values.size(), fmt::join(axis.values, ", "));
+    return fmt::format("{} values: {}", axis.values.size(),
+                       fmt::join(axis.names.empty() ? axis.values : axis.names, ", "));
   const std::string scale = axis.range->is_logarithmic ? "logarithmic" : "linear";
   const std::string ends = fmt::format("{} to {} {}", axis.range->from.value, axis.range->to.value,
                                        axis.range->from.unit);
@@ -96,7 +97,7 @@ int PlanSweep(const SweepFlags& flags, const Program& program) {
   Terminal terminal(program.log, program.is_quiet());
   const scenario::SweepFile& file = of.sweep.file();
   for (const scenario::SweepAxis& axis : file.axes) {
-    terminal.Print(fmt::format("{:<32}{}\n", axis.key, DescribeAxis(axis)));
+    terminal.Print(fmt::format("{:<32}  {}\n", axis.key, DescribeAxis(axis)));
   }
   terminal.Print(fmt::format("points  {}\nruns    {} ({} seeds of each point{})\n",
                              of.sweep.points(), of.sweep.runs(), file.seeds,
