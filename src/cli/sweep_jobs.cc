@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/command.h"
 #include "twin/core/error.h"
 #include "twin/rt/child_process.h"
 
@@ -74,6 +75,7 @@ class Worker {
     child_.reset();
     if (*status == 0) return false;
     const std::string end = rt::DescribeEnd(*status);
+    refused_ = WIFEXITED(*status) && WEXITSTATUS(*status) == kBadInput;
     if (!WIFSIGNALED(*status) || ++crashes_ > kMostCrashes) {
       failure_ = end;
       return false;
@@ -84,6 +86,8 @@ class Worker {
   }
 
   [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
+  /// Whether it failed because a point is not acceptable.
+  [[nodiscard]] bool refused() const noexcept { return refused_; }
 
  private:
   void Begin() {
@@ -97,6 +101,7 @@ class Worker {
   std::unique_ptr<rt::ChildProcess> child_;
   int crashes_ = 0;
   std::string failure_;
+  bool refused_ = false;
 };
 
 }  // namespace
@@ -120,8 +125,11 @@ void RunJobs(const SweepJobs& jobs, Terminal& terminal) {
   for (std::string_view rest = pipe.Read(); !rest.empty(); rest = pipe.Read()) tell(rest);
   for (const Worker& worker : workers) {
     if (worker.failure().empty()) continue;
-    throw EnvironmentError(fmt::format(
-        "a worker {}; what is done is kept: run the same command to go on", worker.failure()));
+    const std::string text =
+        fmt::format("a worker {}, see above; what is done is kept: run the same command to go on",
+                    worker.failure());
+    if (worker.refused()) throw InputError(text);
+    throw EnvironmentError(text);
   }
 }
 

@@ -23,7 +23,8 @@ struct SweepJobs {
 
 /// Carries a shard out by processes at low priority (nice 10). One that a signal ends is begun
 /// anew, at most three times; the results that it wrote stay.
-/// @throws EnvironmentError when one fails for good, after all others have ended; Interrupted.
+/// @throws InputError when the scenario refuses a point, EnvironmentError when one fails for good,
+/// after all others have ended; Interrupted.
 void RunJobs(const SweepJobs& jobs, Terminal& terminal);
 
 /// Progress of a sweep: how many runs are done, and the time that is left.

@@ -197,6 +197,12 @@ class InputTest(SweepTest):
         self.refused(SWEEP, 3, r'shard "3/3": must be i/n', "run", "--shard", "3/3")
         self.assertFalse((self.folder / "out" / "runs").exists())
 
+    def test_a_point_that_only_its_run_refuses_costs_its_own_runs(self):
+        for jobs in ("1", "2"):
+            self.refused("name: s\nscenario: smoke.yaml\naxes: [{key: scene, values: [scenes/floor.xml, none.xml]}]\nseeds: 2\n", 3,
+                         r"point 2 \(scene: none.xml\): .*there is no file", "run", "--jobs", jobs)
+            self.assertEqual(len(self.results()), 2)
+
     def test_a_folder_that_cannot_be_made(self):
         self.write()
         for jobs in ("1", "2"):

@@ -41,10 +41,12 @@ struct SweepFlags {
 struct SweepOf {
   SweepOf(const SweepFlags& flags, const Program& program)
       : files(FilesOf(flags.data, program)),
-        sweep(flags.file, files.models),
+        file(scenario::FindScenario(flags.file, files.models)),
+        sweep(file, files.models),
         out(flags.out.empty() ? fs::path("out") / sweep.file().name : flags.out) {}
 
   run::RunFiles files;
+  fs::path file;
   sweep::Sweep sweep;
   fs::path out;
 };
@@ -109,7 +111,7 @@ int PlanSweep(const SweepFlags& flags, const Program& program) {
 /// @throws InputError when there are more runs than anyone starts by mistake.
 void RequireFew(const SweepFlags& flags, const SweepOf& of, const Program& program) {
   if (flags.yes || of.sweep.runs() <= kMostRuns) return;
-  throw InputError(fmt::format("{}: {} runs; {}; more than {} take --yes", flags.file.string(),
+  throw InputError(fmt::format("{}: {} runs; {}; more than {} take --yes", of.file.string(),
                                of.sweep.runs(), CostText(of, program), kMostRuns));
 }
 
@@ -143,12 +145,13 @@ int RunSweep(const SweepFlags& flags, const Program& program) {
   Terminal terminal(program.log, program.is_quiet());
   const std::uint64_t runs = sweep::RunsOf(of.sweep, shard);
   if (jobs > 1 && runs > 1) {
-    RunJobs({.executable = program.host.executable,
-             .arguments = WorkerArguments(flags, of),
-             .jobs = jobs,
-             .shard = shard,
-             .runs = runs},
-            terminal);
+    RunJobs(
+        {.executable = program.host.executable,
+         .arguments = WorkerArguments(flags, of),
+         .jobs = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(jobs), runs)),
+         .shard = shard,
+         .runs = runs},
+        terminal);
   } else {
     SweepProgress progress(runs, terminal);
     sweep::RunShard(of.sweep, shard,
@@ -205,7 +208,9 @@ int MergeSweep(const SweepFlags& flags, const Program& program) {
 }
 
 void AddFile(CLI::App& command, SweepFlags& flags) {
-  Add(command, "sweep FILE", flags.file, "Sweep file")->required();
+  Add(command, "sweep FILE", flags.file,
+      "Sweep file, or one of the installed models: sweeps/losses.yaml")
+      ->required();
   AddData(command, flags.data);
 }
 
