@@ -1,6 +1,7 @@
 #include "sweep/page.h"
 
 #include <algorithm>
+#include <cmath>
 #include <ranges>
 
 #include <fmt/format.h>
@@ -23,9 +24,7 @@ std::string Percent(double share) {
 
 /// From white to red. @param share  of failures, in [0, 1].
 std::string ColourOf(double share) {
-  const auto channel = [share](int full) {
-    return static_cast<int>(255 - share * (255 - full) + 0.5);
-  };
+  const auto channel = [share](int full) { return std::lround(255 - share * (255 - full)); };
   return fmt::format("#{:02x}{:02x}{:02x}", channel(0xc0), channel(0x27), channel(0x2d));
 }
 
