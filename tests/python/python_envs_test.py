@@ -70,15 +70,12 @@ class Interface(unittest.TestCase):
                     check_env(env.unwrapped)
                     env.close()
 
-    def test_the_entry_point_registers_without_an_import(self):
-        text = (SOURCE / "python" / "pyproject.toml").read_text()
-        self.assertIn('[project.entry-points."gymnasium.envs"]', text)
-        self.assertIn('__root__ = "panda_twin.envs:register_envs"', text)
-        panda_twin.envs.register_envs()  # a second time changes nothing
-        self.assertIn("PandaTwin/Reach-v0", gymnasium.registry)
-
     def test_importing_the_package_registers(self):
         code = "import panda_twin, gymnasium; gymnasium.spec('PandaTwin/Wipe-v0')"
+        subprocess.run([sys.executable, "-c", code], check=True, env=os.environ)
+
+    def test_gymnasium_imports_the_package_when_the_name_says_so(self):
+        code = "import gymnasium; gymnasium.make('panda_twin:PandaTwin/Reach-v0').reset(seed=1)"
         subprocess.run([sys.executable, "-c", code], check=True, env=os.environ)
 
     def test_rewards_take_batches_of_goals(self):

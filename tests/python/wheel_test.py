@@ -46,7 +46,7 @@ print(numpy.abs(numpy.array(panda.get_model().gravity(panda.get_state())).max())
 """
 GYMNASIUM = """
 import gymnasium
-env = gymnasium.make("PandaTwin/Reach-v0", render_mode="rgb_array")
+env = gymnasium.make("panda_twin:PandaTwin/Reach-v0", render_mode="rgb_array")
 env.reset(seed=1)
 for _ in range(3):
     env.step(env.action_space.sample())

@@ -1,9 +1,12 @@
 """Environments of the twin for Gymnasium: actions go through the workstation and the robot's own 1 kHz controller.
 
-Importing this package registers them: ``gymnasium.make("PandaTwin/Reach-v0")``.
+Importing this package registers them: ``gymnasium.make("PandaTwin/Reach-v0")``; without the import
+``gymnasium.make("panda_twin:PandaTwin/Reach-v0")``. Gymnasium 1 loads no entry points.
 """
 
 from typing import TYPE_CHECKING, Any
+
+from gymnasium.envs.registration import register, registry
 
 from .tasks import Draw, Task, field
 
@@ -18,9 +21,6 @@ _STEPS = {"Reach": 50, "Push": 100, "PickAndPlace": 100, "Peg": 150, "Wipe": 100
 
 def register_envs() -> None:
     """Registers ``PandaTwin/<task>-v0`` for every task; once, however often it is called."""
-    # Not above: Gymnasium, when imported first here, calls this function while this module is imported.
-    from gymnasium.envs.registration import register, registry
-
     for task, steps in _STEPS.items():
         if f"PandaTwin/{task}-v0" in registry:
             continue
@@ -34,7 +34,7 @@ def register_envs() -> None:
 
 
 def __getattr__(name: str) -> Any:
-    # Gymnasium loads plug-ins before all of it is imported, so the classes come when they are used.
+    # When they are used: they need all of Gymnasium, which takes long to import.
     if name == "PandaEnv":
         from .env import PandaEnv
 
