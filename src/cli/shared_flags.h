@@ -98,6 +98,11 @@ void AddLab(CLI::App& app, std::optional<std::string>& lab);
 void ReplaceSite(const std::optional<std::string>& lab, const std::optional<std::uint64_t>& seed,
                  const DataFlags& data, const Host& host, scenario::Scenario& scenario);
 
+/// A word of a command to copy: quoted where a shell would read more into it.
+[[nodiscard]] std::string InShell(const std::string& word);
+/// The folders of data that a command names: " --data DIR".
+[[nodiscard]] std::string DataInShell(const DataFlags& data);
+
 /// --for. @throws InputError unless it is above 0.
 void RequireDuration(const std::optional<double>& seconds);
 

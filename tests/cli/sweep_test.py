@@ -64,6 +64,39 @@ class SweepTest(unittest.TestCase):
         return {file.relative_to(self.folder / out): file.read_bytes() for file in (self.folder / out / "runs").rglob("*.json")}
 
 
+# What stands for Slurm: it carries a job out at once. sweep_slurm_test.py has the real one.
+SBATCH = """#!/bin/sh
+set -e
+for word; do
+  case $word in --array=0-*) last=${word##*-} ;; --output=*) log=${word#*=} ;; --wrap=*) wrap=${word#*=} ;; esac
+done
+for SLURM_ARRAY_TASK_ID in $(seq 0 "${last:-0}"); do
+  export SLURM_ARRAY_TASK_ID
+  sh -c "$wrap" >"$log" 2>&1
+done
+echo 7
+"""
+
+
+class SlurmScriptTest(SweepTest):
+    def test_quotes_what_a_shell_would_take_apart(self):
+        self.folder = self.folder / "it's a folder"
+        self.folder.mkdir()
+        self.write()
+        self.run_sweep(out="here")
+        (self.folder / "sbatch").write_text(SBATCH)
+        (self.folder / "sbatch").chmod(0o755)
+        script = self.call("slurm", "--shards", "3", out="there").stdout
+        done = subprocess.run(["bash"], input=script, capture_output=True, text=True,
+                              env={"PATH": f"{self.folder}:{os.environ['PATH']}"})
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn(f"digest  {self.digest('here')}\n", (self.folder / "there/slurm/merge.txt").read_text())
+
+    def test_wants_to_know_how_many_shards(self):
+        self.refused(SWEEP, 2, "--shards is required", "slurm")
+        self.refused(SWEEP, 3, "--shards is 0; it must lie in", "slurm", "--shards", "0")
+
+
 class SharingTest(SweepTest):
     def test_any_number_of_shards_and_processes_gives_the_same(self):
         self.write()

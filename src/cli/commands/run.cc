@@ -129,24 +129,6 @@ application::RunOptions OptionsOf(const RunFlags& flags, const scenario::Scenari
   return options;
 }
 
-/// A word of a command to copy: quoted where a shell would read more into it.
-std::string InShell(const std::string& word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./:,=@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
-
-/// The folders of data that a command names.
-std::string DataInShell(const DataFlags& data) {
-  std::string text;
-  if (!data.models.empty()) text += " --data " + InShell(data.models.string());
-  if (!data.meshes.empty()) text += " --meshes " + InShell(data.meshes.string());
-  return text;
-}
-
 /// The command that runs the same motion in the twin.
 std::string RehearsalCommand(const RunFlags& flags) {
   std::string command = fmt::format("panda-twin run {}", InShell(flags.scenario.string()));

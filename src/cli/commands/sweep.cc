@@ -37,6 +37,10 @@ struct SweepFlags {
   DataFlags data;
 };
 
+struct SlurmFlags : SweepFlags {
+  std::uint64_t shards = 0;
+};
+
 /// A command on a sweep's file.
 struct SweepOf {
   SweepOf(const SweepFlags& flags, const Program& program)
@@ -207,6 +211,30 @@ int MergeSweep(const SweepFlags& flags, const Program& program) {
   return kOk;
 }
 
+/// A script for bash that hands a sweep to Slurm. The file, the folder and the program must be
+/// there on each node, at the same place.
+int PrintSlurmScript(const SlurmFlags& flags, const Program& program) {
+  const SweepOf of(flags, program);
+  RequireInRange("--shards", static_cast<double>(flags.shards), 1, 100'000);
+  of.sweep.CheckPoints();
+  const std::string name = "sweep-" + of.sweep.file().name;
+  const std::string out = fs::absolute(of.out).lexically_normal().string();
+  const auto command = [&](std::string_view what) {
+    return fmt::format("{} sweep {} {} --out {}{}", InShell(program.host.executable.string()), what,
+                       InShell(fs::absolute(of.file).lexically_normal().string()), InShell(out),
+                       DataInShell(flags.data));
+  };
+  const std::string shard =
+      fmt::format("{} --jobs 1 --shard \"$SLURM_ARRAY_TASK_ID\"/{}", command("run"), flags.shards);
+  const std::string log = InShell(out + "/slurm");
+  Terminal(program.log, program.is_quiet())
+      .Print(fmt::format(fmt::runtime(TextOf("sweep_slurm.sh")), fmt::arg("name", name),
+                         fmt::arg("last", flags.shards - 1), fmt::arg("log", log),
+                         fmt::arg("shard", InShell(shard)),
+                         fmt::arg("merge", InShell(command("merge")))));
+  return kOk;
+}
+
 void AddFile(CLI::App& command, SweepFlags& flags) {
   Add(command, "sweep FILE", flags.file,
       "Sweep file, or one of the installed models: sweeps/losses.yaml")
@@ -245,6 +273,11 @@ void AddSweep(CLI::App& app, Program& program) {
                  &MergeSweep);
   AddFile(merge, merge_flags);
   AddOut(merge, merge_flags);
+  const auto [slurm, slurm_flags] = AddCommand(
+      *sweep, program, "slurm", "Print a script that hands the sweep to Slurm", &PrintSlurmScript);
+  AddFile(slurm, slurm_flags);
+  AddOut(slurm, slurm_flags);
+  Add(slurm, "--shards N", slurm_flags.shards, "So many tasks of one array job")->required();
   AddFooter(*sweep);  // after its commands, which else would repeat it
 }
 
