@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -42,29 +42,31 @@ std::vector<std::size_t> AxesOfPoints(const Sweep& sweep) {
 Json HeatMapOf(const Sweep& sweep, const Merged& merged) {
   const std::vector<std::size_t> axes = AxesOfPoints(sweep);
   if (axes.size() < 2 || sweep.file().samples || merged.points.size() > kMostPoints) return {};
+  const std::span down(axes.data(), axes.size() - 1);
   Json columns = Json::array();
   Json rows = Json::array();
   for (std::uint64_t point = 0; point < merged.points.size(); ++point) {
     const std::vector<std::string> values = sweep.ValuesAt(point);
     std::string row;
-    for (const std::size_t axis : axes | std::views::take(axes.size() - 1)) {
+    for (const std::size_t axis : down) {
       row += (row.empty() ? "" : ", ") + sweep.LabelOf(axis, values[axis]);
     }
     if (rows.empty() || rows.back()["value"] != row) {
       rows.push_back({{"value", row}, {"cells", Json::array()}});
     }
-    if (rows.size() == 1)
+    if (rows.size() == 1) {
       columns.push_back({{"value", sweep.LabelOf(axes.back(), values[axes.back()])}});
+    }
     const double share = merged.points[point].share();
     rows.back()["cells"].push_back({{"share", Percent(share)},
                                     {"colour", ColourOf(share)},
                                     {"ink", share > 0.5 ? "#fff" : "#222"}});
   }
-  std::string down;
-  for (const std::size_t axis : axes | std::views::take(axes.size() - 1)) {
-    down += (down.empty() ? "" : ", ") + sweep.file().axes[axis].key;
+  std::string keys;
+  for (const std::size_t axis : down) {
+    keys += (keys.empty() ? "" : ", ") + sweep.file().axes[axis].key;
   }
-  return {{"down", down},
+  return {{"down", keys},
           {"across", sweep.file().axes[axes.back()].key},
           {"count", columns.size()},
           {"columns", columns},
