@@ -4,7 +4,7 @@ import importlib.util
 
 from . import _core
 from . import _host as _host  # tells the module where its files are
-from . import model
+from . import model, sweep
 from ._core import (
     CartesianPose,
     CartesianVelocities,
