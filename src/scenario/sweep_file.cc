@@ -123,14 +123,22 @@ SweepAxis AxisIn(const YamlNode& node) {
   return axis;
 }
 
+/// @throws InputError when an axis replaces what one before it says: tick behind tick.lambda.
+void RequireOrder(const YamlNode& node, const SweepFile& sweep, const SweepAxis& axis) {
+  for (const SweepAxis& before : sweep.axes) {
+    if (before.key == axis.key) node.Fail(fmt::format("key {} has an axis already", axis.key));
+    if (!before.key.starts_with(axis.key + ".")) continue;
+    node.Fail(fmt::format("key {} replaces what the axis {} says; put it before that", axis.key,
+                          before.key));
+  }
+}
+
 Value Axes(SweepFile& sweep) {
   Value value = Anything();
   value.read = [&sweep](const YamlNode& node) {
     for (const YamlNode& item : node.Items()) {
       SweepAxis axis = AxisIn(item);
-      if (std::ranges::find(sweep.axes, axis.key, &SweepAxis::key) != sweep.axes.end()) {
-        item.Fail(fmt::format("key {} has an axis already", axis.key));
-      }
+      RequireOrder(item, sweep, axis);
       sweep.axes.push_back(std::move(axis));
     }
     if (sweep.axes.empty()) node.Fail("is empty; give at least one axis");

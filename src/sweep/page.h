@@ -2,14 +2,10 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "twin/sweep/merge.h"
 
 namespace twin::sweep {
-
-/// At most ten failures: those that ended farthest from their goal.
-[[nodiscard]] std::vector<const Row*> WorstOf(const Merged& merged);
 
 /// The report: a heat map of two axes, the points with their intervals, the worst failures and the
 /// commands that repeat them. One HTML file that holds everything.

@@ -188,19 +188,23 @@ std::string Sweep::NameOf(const Case& one) const {
   return fmt::format("point {} ({})", one.point + 1, values);
 }
 
+std::string Sweep::TextWith(const std::vector<std::string>& values) const {
+  std::string text = scenario_text_;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i].empty()) continue;
+    const std::string& key = file_.axes[i].key;
+    // A map replaces what was there: it is not merged with it.
+    if (values[i].starts_with('{')) {
+      text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, ""));
+    }
+    text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, values[i]));
+  }
+  return text;
+}
+
 scenario::Scenario Sweep::ScenarioOf(const Case& one) const {
   try {
-    std::string text = scenario_text_;
-    for (std::size_t i = 0; i < one.values.size(); ++i) {
-      const std::string& key = file_.axes[i].key;
-      const std::string& value = one.values[i];
-      // A map replaces what was there: it is not merged with it.
-      if (value.starts_with('{')) {
-        text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, ""));
-      }
-      text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, value));
-    }
-    scenario::Scenario scenario = scenario::Parse(text, scenario_file_);
+    scenario::Scenario scenario = scenario::Parse(TextWith(one.values), scenario_file_);
     scenario.seed = one.seed;
     if (!scenario.is_lockstep()) {
       throw InputError("runs of a sweep repeat, which takes drive: lockstep and no remote robot");

@@ -44,11 +44,13 @@ class Worker {
 
   /// @returns the run's result; nullopt after an interrupt.
   std::optional<Result> Do(std::uint64_t run) {
-    const PreparedCase& prepared = maker_.Make(run);
-    const fs::path file = FileOf(work_.out, prepared.address);
-    std::optional<Result> result = ReadResult(file, prepared.address);
+    Case one = sweep_.CaseAt(run);
+    std::string address = maker_.AddressOf(one);
+    const fs::path file = FileOf(work_.out, address);
+    std::optional<Result> result = ReadResult(file, address);
     const bool was_there = result.has_value();
     if (!was_there) {
+      const PreparedCase& prepared = maker_.Make(std::move(one), std::move(address));
       result = Run(prepared);
       if (!result) return std::nullopt;
       Put(file, ToJson(*result, prepared.one, sweep_.file().axes));

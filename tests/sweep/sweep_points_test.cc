@@ -100,6 +100,8 @@ TEST(SweepTest, RefusesAxesThatSayNothingClear) {
   refuses("{key: seed, values: [1]}", "say seeds and first_seed");
   refuses("{key: a, normal: {mean: 0, deviation: 0}}", "deviation must be above 0");
   refuses("{key: a, values: [1]}\n  - {key: a, values: [2]}", "key a has an axis already");
+  refuses("{key: a.b, values: [1]}\n  - {key: a, values: [{}]}",
+          "a replaces what the axis a.b says");
 }
 
 TEST(ShardTest, SharesEveryRunOutOnce) {

@@ -31,6 +31,9 @@ class Sweep {
   Sweep(const std::filesystem::path& file, const std::filesystem::path& models);
 
   [[nodiscard]] const scenario::SweepFile& file() const noexcept { return file_; }
+  [[nodiscard]] const std::filesystem::path& scenario_file() const noexcept {
+    return scenario_file_;
+  }
   [[nodiscard]] std::uint64_t points() const noexcept { return points_; }
   [[nodiscard]] std::uint64_t runs() const noexcept { return points_ * file_.seeds; }
   /// Whether runs of one point differ in more than their seed.
@@ -44,6 +47,9 @@ class Sweep {
   [[nodiscard]] const std::string& LabelOf(std::size_t axis, const std::string& value) const;
   /// "point 3 (link.command_loss: 2 %, plant.mass_scale: 0.8)".
   [[nodiscard]] std::string NameOf(const Case& one) const;
+  /// The scenario's text with values in place of its own; an empty value leaves it as it is.
+  /// @throws InputError when it is no YAML.
+  [[nodiscard]] std::string TextWith(const std::vector<std::string>& values) const;
   /// The scenario with the values and the seed of a run.
   /// @throws InputError "<NameOf>: <scenario's file>: ..." when the scenario refuses a value; lines
   /// are those of the changed text. InputError for one that is not in lockstep.
