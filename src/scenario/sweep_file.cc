@@ -173,17 +173,6 @@ void RequireSampling(const YamlNode& root, const SweepFile& sweep) {
   }
 }
 
-Value Keep() {
-  Value keep = Anything();
-  keep.read = [](const YamlNode& node) {
-    if (node.Text() == "summary") return;
-    node.Fail(
-        "only summary is there: no logs are kept; panda-twin run repeats a run with its log, from "
-        "the scenario that sweep merge writes for each of the worst");
-  };
-  return keep;
-}
-
 }  // namespace
 
 SweepFile LoadSweep(const std::filesystem::path& path) {
@@ -200,7 +189,12 @@ SweepFile LoadSweep(const std::filesystem::path& path) {
   map.Add("seed", Seed(sweep.seed), "Of what the sweep draws.");
   map.Add("seeds", Integer(sweep.seeds, 1, kMost), "Runs of each point.");
   map.Add("first_seed", Seed(sweep.first_seed), "Of the first run.");
-  map.Add("keep", Keep(), "What is kept of a run.");
+  const std::vector<std::string_view> kept{"summary", "failures", "all"};
+  map.Add("keep",
+          OneOfNames(
+              kept, [&sweep](std::size_t i) { sweep.keep = static_cast<SweepFile::Keep>(i); },
+              [&sweep] { return static_cast<int>(sweep.keep); }),
+          "Of which runs logs are kept.");
   map.Add("stop_at_width",
           Optional(sweep.stop_at_width, [](double& width) { return Number(width, 0.001, 1); }),
           "Width of the confidence interval at which a point ends.");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -98,11 +99,16 @@ Json WorstOnPage(const Sweep& sweep, const Merged& merged, const std::filesystem
   for (const Row& row : merged.worst) {
     const Case one = sweep.CaseAt(row.run);
     const std::filesystem::path file = out / "worst" / (row.result.address + ".yaml");
-    worst.push_back({{"point", sweep.NameOf(one)},
-                     {"seed", std::to_string(one.seed)},
-                     {"outcome", row.result.outcome},
-                     {"error", row.result.error},
-                     {"command", fmt::format("panda-twin run '{}'", file.string())}});
+    const std::filesystem::path log = LogFolderOf(out, row.result.address) / "run.mcap";
+    std::error_code none;
+    worst.push_back(
+        {{"point", sweep.NameOf(one)},
+         {"seed", std::to_string(one.seed)},
+         {"outcome", row.result.outcome},
+         {"error", row.result.error},
+         {"log",
+          std::filesystem::exists(log, none) ? Json(log.lexically_relative(out).string()) : Json()},
+         {"command", fmt::format("panda-twin run '{}'", file.string())}});
   }
   return worst;
 }

@@ -212,6 +212,10 @@ fs::path FileOf(const fs::path& out, const std::string& address) {
   return out / "runs" / address.substr(0, 2) / (address + ".json");
 }
 
+fs::path LogFolderOf(const fs::path& out, const std::string& address) {
+  return out / "logs" / address.substr(0, 2) / address;
+}
+
 std::string ToJson(const Result& result, const Case& one,
                    const std::vector<scenario::SweepAxis>& axes) {
   Json values = Json::object();

@@ -207,6 +207,32 @@ class MergeTest(SweepTest):
         self.assertNotEqual(self.digest(), digest)
         self.assertIn("8 results are left aside", self.call("merge").stderr)
 
+    def test_logs_of_failures_are_kept_beside_the_same_results(self):
+        self.write()
+        self.run_sweep(out="without")
+        digest = self.digest("without")
+        failures = {run["address"] for run in self.table("without", "runs.csv") if run["outcome"] != "success"}
+        self.write(SWEEP + "keep: failures\n")
+        self.run_sweep()
+        self.assertEqual(self.results(), self.results("without"))
+        self.assertEqual(self.digest(), digest)
+        logs = self.folder / "out" / "logs"
+        self.assertEqual({log.parent.name for log in logs.rglob("run.mcap")}, failures)
+        self.assertEqual(len(list(logs.glob("*/*"))), len(failures))
+        worst = sorted(failures & {file.stem for file in (self.folder / "out/worst").iterdir()})[0]
+        log = f"logs/{worst[:2]}/{worst}/run.mcap"
+        self.assertIn(f'<a href="{log}">log</a>', (self.folder / "out/report.html").read_text())
+        subprocess.run([PROGRAM, "run", self.folder / f"out/worst/{worst}.yaml", "--no-video", "--out", self.folder / "again", "--data",
+                        SOURCE / "models"], capture_output=True, timeout=300)
+        self.assertEqual((self.folder / "again/run.mcap").read_bytes(), (self.folder / "out" / log).read_bytes())
+        shutil.rmtree(logs / worst[:2] / worst)
+        self.run_sweep()
+        self.assertTrue((self.folder / "out" / log).exists())
+        self.write(SWEEP + "keep: all\n")
+        self.run_sweep("--jobs", "1")
+        self.assertEqual(len(list(logs.rglob("run.mcap"))), 24)
+        self.assertEqual(self.digest(), digest)
+
     def test_a_point_ends_early(self):
         self.write(SWEEP.replace("seeds: 4", "seeds: 40\nstop_at_width: 0.4"))
         self.run_sweep("--jobs", "1", out="one")
@@ -225,7 +251,7 @@ class InputTest(SweepTest):
         self.refused(SWEEP.replace("80 %", "200 %"), 3, r"point 5 \(link.command_loss: 200 %, onboard.abort_after_lost: 10\): ")
         self.refused(SWEEP.replace("smoke.yaml", "none.yaml"), 3, r"there is no none.yaml beside")
         self.refused(SWEEP + "budget: 23\n", 3, r"24 runs; budget allows 23")
-        self.refused(SWEEP + "keep: all\n", 3, r"only summary is there")
+        self.refused(SWEEP + "keep: some\n", 3, r'"some" is unknown; accepted: summary, failures, all')
         self.refused(SWEEP.replace("seeds: 4", "seeds: 1000000"), 3, r"6000000 runs; .* in all; more than 1000000 take --yes")
         self.refused(SWEEP, 3, r'shard "3/3": must be i/n', "run", "--shard", "3/3")
         self.assertFalse((self.folder / "out" / "runs").exists())

@@ -55,10 +55,14 @@ struct SweepAxis {
 ///     seed: 1                      # of what the sweep draws
 ///     seeds: 50                    # runs of each point
 ///     first_seed: 1                # of the first run; the others count on
+///     keep: failures               # their logs; absent: summary, no logs; all: of every run
 ///     stop_at_width: 0.1           # absent: all seeds are run
 ///     demand: {success: 95 %}      # absent: none
 ///     budget: 10000                # absent: as many runs as there are
 struct SweepFile {
+  /// Of which runs logs are kept.
+  enum class Keep : std::uint8_t { kSummary, kFailures, kAll };
+
   std::string name;  ///< letters, digits, '_' and '-'
   std::string description;
   std::filesystem::path scenario;        ///< as the file names it
@@ -67,6 +71,7 @@ struct SweepFile {
   std::uint64_t seed = 1;
   std::uint64_t seeds = 1;  ///< in [1, 10^6]
   std::uint64_t first_seed = 1;
+  Keep keep = Keep::kSummary;
   /// A point ends early when, after every tenth of its seeds, the 95 % confidence interval of its
   /// share of failures is narrower than this; in [0.001, 1].
   std::optional<double> stop_at_width;

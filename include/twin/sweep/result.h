@@ -78,6 +78,11 @@ class CaseMaker {
 [[nodiscard]] std::filesystem::path FileOf(const std::filesystem::path& out,
                                            const std::string& address);
 
+/// Of a run whose log is kept: DIR/logs/<2 digits>/<address>, with run.mcap, scenario.yaml and
+/// summary.json.
+[[nodiscard]] std::filesystem::path LogFolderOf(const std::filesystem::path& out,
+                                                const std::string& address);
+
 /// A result's file. @param axes  their keys, in the order of the case's values.
 [[nodiscard]] std::string ToJson(const Result& result, const Case& one,
                                  const std::vector<scenario::SweepAxis>& axes);
