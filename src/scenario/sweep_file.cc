@@ -149,9 +149,9 @@ Value Axes(SweepFile& sweep) {
 Value Samples(SweepFile& sweep) {
   return Section([&sweep](Map& map) {
     Value kind = Anything();
-    kind.read = [](const YamlNode& node) {
-      constexpr std::array<std::string_view, 1> kKinds{"latin_hypercube"};
-      static_cast<void>(node.Choice(kKinds));
+    kind.read = [&sweep](const YamlNode& node) {
+      constexpr std::array<std::string_view, 2> kKinds{"latin_hypercube", "sobol"};
+      sweep.has_sobol_samples = node.Choice(kKinds) == 1;
     };
     map.Require("kind", kind);
     map.Require("points", Optional(sweep.samples, [](std::uint64_t& points) {
@@ -160,7 +160,7 @@ Value Samples(SweepFile& sweep) {
   });
 }
 
-/// Ranges have steps in a grid, and none in a hypercube, which has no lists.
+/// Ranges have steps in a grid, and none in samples, which have no lists.
 void RequireSampling(const YamlNode& root, const SweepFile& sweep) {
   for (const SweepAxis& axis : sweep.axes) {
     if (sweep.samples && !axis.values.empty()) {
@@ -185,7 +185,8 @@ SweepFile LoadSweep(const std::filesystem::path& path) {
               Converted(std::string(), Text, [&](auto& text) { sweep.scenario = text; }),
               "What is run.");
   map.Require("axes", Axes(sweep), "What is varied.");
-  map.Add("samples", Samples(sweep), "Points of a Latin hypercube in place of a grid.");
+  map.Add("samples", Samples(sweep),
+          "Points of a Latin hypercube or a Sobol sequence in place of a grid.");
   map.Add("seed", Seed(sweep.seed), "Of what the sweep draws.");
   map.Add("seeds", Integer(sweep.seeds, 1, kMost), "Runs of each point.");
   map.Add("first_seed", Seed(sweep.first_seed), "Of the first run.");

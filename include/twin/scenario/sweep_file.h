@@ -39,8 +39,8 @@ struct SweepAxis {
 };
 
 /// Runs of a scenario at many points, each with many seeds. A point is one value of every axis that
-/// is not drawn: of the grid of all combinations, the last axis changing fastest, or of a Latin
-/// hypercube (`samples`), in which the ranges are sampled together.
+/// is not drawn: of the grid of all combinations, the last axis changing fastest, or of samples
+/// (`samples`), in which the ranges are sampled together: a Latin hypercube, or a Sobol sequence.
 ///
 ///     name: losses
 ///     description: How often the motion aborts.
@@ -51,7 +51,7 @@ struct SweepAxis {
 ///       - {key: plant.mass_scale, from: 0.8, to: 1.2, steps: 5, scale: linear}   # or log
 ///       - {key: robot.clock_drift, uniform: {from: -20 ppm, to: 20 ppm}}
 ///       - {key: tick.lambda, normal: {mean: 0.01, deviation: 0.001}}
-///     samples: {kind: latin_hypercube, points: 64}   # absent: a grid
+///     samples: {kind: latin_hypercube, points: 64}   # or sobol; absent: a grid
 ///     seed: 1                      # of what the sweep draws
 ///     seeds: 50                    # runs of each point
 ///     first_seed: 1                # of the first run; the others count on
@@ -67,7 +67,8 @@ struct SweepFile {
   std::string description;
   std::filesystem::path scenario;        ///< as the file names it
   std::vector<SweepAxis> axes;           ///< at least one; no key twice
-  std::optional<std::uint64_t> samples;  ///< points of the Latin hypercube, in [1, 10^6]
+  std::optional<std::uint64_t> samples;  ///< points of the samples, in [1, 10^6]; none: a grid
+  bool has_sobol_samples = false;        ///< else those of a Latin hypercube
   std::uint64_t seed = 1;
   std::uint64_t seeds = 1;  ///< in [1, 10^6]
   std::uint64_t first_seed = 1;

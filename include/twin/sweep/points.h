@@ -18,7 +18,7 @@ struct Case {
 };
 
 /// A sweep's points and runs. No list of them is held: a sweep of 10^9 runs takes no more memory
-/// than one of ten (a Latin hypercube takes 4 bytes for each point and axis). Runs are numbered
+/// than one of ten (samples take 4 bytes for each point and axis). Runs are numbered
 /// from 0, point by point, and in a point in order of their seeds.
 ///
 /// Threads: const calls any.
@@ -59,14 +59,16 @@ class Sweep {
   void CheckPoints() const;
 
  private:
+  [[nodiscard]] std::vector<std::vector<std::uint32_t>> Places() const;
   [[nodiscard]] std::string SampledValue(std::size_t axis, std::uint64_t point) const;
 
   scenario::SweepFile file_;
   std::filesystem::path scenario_file_;
   std::string scenario_text_;
   std::uint64_t points_ = 1;
-  /// Of a Latin hypercube: for each axis the stratum of each point; empty for axes that are drawn.
-  std::vector<std::vector<std::uint32_t>> strata_;
+  /// For each axis where each point lies: of a Latin hypercube its stratum, of a Sobol sequence its
+  /// number, of 2^32. Empty for axes that are drawn.
+  std::vector<std::vector<std::uint32_t>> places_;
 };
 
 }  // namespace twin::sweep
