@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sweep/page.h"
+#include "sweep/survival.h"
 #include "twin/core/content_hash.h"
 #include "twin/core/error.h"
 #include "twin/core/hash.h"
@@ -123,7 +124,7 @@ std::uint64_t CountResults(const fs::path& out) {
 class Reader {
  public:
   Reader(const Sweep& sweep, const run::RunFiles& files, const fs::path& out)
-      : sweep_(sweep), maker_(sweep, files), out_(out), table_(sweep, out) {}
+      : sweep_(sweep), maker_(sweep, files), out_(out), table_(sweep, out), survival_(sweep) {}
 
   Merged Read() {
     merged_.points.reserve(sweep_.points());
@@ -131,6 +132,7 @@ class Reader {
     const std::uint64_t there = CountResults(out_);
     merged_.left_aside = there - std::min(there, merged_.runs);
     RequireAll();
+    merged_.survival = survival_.Curves();
     merged_.digest = digest_.Hex().substr(0, 16);
     table_.Finish();
     return std::move(merged_);
@@ -168,6 +170,7 @@ class Reader {
     digest_.Add(result.states_hash);
     digest_.Add(result.outcome);
     table_.Add(one, result);
+    survival_.Add(one, result);
     if (!result.succeeded()) KeepIfWorst({run, std::move(result)});
   }
 
@@ -199,6 +202,7 @@ class Reader {
   CaseMaker maker_;
   const fs::path& out_;
   RunTable table_;
+  SurvivalCount survival_;
   Merged merged_;
   ContentHash digest_;
   std::uint64_t missing_ = 0;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sweep/survival_page.h"
 #include "twin/core/hash.h"
 #include "twin/report/page.h"
 
@@ -143,6 +144,7 @@ std::string PageOf(const Sweep& sweep, const Merged& merged, const std::filesyst
                        {"share", fmt::format("{:.1f}", merged.success_percent())},
                        {"demand", demand},
                        {"heat", HeatMapOf(sweep, merged)},
+                       {"survival", SurvivalOnPage(sweep, merged)},
                        {"axes", AxesOnPage(sweep)},
                        {"points", PointsOnPage(sweep, merged)},
                        {"shown", shown},

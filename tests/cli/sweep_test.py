@@ -177,6 +177,8 @@ class MergeTest(SweepTest):
         self.assertEqual(len(runs), 24)
         self.assertEqual(json.loads((out / "summary.json").read_text())["runs"], 24)
         page = (out / "report.html").read_text()
+        self.assertEqual(page.count("<path d="), 3)
+        self.assertRegex(page, r"0 %: 0 of 8 failed")
         for text in ("What breaks.", "background:#c0272d", "communication_constraints_violation"):
             self.assertIn(text, page)
         worst = sorted((out / "worst").glob("*.yaml"))

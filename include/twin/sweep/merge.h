@@ -29,14 +29,31 @@ struct PointShare {
   }
 };
 
+/// Share of a group of runs that has not failed yet, over the robot's time. A run that succeeds
+/// counts to the end: it is done and cannot fail any more, which is why this is no estimate for
+/// runs that were broken off (Kaplan and Meier's), and ends at the share of successes.
+struct SurvivalCurve {
+  struct Step {
+    double time_s = 0;
+    double share = 1;  ///< from this time on, to the next step's
+  };
+
+  std::string label;  ///< the value of the first axis that the runs have in common, or "all runs"
+  std::uint64_t runs = 0;
+  std::uint64_t failures = 0;
+  double end_s = 0;         ///< when the last run ends
+  std::vector<Step> steps;  ///< in order of times; before the first the share is 1
+};
+
 /// All results of a sweep, but for their rows: a million of those is as much as a million of files.
 struct Merged {
   std::uint64_t runs = 0;  ///< without those that a point did not need
   std::uint64_t failures = 0;
   std::vector<PointShare> points;  ///< in order
-  std::vector<Row> worst;        ///< at most ten failures: those that ended farthest from the goal
-  std::uint64_t left_aside = 0;  ///< results in the folder that are none of these
-  std::string digest;            ///< of address, states_hash and outcome of all runs; 16 digits
+  std::vector<Row> worst;  ///< at most ten failures: those that ended farthest from the goal
+  std::vector<SurvivalCurve> survival;  ///< at most eight
+  std::uint64_t left_aside = 0;         ///< results in the folder that are none of these
+  std::string digest;  ///< of address, states_hash and outcome of all runs; 16 digits
 
   [[nodiscard]] double success_percent() const noexcept {
     return 100.0 * static_cast<double>(runs - failures) / static_cast<double>(runs);
