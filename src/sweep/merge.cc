@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sweep/left_aside.h"
 #include "sweep/page.h"
 #include "sweep/survival.h"
 #include "twin/core/content_hash.h"
@@ -110,16 +111,6 @@ void WritePoints(const Sweep& sweep, const Merged& merged, const fs::path& out) 
   table.Finish();
 }
 
-/// Results in the folder, whatever they are of.
-std::uint64_t CountResults(const fs::path& out) {
-  std::uint64_t count = 0;
-  std::error_code none;
-  for (const auto& entry : fs::recursive_directory_iterator(out / "runs", none)) {
-    count += entry.path().extension() == ".json" ? 1 : 0;
-  }
-  return count;
-}
-
 /// Reads the results in order.
 class Reader {
  public:
@@ -129,8 +120,9 @@ class Reader {
   Merged Read() {
     merged_.points.reserve(sweep_.points());
     for (std::uint64_t point = 0; point < sweep_.points(); ++point) ReadPoint(point);
-    const std::uint64_t there = CountResults(out_);
-    merged_.left_aside = there - std::min(there, merged_.runs);
+    read_.Sort();
+    not_needed_.Sort();
+    merged_.left_aside = CountLeftAside(out_, read_, not_needed_);
     RequireAll();
     merged_.survival = survival_.Curves();
     merged_.digest = digest_.Hex().substr(0, 16);
@@ -154,7 +146,12 @@ class Reader {
       ++share.runs;
       share.failures += result->succeeded() ? 0 : 1;
       Take(run, one, std::move(*result));
-      if (share.runs == i + 1 && EndsPoint(sweep_, share.runs, share.failures)) break;
+      if (share.runs == i + 1 && EndsPoint(sweep_, share.runs, share.failures)) {
+        for (std::uint64_t rest = run + 1; rest < (point + 1) * seeds; ++rest) {
+          not_needed_.Add(maker_.AddressOf(sweep_.CaseAt(rest)));
+        }
+        break;
+      }
     }
     if (share.runs > 0) {
       std::tie(share.least, share.most) =
@@ -166,6 +163,7 @@ class Reader {
   }
 
   void Take(std::uint64_t run, const Case& one, Result&& result) {
+    read_.Add(result.address);
     digest_.Add(result.address);
     digest_.Add(result.states_hash);
     digest_.Add(result.outcome);
@@ -188,14 +186,12 @@ class Reader {
 
   void RequireAll() const {
     if (missing_ == 0) return;
-    throw Error(fmt::format(
-        "{} of {} runs are missing in {}, the first: {}; sweep run carries them out{}", missing_,
-        missing_ + merged_.runs, out_.string(), first_,
-        merged_.left_aside == 0
-            ? ""
-            : fmt::format(" ({} results there are of another sweep, or of another version of the "
-                          "program or the models)",
-                          merged_.left_aside)));
+    throw Error(
+        fmt::format("{} of {} runs are missing in {}, the first: {}; sweep run carries them out{}",
+                    missing_, missing_ + merged_.runs, out_.string(), first_,
+                    merged_.left_aside.count() == 0
+                        ? ""
+                        : fmt::format("; other results there: {}", merged_.left_aside.Text())));
   }
 
   const Sweep& sweep_;
@@ -205,6 +201,8 @@ class Reader {
   SurvivalCount survival_;
   Merged merged_;
   ContentHash digest_;
+  AddressSet read_;
+  AddressSet not_needed_;
   std::uint64_t missing_ = 0;
   std::string first_;
 };

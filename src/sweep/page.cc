@@ -10,6 +10,7 @@
 
 #include "sweep/survival_page.h"
 #include "twin/core/hash.h"
+#include "twin/core/text.h"
 #include "twin/report/page.h"
 
 namespace twin::sweep {
@@ -109,7 +110,7 @@ Json WorstOnPage(const Sweep& sweep, const Merged& merged, const std::filesystem
          {"error", row.result.error},
          {"log",
           std::filesystem::exists(log, none) ? Json(log.lexically_relative(out).string()) : Json()},
-         {"command", fmt::format("panda-twin run '{}'", file.string())}});
+         {"command", fmt::format("panda-twin run {}", InShell(file.string()))}});
   }
   return worst;
 }

@@ -116,7 +116,8 @@ Result RunMotion(const scenario::Scenario& scenario, const run::Catalogue& catal
                 .deviation_rad = {},
                 .deviation_m = {},
                 .duration_s = ToSeconds(done.report.simulated),
-                .states_hash = FormatHash(done.states_hash)};
+                .states_hash = FormatHash(done.states_hash),
+                .version = TWIN_VERSION};
   const auto& [joints, pose] = done.followed.deviation;
   if (joints) result.deviation_rad = Finite(joints->largest);
   if (pose) result.deviation_m = Finite(pose->position);
@@ -136,7 +137,8 @@ Result RunApplication(const scenario::Scenario& scenario, const run::Catalogue& 
           .deviation_rad = {},
           .deviation_m = {},
           .duration_s = ToSeconds(done.duration),
-          .states_hash = FormatHash(done.states_hash)};
+          .states_hash = FormatHash(done.states_hash),
+          .version = TWIN_VERSION};
 }
 
 Json NumberJson(const std::optional<double>& number) {
@@ -233,7 +235,7 @@ std::string ToJson(const Result& result, const Case& one,
                       {"deviation_m", NumberJson(result.deviation_m)},
                       {"duration_s", result.duration_s},
                       {"states_hash", result.states_hash},
-                      {"version", TWIN_VERSION}});
+                      {"version", result.version}});
 }
 
 std::optional<Result> ReadResult(const fs::path& file, const std::string& address) {
@@ -251,7 +253,8 @@ std::optional<Result> ReadResult(const fs::path& file, const std::string& addres
                   .deviation_rad = NumberIn(json.at("deviation_rad")),
                   .deviation_m = NumberIn(json.at("deviation_m")),
                   .duration_s = json.at("duration_s"),
-                  .states_hash = json.at("states_hash")};
+                  .states_hash = json.at("states_hash"),
+                  .version = json.at("version")};
   } catch (const Json::exception&) {
     return std::nullopt;
   }
@@ -272,6 +275,7 @@ std::optional<Result> RunCase(const PreparedCase& prepared, const run::Catalogue
     result.outcome = "failed";
     result.error = error.what();
     result.states_hash = FormatHash(0);
+    result.version = TWIN_VERSION;
   }
   if (interrupted != nullptr && *interrupted) return std::nullopt;
   result.address = prepared.address;

@@ -2,11 +2,13 @@
 """Sweeps: plan, shards, resumption, merge: sweep_test.py PROGRAM SOURCE_TREE [unittest options]. SWEEP_KILLS says how many kills."""
 
 import csv
+import html
 import json
 import os
 import pathlib
 import random
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -91,6 +93,8 @@ class SlurmScriptTest(SweepTest):
                               env={"PATH": f"{self.folder}:{os.environ['PATH']}"})
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn(f"digest  {self.digest('here')}\n", (self.folder / "there/slurm/merge.txt").read_text())
+        command = re.search(r"<pre>(panda-twin run .*)</pre>", (self.folder / "here/report.html").read_text()).group(1)
+        self.assertTrue(pathlib.Path(shlex.split(html.unescape(command))[-1]).is_file())
 
     def test_wants_to_know_how_many_shards(self):
         self.refused(SWEEP, 2, "--shards is required", "slurm")
@@ -182,6 +186,7 @@ class MergeTest(SweepTest):
         for text in ("What breaks.", "background:#c0272d", "communication_constraints_violation"):
             self.assertIn(text, page)
         worst = sorted((out / "worst").glob("*.yaml"))
+        self.assertIn(f"<pre>panda-twin run {out}/worst/", page)
         self.assertGreater(len(worst), 0)
         again = subprocess.run([PROGRAM, "run", worst[0], "--no-video", "--out", self.folder / "again", "--data", SOURCE / "models"],
                                capture_output=True, text=True, timeout=300)
@@ -204,10 +209,15 @@ class MergeTest(SweepTest):
         self.write(SWEEP.replace("80 %", "85 %"))
         done = self.call("merge")
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, r"8 of 24 runs are missing .*\(8 results there are of another")
+        self.assertRegex(done.stderr, r"8 of 24 runs are missing .*; other results there: 8 of another sweep or other models")
         self.run_sweep()
         self.assertNotEqual(self.digest(), digest)
-        self.assertIn("8 results are left aside", self.call("merge").stderr)
+        one = sorted(self.results())[0]
+        text = (self.folder / "out" / one).read_text().replace(one.stem, "ff" * 16).replace('"version": "', '"version": "before ')
+        (self.folder / "out/runs/ff").mkdir(exist_ok=True)
+        (self.folder / "out/runs/ff" / ("ff" * 16 + ".json")).write_text(text)
+        self.assertIn("results left aside: 1 of another version of the program, 8 of another sweep or other models\n",
+                      self.call("merge").stderr)
 
     def test_logs_of_failures_are_kept_beside_the_same_results(self):
         self.write()
@@ -243,6 +253,11 @@ class MergeTest(SweepTest):
         self.assertEqual(self.digest("one"), self.digest("three"))
         points = self.table("one", "points.csv")
         self.assertEqual(points[0]["runs"], "10")
+        ended = sum(40 - int(point["runs"]) for point in points)
+        self.write(SWEEP.replace("seeds: 4", "seeds: 40"))
+        self.run_sweep(out="one")
+        self.write(SWEEP.replace("seeds: 4", "seeds: 40\nstop_at_width: 0.4"))
+        self.assertIn(f"results left aside: {ended} of points that ended before\n", self.call("merge", out="one").stderr)
 
 
 class InputTest(SweepTest):

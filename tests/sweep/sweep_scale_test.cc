@@ -54,7 +54,8 @@ class SweepScaleTest : public testing::Test {
                   .deviation_rad = 1.0 / static_cast<double>(run + 3),
                   .deviation_m = {},
                   .duration_s = static_cast<double>(run % 2000) / 1000,
-                  .states_hash = "0123456789abcdef"},
+                  .states_hash = "0123456789abcdef",
+                  .version = "0.1.0"},
                  one, sweep.file().axes);
       std::ofstream(file) << text;
       bytes += text.size();

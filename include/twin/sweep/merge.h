@@ -45,6 +45,17 @@ struct SurvivalCurve {
   std::vector<Step> steps;  ///< in order of times; before the first the share is 1
 };
 
+/// Results in a sweep's folder that it has no use for.
+struct LeftAside {
+  std::uint64_t other_version = 0;  ///< of the program
+  std::uint64_t not_needed = 0;     ///< of points that ended before
+  std::uint64_t other = 0;          ///< of another sweep, or other models
+
+  [[nodiscard]] std::uint64_t count() const noexcept { return other_version + not_needed + other; }
+  /// "3 of another version of the program, 2 of points that ended before".
+  [[nodiscard]] std::string Text() const;
+};
+
 /// All results of a sweep, but for their rows: a million of those is as much as a million of files.
 struct Merged {
   std::uint64_t runs = 0;  ///< without those that a point did not need
@@ -52,7 +63,7 @@ struct Merged {
   std::vector<PointShare> points;  ///< in order
   std::vector<Row> worst;  ///< at most ten failures: those that ended farthest from the goal
   std::vector<SurvivalCurve> survival;  ///< at most eight
-  std::uint64_t left_aside = 0;         ///< results in the folder that are none of these
+  LeftAside left_aside;
   std::string digest;  ///< of address, states_hash and outcome of all runs; 16 digits
 
   [[nodiscard]] double success_percent() const noexcept {
@@ -62,7 +73,8 @@ struct Merged {
 
 /// Reads all results, each once, and writes runs.csv, points.csv, summary.json, report.html and, of
 /// the worst failures, worst/<address>.yaml: the scenario that repeats it. What an earlier merge
-/// wrote is replaced, once all results have been read. Takes 40 bytes for each point.
+/// wrote is replaced, once all results have been read. Takes 40 bytes for each point and 16
+/// for each run.
 ///
 /// Threads: one thread. @throws twin::Error naming how many runs are missing and the first of them;
 /// EnvironmentError naming a file that cannot be written; as Sweep::ScenarioOf.

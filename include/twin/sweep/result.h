@@ -26,6 +26,7 @@ struct Result {
   std::optional<double> deviation_m;      ///< largest, of a motion of poses
   double duration_s = 0;                  ///< robot's time
   std::string states_hash;                ///< 16 hexadecimal digits
+  std::string version;                    ///< of the program
 
   [[nodiscard]] bool succeeded() const noexcept { return outcome == "success"; }
 };

@@ -192,11 +192,8 @@ int MergeSweep(const SweepFlags& flags, const Program& program) {
   const SweepOf of(flags, program);
   Terminal terminal(program.log, program.is_quiet());
   const sweep::Merged merged = sweep::Merge(of.sweep, of.files, of.out);
-  if (merged.left_aside > 0) {
-    terminal.Note(
-        fmt::format("{} results are left aside: of another sweep, of another version of "
-                    "the program or the models, or not needed",
-                    merged.left_aside));
+  if (merged.left_aside.count() > 0) {
+    terminal.Note("results left aside: " + merged.left_aside.Text());
   }
   terminal.Print(fmt::format("runs    {}, {} failed ({:.2f} % succeeded)\nreport  {}\n",
                              merged.runs, merged.failures, merged.success_percent(),
