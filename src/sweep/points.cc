@@ -232,17 +232,15 @@ std::string Sweep::NameOf(const Case& one) const {
 }
 
 std::string Sweep::TextWith(const std::vector<std::string>& values) const {
-  std::string text = scenario_text_;
+  std::vector<std::string> changes;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (values[i].empty()) continue;
     const std::string& key = file_.axes[i].key;
     // A map replaces what was there: it is not merged with it.
-    if (values[i].starts_with('{')) {
-      text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, ""));
-    }
-    text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, values[i]));
+    if (values[i].starts_with('{')) changes.push_back(ChangeOf(key, ""));
+    changes.push_back(ChangeOf(key, values[i]));
   }
-  return text;
+  return scenario::WithChanges(scenario_text_, scenario_file_, changes);
 }
 
 scenario::Scenario Sweep::ScenarioOf(const Case& one) const {
