@@ -151,15 +151,6 @@ void RequireDuration(const std::optional<double>& seconds) {
   }
 }
 
-std::string InShell(const std::string& word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./:,=@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
-
 std::string DataInShell(const DataFlags& data) {
   std::string text;
   if (!data.models.empty()) text += " --data " + InShell(data.models.string());

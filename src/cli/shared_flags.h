@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "twin/core/text.h"
 #include "twin/fci/protocol.h"
 #include "twin/fci/sockets.h"
 #include "twin/page/live_page.h"
@@ -98,8 +99,6 @@ void AddLab(CLI::App& app, std::optional<std::string>& lab);
 void ReplaceSite(const std::optional<std::string>& lab, const std::optional<std::uint64_t>& seed,
                  const DataFlags& data, const Host& host, scenario::Scenario& scenario);
 
-/// A word of a command to copy: quoted where a shell would read more into it.
-[[nodiscard]] std::string InShell(const std::string& word);
 /// The folders of data that a command names: " --data DIR".
 [[nodiscard]] std::string DataInShell(const DataFlags& data);
 

@@ -123,14 +123,22 @@ SweepAxis AxisIn(const YamlNode& node) {
   return axis;
 }
 
+/// @throws InputError when an axis replaces what one before it says: tick behind tick.lambda.
+void RequireOrder(const YamlNode& node, const SweepFile& sweep, const SweepAxis& axis) {
+  for (const SweepAxis& before : sweep.axes) {
+    if (before.key == axis.key) node.Fail(fmt::format("key {} has an axis already", axis.key));
+    if (!before.key.starts_with(axis.key + ".")) continue;
+    node.Fail(fmt::format("key {} replaces what the axis {} says; put it before that", axis.key,
+                          before.key));
+  }
+}
+
 Value Axes(SweepFile& sweep) {
   Value value = Anything();
   value.read = [&sweep](const YamlNode& node) {
     for (const YamlNode& item : node.Items()) {
       SweepAxis axis = AxisIn(item);
-      if (std::ranges::find(sweep.axes, axis.key, &SweepAxis::key) != sweep.axes.end()) {
-        item.Fail(fmt::format("key {} has an axis already", axis.key));
-      }
+      RequireOrder(item, sweep, axis);
       sweep.axes.push_back(std::move(axis));
     }
     if (sweep.axes.empty()) node.Fail("is empty; give at least one axis");
@@ -141,9 +149,9 @@ Value Axes(SweepFile& sweep) {
 Value Samples(SweepFile& sweep) {
   return Section([&sweep](Map& map) {
     Value kind = Anything();
-    kind.read = [](const YamlNode& node) {
-      constexpr std::array<std::string_view, 1> kKinds{"latin_hypercube"};
-      static_cast<void>(node.Choice(kKinds));
+    kind.read = [&sweep](const YamlNode& node) {
+      constexpr std::array<std::string_view, 2> kKinds{"latin_hypercube", "sobol"};
+      sweep.has_sobol_samples = node.Choice(kKinds) == 1;
     };
     map.Require("kind", kind);
     map.Require("points", Optional(sweep.samples, [](std::uint64_t& points) {
@@ -152,7 +160,7 @@ Value Samples(SweepFile& sweep) {
   });
 }
 
-/// Ranges have steps in a grid, and none in a hypercube, which has no lists.
+/// Ranges have steps in a grid, and none in samples, which have no lists.
 void RequireSampling(const YamlNode& root, const SweepFile& sweep) {
   for (const SweepAxis& axis : sweep.axes) {
     if (sweep.samples && !axis.values.empty()) {
@@ -163,17 +171,6 @@ void RequireSampling(const YamlNode& root, const SweepFile& sweep) {
                           sweep.samples ? "samples says how many points; leave steps out"
                                         : "a range in a grid needs steps"));
   }
-}
-
-Value Keep() {
-  Value keep = Anything();
-  keep.read = [](const YamlNode& node) {
-    if (node.Text() == "summary") return;
-    node.Fail(
-        "only summary is there: no logs are kept; panda-twin run repeats a run with its log, from "
-        "the scenario that sweep merge writes for each of the worst");
-  };
-  return keep;
 }
 
 }  // namespace
@@ -188,11 +185,17 @@ SweepFile LoadSweep(const std::filesystem::path& path) {
               Converted(std::string(), Text, [&](auto& text) { sweep.scenario = text; }),
               "What is run.");
   map.Require("axes", Axes(sweep), "What is varied.");
-  map.Add("samples", Samples(sweep), "Points of a Latin hypercube in place of a grid.");
+  map.Add("samples", Samples(sweep),
+          "Points of a Latin hypercube or a Sobol sequence in place of a grid.");
   map.Add("seed", Seed(sweep.seed), "Of what the sweep draws.");
   map.Add("seeds", Integer(sweep.seeds, 1, kMost), "Runs of each point.");
   map.Add("first_seed", Seed(sweep.first_seed), "Of the first run.");
-  map.Add("keep", Keep(), "What is kept of a run.");
+  const std::vector<std::string_view> kept{"summary", "failures", "all"};
+  map.Add("keep",
+          OneOfNames(
+              kept, [&sweep](std::size_t i) { sweep.keep = static_cast<SweepFile::Keep>(i); },
+              [&sweep] { return static_cast<int>(sweep.keep); }),
+          "Of which runs logs are kept.");
   map.Add("stop_at_width",
           Optional(sweep.stop_at_width, [](double& width) { return Number(width, 0.001, 1); }),
           "Width of the confidence interval at which a point ends.");

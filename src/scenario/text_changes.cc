@@ -16,11 +16,11 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// The whole document. YamlNode says what is wrong with a text; the tree itself is yaml-cpp's.
+/// The whole document. YamlNode says what is wrong with a text.
 YAML::Node MapIn(const std::string& text, const std::string& file) {
   const YamlNode node = YamlNode::Parse(text, file);
   if (!node.IsMap()) node.Fail("a map of a scenario's keys belongs here");
-  return YAML::Load(text);
+  return node.tree();
 }
 
 /// The value of a key; none when the map has no such key.
@@ -104,10 +104,17 @@ std::string Guarded(const std::filesystem::path& file, Work work) {
 }  // namespace
 
 std::string WithChanges(const std::string& text, const std::filesystem::path& file,
-                        const std::string& changes) {
+                        const std::vector<std::string>& changes) {
   return Guarded(file, [&] {
-    return YAML::Dump(Merged(MapIn(text, file), MapIn(changes, "changes"))) + "\n";
+    YAML::Node tree = MapIn(text, file);
+    for (const std::string& one : changes) tree.reset(Merged(tree, MapIn(one, "changes")));
+    return YAML::Dump(tree) + "\n";
   });
+}
+
+std::string WithChanges(const std::string& text, const std::filesystem::path& file,
+                        const std::string& changes) {
+  return WithChanges(text, file, std::vector{changes});
 }
 
 std::string ToJson(const std::string& text, const std::filesystem::path& file) {

@@ -48,6 +48,8 @@ class YamlNode {
   [[nodiscard]] bool IsMap() const { return node_.IsMap(); }
   /// The value of a key, when it is a map that has it; whatever the other keys are.
   [[nodiscard]] std::optional<YamlNode> Member(std::string_view key) const;
+  /// The value itself. With YamlNode::Parse: the whole document.
+  [[nodiscard]] const YAML::Node& tree() const noexcept { return node_; }
   [[nodiscard]] bool IsScalar() const { return node_.IsScalar(); }
   /// Nothing, or a map or list of nothing.
   [[nodiscard]] bool IsEmpty() const { return !node_.IsScalar() && node_.size() == 0; }

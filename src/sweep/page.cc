@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sweep/survival_page.h"
 #include "twin/core/hash.h"
+#include "twin/core/text.h"
 #include "twin/report/page.h"
 
 namespace twin::sweep {
@@ -15,7 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostWorst = 10;
 constexpr std::size_t kMostPoints = 1000;  ///< on the page; points.csv has all
 
 std::string Percent(double share) {
@@ -96,14 +98,19 @@ Json PointsOnPage(const Sweep& sweep, const Merged& merged) {
 
 Json WorstOnPage(const Sweep& sweep, const Merged& merged, const std::filesystem::path& out) {
   Json worst = Json::array();
-  for (const Row* row : WorstOf(merged)) {
-    const Case one = sweep.CaseAt(row->run);
-    const std::filesystem::path file = out / "worst" / (row->result.address + ".yaml");
-    worst.push_back({{"point", sweep.NameOf(one)},
-                     {"seed", std::to_string(one.seed)},
-                     {"outcome", row->result.outcome},
-                     {"error", row->result.error},
-                     {"command", fmt::format("panda-twin run '{}'", file.string())}});
+  for (const Row& row : merged.worst) {
+    const Case one = sweep.CaseAt(row.run);
+    const std::filesystem::path file = out / "worst" / (row.result.address + ".yaml");
+    const std::filesystem::path log = LogFolderOf(out, row.result.address) / "run.mcap";
+    std::error_code none;
+    worst.push_back(
+        {{"point", sweep.NameOf(one)},
+         {"seed", std::to_string(one.seed)},
+         {"outcome", row.result.outcome},
+         {"error", row.result.error},
+         {"log",
+          std::filesystem::exists(log, none) ? Json(log.lexically_relative(out).string()) : Json()},
+         {"command", fmt::format("panda-twin run {}", InShell(file.string()))}});
   }
   return worst;
 }
@@ -115,17 +122,6 @@ Json AxesOnPage(const Sweep& sweep) {
 }
 
 }  // namespace
-
-std::vector<const Row*> WorstOf(const Merged& merged) {
-  std::vector<const Row*> failures;
-  for (const Row& row : merged.rows) {
-    if (!row.result.succeeded()) failures.push_back(&row);
-  }
-  std::ranges::stable_sort(failures, std::ranges::greater(),
-                           [](const Row* row) { return row->result.final_error_rad.value_or(0); });
-  if (failures.size() > kMostWorst) failures.resize(kMostWorst);
-  return failures;
-}
 
 std::string PageOf(const Sweep& sweep, const Merged& merged, const std::filesystem::path& out) {
   const scenario::SweepFile& file = sweep.file();
@@ -144,11 +140,12 @@ std::string PageOf(const Sweep& sweep, const Merged& merged, const std::filesyst
                        {"verdict", !least ? "reported"
                                    : met  ? "met"
                                           : "failed"},
-                       {"succeeded", std::to_string(merged.rows.size() - merged.failures)},
-                       {"runs", std::to_string(merged.rows.size())},
+                       {"succeeded", std::to_string(merged.runs - merged.failures)},
+                       {"runs", std::to_string(merged.runs)},
                        {"share", fmt::format("{:.1f}", merged.success_percent())},
                        {"demand", demand},
                        {"heat", HeatMapOf(sweep, merged)},
+                       {"survival", SurvivalOnPage(sweep, merged)},
                        {"axes", AxesOnPage(sweep)},
                        {"points", PointsOnPage(sweep, merged)},
                        {"shown", shown},

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <boost/random/sobol.hpp>
 
 #include "twin/core/content_hash.h"
 #include "twin/core/error.h"
@@ -78,6 +79,27 @@ std::vector<std::uint32_t> Shuffled(std::uint64_t count, const Random& random) {
   return order;
 }
 
+constexpr double kSobolRange = 4294967296.0;  ///< 2^32
+
+/// The first points of a Sobol sequence, by axis: the zero that Boost leaves out and the others,
+/// each axis shifted (its bits reversed at random places), which keeps how evenly they lie.
+std::vector<std::vector<std::uint32_t>> SobolPoints(std::uint64_t count,
+                                                    const std::vector<Random>& axes) {
+  std::vector<std::vector<std::uint32_t>> points;
+  std::vector<std::uint32_t> shifts;
+  for (const Random& random : axes) {
+    shifts.push_back(static_cast<std::uint32_t>(random.Uniform(0, 2) * kSobolRange));
+    points.emplace_back(count, shifts.back());
+  }
+  boost::random::sobol_engine<std::uint32_t, 32> sequence(axes.size());
+  for (std::uint64_t i = 1; i < count; ++i) {
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+      points[axis][i] = sequence() ^ shifts[axis];
+    }
+  }
+  return points;
+}
+
 fs::path FindBase(const scenario::SweepFile& file, const fs::path& models) {
   for (const fs::path& folder : {file.folder, models, models / "scenarios"}) {
     std::error_code none;
@@ -109,11 +131,10 @@ Sweep::Sweep(const fs::path& file, const fs::path& models)
   if (file_.samples) points_ = *file_.samples;
   std::uint64_t runs = 0;
   bool too_many = false;
-  for (const SweepAxis& axis : file_.axes) {
-    if (file_.samples) {
-      strata_.push_back(axis.draw ? std::vector<std::uint32_t>()
-                                  : Shuffled(points_, RandomOf(file_, axis)));
-    } else {
+  if (file_.samples) {
+    places_ = Places();
+  } else {
+    for (const SweepAxis& axis : file_.axes) {
       too_many |= __builtin_mul_overflow(points_, CountOf(axis), &points_);
     }
   }
@@ -132,10 +153,32 @@ bool Sweep::draws() const noexcept {
   return false;
 }
 
+std::vector<std::vector<std::uint32_t>> Sweep::Places() const {
+  std::vector<std::vector<std::uint32_t>> places(file_.axes.size());
+  std::vector<std::size_t> sampled;
+  std::vector<Random> random;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (file_.axes[i].draw) continue;
+    sampled.push_back(i);
+    random.push_back(RandomOf(file_, file_.axes[i]));
+  }
+  if (file_.has_sobol_samples && !sampled.empty()) {
+    auto points = SobolPoints(points_, random);
+    for (std::size_t i = 0; i < sampled.size(); ++i) places[sampled[i]] = std::move(points[i]);
+    return places;
+  }
+  for (std::size_t i = 0; i < sampled.size(); ++i) {
+    places[sampled[i]] = Shuffled(points_, random[i]);
+  }
+  return places;
+}
+
 std::string Sweep::SampledValue(std::size_t axis, std::uint64_t point) const {
   const SweepAxis& of = file_.axes[axis];
+  const double place = places_[axis][point];
+  if (file_.has_sobol_samples) return Between(*of.range, place / kSobolRange);
   const double within = RandomOf(file_, of).Uniform(point, 0);
-  return Between(*of.range, (strata_[axis][point] + within) / static_cast<double>(points_));
+  return Between(*of.range, (place + within) / static_cast<double>(points_));
 }
 
 std::vector<std::string> Sweep::ValuesAt(std::uint64_t point) const {
@@ -188,19 +231,21 @@ std::string Sweep::NameOf(const Case& one) const {
   return fmt::format("point {} ({})", one.point + 1, values);
 }
 
+std::string Sweep::TextWith(const std::vector<std::string>& values) const {
+  std::vector<std::string> changes;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i].empty()) continue;
+    const std::string& key = file_.axes[i].key;
+    // A map replaces what was there: it is not merged with it.
+    if (values[i].starts_with('{')) changes.push_back(ChangeOf(key, ""));
+    changes.push_back(ChangeOf(key, values[i]));
+  }
+  return scenario::WithChanges(scenario_text_, scenario_file_, changes);
+}
+
 scenario::Scenario Sweep::ScenarioOf(const Case& one) const {
   try {
-    std::string text = scenario_text_;
-    for (std::size_t i = 0; i < one.values.size(); ++i) {
-      const std::string& key = file_.axes[i].key;
-      const std::string& value = one.values[i];
-      // A map replaces what was there: it is not merged with it.
-      if (value.starts_with('{')) {
-        text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, ""));
-      }
-      text = scenario::WithChanges(text, scenario_file_, ChangeOf(key, value));
-    }
-    scenario::Scenario scenario = scenario::Parse(text, scenario_file_);
+    scenario::Scenario scenario = scenario::Parse(TextWith(one.values), scenario_file_);
     scenario.seed = one.seed;
     if (!scenario.is_lockstep()) {
       throw InputError("runs of a sweep repeat, which takes drive: lockstep and no remote robot");

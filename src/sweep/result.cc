@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <numeric>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -55,25 +56,45 @@ void AddScene(const fs::path& scene, ContentHash& hash) {
   }
 }
 
-/// All that decides on a run but its seed.
-std::string HashOf(scenario::Scenario scenario, const run::RunFiles& files) {
+/// What no scenario changes.
+std::string HashOfProgram(const run::RunFiles& files) {
   ContentHash hash;
-  scenario.seed = 0;
-  hash.Add(scenario::ToYaml(scenario));
   hash.Add(TWIN_VERSION);
   hash.Add(FormatHash(LibmFingerprint()));
   AddFolder(files.models / "robots", hash);
-  const fs::path floor = "scenes/floor.xml";
-  AddScene(files.models / (scenario.scene.empty() ? floor : scenario.scene), hash);
-  if (!scenario.controller.library.empty()) hash.Add(BytesOf(scenario.controller.library));
   return hash.Hex();
 }
 
-std::string AddressOf(const std::string& scenario_hash, std::uint64_t seed) {
-  ContentHash hash;
-  hash.Add(scenario_hash);
-  hash.Add(fmt::format("{}", seed));
-  return hash.Hex();
+/// All that decides on a run but its seed.
+void AddScenario(scenario::Scenario scenario, const run::RunFiles& files, ContentHash& hash) {
+  scenario.seed = 0;
+  hash.Add(scenario::ToYaml(scenario));
+  const fs::path floor = "scenes/floor.xml";
+  AddScene(files.models / (scenario.scene.empty() ? floor : scenario.scene), hash);
+  if (!scenario.controller.library.empty()) hash.Add(BytesOf(scenario.controller.library));
+}
+
+/// Whether a value is a number with or without a unit, which names no file. "1e3", "0.5 %", "-3
+/// ms".
+bool IsNumber(const std::string& value) {
+  constexpr std::string_view kNumber = "+-0123456789.eE";
+  const std::size_t end = std::min(value.find_first_not_of(kNumber), value.size());
+  const bool has_unit = end < value.size() && value[end] == ' ';
+  if (end == 0 || (end < value.size() && !has_unit)) return false;
+  if (value.find('.', end) != std::string::npos) return false;
+  try {
+    static_cast<void>(ParseNumber(value.substr(0, end)));
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
+std::vector<std::size_t> InOrderOfKeys(const std::vector<scenario::SweepAxis>& axes) {
+  std::vector<std::size_t> order(axes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&axes](std::size_t i) { return axes[i].key; });
+  return order;
 }
 
 std::optional<double> Finite(double value) {
@@ -95,7 +116,8 @@ Result RunMotion(const scenario::Scenario& scenario, const run::Catalogue& catal
                 .deviation_rad = {},
                 .deviation_m = {},
                 .duration_s = ToSeconds(done.report.simulated),
-                .states_hash = FormatHash(done.states_hash)};
+                .states_hash = FormatHash(done.states_hash),
+                .version = TWIN_VERSION};
   const auto& [joints, pose] = done.followed.deviation;
   if (joints) result.deviation_rad = Finite(joints->largest);
   if (pose) result.deviation_m = Finite(pose->position);
@@ -115,7 +137,8 @@ Result RunApplication(const scenario::Scenario& scenario, const run::Catalogue& 
           .deviation_rad = {},
           .deviation_m = {},
           .duration_s = ToSeconds(done.duration),
-          .states_hash = FormatHash(done.states_hash)};
+          .states_hash = FormatHash(done.states_hash),
+          .version = TWIN_VERSION};
 }
 
 Json NumberJson(const std::optional<double>& number) {
@@ -128,20 +151,71 @@ std::optional<double> NumberIn(const Json& json) {
 
 }  // namespace
 
-const PreparedCase& CaseMaker::Make(std::uint64_t run) {
-  Case one = sweep_.CaseAt(run);
+CaseMaker::CaseMaker(const Sweep& sweep, const run::RunFiles& files)
+    : sweep_(sweep),
+      files_(files),
+      robots_(HashOfProgram(files)),
+      axes_(InOrderOfKeys(sweep.file().axes)) {}
+
+const std::string& CaseMaker::HashOfRest(const Case& one) {
+  constexpr std::size_t kMost = 10'000;
+  std::vector<std::string> values = one.values;
+  std::string key;
+  for (std::string& value : values) {
+    if (IsNumber(value)) value.clear();
+    key += value + '\n';
+  }
+  if (const auto known = rest_.find(key); known != rest_.end()) return known->second;
+  if (rest_.size() >= kMost) rest_.clear();
+  ContentHash hash;
+  hash.Add(robots_);
+  try {
+    const std::string text =
+        scenario::WithChanges(sweep_.TextWith(values), sweep_.scenario_file(), "{seed: null}");
+    hash.Add(text);
+    AddScenario(scenario::Parse(text, sweep_.scenario_file()), files_, hash);
+  } catch (const InputError&) {  // it needs the numbers, or is refused with them, too
+    ContentHash whole;
+    whole.Add(robots_);
+    AddScenario(sweep_.ScenarioOf(one), files_, whole);
+    return whole_ = whole.Hex();
+  }
+  return rest_[key] = hash.Hex();
+}
+
+std::string CaseMaker::AddressOf(const Case& one) {
+  ContentHash hash;
+  hash.Add(HashOfRest(one));
+  for (const std::size_t axis : axes_) {
+    if (!IsNumber(one.values[axis])) continue;
+    hash.Add(sweep_.file().axes[axis].key);
+    hash.Add(one.values[axis]);
+  }
+  hash.Add(fmt::format("{}", one.seed));
+  return hash.Hex();
+}
+
+const PreparedCase& CaseMaker::Make(Case one, std::string address) {
   if (!last_ || last_->one.point != one.point || sweep_.draws()) {
-    last_ = PreparedCase{.one = one, .scenario = sweep_.ScenarioOf(one), .address = {}};
-    scenario_hash_ = HashOf(last_->scenario, files_);
+    last_ = PreparedCase{.one = {}, .scenario = sweep_.ScenarioOf(one), .address = {}};
   }
   last_->scenario.seed = one.seed;
-  last_->address = AddressOf(scenario_hash_, one.seed);
+  last_->address = std::move(address);
   last_->one = std::move(one);
   return *last_;
 }
 
+const PreparedCase& CaseMaker::Make(std::uint64_t run) {
+  const Case one = sweep_.CaseAt(run);
+  return Make(one, AddressOf(one));
+}
+
 fs::path FileOf(const fs::path& out, const std::string& address) {
   return out / "runs" / address.substr(0, 2) / (address + ".json");
+}
+
+fs::path LogFolderOf(const fs::path& out, const std::string& address) {
+  return out / "logs" / address.substr(0, 2) / address;
 }
 
 std::string ToJson(const Result& result, const Case& one,
@@ -161,7 +235,7 @@ std::string ToJson(const Result& result, const Case& one,
                       {"deviation_m", NumberJson(result.deviation_m)},
                       {"duration_s", result.duration_s},
                       {"states_hash", result.states_hash},
-                      {"version", TWIN_VERSION}});
+                      {"version", result.version}});
 }
 
 std::optional<Result> ReadResult(const fs::path& file, const std::string& address) {
@@ -179,7 +253,8 @@ std::optional<Result> ReadResult(const fs::path& file, const std::string& addres
                   .deviation_rad = NumberIn(json.at("deviation_rad")),
                   .deviation_m = NumberIn(json.at("deviation_m")),
                   .duration_s = json.at("duration_s"),
-                  .states_hash = json.at("states_hash")};
+                  .states_hash = json.at("states_hash"),
+                  .version = json.at("version")};
   } catch (const Json::exception&) {
     return std::nullopt;
   }
@@ -200,6 +275,7 @@ std::optional<Result> RunCase(const PreparedCase& prepared, const run::Catalogue
     result.outcome = "failed";
     result.error = error.what();
     result.states_hash = FormatHash(0);
+    result.version = TWIN_VERSION;
   }
   if (interrupted != nullptr && *interrupted) return std::nullopt;
   result.address = prepared.address;

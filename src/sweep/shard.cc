@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sweep/log.h"
 #include "twin/core/error.h"
 #include "twin/core/integer.h"
 #include "twin/core/proportion.h"
@@ -44,16 +45,24 @@ class Worker {
 
   /// @returns the run's result; nullopt after an interrupt.
   std::optional<Result> Do(std::uint64_t run) {
-    const PreparedCase& prepared = maker_.Make(run);
-    const fs::path file = FileOf(work_.out, prepared.address);
-    std::optional<Result> result = ReadResult(file, prepared.address);
+    const Case one = sweep_.CaseAt(run);
+    const std::string address = maker_.AddressOf(one);
+    const fs::path file = FileOf(work_.out, address);
+    std::optional<Result> result = ReadResult(file, address);
     const bool was_there = result.has_value();
     if (!was_there) {
-      result = Run(prepared);
+      result = Run(maker_.Make(one, address));
       if (!result) return std::nullopt;
-      Put(file, ToJson(*result, prepared.one, sweep_.file().axes));
+      Put(file, ToJson(*result, one, sweep_.file().axes));
     }
-    if (work_.done) work_.done(was_there);
+    std::error_code none;
+    const bool wants_log =
+        KeepsLog(sweep_, *result) && !fs::exists(LogFolderOf(work_.out, address), none);
+    if (wants_log && !KeepLog(maker_.Make(one, address), work_.catalogue, work_.files, work_.out,
+                              work_.interrupted)) {
+      return std::nullopt;
+    }
+    if (work_.done) work_.done(was_there && !wants_log);
     return result;
   }
 

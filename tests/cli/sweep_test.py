@@ -2,11 +2,13 @@
 """Sweeps: plan, shards, resumption, merge: sweep_test.py PROGRAM SOURCE_TREE [unittest options]. SWEEP_KILLS says how many kills."""
 
 import csv
+import html
 import json
 import os
 import pathlib
 import random
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -91,6 +93,8 @@ class SlurmScriptTest(SweepTest):
                               env={"PATH": f"{self.folder}:{os.environ['PATH']}"})
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn(f"digest  {self.digest('here')}\n", (self.folder / "there/slurm/merge.txt").read_text())
+        command = re.search(r"<pre>(panda-twin run .*)</pre>", (self.folder / "here/report.html").read_text()).group(1)
+        self.assertTrue(pathlib.Path(shlex.split(html.unescape(command))[-1]).is_file())
 
     def test_wants_to_know_how_many_shards(self):
         self.refused(SWEEP, 2, "--shards is required", "slurm")
@@ -177,9 +181,12 @@ class MergeTest(SweepTest):
         self.assertEqual(len(runs), 24)
         self.assertEqual(json.loads((out / "summary.json").read_text())["runs"], 24)
         page = (out / "report.html").read_text()
+        self.assertEqual(page.count("<path d="), 3)
+        self.assertRegex(page, r"0 %: 0 of 8 failed")
         for text in ("What breaks.", "background:#c0272d", "communication_constraints_violation"):
             self.assertIn(text, page)
         worst = sorted((out / "worst").glob("*.yaml"))
+        self.assertIn(f"<pre>panda-twin run {out}/worst/", page)
         self.assertGreater(len(worst), 0)
         again = subprocess.run([PROGRAM, "run", worst[0], "--no-video", "--out", self.folder / "again", "--data", SOURCE / "models"],
                                capture_output=True, text=True, timeout=300)
@@ -202,10 +209,41 @@ class MergeTest(SweepTest):
         self.write(SWEEP.replace("80 %", "85 %"))
         done = self.call("merge")
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, r"8 of 24 runs are missing .*\(8 results there are of another")
+        self.assertRegex(done.stderr, r"8 of 24 runs are missing .*; other results there: 8 of another sweep or other models")
         self.run_sweep()
         self.assertNotEqual(self.digest(), digest)
-        self.assertIn("8 results are left aside", self.call("merge").stderr)
+        one = sorted(self.results())[0]
+        text = (self.folder / "out" / one).read_text().replace(one.stem, "ff" * 16).replace('"version": "', '"version": "before ')
+        (self.folder / "out/runs/ff").mkdir(exist_ok=True)
+        (self.folder / "out/runs/ff" / ("ff" * 16 + ".json")).write_text(text)
+        self.assertIn("results left aside: 1 of another version of the program, 8 of another sweep or other models\n",
+                      self.call("merge").stderr)
+
+    def test_logs_of_failures_are_kept_beside_the_same_results(self):
+        self.write()
+        self.run_sweep(out="without")
+        digest = self.digest("without")
+        failures = {run["address"] for run in self.table("without", "runs.csv") if run["outcome"] != "success"}
+        self.write(SWEEP + "keep: failures\n")
+        self.run_sweep()
+        self.assertEqual(self.results(), self.results("without"))
+        self.assertEqual(self.digest(), digest)
+        logs = self.folder / "out" / "logs"
+        self.assertEqual({log.parent.name for log in logs.rglob("run.mcap")}, failures)
+        self.assertEqual(len(list(logs.glob("*/*"))), len(failures))
+        worst = sorted(failures & {file.stem for file in (self.folder / "out/worst").iterdir()})[0]
+        log = f"logs/{worst[:2]}/{worst}/run.mcap"
+        self.assertIn(f'<a href="{log}">log</a>', (self.folder / "out/report.html").read_text())
+        subprocess.run([PROGRAM, "run", self.folder / f"out/worst/{worst}.yaml", "--no-video", "--out", self.folder / "again", "--data",
+                        SOURCE / "models"], capture_output=True, timeout=300)
+        self.assertEqual((self.folder / "again/run.mcap").read_bytes(), (self.folder / "out" / log).read_bytes())
+        shutil.rmtree(logs / worst[:2] / worst)
+        self.run_sweep()
+        self.assertTrue((self.folder / "out" / log).exists())
+        self.write(SWEEP + "keep: all\n")
+        self.run_sweep("--jobs", "1")
+        self.assertEqual(len(list(logs.rglob("run.mcap"))), 24)
+        self.assertEqual(self.digest(), digest)
 
     def test_a_point_ends_early(self):
         self.write(SWEEP.replace("seeds: 4", "seeds: 40\nstop_at_width: 0.4"))
@@ -215,6 +253,11 @@ class MergeTest(SweepTest):
         self.assertEqual(self.digest("one"), self.digest("three"))
         points = self.table("one", "points.csv")
         self.assertEqual(points[0]["runs"], "10")
+        ended = sum(40 - int(point["runs"]) for point in points)
+        self.write(SWEEP.replace("seeds: 4", "seeds: 40"))
+        self.run_sweep(out="one")
+        self.write(SWEEP.replace("seeds: 4", "seeds: 40\nstop_at_width: 0.4"))
+        self.assertIn(f"results left aside: {ended} of points that ended before\n", self.call("merge", out="one").stderr)
 
 
 class InputTest(SweepTest):
@@ -225,7 +268,7 @@ class InputTest(SweepTest):
         self.refused(SWEEP.replace("80 %", "200 %"), 3, r"point 5 \(link.command_loss: 200 %, onboard.abort_after_lost: 10\): ")
         self.refused(SWEEP.replace("smoke.yaml", "none.yaml"), 3, r"there is no none.yaml beside")
         self.refused(SWEEP + "budget: 23\n", 3, r"24 runs; budget allows 23")
-        self.refused(SWEEP + "keep: all\n", 3, r"only summary is there")
+        self.refused(SWEEP + "keep: some\n", 3, r'"some" is unknown; accepted: summary, failures, all')
         self.refused(SWEEP.replace("seeds: 4", "seeds: 1000000"), 3, r"6000000 runs; .* in all; more than 1000000 take --yes")
         self.refused(SWEEP, 3, r'shard "3/3": must be i/n', "run", "--shard", "3/3")
         self.assertFalse((self.folder / "out" / "runs").exists())

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "twin/core/error.h"
+#include "twin/core/quantity.h"
 #include "twin/sweep/shard.h"
 
 namespace twin::sweep::sweep_points_test {
@@ -84,6 +85,32 @@ TEST(SweepTest, DrawsForEachRunTheSameInAnyOrder) {
   EXPECT_THAT(sweep.ValuesAt(1), ElementsAre("", "y"));
 }
 
+TEST(SweepTest, SamplesASobolSequenceEvenly) {
+  const std::string axes =
+      "axes:\n"
+      "  - {key: a, from: 0, to: 4}\n"
+      "  - {key: b, from: 4, to: 8}\n"
+      "  - {key: c, uniform: {from: 0, to: 1}}\n"
+      "samples: {kind: sobol, points: ";
+  const Sweep sweep = SweepOf(axes + "16}\n");
+  ASSERT_EQ(sweep.points(), 16U);
+  std::set<std::pair<int, int>> cells;  // of 4 x 4, and of 16 x 1
+  std::set<int> strips;
+  for (std::uint64_t point = 0; point < 16; ++point) {
+    const std::vector<std::string> values = sweep.ValuesAt(point);
+    const double a = ParseNumber(values[0]);
+    const double b = ParseNumber(values[1]);
+    EXPECT_TRUE(a >= 0 && a < 4 && b >= 4 && b < 8) << a << ' ' << b;
+    cells.emplace(static_cast<int>(a), static_cast<int>(b));
+    strips.insert(static_cast<int>(a * 4));
+  }
+  EXPECT_EQ(cells.size(), 16U);
+  EXPECT_EQ(strips.size(), 16U);
+  EXPECT_EQ(SweepOf(axes + "1000}\n").ValuesAt(7),
+            sweep.ValuesAt(7));  // more points keep the first
+  EXPECT_NE(SweepOf(axes + "16}\nseed: 2\n").ValuesAt(7), sweep.ValuesAt(7));
+}
+
 TEST(SweepTest, RefusesAxesThatSayNothingClear) {
   const auto refuses = [](const std::string& axis, const std::string& says) {
     EXPECT_THAT([&] { static_cast<void>(SweepOf("axes:\n  - " + axis + "\n")); },
@@ -100,6 +127,8 @@ TEST(SweepTest, RefusesAxesThatSayNothingClear) {
   refuses("{key: seed, values: [1]}", "say seeds and first_seed");
   refuses("{key: a, normal: {mean: 0, deviation: 0}}", "deviation must be above 0");
   refuses("{key: a, values: [1]}\n  - {key: a, values: [2]}", "key a has an axis already");
+  refuses("{key: a.b, values: [1]}\n  - {key: a, values: [{}]}",
+          "a replaces what the axis a.b says");
 }
 
 TEST(ShardTest, SharesEveryRunOutOnce) {

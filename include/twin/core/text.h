@@ -25,4 +25,7 @@ namespace twin {
 /// 4180).
 [[nodiscard]] std::string CsvField(std::string_view text);
 
+/// A word of a command to copy: quoted where a shell would read more into it.
+[[nodiscard]] std::string InShell(const std::string& word);
+
 }  // namespace twin

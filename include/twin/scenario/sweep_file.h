@@ -39,8 +39,8 @@ struct SweepAxis {
 };
 
 /// Runs of a scenario at many points, each with many seeds. A point is one value of every axis that
-/// is not drawn: of the grid of all combinations, the last axis changing fastest, or of a Latin
-/// hypercube (`samples`), in which the ranges are sampled together.
+/// is not drawn: of the grid of all combinations, the last axis changing fastest, or of samples
+/// (`samples`), in which the ranges are sampled together: a Latin hypercube, or a Sobol sequence.
 ///
 ///     name: losses
 ///     description: How often the motion aborts.
@@ -51,22 +51,28 @@ struct SweepAxis {
 ///       - {key: plant.mass_scale, from: 0.8, to: 1.2, steps: 5, scale: linear}   # or log
 ///       - {key: robot.clock_drift, uniform: {from: -20 ppm, to: 20 ppm}}
 ///       - {key: tick.lambda, normal: {mean: 0.01, deviation: 0.001}}
-///     samples: {kind: latin_hypercube, points: 64}   # absent: a grid
+///     samples: {kind: latin_hypercube, points: 64}   # or sobol; absent: a grid
 ///     seed: 1                      # of what the sweep draws
 ///     seeds: 50                    # runs of each point
 ///     first_seed: 1                # of the first run; the others count on
+///     keep: failures               # their logs; absent: summary, no logs; all: of every run
 ///     stop_at_width: 0.1           # absent: all seeds are run
 ///     demand: {success: 95 %}      # absent: none
 ///     budget: 10000                # absent: as many runs as there are
 struct SweepFile {
+  /// Of which runs logs are kept.
+  enum class Keep : std::uint8_t { kSummary, kFailures, kAll };
+
   std::string name;  ///< letters, digits, '_' and '-'
   std::string description;
   std::filesystem::path scenario;        ///< as the file names it
   std::vector<SweepAxis> axes;           ///< at least one; no key twice
-  std::optional<std::uint64_t> samples;  ///< points of the Latin hypercube, in [1, 10^6]
+  std::optional<std::uint64_t> samples;  ///< points of the samples, in [1, 10^6]; none: a grid
+  bool has_sobol_samples = false;        ///< else those of a Latin hypercube
   std::uint64_t seed = 1;
   std::uint64_t seeds = 1;  ///< in [1, 10^6]
   std::uint64_t first_seed = 1;
+  Keep keep = Keep::kSummary;
   /// A point ends early when, after every tenth of its seeds, the 95 % confidence interval of its
   /// share of failures is narrower than this; in [0.001, 1].
   std::optional<double> stop_at_width;

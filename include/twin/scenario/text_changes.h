@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 // Texts of scenarios as trees of keys and values, before anything is checked.
 namespace twin::scenario {
@@ -13,6 +14,9 @@ namespace twin::scenario {
 /// @throws InputError "<file>:<line>: ..." for what is not YAML, or no map.
 [[nodiscard]] std::string WithChanges(const std::string& text, const std::filesystem::path& file,
                                       const std::string& changes);
+/// With several laid over it, one after the other.
+[[nodiscard]] std::string WithChanges(const std::string& text, const std::filesystem::path& file,
+                                      const std::vector<std::string>& changes);
 
 /// A scenario's text as JSON. Plain values that read as a number, true, false or null become one.
 /// Threads: any. @throws InputError for what is not YAML, or no map.

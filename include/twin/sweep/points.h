@@ -18,7 +18,7 @@ struct Case {
 };
 
 /// A sweep's points and runs. No list of them is held: a sweep of 10^9 runs takes no more memory
-/// than one of ten (a Latin hypercube takes 4 bytes for each point and axis). Runs are numbered
+/// than one of ten (samples take 4 bytes for each point and axis). Runs are numbered
 /// from 0, point by point, and in a point in order of their seeds.
 ///
 /// Threads: const calls any.
@@ -31,6 +31,9 @@ class Sweep {
   Sweep(const std::filesystem::path& file, const std::filesystem::path& models);
 
   [[nodiscard]] const scenario::SweepFile& file() const noexcept { return file_; }
+  [[nodiscard]] const std::filesystem::path& scenario_file() const noexcept {
+    return scenario_file_;
+  }
   [[nodiscard]] std::uint64_t points() const noexcept { return points_; }
   [[nodiscard]] std::uint64_t runs() const noexcept { return points_ * file_.seeds; }
   /// Whether runs of one point differ in more than their seed.
@@ -44,6 +47,9 @@ class Sweep {
   [[nodiscard]] const std::string& LabelOf(std::size_t axis, const std::string& value) const;
   /// "point 3 (link.command_loss: 2 %, plant.mass_scale: 0.8)".
   [[nodiscard]] std::string NameOf(const Case& one) const;
+  /// The scenario's text with values in place of its own; an empty value leaves it as it is.
+  /// @throws InputError when it is no YAML.
+  [[nodiscard]] std::string TextWith(const std::vector<std::string>& values) const;
   /// The scenario with the values and the seed of a run.
   /// @throws InputError "<NameOf>: <scenario's file>: ..." when the scenario refuses a value; lines
   /// are those of the changed text. InputError for one that is not in lockstep.
@@ -53,14 +59,16 @@ class Sweep {
   void CheckPoints() const;
 
  private:
+  [[nodiscard]] std::vector<std::vector<std::uint32_t>> Places() const;
   [[nodiscard]] std::string SampledValue(std::size_t axis, std::uint64_t point) const;
 
   scenario::SweepFile file_;
   std::filesystem::path scenario_file_;
   std::string scenario_text_;
   std::uint64_t points_ = 1;
-  /// Of a Latin hypercube: for each axis the stratum of each point; empty for axes that are drawn.
-  std::vector<std::vector<std::uint32_t>> strata_;
+  /// For each axis where each point lies: of a Latin hypercube its stratum, of a Sobol sequence its
+  /// number, of 2^32. Empty for axes that are drawn.
+  std::vector<std::vector<std::uint32_t>> places_;
 };
 
 }  // namespace twin::sweep

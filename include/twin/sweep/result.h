@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "twin/run/catalogue.h"
@@ -25,6 +26,7 @@ struct Result {
   std::optional<double> deviation_m;      ///< largest, of a motion of poses
   double duration_s = 0;                  ///< robot's time
   std::string states_hash;                ///< 16 hexadecimal digits
+  std::string version;                    ///< of the program
 
   [[nodiscard]] bool succeeded() const noexcept { return outcome == "success"; }
 };
@@ -36,30 +38,51 @@ struct PreparedCase {
   std::string address;  ///< 32 hexadecimal digits
 };
 
-/// Makes the runs of a sweep, and their addresses: a hash of the scenario in its canonical text,
-/// its seed, the version of the program, the variant of the C library's mathematics, and the
-/// content of the robots, the scene and the controller's library. Meshes, which are only drawn, are
-/// no part of it. The hash is ContentHash: 128 bits, not secure against adversaries.
+/// Makes the runs of a sweep, and their addresses: a hash of the scenario, its seed, the version of
+/// the program, the variant of the C library's mathematics, and the content of the robots, the
+/// scene and the controller's library. Meshes, which are only drawn, are no part of it. The hash is
+/// ContentHash: 128 bits, not secure against adversaries.
+///
+/// Values that are numbers, with or without a unit, go into the hash beside the scenario that has
+/// none of them in place: its text without comments, and all that it says with its files read.
+/// Together they decide on the run as its own scenario does, of which a million would take half an
+/// hour.
 ///
 /// Threads: one thread. It keeps the last point, so that runs in order are made faster.
 class CaseMaker {
  public:
   /// @param sweep, files  must outlive this.
-  CaseMaker(const Sweep& sweep, const run::RunFiles& files) : sweep_(sweep), files_(files) {}
+  CaseMaker(const Sweep& sweep, const run::RunFiles& files);
 
-  /// @returns the run, until the next call. @throws as Sweep::ScenarioOf.
+  /// A run's address. @throws as Sweep::ScenarioOf, where a point's scenario has to be read.
+  [[nodiscard]] std::string AddressOf(const Case& one);
+  /// @param address  of AddressOf(one). @returns the run, until the next call.
+  /// @throws as Sweep::ScenarioOf.
+  const PreparedCase& Make(Case one, std::string address);
+  /// As the two above.
   const PreparedCase& Make(std::uint64_t run);
 
  private:
+  /// Of the scenario with those values alone that are not numbers.
+  const std::string& HashOfRest(const Case& one);
+
   const Sweep& sweep_;
   const run::RunFiles& files_;
+  const std::string robots_;       ///< hash of program, mathematics and robots
+  std::vector<std::size_t> axes_;  ///< in order of their keys
   std::optional<PreparedCase> last_;
-  std::string scenario_hash_;  ///< of the last one, without its seed
+  std::unordered_map<std::string, std::string> rest_;  ///< hashes, by the values
+  std::string whole_;  ///< hash of the last scenario that cannot be read without its numbers
 };
 
 /// DIR/runs/<2 digits>/<address>.json.
 [[nodiscard]] std::filesystem::path FileOf(const std::filesystem::path& out,
                                            const std::string& address);
+
+/// Of a run whose log is kept: DIR/logs/<2 digits>/<address>, with run.mcap, scenario.yaml and
+/// summary.json.
+[[nodiscard]] std::filesystem::path LogFolderOf(const std::filesystem::path& out,
+                                                const std::string& address);
 
 /// A result's file. @param axes  their keys, in the order of the case's values.
 [[nodiscard]] std::string ToJson(const Result& result, const Case& one,

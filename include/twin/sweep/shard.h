@@ -37,8 +37,9 @@ struct ShardWork {
 };
 
 /// Carries out the runs of a shard whose results are not in the folder yet; a file that is not
-/// whole is no result. Each result is put there at once, whole. Killed at any time and begun again,
-/// it goes on. Several may work in one folder, even on the same shard.
+/// whole is no result. Each result is put there at once, whole. A run whose log the sweep keeps is
+/// carried out once more for it, behind its result. Killed at any time and begun again, it goes on.
+/// Several may work in one folder, even on the same shard.
 ///
 /// Threads: one thread. @throws InputError when the scenario refuses a point (named),
 /// EnvironmentError when a result cannot be written. An interrupt ends it.

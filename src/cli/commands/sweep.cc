@@ -233,16 +233,12 @@ int MergeSweep(const SweepFlags& flags, const Program& program) {
   if (flags.parquet || flags.are_stored()) LeaveToPython("merge", flags, program);
   const SweepOf of(flags, program);
   Terminal terminal(program.log, program.is_quiet());
-  const sweep::Merged merged = sweep::ReadAll(of.sweep, of.files, of.out);
-  sweep::WriteMerged(of.sweep, merged, of.out);
-  if (merged.left_aside > 0) {
-    terminal.Note(
-        fmt::format("{} results are left aside: of another sweep, of another version of "
-                    "the program or the models, or not needed",
-                    merged.left_aside));
+  const sweep::Merged merged = sweep::Merge(of.sweep, of.files, of.out);
+  if (merged.left_aside.count() > 0) {
+    terminal.Note("results left aside: " + merged.left_aside.Text());
   }
   terminal.Print(fmt::format("runs    {}, {} failed ({:.2f} % succeeded)\nreport  {}\n",
-                             merged.rows.size(), merged.failures, merged.success_percent(),
+                             merged.runs, merged.failures, merged.success_percent(),
                              (of.out / "report.html").string()));
   terminal.Print(fmt::format("digest  {}\n", merged.digest));
   const auto& least = of.sweep.file().least_success_percent;
