@@ -206,6 +206,18 @@ class StoreTest(EnginesTest):
         self.assertEqual((self.folder / "server.log").read_text().count("PUT /bucket/losses/runs/"), 2 * puts)
         self.assertEqual(self.digest_of("s3://bucket/losses"), self.digest)
 
+    def test_logs_of_failures_are_kept_there_too(self):
+        (self.folder / "s.yaml").write_text("name: s\nscenario: smoke.yaml\naxes: [{key: link.command_loss, values: [0 %, 90 %]}]\nseeds: 2\nkeep: failures\n")
+        self.sweep("run", "s3://bucket/one")
+        self.sweep("run", "s3://bucket/two", "--on", "ray")
+        names = [sorted(name.partition("/")[2] for name in self.objects() if name.startswith(where)) for where in ("one", "two")]
+        self.assertEqual(sum(name.endswith("/run.mcap") for name in names[0]), 2)
+        self.assertEqual(names[0], names[1])
+        server = self.folder / "server.log"
+        puts = server.read_text().count("PUT /")
+        self.sweep("run", "s3://bucket/one")
+        self.assertEqual(server.read_text().count("PUT /"), puts)
+
     def test_a_run_that_is_killed_leaves_whole_objects_and_goes_on(self):
         self.write(seeds=4, scenario="canonical.yaml")
         running = self.begin("run", "s3://bucket/losses", "--jobs", "1")

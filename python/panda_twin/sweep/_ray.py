@@ -46,8 +46,8 @@ def carry_out(arguments: list[str], there: dict[str, bytes]) -> tuple[str, dict[
             if process.returncode != 0:
                 said.seek(0)
                 raise failure_of(process.returncode, said.read().decode(errors="replace"))
-        names = (str(file.relative_to(temporary)) for file in results.folder.rglob("*") if file.is_file())
-        return socket.gethostname(), {name: (results.folder / name).read_bytes() for name in names if name not in there}
+        new = {name: (results.folder / name).read_bytes() for name in results.names() if name not in there}
+        return socket.gethostname(), new
 
 
 def run(sweep: Sweep, runs: Runs, cluster: str | None, shards: int | None, results: Results) -> None:

@@ -7,12 +7,13 @@ import contextlib
 import json
 import os
 import pathlib
+import re
 import tempfile
 import typing
 from collections.abc import Callable, Iterable, Iterator
 
 _REQUESTS = 16  # to a store at a time
-_KEPT = (".json", ".mcap")  # a file that is not whole has another suffix
+_KEPT = re.compile(r"runs/../[0-9a-f]{32}\.json|logs/../[0-9a-f]{32}/[^/]+")  # what is not whole has another name
 
 
 def is_stored(out: str | os.PathLike[str]) -> bool:
@@ -51,8 +52,10 @@ class Store:
 
     def names(self) -> list[str]:
         """Of all files of runs, relative to the folder."""
+        there: list[typing.Any] = []
         with self._errors():
-            there = self._files.get_file_info(self._fs.FileSelector(f"{self._path}/runs", recursive=True, allow_not_found=True))
+            for kind in ("runs", "logs"):
+                there += self._files.get_file_info(self._fs.FileSelector(f"{self._path}/{kind}", recursive=True, allow_not_found=True))
         return [info.path.removeprefix(f"{self._path}/") for info in there if info.is_file]
 
     def get(self, name: str, folder: pathlib.Path) -> None:
@@ -75,12 +78,15 @@ class Results:
         self._sent: set[str] = set()
 
     def fetch(self, addresses: Iterable[str]) -> None:
-        """Those that the store has."""
+        """Those that the store has. Of a log that is there its folder says so."""
         if self._store:
-            wanted = set(addresses)
-            names = [name for name in self._store.names() if pathlib.PurePath(name).stem in wanted]
+            names = self._store.names()
+            wanted = set(map(name_of, addresses)).intersection(names)
             store, folder = self._store, self.folder
-            _each(lambda name: store.get(name, folder), names)
+            _each(lambda name: store.get(name, folder), wanted)
+            for name in names:
+                if name.endswith("/run.mcap"):
+                    (folder / name).parent.mkdir(parents=True, exist_ok=True)
             self._sent.update(names)
 
     def whole(self, address: str) -> bytes | None:
@@ -100,10 +106,14 @@ class Results:
             own.write_bytes(content)
             own.replace(file)
 
+    def names(self) -> list[str]:
+        """Results, and files of logs, that are whole."""
+        files = (str(file.relative_to(self.folder)) for kind in ("runs", "logs") for file in (self.folder / kind).rglob("*.*"))
+        return [name for name in files if _KEPT.fullmatch(name)]
+
     def send(self) -> None:
         """What is new."""
-        self._send(str(file.relative_to(self.folder)) for kind in ("runs", "logs")
-                   for file in (self.folder / kind).rglob("*") if file.suffix in _KEPT)  # fmt: skip
+        self._send(self.names())
 
     def send_merged(self) -> None:
         """Tables and report; the report's commands are for a copy of the store's folder."""
