@@ -221,9 +221,9 @@ int PrintAddresses(const SweepFlags& flags, const Program& program) {
   Say(stdout, of.out.string() + "\n");
   sweep::CaseMaker maker(of.sweep, of.files);
   for (std::uint64_t run = 0; run < of.sweep.runs(); ++run) {
-    const sweep::PreparedCase& prepared = maker.Make(run);
-    Say(stdout, fmt::format("{} {}\n", of.sweep.file().stop_at_width ? prepared.one.point : run,
-                            prepared.address));
+    const sweep::Case one = of.sweep.CaseAt(run);
+    Say(stdout, fmt::format("{} {}\n", of.sweep.file().stop_at_width ? one.point : run,
+                            maker.AddressOf(one)));
   }
   FinishOutput();
   return kOk;
