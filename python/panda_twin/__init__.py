@@ -1,10 +1,11 @@
 """A digital twin of the Franka Emika Panda and of its 1 kHz control stack."""
 
+import contextlib
 import importlib.util
 
 from . import _core
 from . import _host as _host  # tells the module where its files are
-from . import model
+from . import model, sweep
 from ._core import (
     CartesianPose,
     CartesianVelocities,
@@ -29,7 +30,8 @@ from ._trajectory import Trajectory
 from .scenario import Scenario, schema, validate
 
 if importlib.util.find_spec("gymnasium") is not None:
-    from . import envs as envs  # registers the environments
+    with contextlib.suppress(Exception):  # of a broken Gymnasium; importing panda_twin.envs says it
+        from . import envs as envs  # registers the environments
 
 __version__ = _core.version()
 

@@ -9,4 +9,5 @@ from . import _host
 
 def main() -> NoReturn:
     os.environ["PANDA_TWIN_MESHES"] = _host.meshes
+    os.environ.setdefault("PANDA_TWIN_PYTHON", sys.executable)
     os.execv(_host.executable, sys.argv)

@@ -18,7 +18,8 @@ namespace twin::python {
 namespace {
 
 LoadedScenario Parsed(std::string text, std::filesystem::path file) {
-  scenario::Scenario scenario = scenario::Parse(text, file);
+  scenario::Scenario scenario =
+      scenario::ParseServed(text, file);  // run() refuses one that does not move
   return {std::move(text), std::move(file), std::move(scenario)};
 }
 

@@ -17,9 +17,9 @@
 
 namespace {
 
-std::string Environment(const char* name) {
+std::string Environment(const char* name, const char* usual = "") {
   const char* value = std::getenv(name);
-  return value == nullptr ? std::string() : std::string(value);
+  return value == nullptr ? usual : value;
 }
 
 /// The program's folder in a base folder of the XDG specification: $VARIABLE/panda-twin, else
@@ -67,7 +67,8 @@ int main(int argc, char** argv) {
                .meshes = Environment("PANDA_TWIN_MESHES"),
                .cache = OwnFolder("XDG_CACHE_HOME", ".cache"),
                .state = OwnFolder("XDG_STATE_HOME", ".local/state"),
-               .path = Environment("PATH")},
+               .path = Environment("PATH"),
+               .python = Environment("PANDA_TWIN_PYTHON", "python3")},
       .catalogue = {backends, controllers, &devices},
       .log_flags = log_flags,
       .log = log};

@@ -39,7 +39,7 @@ TimeKeeper KeeperOf(const RunEnd& end) {
 /// Value and limit of a violation, and by how much the value exceeds the limit.
 std::string ValueText(const Violation& v, const ErrorEntry& entry) {
   if (v.error == RobotError::kCommunicationConstraintsViolation) {
-    return fmt::format("{:.6g} {}; it may be at most {:.6g}", v.value, entry.quantity, v.limit - 1);
+    return fmt::format("{:.6g} {}; {:.6g} end a motion", v.value, entry.quantity, v.limit);
   }
   const std::string unit = UnitOf(v).empty() ? "" : fmt::format(" {}", UnitOf(v));
   std::string text = fmt::format("{} {:.7g}{}; the limit is {:.7g}{}", entry.quantity, v.value,

@@ -292,6 +292,18 @@ class InputTest(SweepTest):
         self.assertEqual(self.call("run", "--jobs", "1").returncode, 4)
         self.assertEqual(self.call("run", "--jobs", "2").returncode, 4)
 
+    def test_what_the_python_package_does(self):
+        self.write()
+        self.assertRegex(self.call("run", "--shards", "3").stderr, "--shards is for --on")
+        self.assertRegex(self.call("run", "--on", "ray", "--jobs", "2").stderr, "leave --shard and --jobs out")
+        there = (pathlib.Path(PROGRAM).parent / "python").is_dir()  # built with the package
+        pythons = {self.folder / "none": (4, "none: No such file"), sys.executable: (3, '"dask": must be ray') if there else (4, "does not load")}
+        for python, (code, says) in pythons.items():
+            environment = {**os.environ, "PANDA_TWIN_PYTHON": str(python)}
+            done = subprocess.run(self.command("run", "--on", "dask"), capture_output=True, text=True, env=environment)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(says, done.stderr)
+
     def test_plan(self):
         self.write(SWEEP.replace("values: [10, 20]", "from: 10, to: 20, steps: 11"))
         done = self.call("plan")

@@ -86,6 +86,15 @@ class ScenarioTest(unittest.TestCase):
 
 
 class ValidateTest(unittest.TestCase):
+    def test_needs_no_motion_but_a_place_where_the_arm_stands(self):
+        standing = pt.Scenario(name="standing", robot={"q_start": {"unit": "rad", "values": pt.model.Q_READY}})
+        with pt.Session(standing) as session:
+            numpy.testing.assert_allclose(session.state.q, pt.model.Q_READY, atol=1e-6)
+        with self.assertRaisesRegex(ValueError, "nothing says where the arm stands: give robot.q_start, or a motion"):
+            pt.Scenario(name="nowhere")
+        with self.assertRaisesRegex(ValueError, "point 1 and point 2 coincide"):
+            pt.run(standing)
+
     def test_tells_what_it_checked(self):
         self.assertIn("3 waypoints", pt.validate("scenarios/smoke.yaml"))
         self.assertIn("application  plan_and_execute", pt.validate("applications/plan_and_execute.yaml"))

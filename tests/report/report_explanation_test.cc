@@ -472,7 +472,7 @@ TEST_F(ExplainTest, ARunInRealTimeIsToldWhatHelpsThere) {
   motion.Abort({.error = RobotError::kCommunicationConstraintsViolation, .value = 20, .limit = 20},
                record::CommandFate::kHeld);
   EXPECT_THAT(OneLine(Explain(motion.Finish()).text),
-              AllOf(HasSubstr("panda-twin check"), HasSubstr("it may be at most 19")));
+              AllOf(HasSubstr("panda-twin check"), HasSubstr("20 end a motion")));
 }
 
 TEST_F(ExplainTest, AtTheEndOfAWireTheFateOfCommandsIsNotKnown) {

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/commands/commands.h"
+#include "cli/python_package.h"
 #include "cli/shared_flags.h"
 #include "cli/sweep_jobs.h"
 #include "cli/terminal.h"
@@ -30,15 +31,17 @@ constexpr std::uint64_t kMostRuns = 1'000'000;  ///< without --yes
 
 struct SweepFlags {
   fs::path file;
-  fs::path out;             ///< empty: out/<sweep's name>
+  fs::path out;             ///< a folder, or an address of an object store; empty: out/<its name>
   std::optional<int> jobs;  ///< processes; as many as processors
-  std::string shard = "0/1";
-  bool yes = false;  ///< carry out more than 10^6 runs
+  std::optional<std::string> shard;
+  std::optional<std::uint64_t> shards;  ///< of an engine's tasks
+  std::string engine;                   ///< "ray", "ray://HOST:PORT"; empty: this machine
+  bool parquet = false;                 ///< also runs.parquet
+  bool yes = false;                     ///< carry out more than 10^6 runs
   DataFlags data;
-};
 
-struct SlurmFlags : SweepFlags {
-  std::uint64_t shards = 0;
+  /// Whether results are in an object store.
+  [[nodiscard]] bool are_stored() const { return out.string().find("://") != std::string::npos; }
 };
 
 /// A command on a sweep's file.
@@ -127,22 +130,43 @@ int JobsOf(const SweepFlags& flags) {
   return jobs;
 }
 
+void AddWord(const char* flag, const std::string& value, std::vector<std::string>& words) {
+  if (!value.empty()) words.push_back(fmt::format("{}={}", flag, value));
+}
+
 /// The command line of a worker, without its shard.
 std::vector<std::string> WorkerArguments(const SweepFlags& flags, const SweepOf& of) {
-  std::vector<std::string> arguments{"sweep", "work",          flags.file.string(),
-                                     "--out", of.out.string(), "-q"};
-  if (!flags.data.models.empty()) {
-    arguments.insert(arguments.end(), {"--data", flags.data.models.string()});
-  }
-  if (!flags.data.meshes.empty()) {
-    arguments.insert(arguments.end(), {"--meshes", flags.data.meshes.string()});
-  }
-  return arguments;
+  std::vector<std::string> words{"sweep", "work",          flags.file.string(),
+                                 "--out", of.out.string(), "-q"};
+  AddWord("--data", flags.data.models.string(), words);
+  AddWord("--meshes", flags.data.meshes.string(), words);
+  return words;
+}
+
+/// Hands a command over to the Python package, which knows engines, object stores and Parquet.
+[[noreturn]] void LeaveToPython(const char* command, const SweepFlags& flags,
+                                const Program& program) {
+  const auto text = [](const auto& number) { return number ? fmt::format("{}", *number) : ""; };
+  std::vector<std::string> words{command, flags.file.string()};
+  AddWord("--out", flags.out.string(), words);
+  AddWord("--on", flags.engine, words);
+  AddWord("--shard", flags.shard.value_or(""), words);
+  AddWord("--shards", text(flags.shards), words);
+  AddWord("--jobs", text(flags.jobs), words);
+  AddWord("--data", flags.data.models.string(), words);
+  AddWord("--meshes", flags.data.meshes.string(), words);
+  if (flags.yes) words.emplace_back("--yes");
+  if (program.is_quiet()) words.emplace_back("--quiet");
+  BecomePython("sweep", words, program.host);
 }
 
 int RunSweep(const SweepFlags& flags, const Program& program) {
+  RefuseIf(flags.engine.empty() && flags.shards, "--shards is for --on");
+  RefuseIf(!flags.engine.empty() && (flags.shard || flags.jobs),
+           "--on shares the runs out itself: leave --shard and --jobs out");
+  if (!flags.engine.empty() || flags.are_stored()) LeaveToPython("run", flags, program);
   const SweepOf of(flags, program);
-  const sweep::Shard shard = sweep::ParseShard(flags.shard);
+  const sweep::Shard shard = sweep::ParseShard(flags.shard.value_or("0/1"));
   const int jobs = JobsOf(flags);
   RequireFew(flags, of, program);
   of.sweep.CheckPoints();
@@ -174,7 +198,7 @@ int RunSweep(const SweepFlags& flags, const Program& program) {
 int WorkSweep(const SweepFlags& flags, const Program& program) {
   const SweepOf of(flags, program);
   Terminal terminal(program.log, true);
-  sweep::RunShard(of.sweep, sweep::ParseShard(flags.shard),
+  sweep::RunShard(of.sweep, sweep::ParseShard(flags.shard.value_or("0/1")),
                   {.catalogue = program.catalogue,
                    .files = of.files,
                    .out = of.out,
@@ -188,7 +212,25 @@ int WorkSweep(const SweepFlags& flags, const Program& program) {
   return kOk;
 }
 
+/// For the Python package: the usual folder of results; then of each run what is shared out
+/// (Shard), the run or its point, and the address of its result.
+int PrintAddresses(const SweepFlags& flags, const Program& program) {
+  const SweepOf of(flags, program);
+  RequireFew(flags, of, program);
+  of.sweep.CheckPoints();
+  Say(stdout, of.out.string() + "\n");
+  sweep::CaseMaker maker(of.sweep, of.files);
+  for (std::uint64_t run = 0; run < of.sweep.runs(); ++run) {
+    const sweep::Case one = of.sweep.CaseAt(run);
+    Say(stdout, fmt::format("{} {}\n", of.sweep.file().stop_at_width ? one.point : run,
+                            maker.AddressOf(one)));
+  }
+  FinishOutput();
+  return kOk;
+}
+
 int MergeSweep(const SweepFlags& flags, const Program& program) {
+  if (flags.parquet || flags.are_stored()) LeaveToPython("merge", flags, program);
   const SweepOf of(flags, program);
   Terminal terminal(program.log, program.is_quiet());
   const sweep::Merged merged = sweep::Merge(of.sweep, of.files, of.out);
@@ -209,25 +251,27 @@ int MergeSweep(const SweepFlags& flags, const Program& program) {
 
 /// A script for bash that hands a sweep to Slurm. The file, the folder and the program must be
 /// there on each node, at the same place.
-int PrintSlurmScript(const SlurmFlags& flags, const Program& program) {
+int PrintSlurmScript(const SweepFlags& flags, const Program& program) {
   const SweepOf of(flags, program);
-  RequireInRange("--shards", static_cast<double>(flags.shards), 1, 100'000);
+  const std::uint64_t shards = flags.shards.value_or(0);
+  RequireInRange("--shards", static_cast<double>(shards), 1, 100'000);
   of.sweep.CheckPoints();
   const std::string name = "sweep-" + of.sweep.file().name;
-  const std::string out = fs::absolute(of.out).lexically_normal().string();
+  const auto here = [](const fs::path& path) { return fs::absolute(path).lexically_normal(); };
+  const std::string out = flags.are_stored() ? of.out.string() : here(of.out).string();
   const auto command = [&](std::string_view what) {
     return fmt::format("{} sweep {} {} --out {}{}", InShell(program.host.executable.string()), what,
-                       InShell(fs::absolute(of.file).lexically_normal().string()), InShell(out),
-                       DataInShell(flags.data));
+                       InShell(here(of.file).string()), InShell(out), DataInShell(flags.data));
   };
   const std::string shard =
-      fmt::format("{} --jobs 1 --shard \"$SLURM_ARRAY_TASK_ID\"/{}", command("run"), flags.shards);
-  const std::string log = InShell(out + "/slurm");
-  Terminal(program.log, program.is_quiet())
-      .Print(fmt::format(fmt::runtime(TextOf("sweep_slurm.sh")), fmt::arg("name", name),
-                         fmt::arg("last", flags.shards - 1), fmt::arg("log", log),
-                         fmt::arg("shard", InShell(shard)),
-                         fmt::arg("merge", InShell(command("merge")))));
+      fmt::format("{} --jobs 1 --shard \"$SLURM_ARRAY_TASK_ID\"/{}", command("run"), shards);
+  const std::string log =
+      InShell((flags.are_stored() ? here("out") / of.sweep.file().name : fs::path(out)) / "slurm");
+  Say(stdout,
+      fmt::format(fmt::runtime(TextOf("sweep_slurm.sh")), fmt::arg("name", name),
+                  fmt::arg("last", shards - 1), fmt::arg("log", log),
+                  fmt::arg("shard", InShell(shard)), fmt::arg("merge", InShell(command("merge")))));
+  FinishOutput();
   return kOk;
 }
 
@@ -239,7 +283,8 @@ void AddFile(CLI::App& command, SweepFlags& flags) {
 }
 
 void AddOut(CLI::App& command, SweepFlags& flags) {
-  Add(command, "--out DIR", flags.out, "Folder of results (default: out/<name of the sweep>)");
+  Add(command, "--out DIR|URI", flags.out,
+      "Folder of results, or s3://BUCKET/PATH (default: out/<name of the sweep>)");
 }
 
 }  // namespace
@@ -256,8 +301,9 @@ void AddSweep(CLI::App& app, Program& program) {
   AddFile(run, flags);
   AddOut(run, flags);
   Add(run, "--jobs N", flags.jobs, "So many processes (default: one per processor)");
-  Add(run, "--shard I/N", flags.shard, "This share of the runs only; I counts from 0")
-      ->capture_default_str();
+  Add(run, "--shard I/N", flags.shard, "This share of the runs only; I counts from 0");
+  Add(run, "--on ray[://HOST:PORT]", flags.engine, "Run it on a Ray cluster, as tasks");
+  Add(run, "--shards N", flags.shards, "So many tasks (default: of at most 64 runs each)");
   run.add_flag("--yes", flags.yes, "Carry out more than a million runs");
   const auto [work, work_flags] = AddCommand(*sweep, program, "work", "", &WorkSweep);
   work.group("");  // of `run` alone, not in the help
@@ -269,6 +315,12 @@ void AddSweep(CLI::App& app, Program& program) {
                  &MergeSweep);
   AddFile(merge, merge_flags);
   AddOut(merge, merge_flags);
+  merge.add_flag("--parquet", merge_flags.parquet, "Also write runs.parquet");
+  const auto [addresses, addresses_flags] =
+      AddCommand(*sweep, program, "addresses", "", &PrintAddresses);
+  addresses.group("");  // of the Python package, not in the help
+  AddFile(addresses, addresses_flags);
+  addresses.add_flag("--yes", addresses_flags.yes, "");
   const auto [slurm, slurm_flags] = AddCommand(
       *sweep, program, "slurm", "Print a script that hands the sweep to Slurm", &PrintSlurmScript);
   AddFile(slurm, slurm_flags);
