@@ -22,6 +22,7 @@ namespace twin::cli {
 namespace {
 
 constexpr int kMostCrashes = 3;
+constexpr int kLook = 10;  ///< ms; how long the last worker's end may go unnoticed
 
 /// Both ends of a pipe, closed at the end of its life.
 class Pipe {
@@ -40,11 +41,10 @@ class Pipe {
   [[nodiscard]] int reading() const noexcept { return ends_[0]; }
   [[nodiscard]] int writing() const noexcept { return ends_[1]; }
 
-  /// @returns what was written, after waiting for it a little.
-  [[nodiscard]] std::string_view Read() {
-    constexpr int kMost = 100;  // ms
+  /// @returns what was written, after waiting for it a little. @param most  ms.
+  [[nodiscard]] std::string_view Read(int most) {
     pollfd wanted{.fd = reading(), .events = POLLIN, .revents = 0};
-    if (::poll(&wanted, 1, kMost) <= 0) return {};
+    if (::poll(&wanted, 1, most) <= 0) return {};
     const ssize_t count = ::read(reading(), bytes_.data(), bytes_.size());
     return {bytes_.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0))};
   }
@@ -119,10 +119,10 @@ void RunJobs(const SweepJobs& jobs, Terminal& terminal) {
   for (bool works = true; works;) {
     works = false;
     for (Worker& worker : workers) works |= worker.Works(terminal);
-    tell(pipe.Read());
+    tell(pipe.Read(kLook));
     terminal.ThrowIfInterrupted();
   }
-  for (std::string_view rest = pipe.Read(); !rest.empty(); rest = pipe.Read()) tell(rest);
+  for (std::string_view rest = pipe.Read(0); !rest.empty(); rest = pipe.Read(0)) tell(rest);
   for (const Worker& worker : workers) {
     if (worker.failure().empty()) continue;
     const std::string text =

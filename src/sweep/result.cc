@@ -17,6 +17,7 @@
 #include "twin/plant/mjcf_files.h"
 #include "twin/run/run.h"
 #include "twin/run/summary.h"
+#include "twin/scenario/text_changes.h"
 
 namespace twin::sweep {
 namespace {

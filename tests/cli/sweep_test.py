@@ -139,8 +139,11 @@ class SharingTest(SweepTest):
         self.run_sweep(out="whole")
         digest = self.digest("whole")
         chance = random.Random(7)
+        failures = {run["address"] for run in self.table("whole", "runs.csv") if run["outcome"] != "success"}
         for jobs in ("1", "2"):
             out = "killed" + jobs
+            if jobs == "2":
+                self.write((self.folder / "s.yaml").read_text() + "keep: failures\n")
             for _ in range((kills + 1) // 2):
                 child = subprocess.Popen(self.command("run", "--jobs", jobs, "-q", out=out), stderr=subprocess.DEVNULL)
                 time.sleep(chance.uniform(0.02, 0.5))
@@ -151,6 +154,10 @@ class SharingTest(SweepTest):
             self.run_sweep("--jobs", jobs, out=out)
             self.assertEqual(self.results(out), self.results("whole"))
             self.assertEqual(self.digest(out), digest)
+        logs = {folder.name: folder for folder in (self.folder / "killed2/logs").glob("*/*")}
+        self.assertLessEqual(failures, set(logs))
+        for address in failures:
+            self.assertEqual(sorted(file.name for file in logs[address].iterdir()), ["run.mcap", "scenario.yaml", "summary.json", "timing.json"])
 
     def test_an_interrupt_leaves_whole_files_and_the_rest_to_do(self):
         self.write(SWEEP.replace("seeds: 4", "seeds: 2000"))
