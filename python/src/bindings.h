@@ -5,6 +5,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include "gil.h"
 #include "twin/run/catalogue.h"
 
 // The parts of the extension module panda_twin._core, and what they share. Every call that

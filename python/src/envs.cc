@@ -145,7 +145,7 @@ class Robots {
     if (which.size() != starts.size()) throw InputError("reset: one start per robot is needed");
     for (const std::size_t i : which) Require(i, rows);
     const Use use(*this);
-    const nb::gil_scoped_release release;
+    const GilReleased release;
     Pool().ForEach(which.size(), [&](std::size_t k) {
       Stepped& stepped = *robots_[which[k]];
       stepped.robot.Reset(starts[k]);
@@ -162,7 +162,7 @@ class Robots {
     }
     Require(count - 1, rows);
     const Use use(*this);
-    const nb::gil_scoped_release release;
+    const GilReleased release;
     if (count == 1) {
       if (mask.data()[0]) StepOne(0, targets, cycles, rows);
       return;
@@ -174,7 +174,7 @@ class Robots {
 
   void KeepAsStart() {
     const Use use(*this);
-    const nb::gil_scoped_release release;
+    const GilReleased release;
     Pool().ForEach(robots_.size(), [&](std::size_t i) { robots_[i]->robot.KeepAsStart(); });
   }
 
@@ -271,7 +271,7 @@ class Camera {
     film_.model = &truth_->model();
     film_.snapshots = &snapshots_;
     const Robots::Use use(robots_);
-    const nb::gil_scoped_release release;
+    const GilReleased release;
     Look();
     painter_ = std::make_unique<render::FramePainter>(film_, settings_);
   }
@@ -280,7 +280,7 @@ class Camera {
   void Draw(const std::vector<Vector3>& marks, const Array<std::uint8_t, nb::ndim<3>>& out) {
     Require(out, 3);
     const Robots::Use use(robots_);
-    const nb::gil_scoped_release release;
+    const GilReleased release;
     Look();
     render::PlannedGoal goal;
     goal.path = marks;
@@ -291,7 +291,7 @@ class Camera {
   void Depth(const Array<float, nb::ndim<3>>& out) {
     Require(out, 1);
     const Robots::Use use(robots_);
-    const nb::gil_scoped_release release;
+    const GilReleased release;
     Look();
     const render::DepthImage image = painter_->Depth(0);
     std::ranges::copy(image.depth_m, out.data());
@@ -326,7 +326,7 @@ std::unique_ptr<Robots> MakeRobots(const std::string& text, const std::string& n
                                    const std::string& interface, bool cartesian_impedance,
                                    const std::optional<std::filesystem::path>& delays,
                                    std::size_t count, int threads, double grasp_force) {
-  const nb::gil_scoped_release release;
+  const GilReleased release;
   Cell cell{scenario::ParseServed(text, name), {}};
   if (delays) TakeDelays(*delays, cell.scenario);
   cell.scenario.motion.interface = InterfaceNamed(interface);

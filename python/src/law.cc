@@ -110,6 +110,7 @@ class Law::LawController final : public control::Controller {
   void Call(const RobotState& state) noexcept {
     const double dt = kCycleSeconds * static_cast<double>(state.message_id - last_);
     try {
+      if (InterpreterEnds()) ThrowInterpreterEnds();
       const nb::gil_scoped_acquire gil;
       try {
         law_.Call(state, dt);

@@ -153,8 +153,7 @@ void AddLog(nb::module_& module) {
       .def("arrow_stream", &ArrowStreamOf);
 
   nb::class_<ColumnReader>(module, "LogFile")
-      .def(nb::init<const std::filesystem::path&>(), nb::arg("path"),
-           nb::call_guard<nb::gil_scoped_release>())
+      .def(nb::init<const std::filesystem::path&>(), nb::arg("path"), nb::call_guard<GilReleased>())
       .def_prop_ro("scenario", [](const ColumnReader& log) { return log.run().scenario; })
       .def_prop_ro("scenario_yaml", [](const ColumnReader& log) { return log.run().scenario_yaml; })
       .def_prop_ro("seed", [](const ColumnReader& log) { return log.run().seed; })
@@ -179,7 +178,7 @@ void AddLog(nb::module_& module) {
             return log.Read(info, info.Choose(names), {from_ns, until_ns}, threads);
           },
           nb::arg("table"), nb::arg("names"), nb::arg("from_ns"), nb::arg("until_ns"),
-          nb::arg("threads"), nb::call_guard<nb::gil_scoped_release>());
+          nb::arg("threads"), nb::call_guard<GilReleased>());
 
   module.def("make_log_table", &MakeTable, nb::arg("name"), nb::arg("rows"), nb::arg("columns"));
   module.def("log_tables", &DescribeTables);

@@ -43,7 +43,7 @@ class LogPictures {
   /// @returns the first recorded scene at or after the instant, or the last.
   Picture Draw(std::int64_t ns) {
     auto image = std::make_unique<render::Image>([&] {
-      const nb::gil_scoped_release release;
+      const GilReleased release;
       const std::scoped_lock lock(mutex_);
       return painter_->Paint(FrameAt(ns));
     }());
@@ -88,7 +88,7 @@ void AddLogPictures(nb::module_& module) {
       .def(nb::init<const std::filesystem::path&, const std::optional<std::string>&,
                     const std::optional<std::tuple<int, int>>&>(),
            nb::arg("log"), nb::arg("camera").none(), nb::arg("size").none(),
-           nb::call_guard<nb::gil_scoped_release>())
+           nb::call_guard<GilReleased>())
       .def_prop_ro("first_ns", &LogPictures::first_ns)
       .def_prop_ro("last_ns", &LogPictures::last_ns)
       .def("draw", &LogPictures::Draw, nb::arg("ns"));

@@ -73,7 +73,7 @@ model::Payload PayloadOf(const Load& load) noexcept {
 
 void Gravity(const Rows<7>& q, const Load& load, const Vector3& g_earth, bool of_plant,
              const Filled<7>& out) {
-  const nb::gil_scoped_release release;
+  const GilReleased release;
   const model::Payload payload = PayloadOf(load);
   for (std::size_t i = 0; i < q.shape(0); ++i) {
     std::ranges::copy(ModelOf(of_plant).Gravity(RowOf(q, i), payload, g_earth), out.data() + 7 * i);
@@ -82,7 +82,7 @@ void Gravity(const Rows<7>& q, const Load& load, const Vector3& g_earth, bool of
 
 void Coriolis(const Rows<7>& q, const Rows<7>& dq, const Load& load, bool of_plant,
               const Filled<7>& out) {
-  const nb::gil_scoped_release release;
+  const GilReleased release;
   const model::Payload payload = PayloadOf(load);
   for (std::size_t i = 0; i < q.shape(0); ++i) {
     std::ranges::copy(ModelOf(of_plant).Coriolis(RowOf(q, i), RowOf(dq, i), payload),
@@ -91,7 +91,7 @@ void Coriolis(const Rows<7>& q, const Rows<7>& dq, const Load& load, bool of_pla
 }
 
 void Mass(const Rows<7>& q, const Load& load, bool of_plant, const Filled<49>& out) {
-  const nb::gil_scoped_release release;
+  const GilReleased release;
   const model::Payload payload = PayloadOf(load);
   for (std::size_t i = 0; i < q.shape(0); ++i) {
     PutTransposed(ModelOf(of_plant).MassMatrix(RowOf(q, i), payload), 7, out.data() + 49 * i);
@@ -101,7 +101,7 @@ void Mass(const Rows<7>& q, const Load& load, bool of_plant, const Filled<49>& o
 void JacobianOf(const Rows<7>& q, const std::string& name, const Transform& F_T_EE, bool in_body,
                 const Filled<42>& out) {
   const model::Frame frame = FrameOf(name);
-  const nb::gil_scoped_release release;
+  const GilReleased release;
   const model::ArmModel& arm = model::ArmModel::Panda();
   for (std::size_t i = 0; i < q.shape(0); ++i) {
     const JointVector row = RowOf(q, i);
@@ -114,7 +114,7 @@ void JacobianOf(const Rows<7>& q, const std::string& name, const Transform& F_T_
 void ForwardKinematics(const Rows<7>& q, const std::string& name, const Transform& F_T_EE,
                        const Filled<16>& out) {
   const model::Frame frame = FrameOf(name);
-  const nb::gil_scoped_release release;
+  const GilReleased release;
   for (std::size_t i = 0; i < q.shape(0); ++i) {
     PutTransposed(model::ArmModel::Panda().Pose(frame, RowOf(q, i), F_T_EE), 4,
                   out.data() + 16 * i);
@@ -128,7 +128,7 @@ constexpr std::size_t kMostSolutions = 8;
 void InverseKinematics(const Rows<16>& O_T_EE, const Rows<1>& q7, const Transform& F_T_EE,
                        const JointVector& q_min, const JointVector& q_max,
                        const Filled<7 * kMostSolutions>& out) {
-  const nb::gil_scoped_release release;
+  const GilReleased release;
   const Transform EE_T_F = model::Inverse(F_T_EE);
   std::fill_n(out.data(), out.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < O_T_EE.shape(0); ++i) {

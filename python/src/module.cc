@@ -69,6 +69,7 @@ NB_MODULE(_core, module) {
       nanobind::kw_only(), nanobind::arg("executable"), nanobind::arg("models"),
       nanobind::arg("meshes"), nanobind::arg("cache"), nanobind::arg("state"),
       nanobind::arg("path"));
+  python::AwaitCallsAtExit();
   python::AddEnvs(module);
   python::AddErrors(module);
   python::AddModel(module);

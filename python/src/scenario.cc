@@ -50,7 +50,7 @@ std::string Validate(const LoadedScenario& loaded, bool load) {
 }  // namespace
 
 void AddScenario(nb::module_& module) {
-  const nb::call_guard<nb::gil_scoped_release> released;
+  const nb::call_guard<GilReleased> released;
   nb::class_<LoadedScenario>(module, "LoadedScenario", "A checked scenario; see Scenario.")
       .def_static("load", &Loaded, nb::arg("named"), released)
       .def_static("parse", &Parsed, nb::arg("text"), nb::arg("file"), released)

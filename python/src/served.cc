@@ -54,7 +54,7 @@ void Await(Done done) {
   constexpr auto kBetween = std::chrono::microseconds(200);
   for (bool is_done = false; !is_done;) {
     {
-      const nb::gil_scoped_release release;
+      const GilReleased release;
       for (int look = 0; look < kLooks && !is_done; ++look) {
         is_done = done();
         if (!is_done) rt::Pause(kBetween);
@@ -131,7 +131,7 @@ class Served {
   std::string Ask(const std::string& line) {
     server::ControlRequest request;
     {
-      const nb::gil_scoped_release release;
+      const GilReleased release;
       request = server::ParseControlRequest(line);
       WhileOpen([&] {
         controlled_->Do(request);
@@ -142,7 +142,7 @@ class Served {
     if (request.verb == server::ControlVerb::kStep) {
       Await([this] { return !WhileOpen([this] { return controlled_->IsStepping(); }); });
     }
-    const nb::gil_scoped_release release;
+    const GilReleased release;
     return WhileOpen([this] { return controlled_->StatusLine(); });
   }
 
@@ -151,7 +151,7 @@ class Served {
     if (home_.is_elsewhere()) return {};
     Notes notes;
     {
-      const nb::gil_scoped_release release;
+      const GilReleased release;
       const std::scoped_lock lock(ending_);
       if (closed_) return {};
       closed_ = true;
@@ -161,7 +161,7 @@ class Served {
     }
     if (session_->out() != nullptr) WriteResults(notes);
     const std::string warnings = session_->robot().DescribeWarnings();
-    const nb::gil_scoped_release release;
+    const GilReleased release;
     session_.reset();
     if (!warnings.empty()) throw RobotFault("the simulation itself became unsound: " + warnings);
     return notes.texts;
@@ -172,7 +172,7 @@ class Served {
   [[nodiscard]] std::uint16_t port() const noexcept { return arm_.port; }
   [[nodiscard]] const std::string& drive() const noexcept { return drive_; }
   [[nodiscard]] std::vector<Told> events() {
-    const nb::gil_scoped_release release;
+    const GilReleased release;
     const std::scoped_lock lock(keeping_);
     return {events_.begin(), events_.end()};
   }
@@ -221,7 +221,7 @@ class Served {
       Await([&] { return is_done.load(); });
     } catch (...) {
       notes.Interrupt();
-      const nb::gil_scoped_release release;
+      const GilReleased release;
       writer.join();
       throw;
     }
@@ -277,7 +277,7 @@ void AddServed(nb::module_& module) {
       "serve",
       [](const ServeOptions& options, const std::optional<std::string>& hostname,
          const std::optional<std::filesystem::path>& control) {
-        const nb::gil_scoped_release release;
+        const GilReleased release;
         return std::make_unique<Served>(options, hostname, control);
       },
       nb::arg("options"), nb::arg("hostname").none(), nb::arg("control").none());

@@ -20,7 +20,7 @@
 namespace twin::python {
 namespace {
 
-const nb::call_guard<nb::gil_scoped_release> kReleased;
+const nb::call_guard<GilReleased> kReleased;
 
 double SecondsAt(Time time) {
   return ToSeconds(time.time_since_epoch());
@@ -211,7 +211,7 @@ void AddMotions(nb::class_<TwinSession>& session) {
           [](TwinSession& self, const ArrayLike& q, const std::string& interface, double velocity,
              double acceleration, double jerk, double clearance) {
             const JointVector goal = JointsFrom(q, "move_to: q, rad");
-            const nb::gil_scoped_release released;
+            const GilReleased released;
             return self.MoveTo(goal, interface,
                                {.velocity_scale = velocity,
                                 .acceleration_scale = acceleration,
@@ -260,7 +260,7 @@ void AddRest(nb::class_<TwinSession>& session) {
           [](TwinSession& self, const ArrayLike& q) {
             const std::optional<JointVector> start =
                 q.is_none() ? std::nullopt : std::optional(JointsFrom(q, "reset: q, rad"));
-            const nb::gil_scoped_release released;
+            const GilReleased released;
             self.Reset(start);
           },
           nb::arg("q").none())
@@ -268,7 +268,7 @@ void AddRest(nb::class_<TwinSession>& session) {
       .def("bodies",
            [](TwinSession& self) {
              const auto bodies = [&self] {
-               const nb::gil_scoped_release released;
+               const GilReleased released;
                return self.Bodies();
              }();
              nb::typed<nb::dict, nb::str, Array> poses;
@@ -279,7 +279,7 @@ void AddRest(nb::class_<TwinSession>& session) {
           "place",
           [](TwinSession& self, const std::string& body, const ArrayLike& pose) {
             const Transform X_WB = PoseFrom(pose, fmt::format("pose of \"{}\"", body));
-            const nb::gil_scoped_release released;
+            const GilReleased released;
             self.Place(body, X_WB);
           },
           nb::arg("body"), nb::arg("pose"))

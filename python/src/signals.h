@@ -19,14 +19,10 @@ class SignalWatch {
     const Time now = clock_.Now();
     if (interrupted_ || now < next_) return;
     next_ = now + kPeriod;
+    if (InterpreterEnds()) return Interrupt([] { ThrowInterpreterEnds(); });
     const nb::gil_scoped_acquire gil;
     if (PyErr_CheckSignals() == 0) return;
-    try {
-      throw nb::python_error();
-    } catch (...) {
-      raised_ = std::current_exception();
-    }
-    interrupted_ = true;
+    Interrupt([] { throw nb::python_error(); });
   }
 
   [[nodiscard]] const volatile bool& interrupted() const noexcept { return interrupted_; }
@@ -38,6 +34,16 @@ class SignalWatch {
   }
 
  private:
+  template <typename Throw>
+  void Interrupt(Throw raise) {
+    try {
+      raise();
+    } catch (...) {
+      raised_ = std::current_exception();
+    }
+    interrupted_ = true;
+  }
+
   static constexpr Duration kPeriod = std::chrono::milliseconds(50);
 
   const MonotonicClock clock_;

@@ -255,7 +255,7 @@ run::MotionResult TwinSession::Control(nb::object law, const ControlOptions& opt
   RobotState state = session_->Peek();
   const control::CommandInterface interface = called.Begin(state);
   const run::MotionResult result = [&] {
-    const nb::gil_scoped_release released;
+    const GilReleased released;
     run::Motion motion = MotionOn(interface, options.impedance, "control",
                                   run::StandingFor(state.q_d, until, session_->robot().limits));
     motion.loop = loop::LoopKind::kBare;

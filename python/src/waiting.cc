@@ -75,15 +75,21 @@ void HandleSignals() {
 
 void DoAndWait(volatile bool& interrupted, const std::function<void()>& work,
                const std::function<void()>& attend) {
-  constexpr std::chrono::milliseconds kLook(50);
+  static constexpr std::chrono::milliseconds kLook(50);
+  const CallInFlight in_flight;
   const GivingUp giving_up(interrupted);
   std::exception_ptr raised;
   std::exception_ptr thrown;
   {
     Worker worker(work);
-    const auto wait = [&worker] {
-      const nb::gil_scoped_release released;
-      return worker.Wait(kLook);
+    const auto wait = [&worker, &interrupted] {
+      const GilReleased released;
+      bool has_ended = worker.Wait(kLook);
+      while (!has_ended && InterpreterEnds()) {
+        interrupted = true;
+        has_ended = worker.Wait(kLook);
+      }
+      return has_ended;
     };
     while (!wait()) {
       if (raised) continue;  // it is winding down

@@ -250,6 +250,31 @@ class MisuseTest(unittest.TestCase):
                 thread.join()
         self.assertEqual(told, {"the environment is in use by another thread; take one environment for each thread"})
 
+    def test_threads_in_calls_do_not_disturb_the_end_of_the_interpreter(self):
+        calls = {
+            "wait": "with pt.Session() as session: session.wait(80000)",
+            "control": "with pt.Session() as session: session.control(lambda state, dt: pt.Torques([0.0] * 7))",
+            "run": "pt.run(LONG)",
+            "serve": "with pt.serve(drive='realtime') as robot: time.sleep(100)",
+        }
+        program = """
+import threading, time, panda_twin as pt
+Q = list(pt.model.Q_READY)
+LONG = {"name": "long", "plant": {"kind": "ideal"},
+        "motion": {"trajectory": {"unit": "rad", "duration": "30000 s", "waypoints": [{"q": Q}, {"q": [0.5, *Q[1:]]}]}}}
+def call():
+    %s
+for _ in range(2):
+    threading.Thread(target=call, daemon=True).start()
+time.sleep(1)
+print("end", flush=True)
+raise SystemExit(7)
+"""
+        for name, call in calls.items():
+            with self.subTest(name):
+                done = subprocess.run([sys.executable, "-c", program % call], capture_output=True, text=True, timeout=60)
+                self.assertEqual((done.stdout, done.stderr, done.returncode), ("end\n", "", 7))
+
     def test_a_fork_has_no_threads_of_what_it_inherits(self):
         fork = "\nif child := os.fork():\n    print(os.waitpid(child, 0)[1])\n"
         told = alone(f"env = PandaVectorEnv('Reach', 2, threads=2); env.reset(seed=0){fork}print(env.step(np.zeros((2, 3)))[1])")
