@@ -120,6 +120,14 @@ class _PictureStats:
         self._pixels += picture.shape[0] * picture.shape[1]
         self._pictures += 1
 
+    def join(self, other: _PictureStats) -> None:
+        self._low = np.minimum(self._low, other._low)
+        self._high = np.maximum(self._high, other._high)
+        self._sum = [a + b for a, b in zip(self._sum, other._sum)]
+        self._squares = [a + b for a, b in zip(self._squares, other._squares)]
+        self._pixels += other._pixels
+        self._pictures += other._pictures
+
     def to_json(self) -> dict[str, typing.Any]:
         mean = [one / self._pixels for one in self._sum]
         std = [max(0.0, square / self._pixels - m * m) ** 0.5 for square, m in zip(self._squares, mean)]
@@ -190,7 +198,8 @@ class Writer:
     def add(self, task: str, vectors: Mapping[str, Floats], pictures: Mapping[str, Iterator[Picture]]) -> None:
         """Add an episode: rows of each feature, and as many pictures of each video."""
         length = len(next(iter(vectors.values())))
-        file, before = self._add_pictures(pictures)
+        seen = {key: _PictureStats() for key in pictures}
+        file, before = self._add_pictures(pictures, seen)
         self._add_rows(self._tasks.setdefault(task, len(self._tasks)), length, vectors)
         episode: dict[str, typing.Any] = {
             "episode_index": len(self._episodes),
@@ -204,6 +213,9 @@ class Writer:
             episode |= {f"videos/{key}/{name}": number for name, number in _place(file).items()}
             episode[f"videos/{key}/from_timestamp"] = before / self._shape.fps
             episode[f"videos/{key}/to_timestamp"] = (before + length) / self._shape.fps
+        stats = {name: _stats(values[-1]) for name, values in self._all.items()}
+        stats |= {key: numbers.to_json() for key, numbers in seen.items()}
+        episode |= {f"stats/{name}/{kind}": value for name, of in stats.items() for kind, value in of.items()}
         self._episodes.append({**episode, **{f"meta/episodes/{name}": 0 for name in _place(0)}})
         self._frames += length
         self._video_frames += length
@@ -216,7 +228,7 @@ class Writer:
         os.chmod(self._made, 0o755)
         os.rename(self._made, self._folder)
 
-    def _add_pictures(self, pictures: Mapping[str, Iterator[Picture]]) -> tuple[int, int]:
+    def _add_pictures(self, pictures: Mapping[str, Iterator[Picture]], seen: dict[str, _PictureStats]) -> tuple[int, int]:
         """Returns the number of the video's file, and the frames in it before."""
         width, height = self._shape.size
         if self._video_frames * width * height * _BYTES_PER_PIXEL > _VIDEO_MB << 20:
@@ -229,7 +241,8 @@ class Writer:
                 self._videos[key] = _Video(path, self._shape.fps, self._shape.size)
             for picture in pictures[key]:
                 self._videos[key].add(picture)
-                self._pictures[key].add(picture)
+                seen[key].add(picture)
+            self._pictures[key].join(seen[key])
         return self._video_file, self._video_frames
 
     def _close_videos(self) -> None:

@@ -180,7 +180,8 @@ class DatasetTest(unittest.TestCase):
         for key in KEYS:
             expected[f"videos/{key}/from_timestamp"] = [begin / FPS for begin in [0, *ends[:-1]]]
             expected[f"videos/{key}/to_timestamp"] = [end / FPS for end in ends]
-        self.assertEqual(self.episodes.to_pydict(), expected)
+        places = [name for name in self.episodes.column_names if not name.startswith("stats/")]
+        self.assertEqual(self.episodes.select(places).to_pydict(), expected)
         self.assertEqual(self.episodes.schema.field("tasks").type, pyarrow.list_(pyarrow.string()))
 
     def test_the_task_is_an_index_of_pandas(self):
@@ -229,6 +230,22 @@ class DatasetTest(unittest.TestCase):
         for key in ["min", "max", "mean", "std"]:
             self.assertEqual(np.shape(told[key]), (3, 1, 1))
             np.testing.assert_allclose(np.ravel(told[key]), getattr(np, key)(pictures, axis=(0, 1, 2)), rtol=1e-6, err_msg=key)
+
+    def test_statistics_of_each_episode_are_of_its_frames(self):
+        rows = self.episodes.to_pylist()
+        index = self.column("episode_index")
+        pictures, at = self.pictures("gripper") / 255, 0
+        for episode, row in enumerate(rows):
+            for name in self.data.column_names:
+                values = self.column(name).astype(np.float64).reshape(self.data.num_rows, -1)[index == episode]
+                for key, expected in {"min": values.min(0), "max": values.max(0), "mean": values.mean(0), "std": values.std(0)}.items():
+                    np.testing.assert_allclose(row[f"stats/{name}/{key}"], expected, rtol=1e-6, atol=1e-9, err_msg=f"{name} {key}")
+                self.assertEqual(row[f"stats/{name}/count"], [row["length"]])
+            own = pictures[at : (at := at + row["length"])]
+            for key in ["min", "max", "mean", "std"]:
+                told = row[f"stats/observation.images.gripper/{key}"]
+                self.assertEqual(np.shape(told), (3, 1, 1))
+                np.testing.assert_allclose(np.ravel(told), getattr(np, key)(own, axis=(0, 1, 2)), rtol=1e-6, err_msg=key)
 
     def pictures(self, camera):
         """Those that the log's own call draws."""
