@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/sweep/result.h"
 
@@ -15,16 +16,11 @@ namespace fs = std::filesystem;
 
 const fs::path kModels = fs::path(TWIN_SOURCE_DIR) / "models";
 
-std::string TextOf(const fs::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// The address of a run of a sweep with these axes, of a scenario.
 std::string AddressOf(const std::string& axes, std::uint64_t run,
-                      const std::string& scenario = TextOf(kModels / "scenarios/smoke.yaml")) {
-  const fs::path folder = fs::path(testing::TempDir()) / "sweep_address_test";
-  fs::create_directories(folder);
+                      const std::string& scenario = test::ReadText(kModels /
+                                                                   "scenarios/smoke.yaml")) {
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "base.yaml") << scenario;
   std::ofstream(folder / "s.yaml") << "name: s\nscenario: base.yaml\naxes:\n" << axes;
   const Sweep sweep(folder / "s.yaml", kModels);
@@ -43,12 +39,12 @@ TEST(SweepAddressTest, IsThatOfTheRunAndNotOfItsPlaceInTheSweep) {
                       0),
             one);
   EXPECT_EQ(AddressOf(std::string(kLoss) + kLambda, 1), AddressOf(std::string(kLambda) + kLoss, 2));
-  const std::string smoke = TextOf(kModels / "scenarios/smoke.yaml");
+  const std::string smoke = test::ReadText(kModels / "scenarios/smoke.yaml");
   EXPECT_EQ(AddressOf(kLoss, 1, "# a comment\n" + smoke + "seed: 7\n"), one);
 }
 
 TEST(SweepAddressTest, ChangesWithWhatTheRunHangsOn) {
-  const std::string smoke = TextOf(kModels / "scenarios/smoke.yaml");
+  const std::string smoke = test::ReadText(kModels / "scenarios/smoke.yaml");
   const std::string both = std::string(kLoss) + kLambda;
   const std::string maps = "  - {key: tick, values: [{lambda: 0.01}, {lambda: 0.02}]}\n";
   const std::set<std::string> addresses{AddressOf(kLoss, 0),
@@ -64,7 +60,8 @@ TEST(SweepAddressTest, ChangesWithWhatTheRunHangsOn) {
 }
 
 TEST(SweepAddressTest, OfAScenarioThatNeedsTheNumberIsOfItsWhole) {
-  const std::string wrong = TextOf(kModels / "scenarios/smoke.yaml") + "link: {command_loss: 1}\n";
+  const std::string wrong =
+      test::ReadText(kModels / "scenarios/smoke.yaml") + "link: {command_loss: 1}\n";
   EXPECT_NE(AddressOf(kLoss, 0, wrong), AddressOf(kLoss, 1, wrong));
   EXPECT_THROW(static_cast<void>(AddressOf(kLambda, 0, wrong)), InputError);
 }

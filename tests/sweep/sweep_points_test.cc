@@ -1,12 +1,12 @@
 #include "twin/sweep/points.h"
 
-#include <filesystem>
 #include <fstream>
 #include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/core/quantity.h"
 #include "twin/sweep/shard.h"
@@ -20,12 +20,10 @@ using testing::ThrowsMessage;
 
 /// A file in a folder of the test's own, with a scenario beside it.
 Sweep SweepOf(const std::string& text) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "sweep_points_test";
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "base.yaml") << "name: base\n";
   std::ofstream(folder / "s.yaml") << "name: s\nscenario: base.yaml\n" << text;
-  return {folder / "s.yaml", folder};
+  return {folder / "s.yaml", folder.path()};
 }
 
 TEST(SweepTest, TakesTheLastAxisFastestAndSeedsWithinAPoint) {

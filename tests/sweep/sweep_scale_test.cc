@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "support/peak_memory.h"
+#include "support/temporary_folder.h"
 #include "twin/core/clock.h"
 #include "twin/sweep/merge.h"
 
@@ -18,14 +19,9 @@ namespace fs = std::filesystem;
 
 const fs::path kModels = fs::path(TWIN_SOURCE_DIR) / "models";
 
-/// A folder of the test's own, removed at its end.
 class SweepScaleTest : public testing::Test {
  protected:
-  ~SweepScaleTest() override { fs::remove_all(folder_); }
-
   Sweep SweepOf(int steps, int seeds) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     const std::string range = ", steps: " + std::to_string(steps) + "}\n";
     std::ofstream(folder_ / "s.yaml")
         << "name: s\nscenario: smoke.yaml\naxes:\n"
@@ -63,7 +59,8 @@ class SweepScaleTest : public testing::Test {
     return bytes / sweep.runs();
   }
 
-  const fs::path folder_ = fs::path(testing::TempDir()) / "sweep_scale_test";
+  const test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   const run::RunFiles files_{.models = kModels, .mesh_package = {}, .cache = {}};
 };
 

@@ -1,21 +1,20 @@
 #include "sweep/survival.h"
 
-#include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
+
 namespace twin::sweep::sweep_survival_test {
 namespace {
 
 Sweep SweepOf(const std::string& axis) {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "sweep_survival_test";
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "base.yaml") << "name: base\n";
   std::ofstream(folder / "s.yaml") << "name: s\nscenario: base.yaml\naxes:\n  - " << axis << "\n";
-  return {folder / "s.yaml", folder};
+  return {folder / "s.yaml", folder.path()};
 }
 
 Result EndedAt(double seconds, bool failed) {
