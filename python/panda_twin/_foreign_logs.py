@@ -31,12 +31,12 @@ def element_names(table: str) -> dict[str, list[str]]:
     return {name: elements for name, (_, _, elements) in _TABLES[table].items()}
 
 
-def _number(table: str, name: str, values: npt.ArrayLike) -> tuple[str, bytes, list[str]]:
+def number(table: str, name: str, values: npt.ArrayLike) -> tuple[str, bytes, list[str]]:
     kind = _TYPES[_TABLES[table][name][0]]
     return name, np.ascontiguousarray(values, dtype=kind).tobytes(), []
 
 
-def _make(table: str, rows: int, columns: list[tuple[str, bytes, list[str]]]) -> _core.LogTable:
+def make(table: str, rows: int, columns: list[tuple[str, bytes, list[str]]]) -> _core.LogTable:
     times = np.frombuffer(columns[0][1], dtype=np.int64)
     if np.any(np.diff(times) < 0):
         row = int(np.flatnonzero(np.diff(times) < 0)[0]) + 1
@@ -49,8 +49,8 @@ def from_panda_py(log: Mapping[str, Sequence[Any]]) -> dict[str, _core.LogTable]
         raise ValueError(f"the log has no 'time', but {', '.join(log)}; give what panda_py's get_log() returns")
     milliseconds = np.asarray(log["time"], dtype=np.float64).reshape(-1)
     columns = [
-        _number("cycles", "at_ns", np.rint(milliseconds * 1e6)),
-        _number("cycles", "message_id", np.rint(milliseconds)),
+        number("cycles", "at_ns", np.rint(milliseconds * 1e6)),
+        number("cycles", "message_id", np.rint(milliseconds)),
     ]
     for name, values in log.items():
         if name == "time":
@@ -60,8 +60,8 @@ def from_panda_py(log: Mapping[str, Sequence[Any]]) -> dict[str, _core.LogTable]
         array = np.asarray(values, dtype=np.float64).reshape(len(values), -1)
         if array.shape != (len(milliseconds), width):
             raise ValueError(f"{name} has shape {array.shape}; it must have {(len(milliseconds), width)}")
-        columns.append(_number("cycles", name, array))
-    return {"cycles": _make("cycles", len(milliseconds), columns)}
+        columns.append(number("cycles", name, array))
+    return {"cycles": make("cycles", len(milliseconds), columns)}
 
 
 _LIBFRANKA_COMMANDS = {
@@ -83,22 +83,22 @@ def from_libfranka_csv(path: pathlib.Path) -> dict[str, _core.LogTable]:
         places.setdefault(name.partition("[")[0], []).append(i)
     milliseconds = values[:, 0]
     cycles = [
-        _number("cycles", "at_ns", np.rint(milliseconds * 1e6)),
-        _number("cycles", "message_id", np.rint(milliseconds)),
-        _number("cycles", "control_command_success_rate", values[:, 1]),
+        number("cycles", "at_ns", np.rint(milliseconds * 1e6)),
+        number("cycles", "message_id", np.rint(milliseconds)),
+        number("cycles", "control_command_success_rate", values[:, 1]),
     ]
     ticks = [
-        _number("ticks", "read_ns", np.rint(milliseconds * 1e6)),
-        _number("ticks", "message_id", np.rint(milliseconds)),
+        number("ticks", "read_ns", np.rint(milliseconds * 1e6)),
+        number("ticks", "message_id", np.rint(milliseconds)),
     ]
     for name, columns in places.items():
         if name.startswith("state."):
-            cycles.append(_number("cycles", name.removeprefix("state."), values[:, columns]))
+            cycles.append(number("cycles", name.removeprefix("state."), values[:, columns]))
         elif name in _LIBFRANKA_COMMANDS:
-            ticks.append(_number("ticks", _LIBFRANKA_COMMANDS[name], values[:, columns]))
+            ticks.append(number("ticks", _LIBFRANKA_COMMANDS[name], values[:, columns]))
         elif name not in ("time", "success_rate"):
             raise ValueError(f"{path}: column {name} is not one of libfranka's logToCSV()")
-    return {"cycles": _make("cycles", len(rows), cycles), "ticks": _make("ticks", len(rows), ticks)}
+    return {"cycles": make("cycles", len(rows), cycles), "ticks": make("ticks", len(rows), ticks)}
 
 
 def from_csv(path: pathlib.Path) -> dict[str, _core.LogTable]:
@@ -129,11 +129,11 @@ def _table_of(file: pathlib.Path) -> _core.LogTable:
             columns.append((name, np.asarray(codes, dtype=np.int32).tobytes(), list(texts)))
         elif kind == "float64":
             part = [[value or "nan" for value in row[place : place + count]] for row in rows]
-            columns.append(_number(table, name, _floats(file, heading[place : place + count], part)))
+            columns.append(number(table, name, _floats(file, heading[place : place + count], part)))
         else:
-            columns.append(_number(table, name, _integers(file, name, [row[place] for row in rows])))
+            columns.append(number(table, name, _integers(file, name, [row[place] for row in rows])))
         place += count
-    return _make(table, len(rows), columns)
+    return make(table, len(rows), columns)
 
 
 def _column_at(table: str, heading: list[str], place: int) -> tuple[str, int]:

@@ -328,6 +328,17 @@ class Log:
         return cls._of(_Memory(_foreign_logs.from_libfranka_csv(pathlib.Path(path))))
 
     @classmethod
+    def from_rosbag2(cls, path: str | os.PathLike[str], topic: str = "/joint_states") -> Log:
+        """Make a log of the joint states in a bag of ROS 2: positions, velocities, efforts as `q`, `dq`, `tau_J` of `cycles`.
+
+        Joints are those named joint1 to joint7 after a prefix such as ``panda_``; time counts from the first message's stamp.
+        Needs rosbags: pip install 'panda-twin[ros]'.
+        """
+        from . import rosbag2
+
+        return cls._of(_Memory(rosbag2.read(pathlib.Path(path), topic)))
+
+    @classmethod
     def from_csv(cls, path: str | os.PathLike[str]) -> Log:
         """Read what ``panda-twin export`` wrote: a folder, or one of its tables such as ``cycles.csv``."""
         return cls._of(_Memory(_foreign_logs.from_csv(pathlib.Path(path))))

@@ -18,7 +18,7 @@ if os.path.isdir(folder):
     sys.path.append(folder)
     os.environ['PYTHONPATH'] = os.pathsep.join(filter(None, [os.environ.get('PYTHONPATH'), folder]))
 try:
-    main = importlib.import_module(f'panda_twin.{module}.__main__').main
+    main = importlib.import_module(f'panda_twin.{module}').main
 except ImportError as error:
     print(f'panda-twin: error: {sys.executable} does not load the Python package panda_twin ({error}), which does this: '
           'pip install panda-twin, or name another Python in PANDA_TWIN_PYTHON', file=sys.stderr)

@@ -8,7 +8,7 @@
 namespace twin::cli {
 
 /// Replaces this process by a command of the Python package,
-/// panda_twin.MODULE.__main__.main(words), which says itself what it lacks. Python is
+/// panda_twin.MODULE.main(words), which says itself what it lacks. Python is
 /// $PANDA_TWIN_PYTHON, else python3; the package is one it has, else that beside the program in a
 /// build folder.
 /// @throws EnvironmentError when there is no such Python.

@@ -3,8 +3,11 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "cli/commands/commands.h"
+#include "cli/python_package.h"
+#include "cli/shared_flags.h"
 #include "twin/core/error.h"
 #include "twin/record/columns.h"
 #include "twin/record/export_log.h"
@@ -20,19 +23,26 @@ struct ExportFlags {
   bool describes = false;
 };
 
-int Export(const ExportFlags& flags, const Program& /*program*/) {
+/// Hands the command over to the Python package, which has the libraries for these formats.
+[[noreturn]] void LeaveToPython(const ExportFlags& flags, const Program& program) {
+  RefuseIf(flags.format == "rosbag2" && !flags.columns.empty(),
+           "--columns is for tables: a bag has messages");
+  std::vector<std::string> words{flags.log.string()};
+  if (!flags.out.empty()) words.insert(words.end(), {"--out", flags.out.string()});
+  if (!flags.columns.empty()) {
+    words.push_back(fmt::format("--columns={}", fmt::join(flags.columns, ",")));
+  }
+  BecomePython(flags.format, words, program.host);
+}
+
+int Export(const ExportFlags& flags, const Program& program) {
   if (flags.describes) {
     Say(stdout, record::DescribeLogTables());
     FinishOutput();
     return kOk;
   }
   if (flags.log.empty()) throw InputError("name a log of a run (run.mcap)");
-  if (flags.format == "parquet") {
-    throw InputError(fmt::format(
-        "--format: this program does not write Parquet, the Python package does: pip install "
-        "'panda-twin[log]', then python3 -m panda_twin.parquet {}",
-        flags.log.string()));
-  }
+  if (flags.format == "parquet" || flags.format == "rosbag2") LeaveToPython(flags, program);
   const std::filesystem::path out =
       flags.out.empty() ? flags.log.parent_path() / flags.format : flags.out;
   const record::LogExport exported = flags.format == "npz"
@@ -51,13 +61,14 @@ int Export(const ExportFlags& flags, const Program& /*program*/) {
 
 void AddExport(CLI::App& app, Program& program) {
   const auto [exported, flags] =
-      AddCommand(app, program, "export", "Write a log as tables: CSV or NumPy archives", &Export);
+      AddCommand(app, program, "export",
+                 "Write a log as tables (CSV, NumPy, Parquet) or a bag of ROS 2", &Export);
   Add(exported, "log FILE", flags.log, "Log of a run (run.mcap)");
   Add(exported, "--out DIR", flags.out,
       "Folder of the tables (default: named like the format, beside the log)");
-  Add(exported, "--format csv|npz|parquet", flags.format,
-      "csv, or npz for numpy.load; parquet tells how the Python package writes it")
-      ->check(CLI::IsMember({"csv", "npz", "parquet"}).description(""))
+  Add(exported, "--format csv|npz|parquet|rosbag2", flags.format,
+      "csv; npz for numpy.load; parquet or a bag of ROS 2 (MCAP) by the Python package")
+      ->check(CLI::IsMember({"csv", "npz", "parquet", "rosbag2"}).description(""))
       ->capture_default_str();
   Add(exported, "--columns NAMES", flags.columns,
       "Only these, such as q,dq,q_c; each table keeps its time")

@@ -157,7 +157,7 @@ std::vector<std::string> WorkerArguments(const SweepFlags& flags, const SweepOf&
   AddWord("--meshes", flags.data.meshes.string(), words);
   if (flags.yes) words.emplace_back("--yes");
   if (program.is_quiet()) words.emplace_back("--quiet");
-  BecomePython("sweep", words, program.host);
+  BecomePython("sweep.__main__", words, program.host);
 }
 
 int RunSweep(const SweepFlags& flags, const Program& program) {
