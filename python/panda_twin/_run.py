@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import operator
 import os
 import pathlib
 import shutil
@@ -14,7 +13,7 @@ from collections.abc import Callable
 from . import _core
 from ._errors import RobotFault
 from ._results import Explanation, RunResult
-from .scenario import ScenarioLike, as_scenario
+from .scenario import ScenarioLike, as_scenario, checked_seed
 
 _LEVELS = {"info": logging.INFO, "warning": logging.WARNING}
 _logger = logging.getLogger("panda_twin")
@@ -87,7 +86,7 @@ def run(
         end = _core.run(
             as_scenario(scenario)._loaded,
             out=folder,
-            seed=None if seed is None else str(operator.index(seed)),
+            seed=checked_seed(seed),
             drive=drive,
             lab=None if lab is None else os.fspath(lab),
             quality=quality,

@@ -72,13 +72,7 @@ class Scenario:
     @classmethod
     def load(cls, file: str | os.PathLike[str]) -> Scenario:
         """Read a scenario file: as named, else one of the installed models ("scenarios/grasp.yaml", "applications/compliance.yaml")."""
-        path = pathlib.Path(file)
-        try:
-            return cls._of(_core.LoadedScenario.load(path))
-        except ValueError as error:
-            if len(path.parts) != 1 or path.exists():
-                raise
-            raise ValueError(f"{error}, or name one of the installed with its folder: scenarios/{path}") from None
+        return cls._of(_core.LoadedScenario.load(pathlib.Path(file)))
 
     @classmethod
     def from_yaml(cls, text: str, file: str | os.PathLike[str] = "text") -> Scenario:
@@ -182,8 +176,7 @@ def as_robot(scenario: RobotLike, name: str) -> tuple[str | None, pathlib.Path]:
     if isinstance(scenario, str) and "\n" in scenario:
         return scenario, pathlib.Path(name)
     if isinstance(scenario, (str, os.PathLike)):
-        path = pathlib.Path(scenario)
-        return None, path if path.exists() else pathlib.Path(Scenario.load(path)._loaded.file)
+        return None, pathlib.Path(scenario)
     if hasattr(scenario, "to_yaml"):
         return scenario.to_yaml(), pathlib.Path(name)
     raise TypeError(f"scenario is of type {type(scenario).__name__}; a Scenario, a dict of its keys or a file's name belongs here")

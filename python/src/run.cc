@@ -1,4 +1,4 @@
-#include <limits>
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -18,7 +18,6 @@
 #include "twin/core/calendar_clock.h"
 #include "twin/core/error.h"
 #include "twin/core/error_catalogue.h"
-#include "twin/core/integer.h"
 #include "twin/rt/find_program.h"
 #include "twin/run/explain.h"
 #include "twin/run/result_folder.h"
@@ -84,7 +83,7 @@ class KeepingConsole final : public run::Console {
 /// As the flags of `panda-twin run`.
 struct RunWishes {
   std::filesystem::path out;
-  std::optional<std::string> seed;  ///< in decimal digits: Python's have any size
+  std::optional<std::uint64_t> seed;
   std::optional<std::string> drive;
   std::optional<std::string> lab;
   std::string quality;
@@ -101,12 +100,6 @@ struct RunEnd {
   std::vector<KeepingConsole::Line> lines;
 };
 
-std::uint64_t SeedFrom(const std::string& text) {
-  if (const auto seed = ParseInteger<std::uint64_t>(text)) return *seed;
-  throw InputError(fmt::format("seed is {}; it must be a whole number from 0 to {}", text,
-                               std::numeric_limits<std::uint64_t>::max()));
-}
-
 bool IsFine(const std::string& quality) {
   if (quality == "draft" || quality == "fine") return quality == "fine";
   throw InputError(fmt::format("quality is \"{}\"; accepted: draft, fine", quality));
@@ -116,7 +109,7 @@ bool IsFine(const std::string& quality) {
 scenario::Scenario With(const RunWishes& wishes, const run::RunFiles& files,
                         scenario::Scenario scenario) {
   if (wishes.lab) scenario::ApplyLab(scenario::FindLab(*wishes.lab, files.models), scenario);
-  if (wishes.seed) scenario.seed = SeedFrom(*wishes.seed);
+  if (wishes.seed) scenario.seed = *wishes.seed;
   if (scenario.is_remote()) {
     throw InputError(
         "backend is fci: a robot at the other end of a wire is moved by panda-twin run --backend "
@@ -245,18 +238,19 @@ void AddRun(nb::module_& module) {
       .def_ro("lines", &RunEnd::lines);
   module.def(
       "run",
-      [](const LoadedScenario& scenario, std::filesystem::path out, std::optional<std::string> seed,
-         std::optional<std::string> drive, std::optional<std::string> lab, std::string quality,
-         bool video, bool plots, bool strict, bool is_kept, const nb::object& progress) {
+      [](const LoadedScenario& scenario, std::filesystem::path out,
+         std::optional<std::uint64_t> seed, std::optional<std::string> drive,
+         std::optional<std::string> lab, std::string quality, bool video, bool plots, bool strict,
+         bool is_kept, const nb::object& progress) {
         return Run(scenario,
-                   {std::move(out), std::move(seed), std::move(drive), std::move(lab),
-                    std::move(quality), video, plots, strict, is_kept},
+                   {std::move(out), seed, std::move(drive), std::move(lab), std::move(quality),
+                    video, plots, strict, is_kept},
                    progress);
       },
       nb::arg("scenario"), nb::kw_only(), nb::arg("out"), nb::arg("seed").none(),
       nb::arg("drive").none(), nb::arg("lab").none(), nb::arg("quality"), nb::arg("video"),
       nb::arg("plots"), nb::arg("strict"), nb::arg("is_kept"), nb::arg("progress").none(),
-      nb::sig("def run(scenario: LoadedScenario, *, out: str | os.PathLike[str], seed: str | None, "
+      nb::sig("def run(scenario: LoadedScenario, *, out: str | os.PathLike[str], seed: int | None, "
               "drive: str | None, lab: str | None, quality: str, video: bool, plots: bool, strict: "
               "bool, is_kept: bool, progress: collections.abc.Callable[[str, float], None] | None) "
               "-> RunEnd"));

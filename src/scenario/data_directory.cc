@@ -71,7 +71,13 @@ fs::path FindScenario(const fs::path& named, const fs::path& models) {
   if (named.is_absolute() || fs::exists(named, none)) return named;
   const bool says_models = !named.empty() && *named.begin() == "models";
   const fs::path installed = models / (says_models ? named.lexically_relative("models") : named);
-  return fs::is_regular_file(installed, none) ? installed : named;
+  if (fs::is_regular_file(installed, none)) return installed;
+  if (!named.has_parent_path() && fs::is_regular_file(models / "scenarios" / named, none)) {
+    throw InputError(fmt::format(
+        "{0}: no such file here; name one of the installed with its folder: scenarios/{0}",
+        named.native()));
+  }
+  return named;
 }
 
 }  // namespace twin::scenario

@@ -49,6 +49,8 @@ TABLE = [
     (lambda: pt.run(b"scenarios/smoke.yaml"), TypeError, "of type bytes"),
     (lambda: pt.run(), TypeError, "scenario"),
     (lambda: pt.run("smoke.yaml"), ValueError, "name one of the installed with its folder: scenarios/smoke.yaml"),
+    (lambda: pt.Session("smoke.yaml"), ValueError, "name one of the installed with its folder: scenarios/smoke.yaml"),
+    (lambda: pt.serve("smoke.yaml"), ValueError, "name one of the installed with its folder: scenarios/smoke.yaml"),
     (lambda: pt.run(SMOKE, 7), TypeError, "positional"),
     (lambda: pt.Session(5), TypeError, "scenario is of type int"),
     (lambda: pt.Session("nowhere/smoke.yaml"), ValueError, "nowhere/smoke.yaml"),

@@ -67,6 +67,8 @@ TEST_F(DataDirectoryTest, FindsAScenarioBelowTheModelsWhereverItIsNamed) {
   EXPECT_EQ(FindScenario("scenarios/grasp.yaml", models), file);
   EXPECT_EQ(FindScenario(file, "elsewhere"), file);
   EXPECT_EQ(FindScenario("scenarios/nowhere.yaml", models), "scenarios/nowhere.yaml");
+  EXPECT_THAT([&] { (void)FindScenario("grasp.yaml", models); },
+              ThrowsMessage<InputError>(HasSubstr("with its folder: scenarios/grasp.yaml")));
 }
 
 TEST_F(DataDirectoryTest, DoesWithoutMeshes) {

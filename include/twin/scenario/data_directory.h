@@ -31,7 +31,7 @@ struct DataDirectory {
 
 /// The scenario file that a user names: as given, else below the models folder, where
 /// "scenarios/grasp.yaml" and "models/scenarios/grasp.yaml" are the same. @returns `named` when
-/// there is neither.
+/// there is neither. @throws InputError for "grasp.yaml" alone: it says the folder to add.
 [[nodiscard]] std::filesystem::path FindScenario(const std::filesystem::path& named,
                                                  const std::filesystem::path& models);
 
