@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import contextlib
 import dataclasses
 import json
 import os
@@ -248,7 +249,8 @@ class ControlChannel(_Controlled):
         with socket.socket(socket.AF_UNIX) as connection:
             try:
                 connection.connect(os.fspath(self.path))
-                connection.sendall(line.encode() + b"\n")
+                with contextlib.suppress(BrokenPipeError):  # refused already: the answer says why
+                    connection.sendall(line.encode() + b"\n")
                 answer = connection.makefile("rb").readline()
             except OSError as error:
                 raise OSError(f"{self.path}: no served robot has its control channel there ({error.strerror or error}); start "

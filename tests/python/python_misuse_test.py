@@ -228,6 +228,17 @@ class MisuseTest(unittest.TestCase):
             with self.subTest(line=line), self.assertRaisesRegex(OSError, "no answer of a control channel"):
                 pt.control_channel(HERE / f"foreign{number}")
 
+    def test_a_full_control_channel_says_so_each_time(self):
+        path = HERE / "full"
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(pt.serve(drive="lockstep", control=path))
+            channel = pt.control_channel(path)
+            for _ in range(22):
+                stack.enter_context(socket.socket(socket.AF_UNIX)).connect(str(path))
+            for _ in range(3000):  # a refusal may come before the request, or after
+                with self.assertRaisesRegex(ValueError, "^8 programs are connected already; end one of them$"):
+                    channel.status  # noqa: B018
+
     def test_numbers_of_a_request_are_finite(self):
         with pt.serve(drive="lockstep") as robot, self.assertRaisesRegex(ValueError, "reset: every number must be finite"):
             robot.reset([math.nan] * 7)
