@@ -5,7 +5,8 @@ import importlib.util
 
 from . import _core
 from . import _host as _host  # tells the module where its files are
-from . import model, sweep
+from . import model as model
+from . import sweep as sweep
 from ._core import (
     CartesianPose,
     CartesianVelocities,

@@ -181,7 +181,10 @@ void AddLog(nb::module_& module) {
           nb::arg("threads"), nb::call_guard<GilReleased>());
 
   module.def("make_log_table", &MakeTable, nb::arg("name"), nb::arg("rows"), nb::arg("columns"));
-  module.def("log_tables", &DescribeTables);
+  module.def(
+      "log_tables", &DescribeTables,
+      nb::sig("def log_tables() -> list[tuple[str, str, str, list[tuple[str, str, bool, str, "
+              "str, list[str]]]]]"));
   module.def(
       "check_log_column",
       [](const std::string& table, const std::string& name) {

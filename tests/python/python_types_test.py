@@ -64,6 +64,9 @@ class TypesTest(unittest.TestCase):
         )
         return done.stdout + done.stderr
 
+    def test_the_stub_says_what_lists_are_of(self):
+        self.assertNotRegex((BUILT / "_core.pyi").read_text(), r"(: |-> )(list|dict|tuple)\b(?!\[)")
+
     def test_the_package_is_strictly_typed(self):
         self.assertRegex(self.mypy("-p", "panda_twin"), "^Success: no issues found in [1-9]")
 
