@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import pathlib
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -31,12 +32,12 @@ def element_names(table: str) -> dict[str, list[str]]:
     return {name: elements for name, (_, _, elements) in _TABLES[table].items()}
 
 
-def number(table: str, name: str, values: npt.ArrayLike) -> tuple[str, bytes, list[str]]:
+def _number(table: str, name: str, values: npt.ArrayLike) -> tuple[str, bytes, list[str]]:
     kind = _TYPES[_TABLES[table][name][0]]
     return name, np.ascontiguousarray(values, dtype=kind).tobytes(), []
 
 
-def make(table: str, rows: int, columns: list[tuple[str, bytes, list[str]]]) -> _core.LogTable:
+def _make(table: str, rows: int, columns: list[tuple[str, bytes, list[str]]]) -> _core.LogTable:
     times = np.frombuffer(columns[0][1], dtype=np.int64)
     if np.any(np.diff(times) < 0):
         row = int(np.flatnonzero(np.diff(times) < 0)[0]) + 1
@@ -49,8 +50,8 @@ def from_panda_py(log: Mapping[str, Sequence[Any]]) -> dict[str, _core.LogTable]
         raise ValueError(f"the log has no 'time', but {', '.join(log)}; give what panda_py's get_log() returns")
     milliseconds = np.asarray(log["time"], dtype=np.float64).reshape(-1)
     columns = [
-        number("cycles", "at_ns", np.rint(milliseconds * 1e6)),
-        number("cycles", "message_id", np.rint(milliseconds)),
+        _number("cycles", "at_ns", np.rint(milliseconds * 1e6)),
+        _number("cycles", "message_id", np.rint(milliseconds)),
     ]
     for name, values in log.items():
         if name == "time":
@@ -60,8 +61,8 @@ def from_panda_py(log: Mapping[str, Sequence[Any]]) -> dict[str, _core.LogTable]
         array = np.asarray(values, dtype=np.float64).reshape(len(values), -1)
         if array.shape != (len(milliseconds), width):
             raise ValueError(f"{name} has shape {array.shape}; it must have {(len(milliseconds), width)}")
-        columns.append(number("cycles", name, array))
-    return {"cycles": make("cycles", len(milliseconds), columns)}
+        columns.append(_number("cycles", name, array))
+    return {"cycles": _make("cycles", len(milliseconds), columns)}
 
 
 _LIBFRANKA_COMMANDS = {
@@ -83,22 +84,67 @@ def from_libfranka_csv(path: pathlib.Path) -> dict[str, _core.LogTable]:
         places.setdefault(name.partition("[")[0], []).append(i)
     milliseconds = values[:, 0]
     cycles = [
-        number("cycles", "at_ns", np.rint(milliseconds * 1e6)),
-        number("cycles", "message_id", np.rint(milliseconds)),
-        number("cycles", "control_command_success_rate", values[:, 1]),
+        _number("cycles", "at_ns", np.rint(milliseconds * 1e6)),
+        _number("cycles", "message_id", np.rint(milliseconds)),
+        _number("cycles", "control_command_success_rate", values[:, 1]),
     ]
     ticks = [
-        number("ticks", "read_ns", np.rint(milliseconds * 1e6)),
-        number("ticks", "message_id", np.rint(milliseconds)),
+        _number("ticks", "read_ns", np.rint(milliseconds * 1e6)),
+        _number("ticks", "message_id", np.rint(milliseconds)),
     ]
     for name, columns in places.items():
         if name.startswith("state."):
-            cycles.append(number("cycles", name.removeprefix("state."), values[:, columns]))
+            cycles.append(_number("cycles", name.removeprefix("state."), values[:, columns]))
         elif name in _LIBFRANKA_COMMANDS:
-            ticks.append(number("ticks", _LIBFRANKA_COMMANDS[name], values[:, columns]))
+            ticks.append(_number("ticks", _LIBFRANKA_COMMANDS[name], values[:, columns]))
         elif name not in ("time", "success_rate"):
             raise ValueError(f"{path}: column {name} is not one of libfranka's logToCSV()")
-    return {"cycles": make("cycles", len(rows), cycles), "ticks": make("ticks", len(rows), ticks)}
+    return {"cycles": _make("cycles", len(rows), cycles), "ticks": _make("ticks", len(rows), ticks)}
+
+
+def import_rosbags() -> Any:
+    """The package rosbags. Raises ImportError saying what to install."""
+    try:
+        import rosbags.highlevel
+        import rosbags.rosbag2
+        import rosbags.typesys
+    except ImportError as error:
+        raise ImportError(f"a bag of ROS 2 needs rosbags ({error}): pip install 'panda-twin[ros]'") from None
+    return rosbags
+
+
+def from_rosbag2(path: pathlib.Path, topic: str) -> dict[str, _core.LogTable]:
+    times: list[int] = []
+    rows: dict[str, list[npt.ArrayLike]] = {"q": [], "dq": [], "tau_J": []}
+    rosbags = import_rosbags()
+    try:
+        store = rosbags.typesys.get_typestore(rosbags.typesys.Stores.ROS2_JAZZY)
+        with rosbags.highlevel.AnyReader([path], default_typestore=store) as reader:
+            wanted = [one for one in reader.connections if one.topic == topic and one.msgtype == "sensor_msgs/msg/JointState"]
+            for connection, _, data in reader.messages(wanted) if wanted else ():
+                message = reader.deserialize(data, connection.msgtype)
+                if not (joints := _arm_of(message.name)):
+                    continue  # of a gripper, which has messages of its own
+                times.append(message.header.stamp.sec * 10**9 + message.header.stamp.nanosec)
+                for name, values in (("q", message.position), ("dq", message.velocity), ("tau_J", message.effort)):
+                    rows[name].append(values[joints] if len(values) == len(message.name) else np.full(7, np.nan))
+            there = sorted({f"{one.topic} ({one.msgtype})" for one in reader.connections})
+    except OSError:
+        raise
+    except Exception as error:  # the library's own, and what damaged bytes make of it
+        raise ValueError(f"{path} is no bag of ROS 2: {error}") from None
+    if not times:
+        raise ValueError(f"{path} has no joint states of an arm on {topic}; its topics are {', '.join(there)}")
+    at = np.asarray(times) - times[0]
+    table = [_number("cycles", "at_ns", at), _number("cycles", "message_id", np.rint(at / 1e6))]
+    table += [_number("cycles", name, np.asarray(values)) for name, values in rows.items()]
+    return {"cycles": _make("cycles", len(times), table)}
+
+
+def _arm_of(names: list[str]) -> list[int]:
+    """Places of the joints 1 to 7, such as panda_joint1; empty unless all are there."""
+    places = {match[1]: i for i, name in enumerate(names) if (match := re.fullmatch(r"(?:.*_)?joint([1-7])", name)) and "finger" not in name}
+    return [places[number] for number in "1234567"] if len(places) == 7 else []
 
 
 def from_csv(path: pathlib.Path) -> dict[str, _core.LogTable]:
@@ -129,11 +175,11 @@ def _table_of(file: pathlib.Path) -> _core.LogTable:
             columns.append((name, np.asarray(codes, dtype=np.int32).tobytes(), list(texts)))
         elif kind == "float64":
             part = [[value or "nan" for value in row[place : place + count]] for row in rows]
-            columns.append(number(table, name, _floats(file, heading[place : place + count], part)))
+            columns.append(_number(table, name, _floats(file, heading[place : place + count], part)))
         else:
-            columns.append(number(table, name, _integers(file, name, [row[place] for row in rows])))
+            columns.append(_number(table, name, _integers(file, name, [row[place] for row in rows])))
         place += count
-    return make(table, len(rows), columns)
+    return _make(table, len(rows), columns)
 
 
 def _column_at(table: str, heading: list[str], place: int) -> tuple[str, int]:

@@ -334,9 +334,7 @@ class Log:
         Joints are those named joint1 to joint7 after a prefix such as ``panda_``; time counts from the first message's stamp.
         Needs rosbags: pip install 'panda-twin[ros]'.
         """
-        from . import rosbag2
-
-        return cls._of(_Memory(rosbag2.read(pathlib.Path(path), topic)))
+        return cls._of(_Memory(_foreign_logs.from_rosbag2(pathlib.Path(path), topic)))
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str]) -> Log:

@@ -1,4 +1,4 @@
-"""Bags of ROS 2 (rosbag2): writes a log as one, python3 -m panda_twin.rosbag2 run.mcap --out DIR, and reads joint states out of one."""
+"""Writes a log as a bag of ROS 2 (rosbag2, MCAP): python3 -m panda_twin.rosbag2 run.mcap --out DIR."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import heapq
 import operator
 import os
 import pathlib
-import re
 import shutil
 import sys
 import tempfile
@@ -17,7 +16,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _foreign_logs
+from ._foreign_logs import import_rosbags
 from ._log import Log
 
 Floats = npt.NDArray[np.float64]
@@ -42,21 +41,11 @@ def _quaternions(R: Floats) -> Floats:
     return np.where(q[:, 3:] < 0, -q, q)
 
 
-def _rosbags() -> typing.Any:
-    try:
-        import rosbags.highlevel
-        import rosbags.rosbag2
-        import rosbags.typesys
-    except ImportError as error:
-        raise ImportError(f"a bag of ROS 2 needs rosbags ({error}): pip install 'panda-twin[ros]'") from None
-    return rosbags
-
-
 class _Bag:
     """Makes the messages of a log, and writes them in order of time."""
 
     def __init__(self, folder: pathlib.Path) -> None:
-        rosbags = _rosbags()
+        rosbags = import_rosbags()
         self._store = rosbags.typesys.get_typestore(rosbags.typesys.Stores.ROS2_JAZZY)
         self._types = self._store.types
         self._writer = rosbags.rosbag2.Writer(folder, version=9, storage_plugin=rosbags.rosbag2.StoragePlugin.MCAP)
@@ -160,41 +149,6 @@ def _add_all(log: Log, bag: _Bag) -> None:
     bag.add_poses(f"{_STATE}/last_desired_pose", times, cycles.poses("O_T_EE_d"))
     bag.add_wrenches(f"{_STATE}/external_wrench_in_base_frame", times, cycles["O_F_ext_hat_K"])
     bag.add_events(np.asarray(events["at_ns"], dtype=np.int64), list(events["kind"]), list(events["text"]))
-
-
-def read(path: pathlib.Path, topic: str) -> dict[str, _core.LogTable]:
-    """Tables for `Log.from_rosbag2`."""
-    times: list[int] = []
-    rows: dict[str, list[npt.ArrayLike]] = {"q": [], "dq": [], "tau_J": []}
-    rosbags = _rosbags()
-    try:
-        store = rosbags.typesys.get_typestore(rosbags.typesys.Stores.ROS2_JAZZY)
-        with rosbags.highlevel.AnyReader([path], default_typestore=store) as reader:
-            wanted = [one for one in reader.connections if one.topic == topic and one.msgtype == "sensor_msgs/msg/JointState"]
-            for connection, _, data in reader.messages(wanted) if wanted else ():
-                message = reader.deserialize(data, connection.msgtype)
-                if not (joints := _arm_of(message.name)):
-                    continue  # of a gripper, which has messages of its own
-                times.append(message.header.stamp.sec * 10**9 + message.header.stamp.nanosec)
-                for name, values in (("q", message.position), ("dq", message.velocity), ("tau_J", message.effort)):
-                    rows[name].append(values[joints] if len(values) == len(message.name) else np.full(7, np.nan))
-            there = sorted({f"{one.topic} ({one.msgtype})" for one in reader.connections})
-    except OSError:
-        raise
-    except Exception as error:  # the library's own, and what damaged bytes make of it
-        raise ValueError(f"{path} is no bag of ROS 2: {error}") from None
-    if not times:
-        raise ValueError(f"{path} has no joint states of an arm on {topic}; its topics are {', '.join(there)}")
-    at = np.asarray(times) - times[0]
-    table = [_foreign_logs.number("cycles", "at_ns", at), _foreign_logs.number("cycles", "message_id", np.rint(at / 1e6))]
-    table += [_foreign_logs.number("cycles", name, np.asarray(values)) for name, values in rows.items()]
-    return {"cycles": _foreign_logs.make("cycles", len(times), table)}
-
-
-def _arm_of(names: list[str]) -> list[int]:
-    """Places of the joints 1 to 7, such as panda_joint1; empty unless all are there."""
-    places = {match[1]: i for i, name in enumerate(names) if (match := re.fullmatch(r"(?:.*_)?joint([1-7])", name)) and "finger" not in name}
-    return [places[number] for number in "1234567"] if len(places) == 7 else []
 
 
 def main(arguments: list[str]) -> int:
