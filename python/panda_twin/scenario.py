@@ -183,13 +183,15 @@ def as_robot(scenario: RobotLike, name: str) -> tuple[str | None, pathlib.Path]:
 
 
 def as_scenario(scenario: ScenarioLike) -> Scenario:
-    """Return the scenario that an argument names."""
-    if isinstance(scenario, Scenario):
-        return scenario
+    """Return the scenario that an argument names. Raises ValueError for one that says nothing of a motion."""
     if isinstance(scenario, Mapping):
-        return Scenario(**scenario)
+        scenario = Scenario(**scenario)
     if isinstance(scenario, (str, os.PathLike)):
-        return Scenario.load(scenario)
+        scenario = Scenario.load(scenario)
+    if isinstance(scenario, Scenario):
+        if scenario._loaded.moves:
+            return scenario
+        raise ValueError(f"scenario {scenario.name}: motion is missing; give it one, or an application")
     raise TypeError(f"scenario is of type {type(scenario).__name__}; a Scenario, a dict of its keys or a file's name belongs here")
 
 

@@ -18,8 +18,7 @@ namespace twin::python {
 namespace {
 
 LoadedScenario Parsed(std::string text, std::filesystem::path file) {
-  scenario::Scenario scenario =
-      scenario::ParseServed(text, file);  // run() refuses one that does not move
+  scenario::Scenario scenario = scenario::ParseServed(text, file);
   return {std::move(text), std::move(file), std::move(scenario)};
 }
 
@@ -67,6 +66,12 @@ void AddScenario(nb::module_& module) {
             return self.scenario == other.scenario;
           },
           nb::arg("other"))
+      .def_prop_ro("moves",
+                   [](const LoadedScenario& self) {
+                     const scenario::Scenario& s = self.scenario;
+                     const auto& points = s.motion.waypoints;
+                     return s.application || points.size() != 2 || points[0].q != points[1].q;
+                   })
       .def_ro("text", &LoadedScenario::text)
       .def_ro("file", &LoadedScenario::file)
       .def_prop_ro("name", [](const LoadedScenario& self) { return self.scenario.name; })

@@ -92,8 +92,9 @@ class ValidateTest(unittest.TestCase):
             numpy.testing.assert_allclose(session.state.q, pt.model.Q_READY, atol=1e-6)
         with self.assertRaisesRegex(ValueError, "nothing says where the arm stands: give robot.q_start, or a motion"):
             pt.Scenario(name="nowhere")
-        with self.assertRaisesRegex(ValueError, "point 1 and point 2 coincide"):
-            pt.run(standing)
+        for call in (pt.run, pt.validate):
+            with self.assertRaisesRegex(ValueError, "scenario standing: motion is missing; give it one, or an application"):
+                call(standing)
 
     def test_tells_what_it_checked(self):
         self.assertIn("3 waypoints", pt.validate("scenarios/smoke.yaml"))
