@@ -41,7 +41,7 @@ if(TWIN_BUILD_TESTS)
   add_custom_target(memory_tests)
 endif()
 set(TWIN_MEMORY_FOLDERS support core rt record fci onboard plant robot server proxy backend control loop teleop page scenario
-    contract devices fuzz)
+    contract devices ros2 fuzz)
 
 function(twin_add_test name)
   cmake_parse_arguments(TEST "ALONE" "TIMEOUT" "SOURCES;LABELS;LINK" ${ARGN})

@@ -1,0 +1,20 @@
+#include <cstddef>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "plugins/ros2/type_description.h"
+#include "ros2/filled.h"
+
+// Prints of each message: name, hash, name on the wire, and the bytes of one in which each field
+// has a value of its own.
+int main() {
+  twin::ros2::ForEachMessage([]<typename M>() {
+    fmt::print("{} {} {} ", M::kName, twin::ros2::Describe<M>().Hash(),
+               twin::ros2::DdsName(M::kName));
+    for (const std::byte byte : twin::ros2::ToBytes(twin::ros2::Filled<M>())) {
+      fmt::print("{:02x}", static_cast<unsigned>(byte));
+    }
+    fmt::print("\n");
+  });
+}

@@ -1,0 +1,130 @@
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fuzz/mutations.h"
+#include "plugins/ros2/cdr.h"
+#include "plugins/ros2/type_description.h"
+#include "ros2/filled.h"
+#include "twin/core/random.h"
+
+namespace twin::ros2::ros2_cdr_test {
+namespace {
+
+std::vector<std::byte> Bytes(std::vector<int> values) {
+  std::vector<std::byte> bytes;
+  for (const int value : values) bytes.push_back(static_cast<std::byte>(value));
+  return bytes;
+}
+
+/// Of all fields, a message's bytes tell each.
+template <Message M>
+bool IsReadBack(const M& message) {
+  const std::vector<std::byte> bytes = ToBytes(message);
+  const std::optional<M> read = FromBytes<M>(bytes);
+  return read && ToBytes(*read) == bytes;
+}
+
+TEST(Ros2Cdr, AlignsFieldsFromTheEncapsulation) {
+  msg::Header header;
+  header.stamp = {.sec = -2, .nanosec = 3};
+  header.frame_id = "ab";
+  EXPECT_EQ(ToBytes(header), Bytes({0, 1, 0, 0, 0xFE, 0xFF, 0xFF, 0xFF, 3, 0, 0, 0,  //
+                                    3, 0, 0, 0, 'a', 'b', 0}));
+  msg::JointState state;
+  state.name = {"panda"};
+  state.position = {1.0};
+  EXPECT_EQ(ToBytes(state), Bytes({0,   1,   0,   0,   0,   0, 0,    0,    0, 0, 0, 0,  // stamp
+                                   1,   0,   0,   0,   0,   0, 0,    0,                 // frame_id
+                                   1,   0,   0,   0,   6,   0, 0,    0,                 // name
+                                   'p', 'a', 'n', 'd', 'a', 0, 0,    0,                 //
+                                   1,   0,   0,   0,   0,   0, 0,    0,     // position, at 40
+                                   0,   0,   0,   0,   0,   0, 0xF0, 0x3F,  //
+                                   0,   0,   0,   0,   0,   0, 0,    0}));  // velocity, effort
+}
+
+TEST(Ros2Cdr, ReadsBackEachMessage) {
+  ForEachMessage([]<typename M>() {
+    EXPECT_TRUE(IsReadBack(M())) << M::kName;
+    EXPECT_TRUE(IsReadBack(Filled<M>())) << M::kName;
+  });
+}
+
+TEST(Ros2Cdr, RefusesAMessageThatIsCutAnywhere) {
+  ForEachMessage([]<typename M>() {
+    const std::vector<std::byte> bytes = ToBytes(Filled<M>());
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      EXPECT_FALSE(FromBytes<M>(std::span(bytes).first(size))) << M::kName << " of " << size;
+    }
+  });
+}
+
+TEST(Ros2Cdr, RefusesOtherEncodings) {
+  std::vector<std::byte> bytes = ToBytes(msg::Time());
+  ASSERT_TRUE(FromBytes<msg::Time>(bytes));
+  bytes[1] = std::byte{0};  // big endian
+  EXPECT_FALSE(FromBytes<msg::Time>(bytes));
+  bytes[1] = std::byte{7};  // XCDR2
+  EXPECT_FALSE(FromBytes<msg::Time>(bytes));
+}
+
+TEST(Ros2Cdr, RefusesCountsThatTheBytesCannotHold) {
+  for (const int high : {0x01, 0x7F, 0xFF}) {
+    EXPECT_FALSE(FromBytes<msg::String>(Bytes({0, 1, 0, 0, 0xFF, 0xFF, 0xFF, high, 'a', 0})));
+    EXPECT_FALSE(FromBytes<msg::TFMessage>(Bytes({0, 1, 0, 0, 0xFF, 0xFF, 0xFF, high, 0, 0})));
+  }
+}
+
+TEST(Ros2Cdr, ReadsBothKindsOfEmptyStringAndNoneWithoutItsEnd) {
+  for (const auto& bytes : {Bytes({0, 1, 0, 0, 0, 0, 0, 0}), Bytes({0, 1, 0, 0, 1, 0, 0, 0, 0})}) {
+    const std::optional<msg::String> read = FromBytes<msg::String>(bytes);
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->data, "");
+  }
+  EXPECT_FALSE(FromBytes<msg::String>(Bytes({0, 1, 0, 0, 2, 0, 0, 0, 'a', 'b'})));
+}
+
+TEST(Ros2Cdr, RefusesAStringBeyondItsBound) {
+  msg::NodeEntitiesInfo node;
+  node.node_name.text = std::string(256, 'n');
+  EXPECT_TRUE(FromBytes<msg::NodeEntitiesInfo>(ToBytes(node)));
+  node.node_name.text += 'n';
+  EXPECT_FALSE(FromBytes<msg::NodeEntitiesInfo>(ToBytes(node)));
+}
+
+TEST(Ros2Cdr, WhatIsReadOfMutatedBytesIsReadBack) {
+  const Random random(7, RandomStream::kTest);
+  ForEachMessage([&]<typename M>() {
+    const std::vector<std::byte> whole = ToBytes(Filled<M>());
+    int read_count = 0;
+    for (std::uint64_t round = 0; round < 2000; ++round) {
+      std::vector<std::byte> bytes = whole;
+      fci::fuzz::Mutate(bytes, random, round);
+      const std::optional<M> read = FromBytes<M>(bytes);
+      if (!read) continue;
+      ++read_count;
+      EXPECT_TRUE(IsReadBack(*read)) << M::kName << ", round " << round;
+    }
+    EXPECT_GT(read_count, 0) << M::kName;
+    EXPECT_LT(read_count, 2000) << M::kName;
+  });
+}
+
+TEST(Ros2TypeDescription, HashesAsRosDoes) {
+  EXPECT_EQ(Describe<msg::JointState>().Hash(),
+            "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e");
+}
+
+TEST(Ros2TypeDescription, NamesTypesAsTheWireDoes) {
+  EXPECT_EQ(DdsName(msg::JointState::kName), "sensor_msgs::msg::dds_::JointState_");
+}
+
+}  // namespace
+}  // namespace twin::ros2::ros2_cdr_test
