@@ -318,7 +318,7 @@ struct MultiDOFJointTrajectory {
 /// Identity of an endpoint or participant; of 16 bytes since Iron.
 struct Gid {
   static constexpr const char* kName = "rmw_dds_common/msg/Gid";
-  std::array<char, 16> data{};
+  std::array<std::uint8_t, 16> data{};  ///< .msg: char, which ROS 2 takes for uint8
   static void Visit(auto& m, auto&& v) { v("data", m.data); }
 };
 

@@ -60,7 +60,6 @@ constexpr int NumberId() {
   if constexpr (std::same_as<T, std::uint64_t>) return 9;
   if constexpr (std::same_as<T, float>) return 10;
   if constexpr (std::same_as<T, double>) return 11;
-  if constexpr (std::same_as<T, char>) return 13;
   if constexpr (std::same_as<T, bool>) return 15;
 }
 
