@@ -57,8 +57,8 @@ std::string Compared(const Violation& violation, const ErrorEntry& entry) {
     return violation.axis == kNoFirstCommandAxis
                ? fmt::format("no first command in {:.9g} cycles since the start of the motion",
                              violation.value)
-               : fmt::format("{:.9g} cycles in a row without a command, at most {:.9g} are bridged",
-                             violation.value, violation.limit - 1);
+               : fmt::format("{:.9g} cycles in a row without a command; {:.9g} end a motion",
+                             violation.value, violation.limit);
   }
   if (violation.error == RobotError::kInstabilityDetected) {
     return violation.axis == kNoNumberAxis

@@ -105,7 +105,7 @@ TEST(DescribeTest, NamesNoJointWhenNoneIsToBlame) {
                             .value = 20,
                             .limit = 20,
                             .message_id = 99};
-  EXPECT_THAT(Describe(violation), AllOf(HasSubstr("20 cycles in a row"), HasSubstr("at most 19"),
+  EXPECT_THAT(Describe(violation), AllOf(HasSubstr("20 cycles in a row"), HasSubstr("; 20 end a motion"),
                                          Not(HasSubstr("joint")), Not(HasSubstr("computed as"))));
 }
 

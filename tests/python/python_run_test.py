@@ -140,6 +140,10 @@ class FaultTest(unittest.TestCase):
         with self.assertRaises(pt.RobotFault) as caught:
             pt.run(LOSSY)
         self.assertEqual((caught.exception.error, caught.exception.joint), ("communication_constraints_violation", None))
+        told = caught.exception.explanation
+        self.assertEqual((told.value, told.limit), (20, 20))
+        for text in (str(caught.exception), json.dumps(caught.exception.result.summary)):
+            self.assertIn("20 cycles in a row without a command; 20 end a motion", text)
 
     def test_is_not_raised_unless_checked(self):
         result = pt.run(LOSSY, check=False)
