@@ -1,5 +1,6 @@
 """The environments: what Gymnasium expects of them, repeatability, and that actions meet the robot's own limits."""
 
+import inspect
 import os
 import pathlib
 import subprocess
@@ -21,6 +22,10 @@ INTERFACES = ("cartesian_pose", "joint_position", "joint_velocity", "torque")
 
 def make(task, **options):
     return gymnasium.make(f"PandaTwin/{task}-v0", **options)
+
+
+def make_vec(task, **options):
+    return gymnasium.make_vec(f"PandaTwin/{task}-v0", num_envs=2, **options)
 
 
 def same(a, b):
@@ -100,6 +105,19 @@ class Interface(unittest.TestCase):
             env.step(np.array([1, 0, -1, 1], dtype=np.float32))
         self.assertFalse(np.array_equal(first, env.render()))
         self.assertEqual(env.metadata["render_fps"], 20)
+
+    def test_vectors_take_the_options_of_a_single_environment(self):
+        from panda_twin.envs.vector import Options
+
+        one = inspect.signature(panda_twin.envs.PandaEnv).parameters
+        self.assertEqual([name for name in one if name != "task"], list(Options.__annotations__))
+        many = make_vec("Reach", control_hz=50, reward="dense", observation="pixels", cameras=("overview",), size=(32, 24), depth=True)
+        observed, _ = many.reset(seed=1)
+        self.assertEqual(observed["overview_depth"].shape, (2, 24, 32, 1))
+        self.assertEqual(many.metadata["render_fps"], 50)
+        self.assertEqual(panda_twin.envs.PandaVectorEnv.metadata["render_fps"], 20)
+        _, rewards, *_ = many.step(many.action_space.sample())
+        self.assertTrue(np.all((-1 < rewards) & (rewards < 0)), rewards)
 
     def test_wrong_options_are_refused_in_words(self):
         for options, words in (

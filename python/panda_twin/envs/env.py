@@ -64,7 +64,68 @@ class Pictures:
         return picture
 
 
-class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
+class CommonEnv:
+    """What an environment of one robot and one of several have in common: options, spaces, reward."""
+
+    metadata: dict[str, Any]
+    _count = 1
+    _threads = 1
+
+    def __init__(
+        self,
+        task: str | type[Task] = "Reach",
+        *,
+        reward: str = "sparse",
+        control_hz: float = 20,
+        interface: str = "cartesian_pose",
+        observation: str = "state",
+        delays: str | os.PathLike[str] | Mapping[str, Any] | None = None,
+        losses: float | Mapping[str, Any] | None = None,
+        viability: int | None = 19,
+        randomize: Mapping[str, Distribution] | None = None,
+        cameras: Sequence[str] = CAMERAS,
+        size: tuple[int, int] = (84, 84),
+        depth: bool = False,
+        render_mode: str | None = None,
+    ) -> None:
+        check_choice("reward", reward, ("sparse", "dense"))
+        check_choice("observation", observation, ("state", "pixels"))
+        if render_mode is not None:
+            check_choice("render_mode", render_mode, self.metadata["render_modes"])
+        self._cell = Cell(
+            task,
+            self._count,
+            self._threads,
+            control_hz=control_hz,
+            interface=interface,
+            delays=delays,
+            losses=losses,
+            viability=viability,
+            randomize=randomize,
+        )
+        self.metadata = {**self.metadata, "render_fps": round(1000 / self._cell.cycles)}
+        self.render_mode: str | None = render_mode
+        self._is_sparse = reward == "sparse"
+        self._depth = depth
+        self._cameras = tuple(cameras) if observation == "pixels" else ()
+        self._eyes = [Pictures(self._cell, i, self._cameras, size) for i in range(self._count) if self._cameras]
+        self._films: list[Pictures] = []
+        self.observation_space, self.action_space = spaces_of(self._cell, self._cameras, size, depth)
+
+    def compute_reward(self, achieved_goal: Array, desired_goal: Array, info: object) -> Any:
+        """Reward of goals (..., 3); a number per goal. ``info`` has no effect."""
+        task = self._cell.task
+        return task.reward(np.asarray(achieved_goal), np.asarray(desired_goal), self._is_sparse)
+
+    def _overviews(self) -> tuple[npt.NDArray[np.uint8], ...]:
+        """A picture (480, 640, 3) of each robot with its goal as a ball."""
+        if not self._films:
+            self._films = [Pictures(self._cell, i, ["overview"], (640, 480)) for i in range(self._count)]
+        marks = self._cell.task.marks
+        return tuple(film.colour("overview", marks(self._cell.goals[i])) for i, film in enumerate(self._films))
+
+
+class PandaEnv(CommonEnv, gymnasium.Env[Observation, npt.NDArray[np.float32]]):
     """A Panda with a task, in lockstep: the same seed gives the same bytes.
 
     An action is deposited ``control_hz`` times a second where a controller's target would be, and goes through rate
@@ -110,47 +171,7 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
 
-    def __init__(
-        self,
-        task: str | type[Task] = "Reach",
-        *,
-        reward: str = "sparse",
-        control_hz: float = 20,
-        interface: str = "cartesian_pose",
-        observation: str = "state",
-        delays: str | os.PathLike[str] | Mapping[str, Any] | None = None,
-        losses: float | Mapping[str, Any] | None = None,
-        viability: int | None = 19,
-        randomize: Mapping[str, Distribution] | None = None,
-        cameras: Sequence[str] = CAMERAS,
-        size: tuple[int, int] = (84, 84),
-        depth: bool = False,
-        render_mode: str | None = None,
-    ) -> None:
-        check_choice("reward", reward, ("sparse", "dense"))
-        check_choice("observation", observation, ("state", "pixels"))
-        if render_mode is not None:
-            check_choice("render_mode", render_mode, self.metadata["render_modes"])
-        self._cell = Cell(
-            task,
-            1,
-            1,
-            control_hz=control_hz,
-            interface=interface,
-            delays=delays,
-            losses=losses,
-            viability=viability,
-            randomize=randomize,
-        )
-        self.metadata = {**self.metadata, "render_fps": round(1000 / self._cell.cycles)}
-        self.render_mode = render_mode
-        self._is_sparse = reward == "sparse"
-        self._depth = depth
-        self._cameras = tuple(cameras) if observation == "pixels" else ()
-        self._eyes = Pictures(self._cell, 0, self._cameras, size)
-        self._film: Pictures | None = None
-        self._is_begun = False
-        self.observation_space, self.action_space = spaces_of(self._cell, self._cameras, size, depth)
+    _is_begun = False
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -178,11 +199,6 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
         reward = self.compute_reward(observation["achieved_goal"], observation["desired_goal"], info)
         return observation, float(reward), "reflex" in info, False, info
 
-    def compute_reward(self, achieved_goal: Array, desired_goal: Array, info: object) -> Any:
-        """Reward of goals (..., 3); a number per goal. ``info`` has no effect."""
-        task = self._cell.task
-        return task.reward(np.asarray(achieved_goal), np.asarray(desired_goal), self._is_sparse)
-
     def compute_terminated(self, achieved_goal: Array, desired_goal: Array, info: Mapping[str, Any]) -> bool:
         """Whether the episode ends: by a reflex alone, not by success."""
         return "reflex" in info
@@ -193,11 +209,7 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
 
     def render(self) -> npt.NDArray[np.uint8] | None:
         """The overview with the goal as a ball, (480, 640, 3); None without a render mode."""
-        if self.render_mode is None:
-            return None
-        if self._film is None:
-            self._film = Pictures(self._cell, 0, ["overview"], (640, 480))
-        return self._film.colour("overview", self._cell.task.marks(self._cell.goals[0]))
+        return self._overviews()[0] if self.render_mode is not None else None
 
     def _observation(self) -> Observation:
         cell = self._cell
@@ -207,9 +219,9 @@ class PandaEnv(gymnasium.Env[Observation, npt.NDArray[np.float32]]):
             "desired_goal": cell.goals[0].copy(),
         }
         for camera in self._cameras:
-            parts[camera] = self._eyes.colour(camera, cell.task.marks(cell.goals[0]))
+            parts[camera] = self._eyes[0].colour(camera, cell.task.marks(cell.goals[0]))
             if self._depth:
-                parts[f"{camera}_depth"] = self._eyes.depth(camera)
+                parts[f"{camera}_depth"] = self._eyes[0].depth(camera)
         return parts
 
     def _info(self, observation: Observation) -> dict[str, Any]:

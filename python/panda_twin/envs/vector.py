@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -10,14 +10,31 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from .cell import Cell, Distribution
-from .env import CAMERAS, Observation, Pictures, check_choice, spaces_of
+from .cell import Distribution
+from .env import CommonEnv, Observation
 from .tasks import Array, Flags, Task, field, names_of
 
 Step = tuple[Observation, npt.NDArray[np.float64], Flags, Flags, dict[str, Any]]
 
 
-class PandaVectorEnv(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[Any]]):
+class Options(TypedDict, total=False):
+    """Parameters of PandaEnv beside its task."""
+
+    reward: str
+    control_hz: float
+    interface: str
+    observation: str
+    delays: str | os.PathLike[str] | Mapping[str, Any] | None
+    losses: float | Mapping[str, Any] | None
+    viability: int | None
+    randomize: Mapping[str, Distribution] | None
+    cameras: Sequence[str]
+    size: tuple[int, int]
+    depth: bool
+    render_mode: str | None
+
+
+class PandaVectorEnv(CommonEnv, VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[Any]]):
     """``num_envs`` robots with one task each; number i does what PandaEnv does with seed + i, to the bit.
 
     Results do not depend on the number of threads.
@@ -50,50 +67,16 @@ class PandaVectorEnv(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray
         threads: int | None = None,
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        reward: str = "sparse",
-        control_hz: float = 20,
-        interface: str = "cartesian_pose",
-        observation: str = "state",
-        delays: str | os.PathLike[str] | Mapping[str, Any] | None = None,
-        losses: float | Mapping[str, Any] | None = None,
-        viability: int | None = 19,
-        randomize: Mapping[str, Distribution] | None = None,
-        cameras: Sequence[str] = CAMERAS,
-        size: tuple[int, int] = (84, 84),
-        depth: bool = False,
-        render_mode: str | None = None,
+        **options: Unpack[Options],
     ) -> None:
-        check_choice("reward", reward, ("sparse", "dense"))
-        check_choice("observation", observation, ("state", "pixels"))
-        if render_mode is not None:
-            check_choice("render_mode", render_mode, self.metadata["render_modes"])
         if threads is None:
             threads = max(1, min(num_envs, len(os.sched_getaffinity(0))))
-        self.num_envs = num_envs
-        self._cell = Cell(
-            task,
-            num_envs,
-            threads,
-            control_hz=control_hz,
-            interface=interface,
-            delays=delays,
-            losses=losses,
-            viability=viability,
-            randomize=randomize,
-        )
+        self.num_envs = self._count = num_envs
+        self._threads = threads
+        super().__init__(task, **options)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {
-            **self.metadata,
-            "render_fps": round(1000 / self._cell.cycles),
-            "autoreset_mode": self.autoreset_mode,
-        }
-        self.render_mode = render_mode
-        self._is_sparse = reward == "sparse"
-        self._depth = depth
-        self._cameras = tuple(cameras) if observation == "pixels" else ()
-        self._eyes = [Pictures(self._cell, i, self._cameras, size) for i in range(num_envs) if self._cameras]
-        self._films: list[Pictures] = []
-        self.single_observation_space, self.single_action_space = spaces_of(self._cell, self._cameras, size, depth)
+        self.metadata["autoreset_mode"] = self.autoreset_mode
+        self.single_observation_space, self.single_action_space = self.observation_space, self.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._most_steps = max_episode_steps
@@ -160,19 +143,9 @@ class PandaVectorEnv(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray
             observations = self._observations()
         return observations, rewards, terminated, truncated, self._infos(observations) | infos
 
-    def compute_reward(self, achieved_goal: Array, desired_goal: Array, info: object) -> Any:
-        """As of PandaEnv, of goals (..., 3)."""
-        task = self._cell.task
-        return task.reward(np.asarray(achieved_goal), np.asarray(desired_goal), self._is_sparse)
-
     def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
         """The overview of every robot, (480, 640, 3); None without a render mode."""
-        if self.render_mode is None:
-            return None
-        if not self._films:
-            self._films = [Pictures(self._cell, i, ["overview"], (640, 480)) for i in range(self.num_envs)]
-        marks = self._cell.task.marks
-        return tuple(film.colour("overview", marks(self._cell.goals[i])) for i, film in enumerate(self._films))
+        return self._overviews() if self.render_mode is not None else None
 
     def _begin(self, mask: Flags) -> dict[str, Any]:
         """Begins episodes of the robots in ``mask``. Returns what randomisation drew, as infos."""
