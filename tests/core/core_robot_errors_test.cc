@@ -105,8 +105,9 @@ TEST(DescribeTest, NamesNoJointWhenNoneIsToBlame) {
                             .value = 20,
                             .limit = 20,
                             .message_id = 99};
-  EXPECT_THAT(Describe(violation), AllOf(HasSubstr("20 cycles in a row"), HasSubstr("; 20 end a motion"),
-                                         Not(HasSubstr("joint")), Not(HasSubstr("computed as"))));
+  EXPECT_THAT(Describe(violation),
+              AllOf(HasSubstr("20 cycles in a row"), HasSubstr("; 20 end a motion"),
+                    Not(HasSubstr("joint")), Not(HasSubstr("computed as"))));
 }
 
 TEST(DescribeTest, TellsAMissingFirstCommandFromCommandsLostInARow) {
