@@ -36,7 +36,7 @@ def act(weights: Array, observations: dict[str, Array]) -> Array:
 
 def evaluate(env: gymnasium.vector.VectorEnv, weights: Array, seed: int) -> tuple[Array, Array]:
     """Mean negative distance per policy, m, and whether its end is at the goal."""
-    observations, _ = env.reset(seed=seed)
+    observations, infos = env.reset(seed=seed)
     returns = np.zeros(env.num_envs)
     for _ in range(STEPS):
         observations, rewards, _, _, infos = env.step(act(weights, observations).astype(np.float32))

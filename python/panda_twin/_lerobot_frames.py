@@ -125,7 +125,7 @@ class Frames:
 
     def _widths(self, scenes: Table) -> _Numbers:
         """At each scene: the two joints after those that are where the arm is."""
-        if Scenario.from_yaml(self._log.scenario).to_dict()["robot"].get("hand") == "none":
+        if Scenario.from_yaml(self._log.scenario).to_dict().get("robot", {}).get("hand") == "none":
             raise ValueError(f"{self._log!r} is of an arm without a hand; leave out {GRIPPER}")
         qpos = scenes["qpos"]
         q = _last(self._log.cycles["at_ns"], self._log.cycles["q"], scenes["at_ns"])

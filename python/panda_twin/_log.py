@@ -30,12 +30,15 @@ class _Source(Protocol):
 
     def read(self, table: str, names: list[str], from_ns: int, until_ns: int) -> _core.LogTable:
         """Returns rows of a table with at least these columns and the time; without names, with all."""
+        ...
 
     def names(self, table: str) -> tuple[str, ...]:
         """Returns the columns that a table has."""
+        ...
 
     def is_small(self, from_ns: int, until_ns: int) -> bool:
         """Returns whether all columns are best read at once."""
+        ...
 
 
 _COLUMNS = {

@@ -154,6 +154,7 @@ class HasYaml(typing.Protocol):
 
     def to_yaml(self) -> str:
         """The scenario as the text of its file."""
+        ...
 
 
 ScenarioLike: typing.TypeAlias = "Scenario | ScenarioKeys | str | os.PathLike[str]"
