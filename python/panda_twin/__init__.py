@@ -6,7 +6,6 @@ import importlib.util
 from . import _core
 from . import _host as _host  # tells the module where its files are
 from . import model as model
-from . import sweep as sweep
 from ._core import (
     CartesianPose,
     CartesianVelocities,

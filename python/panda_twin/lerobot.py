@@ -29,6 +29,7 @@ import pathlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
+from ._command import exit_code_of
 from ._errors import RobotFault
 from ._lerobot_files import Picture, Shape, Writer
 from ._lerobot_frames import GRIPPER, Frames, Times, names_of
@@ -294,21 +295,8 @@ def _carry_out(options: argparse.Namespace) -> str:
 
 def main(arguments: list[str]) -> int:
     logging.basicConfig(format="%(levelname)s: %(message)s")
-    try:
-        print(_carry_out(_parser().parse_args(arguments)))
-    except (ImportError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 4
-    except (ValueError, TypeError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 3
-    except RobotFault as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("interrupted; no dataset was written", file=sys.stderr)
-        return 130
-    return 0
+    options = _parser().parse_args(arguments)
+    return exit_code_of(lambda: print(_carry_out(options)), interrupted="interrupted; no dataset was written")
 
 
 if __name__ == "__main__":

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import pathlib
 import sys
 
 from . import _core
+from ._command import exit_code_of, log_parser, parse_log
 from ._log import Log, _COLUMNS
 
 
@@ -35,7 +35,10 @@ def write(log: Log, folder: str | os.PathLike[str], columns: tuple[str, ...] = (
     ValueError
         For a column that no table has.
     """
-    import pyarrow.parquet  # type: ignore[import-untyped]
+    try:
+        import pyarrow.parquet  # type: ignore[import-untyped]
+    except ImportError as error:
+        raise ImportError(f"Parquet needs pyarrow ({error}): pip install 'panda-twin[log]'") from None
 
     _core.check_log_columns(list(columns))
     folder = pathlib.Path(folder)
@@ -54,22 +57,15 @@ def write(log: Log, folder: str | os.PathLike[str], columns: tuple[str, ...] = (
 
 
 def main(arguments: list[str]) -> int:
-    parser = argparse.ArgumentParser(prog="python3 -m panda_twin.parquet", description="Write a log as Parquet.")
-    parser.add_argument("log", type=pathlib.Path, help="log of a run (run.mcap), or its folder of results")
-    parser.add_argument("--out", type=pathlib.Path, help="folder of the tables (default: parquet beside the log)")
+    parser = log_parser("parquet", "Write a log as Parquet.")
     parser.add_argument("--columns", default="", help="only these, such as q,dq,q_c; each table keeps its time")
-    options = parser.parse_args(arguments)
-    out = options.out or (options.log if options.log.is_dir() else options.log.parent) / "parquet"
-    try:
-        for file in write(Log(options.log), out, tuple(filter(None, options.columns.split(",")))):
+    options = parse_log(parser, "parquet", arguments)
+
+    def work() -> None:
+        for file in write(Log(options.log), options.out, tuple(filter(None, options.columns.split(",")))):
             print(file)
-    except ImportError as error:
-        print(f"error: {error}; pip install 'panda-twin[log]'", file=sys.stderr)
-        return 4
-    except ValueError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 3
-    return 0
+
+    return exit_code_of(work)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import heapq
 import operator
 import os
@@ -16,6 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
+from ._command import exit_code_of, log_parser, parse_log
 from ._foreign_logs import import_rosbags
 from ._log import Log
 
@@ -152,20 +152,8 @@ def _add_all(log: Log, bag: _Bag) -> None:
 
 
 def main(arguments: list[str]) -> int:
-    parser = argparse.ArgumentParser(prog="python3 -m panda_twin.rosbag2", description="Write a log as a bag of ROS 2 (MCAP).")
-    parser.add_argument("log", type=pathlib.Path, help="log of a run (run.mcap), or its folder of results")
-    parser.add_argument("--out", type=pathlib.Path, help="folder of the bag (default: rosbag2 beside the log)")
-    options = parser.parse_args(arguments)
-    out = options.out or (options.log if options.log.is_dir() else options.log.parent) / "rosbag2"
-    try:
-        print(write(Log(options.log), out))
-    except (ImportError, FileExistsError) as error:
-        print(f"panda-twin: error: {error}", file=sys.stderr)
-        return 4
-    except ValueError as error:
-        print(f"panda-twin: error: {error}", file=sys.stderr)
-        return 3
-    return 0
+    options = parse_log(log_parser("rosbag2", "Write a log as a bag of ROS 2 (MCAP)."), "rosbag2", arguments)
+    return exit_code_of(lambda: print(write(Log(options.log), options.out)))
 
 
 if __name__ == "__main__":

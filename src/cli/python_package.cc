@@ -28,6 +28,10 @@ sys.exit(main(sys.argv[3:]))
 
 }  // namespace
 
+void AddFlag(const char* flag, const std::string& value, std::vector<std::string>& words) {
+  if (!value.empty()) words.push_back(fmt::format("{}={}", flag, value));
+}
+
 void BecomePython(const std::string& module, const std::vector<std::string>& words,
                   const Host& host) {
   const std::string folder = (host.executable.parent_path() / "python").string();

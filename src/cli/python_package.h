@@ -7,6 +7,9 @@
 
 namespace twin::cli {
 
+/// Adds "--flag=value" to the words of a command; nothing for an empty value.
+void AddFlag(const char* flag, const std::string& value, std::vector<std::string>& words);
+
 /// Replaces this process by a command of the Python package,
 /// panda_twin.MODULE.main(words), which says itself what it lacks. Python is
 /// $PANDA_TWIN_PYTHON, else python3; the package is one it has, else that beside the program in a

@@ -51,6 +51,15 @@ void MakeFolder(const fs::path& folder) {
   }
 }
 
+ScratchFolder::ScratchFolder(fs::path path) : path_(std::move(path)) {
+  MakeFolder(path_);
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
 void TryToWrite(const fs::path& folder) {
   std::string probe = folder / ".panda-twin.XXXXXX";
   const int descriptor = ::mkostemp(probe.data(), O_CLOEXEC);

@@ -37,23 +37,6 @@ class Silence final : public run::Console {
   const volatile bool* interrupted_;
 };
 
-/// A folder that is removed at the end unless it has got another name.
-class OwnFolder {
- public:
-  explicit OwnFolder(fs::path path) : path_(std::move(path)) {}
-  ~OwnFolder() {
-    std::error_code none;
-    fs::remove_all(path_, none);
-  }
-  OwnFolder(const OwnFolder&) = delete;
-  OwnFolder& operator=(const OwnFolder&) = delete;
-
-  [[nodiscard]] const fs::path& path() const noexcept { return path_; }
-
- private:
-  fs::path path_;
-};
-
 }  // namespace
 
 bool KeepsLog(const Sweep& sweep, const Result& result) noexcept {
@@ -65,8 +48,7 @@ bool KeepsLog(const Sweep& sweep, const Result& result) noexcept {
 bool KeepLog(const PreparedCase& prepared, const run::Catalogue& catalogue,
              const run::RunFiles& files, const fs::path& out, const volatile bool* interrupted) {
   const fs::path folder = LogFolderOf(out, prepared.address);
-  run::MakeFolder(folder.parent_path());
-  const OwnFolder own(folder.string() + fmt::format(".{}", ::getpid()));
+  const run::ScratchFolder own(folder.string() + fmt::format(".{}", ::getpid()));
   scenario::Scenario scenario = prepared.scenario;
   scenario.record = true;
   application::RunOptions options;

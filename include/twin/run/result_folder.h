@@ -83,6 +83,21 @@ void TryToWrite(const std::filesystem::path& folder);
 /// Creates a folder and its parents unless they exist. @throws EnvironmentError naming it.
 void MakeFolder(const std::filesystem::path& folder);
 
+/// A folder that is removed with this, unless it has got another name.
+class ScratchFolder {
+ public:
+  /// @throws as MakeFolder.
+  explicit ScratchFolder(std::filesystem::path path);
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 /// The name of a file until it is complete.
 [[nodiscard]] std::filesystem::path PartialOf(std::filesystem::path file);
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import sys
 
+from .._command import exit_code_of
 from . import merge, run
 
 
@@ -31,25 +33,18 @@ def main(arguments: list[str]) -> int:
     """Carries out a command; returns the exit code, which is as the program's."""
     options = vars(_parser().parse_args(arguments))
     command, quiet = options.pop("command"), options.pop("quiet")
-    try:
+
+    def work() -> None:
         if command == "run":
-            run(shows=not quiet, **options)
-        else:
-            merged = merge(shows=not quiet, **options)
-            if not quiet:
-                print(f"runs    {merged.runs}, {merged.failures} failed\nreport  {merged.out}/report.html")
-            print(f"digest  {merged.digest}")
-        return 0
-    except KeyboardInterrupt:
-        code, text = 130, "interrupted"
-    except ValueError as error:
-        code, text = 3, str(error)
-    except (OSError, ImportError) as error:
-        code, text = 4, str(error)
-    except RuntimeError as error:
-        code, text = 1, str(error)
-    print(f"panda-twin: error: {text}", file=sys.stderr)
-    return code
+            return run(shows=not quiet, **options)
+        if importlib.util.find_spec("pyarrow") is None:
+            raise ImportError("runs.parquet needs pyarrow: pip install 'panda-twin[sweep]'")
+        merged = merge(shows=not quiet, **options)
+        if not quiet:
+            print(f"runs    {merged.runs}, {merged.failures} failed\nreport  {merged.out}/report.html")
+        print(f"digest  {merged.digest}")
+
+    return exit_code_of(work)
 
 
 if __name__ == "__main__":

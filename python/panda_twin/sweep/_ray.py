@@ -103,9 +103,9 @@ class _Driver:
                 self._ray.cancel(task, force=True)
 
     def _submit(self, shard: int) -> None:
-        there = {name_of(address): self._results.whole(address) for address in self._parts[shard]}
+        there = {name_of(address): text for address in self._parts[shard] if (text := self._results.whole(address))}
         arguments = self._sweep.arguments("work", f"--shard={shard}/{len(self._parts)}")
-        self._running[self._task.remote(arguments, {name: text for name, text in there.items() if text})] = shard
+        self._running[self._task.remote(arguments, there)] = shard
 
     def _take(self, task: typing.Any) -> None:
         shard = self._running.pop(task)

@@ -129,23 +129,6 @@ const ExperimentFlags& RequireClientAlone(const ExperimentFlags& flags) {
   throw InputError("--client goes with the experiment timings, and with that alone");
 }
 
-/// A folder that is there as long as this.
-class ScratchFolder {
- public:
-  explicit ScratchFolder(fs::path path) : path_(std::move(path)) { run::MakeFolder(path_); }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 /// One report from its flags to its files.
 class ExperimentSession {
  public:
@@ -282,7 +265,7 @@ bool ExperimentSession::TellFailures() const {
 int ExperimentSession::Execute() {
   out_.Prepare();
   RequireOurs();
-  const ScratchFolder scratch(out_.folder() / "scratch.partial");
+  const run::ScratchFolder scratch(out_.folder() / "scratch.partial");
   for (const Experiment& one : chosen_) {
     const Time begin = clock_.Now();
     findings_.push_back(Do(one, scratch.path()));

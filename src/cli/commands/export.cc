@@ -28,10 +28,8 @@ struct ExportFlags {
   RefuseIf(flags.format == "rosbag2" && !flags.columns.empty(),
            "--columns is for tables: a bag has messages");
   std::vector<std::string> words{flags.log.string()};
-  if (!flags.out.empty()) words.insert(words.end(), {"--out", flags.out.string()});
-  if (!flags.columns.empty()) {
-    words.push_back(fmt::format("--columns={}", fmt::join(flags.columns, ",")));
-  }
+  AddFlag("--out", flags.out.string(), words);
+  AddFlag("--columns", fmt::format("{}", fmt::join(flags.columns, ",")), words);
   BecomePython(flags.format, words, program.host);
 }
 

@@ -130,16 +130,12 @@ int JobsOf(const SweepFlags& flags) {
   return jobs;
 }
 
-void AddWord(const char* flag, const std::string& value, std::vector<std::string>& words) {
-  if (!value.empty()) words.push_back(fmt::format("{}={}", flag, value));
-}
-
 /// The command line of a worker, without its shard.
 std::vector<std::string> WorkerArguments(const SweepFlags& flags, const SweepOf& of) {
   std::vector<std::string> words{"sweep", "work",          flags.file.string(),
                                  "--out", of.out.string(), "-q"};
-  AddWord("--data", flags.data.models.string(), words);
-  AddWord("--meshes", flags.data.meshes.string(), words);
+  AddFlag("--data", flags.data.models.string(), words);
+  AddFlag("--meshes", flags.data.meshes.string(), words);
   return words;
 }
 
@@ -148,13 +144,13 @@ std::vector<std::string> WorkerArguments(const SweepFlags& flags, const SweepOf&
                                 const Program& program) {
   const auto text = [](const auto& number) { return number ? fmt::format("{}", *number) : ""; };
   std::vector<std::string> words{command, flags.file.string()};
-  AddWord("--out", flags.out.string(), words);
-  AddWord("--on", flags.engine, words);
-  AddWord("--shard", flags.shard.value_or(""), words);
-  AddWord("--shards", text(flags.shards), words);
-  AddWord("--jobs", text(flags.jobs), words);
-  AddWord("--data", flags.data.models.string(), words);
-  AddWord("--meshes", flags.data.meshes.string(), words);
+  AddFlag("--out", flags.out.string(), words);
+  AddFlag("--on", flags.engine, words);
+  AddFlag("--shard", flags.shard.value_or(""), words);
+  AddFlag("--shards", text(flags.shards), words);
+  AddFlag("--jobs", text(flags.jobs), words);
+  AddFlag("--data", flags.data.models.string(), words);
+  AddFlag("--meshes", flags.data.meshes.string(), words);
   if (flags.yes) words.emplace_back("--yes");
   if (program.is_quiet()) words.emplace_back("--quiet");
   BecomePython("sweep.__main__", words, program.host);
