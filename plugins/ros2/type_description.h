@@ -35,6 +35,17 @@ struct TypeDescription {
   [[nodiscard]] std::string Hash() const;
 };
 
+/// The full name of a message or service type: its kName, or of what carries an action's messages
+/// the action's with a suffix.
+template <typename T>
+[[nodiscard]] std::string NameOf() {
+  if constexpr (requires { T::kName; }) {
+    return T::kName;
+  } else {
+    return std::string(T::Of::kName) + T::kSuffix;
+  }
+}
+
 /// The name on the wire: "pkg/msg/Name" is "pkg::msg::dds_::Name_".
 [[nodiscard]] std::string DdsName(std::string_view name);
 
@@ -45,6 +56,7 @@ enum TypeId : int {
   kStringId = 17,
   kBoundedStringId = 21,
   kArrayOf = 48,
+  kBoundedSequenceOf = 96,
   kSequenceOf = 144,
 };
 
@@ -70,7 +82,7 @@ class Describer {
 
   template <Message M>
   void Add() {
-    const std::string name = M::kName;
+    const std::string name = NameOf<M>();
     if (into_.types.contains(name)) return;
     into_.types[name];
     std::vector<Field> fields;
@@ -88,7 +100,7 @@ class Describer {
     Field field;
     if constexpr (Message<T>) {
       field.type_id = kMessageId;
-      field.nested = T::kName;
+      field.nested = NameOf<T>();
       Add<T>();
     } else if constexpr (std::same_as<T, std::string>) {
       field.type_id = kStringId;
@@ -118,12 +130,27 @@ class Describer {
   TypeDescription& into_;
 };
 
+/// Adds a service itself, and the event by which ROS 2 lets others look on.
+void AddService(TypeDescription& description);
+
 }  // namespace detail
 
 template <Message M>
 [[nodiscard]] TypeDescription Describe() {
-  TypeDescription description{.name = M::kName, .types = {}};
+  TypeDescription description{.name = NameOf<M>(), .types = {}};
   detail::Describer(description).Add<M>();
+  return description;
+}
+
+/// Of a service S, with the messages S::Request and S::Response.
+template <typename S>
+[[nodiscard]] TypeDescription DescribeService() {
+  TypeDescription description{.name = NameOf<S>(), .types = {}};
+  detail::Describer describer(description);
+  describer.Add<typename S::Request>();
+  describer.Add<typename S::Response>();
+  describer.Add<msg::Time>();
+  detail::AddService(description);
   return description;
 }
 

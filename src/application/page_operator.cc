@@ -12,6 +12,7 @@
 
 #include "application/home_motion.h"
 #include "twin/application/application.h"
+#include "twin/application/own_client.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/page/page_device.h"
@@ -44,39 +45,18 @@ std::string StaleAfter(double pace) {
   return fmt::format("{} s", std::min(std::max(pace, 1.0) * usual, 10.0));
 }
 
-/// The served robot's scenario for a remote client, with the page as the operator's device.
-scenario::Scenario LedFromThePage(scenario::Scenario served, double pace) {
-  served.backend = scenario::kRemoteBackend;
-  served.robot.clock_drift_ppm = 0;
-  served.hand.clear();
-  if (!served.robot.q_start && !served.motion.waypoints.empty()) {
-    served.robot.q_start = served.motion.waypoints.front().q;
-  }
-  served.motion = {};
-  served.base.reset();     // the interface has no mobile base
-  served.controller = {};  // the application has its own
-  served.tick.period_tolerance = {};
-  served.application = scenario::ApplicationSection{
+/// The served robot's scenario for a client that the page leads.
+scenario::Scenario LedFromThePage(const scenario::Scenario& served, double pace) {
+  scenario::Scenario led = OwnClientOf(served);
+  led.application = scenario::ApplicationSection{
       .type = "teleoperation", .parameters = {{.key = "longest", .values = {kLongest}}}};
-  if (!served.operator_section) served.operator_section.emplace();
-  served.operator_section->device = std::string(run::kPageDevice);
-  served.operator_section->parameters.clear();
-  control::Parameters& settings = served.operator_section->settings;
+  if (!led.operator_section) led.operator_section.emplace();
+  led.operator_section->device = std::string(run::kPageDevice);
+  led.operator_section->parameters.clear();
+  control::Parameters& settings = led.operator_section->settings;
   SetIfAbsent(settings, "stale_after", StaleAfter(pace));
   SetIfAbsent(settings, "workspace.press", kPress);
-  return served;
-}
-
-run::RealtimeConfig ServedAt(const fci::Endpoint& arm, const std::optional<fci::Endpoint>& hand) {
-  run::RealtimeConfig settings;
-  // The address at which this server listens; at another, another robot may use the same port.
-  settings.remote.host = arm.address == 0 ? "127.0.0.1" : fci::AddressText(arm.address);
-  settings.remote.arm_port = arm.port;
-  if (hand) settings.remote.hand_port = hand->port;
-  settings.checks_start = false;
-  // Its time may be made to stand. This server's end shows by the connection.
-  settings.remote.silence = std::chrono::hours(24);
-  return settings;
+  return led;
 }
 
 }  // namespace
@@ -86,7 +66,7 @@ PageOperator::PageOperator(Parts parts, const scenario::Scenario& served, const 
     : parts_(std::move(parts)),
       served_(served),
       scenario_(LedFromThePage(served, parts_.pace)),
-      settings_(ServedAt(arm, hand)),
+      settings_(OwnClientAt(arm, hand)),
       tell_(std::move(tell)),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 

@@ -59,6 +59,7 @@ std::string DescribeClients(const server::ServedRobot& robot) {
 
 void RequireServeAgreement(const ServeFlags& flags) {
   RequirePageFlags(flags.page);
+  RequireRosFlags(flags.ros);
   flags.Validate();
   RequireDuration(flags.seconds);
 }

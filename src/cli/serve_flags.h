@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/ros_flags.h"
 #include "cli/shared_flags.h"
 #include "twin/application/serve_options.h"
 #include "twin/application/served_session.h"
@@ -18,6 +19,7 @@ struct ServeFlags : application::ServeOptions {
   std::optional<double> seconds;  ///< after which it ends; absent: when it is interrupted
   std::optional<std::filesystem::path> control;  ///< Unix socket of the control channel
   PageFlags page;
+  RosFlags ros;
   DataFlags data;
 };
 

@@ -18,6 +18,8 @@ void Depositor::Reset() noexcept {
 
 void Depositor::Put(const control::ControllerOutput& output, Time source_time,
                     std::uint64_t based_on) noexcept {
+  if (!output.fresh && !output.finished && !output.failed) return;
+  source_time = output.sampled_at.value_or(source_time);
   deposit_.target = output.target;
   deposit_.source_time = source_time;
   deposit_.based_on = based_on;

@@ -1,5 +1,6 @@
 #include "run/prepared_motion.h"
 
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -54,6 +55,11 @@ std::unique_ptr<control::Controller> MakeController(const scenario::Scenario& sc
   return controller;
 }
 
+loop::TickConfig OfSource(loop::TickConfig tick, const std::optional<double>& source_rate_hz) {
+  if (source_rate_hz) tick.source_rate_hz = *source_rate_hz;
+  return tick;
+}
+
 }  // namespace
 
 PreparedMotion::PreparedMotion(const scenario::Scenario& scenario, const scenario::RobotData& robot,
@@ -61,7 +67,7 @@ PreparedMotion::PreparedMotion(const scenario::Scenario& scenario, const scenari
     : motion_(std::move(motion)),
       F_T_EE_(robot.F_T_EE(scenario.onboard.NE_T_EE)),
       modes_(ModesOf(scenario.motion)),
-      tick_(MakeTick(scenario, robot)),
+      tick_(OfSource(MakeTick(scenario, robot), motion_.source_rate_hz)),
       controller_loop_(MakeControllerLoop(scenario.controller)),
       controller_(MakeController(scenario, robot, motion_, F_T_EE_, known)) {
   RequireWithinLimits(scenario, robot, motion_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "twin/control/parameters.h"
@@ -26,6 +27,11 @@ struct ControllerOutput {
   /// True: the controller gives the velocity (or twist) of a position-type target. False: it is
   /// formed from successive positions where they are deposited.
   bool has_velocity = false;
+  /// False: the source has given nothing new since the last Update; nothing is deposited. For
+  /// sources with a clock of their own, such as a program that streams its targets.
+  bool fresh = true;
+  /// When the source sampled the target, on the source's clock; absent: at `now`.
+  std::optional<Time> sampled_at{};
   bool finished = false;  ///< the task is done; the target is its end pose, at rest
   /// The task cannot be done: no more commands are sent, the robot is stopped, the run fails, and
   /// Controller::Explain() gives the reason.

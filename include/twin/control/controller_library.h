@@ -23,7 +23,7 @@ namespace twin::control {
 
 /// Version of the interface between program and library: the entry, Controller, and the types that
 /// its calls pass. Raised whenever one of them changes.
-inline constexpr std::uint32_t kControllerLibraryAbi = 2;
+inline constexpr std::uint32_t kControllerLibraryAbi = 3;
 
 /// Sizes of the types that cross the interface: detects equal versions built from different
 /// headers.

@@ -26,7 +26,9 @@ class Depositor {
   /// Discards the last deposit, at a motion's start.
   void Reset() noexcept;
 
-  /// @param source_time  time at which the source sampled its target, on its own clock.
+  /// Nothing for an output that is not fresh.
+  /// @param source_time  time at which the source sampled its target, on its own clock, unless the
+  /// output says when.
   /// @param based_on     message_id of the state that the controller used.
   void Put(const control::ControllerOutput& output, Time source_time,
            std::uint64_t based_on) noexcept TWIN_REALTIME;

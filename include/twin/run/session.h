@@ -42,6 +42,9 @@ struct Motion {
   /// Its generator goes with the interface, as in scenarios.
   scenario::TickSection tick{};
   loop::LoopKind loop = loop::LoopKind::kAsynchronous;
+  /// Rate of a source that the controller only passes on (ControllerOutput::fresh), Hz; absent: the
+  /// controller's.
+  std::optional<double> source_rate_hz{};
   /// The operator's reference of the end effector; null: none. Must outlive the motion. The
   /// trajectory is then the arm at rest for the longest duration.
   control::LiveReference* live = nullptr;

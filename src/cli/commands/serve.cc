@@ -10,6 +10,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
+#include "cli/ros_flags.h"
 #include "cli/serve_flags.h"
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
@@ -59,6 +60,7 @@ class Service {
     session_.emplace(flags, MakeHost());
   }
   ~Service() {
+    CloseRos();
     ClosePage();  // it looks at the robot
   }
   Service(const Service&) = delete;
@@ -77,6 +79,8 @@ class Service {
   [[nodiscard]] page::RunClock RunClock();
   void PressUserStop(bool pressed);
   void ClosePage();
+  void OpenRos();
+  void CloseRos();
   /// The results of --out. A second wish to end leaves out the plots and the film that are left.
   void WriteResults();
   /// Threads: any, one at a time.
@@ -95,6 +99,7 @@ class Service {
   RobotTime robot_time_;
   std::optional<application::ServedSession> session_;
   std::optional<server::ControlChannel> control_;  ///< while the robot's time runs
+  std::unique_ptr<RosBridge> ros_;                 ///< without --ros: null
   std::unique_ptr<application::PageOperator>
       operator_;  ///< from before the page is open until it has ended
 };
@@ -114,7 +119,12 @@ record::RecordSink* Service::MakePage(record::RecordSink* records) {
   page_.emplace(flags_.page.wanted() ? std::optional(PageAt(flags_.page)) : std::nullopt, records,
                 flags_.out.value_or("."),
                 [this](std::string_view text) { program_.log->info(text); });
-  robot_time_.PassTo(page_->sink());
+  record::RecordSink* next = page_->sink();
+  if (flags_.ros.wanted) {
+    ros_ = MakeRosBridge(flags_.ros, next);
+    next = ros_->sink();
+  }
+  robot_time_.PassTo(next);
   return &robot_time_;
 }
 
@@ -181,6 +191,21 @@ void Service::ClosePage() {
   operator_.reset();
 }
 
+void Service::OpenRos() {
+  if (ros_ == nullptr) return;
+  if (is_unpaced()) {
+    throw InputError(
+        "--ros: a robot served in lockstep is as fast as programs answer, and ROS nodes do not "
+        "answer states: serve it with --pace 1");
+  }
+  events_->Put(ros_->Open(*session_, program_.catalogue,
+                          [this](std::string_view line) { session_->Tell(line); }));
+}
+
+void Service::CloseRos() {
+  if (ros_ != nullptr) ros_->Close();
+}
+
 bool Service::Ends() {
   for (const std::string& loss : session_->NewLosses()) program_.log->warn("{}", loss);
   if (interrupt_.interrupted()) return true;
@@ -201,11 +226,13 @@ int Service::Run() {
   robot.Begin();
   for (const std::string& notice : robot.notices()) program_.log->info("robot: {}", notice);
   events_->Put(IntroductionOf(flags_, *session_));
+  OpenRos();
   robot.Serve([this] { return Ends(); });
   const bool is_interrupted = interrupt_.interrupted();
   if (session_->out() != nullptr)
     interrupt_.Rearm();  // a second one must not kill what closes the log
   control_.reset();
+  CloseRos();
   ClosePage();
   session_->End([this](std::string_view text) { program_.log->info(text); });
   if (session_->out() != nullptr) WriteResults();
@@ -268,6 +295,7 @@ void AddServe(CLI::App& app, Program& program) {
   Add(serve, "--control FILE", flags.control,
       "Let programs on this machine pause, step and stop the robot over this Unix socket (see ctl)");
   AddPage(serve, flags.page);
+  AddRos(serve, flags.ros);
   Add(serve, "--for S", flags.seconds, "End after so long");
   AddData(serve, flags.data);
 }

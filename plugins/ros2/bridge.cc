@@ -1,0 +1,269 @@
+#include "plugins/ros2/bridge.h"
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "plugins/ros2/arm_commander.h"
+#include "plugins/ros2/gripper_action.h"
+#include "plugins/ros2/hand_commander.h"
+#include "plugins/ros2/joint_stream.h"
+#include "plugins/ros2/robot_description.h"
+#include "plugins/ros2/trajectory_action.h"
+#include "twin/core/calendar_clock.h"
+#include "twin/core/error.h"
+#include "twin/rt/broadcast.h"
+#include "twin/rt/host_time.h"
+
+namespace twin::ros2 {
+namespace {
+
+/// Between looks for new cycles.
+constexpr twin::Duration kLook = kCycle;
+/// Between looks at the hand: 30 Hz, as franka_gripper publishes.
+constexpr twin::Duration kHandPeriod = std::chrono::milliseconds(33);
+/// Stamps that lie farther behind the calendar follow it.
+constexpr twin::Duration kMostBehind = std::chrono::milliseconds(100);
+
+std::vector<double> ToVector(const JointVector& values) {
+  return {values.begin(), values.end()};
+}
+
+/// Brings the robot back from a reflex.
+class Recovery final : public ArmWork {
+ public:
+  using Reply = std::function<void(const std::string& why)>;
+  explicit Recovery(Reply reply) : reply_(std::move(reply)) {}
+  void Run(run::Session& session, const scenario::Scenario& /*client*/) override {
+    session.Recover();
+  }
+  void End(const std::string& why, bool gave_up) override {
+    reply_(gave_up && why.empty() ? "given up" : why);
+  }
+
+ private:
+  const Reply reply_;
+};
+
+}  // namespace
+
+class Bridge::Impl {
+ public:
+  Impl(const BridgeOptions& options, BridgedRobot robot, StateTap& tap);
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  [[nodiscard]] std::string Introduction() const;
+
+ private:
+  /// The newest cycle, for all threads.
+  struct Newest {
+    Time at{};
+    RobotState state;
+  };
+
+  void ServeArm();
+  void ServeHand();
+  void Run(const std::stop_token& stop);
+  void Take(const record::CycleRecord& record);
+  void FollowCalendar(Time at);
+  void ReadHand(Time at);
+  [[nodiscard]] msg::JointState JointsOf(const RobotState& state, bool with_fingers) const;
+  [[nodiscard]] Time StampOf(Time at) const {
+    return at + twin::Duration(origin_ns_.load(std::memory_order_relaxed));
+  }
+  [[nodiscard]] Time Now() const { return StampOf(newest_.Read().at); }
+
+  const BridgeOptions options_;
+  const BridgedRobot robot_;
+  const JointNames names_;
+  StateTap& tap_;
+  const MonotonicClock clock_;
+  const CalendarClock calendar_;
+  std::atomic<std::int64_t> origin_ns_;  ///< of the robot's time, in the calendar's
+  rt::Broadcast<Newest> newest_;
+  Node node_;
+  std::unique_ptr<Publisher<msg::JointState>> joint_states_;
+  std::unique_ptr<Publisher<msg::JointState>> robot_joint_states_;
+  std::unique_ptr<Publisher<msg::Clock>> clock_topic_;
+  std::unique_ptr<Publisher<msg::String>> description_;
+  std::unique_ptr<ArmCommander> arm_;
+  std::unique_ptr<HandCommander> hand_;
+  std::unique_ptr<JointStream> stream_;
+  std::unique_ptr<TrajectoryAction> arm_action_;
+  std::unique_ptr<GripperAction> hand_action_;
+  // Of the publishing thread:
+  Time hand_read_{};
+  double width_ = 0;
+  std::jthread thread_;
+};
+
+Bridge::Impl::Impl(const BridgeOptions& options, BridgedRobot robot, StateTap& tap)
+    : options_(options),
+      robot_(std::move(robot)),
+      names_(NamesOf(options.joint_prefix)),
+      tap_(tap),
+      origin_ns_(calendar_.Now().time_since_epoch().count()),
+      node_(options.node) {
+  joint_states_ = node_.Advertise<msg::JointState>("joint_states", {});
+  robot_joint_states_ = node_.Advertise<msg::JointState>("robot_joint_states", {.depth = 1});
+  clock_topic_ = node_.Advertise<msg::Clock>("/clock", {.depth = 1});
+  description_ =
+      node_.Advertise<msg::String>("robot_description", {.is_latched = true, .depth = 1});
+  const bool has_hand = robot_.client.robot.hand == plant::HandKind::kFrankaHand;
+  const auto hand = robot_.data.urdf.parent_path() / ".." / "hand" / "hand.urdf";
+  description_->Publish(
+      {.data = DescriptionOf(robot_.data.urdf, has_hand ? hand : std::filesystem::path())});
+  ServeArm();
+  if (has_hand) ServeHand();
+  node_.Announce();
+  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+}
+
+Bridge::Impl::~Impl() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+  node_.End();  // no handler runs any more
+  arm_.reset();
+  hand_.reset();
+}
+
+void Bridge::Impl::ServeArm() {
+  const auto state = [this] { return newest_.Read().state; };
+  arm_ = std::make_unique<ArmCommander>(ArmCommander::Parts{.catalogue = robot_.catalogue,
+                                                            .files = robot_.files,
+                                                            .client = robot_.client,
+                                                            .settings = robot_.settings});
+  arm_action_ = std::make_unique<TrajectoryAction>(
+      node_, options_.arm_action, *arm_, names_, [this] { return Now(); }, state);
+  stream_ = std::make_unique<JointStream>(
+      JointStream::Parts{.arm = *arm_,
+                         .names = names_,
+                         .limits = robot_.data.limits,
+                         .tell = [this](std::string_view line) { node_.Tell(line); }});
+  if (options_.arms) stream_->Arm();
+  node_.Subscribe<msg::JointState>("robot_joint_commands", {.depth = 1},
+                                   [this](const msg::JointState& message, const Guid& writer) {
+                                     stream_->Put(message, writer);
+                                   });
+  node_.Serve<SetBool>("~/arm", [this](const SetBool::Request& request, const auto& reply) {
+    if (!request.data) {
+      stream_->Disarm();
+      return reply({.success = true, .message = "disarmed"});
+    }
+    stream_->Arm();
+    reply({.success = true, .message = "robot_joint_commands is armed"});
+  });
+  node_.Serve<Trigger>("~/recover", [this](const Trigger::Request&, const auto& reply) {
+    arm_->Begin(std::make_shared<Recovery>([reply](const std::string& why) {
+      reply({.success = why.empty(), .message = why.empty() ? "the robot is Idle" : why});
+    }));
+  });
+}
+
+void Bridge::Impl::ServeHand() {
+  hand_ = std::make_unique<HandCommander>(robot_.settings.remote.host,
+                                          robot_.settings.remote.hand_port);
+  hand_action_ = std::make_unique<GripperAction>(node_, options_.hand_action, *hand_,
+                                                 [this] { return ToMessage(Now()); });
+}
+
+std::string Bridge::Impl::Introduction() const {
+  std::string text = fmt::format(
+      "  ROS 2 domain {}, {}; topics {}, {}, /clock\n", options_.node.dds.domain,
+      options_.node.dds.discovery == Discovery::kThisMachine
+          ? "nodes of this machine (ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST)"
+          : "nodes of EVERY machine of the network: each can move the robot, without a password",
+      node_.Resolve("joint_states"), node_.Resolve("robot_description"));
+  text += fmt::format("        actions {}", node_.Resolve(options_.arm_action));
+  if (hand_) text += fmt::format(", {}", node_.Resolve(options_.hand_action));
+  text += fmt::format(
+      "\n        {} {}\n", node_.Resolve("robot_joint_commands"),
+      options_.arms ? "is armed" : fmt::format("is not armed: call {}", node_.Resolve("~/arm")));
+  return text;
+}
+
+msg::JointState Bridge::Impl::JointsOf(const RobotState& state, bool with_fingers) const {
+  msg::JointState joints;
+  joints.name.assign(names_.begin(), names_.end());
+  joints.position = ToVector(state.q);
+  joints.velocity = ToVector(state.dq);
+  joints.effort = ToVector(state.tau_J);
+  for (int finger = 1; with_fingers && finger <= 2; ++finger) {
+    joints.name.push_back(fmt::format("{}{}", options_.finger_prefix, finger));
+    joints.position.push_back(width_ / 2);
+    joints.velocity.push_back(0);
+    joints.effort.push_back(0);
+  }
+  return joints;
+}
+
+void Bridge::Impl::FollowCalendar(Time at) {
+  if (!robot_.follows_wall_clock) return;
+  const twin::Duration behind = calendar_.Now() - StampOf(at);
+  if (behind > kMostBehind) origin_ns_ += behind.count();
+}
+
+void Bridge::Impl::ReadHand(Time at) {
+  if (!robot_.hand || (at < hand_read_ + kHandPeriod && hand_read_ != Time())) return;
+  hand_read_ = at;
+  try {
+    width_ = robot_.hand().width;
+  } catch (const Error&) {
+    // The last one stays: the robot ends, or is not ready yet.
+  }
+}
+
+void Bridge::Impl::Take(const record::CycleRecord& record) {
+  newest_.Publish({.at = record.at, .state = record.state});
+  const msg::Time stamp = ToMessage(StampOf(record.at));
+  if (robot_joint_states_->has_readers()) {
+    msg::JointState joints = JointsOf(record.state, false);
+    joints.header.stamp = stamp;
+    robot_joint_states_->Publish(joints);
+  }
+  const auto every = static_cast<std::uint64_t>(1000 / options_.rate_hz + 0.5);
+  const auto cycle = static_cast<std::uint64_t>(record.at.time_since_epoch() / kCycle);
+  if (cycle % every != 0) return;
+  if (joint_states_->has_readers()) {
+    msg::JointState joints = JointsOf(record.state, hand_ != nullptr);
+    joints.header.stamp = stamp;
+    joint_states_->Publish(joints);
+  }
+  if (clock_topic_->has_readers()) clock_topic_->Publish({.clock = stamp});
+}
+
+void Bridge::Impl::Run(const std::stop_token& stop) {
+  Time next = clock_.Now();
+  while (!stop.stop_requested()) {
+    Time newest{};
+    while (tap_.TryPop([&](const record::CycleRecord& record) {
+      newest = record.at;
+      Take(record);
+    })) {
+    }
+    if (newest != Time()) {
+      FollowCalendar(newest);
+      ReadHand(newest);
+    }
+    next = std::max(next + kLook, clock_.Now());
+    rt::SleepUntil(clock_, next);
+  }
+}
+
+Bridge::Bridge(const BridgeOptions& options, BridgedRobot robot, StateTap& tap)
+    : impl_(std::make_unique<Impl>(options, std::move(robot), tap)) {}
+
+Bridge::~Bridge() = default;
+
+std::string Bridge::Introduction() const {
+  return impl_->Introduction();
+}
+
+}  // namespace twin::ros2

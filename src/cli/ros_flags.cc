@@ -1,0 +1,108 @@
+#include "cli/ros_flags.h"
+
+#include <charconv>
+#include <cstdlib>
+#include <optional>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include <fmt/format.h>
+
+#include "plugins/ros2/bridge.h"
+#include "plugins/ros2/state_tap.h"
+#include "twin/application/own_client.h"
+#include "twin/core/error.h"
+#include "twin/core/text.h"
+#include "twin/server/served_robot.h"
+
+namespace twin::cli {
+namespace {
+
+/// ROS_DOMAIN_ID; 0 when it is not set. @throws InputError for what is no number.
+int DomainOfEnvironment() {
+  const char* text = std::getenv("ROS_DOMAIN_ID");
+  if (text == nullptr || *text == '\0') return 0;
+  const auto domain = ParseInteger<int>(text);
+  if (!domain) throw InputError(fmt::format("ROS_DOMAIN_ID is \"{}\", no number", text));
+  return *domain;
+}
+
+class ServedRosBridge final : public RosBridge {
+ public:
+  ServedRosBridge(const RosFlags& flags, record::RecordSink* next) : flags_(flags), tap_(next) {}
+
+  [[nodiscard]] record::RecordSink* sink() noexcept override { return &tap_; }
+
+  [[nodiscard]] std::string Open(application::ServedSession& session,
+                                 const run::Catalogue& catalogue,
+                                 std::function<void(std::string_view line)> tell) override {
+    ros2::BridgeOptions options;
+    options.node.name_space = flags_.name_space;
+    options.node.dds.domain = DomainOfEnvironment();
+    options.node.dds.discovery =
+        flags_.discovery == "subnet" ? ros2::Discovery::kSubnet : ros2::Discovery::kThisMachine;
+    options.node.mapping =
+        flags_.header ? ros2::ServiceMapping::kHeader : ros2::ServiceMapping::kByVendor;
+    options.node.tell = std::move(tell);
+    options.rate_hz = flags_.rate_hz;
+    options.arms = flags_.arms;
+    server::ServedRobot& robot = session.robot();
+    const auto hand = robot.hand();
+    ros2::BridgedRobot bridged{
+        .catalogue = catalogue,
+        .files = session.files(),
+        .client = application::OwnClientOf(session.scenario()),
+        .settings = application::OwnClientAt(robot.arm(), hand),
+        .data = session.DataOfRobot(),
+        .follows_wall_clock = !session.drive().is_lockstep() || session.drive().pace == 1.0};
+    if (hand) bridged.hand = [&robot] { return robot.robot().hand_state(); };
+    bridge_.emplace(options, std::move(bridged), tap_);
+    return bridge_->Introduction();
+  }
+
+  void Close() override { bridge_.reset(); }
+
+ private:
+  const RosFlags flags_;
+  ros2::StateTap tap_;
+  std::optional<ros2::Bridge> bridge_;
+};
+
+}  // namespace
+
+void AddRos(CLI::App& app, RosFlags& flags) {
+  app.add_flag("--ros", flags.wanted,
+               "Put the robot into the ROS 2 graph, without ROS: topics, services and actions of "
+               "domain ROS_DOMAIN_ID");
+  Add(app, "--ros-namespace NS", flags.name_space, "Namespace of its names, such as /left")
+      ->capture_default_str();
+  Add(app, "--ros-discovery", flags.discovery,
+      "Whose nodes see it and can move it: those of this machine (localhost) or of the network "
+      "(subnet)")
+      ->check(CLI::IsMember({"localhost", "subnet"}))
+      ->capture_default_str();
+  Add(app, "--ros-rate HZ", flags.rate_hz, "Rate of joint_states and /clock")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  app.add_flag("--ros-arm", flags.arms,
+               "Follow robot_joint_commands (ros2_control) from the start; else the service ~/arm "
+               "permits it");
+  app.add_flag("--ros-service-header", flags.header,
+               "Answer services by a header in the payload, for clients that behave as "
+               "rmw_cyclonedds on another DDS");
+}
+
+void RequireRosFlags(const RosFlags& flags) {
+  const RosFlags usual;
+  RefuseIf(!flags.wanted &&
+               (flags.name_space != usual.name_space || flags.discovery != usual.discovery ||
+                flags.rate_hz != usual.rate_hz || flags.arms || flags.header),
+           "flags --ros-... belong to --ros: give it too");
+}
+
+std::unique_ptr<RosBridge> MakeRosBridge(const RosFlags& flags, record::RecordSink* next) {
+  return std::make_unique<ServedRosBridge>(flags, next);
+}
+
+}  // namespace twin::cli
