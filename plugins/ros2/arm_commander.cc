@@ -74,7 +74,7 @@ void ArmCommander::Run(const std::stop_token& stop) {
 }
 
 void ArmCommander::Execute(const std::shared_ptr<ArmWork>& work) {
-  control::ControllerRegistry controllers;
+  control::ControllerRegistry controllers = parts_.catalogue.controllers;
   controllers.Add(kController, [&work](const control::ControllerRequest& request) {
     return work->MakeController(request);
   });
