@@ -14,12 +14,14 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 DISTROS = ("jazzy", "kilted")
 PYTHON = "python3.11"  # the wheels are for this one
 INTERFACES = HERE / "interfaces"
 WAIT = 900  # s, for each thing that may hang
+WEEK = 7 * 24 * 3600  # s
 
 
 def python_of(distro):
@@ -29,11 +31,11 @@ def python_of(distro):
 def environment_of(distro, domain):
     folder = folder_of(distro)
     log = pathlib.Path(tempfile.gettempdir()) / f"panda_twin_ros_log_{os.getuid()}"
-    # The wheels' bootstrapper would set LD_LIBRARY_PATH and start Python again.
+    libraries = [folder / "lib", *sorted((folder / f"lib/{PYTHON}/site-packages").glob("ros_*.libs"))]
     return {
         "AMENT_PREFIX_PATH": str(folder),
-        "LD_LIBRARY_PATH": os.pathsep.join(map(str, [folder / "lib", *sorted((folder / f"lib/{PYTHON}/site-packages").glob("ros_*.libs"))])),
-        "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",
+        "LD_LIBRARY_PATH": os.pathsep.join(map(str, libraries)),
+        "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",  # else they set LD_LIBRARY_PATH themselves and start Python again
         "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_DISTRO": distro,
@@ -46,11 +48,12 @@ def environment_of(distro, domain):
 def folder_of(distro):
     """The environment, which is made if it is not there; one at a time, whoever else wants it waits."""
     if distro not in DISTROS:
-        raise ValueError(f"{distro} must be one of {', '.join(DISTROS)}")
+        raise ValueError(f"{distro}: must be one of {', '.join(DISTROS)}")
     cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "panda-twin"
     folder = cache / f"ros-{distro}-{digest(distro)}"
     done = folder / "done"
     if done.exists():
+        done.touch()
         return folder
     cache.mkdir(parents=True, exist_ok=True)
     with open(cache / f"ros-{distro}.lock", "w") as lock:
@@ -59,7 +62,16 @@ def folder_of(distro):
             shutil.rmtree(folder, ignore_errors=True)
             make(distro, folder)
             done.touch()
+            forget(cache.glob(f"ros-{distro}-*/done"))
     return folder
+
+
+def forget(marks):
+    """Removes what nobody has asked for in a week: each change of an interface makes another folder of 270 MB."""
+    for mark in marks:
+        if mark.stat().st_mtime < time.time() - WEEK:
+            mark.unlink()
+            shutil.rmtree(mark.parent, ignore_errors=True)
 
 
 def requirements(distro):
@@ -74,7 +86,7 @@ def digest(distro):
     sums = hashlib.sha256()
     for file in (*requirements(distro), HERE / "ros_env.py", HERE / "ros_interfaces.py", *interfaces()):
         text = file.read_bytes()
-        sums.update(f"{file.relative_to(HERE)} {len(text)}\n".encode() + text)
+        sums.update(f"{'/'.join(file.parts[-3:])} {len(text)}\n".encode() + text)
     return sums.hexdigest()[:16]
 
 
@@ -91,11 +103,15 @@ def make(distro, folder):
 
 
 def run(words):
-    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")}
-    subprocess.run(list(map(str, words)), env=environment, stdout=subprocess.DEVNULL, check=True, timeout=WAIT)  # what goes wrong, standard error tells
+    """Standard output is nothing's: main's goes to eval. What goes wrong, standard error tells."""
+    ours = ("LD_LIBRARY_PATH", "PYTHONPATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+    environment = {name: value for name, value in os.environ.items() if name not in ours}
+    subprocess.run(list(map(str, words)), env=environment, stdout=subprocess.DEVNULL, check=True, timeout=WAIT)
 
 
 def main():
+    if len(sys.argv) not in (2, 3) or sys.argv[1] not in DISTROS:
+        sys.exit(f"usage: {sys.argv[0]} {'|'.join(DISTROS)} [DOMAIN]")
     distro, domain = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else "0"
     for name, value in environment_of(distro, domain).items():
         print(f"export {name}={shlex.quote(value)}")

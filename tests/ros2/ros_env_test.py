@@ -73,12 +73,16 @@ print(json.dumps({"accepted": handle.accepted, "status": result.status, "said": 
 
 
 class RosEnvTest:
+    @classmethod
+    def setUpClass(cls):
+        ros_env.folder_of(cls.distro)
+
     def start(self, program):
         environment = {**os.environ, **ros_env.environment_of(self.distro, os.getpid() % 100)}
         process = subprocess.Popen([ros_env.python_of(self.distro), "-c", program], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True)  # fmt: skip
-        self.addCleanup(process.communicate)
-        self.addCleanup(process.kill)
+        self.addCleanup(process.communicate, timeout=SECONDS)
+        self.addCleanup(process.terminate)  # killed, it would leave its memory in /dev/shm
         return process
 
     def end(self, process):
@@ -102,7 +106,8 @@ class RosEnvTest:
         self.assertEqual(len(hashes), 6)
         # A service's endpoints tell the hash of their message, not of the service.
         self.assertEqual(hashes["control_msgs::action::dds_::FollowJointTrajectory_SendGoal_Request_"], made[f"{SEND_GOAL}_Request"])
-        self.assertEqual(hashes["control_msgs/action/FollowJointTrajectory_FeedbackMessage"], made["control_msgs/action/FollowJointTrajectory_FeedbackMessage"])
+        feedback = "control_msgs/action/FollowJointTrajectory_FeedbackMessage"
+        self.assertEqual(hashes[feedback], made[feedback])
 
 
 class JazzyTest(RosEnvTest, unittest.TestCase):

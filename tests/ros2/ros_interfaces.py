@@ -94,8 +94,10 @@ def generate(package, files, out):
 
 
 def compile_all(names, out):
-    includes = [*(f"-I{out / name}" for name in SOURCES), *(f"-I{folder}" for folder in sorted((PREFIX / "include").iterdir()) if folder.name != "python3.11")]
-    includes += [f"-I{PREFIX / 'include'}", f"-I{sysconfig.get_paths()['include']}", f"-I{numpy.get_include()}"]
+    """Into PREFIX/lib and the packages in SITE; NAMES each after those it uses."""
+    ours, theirs = (out / name for name in SOURCES), PREFIX / "include"
+    folders = [*ours, theirs, *sorted(theirs.iterdir()), sysconfig.get_paths()["include"], numpy.get_include()]
+    includes = [f"-I{folder}" for folder in folders]
     objects = {package: [] for package in names}
     units = []  # (language, object, sources)
     for package in names:
@@ -119,17 +121,20 @@ def compile_all(names, out):
     with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
         list(pool.map(compile_one, units))
     link = ["c++", "-shared", f"-L{PREFIX / 'lib'}", "-Wl,--as-needed", "-Wl,-z,now"]
-    wheels = [f"-l{file.stem[3:]}" for file in (PREFIX / "lib").glob("*.so") if re.search(r"_msgs__rosidl_|_interfaces__rosidl_|librosidl_|librcutils|librmw\.|fastcdr", file.name)]
-    ours = []
+    used = r"lib(.*(_msgs|_interfaces)__)?(rosidl_.*|rcutils|rmw|fastcdr)\.so"
+    wheels = [f"-l{file.stem[3:]}" for file in (PREFIX / "lib").glob("*.so") if re.fullmatch(used, file.name)]
+    before = []
     for package in names:
-        subprocess.run([*link, "-Wl,-rpath,$ORIGIN", "-o", PREFIX / f"lib/lib{package}.so", *objects[package], *ours, *wheels], check=True)
+        library = PREFIX / f"lib/lib{package}.so"
+        subprocess.run([*link, "-Wl,-rpath,$ORIGIN", "-o", library, *objects[package], *before, *wheels], check=True)
         for name in TYPE_SUPPORTS:
             (PREFIX / f"lib/lib{package}__{name}.so").symlink_to(f"lib{package}.so")
-        ours.append(f"-l{package}")
+        before.append(f"-l{package}")
         # The module that Python imports; it takes what it says from the library.
         entry = out / "py" / package / f"_{package}_s.ep.rosidl_typesupport_c.c"
         module = SITE / package / f"{package}_s__rosidl_typesupport_c{sysconfig.get_config_var('EXT_SUFFIX')}"
-        subprocess.run([*link, *FLAGS, *includes, "-Wl,-rpath,$ORIGIN/../../..", "-o", module, "-x", "c", entry, "-x", "none", f"-l{package}", *wheels], check=True)
+        rpath = "-Wl,-rpath,$ORIGIN/../../.."
+        subprocess.run([*link, *FLAGS, *includes, rpath, "-o", module, "-x", "c", entry, "-x", "none", f"-l{package}", *wheels], check=True)
 
 
 def main():
