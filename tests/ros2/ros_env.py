@@ -98,7 +98,7 @@ def make(distro, folder):
     pip = [folder / "bin/python", "-m", "pip", "install", "-q", "--disable-pip-version-check", "--no-deps", "--require-hashes"]
     run([python, "-m", "venv", folder])
     run([*pip, "--only-binary=:all:", "-r", wheels])
-    run([*pip, "--no-build-isolation", "-r", source])
+    run([*pip, "--no-build-isolation", "--use-pep517", "-r", source])
     run([folder / "bin/python", HERE / "ros_interfaces.py", folder, *interfaces()])
 
 
