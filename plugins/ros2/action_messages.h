@@ -252,8 +252,6 @@ struct Trigger {
 /// What carries an action's messages. Names: the action's with kSuffix.
 template <typename A>
 struct SendGoal {
-  using Of = A;
-  static constexpr const char* kSuffix = "_SendGoal";
   struct Request {
     using Of = A;
     static constexpr const char* kSuffix = "_SendGoal_Request";
@@ -278,8 +276,6 @@ struct SendGoal {
 
 template <typename A>
 struct GetResult {
-  using Of = A;
-  static constexpr const char* kSuffix = "_GetResult";
   struct Request {
     using Of = A;
     static constexpr const char* kSuffix = "_GetResult_Request";

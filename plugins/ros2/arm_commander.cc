@@ -1,5 +1,6 @@
 #include "plugins/ros2/arm_commander.h"
 
+#include <chrono>
 #include <exception>
 #include <utility>
 
@@ -9,6 +10,13 @@
 #include "twin/core/modes.h"
 
 namespace twin::ros2 {
+namespace {
+
+/// Between looks for a work, where a connection is kept; a new one shortens it.
+constexpr twin::Duration kIdle = std::chrono::milliseconds(100);
+constexpr auto kBetweenConnections = std::chrono::seconds(2);
+
+}  // namespace
 
 /// A robot that stopped by an error moves again when a person or a program says so.
 void RequireReady(const RobotState& state) {
@@ -25,7 +33,12 @@ run::MotionResult MoveByOwnController(run::Session& session, run::Motion motion)
 }
 
 ArmCommander::ArmCommander(Parts parts)
-    : parts_(std::move(parts)), thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+    : parts_(std::move(parts)), controllers_(parts_.catalogue.controllers) {
+  controllers_.Add(kController, [this](const control::ControllerRequest& request) {
+    return current_->MakeController(request);
+  });
+  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+}
 
 ArmCommander::~ArmCommander() {
   thread_.request_stop();
@@ -60,36 +73,70 @@ bool ArmCommander::is_busy() const {
 }
 
 void ArmCommander::Run(const std::stop_token& stop) {
-  while (true) {
-    {
+  const bool keeps = parts_.states != nullptr;
+  while (!stop.stop_requested()) {
+    if (!keeps && !TakeNext(stop)) return;
+    try {
+      Serve(stop);
+    } catch (const std::exception& error) {
+      if (is_busy()) End(error.what());
+      if (!keeps) continue;
+      parts_.tell(fmt::format("ROS 2: {}; connecting anew", error.what()));
       std::unique_lock lock(mutex_);
-      if (!wake_.wait(lock, stop, [this] { return next_ != nullptr; })) return;
-      current_ = std::exchange(next_, nullptr);
-      interrupted_ = stop.stop_requested();
+      wake_.wait_for(lock, stop, kBetweenConnections, [] { return false; });
     }
-    Execute(current_);
-    const std::lock_guard lock(mutex_);
-    current_.reset();
   }
 }
 
-void ArmCommander::Execute(const std::shared_ptr<ArmWork>& work) {
-  control::ControllerRegistry controllers = parts_.catalogue.controllers;
-  controllers.Add(kController, [&work](const control::ControllerRequest& request) {
-    return work->MakeController(request);
-  });
-  const run::Catalogue catalogue{parts_.catalogue.backends, controllers};
+void ArmCommander::Serve(const std::stop_token& stop) {
+  const run::Catalogue catalogue{parts_.catalogue.backends, controllers_};
   run::RunHooks hooks;
   hooks.interrupted = &interrupted_;
-  hooks.look = [&work] { work->Look(); };
-  try {
-    run::Session session(parts_.client, catalogue, parts_.files, nullptr, parts_.settings);
-    session.Begin(hooks);
-    work->Run(session, parts_.client);
-  } catch (const std::exception& error) {
-    return work->End(error.what(), interrupted_);
+  hooks.look = [this] {
+    if (current_) current_->Look();
+  };
+  run::Session session(parts_.client, catalogue, parts_.files, parts_.states, parts_.settings);
+  session.Begin(hooks);
+  if (parts_.states == nullptr) return Execute(session);
+  while (!stop.stop_requested()) {
+    if (TakeNext(stop)) Execute(session);
+    // Beside motions, a session records no states.
+    static_cast<void>(session.Wait(kIdle, [&](const RobotState& state) {
+      record::CycleRecord record;
+      record.at = session.Now();
+      record.state = state;
+      parts_.states->Put(record);
+      return false;
+    }));
   }
-  work->End("", interrupted_);
+}
+
+bool ArmCommander::TakeNext(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  if (parts_.states == nullptr) {
+    static_cast<void>(wake_.wait(lock, stop, [this] { return next_ != nullptr; }));
+  }
+  interrupted_ = stop.stop_requested();
+  if (!next_ || interrupted_) return false;
+  current_ = std::exchange(next_, nullptr);
+  return true;
+}
+
+void ArmCommander::Execute(run::Session& session) {
+  try {
+    current_->Run(session, parts_.client);
+    End("");
+  } catch (const Error& error) {
+    End(error.what());
+  }
+}
+
+void ArmCommander::End(const std::string& why) {
+  const std::shared_ptr<ArmWork> over = [this] {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(current_, nullptr);
+  }();
+  if (over) over->End(why, interrupted_);
 }
 
 }  // namespace twin::ros2

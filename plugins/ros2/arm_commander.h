@@ -1,12 +1,15 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "twin/control/registry.h"
+#include "twin/record/cycle_record.h"
 #include "twin/run/catalogue.h"
 #include "twin/run/run.h"
 #include "twin/run/session.h"
@@ -46,6 +49,10 @@ inline constexpr const char* kController = "ros2";
 /// the robot with the whole command chain before it. A new work ends the one under way, whose arm
 /// comes to rest first.
 ///
+/// It connects for each work, so that other clients can command the robot in between; or once, and
+/// then passes the robot's states on while nothing is done, and connects anew when the robot is
+/// gone.
+///
 /// Threads: any.
 class ArmCommander {
  public:
@@ -54,6 +61,9 @@ class ArmCommander {
     run::RunFiles files;
     scenario::Scenario client;     ///< application::OwnClientOf
     run::RealtimeConfig settings;  ///< where it connects
+    /// Receives the states of a connection that is kept; null: it connects for each work.
+    record::RecordSink* states = nullptr;
+    std::function<void(std::string_view line)> tell{};
   };
 
   explicit ArmCommander(Parts parts);
@@ -67,10 +77,17 @@ class ArmCommander {
 
  private:
   void Run(const std::stop_token& stop);
-  void Execute(const std::shared_ptr<ArmWork>& work);
+  /// Connects, and executes works until there is none, or for ever.
+  void Serve(const std::stop_token& stop);
+  void Execute(run::Session& session);
+  /// The next work becomes the current one. @returns whether there was one.
+  bool TakeNext(const std::stop_token& stop);
+  /// The current work is over.
+  void End(const std::string& why);
 
   const Parts parts_;
-  mutable std::mutex mutex_;  ///< guards the following three
+  control::ControllerRegistry controllers_;  ///< the program's, and that of the current work
+  mutable std::mutex mutex_;                 ///< guards the following three
   std::condition_variable_any wake_;
   std::shared_ptr<ArmWork> next_;
   std::shared_ptr<ArmWork> current_;

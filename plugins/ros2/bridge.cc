@@ -3,12 +3,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "plugins/fci/fci_hand.h"
 #include "plugins/ros2/arm_commander.h"
 #include "plugins/ros2/gripper_action.h"
 #include "plugins/ros2/hand_commander.h"
@@ -74,6 +76,8 @@ class Bridge::Impl {
   void Take(const record::CycleRecord& record);
   void FollowCalendar(Time at);
   void ReadHand(Time at);
+  /// A connection for a command, or the kept one.
+  [[nodiscard]] std::shared_ptr<backend::Hand> ConnectHand();
   [[nodiscard]] msg::JointState JointsOf(const RobotState& state, bool with_fingers) const;
   [[nodiscard]] Time StampOf(Time at) const {
     return at + twin::Duration(origin_ns_.load(std::memory_order_relaxed));
@@ -93,6 +97,8 @@ class Bridge::Impl {
   std::unique_ptr<Publisher<msg::JointState>> robot_joint_states_;
   std::unique_ptr<Publisher<msg::Clock>> clock_topic_;
   std::unique_ptr<Publisher<msg::String>> description_;
+  std::mutex hand_mutex_;  ///< guards the next
+  std::shared_ptr<plugins::FciHand> kept_hand_;
   std::unique_ptr<ArmCommander> arm_;
   std::unique_ptr<HandCommander> hand_;
   std::unique_ptr<JointStream> stream_;
@@ -136,10 +142,13 @@ Bridge::Impl::~Impl() {
 
 void Bridge::Impl::ServeArm() {
   const auto state = [this] { return newest_.Read().state; };
-  arm_ = std::make_unique<ArmCommander>(ArmCommander::Parts{.catalogue = robot_.catalogue,
-                                                            .files = robot_.files,
-                                                            .client = robot_.client,
-                                                            .settings = robot_.settings});
+  arm_ = std::make_unique<ArmCommander>(
+      ArmCommander::Parts{.catalogue = robot_.catalogue,
+                          .files = robot_.files,
+                          .client = robot_.client,
+                          .settings = robot_.settings,
+                          .states = robot_.keeps_connection ? &tap_ : nullptr,
+                          .tell = options_.node.tell});
   arm_action_ = std::make_unique<TrajectoryAction>(
       node_, options_.arm_action, *arm_, names_, [this] { return Now(); }, state);
   stream_ = std::make_unique<JointStream>(
@@ -168,10 +177,22 @@ void Bridge::Impl::ServeArm() {
 }
 
 void Bridge::Impl::ServeHand() {
-  hand_ = std::make_unique<HandCommander>(robot_.settings.remote.host,
-                                          robot_.settings.remote.hand_port);
+  hand_ = std::make_unique<HandCommander>([this] { return ConnectHand(); });
   hand_action_ = std::make_unique<GripperAction>(node_, options_.hand_action, *hand_,
                                                  [this] { return ToMessage(Now()); });
+}
+
+std::shared_ptr<backend::Hand> Bridge::Impl::ConnectHand() {
+  const backend::RobotAddress& at = robot_.settings.remote;
+  const auto connect = [&at] {
+    const auto port =
+        at.hand_port != 0 ? at.hand_port : static_cast<std::uint16_t>(at.arm_port + 1);
+    return std::make_shared<plugins::FciHand>(at.host, port, nullptr);
+  };
+  if (!robot_.keeps_connection) return connect();
+  const std::lock_guard lock(hand_mutex_);
+  if (!kept_hand_) kept_hand_ = connect();
+  return kept_hand_;
 }
 
 std::string Bridge::Impl::Introduction() const {
@@ -211,12 +232,15 @@ void Bridge::Impl::FollowCalendar(Time at) {
 }
 
 void Bridge::Impl::ReadHand(Time at) {
-  if (!robot_.hand || (at < hand_read_ + kHandPeriod && hand_read_ != Time())) return;
+  const bool is_known = robot_.hand || (hand_ && robot_.keeps_connection);
+  if (!is_known || (at < hand_read_ + kHandPeriod && hand_read_ != Time())) return;
   hand_read_ = at;
   try {
-    width_ = robot_.hand().width;
+    width_ = robot_.hand ? robot_.hand().width : ConnectHand()->ReadState().width;
   } catch (const Error&) {
     // The last one stays: the robot ends, or is not ready yet.
+    const std::lock_guard lock(hand_mutex_);
+    kept_hand_.reset();
   }
 }
 

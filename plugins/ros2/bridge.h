@@ -34,7 +34,11 @@ struct BridgedRobot {
   scenario::Scenario client;     ///< application::OwnClientOf
   run::RealtimeConfig settings;  ///< where commands are sent
   scenario::RobotData data;
-  /// The hand's state; empty without a hand. @throws Error while it is not known.
+  /// One client is connected all the time: states come by it alone. False: they come from where
+  /// the robot is served, and others command it too.
+  bool keeps_connection = false;
+  /// The hand's state where it is served; empty: it is read over the network. @throws Error while
+  /// it is not known.
   std::function<HandState()> hand{};
   /// Robot time passes as the wall clock's: stamps are then never behind it by more than 0.1 s.
   bool follows_wall_clock = true;

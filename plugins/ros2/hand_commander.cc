@@ -1,9 +1,9 @@
 #include "plugins/ros2/hand_commander.h"
 
 #include <chrono>
+#include <exception>
 #include <utility>
 
-#include "plugins/fci/fci_hand.h"
 #include "twin/core/error.h"
 
 namespace twin::ros2 {
@@ -13,10 +13,8 @@ constexpr auto kLook = std::chrono::milliseconds(50);
 
 }  // namespace
 
-HandCommander::HandCommander(std::string host, std::uint16_t port)
-    : host_(std::move(host)),
-      port_(port),
-      thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+HandCommander::HandCommander(Connect connect)
+    : connect_(std::move(connect)), thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 
 HandCommander::~HandCommander() {
   thread_.request_stop();
@@ -55,7 +53,8 @@ void HandCommander::Run(const std::stop_token& stop) {
 void HandCommander::Execute(const HandWork& work) {
   HandState state;
   try {
-    plugins::FciHand hand(host_, port_, nullptr);
+    const std::shared_ptr<backend::Hand> connected = connect_();
+    backend::Hand& hand = *connected;
     state = hand.ReadState();
     const HandTicket ticket = hand.Start(work.choose(state));
     bool stopped = false;

@@ -2,11 +2,13 @@
 
 #include <condition_variable>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 
+#include "twin/backend/hand.h"
 #include "twin/core/hand_command.h"
 
 namespace twin::ros2 {
@@ -25,14 +27,14 @@ struct HandWork {
       end;
 };
 
-/// Commands a hand for ROS nodes: one command at a time, on a thread of its own, connected for as
-/// long as the command takes, so that others can command the hand in between. A new command ends
-/// the one under way.
+/// Commands a hand for ROS nodes: one command at a time, on a thread of its own. A new command ends
+/// the one under way. It holds the hand for as long as a command takes.
 ///
 /// Threads: any.
 class HandCommander {
  public:
-  HandCommander(std::string host, std::uint16_t port);
+  using Connect = std::function<std::shared_ptr<backend::Hand>()>;
+  explicit HandCommander(Connect connect);
   ~HandCommander();
 
   void Begin(HandWork work);
@@ -43,8 +45,7 @@ class HandCommander {
   void Run(const std::stop_token& stop);
   void Execute(const HandWork& work);
 
-  const std::string host_;
-  const std::uint16_t port_;
+  const Connect connect_;
   std::mutex mutex_;  ///< guards the following two
   std::condition_variable_any wake_;
   std::optional<HandWork> next_;

@@ -93,25 +93,27 @@ class Node {
   /// reply(Response), then or later, there or elsewhere.
   template <typename S, typename Answer>
   void Serve(std::string_view name, Answer answer) {
+    using Request = typename S::Request;
+    using Response = typename S::Response;
     const std::string full = Resolve(name);
-    const std::string hash = DescribeService<S>().Hash();
-    Writer* const replies = MakeReplies(
-        {.name = "rr" + full + "Reply", .type = DdsName(NameOf<S>() + "_Response"), .hash = hash});
+    Writer* const replies = MakeReplies({.name = "rr" + full + "Reply",
+                                         .type = DdsName(NameOf<Response>()),
+                                         .hash = Describe<Response>().Hash()});
     const auto use = [this, answer, full, replies](const Sample& sample) {
       const Asker asker = AskerOf(sample);
-      std::optional<typename S::Request> request =
-          FromBytes<typename S::Request>(WithoutHeader(sample.bytes, asker));
+      std::optional<Request> request = FromBytes<Request>(WithoutHeader(sample.bytes, asker));
       if (!request) return TellOfGarbage(full);
-      const auto reply = [this, replies, asker](const typename S::Response& response) {
+      const auto reply = [this, replies, asker](const Response& response) {
         Reply(*replies, asker, ToBytes(response));
       };
-      Post([answer, reply, request = std::make_shared<typename S::Request>(std::move(*request))] {
+      Post([answer, reply, request = std::make_shared<Request>(std::move(*request))] {
         answer(std::move(*request), reply);
       });
     };
-    MakeReader(
-        {.name = "rq" + full + "Request", .type = DdsName(NameOf<S>() + "_Request"), .hash = hash},
-        {}, use);
+    MakeReader({.name = "rq" + full + "Request",
+                .type = DdsName(NameOf<Request>()),
+                .hash = Describe<Request>().Hash()},
+               {}, use);
   }
 
   /// Tells the graph of all endpoints there are.

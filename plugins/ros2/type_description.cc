@@ -1,10 +1,7 @@
 #include "plugins/ros2/type_description.h"
 
 #include <array>
-#include <cstddef>
-#include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <openssl/sha.h>
@@ -57,33 +54,4 @@ std::string DdsName(std::string_view name) {
   return fmt::format("{}dds_::{}_", made, name.substr(begin));
 }
 
-namespace detail {
-
-void AddService(TypeDescription& description) {
-  const std::string info = "service_msgs/msg/ServiceEventInfo";
-  const std::string request = description.name + "_Request";
-  const std::string response = description.name + "_Response";
-  const std::string event = description.name + "_Event";
-  const auto message = [](std::string name, const std::string& type, int of = 0,
-                          std::size_t capacity = 0) {
-    return Field{
-        .name = std::move(name), .type_id = kMessageId + of, .capacity = capacity, .nested = type};
-  };
-  description.types[info] = {
-      {.name = "event_type", .type_id = NumberId<std::uint8_t>(), .nested = {}},
-      message("stamp", NameOf<msg::Time>()),
-      {.name = "client_gid",
-       .type_id = kArrayOf + NumberId<std::uint8_t>(),
-       .capacity = 16,
-       .nested = {}},
-      {.name = "sequence_number", .type_id = NumberId<std::int64_t>(), .nested = {}}};
-  description.types[event] = {message("info", info),
-                              message("request", request, kBoundedSequenceOf, 1),
-                              message("response", response, kBoundedSequenceOf, 1)};
-  description.types[description.name] = {message("request_message", request),
-                                         message("response_message", response),
-                                         message("event_message", event)};
-}
-
-}  // namespace detail
 }  // namespace twin::ros2

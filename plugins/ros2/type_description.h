@@ -56,7 +56,6 @@ enum TypeId : int {
   kStringId = 17,
   kBoundedStringId = 21,
   kArrayOf = 48,
-  kBoundedSequenceOf = 96,
   kSequenceOf = 144,
 };
 
@@ -130,27 +129,12 @@ class Describer {
   TypeDescription& into_;
 };
 
-/// Adds a service itself, and the event by which ROS 2 lets others look on.
-void AddService(TypeDescription& description);
-
 }  // namespace detail
 
 template <Message M>
 [[nodiscard]] TypeDescription Describe() {
   TypeDescription description{.name = NameOf<M>(), .types = {}};
   detail::Describer(description).Add<M>();
-  return description;
-}
-
-/// Of a service S, with the messages S::Request and S::Response.
-template <typename S>
-[[nodiscard]] TypeDescription DescribeService() {
-  TypeDescription description{.name = NameOf<S>(), .types = {}};
-  detail::Describer describer(description);
-  describer.Add<typename S::Request>();
-  describer.Add<typename S::Response>();
-  describer.Add<msg::Time>();
-  detail::AddService(description);
   return description;
 }
 

@@ -11,6 +11,8 @@ void AddRos(CLI::App& app, RosFlags& flags) {
   app.add_flag("--ros", flags.wanted, "Not in this program, which was built without Fast DDS");
 }
 
+void AddRosNames(CLI::App& /*app*/, RosFlags& /*flags*/) {}
+
 void RequireRosFlags(const RosFlags& flags) {
   RefuseIf(
       flags.wanted,

@@ -13,7 +13,7 @@
 #include "plugins/ros2/state_tap.h"
 #include "twin/application/own_client.h"
 #include "twin/core/error.h"
-#include "twin/core/text.h"
+#include "twin/core/integer.h"
 #include "twin/server/served_robot.h"
 
 namespace twin::cli {
@@ -28,25 +28,28 @@ int DomainOfEnvironment() {
   return *domain;
 }
 
-class ServedRosBridge final : public RosBridge {
+ros2::BridgeOptions OptionsOf(const RosFlags& flags, const RosBridge::Tell& tell) {
+  ros2::BridgeOptions options;
+  options.node.name_space = flags.name_space;
+  options.node.dds.domain = DomainOfEnvironment();
+  options.node.dds.discovery =
+      flags.discovery == "subnet" ? ros2::Discovery::kSubnet : ros2::Discovery::kThisMachine;
+  options.node.mapping =
+      flags.header ? ros2::ServiceMapping::kHeader : ros2::ServiceMapping::kByVendor;
+  options.node.tell = tell;
+  options.rate_hz = flags.rate_hz;
+  options.arms = flags.arms;
+  return options;
+}
+
+class FastRosBridge final : public RosBridge {
  public:
-  ServedRosBridge(const RosFlags& flags, record::RecordSink* next) : flags_(flags), tap_(next) {}
+  FastRosBridge(const RosFlags& flags, record::RecordSink* next) : flags_(flags), tap_(next) {}
 
   [[nodiscard]] record::RecordSink* sink() noexcept override { return &tap_; }
 
-  [[nodiscard]] std::string Open(application::ServedSession& session,
-                                 const run::Catalogue& catalogue,
-                                 std::function<void(std::string_view line)> tell) override {
-    ros2::BridgeOptions options;
-    options.node.name_space = flags_.name_space;
-    options.node.dds.domain = DomainOfEnvironment();
-    options.node.dds.discovery =
-        flags_.discovery == "subnet" ? ros2::Discovery::kSubnet : ros2::Discovery::kThisMachine;
-    options.node.mapping =
-        flags_.header ? ros2::ServiceMapping::kHeader : ros2::ServiceMapping::kByVendor;
-    options.node.tell = std::move(tell);
-    options.rate_hz = flags_.rate_hz;
-    options.arms = flags_.arms;
+  [[nodiscard]] std::string OpenServed(application::ServedSession& session,
+                                       const run::Catalogue& catalogue, const Tell& tell) override {
     server::ServedRobot& robot = session.robot();
     const auto hand = robot.hand();
     ros2::BridgedRobot bridged{
@@ -57,7 +60,22 @@ class ServedRosBridge final : public RosBridge {
         .data = session.DataOfRobot(),
         .follows_wall_clock = !session.drive().is_lockstep() || session.drive().pace == 1.0};
     if (hand) bridged.hand = [&robot] { return robot.robot().hand_state(); };
-    bridge_.emplace(options, std::move(bridged), tap_);
+    bridge_.emplace(OptionsOf(flags_, tell), std::move(bridged), tap_);
+    return bridge_->Introduction();
+  }
+
+  [[nodiscard]] std::string OpenRemote(const scenario::Scenario& client,
+                                       const run::RealtimeConfig& settings,
+                                       const run::RunFiles& files, const run::Catalogue& catalogue,
+                                       const Tell& tell) override {
+    ros2::BridgedRobot bridged{
+        .catalogue = catalogue,
+        .files = files,
+        .client = client,
+        .settings = settings,
+        .data = scenario::LoadRobotData(files.models, client.robot.model, client.robot.hand),
+        .keeps_connection = true};
+    bridge_.emplace(OptionsOf(flags_, tell), std::move(bridged), tap_);
     return bridge_->Introduction();
   }
 
@@ -75,6 +93,10 @@ void AddRos(CLI::App& app, RosFlags& flags) {
   app.add_flag("--ros", flags.wanted,
                "Put the robot into the ROS 2 graph, without ROS: topics, services and actions of "
                "domain ROS_DOMAIN_ID");
+  AddRosNames(app, flags);
+}
+
+void AddRosNames(CLI::App& app, RosFlags& flags) {
   Add(app, "--ros-namespace NS", flags.name_space, "Namespace of its names, such as /left")
       ->capture_default_str();
   Add(app, "--ros-discovery", flags.discovery,
@@ -102,7 +124,7 @@ void RequireRosFlags(const RosFlags& flags) {
 }
 
 std::unique_ptr<RosBridge> MakeRosBridge(const RosFlags& flags, record::RecordSink* next) {
-  return std::make_unique<ServedRosBridge>(flags, next);
+  return std::make_unique<FastRosBridge>(flags, next);
 }
 
 }  // namespace twin::cli

@@ -8,6 +8,8 @@
 #include "cli/shared_flags.h"
 #include "twin/application/served_session.h"
 #include "twin/record/cycle_record.h"
+#include "twin/run/run.h"
+#include "twin/scenario/scenario.h"
 
 namespace twin::cli {
 
@@ -20,27 +22,39 @@ struct RosFlags {
   bool arms = false;
   bool header = false;  ///< replies by a header in the payload
 };
+/// --ros, and what goes with it.
 void AddRos(CLI::App& app, RosFlags& flags);
+/// What goes with it, for a command that is nothing without ROS 2.
+void AddRosNames(CLI::App& app, RosFlags& flags);
 /// Before anything is done. @throws InputError for flags without --ros, values that are wrong, and
 /// for a program that was built without ROS 2.
 void RequireRosFlags(const RosFlags& flags);
 
-/// The bridge of a served robot.
+/// A bridge to ROS 2.
 ///
-///     construct -> sink, before the robot is there -> Open -> ... -> destructor, before the robot
+///     construct -> sink, before the robot is there -> OpenServed | OpenRemote -> ... -> Close
 class RosBridge {
  public:
+  using Tell = std::function<void(std::string_view line)>;
+
   virtual ~RosBridge() = default;
+  /// For the records of a robot that is served.
   [[nodiscard]] virtual record::RecordSink* sink() noexcept = 0;
-  /// @returns lines for users. @throws as ros2::Bridge.
-  [[nodiscard]] virtual std::string Open(application::ServedSession& session,
-                                         const run::Catalogue& catalogue,
-                                         std::function<void(std::string_view line)> tell) = 0;
+  /// Both return lines for users. @throws as ros2::Bridge.
+  [[nodiscard]] virtual std::string OpenServed(application::ServedSession& session,
+                                               const run::Catalogue& catalogue,
+                                               const Tell& tell) = 0;
+  /// @param client  the scenario of a client of the robot at `settings`.
+  [[nodiscard]] virtual std::string OpenRemote(const scenario::Scenario& client,
+                                               const run::RealtimeConfig& settings,
+                                               const run::RunFiles& files,
+                                               const run::Catalogue& catalogue,
+                                               const Tell& tell) = 0;
   /// Ends what it does, before the robot ends. Idempotent.
   virtual void Close() = 0;
 };
 
-/// @param next  receives the robot's records; may be null. @pre flags.wanted
+/// @param next  receives a served robot's records; may be null.
 [[nodiscard]] std::unique_ptr<RosBridge> MakeRosBridge(const RosFlags& flags,
                                                        record::RecordSink* next);
 

@@ -9,6 +9,7 @@ namespace twin::cli {
 void AddRun(CLI::App& app, Program& program);
 void AddMoveTo(CLI::App& app, Program& program);
 void AddServe(CLI::App& app, Program& program);
+void AddRosCommand(CLI::App& app, Program& program);
 void AddCtl(CLI::App& app, Program& program);
 void AddProxy(CLI::App& app, Program& program);
 void AddRender(CLI::App& app, Program& program);
@@ -26,8 +27,8 @@ void AddCompletion(CLI::App& app, Program& program);
 
 /// All of them, in the order of the help.
 inline constexpr auto kCommands = {
-    &AddRun,     &AddMoveTo,     &AddServe,   &AddCtl,      &AddProxy,     &AddRender,
-    &AddVideo,   &AddExperiment, &AddSweep,   &AddValidate, &AddSchema,    &AddCheck,
-    &AddExplain, &AddDecode,     &AddDevices, &AddExport,   &AddCompletion};
+    &AddRun,    &AddMoveTo,  &AddServe,      &AddRosCommand, &AddCtl,      &AddProxy,
+    &AddRender, &AddVideo,   &AddExperiment, &AddSweep,      &AddValidate, &AddSchema,
+    &AddCheck,  &AddExplain, &AddDecode,     &AddDevices,    &AddExport,   &AddCompletion};
 
 }  // namespace twin::cli

@@ -198,7 +198,7 @@ void Service::OpenRos() {
         "--ros: a robot served in lockstep is as fast as programs answer, and ROS nodes do not "
         "answer states: serve it with --pace 1");
   }
-  events_->Put(ros_->Open(*session_, program_.catalogue,
+  events_->Put(ros_->OpenServed(*session_, program_.catalogue,
                           [this](std::string_view line) { session_->Tell(line); }));
 }
 
