@@ -6,7 +6,12 @@
 #include <string_view>
 #include <vector>
 
+#include "plugins/ros2/action_messages.h"
+#include "plugins/ros2/camera_messages.h"
 #include "plugins/ros2/cdr.h"
+#include "plugins/ros2/franka_messages.h"
+#include "plugins/ros2/messages.h"
+#include "plugins/ros2/simulation_messages.h"
 
 namespace twin::ros2 {
 
@@ -47,6 +52,50 @@ template <Message M>
   M message;
   Filler().Fill(message);
   return message;
+}
+
+/// Calls visitor.operator()<M>() for what carries an action's messages.
+template <typename A>
+void ForEachMessageOfAction(auto&& visitor) {
+  visitor.template operator()<typename SendGoal<A>::Request>();
+  visitor.template operator()<typename SendGoal<A>::Response>();
+  visitor.template operator()<typename GetResult<A>::Request>();
+  visitor.template operator()<typename GetResult<A>::Response>();
+  visitor.template operator()<FeedbackMessage<A>>();
+}
+
+/// Calls visitor.operator()<M>() for each message of all tables.
+void ForEachMessageOfAll(auto&& visitor) {
+  ForEachMessage(visitor);
+  ForEachCameraMessage(visitor);
+  ForEachFrankaMessage(visitor);
+  ForEachSimulationMessage(visitor);
+  visitor.template operator()<msg::UUID>();
+  visitor.template operator()<msg::GoalInfo>();
+  visitor.template operator()<msg::GoalStatus>();
+  visitor.template operator()<msg::GoalStatusArray>();
+  visitor.template operator()<msg::JointTolerance>();
+  visitor.template operator()<msg::JointComponentTolerance>();
+  visitor.template operator()<msg::GripperCommandMessage>();
+  visitor.template operator()<CancelGoal::Request>();
+  visitor.template operator()<CancelGoal::Response>();
+  visitor.template operator()<SetBool::Request>();
+  visitor.template operator()<SetBool::Response>();
+  visitor.template operator()<Trigger::Request>();
+  visitor.template operator()<Trigger::Response>();
+  visitor.template operator()<FollowJointTrajectory::Goal>();
+  visitor.template operator()<FollowJointTrajectory::Result>();
+  visitor.template operator()<FollowJointTrajectory::Feedback>();
+  visitor.template operator()<GripperCommand::Goal>();
+  visitor.template operator()<GripperCommand::Result>();
+  visitor.template operator()<GripperCommand::Feedback>();
+  ForEachMessageOfAction<FollowJointTrajectory>(visitor);
+  ForEachMessageOfAction<GripperCommand>(visitor);
+  ForEachMessageOfAction<msg::Homing>(visitor);
+  ForEachMessageOfAction<msg::Move>(visitor);
+  ForEachMessageOfAction<msg::Grasp>(visitor);
+  ForEachMessageOfAction<msg::ErrorRecovery>(visitor);
+  ForEachMessageOfAction<msg::SimulateSteps>(visitor);
 }
 
 }  // namespace twin::ros2

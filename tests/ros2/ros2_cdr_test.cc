@@ -51,17 +51,17 @@ TEST(Ros2Cdr, AlignsFieldsFromTheEncapsulation) {
 }
 
 TEST(Ros2Cdr, ReadsBackEachMessage) {
-  ForEachMessage([]<typename M>() {
-    EXPECT_TRUE(IsReadBack(M())) << M::kName;
-    EXPECT_TRUE(IsReadBack(Filled<M>())) << M::kName;
+  ForEachMessageOfAll([]<typename M>() {
+    EXPECT_TRUE(IsReadBack(M())) << NameOf<M>();
+    EXPECT_TRUE(IsReadBack(Filled<M>())) << NameOf<M>();
   });
 }
 
 TEST(Ros2Cdr, RefusesAMessageThatIsCutAnywhere) {
-  ForEachMessage([]<typename M>() {
+  ForEachMessageOfAll([]<typename M>() {
     const std::vector<std::byte> bytes = ToBytes(Filled<M>());
     for (std::size_t size = 0; size < bytes.size(); ++size) {
-      EXPECT_FALSE(FromBytes<M>(std::span(bytes).first(size))) << M::kName << " of " << size;
+      EXPECT_FALSE(FromBytes<M>(std::span(bytes).first(size))) << NameOf<M>() << " of " << size;
     }
   });
 }
@@ -101,7 +101,7 @@ TEST(Ros2Cdr, RefusesAStringBeyondItsBound) {
 
 TEST(Ros2Cdr, WhatIsReadOfMutatedBytesIsReadBack) {
   const Random random(7, RandomStream::kTest);
-  ForEachMessage([&]<typename M>() {
+  ForEachMessageOfAll([&]<typename M>() {
     const std::vector<std::byte> whole = ToBytes(Filled<M>());
     int read_count = 0;
     for (std::uint64_t round = 0; round < 2000; ++round) {
@@ -110,16 +110,20 @@ TEST(Ros2Cdr, WhatIsReadOfMutatedBytesIsReadBack) {
       const std::optional<M> read = FromBytes<M>(bytes);
       if (!read) continue;
       ++read_count;
-      EXPECT_TRUE(IsReadBack(*read)) << M::kName << ", round " << round;
+      EXPECT_TRUE(IsReadBack(*read)) << NameOf<M>() << ", round " << round;
     }
-    EXPECT_GT(read_count, 0) << M::kName;
-    EXPECT_LT(read_count, 2000) << M::kName;
+    EXPECT_GT(read_count, 0) << NameOf<M>();
+    EXPECT_LT(read_count, 2000) << NameOf<M>();
   });
 }
 
 TEST(Ros2TypeDescription, HashesAsRosDoes) {
   EXPECT_EQ(Describe<msg::JointState>().Hash(),
             "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e");
+  EXPECT_EQ(Describe<msg::StepSimulation::Request>().Hash(),
+            "RIHS01_cda33f6887815f3dce0f90e61fd8efd39bda13ae264ddede15c33fbad890630e");
+  EXPECT_EQ(Describe<msg::SetForceTorqueCollisionBehavior::Request>().Hash(),
+            "RIHS01_9a07d7d351f955c2f9587d398effcdedc93888c8093051a05d8f14d8d1d9021d");
 }
 
 TEST(Ros2TypeDescription, NamesTypesAsTheWireDoes) {
