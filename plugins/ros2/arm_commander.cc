@@ -57,6 +57,15 @@ void ArmCommander::Begin(std::shared_ptr<ArmWork> work) {
   if (dropped) dropped->End("a newer command took its place", true);
 }
 
+bool ArmCommander::TryBegin(std::shared_ptr<ArmWork> work) {
+  const std::lock_guard lock(mutex_);
+  if (next_ || current_) return false;
+  next_ = std::move(work);
+  interrupted_ = true;
+  wake_.notify_one();
+  return true;
+}
+
 void ArmCommander::GiveUp(const ArmWork& work) {
   std::shared_ptr<ArmWork> dropped;
   {

@@ -71,6 +71,8 @@ class ArmCommander {
   ~ArmCommander();
 
   void Begin(std::shared_ptr<ArmWork> work);
+  /// Unless it is busy. @returns whether it begins.
+  [[nodiscard]] bool TryBegin(std::shared_ptr<ArmWork> work);
   /// Wishes the end of this work, under way or waiting.
   void GiveUp(const ArmWork& work);
   [[nodiscard]] bool is_busy() const;

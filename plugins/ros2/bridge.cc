@@ -12,6 +12,8 @@
 
 #include "plugins/fci/fci_hand.h"
 #include "plugins/ros2/arm_commander.h"
+#include "plugins/ros2/franka_services.h"
+#include "plugins/ros2/franka_state.h"
 #include "plugins/ros2/gripper_action.h"
 #include "plugins/ros2/hand_commander.h"
 #include "plugins/ros2/joint_stream.h"
@@ -35,22 +37,6 @@ constexpr twin::Duration kMostBehind = std::chrono::milliseconds(100);
 std::vector<double> ToVector(const JointVector& values) {
   return {values.begin(), values.end()};
 }
-
-/// Brings the robot back from a reflex.
-class Recovery final : public ArmWork {
- public:
-  using Reply = std::function<void(const std::string& why)>;
-  explicit Recovery(Reply reply) : reply_(std::move(reply)) {}
-  void Run(run::Session& session, const scenario::Scenario& /*client*/) override {
-    session.Recover();
-  }
-  void End(const std::string& why, bool gave_up) override {
-    reply_(gave_up && why.empty() ? "given up" : why);
-  }
-
- private:
-  const Reply reply_;
-};
 
 }  // namespace
 
@@ -103,7 +89,10 @@ class Bridge::Impl {
   std::unique_ptr<HandCommander> hand_;
   std::unique_ptr<JointStream> stream_;
   std::unique_ptr<TrajectoryAction> arm_action_;
+  std::unique_ptr<FrankaArmServices> franka_arm_;
   std::unique_ptr<GripperAction> hand_action_;
+  std::unique_ptr<FrankaHandActions> franka_hand_;
+  std::unique_ptr<FrankaTopics> franka_topics_;
   // Of the publishing thread:
   Time hand_read_{};
   double width_ = 0;
@@ -126,6 +115,7 @@ Bridge::Impl::Impl(const BridgeOptions& options, BridgedRobot robot, StateTap& t
   const auto hand = robot_.data.urdf.parent_path() / ".." / "hand" / "hand.urdf";
   description_->Publish(
       {.data = DescriptionOf(robot_.data.urdf, has_hand ? hand : std::filesystem::path())});
+  franka_topics_ = std::make_unique<FrankaTopics>(node_);
   ServeArm();
   if (has_hand) ServeHand();
   node_.Announce();
@@ -151,6 +141,8 @@ void Bridge::Impl::ServeArm() {
                           .tell = options_.node.tell});
   arm_action_ = std::make_unique<TrajectoryAction>(
       node_, options_.arm_action, *arm_, names_, [this] { return Now(); }, state);
+  franka_arm_ =
+      std::make_unique<FrankaArmServices>(node_, *arm_, [this] { return ToMessage(Now()); });
   stream_ = std::make_unique<JointStream>(
       JointStream::Parts{.arm = *arm_,
                          .names = names_,
@@ -170,9 +162,9 @@ void Bridge::Impl::ServeArm() {
     reply({.success = true, .message = "robot_joint_commands is armed"});
   });
   node_.Serve<Trigger>("~/recover", [this](const Trigger::Request&, const auto& reply) {
-    arm_->Begin(std::make_shared<Recovery>([reply](const std::string& why) {
+    Recover(*arm_, [reply](const std::string& why) {
       reply({.success = why.empty(), .message = why.empty() ? "the robot is Idle" : why});
-    }));
+    });
   });
 }
 
@@ -180,6 +172,8 @@ void Bridge::Impl::ServeHand() {
   hand_ = std::make_unique<HandCommander>([this] { return ConnectHand(); });
   hand_action_ = std::make_unique<GripperAction>(node_, options_.hand_action, *hand_,
                                                  [this] { return ToMessage(Now()); });
+  franka_hand_ =
+      std::make_unique<FrankaHandActions>(node_, *hand_, [this] { return ToMessage(Now()); });
 }
 
 std::shared_ptr<backend::Hand> Bridge::Impl::ConnectHand() {
@@ -260,6 +254,7 @@ void Bridge::Impl::Take(const record::CycleRecord& record) {
     joints.header.stamp = stamp;
     joint_states_->Publish(joints);
   }
+  franka_topics_->Publish(record.state, stamp, names_);
   if (clock_topic_->has_readers()) clock_topic_->Publish({.clock = stamp});
 }
 
