@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <mutex>
 #include <thread>
@@ -31,6 +32,8 @@ namespace {
 constexpr twin::Duration kLook = kCycle;
 /// Between looks at the hand: 30 Hz, as franka_gripper publishes.
 constexpr twin::Duration kHandPeriod = std::chrono::milliseconds(33);
+/// Between repetitions of the last state while time stands.
+constexpr twin::Duration kRepeat = std::chrono::milliseconds(50);
 /// Stamps that lie farther behind the calendar follow it.
 constexpr twin::Duration kMostBehind = std::chrono::milliseconds(100);
 
@@ -62,6 +65,9 @@ class Bridge::Impl {
   void Take(const record::CycleRecord& record);
   void FollowCalendar(Time at);
   void ReadHand(Time at);
+  [[nodiscard]] std::optional<Lockstep> MakeLockstep();
+  /// robot_joint_states. Threads: one at a time.
+  void PublishForController(const RobotState& state, const msg::Time& stamp);
   /// A connection for a command, or the kept one.
   [[nodiscard]] std::shared_ptr<backend::Hand> ConnectHand();
   [[nodiscard]] msg::JointState JointsOf(const RobotState& state, bool with_fingers) const;
@@ -96,6 +102,7 @@ class Bridge::Impl {
   // Of the publishing thread:
   Time hand_read_{};
   double width_ = 0;
+  Time repeat_at_{};  ///< in lockstep
   std::jthread thread_;
 };
 
@@ -104,7 +111,7 @@ Bridge::Impl::Impl(const BridgeOptions& options, BridgedRobot robot, StateTap& t
       robot_(std::move(robot)),
       names_(NamesOf(options.joint_prefix)),
       tap_(tap),
-      origin_ns_(calendar_.Now().time_since_epoch().count()),
+      origin_ns_(options.lockstep_hz ? 0 : calendar_.Now().time_since_epoch().count()),
       node_(options.node) {
   joint_states_ = node_.Advertise<msg::JointState>("joint_states", {});
   robot_joint_states_ = node_.Advertise<msg::JointState>("robot_joint_states", {.depth = 1});
@@ -147,7 +154,8 @@ void Bridge::Impl::ServeArm() {
       JointStream::Parts{.arm = *arm_,
                          .names = names_,
                          .limits = robot_.data.limits,
-                         .tell = [this](std::string_view line) { node_.Tell(line); }});
+                         .tell = [this](std::string_view line) { node_.Tell(line); },
+                         .lockstep = MakeLockstep()});
   if (options_.arms) stream_->Arm();
   node_.Subscribe<msg::JointState>("robot_joint_commands", {.depth = 1},
                                    [this](const msg::JointState& message, const Guid& writer) {
@@ -166,6 +174,24 @@ void Bridge::Impl::ServeArm() {
       reply({.success = why.empty(), .message = why.empty() ? "the robot is Idle" : why});
     });
   });
+}
+
+std::optional<Lockstep> Bridge::Impl::MakeLockstep() {
+  if (!options_.lockstep_hz) return std::nullopt;
+  return Lockstep{.period_cycles = static_cast<int>(std::lround(1000 / *options_.lockstep_hz)),
+                  .publish = [this](const RobotState& state) {
+                    // The robot waits for the answer to this state: its last cycle's.
+                    const Time stamp = StampOf(tap_.last_at());
+                    PublishForController(state, ToMessage(stamp));
+                    return stamp;
+                  }};
+}
+
+void Bridge::Impl::PublishForController(const RobotState& state, const msg::Time& stamp) {
+  if (!robot_joint_states_->has_readers()) return;
+  msg::JointState joints = JointsOf(state, false);
+  joints.header.stamp = stamp;
+  robot_joint_states_->Publish(joints);
 }
 
 void Bridge::Impl::ServeHand() {
@@ -241,11 +267,7 @@ void Bridge::Impl::ReadHand(Time at) {
 void Bridge::Impl::Take(const record::CycleRecord& record) {
   newest_.Publish({.at = record.at, .state = record.state});
   const msg::Time stamp = ToMessage(StampOf(record.at));
-  if (robot_joint_states_->has_readers()) {
-    msg::JointState joints = JointsOf(record.state, false);
-    joints.header.stamp = stamp;
-    robot_joint_states_->Publish(joints);
-  }
+  if (!options_.lockstep_hz) PublishForController(record.state, stamp);
   const auto every = static_cast<std::uint64_t>(1000 / options_.rate_hz + 0.5);
   const auto cycle = static_cast<std::uint64_t>(record.at.time_since_epoch() / kCycle);
   if (cycle % every != 0) return;
@@ -270,6 +292,12 @@ void Bridge::Impl::Run(const std::stop_token& stop) {
     if (newest != Time()) {
       FollowCalendar(newest);
       ReadHand(newest);
+    }
+    if (options_.lockstep_hz && clock_.Now() >= repeat_at_ && !arm_->is_busy()) {
+      // Time stands: the first answer is due to this one.
+      const Newest last = newest_.Read();
+      PublishForController(last.state, ToMessage(StampOf(last.at)));
+      repeat_at_ = clock_.Now() + kRepeat;
     }
     next = std::max(next + kLook, clock_.Now());
     rt::SleepUntil(clock_, next);

@@ -20,7 +20,10 @@ namespace twin::ros2 {
 struct BridgeOptions {
   NodeOptions node{};
   double rate_hz = 100;  ///< of joint_states and /clock, in [1, 1000]
-  bool arms = false;     ///< robot_joint_commands is armed from the start
+  /// Time stands until robot_joint_states, of this rate, in [1, 1000] Hz, are answered; absent: it
+  /// passes.
+  std::optional<double> lockstep_hz{};
+  bool arms = false;  ///< robot_joint_commands is armed from the start
   std::string joint_prefix = "panda_joint";
   std::string finger_prefix = "panda_finger_joint";
   std::string arm_action = "panda_arm_controller/follow_joint_trajectory";
@@ -45,8 +48,8 @@ struct BridgedRobot {
 };
 
 /// A robot in the ROS 2 graph: its states as topics, its motions as actions, and a stream of joint
-/// positions. Stamps are calendar time at the bridge's start plus the robot's time, and so is
-/// /clock.
+/// positions. Stamps are calendar time at the bridge's start plus the robot's time, in lockstep the
+/// robot's time alone, and so is /clock.
 ///
 /// Threads: one constructs and ends it; it has threads of its own for what it publishes, and for
 /// commands.

@@ -21,6 +21,17 @@ std::string TextOf(const Guid& writer) {
   return fmt::format("{:02x}", fmt::join(writer.begin(), writer.begin() + 12, ""));
 }
 
+/// @throws InputError for a first command that is far from the arm.
+void RequireNear(const JointVector& q, const JointVector& q_d) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (std::abs(q[j] - q_d[j]) <= JointStream::kStartTolerance) continue;
+    throw InputError(fmt::format(
+        "joint {} is commanded to {:.4f} rad, and the arm is at {:.4f} rad; they may differ by {} "
+        "rad at the start: begin to command from where the arm is",
+        j + 1, q[j], q_d[j], JointStream::kStartTolerance));
+  }
+}
+
 }  // namespace
 
 /// One stretch of the stream.
@@ -29,7 +40,10 @@ class JointStream::Follow final : public ArmWork {
   Follow(JointStream& stream, double rate_hz) : stream_(stream), rate_hz_(rate_hz) {}
 
   /// From the stream's thread.
-  void Put(const Command& command) noexcept { commands_.Publish(command); }
+  void Put(const JointCommand& command) {
+    stream_.parts_.lockstep ? answers_.Put(command) : commands_.Publish(command);
+  }
+  void Stop() { answers_.Stop(); }
 
   void Run(run::Session& session, const scenario::Scenario& client) override {
     const RobotState state = session.ReadState();
@@ -50,7 +64,7 @@ class JointStream::Follow final : public ArmWork {
     if (gave_up) return stream_.parts_.tell("ROS 2: robot_joint_commands: the motion was ended");
     stream_.parts_.tell(
         why.empty()
-            ? std::string("ROS 2: robot_joint_commands: no command for 0.5 s; the arm rests")
+            ? std::string("ROS 2: robot_joint_commands: the commands have ended; the arm rests")
             : fmt::format("ROS 2: robot_joint_commands: {}; arm it again", why));
     if (!why.empty()) stream_.Disarm();
   }
@@ -59,10 +73,12 @@ class JointStream::Follow final : public ArmWork {
 
  private:
   class Controller;
+  class LockstepController;
 
   JointStream& stream_;
   const double rate_hz_;
-  rt::LatestValue<Command> commands_;
+  LockstepAnswers answers_;  ///< in lockstep
+  rt::LatestValue<JointCommand> commands_;
   std::atomic<bool> is_over_{false};
 };
 
@@ -71,7 +87,7 @@ class JointStream::Follow final : public ArmWork {
 /// Threads, real-time: as control::Controller.
 class JointStream::Follow::Controller final : public control::Controller {
  public:
-  explicit Controller(rt::LatestValue<Command>& commands) : commands_(commands) {}
+  explicit Controller(rt::LatestValue<JointCommand>& commands) : commands_(commands) {}
 
   [[nodiscard]] control::CommandInterface command_interface() const noexcept override {
     return control::CommandInterface::kJointPosition;
@@ -79,14 +95,7 @@ class JointStream::Follow::Controller final : public control::Controller {
 
   void Activate(const RobotState& state, Time /*now*/) override {
     static_cast<void>(commands_.Refresh());
-    const JointVector& q = commands_.value().q;
-    for (std::size_t j = 0; commands_.has_value() && j < kJoints; ++j) {
-      if (std::abs(q[j] - state.q_d[j]) <= kStartTolerance) continue;
-      throw InputError(fmt::format(
-          "joint {} is commanded to {:.4f} rad, and the arm is at {:.4f} rad; they may differ by {} "
-          "rad at the start: begin to command from where the arm is",
-          j + 1, q[j], state.q_d[j], kStartTolerance));
-    }
+    if (commands_.has_value()) RequireNear(commands_.value().q, state.q_d);
     q_ = state.q_d;
     is_first_ = true;
     origin_.reset();
@@ -100,7 +109,7 @@ class JointStream::Follow::Controller final : public control::Controller {
       is_first_ = false;
     }
     if (commands_.Refresh() || (!origin_ && commands_.has_value())) {
-      const Command& command = commands_.value();
+      const JointCommand& command = commands_.value();
       // The sender's clock has another zero, and may be set.
       if (!origin_ || command.sampled_at - *origin_ < sampled_ - Time() ||
           command.sampled_at - *origin_ > now - Time() + kSilence) {
@@ -119,7 +128,7 @@ class JointStream::Follow::Controller final : public control::Controller {
   void Deactivate() noexcept override {}
 
  private:
-  rt::LatestValue<Command>& commands_;
+  rt::LatestValue<JointCommand>& commands_;
   JointVector q_{};
   bool is_first_ = true;
   std::optional<Time> origin_;  ///< of the sender's clock, on the run's
@@ -127,8 +136,64 @@ class JointStream::Follow::Controller final : public control::Controller {
   Time heard_{};
 };
 
+/// Publishes states, and waits for the answer to each. Of lockstep alone: Update() waits.
+///
+/// Threads: as control::Controller.
+class JointStream::Follow::LockstepController final : public control::Controller {
+ public:
+  LockstepController(const Lockstep& lockstep, LockstepAnswers& answers)
+      : lockstep_(lockstep), answers_(answers) {}
+
+  [[nodiscard]] control::CommandInterface command_interface() const noexcept override {
+    return control::CommandInterface::kJointPosition;
+  }
+  void Activate(const RobotState& state, Time /*now*/) override {
+    q_d_ = state.q_d;
+    cycles_ = 0;
+  }
+  void Update(const RobotState& state, Time /*now*/,
+              control::ControllerOutput& output) noexcept override {
+    output.fresh = cycles_++ % lockstep_.period_cycles == 0;
+    if (!output.fresh || output.failed || output.finished) return;
+    const auto answer = answers_.Await(lockstep_.publish(state), lockstep_.timeout);
+    output.finished = answers_.is_stopped();  // the arm comes to rest at the last target
+    output.failed = !output.finished && (!answer || !IsNear(answer->q));
+    if (output.failed || output.finished) return;
+    output.target.joint.q = answer->q;
+    output.sampled_at = answer->sampled_at;
+  }
+  void Deactivate() noexcept override {}
+  [[nodiscard]] std::string Explain() const override {
+    return is_far_ ? fmt::format(
+                         "the first command is more than {} rad from the arm; begin to "
+                         "command from where the arm is",
+                         kStartTolerance)
+                   : fmt::format("no command has answered a state for {} s",
+                                 ToSeconds(lockstep_.timeout));
+  }
+
+ private:
+  /// Of the first command.
+  bool IsNear(const JointVector& q) noexcept {
+    if (cycles_ == 1) {
+      is_far_ = !std::ranges::equal(
+          q, q_d_, [](double a, double b) { return std::abs(a - b) <= kStartTolerance; });
+    }
+    return !is_far_;
+  }
+
+  const Lockstep& lockstep_;
+  LockstepAnswers& answers_;
+  JointVector q_d_{};
+  std::uint64_t cycles_ = 0;
+  bool is_far_ = false;
+};
+
 std::unique_ptr<control::Controller> JointStream::Follow::MakeController(
     const control::ControllerRequest& /*request*/) {
+  if (stream_.parts_.lockstep) {
+    return std::make_unique<LockstepController>(*stream_.parts_.lockstep, answers_);
+  }
   return std::make_unique<Controller>(commands_);
 }
 
@@ -150,7 +215,9 @@ void JointStream::Disarm() {
     is_armed_ = false;
     current = current_.lock();
   }
-  if (current) parts_.arm.GiveUp(*current);
+  if (!current) return;
+  // In lockstep the motion ends by a command, as all else does: a stop has a time of its own.
+  parts_.lockstep ? current->Stop() : parts_.arm.GiveUp(*current);
 }
 
 bool JointStream::is_armed() const {
@@ -202,7 +269,8 @@ void JointStream::Put(const msg::JointState& message, const Guid& writer) {
   }
   try {
     const Time stamp = FromMessage(message.header.stamp);
-    const Command command{.q = PositionsOf(message), .sampled_at = stamp == Time() ? now : stamp};
+    const JointCommand command{.q = PositionsOf(message),
+                               .sampled_at = stamp == Time() ? now : stamp};
     if (is_silent || writer != writer_) arrivals_.clear();
     writer_ = writer;
     last_ = now;
@@ -214,12 +282,17 @@ void JointStream::Put(const msg::JointState& message, const Guid& writer) {
   }
 }
 
-void JointStream::Measure(const Command& command, Time now) {
+void JointStream::Measure(const JointCommand& command, Time now) {
+  if (parts_.lockstep) return BeginToFollow(command, 1000.0 / parts_.lockstep->period_cycles);
   arrivals_.push_back(now);
   if (arrivals_.size() < kMeasured) return;
   const double rate_hz =
       static_cast<double>(arrivals_.size() - 1) / ToSeconds(arrivals_.back() - arrivals_.front());
   arrivals_.clear();
+  BeginToFollow(command, rate_hz);
+}
+
+void JointStream::BeginToFollow(const JointCommand& command, double rate_hz) {
   auto follow = std::make_shared<Follow>(*this, rate_hz);
   current_ = follow;
   follow->Put(command);

@@ -14,6 +14,7 @@
 
 #include "plugins/ros2/arm_commander.h"
 #include "plugins/ros2/dds.h"
+#include "plugins/ros2/lockstep_answers.h"
 #include "plugins/ros2/messages.h"
 #include "plugins/ros2/trajectory_goal.h"
 #include "twin/core/clock.h"
@@ -33,6 +34,8 @@ namespace twin::ros2 {
 /// reference (reference/resampler.h). One node commands at a time, until it is silent for kSilence.
 /// Messages that are no command for this arm are ignored and told of.
 ///
+/// In lockstep the arm follows from the first command on, and stops when no answer comes in time.
+///
 /// Threads: Put() one, Arm() and Disarm() any.
 /// Source: topic_based_hardware_interfaces 1.1: it names all joints and sends position, velocity
 /// and effort of those alone that have that interface.
@@ -48,6 +51,8 @@ class JointStream {
     JointNames names;
     JointLimits limits;
     std::function<void(std::string_view line)> tell;
+    /// Time stands until the node has answered, whose rate is then known; absent: it passes.
+    std::optional<Lockstep> lockstep{};
   };
 
   explicit JointStream(Parts parts);
@@ -60,17 +65,14 @@ class JointStream {
   void Put(const msg::JointState& message, const Guid& writer);
 
  private:
-  struct Command {
-    JointVector q{};
-    Time sampled_at{};  ///< of the sender's clock
-  };
   class Follow;
 
   /// @returns the positions in the arm's order. @throws InputError saying what is wrong.
   [[nodiscard]] JointVector PositionsOf(const msg::JointState& message) const;
   /// Once a second at most.
   void Complain(std::string_view why);
-  void Measure(const Command& command, Time now);
+  void Measure(const JointCommand& command, Time now);
+  void BeginToFollow(const JointCommand& command, double rate_hz);
 
   const Parts parts_;
   const MonotonicClock clock_;

@@ -19,6 +19,7 @@ class StateTap final : public record::RecordSink {
   explicit StateTap(record::RecordSink* next) : next_(next), ring_(kCycles) {}
 
   void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override {
+    last_at_.store(record.at, std::memory_order_relaxed);  // publishes nothing else
     if (!ring_.TryPush(record)) dropped_.fetch_add(1, std::memory_order_relaxed);  // a count
     if (next_ != nullptr) next_->Put(record);
   }
@@ -31,6 +32,8 @@ class StateTap final : public record::RecordSink {
   bool TryPop(Use&& use) {
     return ring_.TryPopWith(use);
   }
+  /// Of the last cycle, whether it was taken or not. Threads: any, as the next.
+  [[nodiscard]] Time last_at() const noexcept { return last_at_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t dropped() const noexcept {
     return dropped_.load(std::memory_order_relaxed);
   }
@@ -41,6 +44,7 @@ class StateTap final : public record::RecordSink {
   record::RecordSink* const next_;
   rt::SpscRing<record::CycleRecord> ring_;
   std::atomic<std::uint64_t> dropped_{0};
+  std::atomic<Time> last_at_{};
 };
 
 }  // namespace twin::ros2

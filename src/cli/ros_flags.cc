@@ -38,6 +38,7 @@ ros2::BridgeOptions OptionsOf(const RosFlags& flags, const RosBridge::Tell& tell
       flags.header ? ros2::ServiceMapping::kHeader : ros2::ServiceMapping::kByVendor;
   options.node.tell = tell;
   options.rate_hz = flags.rate_hz;
+  options.lockstep_hz = flags.lockstep_hz;
   options.arms = flags.arms;
   return options;
 }
@@ -94,6 +95,10 @@ void AddRos(CLI::App& app, RosFlags& flags) {
                "Put the robot into the ROS 2 graph, without ROS: topics, services and actions of "
                "domain ROS_DOMAIN_ID");
   AddRosNames(app, flags);
+  Add(app, "--ros-lockstep HZ", flags.lockstep_hz,
+      "With drive lockstep: robot_joint_states come at this rate of robot time, which stands until "
+      "robot_joint_commands has answered each")
+      ->check(CLI::Range(1.0, 1000.0));
 }
 
 void AddRosNames(CLI::App& app, RosFlags& flags) {
@@ -119,7 +124,7 @@ void RequireRosFlags(const RosFlags& flags) {
   const RosFlags usual;
   RefuseIf(!flags.wanted &&
                (flags.name_space != usual.name_space || flags.discovery != usual.discovery ||
-                flags.rate_hz != usual.rate_hz || flags.arms || flags.header),
+                flags.rate_hz != usual.rate_hz || flags.lockstep_hz || flags.arms || flags.header),
            "flags --ros-... belong to --ros: give it too");
 }
 

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,7 @@ struct RosFlags {
   std::string name_space = "/";
   std::string discovery = "localhost";  ///< or "subnet"
   double rate_hz = 100;
+  std::optional<double> lockstep_hz;
   bool arms = false;
   bool header = false;  ///< replies by a header in the payload
 };

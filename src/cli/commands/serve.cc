@@ -193,13 +193,18 @@ void Service::ClosePage() {
 
 void Service::OpenRos() {
   if (ros_ == nullptr) return;
-  if (is_unpaced()) {
+  const bool steps = flags_.ros.lockstep_hz.has_value();
+  if (steps && !(is_unpaced() && flags_.FreezesWhenIdle())) {
+    throw InputError(
+        "--ros-lockstep: time stands by --drive lockstep --idle freeze, without --pace: say so");
+  }
+  if (is_unpaced() && !steps) {
     throw InputError(
         "--ros: a robot served in lockstep is as fast as programs answer, and ROS nodes do not "
         "answer states: serve it with --pace 1");
   }
   events_->Put(ros_->OpenServed(*session_, program_.catalogue,
-                          [this](std::string_view line) { session_->Tell(line); }));
+                                [this](std::string_view line) { session_->Tell(line); }));
 }
 
 void Service::CloseRos() {
