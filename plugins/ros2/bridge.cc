@@ -99,6 +99,7 @@ class Bridge::Impl {
   std::unique_ptr<GripperAction> hand_action_;
   std::unique_ptr<FrankaHandActions> franka_hand_;
   std::unique_ptr<FrankaTopics> franka_topics_;
+  std::unique_ptr<SimulationServices> simulation_;  ///< null: none
   // Of the publishing thread:
   Time hand_read_{};
   double width_ = 0;
@@ -125,6 +126,10 @@ Bridge::Impl::Impl(const BridgeOptions& options, BridgedRobot robot, StateTap& t
   franka_topics_ = std::make_unique<FrankaTopics>(node_);
   ServeArm();
   if (has_hand) ServeHand();
+  if (robot_.simulation) {
+    simulation_ = std::make_unique<SimulationServices>(node_, *robot_.simulation,
+                                                       [this] { return ToMessage(Now()); });
+  }
   node_.Announce();
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
@@ -293,6 +298,7 @@ void Bridge::Impl::Run(const std::stop_token& stop) {
       FollowCalendar(newest);
       ReadHand(newest);
     }
+    if (simulation_) simulation_->Look();
     if (options_.lockstep_hz && clock_.Now() >= repeat_at_ && !arm_->is_busy()) {
       // Time stands: the first answer is due to this one.
       const Newest last = newest_.Read();

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "plugins/ros2/node.h"
+#include "plugins/ros2/simulation_services.h"
 #include "plugins/ros2/state_tap.h"
 #include "twin/core/hand_command.h"
 #include "twin/fci/sockets.h"
@@ -43,6 +44,7 @@ struct BridgedRobot {
   /// The hand's state where it is served; empty: it is read over the network. @throws Error while
   /// it is not known.
   std::function<HandState()> hand{};
+  std::optional<Simulation> simulation{};  ///< of a robot that is simulated here
   /// Robot time passes as the wall clock's: stamps are then never behind it by more than 0.1 s.
   bool follows_wall_clock = true;
 };

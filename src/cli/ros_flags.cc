@@ -3,7 +3,9 @@
 #include <charconv>
 #include <cstdlib>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -14,6 +16,10 @@
 #include "twin/application/own_client.h"
 #include "twin/core/error.h"
 #include "twin/core/integer.h"
+#include "twin/page/live_feed.h"
+#include "twin/plant/observers.h"
+#include "twin/run/run_records.h"
+#include "twin/server/controlled_robot.h"
 #include "twin/server/served_robot.h"
 
 namespace twin::cli {
@@ -45,9 +51,16 @@ ros2::BridgeOptions OptionsOf(const RosFlags& flags, const RosBridge::Tell& tell
 
 class FastRosBridge final : public RosBridge {
  public:
-  FastRosBridge(const RosFlags& flags, record::RecordSink* next) : flags_(flags), tap_(next) {}
+  FastRosBridge(const RosFlags& flags, record::RecordSink* next)
+      : flags_(flags), feed_(next), tap_(&feed_) {}
 
   [[nodiscard]] record::RecordSink* sink() noexcept override { return &tap_; }
+
+  void Watch(application::ServedSession& session) override {
+    truth_ = session.robot().truth();
+    if (truth_ != nullptr && !run::RunRecords::CanFilm(*truth_)) truth_ = nullptr;
+    if (truth_ != nullptr) feed_.Show(*truth_);
+  }
 
   [[nodiscard]] std::string OpenServed(application::ServedSession& session,
                                        const run::Catalogue& catalogue, const Tell& tell) override {
@@ -61,6 +74,13 @@ class FastRosBridge final : public RosBridge {
         .data = session.DataOfRobot(),
         .follows_wall_clock = !session.drive().is_lockstep() || session.drive().pace == 1.0};
     if (hand) bridged.hand = [&robot] { return robot.robot().hand_state(); };
+    bridged.simulation.emplace(ros2::Simulation{
+        .robot =
+            server::ControlledRobot(robot, session.reset() != application::ResetPolicy::kNever),
+        .bodies = [this] { return Bodies(); }});
+    if (robot::AnswerPacedRobot* const lockstep = robot.lockstep()) {
+      bridged.simulation->is_paused = [lockstep] { return lockstep->cycles_left().has_value(); };
+    }
     bridge_.emplace(OptionsOf(flags_, tell), std::move(bridged), tap_);
     return bridge_->Introduction();
   }
@@ -83,7 +103,15 @@ class FastRosBridge final : public RosBridge {
   void Close() override { bridge_.reset(); }
 
  private:
+  std::vector<std::pair<std::string, Transform>> Bodies() {
+    static_cast<void>(feed_.places().Refresh());
+    if (truth_ == nullptr || !feed_.places().has_value()) return {};
+    return plant::FreeBodies(truth_->model(), feed_.places().value().Positions());
+  }
+
   const RosFlags flags_;
+  const plant::TruthProbe* truth_ = nullptr;  ///< whose scenes the feed has
+  page::LiveFeed feed_;
   ros2::StateTap tap_;
   std::optional<ros2::Bridge> bridge_;
 };

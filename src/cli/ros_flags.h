@@ -42,6 +42,8 @@ class RosBridge {
   virtual ~RosBridge() = default;
   /// For the records of a robot that is served.
   [[nodiscard]] virtual record::RecordSink* sink() noexcept = 0;
+  /// Before the served robot's time begins: bodies and pictures come from there.
+  virtual void Watch(application::ServedSession& session) = 0;
   /// Both return lines for users. @throws as ros2::Bridge.
   [[nodiscard]] virtual std::string OpenServed(application::ServedSession& session,
                                                const run::Catalogue& catalogue,

@@ -220,6 +220,7 @@ bool Service::Ends() {
 int Service::Run() {
   server::ServedRobot& robot = session_->robot();
   interrupt_.ThrowIfInterrupted();
+  if (ros_ != nullptr) ros_->Watch(*session_);
   OpenPage();
   events_.emplace(*program_.log_flags);
   if (flags_.control) {

@@ -1,0 +1,231 @@
+#include "plugins/ros2/simulation_services.h"
+
+#include <algorithm>
+#include <cmath>
+#include <regex>
+
+#include <Eigen/Geometry>
+
+#include <fmt/format.h>
+
+#include "twin/core/error.h"
+#include "twin/model/transform.h"
+
+namespace twin::ros2 {
+namespace {
+
+using server::ControlRequest;
+using server::ControlVerb;
+
+/// Looks between two messages on /tf: 33 Hz.
+constexpr int kLooksPerTransforms = 30;
+
+msg::Pose PoseOf(const Transform& T) {
+  const auto p = model::Position(T);
+  const auto q = model::Orientation(T);
+  return {.position = {.x = p.x(), .y = p.y(), .z = p.z()},
+          .orientation = {.x = q.x(), .y = q.y(), .z = q.z(), .w = q.w()}};
+}
+
+msg::Result Failed(std::uint8_t code, const std::string& why) {
+  return {.result = code, .error_message = why};
+}
+
+}  // namespace
+
+SimulationServices::SimulationServices(Node& node, Simulation simulation,
+                                       const std::function<msg::Time()>& now)
+    : node_(node),
+      simulation_(std::move(simulation)),
+      now_(now),
+      tf_(node.Advertise<msg::TFMessage>("/tf", {.depth = 100})),
+      action_(node, "simulate_steps",
+              {.begin =
+                   [this](const msg::UUID& id, const msg::SimulateSteps::Goal& goal) {
+                     BeginSteps(goal.steps, [this, id](const msg::Result& result) {
+                       action_.Finish(id,
+                                      result.result == msg::Result::kOk ? GoalState::kSucceeded
+                                                                        : GoalState::kAborted,
+                                      {.result = result});
+                     });
+                   },
+               .cancel = [](const msg::UUID&) {},  // steps take no time of the wall clock's
+               .now = now}) {
+  ServeState();
+  ServeEntities();
+}
+
+msg::Result SimulationServices::Do(const ControlRequest& request) {
+  try {
+    simulation_.robot.Do(request);
+    return Failed(msg::Result::kOk, "");
+  } catch (const Error& error) {
+    return Failed(
+        simulation_.is_paused ? msg::Result::kOperationFailed : msg::Result::kFeatureUnsupported,
+        error.what());
+  }
+}
+
+msg::Result SimulationServices::SetState(std::uint8_t state) {
+  using State = msg::SimulationState;
+  ControlRequest request;
+  switch (state) {
+    case State::kPlaying: request.verb = ControlVerb::kResume; return Do(request);
+    case State::kPaused: request.verb = ControlVerb::kPause; return Do(request);
+    case State::kStopped: {
+      request.verb = ControlVerb::kReset;
+      const msg::Result reset = Do(request);
+      if (reset.result != msg::Result::kOk) return reset;
+      request.verb = ControlVerb::kPause;
+      return Do(request);
+    }
+    default:
+      return Failed(msg::Result::kFeatureUnsupported,
+                    "the robot is served until the program that serves it ends");
+  }
+}
+
+void SimulationServices::BeginSteps(std::uint64_t steps,
+                                    std::function<void(const msg::Result&)> end) {
+  if (simulation_.is_paused && !simulation_.is_paused()) {
+    return end(Failed(msg::Result::kIncorrectState, "time runs; pause it first"));
+  }
+  if (steps < 1 || steps > ControlRequest::kMostCycles) {
+    return end(Failed(msg::Result::kOperationFailed,
+                      fmt::format("steps is {}; a step is 1 ms, and 1 to {} may be asked for",
+                                  steps, ControlRequest::kMostCycles)));
+  }
+  const std::lock_guard lock(mutex_);
+  if (steps_) return end(Failed(msg::Result::kIncorrectState, "other steps are under way"));
+  ControlRequest request;
+  request.verb = ControlVerb::kStep;
+  request.cycles = steps;
+  const msg::Result begun = Do(request);
+  if (begun.result != msg::Result::kOk) return end(begun);
+  steps_ = Steps{.all = steps, .end = std::move(end)};
+}
+
+void SimulationServices::ServeState() {
+  node_.Serve<msg::GetSimulatorFeatures>("get_simulator_features", [this](auto&&, auto reply) {
+    using Features = msg::SimulatorFeatures;
+    msg::GetSimulatorFeatures::Response response;
+    response.features.features = {Features::kEntityStateGetting, Features::kEntityStateSetting,
+                                  Features::kSimulationStateGetting};
+    if (simulation_.is_paused) {
+      for (const auto feature : {Features::kSimulationReset, Features::kSimulationResetState,
+                                 Features::kSimulationStateSetting, Features::kSimulationStatePause,
+                                 Features::kStepSimulationSingle, Features::kStepSimulationMultiple,
+                                 Features::kStepSimulationAction}) {
+        response.features.features.push_back(feature);
+      }
+    }
+    response.features.custom_info = "panda-twin: a step is a cycle of the robot, 1 ms";
+    reply(response);
+  });
+  node_.Serve<msg::GetSimulationState>("get_simulation_state", [this](auto&&, auto reply) {
+    const bool stands = simulation_.is_paused && simulation_.is_paused();
+    reply({.state = {.state = static_cast<std::uint8_t>(stands ? msg::SimulationState::kPaused
+                                                               : msg::SimulationState::kPlaying)},
+           .result = Failed(msg::Result::kOk, "")});
+  });
+  node_.Serve<msg::SetSimulationState>("set_simulation_state", [this](auto&& request, auto reply) {
+    reply({.result = SetState(request.state.state)});
+  });
+  node_.Serve<msg::StepSimulation>("step_simulation", [this](auto&& request, auto reply) {
+    BeginSteps(request.steps, [reply](const msg::Result& result) { reply({.result = result}); });
+  });
+  node_.Serve<msg::ResetSimulation>("reset_simulation", [this](auto&&, auto reply) {
+    ControlRequest request;
+    request.verb = ControlVerb::kReset;
+    reply({.result = Do(request)});
+  });
+}
+
+void SimulationServices::ServeEntities() {
+  node_.Serve<msg::GetEntities>("get_entities", [this](auto&& request, auto reply) {
+    msg::GetEntities::Response response;
+    try {
+      const std::regex wanted(request.filters.filter.empty() ? ".*" : request.filters.filter,
+                              std::regex::extended);
+      for (const auto& [name, X_WB] : BodiesNow()) {
+        if (std::regex_match(name, wanted)) response.entities.push_back(name);
+      }
+      response.result = Failed(msg::Result::kOk, "");
+    } catch (const std::regex_error&) {
+      response.result = Failed(msg::Result::kOperationFailed, "filter is no regular expression");
+    }
+    reply(response);
+  });
+  node_.Serve<msg::GetEntityState>("get_entity_state", [this](auto&& request, auto reply) {
+    const Bodies bodies = BodiesNow();
+    const auto body = std::ranges::find(bodies, request.entity, &Bodies::value_type::first);
+    msg::GetEntityState::Response response;
+    response.result = body == bodies.end() ? Failed(msg::Result::kNotFound,
+                                                    "no free body is called " + request.entity)
+                                           : Failed(msg::Result::kOk, "");
+    if (body != bodies.end()) {
+      response.state.header = {.stamp = now_(), .frame_id = "world"};
+      response.state.pose = PoseOf(body->second);
+    }
+    reply(response);
+  });
+  node_.Serve<msg::SetEntityState>("set_entity_state", [this](auto&& request, auto reply) {
+    if (request.set_twist || request.set_acceleration || !request.set_pose) {
+      return reply({.result = Failed(msg::Result::kFeatureUnsupported,
+                                     "a pose alone can be set: set_pose; the body then rests")});
+    }
+    const msg::Pose& pose = request.state.pose;
+    const Eigen::Quaterniond q(pose.orientation.w, pose.orientation.x, pose.orientation.y,
+                               pose.orientation.z);
+    const double norm = q.norm();
+    if (!(std::abs(norm - 1) < 1e-3)) {
+      return reply({.result = Failed(msg::SetEntityState::kInvalidPose,
+                                     "the orientation is no unit quaternion")});
+    }
+    const Eigen::Matrix3d R = q.normalized().toRotationMatrix();
+    ControlRequest place;
+    place.verb = ControlVerb::kPlace;
+    place.name = request.entity;
+    place.position = {pose.position.x, pose.position.y, pose.position.z};
+    place.rpy = {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+                 std::atan2(R(1, 0), R(0, 0))};
+    reply({.result = Do(place)});
+  });
+}
+
+SimulationServices::Bodies SimulationServices::BodiesNow() const {
+  const std::lock_guard lock(mutex_);
+  return bodies_;
+}
+
+void SimulationServices::PublishBodies() {
+  Bodies bodies = simulation_.bodies ? simulation_.bodies() : Bodies();
+  if (tf_->has_readers() && !bodies.empty()) {
+    msg::TFMessage message;
+    for (const auto& [name, X_WB] : bodies) {
+      const msg::Pose pose = PoseOf(X_WB);
+      message.transforms.push_back(
+          {.header = {.stamp = now_(), .frame_id = "world"},
+           .child_frame_id = name,
+           .transform = {
+               .translation = {.x = pose.position.x, .y = pose.position.y, .z = pose.position.z},
+               .rotation = pose.orientation}});
+    }
+    tf_->Publish(message);
+  }
+  const std::lock_guard lock(mutex_);
+  bodies_ = std::move(bodies);
+}
+
+void SimulationServices::Look() {
+  if (++looks_ % kLooksPerTransforms == 0) PublishBodies();
+  std::optional<Steps> over;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!steps_ || simulation_.robot.IsStepping()) return;
+    over = std::exchange(steps_, std::nullopt);
+  }
+  over->end(Failed(msg::Result::kOk, ""));
+}
+
+}  // namespace twin::ros2
