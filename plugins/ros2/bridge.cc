@@ -100,6 +100,7 @@ class Bridge::Impl {
   std::unique_ptr<FrankaHandActions> franka_hand_;
   std::unique_ptr<FrankaTopics> franka_topics_;
   std::unique_ptr<SimulationServices> simulation_;  ///< null: none
+  std::unique_ptr<CameraTopics> cameras_;           ///< null: none
   // Of the publishing thread:
   Time hand_read_{};
   double width_ = 0;
@@ -130,6 +131,10 @@ Bridge::Impl::Impl(const BridgeOptions& options, BridgedRobot robot, StateTap& t
     simulation_ = std::make_unique<SimulationServices>(node_, *robot_.simulation,
                                                        [this] { return ToMessage(Now()); });
   }
+  if (robot_.cameras) {
+    cameras_ =
+        std::make_unique<CameraTopics>(node_, *robot_.cameras, [this] { return ToMessage(Now()); });
+  }
   node_.Announce();
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
@@ -137,6 +142,7 @@ Bridge::Impl::Impl(const BridgeOptions& options, BridgedRobot robot, StateTap& t
 Bridge::Impl::~Impl() {
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
+  cameras_.reset();
   node_.End();  // no handler runs any more
   arm_.reset();
   hand_.reset();

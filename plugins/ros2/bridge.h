@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "plugins/ros2/camera_topics.h"
 #include "plugins/ros2/node.h"
 #include "plugins/ros2/simulation_services.h"
 #include "plugins/ros2/state_tap.h"
@@ -45,6 +46,7 @@ struct BridgedRobot {
   /// it is not known.
   std::function<HandState()> hand{};
   std::optional<Simulation> simulation{};  ///< of a robot that is simulated here
+  std::optional<Cameras> cameras{};
   /// Robot time passes as the wall clock's: stamps are then never behind it by more than 0.1 s.
   bool follows_wall_clock = true;
 };

@@ -74,7 +74,13 @@ class CdrWriter {
   template <typename T>
   void Write(const std::vector<T>& elements) {
     Write(static_cast<std::uint32_t>(elements.size()));
-    for (const T& element : elements) Write(element);
+    if constexpr (Number<T> && !std::same_as<T, bool>) {
+      if (elements.empty()) return;
+      Align(sizeof(T));
+      Append(elements.data(), elements.size() * sizeof(T));
+    } else {
+      for (const T& element : elements) Write(element);
+    }
   }
 
   [[nodiscard]] std::vector<std::byte> Take() && { return std::move(bytes_); }

@@ -46,6 +46,7 @@ struct Quality {
   bool is_reliable = true;
   bool is_latched = false;  ///< transient local: late joiners get the last ones
   std::int32_t depth = 10;  ///< keep last
+  bool is_large = false;    ///< longer than a datagram: sent by a thread of DDS
   bool operator==(const Quality&) const = default;
 };
 

@@ -142,6 +142,7 @@ class FastWriter final : public Writer, private dds::DataWriterListener {
       : publisher_(publisher), topic_(wire.name), misfit_(std::move(misfit)) {
     dds::DataWriterQos qos;
     Set(qos, wire, quality);
+    if (quality.is_large) qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
     writer_ = Require(publisher.create_datawriter(&topic, qos, this), "writer of " + wire.name);
   }
   ~FastWriter() override {

@@ -18,6 +18,8 @@
 #include "twin/core/integer.h"
 #include "twin/page/live_feed.h"
 #include "twin/plant/observers.h"
+#include "twin/render/frame_painter.h"
+#include "twin/run/film.h"
 #include "twin/run/run_records.h"
 #include "twin/server/controlled_robot.h"
 #include "twin/server/served_robot.h"
@@ -48,6 +50,37 @@ ros2::BridgeOptions OptionsOf(const RosFlags& flags, const RosBridge::Tell& tell
   options.arms = flags.arms;
   return options;
 }
+
+/// What one camera sees of the newest scene.
+class CameraPainter {
+ public:
+  CameraPainter(const mjModel_& model, const record::SceneRecord& scene, const render::View& view)
+      : snapshots_(OneScene(scene)),
+        painter_({.model = &model, .snapshots = &snapshots_}, SettingsOf(view)) {}
+
+  [[nodiscard]] ros2::Picture Paint(const record::SceneRecord& scene, bool with_depth) {
+    snapshots_ = OneScene(scene);
+    return {.image = painter_.Paint(0),
+            .depth = with_depth ? painter_.Depth(0) : render::DepthImage(),
+            .camera = painter_.Camera(0)};
+  }
+
+ private:
+  static render::Snapshots OneScene(const record::SceneRecord& scene) {
+    render::Snapshots snapshots(1, scene.positions);
+    snapshots.Append(scene);
+    return snapshots;
+  }
+  static render::FilmSettings SettingsOf(const render::View& view) {
+    render::FilmSettings settings;
+    settings.view = view;
+    settings.overlays.text = false;
+    return settings;
+  }
+
+  render::Snapshots snapshots_;  ///< referenced by painter_
+  render::FramePainter painter_;
+};
 
 class FastRosBridge final : public RosBridge {
  public:
@@ -81,6 +114,7 @@ class FastRosBridge final : public RosBridge {
     if (robot::AnswerPacedRobot* const lockstep = robot.lockstep()) {
       bridged.simulation->is_paused = [lockstep] { return lockstep->cycles_left().has_value(); };
     }
+    if (truth_ != nullptr) bridged.cameras = MakeCameras(session.scenario());
     bridge_.emplace(OptionsOf(flags_, tell), std::move(bridged), tap_);
     return bridge_->Introduction();
   }
@@ -109,8 +143,28 @@ class FastRosBridge final : public RosBridge {
     return plant::FreeBodies(truth_->model(), feed_.places().value().Positions());
   }
 
+  ros2::Cameras MakeCameras(const scenario::Scenario& scenario) {
+    render::View hand;
+    hand.kind = render::ViewKind::kGripper;
+    views_ = {run::FilmOf(scenario.render).view, hand};
+    painters_.resize(views_.size());
+    return {.names = {"overview", "hand"},
+            .paint = [this](std::size_t camera, bool with_depth) -> std::optional<ros2::Picture> {
+              static_cast<void>(feed_.scene().Refresh());
+              if (!feed_.scene().has_value()) return std::nullopt;
+              const record::SceneRecord& scene = feed_.scene().value();
+              auto& painter = painters_[camera];
+              if (!painter) {
+                painter = std::make_unique<CameraPainter>(truth_->model(), scene, views_[camera]);
+              }
+              return painter->Paint(scene, with_depth);
+            }};
+  }
+
   const RosFlags flags_;
-  const plant::TruthProbe* truth_ = nullptr;  ///< whose scenes the feed has
+  std::vector<render::View> views_;
+  std::vector<std::unique_ptr<CameraPainter>> painters_;  ///< of the cameras' thread
+  const plant::TruthProbe* truth_ = nullptr;              ///< whose scenes the feed has
   page::LiveFeed feed_;
   ros2::StateTap tap_;
   std::optional<ros2::Bridge> bridge_;

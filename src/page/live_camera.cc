@@ -4,10 +4,10 @@
 #include <optional>
 #include <utility>
 
-#include "page/jpeg.h"
 #include "twin/core/error.h"
 #include "twin/render/film.h"
 #include "twin/render/frame_painter.h"
+#include "twin/render/jpeg.h"
 #include "twin/render/snapshots.h"
 #include "twin/rt/host_time.h"
 #include "twin/rt/thread_setup.h"
@@ -76,7 +76,7 @@ void LiveCamera::Run(const std::stop_token& stop) {
 }
 
 void LiveCamera::Draw(const std::stop_token& stop) {
-  JpegEncoder encoder(kQuality);
+  render::JpegEncoder encoder(kQuality);
   std::optional<LivePainter> painter;
   std::size_t view = 0;
   Time drawn{};

@@ -37,6 +37,15 @@ mjrRect PlaceOf(const Inset& inset, const mjrRect& whole) {
           top ? whole.height - height - kMargin : kMargin, width, height};
 }
 
+/// X_WC of a frame that looks along `forward`; C as in PinholeCamera.
+Transform PoseOf(const CameraFrame& frame) {
+  const Vector3& f = frame.forward_W;
+  const Vector3& u = frame.up_W;
+  const Vector3 r{f[1] * u[2] - f[2] * u[1], f[2] * u[0] - f[0] * u[2], f[0] * u[1] - f[1] * u[0]};
+  return {r[0],  r[1],  r[2],  0, u[0],         u[1],         u[2],         0,
+          -f[0], -f[1], -f[2], 0, frame.p_W[0], frame.p_W[1], frame.p_W[2], 1};
+}
+
 }  // namespace
 
 class FramePainter::Impl {
@@ -82,6 +91,23 @@ class FramePainter::Impl {
     const Shot shot = ShotOf(frame);
     const SceneRenderer::Current current = scene_.Use();
     return scene_.Measure(shot);
+  }
+
+  PinholeCamera Camera(std::size_t frame) {
+    const Shot shot = ShotOf(frame);
+    const double fovy = model_.get().vis.global.fovy;
+    const int width = settings_.render.width;
+    const int height = settings_.render.height;
+    if (shot.frame) return PinholeCamera(PoseOf(*shot.frame), fovy, width, height);
+    if (shot.camera.type == mjCAMERA_FIXED) {
+      const auto id = static_cast<std::ptrdiff_t>(shot.camera.fixedcamid);
+      return PinholeCamera(CameraPose(*data_, id), model_.get().cam_fovy[id], width, height);
+    }
+    FreeCamera free{.azimuth_deg = shot.camera.azimuth,
+                    .elevation_deg = shot.camera.elevation,
+                    .distance_m = shot.camera.distance};
+    std::copy_n(shot.camera.lookat, 3, free.lookat_m.begin());
+    return PinholeCamera::FromFreeCamera(free, fovy, width, height);
   }
 
   SegmentationImage Segment(std::size_t frame) {
@@ -204,6 +230,10 @@ Image FramePainter::Paint(std::size_t frame, const PlannedGoal& goal) {
 
 DepthImage FramePainter::Depth(std::size_t frame) {
   return MujocoCall("A depth picture cannot be drawn", [&] { return impl_->Depth(frame); });
+}
+
+PinholeCamera FramePainter::Camera(std::size_t frame) {
+  return MujocoCall("A camera cannot be placed", [&] { return impl_->Camera(frame); });
 }
 
 SegmentationImage FramePainter::Segment(std::size_t frame) {

@@ -94,11 +94,8 @@ class Renderer::Impl {
     }
     model_.SetPositions(qpos, *data_);
     const auto id = static_cast<std::ptrdiff_t>(camera_.fixedcamid);
-    const mjtNum* const R = data_->cam_xmat + 9 * id;  // row-major
-    const mjtNum* const p = data_->cam_xpos + 3 * id;
-    const Transform X_WC{R[0], R[3], R[6], 0, R[1], R[4], R[7], 0,
-                         R[2], R[5], R[8], 0, p[0], p[1], p[2], 1};
-    return PinholeCamera(X_WC, model_.get().cam_fovy[id], settings_.width, settings_.height);
+    return PinholeCamera(CameraPose(*data_, id), model_.get().cam_fovy[id], settings_.width,
+                         settings_.height);
   }
 
   [[nodiscard]] const DrawnModel& model() const noexcept { return model_; }

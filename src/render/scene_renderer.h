@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +20,13 @@ struct CameraFrame {
   Vector3 forward_W{};
   Vector3 up_W{};
 };
+
+/// X_WC of a camera of the model; C as in PinholeCamera.
+inline Transform CameraPose(const mjData& data, std::ptrdiff_t id) {
+  const mjtNum* const R = data.cam_xmat + 9 * id;  // row-major
+  const mjtNum* const p = data.cam_xpos + 3 * id;
+  return {R[0], R[3], R[6], 0, R[1], R[4], R[7], 0, R[2], R[5], R[8], 0, p[0], p[1], p[2], 1};
+}
 
 /// Content of one rendering pass.
 struct Shot {

@@ -30,6 +30,8 @@ class FramePainter {
   [[nodiscard]] Image Paint(std::size_t frame, const PlannedGoal& goal);
   /// @returns distances along the main view's axis, without insets and overlays.
   [[nodiscard]] DepthImage Depth(std::size_t frame);
+  /// @returns the main view's own projection.
+  [[nodiscard]] PinholeCamera Camera(std::size_t frame);
   /// @returns the body seen in each pixel of the main view, without insets and overlays.
   [[nodiscard]] SegmentationImage Segment(std::size_t frame);
 

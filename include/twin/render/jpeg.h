@@ -4,7 +4,7 @@
 
 #include "twin/render/image.h"
 
-namespace twin::page {
+namespace twin::render {
 
 /// Encodes pictures as JPEG with libjpeg-turbo, chroma at half the resolution. Threads: one.
 class JpegEncoder {
@@ -17,11 +17,11 @@ class JpegEncoder {
 
   /// @returns the file's bytes. @pre the picture is not empty. @throws EnvironmentError with the
   /// library's reason.
-  [[nodiscard]] std::string Encode(const render::Image& image);
+  [[nodiscard]] std::string Encode(const Image& image);
 
  private:
   void* handle_;
   const int quality_;
 };
 
-}  // namespace twin::page
+}  // namespace twin::render

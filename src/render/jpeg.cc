@@ -1,4 +1,4 @@
-#include "page/jpeg.h"
+#include "twin/render/jpeg.h"
 
 #include <turbojpeg.h>
 
@@ -6,7 +6,7 @@
 
 #include "twin/core/error.h"
 
-namespace twin::page {
+namespace twin::render {
 
 JpegEncoder::JpegEncoder(int quality) : handle_(tjInitCompress()), quality_(quality) {
   if (handle_ == nullptr) {
@@ -18,7 +18,7 @@ JpegEncoder::~JpegEncoder() {
   tjDestroy(handle_);
 }
 
-std::string JpegEncoder::Encode(const render::Image& image) {
+std::string JpegEncoder::Encode(const Image& image) {
   TWIN_CHECK(!image.rgb.empty());
   std::string bytes(tjBufSize(image.width, image.height, TJSAMP_420), '\0');
   auto* out = reinterpret_cast<unsigned char*>(bytes.data());
@@ -32,4 +32,4 @@ std::string JpegEncoder::Encode(const render::Image& image) {
   return bytes;
 }
 
-}  // namespace twin::page
+}  // namespace twin::render
