@@ -105,6 +105,7 @@ class Bridge::Impl {
   Time hand_read_{};
   double width_ = 0;
   Time repeat_at_{};  ///< in lockstep
+  bool follows_calendar_;
   std::jthread thread_;
 };
 
@@ -114,7 +115,8 @@ Bridge::Impl::Impl(const BridgeOptions& options, BridgedRobot robot, StateTap& t
       names_(NamesOf(options.joint_prefix)),
       tap_(tap),
       origin_ns_(options.lockstep_hz ? 0 : calendar_.Now().time_since_epoch().count()),
-      node_(options.node) {
+      node_(options.node),
+      follows_calendar_(robot_.follows_wall_clock) {
   joint_states_ = node_.Advertise<msg::JointState>("joint_states", {});
   robot_joint_states_ = node_.Advertise<msg::JointState>("robot_joint_states", {.depth = 1});
   clock_topic_ = node_.Advertise<msg::Clock>("/clock", {.depth = 1});
@@ -257,7 +259,10 @@ msg::JointState Bridge::Impl::JointsOf(const RobotState& state, bool with_finger
 }
 
 void Bridge::Impl::FollowCalendar(Time at) {
-  if (!robot_.follows_wall_clock) return;
+  if (robot_.simulation && robot_.simulation->is_paused && robot_.simulation->is_paused()) {
+    follows_calendar_ = false;  // from the first pause on, time is the robot's alone
+  }
+  if (!follows_calendar_) return;
   const twin::Duration behind = calendar_.Now() - StampOf(at);
   if (behind > kMostBehind) origin_ns_ += behind.count();
 }

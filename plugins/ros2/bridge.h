@@ -47,7 +47,8 @@ struct BridgedRobot {
   std::function<HandState()> hand{};
   std::optional<Simulation> simulation{};  ///< of a robot that is simulated here
   std::optional<Cameras> cameras{};
-  /// Robot time passes as the wall clock's: stamps are then never behind it by more than 0.1 s.
+  /// Robot time passes as the wall clock's: stamps are then never behind it by more than 0.1 s,
+  /// until time is paused.
   bool follows_wall_clock = true;
 };
 

@@ -1,0 +1,212 @@
+"""A node of real ROS 2 (rclpy) that commands a twin, and the twin it commands. Runs in an environment of ros_env.py; enter() goes there."""
+
+import math
+import os
+import pathlib
+import random
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+import ros_env
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
+ARM = "/panda_arm_controller/follow_joint_trajectory"
+HAND = "/panda_hand_controller/gripper_cmd"
+PATIENCE = 60  # s, for anything that comes
+
+
+def enter(distro, domain):
+    """Starts this program again with the Python and the environment of a distribution."""
+    if os.environ.get("TWIN_IN_ROS") == distro:
+        return
+    environment = os.environ | ros_env.environment_of(distro, domain) | {"TWIN_IN_ROS": distro}
+    python = str(ros_env.python_of(distro))
+    os.execve(python, [python, *sys.argv], environment)
+
+
+def free_ports():
+    """Two ports in a row, below those that the system gives to clients."""
+    while True:
+        port = random.randrange(11000, 30000, 2)
+        try:
+            for number in (port, port + 1):
+                with socket.socket() as one:
+                    one.bind(("127.0.0.1", number))
+            return port
+        except OSError:
+            continue
+
+
+class Twin:
+    """panda-twin serve --ros, or ros, as a process."""
+
+    def __init__(self, program, *words, command="serve", port=None, ros=True):
+        self.port = port or free_ports()
+        self.log = tempfile.NamedTemporaryFile("w+", prefix="ros2_test_")
+        self.control = tempfile.mktemp(prefix="ros2_test_", suffix=".sock")
+        flags = ["--port", str(self.port), "--hand-port", str(self.port + 1), "--control", self.control] if command == "serve" else []
+        flags += ["--ros"] if ros and command == "serve" else []
+        sign = "ROS 2 domain" if ros else "ends  on Ctrl-C"
+        self.program = program
+        self.process = subprocess.Popen([program, command, *words, *flags], stdout=self.log, stderr=subprocess.STDOUT, cwd=ROOT,
+                                        env={**os.environ, "LD_LIBRARY_PATH": ""})
+        until(lambda: sign in self.told() or self.process.poll() is not None, "the twin did not begin")
+        if self.process.poll() is not None:
+            raise RuntimeError(self.told())
+
+    def told(self):
+        return pathlib.Path(self.log.name).read_text()
+
+    def ctl(self, *words):
+        subprocess.run([self.program, "ctl", self.control, *words], check=True, capture_output=True, timeout=PATIENCE, env={**os.environ, "LD_LIBRARY_PATH": ""})
+
+    def memory_kb(self):
+        text = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        return int(text.split("VmRSS:")[1].split()[0])
+
+    def end(self, how=signal.SIGINT):
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+        try:
+            self.process.wait(timeout=PATIENCE)
+            return self.told()
+        finally:
+            self.process.kill()
+            self.process.wait()
+            self.log.close()
+
+
+def until(condition, why, seconds=PATIENCE, look=lambda: time.sleep(0.02)):
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            raise AssertionError(f"{why} within {seconds} s")
+        look()
+
+
+def seconds_of(stamp):
+    return stamp.sec + 1e-9 * stamp.nanosec
+
+
+class Partner:
+    """A node with what a user's program has of it."""
+
+    def __init__(self, name="partner", parameters=()):
+        import rclpy
+        from sensor_msgs.msg import JointState
+        self.rclpy = rclpy
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context)
+        self.node = rclpy.create_node(name, context=self.context, parameter_overrides=list(parameters))
+        self.executor = rclpy.executors.SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.states = []
+        self.node.create_subscription(JointState, "/joint_states", self.states.append, 100)
+        self.clients = {}
+
+    def end(self):
+        self.executor.shutdown()
+        self.node.destroy_node()
+        self.rclpy.shutdown(context=self.context)
+
+    def spin(self, seconds=0.05):
+        self.executor.spin_once(timeout_sec=seconds)
+
+    def spin_for(self, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.spin(0.01)
+
+    def until(self, condition, why="it did not come", seconds=PATIENCE):
+        until(condition, why, seconds, self.spin)
+
+    def wait(self, future, why="no answer"):
+        self.until(future.done, why)
+        return future.result()
+
+    def state(self):
+        """The arm's and the fingers' positions now."""
+        self.states.clear()
+        self.until(lambda: self.states, "no joint state")
+        return list(self.states[-1].position)
+
+    def collect(self, kind, topic, qos=10):
+        got = []
+        self.node.create_subscription(kind, topic, got.append, qos)
+        return got
+
+    def call(self, kind, name, request=None):
+        key = (kind, name)
+        if key not in self.clients:
+            self.clients[key] = self.node.create_client(kind, name)
+        client = self.clients[key]
+        self.until(client.service_is_ready, f"no service {name}")
+        return self.wait(client.call_async(request or kind.Request()), f"{name} did not answer")
+
+    def action(self, kind, name):
+        from rclpy.action import ActionClient
+        key = (kind, name)
+        if key not in self.clients:
+            self.clients[key] = ActionClient(self.node, kind, name)
+        self.until(self.clients[key].server_is_ready, f"no action {name}")
+        return self.clients[key]
+
+    def send(self, kind, name, goal, feedback=None):
+        client = self.action(kind, name)
+        take = None if feedback is None else lambda message: feedback.append(message.feedback)
+        return self.wait(client.send_goal_async(goal, feedback_callback=take), f"{name} took no goal")
+
+    def do(self, kind, name, goal, feedback=None):
+        """@returns status and result of a goal."""
+        response = self.wait(self.send(kind, name, goal, feedback).get_result_async(), f"a goal of {name} did not end")
+        return response.status, response.result
+
+    def arm(self, on=True):
+        from std_srvs.srv import SetBool
+        return self.call(SetBool, "/panda_twin/arm", SetBool.Request(data=on))
+
+
+def duration_of(seconds):
+    from builtin_interfaces.msg import Duration
+    return Duration(sec=int(seconds), nanosec=round(1e9 * (seconds - int(seconds))))
+
+
+def swing(share):
+    """A smooth way from 0 to 1: its value and two derivatives by the share of its time."""
+    return (1 - math.cos(math.pi * share)) / 2, math.pi * math.sin(math.pi * share) / 2, math.pi**2 * math.cos(math.pi * share) / 2
+
+
+def goal_of(start, by=0.2, seconds=2.0, step=0.1, derivatives=0, names=None, begin=0.0):
+    """A goal that moves all joints by as much. @param derivatives  given beside positions."""
+    from control_msgs.action import FollowJointTrajectory
+    from trajectory_msgs.msg import JointTrajectoryPoint
+    names = names or JOINTS
+    goal = FollowJointTrajectory.Goal()
+    goal.trajectory.joint_names = list(names)
+    at = [start[JOINTS.index(name)] if name in JOINTS else 0.0 for name in names]
+    count = round(seconds / step)
+    for i in range(count + 1):
+        x, dx, ddx = swing(i / count)
+        point = JointTrajectoryPoint(positions=[q + by * x for q in at], time_from_start=duration_of(begin + i * step))
+        if derivatives > 0:
+            point.velocities = [by * dx / seconds * (0 < i < count)] * len(names)
+        if derivatives > 1:
+            point.accelerations = [by * ddx / seconds**2] * len(names)
+        goal.trajectory.points.append(point)
+    return goal
+
+
+def following_error(states, start, begun_near, by=0.2, seconds=2.0):
+    """Largest distance of joint 1 from the swing, at the best common begin: (error, begin). Stamps are the robot's time."""
+    best = (math.inf, 0.0)
+    samples = [(seconds_of(m.header.stamp), m.position[0] - start[0]) for m in states]
+    for step in range(-300, 900):
+        begin = begun_near + 0.002 * step
+        error = max(abs(x - by * swing(min(max((t - begin) / seconds, 0), 1))[0]) for t, x in samples)
+        best = min(best, (error, begin))
+    return best
