@@ -103,13 +103,18 @@ msg::InertiaStamped TotalInertiaOf(const RobotState& state, const msg::Header& h
   return InertiaOf(m, com, I, header);
 }
 
-/// By their names, which are FCI's in both.
+/// By their names.
 msg::Errors ErrorsOf(const RobotErrors& errors) {
   static const std::map<std::string, std::size_t, std::less<>> kNumbers = [] {
     std::map<std::string, std::size_t, std::less<>> numbers;
     for (std::size_t i = 0; i < kRobotErrorCount; ++i) {
       numbers.emplace(Name(static_cast<RobotError>(i)), i);
     }
+    // These two libfranka calls otherwise.
+    const auto number = [](RobotError error) { return static_cast<std::size_t>(error); };
+    numbers.emplace("tau_j_range_violation", number(RobotError::kTauJRangeViolation));
+    numbers.emplace("cartesian_position_motion_generator_invalid_frame",
+                    number(RobotError::kCartesianPositionMotionGeneratorInvalidFrame));
     return numbers;
   }();
   msg::Errors made;

@@ -1,6 +1,7 @@
 #include "twin/loop/controller_loop.h"
 
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -21,10 +22,16 @@ class Ramp final : public control::Controller {
   void Update(const RobotState&, Time now, control::ControllerOutput& output) noexcept override {
     updates.push_back(now);
     output.target.joint.q[0] = ToSeconds(now.time_since_epoch());
+    output.fresh = fresh;
+    output.sampled_at = sampled_at;
+    output.finished = finished;
   }
   void Deactivate() noexcept override {}
 
   std::vector<Time> updates;
+  bool fresh = true;
+  bool finished = false;
+  std::optional<Time> sampled_at;
 };
 
 class ControllerLoopTest : public ::testing::Test {
@@ -74,6 +81,24 @@ TEST_F(ControllerLoopTest, AnOverrunSkipsToTheGrid) {
   EXPECT_EQ(wakes[1] - wakes[0], milliseconds(3));
   EXPECT_EQ(wakes[2] - wakes[1], milliseconds(3));
   EXPECT_EQ(loop.overruns(), 6u);
+}
+
+TEST_F(ControllerLoopTest, DepositsNothingUntilTheSourceHasGivenSomethingNew) {
+  ControllerLoop loop(config_, ramp_, exchange_, 1);
+  ramp_.fresh = false;
+  Run(loop, 3);
+  EXPECT_FALSE(exchange_.deposits.Refresh());
+  ramp_.finished = true;  // the end is always told
+  Run(loop, 1);
+  EXPECT_TRUE(exchange_.deposits.Refresh());
+}
+
+TEST_F(ControllerLoopTest, ADepositHasTheTimeAtWhichItsSourceSampled) {
+  ControllerLoop loop(config_, ramp_, exchange_, 1);
+  ramp_.sampled_at = Time(milliseconds(42));
+  Run(loop, 1);
+  ASSERT_TRUE(exchange_.deposits.Refresh());
+  EXPECT_EQ(exchange_.deposits.value().source_time, Time(milliseconds(42)));
 }
 
 TEST_F(ControllerLoopTest, FormsTheVelocityAtTheDepositOverItsOwnElapsedTime) {
