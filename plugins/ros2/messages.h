@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -315,19 +316,22 @@ struct MultiDOFJointTrajectory {
   }
 };
 
-/// Identity of an endpoint or participant; of 16 bytes since Iron.
-struct Gid {
+/// Identity of an endpoint or participant: of 16 bytes since Iron, of 24 in Humble.
+template <std::size_t N>
+struct GidOf {
   static constexpr const char* kName = "rmw_dds_common/msg/Gid";
-  std::array<std::uint8_t, 16> data{};  ///< .msg: char, which ROS 2 takes for uint8
+  std::array<std::uint8_t, N> data{};  ///< .msg: char, which ROS 2 takes for uint8
   static void Visit(auto& m, auto&& v) { v("data", m.data); }
 };
+using Gid = GidOf<16>;
 
-struct NodeEntitiesInfo {
+template <std::size_t N>
+struct NodeEntitiesInfoOf {
   static constexpr const char* kName = "rmw_dds_common/msg/NodeEntitiesInfo";
   BoundedString<256> node_namespace;
   BoundedString<256> node_name;
-  std::vector<Gid> reader_gid_seq;
-  std::vector<Gid> writer_gid_seq;
+  std::vector<GidOf<N>> reader_gid_seq;
+  std::vector<GidOf<N>> writer_gid_seq;
   static void Visit(auto& m, auto&& v) {
     v("node_namespace", m.node_namespace);
     v("node_name", m.node_name);
@@ -335,16 +339,19 @@ struct NodeEntitiesInfo {
     v("writer_gid_seq", m.writer_gid_seq);
   }
 };
+using NodeEntitiesInfo = NodeEntitiesInfoOf<16>;
 
-struct ParticipantEntitiesInfo {
+template <std::size_t N>
+struct ParticipantEntitiesInfoOf {
   static constexpr const char* kName = "rmw_dds_common/msg/ParticipantEntitiesInfo";
-  Gid gid;
-  std::vector<NodeEntitiesInfo> node_entities_info_seq;
+  GidOf<N> gid;
+  std::vector<NodeEntitiesInfoOf<N>> node_entities_info_seq;
   static void Visit(auto& m, auto&& v) {
     v("gid", m.gid);
     v("node_entities_info_seq", m.node_entities_info_seq);
   }
 };
+using ParticipantEntitiesInfo = ParticipantEntitiesInfoOf<16>;
 
 }  // namespace msg
 

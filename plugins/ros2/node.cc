@@ -19,8 +19,27 @@ constexpr auto kRetry = std::chrono::milliseconds(1);
 constexpr std::array<std::uint8_t, 2> kCyclone{0x01, 0x10};
 constexpr std::size_t kHeaderBytes = 16;
 
-msg::Gid GidOf(const Guid& guid) {
-  return {.data = guid};
+template <std::size_t N>
+msg::GidOf<N> GidOf(const Guid& guid) {
+  msg::GidOf<N> gid;
+  std::ranges::copy(guid, gid.data.begin());
+  return gid;
+}
+
+/// What a participant tells the graph of its one node.
+template <std::size_t N>
+std::vector<std::byte> GraphEntry(const NodeOptions& options, const Guid& participant,
+                                  const std::vector<Guid>& readers,
+                                  const std::vector<Guid>& writers) {
+  msg::NodeEntitiesInfoOf<N> node;
+  node.node_namespace.text = options.name_space;
+  node.node_name.text = options.name;
+  for (const Guid& reader : readers) node.reader_gid_seq.push_back(GidOf<N>(reader));
+  for (const Guid& writer : writers) node.writer_gid_seq.push_back(GidOf<N>(writer));
+  msg::ParticipantEntitiesInfoOf<N> info{.gid = GidOf<N>(participant),
+                                         .node_entities_info_seq = {}};
+  info.node_entities_info_seq.push_back(std::move(node));
+  return ToBytes(info);
 }
 
 void RequireNames(const NodeOptions& options) {
@@ -90,15 +109,10 @@ void Node::MakeReader(const WireTopic& topic, const Quality& quality,
 }
 
 void Node::Announce() {
-  msg::NodeEntitiesInfo node;
-  node.node_namespace.text = options_.name_space;
-  node.node_name.text = options_.name;
-  for (const auto& reader : readers_) node.reader_gid_seq.push_back(GidOf(reader->guid()));
-  for (const Guid& writer : writer_guids_) node.writer_gid_seq.push_back(GidOf(writer));
-  msg::ParticipantEntitiesInfo info{.gid = GidOf(participant_->guid()),
-                                    .node_entities_info_seq = {}};
-  info.node_entities_info_seq.push_back(std::move(node));
-  graph_->Write(ToBytes(info));
+  std::vector<Guid> readers;
+  for (const auto& reader : readers_) readers.push_back(reader->guid());
+  const auto entry = options_.is_humble ? &GraphEntry<24> : &GraphEntry<16>;
+  graph_->Write(entry(options_, participant_->guid(), readers, writer_guids_));
 }
 
 Node::Asker Node::AskerOf(const Sample& sample) const {

@@ -33,6 +33,7 @@ struct NodeOptions {
   std::string name_space = "/";  ///< "/" or "/left"
   DdsOptions dds{};
   ServiceMapping mapping = ServiceMapping::kByVendor;
+  bool is_humble = false;  ///< the graph's messages are Humble's, not those of Iron and later
   /// Receives a line about what people should know; any thread.
   std::function<void(std::string_view line)> tell{};
 };

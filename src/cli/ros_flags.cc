@@ -44,6 +44,7 @@ ros2::BridgeOptions OptionsOf(const RosFlags& flags, const RosBridge::Tell& tell
       flags.discovery == "subnet" ? ros2::Discovery::kSubnet : ros2::Discovery::kThisMachine;
   options.node.mapping =
       flags.header ? ros2::ServiceMapping::kHeader : ros2::ServiceMapping::kByVendor;
+  options.node.is_humble = flags.distro == "humble";
   options.node.tell = tell;
   options.rate_hz = flags.rate_hz;
   options.lockstep_hz = flags.lockstep_hz;
@@ -191,6 +192,11 @@ void AddRosNames(CLI::App& app, RosFlags& flags) {
       "(subnet)")
       ->check(CLI::IsMember({"localhost", "subnet"}))
       ->capture_default_str();
+  Add(app, "--ros-distro", flags.distro,
+      "Whose nodes find it by name (ros2 node list): Humble's (humble) or those of Iron and later "
+      "(jazzy, kilted); topics, services and actions are the same")
+      ->check(CLI::IsMember({"humble", "jazzy", "kilted"}))
+      ->capture_default_str();
   Add(app, "--ros-rate HZ", flags.rate_hz, "Rate of joint_states and /clock")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
@@ -206,7 +212,8 @@ void RequireRosFlags(const RosFlags& flags) {
   const RosFlags usual;
   RefuseIf(!flags.wanted &&
                (flags.name_space != usual.name_space || flags.discovery != usual.discovery ||
-                flags.rate_hz != usual.rate_hz || flags.lockstep_hz || flags.arms || flags.header),
+                flags.distro != usual.distro || flags.rate_hz != usual.rate_hz ||
+                flags.lockstep_hz || flags.arms || flags.header),
            "flags --ros-... belong to --ros: give it too");
 }
 

@@ -19,6 +19,7 @@ struct RosFlags {
   bool wanted = false;
   std::string name_space = "/";
   std::string discovery = "localhost";  ///< or "subnet"
+  std::string distro = "jazzy";         ///< "humble", or one since Iron
   double rate_hz = 100;
   std::optional<double> lockstep_hz;
   bool arms = false;

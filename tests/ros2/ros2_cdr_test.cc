@@ -99,6 +99,12 @@ TEST(Ros2Cdr, RefusesAStringBeyondItsBound) {
   EXPECT_FALSE(FromBytes<msg::NodeEntitiesInfo>(ToBytes(node)));
 }
 
+TEST(Ros2Cdr, TheGraphOfHumbleHasLongerIdentities) {
+  const msg::ParticipantEntitiesInfoOf<24> info;
+  EXPECT_EQ(ToBytes(info).size(), ToBytes(msg::ParticipantEntitiesInfo()).size() + 8);
+  EXPECT_TRUE(IsReadBack(info));
+}
+
 TEST(Ros2Cdr, WhatIsReadOfMutatedBytesIsReadBack) {
   const Random random(7, RandomStream::kTest);
   ForEachMessageOfAll([&]<typename M>() {
