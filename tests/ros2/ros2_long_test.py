@@ -22,8 +22,7 @@ from rclpy.qos import QoSProfile  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 
 WORDS = ["--drive", "lockstep", "--pace", "1"]
-RAW = """format: 1
-name: raw stream
+RAW = """name: raw_stream
 robot: {q_start: {unit: rad, values: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]}}
 tick: {generator: none}
 """
@@ -96,4 +95,4 @@ class StreamTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0]], verbosity=1)
+    unittest.main(argv=[sys.argv[0], *os.environ.get("TWIN_CASES", "").split()], verbosity=1)
