@@ -55,15 +55,17 @@ class ActionServer {
         feedback_(node.Advertise<FeedbackMessage<A>>(name + "/_action/feedback", {})),
         status_(node.Advertise<msg::GoalStatusArray>(name + "/_action/status",
                                                      {.is_latched = true, .depth = 1})) {
-    node.Serve<SendGoal<A>>(name + "/_action/send_goal", [this](auto&& request, auto reply) {
-      Accept(std::move(request), reply);
-    });
-    node.Serve<CancelGoal>(name + "/_action/cancel_goal", [this](auto&& request, auto reply) {
-      reply(Cancel(request.goal_info));
-    });
-    node.Serve<GetResult<A>>(name + "/_action/get_result", [this](auto&& request, auto reply) {
-      AnswerResult(request.goal_id, reply);
-    });
+    node.Serve<SendGoal<A>>(name + "/_action/send_goal",
+                            [this](typename SendGoal<A>::Request&& request, const auto& reply) {
+                              Accept(std::move(request), reply);
+                            });
+    node.Serve<CancelGoal>(name + "/_action/cancel_goal",
+                           [this](const CancelGoal::Request& request, const auto& reply) {
+                             reply(Cancel(request.goal_info));
+                           });
+    node.Serve<GetResult<A>>(name + "/_action/get_result",
+                             [this](const typename GetResult<A>::Request& request,
+                                    const auto& reply) { AnswerResult(request.goal_id, reply); });
     status_->Publish({});
   }
   ActionServer(const ActionServer&) = delete;
@@ -100,7 +102,7 @@ class ActionServer {
   /// Results that are kept for clients who ask late.
   static constexpr std::size_t kKeptGoals = 100;
 
-  void Accept(typename SendGoal<A>::Request&& request, auto& reply) {
+  void Accept(typename SendGoal<A>::Request&& request, const auto& reply) {
     typename SendGoal<A>::Response response;
     response.stamp = handlers_.now();
     if (Find(request.goal_id) != nullptr) return reply(response);

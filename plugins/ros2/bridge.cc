@@ -284,7 +284,7 @@ void Bridge::Impl::Take(const record::CycleRecord& record) {
   newest_.Publish({.at = record.at, .state = record.state});
   const msg::Time stamp = ToMessage(StampOf(record.at));
   if (!options_.lockstep_hz) PublishForController(record.state, stamp);
-  const auto every = static_cast<std::uint64_t>(1000 / options_.rate_hz + 0.5);
+  const auto every = static_cast<std::uint64_t>(std::lround(1000 / options_.rate_hz));
   const auto cycle = static_cast<std::uint64_t>(record.at.time_since_epoch() / kCycle);
   if (cycle % every != 0) return;
   if (joint_states_->has_readers()) {

@@ -92,7 +92,7 @@ HandCommand CommandOf(const msg::Grasp::Goal& goal) {
 
 }  // namespace
 
-void Recover(ArmCommander& arm, std::function<void(const std::string& why)> end) {
+void Recover(ArmCommander& arm, const std::function<void(const std::string& why)>& end) {
   Ask(
       arm, [](run::Session& session) { session.Recover(); }, end);
 }

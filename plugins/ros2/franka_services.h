@@ -39,6 +39,6 @@ class FrankaHandActions {
 
 /// Brings the robot back from a reflex. @param end  receives why not; empty: the robot is Idle. On
 /// the commander's thread, or at once when the arm is busy.
-void Recover(ArmCommander& arm, std::function<void(const std::string& why)> end);
+void Recover(ArmCommander& arm, const std::function<void(const std::string& why)>& end);
 
 }  // namespace twin::ros2

@@ -106,43 +106,54 @@ void SimulationServices::BeginSteps(std::uint64_t steps,
 }
 
 void SimulationServices::ServeState() {
-  node_.Serve<msg::GetSimulatorFeatures>("get_simulator_features", [this](auto&&, auto reply) {
-    using Features = msg::SimulatorFeatures;
-    msg::GetSimulatorFeatures::Response response;
-    response.features.features = {Features::kEntityStateGetting, Features::kEntityStateSetting,
-                                  Features::kSimulationStateGetting};
-    if (simulation_.is_paused) {
-      for (const auto feature : {Features::kSimulationReset, Features::kSimulationResetState,
-                                 Features::kSimulationStateSetting, Features::kSimulationStatePause,
-                                 Features::kStepSimulationSingle, Features::kStepSimulationMultiple,
-                                 Features::kStepSimulationAction}) {
-        response.features.features.push_back(feature);
-      }
-    }
-    response.features.custom_info = "panda-twin: a step is a cycle of the robot, 1 ms";
-    reply(response);
-  });
-  node_.Serve<msg::GetSimulationState>("get_simulation_state", [this](auto&&, auto reply) {
-    const bool stands = simulation_.is_paused && simulation_.is_paused();
-    reply({.state = {.state = static_cast<std::uint8_t>(stands ? msg::SimulationState::kPaused
-                                                               : msg::SimulationState::kPlaying)},
-           .result = Failed(msg::Result::kOk, "")});
-  });
-  node_.Serve<msg::SetSimulationState>("set_simulation_state", [this](auto&& request, auto reply) {
-    reply({.result = SetState(request.state.state)});
-  });
-  node_.Serve<msg::StepSimulation>("step_simulation", [this](auto&& request, auto reply) {
-    BeginSteps(request.steps, [reply](const msg::Result& result) { reply({.result = result}); });
-  });
-  node_.Serve<msg::ResetSimulation>("reset_simulation", [this](auto&&, auto reply) {
-    ControlRequest request;
-    request.verb = ControlVerb::kReset;
-    reply({.result = Do(request)});
-  });
+  node_.Serve<msg::GetSimulatorFeatures>(
+      "get_simulator_features",
+      [this](const msg::GetSimulatorFeatures::Request&, const auto& reply) {
+        using Features = msg::SimulatorFeatures;
+        msg::GetSimulatorFeatures::Response response;
+        response.features.features = {Features::kEntityStateGetting, Features::kEntityStateSetting,
+                                      Features::kSimulationStateGetting};
+        if (simulation_.is_paused) {
+          for (const auto feature :
+               {Features::kSimulationReset, Features::kSimulationResetState,
+                Features::kSimulationStateSetting, Features::kSimulationStatePause,
+                Features::kStepSimulationSingle, Features::kStepSimulationMultiple,
+                Features::kStepSimulationAction}) {
+            response.features.features.push_back(feature);
+          }
+        }
+        response.features.custom_info = "panda-twin: a step is a cycle of the robot, 1 ms";
+        reply(response);
+      });
+  node_.Serve<msg::GetSimulationState>(
+      "get_simulation_state", [this](const msg::GetSimulationState::Request&, const auto& reply) {
+        const bool stands = simulation_.is_paused && simulation_.is_paused();
+        reply(
+            {.state = {.state = static_cast<std::uint8_t>(stands ? msg::SimulationState::kPaused
+                                                                 : msg::SimulationState::kPlaying)},
+             .result = Failed(msg::Result::kOk, "")});
+      });
+  node_.Serve<msg::SetSimulationState>(
+      "set_simulation_state",
+      [this](const msg::SetSimulationState::Request& request, const auto& reply) {
+        reply({.result = SetState(request.state.state)});
+      });
+  node_.Serve<msg::StepSimulation>(
+      "step_simulation", [this](const msg::StepSimulation::Request& request, const auto& reply) {
+        BeginSteps(request.steps,
+                   [reply](const msg::Result& result) { reply({.result = result}); });
+      });
+  node_.Serve<msg::ResetSimulation>(
+      "reset_simulation", [this](const msg::ResetSimulation::Request&, const auto& reply) {
+        ControlRequest request;
+        request.verb = ControlVerb::kReset;
+        reply({.result = Do(request)});
+      });
 }
 
 void SimulationServices::ServeEntities() {
-  node_.Serve<msg::GetEntities>("get_entities", [this](auto&& request, auto reply) {
+  node_.Serve<msg::GetEntities>("get_entities", [this](const msg::GetEntities::Request& request,
+                                                       const auto& reply) {
     msg::GetEntities::Response response;
     try {
       const std::regex wanted(request.filters.filter.empty() ? ".*" : request.filters.filter,
@@ -156,41 +167,44 @@ void SimulationServices::ServeEntities() {
     }
     reply(response);
   });
-  node_.Serve<msg::GetEntityState>("get_entity_state", [this](auto&& request, auto reply) {
-    const Bodies bodies = BodiesNow();
-    const auto body = std::ranges::find(bodies, request.entity, &Bodies::value_type::first);
-    msg::GetEntityState::Response response;
-    response.result = body == bodies.end() ? Failed(msg::Result::kNotFound,
-                                                    "no free body is called " + request.entity)
-                                           : Failed(msg::Result::kOk, "");
-    if (body != bodies.end()) {
-      response.state.header = {.stamp = now_(), .frame_id = "world"};
-      response.state.pose = PoseOf(body->second);
-    }
-    reply(response);
-  });
-  node_.Serve<msg::SetEntityState>("set_entity_state", [this](auto&& request, auto reply) {
-    if (request.set_twist || request.set_acceleration || !request.set_pose) {
-      return reply({.result = Failed(msg::Result::kFeatureUnsupported,
-                                     "a pose alone can be set: set_pose; the body then rests")});
-    }
-    const msg::Pose& pose = request.state.pose;
-    const Eigen::Quaterniond q(pose.orientation.w, pose.orientation.x, pose.orientation.y,
-                               pose.orientation.z);
-    const double norm = q.norm();
-    if (!(std::abs(norm - 1) < 1e-3)) {
-      return reply({.result = Failed(msg::SetEntityState::kInvalidPose,
-                                     "the orientation is no unit quaternion")});
-    }
-    const Eigen::Matrix3d R = q.normalized().toRotationMatrix();
-    ControlRequest place;
-    place.verb = ControlVerb::kPlace;
-    place.name = request.entity;
-    place.position = {pose.position.x, pose.position.y, pose.position.z};
-    place.rpy = {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
-                 std::atan2(R(1, 0), R(0, 0))};
-    reply({.result = Do(place)});
-  });
+  node_.Serve<msg::GetEntityState>(
+      "get_entity_state", [this](const msg::GetEntityState::Request& request, const auto& reply) {
+        const Bodies bodies = BodiesNow();
+        const auto body = std::ranges::find(bodies, request.entity, &Bodies::value_type::first);
+        msg::GetEntityState::Response response;
+        response.result = body == bodies.end() ? Failed(msg::Result::kNotFound,
+                                                        "no free body is called " + request.entity)
+                                               : Failed(msg::Result::kOk, "");
+        if (body != bodies.end()) {
+          response.state.header = {.stamp = now_(), .frame_id = "world"};
+          response.state.pose = PoseOf(body->second);
+        }
+        reply(response);
+      });
+  node_.Serve<msg::SetEntityState>(
+      "set_entity_state", [this](const msg::SetEntityState::Request& request, const auto& reply) {
+        if (request.set_twist || request.set_acceleration || !request.set_pose) {
+          return reply(
+              {.result = Failed(msg::Result::kFeatureUnsupported,
+                                "a pose alone can be set: set_pose; the body then rests")});
+        }
+        const msg::Pose& pose = request.state.pose;
+        const Eigen::Quaterniond q(pose.orientation.w, pose.orientation.x, pose.orientation.y,
+                                   pose.orientation.z);
+        const double norm = q.norm();
+        if (!(std::abs(norm - 1) < 1e-3)) {
+          return reply({.result = Failed(msg::SetEntityState::kInvalidPose,
+                                         "the orientation is no unit quaternion")});
+        }
+        const Eigen::Matrix3d R = q.normalized().toRotationMatrix();
+        ControlRequest place;
+        place.verb = ControlVerb::kPlace;
+        place.name = request.entity;
+        place.position = {pose.position.x, pose.position.y, pose.position.z};
+        place.rpy = {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+                     std::atan2(R(1, 0), R(0, 0))};
+        reply({.result = Do(place)});
+      });
 }
 
 SimulationServices::Bodies SimulationServices::BodiesNow() const {

@@ -15,8 +15,10 @@
 #include "plugins/ros2/franka_state.h"
 #include "plugins/ros2/lockstep_answers.h"
 #include "plugins/ros2/robot_description.h"
+#include "plugins/ros2/state_tap.h"
 #include "plugins/ros2/trajectory_goal.h"
 #include "support/panda_limits.h"
+#include "support/realtime_guard.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 
@@ -190,6 +192,24 @@ TEST(Ros2Description, HasArmAndHand) {
   EXPECT_EQ(whole.find("<link name=\"panda_link8\""), whole.rfind("<link name=\"panda_link8\""));
   EXPECT_THAT(DescriptionOf(arm, {}), ::testing::Not(HasSubstr("finger")));
   EXPECT_THROW(DescriptionOf(models + "/robots/panda/limits.yaml", {}), InputError);
+}
+
+TEST(Ros2StateTap, CostsTheRobotNoMemoryAndNoLock) {
+  StateTap tap(nullptr);
+  record::CycleRecord record;
+  const test::RealtimeGuard guard;
+  for (int cycle = 0; cycle < 1000; ++cycle) {
+    record.at += kCycle;
+    tap.Put(record);
+  }
+  const test::RealtimeGuard::Counts counts = guard.counts();
+  EXPECT_EQ(counts, test::RealtimeGuard::Counts());
+  EXPECT_EQ(tap.dropped(), 1000 - 256);  // nobody took them
+  EXPECT_EQ(tap.last_at(), Time(1000 * kCycle));
+  int taken = 0;
+  while (tap.TryPop([&](const record::CycleRecord&) { ++taken; })) {
+  }
+  EXPECT_EQ(taken, 256);
 }
 
 TEST(Ros2Lockstep, WaitsForAnAnswerToTheState) {
