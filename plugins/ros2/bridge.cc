@@ -160,7 +160,13 @@ void Bridge::Impl::ServeArm() {
                           .states = robot_.keeps_connection ? &tap_ : nullptr,
                           .tell = options_.node.tell});
   arm_action_ = std::make_unique<TrajectoryAction>(
-      node_, options_.arm_action, *arm_, names_, [this] { return Now(); }, state);
+      node_, options_.arm_action, *arm_, names_, [this] { return Now(); }, state,
+      [this] {
+        return stream_ && stream_->is_leading()
+                   ? "the arm follows " + node_.Resolve("robot_joint_commands") +
+                         "; end that, or disarm it by " + node_.Resolve("~/arm")
+                   : std::string();
+      });
   franka_arm_ =
       std::make_unique<FrankaArmServices>(node_, *arm_, [this] { return ToMessage(Now()); });
   stream_ = std::make_unique<JointStream>(

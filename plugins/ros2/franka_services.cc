@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "twin/backend/backend.h"
+#include "twin/core/error.h"
 #include "twin/core/setting.h"
 
 namespace twin::ros2 {
@@ -19,9 +20,7 @@ class Request final : public ArmWork {
   using End_ = std::function<void(const std::string& why)>;
   Request(Do act, End_ end) : do_(std::move(act)), end_(std::move(end)) {}
   void Run(run::Session& session, const scenario::Scenario& /*client*/) override { do_(session); }
-  void End(const std::string& why, bool gave_up) override {
-    end_(gave_up && why.empty() ? "given up for another command" : why);
-  }
+  void End(const std::string& why, bool /*gave_up*/) override { end_(why); }
 
  private:
   const Do do_;
@@ -93,8 +92,11 @@ HandCommand CommandOf(const msg::Grasp::Goal& goal) {
 }  // namespace
 
 void Recover(ArmCommander& arm, const std::function<void(const std::string& why)>& end) {
-  Ask(
-      arm, [](run::Session& session) { session.Recover(); }, end);
+  const auto recover = [](run::Session& session) {
+    session.Recover();
+    if (session.interrupted()) throw RobotFault("given up for another command");
+  };
+  Ask(arm, recover, end);
 }
 
 FrankaArmServices::FrankaArmServices(Node& node, ArmCommander& arm,

@@ -220,9 +220,10 @@ void JointStream::Disarm() {
   parts_.lockstep ? current->Stop() : parts_.arm.GiveUp(*current);
 }
 
-bool JointStream::is_armed() const {
+bool JointStream::is_leading() const {
   const std::lock_guard lock(mutex_);
-  return is_armed_;
+  const std::shared_ptr<Follow> current = current_.lock();
+  return current && !current->is_over();
 }
 
 JointVector JointStream::PositionsOf(const msg::JointState& message) const {
@@ -294,11 +295,14 @@ void JointStream::Measure(const JointCommand& command, Time now) {
 
 void JointStream::BeginToFollow(const JointCommand& command, double rate_hz) {
   auto follow = std::make_shared<Follow>(*this, rate_hz);
-  current_ = follow;
   follow->Put(command);
+  current_ = follow;
+  if (!parts_.arm.TryBegin(follow)) {
+    current_.reset();
+    return Complain("the arm is busy with a goal or a request");
+  }
   parts_.tell(fmt::format("ROS 2: robot_joint_commands: the arm follows {}, {:.0f} commands/s",
                           TextOf(writer_), rate_hz));
-  parts_.arm.Begin(std::move(follow));
 }
 
 }  // namespace twin::ros2

@@ -31,7 +31,8 @@ namespace twin::ros2 {
 ///                  --> follows, from where the arm is --no message for kSilence--> armed
 ///
 /// The rate sets the resampler's lag; so what is late, early, doubled or lost leaves no step in the
-/// reference (reference/resampler.h). One node commands at a time, until it is silent for kSilence.
+/// reference (reference/resampler.h). One node commands at a time, until it is silent for kSilence;
+/// none while the arm executes a goal.
 /// Messages that are no command for this arm are ignored and told of.
 ///
 /// In lockstep the arm follows from the first command on, and stops when no answer comes in time.
@@ -59,7 +60,8 @@ class JointStream {
 
   void Arm();
   void Disarm();
-  [[nodiscard]] bool is_armed() const;
+  /// Whether the arm follows it.
+  [[nodiscard]] bool is_leading() const;
 
   /// A message from the network.
   void Put(const msg::JointState& message, const Guid& writer);

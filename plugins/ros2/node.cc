@@ -179,9 +179,16 @@ void Node::TellOfGarbage(const std::string& topic) {
 
 void Node::Post(std::function<void()> task) {
   const std::lock_guard lock(mutex_);
-  if (tasks_.size() >= kMostTasks) return;
   tasks_.push_back(std::move(task));
   wake_.notify_one();
+}
+
+void Node::PostRequest(std::function<void()> task) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (tasks_.size() >= kMostTasks) return;
+  }
+  Post(std::move(task));
 }
 
 void Node::Run(const std::stop_token& stop) {

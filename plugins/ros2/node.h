@@ -107,7 +107,7 @@ class Node {
       const auto reply = [this, replies, asker](const Response& response) {
         Reply(*replies, asker, ToBytes(response));
       };
-      Post([answer, reply, request = std::make_shared<Request>(std::move(*request))] {
+      PostRequest([answer, reply, request = std::make_shared<Request>(std::move(*request))] {
         answer(std::move(*request), reply);
       });
     };
@@ -154,6 +154,8 @@ class Node {
   static void Send(const Waiting& reply);
   void TellOfGarbage(const std::string& topic);
   void Run(const std::stop_token& stop);
+  /// As Post(), unless too many wait.
+  void PostRequest(std::function<void()> task);
   /// Sends what can be sent now. @returns whether some is left.
   bool SendWaiting();
 

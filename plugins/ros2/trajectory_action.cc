@@ -174,7 +174,7 @@ class TrajectoryAction::Follow final : public ArmWork {
     FollowJointTrajectory::Result answer{.error_code = why.empty() ? 0 : code_,
                                          .error_string = why};
     GoalState state = why.empty() ? GoalState::kSucceeded : GoalState::kAborted;
-    if (gave_up) {
+    if (gave_up && !why.empty()) {
       state = is_canceled_ ? GoalState::kCanceled : GoalState::kAborted;
       answer = {.error_code = 0,
                 .error_string = is_canceled_ ? "canceled; the arm was stopped"
@@ -223,11 +223,13 @@ class TrajectoryAction::Follow final : public ArmWork {
 
 TrajectoryAction::TrajectoryAction(Node& node, const std::string& name, ArmCommander& arm,
                                    JointNames names, std::function<Time()> now,
-                                   std::function<RobotState()> state)
+                                   std::function<RobotState()> state,
+                                   std::function<std::string()> why_not)
     : arm_(arm),
       names_(std::move(names)),
       now_(std::move(now)),
       state_(std::move(state)),
+      why_not_(std::move(why_not)),
       server_(node, name,
               {.begin = [this](const msg::UUID& id,
                                FollowJointTrajectory::Goal&& goal) { Begin(id, std::move(goal)); },
@@ -237,6 +239,12 @@ TrajectoryAction::TrajectoryAction(Node& node, const std::string& name, ArmComma
 TrajectoryAction::~TrajectoryAction() = default;
 
 void TrajectoryAction::Begin(const msg::UUID& id, FollowJointTrajectory::Goal&& goal) {
+  const std::string why = why_not_();
+  if (!why.empty()) {
+    server_.Tell(why);
+    return server_.Finish(id, GoalState::kAborted,
+                          {.error_code = FollowJointTrajectory::kInvalidGoal, .error_string = why});
+  }
   auto follow = std::make_shared<Follow>(*this, id, std::move(goal));
   current_ = follow;
   arm_.Begin(std::move(follow));

@@ -19,8 +19,10 @@ namespace twin::ros2 {
 class TrajectoryAction {
  public:
   /// @param now  of the clock of stamps; any thread. @param state  the newest; any thread.
+  /// @param why_not  why a goal may not begin now; empty: it may.
   TrajectoryAction(Node& node, const std::string& name, ArmCommander& arm, JointNames names,
-                   std::function<Time()> now, std::function<RobotState()> state);
+                   std::function<Time()> now, std::function<RobotState()> state,
+                   std::function<std::string()> why_not);
   ~TrajectoryAction();
 
  private:
@@ -34,6 +36,7 @@ class TrajectoryAction {
   const JointNames names_;
   const std::function<Time()> now_;
   const std::function<RobotState()> state_;
+  const std::function<std::string()> why_not_;
   std::weak_ptr<Follow> current_;  ///< of the node's thread
   Server server_;
 };

@@ -1,5 +1,6 @@
 """A node of real ROS 2 (rclpy) that commands a twin, and the twin it commands. Runs in an environment of ros_env.py; enter() goes there."""
 
+import bisect
 import math
 import os
 import pathlib
@@ -209,4 +210,20 @@ def following_error(states, start, begun_near, by=0.2, seconds=2.0):
         begin = begun_near + 0.002 * step
         error = max(abs(x - by * swing(min(max((t - begin) / seconds, 0), 1))[0]) for t, x in samples)
         best = min(best, (error, begin))
+    return best
+
+
+def stream_error(states, sent):
+    """Largest distance of joint 1 from the line through what was sent, at the best common delay: (error, delay)."""
+    times = [t for t, _ in sent]
+    best = (math.inf, 0.0)
+    samples = [(seconds_of(m.header.stamp), m.position[0]) for m in states]
+    for step in range(-20, 60):
+        delay, worst = 0.002 * step, 0.0
+        for t, x in samples:
+            i = bisect.bisect(times, t - delay)
+            if 0 < i < len(sent):
+                (t0, x0), (t1, x1) = sent[i - 1 : i + 1]
+                worst = max(worst, abs(x - x0 - (x1 - x0) * (t - delay - t0) / (t1 - t0)))
+        best = min(best, (worst, delay))
     return best

@@ -311,6 +311,7 @@ class StreamTest(Served):
         start = self.partner.state()[:7]
         ros2_partner.random.seed(1)
         begin = time.monotonic()
+        sent = []
         for i in range(int(seconds * rate)):
             due = begin + i / rate + ros2_partner.random.uniform(0, 0.3 / rate)
             while time.monotonic() < due:
@@ -318,15 +319,16 @@ class StreamTest(Served):
             message = JointState(name=list(names), position=[q + by(i / rate, amplitude) for q in start])
             message.header.stamp = self.partner.node.get_clock().now().to_msg()
             (publisher or self.publisher).publish(message)
+            sent.append((seconds_of(message.header.stamp), message.position[0]))
         self.partner.spin_for(0.3)
-        return start
+        return start, sent
 
     @staticmethod
     def up(t, amplitude):
         return amplitude * ros2_partner.swing(min(max((t - 1.5) / 2, 0), 1))[0]
 
     def test_unarmed_commands_are_ignored(self):
-        start = self.stream(1.0, 50, lambda t, amplitude: 0.05)
+        start, _ = self.stream(1.0, 50, lambda t, amplitude: 0.05)
         self.assertLess(max(abs(a - b) for a, b in zip(start, self.partner.state())), 1e-3)
         self.assertIn("is not armed for it", self.twin.told())
 
@@ -334,10 +336,9 @@ class StreamTest(Served):
         self.assertTrue(self.partner.arm().success)
         start = self.partner.state()[:7]
         self.partner.states.clear()
-        self.stream(4.5, 100, self.up)
-        begun = seconds_of(self.partner.states[0].header.stamp)
-        error, begin = ros2_partner.following_error(self.partner.states, start, begun + 1.5)
-        print(f"  stream of 100 Hz with jitter: {1e3 * error:.2f} mrad")
+        _, sent = self.stream(4.5, 100, self.up)
+        error, lag = ros2_partner.stream_error(self.partner.states, sent)
+        print(f"  stream of 100 Hz with jitter: {1e3 * error:.2f} mrad, {1e3 * lag:.0f} ms later")
         self.assertLess(error, 0.005)
         self.partner.until(lambda: "the commands have ended; the arm rests" in self.twin.told(), "the stream did not end")
         self.stream(4.5, 100, self.up, amplitude=-0.2)  # it may begin anew
@@ -362,6 +363,19 @@ class StreamTest(Served):
             self.assertIn("commands the arm too", self.twin.told())
         finally:
             other.end()
+
+    def test_a_goal_does_not_fight_with_the_stream(self):
+        self.partner.arm()
+        start, _ = self.stream(1.0, 100, lambda t, amplitude: 0)
+        goal = self.partner.send(FollowJointTrajectory, ARM, goal_of(start))
+        response = self.partner.wait(goal.get_result_async())
+        self.assertEqual(response.status, ABORTED)
+        self.assertIn("the arm follows /robot_joint_commands", response.result.error_string)
+        self.partner.until(lambda: "the commands have ended" in self.twin.told(), "the stream did not end")
+        goal = self.partner.send(FollowJointTrajectory, ARM, goal_of(start, seconds=4.0))
+        self.stream(1.5, 100, lambda t, amplitude: 0)
+        self.assertIn("the arm is busy", self.twin.told())
+        self.assertEqual(self.partner.wait(goal.get_result_async()).status, SUCCEEDED)
 
     def test_what_is_no_command(self):
         self.partner.arm()
