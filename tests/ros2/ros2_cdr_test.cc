@@ -128,8 +128,6 @@ TEST(Ros2TypeDescription, HashesAsRosDoes) {
             "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e");
   EXPECT_EQ(Describe<msg::JointTolerance>().Hash(),
             "RIHS01_c254f9cece0f3b733017b6990fd46d1326e25242d6b8844398c97d9a88e7d648");
-  EXPECT_EQ(Describe<msg::Errors>().Hash(),
-            "RIHS01_e98bbe0275432f4d9b5b74c11d4cda277d7d2bcf8593d8996070943574025976");
   EXPECT_EQ(Describe<msg::EntityFilters>().Hash(),
             "RIHS01_8e7b12e8ea062f14c55de4877221fe1b7cd9749665a7ad8a4ab855fc4b148303");
   EXPECT_EQ(Describe<msg::EntityState>().Hash(),
