@@ -107,10 +107,9 @@ struct Bounds {
 struct EntityCategory {
   static constexpr const char* kName = "simulation_interfaces/msg/EntityCategory";
   enum Category : std::uint8_t {
-    kUnknown = 0,
-    kObject = 1,
-    kRobot = 2,
-    kHuman = 3,
+    kObject = 0,
+    kRobot = 1,
+    kHuman = 2,
     kDynamicObject = 4,
     kStaticObject = 5,
   };
@@ -180,7 +179,7 @@ struct StepSimulation {
   static constexpr const char* kName = "simulation_interfaces/srv/StepSimulation";
   struct Request {
     static constexpr const char* kName = "simulation_interfaces/srv/StepSimulation_Request";
-    std::uint64_t steps = 0;
+    std::uint64_t steps = 1;
     static void Visit(auto& m, auto&& v) { v("steps", m.steps); }
   };
   struct Response {

@@ -126,6 +126,18 @@ TEST(Ros2Cdr, WhatIsReadOfMutatedBytesIsReadBack) {
 TEST(Ros2TypeDescription, HashesAsRosDoes) {
   EXPECT_EQ(Describe<msg::JointState>().Hash(),
             "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e");
+  EXPECT_EQ(Describe<msg::JointTolerance>().Hash(),
+            "RIHS01_c254f9cece0f3b733017b6990fd46d1326e25242d6b8844398c97d9a88e7d648");
+  EXPECT_EQ(Describe<msg::EntityFilters>().Hash(),
+            "RIHS01_8e7b12e8ea062f14c55de4877221fe1b7cd9749665a7ad8a4ab855fc4b148303");
+  EXPECT_EQ(Describe<msg::EntityState>().Hash(),
+            "RIHS01_2e0464a85eb80a939025075d6c20761eca6a4cb9d6baf2c0ba373467c8b598d0");
+  EXPECT_EQ(Describe<msg::SimulatorFeatures>().Hash(),
+            "RIHS01_8b101c8529bc0ea3dcf056078254768f39832b9ef0adaf93bd5cea96c0de3305");
+  EXPECT_EQ(Describe<msg::SimulationState>().Hash(),
+            "RIHS01_bb9f87ccdd98fba113052a512d9801e84ce732d0a2b3c2b0cb281828de36e415");
+  EXPECT_EQ(Describe<msg::StepSimulation::Response>().Hash(),
+            "RIHS01_5b4acf2d0ce7c3fc125d0bef2acb9b5a81377e80db6b696b81beeffb9824fb5c");
   EXPECT_EQ(Describe<msg::StepSimulation::Request>().Hash(),
             "RIHS01_cda33f6887815f3dce0f90e61fd8efd39bda13ae264ddede15c33fbad890630e");
   EXPECT_EQ(Describe<msg::SetForceTorqueCollisionBehavior::Request>().Hash(),

@@ -49,17 +49,21 @@ def types_of(name, text):
     return types
 
 
+def interfaces():
+    """{name of an interface: its file's text}"""
+    return {str(file.relative_to(INTERFACES).with_suffix("")): file.read_text() for kind in PARTS for file in INTERFACES.glob(f"*/{kind}/*.{kind}")}
+
+
 def typestore():
     store = get_typestore(Stores.ROS2_JAZZY)
-    interfaces = {str(file.relative_to(INTERFACES).with_suffix("")): file.read_text() for kind in PARTS for file in INTERFACES.glob(f"*/{kind}/*.{kind}")}
-    for name, text in (interfaces | SERVICES).items():
+    for name, text in (interfaces() | SERVICES).items():
         store.register(types_of(name, text))
-    return store, interfaces
+    return store
 
 
 class LayoutsTest(unittest.TestCase):
     def test_rosbags_has_the_same_hashes_and_bytes(self):
-        store, interfaces = typestore()
+        store = typestore()
         ours = [line.split() for line in subprocess.run([PROGRAM], capture_output=True, text=True, check=True).stdout.splitlines()]
         self.assertGreaterEqual(len(ours), 140)
         for name, type_hash, dds_name, data in ours:
@@ -70,7 +74,7 @@ class LayoutsTest(unittest.TestCase):
                 again = bytes(store.serialize_cdr(store.deserialize_cdr(bytes.fromhex(data), name), name)).hex()
                 self.assertEqual(again[: len(data)], data)
                 self.assertLess(len(again) - len(data), 8)  # rosbags pads its end
-        parts = {part for name, text in interfaces.items() for part in types_of(name, text)}
+        parts = {part for name, text in interfaces().items() for part in types_of(name, text)}
         self.assertEqual(parts - {name for name, *_ in ours}, set())
 
     def test_each_field_is_visited_under_its_own_name(self):  # of what has one type, neither hashes nor bytes tell
@@ -78,6 +82,22 @@ class LayoutsTest(unittest.TestCase):
             visits = re.findall(r'\bv\("(\w+)",\s*(?:m|self)\.(\w+)\)', file.read_text())
             self.assertGreater(len(visits), 10)
             self.assertEqual([visit for visit in visits if visit[0] != visit[1]], [], file.name)
+
+    def test_enums_have_the_values_of_the_constants(self):  # which are not in hashes
+        enums = {}
+        for file in TABLES.glob("*messages.h"):
+            for name, body in re.findall(r'kName = "([^"]+)";\s*(?:///[^\n]*\s*)*enum \w+ : [\w:]+ \{(.*?)\};', file.read_text(), re.DOTALL):
+                enums[name] = {int(value): enum for enum, value in re.findall(r"\bk(\w+) = (-?\d+)", body)}
+        texts = interfaces()
+        compared = enums.keys() & texts.keys()
+        self.assertGreaterEqual(len(compared), 10)
+        for name in compared:
+            with self.subTest(name):
+                found = re.findall(r"^\w+ ([A-Z]\w*) *= *(-?\d+)", texts[name], re.MULTILINE)
+                constants = {int(value): constant.title().replace("_", "") for constant, value in found}
+                self.assertEqual(enums[name].keys(), constants.keys())
+                # Ours leave out what all begin with.
+                self.assertEqual([value for value in constants if not constants[value].endswith(enums[name][value])], [])
 
 
 if __name__ == "__main__":
