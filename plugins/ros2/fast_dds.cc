@@ -10,6 +10,9 @@
 #include <vector>
 
 #include <fastdds/rtps/common/WriteParams.h>
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/TransportReceiverInterface.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -39,6 +42,7 @@ namespace {
 
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
+namespace fast_rtps = eprosima::fastdds::rtps;
 
 using Bytes = std::vector<std::byte>;
 
@@ -246,15 +250,50 @@ class FastReader final : public Reader, private dds::DataReaderListener {
   dds::DataReader* reader_ = nullptr;
 };
 
+struct OwnMachineTransportDescriptor final : fast_rtps::ChainingTransportDescriptor {
+  using ChainingTransportDescriptor::ChainingTransportDescriptor;
+  fast_rtps::TransportInterface* create_transport() const override;
+};
+
+/// UDP that hears this machine alone: what comes from elsewhere is dropped before DDS reads it.
+/// (DDS's own list of interfaces would do the same, and then finds no node of ROS.)
+class OwnMachineTransport final : public fast_rtps::ChainingTransport {
+ public:
+  explicit OwnMachineTransport(const OwnMachineTransportDescriptor& descriptor)
+      : ChainingTransport(descriptor), descriptor_(descriptor) {}
+
+  fast_rtps::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
+  bool send(rtps::SenderResource* sender, const rtps::octet* bytes, std::uint32_t size,
+            rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
+            const std::chrono::steady_clock::time_point& timeout) override {
+    return sender->send(bytes, size, begin, end, timeout);
+  }
+  void receive(fast_rtps::TransportReceiverInterface* receiver, const rtps::octet* bytes,
+               std::uint32_t size, const rtps::Locator_t& local,
+               const rtps::Locator_t& remote) override {
+    if (is_local_locator(remote)) receiver->OnDataReceived(bytes, size, local, remote);
+  }
+
+ private:
+  OwnMachineTransportDescriptor descriptor_;
+};
+
+fast_rtps::TransportInterface* OwnMachineTransportDescriptor::create_transport() const {
+  return new OwnMachineTransport(*this);
+}
+
 dds::DomainParticipantQos ParticipantQos(const DdsOptions& options) {
   dds::DomainParticipantQos qos;
   qos.name("panda-twin");
   qos.user_data().data_vec(UserData("enclave=/;"));
   qos.transport().use_builtin_transports = false;
-  const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  const auto udp = std::make_shared<fast_rtps::UDPv4TransportDescriptor>();
   udp->maxInitialPeersRange = kMostPeers;
-  qos.transport().user_transports.push_back(udp);
-  if (options.discovery == Discovery::kSubnet) return qos;
+  if (options.discovery == Discovery::kSubnet) {
+    qos.transport().user_transports.push_back(udp);
+    return qos;
+  }
+  qos.transport().user_transports.push_back(std::make_shared<OwnMachineTransportDescriptor>(udp));
   rtps::Locator_t loopback;
   loopback.kind = LOCATOR_KIND_UDPv4;
   rtps::IPLocator::setIPv4(loopback, 127, 0, 0, 1);

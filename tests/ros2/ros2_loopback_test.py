@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What another machine of the network hears of `serve --ros`: nothing, unless --ros-discovery subnet says so. The machine is a network namespace, which takes root."""
+"""What another machine of the network has of `serve --ros`: nothing, unless --ros-discovery subnet says so. The machine is a network namespace, which takes root."""
 
 import os
 import socket
@@ -8,8 +8,10 @@ import sys
 import time
 import unittest
 
+import ros_env
+
 PROGRAM = sys.argv[1]
-SECONDS = 4
+SECONDS = 14
 HERE, THERE = f"twinhere{os.getpid()}", f"twinthere{os.getpid()}"
 
 
@@ -19,6 +21,8 @@ def ip(*words):
 
 class LoopbackTest(unittest.TestCase):
     def setUp(self):
+        if os.getuid() != 0:
+            self.skipTest("network namespaces take root")
         for name, address in ((HERE, "10.77.0.1/24"), (THERE, "10.77.0.2/24")):
             ip("netns", "add", name)
             self.addCleanup(ip, "netns", "delete", name)
@@ -29,38 +33,61 @@ class LoopbackTest(unittest.TestCase):
             ip("-n", name, "link", "set", link, "up", "multicast", "on")
             ip("-n", name, "route", "add", "224.0.0.0/4", "dev", link)
 
-    def datagrams_heard(self, *words):
-        """@returns how many IPv4 datagrams reach the other machine while the robot is served."""
+    def found_and_heard(self, *words):
+        """@returns the nodes that a node of the other machine finds, which speaks to the robot's machine by its address, and how many datagrams of
+        the robot's machine reach the other."""
         listener = subprocess.Popen(["ip", "netns", "exec", THERE, sys.executable, __file__, "listen"], stdout=subprocess.PIPE, text=True)
         self.assertEqual(listener.stdout.readline(), "ready\n")
-        subprocess.run(["ip", "netns", "exec", HERE, PROGRAM, "serve", "--ros", "--drive", "lockstep", "--pace", "1", "--for", str(SECONDS), *words],
-                       check=True, capture_output=True, timeout=60)
-        out, _ = listener.communicate(timeout=60)
-        return int(out)
+        served = subprocess.Popen(["ip", "netns", "exec", HERE, PROGRAM, "serve", "--ros", "--drive", "lockstep", "--pace", "1", *words],
+                                  stdout=subprocess.PIPE, text=True)
+        try:
+            while "ROS 2 domain" not in served.stdout.readline():
+                self.assertIsNone(served.poll())
+            environment = os.environ | ros_env.environment_of("jazzy", 0) | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_STATIC_PEERS": "10.77.0.1"}
+            nodes = subprocess.run(["ip", "netns", "exec", THERE, ros_env.python_of("jazzy"), __file__, "look"],
+                                  env=environment, check=True, capture_output=True, text=True, timeout=60).stdout.split()
+        finally:
+            served.terminate()
+            served.wait(timeout=60)
+            served.stdout.close()
+            heard, _ = listener.communicate(timeout=60)
+        return nodes, int(heard)
 
-    def test_other_machines_hear_nothing(self):
-        self.assertEqual(self.datagrams_heard(), 0)
+    def test_other_machines_hear_nothing_and_are_not_heard(self):
+        self.assertEqual(self.found_and_heard(), (["there"], 0))
 
-    def test_subnet_is_heard(self):
-        self.assertGreater(self.datagrams_heard("--ros-discovery", "subnet"), 0)
+    def test_subnet_hears_and_is_heard(self):
+        nodes, heard = self.found_and_heard("--ros-discovery", "subnet")
+        self.assertEqual(nodes, ["panda_twin", "there"])
+        self.assertGreater(heard, 0)
 
 
 def listen():
-    """Counts IPv4 datagrams of UDP for a while."""
+    """Counts datagrams of UDP from the robot's machine."""
     sniffer = socket.socket(socket.AF_PACKET, socket.SOCK_DGRAM, socket.htons(0x0800))
     sniffer.settimeout(0.2)
     print("ready", flush=True)
-    heard, end = 0, time.monotonic() + SECONDS + 3
+    heard, end = 0, time.monotonic() + SECONDS
     while time.monotonic() < end:
         try:
-            heard += sniffer.recv(2048)[9] == 17
+            header = sniffer.recv(2048)
+            heard += header[9] == 17 and header[12:16] == bytes([10, 77, 0, 1])
         except TimeoutError:
             pass
     print(heard)
 
 
+def look():
+    import rclpy
+    rclpy.init()
+    node, end = rclpy.create_node("there"), time.monotonic() + 8
+    while time.monotonic() < end and len(node.get_node_names()) < 2:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    print(*sorted(node.get_node_names()))
+
+
 if __name__ == "__main__":
-    if PROGRAM == "listen":
-        listen()
+    if PROGRAM in ("listen", "look"):
+        {"listen": listen, "look": look}[PROGRAM]()
     else:
-        unittest.main(argv=[sys.argv[0]])
+        unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
