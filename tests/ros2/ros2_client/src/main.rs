@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use futures::StreamExt;
 use ros2_client::{
-    action, qos::{Durability, History}, ActionTypeName, Context, Message, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping,
+    action, qos::{Durability, History}, ActionTypeName, Context, ContextOptions, Message, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping,
     ServiceTypeName,
 };
 use serde::{Deserialize, Serialize};
@@ -73,7 +73,8 @@ fn main() {
         _ => ServiceMapping::Enhanced,
     };
     let qos = QosProfile::publisher_default().durability(Durability::Volatile).history(History::KeepLast { depth: 10 });
-    let context = Context::new().unwrap();
+    let domain = std::env::var("ROS_DOMAIN_ID").map_or(0, |text| text.parse().unwrap());
+    let context = Context::with_options(ContextOptions::new().domain_id(domain)).unwrap();
     let mut node = context.new_node(NodeName::new("/", "rust_partner").unwrap(), NodeOptions::default()).unwrap();
     smol::spawn(node.spinner().unwrap().spin()).detach();
     let topic = node.create_topic(&Name::new("/", "joint_states").unwrap(), MessageTypeName::new("sensor_msgs", "JointState"), &qos).unwrap();
