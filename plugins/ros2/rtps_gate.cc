@@ -13,18 +13,18 @@ constexpr std::size_t kSubmessageHeaderBytes = 4;
 /// Submessages of the standard by their ids, with the fewest bytes that each has; 0: none such.
 std::size_t LeastBytesOf(std::uint8_t id) noexcept {
   switch (id) {
-    case 0x01: return 1;   // PAD, of any length
-    case 0x06: return 24;  // ACKNACK
-    case 0x07: return 28;  // HEARTBEAT
-    case 0x08: return 28;  // GAP
+    case 0x01:             // PAD, of any length
     case 0x09: return 1;   // INFO_TS, of 8 or none
-    case 0x0c: return 20;  // INFO_SRC
+    case 0x0f: return 4;   // INFO_REPLY
     case 0x0d: return 8;   // INFO_REPLY_IP4
     case 0x0e: return 12;  // INFO_DST
-    case 0x0f: return 4;   // INFO_REPLY
-    case 0x12: return 24;  // NACK_FRAG
-    case 0x13: return 24;  // HEARTBEAT_FRAG
+    case 0x0c:             // INFO_SRC
     case 0x15: return 20;  // DATA
+    case 0x06:             // ACKNACK
+    case 0x12:             // NACK_FRAG
+    case 0x13: return 24;  // HEARTBEAT_FRAG
+    case 0x07:             // HEARTBEAT
+    case 0x08: return 28;  // GAP
     case 0x16: return 32;  // DATA_FRAG
     default: return 0;
   }
