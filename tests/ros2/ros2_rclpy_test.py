@@ -338,8 +338,10 @@ class StreamTest(Served):
         self.partner.states.clear()
         _, sent = self.stream(4.5, 100, self.up)
         error, lag = ros2_partner.stream_error(self.partner.states, sent)
-        print(f"  stream of 100 Hz with jitter: {1e3 * error:.2f} mrad, {1e3 * lag:.0f} ms later")
-        self.assertLess(error, 0.005)
+        gap = max(b - a for (a, _), (b, _) in zip(sent, sent[1:]))  # this host may stop the partner for a while
+        print(f"  stream of 100 Hz with jitter: {1e3 * error:.2f} mrad, {1e3 * lag:.0f} ms later; longest gap {1e3 * gap:.0f} ms")
+        fastest = 0.2 * math.pi / 4  # rad/s
+        self.assertLess(error, 0.005 + fastest * max(gap - 0.02, 0))
         self.partner.until(lambda: "the commands have ended; the arm rests" in self.twin.told(), "the stream did not end")
         self.stream(4.5, 100, self.up, amplitude=-0.2)  # it may begin anew
         self.assertLess(abs(self.partner.state()[0] - start[0]), 0.005)
@@ -386,6 +388,10 @@ class StreamTest(Served):
                 self.publisher.publish(JointState(name=names, position=position))
                 self.partner.spin_for(1.1)
             self.partner.until(lambda: text in self.twin.told(), f"the twin did not say: {text}")
+        old = JointState(name=JOINTS, position=start)
+        old.header.stamp.sec = int(time.time()) - 100  # as of a bag that is played
+        self.publisher.publish(old)
+        self.partner.until(lambda: "s ago; 1 s are permitted" in self.twin.told(), "the twin did not say that a command is old")
         self.assertLess(max(abs(a - b) for a, b in zip(start, self.partner.state())), 1e-3)
 
 
