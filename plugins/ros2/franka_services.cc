@@ -34,22 +34,34 @@ void Ask(ArmCommander& arm, Request::Do act, const Request::End_& end) {
 /// Serves a setter. @param make  makes of S::Request the robot's setting.
 template <typename S, typename Make>
 void ServeSetter(Node& node, ArmCommander& arm, const char* name, Make make) {
-  node.Serve<S>(std::string("service_server/") + name, [&arm, make](
-                                                           const typename S::Request& request,
-                                                           const auto& reply) {
-    const Setting setting = make(request);
-    Ask(
-        arm, [setting](run::Session& session) { session.connection().backend->Configure(setting); },
-        [reply](const std::string& why) {
-          typename S::Response response;
-          response.success = why.empty();
-          response.error = why;
-          reply(response);
-        });
-  });
+  node.Serve<S>(std::string("service_server/") + name,
+                [&arm, make](const typename S::Request& request, const auto& reply) {
+                  Ask(
+                      arm,
+                      [make, request](run::Session& session) {
+                        session.connection().backend->Configure(make(request));
+                      },
+                      [reply](const std::string& why) {
+                        typename S::Response response;
+                        response.success = why.empty();
+                        response.error = why;
+                        reply(response);
+                      });
+                });
+}
+
+/// With a threshold of 0 the robot is in a reflex at once, and none can be set in one.
+template <typename Thresholds>
+void RequireAboveZero(const Thresholds& upper) {
+  if (std::ranges::all_of(upper, [](double x) { return x > 0; })) return;
+  throw InputError("an upper threshold is 0 or below: the robot would stop by a reflex at once");
 }
 
 setting::CollisionBehavior BehaviorOf(const msg::SetFullCollisionBehavior::Request& request) {
+  RequireAboveZero(request.upper_torque_thresholds_acceleration);
+  RequireAboveZero(request.upper_torque_thresholds_nominal);
+  RequireAboveZero(request.upper_force_thresholds_acceleration);
+  RequireAboveZero(request.upper_force_thresholds_nominal);
   return {.lower_torque_acc = request.lower_torque_thresholds_acceleration,
           .upper_torque_acc = request.upper_torque_thresholds_acceleration,
           .lower_torque_nominal = request.lower_torque_thresholds_nominal,
@@ -63,6 +75,8 @@ setting::CollisionBehavior BehaviorOf(const msg::SetFullCollisionBehavior::Reque
 /// libfranka's short form: one set of thresholds for both.
 setting::CollisionBehavior BehaviorOf(
     const msg::SetForceTorqueCollisionBehavior::Request& request) {
+  RequireAboveZero(request.upper_torque_thresholds_nominal);
+  RequireAboveZero(request.upper_force_thresholds_nominal);
   return {.lower_torque_acc = request.lower_torque_thresholds_nominal,
           .upper_torque_acc = request.upper_torque_thresholds_nominal,
           .lower_torque_nominal = request.lower_torque_thresholds_nominal,

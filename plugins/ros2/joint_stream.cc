@@ -15,6 +15,8 @@ namespace {
 
 /// Of one motion; a stream may go on for so long.
 constexpr twin::Duration kLongest = std::chrono::hours(23);
+/// Highest believable rate of commands, Hz: a controller_manager's 1 kHz with jitter.
+constexpr double kMostRate = 1500;
 constexpr twin::Duration kBetweenComplaints = std::chrono::seconds(1);
 
 std::string TextOf(const Guid& writer) {
@@ -154,11 +156,20 @@ class JointStream::Follow::LockstepController final : public control::Controller
   void Update(const RobotState& state, Time /*now*/,
               control::ControllerOutput& output) noexcept override {
     output.fresh = cycles_++ % lockstep_.period_cycles == 0;
-    if (!output.fresh || output.failed || output.finished) return;
+    if (!output.fresh || output.failed) return;
+    if (output.finished) {  // the last target again, as a source that rests
+      *output.sampled_at += lockstep_.period_cycles * kCycle;
+      return;
+    }
     const auto answer = answers_.Await(lockstep_.publish(state), lockstep_.timeout);
-    output.finished = answers_.is_stopped();  // the arm comes to rest at the last target
-    output.failed = !output.finished && (!answer || !IsNear(answer->q));
-    if (output.failed || output.finished) return;
+    if (answers_.is_stopped()) {
+      output.finished = output.sampled_at.has_value();
+      output.failed = !output.finished;  // it has never been commanded
+      if (output.finished) *output.sampled_at += lockstep_.period_cycles * kCycle;
+      return;
+    }
+    output.failed = !answer || !IsNear(answer->q);
+    if (output.failed) return;
     output.target.joint.q = answer->q;
     output.sampled_at = answer->sampled_at;
   }
@@ -302,6 +313,7 @@ void JointStream::Measure(const JointCommand& command, Time now) {
   const double rate_hz =
       static_cast<double>(arrivals_.size() - 1) / ToSeconds(arrivals_.back() - arrivals_.front());
   arrivals_.clear();
+  if (rate_hz > kMostRate) return;  // a backlog that comes at once: measured anew
   BeginToFollow(command, rate_hz);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <regex>
 
 #include <fmt/format.h>
@@ -207,7 +208,11 @@ void Node::Run(const std::stop_token& stop) {
       task = std::move(tasks_.front());
       tasks_.pop_front();
     }
-    task();
+    try {
+      task();
+    } catch (const std::exception& error) {
+      Tell(fmt::format("ROS 2: a request failed, and is not answered: {}", error.what()));
+    }
   }
 }
 

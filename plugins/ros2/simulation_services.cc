@@ -19,6 +19,10 @@ using server::ControlVerb;
 
 /// Looks between two messages on /tf: 33 Hz.
 constexpr int kLooksPerTransforms = 30;
+/// The same for feedback on steps: 10 Hz.
+constexpr int kLooksPerFeedback = 100;
+/// Of names from the network, in messages.
+constexpr std::size_t kShownName = 64;
 
 msg::Pose PoseOf(const Transform& T) {
   const auto p = model::Position(T);
@@ -40,16 +44,13 @@ SimulationServices::SimulationServices(Node& node, Simulation simulation,
       now_(now),
       tf_(node.Advertise<msg::TFMessage>("/tf", {.depth = 100})),
       action_(node, "simulate_steps",
-              {.begin =
-                   [this](const msg::UUID& id, const msg::SimulateSteps::Goal& goal) {
-                     BeginSteps(goal.steps, [this, id](const msg::Result& result) {
-                       action_.Finish(id,
-                                      result.result == msg::Result::kOk ? GoalState::kSucceeded
-                                                                        : GoalState::kAborted,
-                                      {.result = result});
-                     });
+              {.begin = [this](const msg::UUID& id,
+                               const msg::SimulateSteps::Goal& goal) { Simulate(id, goal.steps); },
+               .cancel =
+                   [this](const msg::UUID&) {
+                     is_canceled_ = true;
+                     static_cast<void>(Do({.verb = ControlVerb::kPause}));
                    },
-               .cancel = [](const msg::UUID&) {},  // steps take no time of the wall clock's
                .now = now}) {
   ServeState();
   ServeEntities();
@@ -85,24 +86,42 @@ msg::Result SimulationServices::SetState(std::uint8_t state) {
   }
 }
 
-void SimulationServices::BeginSteps(std::uint64_t steps,
-                                    std::function<void(const msg::Result&)> end) {
+void SimulationServices::Simulate(const msg::UUID& id, std::uint64_t steps) {
+  is_canceled_ = false;
+  BeginSteps({.all = steps,
+              .end =
+                  [this, id](const msg::Result& result) {
+                    const bool is_well = result.result == msg::Result::kOk;
+                    action_.Finish(id,
+                                   is_canceled_ ? GoalState::kCanceled
+                                   : is_well    ? GoalState::kSucceeded
+                                                : GoalState::kAborted,
+                                   {.result = result});
+                  },
+              .tell =
+                  [this, id, steps](std::uint64_t left) {
+                    action_.Feedback(id,
+                                     {.completed_steps = steps - left, .remaining_steps = left});
+                  }});
+}
+
+void SimulationServices::BeginSteps(Steps steps) {
   if (simulation_.is_paused && !simulation_.is_paused()) {
-    return end(Failed(msg::Result::kIncorrectState, "time runs; pause it first"));
+    return steps.end(Failed(msg::Result::kIncorrectState, "time runs; pause it first"));
   }
-  if (steps < 1 || steps > ControlRequest::kMostCycles) {
-    return end(Failed(msg::Result::kOperationFailed,
-                      fmt::format("steps is {}; a step is 1 ms, and 1 to {} may be asked for",
-                                  steps, ControlRequest::kMostCycles)));
+  if (steps.all < 1 || steps.all > ControlRequest::kMostCycles) {
+    return steps.end(Failed(msg::Result::kOperationFailed,
+                            fmt::format("steps is {}; a step is 1 ms, and 1 to {} may be asked for",
+                                        steps.all, ControlRequest::kMostCycles)));
   }
   const std::lock_guard lock(mutex_);
-  if (steps_) return end(Failed(msg::Result::kIncorrectState, "other steps are under way"));
+  if (steps_) return steps.end(Failed(msg::Result::kIncorrectState, "other steps are under way"));
   ControlRequest request;
   request.verb = ControlVerb::kStep;
-  request.cycles = steps;
+  request.cycles = steps.all;
   const msg::Result begun = Do(request);
-  if (begun.result != msg::Result::kOk) return end(begun);
-  steps_ = Steps{.all = steps, .end = std::move(end)};
+  if (begun.result != msg::Result::kOk) return steps.end(begun);
+  steps_ = std::move(steps);
 }
 
 void SimulationServices::ServeState() {
@@ -140,8 +159,9 @@ void SimulationServices::ServeState() {
       });
   node_.Serve<msg::StepSimulation>(
       "step_simulation", [this](const msg::StepSimulation::Request& request, const auto& reply) {
-        BeginSteps(request.steps,
-                   [reply](const msg::Result& result) { reply({.result = result}); });
+        BeginSteps({.all = request.steps,
+                    .end = [reply](const msg::Result& result) { reply({.result = result}); },
+                    .tell = {}});
       });
   node_.Serve<msg::ResetSimulation>(
       "reset_simulation", [this](const msg::ResetSimulation::Request&, const auto& reply) {
@@ -172,9 +192,11 @@ void SimulationServices::ServeEntities() {
         const Bodies bodies = BodiesNow();
         const auto body = std::ranges::find(bodies, request.entity, &Bodies::value_type::first);
         msg::GetEntityState::Response response;
-        response.result = body == bodies.end() ? Failed(msg::Result::kNotFound,
-                                                        "no free body is called " + request.entity)
-                                               : Failed(msg::Result::kOk, "");
+        response.result =
+            body == bodies.end()
+                ? Failed(msg::Result::kNotFound,
+                         "no free body is called " + request.entity.substr(0, kShownName))
+                : Failed(msg::Result::kOk, "");
         if (body != bodies.end()) {
           response.state.header = {.stamp = now_(), .frame_id = "world"};
           response.state.pose = PoseOf(body->second);
@@ -188,6 +210,12 @@ void SimulationServices::ServeEntities() {
               {.result = Failed(msg::Result::kFeatureUnsupported,
                                 "a pose alone can be set: set_pose; the body then rests")});
         }
+        const std::string& frame = request.state.header.frame_id;
+        if (!frame.empty() && frame != "world") {
+          return reply(
+              {.result = Failed(msg::SetEntityState::kInvalidPose,
+                                "poses are those in the frame world; give that, or none")});
+        }
         const msg::Pose& pose = request.state.pose;
         const Eigen::Quaterniond q(pose.orientation.w, pose.orientation.x, pose.orientation.y,
                                    pose.orientation.z);
@@ -195,6 +223,14 @@ void SimulationServices::ServeEntities() {
         if (!(std::abs(norm - 1) < 1e-3)) {
           return reply({.result = Failed(msg::SetEntityState::kInvalidPose,
                                          "the orientation is no unit quaternion")});
+        }
+        const auto is_far = [](double x) { return !(std::abs(x) <= ControlRequest::kFarthest); };
+        if (is_far(pose.position.x) || is_far(pose.position.y) || is_far(pose.position.z)) {
+          return reply(
+              {.result = Failed(msg::SetEntityState::kInvalidPose,
+                                fmt::format("the position is not within {} m of the world's "
+                                            "origin",
+                                            ControlRequest::kFarthest))});
         }
         const Eigen::Matrix3d R = q.normalized().toRotationMatrix();
         ControlRequest place;
@@ -236,7 +272,13 @@ void SimulationServices::Look() {
   std::optional<Steps> over;
   {
     const std::lock_guard lock(mutex_);
-    if (!steps_ || simulation_.robot.IsStepping()) return;
+    if (!steps_) return;
+    if (simulation_.robot.IsStepping()) {
+      if (steps_->tell && looks_ % kLooksPerFeedback == 0) {
+        steps_->tell(simulation_.cycles_left());
+      }
+      return;
+    }
     over = std::exchange(steps_, std::nullopt);
   }
   over->end(Failed(msg::Result::kOk, ""));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -22,6 +23,7 @@ struct Simulation {
   server::ControlledRobot robot;
   /// Lockstep: whether time stands; empty on the wall clock.
   std::function<bool()> is_paused{};
+  std::function<std::uint64_t()> cycles_left{};  ///< of steps; as is_paused
   /// Names and poses (X_WB) of the scene's free bodies. Of the publishing thread.
   std::function<std::vector<std::pair<std::string, Transform>>()> bodies;
 };
@@ -43,11 +45,14 @@ class SimulationServices {
   struct Steps {
     std::uint64_t all = 0;
     std::function<void(const msg::Result&)> end;
+    std::function<void(std::uint64_t left)> tell;  ///< about every 100 ms; may be empty
   };
 
   void ServeState();
   void ServeEntities();
-  void BeginSteps(std::uint64_t steps, std::function<void(const msg::Result&)> end);
+  void BeginSteps(Steps steps);
+  /// The action's.
+  void Simulate(const msg::UUID& id, std::uint64_t steps);
   [[nodiscard]] msg::Result Do(const server::ControlRequest& request);
   [[nodiscard]] msg::Result SetState(std::uint8_t state);
   [[nodiscard]] Bodies BodiesNow() const;
@@ -60,6 +65,7 @@ class SimulationServices {
   mutable std::mutex mutex_;  ///< guards the following two
   Bodies bodies_;
   std::optional<Steps> steps_;
+  std::atomic<bool> is_canceled_{false};
   int looks_ = 0;
   ActionServer<msg::SimulateSteps> action_;
 };

@@ -86,8 +86,8 @@ class PathController final : public control::Controller {
     const Progress progress = progress_.Read();
     if (progress.violated >= kJoints) return {};
     return fmt::format(
-        "joint {} was {:.4f} rad from the path at {:.3f} s; path_tolerance permits "
-        "{:.4f} rad",
+        "joint {} was {:.3g} rad from the path at {:.3f} s; path_tolerance permits "
+        "{:.3g} rad",
         progress.violated + 1, progress.distance, ToSeconds(progress.at),
         goal_.path.position[progress.violated]);
   }
@@ -176,7 +176,7 @@ class TrajectoryAction::Follow final : public ArmWork {
     GoalState state = why.empty() ? GoalState::kSucceeded : GoalState::kAborted;
     if (gave_up && !why.empty()) {
       state = is_canceled_ ? GoalState::kCanceled : GoalState::kAborted;
-      answer = {.error_code = 0,
+      answer = {.error_code = is_canceled_ ? 0 : FollowJointTrajectory::kInvalidGoal,
                 .error_string = is_canceled_ ? "canceled; the arm was stopped"
                                              : "preempted by a newer command; the arm was stopped"};
     } else if (!why.empty()) {

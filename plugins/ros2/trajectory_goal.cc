@@ -37,6 +37,15 @@ struct Point {
   std::optional<JointVector> ddq;
 };
 
+/// What a client wrote, for messages: cut, and in one line.
+std::string Shown(std::string text) {
+  constexpr std::size_t kMost = 200;
+  if (text.size() > kMost) text.replace(kMost, std::string::npos, "...");
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+  return text;
+}
+
 /// Where each of the arm's joints stands in the goal's order.
 std::array<std::size_t, kJoints> OrderOf(const std::vector<std::string>& given,
                                          const JointNames& names) {
@@ -44,9 +53,10 @@ std::array<std::size_t, kJoints> OrderOf(const std::vector<std::string>& given,
   for (std::size_t j = 0; j < kJoints; ++j) {
     const auto found = std::ranges::find(given, names[j]);
     if (found == given.end() || given.size() != kJoints) {
-      Refuse(FollowJointTrajectory::kInvalidJoints,
-             fmt::format("joint_names are [{}]; this arm's are [{}], all of them, in any order",
-                         fmt::join(given, ", "), fmt::join(names, ", ")));
+      Refuse(
+          FollowJointTrajectory::kInvalidJoints,
+          fmt::format("joint_names are {}; this arm's are [{}], all of them, in any order",
+                      Shown(fmt::format("[{}]", fmt::join(given, ", "))), fmt::join(names, ", ")));
     }
     order[j] = static_cast<std::size_t>(found - given.begin());
   }
@@ -94,6 +104,11 @@ std::vector<Point> PointsOf(const msg::JointTrajectory& trajectory, const JointN
                       .q = *q,
                       .dq = ValuesOf(given.velocities, "velocities", i, order),
                       .ddq = ValuesOf(given.accelerations, "accelerations", i, order)});
+    if (given.time_from_start.nanosec >= 1'000'000'000) {
+      Refuse(FollowJointTrajectory::kInvalidGoal,
+             fmt::format("points[{}].time_from_start has {} nanoseconds: a second or more", i,
+                         given.time_from_start.nanosec));
+    }
     const bool is_in_order =
         i == 0 ? points[0].at >= twin::Duration::zero() : points[i].at > points[i - 1].at;
     if (!is_in_order) {
@@ -204,7 +219,7 @@ Tolerance ToleranceOf(const std::vector<msg::JointTolerance>& given, const Joint
     const auto name = std::ranges::find(names, one.name);
     if (name == names.end()) {
       Refuse(FollowJointTrajectory::kInvalidGoal,
-             fmt::format("{} names {}, which this arm has not", what, one.name));
+             fmt::format("{} names {}, which this arm has not", what, Shown(one.name)));
     }
     if (std::isnan(one.position)) {
       Refuse(FollowJointTrajectory::kInvalidGoal,

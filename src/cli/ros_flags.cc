@@ -114,6 +114,7 @@ class FastRosBridge final : public RosBridge {
         .bodies = [this] { return Bodies(); }});
     if (robot::AnswerPacedRobot* const lockstep = robot.lockstep()) {
       bridged.simulation->is_paused = [lockstep] { return lockstep->cycles_left().has_value(); };
+      bridged.simulation->cycles_left = [lockstep] { return lockstep->cycles_left().value_or(0); };
     }
     if (truth_ != nullptr) bridged.cameras = MakeCameras(session.scenario());
     bridge_.emplace(OptionsOf(flags_, tell), std::move(bridged), tap_);
@@ -209,6 +210,10 @@ void AddRosNames(CLI::App& app, RosFlags& flags) {
 }
 
 void RequireRosFlags(const RosFlags& flags) {
+  const auto is_rate = [](double hz) { return hz >= 1 && hz <= 1000; };
+  RefuseIf(!is_rate(flags.rate_hz), "--ros-rate must be in [1, 1000] Hz");
+  RefuseIf(flags.lockstep_hz && !is_rate(*flags.lockstep_hz),
+           "--ros-lockstep must be in [1, 1000] Hz");
   const RosFlags usual;
   RefuseIf(!flags.wanted &&
                (flags.name_space != usual.name_space || flags.discovery != usual.discovery ||

@@ -18,12 +18,13 @@ ros2_partner.enter(DISTRO, 20 + os.getpid() % 80)
 from control_msgs.action import FollowJointTrajectory, GripperCommand  # noqa: E402
 from franka_msgs.action import ErrorRecovery, Grasp, Homing, Move  # noqa: E402
 from franka_msgs.msg import FrankaRobotState  # noqa: E402
-from franka_msgs.srv import SetJointStiffness, SetLoad  # noqa: E402
+from franka_msgs.srv import SetFullCollisionBehavior, SetJointStiffness, SetLoad  # noqa: E402
 from geometry_msgs.msg import PoseStamped  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data  # noqa: E402
 from rosgraph_msgs.msg import Clock  # noqa: E402
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState  # noqa: E402
+from simulation_interfaces.action import SimulateSteps  # noqa: E402
 from simulation_interfaces.srv import GetEntities, GetEntityState, GetSimulationState, SetEntityState, SetSimulationState, StepSimulation  # noqa: E402
 from std_msgs.msg import String  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
@@ -147,6 +148,9 @@ class TrajectoryTest(Served):
         start = self.partner.state()
         self.refused(goal_of(start, names=[*JOINTS[:6], "panda_joint8"]), -2, "joint_names are")
         self.refused(goal_of(start, names=JOINTS[:6]), -2, "joint_names are")
+        goal = goal_of(start, names=["x" * 100000, *JOINTS[1:]])
+        self.refused(goal, -2, "joint_names are")
+        self.assertLess(max(map(len, self.twin.told().splitlines())), 1000)
         goal = goal_of(start)
         goal.trajectory.points[3].positions[2] = math.nan
         self.refused(goal, -1, "points[3].positions has a value that is not finite")
@@ -260,6 +264,9 @@ class FrankaTest(Served):
         answer = self.partner.call(SetJointStiffness, "/service_server/set_joint_stiffness", SetJointStiffness.Request(joint_stiffness=[-1.0] * 7))
         self.assertFalse(answer.success)
         self.assertIn("must be in", answer.error)
+        answer = self.partner.call(SetFullCollisionBehavior, "/service_server/set_full_collision_behavior")  # all zero
+        self.assertFalse(answer.success)
+        self.assertIn("threshold is 0", answer.error)
 
     def test_cameras(self):
         pictures = self.partner.collect(Image, "/camera/overview/image_raw", qos_profile_sensor_data)
@@ -287,6 +294,19 @@ class FrankaTest(Served):
         self.partner.spin_for(0.2)
         self.assertAlmostEqual(seconds_of(self.partner.states[-1].header.stamp) - before, 0.5, places=6)
         self.assertEqual(self.partner.call(GetSimulationState, "/get_simulation_state").state.state, 2)
+        steps = self.partner.send(SimulateSteps, "/simulate_steps", SimulateSteps.Goal(steps=100000), feedback := [])
+        self.partner.until(lambda: feedback, "no feedback")
+        self.partner.wait(steps.cancel_goal_async())
+        self.assertEqual(self.partner.wait(steps.get_result_async()).status, CANCELED)
+        self.partner.spin_for(0.3)
+        stands = seconds_of(self.partner.states[-1].header.stamp)
+        self.partner.spin_for(0.3)
+        self.assertEqual(seconds_of(self.partner.states[-1].header.stamp), stands)
+        for x in (math.nan, 1e30):
+            bad = SetEntityState.Request(entity="box", set_pose=True)
+            bad.state.pose.position.x = x
+            bad.state.pose.orientation.w = 1.0
+            self.assertEqual(self.partner.call(SetEntityState, "/set_entity_state", bad).result.result, 101)
         where = self.partner.call(GetEntityState, "/get_entity_state", GetEntityState.Request(entity="box")).state
         where.pose.position.y += 0.05
         where.pose.position.z += 0.02
@@ -439,7 +459,7 @@ class RestartTest(unittest.TestCase):
 class LockstepTest(unittest.TestCase):
     """Time stands until the partner has answered."""
 
-    def run_once(self, log):
+    def run_once(self, log, end=4.0):
         twin = Twin(PROGRAM, "--drive", "lockstep", "--idle", "freeze", "--ros-lockstep", "100", "--ros-arm", "--log", log)
         partner = Partner()
         publisher = partner.node.create_publisher(JointState, "/robot_joint_commands", QoSProfile(depth=1))
@@ -451,7 +471,7 @@ class LockstepTest(unittest.TestCase):
                 start.update(at=at, q=list(state.position))
             if publisher.get_subscription_count() == 0:
                 return
-            if at >= 4:  # time stands here
+            if at >= end:  # time stands here
                 start["over"] = True
                 return
             by = 0.2 * ros2_partner.swing(min(max((at - start["at"] - 0.5) / 2, 0), 1))[0]
@@ -464,9 +484,17 @@ class LockstepTest(unittest.TestCase):
             partner.until(lambda: start.get("over"), "robot time did not come to 4 s")
             partner.arm(False)
             partner.until(lambda: "the arm rests" in twin.told(), "the motion did not end")
+            return list(partner.states[-1].position)  # time stands again
         finally:
             partner.end()
             twin.end()
+
+    def test_ends_at_rest_in_full_motion(self):
+        import pathlib
+        import tempfile
+        with tempfile.TemporaryDirectory() as folder:
+            at_rest = self.run_once(str(pathlib.Path(folder) / "run.mcap"), end=1.505)  # half of the way, at the highest speed
+        self.assertLess(abs(at_rest[0] - 0.1), 0.02)
 
     def test_the_same_bytes_twice(self):
         import pathlib
