@@ -280,6 +280,7 @@ void JointStream::Put(const msg::JointState& message, const Guid& writer) {
   const std::lock_guard lock(mutex_);
   if (!is_armed_) {
     if (std::exchange(told_unarmed_, true)) return;
+    complained_.reset();  // it is told once: now
     return Complain(
         fmt::format("participant {} commands the arm, which is not armed for it (call "
                     "~/arm, or serve with --ros-arm)",

@@ -171,12 +171,12 @@ std::vector<reference::Waypoint> WaypointsOf(const std::vector<Point>& points) {
     if (i + 1 == points.size() || !points[i].dq || !points[i + 1].dq) continue;
     const twin::Duration span = points[i + 1].at - points[i].at;
     const auto parts = (span + kSampling / 2) / kSampling;
+    if (parts > static_cast<std::int64_t>(kMostPoints - waypoints.size())) {
+      Refuse(FollowJointTrajectory::kInvalidGoal, "the trajectory is longer than half an hour");
+    }
     for (std::int64_t part = 1; part < parts; ++part) {
       const twin::Duration at = points[i].at + span * part / parts;
       waypoints.push_back({.q = Between(points[i], points[i + 1], at), .at = at});
-    }
-    if (waypoints.size() > kMostPoints) {
-      Refuse(FollowJointTrajectory::kInvalidGoal, "the trajectory is longer than half an hour");
     }
   }
   return waypoints;

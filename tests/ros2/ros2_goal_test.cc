@@ -136,6 +136,15 @@ TEST(Ros2Goal, SaysWhatIsWrong) {
               HasSubstr("in the future"));
 }
 
+TEST(Ros2Goal, OfYearsIsRefusedBeforeItIsSampled) {
+  FollowJointTrajectory::Goal goal = Sound();
+  for (auto& point : goal.trajectory.points) point.velocities.assign(7, 0);
+  goal.trajectory.points[2].time_from_start.sec = 2'000'000'000;
+  const auto read = ReadGoal(goal, Context());
+  ASSERT_TRUE(std::holds_alternative<GoalRefusal>(read));
+  EXPECT_THAT(std::get<GoalRefusal>(read).why, HasSubstr("half an hour"));
+}
+
 TEST(Ros2Goal, TolerancesAreThoseOfTheMessage) {
   FollowJointTrajectory::Goal goal = Sound();
   goal.goal_tolerance = {{.name = "panda_joint2", .position = 0.01},
