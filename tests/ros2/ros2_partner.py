@@ -282,7 +282,7 @@ def die_in_a_goal():
     """A client that is gone in the middle of its goal."""
     from control_msgs.action import FollowJointTrajectory
     partner = Partner("dies")
-    partner.send(FollowJointTrajectory, ARM, goal_of(partner.state(), seconds=3.0))
+    partner.send(FollowJointTrajectory, ARM, goal_of(partner.state(), by=0.1, seconds=1.0))
     os.kill(os.getpid(), signal.SIGKILL)
 
 

@@ -277,7 +277,7 @@ class TrajectoryTest(Served):
         self.assertLess(took, 0.5)
         again = self.partner.wait(handle.cancel_goal_async())
         self.assertEqual((again.return_code, len(again.goals_canceling)), (CancelGoal.Response.ERROR_GOAL_TERMINATED, 0))
-        self.check_following(by=-0.1)
+        self.check_following(by=-0.1, seconds=1.0)
 
     def test_goals_nobody_knows(self):
         request = CancelGoal.Request()
@@ -308,7 +308,7 @@ class TrajectoryTest(Served):
         start = self.partner.state()
         first = self.partner.send(FollowJointTrajectory, ARM, goal_of(start))
         self.partner.until(lambda: abs(self.partner.states[-1].position[0] - start[0]) > 0.05, "the arm did not begin")
-        self.succeed(goal_of(start, by=0.0, begin=1.0))
+        self.succeed(goal_of(start, by=0.0, seconds=0.5, begin=1.0))
         response = self.partner.wait(first.get_result_async())
         self.assertEqual(response.status, ABORTED)
         self.assertIn("preempted", response.result.error_string)
@@ -331,7 +331,7 @@ class TrajectoryTest(Served):
             self.succeed(goal_of(self.partner.state(), by=-0.05, seconds=0.5), other)
             self.stays(start)
             first = self.partner.send(FollowJointTrajectory, ARM, goal_of(start))
-            second = other.send(FollowJointTrajectory, ARM, goal_of(start, by=0.1, begin=1.0))
+            second = other.send(FollowJointTrajectory, ARM, goal_of(start, by=0.1, seconds=0.5, begin=0.5))
             self.assertEqual(self.partner.wait(first.get_result_async()).status, ABORTED)
             self.assertEqual(other.wait(second.get_result_async()).status, SUCCEEDED)
             self.succeed(goal_of(self.partner.state(), by=-0.1, seconds=1.0))
@@ -344,7 +344,7 @@ class TrajectoryTest(Served):
         self.assertEqual(child.returncode, -signal.SIGKILL)
         self.partner.until(lambda: "motion finished" in self.told() or "motion stopped" in self.told(), "the dead client's goal did not end")
         self.is_well()
-        self.check_following(by=-0.1)
+        self.check_following(by=-0.1, seconds=1.0)
 
     def test_user_stop_and_recovery(self):
         handle = self.partner.send(FollowJointTrajectory, ARM, goal_of(self.partner.state(), seconds=20.0, by=-0.2))
@@ -359,7 +359,7 @@ class TrajectoryTest(Served):
         print(f"  recovery while the user stop is pressed: {answer.success}, {answer.message}")
         self.twin.ctl("user-stop", "release")
         self.assertTrue(self.partner.call(Trigger, "/panda_twin/recover").success)
-        self.check_following(by=0.1)
+        self.check_following(by=0.1, seconds=1.0)
 
 
 class FrankaTest(Served):
@@ -538,8 +538,8 @@ class StreamTest(Served):
         self.tells("the commands have ended")
         self.assertNotIn("motion was ended", self.told())
         self.stays(start)
-        goal = self.partner.send(FollowJointTrajectory, ARM, goal_of(start, seconds=4.0))
-        self.stream(1.5, start=start)
+        goal = self.partner.send(FollowJointTrajectory, ARM, goal_of(start, seconds=2.0))
+        self.stream(1.0, start=start)
         self.tells("the arm is busy")
         response = self.partner.wait(goal.get_result_async())
         self.assertEqual((response.status, response.result.error_string), (SUCCEEDED, ""))
@@ -548,8 +548,7 @@ class StreamTest(Served):
         self.partner.arm()
         _, start = self.partner.rest()
         q = start[:7]
-        for names, position, text in ((JOINTS[:6], q[:6], "lacks panda_joint7"), (JOINTS, q[:6], "lacks panda_joint7"),
-                                      ([*JOINTS[:6], "panda_joint8"], q, "lacks panda_joint7"), (JOINTS, [math.nan] * 7, "is commanded to nan"),
+        for names, position, text in (([*JOINTS[:6], "panda_joint8"], q, "lacks panda_joint7"), (JOINTS, [math.nan] * 7, "is commanded to nan"),
                                       (JOINTS, [9.0] * 7, "is commanded to 9"), (JOINTS, [], "has no positions")):
             end = time.monotonic() + ros2_partner.PATIENCE
             while text not in self.told():
@@ -678,17 +677,17 @@ class LockstepTest(unittest.TestCase):
             at = seconds_of(state.header.stamp)
             if not start:
                 start.update(at=at, q=list(state.position))
-            if at >= 4 or publisher.get_subscription_count() == 0:
+            start["stands"] = at >= 4  # for want of an answer
+            if start["stands"] or publisher.get_subscription_count() == 0:
                 return
             by = 0.2 * ros2_partner.swing(min(max((at - start["at"] - 0.5) / 2, 0), 1))[0]
             command = JointState(name=JOINTS, position=[q + by for q in start["q"]])
             command.header.stamp = state.header.stamp
             publisher.publish(command)
-            start["last"] = at
 
         partner.node.create_subscription(JointState, "/robot_joint_states", answer, QoSProfile(depth=1))
         try:
-            partner.until(lambda: start.get("last", 0) >= 3.98, "robot time did not come to 4 s")
+            partner.until(lambda: start.get("stands"), "robot time did not come to 4 s")
             partner.arm(False)
             partner.until(lambda: "the arm rests" in twin.told(), "the motion did not end")
         finally:
