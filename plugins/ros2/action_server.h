@@ -57,11 +57,11 @@ class ActionServer {
                                                      {.is_latched = true, .depth = 1})) {
     node.Serve<SendGoal<A>>(name + "/_action/send_goal",
                             [this](typename SendGoal<A>::Request&& request, const auto& reply) {
-                              Accept(std::move(request), reply);
+                              this->Accept(std::move(request), reply);
                             });
     node.Serve<CancelGoal>(name + "/_action/cancel_goal",
                            [this](const CancelGoal::Request& request, const auto& reply) {
-                             reply(Cancel(request.goal_info));
+                             reply(this->Cancel(request.goal_info));
                            });
     node.Serve<GetResult<A>>(name + "/_action/get_result",
                              [this](const typename GetResult<A>::Request& request,

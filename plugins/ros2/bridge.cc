@@ -32,6 +32,8 @@ namespace {
 constexpr twin::Duration kLook = kCycle;
 /// Between looks at the hand: 30 Hz, as franka_gripper publishes.
 constexpr twin::Duration kHandPeriod = std::chrono::milliseconds(33);
+/// After a hand that did not answer, which may have taken a while.
+constexpr twin::Duration kHandRetry = std::chrono::seconds(10);
 /// Between repetitions of the last state while time stands.
 constexpr twin::Duration kRepeat = std::chrono::milliseconds(50);
 /// Stamps that lie farther behind the calendar follow it.
@@ -102,7 +104,7 @@ class Bridge::Impl {
   std::unique_ptr<SimulationServices> simulation_;  ///< null: none
   std::unique_ptr<CameraTopics> cameras_;           ///< null: none
   // Of the publishing thread:
-  Time hand_read_{};
+  Time hand_due_{};
   double width_ = 0;
   Time repeat_at_{};  ///< in lockstep
   bool follows_calendar_;
@@ -173,6 +175,7 @@ void Bridge::Impl::ServeArm() {
       JointStream::Parts{.arm = *arm_,
                          .names = names_,
                          .limits = robot_.data.limits,
+                         .now = [this] { return Now(); },
                          .tell = [this](std::string_view line) { node_.Tell(line); },
                          .lockstep = MakeLockstep()});
   if (options_.arms) stream_->Arm();
@@ -275,12 +278,14 @@ void Bridge::Impl::FollowCalendar(Time at) {
 
 void Bridge::Impl::ReadHand(Time at) {
   const bool is_known = robot_.hand || (hand_ && robot_.keeps_connection);
-  if (!is_known || (at < hand_read_ + kHandPeriod && hand_read_ != Time())) return;
-  hand_read_ = at;
+  const bool is_due = at >= hand_due_ || hand_due_ - at > kHandRetry;  // or time began anew
+  if (!is_known || !is_due) return;
+  hand_due_ = at + kHandPeriod;
   try {
     width_ = robot_.hand ? robot_.hand().width : ConnectHand()->ReadState().width;
   } catch (const Error&) {
-    // The last one stays: the robot ends, or is not ready yet.
+    // The last one stays: the robot ends, or the hand is not there.
+    hand_due_ = at + kHandRetry;
     const std::lock_guard lock(hand_mutex_);
     kept_hand_.reset();
   }

@@ -31,6 +31,7 @@
 
 #include "plugins/ros2/cdr.h"
 #include "plugins/ros2/dds.h"
+#include "plugins/ros2/rtps_gate.h"
 #include "twin/core/error.h"
 
 // Four settings decide whether ROS 2 (Jazzy, Kilted) and Debian 12's Fast DDS 2.9.1 understand each
@@ -250,16 +251,18 @@ class FastReader final : public Reader, private dds::DataReaderListener {
   dds::DataReader* reader_ = nullptr;
 };
 
-struct OwnMachineTransportDescriptor final : fast_rtps::ChainingTransportDescriptor {
-  using ChainingTransportDescriptor::ChainingTransportDescriptor;
+struct GatedTransportDescriptor final : fast_rtps::ChainingTransportDescriptor {
+  GatedTransportDescriptor(std::shared_ptr<fast_rtps::TransportDescriptorInterface> udp, bool own)
+      : ChainingTransportDescriptor(std::move(udp)), own_machine(own) {}
+  const bool own_machine;  ///< drop what comes from others
   fast_rtps::TransportInterface* create_transport() const override;
 };
 
-/// UDP that hears this machine alone: what comes from elsewhere is dropped before DDS reads it.
-/// (DDS's own list of interfaces would do the same, and then finds no node of ROS.)
-class OwnMachineTransport final : public fast_rtps::ChainingTransport {
+/// UDP of which DDS reads what is well-formed, and comes from this machine where no other may
+/// speak. (DDS's own list of interfaces would do the latter, and then finds no node of ROS.)
+class GatedTransport final : public fast_rtps::ChainingTransport {
  public:
-  explicit OwnMachineTransport(const OwnMachineTransportDescriptor& descriptor)
+  explicit GatedTransport(const GatedTransportDescriptor& descriptor)
       : ChainingTransport(descriptor), descriptor_(descriptor) {}
 
   fast_rtps::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
@@ -271,15 +274,18 @@ class OwnMachineTransport final : public fast_rtps::ChainingTransport {
   void receive(fast_rtps::TransportReceiverInterface* receiver, const rtps::octet* bytes,
                std::uint32_t size, const rtps::Locator_t& local,
                const rtps::Locator_t& remote) override {
-    if (is_local_locator(remote)) receiver->OnDataReceived(bytes, size, local, remote);
+    if (descriptor_.own_machine && !is_local_locator(remote)) return;
+    const std::size_t readable = ReadableBytes(std::as_bytes(std::span(bytes, size)));
+    if (readable == 0) return;
+    receiver->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), local, remote);
   }
 
  private:
-  OwnMachineTransportDescriptor descriptor_;
+  GatedTransportDescriptor descriptor_;
 };
 
-fast_rtps::TransportInterface* OwnMachineTransportDescriptor::create_transport() const {
-  return new OwnMachineTransport(*this);
+fast_rtps::TransportInterface* GatedTransportDescriptor::create_transport() const {
+  return new GatedTransport(*this);
 }
 
 dds::DomainParticipantQos ParticipantQos(const DdsOptions& options) {
@@ -289,11 +295,10 @@ dds::DomainParticipantQos ParticipantQos(const DdsOptions& options) {
   qos.transport().use_builtin_transports = false;
   const auto udp = std::make_shared<fast_rtps::UDPv4TransportDescriptor>();
   udp->maxInitialPeersRange = kMostPeers;
-  if (options.discovery == Discovery::kSubnet) {
-    qos.transport().user_transports.push_back(udp);
-    return qos;
-  }
-  qos.transport().user_transports.push_back(std::make_shared<OwnMachineTransportDescriptor>(udp));
+  const bool own_machine = options.discovery == Discovery::kThisMachine;
+  qos.transport().user_transports.push_back(
+      std::make_shared<GatedTransportDescriptor>(udp, own_machine));
+  if (!own_machine) return qos;
   rtps::Locator_t loopback;
   loopback.kind = LOCATOR_KIND_UDPv4;
   rtps::IPLocator::setIPv4(loopback, 127, 0, 0, 1);

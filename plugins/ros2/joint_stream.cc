@@ -246,6 +246,17 @@ JointVector JointStream::PositionsOf(const msg::JointState& message) const {
   return q;
 }
 
+void JointStream::RequireTimely(Time stamp) const {
+  if (stamp == Time() || parts_.lockstep) return;
+  const twin::Duration age = parts_.now() - stamp;
+  if (age <= kOldest && age >= -kOldest) return;
+  throw InputError(fmt::format(
+      "a command is stamped {:.3f} s {}; {} s are permitted. See that both ends use the same clock "
+      "(use_sim_time), or leave the stamp 0",
+      std::abs(ToSeconds(age)), age > twin::Duration::zero() ? "ago" : "ahead",
+      ToSeconds(kOldest)));
+}
+
 void JointStream::Complain(std::string_view why) {
   const Time now = clock_.Now();
   if (complained_ && now - *complained_ < kBetweenComplaints) return;
@@ -270,6 +281,7 @@ void JointStream::Put(const msg::JointState& message, const Guid& writer) {
   }
   try {
     const Time stamp = FromMessage(message.header.stamp);
+    RequireTimely(stamp);
     const JointCommand command{.q = PositionsOf(message),
                                .sampled_at = stamp == Time() ? now : stamp};
     if (is_silent || writer != writer_) arrivals_.clear();

@@ -46,11 +46,14 @@ class JointStream {
   static constexpr twin::Duration kSilence = std::chrono::milliseconds(500);
   /// Largest distance of the first command from the arm, rad.
   static constexpr double kStartTolerance = 0.1;
+  /// A command whose stamp is farther from now is none: a replayed bag, or another clock.
+  static constexpr twin::Duration kOldest = std::chrono::seconds(1);
 
   struct Parts {
     ArmCommander& arm;
     JointNames names;
     JointLimits limits;
+    std::function<Time()> now;  ///< of the clock of stamps; any thread
     std::function<void(std::string_view line)> tell;
     /// Time stands until the node has answered, whose rate is then known; absent: it passes.
     std::optional<Lockstep> lockstep{};
@@ -71,6 +74,8 @@ class JointStream {
 
   /// @returns the positions in the arm's order. @throws InputError saying what is wrong.
   [[nodiscard]] JointVector PositionsOf(const msg::JointState& message) const;
+  /// @throws InputError for a stamp that is not of now.
+  void RequireTimely(Time stamp) const;
   /// Once a second at most.
   void Complain(std::string_view why);
   void Measure(const JointCommand& command, Time now);

@@ -74,7 +74,7 @@ msg::Result SimulationServices::SetState(std::uint8_t state) {
     case State::kPaused: request.verb = ControlVerb::kPause; return Do(request);
     case State::kStopped: {
       request.verb = ControlVerb::kReset;
-      const msg::Result reset = Do(request);
+      msg::Result reset = Do(request);
       if (reset.result != msg::Result::kOk) return reset;
       request.verb = ControlVerb::kPause;
       return Do(request);

@@ -18,8 +18,9 @@
 namespace twin::ros2::ros2_cdr_test {
 namespace {
 
-std::vector<std::byte> Bytes(std::vector<int> values) {
+std::vector<std::byte> Bytes(const std::vector<int>& values) {
   std::vector<std::byte> bytes;
+  bytes.reserve(values.size());
   for (const int value : values) bytes.push_back(static_cast<std::byte>(value));
   return bytes;
 }

@@ -1,7 +1,9 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 #include <limits>
+#include <span>
 #include <string>
 #include <thread>
 #include <variant>
@@ -15,6 +17,7 @@
 #include "plugins/ros2/franka_state.h"
 #include "plugins/ros2/lockstep_answers.h"
 #include "plugins/ros2/robot_description.h"
+#include "plugins/ros2/rtps_gate.h"
 #include "plugins/ros2/state_tap.h"
 #include "plugins/ros2/trajectory_goal.h"
 #include "support/panda_limits.h"
@@ -191,7 +194,37 @@ TEST(Ros2Description, HasArmAndHand) {
   EXPECT_THAT(whole, HasSubstr("panda_finger_joint2"));
   EXPECT_EQ(whole.find("<link name=\"panda_link8\""), whole.rfind("<link name=\"panda_link8\""));
   EXPECT_THAT(DescriptionOf(arm, {}), ::testing::Not(HasSubstr("finger")));
-  EXPECT_THROW(DescriptionOf(models + "/robots/panda/limits.yaml", {}), InputError);
+  EXPECT_THROW(static_cast<void>(DescriptionOf(models + "/robots/panda/limits.yaml", {})),
+               InputError);
+}
+
+std::vector<std::byte> Datagram(std::initializer_list<int> body) {
+  std::vector<std::byte> bytes{std::byte{'R'}, std::byte{'T'}, std::byte{'P'}, std::byte{'S'}};
+  bytes.resize(20);
+  for (const int byte : body) bytes.push_back(static_cast<std::byte>(byte));
+  return bytes;
+}
+
+TEST(Ros2RtpsGate, DdsReadsWholeKnownSubmessages) {
+  EXPECT_EQ(ReadableBytes({}), 0U);
+  EXPECT_EQ(ReadableBytes(Datagram({})), 0U);
+  // INFO_TS without a time, then a statistics submessage of eProsima's, which is left out.
+  EXPECT_EQ(ReadableBytes(Datagram({0x09, 3, 0, 0, 0x80, 1, 4, 0, 1, 2, 3, 4})), 24U);
+  // INFO_DST of 12 bytes, big endian; the same cut.
+  const auto whole = Datagram({0x0e, 0, 0, 12, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
+  EXPECT_EQ(ReadableBytes(whole), whole.size());
+  EXPECT_EQ(ReadableBytes(std::span(whole).first(whole.size() - 1)), 0U);
+  auto other = whole;
+  other[0] = std::byte{'X'};
+  EXPECT_EQ(ReadableBytes(other), 0U);
+}
+
+TEST(Ros2RtpsGate, DdsStepsThroughNoThousandYearsOfSamples) {
+  std::vector<std::byte> heartbeat = Datagram({0x07, 1, 28, 0});
+  heartbeat.resize(24 + 28);
+  EXPECT_EQ(ReadableBytes(heartbeat), heartbeat.size());
+  heartbeat[24 + 16] = std::byte{1};  // the last sample's number is above 2^32
+  EXPECT_EQ(ReadableBytes(heartbeat), 0U);
 }
 
 TEST(Ros2StateTap, CostsTheRobotNoMemoryAndNoLock) {

@@ -16,7 +16,7 @@ from ros2_partner import ARM, JOINTS, Partner, Twin, goal_of
 
 PROGRAM = sys.argv[1]
 GOALS, RUNS, SECONDS = [int(word) for word in [*sys.argv[2:], *("1000", "100", "20")[len(sys.argv) - 2:]]]
-ros2_partner.enter("jazzy", 20 + os.getpid() % 80)
+ros2_partner.enter("jazzy")
 from control_msgs.action import FollowJointTrajectory  # noqa: E402
 from rclpy.qos import QoSProfile  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
@@ -68,11 +68,12 @@ class StreamTest(unittest.TestCase):
     def stream(partner, publisher, rate):
         start = partner.state()[:7]
         begin = time.monotonic()
+        swings = 2 * ((SECONDS - 2) // 3)  # there and back; it ends where it began
         for i in range(SECONDS * rate):
             due = begin + i / rate + ros2_partner.random.uniform(0, 0.4 / rate)
             while time.monotonic() < due:
                 partner.spin(max(min(0.001, due - time.monotonic()), 0))
-            x = 0.15 * (ros2_partner.swing((i / rate - 1) / 1.5)[0]) if i > rate else 0.0
+            x = 0.15 * ros2_partner.swing(min(max((i / rate - 1) / 1.5, 0), swings))[0]
             message = JointState(name=JOINTS, position=[q + x for q in start])
             message.header.stamp = partner.node.get_clock().now().to_msg()
             publisher.publish(message)

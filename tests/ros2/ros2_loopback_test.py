@@ -21,10 +21,11 @@ def ip(*words):
 
 class LoopbackTest(unittest.TestCase):
     def setUp(self):
-        if os.getuid() != 0:
-            self.skipTest("network namespaces take root")
-        for name, address in ((HERE, "10.77.0.1/24"), (THERE, "10.77.0.2/24")):
-            ip("netns", "add", name)
+        for name in (HERE, THERE):
+            try:
+                ip("netns", "add", name)
+            except (FileNotFoundError, subprocess.CalledProcessError) as error:
+                self.skipTest(f"this host permits no network namespace: {error}")
             self.addCleanup(ip, "netns", "delete", name)
         ip("link", "add", "veth0", "netns", HERE, "type", "veth", "peer", "name", "veth1", "netns", THERE)
         for name, link, address in ((HERE, "veth0", "10.77.0.1/24"), (THERE, "veth1", "10.77.0.2/24")):

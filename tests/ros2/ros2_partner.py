@@ -1,6 +1,7 @@
 """A node of real ROS 2 (rclpy) that commands a twin, and the twin it commands. Runs in an environment of ros_env.py; enter() goes there."""
 
 import bisect
+import fcntl
 import importlib
 import json
 import math
@@ -23,11 +24,26 @@ HAND = "/panda_hand_controller/gripper_cmd"
 PATIENCE = 60  # s, for anything that comes
 
 
-def enter(distro, domain):
-    """Starts this program again with the Python and the environment of a distribution."""
+def free_domain():
+    """A domain in which no other test of this machine is: this program's until it ends."""
+    for domain in random.sample(range(20, 100), 80):
+        lock = os.open(f"{tempfile.gettempdir()}/panda_twin_ros_domain_{domain}_{os.getuid()}.lock", os.O_RDWR | os.O_CREAT)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as first:
+                first.bind(("", 7410 + 250 * domain))  # DDS has it for a domain's first participant
+            os.set_inheritable(lock, True)  # by what enter() starts
+            return domain
+        except OSError:
+            os.close(lock)
+    raise RuntimeError("all of ROS's domains are in use")
+
+
+def enter(distro):
+    """Starts this program again with the Python and the environment of a distribution, in a domain of its own."""
     if os.environ.get("TWIN_IN_ROS") == distro:
         return
-    environment = os.environ | ros_env.environment_of(distro, domain) | {"TWIN_IN_ROS": distro}
+    environment = os.environ | ros_env.environment_of(distro, free_domain()) | {"TWIN_IN_ROS": distro}
     python = str(ros_env.python_of(distro))
     os.execve(python, [python, *sys.argv], environment)
 

@@ -17,7 +17,7 @@ from ros2_partner import ARM, HAND, JOINTS, Partner, Twin, goal_of, seconds_of
 
 PROGRAM = sys.argv[1]
 DISTRO = sys.argv[2]
-ros2_partner.enter(DISTRO, 20 + os.getpid() % 80)
+ros2_partner.enter(DISTRO)
 from action_msgs.msg import GoalStatusArray  # noqa: E402
 from action_msgs.srv import CancelGoal  # noqa: E402
 from control_msgs.action import FollowJointTrajectory, GripperCommand  # noqa: E402
@@ -323,6 +323,41 @@ class TrajectoryTest(Served):
         self.assertIn("path_tolerance permits", result.error_string)
         self.is_well()
 
+    def test_goal_tolerance(self):
+        start = self.partner.state()
+        goal = goal_of(start, by=-0.05, seconds=0.5)
+        goal.goal_tolerance = [JointTolerance(name=name, position=1e-9) for name in JOINTS]
+        status, result = self.follow(goal)
+        self.assertEqual((status, result.error_code), (ABORTED, -5))
+        self.assertIn("goal_tolerance permits", result.error_string)
+        goal = goal_of(self.partner.state(), by=0.05, seconds=0.5)
+        goal.goal_tolerance = [JointTolerance(name=name, position=1e-9) for name in JOINTS]
+        goal.goal_time_tolerance.sec = 1000
+        handle = self.partner.send(FollowJointTrajectory, ARM, goal)
+        self.partner.until(lambda: abs(self.partner.state()[0] - start[0]) < 1e-3, "the arm is not at the goal")
+        self.partner.wait(handle.cancel_goal_async())  # while the arm waits to come nearer
+        self.assertIn(self.partner.wait(handle.get_result_async()).status, (SUCCEEDED, CANCELED))
+
+    def test_goals_canceled_at_once(self):
+        start = self.partner.state()
+        ends = []
+        for i in range(20):
+            handle = self.partner.send(FollowJointTrajectory, ARM, goal_of(start, by=0.0, seconds=1.0))
+            self.partner.spin_for(0.002 * i)
+            self.partner.wait(handle.cancel_goal_async())
+            ends.append(self.partner.wait(handle.get_result_async()).status)
+        self.assertEqual(ends, [CANCELED] * 20)
+        self.stays(start)
+        self.is_well()
+
+    def test_goals_one_upon_another(self):
+        client = self.partner.action(FollowJointTrajectory, ARM)
+        start = self.partner.state()
+        accepted = [client.send_goal_async(goal_of(start, by=0.0, seconds=0.3)) for _ in range(50)]
+        results = [self.partner.wait(one).get_result_async() for one in accepted]
+        self.assertEqual([self.partner.wait(one).status for one in results], [ABORTED] * 49 + [SUCCEEDED])
+        self.is_well()
+
     def test_two_clients(self):
         other = Partner("other")
         try:
@@ -366,16 +401,26 @@ class FrankaTest(Served):
     words = ["models/scenarios/grasp.yaml", *Served.words]
 
     def test_gripper_command(self):
-        def command(position, effort=0.0):
+        def goal_of_hand(position, effort=0.0):
             goal = GripperCommand.Goal()
             goal.command.position = position
             goal.command.max_effort = effort
-            return self.partner.do(GripperCommand, HAND, goal)
+            return goal
+
+        def command(position, effort=0.0):
+            return self.partner.do(GripperCommand, HAND, goal_of_hand(position, effort))
 
         for position in (0.01, 0.04, 0.0, 0.035):
             status, result = command(position)
             self.assertEqual((status, result.reached_goal, result.stalled), (SUCCEEDED, True, False))
             self.partner.until(lambda: abs(self.partner.state()[7] - position) < 1e-3, "joint_states have another opening")
+        first = self.partner.send(GripperCommand, HAND, goal_of_hand(0.0))
+        self.partner.until(lambda: self.partner.state()[7] < 0.033, "the fingers did not begin")
+        self.assertEqual(len(self.partner.wait(first.cancel_goal_async()).goals_canceling), 1)
+        self.assertEqual(self.partner.wait(first.get_result_async()).status, CANCELED)
+        first = self.partner.send(GripperCommand, HAND, goal_of_hand(0.04))
+        self.assertEqual(command(0.03)[0], SUCCEEDED)
+        self.assertIn(self.partner.wait(first.get_result_async()).status, (SUCCEEDED, ABORTED))
         status, result = command(0.0, effort=20.0)
         print(f"  closed with 20 N on nothing: status {status}, position {result.position:.4f} m, stalled {result.stalled}, reached {result.reached_goal}")
         self.assertEqual((status, result.reached_goal), (SUCCEEDED, True))
@@ -463,9 +508,10 @@ class StreamTest(Served):
     def tells(self, text):
         self.partner.until(lambda: text in self.told(), f"the twin did not say: {text}")
 
-    def put(self, publisher, position, names=JOINTS):
+    def put(self, publisher, position, names=JOINTS, age=0):
         message = JointState(name=list(names), position=list(position))
         message.header.stamp = self.partner.node.get_clock().now().to_msg()
+        message.header.stamp.sec -= age
         publisher.publish(message)
         return seconds_of(message.header.stamp), message.position[0] if message.position else 0.0
 
@@ -509,7 +555,9 @@ class StreamTest(Served):
             self.assertLess(abs(end[0] - start[0] - amplitude), 0.005)
             error, delay = ros2_partner.stream_error(states, sent)
             late = sum(by for _, by in ros2_partner.leaps_of(states))
-            print(f"  stream of 100 Hz with jitter: {1e3 * error:.2f} mrad, {1e3 * delay:.0f} ms later; the host was {1e3 * late:.0f} ms late")
+            gap = max(b - a for (a, _), (b, _) in zip(sent, sent[1:]))
+            print(f"  stream of 100 Hz with jitter: {1e3 * error:.2f} mrad, {1e3 * delay:.0f} ms later; "
+                  f"the host was {1e3 * late:.0f} ms late, the partner up to {1e3 * gap:.0f} ms")
             if error < 0.005:
                 break
         self.assertLess(error, 0.005)
@@ -548,12 +596,13 @@ class StreamTest(Served):
         self.partner.arm()
         _, start = self.partner.rest()
         q = start[:7]
-        for names, position, text in (([*JOINTS[:6], "panda_joint8"], q, "lacks panda_joint7"), (JOINTS, [math.nan] * 7, "is commanded to nan"),
-                                      (JOINTS, [9.0] * 7, "is commanded to 9"), (JOINTS, [], "has no positions")):
+        for names, position, age, text in (([*JOINTS[:6], "panda_joint8"], q, 0, "lacks panda_joint7"), (JOINTS, [math.nan] * 7, 0, "is commanded to nan"),
+                                           (JOINTS, [9.0] * 7, 0, "is commanded to 9"), (JOINTS, [], 0, "has no positions"),
+                                           (JOINTS, q, 100, "s ago; 1 s are permitted")):  # as of a bag that is played
             end = time.monotonic() + ros2_partner.PATIENCE
             while text not in self.told():
                 self.assertLess(time.monotonic(), end, f"the twin did not say: {text}")
-                self.put(self.publisher, position, names)
+                self.put(self.publisher, position, names, age)
                 self.partner.spin_for(0.1)
             self.since = len(self.twin.told())
         self.stays(start)
@@ -677,8 +726,10 @@ class LockstepTest(unittest.TestCase):
             at = seconds_of(state.header.stamp)
             if not start:
                 start.update(at=at, q=list(state.position))
-            start["stands"] = at >= 4  # for want of an answer
-            if start["stands"] or publisher.get_subscription_count() == 0:
+            if publisher.get_subscription_count() == 0:
+                return
+            if at >= 4:  # time stands here
+                start["over"] = True
                 return
             by = 0.2 * ros2_partner.swing(min(max((at - start["at"] - 0.5) / 2, 0), 1))[0]
             command = JointState(name=JOINTS, position=[q + by for q in start["q"]])
@@ -687,7 +738,7 @@ class LockstepTest(unittest.TestCase):
 
         partner.node.create_subscription(JointState, "/robot_joint_states", answer, QoSProfile(depth=1))
         try:
-            partner.until(lambda: start.get("stands"), "robot time did not come to 4 s")
+            partner.until(lambda: start.get("over"), "robot time did not come to 4 s")
             partner.arm(False)
             partner.until(lambda: "the arm rests" in twin.told(), "the motion did not end")
         finally:
