@@ -31,7 +31,7 @@ class RustClientTest(unittest.TestCase):
         subprocess.run(["cargo", "build", "--release", "--locked", "--quiet", "--target-dir", str(TARGET)], cwd=SOURCE, check=True, timeout=1800)
 
     def check(self, *mapping):
-        os.environ["ROS_DOMAIN_ID"] = str(20 + os.getpid() % 80)
+        os.environ["ROS_DOMAIN_ID"] = str(ros2_partner.free_domain())
         # RustDDS looks for others by multicast alone.
         twin = ros2_partner.Twin(PROGRAM, "--drive", "lockstep", "--pace", "1", "--ros-discovery", "subnet", *(["--ros-service-header"] if mapping else []))
         try:

@@ -15,7 +15,7 @@ from ros2_partner import ARM, Partner, Twin, goal_of
 
 PROGRAM = sys.argv[1]
 DATAGRAMS = int(sys.argv[2]) if len(sys.argv) > 2 else 1_000_000
-ros2_partner.enter("jazzy", 20 + os.getpid() % 80)
+ros2_partner.enter("jazzy")
 from control_msgs.action import FollowJointTrajectory  # noqa: E402
 
 

@@ -16,7 +16,7 @@ from ros2_partner import ARM, JOINTS, Partner, Twin, goal_of
 
 PROGRAM = sys.argv[1]
 GOALS, RUNS, SECONDS = [int(word) for word in [*sys.argv[2:], *("1000", "100", "20")[len(sys.argv) - 2:]]]
-ros2_partner.enter("jazzy", 20 + os.getpid() % 80)
+ros2_partner.enter("jazzy")
 from control_msgs.action import FollowJointTrajectory  # noqa: E402
 from rclpy.qos import QoSProfile  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402

@@ -1,6 +1,9 @@
 """A node of real ROS 2 (rclpy) that commands a twin, and the twin it commands. Runs in an environment of ros_env.py; enter() goes there."""
 
 import bisect
+import fcntl
+import importlib
+import json
 import math
 import os
 import pathlib
@@ -21,11 +24,26 @@ HAND = "/panda_hand_controller/gripper_cmd"
 PATIENCE = 60  # s, for anything that comes
 
 
-def enter(distro, domain):
-    """Starts this program again with the Python and the environment of a distribution."""
+def free_domain():
+    """A domain in which no other test of this machine is: this program's until it ends."""
+    for domain in random.sample(range(20, 100), 80):
+        lock = os.open(f"{tempfile.gettempdir()}/panda_twin_ros_domain_{domain}_{os.getuid()}.lock", os.O_RDWR | os.O_CREAT)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as first:
+                first.bind(("", 7410 + 250 * domain))  # DDS has it for a domain's first participant
+            os.set_inheritable(lock, True)  # by what enter() starts
+            return domain
+        except OSError:
+            os.close(lock)
+    raise RuntimeError("all of ROS's domains are in use")
+
+
+def enter(distro):
+    """Starts this program again with the Python and the environment of a distribution, in a domain of its own."""
     if os.environ.get("TWIN_IN_ROS") == distro:
         return
-    environment = os.environ | ros_env.environment_of(distro, domain) | {"TWIN_IN_ROS": distro}
+    environment = os.environ | ros_env.environment_of(distro, free_domain()) | {"TWIN_IN_ROS": distro}
     python = str(ros_env.python_of(distro))
     os.execve(python, [python, *sys.argv], environment)
 
@@ -60,15 +78,19 @@ class Twin:
         if self.process.poll() is not None:
             raise RuntimeError(self.told())
 
-    def told(self):
-        return pathlib.Path(self.log.name).read_text()
+    def told(self, after=0):
+        """What it has said, after the first so many characters."""
+        return pathlib.Path(self.log.name).read_text()[after:]
 
     def ctl(self, *words):
-        subprocess.run([self.program, "ctl", self.control, *words], check=True, capture_output=True, timeout=PATIENCE, env={**os.environ, "LD_LIBRARY_PATH": ""})
+        """@returns the robot's state after the request."""
+        words = [self.program, "ctl", "--json", self.control, *words]
+        done = subprocess.run(words, check=True, capture_output=True, timeout=PATIENCE, env={**os.environ, "LD_LIBRARY_PATH": ""})
+        return json.loads(done.stdout)
 
-    def memory_kb(self):
+    def memory_kb(self, what="VmRSS"):
         text = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
-        return int(text.split("VmRSS:")[1].split()[0])
+        return int(text.split(f"{what}:")[1].split()[0])
 
     def end(self, how=signal.SIGINT):
         if self.process.poll() is None:
@@ -92,6 +114,28 @@ def until(condition, why, seconds=PATIENCE, look=lambda: time.sleep(0.02)):
 
 def seconds_of(stamp):
     return stamp.sec + 1e-9 * stamp.nanosec
+
+
+def leaps_of(states, period=0.01):
+    """Where stamps leave the robot's time, since the host was late and they follow the wall clock: (stamp, by how much). Lost states are none."""
+    stamps = [seconds_of(m.header.stamp) for m in states]
+    return [(b, b - a - period) for a, b in zip(stamps, stamps[1:]) if b - a > 0.09 and abs((b - a) / period - round((b - a) / period)) > 1e-4]
+
+
+def robot_seconds(stamp, leaps):
+    at = seconds_of(stamp)
+    return at - sum(by for since, by in leaps if since <= at)
+
+
+def interface_of(text):
+    """The class of a type as the graph calls it: "sensor_msgs/msg/JointState", "control_msgs/action/GripperCommand_SendGoal"."""
+    package, kind, name = text.split("/")
+    parts = {"_FeedbackMessage": "FeedbackMessage", "_SendGoal": "SendGoalService", "_GetResult": "GetResultService"}
+    module = importlib.import_module(f"{package}.{kind}")
+    for end, part in parts.items():
+        if kind == "action" and name.endswith(end):
+            return getattr(getattr(module, name.removesuffix(end)).Impl, part)
+    return getattr(module, name)
 
 
 class Partner:
@@ -132,6 +176,11 @@ class Partner:
 
     def state(self):
         """The arm's and the fingers' positions now."""
+        count = -1
+        while count < len(self.states):  # some wait since this node was last spun
+            count = len(self.states)
+            for _ in range(5):
+                self.spin(0)
         self.states.clear()
         self.until(lambda: self.states, "no joint state")
         return list(self.states[-1].position)
@@ -140,6 +189,14 @@ class Partner:
         got = []
         self.node.create_subscription(kind, topic, got.append, qos)
         return got
+
+    def rest(self, joints=7):
+        """Waits until the arm rests. @returns the stamp of its last state in motion, 0 if there is none, and the positions."""
+        moving = lambda m: max(map(abs, m.velocity[:joints])) > 2e-3
+        self.state()
+        self.until(lambda: len(self.states) > 30 and not any(map(moving, self.states[-30:])), "the arm does not rest")
+        last = [seconds_of(m.header.stamp) for m in self.states if moving(m)]
+        return (last or [0.0])[-1], list(self.states[-1].position)
 
     def call(self, kind, name, request=None):
         key = (kind, name)
@@ -174,7 +231,7 @@ class Partner:
 
 def duration_of(seconds):
     from builtin_interfaces.msg import Duration
-    return Duration(sec=int(seconds), nanosec=round(1e9 * (seconds - int(seconds))))
+    return Duration(sec=math.floor(seconds), nanosec=round(1e9 * (seconds - math.floor(seconds))))
 
 
 def swing(share):
@@ -202,14 +259,22 @@ def goal_of(start, by=0.2, seconds=2.0, step=0.1, derivatives=0, names=None, beg
     return goal
 
 
-def following_error(states, start, begun_near, by=0.2, seconds=2.0):
-    """Largest distance of joint 1 from the swing, at the best common begin: (error, begin). Stamps are the robot's time."""
+def following_error(states, feedback, start, by=0.2, seconds=2.0):
+    """Largest distance of any joint from the swing, at the best common delay after its begin, of which the feedback tells: (error, delay)."""
+    leaps = leaps_of(states)
+    begins = sorted(robot_seconds(one.header.stamp, leaps) - seconds_of(one.desired.time_from_start) for one in feedback)
+    begin = begins[len(begins) // 2]
     best = (math.inf, 0.0)
-    samples = [(seconds_of(m.header.stamp), m.position[0] - start[0]) for m in states]
-    for step in range(-300, 900):
-        begin = begun_near + 0.002 * step
-        error = max(abs(x - by * swing(min(max((t - begin) / seconds, 0), 1))[0]) for t, x in samples)
-        best = min(best, (error, begin))
+    samples = []
+    for message in states:
+        moved = [x - q for x, q in zip(message.position[:7], start)]
+        samples.append((robot_seconds(message.header.stamp, leaps) - begin, min(moved), max(moved)))
+    for step in range(-50, 151):
+        delay, error = 0.001 * step, 0.0
+        for t, low, high in samples:
+            x = by * swing(min(max((t - delay) / seconds, 0), 1))[0]
+            error = max(error, x - low, high - x)
+        best = min(best, (error, delay))
     return best
 
 
@@ -217,8 +282,9 @@ def stream_error(states, sent):
     """Largest distance of joint 1 from the line through what was sent, at the best common delay: (error, delay)."""
     times = [t for t, _ in sent]
     best = (math.inf, 0.0)
-    samples = [(seconds_of(m.header.stamp), m.position[0]) for m in states]
-    for step in range(-20, 60):
+    leaps = leaps_of(states)
+    samples = [(robot_seconds(m.header.stamp, leaps), m.position[0]) for m in states]
+    for step in range(-60, 60):
         delay, worst = 0.002 * step, 0.0
         for t, x in samples:
             i = bisect.bisect(times, t - delay)
@@ -227,3 +293,15 @@ def stream_error(states, sent):
                 worst = max(worst, abs(x - x0 - (x1 - x0) * (t - delay - t0) / (t1 - t0)))
         best = min(best, (worst, delay))
     return best
+
+
+def die_in_a_goal():
+    """A client that is gone in the middle of its goal."""
+    from control_msgs.action import FollowJointTrajectory
+    partner = Partner("dies")
+    partner.send(FollowJointTrajectory, ARM, goal_of(partner.state(), by=0.1, seconds=1.0))
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+if __name__ == "__main__":
+    die_in_a_goal()

@@ -6,6 +6,7 @@ import os
 import subprocess
 import unittest
 
+import ros2_partner
 import ros_env
 
 SECONDS = 60
@@ -76,9 +77,10 @@ class RosEnvTest:
     @classmethod
     def setUpClass(cls):
         ros_env.folder_of(cls.distro)
+        cls.domain = ros2_partner.free_domain()
 
     def start(self, program):
-        environment = {**os.environ, **ros_env.environment_of(self.distro, os.getpid() % 100)}
+        environment = {**os.environ, **ros_env.environment_of(self.distro, self.domain)}
         process = subprocess.Popen([ros_env.python_of(self.distro), "-c", program], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True)  # fmt: skip
         self.addCleanup(process.communicate, timeout=SECONDS)
