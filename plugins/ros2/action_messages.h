@@ -231,12 +231,8 @@ struct SetBool {
 
 struct Trigger {
   static constexpr const char* kName = "std_srvs/srv/Trigger";
-  struct Request {
+  struct Request : msg::detail::Nothing {
     static constexpr const char* kName = "std_srvs/srv/Trigger_Request";
-    std::uint8_t structure_needs_at_least_one_member = 0;
-    static void Visit(auto& m, auto&& v) {
-      v("structure_needs_at_least_one_member", m.structure_needs_at_least_one_member);
-    }
   };
   struct Response {
     static constexpr const char* kName = "std_srvs/srv/Trigger_Response";

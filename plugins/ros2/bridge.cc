@@ -13,6 +13,7 @@
 
 #include "plugins/fci/fci_hand.h"
 #include "plugins/ros2/arm_commander.h"
+#include "plugins/ros2/conversions.h"
 #include "plugins/ros2/franka_services.h"
 #include "plugins/ros2/franka_state.h"
 #include "plugins/ros2/gripper_action.h"
@@ -22,7 +23,6 @@
 #include "plugins/ros2/trajectory_action.h"
 #include "twin/core/calendar_clock.h"
 #include "twin/core/error.h"
-#include "twin/rt/broadcast.h"
 #include "twin/rt/host_time.h"
 
 namespace twin::ros2 {
@@ -39,10 +39,6 @@ constexpr twin::Duration kRepeat = std::chrono::milliseconds(50);
 /// Stamps that lie farther behind the calendar follow it.
 constexpr twin::Duration kMostBehind = std::chrono::milliseconds(100);
 
-std::vector<double> ToVector(const JointVector& values) {
-  return {values.begin(), values.end()};
-}
-
 }  // namespace
 
 class Bridge::Impl {
@@ -55,12 +51,6 @@ class Bridge::Impl {
   [[nodiscard]] std::string Introduction() const;
 
  private:
-  /// The newest cycle, for all threads.
-  struct Newest {
-    Time at{};
-    RobotState state;
-  };
-
   void ServeArm();
   void ServeHand();
   void Run(const std::stop_token& stop);
@@ -76,7 +66,7 @@ class Bridge::Impl {
   [[nodiscard]] Time StampOf(Time at) const {
     return at + twin::Duration(origin_ns_.load(std::memory_order_relaxed));
   }
-  [[nodiscard]] Time Now() const { return StampOf(newest_.Read().at); }
+  [[nodiscard]] Time Now() const { return StampOf(tap_.last_at()); }
 
   const BridgeOptions options_;
   const BridgedRobot robot_;
@@ -85,7 +75,6 @@ class Bridge::Impl {
   const MonotonicClock clock_;
   const CalendarClock calendar_;
   std::atomic<std::int64_t> origin_ns_;  ///< of the robot's time, in the calendar's
-  rt::Broadcast<Newest> newest_;
   Node node_;
   std::unique_ptr<Publisher<msg::JointState>> joint_states_;
   std::unique_ptr<Publisher<msg::JointState>> robot_joint_states_;
@@ -106,7 +95,8 @@ class Bridge::Impl {
   // Of the publishing thread:
   Time hand_due_{};
   double width_ = 0;
-  Time repeat_at_{};  ///< in lockstep
+  record::CycleRecord last_;  ///< in lockstep, as the next
+  Time repeat_at_{};
   bool follows_calendar_;
   std::jthread thread_;
 };
@@ -153,7 +143,6 @@ Bridge::Impl::~Impl() {
 }
 
 void Bridge::Impl::ServeArm() {
-  const auto state = [this] { return newest_.Read().state; };
   arm_ = std::make_unique<ArmCommander>(
       ArmCommander::Parts{.catalogue = robot_.catalogue,
                           .files = robot_.files,
@@ -162,7 +151,7 @@ void Bridge::Impl::ServeArm() {
                           .states = robot_.keeps_connection ? &tap_ : nullptr,
                           .tell = options_.node.tell});
   arm_action_ = std::make_unique<TrajectoryAction>(
-      node_, options_.arm_action, *arm_, names_, [this] { return Now(); }, state,
+      node_, options_.arm_action, *arm_, names_, [this] { return Now(); },
       [this] {
         return stream_ && stream_->is_leading()
                    ? "the arm follows " + node_.Resolve("robot_joint_commands") +
@@ -292,7 +281,7 @@ void Bridge::Impl::ReadHand(Time at) {
 }
 
 void Bridge::Impl::Take(const record::CycleRecord& record) {
-  newest_.Publish({.at = record.at, .state = record.state});
+  if (options_.lockstep_hz) last_ = record;
   const msg::Time stamp = ToMessage(StampOf(record.at));
   if (!options_.lockstep_hz) PublishForController(record.state, stamp);
   const auto every = static_cast<std::uint64_t>(std::lround(1000 / options_.rate_hz));
@@ -323,8 +312,7 @@ void Bridge::Impl::Run(const std::stop_token& stop) {
     if (simulation_) simulation_->Look();
     if (options_.lockstep_hz && clock_.Now() >= repeat_at_ && !arm_->is_busy()) {
       // Time stands: the first answer is due to this one.
-      const Newest last = newest_.Read();
-      PublishForController(last.state, ToMessage(StampOf(last.at)));
+      PublishForController(last_.state, ToMessage(StampOf(last_.at)));
       repeat_at_ = clock_.Now() + kRepeat;
     }
     next = std::max(next + kLook, clock_.Now());

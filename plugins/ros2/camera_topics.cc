@@ -4,12 +4,10 @@
 #include <cstring>
 #include <utility>
 
-#include <Eigen/Geometry>
-
 #include <fmt/format.h>
 
+#include "plugins/ros2/conversions.h"
 #include "twin/core/error.h"
-#include "twin/model/transform.h"
 #include "twin/rt/host_time.h"
 #include "twin/rt/thread_setup.h"
 
@@ -51,15 +49,9 @@ msg::Image ImageOf(const msg::Header& header, int width, int height, const char*
 }
 
 /// X_WC of PinholeCamera looks along -z with y up.
-msg::TransformStamped FrameOf(const Picture& picture, const msg::Header& header) {
-  const Transform& X_WC = picture.camera.X_WC();
-  const auto p = model::Position(X_WC);
-  const Eigen::Quaterniond q =
-      model::Orientation(X_WC) * Eigen::Quaterniond(0, 1, 0, 0);  // half a turn about x
-  return {.header = {.stamp = header.stamp, .frame_id = "world"},
-          .child_frame_id = header.frame_id,
-          .transform = {.translation = {.x = p.x(), .y = p.y(), .z = p.z()},
-                        .rotation = {.x = q.x(), .y = q.y(), .z = q.z(), .w = q.w()}}};
+Transform OpticalFrameOf(Transform X_WC) {
+  for (std::size_t i = 4; i < 12; ++i) X_WC[i] = -X_WC[i];  // half a turn about x
+  return X_WC;
 }
 
 }  // namespace
@@ -116,7 +108,10 @@ void CameraTopics::Publish(Topics& topics, const Picture& picture, const msg::Ti
                                   sizeof(float), picture.depth.depth_m.data()));
   }
   topics.info->Publish(InfoOf(picture, header));
-  if (tf_->has_readers()) tf_->Publish({.transforms = {FrameOf(picture, header)}});
+  if (tf_->has_readers()) {
+    tf_->Publish(
+        {.transforms = {FrameInWorld(topics.frame, OpticalFrameOf(picture.camera.X_WC()), stamp)}});
+  }
 }
 
 void CameraTopics::Run(const std::stop_token& stop) {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "plugins/ros2/conversions.h"
 #include "twin/core/robot_errors.h"
-#include "twin/model/transform.h"
 
 namespace twin::ros2 {
 namespace {
@@ -27,11 +27,7 @@ msg::Vector3 VectorOf(const V& values, std::size_t from = 0) {
 }
 
 msg::PoseStamped PoseOf(const Transform& T, const msg::Header& header) {
-  const auto p = model::Position(T);
-  const auto q = model::Orientation(T);
-  return {.header = header,
-          .pose = {.position = {.x = p.x(), .y = p.y(), .z = p.z()},
-                   .orientation = {.x = q.x(), .y = q.y(), .z = q.z(), .w = q.w()}}};
+  return {.header = header, .pose = ros2::PoseOf(T)};
 }
 
 msg::WrenchStamped WrenchOf(const Vector6& F, const msg::Header& header) {
@@ -53,10 +49,6 @@ msg::InertiaStamped InertiaOf(double m, const Vector3& com, const Matrix3& I,
                       .iyy = I[4],
                       .iyz = I[5],
                       .izz = I[8]}};
-}
-
-std::vector<double> ToVector(const JointVector& values) {
-  return {values.begin(), values.end()};
 }
 
 msg::JointState JointsOf(const JointNames& names, const msg::Header& header) {

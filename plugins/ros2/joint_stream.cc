@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "plugins/ros2/conversions.h"
 #include "twin/core/error.h"
 #include "twin/core/robot_state.h"
 

@@ -25,6 +25,17 @@ struct BoundedString {
 };
 
 namespace msg {
+namespace detail {
+
+/// ROS has no message without a field.
+struct Nothing {
+  std::uint8_t structure_needs_at_least_one_member = 0;
+  static void Visit(auto& m, auto&& v) {
+    v("structure_needs_at_least_one_member", m.structure_needs_at_least_one_member);
+  }
+};
+
+}  // namespace detail
 
 struct Time {
   static constexpr const char* kName = "builtin_interfaces/msg/Time";

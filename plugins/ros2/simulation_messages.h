@@ -161,12 +161,8 @@ struct EntityState {
 
 struct GetSimulatorFeatures {
   static constexpr const char* kName = "simulation_interfaces/srv/GetSimulatorFeatures";
-  struct Request {
+  struct Request : detail::Nothing {
     static constexpr const char* kName = "simulation_interfaces/srv/GetSimulatorFeatures_Request";
-    std::uint8_t structure_needs_at_least_one_member = 0;
-    static void Visit(auto& m, auto&& v) {
-      v("structure_needs_at_least_one_member", m.structure_needs_at_least_one_member);
-    }
   };
   struct Response {
     static constexpr const char* kName = "simulation_interfaces/srv/GetSimulatorFeatures_Response";
@@ -233,12 +229,8 @@ struct SetSimulationState {
 
 struct GetSimulationState {
   static constexpr const char* kName = "simulation_interfaces/srv/GetSimulationState";
-  struct Request {
+  struct Request : detail::Nothing {
     static constexpr const char* kName = "simulation_interfaces/srv/GetSimulationState_Request";
-    std::uint8_t structure_needs_at_least_one_member = 0;
-    static void Visit(auto& m, auto&& v) {
-      v("structure_needs_at_least_one_member", m.structure_needs_at_least_one_member);
-    }
   };
   struct Response {
     static constexpr const char* kName = "simulation_interfaces/srv/GetSimulationState_Response";

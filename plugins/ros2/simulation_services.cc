@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "plugins/ros2/conversions.h"
 #include "twin/core/error.h"
-#include "twin/model/transform.h"
 
 namespace twin::ros2 {
 namespace {
@@ -23,13 +23,6 @@ constexpr int kLooksPerTransforms = 30;
 constexpr int kLooksPerFeedback = 100;
 /// Of names from the network, in messages.
 constexpr std::size_t kShownName = 64;
-
-msg::Pose PoseOf(const Transform& T) {
-  const auto p = model::Position(T);
-  const auto q = model::Orientation(T);
-  return {.position = {.x = p.x(), .y = p.y(), .z = p.z()},
-          .orientation = {.x = q.x(), .y = q.y(), .z = q.z(), .w = q.w()}};
-}
 
 msg::Result Failed(std::uint8_t code, const std::string& why) {
   return {.result = code, .error_message = why};
@@ -69,16 +62,13 @@ msg::Result SimulationServices::Do(const ControlRequest& request) {
 
 msg::Result SimulationServices::SetState(std::uint8_t state) {
   using State = msg::SimulationState;
-  ControlRequest request;
   switch (state) {
-    case State::kPlaying: request.verb = ControlVerb::kResume; return Do(request);
-    case State::kPaused: request.verb = ControlVerb::kPause; return Do(request);
+    case State::kPlaying: return Do({.verb = ControlVerb::kResume});
+    case State::kPaused: return Do({.verb = ControlVerb::kPause});
     case State::kStopped: {
-      request.verb = ControlVerb::kReset;
-      msg::Result reset = Do(request);
+      msg::Result reset = Do({.verb = ControlVerb::kReset});
       if (reset.result != msg::Result::kOk) return reset;
-      request.verb = ControlVerb::kPause;
-      return Do(request);
+      return Do({.verb = ControlVerb::kPause});
     }
     default:
       return Failed(msg::Result::kFeatureUnsupported,
@@ -116,10 +106,7 @@ void SimulationServices::BeginSteps(Steps steps) {
   }
   const std::lock_guard lock(mutex_);
   if (steps_) return steps.end(Failed(msg::Result::kIncorrectState, "other steps are under way"));
-  ControlRequest request;
-  request.verb = ControlVerb::kStep;
-  request.cycles = steps.all;
-  const msg::Result begun = Do(request);
+  const msg::Result begun = Do({.verb = ControlVerb::kStep, .cycles = steps.all});
   if (begun.result != msg::Result::kOk) return steps.end(begun);
   steps_ = std::move(steps);
 }
@@ -165,9 +152,7 @@ void SimulationServices::ServeState() {
       });
   node_.Serve<msg::ResetSimulation>(
       "reset_simulation", [this](const msg::ResetSimulation::Request&, const auto& reply) {
-        ControlRequest request;
-        request.verb = ControlVerb::kReset;
-        reply({.result = Do(request)});
+        reply({.result = Do({.verb = ControlVerb::kReset})});
       });
 }
 
@@ -224,14 +209,6 @@ void SimulationServices::ServeEntities() {
           return reply({.result = Failed(msg::SetEntityState::kInvalidPose,
                                          "the orientation is no unit quaternion")});
         }
-        const auto is_far = [](double x) { return !(std::abs(x) <= ControlRequest::kFarthest); };
-        if (is_far(pose.position.x) || is_far(pose.position.y) || is_far(pose.position.z)) {
-          return reply(
-              {.result = Failed(msg::SetEntityState::kInvalidPose,
-                                fmt::format("the position is not within {} m of the world's "
-                                            "origin",
-                                            ControlRequest::kFarthest))});
-        }
         const Eigen::Matrix3d R = q.normalized().toRotationMatrix();
         ControlRequest place;
         place.verb = ControlVerb::kPlace;
@@ -239,6 +216,11 @@ void SimulationServices::ServeEntities() {
         place.position = {pose.position.x, pose.position.y, pose.position.z};
         place.rpy = {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
                      std::atan2(R(1, 0), R(0, 0))};
+        try {
+          place = server::ParseControlRequest(server::ToLine(place));  // which judges it
+        } catch (const InputError& error) {
+          return reply({.result = Failed(msg::SetEntityState::kInvalidPose, error.what())});
+        }
         reply({.result = Do(place)});
       });
 }
@@ -253,13 +235,7 @@ void SimulationServices::PublishBodies() {
   if (tf_->has_readers() && !bodies.empty()) {
     msg::TFMessage message;
     for (const auto& [name, X_WB] : bodies) {
-      const msg::Pose pose = PoseOf(X_WB);
-      message.transforms.push_back(
-          {.header = {.stamp = now_(), .frame_id = "world"},
-           .child_frame_id = name,
-           .transform = {
-               .translation = {.x = pose.position.x, .y = pose.position.y, .z = pose.position.z},
-               .rotation = pose.orientation}});
+      message.transforms.push_back(FrameInWorld(name, X_WB, now_()));
     }
     tf_->Publish(message);
   }

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "plugins/ros2/conversions.h"
 #include "twin/core/error.h"
 #include "twin/rt/broadcast.h"
 
@@ -24,19 +25,10 @@ struct Progress {
   bool has_begun = false;
   twin::Duration at{};
   reference::JointTarget target;
+  JointVector q{}, dq{}, tau_J{};  ///< measured in the state that the target answers
   std::size_t violated = kJoints;  ///< joint that left the path's tolerance; kJoints: none
   double distance = 0;             ///< of that joint, rad
 };
-
-msg::Duration ToMessage(twin::Duration span) {
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(span);
-  return {.sec = static_cast<std::int32_t>(seconds.count()),
-          .nanosec = static_cast<std::uint32_t>((span - seconds).count())};
-}
-
-std::vector<double> ToVector(const JointVector& values) {
-  return {values.begin(), values.end()};
-}
 
 JointVector Difference(const JointVector& a, const JointVector& b) {
   JointVector difference{};
@@ -64,6 +56,9 @@ class PathController final : public control::Controller {
     progress.has_begun = true;
     progress.at = now - *start_;
     progress.target = goal_.trajectory.Sample(progress.at);
+    progress.q = state.q;
+    progress.dq = state.dq;
+    progress.tau_J = state.tau_J;
     const double left = Left(ToSeconds(progress.at));
     for (std::size_t j = 0; j < kJoints; ++j) {
       progress.target.q[j] -= left * goal_.offset[j];
@@ -147,9 +142,8 @@ class TrajectoryAction::Follow final : public ArmWork {
   void Look() override {
     const Progress progress = progress_.Read();
     if (!progress.has_begun) return;
-    const RobotState state = action_.state_();
     FollowJointTrajectory::Feedback feedback;
-    feedback.header.stamp = ros2::ToMessage(action_.now_());
+    feedback.header.stamp = ToMessage(action_.now_());
     feedback.joint_names.assign(action_.names_.begin(), action_.names_.end());
     const msg::Duration at = ToMessage(progress.at);
     feedback.desired = {.positions = ToVector(progress.target.q),
@@ -157,13 +151,13 @@ class TrajectoryAction::Follow final : public ArmWork {
                         .accelerations = ToVector(progress.target.ddq),
                         .effort = {},
                         .time_from_start = at};
-    feedback.actual = {.positions = ToVector(state.q),
-                       .velocities = ToVector(state.dq),
+    feedback.actual = {.positions = ToVector(progress.q),
+                       .velocities = ToVector(progress.dq),
                        .accelerations = {},
-                       .effort = ToVector(state.tau_J),
+                       .effort = ToVector(progress.tau_J),
                        .time_from_start = at};
-    feedback.error = {.positions = ToVector(Difference(progress.target.q, state.q)),
-                      .velocities = ToVector(Difference(progress.target.dq, state.dq)),
+    feedback.error = {.positions = ToVector(Difference(progress.target.q, progress.q)),
+                      .velocities = ToVector(Difference(progress.target.dq, progress.dq)),
                       .accelerations = {},
                       .effort = {},
                       .time_from_start = at};
@@ -223,18 +217,16 @@ class TrajectoryAction::Follow final : public ArmWork {
 
 TrajectoryAction::TrajectoryAction(Node& node, const std::string& name, ArmCommander& arm,
                                    JointNames names, std::function<Time()> now,
-                                   std::function<RobotState()> state,
                                    std::function<std::string()> why_not)
     : arm_(arm),
       names_(std::move(names)),
       now_(std::move(now)),
-      state_(std::move(state)),
       why_not_(std::move(why_not)),
       server_(node, name,
               {.begin = [this](const msg::UUID& id,
                                FollowJointTrajectory::Goal&& goal) { Begin(id, std::move(goal)); },
                .cancel = [this](const msg::UUID& id) { Cancel(id); },
-               .now = [this] { return ros2::ToMessage(now_()); }}) {}
+               .now = [this] { return ToMessage(now_()); }}) {}
 
 TrajectoryAction::~TrajectoryAction() = default;
 

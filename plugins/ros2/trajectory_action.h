@@ -18,11 +18,10 @@ namespace twin::ros2 {
 /// Threads: one; the handlers run on the node's.
 class TrajectoryAction {
  public:
-  /// @param now  of the clock of stamps; any thread. @param state  the newest; any thread.
+  /// @param now  of the clock of stamps; any thread.
   /// @param why_not  why a goal may not begin now; empty: it may.
   TrajectoryAction(Node& node, const std::string& name, ArmCommander& arm, JointNames names,
-                   std::function<Time()> now, std::function<RobotState()> state,
-                   std::function<std::string()> why_not);
+                   std::function<Time()> now, std::function<std::string()> why_not);
   ~TrajectoryAction();
 
  private:
@@ -35,7 +34,6 @@ class TrajectoryAction {
   ArmCommander& arm_;
   const JointNames names_;
   const std::function<Time()> now_;
-  const std::function<RobotState()> state_;
   const std::function<std::string()> why_not_;
   std::weak_ptr<Follow> current_;  ///< of the node's thread
   Server server_;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "plugins/ros2/conversions.h"
 #include "twin/core/error.h"
 #include "twin/core/robot_state.h"
 
@@ -144,20 +145,13 @@ JointVector Between(const Point& a, const Point& b, twin::Duration at) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double v0 = (*a.dq)[j];
     const double v1 = (*b.dq)[j];
-    const double d = b.q[j] - a.q[j];
-    if (!is_quintic) {
-      const double c2 = (3 * d / h - 2 * v0 - v1) / h;
-      const double c3 = (v0 + v1 - 2 * d / h) / (h * h);
-      q[j] = a.q[j] + x * (v0 + x * (c2 + x * c3));
-      continue;
-    }
-    const double a0 = (*a.ddq)[j];
-    const double a1 = (*b.ddq)[j];
-    const double c3 = (20 * d - (12 * v0 + 8 * v1) * h - (3 * a0 - a1) * h * h) / (2 * h * h * h);
-    const double c4 =
-        (-30 * d + (16 * v0 + 14 * v1) * h + (3 * a0 - 2 * a1) * h * h) / (2 * h * h * h * h);
-    const double c5 = (12 * d - 6 * (v0 + v1) * h - (a0 - a1) * h * h) / (2 * h * h * h * h * h);
-    q[j] = a.q[j] + x * (v0 + x * (a0 / 2 + x * (c3 + x * (c4 + x * c5))));
+    const double slope = (b.q[j] - a.q[j]) / h;
+    const std::array<double, 6> c =
+        is_quintic
+            ? reference::QuinticBetween(a.q[j], v0, (*a.ddq)[j], b.q[j], v1, (*b.ddq)[j], h)
+            : std::array{a.q[j], v0, (3 * slope - 2 * v0 - v1) / h, (v0 + v1 - 2 * slope) / (h * h),
+                         0.0,    0.0};
+    q[j] = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));
   }
   return q;
 }
@@ -182,7 +176,7 @@ std::vector<reference::Waypoint> WaypointsOf(const std::vector<Point>& points) {
   return waypoints;
 }
 
-void RequireTimely(const msg::Time& stamp, const std::vector<Point>& points, Time now) {
+void RequireTimely(const msg::Time& stamp, Time now) {
   if (stamp.sec == 0 && stamp.nanosec == 0) return;  // now
   const twin::Duration age = now - FromMessage(stamp);
   if (age > kOldest) {
@@ -199,7 +193,6 @@ void RequireTimely(const msg::Time& stamp, const std::vector<Point>& points, Tim
                     "0",
                     -ToSeconds(age)));
   }
-  static_cast<void>(points);
 }
 
 void RequireRest(const Point& last) {
@@ -238,7 +231,7 @@ JointGoal Read(const FollowJointTrajectory::Goal& goal, const GoalContext& conte
            "multi_dof_trajectory: this arm has no such joints");
   }
   std::vector<Point> points = PointsOf(goal.trajectory, context.names);
-  RequireTimely(goal.trajectory.header.stamp, points, context.now);
+  RequireTimely(goal.trajectory.header.stamp, context.now);
   RequireRest(points.back());
   JointVector offset{};
   if (points.front().at == twin::Duration::zero()) {
@@ -269,20 +262,6 @@ JointNames NamesOf(std::string_view prefix) {
   JointNames names;
   for (std::size_t j = 0; j < kJoints; ++j) names[j] = fmt::format("{}{}", prefix, j + 1);
   return names;
-}
-
-msg::Time ToMessage(Time at) {
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(at.time_since_epoch());
-  return {.sec = static_cast<std::int32_t>(seconds.count()),
-          .nanosec = static_cast<std::uint32_t>((at.time_since_epoch() - seconds).count())};
-}
-
-Time FromMessage(const msg::Time& stamp) {
-  return Time(std::chrono::seconds(stamp.sec) + std::chrono::nanoseconds(stamp.nanosec));
-}
-
-twin::Duration FromMessage(const msg::Duration& span) {
-  return std::chrono::seconds(span.sec) + std::chrono::nanoseconds(span.nanosec);
 }
 
 std::variant<JointGoal, GoalRefusal> ReadGoal(const FollowJointTrajectory::Goal& goal,

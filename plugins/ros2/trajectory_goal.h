@@ -21,10 +21,6 @@ using JointNames = std::array<std::string, kJoints>;
 /// "panda_joint1" to "panda_joint7", for the prefix "panda_joint".
 [[nodiscard]] JointNames NamesOf(std::string_view prefix);
 
-[[nodiscard]] msg::Time ToMessage(Time at);
-[[nodiscard]] Time FromMessage(const msg::Time& stamp);
-[[nodiscard]] twin::Duration FromMessage(const msg::Duration& span);
-
 /// Per joint, rad; infinite: none.
 struct Tolerance {
   JointVector position{};

@@ -27,14 +27,25 @@ std::string PathText(const scenario::Scenario& scenario) {
 
 }  // namespace
 
+std::string LineOf(const run::CheckLine& line) {
+  return fmt::format("{:<6} {:<13} {}\n", line.ok ? "ok" : "FAILED", line.subject, line.text);
+}
+
+void RequireAllowed(bool is_allowed, const backend::RobotAddress& robot) {
+  if (is_allowed) return;
+  throw InputError(fmt::format(
+      "--robot {}: what answers there does not say that it is a twin, so that a real arm may "
+      "move; clear its workspace, keep the user stop in your hand, and say --allow-hardware",
+      NameOf(robot)));
+}
+
 std::string NameOf(const backend::RobotAddress& address) {
   return fmt::format("{}:{}", address.host, address.arm_port);
 }
 
 void RobotStart::Print(const run::CheckLine& line) {
   if (!line.ok) ++failed_;
-  inputs_.console.Say(
-      fmt::format("{:<6} {:<13} {}\n", line.ok ? "ok" : "FAILED", line.subject, line.text));
+  inputs_.console.Say(LineOf(line));
 }
 
 void RobotStart::CheckPath() {
@@ -83,12 +94,7 @@ void RobotStart::CheckHardware(bool is_twin) {
          is_twin            ? "none: it says that it is a twin"
          : hardware.allowed ? "a real arm may move (--allow-hardware)"
                             : "a real arm may move, and nothing allows that; see below"});
-  if (!is_allowed) {
-    throw InputError(fmt::format(
-        "--robot {}: what answers there does not say that it is a twin, so that a real arm may "
-        "move; clear its workspace, keep the user stop in your hand, and say --allow-hardware",
-        NameOf(inputs_.options.settings.remote)));
-  }
+  RequireAllowed(is_allowed, inputs_.options.settings.remote);
 }
 
 void RobotStart::RequireReady(const std::function<bool(const run::TellCheck&)>& check) {

@@ -120,4 +120,10 @@ application::HardwareOptions HardwareOf(const HardwareFlags& flags,
   return options;
 }
 
+JointVector CurrentPositionOf(const run::Session& session, const backend::RobotAddress& robot) {
+  if (const auto q = session.ReadCurrentPosition()) return *q;
+  throw RobotFault(fmt::format("{}:{} sends no state; does a firewall stop UDP to this machine?",
+                               robot.host, robot.arm_port));
+}
+
 }  // namespace twin::cli

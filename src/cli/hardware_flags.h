@@ -7,6 +7,7 @@
 #include "cli/terminal.h"
 #include "twin/application/record_run.h"
 #include "twin/run/run_history.h"
+#include "twin/run/session.h"
 #include "twin/scenario/scenario.h"
 
 // Flags of a robot at the other end of a wire, which may be a real arm.
@@ -42,5 +43,9 @@ void RequireHardwareFlags(const HardwareFlags& flags, const scenario::Scenario& 
 [[nodiscard]] application::HardwareOptions HardwareOf(
     const HardwareFlags& flags, const scenario::Scenario& scenario, const run::RunFiles& files,
     const std::string& command, const run::RunHistory& history, Terminal& terminal);
+
+/// q_d (rad) of a remote robot; nothing is asked of it but states. @throws RobotFault without any.
+[[nodiscard]] JointVector CurrentPositionOf(const run::Session& session,
+                                            const backend::RobotAddress& robot);
 
 }  // namespace twin::cli

@@ -1,6 +1,5 @@
 #include "cli/ros_flags.h"
 
-#include <charconv>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -18,7 +17,7 @@
 #include "twin/core/integer.h"
 #include "twin/page/live_feed.h"
 #include "twin/plant/observers.h"
-#include "twin/render/frame_painter.h"
+#include "twin/render/scene_painter.h"
 #include "twin/run/film.h"
 #include "twin/run/run_records.h"
 #include "twin/server/controlled_robot.h"
@@ -51,37 +50,6 @@ ros2::BridgeOptions OptionsOf(const RosFlags& flags, const RosBridge::Tell& tell
   options.arms = flags.arms;
   return options;
 }
-
-/// What one camera sees of the newest scene.
-class CameraPainter {
- public:
-  CameraPainter(const mjModel_& model, const record::SceneRecord& scene, const render::View& view)
-      : snapshots_(OneScene(scene)),
-        painter_({.model = &model, .snapshots = &snapshots_}, SettingsOf(view)) {}
-
-  [[nodiscard]] ros2::Picture Paint(const record::SceneRecord& scene, bool with_depth) {
-    snapshots_ = OneScene(scene);
-    return {.image = painter_.Paint(0),
-            .depth = with_depth ? painter_.Depth(0) : render::DepthImage(),
-            .camera = painter_.Camera(0)};
-  }
-
- private:
-  static render::Snapshots OneScene(const record::SceneRecord& scene) {
-    render::Snapshots snapshots(1, scene.positions);
-    snapshots.Append(scene);
-    return snapshots;
-  }
-  static render::FilmSettings SettingsOf(const render::View& view) {
-    render::FilmSettings settings;
-    settings.view = view;
-    settings.overlays.text = false;
-    return settings;
-  }
-
-  render::Snapshots snapshots_;  ///< referenced by painter_
-  render::FramePainter painter_;
-};
 
 class FastRosBridge final : public RosBridge {
  public:
@@ -157,16 +125,22 @@ class FastRosBridge final : public RosBridge {
               const record::SceneRecord& scene = feed_.scene().value();
               auto& painter = painters_[camera];
               if (!painter) {
-                painter = std::make_unique<CameraPainter>(truth_->model(), scene, views_[camera]);
+                render::FilmSettings settings;
+                settings.view = views_[camera];
+                settings.overlays.text = false;
+                painter = std::make_unique<render::ScenePainter>(truth_->model(), scene, settings);
               }
-              return painter->Paint(scene, with_depth);
+              painter->Show(scene);
+              return ros2::Picture{.image = painter->Paint(),
+                                   .depth = with_depth ? painter->Depth() : render::DepthImage(),
+                                   .camera = painter->Camera()};
             }};
   }
 
   const RosFlags flags_;
   std::vector<render::View> views_;
-  std::vector<std::unique_ptr<CameraPainter>> painters_;  ///< of the cameras' thread
-  const plant::TruthProbe* truth_ = nullptr;              ///< whose scenes the feed has
+  std::vector<std::unique_ptr<render::ScenePainter>> painters_;  ///< of the cameras' thread
+  const plant::TruthProbe* truth_ = nullptr;                     ///< whose scenes the feed has
   page::LiveFeed feed_;
   ros2::StateTap tap_;
   std::optional<ros2::Bridge> bridge_;
@@ -181,8 +155,7 @@ void AddRos(CLI::App& app, RosFlags& flags) {
   AddRosNames(app, flags);
   Add(app, "--ros-lockstep HZ", flags.lockstep_hz,
       "With drive lockstep: robot_joint_states come at this rate of robot time, which stands until "
-      "robot_joint_commands has answered each")
-      ->check(CLI::Range(1.0, 1000.0));
+      "robot_joint_commands has answered each; in [1, 1000]");
 }
 
 void AddRosNames(CLI::App& app, RosFlags& flags) {
@@ -198,8 +171,7 @@ void AddRosNames(CLI::App& app, RosFlags& flags) {
       "(jazzy, kilted); topics, services and actions are the same")
       ->check(CLI::IsMember({"humble", "jazzy", "kilted"}))
       ->capture_default_str();
-  Add(app, "--ros-rate HZ", flags.rate_hz, "Rate of joint_states and /clock")
-      ->check(CLI::Range(1.0, 1000.0))
+  Add(app, "--ros-rate HZ", flags.rate_hz, "Rate of joint_states and /clock, in [1, 1000]")
       ->capture_default_str();
   app.add_flag("--ros-arm", flags.arms,
                "Follow robot_joint_commands (ros2_control) from the start; else the service ~/arm "
@@ -210,10 +182,8 @@ void AddRosNames(CLI::App& app, RosFlags& flags) {
 }
 
 void RequireRosFlags(const RosFlags& flags) {
-  const auto is_rate = [](double hz) { return hz >= 1 && hz <= 1000; };
-  RefuseIf(!is_rate(flags.rate_hz), "--ros-rate must be in [1, 1000] Hz");
-  RefuseIf(flags.lockstep_hz && !is_rate(*flags.lockstep_hz),
-           "--ros-lockstep must be in [1, 1000] Hz");
+  RequireInRange("--ros-rate", flags.rate_hz, 1, 1000);
+  RequireInRange("--ros-lockstep", flags.lockstep_hz.value_or(1), 1, 1000);
   const RosFlags usual;
   RefuseIf(!flags.wanted &&
                (flags.name_space != usual.name_space || flags.discovery != usual.discovery ||

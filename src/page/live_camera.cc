@@ -6,9 +6,8 @@
 
 #include "twin/core/error.h"
 #include "twin/render/film.h"
-#include "twin/render/frame_painter.h"
 #include "twin/render/jpeg.h"
-#include "twin/render/snapshots.h"
+#include "twin/render/scene_painter.h"
 #include "twin/rt/host_time.h"
 #include "twin/rt/thread_setup.h"
 
@@ -27,29 +26,6 @@ render::FilmSettings SettingsOf(const render::View& view) {
   settings.view = view;
   return settings;
 }
-
-/// Draws one view of the newest scene.
-class LivePainter {
- public:
-  LivePainter(const mjModel_& model, const record::SceneRecord& scene, const render::View& view)
-      : snapshots_(OneScene(scene)),
-        painter_({.model = &model, .snapshots = &snapshots_}, SettingsOf(view)) {}
-
-  [[nodiscard]] render::Image Paint(const record::SceneRecord& scene) {
-    snapshots_ = OneScene(scene);
-    return painter_.Paint(0);
-  }
-
- private:
-  static render::Snapshots OneScene(const record::SceneRecord& scene) {
-    render::Snapshots snapshots(kMostRate_hz, scene.positions);
-    snapshots.Append(scene);
-    return snapshots;
-  }
-
-  render::Snapshots snapshots_;  ///< referenced by painter_
-  render::FramePainter painter_;
-};
 
 }  // namespace
 
@@ -77,7 +53,7 @@ void LiveCamera::Run(const std::stop_token& stop) {
 
 void LiveCamera::Draw(const std::stop_token& stop) {
   render::JpegEncoder encoder(kQuality);
-  std::optional<LivePainter> painter;
+  std::optional<render::ScenePainter> painter;
   std::size_t view = 0;
   Time drawn{};
   for (Time due = clock_.Now(); !stop.stop_requested(); rt::SleepUntil(clock_, due)) {
@@ -90,9 +66,10 @@ void LiveCamera::Draw(const std::stop_token& stop) {
       continue;
     if (!painter || is_elsewhere) {
       view = chosen();
-      painter.emplace(model_, scenes_.value(), views_[view].view);
+      painter.emplace(model_, scenes_.value(), SettingsOf(views_[view].view));
     }
-    calls_.picture(encoder.Encode(painter->Paint(scenes_.value())));
+    painter->Show(scenes_.value());
+    calls_.picture(encoder.Encode(painter->Paint()));
     drawn = now;
     due = now + kPeriod;
   }

@@ -102,20 +102,6 @@ std::vector<Pair> SolveRates(std::span<const Waypoint> points, std::span<const d
   return x;
 }
 
-/// The quintic with these values, velocities and accelerations at its ends, over the time h.
-std::array<double, 6> Quintic(double q0, double dq0, double ddq0, double q1, double dq1,
-                              double ddq1, double h) {
-  const double d = q1 - q0;
-  const double h2 = h * h;
-  const double h3 = h2 * h;
-  return {q0,
-          dq0,
-          ddq0 / 2,
-          (20 * d - (12 * dq0 + 8 * dq1) * h - (3 * ddq0 - ddq1) * h2) / (2 * h3),
-          (-30 * d + (16 * dq0 + 14 * dq1) * h + (3 * ddq0 - 2 * ddq1) * h2) / (2 * h3 * h),
-          (12 * d - 6 * (dq0 + dq1) * h - (ddq0 - ddq1) * h2) / (2 * h3 * h2)};
-}
-
 /// Appends the segments of a spline without inner stops.
 void AppendSpline(std::span<const Waypoint> points, std::span<const Duration> knots,
                   std::vector<QuinticSegment>& segments) {
@@ -129,8 +115,9 @@ void AppendSpline(std::span<const Waypoint> points, std::span<const Duration> kn
     segment.begin = knots[i];
     segment.length_s = lengths_s[i];
     for (std::size_t j = 0; j < kJoints; ++j) {
-      segment.c[j] = Quintic(points[i].q[j], rates[i].dq[j], rates[i].ddq[j], points[i + 1].q[j],
-                             rates[i + 1].dq[j], rates[i + 1].ddq[j], lengths_s[i]);
+      segment.c[j] =
+          QuinticBetween(points[i].q[j], rates[i].dq[j], rates[i].ddq[j], points[i + 1].q[j],
+                         rates[i + 1].dq[j], rates[i + 1].ddq[j], lengths_s[i]);
     }
   }
 }
@@ -153,3 +140,20 @@ std::vector<QuinticSegment> FitSpline(std::span<const Waypoint> waypoints,
 }
 
 }  // namespace twin::reference::internal
+
+namespace twin::reference {
+
+std::array<double, 6> QuinticBetween(double q0, double dq0, double ddq0, double q1, double dq1,
+                                     double ddq1, double h) noexcept {
+  const double d = q1 - q0;
+  const double h2 = h * h;
+  const double h3 = h2 * h;
+  return {q0,
+          dq0,
+          ddq0 / 2,
+          (20 * d - (12 * dq0 + 8 * dq1) * h - (3 * ddq0 - ddq1) * h2) / (2 * h3),
+          (-30 * d + (16 * dq0 + 14 * dq1) * h + (3 * ddq0 - 2 * ddq1) * h2) / (2 * h3 * h),
+          (12 * d - 6 * (dq0 + dq1) * h - (ddq0 - ddq1) * h2) / (2 * h3 * h2)};
+}
+
+}  // namespace twin::reference

@@ -85,4 +85,11 @@ struct SeedsOptions {
 /// @throws as RecordRun(); RobotFault when fewer seeds succeed than demanded.
 void RecordSeeds(const RunInputs& inputs, const SeedsOptions& options);
 
+/// A check before a robot's first motion as people read it, with the line's end.
+[[nodiscard]] std::string LineOf(const run::CheckLine& line);
+
+/// @param is_allowed  it says that it is a twin, or a real arm may move. @throws InputError saying
+/// what a real arm takes.
+void RequireAllowed(bool is_allowed, const backend::RobotAddress& robot);
+
 }  // namespace twin::application

@@ -50,6 +50,10 @@ struct QuinticSegment {
                                                    ///< in seconds; rad/s^i
 };
 
+/// The quintic sum c[i] x^i with these values, velocities and accelerations at x = 0 and x = h.
+[[nodiscard]] std::array<double, 6> QuinticBetween(double q0, double dq0, double ddq0, double q1,
+                                                   double dq1, double ddq1, double h) noexcept;
+
 /// Largest share of a velocity, acceleration or jerk limit that a trajectory may use. The rest
 /// covers rounding: a sampled position is accurate to about 4e-16 rad, so its third difference at 1
 /// ms to 8 x 4e-16 rad / (1 ms)^3 = 3e-6 rad/s^3, below a thousandth of the rest of the smallest

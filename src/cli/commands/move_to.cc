@@ -129,9 +129,7 @@ JointVector CurrentPosition(const scenario::Scenario& scenario, const run::Catal
   scenario::Scenario standing = scenario;
   standing.motion.plan.reset();
   const run::Session session(standing, catalogue, files, nullptr, settings);
-  if (const auto q = session.ReadCurrentPosition()) return *q;
-  throw RobotFault(fmt::format("{}:{} sends no state; does a firewall stop UDP to this machine?",
-                               settings.remote.host, settings.remote.arm_port));
+  return CurrentPositionOf(session, settings.remote);
 }
 
 double LargestDistance(const JointVector& a, const JointVector& b) {

@@ -14,6 +14,7 @@
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
 #include "twin/application/own_client.h"
+#include "twin/application/record_run.h"
 #include "twin/core/error.h"
 #include "twin/rt/host_time.h"
 #include "twin/run/remote.h"
@@ -47,24 +48,14 @@ void CheckRobot(const RosCommandFlags& flags, const scenario::Scenario& client,
                 const run::RealtimeConfig& settings, const run::RunFiles& files,
                 const Program& program, Terminal& terminal) {
   run::Session session(client, program.catalogue, files, nullptr, settings);
-  if (!session.connection().is_twin && !flags.hardware.allow) {
-    throw InputError(fmt::format(
-        "--robot {}: what answers there does not say that it is a twin, so that a real arm may "
-        "move; clear its workspace, keep the user stop in your hand, and say --allow-hardware",
-        *flags.hardware.robot));
-  }
-  const auto q = session.ReadCurrentPosition();
-  if (!q) {
-    throw RobotFault(fmt::format("{} sends no state; does a firewall stop UDP to this machine?",
-                                 *flags.hardware.robot));
-  }
+  application::RequireAllowed(session.connection().is_twin || flags.hardware.allow,
+                              settings.remote);
+  const JointVector q = CurrentPositionOf(session, settings.remote);
   const run::Motion first =
       run::MotionOn(client, "ros", control::CommandInterface::kJointPosition,
-                    run::StandingFor(*q, std::chrono::seconds(1), session.robot().limits));
-  const bool is_ready = session.CheckStart(first, [&terminal](const run::CheckLine& line) {
-    terminal.Say(
-        fmt::format("  {:<9} {:<14} {}\n", line.ok ? "ok" : "NOT OK", line.subject, line.text));
-  });
+                    run::StandingFor(q, std::chrono::seconds(1), session.robot().limits));
+  const bool is_ready = session.CheckStart(
+      first, [&terminal](const run::CheckLine& line) { terminal.Say(application::LineOf(line)); });
   if (!is_ready) throw RobotFault("the robot is not put into ROS 2: not all checks are well");
   if (flags.hardware.allow && !flags.hardware.yes) {
     terminal.ConfirmMotion("from now on ROS nodes move a real arm");

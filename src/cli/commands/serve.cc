@@ -79,6 +79,8 @@ class Service {
   [[nodiscard]] page::RunClock RunClock();
   void PressUserStop(bool pressed);
   void ClosePage();
+  /// @throws InputError where time does not pass as ROS nodes need it.
+  void RequireRosTime() const;
   void OpenRos();
   void CloseRos();
   /// The results of --out. A second wish to end leaves out the plots and the film that are left.
@@ -191,8 +193,8 @@ void Service::ClosePage() {
   operator_.reset();
 }
 
-void Service::OpenRos() {
-  if (ros_ == nullptr) return;
+void Service::RequireRosTime() const {
+  if (!flags_.ros.wanted) return;
   const bool steps = flags_.ros.lockstep_hz.has_value();
   if (steps && !(is_unpaced() && flags_.FreezesWhenIdle())) {
     throw InputError(
@@ -203,6 +205,10 @@ void Service::OpenRos() {
         "--ros: a robot served in lockstep is as fast as programs answer, and ROS nodes do not "
         "answer states: serve it with --pace 1");
   }
+}
+
+void Service::OpenRos() {
+  if (ros_ == nullptr) return;
   events_->Put(ros_->OpenServed(*session_, program_.catalogue,
                                 [this](std::string_view line) { session_->Tell(line); }));
 }
@@ -220,6 +226,7 @@ bool Service::Ends() {
 int Service::Run() {
   server::ServedRobot& robot = session_->robot();
   interrupt_.ThrowIfInterrupted();
+  RequireRosTime();
   if (ros_ != nullptr) ros_->Watch(*session_);
   OpenPage();
   events_.emplace(*program_.log_flags);
