@@ -1,0 +1,200 @@
+"""What a regression of joint torques sees: filtered torques and regressors, a row every 20 ms."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import Akima1DInterpolator, CubicSpline
+from scipy.signal import firwin
+
+from .. import _core
+
+if TYPE_CHECKING:
+    from ._model import TwinModel
+    from ._recording import Block, Recording
+
+Array: TypeAlias = npt.NDArray[np.float64]
+
+TICK = 1e-3
+"""Period of the robot's controller, s."""
+ROW = 20
+"""Ticks between two rows."""
+_CUTOFF = 20.0  # Hz, of the filter that torques and regressors pass alike
+_HALF = 60  # ticks: half of the filter
+_SHIFTS = np.arange(-6, 27, 2)  # ticks by which torques are looked up earlier or later: delays from -4 to 24 ms are between
+_MARGIN = _HALF + int(_SHIFTS[-1]) + 2
+_GAP = 0.012  # s: a longer gap is not bridged
+_BLOCK = 10.0  # s
+MOST = 600.0
+"""Of a longer log, as many seconds are looked at, in blocks spread over all of it."""
+_TAPS: Array = firwin(2 * _HALF + 1, _CUTOFF, fs=1 / TICK)
+
+BODIES = 8
+"""Bodies of a regressor: seven links, and what is on the flange; ten parameters each, as `_core.model_regressor` has them."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Motion:
+    """Signals of one stretch on a grid of 1 ms, without gaps longer than 12 ms where `is_whole`."""
+
+    t: Array
+    is_whole: npt.NDArray[np.bool_]
+    q: Array
+    dq: Array
+    ddq: Array
+    others: dict[str, Array]
+    """Further columns, on the same grid."""
+
+    def places(self) -> npt.NDArray[np.intp]:
+        """Ticks at which a row can be made: those whose filter meets no gap."""
+        first = int(np.ceil(round(self.t[0] / TICK) / ROW)) * ROW - round(self.t[0] / TICK)
+        places = np.arange(first, len(self.t), ROW)
+        places = places[(places >= _MARGIN) & (places < len(self.t) - _MARGIN)]
+        holes = np.concatenate([[0], np.cumsum(~self.is_whole)])
+        return places[holes[places + _MARGIN] == holes[places - _MARGIN]]
+
+
+def _filtered(values: Array, places: npt.NDArray[np.intp], shift: int = 0) -> Array:
+    """The low-pass of rows (m, ...) at some of them, `shift` rows later."""
+    flat = values.reshape(len(values), -1)
+    out = np.zeros((len(places), flat.shape[1]))
+    if len(places) and np.all(np.diff(places) == ROW):  # a strided view instead of a gather
+        for i, tap in enumerate(_TAPS):
+            begin = places[0] + shift + i - _HALF
+            out += tap * flat[begin : begin + ROW * len(places) : ROW][: len(places)]
+    else:
+        for i, tap in enumerate(_TAPS):
+            out += tap * flat[places + shift + i - _HALF]
+    return out.reshape(len(places), *values.shape[1:])
+
+
+def regressor(q: Array, dq: Array, ddq: Array, g_earth: Iterable[float]) -> Array:
+    """Y of M ddq + c + g = Y parameters, (n, 7, 80)."""
+    Y = np.empty((len(q), 7, 10 * BODIES))
+    _core.model_regressor(*(np.ascontiguousarray(x) for x in (q, dq, ddq)), [float(x) for x in g_earth], Y)
+    return Y
+
+
+def motion_of(block: Block, by_id: bool) -> Motion:
+    """Bring a block of a log onto a grid of 1 ms.
+
+    Rows by the robot's message id fall onto it exactly. Stamps are taken as they are, at any rate: the signals are interpolated
+    between them. Without `dq`, it is the slope of `q`.
+    """
+    stamps = block.t
+    first, last = int(np.ceil(stamps[0] / TICK - 1e-6)), int(np.floor(stamps[-1] / TICK + 1e-6))
+    t = np.arange(first, last + 1) * TICK
+    names = [name for name in block.columns if name not in ("q", "dq")]
+    period = float(np.median(np.diff(stamps))) if len(stamps) > 1 else TICK
+    if by_id and len(t) == len(stamps):
+        def on_grid(values: Array) -> Array:
+            return values
+    elif period < 2 * TICK:
+        def on_grid(values: Array) -> Array:
+            return np.stack([np.interp(t, stamps, column) for column in values.T], axis=1)
+    else:
+        def on_grid(values: Array) -> Array:
+            return np.asarray(Akima1DInterpolator(stamps, values)(t))
+    q = on_grid(block.columns["q"])
+    after = np.clip(np.searchsorted(stamps, t, side="left"), 1, len(stamps) - 1)
+    gap = stamps[after] - stamps[after - 1]
+    exact = np.abs(stamps[np.clip(np.searchsorted(stamps, t - 1e-9), 0, len(stamps) - 1)] - t) < 1e-6
+    is_whole = (gap <= max(_GAP, 4 * period)) | exact
+    dq = on_grid(block.columns["dq"]) if "dq" in block.columns else np.gradient(q, TICK, axis=0)
+    # The acceleration that leads from one tick to the next belongs to the earlier tick's q and dq (plant and robot alike sample after it).
+    ddq = np.diff(dq, axis=0, append=dq[-1:]) / TICK
+    return Motion(t, is_whole, q, dq, ddq, {name: on_grid(block.columns[name]) for name in names})
+
+
+@dataclasses.dataclass(frozen=True)
+class Rows:
+    """Rows of all blocks. Torques are those of the sensor, tau_J; `Y` times the parameters of all bodies is what links need."""
+
+    t: Array
+    """(n,), s."""
+    block: npt.NDArray[np.int64]
+    """(n,): which block a row is from."""
+    q: Array
+    dq: Array
+    ddq: Array
+    """(n, 7) each, filtered."""
+    Y: npt.NDArray[np.float64]
+    """(n, 7, 80)."""
+    tilt: Array
+    """(n, 7, 2): change of the model's torque per rad of roll and of pitch of the base."""
+    beside: dict[str, Array]
+    """(n, 7) each, filtered, at the instant of tau_J: theta and q of the sensors, tau_J_d with the gravity that INT adds."""
+    tau_at: CubicSpline
+    """tau_at(delay) is (n, 7): torques measured a delay (s) after each row, filtered."""
+    _fast: tuple[tuple[Array, npt.NDArray[np.intp]], ...]  # of each block: dq at 1 kHz, places
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def of_velocity(self, law: Callable[[Array], Array]) -> Array:
+        """A function of joint velocities (m, 7) -> (m, ...) after the filter: (n, ...)."""
+        return np.concatenate([_filtered(law(dq), places) for dq, places in self._fast])
+
+    @property
+    def seconds(self) -> float:
+        """Time that the rows stand for."""
+        return len(self) * ROW * TICK
+
+
+def motions_of(recording: Recording, *names: str, most: float = MOST) -> Iterator[Motion]:
+    """Stretches of a log on the grid; of a log longer than `most` seconds, some that are spread over it."""
+    stride = max(1, int(np.ceil(recording.seconds / most))) if np.isfinite(most) else 1
+    wanted = [name for name in ("q", "dq", *names) if name in recording.columns]
+    for number, block in enumerate(recording.blocks(*wanted, seconds=_BLOCK, overlap=2 * (_MARGIN + ROW) * TICK)):
+        if number % stride == 0 and len(block.t) > 2 * _MARGIN:
+            yield motion_of(block, recording.by_id)
+
+
+def _beside(motion: Motion, places: npt.NDArray[np.intp], twin: TwinModel) -> dict[str, Array]:
+    found = {"q": _filtered(motion.q, places, 1)}
+    if "theta" in motion.others:
+        found["theta"] = _filtered(motion.others["theta"], places, 1)
+    if "tau_J_d" in motion.others:
+        found["tau_J_d"] = _filtered(motion.others["tau_J_d"], places, 1) + _filtered(twin.compensation(motion.q), places)
+    return found
+
+
+def rows_of(motions: Iterable[Motion], twin: TwinModel) -> Rows:
+    """Make the rows of motions that have the column tau_J.
+
+    Raises
+    ------
+    ValueError
+        Without 0.2 s in a row.
+    """
+    g = twin.g_earth.tolist()
+    parts: list[dict[str, Any]] = []
+    fast: list[tuple[Array, npt.NDArray[np.intp]]] = []
+    beside: list[dict[str, Array]] = []
+    done = -np.inf
+    for motion in motions:
+        places = motion.places()
+        places = places[motion.t[places] > done + 1e-9]
+        if len(places) == 0:
+            continue
+        done = motion.t[places[-1]]
+        Y = regressor(motion.q, motion.dq, motion.ddq, g)
+        still = np.zeros_like(motion.q)
+        tilt = np.stack([regressor(motion.q, still, still, g_i) @ twin.parameters for g_i in twin.tilted()], axis=2)
+        tau = motion.others["tau_J"]
+        # The sensors' values of a tick belong to the acceleration that led to it: one tick after its q and dq.
+        shifted = np.stack([_filtered(tau, places, int(shift) + 1) for shift in _SHIFTS], axis=2)
+        parts.append({"t": motion.t[places], "block": np.full(len(places), len(parts)), "Y": _filtered(Y, places), "tau": shifted, "tilt": _filtered(tilt, places)}
+                     | {name: _filtered(getattr(motion, name), places) for name in ("q", "dq", "ddq")})
+        beside.append(_beside(motion, places, twin))
+        fast.append((motion.dq, places))
+    if not parts:
+        raise ValueError("no 0.3 s in a row without a gap longer than 12 ms; nothing can be compared")
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    tau_at = CubicSpline(_SHIFTS * TICK, whole.pop("tau"), axis=2)
+    others = {name: np.concatenate([part[name] for part in beside]) for name in beside[0]}
+    return Rows(**whole, beside=others, tau_at=tau_at, _fast=tuple(fast))
