@@ -98,6 +98,30 @@ void Mass(const Rows<7>& q, const Load& load, bool of_plant, const Filled<49>& o
   }
 }
 
+constexpr Py_ssize_t kRegressorSize = std::tuple_size_v<model::Regressor>;
+
+void RegressorOf(const Rows<7>& q, const Rows<7>& dq, const Rows<7>& ddq, const Vector3& g_earth,
+                 const Filled<kRegressorSize>& out) {
+  const GilReleased release;
+  for (std::size_t i = 0; i < q.shape(0); ++i) {
+    std::ranges::copy(
+        model::ArmModel::RegressorOf(RowOf(q, i), RowOf(dq, i), RowOf(ddq, i), g_earth),
+        out.data() + kRegressorSize * i);
+  }
+}
+
+/// Parameters of the seven links, as model::Regressor has them.
+std::array<double, kJoints * model::kBodyParameters> ParametersOf(bool of_plant) {
+  std::array<double, kJoints * model::kBodyParameters> all;
+  double* next = all.data();
+  for (const auto& [m, h, I] : ModelOf(of_plant).links()) {
+    next =
+        std::ranges::copy(std::array{m, h[0], h[1], h[2], I.xx, I.xy, I.xz, I.yy, I.yz, I.zz}, next)
+            .out;
+  }
+  return all;
+}
+
 void JacobianOf(const Rows<7>& q, const std::string& name, const Transform& F_T_EE, bool in_body,
                 const Filled<42>& out) {
   const model::Frame frame = FrameOf(name);
@@ -156,6 +180,8 @@ void AddModel(nb::module_& module) {
   module.def("model_gravity", &Gravity);
   module.def("model_coriolis", &Coriolis);
   module.def("model_mass", &Mass);
+  module.def("model_regressor", &RegressorOf);
+  module.def("model_parameters", &ParametersOf);
   module.def("model_jacobian", &JacobianOf);
   module.def("model_fk", &ForwardKinematics);
   module.def("model_ik", &InverseKinematics);

@@ -74,7 +74,54 @@ Wrench Shift(const Wrench& wrench, double s, double c) noexcept {
   return {f, ToParent<i>(wrench.n, s, c) + OffsetCross<i>(f)};
 }
 
+/// Wrenches about a frame's origin that accelerate a body, one for each unit parameter: of mass,
+/// first and second moments.
+using UnitWrenches = std::array<Wrench, kBodyParameters>;
+
+UnitWrenches WrenchesOf(const Motion& motion, const Columns& A) noexcept {
+  const auto& [w, alpha, a] = motion;
+  // I alpha + w x I w, for I with one element (and its mirror image) of 1.
+  const auto moment = [&w = motion.w, &alpha = motion.alpha](const SymmetricMatrix3& I) {
+    return Wrench{{}, I * alpha + Cross(w, I * w)};
+  };
+  return {Wrench{a, {}},           {A.x, {0, -a[2], a[1]}}, {A.y, {a[2], 0, -a[0]}},
+          {A.z, {-a[1], a[0], 0}}, moment({.xx = 1}),       moment({.xy = 1}),
+          moment({.xz = 1}),       moment({.yy = 1}),       moment({.yz = 1}),
+          moment({.zz = 1})};
+}
+
 }  // namespace
+
+Regressor ArmModel::RegressorOf(const Configuration& q, const JointVector& dq,
+                                const JointVector& ddq, const Vector3& g_earth) noexcept {
+  std::array<UnitWrenches, kRegressorBodies> bodies;  // in the axes of their frame
+  Motion motion{{}, {}, -g_earth};
+  Columns A{};
+  BaseToTip([&]<std::size_t i>() {
+    motion = Next<i>(motion, A, q.sin[i], q.cos[i], dq[i], ddq[i]);
+    A = RelativeAcceleration(motion.w, motion.alpha);
+    bodies[i] = WrenchesOf(motion, A);
+  });
+  // The flange has the axes of joint frame 7; its wrenches then act about that frame's origin.
+  motion.a = motion.a + internal::kFlangeOffset * A.z;
+  bodies[kJoints] = WrenchesOf(motion, A);
+  for (Wrench& wrench : bodies[kJoints]) {
+    wrench.n = wrench.n + internal::kFlangeOffset * Vector3{-wrench.f[1], wrench.f[0], 0};
+  }
+
+  constexpr std::size_t kWidth = kRegressorBodies * kBodyParameters;
+  Regressor Y{};
+  TipToBase([&]<std::size_t i>() {
+    for (std::size_t body = i; body < kRegressorBodies; ++body) {
+      for (std::size_t p = 0; p < kBodyParameters; ++p) {
+        Wrench& wrench = bodies[body][p];
+        Y[kWidth * i + kBodyParameters * body + p] = wrench.n[2];
+        if constexpr (i > 0) wrench = Shift<i>(wrench, q.sin[i], q.cos[i]);
+      }
+    }
+  });
+  return Y;
+}
 
 JointVector ArmModel::InverseDynamics(const Configuration& q, const JointVector& dq,
                                       const JointVector& ddq, const Payload& payload,

@@ -56,6 +56,29 @@ TEST(ArmModelDynamicsTest, MassMatrixIsExactlySymmetric) {
   }
 }
 
+TEST(ArmModelDynamicsTest, RegressorTimesParametersIsInverseDynamics) {
+  const ArmModel& arm = ArmModel::PandaPlant();
+  Eigen::Matrix<double, 80, 1> pi;
+  Eigen::Index next = 0;
+  const auto put = [&](const MassMoments& body) {
+    for (const double value : {body.m, body.h[0], body.h[1], body.h[2], body.I.xx, body.I.xy,
+                               body.I.xz, body.I.yy, body.I.yz, body.I.zz}) {
+      pi[next++] = value;
+    }
+  };
+  for (const MassMoments& link : arm.links()) put(link);
+  const Matrix3& I = kLump.I;
+  put(MassMoments::Of(kLump.m, kLump.F_x_C, {I[0], I[1], I[2], I[4], I[5], I[8]}));
+  for (std::uint64_t i = 0; i < kSamples; ++i) {
+    const auto [q, dq, ddq] = SampleOf(i);
+    const Regressor Y = ArmModel::RegressorOf(q, dq, ddq, kTilted);
+    const Vector7 tau =
+        Eigen::Map<const Eigen::Matrix<double, 7, 80, Eigen::RowMajor>>(Y.data()) * pi;
+    const Vector7 expected = ToVector(arm.InverseDynamics(q, dq, ddq, kLump, kTilted));
+    EXPECT_LT((tau - expected).norm(), 1e-12 * expected.norm()) << "sample " << i;
+  }
+}
+
 TEST(ArmModelDynamicsTest, MassMatrixIsPositiveDefinite) {
   for (const ArmModel* arm : {&ArmModel::Panda(), &ArmModel::PandaPlant()}) {
     for (std::uint64_t i = 0; i < kSamples; ++i) {

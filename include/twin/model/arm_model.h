@@ -14,6 +14,13 @@ namespace twin::model {
 /// 6 x 7 matrix, column-major: element (row r, joint j) is index 6 j + r, rows vx vy vz wx wy wz.
 using Jacobian = std::array<double, 6 * kJoints>;
 
+/// Bodies of a regressor: the seven links, then what is on the flange.
+inline constexpr std::size_t kRegressorBodies = kJoints + 1;
+/// Parameters of a body: its MassMoments m, hx, hy, hz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz.
+inline constexpr std::size_t kBodyParameters = 10;
+/// 7 x 80 matrix, row-major: element (joint j, parameter p of body b) is index 80 j + 10 b + p.
+using Regressor = std::array<double, kJoints * kRegressorBodies * kBodyParameters>;
+
 /// 7 x 7 matrix, column-major: element (row r, column c) is index 7 c + r.
 using JointMatrix = std::array<double, kJoints * kJoints>;
 
@@ -137,6 +144,18 @@ class ArmModel {
                                             const JointVector& ddq, const Payload& payload,
                                             const Vector3& g_earth = {
                                                 0, 0, -9.81}) const noexcept TWIN_REALTIME;
+
+  /// @returns Y with Y pi = InverseDynamics() for the parameters pi of links (each about its joint
+  /// frame's origin, in its axes) and of a body on the flange (the flange's). Depends on no model:
+  /// all share the kinematics. Source: Atkeson, An, Hollerbach, "Estimation of Inertial Parameters
+  /// of Manipulator Loads and Links", IJRR 1986.
+  [[nodiscard]] static Regressor RegressorOf(const Configuration& q, const JointVector& dq,
+                                             const JointVector& ddq,
+                                             const Vector3& g_earth = {
+                                                 0, 0, -9.81}) noexcept TWIN_REALTIME;
+
+  /// @returns the links' parameters, joint order, each about its joint frame's origin.
+  [[nodiscard]] const std::array<MassMoments, kJoints>& links() const noexcept { return links_; }
 
  private:
   std::array<MassMoments, kJoints> links_{};  // each about its joint frame's origin

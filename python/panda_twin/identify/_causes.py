@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import model
-from ._model import TwinModel, body_of, body_parameters
+from ._model import TwinModel, body_of, body_parameters, friction_torque
 from ._regression import QUANTILE, Estimate, fit, spread_of
 from ._rows import Rows
 from ._terms import ALL, Columns, Delay, Friction, Load, Parameter, Term
@@ -114,6 +114,7 @@ def _candidates(rows: Rows, twin: TwinModel) -> list[_Candidate]:
     flange = rows.Y[:, :, 70:] @ twin.load
     all_bodies = sum(links) + hand + flange
     found = [_friction(joint) for joint in ALL]
+    found.append(_Candidate(Friction(), lambda _: ("the joints differ in friction", "plant.friction: --identify friction --write profile.yaml")))
     found += [_tilt(rows, twin), _delay(twin), _load(twin), _hand(rows, twin),
               _scaled("mass of all links", sum(links) + hand, "plant.mass_scale", "all links are heavier by {}",
                       lambda x: f"plant: {{mass_scale: {1 + x:.3f}}}")]
@@ -128,6 +129,11 @@ def _candidates(rows: Rows, twin: TwinModel) -> list[_Candidate]:
         found.append(_scaled("mass of the load", flange, "load", "the load is heavier by {}",
                              lambda x: f"robot.load: {{mass: {(1 + x) * twin.load[0]:.3f} kg}}"))
     return found
+
+
+def residual_of(rows: Rows, twin: TwinModel) -> Array:
+    """Measured torques less the twin's, (n, 7)."""
+    return rows.tau_at(twin.torque_delay) - rows.Y @ twin.parameters - rows.of_velocity(lambda dq: friction_torque(twin.friction, dq))
 
 
 def _explain(rows: Rows, torque: Array, candidate: _Candidate, sigma: Array) -> tuple[float, float, Array, Estimate | None]:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from scipy.linalg import qr
 from scipy.optimize import least_squares
 
+from ._causes import residual_of
 from ._model import STEEP, TwinModel, friction_torque
 from ._regression import Estimate, fit
 from ._rows import Rows, regressor
@@ -153,9 +154,9 @@ def identify(rows: Rows, twin: TwinModel, kinds: set[str]) -> Identified:
 
 def _judge(rows: Rows, torque: Array, terms: list[Term], twin: TwinModel) -> tuple[Array, Array] | None:
     fits = (rows.t / _PART).astype(int) % 2 == 0
-    if np.sum(fits) < 100 or np.sum(~fits) < 100:
+    if np.sum(fits) < 50 or np.sum(~fits) < 50:
         return None
-    before = rows.tau_at(twin.torque_delay) - rows.Y @ twin.parameters - rows.of_velocity(lambda dq: friction_torque(twin.friction, dq))
+    before = residual_of(rows, twin)
     after = fit(rows, torque, terms, use=fits).residual
     before_rms, after_rms = (np.sqrt(np.mean(x[~fits] ** 2, axis=0)) for x in (before, after))
     return before_rms, after_rms

@@ -124,6 +124,11 @@ class Recording:
         file = pathlib.Path(path)
         return cls(_opened(file, wanted), file, str(file))
 
+    @property
+    def name(self) -> str:
+        """What messages call the log."""
+        return self._name
+
     @functools.cached_property
     def sha256(self) -> str:
         """Of the file, or of a folder's files in order of their names; empty of a dict."""

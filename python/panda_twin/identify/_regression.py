@@ -17,7 +17,7 @@ Array: TypeAlias = npt.NDArray[np.float64]
 QUANTILE = 1.959964
 """Of the normal distribution: 95 % intervals are this many standard deviations to both sides."""
 _HUBER = 2.5  # standard deviations: beyond, a residual counts by its size, not its square
-_LAGS = 12  # rows: residuals further apart count as independent
+_LAGS = 8  # rows: residuals further apart count as independent
 _STEPS = 20
 _LEAST_SD = 1e-5  # Nm: below this, arithmetic is what is fitted
 
@@ -55,7 +55,7 @@ def fit(rows: Rows, torque: Array, terms: Sequence[Term], use: npt.NDArray[np.bo
     """Fit terms to torques.
 
     Each joint weighs by its own noise, an outlier less (Huber). Directions of the parameters that the motion does not excite are left
-    out and said to be untold. The covariance is that of a sandwich (White 1980) with Bartlett weights over 0.24 s (Newey and West 1987).
+    out and said to be untold. The covariance is that of a sandwich (White 1980) with Bartlett weights over 0.32 s (Newey and West 1987).
 
     Parameters
     ----------
@@ -87,7 +87,8 @@ def fit(rows: Rows, torque: Array, terms: Sequence[Term], use: npt.NDArray[np.bo
         while np.any(np.abs(change) > 1e-6) and _cost(rows, torque, terms, theta + change * scale, weight, counted) > cost * (1 + 1e-9):
             change = change / 2
         theta = theta + change * scale
-        if step > 1 and np.all(np.abs(change) < 1e-6):
+        # Far below what the noise makes of it.
+        if step > 1 and np.all(np.abs(change) <= 0.02 * np.sqrt(np.diag(inverse))):
             break
     at = _evaluate(rows, terms, theta)
     residual = torque - at[0]

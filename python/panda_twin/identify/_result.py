@@ -43,7 +43,7 @@ class LogFacts:
 
 @dataclasses.dataclass(frozen=True)
 class Open:
-    """Torques on the measured motion: measured against the twin's inverse dynamics, every 20 ms after a low-pass of 20 Hz."""
+    """Torques on the measured motion: measured against the twin's inverse dynamics, every 40 ms after a low-pass of 8 Hz."""
 
     t: Array
     q: Array

@@ -1,15 +1,16 @@
-"""What a regression of joint torques sees: filtered torques and regressors, a row every 20 ms."""
+"""What a regression of joint torques sees: filtered torques and regressors, a row every 40 ms."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
-from scipy.signal import firwin
+from scipy.signal import butter, firwin, sosfiltfilt
+from scipy.sparse import csr_array
 
 from .. import _core
 
@@ -21,12 +22,14 @@ Array: TypeAlias = npt.NDArray[np.float64]
 
 TICK = 1e-3
 """Period of the robot's controller, s."""
-ROW = 20
+ROW = 40
 """Ticks between two rows."""
-_CUTOFF = 20.0  # Hz, of the filter that torques and regressors pass alike
-_HALF = 60  # ticks: half of the filter
+_CUTOFF = 8.0  # Hz, of the filter that torques and regressors pass alike
+_HALF = 120  # ticks: half of the filter
 _SHIFTS = np.arange(-6, 27, 2)  # ticks by which torques are looked up earlier or later: delays from -4 to 24 ms are between
-_MARGIN = _HALF + int(_SHIFTS[-1]) + 2
+_EDGE = 300  # ticks at both ends of a stretch that are there for the fusion of q and dq alone
+_MARGIN = _EDGE + _HALF + int(_SHIFTS[-1]) + 2
+_FUSED = (2.0, 20.0)  # Hz: below a frequency in this range the slope of q counts, above it dq
 _GAP = 0.012  # s: a longer gap is not bridged
 _BLOCK = 10.0  # s
 MOST = 600.0
@@ -58,25 +61,44 @@ class Motion:
         return places[holes[places + _MARGIN] == holes[places - _MARGIN]]
 
 
-def _filtered(values: Array, places: npt.NDArray[np.intp], shift: int = 0) -> Array:
-    """The low-pass of rows (m, ...) at some of them, `shift` rows later."""
-    flat = values.reshape(len(values), -1)
-    out = np.zeros((len(places), flat.shape[1]))
-    if len(places) and np.all(np.diff(places) == ROW):  # a strided view instead of a gather
-        for i, tap in enumerate(_TAPS):
-            begin = places[0] + shift + i - _HALF
-            out += tap * flat[begin : begin + ROW * len(places) : ROW][: len(places)]
-    else:
-        for i, tap in enumerate(_TAPS):
-            out += tap * flat[places + shift + i - _HALF]
-    return out.reshape(len(places), *values.shape[1:])
+def _low_pass(ticks: int, places: npt.NDArray[np.intp], shift: int = 0) -> csr_array:
+    """The filter as a matrix (places, ticks), `shift` ticks later than the places."""
+    columns = (places + shift)[:, None] + np.arange(-_HALF, _HALF + 1)
+    ends = np.arange(len(places) + 1) * len(_TAPS)
+    return csr_array((np.tile(_TAPS, len(places)), columns.ravel(), ends), shape=(len(places), ticks))
+
+
+def _filtered(values: Array, low_pass: csr_array) -> Array:
+    """Rows (m, ...) of a stretch after the filter, (places, ...)."""
+    return np.asarray(low_pass @ values.reshape(len(values), -1)).reshape(low_pass.shape[0], *values.shape[1:])
 
 
 def regressor(q: Array, dq: Array, ddq: Array, g_earth: Iterable[float]) -> Array:
     """Y of M ddq + c + g = Y parameters, (n, 7, 80)."""
     Y = np.empty((len(q), 7, 10 * BODIES))
-    _core.model_regressor(*(np.ascontiguousarray(x) for x in (q, dq, ddq)), [float(x) for x in g_earth], Y)
+    _core.model_regressor(*(np.ascontiguousarray(x) for x in (q, dq, ddq)), [float(x) for x in g_earth], Y.reshape(len(q), -1))
     return Y
+
+
+def noise_of(values: Array) -> float:
+    """Standard deviation of white noise, by what does not follow from the neighbours: robust, the median of the columns."""
+    fourth = np.diff(values, 4, axis=0)
+    return float(np.median(1.4826 * np.median(np.abs(fourth), axis=0)) / np.sqrt(70))
+
+
+def _velocity(q: Array, dq: Array | None) -> Array:
+    """Joint velocities: dq above the frequency at which its noise equals that of the slope of q, that slope below it."""
+    slope = np.diff(q, axis=0, prepend=q[:1]) / TICK
+    slope[0] = slope[1] if len(slope) > 1 else 0
+    if len(q) < 100:
+        return slope if dq is None else dq
+    if dq is None:
+        return np.asarray(sosfiltfilt(butter(2, _FUSED[1], fs=1 / TICK, output="sos"), slope, axis=0))
+    equal = noise_of(dq) / max(2 * np.pi * noise_of(q), 1e-12)
+    if equal < _FUSED[0]:
+        return dq
+    low = butter(2, min(equal, _FUSED[1]), fs=1 / TICK, output="sos")
+    return dq + np.asarray(sosfiltfilt(low, slope - dq, axis=0))
 
 
 def motion_of(block: Block, by_id: bool) -> Motion:
@@ -104,7 +126,7 @@ def motion_of(block: Block, by_id: bool) -> Motion:
     gap = stamps[after] - stamps[after - 1]
     exact = np.abs(stamps[np.clip(np.searchsorted(stamps, t - 1e-9), 0, len(stamps) - 1)] - t) < 1e-6
     is_whole = (gap <= max(_GAP, 4 * period)) | exact
-    dq = on_grid(block.columns["dq"]) if "dq" in block.columns else np.gradient(q, TICK, axis=0)
+    dq = _velocity(q, on_grid(block.columns["dq"]) if "dq" in block.columns else None)
     # The acceleration that leads from one tick to the next belongs to the earlier tick's q and dq (plant and robot alike sample after it).
     ddq = np.diff(dq, axis=0, append=dq[-1:]) / TICK
     return Motion(t, is_whole, q, dq, ddq, {name: on_grid(block.columns[name]) for name in names})
@@ -130,14 +152,14 @@ class Rows:
     """(n, 7) each, filtered, at the instant of tau_J: theta and q of the sensors, tau_J_d with the gravity that INT adds."""
     tau_at: CubicSpline
     """tau_at(delay) is (n, 7): torques measured a delay (s) after each row, filtered."""
-    _fast: tuple[tuple[Array, npt.NDArray[np.intp]], ...]  # of each block: dq at 1 kHz, places
+    _fast: tuple[tuple[Array, csr_array], ...]  # of each block: dq at 1 kHz, the filter
 
     def __len__(self) -> int:
         return len(self.t)
 
     def of_velocity(self, law: Callable[[Array], Array]) -> Array:
         """A function of joint velocities (m, 7) -> (m, ...) after the filter: (n, ...)."""
-        return np.concatenate([_filtered(law(dq), places) for dq, places in self._fast])
+        return np.concatenate([_filtered(law(dq), low_pass) for dq, low_pass in self._fast])
 
     @property
     def seconds(self) -> float:
@@ -154,26 +176,26 @@ def motions_of(recording: Recording, *names: str, most: float = MOST) -> Iterato
             yield motion_of(block, recording.by_id)
 
 
-def _beside(motion: Motion, places: npt.NDArray[np.intp], twin: TwinModel) -> dict[str, Array]:
-    found = {"q": _filtered(motion.q, places, 1)}
+def _beside(motion: Motion, low_pass: csr_array, later: csr_array, twin: TwinModel) -> dict[str, Array]:
+    found = {"q": _filtered(motion.q, later)}
     if "theta" in motion.others:
-        found["theta"] = _filtered(motion.others["theta"], places, 1)
+        found["theta"] = _filtered(motion.others["theta"], later)
     if "tau_J_d" in motion.others:
-        found["tau_J_d"] = _filtered(motion.others["tau_J_d"], places, 1) + _filtered(twin.compensation(motion.q), places)
+        found["tau_J_d"] = _filtered(motion.others["tau_J_d"], later) + _filtered(twin.compensation(motion.q), low_pass)
     return found
 
 
-def rows_of(motions: Iterable[Motion], twin: TwinModel) -> Rows:
+def rows_of(motions: Iterable[Motion], twin: TwinModel, name: str = "the log") -> Rows:
     """Make the rows of motions that have the column tau_J.
 
     Raises
     ------
     ValueError
-        Without 0.2 s in a row.
+        Without 0.9 s in a row.
     """
     g = twin.g_earth.tolist()
     parts: list[dict[str, Any]] = []
-    fast: list[tuple[Array, npt.NDArray[np.intp]]] = []
+    fast: list[tuple[Array, csr_array]] = []
     beside: list[dict[str, Array]] = []
     done = -np.inf
     for motion in motions:
@@ -187,14 +209,32 @@ def rows_of(motions: Iterable[Motion], twin: TwinModel) -> Rows:
         tilt = np.stack([regressor(motion.q, still, still, g_i) @ twin.parameters for g_i in twin.tilted()], axis=2)
         tau = motion.others["tau_J"]
         # The sensors' values of a tick belong to the acceleration that led to it: one tick after its q and dq.
-        shifted = np.stack([_filtered(tau, places, int(shift) + 1) for shift in _SHIFTS], axis=2)
-        parts.append({"t": motion.t[places], "block": np.full(len(places), len(parts)), "Y": _filtered(Y, places), "tau": shifted, "tilt": _filtered(tilt, places)}
-                     | {name: _filtered(getattr(motion, name), places) for name in ("q", "dq", "ddq")})
-        beside.append(_beside(motion, places, twin))
-        fast.append((motion.dq, places))
+        filters = [_low_pass(len(tau), places, int(shift) + 1) for shift in _SHIFTS]
+        shifted = np.stack([_filtered(tau, one) for one in filters], axis=2)
+        low_pass = _low_pass(len(tau), places)
+        parts.append({"t": motion.t[places], "block": np.full(len(places), len(parts)), "Y": _filtered(Y, low_pass), "tau": shifted, "tilt": _filtered(tilt, low_pass)}
+                     | {name: _filtered(getattr(motion, name), low_pass) for name in ("q", "dq", "ddq")})
+        beside.append(_beside(motion, low_pass, _low_pass(len(tau), places, 1), twin))
+        fast.append((motion.dq, low_pass))
     if not parts:
-        raise ValueError("no 0.3 s in a row without a gap longer than 12 ms; nothing can be compared")
+        raise ValueError(f"{name}: no 0.9 s in a row without a gap longer than 12 ms; nothing can be compared")
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     tau_at = CubicSpline(_SHIFTS * TICK, whole.pop("tau"), axis=2)
     others = {name: np.concatenate([part[name] for part in beside]) for name in beside[0]}
     return Rows(**whole, beside=others, tau_at=tau_at, _fast=tuple(fast))
+
+
+def joined(parts: Sequence[Rows]) -> Rows:
+    """Rows of several logs of one robot, one after the other."""
+    if len(parts) == 1:
+        return parts[0]
+    blocks, ends = [], 0
+    for part in parts:
+        blocks.append(part.block + ends)
+        ends += int(part.block.max()) + 1
+    whole = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("t", "q", "dq", "ddq", "Y", "tilt")}
+    names = set.intersection(*(set(part.beside) for part in parts))
+    beside = {name: np.concatenate([part.beside[name] for part in parts]) for name in names}
+    delays = parts[0].tau_at.x
+    tau_at = CubicSpline(delays, np.concatenate([np.stack([part.tau_at(x) for x in delays], axis=2) for part in parts]), axis=2)
+    return Rows(**whole, block=np.concatenate(blocks), beside=beside, tau_at=tau_at, _fast=sum((part._fast for part in parts), ()))
