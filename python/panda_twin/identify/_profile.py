@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
-_FRICTION_UNITS = dict(zip(FRICTION, ("Nm s/rad", "Nm", "Nm", "s/rad", "rad/s")))
+_FRICTION_UNITS = dict(zip(FRICTION, ("Nms/rad", "Nm", "Nm", "s/rad", "rad/s")))
 _LOAD_KEYS = ["mass", *(f"position[{i}]" for i in range(3)), *(f"inertia[{i}]" for i in range(3)), *(f"products_of_inertia[{i}]" for i in range(3))]
 
 

@@ -74,7 +74,7 @@ def _spread(columns: Array, joints: list[int]) -> Array:
 
 
 ALL = list(range(7))
-_FRICTION = (("viscous", "viscous friction", "Nm s/rad", 1.0), ("coulomb", "Coulomb friction", "Nm", 1.0), ("offset", "torque offset", "Nm", 1.0),
+_FRICTION = (("viscous", "viscous friction", "Nms/rad", 1.0), ("coulomb", "Coulomb friction", "Nm", 1.0), ("offset", "torque offset", "Nm", 1.0),
              ("steepness", "steepness of friction", "s/rad", 100.0), ("shift", "velocity shift of friction", "rad/s", 0.2))
 
 
