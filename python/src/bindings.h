@@ -37,6 +37,7 @@ void AddEnvs(nb::module_& module);
 void AddErrors(nb::module_& module);
 void AddModel(nb::module_& module);
 void AddServed(nb::module_& module);
+void AddReplay(nb::module_& module);
 void AddRun(nb::module_& module);
 void AddScenario(nb::module_& module);
 void AddCommands(nb::module_& module);

@@ -75,6 +75,7 @@ NB_MODULE(_core, module) {
   python::AddModel(module);
   python::AddServed(module);
   python::AddScenario(module);
+  python::AddReplay(module);
   python::AddRun(module);
   python::AddCommands(module);
   python::AddState(module);

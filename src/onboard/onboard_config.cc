@@ -4,6 +4,8 @@
 
 #include "twin/core/error.h"
 #include "twin/core/setting.h"
+#include "twin/model/transform.h"
+#include "twin/onboard/arm_setup.h"
 
 namespace twin::onboard {
 namespace {
@@ -46,6 +48,14 @@ void OnboardConfig::Validate() const {
   RequireInRange("onboard: start_translation_tolerance_m", start_translation_tolerance_m, 1e-6, 10);
   RequireInRange("onboard: start_rotation_tolerance_rad", start_rotation_tolerance_rad, 1e-6, 7);
   RequireInRange("onboard: start_elbow_tolerance_rad", start_elbow_tolerance_rad, 1e-6, 7);
+}
+
+ArmSetup SetupOf(const OnboardConfig& config) noexcept {
+  const setting::Load& load = config.load;
+  return {.F_T_EE = model::Multiply(config.F_T_NE, config.end_effector_frame.NE_T_EE),
+          .EE_T_K = config.stiffness_frame.EE_T_K,
+          .payload = model::Combine(config.end_effector,
+                                    {.m = load.m_load, .F_x_C = load.F_x_Cload, .I = load.I_load})};
 }
 
 }  // namespace twin::onboard

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "twin/model/transform.h"
+#include "twin/onboard/arm_setup.h"
 
 // Requests to OnboardController: motions, settings, recovery, buttons.
 
@@ -33,14 +33,6 @@ SensingConfig SensingOf(const OnboardConfig& config) {
   sensing.joints = config.limits;
   sensing.cartesian = config.cartesian;
   return sensing;
-}
-
-ArmSetup SetupOf(const OnboardConfig& config) {
-  const setting::Load& load = config.load;
-  return {.F_T_EE = model::Multiply(config.F_T_NE, config.end_effector_frame.NE_T_EE),
-          .EE_T_K = config.stiffness_frame.EE_T_K,
-          .payload = model::Combine(config.end_effector,
-                                    {.m = load.m_load, .F_x_C = load.F_x_Cload, .I = load.I_load})};
 }
 
 /// The stop that INT executes heeds no joint's range, and its guard no more than the stop.
