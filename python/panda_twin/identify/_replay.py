@@ -33,7 +33,7 @@ _ERRORS = _core.error_names()
 _T = 1e-3  # s, a cycle
 _LEAD = 200  # cycles at rest before the first row of a robot's log
 _LOST = 20  # cycles without a command that end a motion
-_SAME = 1e-7  # rad: a reference that follows its command, or holds its acceleration
+_SAME = 1e-10  # rad: a reference that follows its command, or holds its acceleration
 _AT_REST = 0.02  # rad/s
 
 
@@ -67,7 +67,7 @@ def replay(log: Recording | Log, scenario: Scenario, *, cycles_of_delay: int = 0
     - The commands are tau_J_c (torques, with dq_c where the log has it), else q_c, else dq_c, else q_d: INT's own reference, which
       then is commanded as joint positions. The latter is right for Cartesian motions as well.
     - A row's command is that of its cycle. The motion begins with the first one; it ends by a stop where 20 cycles have none.
-    - A command counts as lost, so that the twin holds its acceleration, where the robot's q_d is not q_c to 1e-7 rad although it is
+    - A command counts as lost, so that the twin holds its acceleration, where the robot's q_d is not q_c to 1e-10 rad although it is
       in most rows; and in rows that are not in the log if q_d says that the robot held its acceleration there. Other rows that are
       not in the log take commands from a cubic through their neighbours (torques: a line).
     - The arm rests for 200 cycles before the first row.
@@ -112,6 +112,19 @@ def replay(log: Recording | Log, scenario: Scenario, *, cycles_of_delay: int = 0
         twin.advance(block.requests, np.ascontiguousarray(shift(block.present)), np.ascontiguousarray(shift(block.commands)), states, codes)
         if block.logged.any():
             yield _named(block.ids[block.logged], states[block.logged], codes[block.logged])
+
+
+def can_replay(recording: Recording) -> bool:
+    """Whether a log has what `replay` needs: q, commands or q_d, and a begin at rest."""
+    if "q" not in recording.columns or not recording.columns & {interface.column for interface in _INTERFACES}:
+        return False
+    if _own_file(recording) is not None:
+        return True
+    try:
+        _start(recording)
+    except ValueError:
+        return False
+    return True
 
 
 def _named(ids: npt.NDArray[np.int64], states: Floats, codes: npt.NDArray[np.uint64]) -> dict[str, Values]:
@@ -244,8 +257,11 @@ class _Interface:
     controller: int
 
 
+_INTERFACES = (_Interface("tau_J_d", "tau_J_c", 2, 2), _Interface("q_c", "q_c", 1, 0), _Interface("dq_c", "dq_c", 2, 0), _Interface("q_c", "q_d", 1, 0))
+
+
 def _interface(columns: frozenset[str]) -> _Interface:
-    for interface in (_Interface("tau_J_d", "tau_J_c", 2, 2), _Interface("q_c", "q_c", 1, 0), _Interface("dq_c", "dq_c", 2, 0), _Interface("q_c", "q_d", 1, 0)):
+    for interface in _INTERFACES:
         if interface.column in columns:
             return interface
     raise ValueError("the log has neither q_c nor dq_c, tau_J_c or q_d: there are no commands to replay")
