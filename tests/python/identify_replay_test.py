@@ -9,8 +9,9 @@ import numpy as np
 
 import panda_twin
 from panda_twin.identify._closed import closed_of, external_of
+from panda_twin.identify._observer import ExternalTorque, external_torque
 from panda_twin.identify._recording import Recording
-from panda_twin.identify._replay import ExternalTorque, external_torque, replay
+from panda_twin.identify._replay import replay
 
 SCENARIOS = pathlib.Path(__file__).parents[2] / "models/scenarios"
 STATES = ("q", "dq", "tau_J", "q_d", "dq_d", "tau_ext_hat_filtered", "O_F_ext_hat_K")

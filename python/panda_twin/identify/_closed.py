@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from ._replay import ExternalTorque, can_replay, replay
+from ._observer import ExternalTorque
+from ._replay import can_replay, replay
 from ._result import Closed, External
 
 if TYPE_CHECKING:
