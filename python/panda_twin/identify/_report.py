@@ -29,7 +29,10 @@ def write_report(comparison: Comparison, folder: pathlib.Path) -> pathlib.Path:
     OSError
         If the folder cannot be written; what was there before is left as it was.
     """
-    texts = {"summary.json": json.dumps(summary(comparison), indent=1, ensure_ascii=False, allow_nan=False) + "\n", "report.html": page(comparison)}
+    texts = {
+        "summary.json": json.dumps(summary(comparison), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        "report.html": page(comparison),
+    }
     folder.mkdir(parents=True, exist_ok=True)
     parts = {name: folder / f".{name}.{os.getpid()}" for name in texts}
     try:
@@ -79,8 +82,11 @@ def _residuals(comparison: Comparison) -> list[str]:
 def _difference(comparison: Comparison) -> list[str]:
     closed, after = comparison.closed, comparison.closed_after
     assert closed is not None
-    lines = [f"{name}: positions differ by {', '.join(number(1e3 * value) for value in found.position_rms)} mrad (root of the mean square)"
-             for name, found in (("twin as given", closed), ("identified", after)) if found is not None]
+    lines = [
+        f"{name}: positions differ by {', '.join(number(1e3 * x) for x in found.position_rms)} mrad (root of the mean square)"
+        for name, found in (("twin as given", closed), ("identified", after))
+        if found is not None
+    ]
     return lines if closed.first_difference is not None else ["every cycle is equal to the last bit", *lines[1:]]
 
 
