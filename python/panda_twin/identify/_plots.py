@@ -328,7 +328,7 @@ def _success_panel(axes: Axes, timings: Sequence[Timing], logs: list[int]) -> No
         edges, counts = edges[least:], counts[least:]
         axes.stairs(100 * counts / counts.sum(), edges, color=_SERIES[place], label=f"log {i + 1}", linewidth=1.2)
     _logarithmic(axes)
-    axes.set_xlim(right=1.01)
+    axes.set_xlim(right=1.006)
     axes.set_title("success rate of commands", loc="left")
     axes.set(xlabel="share of the last 100 cycles", ylabel="% of the rows")
     _names(logs, axes)
@@ -356,7 +356,7 @@ def timing(timings: Sequence[Timing], delay: CommandDelay | None) -> str | None:
     columns = max(3, len(panels))
     for i, draw_panel in enumerate(panels):
         draw_panel(figure.add_subplot(1, columns, 1 + i))
-    figure.subplots_adjust(left=0.05, right=0.995, top=0.9, bottom=0.17, wspace=0.36)
+    figure.subplots_adjust(left=0.065, right=0.995, top=0.9, bottom=0.17, wspace=0.36)
     return _svg(figure, "timing")
 
 

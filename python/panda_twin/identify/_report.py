@@ -7,13 +7,12 @@ import os
 import pathlib
 from typing import TYPE_CHECKING
 
-from ._page import page
 from ._summary import headline, in_detail, number, summary, untold_of, values_after, values_before
 
 if TYPE_CHECKING:
     from ._result import Comparison
 
-_WIDTH = 160
+_WIDTH = 240
 
 
 def write_report(comparison: Comparison, folder: pathlib.Path) -> pathlib.Path:
@@ -29,6 +28,8 @@ def write_report(comparison: Comparison, folder: pathlib.Path) -> pathlib.Path:
     OSError
         If the folder cannot be written; what was there before is left as it was.
     """
+    from ._page import page  # with matplotlib, which a comparison without a report needs not
+
     texts = {
         "summary.json": json.dumps(summary(comparison), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
         "report.html": page(comparison),
