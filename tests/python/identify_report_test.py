@@ -203,6 +203,19 @@ class ReportTest(unittest.TestCase):
                 self.assertIn(f'<h1 class="{css}">{verdict}</h1>', self.report(comparison)[0])
         self.assertIn("1 cannot be judged", _summary.in_detail(made_comparison(items=judge(demand, part))))
 
+    def test_numbers(self):
+        for value, sd, text in (
+            (0.5461, 0.0063, "0.546 ± 0.012"),
+            (0.5461, 0.002, "0.546 ± 0.004"),
+            (-1e-5, 0.002, "0.000 ± 0.004"),
+            (14250.0, 300.0, "14250 ± 588"),
+            (0.5, 0.0, "0.5"),
+            (np.nan, 0.1, "not told"),
+        ):
+            self.assertEqual(_summary.interval(value, sd), text)
+        self.assertEqual([_summary.number(x) for x in (14285.7, 0.04, np.inf, None)], ["14300", "0.04", "–", "–"])
+        self.assertEqual([_summary.percent(x) for x in (0.001, 0.41, 1.0)], ["<1 %", "41 %", "100 %"])
+
     def test_names_are_escaped(self):
         log = made_log(
             name=HOSTILE, kind=HOSTILE, sha256=HOSTILE, missing=[(HOSTILE, HOSTILE)], notes=[HOSTILE], suspicions=[HOSTILE]

@@ -12,9 +12,9 @@ import yaml
 from . import _plots
 from ._demand import KINDS
 from ._estimates import estimates_section
-from ._html import Cell, Cells, Html, bullets, document, folded, h2, h3, p, pre, table
+from ._html import Cell, Cells, Html, bullets, document, escaped, folded, h2, h3, p, pre, table
 from ._sections import closed, external, timing, torques
-from ._summary import headline, in_detail, number, plain, untold_of, values_after, values_before
+from ._summary import headline, in_detail, number, percent, plain, untold_of, values_after, values_before
 
 if TYPE_CHECKING:
     from ._demand import Item
@@ -140,7 +140,7 @@ def _causes(comparison: Comparison) -> list[Html]:
         return [*parts, p(f"No cause is named: {why}.")]
     for cause in comparison.causes[:3]:
         parts += [
-            Html(f'<div class="cause"><b>{100 * cause.share:.0f} %</b><div>'),
+            Html(f'<div class="cause"><b>{escaped(percent(cause.share))}</b><div>'),
             p(f"{cause.name[:1].upper()}{cause.name[1:]}: {cause.words.replace('+-', '±')}."),
             pre(cause.remedy),
             Html("</div></div>"),

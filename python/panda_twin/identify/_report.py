@@ -7,7 +7,7 @@ import os
 import pathlib
 from typing import TYPE_CHECKING
 
-from ._summary import headline, in_detail, number, summary, untold_of, values_after, values_before
+from ._summary import headline, in_detail, number, percent, summary, untold_of, values_after, values_before
 
 if TYPE_CHECKING:
     from ._result import Comparison
@@ -55,7 +55,7 @@ def tell(comparison: Comparison) -> str:
     lines += _some("Not met:", [item.words for item in comparison.items if item.is_met is False], 9)
     for place, cause in enumerate(comparison.causes[:3], 1):
         lines += ["Largest causes of the torque residual:"] if place == 1 else []
-        lines += [f"  {place}. {cause.name}, {100 * cause.share:.0f} %: {cause.words}", f"     {cause.remedy}"]
+        lines += [f"  {place}. {cause.name}, {percent(cause.share)}: {cause.words}", f"     {cause.remedy}"]
     lines += _residuals(comparison)
     if comparison.closed is not None:
         lines += _some("Under the same commands:", [*_difference(comparison), *comparison.closed.events], 4)

@@ -249,4 +249,9 @@ def interval(value: float, sd: float) -> str:
         return number(value, 4)
     power = math.floor(math.log10(half))
     places = (half < 2.95 * 10.0**power) - power
-    return f"{value:.4g} ± {half:.1g}" if power < -5 or power > 4 else f"{value:.{max(0, places)}f} ± {half:.{max(0, places)}f}"
+    return f"{value:.4g} ± {half:.1g}" if power < -5 or power > 4 else f"{value:z.{max(0, places)}f} ± {half:.{max(0, places)}f}"
+
+
+def percent(share: float) -> str:
+    """A share as a whole percentage."""
+    return "<1 %" if 0 < share < 0.005 else f"{100 * share:.0f} %"
